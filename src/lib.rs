@@ -1,0 +1,2 @@
+#![no_std]
+//! One rigid body on a spring-damper ground.
