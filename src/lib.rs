@@ -1,2 +1,37 @@
 #![no_std]
-//! One rigid body on a spring-damper ground.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+//! One rigid body made of points that spins, slides, rolls, bounces and tumbles on a spring-damper ground with sliding friction.
+
+#[cfg(any(test, feature = "std"))]
+extern crate std;
+
+pub use glam;
+
+pub mod body;
+pub mod energy;
+pub mod error;
+pub mod friction;
+pub mod gravity;
+pub mod ground;
+pub mod integrator;
+pub mod observer;
+pub mod real;
+pub mod rotation;
+pub mod scene;
+pub mod state;
+pub mod stepper;
+pub mod trial;
+
+pub use body::{Coin, ContactPoint, Face, MassProperties, PointCloud, RigidPointBody};
+pub use energy::{Dissipation, Energy};
+pub use error::{SceneError, StepError};
+pub use friction::{Coulomb, Frictionless, SlidingFriction, SmoothCoulomb};
+pub use gravity::{Gravity, NoGravity, UniformGravity};
+pub use ground::{Extent, FlatGround, NoGround, Plane, SpringDamperGround, Surface};
+pub use integrator::{ForwardEuler, Integrator, Rk4, Step, StrangSplitting, SymplecticEuler};
+pub use observer::{Every, Ledger, Observer, Probe, Sample};
+pub use real::Real;
+pub use scene::{Dynamics, Load, LowestPoint, Motion, Scene};
+pub use state::State;
+pub use stepper::Stepper;
+pub use trial::{Start, Trial};

@@ -1,0 +1,221 @@
+//! The rigid body: its mass, its inertia, and the points that can touch the ground.
+
+mod coin;
+mod mass_properties;
+mod point_cloud;
+
+pub use coin::{Coin, Face};
+pub use mass_properties::MassProperties;
+pub use point_cloud::PointCloud;
+
+use crate::error::{self, SceneError};
+use crate::real::{Real, Vector};
+
+/// A rigid body made of points.
+///
+/// *To the caller:* everything is in body axes with the centre of mass at the origin, in SI units, and constant.
+///
+/// *To the implementer:* [`mass`](Self::mass), [`inertia`](Self::inertia) and [`contacts`](Self::contacts) are enough. A sphere has one contact, at its
+/// centre, with its radius; a box has eight, with radius 0. Override [`contacts_below`](Self::contacts_below) where the shape tells which
+/// few of many contacts are low: it is asked in each step. [`contract::check_body`](crate::contract::check_body) tests an implementation.
+///
+/// ```
+/// use tumble::glam::{DMat3, DVec3};
+/// use tumble::{ContactPoint, RigidPointBody};
+///
+/// /// Two balls on a light bar: a dumb-bell along x.
+/// struct DumbBell {
+///     contacts: [ContactPoint; 2],
+/// }
+///
+/// impl RigidPointBody for DumbBell {
+///     fn mass(&self) -> f64 {
+///         2.0
+///     }
+///     fn inertia(&self) -> DMat3 {
+///         DMat3::from_diagonal(DVec3::new(0.008, 0.508, 0.508))
+///     }
+///     fn contacts(&self) -> &[ContactPoint] {
+///         &self.contacts
+///     }
+/// }
+/// let ball = |x| ContactPoint { position: DVec3::new(x, 0.0, 0.0), radius: 0.1 };
+/// let bell = DumbBell { contacts: [ball(-0.5), ball(0.5)] };
+/// assert_eq!(bell.reach(), 0.6);
+/// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a body: it does not implement `RigidPointBody<{R}>`",
+    label = "this should be a body",
+    note = "implement `mass`, `inertia` and `contacts`; the precision `{R}` of body, ground, friction and gravity must be the same"
+)]
+pub trait RigidPointBody<R: Real = f64> {
+    /// Mass, kg, above 0.
+    fn mass(&self) -> R;
+
+    /// Inertia tensor about the centre of mass, kg m², body axes. Zero for a single point; of rank 2 for points on a line.
+    fn inertia(&self) -> R::Mat3;
+
+    /// The places that can touch the ground. A contact's number is its place in this slice.
+    fn contacts(&self) -> &[ContactPoint<R>];
+
+    /// Distance from the centre of mass to the farthest place of the surface, m.
+    fn reach(&self) -> R {
+        self.contacts().iter().fold(R::ZERO, |reach, contact| {
+            reach.at_least(contact.position.length() + contact.radius)
+        })
+    }
+
+    /// A cyclic run of contact numbers that holds every contact whose surface reaches below the plane `normal · p = offset` (body axes, `normal`
+    /// of length 1): every contact with `normal · position - radius < offset`.
+    ///
+    /// The run may hold more, and by default holds all; it must not miss one.
+    #[inline]
+    fn contacts_below(&self, normal: R::Vec3, offset: R) -> Run {
+        let _ = (normal, offset);
+        Run::all(self.contacts().len())
+    }
+
+    /// Whether the body can be: called once, when a scene is composed, before anything else is asked.
+    ///
+    /// Mass and inertia are checked in any case; an implementer adds the rules of his own parameters.
+    ///
+    /// # Errors
+    /// Names the quantity, the rule that it breaks, and its value.
+    fn check(&self) -> Result<(), SceneError> {
+        Ok(())
+    }
+}
+
+impl<R: Real, B: RigidPointBody<R> + ?Sized> RigidPointBody<R> for &B {
+    #[inline]
+    fn mass(&self) -> R {
+        (**self).mass()
+    }
+    #[inline]
+    fn inertia(&self) -> R::Mat3 {
+        (**self).inertia()
+    }
+    #[inline]
+    fn contacts(&self) -> &[ContactPoint<R>] {
+        (**self).contacts()
+    }
+    #[inline]
+    fn reach(&self) -> R {
+        (**self).reach()
+    }
+    #[inline]
+    fn contacts_below(&self, normal: R::Vec3, offset: R) -> Run {
+        (**self).contacts_below(normal, offset)
+    }
+    #[inline]
+    fn check(&self) -> Result<(), SceneError> {
+        (**self).check()
+    }
+}
+
+/// A place of the body that can touch the ground: a small ball fixed in the body, or a bare point where the radius is 0.
+///
+/// Its depth is `radius - gap(position)`, and the ground's force acts at `position - radius * normal`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "R: serde::Serialize, R::Vec3: serde::Serialize",
+        deserialize = "R: serde::Deserialize<'de>, R::Vec3: serde::Deserialize<'de>"
+    ))
+)]
+pub struct ContactPoint<R: Real = f64> {
+    /// From the centre of mass, m, body axes.
+    pub position: R::Vec3,
+    /// m, at least 0.
+    pub radius: R,
+}
+
+impl<R: Real> ContactPoint<R> {
+    /// A point of radius 0, at `position` (m, body axes, from the centre of mass).
+    #[must_use]
+    pub fn bare(position: R::Vec3) -> Self {
+        Self {
+            position,
+            radius: R::ZERO,
+        }
+    }
+}
+
+/// That every contact is finite and none has a negative radius.
+///
+/// # Errors
+/// Names the first quantity that is not.
+pub fn check_contacts<R: Real>(contacts: &[ContactPoint<R>]) -> Result<(), SceneError> {
+    for contact in contacts {
+        error::finite("x of a contact point", contact.position.x(), " m")?;
+        error::finite("y of a contact point", contact.position.y(), " m")?;
+        error::finite("z of a contact point", contact.position.z(), " m")?;
+        error::at_least_zero("radius of a contact point", contact.radius, " m")?;
+    }
+    Ok(())
+}
+
+/// A cyclic run of contact numbers: `first`, `first + 1`, ..., beginning again at 0 after the last contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Run {
+    /// Number of the first contact of the run.
+    pub first: usize,
+    /// How many contacts the run holds.
+    pub count: usize,
+}
+
+impl Run {
+    /// No contact.
+    pub const NONE: Self = Self { first: 0, count: 0 };
+
+    /// All of `count` contacts.
+    #[inline]
+    #[must_use]
+    pub const fn all(count: usize) -> Self {
+        Self { first: 0, count }
+    }
+
+    /// The run's part up to the last of `contacts`, and the part that begins again at contact 0.
+    #[inline]
+    #[must_use]
+    pub fn parts<T>(self, contacts: &[T]) -> [&[T]; 2] {
+        let count = self.count.min(contacts.len());
+        let to_end = contacts.get(self.first..).unwrap_or_default();
+        let (head, wrapped) = match to_end.get(..count) {
+            Some(head) => (head, 0),
+            None => (to_end, count - to_end.len()),
+        };
+        [head, contacts.get(..wrapped).unwrap_or_default()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_past_the_last_contact_begins_again_at_the_first() {
+        let contacts = [0, 1, 2, 3, 4];
+        assert_eq!(
+            Run { first: 3, count: 4 }.parts(&contacts),
+            [&[3, 4][..], &[0, 1]]
+        );
+        assert_eq!(
+            Run { first: 1, count: 3 }.parts(&contacts),
+            [&[1, 2, 3][..], &[]]
+        );
+        assert_eq!(Run::all(5).parts(&contacts), [&contacts[..], &[]]);
+        assert_eq!(Run::NONE.parts(&contacts), [&[][..], &[]]);
+    }
+
+    #[test]
+    fn a_run_beyond_the_contacts_is_cut_and_never_panics() {
+        let contacts = [0, 1];
+        assert_eq!(
+            Run { first: 7, count: 9 }.parts(&contacts),
+            [&[][..], &[0, 1]]
+        );
+    }
+}

@@ -1,0 +1,171 @@
+//! What can be wrong: with a scene while it is composed ([`SceneError`]), with a step while it is taken ([`StepError`]).
+
+use crate::real::Real;
+
+/// What a quantity must obey.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Rule {
+    /// Finite and above 0.
+    AboveZero,
+    /// Finite and at least 0.
+    AtLeastZero,
+    /// Neither infinite nor NaN.
+    Finite,
+    /// At least this many.
+    AtLeast(u32),
+    /// As many as this.
+    Exactly(usize),
+    /// Of length 1, to rounding.
+    UnitLength,
+    /// The moments of inertia of a solid: none negative, none above the sum of the two others.
+    TriangleInequality,
+    /// Equal to its own transpose.
+    Symmetric,
+}
+
+impl core::fmt::Display for Rule {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::AtLeast(least) => return write!(f, "must be at least {least}"),
+            Self::Exactly(count) => return write!(f, "must be {count}"),
+            Self::AboveZero => "must be above 0",
+            Self::AtLeastZero => "must be at least 0",
+            Self::Finite => "must be finite",
+            Self::UnitLength => "must have length 1",
+            Self::TriangleInequality => "must not exceed the sum of the other two moments",
+            Self::Symmetric => "must be symmetric",
+        })
+    }
+}
+
+/// A scene that cannot be: raised once, when it is composed, so that a step need not check.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{quantity} {rule}, got {value}{unit}")]
+#[non_exhaustive]
+pub struct SceneError {
+    /// What is wrong, in words: "time step".
+    pub quantity: &'static str,
+    /// The rule that it breaks.
+    pub rule: Rule,
+    /// The offending value.
+    pub value: f64,
+    /// Its unit with a space before it, or nothing: " kg".
+    pub unit: &'static str,
+}
+
+impl SceneError {
+    /// An error for a quantity with its unit ("" where it has none).
+    #[must_use]
+    pub const fn new(quantity: &'static str, rule: Rule, value: f64, unit: &'static str) -> Self {
+        Self {
+            quantity,
+            rule,
+            value,
+            unit,
+        }
+    }
+}
+
+/// That a quantity is finite and above 0.
+///
+/// # Errors
+/// Names quantity, rule, value and unit where it is not.
+pub fn above_zero<R: Real>(
+    quantity: &'static str,
+    value: R,
+    unit: &'static str,
+) -> Result<(), SceneError> {
+    obey(
+        value > R::ZERO && value.is_finite(),
+        Rule::AboveZero,
+        quantity,
+        value,
+        unit,
+    )
+}
+
+/// That a quantity is finite and at least 0.
+///
+/// # Errors
+/// Names quantity, rule, value and unit where it is not.
+pub fn at_least_zero<R: Real>(
+    quantity: &'static str,
+    value: R,
+    unit: &'static str,
+) -> Result<(), SceneError> {
+    obey(
+        value >= R::ZERO && value.is_finite(),
+        Rule::AtLeastZero,
+        quantity,
+        value,
+        unit,
+    )
+}
+
+/// That a quantity is neither infinite nor NaN.
+///
+/// # Errors
+/// Names quantity, rule, value and unit where it is.
+pub fn finite<R: Real>(
+    quantity: &'static str,
+    value: R,
+    unit: &'static str,
+) -> Result<(), SceneError> {
+    obey(value.is_finite(), Rule::Finite, quantity, value, unit)
+}
+
+fn obey<R: Real>(
+    holds: bool,
+    rule: Rule,
+    quantity: &'static str,
+    value: R,
+    unit: &'static str,
+) -> Result<(), SceneError> {
+    if holds {
+        Ok(())
+    } else {
+        Err(SceneError::new(quantity, rule, value.to_f64(), unit))
+    }
+}
+
+/// A step that cannot go on. The state that was handed in is left as it was: the last good one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// The state that was handed in holds a NaN or an infinity, or an orientation of length 0.
+    #[error("the {0} before the step must be finite, and the orientation must not be zero")]
+    BadState(Quantity),
+    /// The step's result is not finite: the time step is beyond the integrator's stability limit, or a number has overflowed.
+    #[error(
+        "the {0} is no longer finite after the step: shorten the time step or choose an integrator that is stable for it"
+    )]
+    Diverged(Quantity),
+    /// The time to advance by is not a finite number of seconds, at least 0.
+    #[error("the time to advance by must be finite and at least 0 s")]
+    BadDuration,
+}
+
+/// A part of a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// The place of the centre of mass.
+    Position,
+    /// The velocity of the centre of mass.
+    LinearVelocity,
+    /// The turn from body axes to world axes.
+    Orientation,
+    /// The angular momentum about the centre of mass.
+    AngularMomentum,
+}
+
+impl core::fmt::Display for Quantity {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Position => "position",
+            Self::LinearVelocity => "linear velocity",
+            Self::Orientation => "orientation",
+            Self::AngularMomentum => "angular momentum",
+        })
+    }
+}

@@ -1,0 +1,66 @@
+//! Gravity: the same acceleration everywhere.
+
+use crate::error::{self, SceneError};
+use crate::real::{Real, Vector};
+
+/// A uniform field of gravity.
+pub trait Gravity<R: Real = f64> {
+    /// Acceleration of a falling body, m/s², world axes.
+    fn acceleration(&self) -> R::Vec3;
+
+    /// Whether the field can be: called once, when a scene is composed.
+    ///
+    /// # Errors
+    /// Names the quantity, the rule that it breaks, and its value.
+    fn check(&self) -> Result<(), SceneError> {
+        let g = self.acceleration();
+        for component in [g.x(), g.y(), g.z()] {
+            error::finite("a component of gravity", component, " m/s²")?;
+        }
+        Ok(())
+    }
+}
+
+/// Weightlessness.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct NoGravity;
+
+impl<R: Real> Gravity<R> for NoGravity {
+    #[inline]
+    fn acceleration(&self) -> R::Vec3 {
+        R::Vec3::ZERO
+    }
+}
+
+/// One acceleration everywhere, in any direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "R::Vec3: serde::Serialize",
+        deserialize = "R::Vec3: serde::Deserialize<'de>"
+    ))
+)]
+pub struct UniformGravity<R: Real = f64> {
+    /// m/s², world axes.
+    pub acceleration: R::Vec3,
+}
+
+impl<R: Real> UniformGravity<R> {
+    /// `acceleration` (m/s²) along -z: 9.80665 is the standard one, 9.8 the report's.
+    #[must_use]
+    pub fn down(acceleration: R) -> Self {
+        Self {
+            acceleration: R::Vec3::new(R::ZERO, R::ZERO, -acceleration),
+        }
+    }
+}
+
+impl<R: Real> Gravity<R> for UniformGravity<R> {
+    #[inline]
+    fn acceleration(&self) -> R::Vec3 {
+        self.acceleration
+    }
+}

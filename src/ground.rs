@@ -1,0 +1,222 @@
+//! The ground: where it is, and how it pushes back.
+
+mod flat;
+
+pub use flat::FlatGround;
+
+use crate::error::{self, Rule, SceneError};
+use crate::real::{Real, Vector};
+
+/// A ground of springs and dampers.
+///
+/// *To the caller:* a contact whose `depth` (m, `radius - gap`) is above 0 is pushed along the surface's outward normal by
+/// [`normal_force`](Self::normal_force) (N, never below 0).
+///
+/// *To the implementer:* [`spring_energy`](Self::spring_energy) must be the integral of [`spring_force`](Self::spring_force) from depth 0, and
+/// the damper must take energy: `(normal_force - spring_force) * closing_speed >= 0` whatever the depth and speed. Nothing is asked at or above the surface.
+/// [`contract::check_ground`](crate::contract::check_ground) tests an implementation.
+///
+/// ```
+/// use tumble::glam::DVec3;
+/// use tumble::{Extent, Plane, SpringDamperGround, Surface};
+///
+/// /// A level ground that stiffens: force `k d + c d³`.
+/// struct Rubber {
+///     k: f64,
+///     c: f64,
+/// }
+///
+/// impl SpringDamperGround for Rubber {
+///     fn surface(&self, point: DVec3) -> Surface {
+///         Surface { gap: point.z, normal: DVec3::Z }
+///     }
+///     fn spring_force(&self, depth: f64) -> f64 {
+///         (self.k + self.c * depth * depth) * depth
+///     }
+///     fn spring_energy(&self, depth: f64) -> f64 {
+///         (self.k / 2.0 + self.c / 4.0 * depth * depth) * depth * depth
+///     }
+///     fn normal_force(&self, depth: f64, _closing_speed: f64) -> f64 {
+///         self.spring_force(depth)
+///     }
+///     fn extent(&self) -> Extent {
+///         Extent::Below(Plane::level(0.0))
+///     }
+/// }
+/// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a ground: it does not implement `SpringDamperGround<{R}>`",
+    label = "this should be a ground",
+    note = "implement `surface`, `spring_force`, `spring_energy` and `normal_force`; the precision `{R}` of body, ground, friction and gravity must be the same"
+)]
+pub trait SpringDamperGround<R: Real = f64> {
+    /// The surface as seen from `point` (m, world axes): how far below it lies, and which way out is.
+    fn surface(&self, point: R::Vec3) -> Surface<R>;
+
+    /// Elastic force of one contact at a depth (m) above 0: N, at least 0.
+    fn spring_force(&self, depth: R) -> R;
+
+    /// Energy in the springs under one contact at a depth (m) above 0: J, the integral of [`spring_force`](Self::spring_force) from 0.
+    fn spring_energy(&self, depth: R) -> R;
+
+    /// Spring and damper together: force (N) on one contact at a depth (m) above 0 that goes deeper at `closing_speed` (m/s; negative while it leaves).
+    ///
+    /// Never below 0: the ground does not pull.
+    fn normal_force(&self, depth: R, closing_speed: R) -> R;
+
+    /// Where the ground can be at all. The default is everywhere; a ground that names a plane lets a body high above it move without a look at its contacts.
+    #[inline]
+    fn extent(&self) -> Extent<R> {
+        Extent::Everywhere
+    }
+
+    /// Whether the ground can be: called once, when a scene is composed.
+    ///
+    /// # Errors
+    /// Names the quantity, the rule that it breaks, and its value.
+    fn check(&self) -> Result<(), SceneError> {
+        Ok(())
+    }
+}
+
+impl<R: Real, G: SpringDamperGround<R> + ?Sized> SpringDamperGround<R> for &G {
+    #[inline]
+    fn surface(&self, point: R::Vec3) -> Surface<R> {
+        (**self).surface(point)
+    }
+    #[inline]
+    fn spring_force(&self, depth: R) -> R {
+        (**self).spring_force(depth)
+    }
+    #[inline]
+    fn spring_energy(&self, depth: R) -> R {
+        (**self).spring_energy(depth)
+    }
+    #[inline]
+    fn normal_force(&self, depth: R, closing_speed: R) -> R {
+        (**self).normal_force(depth, closing_speed)
+    }
+    #[inline]
+    fn extent(&self) -> Extent<R> {
+        (**self).extent()
+    }
+    #[inline]
+    fn check(&self) -> Result<(), SceneError> {
+        (**self).check()
+    }
+}
+
+/// The ground's surface as seen from a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface<R: Real = f64> {
+    /// Height of the point above the surface, m; negative below it.
+    pub gap: R,
+    /// Outward normal of the surface, unit vector, world axes.
+    pub normal: R::Vec3,
+}
+
+/// Where a ground can be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Extent<R: Real = f64> {
+    /// Nowhere: nothing ever touches.
+    Nowhere,
+    /// Nothing that lies above this plane touches.
+    Below(Plane<R>),
+    /// Anywhere.
+    Everywhere,
+}
+
+/// The points with `normal · point = height`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "R: serde::Serialize, R::Vec3: serde::Serialize",
+        deserialize = "R: serde::Deserialize<'de>, R::Vec3: serde::Deserialize<'de>"
+    ))
+)]
+pub struct Plane<R: Real = f64> {
+    /// Unit vector, world axes, pointing out of the ground.
+    pub normal: R::Vec3,
+    /// Distance of the plane from the origin along `normal`, m.
+    pub height: R,
+}
+
+impl<R: Real> Plane<R> {
+    /// The horizontal plane z = `height` (m).
+    #[must_use]
+    pub fn level(height: R) -> Self {
+        Self {
+            normal: R::Vec3::new(R::ZERO, R::ZERO, R::ONE),
+            height,
+        }
+    }
+
+    /// The plane through `point` (m) at right angles to `normal` (any length above 0; not finite for 0).
+    #[must_use]
+    pub fn through(point: R::Vec3, normal: R::Vec3) -> Self {
+        let normal = normal * (R::ONE / normal.length());
+        Self {
+            normal,
+            height: normal.dot(point),
+        }
+    }
+
+    /// Height of `point` (m, world axes) above the plane, m; negative below it.
+    #[inline]
+    #[must_use]
+    pub fn gap(&self, point: R::Vec3) -> R {
+        self.normal.dot(point) - self.height
+    }
+
+    /// That the normal has length 1 (to 16 units in the last place) and the height is finite.
+    ///
+    /// # Errors
+    /// Names the quantity that is not so.
+    pub fn check(&self) -> Result<(), SceneError> {
+        let length = self.normal.length();
+        let close = (length - R::ONE).abs() <= R::EPSILON * R::from_f64(16.0);
+        if !close {
+            let value = length.to_f64();
+            return Err(SceneError::new(
+                "normal of the plane",
+                Rule::UnitLength,
+                value,
+                "",
+            ));
+        }
+        error::finite("height of the plane", self.height, " m")
+    }
+}
+
+/// Empty space: nothing to touch, nothing to compute.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct NoGround;
+
+impl<R: Real> SpringDamperGround<R> for NoGround {
+    #[inline]
+    fn surface(&self, _point: R::Vec3) -> Surface<R> {
+        Surface {
+            gap: R::MAX,
+            normal: R::Vec3::new(R::ZERO, R::ZERO, R::ONE),
+        }
+    }
+    #[inline]
+    fn spring_force(&self, _depth: R) -> R {
+        R::ZERO
+    }
+    #[inline]
+    fn spring_energy(&self, _depth: R) -> R {
+        R::ZERO
+    }
+    #[inline]
+    fn normal_force(&self, _depth: R, _closing_speed: R) -> R {
+        R::ZERO
+    }
+    #[inline]
+    fn extent(&self) -> Extent<R> {
+        Extent::Nowhere
+    }
+}

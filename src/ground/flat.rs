@@ -1,0 +1,97 @@
+//! A plane of springs and dampers.
+
+use super::{Extent, Plane, SpringDamperGround, Surface};
+use crate::error::{self, SceneError};
+use crate::real::Real;
+
+/// A plane, level or tilted, with a spring and a damper under each contact (Kelvin-Voigt, never pulling): the ground of the report.
+///
+/// `normal force = max(0, stiffness · depth + damping · closing_speed)` in newtons where `depth > 0`, else 0. Energy in the springs: `stiffness · depth²/2`
+/// for every contact below the plane, also one that leaves so fast that its force is 0.
+///
+/// *Limits:* the damper's force jumps from 0 to `damping · closing_speed` at first touch, which spoils an explicit method's order above 1.
+/// A point of mass m bounces with restitution `exp(-2ζ arccos(ζ)/√(1-ζ²))`, `ζ = damping/(2 √(stiffness m))`, at every speed: real balls bounce less the faster they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "R: serde::Serialize, R::Vec3: serde::Serialize",
+        deserialize = "R: serde::Deserialize<'de>, R::Vec3: serde::Deserialize<'de>"
+    ))
+)]
+pub struct FlatGround<R: Real = f64> {
+    /// N/m per contact, at least 0.
+    pub stiffness: R,
+    /// N s/m per contact, at least 0.
+    pub damping: R,
+    /// The surface.
+    pub plane: Plane<R>,
+}
+
+impl<R: Real> FlatGround<R> {
+    /// The plane z = 0; stiffness in N/m and damping in N s/m, both per contact.
+    #[must_use]
+    pub fn level(stiffness: R, damping: R) -> Self {
+        Self {
+            stiffness,
+            damping,
+            plane: Plane::level(R::ZERO),
+        }
+    }
+
+    /// The same springs under another plane.
+    #[must_use]
+    pub fn on(self, plane: Plane<R>) -> Self {
+        Self { plane, ..self }
+    }
+}
+
+impl<R: Real> SpringDamperGround<R> for FlatGround<R> {
+    #[inline]
+    fn surface(&self, point: R::Vec3) -> Surface<R> {
+        Surface {
+            gap: self.plane.gap(point),
+            normal: self.plane.normal,
+        }
+    }
+
+    #[inline]
+    fn spring_force(&self, depth: R) -> R {
+        self.stiffness * depth
+    }
+
+    #[inline]
+    fn spring_energy(&self, depth: R) -> R {
+        self.stiffness * depth * depth * R::HALF
+    }
+
+    #[inline]
+    fn normal_force(&self, depth: R, closing_speed: R) -> R {
+        (self.stiffness * depth + self.damping * closing_speed).at_least(R::ZERO)
+    }
+
+    #[inline]
+    fn extent(&self) -> Extent<R> {
+        Extent::Below(self.plane)
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::at_least_zero("stiffness of the ground", self.stiffness, " N/m")?;
+        error::at_least_zero("damping of the ground", self.damping, " N s/m")?;
+        self.plane.check()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ground_pushes_and_never_pulls() {
+        let ground = FlatGround::level(1000.0, 0.5);
+        assert_eq!(ground.normal_force(0.01, 2.0), 11.0);
+        assert_eq!(ground.normal_force(0.01, -2.0), 9.0);
+        assert_eq!(ground.normal_force(0.01, -30.0), 0.0);
+    }
+}

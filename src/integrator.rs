@@ -1,0 +1,90 @@
+//! How a state moves on in time: one file a method.
+
+mod forward_euler;
+mod rk4;
+mod strang_splitting;
+mod symplectic_euler;
+
+pub use forward_euler::ForwardEuler;
+pub use rk4::Rk4;
+pub use strang_splitting::StrangSplitting;
+pub use symplectic_euler::SymplecticEuler;
+
+use core::fmt::Debug;
+
+use crate::error::{SceneError, StepError};
+use crate::real::Real;
+use crate::scene::Dynamics;
+use crate::state::State;
+
+/// A method that moves a state on in time.
+///
+/// Its accuracy (a time step, a tolerance) is its own field. *To the implementer:* [`step`](Self::step) must advance by at most `limit`, must be a
+/// function of scene, state and limit alone (a workspace may save work, never change a result), and keep the orientation's length at 1.
+/// [`contract::check_integrator`](crate::contract::check_integrator) tests an implementation.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not an integrator: it does not implement `Integrator<{R}>`",
+    label = "this should be an integrator",
+    note = "implement `step`, `order` and `check`; the precision `{R}` of scene and integrator must be the same"
+)]
+pub trait Integrator<R: Real = f64> {
+    /// What the method may keep from step to step to save work: its results must not depend on it.
+    type Workspace: Default + Debug;
+
+    /// One step of the method's own length, or of `limit` seconds where that is less.
+    ///
+    /// # Errors
+    /// Where the method cannot go on; the caller keeps the state from before.
+    fn step<D: Dynamics<R>>(
+        &self,
+        scene: &D,
+        state: &mut State<R>,
+        limit: R,
+        workspace: &mut Self::Workspace,
+    ) -> Result<Step<R>, StepError>;
+
+    /// Order of the error in the time step, in smooth motion.
+    fn order(&self) -> u32;
+
+    /// Whether the method's parameters can be: called once, when a scene is composed.
+    ///
+    /// # Errors
+    /// Names the quantity, the rule that it breaks, and its value.
+    fn check(&self) -> Result<(), SceneError>;
+}
+
+/// What a step did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Step<R = f64> {
+    /// Time advanced by, s.
+    pub elapsed: R,
+    /// How often the contacts' forces were evaluated.
+    pub evaluations: u32,
+}
+
+impl<R: Real> Step<R> {
+    /// A step of `elapsed` seconds at the cost of `evaluations` of the forces.
+    #[inline]
+    #[must_use]
+    pub fn new(elapsed: R, evaluations: u32) -> Self {
+        Self {
+            elapsed,
+            evaluations,
+        }
+    }
+}
+
+/// The length of the next step of a method with a fixed `time_step`: what is left where that is less, so that a run ends exactly at the asked time.
+///
+/// A rest that differs from a whole step by rounding alone (1e-9 of it in f64, 1e-4 in f32) is a whole step: ten steps of 0.1 s and an advance by 1 s have the same bits.
+#[inline]
+#[must_use]
+pub fn step_length<R: Real>(time_step: R, limit: R) -> R {
+    let near = time_step * (R::EPSILON * R::from_f64(4.0e6)).at_most(R::from_f64(1e-4));
+    if limit < time_step - near {
+        limit
+    } else {
+        time_step
+    }
+}

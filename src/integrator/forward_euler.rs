@@ -1,0 +1,68 @@
+//! The report's method: forward Euler with an exact turn.
+
+use super::{Integrator, Step, step_length};
+use crate::error::{self, SceneError, StepError};
+use crate::real::{Real, Vector};
+use crate::rotation::Rotation;
+use crate::scene::Dynamics;
+use crate::state::State;
+
+/// The report's order of operations on a plain state: forward Euler, with the body turned exactly about its angular velocity.
+///
+/// ```text
+/// ω = J⁻¹ L;   q' = exp(dt ω) q;   x' = x + dt v;   v' = v + dt (F/m + g);   L' = L + dt Σ r' × F
+/// ```
+/// with the forces at the old positions and velocities, and the torque by the *new* arms r' and those old forces. (The report's own loop takes the slip
+/// velocity from the angular velocity of the step before, which a plain state does not hold: the two differ by O(dt).)
+///
+/// Order 1, one evaluation a step. *Adds energy:* free flight gains `m g² dt²/2` a step, and a contact loses `stiffness · dt` of its damping, so that it is
+/// stable only for `dt < damping/stiffness` while underdamped. Kept as the baseline; use [`SymplecticEuler`](crate::SymplecticEuler) for the same price.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ForwardEuler<R = f64> {
+    /// s, above 0.
+    pub time_step: R,
+}
+
+impl<R: Real> Integrator<R> for ForwardEuler<R> {
+    type Workspace = ();
+
+    #[inline]
+    fn step<D: Dynamics<R>>(
+        &self,
+        scene: &D,
+        state: &mut State<R>,
+        limit: R,
+        _workspace: &mut (),
+    ) -> Result<Step<R>, StepError> {
+        let dt = step_length(self.time_step, limit);
+        let mass = scene.mass_properties();
+        let motion = scene.motion(state);
+        let turn = Rotation::from_rotation_vector(motion.angular_velocity * dt);
+        let rotation = turn.after(state.rotation()).normalised();
+        let new_axes = rotation.axes();
+
+        let (mut force, mut torque) = (R::Vec3::ZERO, R::Vec3::ZERO);
+        scene.visit_contacts(&motion, |contact| {
+            let pull = contact.force(scene.ground(), scene.friction());
+            let centre_arm = new_axes.to_world(contact.point.position);
+            let new_arm = centre_arm - contact.normal * contact.point.radius;
+            force += pull;
+            torque += new_arm.cross(pull);
+        });
+
+        state.position += state.linear_velocity * dt;
+        state.linear_velocity += (force * mass.inverse_mass() + scene.gravity()) * dt;
+        state.angular_momentum += torque * dt;
+        state.orientation = rotation.to_quat();
+        Ok(Step::new(dt, 1))
+    }
+
+    fn order(&self) -> u32 {
+        1
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("time step", self.time_step, " s")
+    }
+}

@@ -1,0 +1,120 @@
+//! The classical Runge-Kutta method.
+
+use super::{Integrator, Step, step_length};
+use crate::error::{self, SceneError, StepError};
+use crate::real::Real;
+use crate::rotation::Rotation;
+use crate::scene::{Dynamics, Motion};
+use crate::state::State;
+
+/// The classical Runge-Kutta method on position, velocity, quaternion and angular momentum, with the quaternion scaled to length 1 after each step.
+///
+/// Order 4 in smooth motion, four evaluations a step; order 1 to 2 through contact entries, where the damper's force jumps. *May add energy* by O(dt⁵) a step in
+/// smooth motion. Stable for `dt < 2.83/ω` without dampers (`ω = √(K/m)`, K of all contacts that touch), `dt < 2.79 m/C` where dampers rule.
+/// For smooth spells and as a reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Rk4<R = f64> {
+    /// s, above 0.
+    pub time_step: R,
+}
+
+impl<R: Real> Integrator<R> for Rk4<R> {
+    type Workspace = ();
+
+    #[inline]
+    fn step<D: Dynamics<R>>(
+        &self,
+        scene: &D,
+        state: &mut State<R>,
+        limit: R,
+        _workspace: &mut (),
+    ) -> Result<Step<R>, StepError> {
+        let dt = step_length(self.time_step, limit);
+        let half = dt * R::HALF;
+        let start = Point::of(state);
+        let k1 = start.slope(scene);
+        let k2 = start.plus(&k1, half).slope(scene);
+        let k3 = start.plus(&k2, half).slope(scene);
+        let k4 = start.plus(&k3, dt).slope(scene);
+
+        let sixth = dt * R::from_f64(1.0 / 6.0);
+        let third = dt * R::from_f64(1.0 / 3.0);
+        let end = start
+            .plus(&k1, sixth)
+            .plus(&k2, third)
+            .plus(&k3, third)
+            .plus(&k4, sixth);
+        *state = end.to_state();
+        Ok(Step::new(dt, 4))
+    }
+
+    fn order(&self) -> u32 {
+        4
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("time step", self.time_step, " s")
+    }
+}
+
+/// The thirteen numbers as the method adds them: a state, or its slope in time.
+#[derive(Clone, Copy)]
+struct Point<R: Real> {
+    position: R::Vec3,
+    linear_velocity: R::Vec3,
+    orientation: Rotation<R>,
+    angular_momentum: R::Vec3,
+}
+
+impl<R: Real> Point<R> {
+    #[inline]
+    fn of(state: &State<R>) -> Self {
+        Self {
+            position: state.position,
+            linear_velocity: state.linear_velocity,
+            orientation: state.rotation(),
+            angular_momentum: state.angular_momentum,
+        }
+    }
+
+    #[inline]
+    fn to_state(self) -> State<R> {
+        State {
+            position: self.position,
+            linear_velocity: self.linear_velocity,
+            orientation: self.orientation.normalised().to_quat(),
+            angular_momentum: self.angular_momentum,
+        }
+    }
+
+    #[inline]
+    fn plus(&self, slope: &Self, seconds: R) -> Self {
+        Self {
+            position: self.position + slope.position * seconds,
+            linear_velocity: self.linear_velocity + slope.linear_velocity * seconds,
+            orientation: self.orientation.plus(slope.orientation, seconds),
+            angular_momentum: self.angular_momentum + slope.angular_momentum * seconds,
+        }
+    }
+
+    /// The time derivative here.
+    #[inline]
+    fn slope(&self, scene: &impl Dynamics<R>) -> Self {
+        let mass = scene.mass_properties();
+        let axes = self.orientation.axes_of_any_length();
+        let motion = Motion {
+            position: self.position,
+            axes,
+            linear_velocity: self.linear_velocity,
+            angular_velocity: mass.angular_velocity(&axes, self.angular_momentum),
+        };
+        let load = scene.load(&motion);
+        Self {
+            position: self.linear_velocity,
+            linear_velocity: load.force * mass.inverse_mass() + scene.gravity(),
+            orientation: self.orientation.rate(motion.angular_velocity),
+            angular_momentum: load.torque,
+        }
+    }
+}

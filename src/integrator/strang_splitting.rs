@@ -1,0 +1,93 @@
+//! Drift, kick, drift: exact flight on both sides of a kick by the forces.
+
+use super::{Integrator, Step, step_length};
+use crate::error::{self, SceneError, StepError};
+use crate::real::Real;
+use crate::scene::{Dynamics, Load, Motion};
+use crate::state::State;
+
+/// Strang's splitting: half a step of exact flight, a kick by the contacts at the middle, half a step of exact flight.
+///
+/// ```text
+/// drift dt/2:  x += dt/2 v;  q = free turn under L
+/// kick dt:     (v, L) += dt (F/m + g, T)(v*, L*)   with   (v*, L*) = (v, L) + dt/2 (F/m + g, T)(v, L)
+/// drift dt/2
+/// ```
+/// The kick is the explicit midpoint rule in the velocities, because dampers and friction depend on them. Order 2; two evaluations a step in contact, and
+/// none of friction and springs in flight, which is exact for a symmetric body at any step. Best accuracy for its price with a fixed step.
+/// *May add energy* by O(dt²); stable like [`SymplecticEuler`](crate::SymplecticEuler) for weak damping (`dt < 2/ω`), and for `dt < 2 m/C` where dampers rule.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct StrangSplitting<R = f64> {
+    /// s, above 0.
+    pub time_step: R,
+}
+
+impl<R: Real> Integrator<R> for StrangSplitting<R> {
+    type Workspace = ();
+
+    #[inline]
+    fn step<D: Dynamics<R>>(
+        &self,
+        scene: &D,
+        state: &mut State<R>,
+        limit: R,
+        _workspace: &mut (),
+    ) -> Result<Step<R>, StepError> {
+        let dt = step_length(self.time_step, limit);
+        let half = dt * R::HALF;
+        drift(scene, state, half);
+        let evaluations = kick(scene, state, dt);
+        drift(scene, state, half);
+        Ok(Step::new(dt, evaluations))
+    }
+
+    fn order(&self) -> u32 {
+        2
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("time step", self.time_step, " s")
+    }
+}
+
+/// Flight without force.
+#[inline]
+fn drift<R: Real>(scene: &impl Dynamics<R>, state: &mut State<R>, seconds: R) {
+    let rotation = state.rotation();
+    state.position += state.linear_velocity * seconds;
+    state.orientation = scene
+        .mass_properties()
+        .turn_freely(rotation, &rotation.axes(), state.angular_momentum, seconds)
+        .to_quat();
+}
+
+/// Velocities moved on by the forces at a place that stands still. Returns how often the contacts were evaluated.
+#[inline]
+fn kick<R: Real>(scene: &impl Dynamics<R>, state: &mut State<R>, seconds: R) -> u32 {
+    let motion = scene.motion(state);
+    let load = scene.load(&motion);
+    if load.touching == 0 {
+        state.linear_velocity += scene.gravity() * seconds;
+        return 1;
+    }
+    let mut middle = *state;
+    push(scene, &mut middle, &load, seconds * R::HALF);
+    let middle_motion = Motion {
+        linear_velocity: middle.linear_velocity,
+        angular_velocity: scene
+            .mass_properties()
+            .angular_velocity(&motion.axes, middle.angular_momentum),
+        ..motion
+    };
+    push(scene, state, &scene.load(&middle_motion), seconds);
+    2
+}
+
+/// Velocities moved on by a load.
+#[inline]
+fn push<R: Real>(scene: &impl Dynamics<R>, state: &mut State<R>, load: &Load<R>, seconds: R) {
+    let inverse_mass = scene.mass_properties().inverse_mass();
+    state.linear_velocity += (load.force * inverse_mass + scene.gravity()) * seconds;
+    state.angular_momentum += load.torque * seconds;
+}

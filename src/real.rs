@@ -1,0 +1,347 @@
+//! The number types that the crate computes with: [`f32`](primitive@f32) and [`f64`](primitive@f64).
+//!
+//! [`Real`] names glam's vector, quaternion and matrix of one precision, and the few operations that the core uses. All of them
+//! are `+ - * /` and square root in one fixed order, which IEEE 754 rounds alike on every processor; sine and cosine come
+//! from the `libm` crate, which has one answer everywhere (the standard library's differ between targets).
+//!
+//! `Real`, [`Vector`], [`Quaternion`] and [`Matrix`] are sealed: they are public so that a body, ground or friction can be written once
+//! for both precisions. Code for one precision needs none of them: `R::Vec3` *is* `glam::DVec3` when `R` is `f64`.
+
+use core::fmt::{Debug, Display, LowerExp};
+use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+#[cfg(feature = "std")]
+extern crate std;
+
+mod sealed {
+    pub trait Sealed {}
+}
+use sealed::Sealed;
+
+/// A floating-point number: `f32` or `f64`.
+pub trait Real:
+    Sealed
+    + Copy
+    + PartialEq
+    + PartialOrd
+    + Default
+    + Debug
+    + Display
+    + LowerExp
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+{
+    /// glam's vector of three such numbers.
+    type Vec3: Vector<Self>;
+    /// glam's quaternion of such numbers.
+    type Quat: Quaternion<Self>;
+    /// glam's 3 by 3 matrix of such numbers.
+    type Mat3: Matrix<Self>;
+
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// 1/2.
+    const HALF: Self;
+    /// 2.
+    const TWO: Self;
+    /// Distance from 1 to the next larger number: 2.2e-16 in f64, 1.2e-7 in f32.
+    const EPSILON: Self;
+    /// The largest finite number.
+    const MAX: Self;
+
+    /// The nearest number of this type; folded at compile time for a literal.
+    #[must_use]
+    fn from_f64(value: f64) -> Self;
+    /// The nearest number of this type.
+    #[must_use]
+    fn from_usize(value: usize) -> Self;
+    /// The same number (an `f32` exactly) for messages and tables.
+    #[must_use]
+    fn to_f64(self) -> f64;
+    /// Square root, correctly rounded; NaN below 0.
+    #[must_use]
+    fn sqrt(self) -> Self;
+    /// Distance from 0.
+    #[must_use]
+    fn abs(self) -> Self;
+    /// Neither infinite nor NaN.
+    #[must_use]
+    fn is_finite(self) -> bool;
+    /// Sine and cosine of an angle in radians, from the `libm` crate.
+    #[must_use]
+    fn sin_cos(self) -> (Self, Self);
+    /// Angle in radians from the first axis to the point (`x`, `self`), from the `libm` crate.
+    #[must_use]
+    fn atan2(self, x: Self) -> Self;
+    /// Largest whole number not above `self`, as an index: 0 for whatever is not above 0, NaN included.
+    #[must_use]
+    fn floor_index(self) -> usize;
+
+    /// The larger of the two; `other` where `self` is NaN.
+    #[inline]
+    #[must_use]
+    fn at_least(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+    /// The smaller of the two; `other` where `self` is NaN.
+    #[inline]
+    #[must_use]
+    fn at_most(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+}
+
+/// Three numbers along x, y and z; glam's `Vec3` or `DVec3`.
+pub trait Vector<R: Real>:
+    Sealed
+    + Copy
+    + PartialEq
+    + Default
+    + Debug
+    + Display
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Neg<Output = Self>
+    + Mul<R, Output = Self>
+    + AddAssign
+    + SubAssign
+{
+    /// (0, 0, 0).
+    const ZERO: Self;
+    /// The vector (x, y, z).
+    #[must_use]
+    fn new(x: R, y: R, z: R) -> Self;
+    /// First component.
+    #[must_use]
+    fn x(self) -> R;
+    /// Second component.
+    #[must_use]
+    fn y(self) -> R;
+    /// Third component.
+    #[must_use]
+    fn z(self) -> R;
+
+    /// Scalar product, summed from x to z.
+    #[inline]
+    #[must_use]
+    fn dot(self, other: Self) -> R {
+        self.x() * other.x() + self.y() * other.y() + self.z() * other.z()
+    }
+    /// Vector product, right-handed.
+    #[inline]
+    #[must_use]
+    fn cross(self, other: Self) -> Self {
+        Self::new(
+            self.y() * other.z() - self.z() * other.y(),
+            self.z() * other.x() - self.x() * other.z(),
+            self.x() * other.y() - self.y() * other.x(),
+        )
+    }
+    /// Square of the length.
+    #[inline]
+    #[must_use]
+    fn length_squared(self) -> R {
+        self.dot(self)
+    }
+    /// Length.
+    #[inline]
+    #[must_use]
+    fn length(self) -> R {
+        self.dot(self).sqrt()
+    }
+    /// Whether each component is finite.
+    #[inline]
+    #[must_use]
+    fn is_finite(self) -> bool {
+        self.x().is_finite() && self.y().is_finite() && self.z().is_finite()
+    }
+}
+
+/// Four numbers x, y, z, w; glam's `Quat` or `DQuat`. Only stored, never multiplied as such: see [`Real`] on bits.
+pub trait Quaternion<R: Real>:
+    Sealed + Copy + PartialEq + Default + Debug + Display + Send + Sync + 'static
+{
+    /// The quaternion w + x i + y j + z k.
+    #[must_use]
+    fn new(x: R, y: R, z: R, w: R) -> Self;
+    /// The components x, y, z, w.
+    #[must_use]
+    fn xyzw(self) -> [R; 4];
+}
+
+/// Nine numbers in three columns; glam's `Mat3` or `DMat3`.
+pub trait Matrix<R: Real>:
+    Sealed + Copy + PartialEq + Default + Debug + Display + Send + Sync + 'static
+{
+    /// The matrix with these columns.
+    #[must_use]
+    fn from_columns(columns: [R::Vec3; 3]) -> Self;
+    /// The three columns.
+    #[must_use]
+    fn columns(self) -> [R::Vec3; 3];
+
+    /// The matrix with this diagonal and 0 elsewhere.
+    #[inline]
+    #[must_use]
+    fn from_diagonal(diagonal: R::Vec3) -> Self {
+        let o = R::ZERO;
+        Self::from_columns([
+            R::Vec3::new(diagonal.x(), o, o),
+            R::Vec3::new(o, diagonal.y(), o),
+            R::Vec3::new(o, o, diagonal.z()),
+        ])
+    }
+}
+
+/// The square root is rounded correctly by IEEE 754, so that the processor's and libm's have the same bits.
+macro_rules! square_root {
+    ($value:expr, $libm:path) => {{
+        #[cfg(feature = "std")]
+        let root = $value.sqrt();
+        #[cfg(not(feature = "std"))]
+        let root = $libm($value);
+        root
+    }};
+}
+
+macro_rules! implement_real {
+    ($real:ident, $vec:ident, $quat:ident, $mat:ident, $sqrt:path, $sincos:path, $atan2:path) => {
+        impl Sealed for $real {}
+        impl Real for $real {
+            type Vec3 = glam::$vec;
+            type Quat = glam::$quat;
+            type Mat3 = glam::$mat;
+
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const HALF: Self = 0.5;
+            const TWO: Self = 2.0;
+            const EPSILON: Self = $real::EPSILON;
+            const MAX: Self = $real::MAX;
+
+            #[inline]
+            #[allow(
+                clippy::cast_possible_truncation,
+                reason = "rounding to f32 is the purpose"
+            )]
+            fn from_f64(value: f64) -> Self {
+                value as $real
+            }
+            #[inline]
+            fn from_usize(value: usize) -> Self {
+                value as $real
+            }
+            #[inline]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline]
+            fn sqrt(self) -> Self {
+                square_root!(self, $sqrt)
+            }
+            #[inline]
+            fn abs(self) -> Self {
+                $real::abs(self)
+            }
+            #[inline]
+            fn is_finite(self) -> bool {
+                $real::is_finite(self)
+            }
+            #[inline]
+            fn sin_cos(self) -> (Self, Self) {
+                $sincos(self)
+            }
+            #[inline]
+            fn atan2(self, x: Self) -> Self {
+                $atan2(self, x)
+            }
+            #[inline]
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "`as` saturates and takes NaN to 0"
+            )]
+            fn floor_index(self) -> usize {
+                self as usize
+            }
+        }
+
+        impl Sealed for glam::$vec {}
+        impl Vector<$real> for glam::$vec {
+            const ZERO: Self = glam::$vec::ZERO;
+            #[inline]
+            fn new(x: $real, y: $real, z: $real) -> Self {
+                glam::$vec::new(x, y, z)
+            }
+            #[inline]
+            fn x(self) -> $real {
+                self.x
+            }
+            #[inline]
+            fn y(self) -> $real {
+                self.y
+            }
+            #[inline]
+            fn z(self) -> $real {
+                self.z
+            }
+        }
+
+        impl Sealed for glam::$quat {}
+        impl Quaternion<$real> for glam::$quat {
+            #[inline]
+            fn new(x: $real, y: $real, z: $real, w: $real) -> Self {
+                glam::$quat::from_xyzw(x, y, z, w)
+            }
+            #[inline]
+            fn xyzw(self) -> [$real; 4] {
+                [self.x, self.y, self.z, self.w]
+            }
+        }
+
+        impl Sealed for glam::$mat {}
+        impl Matrix<$real> for glam::$mat {
+            #[inline]
+            fn from_columns([x, y, z]: [glam::$vec; 3]) -> Self {
+                glam::$mat::from_cols(x, y, z)
+            }
+            #[inline]
+            fn columns(self) -> [glam::$vec; 3] {
+                [self.x_axis, self.y_axis, self.z_axis]
+            }
+        }
+    };
+}
+
+implement_real!(
+    f32,
+    Vec3,
+    Quat,
+    Mat3,
+    libm::sqrtf,
+    libm::sincosf,
+    libm::atan2f
+);
+implement_real!(
+    f64,
+    DVec3,
+    DQuat,
+    DMat3,
+    libm::sqrt,
+    libm::sincos,
+    libm::atan2
+);

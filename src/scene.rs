@@ -1,0 +1,325 @@
+//! Body, ground, friction and gravity together: which contacts touch, and with what force and torque.
+
+use crate::body::{ContactPoint, MassProperties, RigidPointBody, Run};
+use crate::error::SceneError;
+use crate::friction::SlidingFriction;
+use crate::gravity::Gravity;
+use crate::ground::{Extent, SpringDamperGround};
+use crate::real::{Real, Vector};
+use crate::rotation::Axes;
+use crate::state::State;
+
+/// A body on a ground, as an integrator sees it.
+///
+/// *To the author of an integrator:* [`motion`](Self::motion) turns a state into what forces depend on, [`load`](Self::load) gives the contacts' force and
+/// torque there, [`visit_contacts`](Self::visit_contacts) each contact by itself. Gravity stands apart, because it needs no contact.
+pub trait Dynamics<R: Real = f64> {
+    /// The body's type.
+    type Body: RigidPointBody<R>;
+    /// The ground's type.
+    type Ground: SpringDamperGround<R>;
+    /// The friction law's type.
+    type Friction: SlidingFriction<R>;
+
+    /// The body.
+    fn body(&self) -> &Self::Body;
+    /// The ground.
+    fn ground(&self) -> &Self::Ground;
+    /// The friction law.
+    fn friction(&self) -> &Self::Friction;
+    /// Acceleration of gravity, m/s², world axes.
+    fn gravity(&self) -> R::Vec3;
+    /// Mass and inertia of the body.
+    fn mass_properties(&self) -> &MassProperties<R>;
+    /// Distance from the centre of mass to the farthest place of the body's surface, m.
+    fn reach(&self) -> R;
+
+    /// Where everything of the body is and how it moves.
+    #[inline]
+    fn motion(&self, state: &State<R>) -> Motion<R> {
+        let axes = state.rotation().axes();
+        Motion {
+            position: state.position,
+            axes,
+            linear_velocity: state.linear_velocity,
+            angular_velocity: self
+                .mass_properties()
+                .angular_velocity(&axes, state.angular_momentum),
+        }
+    }
+
+    /// The contacts that may lie less than `margin` (m) above the ground: none that does is missing, and in flight none is visited to find out.
+    #[inline]
+    fn contacts_within(&self, margin: R, position: R::Vec3, axes: &Axes<R>) -> Run {
+        match self.ground().extent() {
+            Extent::Nowhere => Run::NONE,
+            Extent::Everywhere => Run::all(self.body().contacts().len()),
+            Extent::Below(plane) => {
+                let gap = plane.gap(position);
+                // What rounding may hide of a gap; far more than the body's own arithmetic loses.
+                let rounding = (gap.abs() + plane.height.abs() + self.reach())
+                    * (R::EPSILON * R::from_f64(8.0));
+                let offset = margin + rounding - gap;
+                if offset < -self.reach() {
+                    Run::NONE
+                } else {
+                    let normal = axes.to_body(plane.normal);
+                    self.body().contacts_below(normal, offset)
+                }
+            }
+        }
+    }
+
+    /// Calls `visit` with each contact that touches, in the order of their run round the body.
+    #[inline]
+    fn visit_contacts(&self, motion: &Motion<R>, mut visit: impl FnMut(&Contact<R>)) {
+        let run = self.contacts_within(R::ZERO, motion.position, &motion.axes);
+        for part in run.parts(self.body().contacts()) {
+            for point in part {
+                if let Some(contact) = Contact::at(self.ground(), motion, point) {
+                    visit(&contact);
+                }
+            }
+        }
+    }
+
+    /// Force and torque of all contacts; gravity not included.
+    #[inline]
+    fn load(&self, motion: &Motion<R>) -> Load<R> {
+        let mut load = Load::default();
+        self.visit_contacts(motion, |contact| {
+            let force = contact.force(self.ground(), self.friction());
+            load.force += force;
+            load.torque += contact.arm.cross(force);
+            load.touching += 1;
+        });
+        load
+    }
+
+    /// The point of the body's surface that lies lowest above the ground, or deepest in it; `None` for a body without contacts.
+    fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>> {
+        let motion = self.motion(state);
+        let mut lowest: Option<LowestPoint<R>> = None;
+        for (index, point) in self.body().contacts().iter().enumerate() {
+            let centre = motion.position + motion.axes.to_world(point.position);
+            let surface = self.ground().surface(centre);
+            let gap = surface.gap - point.radius;
+            if lowest.is_none_or(|known| gap < known.gap) {
+                let position = centre - surface.normal * point.radius;
+                let velocity = motion.velocity_at(position - motion.position);
+                lowest = Some(LowestPoint {
+                    index,
+                    position,
+                    gap,
+                    slip: velocity - surface.normal * velocity.dot(surface.normal),
+                });
+            }
+        }
+        lowest
+    }
+
+    /// How many contacts touch the ground.
+    fn touching(&self, state: &State<R>) -> usize {
+        let mut count = 0;
+        self.visit_contacts(&self.motion(state), |_| count += 1);
+        count
+    }
+}
+
+/// Where everything of a body is and how it moves, in world axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion<R: Real = f64> {
+    /// Centre of mass, m.
+    pub position: R::Vec3,
+    /// The body's axes.
+    pub axes: Axes<R>,
+    /// Velocity of the centre of mass, m/s.
+    pub linear_velocity: R::Vec3,
+    /// rad/s.
+    pub angular_velocity: R::Vec3,
+}
+
+impl<R: Real> Motion<R> {
+    /// Velocity (m/s) of the body's material at `arm` (m, world axes, from the centre of mass): `v + ω × r`.
+    #[inline]
+    #[must_use]
+    pub fn velocity_at(&self, arm: R::Vec3) -> R::Vec3 {
+        self.linear_velocity + self.angular_velocity.cross(arm)
+    }
+}
+
+/// A contact that touches: where, how deep, and how it moves. World axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact<R: Real = f64> {
+    /// The contact as the body has it.
+    pub point: ContactPoint<R>,
+    /// From the centre of mass to where the force acts, m.
+    pub arm: R::Vec3,
+    /// Outward normal of the ground, unit vector.
+    pub normal: R::Vec3,
+    /// m, above 0.
+    pub depth: R,
+    /// Speed at which the depth grows, m/s.
+    pub closing_speed: R,
+    /// Velocity along the surface, m/s.
+    pub slip: R::Vec3,
+}
+
+impl<R: Real> Contact<R> {
+    /// The contact of `point` with the ground, if it touches.
+    #[inline]
+    fn at<G: SpringDamperGround<R>>(
+        ground: &G,
+        motion: &Motion<R>,
+        point: &ContactPoint<R>,
+    ) -> Option<Self> {
+        let centre_arm = motion.axes.to_world(point.position);
+        let surface = ground.surface(motion.position + centre_arm);
+        let depth = point.radius - surface.gap;
+        (depth > R::ZERO).then(|| {
+            let normal = surface.normal;
+            let arm = centre_arm - normal * point.radius;
+            let velocity = motion.velocity_at(arm);
+            let rising = velocity.dot(normal);
+            Self {
+                point: *point,
+                arm,
+                normal,
+                depth,
+                closing_speed: -rising,
+                slip: velocity - normal * rising,
+            }
+        })
+    }
+
+    /// The ground's force on the body here, normal and friction together, N.
+    #[inline]
+    pub fn force<G, F>(&self, ground: &G, friction: &F) -> R::Vec3
+    where
+        G: SpringDamperGround<R>,
+        F: SlidingFriction<R>,
+    {
+        let normal_force = ground.normal_force(self.depth, self.closing_speed);
+        self.normal * normal_force + friction.force(normal_force, self.slip)
+    }
+}
+
+/// Force and torque of the ground on the body, world axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load<R: Real = f64> {
+    /// N.
+    pub force: R::Vec3,
+    /// About the centre of mass, N m.
+    pub torque: R::Vec3,
+    /// Number of contacts that touch.
+    pub touching: usize,
+}
+
+impl<R: Real> Default for Load<R> {
+    #[inline]
+    fn default() -> Self {
+        Self {
+            force: R::Vec3::ZERO,
+            torque: R::Vec3::ZERO,
+            touching: 0,
+        }
+    }
+}
+
+/// The lowest point of a body's surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LowestPoint<R: Real = f64> {
+    /// Number of its contact.
+    pub index: usize,
+    /// m, world axes.
+    pub position: R::Vec3,
+    /// Height above the ground, m; negative in it.
+    pub gap: R,
+    /// Velocity of the body's material there, along the surface, m/s.
+    pub slip: R::Vec3,
+}
+
+/// Body, ground, friction and gravity, checked, with the body's mass properties worked out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scene<R: Real, B, G, F, A> {
+    body: B,
+    ground: G,
+    friction: F,
+    gravity: A,
+    mass_properties: MassProperties<R>,
+    reach: R,
+}
+
+impl<R, B, G, F, A> Scene<R, B, G, F, A>
+where
+    R: Real,
+    B: RigidPointBody<R>,
+    G: SpringDamperGround<R>,
+    F: SlidingFriction<R>,
+    A: Gravity<R>,
+{
+    /// Composes a scene.
+    ///
+    /// # Errors
+    /// Where body, ground, friction or gravity cannot be; names quantity, rule and value.
+    pub fn new(body: B, ground: G, friction: F, gravity: A) -> Result<Self, SceneError> {
+        body.check()?;
+        ground.check()?;
+        friction.check()?;
+        gravity.check()?;
+        crate::body::check_contacts(body.contacts())?;
+        Ok(Self {
+            mass_properties: MassProperties::new(body.mass(), body.inertia())?,
+            reach: body.reach(),
+            body,
+            ground,
+            friction,
+            gravity,
+        })
+    }
+}
+
+impl<R: Real, B, G, F, A> Scene<R, B, G, F, A> {
+    /// The four parts again.
+    pub(crate) fn into_parts(self) -> (B, G, F, A) {
+        (self.body, self.ground, self.friction, self.gravity)
+    }
+}
+
+impl<R, B, G, F, A> Dynamics<R> for Scene<R, B, G, F, A>
+where
+    R: Real,
+    B: RigidPointBody<R>,
+    G: SpringDamperGround<R>,
+    F: SlidingFriction<R>,
+    A: Gravity<R>,
+{
+    type Body = B;
+    type Ground = G;
+    type Friction = F;
+
+    #[inline]
+    fn body(&self) -> &B {
+        &self.body
+    }
+    #[inline]
+    fn ground(&self) -> &G {
+        &self.ground
+    }
+    #[inline]
+    fn friction(&self) -> &F {
+        &self.friction
+    }
+    #[inline]
+    fn gravity(&self) -> R::Vec3 {
+        self.gravity.acceleration()
+    }
+    #[inline]
+    fn mass_properties(&self) -> &MassProperties<R> {
+        &self.mass_properties
+    }
+    #[inline]
+    fn reach(&self) -> R {
+        self.reach
+    }
+}

@@ -1,0 +1,144 @@
+//! The state of a body: where it is, how it is turned, how it moves. Plain data.
+
+use crate::error::Quantity;
+use crate::real::{Quaternion, Real, Vector};
+use crate::rotation::Rotation;
+
+/// Everything that changes while a body moves. SI units; the world's z axis points up.
+///
+/// Plain data with nothing hidden: save it, load it, and the run goes on with the same bits. A state belongs to no stepper; one
+/// stepper serves a million states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "R::Vec3: serde::Serialize, R::Quat: serde::Serialize",
+        deserialize = "R::Vec3: serde::Deserialize<'de>, R::Quat: serde::Deserialize<'de>"
+    ))
+)]
+pub struct State<R: Real = f64> {
+    /// Centre of mass, m, world axes.
+    pub position: R::Vec3,
+    /// Velocity of the centre of mass, m/s, world axes.
+    pub linear_velocity: R::Vec3,
+    /// The turn from body axes to world axes; a unit quaternion. One that is longer or shorter is scaled to 1 by the first step.
+    pub orientation: R::Quat,
+    /// Angular momentum about the centre of mass, kg m²/s, world axes.
+    pub angular_momentum: R::Vec3,
+}
+
+impl<R: Real> State<R> {
+    /// At rest at `position` (m), body axes along the world's.
+    #[must_use]
+    pub fn at(position: R::Vec3) -> Self {
+        Self {
+            position,
+            linear_velocity: R::Vec3::ZERO,
+            orientation: Rotation::<R>::IDENTITY.to_quat(),
+            angular_momentum: R::Vec3::ZERO,
+        }
+    }
+
+    /// The same, moving at `linear_velocity` (m/s, world axes).
+    #[must_use]
+    pub fn with_linear_velocity(self, linear_velocity: R::Vec3) -> Self {
+        Self {
+            linear_velocity,
+            ..self
+        }
+    }
+
+    /// The same, turned to `orientation` (body axes to world axes).
+    #[must_use]
+    pub fn with_orientation(self, orientation: R::Quat) -> Self {
+        Self {
+            orientation,
+            ..self
+        }
+    }
+
+    /// The same, turned by `|vector|` radians about `vector` (world axes) from body axes along the world's.
+    #[must_use]
+    pub fn turned_by(self, vector: R::Vec3) -> Self {
+        self.with_orientation(Rotation::<R>::from_rotation_vector(vector).to_quat())
+    }
+
+    /// The same, spinning with `angular_momentum` (kg m²/s, world axes).
+    #[must_use]
+    pub fn with_angular_momentum(self, angular_momentum: R::Vec3) -> Self {
+        Self {
+            angular_momentum,
+            ..self
+        }
+    }
+
+    /// The turn from body axes to world axes, of length 1.
+    #[inline]
+    #[must_use]
+    pub fn rotation(&self) -> Rotation<R> {
+        Rotation::from_quat(self.orientation)
+    }
+
+    /// A place fixed in the body (m, body axes, from the centre of mass) in the world (m, world axes).
+    #[must_use]
+    pub fn place(&self, body_point: R::Vec3) -> R::Vec3 {
+        self.position + self.rotation().apply(body_point)
+    }
+
+    /// The first part that is not finite, if any.
+    #[must_use]
+    pub fn not_finite(&self) -> Option<Quantity> {
+        let [x, y, z, w] = self.orientation.xyzw();
+        if !self.position.is_finite() {
+            Some(Quantity::Position)
+        } else if !self.linear_velocity.is_finite() {
+            Some(Quantity::LinearVelocity)
+        } else if !(x.is_finite() && y.is_finite() && z.is_finite() && w.is_finite()) {
+            Some(Quantity::Orientation)
+        } else if !self.angular_momentum.is_finite() {
+            Some(Quantity::AngularMomentum)
+        } else {
+            None
+        }
+    }
+}
+
+/// At rest at the origin, body axes along the world's.
+impl<R: Real> Default for State<R> {
+    fn default() -> Self {
+        Self::at(R::Vec3::ZERO)
+    }
+}
+
+/// Comparison by the largest difference of any component; a turn and its negative quaternion are the same turn.
+#[cfg(feature = "approx-05")]
+mod approximate {
+    use super::{Quaternion, Real, State, Vector};
+    use approx::AbsDiffEq;
+
+    impl<R: Real> AbsDiffEq for State<R> {
+        type Epsilon = R;
+
+        fn default_epsilon() -> R {
+            R::EPSILON
+        }
+
+        fn abs_diff_eq(&self, other: &Self, epsilon: R) -> bool {
+            let near = |a: R::Vec3, b: R::Vec3| {
+                let d = a - b;
+                d.x().abs() <= epsilon && d.y().abs() <= epsilon && d.z().abs() <= epsilon
+            };
+            let [p, q] = [self.orientation.xyzw(), other.orientation.xyzw()];
+            let differs_by = |sign: R| {
+                p.iter()
+                    .zip(q)
+                    .all(|(&a, b)| (a - b * sign).abs() <= epsilon)
+            };
+            near(self.position, other.position)
+                && near(self.linear_velocity, other.linear_velocity)
+                && near(self.angular_momentum, other.angular_momentum)
+                && (differs_by(R::ONE) || differs_by(-R::ONE))
+        }
+    }
+}

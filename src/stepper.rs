@@ -1,0 +1,307 @@
+//! The stepper: composes a scene and an integrator, and moves states on.
+
+use core::ops::ControlFlow;
+
+use crate::body::RigidPointBody;
+use crate::energy::Energy;
+use crate::error::{SceneError, StepError};
+use crate::friction::{Frictionless, SlidingFriction};
+use crate::gravity::{Gravity, NoGravity};
+use crate::ground::{NoGround, SpringDamperGround};
+use crate::integrator::{Integrator, Step, StrangSplitting};
+use crate::observer::{Observer, Sample};
+use crate::real::Real;
+use crate::scene::{Dynamics, LowestPoint, Scene};
+use crate::state::State;
+
+/// Moves the states of one body in one scene on in time.
+///
+/// [`new`](Self::new) starts in empty space; each `with_*` names one thing that the scene has, and what is not named costs nothing. The state is the
+/// caller's, so one stepper serves any number of states, also from several threads.
+///
+/// ```
+/// use tumble::glam::DVec3;
+/// use tumble::{Coin, Coulomb, FlatGround, State, Stepper, StrangSplitting, UniformGravity};
+///
+/// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?
+///     .with_gravity(UniformGravity::down(9.8))?
+///     .with_ground(FlatGround::level(1000.0, 0.5))?
+///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?
+///     .with_integrator(StrangSplitting { time_step: 1e-3 })?;
+/// let mut state = State::at(DVec3::Z).with_angular_momentum(DVec3::new(0.3, 1.0, 0.2));
+/// let before = stepper.energy(&state).total();
+/// stepper.advance(&mut state, 2.0)?;
+/// assert!(stepper.energy(&state).total() < before);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stepper<
+    R: Real,
+    B,
+    G = NoGround,
+    F = Frictionless,
+    A = NoGravity,
+    I = StrangSplitting<R>,
+> {
+    scene: Scene<R, B, G, F, A>,
+    integrator: I,
+}
+
+impl<R: Real, B: RigidPointBody<R>> Stepper<R, B> {
+    /// A body in empty space, without gravity, moved on by the default integrator with a time step of 1 ms.
+    ///
+    /// # Errors
+    /// Where the body cannot be; names quantity, rule and value.
+    pub fn new(body: B) -> Result<Self, SceneError> {
+        Ok(Self {
+            scene: Scene::new(body, NoGround, Frictionless, NoGravity)?,
+            integrator: StrangSplitting {
+                time_step: R::from_f64(1e-3),
+            },
+        })
+    }
+}
+
+impl<R, B, G, F, A, I> Stepper<R, B, G, F, A, I>
+where
+    R: Real,
+    B: RigidPointBody<R>,
+    G: SpringDamperGround<R>,
+    F: SlidingFriction<R>,
+    A: Gravity<R>,
+{
+    /// The same with this ground.
+    ///
+    /// # Errors
+    /// Where the ground cannot be; names quantity, rule and value.
+    pub fn with_ground<G2: SpringDamperGround<R>>(
+        self,
+        ground: G2,
+    ) -> Result<Stepper<R, B, G2, F, A, I>, SceneError> {
+        let (body, _, friction, gravity) = self.scene.into_parts();
+        Stepper::compose(body, ground, friction, gravity, self.integrator)
+    }
+
+    /// The same with this friction.
+    ///
+    /// # Errors
+    /// Where the friction cannot be; names quantity, rule and value.
+    pub fn with_friction<F2: SlidingFriction<R>>(
+        self,
+        friction: F2,
+    ) -> Result<Stepper<R, B, G, F2, A, I>, SceneError> {
+        let (body, ground, _, gravity) = self.scene.into_parts();
+        Stepper::compose(body, ground, friction, gravity, self.integrator)
+    }
+
+    /// The same with this gravity.
+    ///
+    /// # Errors
+    /// Where the gravity is not finite.
+    pub fn with_gravity<A2: Gravity<R>>(
+        self,
+        gravity: A2,
+    ) -> Result<Stepper<R, B, G, F, A2, I>, SceneError> {
+        let (body, ground, friction, _) = self.scene.into_parts();
+        Stepper::compose(body, ground, friction, gravity, self.integrator)
+    }
+
+    /// The same moved on by this integrator.
+    ///
+    /// # Errors
+    /// Where the integrator's parameters cannot be; names quantity, rule and value.
+    pub fn with_integrator<I2: Integrator<R>>(
+        self,
+        integrator: I2,
+    ) -> Result<Stepper<R, B, G, F, A, I2>, SceneError> {
+        integrator.check()?;
+        Ok(Stepper {
+            scene: self.scene,
+            integrator,
+        })
+    }
+
+    fn compose(
+        body: B,
+        ground: G,
+        friction: F,
+        gravity: A,
+        integrator: I,
+    ) -> Result<Self, SceneError> {
+        Ok(Self {
+            scene: Scene::new(body, ground, friction, gravity)?,
+            integrator,
+        })
+    }
+
+    /// Body, ground, friction and gravity, for questions about a state.
+    #[inline]
+    #[must_use]
+    pub fn scene(&self) -> &Scene<R, B, G, F, A> {
+        &self.scene
+    }
+
+    /// The body.
+    #[inline]
+    #[must_use]
+    pub fn body(&self) -> &B {
+        self.scene.body()
+    }
+
+    /// The integrator.
+    #[inline]
+    #[must_use]
+    pub fn integrator(&self) -> &I {
+        &self.integrator
+    }
+
+    /// Energy of a state, by kind, J.
+    #[must_use]
+    pub fn energy(&self, state: &State<R>) -> Energy<R> {
+        Energy::of(&self.scene, state)
+    }
+
+    /// The lowest point of the body and its slip; `None` for a body without contacts.
+    #[must_use]
+    pub fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>> {
+        self.scene.lowest_point(state)
+    }
+
+    /// How many contacts touch the ground.
+    #[must_use]
+    pub fn touching(&self, state: &State<R>) -> usize {
+        self.scene.touching(state)
+    }
+}
+
+impl<R, B, G, F, A, I> Stepper<R, B, G, F, A, I>
+where
+    R: Real,
+    B: RigidPointBody<R>,
+    G: SpringDamperGround<R>,
+    F: SlidingFriction<R>,
+    A: Gravity<R>,
+    I: Integrator<R>,
+{
+    /// One step of the integrator's own length.
+    ///
+    /// # Errors
+    /// Where the state is not finite, before or after; the state is left as it was.
+    #[inline]
+    pub fn step(&self, state: &mut State<R>) -> Result<Step<R>, StepError> {
+        self.step_within(state, R::MAX, &mut I::Workspace::default())
+    }
+
+    /// One step of the integrator's own length, or of `limit` seconds where that is less, with a workspace that the caller keeps from step to step.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    #[inline]
+    pub fn step_within(
+        &self,
+        state: &mut State<R>,
+        limit: R,
+        workspace: &mut I::Workspace,
+    ) -> Result<Step<R>, StepError> {
+        let mut next = *state;
+        let step = self
+            .integrator
+            .step(&self.scene, &mut next, limit, workspace)?;
+        match next.not_finite() {
+            None => {
+                *state = next;
+                Ok(step)
+            }
+            Some(quantity) => Err(blame(state, quantity)),
+        }
+    }
+
+    /// Moves a state on by exactly `seconds`, at least 0.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step), and where `seconds` is negative or not finite. The state is that after the last good step.
+    pub fn advance(&self, state: &mut State<R>, seconds: R) -> Result<(), StepError> {
+        self.run(state, seconds, &mut ())?;
+        Ok(())
+    }
+
+    /// Moves a state on by exactly `seconds` and shows it to `observer` at the start and after each step. Returns the time that the run has covered, s: less
+    /// than `seconds` where the observer ended it.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub fn run(
+        &self,
+        state: &mut State<R>,
+        seconds: R,
+        observer: &mut impl Observer<R>,
+    ) -> Result<R, StepError> {
+        if !(seconds >= R::ZERO && seconds.is_finite()) {
+            return Err(StepError::BadDuration);
+        }
+        let mut workspace = I::Workspace::default();
+        let mut clock = Clock::new();
+        let mut flow = self.show(observer, state, &clock);
+        while flow.is_continue() && clock.left(seconds) > R::ZERO {
+            let step = self.step_within(state, clock.left(seconds), &mut workspace)?;
+            clock.tick(step.elapsed);
+            flow = self.show(observer, state, &clock);
+        }
+        Ok(clock.time)
+    }
+
+    #[inline]
+    fn show(
+        &self,
+        observer: &mut impl Observer<R>,
+        state: &State<R>,
+        clock: &Clock<R>,
+    ) -> ControlFlow<()> {
+        observer.observe(&Sample {
+            time: clock.time,
+            step: clock.steps,
+            state,
+            scene: &self.scene,
+        })
+    }
+}
+
+/// Whether a step that went wrong was handed something wrong.
+#[cold]
+fn blame<R: Real>(before: &State<R>, after: crate::error::Quantity) -> StepError {
+    match before.not_finite() {
+        Some(quantity) => StepError::BadState(quantity),
+        None => StepError::Diverged(after),
+    }
+}
+
+/// Time since the start of a run, by Kahan's sum: a million steps of 1e-4 s are 100 s to the last place.
+struct Clock<R> {
+    time: R,
+    lost: R,
+    steps: u64,
+}
+
+impl<R: Real> Clock<R> {
+    fn new() -> Self {
+        Self {
+            time: R::ZERO,
+            lost: R::ZERO,
+            steps: 0,
+        }
+    }
+
+    #[inline]
+    fn left(&self, seconds: R) -> R {
+        (seconds - self.time) + self.lost
+    }
+
+    #[inline]
+    fn tick(&mut self, elapsed: R) {
+        let corrected = elapsed - self.lost;
+        let next = self.time + corrected;
+        self.lost = (next - self.time) - corrected;
+        self.time = next;
+        self.steps += 1;
+    }
+}
