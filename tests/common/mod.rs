@@ -5,6 +5,7 @@
 // A test helper that cannot go on ends its test.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+pub(crate) mod methods;
 pub(crate) mod report_loop;
 
 /// A table of numbers with named columns.
