@@ -1,0 +1,37 @@
+#!/bin/bash
+# Shows on this machine, with the ordinary compiler, that the core needs no standard library and no allocator and cannot panic:
+# tests/no_std is linked into one object, and whatever that object still asks for is looked at. Last, the look itself is put to the test.
+set -euo pipefail
+export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}/no_std"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# What compilers call of their own accord, and every target has.
+allowed='memcpy|memmove|memset|memcmp|bcmp'
+
+# asked_for FEATURES: builds the probes and prints each symbol that they need from outside.
+asked_for() {
+  cargo build -q --release --locked --manifest-path tests/no_std/Cargo.toml --features "$1"
+  local library="$CARGO_TARGET_DIR/release/libtumble_no_std.a" probes
+  probes=$(nm --defined-only "$library" 2>/dev/null | awk '$2 == "T" && $3 ~ /^probe_/ { print $3 }')
+  [ -n "$probes" ] || { echo "no probe in $library" >&2; return 1; }
+  # Only what the probes reach is kept; the unwanted rest of the archive proves nothing.
+  # shellcheck disable=SC2046
+  ld -r --gc-sections --entry="${probes%%$'\n'*}" $(sed 's/^/-u /' <<<"$probes") -o "$work/probes.o" "$library"
+  echo "$(wc -l <<<"$probes") probes, $(size "$work/probes.o" | awk 'NR == 2 { print $1 }') bytes of code" >&2
+  nm --undefined-only "$work/probes.o" | awk '{ print $2 }' | sort -u
+}
+
+asked_for "" >"$work/needed"
+echo "needed from outside:" $(cat "$work/needed")
+if grep -vxE "$allowed" "$work/needed" >"$work/unwanted"; then
+  echo "the core must not need: $(tr '\n' ' ' <"$work/unwanted")"
+  exit 1
+fi
+
+asked_for control >"$work/needed"
+if ! grep -qx a_panic_remains "$work/needed"; then
+  echo "the control panics by design, and this check did not see it"
+  exit 1
+fi
+echo "the control, which can panic, was found out"

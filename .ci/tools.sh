@@ -1,0 +1,25 @@
+#!/bin/bash
+# Installs the tools of the other checks where Debian's packages can be installed, and otherwise says which are missing.
+set -euo pipefail
+
+missing=()
+need() { command -v "$1" >/dev/null || missing+=("$2"); } # need PROGRAM PACKAGE
+need cc gcc
+need ld binutils
+need nm binutils
+need python3 python3
+if [ ${#missing[@]} != 0 ]; then
+  if ! command -v apt-get >/dev/null || [ "$(id -u)" != 0 ]; then
+    echo "please install: ${missing[*]}"
+    exit 1
+  fi
+  export DEBIAN_FRONTEND=noninteractive
+  apt-get update -qq
+  apt-get install -qq -y --no-install-recommends "${missing[@]}"
+fi
+
+for component in fmt clippy; do
+  cargo "$component" --version || rustup component add "${component/fmt/rustfmt}"
+done
+cargo hack --version 2>/dev/null || cargo install -q --locked cargo-hack
+rustc --version

@@ -1,0 +1,132 @@
+//! The core where there is nothing: no standard library, no allocator, and no way to panic.
+//!
+//! Each `probe_*` is a root for the linker. Every number comes from outside, so that no check and no branch can be worked out at compile time. A panic
+//! that is left anywhere below them shows as the undefined symbol `a_panic_remains`; `.ci/no_std.sh` looks for it.
+#![no_std]
+
+use core::ops::ControlFlow;
+
+use tumble::{
+    Coin, ContactPoint, Coulomb, FlatGround, ForwardEuler, Integrator, Ledger, Plane, PointCloud,
+    Real, RigidPointBody, Rk4, Sample, State, Stepper, StrangSplitting, SymplecticEuler,
+    UniformGravity,
+};
+
+unsafe extern "C" {
+    // Nobody defines it.
+    safe fn a_panic_remains() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    a_panic_remains()
+}
+
+/// A scene's parameters, in SI units.
+#[derive(Debug)]
+pub struct Knobs<R: Real> {
+    mass: R,
+    radius: R,
+    stiffness: R,
+    damping: R,
+    plane: Plane<R>,
+    coefficient: R,
+    slip_speed: R,
+    gravity: R,
+    seconds: R,
+}
+
+/// The energy left over in the books after the run, or nothing where scene or run is bad.
+fn run<R: Real>(
+    body: impl RigidPointBody<R>,
+    integrator: impl Integrator<R>,
+    knobs: &Knobs<R>,
+    state: &mut State<R>,
+) -> Option<R> {
+    let &Knobs {
+        stiffness,
+        damping,
+        plane,
+        coefficient,
+        slip_speed,
+        gravity,
+        seconds,
+        ..
+    } = knobs;
+    let stepper = Stepper::new(body).ok()?;
+    let stepper = stepper.with_gravity(UniformGravity::down(gravity)).ok()?;
+    let stepper = stepper
+        .with_ground(FlatGround::level(stiffness, damping).on(plane))
+        .ok()?;
+    let stepper = stepper
+        .with_friction(Coulomb {
+            coefficient,
+            slip_speed,
+        })
+        .ok()?;
+    let stepper = stepper.with_integrator(integrator).ok()?;
+    stepper.step(state).ok()?;
+    stepper.advance(state, seconds).ok()?;
+    let stop_in_flight = |sample: &Sample<'_, R>| {
+        if sample.touching() == 0 {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    };
+    let mut observers = (Ledger::new(), stop_in_flight);
+    stepper.run(state, seconds, &mut observers).ok()?;
+    let lowest = stepper.lowest_point(state)?;
+    Some(observers.0.residue() + stepper.energy(state).total() + lowest.gap)
+}
+
+/// A coin of as many points as there is room for.
+fn coin<'a, R: Real>(
+    room: &'a mut [ContactPoint<R>],
+    knobs: &Knobs<R>,
+) -> Coin<R, &'a mut [ContactPoint<R>]> {
+    Coin::ring_in(room, knobs.mass, knobs.radius)
+}
+
+macro_rules! probes {
+    ($($probe:ident: $integrator:ident in $real:ty;)*) => {$(
+        /// A coin by this method, in this precision.
+        #[unsafe(no_mangle)]
+        pub fn $probe(room: &mut [ContactPoint<$real>], knobs: &Knobs<$real>, time_step: $real, state: &mut State<$real>) -> Option<$real> {
+            let coin = coin(room, knobs);
+            let tilt = coin.tilt(state);
+            Some(tilt + run(&coin, $integrator { time_step }, knobs, state)?)
+        }
+    )*};
+}
+
+probes! {
+    probe_forward_euler_f64: ForwardEuler in f64;
+    probe_forward_euler_f32: ForwardEuler in f32;
+    probe_symplectic_euler_f64: SymplecticEuler in f64;
+    probe_symplectic_euler_f32: SymplecticEuler in f32;
+    probe_strang_splitting_f64: StrangSplitting in f64;
+    probe_strang_splitting_f32: StrangSplitting in f32;
+    probe_rk4_f64: Rk4 in f64;
+    probe_rk4_f32: Rk4 in f32;
+}
+
+/// A body of any points and masses, with the whole tensor and its principal axes.
+#[unsafe(no_mangle)]
+pub fn probe_point_cloud(
+    points: &mut [ContactPoint],
+    masses: &[f64],
+    knobs: &Knobs<f64>,
+    time_step: f64,
+    state: &mut State,
+) -> Option<f64> {
+    let cloud = PointCloud::in_storage(points, masses).ok()?;
+    run(&cloud, StrangSplitting { time_step }, knobs, state)
+}
+
+/// The control: it can panic, and the check must see that.
+#[cfg(feature = "control")]
+#[unsafe(no_mangle)]
+pub fn probe_control(numbers: &[f64], at: usize) -> f64 {
+    numbers[at]
+}
