@@ -141,6 +141,9 @@ pub enum StepError {
         "the {0} is no longer finite after the step: shorten the time step or choose an integrator that is stable for it"
     )]
     Diverged(Quantity),
+    /// The integrator said that its step took no time, so that a run would never end.
+    #[error("a step must take more than 0 s")]
+    Stalled,
     /// The time to advance by is not a finite number of seconds, at least 0.
     #[error("the time to advance by must be finite and at least 0 s")]
     BadDuration,

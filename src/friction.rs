@@ -37,6 +37,14 @@ pub trait SlidingFriction<R: Real = f64> {
     /// surface).
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3;
 
+    /// How the force answers to slip and load, for an implicit step: see [`Drag`].
+    ///
+    /// The provided method takes differences of [`force`](Self::force). It steers Newton's iteration only: an error in it costs iterations, not accuracy.
+    #[inline]
+    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
+        drag_by_differences(self, normal_force, slip)
+    }
+
     /// Whether the law can be: called once, when a scene is composed.
     ///
     /// # Errors
@@ -52,8 +60,68 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> SlidingFriction<R> for &F {
         (**self).force(normal_force, slip)
     }
     #[inline]
+    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
+        (**self).drag(normal_force, slip)
+    }
+    #[inline]
     fn check(&self) -> Result<(), SceneError> {
         (**self).check()
+    }
+}
+
+/// The local shape of a friction law: `force = -coefficient · slip`, with the coefficient falling as the slip grows.
+///
+/// The derivative along the slip is taken as `coefficient (1 - growth · |slip|/width)` where `width` is proportional to `|slip|/|force|`: for
+/// [`Coulomb`] the width is `|slip| + slip_speed` and grows by 1 m/s for each m/s of slip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drag<R: Real = f64> {
+    /// `|force|/|slip|`, N s/m, at least 0; the limit for slip to 0 where there is none.
+    pub coefficient: R,
+    /// Derivative of the coefficient with respect to the normal force, s/m.
+    pub per_load: R,
+    /// m/s, above 0.
+    pub width: R,
+    /// Derivative of the width with respect to the slip's size, 0 to 1.
+    pub growth: R,
+}
+
+impl<R: Real> Drag<R> {
+    /// No friction.
+    pub const NONE: Self = Self {
+        coefficient: R::ZERO,
+        per_load: R::ZERO,
+        width: R::ONE,
+        growth: R::ZERO,
+    };
+}
+
+/// The provided [`SlidingFriction::drag`].
+fn drag_by_differences<R: Real, F: SlidingFriction<R> + ?Sized>(
+    friction: &F,
+    normal_force: R,
+    slip: R::Vec3,
+) -> Drag<R> {
+    let speed = slip.length();
+    if !(speed > R::ZERO && normal_force > R::ZERO) {
+        return Drag::NONE;
+    }
+    let nudged = R::ONE + R::EPSILON.sqrt();
+    let nudge = R::EPSILON.sqrt();
+    let along = |load: R, factor: R| -(friction.force(load, slip * factor).dot(slip) / speed);
+    let force = along(normal_force, R::ONE);
+    let coefficient = force / speed;
+    if !(coefficient > R::ZERO) {
+        return Drag::NONE;
+    }
+    let slope = (along(normal_force, nudged) - force) / (speed * nudge);
+    let per_load = (along(normal_force * nudged, R::ONE) - force) / (normal_force * nudge * speed);
+    Drag {
+        coefficient,
+        per_load,
+        width: speed,
+        growth: (R::ONE - slope / coefficient)
+            .at_least(R::ZERO)
+            .at_most(R::ONE),
     }
 }
 
@@ -66,5 +134,9 @@ impl<R: Real> SlidingFriction<R> for Frictionless {
     #[inline]
     fn force(&self, _normal_force: R, _slip: R::Vec3) -> R::Vec3 {
         R::Vec3::ZERO
+    }
+    #[inline]
+    fn drag(&self, _normal_force: R, _slip: R::Vec3) -> Drag<R> {
+        Drag::NONE
     }
 }

@@ -21,6 +21,17 @@ pub trait Gravity<R: Real = f64> {
     }
 }
 
+impl<R: Real, A: Gravity<R> + ?Sized> Gravity<R> for &A {
+    #[inline]
+    fn acceleration(&self) -> R::Vec3 {
+        (**self).acceleration()
+    }
+    #[inline]
+    fn check(&self) -> Result<(), SceneError> {
+        (**self).check()
+    }
+}
+
 /// Weightlessness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

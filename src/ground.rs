@@ -40,7 +40,7 @@ use crate::real::{Real, Vector};
 ///         self.spring_force(depth)
 ///     }
 ///     fn extent(&self) -> Extent {
-///         Extent::Below(Plane::level(0.0))
+///         Extent::Plane(Plane::level(0.0))
 ///     }
 /// }
 /// ```
@@ -63,6 +63,16 @@ pub trait SpringDamperGround<R: Real = f64> {
     ///
     /// Never below 0: the ground does not pull.
     fn normal_force(&self, depth: R, closing_speed: R) -> R;
+
+    /// Mean force on one contact while its depth goes evenly from `start` to `end` (m; below 0 is above ground) in `seconds`, with its derivatives.
+    ///
+    /// This is what an implicit step needs of a ground. The provided method takes the spring's share from [`spring_energy`](Self::spring_energy),
+    /// `ΔV/Δd`, so that the springs give back what they took, and the rest of [`normal_force`](Self::normal_force) by Gauss's rule with three points, each of
+    /// which takes energy. A law with a closed form should override it: the provided method costs some twenty evaluations.
+    #[inline]
+    fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
+        mean_force_by_quadrature(self, start, end, seconds)
+    }
 
     /// Where the ground can be at all. The default is everywhere; a ground that names a plane lets a body high above it move without a look at its contacts.
     #[inline]
@@ -97,6 +107,10 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> SpringDamperGround<R> for &G {
         (**self).normal_force(depth, closing_speed)
     }
     #[inline]
+    fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
+        (**self).mean_force(start, end, seconds)
+    }
+    #[inline]
     fn extent(&self) -> Extent<R> {
         (**self).extent()
     }
@@ -115,11 +129,120 @@ pub struct Surface<R: Real = f64> {
     pub normal: R::Vec3,
 }
 
+/// The mean normal force over a step, and how it answers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeanForce<R: Real = f64> {
+    /// N, at least 0.
+    pub force: R,
+    /// Derivative of the force with respect to the depth at the end, N/m, at least 0.
+    pub slope: R,
+    /// The damper's share of it: resistance to closing speed, averaged over the step, N s/m, at least 0.
+    pub damping: R,
+}
+
+impl<R: Real> MeanForce<R> {
+    /// No force, and none to come with a little more depth.
+    pub const NONE: Self = Self {
+        force: R::ZERO,
+        slope: R::ZERO,
+        damping: R::ZERO,
+    };
+}
+
+/// The provided [`SpringDamperGround::mean_force`].
+fn mean_force_by_quadrature<R: Real, G: SpringDamperGround<R> + ?Sized>(
+    ground: &G,
+    start: R,
+    end: R,
+    seconds: R,
+) -> MeanForce<R> {
+    let force = |end: R| mean_parts(ground, start, end, seconds);
+    let (spring, damper) = force(end);
+    if !(start > R::ZERO || end > R::ZERO) {
+        return MeanForce::NONE;
+    }
+    // A one-sided difference over a thousandth of the path, or of the depth where the contact hardly moves.
+    let path = (end - start).abs() + (start.abs() + end.abs()) * R::from_f64(1e-3);
+    let nudge = path * R::from_f64(1e-3);
+    let (spring_beyond, damper_beyond) = force(end + nudge);
+    let slope_of = |beyond: R, here: R| {
+        if nudge > R::ZERO {
+            ((beyond - here) / nudge).at_least(R::ZERO)
+        } else {
+            R::ZERO
+        }
+    };
+    MeanForce {
+        force: (spring + damper).at_least(R::ZERO),
+        slope: slope_of(spring_beyond + damper_beyond, spring + damper),
+        damping: slope_of(damper_beyond, damper) * seconds,
+    }
+}
+
+/// Mean force of the springs, and of what the law has beyond them.
+fn mean_parts<R: Real, G: SpringDamperGround<R> + ?Sized>(
+    ground: &G,
+    start: R,
+    end: R,
+    seconds: R,
+) -> (R, R) {
+    let zero = R::ZERO;
+    let (from, to) = (start.at_least(zero), end.at_least(zero));
+    let (path, submerged) = (end - start, to - from);
+    let energy = |depth: R| {
+        if depth > zero {
+            ground.spring_energy(depth)
+        } else {
+            zero
+        }
+    };
+    let spring_at = |depth: R| {
+        if depth > zero {
+            ground.spring_force(depth)
+        } else {
+            zero
+        }
+    };
+    // Where the path is so short that the difference of energies is rounding, the force in its middle is exact to rounding.
+    let spring = if submerged.abs() > (from + to) * R::EPSILON.sqrt() {
+        (energy(to) - energy(from)) / path
+    } else {
+        spring_at((from + to) * R::HALF)
+    };
+    if submerged == zero && path != zero {
+        return (spring, zero);
+    }
+    let closing_speed = path / seconds;
+    let share = if path == zero {
+        R::ONE
+    } else {
+        submerged / path
+    };
+    let mut damper = zero;
+    for (place, weight) in GAUSS {
+        let depth = from + submerged * R::from_f64(place);
+        if depth > zero {
+            let beyond = ground.normal_force(depth, closing_speed) - ground.spring_force(depth);
+            damper += beyond * R::from_f64(weight);
+        }
+    }
+    (spring, damper * share)
+}
+
+/// Gauss's rule on [0, 1] with three points: place and weight.
+const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_31, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];
+
 /// Where a ground can be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Extent<R: Real = f64> {
     /// Nowhere: nothing ever touches.
     Nowhere,
+    /// The ground's surface is this plane: `gap` and `normal` of [`surface`](SpringDamperGround::surface) are the plane's.
+    Plane(Plane<R>),
     /// Nothing that lies above this plane touches.
     Below(Plane<R>),
     /// Anywhere.
@@ -214,6 +337,10 @@ impl<R: Real> SpringDamperGround<R> for NoGround {
     #[inline]
     fn normal_force(&self, _depth: R, _closing_speed: R) -> R {
         R::ZERO
+    }
+    #[inline]
+    fn mean_force(&self, _start: R, _end: R, _seconds: R) -> MeanForce<R> {
+        MeanForce::NONE
     }
     #[inline]
     fn extent(&self) -> Extent<R> {

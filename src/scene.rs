@@ -54,7 +54,7 @@ pub trait Dynamics<R: Real = f64> {
         match self.ground().extent() {
             Extent::Nowhere => Run::NONE,
             Extent::Everywhere => Run::all(self.body().contacts().len()),
-            Extent::Below(plane) => {
+            Extent::Plane(plane) | Extent::Below(plane) => {
                 let gap = plane.gap(position);
                 // What rounding may hide of a gap; far more than the body's own arithmetic loses.
                 let rounding = (gap.abs() + plane.height.abs() + self.reach())

@@ -229,7 +229,7 @@ where
     /// than `seconds` where the observer ended it.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance).
+    /// As [`advance`](Self::advance), and where a foreign integrator takes no time for a step.
     pub fn run(
         &self,
         state: &mut State<R>,
@@ -242,8 +242,13 @@ where
         let mut workspace = I::Workspace::default();
         let mut clock = Clock::new();
         let mut flow = self.show(observer, state, &clock);
-        while flow.is_continue() && clock.left(seconds) > R::ZERO {
+        // What rounding leaves of the time when the last whole step has been taken.
+        let rounding = seconds * (R::EPSILON * R::from_f64(8.0));
+        while flow.is_continue() && clock.left(seconds) > rounding {
             let step = self.step_within(state, clock.left(seconds), &mut workspace)?;
+            if step.elapsed <= R::ZERO {
+                return Err(StepError::Stalled);
+            }
             clock.tick(step.elapsed);
             flow = self.show(observer, state, &clock);
         }

@@ -1,6 +1,6 @@
 //! Coulomb friction, made finite at zero slip in two ways.
 
-use super::SlidingFriction;
+use super::{Drag, SlidingFriction};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
@@ -41,6 +41,18 @@ impl<R: Real> SlidingFriction<R> for Coulomb<R> {
         slip * -(self.coefficient * normal_force / (slip.length() + self.slip_speed))
     }
 
+    #[inline]
+    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
+        let width = slip.length() + self.slip_speed;
+        let per_load = self.coefficient / width;
+        Drag {
+            coefficient: per_load * normal_force,
+            per_load,
+            width,
+            growth: R::ONE,
+        }
+    }
+
     fn check(&self) -> Result<(), SceneError> {
         check(self.coefficient, self.slip_speed)
     }
@@ -62,14 +74,33 @@ pub struct SmoothCoulomb<R = f64> {
     pub slip_speed: R,
 }
 
+impl<R: Real> SmoothCoulomb<R> {
+    /// `√(slip² + slip_speed²)`.
+    #[inline]
+    fn width(&self, slip: R::Vec3) -> R {
+        // The square of a tiny slip speed may underflow; the root is never below the slip speed itself.
+        (slip.length_squared() + self.slip_speed * self.slip_speed)
+            .sqrt()
+            .at_least(self.slip_speed)
+    }
+}
+
 impl<R: Real> SlidingFriction<R> for SmoothCoulomb<R> {
     #[inline]
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
-        // The square of a tiny slip speed may underflow; the root is never below the slip speed itself.
-        let speed = (slip.length_squared() + self.slip_speed * self.slip_speed)
-            .sqrt()
-            .at_least(self.slip_speed);
-        slip * -(self.coefficient * normal_force / speed)
+        slip * -(self.coefficient * normal_force / self.width(slip))
+    }
+
+    #[inline]
+    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
+        let width = self.width(slip);
+        let per_load = self.coefficient / width;
+        Drag {
+            coefficient: per_load * normal_force,
+            per_load,
+            width,
+            growth: slip.length() / width,
+        }
     }
 
     fn check(&self) -> Result<(), SceneError> {

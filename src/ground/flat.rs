@@ -1,6 +1,6 @@
 //! A plane of springs and dampers.
 
-use super::{Extent, Plane, SpringDamperGround, Surface};
+use super::{Extent, MeanForce, Plane, SpringDamperGround, Surface};
 use crate::error::{self, SceneError};
 use crate::real::Real;
 
@@ -47,6 +47,57 @@ impl<R: Real> FlatGround<R> {
     }
 }
 
+impl<R: Real> FlatGround<R> {
+    #[inline]
+    fn mean_force_down(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
+        let (k, c) = (self.stiffness, self.damping);
+        let path = end - start;
+        if start >= R::ZERO {
+            MeanForce {
+                force: k * ((start + end) * R::HALF) + c * (path / seconds),
+                slope: k * R::HALF + c / seconds,
+                damping: c,
+            }
+        } else if end > R::ZERO {
+            let share = end / path;
+            MeanForce {
+                force: k * (end * share * R::HALF) + c * (end / seconds),
+                slope: k * (share * (R::ONE - share * R::HALF)) + c / seconds,
+                damping: c * share,
+            }
+        } else {
+            MeanForce::NONE
+        }
+    }
+
+    #[inline]
+    fn mean_force_up(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
+        let (k, c) = (self.stiffness, self.damping);
+        let path = start - end;
+        if start <= R::ZERO || k == R::ZERO {
+            return MeanForce::NONE;
+        }
+        let cut = c * path / (seconds * k);
+        let (over_start, over_end) = (start - cut, end - cut);
+        if over_end >= R::ZERO {
+            MeanForce {
+                force: k * ((over_start + over_end) * R::HALF),
+                slope: k * R::HALF + c / seconds,
+                damping: c,
+            }
+        } else if over_start > R::ZERO {
+            let share = over_start / path;
+            MeanForce {
+                force: k * (over_start * share * R::HALF),
+                slope: c * (share / seconds) + k * (share * share * R::HALF),
+                damping: c * share,
+            }
+        } else {
+            MeanForce::NONE
+        }
+    }
+}
+
 impl<R: Real> SpringDamperGround<R> for FlatGround<R> {
     #[inline]
     fn surface(&self, point: R::Vec3) -> Surface<R> {
@@ -71,9 +122,26 @@ impl<R: Real> SpringDamperGround<R> for FlatGround<R> {
         (self.stiffness * depth + self.damping * closing_speed).at_least(R::ZERO)
     }
 
+    /// The integral of the whole clamped law along an even path, in closed form (k: stiffness, c: damping, d₀ and d₁: depths, Δ = d₁ - d₀, h: time):
+    ///
+    /// - going down from d₀ >= 0: `k (d₀ + d₁)/2 + c Δ/h`; from above ground: `k d₁²/(2Δ) + c d₁/h`;
+    /// - going up: the clamp cuts where `k d + c Δ/h` falls to 0, at the depth `d* = -c Δ/(h k)`; with `eᵢ = dᵢ - d*` the mean is
+    ///   `k (e₀ + e₁)/2` while e₁ >= 0, `k e₀²/(2|Δ|)` while e₀ > 0, then 0.
+    ///
+    /// Continuous, rising with d₁, and without a 0/0 as Δ goes to 0.
+    #[inline]
+    fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
+        let path = end - start;
+        if path >= R::ZERO {
+            self.mean_force_down(start, end, seconds)
+        } else {
+            self.mean_force_up(start, end, seconds)
+        }
+    }
+
     #[inline]
     fn extent(&self) -> Extent<R> {
-        Extent::Below(self.plane)
+        Extent::Plane(self.plane)
     }
 
     fn check(&self) -> Result<(), SceneError> {
