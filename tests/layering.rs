@@ -1,6 +1,9 @@
 //! Imports point one way: a file of `src` uses only the layers below its own, so that each can be read without those above it.
 
-#![allow(clippy::expect_used, reason = "a source file that cannot be read ends the test")]
+#![allow(
+    clippy::expect_used,
+    reason = "a source file that cannot be read ends the test"
+)]
 
 use std::fs;
 use std::path::{Path, PathBuf};
