@@ -382,34 +382,64 @@ fn spread(track: impl Iterator<Item = DVec3> + Clone) -> (DVec2, f64, f64) {
     (middle, (mean + half).sqrt(), (mean - half).max(0.0).sqrt())
 }
 
+/// How far `ForwardEuler` and the report's own loop are apart after half a second of a trial, m.
+fn forward_euler_from_the_loop(trial: &Trial, report: ReportTrial) -> f64 {
+    let end = 0.5;
+    let mut report = ReportLoop::new(report);
+    let time_step = report.trial().time_step;
+    while report.time() < end - 0.5 * time_step {
+        report.step();
+    }
+    let setup = Setup::of(trial);
+    let state = method("ForwardEuler").records(&setup, time_step, &[end])[0].state;
+    // Point 120 lies on the body's y axis, point 30 on its z axis.
+    let arm = |num, axis| {
+        let ours = state.orientation.mul_vec3(axis) * RADIUS;
+        (DVec3::from(report.arm(num)) - ours).length()
+    };
+    let centre = (DVec3::from(report.centre()) - state.position).length();
+    centre.hypot(arm(30, DVec3::Z)).hypot(arm(120, DVec3::Y))
+}
+
 #[test]
 fn forward_euler_differs_from_the_reports_loop_by_one_order_of_the_step() {
-    // The loop takes its slip from the angular velocity of the step before, which a plain state does not hold.
-    for trial in [1, 5, 8] {
+    // The loop takes its velocities of points from the angular velocity of the step before, which a plain state does not hold.
+    for number in [1, 5, 8] {
         let differences = [4e-4, 2e-4, 1e-4, 5e-5].map(|time_step| {
-            let mut report = ReportLoop::new(ReportTrial {
+            let report = ReportTrial {
                 time_step,
-                ..ReportTrial::numbered(trial).unwrap()
-            });
-            let end = 0.5;
-            while report.time() < end - 0.5 * time_step {
-                report.step();
-            }
-            let setup = Setup::of(&start(trial));
-            let state = method("ForwardEuler").records(&setup, time_step, &[end])[0].state;
-            // Point 120 lies on the body's y axis, point 30 on its z axis.
-            let arm = |num, axis| {
-                (DVec3::from(report.arm(num)) - state.orientation.mul_vec3(axis) * RADIUS).length()
+                ..ReportTrial::numbered(number).unwrap()
             };
-            let centre = (DVec3::from(report.centre()) - state.position).length();
-            let distance = centre.hypot(arm(30, DVec3::Z)).hypot(arm(120, DVec3::Y));
-            (time_step, distance)
+            (
+                time_step,
+                forward_euler_from_the_loop(&start(number), report),
+            )
         });
         let order = convergence(&differences);
+        // 1.04 to 1.06: the first term, and a second that is 10 % of it at the longest step.
         assert!(
-            (order - 1.0).abs() < 0.15,
-            "trial {trial}: {order}, {differences:?}"
+            (order - 1.0).abs() < 0.1,
+            "trial {number}: {order}, {differences:?}"
         );
+    }
+}
+
+#[test]
+fn forward_euler_is_the_reports_loop_where_no_force_depends_on_a_velocity() {
+    for number in [1, 5, 8] {
+        let trial = Trial {
+            coefficient: 0.0,
+            damping: 0.0,
+            ..start(number)
+        };
+        let report = ReportTrial {
+            coefficient: 0.0,
+            damping: 0.0,
+            ..ReportTrial::numbered(number).unwrap()
+        };
+        // Rounding: 5000 steps, and the growth of what it leaves. Measured: 1e-13 m. A change of the order of operations shows at 5e-4 m.
+        let difference = forward_euler_from_the_loop(&trial, report);
+        assert!(difference < 1e-10, "trial {number}: {difference:e}");
     }
 }
 
