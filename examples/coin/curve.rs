@@ -1,0 +1,53 @@
+//! Curves with no more points than a picture can show.
+
+/// Points `(x, y)` in order.
+pub(crate) type Curve = Vec<(f64, f64)>;
+
+/// More strips of time than a picture has pixels across are not seen.
+const STRIPS: usize = 1000;
+
+/// A curve over time, with the first, lowest, highest and last point of each of a thousand strips of time.
+pub(crate) fn thinned(curve: Curve) -> Curve {
+    let strip = curve.len().div_ceil(STRIPS);
+    if strip <= 4 {
+        return curve;
+    }
+    curve.chunks(strip).flat_map(extremes).collect()
+}
+
+/// First, lowest, highest and last point of a strip, in their order and each once.
+fn extremes(strip: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> + '_ {
+    let by_value = |a: &usize, b: &usize| strip[*a].1.total_cmp(&strip[*b].1);
+    let lowest = (0..strip.len()).min_by(by_value).unwrap_or(0);
+    let highest = (0..strip.len()).max_by(by_value).unwrap_or(0);
+    let mut kept = vec![0, lowest, highest, strip.len() - 1];
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter().map(|index| strip[index])
+}
+
+/// Two places on the floor that are nearer than this look like one, m.
+const NEAR: f64 = 2e-3;
+
+/// A track without the points that are next to the one before.
+pub(crate) fn simplified(track: impl Iterator<Item = (f64, f64)>) -> Curve {
+    let mut kept: Curve = Vec::new();
+    for (x, y) in track {
+        let near = kept
+            .last()
+            .is_some_and(|last| (x - last.0).hypot(y - last.1) < NEAR);
+        if !near {
+            kept.push((x, y));
+        }
+    }
+    kept
+}
+
+/// A track cut where it leaps farther than `leap`, m.
+pub(crate) fn pieces(track: &[(f64, f64)], leap: f64) -> Vec<Curve> {
+    track
+        .chunk_by(|a, b| (b.0 - a.0).hypot(b.1 - a.1) < leap)
+        .filter(|piece| piece.len() > 1)
+        .map(<[_]>::to_vec)
+        .collect()
+}

@@ -1,0 +1,137 @@
+//! The coin of the report, run, summed up, drawn and played: `cargo run --release --example coin -- --help`.
+
+// A program has std; these lints guard the library.
+#![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
+
+use std::error::Error;
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use options::{HELP, Options, Task, UsageError};
+use recording::Recording;
+use setup::Setup;
+use summary::Summary;
+
+mod curve;
+mod frames;
+mod milestones;
+mod options;
+mod overview;
+mod page;
+mod pictures;
+mod recorder;
+mod recording;
+mod report;
+#[path = "../../tests/common/report_loop.rs"]
+mod report_loop;
+mod run;
+mod setup;
+mod summary;
+mod table;
+
+/// Number of trials in the report.
+const TRIALS: usize = 8;
+
+fn main() -> ExitCode {
+    match perform() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => complain(&*error),
+    }
+}
+
+/// Says what went wrong. 2 where the command line is to blame, 1 where something else is.
+fn complain(error: &(dyn Error + 'static)) -> ExitCode {
+    eprintln!("error: {error}");
+    if error.is::<UsageError>() {
+        eprintln!("The options are listed by --help.");
+        return ExitCode::from(2);
+    }
+    ExitCode::FAILURE
+}
+
+fn perform() -> Result<(), Box<dyn Error>> {
+    let options = Options::parse(std::env::args_os().skip(1))?;
+    match &options.task {
+        Task::Help => io::stdout().write_all(HELP.as_bytes())?,
+        Task::OneTrial => one_trial(&options)?,
+        Task::AllTrials => all_trials(&options)?,
+    }
+    Ok(())
+}
+
+fn one_trial(options: &Options) -> Result<(), Box<dyn Error>> {
+    let setup = options.overrides.apply(options.number)?;
+    make_folder(&options.out)?;
+    let recording = run_and_tell(setup, options.quiet)?;
+    write(&recording, &options.out)?;
+    tell_where(options, &options.out.join("coin.html"))?;
+    Ok(())
+}
+
+fn all_trials(options: &Options) -> Result<(), Box<dyn Error>> {
+    let mut cards = Vec::new();
+    for number in 1..=TRIALS {
+        let setup = options.overrides.apply(number)?;
+        let folder = options.out.join(overview::folder(&setup));
+        make_folder(&folder)?;
+        let recording = run_and_tell(setup, options.quiet)?;
+        write(&recording, &folder)?;
+        cards.push(overview::card(&recording));
+    }
+    let page = options.out.join("overview.html");
+    overview::write(&cards, &page)?;
+    tell_where(options, &page)?;
+    Ok(())
+}
+
+fn run_and_tell(setup: Setup, quiet: bool) -> Result<Recording, Box<dyn Error>> {
+    let bar = progress_bar(&setup, quiet)?;
+    let recording = run::run(setup, &bar)?;
+    bar.finish_and_clear();
+    if !quiet {
+        writeln!(io::stdout(), "{}", Summary(&recording))?;
+    }
+    Ok(recording)
+}
+
+/// Shows itself only on a terminal.
+fn progress_bar(setup: &Setup, quiet: bool) -> Result<ProgressBar, Box<dyn Error>> {
+    if quiet {
+        return Ok(ProgressBar::hidden());
+    }
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {percent} %, {eta} left")?;
+    Ok(ProgressBar::new(0)
+        .with_style(style)
+        .with_message(setup.title()))
+}
+
+fn make_folder(folder: &Path) -> Result<(), Box<dyn Error>> {
+    let shown = folder.display();
+    fs::create_dir_all(folder)
+        .map_err(|error| format!("cannot make the folder {shown}: {error}"))?;
+    Ok(())
+}
+
+/// Writes table, page and pictures into a folder that is there.
+fn write(recording: &Recording, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let explain = |error| format!("cannot write into {}: {error}", folder.display());
+    table::write(recording, &folder.join("coin.csv")).map_err(|error| explain(error.into()))?;
+    page::write(recording, &folder.join("coin.html")).map_err(explain)?;
+    pictures::write(recording, folder).map_err(explain)?;
+    Ok(())
+}
+
+fn tell_where(options: &Options, page: &Path) -> io::Result<()> {
+    if options.quiet {
+        return Ok(());
+    }
+    let (folder, page) = (options.out.display(), page.display());
+    writeln!(
+        io::stdout(),
+        "Written into {folder}. Open {page} in a browser."
+    )
+}

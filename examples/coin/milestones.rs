@@ -1,0 +1,101 @@
+//! The moments that the report talks about: the end of skidding, the fall, the rest.
+
+use std::f64::consts::FRAC_PI_4;
+
+use crate::recording::{Moment, Recording};
+use crate::setup::{GRAVITY, MASS, RADIUS};
+
+/// Seconds from the start; `None` where it does not happen within the run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Milestones {
+    pub(crate) skidding: Skidding,
+    /// The coin's plane passes 45 degrees for the first time.
+    pub(crate) halfway_down: Option<f64>,
+    /// From here on its energy is that of the coin lying still.
+    pub(crate) settled: Option<f64>,
+}
+
+/// The first skid: the coin slips where it touches until friction has it rolling.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Skidding {
+    /// It starts with its lowest point at rest, as a spinning coin does.
+    Never,
+    /// Seconds from the start.
+    Until(f64),
+    /// Until the end of the run.
+    Always,
+}
+
+/// A start slower than this is no skid, m/s.
+const SLOWEST_SKID: f64 = 0.01;
+/// Skidding is over when slip stays below this part of its start ...
+const ROLLING_PART: f64 = 0.1;
+/// ... for so many seconds.
+const ROLLING_TIME: f64 = 0.1;
+/// Settled: energy within this part of `M g r` of its value at rest.
+const SETTLED_PART: f64 = 1e-3;
+
+impl Milestones {
+    pub(crate) fn of(recording: &Recording) -> Self {
+        Self {
+            skidding: skidding(&recording.moments),
+            halfway_down: halfway_down(&recording.moments),
+            settled: settled(recording),
+        }
+    }
+
+    /// A little after the coin has settled: nothing that is worth a picture happens later.
+    pub(crate) fn curtain(&self) -> Option<f64> {
+        self.settled.map(|time| 1.1 * time + 0.5)
+    }
+
+    /// What happens when, with short names for the margin of a picture.
+    pub(crate) fn events(&self) -> Vec<(&'static str, f64)> {
+        let skidding = match self.skidding {
+            Skidding::Until(time) => Some(time),
+            Skidding::Never | Skidding::Always => None,
+        };
+        let named = [
+            ("passes 45°", self.halfway_down),
+            ("rolls", skidding),
+            ("settled", self.settled),
+        ];
+        let happens = |(name, time): (_, Option<f64>)| Some((name, time?));
+        named.into_iter().filter_map(happens).collect()
+    }
+}
+
+fn skidding(moments: &[Moment]) -> Skidding {
+    let start = moments[0].slip;
+    if start < SLOWEST_SKID {
+        return Skidding::Never;
+    }
+    let mut rolls_since = None;
+    for moment in moments {
+        if moment.slip > ROLLING_PART * start {
+            rolls_since = None;
+            continue;
+        }
+        let since = *rolls_since.get_or_insert(moment.time);
+        if moment.time - since >= ROLLING_TIME {
+            return Skidding::Until(since);
+        }
+    }
+    Skidding::Always
+}
+
+fn halfway_down(moments: &[Moment]) -> Option<f64> {
+    let first = moments.iter().find(|moment| moment.tilt < FRAC_PI_4)?;
+    Some(first.time)
+}
+
+fn settled(recording: &Recording) -> Option<f64> {
+    let rest = recording.setup.energy_at_rest();
+    let tolerance = SETTLED_PART * MASS * GRAVITY * RADIUS;
+    let moves = |moment: &Moment| (moment.energy.total() - rest).abs() > tolerance;
+    let still = match recording.moments.iter().rposition(moves) {
+        Some(last_move) => last_move + 1,
+        None => 0,
+    };
+    Some(recording.moments.get(still)?.time)
+}

@@ -1,0 +1,79 @@
+//! Runs a setup: by an integrator of the library, or by the report's own loop.
+
+use std::error::Error;
+use std::time::Instant;
+
+use indicatif::ProgressBar;
+use tumble::{
+    Coin, ContactPoint, Coulomb, FlatGround, ForwardEuler, Integrator, Rk4, State, Stepper,
+    StrangSplitting, SymplecticEuler, UniformGravity,
+};
+
+use crate::options::UsageError;
+use crate::recorder::{Recorder, RingCoin};
+use crate::recording::Recording;
+use crate::report;
+use crate::setup::{MASS, Method, RADIUS, Setup};
+
+/// The coin on its floor, moved on by an integrator.
+pub(crate) type CoinStepper<I> = Stepper<f64, RingCoin, FlatGround, Coulomb, UniformGravity, I>;
+
+/// Runs from the start of the trial to the end of its duration.
+///
+/// # Errors
+/// Where the setup cannot be, or a step fails.
+pub(crate) fn run(setup: Setup, bar: &ProgressBar) -> Result<Recording, Box<dyn Error>> {
+    let time_step = setup.time_step;
+    match setup.method {
+        Method::Report => record(setup, bar, StrangSplitting { time_step }, report::run),
+        Method::ForwardEuler => record(setup, bar, ForwardEuler { time_step }, by_library),
+        Method::SymplecticEuler => record(setup, bar, SymplecticEuler { time_step }, by_library),
+        Method::Strang => record(setup, bar, StrangSplitting { time_step }, by_library),
+        Method::Rk4 => record(setup, bar, Rk4 { time_step }, by_library),
+    }
+}
+
+/// Composes the scene, runs it by `drive` and keeps what the recorder saw.
+fn record<I: Integrator<f64>>(
+    setup: Setup,
+    bar: &ProgressBar,
+    integrator: I,
+    drive: impl FnOnce(&Setup, &CoinStepper<I>, &mut Recorder<'_>) -> Result<(), Box<dyn Error>>,
+) -> Result<Recording, Box<dyn Error>> {
+    let stepper = compose(&setup, integrator).map_err(UsageError::new)?;
+    let mut recorder = Recorder::new(&setup, stepper.body(), bar);
+    let begin = Instant::now();
+    drive(&setup, &stepper, &mut recorder)?;
+    let wall_time = begin.elapsed().as_secs_f64();
+    let (moments, books) = recorder.finish();
+    Ok(Recording {
+        setup,
+        moments,
+        books,
+        wall_time,
+    })
+}
+
+fn compose<I: Integrator<f64>>(
+    setup: &Setup,
+    integrator: I,
+) -> Result<CoinStepper<I>, tumble::SceneError> {
+    let points = vec![ContactPoint::default(); setup.points];
+    Stepper::new(Coin::ring_in(points, MASS, RADIUS))?
+        .with_ground(FlatGround::level(setup.stiffness, setup.trial.damping))?
+        .with_friction(setup.trial.friction())?
+        .with_gravity(setup.trial.gravity())?
+        .with_integrator(integrator)
+}
+
+fn by_library<I: Integrator<f64>>(
+    setup: &Setup,
+    stepper: &CoinStepper<I>,
+    recorder: &mut Recorder<'_>,
+) -> Result<(), Box<dyn Error>> {
+    let mut state: State = setup.trial.state();
+    stepper
+        .run(&mut state, setup.duration, recorder)
+        .map_err(|error| format!("after {:.2} s: {error}", recorder.time()))?;
+    Ok(())
+}

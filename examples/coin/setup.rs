@@ -1,0 +1,133 @@
+//! What is run: a trial of the report, coin and floor, and how it is computed.
+
+use std::fmt;
+use std::str::FromStr;
+
+use tumble::{Start, Trial};
+
+/// Mass of the coin, kg.
+pub(crate) const MASS: f64 = Trial::<f64>::MASS;
+/// Radius of the rim, m.
+pub(crate) const RADIUS: f64 = Trial::<f64>::RADIUS;
+/// Acceleration of gravity, m/s².
+pub(crate) const GRAVITY: f64 = Trial::<f64>::GRAVITY;
+
+/// One run, complete.
+#[derive(Clone, Debug)]
+pub(crate) struct Setup {
+    /// Number in the report, 1 to 8.
+    pub(crate) number: usize,
+    /// The report's five knobs, and the slip speed.
+    pub(crate) trial: Trial,
+    /// Points on the rim.
+    pub(crate) points: usize,
+    /// Stiffness of the floor for each point, N/m.
+    pub(crate) stiffness: f64,
+    pub(crate) method: Method,
+    /// Seconds.
+    pub(crate) time_step: f64,
+    /// Seconds.
+    pub(crate) duration: f64,
+    /// Whether to keep books of where the energy goes; costs several times the run itself.
+    pub(crate) books: bool,
+}
+
+/// How the equations are stepped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Method {
+    /// The report's own loop, word for word.
+    Report,
+    ForwardEuler,
+    SymplecticEuler,
+    Strang,
+    Rk4,
+}
+
+impl Setup {
+    /// A trial as the report has it.
+    pub(crate) fn new(number: usize, trial: Trial) -> Self {
+        Self {
+            number,
+            trial,
+            points: 120,
+            stiffness: Trial::<f64>::STIFFNESS,
+            method: Method::SymplecticEuler,
+            time_step: 1e-4,
+            duration: 160.0,
+            books: true,
+        }
+    }
+
+    /// `Trial 1`, for titles.
+    pub(crate) fn title(&self) -> String {
+        format!("Trial {}", self.number)
+    }
+
+    /// The five knobs in one line.
+    pub(crate) fn knobs(&self) -> String {
+        format!(
+            "{}, tilt {}°, friction {}, damping {} N·s/m, |L| {} kg·m²/s",
+            name(self.trial.start),
+            rounded(self.trial.tilt.to_degrees()),
+            self.trial.coefficient,
+            self.trial.damping,
+            self.trial.angular_momentum
+        )
+    }
+
+    /// How it is computed, in one line.
+    pub(crate) fn computation(&self) -> String {
+        format!(
+            "{}, step {:e} s, {} points",
+            self.method, self.time_step, self.points
+        )
+    }
+
+    /// Energy of the coin lying still: the springs carry its weight, so it lies a little below the floor.
+    ///
+    /// `−(M g)² / (2 n S)`, joules.
+    pub(crate) fn energy_at_rest(&self) -> f64 {
+        let weight = MASS * GRAVITY;
+        -weight * weight / (2.0 * self.points as f64 * self.stiffness)
+    }
+}
+
+/// Free of the last digits that a conversion of units leaves behind.
+fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
+fn name(start: Start) -> &'static str {
+    match start {
+        Start::Rolling => "rolling",
+        Start::Spinning => "spinning",
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(match self {
+            Self::Report => "the report's loop",
+            Self::ForwardEuler => "forward Euler",
+            Self::SymplecticEuler => "symplectic Euler",
+            Self::Strang => "Strang splitting",
+            Self::Rk4 => "Runge–Kutta 4",
+        })
+    }
+}
+
+impl FromStr for Method {
+    /// What it could have been.
+    type Err = &'static str;
+
+    fn from_str(word: &str) -> Result<Self, Self::Err> {
+        match word {
+            "report" => Ok(Self::Report),
+            "forward-euler" => Ok(Self::ForwardEuler),
+            "symplectic-euler" => Ok(Self::SymplecticEuler),
+            "strang" => Ok(Self::Strang),
+            "rk4" => Ok(Self::Rk4),
+            _ => Err("report, forward-euler, symplectic-euler, strang or rk4"),
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! The run in a dozen lines of text.
+
+use std::fmt;
+
+use tumble::Energy;
+
+use crate::milestones::{Milestones, Skidding};
+use crate::recording::{Books, Recording};
+
+/// Prints as the summary of a run.
+#[derive(Debug)]
+pub(crate) struct Summary<'a>(pub(crate) &'a Recording);
+
+impl fmt::Display for Summary<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let recording = self.0;
+        let setup = &recording.setup;
+        writeln!(out, "{}: {}", setup.title(), setup.knobs())?;
+        writeln!(out, "  {}", setup.computation())?;
+        write_milestones(out, Milestones::of(recording))?;
+        write_energy(out, "energy at the start", recording.first().energy)?;
+        write_energy(out, "energy at the end", recording.last().energy)?;
+        match recording.books {
+            Some(books) => write_books(out, books)?,
+            None => write_line(out, "books", "not kept")?,
+        }
+        write_speed(out, recording)
+    }
+}
+
+fn write_milestones(out: &mut fmt::Formatter<'_>, milestones: Milestones) -> fmt::Result {
+    write_line(out, "skids", describe_skidding(milestones.skidding))?;
+    let halfway_down = describe_time(milestones.halfway_down);
+    write_line(out, "passes 45 degrees", halfway_down)?;
+    write_line(out, "settles", describe_time(milestones.settled))
+}
+
+/// `until 1.32 s`, `not at all`.
+pub(crate) fn describe_skidding(skidding: Skidding) -> String {
+    match skidding {
+        Skidding::Never => "not at the start".to_owned(),
+        Skidding::Until(time) => format!("until {time:.2} s"),
+        Skidding::Always => "to the end of the run".to_owned(),
+    }
+}
+
+/// `at 0.49 s`, `not within the run`.
+pub(crate) fn describe_time(time: Option<f64>) -> String {
+    match time {
+        Some(time) => format!("at {time:.2} s"),
+        None => "not within the run".to_owned(),
+    }
+}
+
+fn write_energy(out: &mut fmt::Formatter<'_>, label: &str, energy: Energy) -> fmt::Result {
+    let kinds = format!(
+        "{:.4} J = translation {:.4} + rotation {:.4} + gravity {:.4} + springs {:.4}",
+        energy.total(),
+        energy.translation,
+        energy.rotation,
+        energy.gravity,
+        energy.springs
+    );
+    write_line(out, label, kinds)
+}
+
+fn write_books(out: &mut fmt::Formatter<'_>, books: Books) -> fmt::Result {
+    let joules = |energy: f64| format!("{energy:11.4} J");
+    let change = books.work.total() + books.residue;
+    write_line(out, "change of energy", joules(change))?;
+    write_line(out, "  by friction", joules(books.work.friction))?;
+    write_line(out, "  by the dampers", joules(books.work.damper))?;
+    write_line(out, "  by springs let go", joules(books.work.clamp))?;
+    let residue = format!("{}, the error of the method", joules(books.residue));
+    write_line(out, "  residue", residue)
+}
+
+fn write_speed(out: &mut fmt::Formatter<'_>, recording: &Recording) -> fmt::Result {
+    let simulated = recording.last().time;
+    let wall = recording.wall_time;
+    let speed = simulated / wall;
+    let books = recording.books.map_or("", |_| ", books included");
+    let text = format!("{wall:.2} s{books}: {speed:.0} simulated seconds per second");
+    write_line(out, "computed in", text)
+}
+
+fn write_line(out: &mut fmt::Formatter<'_>, label: &str, text: impl fmt::Display) -> fmt::Result {
+    writeln!(out, "  {label:<20} {text}")
+}
