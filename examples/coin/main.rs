@@ -23,6 +23,7 @@ mod options;
 mod overview;
 mod page;
 mod pictures;
+mod poster;
 mod recorder;
 mod recording;
 mod report;
@@ -59,6 +60,7 @@ fn perform() -> Result<(), Box<dyn Error>> {
         Task::Help => io::stdout().write_all(HELP.as_bytes())?,
         Task::OneTrial => one_trial(&options)?,
         Task::AllTrials => all_trials(&options)?,
+        Task::ReadmePicture(file) => readme_picture(&options, file)?,
     }
     Ok(())
 }
@@ -85,6 +87,14 @@ fn all_trials(options: &Options) -> Result<(), Box<dyn Error>> {
     let page = options.out.join("overview.html");
     overview::write(&cards, &page)?;
     tell_where(options, &page)?;
+    Ok(())
+}
+
+fn readme_picture(options: &Options, file: &Path) -> Result<(), Box<dyn Error>> {
+    let setup = options.overrides.apply(options.number)?;
+    let recording = run_and_tell(setup, options.quiet)?;
+    let explain = |error| format!("cannot write {}: {error}", file.display());
+    poster::write(&recording, file).map_err(explain)?;
     Ok(())
 }
 

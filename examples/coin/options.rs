@@ -20,6 +20,7 @@ Usage: cargo run --release --example coin -- [OPTIONS]
 What to run
   -t, --trial <1..8>            trial of the report to start from             [default: 1]
   -a, --all                     all eight trials, and one page that shows them side by side
+      --readme-picture <FILE>   only draw the coin of the trial, as an animated SVG, into FILE
 
 The report's five knobs: each replaces the value of the trial
       --direction <DIRECTION>   of the angular momentum: rolling (along the coin's normal)
@@ -70,6 +71,7 @@ pub(crate) enum Task {
     Help,
     OneTrial,
     AllTrials,
+    ReadmePicture(PathBuf),
 }
 
 /// Values that replace those of a trial; units as in [`Setup`].
@@ -142,6 +144,7 @@ impl Options {
         match option {
             "--help" => self.task = Task::Help,
             "--all" => self.task = Task::AllTrials,
+            "--readme-picture" => self.task = Task::ReadmePicture(parser.value()?.into()),
             "--trial" => self.number = number_of_trial(parser)?,
             "--out" => self.out = parser.value()?.into(),
             "--quiet" => self.quiet = true,

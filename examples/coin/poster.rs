@@ -1,0 +1,314 @@
+//! The picture of the README: an SVG in which the coin tumbles, over its own traces and the curve of its energy.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+use tumble::glam::{DVec2, DVec3};
+
+use crate::curve::{pieces, simplified};
+use crate::milestones::Milestones;
+use crate::recording::{Moment, Recording};
+use crate::setup::RADIUS;
+
+const TEMPLATE: &str = include_str!("poster.svg");
+
+/// Pixels.
+const WIDTH: f64 = 900.0;
+/// The floor takes the upper part of the picture, the curve what is below.
+const FLOOR_HEIGHT: f64 = 350.0;
+/// Time 0 and no energy.
+const CURVE_START: DVec2 = DVec2::new(30.0, 446.0);
+/// The end and the energy of the start.
+const CURVE_END: DVec2 = DVec2::new(WIDTH - 30.0, 372.0);
+const MARGIN: f64 = 26.0;
+
+/// Length of the film, s, and pictures in it.
+const FILM: f64 = 14.0;
+const PICTURES: u32 = 350;
+/// Film seconds of the coins that stay in the picture.
+const GHOSTS: [f64; 7] = [0.0, 0.36, 1.3, 3.0, 5.0, 7.4, 10.5];
+/// Half the thickness that the coin is drawn with, m.
+const HALF_THICKNESS: f64 = 0.014;
+/// The eye looks down at this angle, rad.
+const PITCH: f64 = 0.5;
+
+/// Writes the picture.
+///
+/// # Errors
+/// Where the file cannot be written.
+pub(crate) fn write(recording: &Recording, path: &Path) -> std::io::Result<()> {
+    let film = Film::of(recording);
+    let eye = Eye::on(film.moments);
+    let text = TEMPLATE
+        .replace("/*FILM*/", &format!("{FILM}s"))
+        .replace("/*COIN*/", &keyframes(&film, &eye))
+        .replace("<!--GRID-->", &grid(&eye))
+        .replace("<!--TRACK-->", &track(&film, &eye))
+        .replace("<!--GHOSTS-->", &ghosts(&film, &eye))
+        .replace("<!--CURVE-->", &curve(&film))
+        .replace(
+            "<!--START-->",
+            &format!("{:.1}", recording.first().energy.total()),
+        )
+        .replace("<!--SECONDS-->", &format!("{:.0}", film.length()));
+    fs::write(path, text)
+}
+
+/// The moments of a run until the coin lies still, run through faster and faster.
+struct Film<'a> {
+    moments: &'a [Moment],
+}
+
+impl<'a> Film<'a> {
+    fn of(recording: &'a Recording) -> Self {
+        let moments = recording.until(Milestones::of(recording).curtain());
+        Self { moments }
+    }
+
+    /// Simulated seconds.
+    fn length(&self) -> f64 {
+        self.moments[self.moments.len() - 1].time
+    }
+
+    /// Simulated time at a time of the film: `t + c t²`, true to life at the start; evenly fast where the run is short.
+    fn time(&self, film: f64) -> f64 {
+        let even = (self.length() / FILM).min(1.0);
+        let faster = (self.length() - even * FILM) / (FILM * FILM);
+        even * film + faster * film * film
+    }
+
+    /// The moment that is shown at a time of the film.
+    fn at(&self, film: f64) -> &'a Moment {
+        let time = self.time(film);
+        let next = self.moments.partition_point(|moment| moment.time < time);
+        &self.moments[next.min(self.moments.len() - 1)]
+    }
+}
+
+/// A parallel projection. The coin travels from left to right.
+struct Eye {
+    right: DVec3,
+    up: DVec3,
+    /// From the scene to the eye.
+    out: DVec3,
+    /// Pixels for each metre.
+    scale: f64,
+    /// Pixels.
+    origin: DVec2,
+}
+
+impl Eye {
+    /// Sees all of the run.
+    fn on(moments: &[Moment]) -> Self {
+        let travel = moments[moments.len() - 1].centre - moments[0].centre;
+        let right = DVec3::new(travel.x, travel.y, 0.0)
+            .try_normalize()
+            .unwrap_or(DVec3::X);
+        let away = DVec3::Z.cross(right);
+        let (sin, cos) = PITCH.sin_cos();
+        let mut eye = Self {
+            right,
+            up: DVec3::Z * cos + away * sin,
+            out: DVec3::Z * sin - away * cos,
+            scale: 1.0,
+            origin: DVec2::ZERO,
+        };
+        eye.frame(moments);
+        eye
+    }
+
+    /// Chooses scale and origin such that every coin of the run is in the picture.
+    fn frame(&mut self, moments: &[Moment]) {
+        let (mut least, mut most) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for moment in moments {
+            let place = self.see(moment.centre);
+            let [u, v] = in_plane(moment).map(|radius| self.see_way(radius));
+            let reach = DVec2::new(u.x.hypot(v.x), u.y.hypot(v.y));
+            least = least.min(place - reach);
+            most = most.max(place + reach);
+        }
+        let room = DVec2::new(WIDTH, FLOOR_HEIGHT) - 2.0 * MARGIN;
+        self.scale = (room / (most - least)).min_element();
+        self.origin = DVec2::new(WIDTH, FLOOR_HEIGHT) / 2.0 - self.scale * (least + most) / 2.0;
+    }
+
+    /// Pixels, y down.
+    fn see(&self, place: DVec3) -> DVec2 {
+        self.origin + self.see_way(place)
+    }
+
+    /// A way from one place to another, as pixels.
+    fn see_way(&self, way: DVec3) -> DVec2 {
+        self.scale * DVec2::new(way.dot(self.right), -way.dot(self.up))
+    }
+
+    /// The transform that carries a disc of radius 1 to one with this centre and these radii at right angles, as SVG and CSS write it.
+    fn disc(&self, centre: DVec3, radii: [DVec3; 2]) -> String {
+        let [u, v] = radii.map(|radius| self.see_way(radius));
+        let c = self.see(centre);
+        format!(
+            "matrix({:.1},{:.1},{:.1},{:.1},{:.1},{:.1})",
+            u.x, u.y, v.x, v.y, c.x, c.y
+        )
+    }
+}
+
+/// Two radii of the coin at right angles; the first one points to the mark.
+fn in_plane(moment: &Moment) -> [DVec3; 2] {
+    [DVec3::Y, DVec3::Z].map(|axis| moment.orientation * axis * RADIUS)
+}
+
+/// The coin as the picture draws it at one moment: transforms of unit discs.
+struct Drawn {
+    face: String,
+    middle: String,
+    back: String,
+    shadow: String,
+    contact: DVec2,
+    heads: bool,
+}
+
+impl Drawn {
+    fn of(moment: &Moment, eye: &Eye) -> Self {
+        let radii = in_plane(moment);
+        let normal = moment.orientation * DVec3::X;
+        let heads = normal.dot(eye.out) > 0.0;
+        let half = normal
+            * if heads {
+                HALF_THICKNESS
+            } else {
+                -HALF_THICKNESS
+            };
+        let level = |v: DVec3| DVec3::new(v.x, v.y, 0.0);
+        Self {
+            face: eye.disc(moment.centre + half, radii),
+            middle: eye.disc(moment.centre, radii),
+            back: eye.disc(moment.centre - half, radii),
+            shadow: eye.disc(level(moment.centre), radii.map(level)),
+            contact: eye.see(level(moment.lowest)),
+            heads,
+        }
+    }
+
+    /// One coin that does not move.
+    fn still(&self) -> String {
+        let face = if self.heads { "heads" } else { "tails" };
+        format!(
+            "<g><use href=\"#edge-{face}\" transform=\"{}\"/><use href=\"#edge-{face}\" transform=\"{}\"/><use href=\"#{face}\" transform=\"{}\"/></g>\n",
+            self.back, self.middle, self.face
+        )
+    }
+}
+
+/// The styles that move the coin, its shadow, the point of contact and the cursor on the curve.
+fn keyframes(film: &Film<'_>, eye: &Eye) -> String {
+    let drawn = |when| Drawn::of(film.at(when), eye);
+    let shown = |yes| format!("opacity:{}", u8::from(yes));
+    [
+        rule("face", |when| format!("transform:{}", drawn(when).face)),
+        rule("middle", |when| format!("transform:{}", drawn(when).middle)),
+        rule("back", |when| format!("transform:{}", drawn(when).back)),
+        rule("shadow", |when| format!("transform:{}", drawn(when).shadow)),
+        rule("heads", |when| shown(drawn(when).heads)),
+        rule("tails", |when| shown(!drawn(when).heads)),
+        rule("contact", |when| moved(drawn(when).contact)),
+        rule("cursor", |when| moved(on_curve(film, film.at(when)))),
+    ]
+    .concat()
+}
+
+fn moved(to: DVec2) -> String {
+    format!("transform:translate({:.1}px,{:.1}px)", to.x, to.y)
+}
+
+/// A CSS rule with the style at each picture of the film; what does not change is not repeated.
+fn rule(name: &str, style: impl Fn(f64) -> String) -> String {
+    let mut text = format!("@keyframes {name}{{");
+    let mut before = String::new();
+    for picture in 0..PICTURES {
+        let part = f64::from(picture) / f64::from(PICTURES);
+        let now = style(part * FILM);
+        if now != before {
+            // Writing into a string does not fail.
+            let _ = write!(text, "{:.2}%{{{now}}}", 100.0 * part);
+        }
+        before = now;
+    }
+    text + "}\n"
+}
+
+/// Lines on the floor every half metre.
+fn grid(eye: &Eye) -> String {
+    let middle = eye.right * ((WIDTH / 2.0 - eye.origin.x) / eye.scale);
+    let near = |value: f64| (2.0 * value).round() / 2.0;
+    let mut path = String::new();
+    for k in -16..=16 {
+        let at = 0.5 * f64::from(k);
+        let (x, y) = (near(middle.x), near(middle.y));
+        let lines = [
+            [
+                DVec3::new(x + at, y - 9.0, 0.0),
+                DVec3::new(x + at, y + 9.0, 0.0),
+            ],
+            [
+                DVec3::new(x - 9.0, y + at, 0.0),
+                DVec3::new(x + 9.0, y + at, 0.0),
+            ],
+        ];
+        for line in lines {
+            path += &line_through(line.map(|place| eye.see(place)));
+        }
+    }
+    path
+}
+
+/// The way of the lowest point.
+fn track(film: &Film<'_>, eye: &Eye) -> String {
+    let lowest = film
+        .moments
+        .iter()
+        .map(|moment| (moment.lowest.x, moment.lowest.y));
+    let seen = |piece: Vec<(f64, f64)>| {
+        line_through(
+            piece
+                .into_iter()
+                .map(|(x, y)| eye.see(DVec3::new(x, y, 0.0))),
+        )
+    };
+    let pieces = pieces(&simplified(lowest), 0.6 * RADIUS);
+    pieces.into_iter().map(seen).collect()
+}
+
+/// Coins that stay where they were.
+fn ghosts(film: &Film<'_>, eye: &Eye) -> String {
+    let ghost = |when: f64| Drawn::of(film.at(when), eye).still();
+    GHOSTS.into_iter().map(ghost).collect()
+}
+
+/// Total energy over time.
+fn curve(film: &Film<'_>) -> String {
+    line_through(
+        film.moments
+            .iter()
+            .step_by(8)
+            .map(|moment| on_curve(film, moment)),
+    )
+}
+
+/// Where a moment is on the curve of the energy.
+fn on_curve(film: &Film<'_>, moment: &Moment) -> DVec2 {
+    let highest = film.moments[0].energy.total();
+    let part = DVec2::new(moment.time / film.length(), moment.energy.total() / highest);
+    CURVE_START + part * (CURVE_END - CURVE_START)
+}
+
+/// `M1 2L3 4`, pixels.
+fn line_through(places: impl IntoIterator<Item = DVec2>) -> String {
+    let mut path = String::new();
+    for place in places {
+        let command = if path.is_empty() { 'M' } else { 'L' };
+        let _ = write!(path, "{command}{:.1} {:.1}", place.x, place.y);
+    }
+    path
+}
