@@ -232,7 +232,9 @@ fn trial_1_tips_at_once_and_trial_2_travels_before_it_tips() {
 #[test]
 fn more_friction_lets_trial_3_roll_longer_than_trial_1() {
     for (slippery, rough) in pairs(1, 3) {
-        // Twice as long and more: 77 s against 30 s.
+        // 78 s against 30.5 s, as dt -> 0. In stick the methods get there by different ways: at the steps here SymplecticEuler
+        // rolls for 69 s, Rk4 for 77 s, and StrangSplitting, whose midpoint kick turns a stuck point's slip round instead of
+        // stopping it, for 108 s.
         assert!(
             rough.settles() > 2.0 * slippery.settles(),
             "{}",
@@ -341,6 +343,17 @@ fn the_trials_settle_in_their_order() {
                 later.name()
             );
         }
+    }
+}
+
+#[test]
+fn with_all_of_their_damping_the_trials_settle_a_tenth_sooner_than_in_the_report() {
+    // The report's scheme, at its step, takes a fifth off the dampers; it settles at these times, s.
+    for (trial, reports) in [(1, 35.2), (2, 56.6), (3, 90.6), (5, 82.1), (8, 46.1)] {
+        let rk4 = films(trial).iter().find(|film| film.method.name == "Rk4");
+        // 10 to 14 % sooner as dt -> 0; here, where points stick for long (trial 3), 15 %.
+        let sooner = 1.0 - rk4.unwrap().settles() / reports;
+        assert!((0.08..0.17).contains(&sooner), "trial {trial}: {sooner}");
     }
 }
 
