@@ -25,18 +25,26 @@ impl<R: Real> Energy<R> {
     #[inline]
     #[must_use]
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Self {
+        Self::with_touching(scene, state).0
+    }
+
+    /// The energy of a state of a scene, and how many contacts touch.
+    #[inline]
+    pub(crate) fn with_touching(scene: &impl Dynamics<R>, state: &State<R>) -> (Self, usize) {
         let motion = scene.motion(state);
         let mass = scene.mass_properties().mass();
-        let mut springs = R::ZERO;
+        let (mut springs, mut touching) = (R::ZERO, 0);
         scene.visit_contacts(&motion, |contact| {
             springs += scene.ground().spring_energy(contact.depth);
+            touching += 1;
         });
-        Self {
+        let energy = Self {
             translation: mass * state.linear_velocity.length_squared() * R::HALF,
             rotation: state.angular_momentum.dot(motion.angular_velocity) * R::HALF,
             gravity: -(mass * scene.gravity().dot(state.position)),
             springs,
-        }
+        };
+        (energy, touching)
     }
 
     /// The sum of all kinds.

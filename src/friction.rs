@@ -110,7 +110,7 @@ fn drag_by_differences<R: Real, F: SlidingFriction<R> + ?Sized>(
     let along = |load: R, factor: R| -(friction.force(load, slip * factor).dot(slip) / speed);
     let force = along(normal_force, R::ONE);
     let coefficient = force / speed;
-    if !(coefficient > R::ZERO) {
+    if coefficient <= R::ZERO {
         return Drag::NONE;
     }
     let slope = (along(normal_force, nudged) - force) / (speed * nudge);

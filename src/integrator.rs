@@ -1,10 +1,12 @@
 //! How a state moves on in time: one file a method.
 
+mod energy_momentum;
 mod forward_euler;
 mod rk4;
 mod strang_splitting;
 mod symplectic_euler;
 
+pub use energy_momentum::{EnergyMomentum, Workspace as EnergyMomentumWorkspace};
 pub use forward_euler::ForwardEuler;
 pub use rk4::Rk4;
 pub use strang_splitting::StrangSplitting;
@@ -61,6 +63,12 @@ pub struct Step<R = f64> {
     pub elapsed: R,
     /// How often the contacts' forces were evaluated.
     pub evaluations: u32,
+    /// Iterations of an implicit method, over all parts of the step.
+    pub iterations: u32,
+    /// Whether an implicit method could not take the step whole: it was too long to be accurate.
+    pub fallback: bool,
+    /// Energy that was removed so that the total does not rise, J: what the solver's error would have added.
+    pub ratcheted: R,
 }
 
 impl<R: Real> Step<R> {
@@ -71,6 +79,9 @@ impl<R: Real> Step<R> {
         Self {
             elapsed,
             evaluations,
+            iterations: 0,
+            fallback: false,
+            ratcheted: R::ZERO,
         }
     }
 }

@@ -28,7 +28,9 @@ pub use error::{SceneError, StepError};
 pub use friction::{Coulomb, Drag, Frictionless, SlidingFriction, SmoothCoulomb};
 pub use gravity::{Gravity, NoGravity, UniformGravity};
 pub use ground::{Extent, FlatGround, MeanForce, NoGround, Plane, SpringDamperGround, Surface};
-pub use integrator::{ForwardEuler, Integrator, Rk4, Step, StrangSplitting, SymplecticEuler};
+pub use integrator::{
+    EnergyMomentum, ForwardEuler, Integrator, Rk4, Step, StrangSplitting, SymplecticEuler,
+};
 pub use observer::{Every, Ledger, Observer, Probe, Sample};
 pub use real::Real;
 pub use rotation::Rotation;

@@ -66,6 +66,12 @@ impl<R: Real> Rotation<R> {
         }
     }
 
+    /// As [`cayley`](Self::cayley), not scaled to length 1: `1 + a`.
+    #[inline]
+    pub(crate) fn cayley_unscaled(a: R::Vec3) -> Self {
+        Self { w: R::ONE, v: a }
+    }
+
     /// The quaternion product `self other`: first turned by `other`, then by `self` (both about world axes).
     #[inline]
     #[must_use]

@@ -8,7 +8,7 @@ use crate::error::{SceneError, StepError};
 use crate::friction::{Frictionless, SlidingFriction};
 use crate::gravity::{Gravity, NoGravity};
 use crate::ground::{NoGround, SpringDamperGround};
-use crate::integrator::{Integrator, Step, StrangSplitting};
+use crate::integrator::{EnergyMomentum, Integrator, Step};
 use crate::observer::{Observer, Sample};
 use crate::real::Real;
 use crate::scene::{Dynamics, LowestPoint, Scene};
@@ -35,27 +35,21 @@ use crate::state::State;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stepper<
-    R: Real,
-    B,
-    G = NoGround,
-    F = Frictionless,
-    A = NoGravity,
-    I = StrangSplitting<R>,
-> {
+pub struct Stepper<R: Real, B, G = NoGround, F = Frictionless, A = NoGravity, I = EnergyMomentum<R>>
+{
     scene: Scene<R, B, G, F, A>,
     integrator: I,
 }
 
 impl<R: Real, B: RigidPointBody<R>> Stepper<R, B> {
-    /// A body in empty space, without gravity, moved on by the default integrator with a time step of 1 ms.
+    /// A body in empty space, without gravity, moved on by [`EnergyMomentum`] with a time step of 1 ms.
     ///
     /// # Errors
     /// Where the body cannot be; names quantity, rule and value.
     pub fn new(body: B) -> Result<Self, SceneError> {
         Ok(Self {
             scene: Scene::new(body, NoGround, Frictionless, NoGravity)?,
-            integrator: StrangSplitting {
+            integrator: EnergyMomentum {
                 time_step: R::from_f64(1e-3),
             },
         })

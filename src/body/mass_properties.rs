@@ -19,6 +19,54 @@ pub struct MassProperties<R: Real = f64> {
     common: R,
     symmetry: Excess<R>,
     asymmetry: Excess<R>,
+    solving: Solving<R>,
+}
+
+/// The tensor for equations that need it to be regular: `c 1 + s a aᵀ + d b bᵀ` with the axes of the inverse one. A moment of 0 stands as the
+/// largest one (as 1 m² times the mass for a point), and goes with an angular momentum of 0: what does not turn has no energy in its turning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Solving<R: Real> {
+    common: R,
+    symmetry: R,
+    asymmetry: R,
+    turns: Turns,
+}
+
+/// About which axes a body turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Turns {
+    /// About all.
+    Freely,
+    /// Not about the axis of symmetry: a rod.
+    Across,
+    /// About none: a point.
+    Never,
+}
+
+impl<R: Real> Solving<R> {
+    fn new(mass: R, moments: [R; 3], inverse: [R; 3], [unlike, like, third]: [usize; 3]) -> Self {
+        let turns = if inverse[like] == R::ZERO {
+            Turns::Never
+        } else if inverse[unlike] == R::ZERO {
+            Turns::Across
+        } else {
+            Turns::Freely
+        };
+        let excess = |moment: R| match turns {
+            Turns::Freely => moment - moments[like],
+            Turns::Across | Turns::Never => R::ZERO,
+        };
+        Self {
+            common: if turns == Turns::Never {
+                mass
+            } else {
+                moments[like]
+            },
+            symmetry: excess(moments[unlike]),
+            asymmetry: excess(moments[third]),
+            turns,
+        }
+    }
 }
 
 /// An inverse moment that one principal axis has beyond the others' common one.
@@ -101,6 +149,7 @@ impl<R: Real> MassProperties<R> {
                     inverse[third] - common
                 },
             },
+            solving: Solving::new(mass, moments, inverse, [unlike, like, third]),
         })
     }
 
@@ -159,6 +208,39 @@ impl<R: Real> MassProperties<R> {
             self.moments.z() * spin.z(),
         );
         axes.to_world(self.principal.to_world(momentum))
+    }
+
+    /// A regular inertia tensor (columns, world axes) of a body with these axes, and the angular momentum without what the body cannot have.
+    #[inline]
+    pub(crate) fn inertia_for_solving(
+        &self,
+        axes: &Axes<R>,
+        angular_momentum: R::Vec3,
+    ) -> ([R::Vec3; 3], R::Vec3) {
+        let solving = &self.solving;
+        let o = R::ZERO;
+        let mut tensor = [
+            R::Vec3::new(solving.common, o, o),
+            R::Vec3::new(o, solving.common, o),
+            R::Vec3::new(o, o, solving.common),
+        ];
+        let mut add = |axis: R::Vec3, moment: R| {
+            let scaled = axis * moment;
+            tensor[0] += scaled * axis.x();
+            tensor[1] += scaled * axis.y();
+            tensor[2] += scaled * axis.z();
+        };
+        let symmetry = axes.to_world(self.symmetry.axis);
+        add(symmetry, solving.symmetry);
+        if self.is_asymmetric() {
+            add(axes.to_world(self.asymmetry.axis), solving.asymmetry);
+        }
+        let momentum = match solving.turns {
+            Turns::Freely => angular_momentum,
+            Turns::Across => angular_momentum - symmetry * symmetry.dot(angular_momentum),
+            Turns::Never => R::Vec3::ZERO,
+        };
+        (tensor, momentum)
     }
 
     /// The turn after `seconds` without torque, from `rotation` with these `axes`. The angular momentum is a constant of the world and is not touched.

@@ -1,0 +1,218 @@
+//! Implicit, of order 2, with an energy that cannot rise.
+
+mod contacts;
+mod linear;
+mod newton;
+mod problem;
+mod ratchet;
+mod settle;
+mod split;
+
+use super::{Integrator, Step, step_length};
+use crate::body::{RigidPointBody, Run};
+use crate::energy::Energy;
+use crate::error::{self, SceneError, StepError};
+use crate::ground::{Extent, SpringDamperGround};
+use crate::real::{Real, Vector};
+use crate::scene::Dynamics;
+use crate::state::State;
+use contacts::Contacts;
+use problem::Problem;
+use settle::Strain;
+
+/// Energy-momentum method: implicit, order 2, **the computed energy never rises**, whatever the time step, stiffness, damping, friction, spin, size and shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct EnergyMomentum<R = f64> {
+    /// s, above 0.
+    pub time_step: R,
+}
+
+/// What [`EnergyMomentum`] keeps from step to step to save work.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace<R: Real = f64> {
+    contacts: Contacts<R>,
+    /// The state after the last step, with its energy.
+    known: Option<(State<R>, Energy<R>)>,
+    /// A state that a step of this length has left as it was.
+    rest: Option<(State<R>, R)>,
+}
+
+impl<R: Real> Integrator<R> for EnergyMomentum<R> {
+    type Workspace = Workspace<R>;
+
+    #[inline]
+    fn step<D: Dynamics<R>>(
+        &self,
+        scene: &D,
+        state: &mut State<R>,
+        limit: R,
+        workspace: &mut Workspace<R>,
+    ) -> Result<Step<R>, StepError> {
+        let dt = step_length(self.time_step, limit);
+        if workspace.rest == Some((*state, dt)) {
+            return Ok(Step::new(dt, 0));
+        }
+        let step = move_on(scene, state, dt, workspace);
+        Ok(step)
+    }
+
+    fn order(&self) -> u32 {
+        2
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("time step", self.time_step, " s")
+    }
+}
+
+/// Finest division of a step that Newton's method cannot take whole: 64ths.
+const PARTS: u32 = 64;
+
+fn move_on<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    state: &mut State<R>,
+    dt: R,
+    workspace: &mut Workspace<R>,
+) -> Step<R> {
+    let start = *state;
+    let mut energy = match workspace.known {
+        Some((known, energy)) if known == start => energy,
+        _ => Energy::of(scene, &start),
+    };
+    let mut step = Step::new(dt, 0);
+    // In parts of a step of 1/64: the place reached, and the length that is tried.
+    let (mut done, mut length) = (0, PARTS);
+    while done < PARTS {
+        let seconds = dt * (R::from_usize(length as usize) / R::from_usize(PARTS as usize));
+        match attempt(scene, state, energy, seconds, workspace, &mut step) {
+            Some((next, next_energy)) => {
+                (*state, energy) = (next, next_energy);
+                done += length;
+                length = longest_part(done);
+            }
+            None if length > 1 => {
+                length /= 2;
+                step.fallback = true;
+            }
+            // Time passes and the body stays: the energy does not rise.
+            None => done += length,
+        }
+    }
+    workspace.known = Some((*state, energy));
+    workspace.rest = (*state == start).then_some((start, dt));
+    step
+}
+
+/// The longest part of a step that begins at `done` 64ths: the largest power of 2 that divides it.
+fn longest_part(done: u32) -> u32 {
+    if done == 0 {
+        PARTS
+    } else {
+        1 << done.trailing_zeros()
+    }
+}
+
+/// One attempt at a step: whole by Newton's method, else split. `None` where neither ends with an energy that is no higher.
+fn attempt<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    start: &State<R>,
+    energy: Energy<R>,
+    seconds: R,
+    workspace: &mut Workspace<R>,
+    step: &mut Step<R>,
+) -> Option<(State<R>, Energy<R>)> {
+    let problem = Problem::new(scene, start, seconds);
+    let contacts = &mut workspace.contacts;
+    for wide in [false, true] {
+        gather(&problem, contacts, wide);
+        let end = if contacts.is_empty() && !scene.mass_properties().is_asymmetric() {
+            Some(fly(&problem))
+        } else {
+            whole(&problem, contacts, step)
+        };
+        let Some(end) = end else { break };
+        let (end_energy, touching) = Energy::with_touching(scene, &end);
+        // A contact that was not foreseen has come down: look at all of them.
+        if !wide && touching > contacts.end_touching {
+            continue;
+        }
+        if let Some(kept) = ratchet::hold(scene, start, energy, end, end_energy, touching, step) {
+            return Some(kept);
+        }
+        break;
+    }
+    step.fallback = true;
+    let end = split::step(&problem, contacts, step)?;
+    let (end_energy, touching) = Energy::with_touching(scene, &end);
+    ratchet::hold(scene, start, energy, end, end_energy, touching, step)
+}
+
+/// Free flight of a symmetric body, exact.
+fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
+    let (start, seconds) = (&problem.start, problem.seconds);
+    let gravity = problem.scene.gravity();
+    let mean_velocity = start.linear_velocity + gravity * (seconds * R::HALF);
+    State {
+        position: start.position + mean_velocity * seconds,
+        linear_velocity: start.linear_velocity + gravity * seconds,
+        orientation: problem
+            .scene
+            .mass_properties()
+            .turn_freely(
+                problem.rotation,
+                &problem.motion.axes,
+                start.angular_momentum,
+                seconds,
+            )
+            .to_quat(),
+        angular_momentum: start.angular_momentum,
+    }
+}
+
+/// The whole step at once: Newton's method, then what friction and dampers still must stop.
+fn whole<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &mut Contacts<R>,
+    step: &mut Step<R>,
+) -> Option<State<R>> {
+    let (iterations, trial) = newton::solve(problem, contacts);
+    step.iterations += iterations;
+    step.evaluations += iterations + 1;
+    let trial = trial?;
+    let mut end = problem.end_of(&trial);
+    let strain = Strain::of(problem, contacts, &trial);
+    if !strain.is_resolved() {
+        settle::settle(problem, contacts, &trial, strain, &mut end);
+    }
+    end.not_finite().is_none().then_some(end)
+}
+
+/// Collects the contacts that may touch in the step: those below ground, and those that its first motion brings near; all where `wide`.
+fn gather<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &mut Contacts<R>,
+    wide: bool,
+) {
+    let (scene, motion, dt) = (problem.scene, &problem.motion, problem.seconds);
+    let Some(plane) = problem.plane.filter(|_| !wide) else {
+        let run = match scene.ground().extent() {
+            Extent::Nowhere => Run::NONE,
+            _ => Run::all(scene.body().contacts().len()),
+        };
+        contacts.gather(problem, run, |_, _| true);
+        return;
+    };
+    let spin = motion.angular_velocity;
+    // What gravity and the turn's own curvature may add to the path of a contact along the normal.
+    let bend = dt * dt * (scene.gravity().length() + spin.length_squared() * problem.reach);
+    let bend = bend.at_most(R::TWO * problem.reach + dt * dt * scene.gravity().length());
+    let fall = dt * -motion.linear_velocity.dot(plane.normal);
+    let swing = dt * spin.cross(plane.normal).length() * problem.reach;
+    let margin = (fall + swing).at_least(R::ZERO) + bend;
+    let run = scene.contacts_within(margin, motion.position, &motion.axes);
+    contacts.gather(problem, run, |depth, arm| {
+        let closing = -motion.velocity_at(arm).dot(plane.normal);
+        depth > R::ZERO || depth + dt * closing + bend > R::ZERO
+    });
+}

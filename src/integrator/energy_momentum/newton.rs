@@ -1,0 +1,227 @@
+//! Newton's iteration on the momentum balance of a step.
+//!
+//! With the end velocities `v' = 2 vₘ - v` and `L' = R (2 J ωₘ - L)` of a trial, the equations are
+//!
+//! ```text
+//! m (v' - v)/2 - dt/2 (F + m g) = 0,     (L' - L)/2 - dt/2 T = 0
+//! ```
+//!
+//! A small change of the trial shifts the end of the step by `ξ` and turns it by `ϑ`: a contact's path changes by `ξ + ϑ × r'`, its mean arm by `ϑ × r'/2`, and
+//! the Cayley argument by `(ϑ - a × ϑ + a (a·ϑ))/2`. In these unknowns the derivatives need neither inverses nor the map's own.
+
+use super::contacts::{Contacts, Push};
+use super::linear::{Block, SixBySix};
+use super::problem::{Problem, Trial};
+use crate::real::{Real, Vector};
+use crate::scene::Dynamics;
+
+/// Iterations after which the step is given up.
+const LIMIT: u32 = 40;
+
+/// What the contacts do over a trial step, together.
+#[derive(Clone, Copy, Debug)]
+struct Sum<R: Real> {
+    force: R::Vec3,
+    torque: R::Vec3,
+    /// Sum of the sizes of the normal forces, N.
+    normal: R,
+    /// Sum of the slopes of the normal forces, N/m.
+    slope: R,
+    equations: SixBySix<R>,
+}
+
+/// Solves the step. Returns the number of iterations with the trial, or alone where they did not converge.
+pub(super) fn solve<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &mut Contacts<R>,
+) -> (u32, Option<Trial<R>>) {
+    let mut trial = problem.first_trial();
+    let mut best = R::MAX;
+    for iteration in 0..LIMIT {
+        let sum = add_up(problem, contacts, &trial);
+        let (force_lack, torque_lack) = lack(problem, &trial, &sum);
+        let size = norm(problem, force_lack, torque_lack);
+        let scale = scale(problem, &sum);
+        let tolerance = scale * tolerance::<R>();
+        if size <= tolerance {
+            return (iteration, Some(trial));
+        }
+        if !size.is_finite() {
+            return (iteration, None);
+        }
+        // No further progress: rounding is reached, or nearly so.
+        if size <= tolerance * R::from_f64(1e3) && size > best * R::HALF {
+            return (iteration, Some(trial));
+        }
+        best = best.at_most(size);
+        let (shift, turn) = sum
+            .equations
+            .solve(-force_lack, -torque_lack, problem.reach);
+        trial = change(problem, &trial, shift, turn);
+    }
+    (LIMIT, None)
+}
+
+/// Of the momentum's size: 1.8e-12 in f64, 6e-6 in f32.
+#[inline]
+fn tolerance<R: Real>() -> R {
+    let root = R::EPSILON.sqrt();
+    root * root.sqrt()
+}
+
+/// The trial after a shift and a turn of its end.
+#[inline]
+fn change<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    trial: &Trial<R>,
+    shift: R::Vec3,
+    turn: R::Vec3,
+) -> Trial<R> {
+    let a = trial.spin;
+    let change = (turn - a.cross(turn) + a * a.dot(turn)) * R::HALF;
+    problem.trial(
+        trial.velocity + shift * problem.per_second,
+        trial.spin + change,
+    )
+}
+
+/// By how much the momentum balance fails.
+#[inline]
+fn lack<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    trial: &Trial<R>,
+    sum: &Sum<R>,
+) -> (R::Vec3, R::Vec3) {
+    let half = problem.seconds * R::HALF;
+    let gained = (trial.end_velocity - problem.start.linear_velocity) * R::HALF;
+    let weight = problem.scene.gravity() * half;
+    (
+        (gained - weight) * problem.mass - sum.force * half,
+        (trial.end_angular_momentum - problem.angular_momentum) * R::HALF - sum.torque * half,
+    )
+}
+
+/// Size of a momentum in the norm of the kinetic energy, √J.
+#[inline]
+fn norm<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    linear: R::Vec3,
+    angular: R::Vec3,
+) -> R {
+    let properties = problem.scene.mass_properties();
+    let spin = properties.angular_velocity(&problem.motion.axes, angular);
+    (linear.length_squared() * properties.inverse_mass() + angular.dot(spin).at_least(R::ZERO))
+        .sqrt()
+}
+
+/// Size of the momenta that balance, √J: the body's own, gravity's, the contacts', and what rounding of the position makes of stiff springs.
+#[inline]
+fn scale<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, sum: &Sum<R>) -> R {
+    let start = &problem.start;
+    let half = problem.seconds * R::HALF;
+    let energy = problem.mass * start.linear_velocity.length_squared()
+        + problem
+            .angular_momentum
+            .dot(problem.motion.angular_velocity)
+            .at_least(R::ZERO);
+    let weight = problem.mass * problem.scene.gravity().length();
+    let place = start.position.length() + problem.reach;
+    let rounding = sum.slope * place * (R::EPSILON / tolerance::<R>());
+    energy.sqrt() + half * (weight + sum.normal + rounding) / problem.mass.sqrt()
+}
+
+/// Forces, torques and their derivatives at a trial.
+#[inline]
+fn add_up<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &mut Contacts<R>,
+    trial: &Trial<R>,
+) -> Sum<R> {
+    let mut sum = Sum {
+        force: R::Vec3::ZERO,
+        torque: R::Vec3::ZERO,
+        normal: R::ZERO,
+        slope: R::ZERO,
+        equations: inertial(problem, trial),
+    };
+    // The Cayley argument's change by a turn, for contacts with a radius.
+    let argument = by_turn(trial.spin);
+    contacts.visit(problem, trial, |push| {
+        let force = push.force();
+        sum.force += force;
+        sum.torque += push.arm.cross(force);
+        sum.normal += push.mean.force;
+        sum.slope += push.mean.slope;
+        add_stiffness(&mut sum.equations, problem, push, &argument, force);
+    });
+    sum
+}
+
+/// `1 - â + a aᵀ`: twice the change of the Cayley argument by a turn of the step's end.
+#[inline]
+fn by_turn<R: Real>(a: R::Vec3) -> Block<R> {
+    Block::diagonal(R::ONE)
+        .plus(&Block::hat(-a))
+        .plus(&Block::outer(a, a))
+}
+
+/// Derivatives of the momenta at the end.
+#[inline]
+fn inertial<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<R>) -> SixBySix<R> {
+    let mean = Block::diagonal(R::ONE)
+        .plus(&trial.swing)
+        .times_block(&problem.inertia.times_block(&by_turn(trial.spin)))
+        .scaled(problem.per_second);
+    SixBySix {
+        force_by_shift: Block::diagonal(problem.mass * problem.per_second),
+        force_by_turn: Block::ZERO,
+        torque_by_shift: Block::ZERO,
+        torque_by_turn: mean.plus(&Block::hat(trial.end_angular_momentum * -R::HALF)),
+    }
+}
+
+/// Adds how one contact's force and torque answer to a shift and a turn of the step's end.
+#[inline]
+fn add_stiffness<R: Real, D: Dynamics<R>>(
+    equations: &mut SixBySix<R>,
+    problem: &Problem<'_, R, D>,
+    push: &Push<R>,
+    argument: &Block<R>,
+    force: R::Vec3,
+) {
+    let half = problem.seconds * R::HALF;
+    let stiffness = stiffness(problem, push).scaled(half);
+    let mut path = Block::hat(-push.end_arm);
+    if push.radius > R::ZERO {
+        let carried = argument.crossed_by(push.normal).scaled(push.radius);
+        path = path.plus(&carried);
+    }
+    let by_turn = stiffness.times_block(&path);
+    // The mean arm turns too: (ϑ × r')/2 × F.
+    let arm_turns = Block::outer(push.end_arm, force)
+        .plus(&Block::diagonal(-force.dot(push.end_arm)))
+        .scaled(-half * R::HALF);
+
+    equations.force_by_shift = equations.force_by_shift.plus(&stiffness);
+    equations.force_by_turn = equations.force_by_turn.plus(&by_turn);
+    equations.torque_by_shift = equations
+        .torque_by_shift
+        .plus(&stiffness.crossed_by(push.arm));
+    equations.torque_by_turn = equations
+        .torque_by_turn
+        .plus(&by_turn.crossed_by(push.arm))
+        .plus(&arm_turns);
+}
+
+/// `-dF/dx` of one contact for its path x over the step: `k (n - uₙ) nᵀ + c/dt (1 - n nᵀ - w' g ûᵀ)`.
+#[inline]
+fn stiffness<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, push: &Push<R>) -> Block<R> {
+    let n = push.normal;
+    let c = push.drag.coefficient * problem.per_second;
+    let loaded = n - push.slip * push.drag.per_load;
+    let across = loaded * push.mean.slope - n * c;
+    let along = push.dual * (-c * push.drag.growth);
+    Block::diagonal(c)
+        .plus(&Block::outer(across, n))
+        .plus(&Block::outer(along, push.slip_direction))
+}

@@ -1,0 +1,121 @@
+//! The equations of one implicit step: what is known at its start, a trial for its end, and the state that a trial means.
+
+use super::linear::Block;
+use crate::ground::{Extent, Plane, SpringDamperGround};
+use crate::real::{Real, Vector};
+use crate::rotation::Rotation;
+use crate::scene::{Dynamics, Motion};
+use crate::state::State;
+
+/// What a step knows when it begins.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Problem<'a, R: Real, D> {
+    pub(super) scene: &'a D,
+    pub(super) start: State<R>,
+    pub(super) rotation: Rotation<R>,
+    pub(super) motion: Motion<R>,
+    /// Angular momentum without what a degenerate body cannot have (a rod, about itself).
+    pub(super) angular_momentum: R::Vec3,
+    /// The ground, where it is a plane.
+    pub(super) plane: Option<Plane<R>>,
+    pub(super) seconds: R,
+    pub(super) per_second: R,
+    pub(super) mass: R,
+    /// Inertia tensor at the start, world axes; a moment of 0 stands as the largest one, with no momentum about it.
+    pub(super) inertia: Block<R>,
+    /// A length of the body's size, m, above 0.
+    pub(super) reach: R,
+}
+
+/// Mean velocity and mean spin over a step: the six unknowns, and what follows from them for every contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trial<R: Real> {
+    /// Mean velocity of the centre, m/s.
+    pub(super) velocity: R::Vec3,
+    /// Half the mean angle `a = dt ω/2`: the argument of the Cayley map.
+    pub(super) spin: R::Vec3,
+    /// Path of the centre, m.
+    pub(super) shift: R::Vec3,
+    /// What the step's turn adds to a vector: `(1 - â)⁻¹ (1 + â) - 1 = 2 (â + â²)/(1 + |a|²)`, small where the turn is, so that nothing cancels.
+    pub(super) swing: Block<R>,
+    /// Velocity at the end, `2 vₘ - v`.
+    pub(super) end_velocity: R::Vec3,
+    /// Angular momentum at the end, `R (2 J ωₘ - L)`.
+    pub(super) end_angular_momentum: R::Vec3,
+}
+
+impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
+    pub(super) fn new(scene: &'a D, start: &State<R>, seconds: R) -> Self {
+        let rotation = start.rotation();
+        let axes = rotation.axes();
+        let properties = scene.mass_properties();
+        let angular_velocity = properties.angular_velocity(&axes, start.angular_momentum);
+        let reach = scene.reach();
+        let (inertia, angular_momentum) =
+            properties.inertia_for_solving(&axes, start.angular_momentum);
+        Self {
+            scene,
+            start: *start,
+            rotation,
+            motion: Motion {
+                position: start.position,
+                axes,
+                linear_velocity: start.linear_velocity,
+                angular_velocity,
+            },
+            angular_momentum,
+            plane: match scene.ground().extent() {
+                Extent::Plane(plane) => Some(plane),
+                _ => None,
+            },
+            seconds,
+            per_second: R::ONE / seconds,
+            mass: properties.mass(),
+            inertia: Block {
+                x: inertia[0],
+                y: inertia[1],
+                z: inertia[2],
+            },
+            reach: if reach > R::ZERO { reach } else { R::ONE },
+        }
+    }
+
+    /// The first trial: gravity's mean velocity, and the spin of the start.
+    pub(super) fn first_trial(&self) -> Trial<R> {
+        let half = self.seconds * R::HALF;
+        self.trial(
+            self.start.linear_velocity + self.scene.gravity() * half,
+            self.motion.angular_velocity * half,
+        )
+    }
+
+    #[inline]
+    pub(super) fn trial(&self, velocity: R::Vec3, spin: R::Vec3) -> Trial<R> {
+        let swing = Block::hat(spin)
+            .plus(&Block::hat(spin).crossed_by(spin))
+            .scaled(R::TWO / (R::ONE + spin.length_squared()));
+        let mean_momentum = self.inertia.times(spin) * (R::TWO * self.per_second);
+        let turned = mean_momentum * R::TWO - self.angular_momentum;
+        Trial {
+            velocity,
+            spin,
+            shift: velocity * self.seconds,
+            swing,
+            end_velocity: velocity * R::TWO - self.start.linear_velocity,
+            end_angular_momentum: turned + swing.times(turned),
+        }
+    }
+
+    /// The state at the end of a trial.
+    pub(super) fn end_of(&self, trial: &Trial<R>) -> State<R> {
+        State {
+            position: self.start.position + trial.shift,
+            linear_velocity: trial.end_velocity,
+            orientation: Rotation::cayley_unscaled(trial.spin)
+                .after(self.rotation)
+                .normalised()
+                .to_quat(),
+            angular_momentum: trial.end_angular_momentum,
+        }
+    }
+}
