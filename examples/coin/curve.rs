@@ -1,5 +1,7 @@
 //! Curves with no more points than a picture can show.
 
+use crate::setup::RADIUS;
+
 /// Points `(x, y)` in order.
 pub(crate) type Curve = Vec<(f64, f64)>;
 
@@ -43,11 +45,13 @@ pub(crate) fn simplified(track: impl Iterator<Item = (f64, f64)>) -> Curve {
     kept
 }
 
-/// A track cut where it leaps farther than `leap`, m.
-pub(crate) fn pieces(track: &[(f64, f64)], leap: f64) -> Vec<Curve> {
+/// From one moment to the next, the lowest point leaps this far across the coin rather than runs along its rim, m.
+const LEAP: f64 = 0.6 * RADIUS;
+
+/// A track cut where it leaps.
+pub(crate) fn pieces(track: &[(f64, f64)]) -> Vec<Curve> {
     track
-        .chunk_by(|a, b| (b.0 - a.0).hypot(b.1 - a.1) < leap)
-        .filter(|piece| piece.len() > 1)
+        .chunk_by(|a, b| (b.0 - a.0).hypot(b.1 - a.1) < LEAP)
         .map(<[_]>::to_vec)
         .collect()
 }

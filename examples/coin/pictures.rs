@@ -29,8 +29,6 @@ const FLAT: Size = (900.0, 300.0);
 const SQUARE: Size = (820.0, 720.0);
 /// A picture in the overview of the trials.
 const SMALL: Size = (420.0, 280.0);
-/// From one moment to the next the lowest point leaps over the coin rather than runs along its rim, m.
-const LEAP: f64 = 0.6 * RADIUS;
 /// Pixels of the PNG for each pixel of the SVG.
 const PNG_SCALE: f32 = 2.0;
 
@@ -50,15 +48,14 @@ pub(crate) fn write(recording: &Recording, folder: &Path) -> Result<(), Box<dyn 
     write_both(&centre(recording), folder, "centre")
 }
 
-/// Energy and track as two small SVGs without legends, for the overview of the trials.
+/// Energy and track as two small SVGs, for the overview of the trials.
 pub(crate) fn small(recording: &Recording) -> [String; 2] {
     let number = recording.setup.number;
-    let pictures = [energy(recording, SMALL), track(recording, SMALL)];
-    let mut names = ["energy", "track"].into_iter();
-    pictures.map(|picture| {
-        let name = names.next().unwrap_or_default();
+    let energy = ("energy", energy(recording, SMALL));
+    let track = ("track", track(recording, SMALL));
+    [energy, track].map(|(name, picture)| {
         // Names of clip paths must be the page's only ones.
-        svg(&picture.shrunk().scene()).replace("kuva-clip", &format!("{name}-{number}-clip"))
+        svg(&picture.sparse().scene()).replace("kuva-clip", &format!("{name}-{number}-clip"))
     })
 }
 
@@ -96,6 +93,22 @@ impl Picture {
         Self { curves, layout }
     }
 
+    /// With time across. What is positive stands on the axis, also where it ends a hair below zero, as the energy does.
+    fn over_time(curves: Vec<LinePlot>, y_label: &str, size: Size) -> Self {
+        let values = || {
+            curves
+                .iter()
+                .flat_map(|curve| &curve.data)
+                .map(|point| point.y)
+        };
+        let (lowest, highest) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));
+        let picture = Self::new(curves, "time (s)", y_label, size);
+        if lowest < -0.01 * highest {
+            return picture;
+        }
+        picture.with(|layout| layout.with_y_axis_min(0.0))
+    }
+
     fn with(mut self, change: impl FnOnce(Layout) -> Layout) -> Self {
         self.layout = change(self.layout);
         self
@@ -103,6 +116,16 @@ impl Picture {
 
     fn with_title(self, title: impl Into<String>) -> Self {
         self.with(|layout| layout.with_title(title))
+    }
+
+    fn with_dots(mut self, places: impl Iterator<Item = (f64, f64)>, name: &str) -> Self {
+        let dots = ScatterPlot::new()
+            .with_data(places.collect::<Vec<_>>())
+            .with_color(BLACK)
+            .with_size(3.5)
+            .with_legend(name);
+        self.curves.push(Plot::Scatter(dots));
+        self
     }
 
     /// Marks when things happen: dashed lines, and a line of text under the title.
@@ -120,8 +143,8 @@ impl Picture {
         })
     }
 
-    /// In small letters and without a legend.
-    fn shrunk(self) -> Self {
+    /// With few ticks and without a legend.
+    fn sparse(self) -> Self {
         self.with(|layout| {
             let layout = layout.with_label_size(16).with_tick_size(14);
             layout.with_legend_entries(Vec::new()).with_ticks(4)
@@ -145,11 +168,8 @@ fn energy(recording: &Recording, size: Size) -> Picture {
         kind("translation", ORANGE, |energy| energy.translation),
         kind("springs", PURPLE, |energy| energy.springs),
     ];
-    Picture::new(curves, "time (s)", "energy (J)", size).with(|layout| {
-        layout
-            .with_y_axis_min(0.0)
-            .with_legend_position(LegendPosition::InsideTopRight)
-    })
+    Picture::over_time(curves, "energy (J)", size)
+        .with(|layout| layout.with_legend_position(LegendPosition::InsideTopRight))
 }
 
 /// Path of the lowest point and of the centre on the floor.
@@ -157,29 +177,49 @@ fn track(recording: &Recording, size: Size) -> Picture {
     let moving = recording.until(Milestones::of(recording).settled);
     let lowest = moving.iter().map(|m| (m.lowest.x, m.lowest.y));
     let centre = moving.iter().map(|m| (m.centre.x, m.centre.y));
-    let mut curves = track_line(lowest, BLUE, "lowest point", 1.0);
-    curves.extend(track_line(centre, VERMILION, "centre", 1.8));
-    Picture::new(curves, "x (m)", "y (m)", size).with(|layout| {
-        layout
-            .with_equal_aspect()
-            .with_legend_position(LegendPosition::InsideTopRight)
-    })
+    let mut curves = track_line(lowest.clone(), BLUE, "lowest point", 1.0);
+    curves.extend(track_line(centre.clone(), VERMILION, "centre", 1.8));
+    let starts = [lowest.clone().next(), centre.clone().next()];
+    let (x, y): (Vec<f64>, Vec<f64>) = lowest.chain(centre).unzip();
+    let (left, right) = room_for(&x);
+    let (bottom, top) = room_for(&y);
+    Picture::new(curves, "x (m)", "y (m)", size)
+        .with_dots(starts.into_iter().flatten(), "start")
+        .with(|layout| {
+            layout
+                .with_x_axis_min(left)
+                .with_x_axis_max(right)
+                .with_y_axis_min(bottom)
+                .with_y_axis_max(top)
+                .with_equal_aspect()
+                .with_legend_position(LegendPosition::InsideTopRight)
+        })
+}
+
+/// Ends of an axis, m: a margin on both sides, and not less than the coin needs.
+fn room_for(places: &[f64]) -> (f64, f64) {
+    let least = places.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let margin = 0.1_f64.max(RADIUS - (most - least) / 2.0);
+    (least - margin, most + margin)
 }
 
 /// Slip speed of the lowest point over time.
 fn slip(recording: &Recording) -> Picture {
     let slip = line(over_time(recording, |moment| moment.slip), VERMILION);
-    Picture::new(vec![slip], "time (s)", "slip speed (m/s)", WIDE)
+    Picture::over_time(vec![slip], "slip speed (m/s)", WIDE)
 }
 
 /// Height of the centre over time, and its y below.
 fn centre(recording: &Recording) -> Scene {
     let height = line(over_time(recording, |moment| moment.centre.z), GREEN);
     let across = line(over_time(recording, |moment| moment.centre.y), BLUE);
-    let upper = Picture::new(vec![height], "time (s)", "height z (m)", FLAT)
-        .with(|layout| layout.with_y_axis_min(0.0).with_force_margins(90.0, 20.0));
-    let lower = Picture::new(vec![across], "time (s)", "y (m)", FLAT)
-        .with(|layout| layout.with_force_margins(90.0, 20.0));
+    let panel = |curve, label| {
+        Picture::over_time(vec![curve], label, FLAT)
+            .with(|layout| layout.with_force_margins(90.0, 20.0))
+    };
+    let upper = panel(height, "height z (m)");
+    let lower = panel(across, "y (m)");
     Figure::new(2, 1)
         .with_title(format!(
             "{}: height and y of the centre",
@@ -199,8 +239,7 @@ fn track_line(
     name: &str,
     width: f64,
 ) -> Vec<LinePlot> {
-    let pieces = pieces(&simplified(track), LEAP);
-    let mut lines: Vec<LinePlot> = pieces
+    let mut lines: Vec<LinePlot> = pieces(&simplified(track))
         .into_iter()
         .map(|piece| line(piece, colour).with_stroke_width(width))
         .collect();

@@ -47,10 +47,7 @@ pub(crate) fn write(recording: &Recording, path: &Path) -> std::io::Result<()> {
         .replace("<!--TRACK-->", &track(&film, &eye))
         .replace("<!--GHOSTS-->", &ghosts(&film, &eye))
         .replace("<!--CURVE-->", &curve(&film))
-        .replace(
-            "<!--START-->",
-            &format!("{:.1}", recording.first().energy.total()),
-        )
+        .replace("<!--START-->", &format!("{:.1}", film.energy()))
         .replace("<!--SECONDS-->", &format!("{:.0}", film.length()));
     fs::write(path, text)
 }
@@ -64,6 +61,11 @@ impl<'a> Film<'a> {
     fn of(recording: &'a Recording) -> Self {
         let moments = recording.until(Milestones::of(recording).curtain());
         Self { moments }
+    }
+
+    /// Energy at the start, J.
+    fn energy(&self) -> f64 {
+        self.moments[0].energy.total()
     }
 
     /// Simulated seconds.
@@ -174,12 +176,8 @@ impl Drawn {
         let radii = in_plane(moment);
         let normal = moment.orientation * DVec3::X;
         let heads = normal.dot(eye.out) > 0.0;
-        let half = normal
-            * if heads {
-                HALF_THICKNESS
-            } else {
-                -HALF_THICKNESS
-            };
+        let side = if heads { 1.0 } else { -1.0 };
+        let half = normal * side * HALF_THICKNESS;
         let level = |v: DVec3| DVec3::new(v.x, v.y, 0.0);
         Self {
             face: eye.disc(moment.centre + half, radii),
@@ -238,46 +236,30 @@ fn rule(name: &str, style: impl Fn(f64) -> String) -> String {
     text + "}\n"
 }
 
-/// Lines on the floor every half metre.
+/// Lines on the floor every half metre, about the middle of the picture and beyond its edges.
 fn grid(eye: &Eye) -> String {
     let middle = eye.right * ((WIDTH / 2.0 - eye.origin.x) / eye.scale);
-    let near = |value: f64| (2.0 * value).round() / 2.0;
-    let mut path = String::new();
-    for k in -16..=16 {
+    let x = (2.0 * middle.x).round() / 2.0;
+    let y = (2.0 * middle.y).round() / 2.0;
+    let see = |x, y| eye.see(DVec3::new(x, y, 0.0));
+    let lines = (-16..=16).map(|k| {
         let at = 0.5 * f64::from(k);
-        let (x, y) = (near(middle.x), near(middle.y));
-        let lines = [
-            [
-                DVec3::new(x + at, y - 9.0, 0.0),
-                DVec3::new(x + at, y + 9.0, 0.0),
-            ],
-            [
-                DVec3::new(x - 9.0, y + at, 0.0),
-                DVec3::new(x + 9.0, y + at, 0.0),
-            ],
-        ];
-        for line in lines {
-            path += &line_through(line.map(|place| eye.see(place)));
-        }
-    }
-    path
+        let along_y = line_through([see(x + at, y - 9.0), see(x + at, y + 9.0)]);
+        let along_x = line_through([see(x - 9.0, y + at), see(x + 9.0, y + at)]);
+        along_y + &along_x
+    });
+    lines.collect()
 }
 
 /// The way of the lowest point.
 fn track(film: &Film<'_>, eye: &Eye) -> String {
-    let lowest = film
-        .moments
-        .iter()
-        .map(|moment| (moment.lowest.x, moment.lowest.y));
-    let seen = |piece: Vec<(f64, f64)>| {
-        line_through(
-            piece
-                .into_iter()
-                .map(|(x, y)| eye.see(DVec3::new(x, y, 0.0))),
-        )
-    };
-    let pieces = pieces(&simplified(lowest), 0.6 * RADIUS);
-    pieces.into_iter().map(seen).collect()
+    let lowest = film.moments.iter().map(|m| (m.lowest.x, m.lowest.y));
+    let see = |(x, y)| eye.see(DVec3::new(x, y, 0.0));
+    let pieces = pieces(&simplified(lowest));
+    let lines = pieces
+        .into_iter()
+        .map(|piece| line_through(piece.into_iter().map(see)));
+    lines.collect()
 }
 
 /// Coins that stay where they were.
@@ -288,18 +270,14 @@ fn ghosts(film: &Film<'_>, eye: &Eye) -> String {
 
 /// Total energy over time.
 fn curve(film: &Film<'_>) -> String {
-    line_through(
-        film.moments
-            .iter()
-            .step_by(8)
-            .map(|moment| on_curve(film, moment)),
-    )
+    let some = film.moments.iter().step_by(8);
+    line_through(some.map(|moment| on_curve(film, moment)))
 }
 
 /// Where a moment is on the curve of the energy.
 fn on_curve(film: &Film<'_>, moment: &Moment) -> DVec2 {
-    let highest = film.moments[0].energy.total();
-    let part = DVec2::new(moment.time / film.length(), moment.energy.total() / highest);
+    let energy = moment.energy.total() / film.energy();
+    let part = DVec2::new(moment.time / film.length(), energy);
     CURVE_START + part * (CURVE_END - CURVE_START)
 }
 
