@@ -136,7 +136,9 @@ pub struct MeanForce<R: Real = f64> {
     pub force: R,
     /// Derivative of the force with respect to the depth at the end, N/m, at least 0.
     pub slope: R,
-    /// The damper's share of it: resistance to closing speed, averaged over the step, N s/m, at least 0.
+    /// The springs' share of the slope, N/m, at least 0.
+    pub stiffness: R,
+    /// Resistance of the dampers to closing speed, averaged over the step, N s/m, at least 0.
     pub damping: R,
 }
 
@@ -145,6 +147,7 @@ impl<R: Real> MeanForce<R> {
     pub const NONE: Self = Self {
         force: R::ZERO,
         slope: R::ZERO,
+        stiffness: R::ZERO,
         damping: R::ZERO,
     };
 }
@@ -175,6 +178,7 @@ fn mean_force_by_quadrature<R: Real, G: SpringDamperGround<R> + ?Sized>(
     MeanForce {
         force: (spring + damper).at_least(R::ZERO),
         slope: slope_of(spring_beyond + damper_beyond, spring + damper),
+        stiffness: slope_of(spring_beyond, spring),
         damping: slope_of(damper_beyond, damper) * seconds,
     }
 }

@@ -56,13 +56,16 @@ impl<R: Real> FlatGround<R> {
             MeanForce {
                 force: k * ((start + end) * R::HALF) + c * (path / seconds),
                 slope: k * R::HALF + c / seconds,
+                stiffness: k * R::HALF,
                 damping: c,
             }
         } else if end > R::ZERO {
             let share = end / path;
+            let stiffness = k * (share * (R::ONE - share * R::HALF));
             MeanForce {
                 force: k * (end * share * R::HALF) + c * (end / seconds),
-                slope: k * (share * (R::ONE - share * R::HALF)) + c / seconds,
+                slope: stiffness + c / seconds,
+                stiffness,
                 damping: c * share,
             }
         } else {
@@ -83,13 +86,16 @@ impl<R: Real> FlatGround<R> {
             MeanForce {
                 force: k * ((over_start + over_end) * R::HALF),
                 slope: k * R::HALF + c / seconds,
+                stiffness: k * R::HALF,
                 damping: c,
             }
         } else if over_start > R::ZERO {
             let share = over_start / path;
+            let stiffness = k * (share * share * R::HALF);
             MeanForce {
                 force: k * (over_start * share * R::HALF),
-                slope: c * (share / seconds) + k * (share * share * R::HALF),
+                slope: c * (share / seconds) + stiffness,
+                stiffness,
                 damping: c * share,
             }
         } else {

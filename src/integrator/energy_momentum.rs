@@ -1,10 +1,35 @@
 //! Implicit, of order 2, with an energy that cannot rise.
+//!
+//! # Why the energy cannot rise
+//!
+//! Over a step the body moves with one mean velocity `vₘ` and one mean spin `ωₘ`; its turn is the Cayley map of `a = dt ωₘ/2`, under which the arm of a point goes from `r` to `r'` with
+//! `r' - r = 2 a × (r + r')/2`, exactly. So a force `F` that acts at the mean arm does the work `F · Δx` along the point's path `Δx = dt vₘ + (r' - r)`, exactly.
+//! With the ends `v' = 2 vₘ - v` and `L' = R (2 J ωₘ - L)` (Simo & Wong 1991) the kinetic energy changes by just the work of forces and torques that satisfy
+//!
+//! ```text
+//! m (v' - v) = dt (F + m g)        L' - L = dt T
+//! ```
+//!
+//! The normal force of a contact is the mean of the ground's whole law along the path, so that `force · path` gives the springs what they store (the energy's own difference, a discrete
+//! gradient: Gonzalez 1996) and the rest is what dampers and clamp take. Friction opposes the path along the ground. Hence `E' - E = -(what they took) <= 0`, for every step size, where the two
+//! equations hold. Four layers make it true of the *computed* energy:
+//!
+//! 1. Newton's method solves the two equations (`newton`, `contacts`, `problem`). What it leaves over is all that can lift the energy.
+//! 2. At the end of a step too long for friction or dampers they resist the end velocity: impulses that only take energy (`settle`, `resist`).
+//! 3. The ratchet compares the computed energies and scales both velocities by the factor, 1 to rounding, that makes the new one no larger (`ratchet`). A body whose motion is below
+//!    the rounding of its energy has come to rest.
+//! 4. Where the equations are not solved or the ratchet finds no factor, the step is taken as dissipation, conservative motion, dissipation (`split`); else in halves,
+//!    down to sixteenths; else as far as its energy allows (`inch`); else time passes and the body stays. Each of these is under the same ratchet.
+//!
+//! So the induction from step to step needs no assumption on convergence.
 
 mod contacts;
+mod inch;
 mod linear;
 mod newton;
 mod problem;
 mod ratchet;
+mod resist;
 mod settle;
 mod split;
 
@@ -20,7 +45,20 @@ use contacts::Contacts;
 use problem::Problem;
 use settle::Strain;
 
-/// Energy-momentum method: implicit, order 2, **the computed energy never rises**, whatever the time step, stiffness, damping, friction, spin, size and shape.
+/// The energy-momentum method: implicit, of order 2, and **the computed energy never rises**, whatever the time step, stiffness, damping, friction, spin, size and shape.
+///
+/// `stepper.energy(&after).total() <= stepper.energy(&before).total()` holds for every step, with no tolerance, for every scene that composes. The crate's default.
+///
+/// *Order* 2, also through contact entries (the mean force integrates the damper's jump). *Cost:* two to five iterations a step in contact, each about as dear as two evaluations of all contacts;
+/// flight of a body with two equal moments is exact and costs no iteration; a body at rest costs a comparison, once a step with the same workspace has found it so.
+/// *Conserves* the energy where nothing takes it: to the rounding of each step.
+/// *Stable* at any step. *Accurate* where the step resolves the contact: `dt < 1/ω` with `ω = √(K/m)` of all contacts that touch; beyond it bounces keep their energy law but not
+/// their timing, and friction that stops a body within a step stops it at the step's end.
+///
+/// *Work* is bounded: at most 20 attempts of at most 2 × 60 evaluations each, and 16 × 60 energies. [`Step`] tells the iterations, whether the step had to be divided, and the energy that
+/// the solver's error would have added: a user sees by them that a step was too long to be accurate.
+///
+/// Up to 128 contacts are remembered from iteration to iteration; further ones take part without memory, with more iterations in stick. No allocation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyMomentum<R = f64> {
@@ -28,7 +66,9 @@ pub struct EnergyMomentum<R = f64> {
     pub time_step: R,
 }
 
-/// What [`EnergyMomentum`] keeps from step to step to save work.
+/// What [`EnergyMomentum`] keeps from step to step to save work: the contacts' places, the last energy, and the state that a step has left as it was.
+///
+/// Nothing of it changes a result: a new one gives the same bits.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace<R: Real = f64> {
     contacts: Contacts<R>,
@@ -66,8 +106,8 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
     }
 }
 
-/// Finest division of a step that Newton's method cannot take whole: 64ths.
-const PARTS: u32 = 64;
+/// Finest division of a step that cannot be taken whole.
+const PARTS: u32 = 16;
 
 fn move_on<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -81,7 +121,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
         _ => Energy::of(scene, &start),
     };
     let mut step = Step::new(dt, 0);
-    // In parts of a step of 1/64: the place reached, and the length that is tried.
+    // In sixteenths of the step: what is done, and the length that is tried.
     let (mut done, mut length) = (0, PARTS);
     while done < PARTS {
         let seconds = dt * (R::from_usize(length as usize) / R::from_usize(PARTS as usize));
@@ -95,8 +135,12 @@ fn move_on<R: Real, D: Dynamics<R>>(
                 length /= 2;
                 step.fallback = true;
             }
-            // Time passes and the body stays: the energy does not rise.
-            None => done += length,
+            None => {
+                if let Some(kept) = inch::step(scene, state, energy, seconds, &mut step) {
+                    (*state, energy) = kept;
+                }
+                done += length;
+            }
         }
     }
     workspace.known = Some((*state, energy));
@@ -104,7 +148,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
     step
 }
 
-/// The longest part of a step that begins at `done` 64ths: the largest power of 2 that divides it.
+/// The longest part of a step that begins at `done` sixteenths: the largest power of 2 that divides it.
 fn longest_part(done: u32) -> u32 {
     if done == 0 {
         PARTS
@@ -143,7 +187,7 @@ fn attempt<R: Real, D: Dynamics<R>>(
         break;
     }
     step.fallback = true;
-    let end = split::step(&problem, contacts, step)?;
+    let end = split::step(scene, start, seconds, contacts, step)?;
     let (end_energy, touching) = Energy::with_touching(scene, &end);
     ratchet::hold(scene, start, energy, end, end_energy, touching, step)
 }
@@ -183,7 +227,7 @@ fn whole<R: Real, D: Dynamics<R>>(
     let mut end = problem.end_of(&trial);
     let strain = Strain::of(problem, contacts, &trial);
     if !strain.is_resolved() {
-        settle::settle(problem, contacts, &trial, strain, &mut end);
+        end = settle::settle(problem, contacts, &trial, strain, &end);
     }
     end.not_finite().is_none().then_some(end)
 }

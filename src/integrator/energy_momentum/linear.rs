@@ -102,6 +102,16 @@ pub(super) struct SixBySix<R: Real> {
 }
 
 impl<R: Real> SixBySix<R> {
+    /// Adds what a force at `arm` answers to the path of a place that a turn moves by `path`: `block (ξ + path ϑ)`.
+    #[inline]
+    pub(super) fn add_at(&mut self, block: &Block<R>, arm: R::Vec3, path: &Block<R>) {
+        let by_turn = block.times_block(path);
+        self.force_by_shift = self.force_by_shift.plus(block);
+        self.force_by_turn = self.force_by_turn.plus(&by_turn);
+        self.torque_by_shift = self.torque_by_shift.plus(&block.crossed_by(arm));
+        self.torque_by_turn = self.torque_by_turn.plus(&by_turn.crossed_by(arm));
+    }
+
     /// The shift and turn that a force and a torque make, by Gauss's elimination with row pivots. Turns and torques are
     /// measured with the length `reach`, so that pivots compare like with like whatever the body's size. Not finite where the matrix is singular.
     pub(super) fn solve(&self, force: R::Vec3, torque: R::Vec3, reach: R) -> (R::Vec3, R::Vec3) {

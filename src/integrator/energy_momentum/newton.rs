@@ -15,8 +15,10 @@ use super::problem::{Problem, Trial};
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
-/// Iterations after which the step is given up.
-const LIMIT: u32 = 40;
+/// Full steps of Newton's, after which the iteration goes on carefully from the best trial.
+const BOLD: u32 = 30;
+/// Evaluations after which the step is given up.
+const LIMIT: u32 = 60;
 
 /// What the contacts do over a trial step, together.
 #[derive(Clone, Copy, Debug)]
@@ -25,39 +27,84 @@ struct Sum<R: Real> {
     torque: R::Vec3,
     /// Sum of the sizes of the normal forces, N.
     normal: R,
-    /// Sum of the slopes of the normal forces, N/m.
+    /// Sum of the stiffnesses of the springs over the step, N/m.
+    stiffness: R,
+    /// Sum of the slopes of the normal forces, dampers included, N/m.
     slope: R,
     equations: SixBySix<R>,
 }
 
-/// Solves the step. Returns the number of iterations with the trial, or alone where they did not converge.
+/// A trial with what is lacking there, and where Newton's step leads from it.
+#[derive(Clone, Copy, Debug)]
+struct Base<R: Real> {
+    trial: Trial<R>,
+    size: R,
+    shift: R::Vec3,
+    turn: R::Vec3,
+}
+
+/// Solves the step. Returns the number of evaluations beyond the first with the trial, or alone where they did not converge.
+///
+/// Full steps first: with the dual unknown they pass from slip to stick and back, which a search along the line would forbid. Where they run in a circle
+/// (a spring so stiff that the step out of contact overshoots), the iteration goes back to the best trial and takes only steps that reduce what is lacking.
 pub(super) fn solve<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
 ) -> (u32, Option<Trial<R>>) {
     let mut trial = problem.first_trial();
-    let mut best = R::MAX;
+    let mut base: Option<Base<R>> = None;
+    let mut best: Option<(R, Trial<R>)> = None;
+    let mut share = R::ONE;
     for iteration in 0..LIMIT {
         let sum = add_up(problem, contacts, &trial);
         let (force_lack, torque_lack) = lack(problem, &trial, &sum);
         let size = norm(problem, force_lack, torque_lack);
-        let scale = scale(problem, &sum);
-        let tolerance = scale * tolerance::<R>();
+        let tolerance = scale(problem, &trial, &sum) * tolerance::<R>();
         if size <= tolerance {
             return (iteration, Some(trial));
         }
-        if !size.is_finite() {
-            return (iteration, None);
-        }
-        // No further progress: rounding is reached, or nearly so.
-        if size <= tolerance * R::from_f64(1e3) && size > best * R::HALF {
+        let progress = best.is_none_or(|(least, _)| size < least * R::HALF);
+        // No further progress near the end: rounding is reached.
+        if !progress && size <= tolerance * R::from_f64(1e3) {
             return (iteration, Some(trial));
         }
-        best = best.at_most(size);
+        if best.is_none_or(|(least, _)| size < least) {
+            best = Some((size, trial));
+        }
+        match base {
+            Some(base) if iteration > BOLD && !(size < base.size) => {
+                share *= R::HALF;
+                if share < R::EPSILON {
+                    return (iteration, None);
+                }
+                trial = change(problem, &base.trial, base.shift * share, base.turn * share);
+                continue;
+            }
+            _ => {}
+        }
         let (shift, turn) = sum
             .equations
             .solve(-force_lack, -torque_lack, problem.reach);
-        trial = change(problem, &trial, shift, turn);
+        let here = Base {
+            trial,
+            size,
+            shift,
+            turn,
+        };
+        share = R::ONE;
+        base = Some(here);
+        trial = match best {
+            Some((least, best)) if iteration == BOLD => {
+                base = Some(Base {
+                    trial: best,
+                    // The next evaluation is at the best trial itself and must pass.
+                    size: least * R::TWO,
+                    ..here
+                });
+                best
+            }
+            _ => change(problem, &trial, shift, turn),
+        };
     }
     (LIMIT, None)
 }
@@ -114,9 +161,14 @@ fn norm<R: Real, D: Dynamics<R>>(
         .sqrt()
 }
 
-/// Size of the momenta that balance, √J: the body's own, gravity's, the contacts', and what rounding of the position makes of stiff springs.
+/// Size of the momenta that balance, √J: the body's own, gravity's, the contacts', and what rounding of places makes of
+/// stiff springs and rounding of paths of strong dampers.
 #[inline]
-fn scale<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, sum: &Sum<R>) -> R {
+fn scale<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    trial: &Trial<R>,
+    sum: &Sum<R>,
+) -> R {
     let start = &problem.start;
     let half = problem.seconds * R::HALF;
     let energy = problem.mass * start.linear_velocity.length_squared()
@@ -126,7 +178,8 @@ fn scale<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, sum: &Sum<R>) -> 
             .at_least(R::ZERO);
     let weight = problem.mass * problem.scene.gravity().length();
     let place = start.position.length() + problem.reach;
-    let rounding = sum.slope * place * (R::EPSILON / tolerance::<R>());
+    let path = trial.shift.length() + trial.spin.length() * (R::TWO * problem.reach);
+    let rounding = (sum.stiffness * place + sum.slope * path) * (R::EPSILON / tolerance::<R>());
     energy.sqrt() + half * (weight + sum.normal + rounding) / problem.mass.sqrt()
 }
 
@@ -141,6 +194,7 @@ fn add_up<R: Real, D: Dynamics<R>>(
         force: R::Vec3::ZERO,
         torque: R::Vec3::ZERO,
         normal: R::ZERO,
+        stiffness: R::ZERO,
         slope: R::ZERO,
         equations: inertial(problem, trial),
     };
@@ -151,6 +205,7 @@ fn add_up<R: Real, D: Dynamics<R>>(
         sum.force += force;
         sum.torque += push.arm.cross(force);
         sum.normal += push.mean.force;
+        sum.stiffness += push.mean.stiffness;
         sum.slope += push.mean.slope;
         add_stiffness(&mut sum.equations, problem, push, &argument, force);
     });
@@ -196,21 +251,12 @@ fn add_stiffness<R: Real, D: Dynamics<R>>(
         let carried = argument.crossed_by(push.normal).scaled(push.radius);
         path = path.plus(&carried);
     }
-    let by_turn = stiffness.times_block(&path);
+    equations.add_at(&stiffness, push.arm, &path);
     // The mean arm turns too: (ϑ × r')/2 × F.
     let arm_turns = Block::outer(push.end_arm, force)
         .plus(&Block::diagonal(-force.dot(push.end_arm)))
         .scaled(-half * R::HALF);
-
-    equations.force_by_shift = equations.force_by_shift.plus(&stiffness);
-    equations.force_by_turn = equations.force_by_turn.plus(&by_turn);
-    equations.torque_by_shift = equations
-        .torque_by_shift
-        .plus(&stiffness.crossed_by(push.arm));
-    equations.torque_by_turn = equations
-        .torque_by_turn
-        .plus(&by_turn.crossed_by(push.arm))
-        .plus(&arm_turns);
+    equations.torque_by_turn = equations.torque_by_turn.plus(&arm_turns);
 }
 
 /// `-dF/dx` of one contact for its path x over the step: `k (n - uₙ) nᵀ + c/dt (1 - n nᵀ - w' g ûᵀ)`.

@@ -40,7 +40,7 @@ pub(super) fn hold<R: Real, D: Dynamics<R>>(
             step.ratcheted += excess;
             return Some((slowed, energy));
         }
-        share = share * R::TWO;
+        share *= R::TWO;
     }
     let terms = after.translation.abs()
         + after.rotation.abs()
