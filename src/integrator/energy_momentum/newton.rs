@@ -71,8 +71,9 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
         if best.is_none_or(|(least, _)| size < least) {
             best = Some((size, trial));
         }
-        match base {
-            Some(base) if iteration > BOLD && !(size < base.size) => {
+        if let Some(base) = base {
+            let worse = !size.is_finite() || (iteration > BOLD && size >= base.size);
+            if worse {
                 share *= R::HALF;
                 if share < R::EPSILON {
                     return (iteration, None);
@@ -80,7 +81,8 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
                 trial = change(problem, &base.trial, base.shift * share, base.turn * share);
                 continue;
             }
-            _ => {}
+        } else if !size.is_finite() {
+            return (iteration, None);
         }
         let (shift, turn) = sum
             .equations
