@@ -12,13 +12,13 @@ allowed='memcpy|memmove|memset|memcmp|bcmp'
 # link FEATURES: builds the probes, and writes each symbol that they need from outside to $work/needed.
 link() {
   cargo build -q --release --locked --manifest-path tests/no_std/Cargo.toml --features "$1"
-  local library="$CARGO_TARGET_DIR/release/libtumble_no_std.a"
-  nm --defined-only "$library" 2>/dev/null | awk '$2 == "T" && $3 ~ /^probe_/ { print $3 }' >"$work/probes"
-  [ -s "$work/probes" ] || { echo "no probe in $library"; exit 1; }
+  local library="$CARGO_TARGET_DIR/release/libtumble_no_std.a" probes
+  mapfile -t probes < <(nm --defined-only "$library" 2>/dev/null | awk '$2 == "T" && $3 ~ /^probe_/ { print $3 }')
+  [ ${#probes[@]} != 0 ] || { echo "no probe in $library"; exit 1; }
   # Only what the probes reach is kept: the rest of the archive proves nothing.
-  ld -r --gc-sections --entry="$(head -1 "$work/probes")" $(sed 's/^/-u /' "$work/probes") -o "$work/probes.o" "$library"
+  ld -r --gc-sections --entry="${probes[0]}" "${probes[@]/#/--undefined=}" -o "$work/probes.o" "$library"
   nm --undefined-only "$work/probes.o" | awk '{ print $2 }' | sort -u >"$work/needed"
-  echo "$(wc -l <"$work/probes") probes need from outside: $(tr '\n' ' ' <"$work/needed")"
+  echo "${#probes[@]} probes need from outside: $(tr '\n' ' ' <"$work/needed")"
 }
 
 link ""

@@ -27,7 +27,9 @@ unpack_debian_rustc() {
   mv "$partial" "$unpacked"
 }
 
-if ! RUSTC=$(rustup which --toolchain "$version" rustc 2>/dev/null); then
+if rustup toolchain list 2>/dev/null | grep -q "^$version-"; then
+  RUSTC=$(rustup which --toolchain "$version" rustc)
+else
   RUSTC="$unpacked/rustc"
   if [ ! -x "$RUSTC" ]; then
     if ! command -v apt-get >/dev/null || [ "$(id -u)" != 0 ]; then
