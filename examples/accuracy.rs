@@ -6,7 +6,9 @@ use std::error::Error;
 use std::time::Instant;
 
 use tumble::glam::{DQuat, DVec3};
-use tumble::{ForwardEuler, Integrator, Rk4, State, StrangSplitting, SymplecticEuler, Trial};
+use tumble::{
+    EnergyMomentum, ForwardEuler, Integrator, Rk4, State, StrangSplitting, SymplecticEuler, Trial,
+};
 
 /// Simulated time, s.
 const DURATION: f64 = 1.0;
@@ -27,6 +29,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         &truth,
     )?;
     for time_step in [1e-3, 1e-4] {
+        row(
+            "`EnergyMomentum`, the default",
+            time_step,
+            |time_step| EnergyMomentum { time_step },
+            &truth,
+        )?;
         row(
             "`SymplecticEuler`",
             time_step,

@@ -38,6 +38,6 @@ impl<R: Real> SpringDamperGround<R> for Turf<R> {
     }
 
     fn extent(&self) -> Extent<R> {
-        Extent::Below(Plane::level(R::ZERO))
+        Extent::Plane(Plane::level(R::ZERO))
     }
 }

@@ -8,9 +8,9 @@ use std::ops::ControlFlow;
 use downstream::{Ball, Midpoint, Turf, Viscous};
 use tumble::glam::DVec3;
 use tumble::{
-    Coin, Coulomb, FlatGround, ForwardEuler, Integrator, Ledger, RigidPointBody, Rk4, Sample,
-    SlidingFriction, SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler,
-    UniformGravity,
+    Coin, Coulomb, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Ledger, RigidPointBody,
+    Rk4, Sample, SlidingFriction, SpringDamperGround, State, Stepper, StrangSplitting,
+    SymplecticEuler, UniformGravity,
 };
 
 /// The system's allocator, with a count of how often this thread has asked for memory.
@@ -99,6 +99,7 @@ fn live_with_every_integrator(
     live(body, ground, friction, SymplecticEuler { time_step });
     live(body, ground, friction, StrangSplitting { time_step });
     live(body, ground, friction, Rk4 { time_step });
+    live(body, ground, friction, EnergyMomentum { time_step });
     live(body, ground, friction, Midpoint { time_step });
 }
 

@@ -7,9 +7,9 @@
 use core::ops::ControlFlow;
 
 use tumble::{
-    Coin, ContactPoint, Coulomb, FlatGround, ForwardEuler, Integrator, Ledger, Plane, PointCloud,
-    Real, RigidPointBody, Rk4, Sample, State, Stepper, StrangSplitting, SymplecticEuler,
-    UniformGravity,
+    Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Ledger,
+    Plane, PointCloud, Real, RigidPointBody, Rk4, Sample, State, Stepper, StrangSplitting,
+    SymplecticEuler, UniformGravity,
 };
 
 unsafe extern "C" {
@@ -109,6 +109,8 @@ probes! {
     probe_strang_splitting_f32: StrangSplitting in f32;
     probe_rk4_f64: Rk4 in f64;
     probe_rk4_f32: Rk4 in f32;
+    probe_energy_momentum_f64: EnergyMomentum in f64;
+    probe_energy_momentum_f32: EnergyMomentum in f32;
 }
 
 /// A body of any points and masses, with the whole tensor and its principal axes.
