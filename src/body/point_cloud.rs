@@ -155,8 +155,11 @@ fn sum<R: Real>(terms: impl Iterator<Item = R>) -> R {
 
 #[cfg(test)]
 mod tests {
+    extern crate alloc;
+
     use super::*;
     use crate::body::MassProperties;
+    use alloc::vec::Vec;
     use glam::DVec3;
 
     #[test]
@@ -173,7 +176,7 @@ mod tests {
     #[test]
     fn ten_thousand_points_on_a_slanted_line_are_a_rod() {
         let direction = DVec3::new(0.3, -0.7, 1.1);
-        let points = std::vec::Vec::from_iter(
+        let points = Vec::from_iter(
             (0..10_000).map(|i| ContactPoint::bare(direction * (f64::from(i) * 1e-3) + DVec3::ONE)),
         );
         let masses = std::vec![0.1; 10_000];

@@ -159,6 +159,11 @@ impl<R: Real> SpringDamperGround<R> for FlatGround<R> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(
+        clippy::float_cmp,
+        reason = "these forces are sums of products that round to whole numbers"
+    )]
+
     use super::*;
 
     #[test]
