@@ -3,7 +3,7 @@
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
-use crate::scene::Dynamics;
+use crate::scene::{Contact, Dynamics, Load, Motion, Rates};
 use crate::state::State;
 
 /// Energy of a body on its ground, by kind, J.
@@ -32,19 +32,24 @@ impl<R: Real> Energy<R> {
     #[inline]
     pub(crate) fn with_touching(scene: &impl Dynamics<R>, state: &State<R>) -> (Self, usize) {
         let motion = scene.motion(state);
-        let mass = scene.mass_properties().mass();
         let (mut springs, mut touching) = (R::ZERO, 0);
         scene.visit_contacts(&motion, |contact| {
             springs += scene.ground().spring_energy(contact.depth);
             touching += 1;
         });
-        let energy = Self {
+        (Self::moving(scene, state, &motion, springs), touching)
+    }
+
+    /// The energy of a state that moves so, with this energy in the springs.
+    #[inline]
+    fn moving(scene: &impl Dynamics<R>, state: &State<R>, motion: &Motion<R>, springs: R) -> Self {
+        let mass = scene.mass_properties().mass();
+        Self {
             translation: mass * state.linear_velocity.length_squared() * R::HALF,
             rotation: state.angular_momentum.dot(motion.angular_velocity) * R::HALF,
             gravity: -(mass * scene.gravity().dot(state.position)),
             springs,
-        };
-        (energy, touching)
+        }
     }
 
     /// The sum of all kinds.
@@ -74,18 +79,9 @@ impl<R: Real> Dissipation<R> {
     /// The power at a state of a scene, W.
     #[must_use]
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Self {
-        let (ground, friction) = (scene.ground(), scene.friction());
         let mut power = Self::default();
         scene.visit_contacts(&scene.motion(state), |contact| {
-            let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
-            let spring_force = ground.spring_force(contact.depth);
-            let lost = (spring_force - normal_force) * contact.closing_speed;
-            if normal_force > R::ZERO {
-                power.damper += lost;
-                power.friction += friction.force(normal_force, contact.slip).dot(contact.slip);
-            } else {
-                power.clamp += lost;
-            }
+            power = power.plus(&force_and_power(scene, contact).1, R::ONE);
         });
         power
     }
@@ -105,6 +101,61 @@ impl<R: Real> Dissipation<R> {
             friction: self.friction + other.friction * factor,
             damper: self.damper + other.damper * factor,
             clamp: self.clamp + other.clamp * factor,
+        }
+    }
+}
+
+/// Force on the body at a contact, N, and its power beyond what the springs store, W.
+#[inline]
+fn force_and_power<R: Real>(
+    scene: &impl Dynamics<R>,
+    contact: &Contact<R>,
+) -> (R::Vec3, Dissipation<R>) {
+    let ground = scene.ground();
+    let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
+    let friction = scene.friction().force(normal_force, contact.slip);
+    let lost = (ground.spring_force(contact.depth) - normal_force) * contact.closing_speed;
+    let (damper, clamp) = if normal_force > R::ZERO {
+        (lost, R::ZERO)
+    } else {
+        (R::ZERO, lost)
+    };
+    let power = Dissipation {
+        friction: friction.dot(contact.slip),
+        damper,
+        clamp,
+    };
+    (contact.normal * normal_force + friction, power)
+}
+
+/// What books of energy ask of a state, from a single look at its contacts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Account<R: Real = f64> {
+    /// By kind, J.
+    pub energy: Energy<R>,
+    /// Power of what takes energy away, by cause, W.
+    pub dissipation: Dissipation<R>,
+    /// How fast the state changes.
+    pub rates: Rates<R>,
+}
+
+impl<R: Real> Account<R> {
+    /// The account of a state of a scene.
+    #[must_use]
+    pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Self {
+        let motion = scene.motion(state);
+        let (mut load, mut dissipation) = (Load::default(), Dissipation::default());
+        let mut springs = R::ZERO;
+        scene.visit_contacts(&motion, |contact| {
+            let (force, power) = force_and_power(scene, contact);
+            load.add(contact, force);
+            dissipation = dissipation.plus(&power, R::ONE);
+            springs += scene.ground().spring_energy(contact.depth);
+        });
+        Self {
+            energy: Energy::moving(scene, state, &motion, springs),
+            dissipation,
+            rates: Rates::under(&load, scene, &motion),
         }
     }
 }

@@ -23,7 +23,7 @@ pub mod stepper;
 pub mod trial;
 
 pub use body::{Coin, ContactPoint, Face, MassProperties, PointCloud, RigidPointBody, Run};
-pub use energy::{Dissipation, Energy};
+pub use energy::{Account, Dissipation, Energy};
 pub use error::{SceneError, StepError};
 pub use friction::{Coulomb, Drag, Frictionless, SlidingFriction, SmoothCoulomb};
 pub use gravity::{Gravity, NoGravity, UniformGravity};
@@ -34,7 +34,7 @@ pub use integrator::{
 pub use observer::{Every, Ledger, Observer, Probe, Sample};
 pub use real::Real;
 pub use rotation::Rotation;
-pub use scene::{Dynamics, Load, LowestPoint, Motion, Scene};
+pub use scene::{Contact, Dynamics, Load, LowestPoint, Motion, Rates, Scene};
 pub use state::State;
 pub use stepper::Stepper;
 pub use trial::{Start, Trial};

@@ -8,9 +8,9 @@ pub use ledger::Ledger;
 
 use core::ops::ControlFlow;
 
-use crate::energy::{Dissipation, Energy};
+use crate::energy::{Account, Dissipation, Energy};
 use crate::real::Real;
-use crate::scene::{Dynamics, Load, LowestPoint};
+use crate::scene::{Dynamics, LowestPoint, Rates};
 use crate::state::State;
 
 /// Something that watches a run.
@@ -86,7 +86,13 @@ impl<R: Real> Sample<'_, R> {
         self.scene.dissipation(self.state)
     }
 
-    /// The lowest point of the body.
+    /// Acceleration, torque and angular velocity.
+    #[must_use]
+    pub fn rates(&self) -> Rates<R> {
+        self.scene.rates(self.state)
+    }
+
+    /// The lowest point of the body; `None` for a body without contacts.
     #[must_use]
     pub fn lowest_point(&self) -> Option<LowestPoint<R>> {
         self.scene.lowest_point(self.state)
@@ -100,18 +106,28 @@ impl<R: Real> Sample<'_, R> {
 }
 
 /// The questions that a scene answers about a state, whatever its parts are.
+///
+/// Every [`Dynamics`] is one, so that the scene of a stepper or a sample can be asked.
+///
+/// ```
+/// use tumble::glam::DVec3;
+/// use tumble::{Coin, Probe, State, Stepper, UniformGravity};
+///
+/// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?.with_gravity(UniformGravity::down(9.8))?;
+/// let state = State::at(DVec3::Z);
+/// assert_eq!(stepper.scene().rates(&state).acceleration, DVec3::new(0.0, 0.0, -9.8));
+/// # Ok::<(), tumble::SceneError>(())
+/// ```
 pub trait Probe<R: Real = f64> {
     /// Energy by kind, J.
     fn energy(&self, state: &State<R>) -> Energy<R>;
     /// Power of what takes energy away, by cause, W.
     fn dissipation(&self, state: &State<R>) -> Dissipation<R>;
-    /// Force and torque of the contacts.
-    fn load(&self, state: &State<R>) -> Load<R>;
-    /// Acceleration of the centre of mass by contacts and gravity, m/s².
-    fn acceleration(&self, state: &State<R>) -> R::Vec3;
-    /// rad/s, world axes.
-    fn angular_velocity(&self, state: &State<R>) -> R::Vec3;
-    /// The lowest point of the body.
+    /// Acceleration, torque and angular velocity.
+    fn rates(&self, state: &State<R>) -> Rates<R>;
+    /// Energy, dissipation and rates together, for the price of one of them.
+    fn account(&self, state: &State<R>) -> Account<R>;
+    /// The lowest point of the body; `None` for a body without contacts.
     fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>>;
     /// How many contacts touch the ground.
     fn touching(&self, state: &State<R>) -> usize;
@@ -124,26 +140,122 @@ impl<R: Real, D: Dynamics<R>> Probe<R> for D {
     fn dissipation(&self, state: &State<R>) -> Dissipation<R> {
         Dissipation::of(self, state)
     }
-    fn load(&self, state: &State<R>) -> Load<R> {
-        Dynamics::load(self, &self.motion(state))
+    fn rates(&self, state: &State<R>) -> Rates<R> {
+        let motion = self.motion(state);
+        Rates::under(&self.load(&motion), self, &motion)
     }
-    fn acceleration(&self, state: &State<R>) -> R::Vec3 {
-        let load = Dynamics::load(self, &self.motion(state));
-        load.force * self.mass_properties().inverse_mass() + self.gravity()
-    }
-    fn angular_velocity(&self, state: &State<R>) -> R::Vec3 {
-        self.motion(state).angular_velocity
+    fn account(&self, state: &State<R>) -> Account<R> {
+        Account::of(self, state)
     }
     fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>> {
-        Dynamics::lowest_point(self, state)
+        LowestPoint::of(self, state)
     }
     fn touching(&self, state: &State<R>) -> usize {
-        Dynamics::touching(self, state)
+        let mut count = 0;
+        self.visit_contacts(&self.motion(state), |_| count += 1);
+        count
     }
 }
 
 impl<R: Real> core::fmt::Debug for dyn Probe<R> + '_ {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str("scene")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    // As a user imports them: no two of these traits may answer one question.
+    use crate::*;
+    use core::cell::Cell;
+    use glam::DVec3;
+
+    /// A level ground that counts how often it is asked where it is: once a contact in each visit.
+    struct Counting(Cell<u32>);
+
+    impl SpringDamperGround for Counting {
+        fn surface(&self, point: DVec3) -> Surface {
+            self.0.set(self.0.get() + 1);
+            Surface {
+                gap: point.z,
+                normal: DVec3::Z,
+            }
+        }
+        fn spring_force(&self, depth: f64) -> f64 {
+            1000.0 * depth
+        }
+        fn spring_energy(&self, depth: f64) -> f64 {
+            500.0 * depth * depth
+        }
+        fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
+            (1000.0 * depth + closing_speed).max(0.0)
+        }
+    }
+
+    #[test]
+    fn a_ledger_looks_at_the_contacts_twice_a_step() {
+        let ground = Counting(Cell::new(0));
+        let stepper = Stepper::new(Coin::ring(1.0, 0.5))
+            .unwrap()
+            .with_ground(&ground)
+            .unwrap()
+            .with_integrator(SymplecticEuler { time_step: 1e-3 })
+            .unwrap();
+        let mut ledger = Ledger::new();
+        let visits_of = |steps: f64, observer: &mut dyn FnMut(&Sample<'_>)| {
+            ground.0.set(0);
+            let mut state = State::at(DVec3::Z * 0.49);
+            let mut watch = |sample: &Sample<'_>| {
+                observer(sample);
+                core::ops::ControlFlow::Continue(())
+            };
+            stepper.run(&mut state, steps * 1e-3, &mut watch).unwrap();
+            ground.0.get() / 120
+        };
+        let unwatched = visits_of(10.0, &mut |_| {});
+        let watched = visits_of(10.0, &mut |sample| {
+            let _ = ledger.observe(sample);
+        });
+        // One look opens the books.
+        assert_eq!(watched - unwatched, 1 + 2 * 10);
+    }
+
+    #[test]
+    fn an_account_agrees_with_its_parts_asked_alone() {
+        let trial = Trial::report(1).unwrap();
+        let stepper = trial.stepper(Rk4 { time_step: 1e-3 }).unwrap();
+        let (mut state, scene) = (trial.state(), stepper.scene());
+        for _ in 0..200 {
+            stepper.advance(&mut state, 0.01).unwrap();
+            let account = scene.account(&state);
+            assert_eq!(account.energy, scene.energy(&state));
+            assert_eq!(account.dissipation, scene.dissipation(&state));
+            assert_eq!(account.rates, scene.rates(&state));
+            let load = scene.load(&scene.motion(&state));
+            assert_eq!(account.rates.torque, load.torque);
+            assert_eq!(scene.touching(&state), load.touching);
+        }
+    }
+
+    #[test]
+    fn a_free_body_that_rests_has_no_rates_but_gravity() {
+        let stepper = Stepper::new(Coin::ring(2.0, 0.5))
+            .unwrap()
+            .with_gravity(UniformGravity::down(9.8))
+            .unwrap();
+        let rates = stepper.scene().rates(&State::default());
+        assert_eq!(rates.acceleration, DVec3::new(0.0, 0.0, -9.8));
+        assert_eq!(rates.torque, DVec3::ZERO);
+        assert_eq!(rates.angular_velocity, DVec3::ZERO);
+    }
+
+    #[test]
+    fn the_lowest_point_of_a_coin_that_slides_upright_slips_at_its_speed() {
+        let coin = Coin::ring(1.0, 0.5);
+        let stepper = Stepper::new(coin).unwrap();
+        let stepper = stepper.with_ground(FlatGround::level(1.0, 0.0)).unwrap();
+        let state = State::at(DVec3::Z).with_linear_velocity(DVec3::new(1.0, 2.0, -3.0));
+        let slip = stepper.slip_velocity(&state).unwrap();
+        assert_eq!(slip, DVec3::new(1.0, 2.0, 0.0));
     }
 }

@@ -88,41 +88,9 @@ pub trait Dynamics<R: Real = f64> {
     fn load(&self, motion: &Motion<R>) -> Load<R> {
         let mut load = Load::default();
         self.visit_contacts(motion, |contact| {
-            let force = contact.force(self.ground(), self.friction());
-            load.force += force;
-            load.torque += contact.arm.cross(force);
-            load.touching += 1;
+            load.add(contact, contact.force(self.ground(), self.friction()));
         });
         load
-    }
-
-    /// The point of the body's surface that lies lowest above the ground, or deepest in it; `None` for a body without contacts.
-    fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>> {
-        let motion = self.motion(state);
-        let mut lowest: Option<LowestPoint<R>> = None;
-        for (index, point) in self.body().contacts().iter().enumerate() {
-            let centre = motion.position + motion.axes.to_world(point.position);
-            let surface = self.ground().surface(centre);
-            let gap = surface.gap - point.radius;
-            if lowest.is_none_or(|known| gap < known.gap) {
-                let position = centre - surface.normal * point.radius;
-                let velocity = motion.velocity_at(position - motion.position);
-                lowest = Some(LowestPoint {
-                    index,
-                    position,
-                    gap,
-                    slip: velocity - surface.normal * velocity.dot(surface.normal),
-                });
-            }
-        }
-        lowest
-    }
-
-    /// How many contacts touch the ground.
-    fn touching(&self, state: &State<R>) -> usize {
-        let mut count = 0;
-        self.visit_contacts(&self.motion(state), |_| count += 1);
-        count
     }
 }
 
@@ -215,6 +183,16 @@ pub struct Load<R: Real = f64> {
     pub touching: usize,
 }
 
+impl<R: Real> Load<R> {
+    /// One more contact that touches, with its force (N).
+    #[inline]
+    pub(crate) fn add(&mut self, contact: &Contact<R>, force: R::Vec3) {
+        self.force += force;
+        self.torque += contact.arm.cross(force);
+        self.touching += 1;
+    }
+}
+
 impl<R: Real> Default for Load<R> {
     #[inline]
     fn default() -> Self {
@@ -222,6 +200,30 @@ impl<R: Real> Default for Load<R> {
             force: R::Vec3::ZERO,
             torque: R::Vec3::ZERO,
             touching: 0,
+        }
+    }
+}
+
+/// How fast a state changes, world axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates<R: Real = f64> {
+    /// Of the centre of mass, by contacts and gravity, m/s².
+    pub acceleration: R::Vec3,
+    /// Of the contacts about the centre of mass, N m: the rate of the angular momentum.
+    pub torque: R::Vec3,
+    /// rad/s.
+    pub angular_velocity: R::Vec3,
+}
+
+impl<R: Real> Rates<R> {
+    /// The rates at a motion of a scene under the load of its contacts.
+    #[inline]
+    #[must_use]
+    pub fn under(load: &Load<R>, scene: &impl Dynamics<R>, motion: &Motion<R>) -> Self {
+        Self {
+            acceleration: load.force * scene.mass_properties().inverse_mass() + scene.gravity(),
+            torque: load.torque,
+            angular_velocity: motion.angular_velocity,
         }
     }
 }
@@ -237,6 +239,31 @@ pub struct LowestPoint<R: Real = f64> {
     pub gap: R,
     /// Velocity of the body's material there, along the surface, m/s.
     pub slip: R::Vec3,
+}
+
+impl<R: Real> LowestPoint<R> {
+    /// The point of the body's surface that lies lowest above the ground, or deepest in it; `None` for a body without contacts.
+    #[must_use]
+    pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Option<Self> {
+        let motion = scene.motion(state);
+        let mut lowest: Option<Self> = None;
+        for (index, point) in scene.body().contacts().iter().enumerate() {
+            let centre = motion.position + motion.axes.to_world(point.position);
+            let surface = scene.ground().surface(centre);
+            let gap = surface.gap - point.radius;
+            if lowest.is_none_or(|known| gap < known.gap) {
+                let position = centre - surface.normal * point.radius;
+                let velocity = motion.velocity_at(position - motion.position);
+                lowest = Some(Self {
+                    index,
+                    position,
+                    gap,
+                    slip: velocity - surface.normal * velocity.dot(surface.normal),
+                });
+            }
+        }
+        lowest
+    }
 }
 
 /// Body, ground, friction and gravity, checked, with the body's mass properties worked out.

@@ -9,7 +9,7 @@ use crate::friction::{Frictionless, SlidingFriction};
 use crate::gravity::{Gravity, NoGravity};
 use crate::ground::{NoGround, SpringDamperGround};
 use crate::integrator::{EnergyMomentum, Integrator, Step};
-use crate::observer::{Observer, Sample};
+use crate::observer::{Observer, Probe, Sample};
 use crate::real::Real;
 use crate::scene::{Dynamics, LowestPoint, Scene};
 use crate::state::State;
@@ -159,6 +159,12 @@ where
     #[must_use]
     pub fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>> {
         self.scene.lowest_point(state)
+    }
+
+    /// Velocity of the body's material at its lowest point, along the ground, m/s, world axes; `None` for a body without contacts.
+    #[must_use]
+    pub fn slip_velocity(&self, state: &State<R>) -> Option<R::Vec3> {
+        Some(self.lowest_point(state)?.slip)
     }
 
     /// How many contacts touch the ground.
