@@ -43,7 +43,6 @@ use crate::scene::Dynamics;
 use crate::state::State;
 use contacts::Contacts;
 use problem::Problem;
-use settle::Strain;
 
 /// The energy-momentum method: implicit, of order 2, and **the computed energy never rises**, whatever the time step, stiffness, damping, friction, spin, size and shape.
 ///
@@ -170,7 +169,7 @@ fn attempt<R: Real, D: Dynamics<R>>(
     let contacts = &mut workspace.contacts;
     for wide in [false, true] {
         gather(&problem, contacts, wide);
-        let end = if contacts.is_empty() && !scene.mass_properties().is_asymmetric() {
+        let end = if contacts.len() == 0 && !scene.mass_properties().is_asymmetric() {
             Some(fly(&problem))
         } else {
             whole(&problem, contacts, step)
@@ -178,7 +177,7 @@ fn attempt<R: Real, D: Dynamics<R>>(
         let Some(end) = end else { break };
         let (end_energy, touching) = Energy::with_touching(scene, &end);
         // A contact that was not foreseen has come down: look at all of them.
-        if !wide && touching > contacts.end_touching {
+        if !wide && !contacts.foresaw(touching) {
             continue;
         }
         if let Some(kept) = ratchet::hold(scene, start, energy, end, end_energy, touching, step) {
@@ -220,12 +219,9 @@ fn whole<R: Real, D: Dynamics<R>>(
     contacts: &mut Contacts<R>,
     step: &mut Step<R>,
 ) -> Option<State<R>> {
-    let (iterations, trial) = newton::solve(problem, contacts);
-    step.iterations += iterations;
-    step.evaluations += iterations + 1;
-    let trial = trial?;
+    let (trial, strain) = newton::solve(problem, contacts, step)?;
     let mut end = problem.end_of(&trial);
-    let strain = Strain::of(problem, contacts, &trial);
+    let strain = strain.of_step(problem);
     if !strain.is_resolved() {
         end = settle::settle(problem, contacts, &trial, strain, &end);
     }

@@ -19,6 +19,8 @@ pub(super) struct Touch<R: Real> {
     radius: R,
     /// At the start of the step, m; negative above ground.
     depth: R,
+    /// At the end of the last trial step, m.
+    end_depth: R,
     /// Newton's dual unknown: the friction's direction over its limit, at most of length 1.
     dual: R::Vec3,
     /// What the dual was linearised about; `None` before the first iteration.
@@ -29,6 +31,8 @@ pub(super) struct Touch<R: Real> {
 #[derive(Clone, Copy, Debug)]
 struct Slip<R: Real> {
     velocity: R::Vec3,
+    /// Unit vector, or 0.
+    direction: R::Vec3,
     width: R,
     growth: R,
 }
@@ -70,12 +74,10 @@ impl<R: Real> Push<R> {
 #[derive(Clone, Debug)]
 pub(super) struct Contacts<R: Real> {
     touches: [Touch<R>; CAPACITY],
-    count: usize,
+    remembered: usize,
     /// All candidates, and how many of them were looked at when the places ran out.
     run: Run,
     seen: usize,
-    /// How many ended below ground at the last visit.
-    pub(super) end_touching: usize,
 }
 
 impl<R: Real> Default for Contacts<R> {
@@ -84,77 +86,93 @@ impl<R: Real> Default for Contacts<R> {
             arm: R::Vec3::ZERO,
             radius: R::ZERO,
             depth: R::ZERO,
+            end_depth: R::ZERO,
             dual: R::Vec3::ZERO,
             last: None,
         };
         Self {
             touches: [nothing; CAPACITY],
-            count: 0,
+            remembered: 0,
             run: Run::NONE,
             seen: 0,
-            end_touching: 0,
         }
     }
 }
 
 impl<R: Real> Contacts<R> {
     /// Collects the contacts of `run` that `keep` (depth at the start, arm) accepts.
+    #[inline]
     pub(super) fn gather<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
         run: Run,
         keep: impl Fn(R, R::Vec3) -> bool,
     ) {
-        (self.count, self.seen, self.end_touching) = (0, 0, 0);
-        self.run = run;
-        for point in run
-            .parts(problem.scene.body().contacts())
-            .into_iter()
-            .flatten()
-        {
+        let contacts = problem.scene.body().contacts();
+        (self.remembered, self.seen) = (0, 0);
+        self.run = Run {
+            count: run.count.min(contacts.len()),
+            ..run
+        };
+        for point in run.parts(contacts).into_iter().flatten() {
             let touch = Touch::of(problem, point);
             if keep(touch.depth, touch.arm) {
-                let Some(place) = self.touches.get_mut(self.count) else {
+                let Some(place) = self.touches.get_mut(self.remembered) else {
                     return;
                 };
                 *place = touch;
-                self.count += 1;
+                self.remembered += 1;
             }
             self.seen += 1;
         }
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.count == 0
+    /// How many contacts there are, remembered or not.
+    #[inline]
+    pub(super) fn len(&self) -> usize {
+        self.remembered + (self.run.count - self.seen)
     }
 
-    /// Calls `visit` with what each contact does in a trial step that reaches the ground.
-    #[inline]
-    pub(super) fn visit<D: Dynamics<R>>(
+    /// Whether `touching` contacts below ground at the end of the step are no more than the last trial has seen there.
+    pub(super) fn foresaw(&self, touching: usize) -> bool {
+        let ended_below = |touch: &&Touch<R>| touch.end_depth > R::ZERO;
+        self.seen < self.run.count
+            || touching
+                <= self
+                    .touches
+                    .iter()
+                    .take(self.remembered)
+                    .filter(ended_below)
+                    .count()
+    }
+
+    /// What the contact number `index`, below [`len`](Self::len), does in a trial step; `None` where it does not reach the ground.
+    #[inline(always)]
+    pub(super) fn push<D: Dynamics<R>>(
         &mut self,
+        index: usize,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        mut visit: impl FnMut(&Push<R>),
-    ) {
-        let mut touching = 0;
-        let mut meet = |touch: &mut Touch<R>| {
-            let (end_depth, push) = touch.push(problem, trial);
-            touching += usize::from(end_depth > R::ZERO);
-            if let Some(push) = push {
-                visit(&push);
-            }
-        };
-        for touch in self.touches.iter_mut().take(self.count) {
-            meet(touch);
+    ) -> Option<Push<R>> {
+        if index < self.remembered {
+            let touch = self.touches.get_mut(index)?;
+            touch.push(problem, trial)
+        } else {
+            self.forgotten(index, problem)?.push(problem, trial)
         }
+    }
+
+    /// A contact that found no place, made anew.
+    #[cold]
+    fn forgotten<D: Dynamics<R>>(
+        &self,
+        index: usize,
+        problem: &Problem<'_, R, D>,
+    ) -> Option<Touch<R>> {
         let contacts = problem.scene.body().contacts();
-        if self.seen < self.run.count.min(contacts.len()) {
-            let points = self.run.parts(contacts).into_iter().flatten();
-            for point in points.skip(self.seen) {
-                meet(&mut Touch::of(problem, point));
-            }
-        }
-        self.end_touching = touching;
+        let along_run = self.run.first + self.seen + (index - self.remembered);
+        let point = contacts.get(along_run % contacts.len().max(1))?;
+        Some(Touch::of(problem, point))
     }
 }
 
@@ -170,38 +188,43 @@ impl<R: Real> Touch<R> {
             arm,
             radius: point.radius,
             depth: point.radius - surface.gap,
+            end_depth: R::ZERO,
             dual: R::Vec3::ZERO,
             last: None,
         }
     }
 
-    /// Depth at the end of a trial step, and the mean force over it, where there is one.
-    #[inline]
+    /// What the contact does over a trial step, where there is a force.
+    #[inline(always)]
     fn push<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-    ) -> (R, Option<Push<R>>) {
+    ) -> Option<Push<R>> {
         let swung = trial.swing.times(self.arm);
         let end_arm = self.arm + swung;
         let moved = trial.shift + swung;
         let (normal, end_depth) = self.fall(problem, moved);
+        self.end_depth = end_depth;
         let mean = problem
             .scene
             .ground()
             .mean_force(self.depth, end_depth, problem.seconds);
         if mean.force <= R::ZERO && mean.slope <= R::ZERO {
-            return (end_depth, None);
+            return None;
         }
-        let arm = (self.arm + end_arm) * R::HALF - normal * self.radius;
-        // The contact's place lies a radius below its centre and is carried round by the turn.
-        let place_moved = moved - trial.spin.cross(normal) * (self.radius * R::TWO);
-        let along = place_moved - normal * place_moved.dot(normal);
+        let mut arm = (self.arm + end_arm) * R::HALF;
+        let mut along = moved - normal * normal.dot(moved);
+        if self.radius > R::ZERO {
+            // The contact's place lies a radius below its centre and is carried round by the turn.
+            arm -= normal * self.radius;
+            along -= trial.spin.cross(normal) * (self.radius * R::TWO);
+        }
         let slip = along * problem.per_second;
         let friction = problem.scene.friction().force(mean.force, slip);
         let drag = problem.scene.friction().drag(mean.force, slip);
         let slip_direction = self.settle_dual(slip, &drag, problem);
-        let push = Push {
+        Some(Push {
             normal,
             mean,
             friction,
@@ -213,8 +236,7 @@ impl<R: Real> Touch<R> {
             end_arm,
             end_depth,
             radius: self.radius,
-        };
-        (end_depth, Some(push))
+        })
     }
 
     /// The normal along which the force does the springs' work, and the depth at the end, for a contact whose centre moves by `moved`.
@@ -258,7 +280,7 @@ impl<R: Real> Touch<R> {
             }
             None => R::Vec3::ZERO,
             Some(last) => {
-                let change = (slip - last.velocity).dot(last.direction());
+                let change = (slip - last.velocity).dot(last.direction);
                 let dual = (slip - self.dual * (last.growth * change)) * (R::ONE / last.width);
                 let size = dual.length();
                 if size > R::ONE {
@@ -270,21 +292,10 @@ impl<R: Real> Touch<R> {
         };
         self.last = Some(Slip {
             velocity: slip,
+            direction,
             width: drag.width,
             growth: drag.growth,
         });
         direction
-    }
-}
-
-impl<R: Real> Slip<R> {
-    #[inline]
-    fn direction(&self) -> R::Vec3 {
-        let speed = self.velocity.length();
-        if speed > R::ZERO {
-            self.velocity * (R::ONE / speed)
-        } else {
-            R::Vec3::ZERO
-        }
     }
 }

@@ -63,6 +63,16 @@ impl<R: Real> Block<R> {
         }
     }
 
+    /// `self (ϑ × place)` as a matrix for ϑ: `-self hat(place)`.
+    #[inline]
+    pub(super) fn after_turn_of(&self, place: R::Vec3) -> Self {
+        Self {
+            x: self.z * place.y() - self.y * place.z(),
+            y: self.x * place.z() - self.z * place.x(),
+            z: self.y * place.x() - self.x * place.y(),
+        }
+    }
+
     /// `hat(a) self`: each column crossed by `a`.
     #[inline]
     pub(super) fn crossed_by(&self, a: R::Vec3) -> Self {
@@ -102,12 +112,17 @@ pub(super) struct SixBySix<R: Real> {
 }
 
 impl<R: Real> SixBySix<R> {
-    /// Adds what a force at `arm` answers to the path of a place that a turn moves by `path`: `block (ξ + path ϑ)`.
-    #[inline]
-    pub(super) fn add_at(&mut self, block: &Block<R>, arm: R::Vec3, path: &Block<R>) {
-        let by_turn = block.times_block(path);
+    /// Adds what a force at `arm` answers to the path of a place at `place`, which a turn moves by `ϑ × place`: `block (ξ + ϑ × place)`.
+    #[inline(always)]
+    pub(super) fn add_at(&mut self, block: &Block<R>, arm: R::Vec3, place: R::Vec3) {
+        self.add_turned(block, &block.after_turn_of(place), arm);
+    }
+
+    /// Adds what a force at `arm` answers to a shift by `block` and to a turn by `by_turn`.
+    #[inline(always)]
+    pub(super) fn add_turned(&mut self, block: &Block<R>, by_turn: &Block<R>, arm: R::Vec3) {
         self.force_by_shift = self.force_by_shift.plus(block);
-        self.force_by_turn = self.force_by_turn.plus(&by_turn);
+        self.force_by_turn = self.force_by_turn.plus(by_turn);
         self.torque_by_shift = self.torque_by_shift.plus(&block.crossed_by(arm));
         self.torque_by_turn = self.torque_by_turn.plus(&by_turn.crossed_by(arm));
     }

@@ -12,11 +12,17 @@
 use super::contacts::{Contacts, Push};
 use super::linear::{Block, SixBySix};
 use super::problem::{Problem, Trial};
+use super::settle::Strain;
+use crate::integrator::Step;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
 /// Full steps of Newton's, after which the iteration goes on carefully from the best trial.
 const BOLD: u32 = 30;
+/// So many tolerances are rounding (2e-16 of the momentum in f64).
+const EXACT: f64 = 1e-4;
+/// So many tolerances from the solution (2e-8 of the momentum in f64), Newton's step is the last one.
+const CLOSE: f64 = 1e4;
 /// Evaluations after which the step is given up.
 const LIMIT: u32 = 60;
 
@@ -31,6 +37,7 @@ struct Sum<R: Real> {
     stiffness: R,
     /// Sum of the slopes of the normal forces, dampers included, N/m.
     slope: R,
+    strain: Strain<R>,
     equations: SixBySix<R>,
 }
 
@@ -43,30 +50,32 @@ struct Base<R: Real> {
     turn: R::Vec3,
 }
 
-/// Solves the step. Returns the number of evaluations beyond the first with the trial, or alone where they did not converge.
+/// Solves the step: the trial and how it strains friction and dampers, or `None` where the iteration does not converge. Counts its work in `step`.
 ///
 /// Full steps first: with the dual unknown they pass from slip to stick and back, which a search along the line would forbid. Where they run in a circle
 /// (a spring so stiff that the step out of contact overshoots), the iteration goes back to the best trial and takes only steps that reduce what is lacking.
 pub(super) fn solve<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
-) -> (u32, Option<Trial<R>>) {
+    step: &mut Step<R>,
+) -> Option<(Trial<R>, Strain<R>)> {
     let mut trial = problem.first_trial();
     let mut base: Option<Base<R>> = None;
     let mut best: Option<(R, Trial<R>)> = None;
     let mut share = R::ONE;
     for iteration in 0..LIMIT {
         let sum = add_up(problem, contacts, &trial);
+        step.evaluations += 1;
         let (force_lack, torque_lack) = lack(problem, &trial, &sum);
         let size = norm(problem, force_lack, torque_lack);
         let tolerance = scale(problem, &trial, &sum) * tolerance::<R>();
-        if size <= tolerance {
-            return (iteration, Some(trial));
+        if size <= tolerance * R::from_f64(EXACT) {
+            return Some((trial, sum.strain));
         }
         let progress = best.is_none_or(|(least, _)| size < least * R::HALF);
         // No further progress near the end: rounding is reached.
         if !progress && size <= tolerance * R::from_f64(1e3) {
-            return (iteration, Some(trial));
+            return Some((trial, sum.strain));
         }
         if best.is_none_or(|(least, _)| size < least) {
             best = Some((size, trial));
@@ -76,17 +85,23 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
             if worse {
                 share *= R::HALF;
                 if share < R::EPSILON {
-                    return (iteration, None);
+                    return None;
                 }
                 trial = change(problem, &base.trial, base.shift * share, base.turn * share);
                 continue;
             }
         } else if !size.is_finite() {
-            return (iteration, None);
+            return None;
         }
+        step.iterations += 1;
         let (shift, turn) = sum
             .equations
             .solve(-force_lack, -torque_lack, problem.reach);
+        // Newton's next step squares what is lacking: nothing is left to look at.
+        if progress && size <= tolerance * R::from_f64(CLOSE) {
+            let last = change(problem, &trial, shift, turn);
+            return Some((last, sum.strain));
+        }
         let here = Base {
             trial,
             size,
@@ -108,7 +123,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
             _ => change(problem, &trial, shift, turn),
         };
     }
-    (LIMIT, None)
+    None
 }
 
 /// Of the momentum's size: 1.8e-12 in f64, 6e-6 in f32.
@@ -198,19 +213,24 @@ fn add_up<R: Real, D: Dynamics<R>>(
         normal: R::ZERO,
         stiffness: R::ZERO,
         slope: R::ZERO,
+        strain: Strain::NONE,
         equations: inertial(problem, trial),
     };
     // The Cayley argument's change by a turn, for contacts with a radius.
     let argument = by_turn(trial.spin);
-    contacts.visit(problem, trial, |push| {
+    for index in 0..contacts.len() {
+        let Some(push) = contacts.push(index, problem, trial) else {
+            continue;
+        };
         let force = push.force();
         sum.force += force;
         sum.torque += push.arm.cross(force);
         sum.normal += push.mean.force;
         sum.stiffness += push.mean.stiffness;
         sum.slope += push.mean.slope;
-        add_stiffness(&mut sum.equations, problem, push, &argument, force);
-    });
+        sum.strain.add(&push);
+        add_stiffness(&mut sum.equations, problem, &push, &argument, force);
+    }
     sum
 }
 
@@ -238,7 +258,7 @@ fn inertial<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<
 }
 
 /// Adds how one contact's force and torque answer to a shift and a turn of the step's end.
-#[inline]
+#[inline(always)]
 fn add_stiffness<R: Real, D: Dynamics<R>>(
     equations: &mut SixBySix<R>,
     problem: &Problem<'_, R, D>,
@@ -247,27 +267,31 @@ fn add_stiffness<R: Real, D: Dynamics<R>>(
     force: R::Vec3,
 ) {
     let half = problem.seconds * R::HALF;
-    let stiffness = stiffness(problem, push).scaled(half);
-    let mut path = Block::hat(-push.end_arm);
+    let stiffness = stiffness(problem, push, half);
+    let mut by_turn = stiffness.after_turn_of(push.end_arm);
     if push.radius > R::ZERO {
         let carried = argument.crossed_by(push.normal).scaled(push.radius);
-        path = path.plus(&carried);
+        by_turn = by_turn.plus(&stiffness.times_block(&carried));
     }
-    equations.add_at(&stiffness, push.arm, &path);
+    equations.add_turned(&stiffness, &by_turn, push.arm);
     // The mean arm turns too: (ϑ × r')/2 × F.
-    let arm_turns = Block::outer(push.end_arm, force)
-        .plus(&Block::diagonal(-force.dot(push.end_arm)))
-        .scaled(-half * R::HALF);
+    let quarter = force * (-half * R::HALF);
+    let arm_turns =
+        Block::outer(push.end_arm, quarter).plus(&Block::diagonal(-quarter.dot(push.end_arm)));
     equations.torque_by_turn = equations.torque_by_turn.plus(&arm_turns);
 }
 
-/// `-dF/dx` of one contact for its path x over the step: `k (n - uₙ) nᵀ + c/dt (1 - n nᵀ - w' g ûᵀ)`.
-#[inline]
-fn stiffness<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, push: &Push<R>) -> Block<R> {
+/// `-dF/dx` of one contact for its path x over the step, times `factor`: `k (n - uₙ) nᵀ + c/dt (1 - n nᵀ - w' g ûᵀ)`.
+#[inline(always)]
+fn stiffness<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    push: &Push<R>,
+    factor: R,
+) -> Block<R> {
     let n = push.normal;
-    let c = push.drag.coefficient * problem.per_second;
+    let c = push.drag.coefficient * problem.per_second * factor;
     let loaded = n - push.slip * push.drag.per_load;
-    let across = loaded * push.mean.slope - n * c;
+    let across = loaded * (push.mean.slope * factor) - n * c;
     let along = push.dual * (-c * push.drag.growth);
     Block::diagonal(c)
         .plus(&Block::outer(across, n))

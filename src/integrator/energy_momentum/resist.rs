@@ -101,7 +101,7 @@ impl<R: Real> Resistance<R> {
         let resisted = block.times(before);
         self.impulse += resisted;
         self.turning += place.cross(resisted);
-        self.equations.add_at(&block, place, &Block::hat(-place));
+        self.equations.add_at(&block, place, place);
     }
 
     /// Solved for the change of the velocities, so that what no contact resists stays as it is to the last place.

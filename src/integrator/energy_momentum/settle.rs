@@ -14,7 +14,7 @@ use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion};
 use crate::state::State;
 
-/// How strongly a step overstrains friction and dampers: `2 dt Σc/m`, unresolved above 2.
+/// Resistance of all contacts to sliding and to closing, N s/m.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Strain<R> {
     friction: R,
@@ -22,23 +22,28 @@ pub(super) struct Strain<R> {
 }
 
 impl<R: Real> Strain<R> {
-    pub(super) fn of<D: Dynamics<R>>(
-        problem: &Problem<'_, R, D>,
-        contacts: &mut Contacts<R>,
-        trial: &Trial<R>,
-    ) -> Self {
-        let (mut drag, mut damping) = (R::ZERO, R::ZERO);
-        contacts.visit(problem, trial, |push| {
-            drag += push.drag.coefficient;
-            damping += push.mean.damping;
-        });
+    pub(super) const NONE: Self = Self {
+        friction: R::ZERO,
+        damping: R::ZERO,
+    };
+
+    #[inline]
+    pub(super) fn add(&mut self, push: &Push<R>) {
+        self.friction += push.drag.coefficient;
+        self.damping += push.mean.damping;
+    }
+
+    /// How strongly a step strains them: `2 dt Σc/m`, unresolved above 2.
+    #[inline]
+    pub(super) fn of_step<D>(&self, problem: &Problem<'_, R, D>) -> Self {
         let factor = R::TWO * problem.seconds / problem.mass;
         Self {
-            friction: drag * factor,
-            damping: damping * factor,
+            friction: self.friction * factor,
+            damping: self.damping * factor,
         }
     }
 
+    #[inline]
     pub(super) fn is_resolved(&self) -> bool {
         self.friction <= R::TWO && self.damping <= R::TWO
     }
@@ -62,9 +67,11 @@ pub(super) fn settle<R: Real, D: Dynamics<R>>(
     end: &State<R>,
 ) -> State<R> {
     resisted(problem.scene, problem.reach, end, |motion, resist| {
-        contacts.visit(problem, trial, |push| {
-            resist(&limits(problem, push, strain, motion));
-        });
+        for index in 0..contacts.len() {
+            if let Some(push) = contacts.push(index, problem, trial) {
+                resist(&limits(problem, &push, strain, motion));
+            }
+        }
     })
 }
 

@@ -33,10 +33,8 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     };
     let problem = Problem::new(&conservative, &slowed, seconds);
     super::gather(&problem, contacts, true);
-    let (iterations, trial) = newton::solve(&problem, contacts);
-    step.iterations += iterations;
-    step.evaluations += iterations + 1;
-    let moved = problem.end_of(&trial?);
+    let (trial, _) = newton::solve(&problem, contacts, step)?;
+    let moved = problem.end_of(&trial);
     let end = dissipate(scene, &moved, half);
     end.not_finite().is_none().then_some(end)
 }
