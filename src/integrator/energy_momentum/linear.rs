@@ -168,24 +168,14 @@ fn fill<R: Real>(
     }
 }
 
-/// The largest entry of each column moves up by exchanges of neighbours, so that every index is known at compile time.
+/// Gauss's elimination with row pivots, one function a column so that every index is known at compile time.
 #[inline]
 fn eliminate<R: Real>(mut rows: [[R; 7]; 6]) -> [R; 6] {
-    for pivot in 0..6 {
-        for below in pivot + 1..6 {
-            if rows[below][pivot].abs() > rows[pivot][pivot].abs() {
-                rows.swap(pivot, below);
-            }
-        }
-        let inverse = R::ONE / rows[pivot][pivot];
-        let upper = rows[pivot];
-        for row in &mut rows[pivot + 1..6] {
-            let factor = row[pivot] * inverse;
-            for column in pivot + 1..7 {
-                row[column] -= factor * upper[column];
-            }
-        }
-    }
+    eliminate_column::<R, 0>(&mut rows);
+    eliminate_column::<R, 1>(&mut rows);
+    eliminate_column::<R, 2>(&mut rows);
+    eliminate_column::<R, 3>(&mut rows);
+    eliminate_column::<R, 4>(&mut rows);
     let mut solution = [R::ZERO; 6];
     for i in (0..6).rev() {
         let mut sum = rows[i][6];
@@ -195,4 +185,22 @@ fn eliminate<R: Real>(mut rows: [[R; 7]; 6]) -> [R; 6] {
         solution[i] = sum / rows[i][i];
     }
     solution
+}
+
+/// The largest entry of the column moves up by exchanges; the rows below lose theirs.
+#[inline(always)]
+fn eliminate_column<R: Real, const P: usize>(rows: &mut [[R; 7]; 6]) {
+    for below in P + 1..6 {
+        if rows[below][P].abs() > rows[P][P].abs() {
+            rows.swap(P, below);
+        }
+    }
+    let upper = rows[P];
+    let inverse = R::ONE / upper[P];
+    for row in rows.iter_mut().skip(P + 1) {
+        let factor = row[P] * inverse;
+        for column in P + 1..7 {
+            row[column] -= factor * upper[column];
+        }
+    }
 }
