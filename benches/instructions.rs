@@ -1,0 +1,40 @@
+//! A fixed number of steps and nothing else, for `callgrind` to count: see `.ci/instructions`.
+//!
+//! `instructions INTEGRATOR PHASE POINTS STEPS`; the instructions of a step are the difference of two counts over the difference of their steps.
+
+// A count that cannot be taken ends.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod scenes;
+
+use core::hint::black_box;
+use scenes::{Advance, Phase, TIME_STEP, ring, stepper};
+use tumble::{EnergyMomentum, ForwardEuler, Integrator, Rk4, StrangSplitting, SymplecticEuler};
+
+fn main() {
+    let arguments = Vec::from_iter(std::env::args().skip(1));
+    // `cargo bench` and `cargo test` start every bench with options of their own.
+    let [integrator, phase, points, steps] = &arguments[..] else {
+        println!("instructions INTEGRATOR PHASE POINTS STEPS");
+        return;
+    };
+    let phase = Phase::ALL.into_iter().find(|p| p.name() == phase).unwrap();
+    let (points, steps) = (points.parse().unwrap(), steps.parse().unwrap());
+    let time_step = TIME_STEP;
+    match &integrator[..] {
+        "ForwardEuler" => run(ForwardEuler { time_step }, phase, points, steps),
+        "SymplecticEuler" => run(SymplecticEuler { time_step }, phase, points, steps),
+        "StrangSplitting" => run(StrangSplitting { time_step }, phase, points, steps),
+        "Rk4" => run(Rk4 { time_step }, phase, points, steps),
+        "EnergyMomentum" => run(EnergyMomentum { time_step }, phase, points, steps),
+        other => panic!("no integrator {other}"),
+    }
+}
+
+fn run(integrator: impl Integrator, phase: Phase, points: usize, steps: u32) {
+    measure(&stepper(ring(points), integrator), phase, steps);
+}
+
+fn measure(stepper: &impl Advance, phase: Phase, steps: u32) {
+    black_box(scenes::steps(stepper, &black_box(phase.state()), steps));
+}

@@ -1,0 +1,155 @@
+//! The scenes that the benches share: four phases of trial 1, with 12, 120 or 1200 points.
+
+// Each bench uses another part of the file.
+#![allow(dead_code)]
+// A bench that cannot go on ends.
+#![allow(clippy::unwrap_used)]
+
+use tumble::glam::{DQuat, DVec3};
+use tumble::{
+    Coin, ContactPoint, Coulomb, FlatGround, Gravity, Integrator, RigidPointBody, SlidingFriction,
+    SpringDamperGround, State, Stepper, Trial, UniformGravity,
+};
+
+/// The report's time step, s.
+pub(crate) const TIME_STEP: f64 = 1e-4;
+
+/// Steps that a phase lasts. A measurement takes these and starts again, so that the phase stays what its name says.
+pub(crate) const STEPS: u32 = 1000;
+
+/// What the coin does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Phase {
+    /// Three metres up and spinning: nothing touches.
+    Flight,
+    /// The start of trial 1: it rolls on its rim, 15 degrees from upright; 3 to 6 of 120 points touch.
+    Upright,
+    /// Trial 1 at t = 15 s: it tumbles, 16 degrees from flat; 5 to 7 of 120 points touch.
+    Tumbling,
+    /// Flat on the ground, at rest: all points touch.
+    Rest,
+}
+
+impl Phase {
+    pub(crate) const ALL: [Self; 4] = [Self::Flight, Self::Upright, Self::Tumbling, Self::Rest];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Flight => "flight",
+            Self::Upright => "upright",
+            Self::Tumbling => "tumbling",
+            Self::Rest => "rest",
+        }
+    }
+
+    pub(crate) fn state(self) -> State {
+        match self {
+            Self::Flight => State {
+                position: DVec3::new(0.0, 0.0, 3.0),
+                linear_velocity: DVec3::new(0.5, 0.0, 2.0),
+                ..trial_1().state()
+            },
+            Self::Upright => trial_1().state(),
+            // From a run of `StrangSplitting` with this time step.
+            Self::Tumbling => State {
+                position: DVec3::new(1.8045000262650326, -1.0858973814216588, 0.13355363851744725),
+                linear_velocity: DVec3::new(
+                    0.04625249458272729,
+                    0.07989534722088171,
+                    0.14849411243599242,
+                ),
+                orientation: DQuat::from_xyzw(
+                    -0.12272222338871726,
+                    -0.7710593339504414,
+                    0.1971235281257335,
+                    -0.592915739438324,
+                ),
+                angular_momentum: DVec3::new(
+                    -0.27987993527479316,
+                    -0.0078086557169935785,
+                    0.04029300250255166,
+                ),
+            },
+            Self::Rest => {
+                let depth = Trial::<f64>::GRAVITY / (120.0 * Trial::<f64>::STIFFNESS);
+                State::at(DVec3::new(0.0, 0.0, -depth)).turned_by(DVec3::new(
+                    0.0,
+                    core::f64::consts::FRAC_PI_2,
+                    0.0,
+                ))
+            }
+        }
+    }
+}
+
+pub(crate) fn trial_1() -> Trial {
+    Trial::report(1).unwrap()
+}
+
+/// The coin of the report with any number of points.
+pub(crate) type Ring = Coin<f64, Vec<ContactPoint>>;
+
+/// The coin of the report with `points` points.
+pub(crate) fn ring(points: usize) -> Ring {
+    let storage = vec![ContactPoint::default(); points];
+    Coin::ring_in(storage, Trial::<f64>::MASS, Trial::<f64>::RADIUS)
+}
+
+/// The report's ground under a coin of `points` points: as stiff and as damped in all as under its 120.
+pub(crate) fn ground(points: usize) -> FlatGround {
+    let share = 120.0 / points as f64;
+    FlatGround::level(
+        Trial::<f64>::STIFFNESS * share,
+        Trial::<f64>::DAMPING * share,
+    )
+}
+
+/// Any body in the scene of trial 1, with the ground of [`ground`].
+pub(crate) type SceneStepper<B, I> = Stepper<f64, B, FlatGround, Coulomb, UniformGravity, I>;
+
+/// `body` in the scene of trial 1.
+pub(crate) fn stepper<B: RigidPointBody, I: Integrator>(
+    body: B,
+    integrator: I,
+) -> SceneStepper<B, I> {
+    let points = body.contacts().len();
+    Stepper::new(body)
+        .and_then(|stepper| stepper.with_ground(ground(points)))
+        .and_then(|stepper| stepper.with_friction(trial_1().friction()))
+        .and_then(|stepper| stepper.with_gravity(trial_1().gravity()))
+        .and_then(|stepper| stepper.with_integrator(integrator))
+        .unwrap()
+}
+
+/// Something that moves a state on by one step: what is measured, whatever its type.
+pub(crate) trait Advance {
+    type Workspace: Default;
+    fn advance(&self, state: &mut State, workspace: &mut Self::Workspace);
+}
+
+impl<B, G, F, A, I> Advance for Stepper<f64, B, G, F, A, I>
+where
+    B: RigidPointBody,
+    G: SpringDamperGround,
+    F: SlidingFriction,
+    A: Gravity,
+    I: Integrator,
+{
+    type Workspace = I::Workspace;
+
+    #[inline]
+    fn advance(&self, state: &mut State, workspace: &mut I::Workspace) {
+        self.step_within(state, f64::MAX, workspace).unwrap();
+    }
+}
+
+/// `steps` steps from `start`: the loop that is timed and counted.
+#[inline(never)]
+pub(crate) fn steps<S: Advance>(stepper: &S, start: &State, steps: u32) -> State {
+    let mut state = *start;
+    let mut workspace = S::Workspace::default();
+    for _ in 0..steps {
+        stepper.advance(&mut state, &mut workspace);
+    }
+    state
+}
