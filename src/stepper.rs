@@ -203,17 +203,15 @@ where
         limit: R,
         workspace: &mut I::Workspace,
     ) -> Result<Step<R>, StepError> {
-        let mut next = *state;
-        let step = self
-            .integrator
-            .step(&self.scene, &mut next, limit, workspace)?;
-        match next.not_finite() {
-            None => {
-                *state = next;
-                Ok(step)
-            }
-            Some(quantity) => Err(blame(state, quantity)),
-        }
+        let before = *state;
+        let step = self.integrator.step(&self.scene, state, limit, workspace);
+        let error = match (step, state.not_finite()) {
+            (Ok(step), None) => return Ok(step),
+            (Ok(_), Some(quantity)) => blame(&before, quantity),
+            (Err(error), _) => error,
+        };
+        *state = before;
+        Err(error)
     }
 
     /// Moves a state on by exactly `seconds`, at least 0.
