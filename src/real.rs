@@ -84,7 +84,7 @@ pub trait Real:
     /// Angle in radians from the first axis to the point (`x`, `self`), from the `libm` crate.
     #[must_use]
     fn atan2(self, x: Self) -> Self;
-    /// Largest whole number not above `self`, as an index: 0 for whatever is not above 0, NaN included.
+    /// Largest whole number not above `self`, as an index up to 2³² - 1: 0 for whatever is not above 0, NaN included.
     #[must_use]
     fn floor_index(self) -> usize;
 
@@ -276,7 +276,7 @@ macro_rules! implement_real {
                 reason = "`as` saturates and takes NaN to 0"
             )]
             fn floor_index(self) -> usize {
-                self as usize
+                self as u32 as usize
             }
         }
 

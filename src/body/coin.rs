@@ -139,22 +139,54 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
     }
 }
 
-/// The arc of a ring under a plane, by walking: downhill from a guess to the lowest point, then outwards to both sides while still under the plane.
+/// The arc of a ring under a plane, by walking: from a guess at the lowest point outwards to both sides while under the plane.
 ///
 /// Heights round a ring have one minimum, so no other point is visited and no arc is missed.
 #[inline]
 fn arc_below<R: Real>(points: &[ContactPoint<R>], normal: R::Vec3, offset: R) -> Run {
-    let height = |i: usize| {
-        points.get(i).map_or(R::MAX, |point| {
-            point.position.y() * normal.y() + point.position.z() * normal.z()
-        })
-    };
+    let height =
+        |point: &ContactPoint<R>| point.position.y() * normal.y() + point.position.z() * normal.z();
+    let guess = lowest_guess(points.len(), -normal.y(), -normal.z());
+    let run = arc_around(points, guess, |point| height(point) < offset);
+    if run.count > 0 {
+        return run;
+    }
+    // A shallow arc may lie beside the guess.
+    let lowest = walk_down(points, guess, height);
+    arc_around(points, lowest, |point| height(point) < offset)
+}
+
+/// The longest run of points around `middle` that are all `below`; none where the middle itself is not.
+#[inline]
+fn arc_around<T>(points: &[T], middle: usize, below: impl Fn(&T) -> bool) -> Run {
+    let (before, after) = points.split_at_checked(middle).unwrap_or_default();
+    let ahead = (after.iter().chain(before))
+        .take_while(|point| below(point))
+        .count();
+    if ahead == 0 || ahead == points.len() {
+        return Run::all(ahead);
+    }
+    let behind = (before.iter().rev().chain(after.iter().rev()))
+        .take_while(|point| below(point))
+        .count();
+    Run {
+        first: if behind > middle {
+            middle + points.len() - behind
+        } else {
+            middle - behind
+        },
+        count: ahead + behind,
+    }
+}
+
+/// The number of the lowest point, downhill from `start`.
+fn walk_down<T, R: Real>(points: &[T], start: usize, height: impl Fn(&T) -> R) -> usize {
     let count = points.len();
+    let height = |i: usize| points.get(i).map_or(R::MAX, &height);
     let after = |i: usize| if i + 1 < count { i + 1 } else { 0 };
     let before = |i: usize| if i > 0 { i - 1 } else { count.wrapping_sub(1) };
 
-    let mut lowest = lowest_guess(count, -normal.y(), -normal.z());
-    let mut low = height(lowest);
+    let (mut lowest, mut low) = (start, height(start));
     // At most once round, whatever the numbers are.
     for _ in 0..count {
         let (a, b) = (after(lowest), before(lowest));
@@ -167,23 +199,7 @@ fn arc_below<R: Real>(points: &[ContactPoint<R>], normal: R::Vec3, offset: R) ->
             break;
         }
     }
-    if low >= offset {
-        return Run::NONE;
-    }
-    let mut run = Run {
-        first: lowest,
-        count: 1,
-    };
-    let mut last = lowest;
-    while run.count < count && height(after(last)) < offset {
-        last = after(last);
-        run.count += 1;
-    }
-    while run.count < count && height(before(run.first)) < offset {
-        run.first = before(run.first);
-        run.count += 1;
-    }
-    run
+    lowest
 }
 
 /// The number of the ring's point that lies nearest to the direction (`y`, `z`), or one beside it.
