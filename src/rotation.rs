@@ -47,7 +47,12 @@ impl<R: Real> Rotation<R> {
     #[inline]
     #[must_use]
     pub fn from_rotation_vector(vector: R::Vec3) -> Self {
-        let half = vector * R::HALF;
+        Self::from_half_vector(vector * R::HALF)
+    }
+
+    /// The turn by `2 |half|` radians about `half`, right-handed.
+    #[inline]
+    pub(crate) fn from_half_vector(half: R::Vec3) -> Self {
         let (cos, sinc) = cos_and_sinc(half.length_squared());
         Self {
             w: cos,
@@ -82,6 +87,30 @@ impl<R: Real> Rotation<R> {
         }
     }
 
+    /// The body turned further by `2 half` radians about its own `axis`: `q (cos + a sin) = q cos + q a sin`.
+    #[inline(always)]
+    pub(crate) fn spun(self, axis: BodyAxis<R>, half: R) -> Self {
+        let (cos, sinc) = cos_and_sinc(half * half);
+        let straight = Self {
+            w: self.w * cos,
+            v: self.v * cos,
+        };
+        straight.plus(self.times(axis), half * sinc)
+    }
+
+    /// The quaternion product with an axis: with i, j or k for an axis of the body.
+    #[inline]
+    fn times(self, axis: BodyAxis<R>) -> Self {
+        let (w, x, y, z) = (self.w, self.v.x(), self.v.y(), self.v.z());
+        let (w, v) = match axis {
+            BodyAxis::X => (-x, R::Vec3::new(w, z, -y)),
+            BodyAxis::Y => (-y, R::Vec3::new(-z, w, x)),
+            BodyAxis::Z => (-z, R::Vec3::new(y, -x, w)),
+            BodyAxis::Other(a) => (-self.v.dot(a), a * w + self.v.cross(a)),
+        };
+        Self { w, v }
+    }
+
     /// The turn back.
     #[inline]
     #[must_use]
@@ -104,11 +133,11 @@ impl<R: Real> Rotation<R> {
     /// Time derivative of the quaternion of a body that turns at `angular_velocity` (rad/s, world axes): `(0, ω) q / 2`.
     #[inline]
     pub(crate) fn rate(self, angular_velocity: R::Vec3) -> Self {
-        let half = Self {
-            w: R::ZERO,
-            v: angular_velocity * R::HALF,
-        };
-        half.after(self)
+        let half = angular_velocity * R::HALF;
+        Self {
+            w: -half.dot(self.v),
+            v: half * self.w + half.cross(self.v),
+        }
     }
 
     /// Square of the quaternion's length; 1 to rounding.
@@ -173,13 +202,17 @@ impl<R: Real> Rotation<R> {
 
 /// `cos h` and `sin(h)/h` from `h²`.
 ///
-/// Taylor's series where it is exact to the last place of f64 (next term below 1e-17), else the `libm` crate. A step seldom turns a body by
-/// more than a radian, and the series need neither square root nor division.
+/// The shortest of three of Taylor's series that is exact to the last place of f64 (next term below 1e-17), else the `libm` crate. A step seldom turns a
+/// body by more than a radian, and the series need neither square root nor division.
 #[inline]
 fn cos_and_sinc<R: Real>(square: R) -> (R, R) {
     let s = square;
     let c = R::from_f64;
-    if s < c(1.0 / 1024.0) {
+    if s < c(1.0 / 65536.0) {
+        let cos = (c(1.0 / 24.0) * s - c(0.5)) * s;
+        let sinc = (c(1.0 / 120.0) * s - c(1.0 / 6.0)) * s;
+        (cos + R::ONE, sinc + R::ONE)
+    } else if s < c(1.0 / 1024.0) {
         let cos = (((c(1.0 / 40320.0) * s - c(1.0 / 720.0)) * s + c(1.0 / 24.0)) * s - c(0.5)) * s;
         let sinc = (((c(1.0 / 362880.0) * s - c(1.0 / 5040.0)) * s + c(1.0 / 120.0)) * s
             - c(1.0 / 6.0))
@@ -249,6 +282,43 @@ impl<R: Real> Axes<R> {
     #[must_use]
     pub fn to_body(&self, world: R::Vec3) -> R::Vec3 {
         R::Vec3::new(self.x.dot(world), self.y.dot(world), self.z.dot(world))
+    }
+}
+
+/// A direction fixed in the body. Most bodies are given in axes along their principal ones, which need no arithmetic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum BodyAxis<R: Real> {
+    X,
+    Y,
+    Z,
+    /// Unit vector, body axes.
+    Other(R::Vec3),
+}
+
+impl<R: Real> BodyAxis<R> {
+    /// Along a unit vector, body axes.
+    pub(crate) fn along(vector: R::Vec3) -> Self {
+        let (o, one) = (R::ZERO, R::ONE);
+        if vector == R::Vec3::new(one, o, o) {
+            Self::X
+        } else if vector == R::Vec3::new(o, one, o) {
+            Self::Y
+        } else if vector == R::Vec3::new(o, o, one) {
+            Self::Z
+        } else {
+            Self::Other(vector)
+        }
+    }
+
+    /// The unit vector in world axes.
+    #[inline]
+    pub(crate) fn in_world(self, axes: &Axes<R>) -> R::Vec3 {
+        match self {
+            Self::X => axes.x,
+            Self::Y => axes.y,
+            Self::Z => axes.z,
+            Self::Other(vector) => axes.to_world(vector),
+        }
     }
 }
 

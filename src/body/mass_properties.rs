@@ -2,7 +2,7 @@
 
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
-use crate::rotation::{Axes, Rotation};
+use crate::rotation::{Axes, BodyAxis, Rotation};
 
 /// Mass and inertia of a body, worked out once when a scene is composed.
 ///
@@ -72,22 +72,21 @@ impl<R: Real> Solving<R> {
 /// An inverse moment that one principal axis has beyond the others' common one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Excess<R: Real> {
-    /// Unit vector, body axes.
-    axis: R::Vec3,
+    axis: BodyAxis<R>,
     /// 1/(kg m²).
     inverse: R,
 }
 
 impl<R: Real> Excess<R> {
     /// Its share of the angular velocity (rad/s, world axes).
-    #[inline]
+    #[inline(always)]
     fn spin(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R::Vec3 {
-        let axis = axes.to_world(self.axis);
+        let axis = self.axis.in_world(axes);
         axis * (self.inverse * axis.dot(angular_momentum))
     }
 
     /// `rotation` turned further about the body's own axis, as this share of the spin turns it in `seconds`.
-    #[inline]
+    #[inline(always)]
     fn turn(
         &self,
         rotation: Rotation<R>,
@@ -95,10 +94,8 @@ impl<R: Real> Excess<R> {
         angular_momentum: R::Vec3,
         seconds: R,
     ) -> Rotation<R> {
-        let along = axes.to_world(self.axis).dot(angular_momentum);
-        rotation.after(Rotation::from_rotation_vector(
-            self.axis * (self.inverse * along * seconds),
-        ))
+        let along = self.axis.in_world(axes).dot(angular_momentum);
+        rotation.spun(self.axis, self.inverse * along * (seconds * R::HALF))
     }
 }
 
@@ -123,6 +120,14 @@ impl<R: Real> MassProperties<R> {
         let equal = |i: usize, j: usize| (moments[i] - moments[j]).abs() <= rounding;
         let [unlike, like, third] = by_likeness(moments);
         let common = inverse[like];
+        let excess = |i: usize| Excess {
+            axis: BodyAxis::along(principal[i]),
+            inverse: if equal(i, like) {
+                R::ZERO
+            } else {
+                inverse[i] - common
+            },
+        };
         Ok(Self {
             mass,
             inverse_mass: R::ONE / mass,
@@ -133,22 +138,8 @@ impl<R: Real> MassProperties<R> {
                 z: principal[2],
             },
             common,
-            symmetry: Excess {
-                axis: principal[unlike],
-                inverse: if equal(unlike, like) {
-                    R::ZERO
-                } else {
-                    inverse[unlike] - common
-                },
-            },
-            asymmetry: Excess {
-                axis: principal[third],
-                inverse: if equal(third, like) {
-                    R::ZERO
-                } else {
-                    inverse[third] - common
-                },
-            },
+            symmetry: excess(unlike),
+            asymmetry: excess(third),
             solving: Solving::new(mass, moments, inverse, [unlike, like, third]),
         })
     }
@@ -187,7 +178,7 @@ impl<R: Real> MassProperties<R> {
     }
 
     /// Angular velocity (rad/s, world axes) of a body with these axes and angular momentum (kg m²/s, world axes): `ω = J⁻¹ L`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn angular_velocity(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R::Vec3 {
         let mut spin = angular_momentum * self.common + self.symmetry.spin(axes, angular_momentum);
@@ -230,10 +221,10 @@ impl<R: Real> MassProperties<R> {
             tensor[1] += scaled * axis.y();
             tensor[2] += scaled * axis.z();
         };
-        let symmetry = axes.to_world(self.symmetry.axis);
+        let symmetry = self.symmetry.axis.in_world(axes);
         add(symmetry, solving.symmetry);
         if self.is_asymmetric() {
-            add(axes.to_world(self.asymmetry.axis), solving.asymmetry);
+            add(self.asymmetry.axis.in_world(axes), solving.asymmetry);
         }
         let momentum = match solving.turns {
             Turns::Freely => angular_momentum,
@@ -248,7 +239,7 @@ impl<R: Real> MassProperties<R> {
     /// Exact for a body with two equal moments, for any time and spin: `exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)`.
     /// For three different moments it is Strang's composition of the symmetric body's turn with the rest's: of order 2, with the energy error
     /// bounded for all times, and `|L|` exact (Touma & Wisdom 1994; McLachlan & Zanna 2005).
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn turn_freely(
         &self,
@@ -265,7 +256,7 @@ impl<R: Real> MassProperties<R> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn turn_symmetric(
         &self,
         rotation: Rotation<R>,
@@ -273,7 +264,8 @@ impl<R: Real> MassProperties<R> {
         angular_momentum: R::Vec3,
         seconds: R,
     ) -> Rotation<R> {
-        let precession = Rotation::from_rotation_vector(angular_momentum * (self.common * seconds));
+        let half_turn = angular_momentum * (self.common * (seconds * R::HALF));
+        let precession = Rotation::from_half_vector(half_turn);
         precession.after(
             self.symmetry
                 .turn(rotation, axes, angular_momentum, seconds),
