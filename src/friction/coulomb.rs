@@ -38,7 +38,7 @@ impl<R: Real> Coulomb<R> {
 impl<R: Real> SlidingFriction<R> for Coulomb<R> {
     #[inline]
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
-        slip * -(self.coefficient * normal_force / (slip.length() + self.slip_speed))
+        slip * (-self.coefficient * normal_force / (slip.length() + self.slip_speed))
     }
 
     #[inline]

@@ -3,8 +3,8 @@
 use super::{Integrator, Step, step_length};
 use crate::error::{self, SceneError, StepError};
 use crate::real::{Real, Vector};
-use crate::rotation::Rotation;
-use crate::scene::Dynamics;
+use crate::rotation::{Axes, Rotation};
+use crate::scene::{Dynamics, Load, Motion};
 use crate::state::State;
 
 /// The report's order of operations on a plain state: forward Euler, with the body turned exactly about its angular velocity.
@@ -37,23 +37,15 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
         let mass = scene.mass_properties();
-        let motion = scene.motion(state);
+        let old_rotation = state.rotation();
+        let motion = scene.motion_along(state, old_rotation.axes());
         let turn = Rotation::from_rotation_vector(motion.angular_velocity * dt);
-        let rotation = turn.after(state.rotation()).normalised();
-        let new_axes = rotation.axes();
-
-        let (mut force, mut torque) = (R::Vec3::ZERO, R::Vec3::ZERO);
-        scene.visit_contacts(&motion, |contact| {
-            let pull = contact.force(scene.ground(), scene.friction());
-            let centre_arm = new_axes.to_world(contact.point.position);
-            let new_arm = centre_arm - contact.normal * contact.point.radius;
-            force += pull;
-            torque += new_arm.cross(pull);
-        });
+        let rotation = turn.after(old_rotation).normalised();
+        let load = load_with_arms(scene, &motion, &rotation.axes());
 
         state.position += state.linear_velocity * dt;
-        state.linear_velocity += (force * mass.inverse_mass() + scene.gravity()) * dt;
-        state.angular_momentum += torque * dt;
+        state.linear_velocity += (load.force * mass.inverse_mass() + scene.gravity()) * dt;
+        state.angular_momentum += load.torque * dt;
         state.orientation = rotation.to_quat();
         Ok(Step::new(dt, 1))
     }
@@ -65,4 +57,22 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
     fn check(&self) -> Result<(), SceneError> {
         error::above_zero("time step", self.time_step, " s")
     }
+}
+
+/// Force of all contacts, with the torque that it has at the arms of a body with other axes.
+#[inline]
+fn load_with_arms<R: Real>(
+    scene: &impl Dynamics<R>,
+    motion: &Motion<R>,
+    axes: &Axes<R>,
+) -> Load<R> {
+    let mut load = Load::default();
+    scene.visit_contacts(motion, |contact| {
+        let force = contact.force(scene.ground(), scene.friction());
+        let arm = contact.arm_along(axes);
+        load.force += force;
+        load.torque += arm.cross(force);
+        load.touching += 1;
+    });
+    load
 }

@@ -38,14 +38,8 @@ impl<R: Real> Integrator<R> for Rk4<R> {
         let k3 = start.plus(&k2, half).slope(scene);
         let k4 = start.plus(&k3, dt).slope(scene);
 
-        let sixth = dt * R::from_f64(1.0 / 6.0);
-        let third = dt * R::from_f64(1.0 / 3.0);
-        let end = start
-            .plus(&k1, sixth)
-            .plus(&k2, third)
-            .plus(&k3, third)
-            .plus(&k4, sixth);
-        *state = end.to_state();
+        let sum = k1.plus(&k2, R::TWO).plus(&k3, R::TWO).plus(&k4, R::ONE);
+        *state = start.plus(&sum, dt * R::from_f64(1.0 / 6.0)).to_state();
         Ok(Step::new(dt, 4))
     }
 
@@ -99,7 +93,7 @@ impl<R: Real> Point<R> {
     }
 
     /// The time derivative here.
-    #[inline]
+    #[inline(always)]
     fn slope(&self, scene: &impl Dynamics<R>) -> Self {
         let mass = scene.mass_properties();
         let axes = self.orientation.axes_of_any_length();

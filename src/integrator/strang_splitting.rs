@@ -3,7 +3,8 @@
 use super::{Integrator, Step, step_length};
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
-use crate::scene::{Dynamics, Load, Motion};
+use crate::rotation::{Axes, Rotation};
+use crate::scene::{Dynamics, Load};
 use crate::state::State;
 
 /// Strang's splitting: half a step of exact flight, a kick by the contacts at the middle, half a step of exact flight.
@@ -36,9 +37,12 @@ impl<R: Real> Integrator<R> for StrangSplitting<R> {
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
         let half = dt * R::HALF;
-        drift(scene, state, half);
-        let evaluations = kick(scene, state, dt);
-        drift(scene, state, half);
+        let start = state.rotation();
+        let middle = drift(scene, state, start, &start.axes(), half);
+        let axes = middle.axes();
+        let evaluations = kick(scene, state, axes, dt);
+        let end = drift(scene, state, middle, &axes, half);
+        state.orientation = end.to_quat();
         Ok(Step::new(dt, evaluations))
     }
 
@@ -51,36 +55,34 @@ impl<R: Real> Integrator<R> for StrangSplitting<R> {
     }
 }
 
-/// Flight without force.
+/// Flight without force, from `rotation` with these `axes`. Returns the new rotation.
 #[inline]
-fn drift<R: Real>(scene: &impl Dynamics<R>, state: &mut State<R>, seconds: R) {
-    let rotation = state.rotation();
+fn drift<R: Real>(
+    scene: &impl Dynamics<R>,
+    state: &mut State<R>,
+    rotation: Rotation<R>,
+    axes: &Axes<R>,
+    seconds: R,
+) -> Rotation<R> {
+    let mass = scene.mass_properties();
     state.position += state.linear_velocity * seconds;
-    state.orientation = scene
-        .mass_properties()
-        .turn_freely(rotation, &rotation.axes(), state.angular_momentum, seconds)
-        .to_quat();
+    mass.turn_freely(rotation, axes, state.angular_momentum, seconds)
 }
 
 /// Velocities moved on by the forces at a place that stands still. Returns how often the contacts were evaluated.
 #[inline]
-fn kick<R: Real>(scene: &impl Dynamics<R>, state: &mut State<R>, seconds: R) -> u32 {
-    let motion = scene.motion(state);
-    let load = scene.load(&motion);
+fn kick<R: Real>(scene: &impl Dynamics<R>, state: &mut State<R>, axes: Axes<R>, seconds: R) -> u32 {
+    // The place stays, so the contacts that touch do too.
+    let run = scene.contacts_within(R::ZERO, state.position, &axes);
+    let load = scene.load_on(run, &scene.motion_along(state, axes));
     if load.touching == 0 {
         state.linear_velocity += scene.gravity() * seconds;
         return 1;
     }
     let mut middle = *state;
     push(scene, &mut middle, &load, seconds * R::HALF);
-    let middle_motion = Motion {
-        linear_velocity: middle.linear_velocity,
-        angular_velocity: scene
-            .mass_properties()
-            .angular_velocity(&motion.axes, middle.angular_momentum),
-        ..motion
-    };
-    push(scene, state, &scene.load(&middle_motion), seconds);
+    let load = scene.load_on(run, &scene.motion_along(&middle, axes));
+    push(scene, state, &load, seconds);
     2
 }
 

@@ -34,7 +34,8 @@ impl<R: Real> Integrator<R> for SymplecticEuler<R> {
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
         let mass = scene.mass_properties();
-        let motion = scene.motion(state);
+        let rotation = state.rotation();
+        let motion = scene.motion_along(state, rotation.axes());
         let load = scene.load(&motion);
 
         // Position and turn use the new velocities: with the old ones each step would add energy to a spring.
@@ -42,7 +43,7 @@ impl<R: Real> Integrator<R> for SymplecticEuler<R> {
         state.angular_momentum += load.torque * dt;
         state.position += state.linear_velocity * dt;
         state.orientation = mass
-            .turn_freely(state.rotation(), &motion.axes, state.angular_momentum, dt)
+            .turn_freely(rotation, &motion.axes, state.angular_momentum, dt)
             .to_quat();
         Ok(Step::new(dt, 1))
     }
