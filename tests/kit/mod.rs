@@ -1,4 +1,4 @@
-//! What the property tests share: ranges of input, bodies of several kinds, the explicit integrators one after another.
+//! What the property tests share: ranges of input, bodies of several kinds, the integrators one after another.
 
 // Each test file uses another part of it.
 #![allow(dead_code, unused_imports, unused_macros)]
@@ -51,6 +51,19 @@ macro_rules! each_explicit {
     }};
 }
 pub(crate) use each_explicit;
+
+/// Runs a block with each integrator of one time step, by value and by name.
+macro_rules! each_method {
+    ($time_step:expr, |$integrator:ident, $name:ident| $block:block) => {{
+        let time_step = $time_step;
+        $crate::kit::each_explicit!(time_step, |$integrator, $name| $block);
+        {
+            let ($integrator, $name) = (tumble::EnergyMomentum { time_step }, "EnergyMomentum");
+            $block
+        }
+    }};
+}
+pub(crate) use each_method;
 
 /// Numbers whose logarithm is spread evenly.
 pub(crate) fn log_uniform(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {
