@@ -8,7 +8,7 @@ coin() { cargo run -q --release --example coin -- "$@"; }
 coin --duration 2 --out "$out/one"
 python3 .ci/read_pictures.py "$out/one"
 
-for method in report forward-euler symplectic-euler strang rk4; do
+for method in energy-momentum report forward-euler symplectic-euler strang rk4; do
   coin --quiet --duration 0.5 --integrator "$method" --out "$out/$method"
 done
 

@@ -33,6 +33,7 @@ mod run;
 mod setup;
 mod summary;
 mod table;
+mod tally;
 
 /// Number of trials in the report.
 const TRIALS: usize = 8;

@@ -36,10 +36,12 @@ What the report keeps fixed
       --slip-speed <M/S>        below this speed friction fades out           [default: 1e-10]
 
 How to compute
-  -i, --integrator <METHOD>     report, forward-euler, symplectic-euler, strang or rk4
-                                (report: the report's own loop, word for word)
-                                                                  [default: symplectic-euler]
-  -s, --step <SECONDS>          time step                                     [default: 1e-4]
+  -i, --integrator <METHOD>     energy-momentum, report, forward-euler, symplectic-euler,
+                                strang or rk4; the energy of energy-momentum never rises,
+                                report is the report's own loop, word for word
+                                                                   [default: energy-momentum]
+  -s, --step <SECONDS>          time step                 [default: 1e-3 for energy-momentum,
+                                                             1e-4, the report's, for others]
   -d, --duration <SECONDS>      of the run                                    [default: 160]
       --no-books                do not keep books of the energy: several times faster
 
@@ -96,11 +98,12 @@ impl Overrides {
     pub(crate) fn apply(&self, number: usize) -> Result<Setup, UsageError> {
         let trial = Trial::report(number).ok_or_else(|| no_trial(number))?;
         let setup = Setup::new(number, self.turn_knobs(trial));
+        let method = self.method.unwrap_or(setup.method);
         Ok(Setup {
             points: self.points.unwrap_or(setup.points),
             stiffness: self.stiffness.unwrap_or(setup.stiffness),
-            method: self.method.unwrap_or(setup.method),
-            time_step: self.time_step.unwrap_or(setup.time_step),
+            method,
+            time_step: self.time_step.unwrap_or(method.usual_step()),
             duration: self.duration.unwrap_or(setup.duration),
             books: !self.no_books,
             ..setup

@@ -4,6 +4,7 @@ use tumble::glam::{DQuat, DVec3};
 use tumble::{Dissipation, Energy};
 
 use crate::setup::Setup;
+use crate::tally::Tally;
 
 /// A run that is over. SI units, world axes: x and y along the floor, z up.
 #[derive(Debug)]
@@ -12,6 +13,8 @@ pub(crate) struct Recording {
     /// In the order of time, never empty.
     pub(crate) moments: Vec<Moment>,
     pub(crate) books: Option<Books>,
+    /// What the integrator's steps reported; no steps where the report's loop ran.
+    pub(crate) tally: Tally,
     /// Seconds that the computer took.
     pub(crate) wall_time: f64,
 }

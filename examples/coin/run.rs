@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use indicatif::ProgressBar;
 use tumble::{
-    Coin, ContactPoint, Coulomb, FlatGround, ForwardEuler, Integrator, Rk4, State, Stepper,
-    StrangSplitting, SymplecticEuler, UniformGravity,
+    Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Rk4, State,
+    Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
 };
 
 use crate::options::UsageError;
@@ -14,6 +14,7 @@ use crate::recorder::{Recorder, RingCoin};
 use crate::recording::Recording;
 use crate::report;
 use crate::setup::{MASS, Method, RADIUS, Setup};
+use crate::tally::Tallied;
 
 /// The coin on its floor, moved on by an integrator.
 pub(crate) type CoinStepper<I> = Stepper<f64, RingCoin, FlatGround, Coulomb, UniformGravity, I>;
@@ -25,6 +26,7 @@ pub(crate) type CoinStepper<I> = Stepper<f64, RingCoin, FlatGround, Coulomb, Uni
 pub(crate) fn run(setup: Setup, bar: &ProgressBar) -> Result<Recording, Box<dyn Error>> {
     let time_step = setup.time_step;
     match setup.method {
+        Method::EnergyMomentum => record(setup, bar, EnergyMomentum { time_step }, by_library),
         Method::Report => record(setup, bar, StrangSplitting { time_step }, report::run),
         Method::ForwardEuler => record(setup, bar, ForwardEuler { time_step }, by_library),
         Method::SymplecticEuler => record(setup, bar, SymplecticEuler { time_step }, by_library),
@@ -38,9 +40,13 @@ fn record<I: Integrator<f64>>(
     setup: Setup,
     bar: &ProgressBar,
     integrator: I,
-    drive: impl FnOnce(&Setup, &CoinStepper<I>, &mut Recorder<'_>) -> Result<(), Box<dyn Error>>,
+    drive: impl FnOnce(
+        &Setup,
+        &CoinStepper<Tallied<I>>,
+        &mut Recorder<'_>,
+    ) -> Result<(), Box<dyn Error>>,
 ) -> Result<Recording, Box<dyn Error>> {
-    let stepper = compose(&setup, integrator).map_err(UsageError::new)?;
+    let stepper = compose(&setup, Tallied::new(integrator)).map_err(UsageError::new)?;
     let mut recorder = Recorder::new(&setup, stepper.body(), bar);
     let begin = Instant::now();
     drive(&setup, &stepper, &mut recorder)?;
@@ -50,6 +56,7 @@ fn record<I: Integrator<f64>>(
         setup,
         moments,
         books,
+        tally: stepper.integrator().tally(),
         wall_time,
     })
 }

@@ -35,6 +35,7 @@ pub(crate) struct Setup {
 /// How the equations are stepped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Method {
+    EnergyMomentum,
     /// The report's own loop, word for word.
     Report,
     ForwardEuler,
@@ -51,8 +52,8 @@ impl Setup {
             trial,
             points: 120,
             stiffness: Trial::<f64>::STIFFNESS,
-            method: Method::SymplecticEuler,
-            time_step: 1e-4,
+            method: Method::EnergyMomentum,
+            time_step: Method::EnergyMomentum.usual_step(),
             duration: 160.0,
             books: true,
         }
@@ -104,9 +105,22 @@ fn name(start: Start) -> &'static str {
     }
 }
 
+impl Method {
+    /// The step that is taken where none is asked for, s.
+    pub(crate) fn usual_step(self) -> f64 {
+        match self {
+            // Trial 1 after 1 s: 0.06 mm from the truth; symplectic Euler is 0.38 mm from it with 1e-4 s.
+            Self::EnergyMomentum => 1e-3,
+            // The report's own; its loop is stable below 5e-4 s.
+            _ => 1e-4,
+        }
+    }
+}
+
 impl fmt::Display for Method {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str(match self {
+            Self::EnergyMomentum => "energy-momentum",
             Self::Report => "the report's loop",
             Self::ForwardEuler => "forward Euler",
             Self::SymplecticEuler => "symplectic Euler",
@@ -122,12 +136,13 @@ impl FromStr for Method {
 
     fn from_str(word: &str) -> Result<Self, Self::Err> {
         match word {
+            "energy-momentum" => Ok(Self::EnergyMomentum),
             "report" => Ok(Self::Report),
             "forward-euler" => Ok(Self::ForwardEuler),
             "symplectic-euler" => Ok(Self::SymplecticEuler),
             "strang" => Ok(Self::Strang),
             "rk4" => Ok(Self::Rk4),
-            _ => Err("report, forward-euler, symplectic-euler, strang or rk4"),
+            _ => Err("energy-momentum, report, forward-euler, symplectic-euler, strang or rk4"),
         }
     }
 }

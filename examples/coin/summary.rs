@@ -6,6 +6,7 @@ use tumble::Energy;
 
 use crate::milestones::{Milestones, Skidding};
 use crate::recording::{Books, Recording};
+use crate::tally::Tally;
 
 /// Prints as the summary of a run.
 #[derive(Debug)]
@@ -23,6 +24,9 @@ impl fmt::Display for Summary<'_> {
         match recording.books {
             Some(books) => write_books(out, books)?,
             None => write_line(out, "books", "not kept")?,
+        }
+        if recording.tally.iterations > 0 {
+            write_tally(out, &recording.tally)?;
         }
         write_speed(out, recording)
     }
@@ -73,6 +77,16 @@ fn write_books(out: &mut fmt::Formatter<'_>, books: Books) -> fmt::Result {
     write_line(out, "  by springs let go", joules(books.work.clamp))?;
     let residue = format!("{}, the error of the method", joules(books.residue));
     write_line(out, "  residue", residue)
+}
+
+/// Of an implicit method.
+fn write_tally(out: &mut fmt::Formatter<'_>, tally: &Tally) -> fmt::Result {
+    let each = tally.iterations as f64 / tally.steps as f64;
+    let text = format!(
+        "{each:.2} a step; {} of {} steps divided, {:.1e} J kept from being added",
+        tally.divided, tally.steps, tally.ratcheted
+    );
+    write_line(out, "iterations", text)
 }
 
 fn write_speed(out: &mut fmt::Formatter<'_>, recording: &Recording) -> fmt::Result {

@@ -1,0 +1,67 @@
+//! Adds up what an integrator's steps report.
+
+use std::cell::Cell;
+
+use tumble::{Dynamics, Integrator, SceneError, State, Step, StepError};
+
+/// Sums over the steps of a run.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tally {
+    pub(crate) steps: u64,
+    pub(crate) iterations: u64,
+    /// Steps that were too long to be taken whole.
+    pub(crate) divided: u64,
+    /// Energy that was removed so that the total does not rise, J.
+    pub(crate) ratcheted: f64,
+}
+
+/// An integrator with its tally: the same steps, counted.
+#[derive(Debug)]
+pub(crate) struct Tallied<I> {
+    integrator: I,
+    tally: Cell<Tally>,
+}
+
+impl<I> Tallied<I> {
+    pub(crate) fn new(integrator: I) -> Self {
+        Self {
+            integrator,
+            tally: Cell::new(Tally::default()),
+        }
+    }
+
+    /// The sums so far.
+    pub(crate) fn tally(&self) -> Tally {
+        self.tally.get()
+    }
+}
+
+impl<I: Integrator<f64>> Integrator<f64> for Tallied<I> {
+    type Workspace = I::Workspace;
+
+    fn step<D: Dynamics<f64>>(
+        &self,
+        scene: &D,
+        state: &mut State,
+        limit: f64,
+        workspace: &mut I::Workspace,
+    ) -> Result<Step, StepError> {
+        let step = self.integrator.step(scene, state, limit, workspace)?;
+        let sum = self.tally.get();
+        self.tally.set(Tally {
+            steps: sum.steps + 1,
+            iterations: sum.iterations + u64::from(step.iterations),
+            divided: sum.divided + u64::from(step.fallback),
+            ratcheted: sum.ratcheted + step.ratcheted,
+        });
+        Ok(step)
+    }
+
+    fn order(&self) -> u32 {
+        self.integrator.order()
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        self.integrator.check()
+    }
+}
