@@ -9,7 +9,7 @@ mod kit;
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use kit::{log_uniform, point_mass};
+use kit::{log_uniform, point_mass, zero_or};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
@@ -233,6 +233,35 @@ proptest! {
         // The kink falls anywhere into a step of dt: the speed misses up to the force's slope there times dt²/2, with 2ζω dt and ω dt of up to `step`; a few times that.
         let step = radians / 4000.0 * f64::max(1.0, 2.0 * ratio);
         prop_assert!((found - restitution).abs() < 2.0 * step * step, "{found}, not {restitution}, step {step:e}");
+    }
+}
+
+proptest! {
+    #![proptest_config(kit::cases(100))]
+
+    /// A ball that slides all through its bounce (Brody, Phys. Teach. 22, 494, 1984; Garwin 1969): friction takes `μ (1 + e) v` of the speed along the ground, as the same
+    /// force does upwards, and nothing of the bounce: the height follows the same numbers, bit by bit, with and without it.
+    #[test]
+    fn a_skidding_bounce_loses_the_coefficient_of_what_it_gains_in_height(
+        ratio in zero_or(1e-3, 3.0),
+        coefficient in log_uniform(1e-3, 0.5),
+        frequency in log_uniform(1.0, 1e4),
+        heading in 0.0..TAU,
+    ) {
+        let ground = FlatGround::level(frequency * frequency, 2.0 * ratio * frequency);
+        let [_, radians] = clamped_restitution(ratio);
+        let seconds = 1.5 * radians / frequency;
+        // At least a third of the speed along the ground is left: 3 m/s less twice the half of 1 m/s.
+        let forward = DVec3::new(heading.cos(), heading.sin(), 0.0);
+        let start = State::at(DVec3::Z * (-1e-12 / frequency)).with_linear_velocity(forward * 3.0 - DVec3::Z);
+        let (mut skidding, mut sliding) = (start, start);
+        move_point([1.0, 0.0], ground, Coulomb::as_in_the_report(coefficient), &mut skidding, [seconds, seconds / 2000.0]);
+        move_point([1.0, 0.0], ground, tumble::Frictionless, &mut sliding, [seconds, seconds / 2000.0]);
+        prop_assert_eq!(skidding.linear_velocity.z.to_bits(), sliding.linear_velocity.z.to_bits());
+        let lost = 3.0 - skidding.linear_velocity.dot(forward);
+        let expected = coefficient * (skidding.linear_velocity.z + 1.0);
+        // The slip speed's share, 1e-10 m/s of 2 m/s, and rounding in 2000 steps.
+        prop_assert!((lost - expected).abs() < 1e-10 * expected + 1e-12, "{lost} m/s, not {expected}");
     }
 }
 
