@@ -8,6 +8,7 @@ extern crate std;
 pub use glam;
 
 pub mod body;
+pub mod contract;
 pub mod energy;
 pub mod error;
 pub mod friction;

@@ -1,0 +1,174 @@
+//! What is asked of a body.
+
+use super::battery::{Battery, Draw, cube_directions, unit};
+use super::{
+    Breach, Clause, Input, cannot_be, demand, demand_at_least, demand_at_most, demand_finite, ulps,
+    wide,
+};
+use crate::body::{ContactPoint, MassProperties, RigidPointBody, Run, check_contacts};
+use crate::real::{Real, Vector};
+
+/// Checks a body.
+///
+/// Its mass is above 0, its inertia symmetric and that of a solid; its contacts are finite, with radii of at least 0, none beyond its reach; `contacts_below`
+/// misses none, for planes in directions of a cube's faces, edges and corners, towards its contacts, and random ones, at offsets through its contacts,
+/// at the reach and far away; and all of it is the same whenever it is asked for.
+///
+/// Of contacts that lie nearer to a plane than 8 units in the last place of the reach either answer is right: so much is allowed for where `contacts_below` is asked.
+///
+/// ```
+/// use tumble::contract::{Battery, check_body};
+/// check_body(&tumble::Coin::ring(1.0, 0.5), Battery::default())?;
+/// # Ok::<(), tumble::contract::Breach>(())
+/// ```
+///
+/// # Errors
+/// The first clause that is broken, with the input that breaks it.
+pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
+    body: &B,
+    battery: Battery,
+) -> Result<(), Breach> {
+    body.check().map_err(cannot_be)?;
+    check_contacts(body.contacts()).map_err(cannot_be)?;
+    MassProperties::new(body.mass(), body.inertia()).map_err(cannot_be)?;
+    check_reach(body)?;
+
+    let first = Portrait::of(body);
+    first.check(&Portrait::of(body))?;
+    for normal in cube_directions::<R>() {
+        check_offsets(body, &first, normal)?;
+    }
+    let mut draw = battery.draw();
+    for _ in 0..battery.cases {
+        check_offsets(body, &first, any_direction(body, &mut draw))?;
+        let offset = body.reach() * draw.either() * R::from_f64(1.1);
+        check_below(body, &first, draw.direction::<R>(), offset)?;
+        first.check(&Portrait::of(body))?;
+    }
+    Ok(())
+}
+
+fn check_reach<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B) -> Result<(), Breach> {
+    let reach = body.reach();
+    demand_finite(reach, || Input::AsItIs)?;
+    demand_at_least(reach, R::ZERO, Clause::Reach, || Input::AsItIs)?;
+    for (index, contact) in body.contacts().iter().enumerate() {
+        let place = contact.position.length() + contact.radius;
+        let bound = reach + reach * ulps(8.0);
+        demand_at_most(place, bound, Clause::Reach, || Input::Contact { index })?;
+    }
+    Ok(())
+}
+
+/// A random direction, or that of a contact, up or down.
+fn any_direction<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B, draw: &mut Draw) -> R::Vec3 {
+    let count = u32::try_from(body.contacts().len()).unwrap_or(u32::MAX);
+    let index = draw.pick(count) as usize;
+    let random = draw.direction::<R>();
+    match (draw.pick(3), body.contacts().get(index)) {
+        (0, Some(contact)) => unit::<R>(contact.position),
+        (1, Some(contact)) => unit::<R>(-contact.position),
+        _ => random,
+    }
+}
+
+/// Asks below a plane in one direction, at the offsets that matter.
+fn check_offsets<R: Real, B: RigidPointBody<R> + ?Sized>(
+    body: &B,
+    first: &Portrait<R>,
+    normal: R::Vec3,
+) -> Result<(), Breach> {
+    let reach = body.reach();
+    for share in [0.0, 1e-9, 0.3, 0.9, 0.999, 1.0, 1.001, 1e3] {
+        check_below(body, first, normal, reach * R::from_f64(share))?;
+        check_below(body, first, normal, -(reach * R::from_f64(share)))?;
+    }
+    // Just above some contacts: the lowest of them and those beside it.
+    let contacts = body.contacts();
+    let every = (contacts.len() / 7).max(1);
+    for contact in contacts.iter().step_by(every) {
+        let height = normal.dot(contact.position) - contact.radius;
+        check_below(body, first, normal, height + reach * ulps(16.0))?;
+    }
+    Ok(())
+}
+
+/// Asks below one plane: none may be missed, and the answer must be the same twice.
+fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
+    body: &B,
+    first: &Portrait<R>,
+    normal: R::Vec3,
+    offset: R,
+) -> Result<(), Breach> {
+    let contacts = body.contacts();
+    let run = body.contacts_below(normal, offset);
+    let input = |index| Input::Below {
+        normal: wide::<R>(normal),
+        offset: offset.to_f64(),
+        index,
+    };
+    let again = body.contacts_below(normal, offset);
+    demand(run == again, Clause::Rigid, R::ONE, R::ZERO, || {
+        input(again.first)
+    })?;
+    let sure = offset - (offset.abs() + body.reach()) * ulps(8.0);
+    for (index, contact) in contacts.iter().enumerate() {
+        let height = normal.dot(contact.position) - contact.radius;
+        let found = height >= sure || holds(run, contacts, index);
+        if !found {
+            // Was the run wrong, or have the contacts changed meanwhile?
+            first.check(&Portrait::of(body))?;
+        }
+        demand(found, Clause::ContactsBelow, height, offset, || {
+            input(index)
+        })?;
+    }
+    Ok(())
+}
+
+/// Whether a run holds a contact, by what is made of it.
+fn holds<T>(run: Run, contacts: &[T], index: usize) -> bool {
+    let [head, wrapped] = run.parts(contacts);
+    index < wrapped.len() || (index >= run.first && index - run.first < head.len())
+}
+
+/// All that a body is, in a few numbers that change when it does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Portrait<R: Real> {
+    mass: R,
+    inertia: R::Mat3,
+    reach: R,
+    count: usize,
+    contacts: u64,
+}
+
+impl<R: Real> Portrait<R> {
+    fn of<B: RigidPointBody<R> + ?Sized>(body: &B) -> Self {
+        Self {
+            mass: body.mass(),
+            inertia: body.inertia(),
+            reach: body.reach(),
+            count: body.contacts().len(),
+            contacts: fingerprint(body.contacts()),
+        }
+    }
+
+    fn check(&self, other: &Self) -> Result<(), Breach> {
+        let same = self == other;
+        demand(same, Clause::Rigid, other.reach, self.reach, || {
+            Input::AsItIs
+        })
+    }
+}
+
+/// FNV-1a over the contacts' numbers.
+fn fingerprint<R: Real>(contacts: &[ContactPoint<R>]) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325;
+    for contact in contacts {
+        let p = contact.position;
+        for number in [p.x(), p.y(), p.z(), contact.radius] {
+            hash = (hash ^ number.to_f64().to_bits()).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+    hash
+}

@@ -1,0 +1,119 @@
+//! What is asked of a friction law.
+
+use super::battery::{Battery, across, cube_directions, unit};
+use super::{
+    Breach, Clause, Input, cannot_be, demand, demand_at_least, demand_at_most, demand_finite, ulps,
+    wide,
+};
+use crate::friction::SlidingFriction;
+use crate::real::{Real, Vector};
+
+/// How hard and how fast a friction law is meant to be used, and on what surface: it is asked nothing beyond.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrictionRange<R: Real = f64> {
+    /// Normal of the surface, any length above 0: slips lie in it.
+    pub normal: R::Vec3,
+    /// Largest normal force of a contact, N, above 0.
+    pub normal_force: R,
+    /// Largest slip, m/s, above 0.
+    pub slip: R,
+}
+
+/// Checks a friction law, at loads and slips from 10⁻¹² of the largest to the largest, at 0, and in all directions of the surface.
+///
+/// The force is finite and lies in the surface; it opposes the slip (`force · slip <= 0`); it is 0 without load, and 0 without slip, where there is nothing to
+/// oppose. Of `drag`: no number is negative, the width is above 0, the growth at most 1, and the coefficient is `-force · slip/slip²` to the root of the rounding (it steers an iteration).
+///
+/// ```
+/// use tumble::contract::{Battery, FrictionRange, check_friction};
+/// use tumble::glam::DVec3;
+///
+/// let range = FrictionRange { normal: DVec3::Z, normal_force: 1e3, slip: 10.0 };
+/// let ice = tumble::Coulomb { coefficient: 0.02, slip_speed: 1e-3 };
+/// check_friction(&ice, &range, Battery::default())?;
+/// # Ok::<(), tumble::contract::Breach>(())
+/// ```
+///
+/// # Errors
+/// The first clause that is broken, with the input that breaks it.
+pub fn check_friction<R: Real, F: SlidingFriction<R> + ?Sized>(
+    friction: &F,
+    range: &FrictionRange<R>,
+    battery: Battery,
+) -> Result<(), Breach> {
+    friction.check().map_err(cannot_be)?;
+    let normal = unit::<R>(range.normal);
+    let check = Check { friction, normal };
+    for load in SHARES {
+        let load = range.normal_force * R::from_f64(load);
+        for direction in cube_directions::<R>() {
+            let direction = across::<R>(normal, direction);
+            for speed in SHARES {
+                check.at(load, direction * (range.slip * R::from_f64(speed)))?;
+            }
+        }
+    }
+    let mut draw = battery.draw();
+    for _ in 0..battery.cases {
+        let direction = across::<R>(normal, draw.direction::<R>());
+        let slip = direction * (range.slip * draw.scale(40));
+        check.at(range.normal_force * draw.scale(40), slip)?;
+    }
+    Ok(())
+}
+
+/// Parts of the largest load and slip that are tried with each other.
+const SHARES: [f64; 7] = [0.0, 1e-12, 1e-8, 1e-4, 1e-2, 0.3, 1.0];
+
+struct Check<'a, R: Real, F: ?Sized> {
+    friction: &'a F,
+    normal: R::Vec3,
+}
+
+impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
+    fn at(&self, load: R, slip: R::Vec3) -> Result<(), Breach> {
+        let input = || Input::Slide {
+            normal_force: load.to_f64(),
+            slip: wide::<R>(slip),
+        };
+        let force = self.friction.force(load, slip);
+        let (size, speed) = (force.length(), slip.length());
+        demand_finite(size, input)?;
+        if load == R::ZERO {
+            demand_at_most(size, R::ZERO, Clause::NoLoadNoForce, input)?;
+        }
+        if slip == R::Vec3::ZERO {
+            demand_at_most(size, R::ZERO, Clause::NoSlipNoForce, input)?;
+        }
+        // A product that is 0 but for the rounding of its three terms.
+        let bound = size * speed * ulps(4.0);
+        demand_at_most(force.dot(slip), bound, Clause::Opposes, input)?;
+        let lifted = force.dot(self.normal).abs();
+        demand_at_most(lifted, size * ulps(16.0), Clause::InSurface, input)?;
+        self.drag_at(load, slip, force)
+    }
+
+    fn drag_at(&self, load: R, slip: R::Vec3, force: R::Vec3) -> Result<(), Breach> {
+        let input = || Input::Slide {
+            normal_force: load.to_f64(),
+            slip: wide::<R>(slip),
+        };
+        let drag = self.friction.drag(load, slip);
+        for number in [drag.coefficient, drag.per_load, drag.width, drag.growth] {
+            demand_finite(number, input)?;
+        }
+        let (o, fits) = (R::ZERO, Clause::DragFits);
+        demand_at_least(drag.coefficient, o, fits, input)?;
+        demand_at_least(drag.growth, o, fits, input)?;
+        demand_at_most(drag.growth, R::ONE + ulps(8.0), fits, input)?;
+        demand(drag.width > o, fits, drag.width, o, input)?;
+        let speed = slip.length();
+        if speed > R::ZERO {
+            let braking = -(force.dot(slip) / speed);
+            let off = (drag.coefficient * speed - braking).abs();
+            let bound = (braking + force.length()) * R::EPSILON.sqrt();
+            demand_at_most(off, bound, fits, input)?;
+        }
+        Ok(())
+    }
+}

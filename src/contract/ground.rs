@@ -1,0 +1,410 @@
+//! What is asked of a ground.
+
+use super::battery::{Battery, across, cube_directions, unit};
+use super::{
+    Breach, Clause, Input, cannot_be, demand_at_least, demand_at_most, demand_finite, ulps, wide,
+};
+use crate::ground::{Extent, Plane, SpringDamperGround};
+use crate::real::{Real, Vector};
+
+/// Where, how deep and how fast a ground is meant to be used: it is asked nothing beyond.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GroundRange<R: Real = f64> {
+    /// Middle of the region, m, world axes; best on the surface.
+    pub centre: R::Vec3,
+    /// The region reaches as far to each side, m, above 0. Hills and edges should be some hundredths of it wide, or wider.
+    pub size: R,
+    /// Largest depth of a contact, m, above 0.
+    pub depth: R,
+    /// Largest speed at which a contact closes or leaves, m/s, above 0.
+    pub speed: R,
+}
+
+/// Checks a ground.
+///
+/// *The surface*, at places of the region and near the surface: the normal has length 1, the gap changes from place to place as `normal · path` says (else
+/// springs make energy as a contact moves along), and `extent` is true.
+///
+/// *The law*, from 10⁻¹² of the depth to the depth, at speeds of both signs and 0: springs push, never pull; their energy rises and is the
+/// integral of the force, by Gauss's rule on 64 parts; the normal force is at least 0; and beyond the springs it only takes energy.
+///
+/// *The mean force*, on paths into, in, out of and above the ground: no number is negative; its work `force · path` is at least what the springs store (at
+/// most what they give back); and it is the mean of the normal force along the path, to 5 % of the largest force there (the provided method's three points err as much where a clamp cuts).
+///
+/// Tolerances: some units in the last place of the terms; for integrals also four times what other partitions change.
+///
+/// ```
+/// use tumble::contract::{Battery, GroundRange, check_ground};
+/// use tumble::glam::DVec3;
+///
+/// let range = GroundRange { centre: DVec3::ZERO, size: 1.0, depth: 0.1, speed: 10.0 };
+/// check_ground(&tumble::FlatGround::level(1000.0, 0.5), &range, Battery::default())?;
+/// # Ok::<(), tumble::contract::Breach>(())
+/// ```
+///
+/// # Errors
+/// The first clause that is broken, with the input that breaks it.
+pub fn check_ground<R: Real, G: SpringDamperGround<R> + ?Sized>(
+    ground: &G,
+    range: &GroundRange<R>,
+    battery: Battery,
+) -> Result<(), Breach> {
+    ground.check().map_err(cannot_be)?;
+    let check = Check { ground, range };
+    check.surface_everywhere(battery)?;
+    check.law_everywhere(battery)?;
+    check.mean_force_everywhere(battery)
+}
+
+/// Parts of the depth that are tried with each other.
+const SHARES: [f64; 8] = [1e-12, 1e-9, 1e-6, 1e-3, 0.03, 0.3, 0.9, 1.0];
+/// Parts of the speed.
+const SPEEDS: [f64; 9] = [0.0, 1e-9, -1e-9, 1e-3, -1e-3, 0.1, -0.1, 1.0, -1.0];
+/// Ends of paths, as parts of the depth.
+const ENDS: [f64; 9] = [-1.0, -1e-3, -1e-9, 0.0, 1e-9, 1e-3, 0.3, 0.9, 1.0];
+
+struct Check<'a, R: Real, G: ?Sized> {
+    ground: &'a G,
+    range: &'a GroundRange<R>,
+}
+
+impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
+    fn surface_everywhere(&self, battery: Battery) -> Result<(), Breach> {
+        let (centre, size) = (self.range.centre, self.range.size);
+        self.extent_is_a_plane()?;
+        for direction in cube_directions::<R>() {
+            for share in [0.0, 1e-6, 0.5, 1.0] {
+                let place = centre + direction * (size * R::from_f64(share));
+                self.surface_around(place, direction)?;
+            }
+        }
+        let mut draw = battery.draw();
+        for _ in 0..battery.cases {
+            let place = centre + draw.place::<R>() * size;
+            self.surface_around(place, draw.direction::<R>())?;
+        }
+        Ok(())
+    }
+
+    /// At a place, and near the surface below or above it.
+    fn surface_around(&self, place: R::Vec3, direction: R::Vec3) -> Result<(), Breach> {
+        self.surface_at(place, direction)?;
+        let surface = self.ground.surface(place);
+        let within = self.range.size * R::from_f64(4.0);
+        if surface.gap.abs() <= within {
+            let depth = self.range.depth;
+            for height in [R::ZERO, depth * R::HALF, -(depth * R::HALF)] {
+                let moved = place - surface.normal * (surface.gap - height);
+                self.surface_at(moved, direction)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn surface_at(&self, place: R::Vec3, direction: R::Vec3) -> Result<(), Breach> {
+        let input = || Input::Place {
+            point: wide::<R>(place),
+        };
+        let surface = self.ground.surface(place);
+        demand_finite(surface.gap, input)?;
+        let off = (surface.normal.length() - R::ONE).abs();
+        demand_at_most(off, ulps(32.0), Clause::UnitNormal, input)?;
+        self.extent_at(place)?;
+        if self.ground.extent() == Extent::Nowhere {
+            return Ok(());
+        }
+        let level = across::<R>(surface.normal, direction);
+        let slanted = unit::<R>(surface.normal + level);
+        for way in [surface.normal, level, slanted] {
+            self.gap_along(place, way)?;
+        }
+        Ok(())
+    }
+
+    /// The gap's change over a short way against `∫ normal · ds` by Simpson's rule.
+    ///
+    /// The mean of the normal lies between those that are met: where they differ, at a curve or an edge, so much is allowed.
+    fn gap_along(&self, place: R::Vec3, way: R::Vec3) -> Result<(), Breach> {
+        let length = self.range.size * R::EPSILON.sqrt().sqrt();
+        let half = way * (length * R::HALF);
+        let [a, m, b] = [place - half, place, place + half];
+        let [from, middle, to] = [a, m, b].map(|point| self.ground.surface(point));
+        if from.gap.at_most(to.gap) > self.range.size {
+            // Nothing of the region's size touches there.
+            return Ok(());
+        }
+        let bend = (from.normal - to.normal)
+            .length()
+            .at_least((from.normal - middle.normal).length())
+            .at_least((middle.normal - to.normal).length());
+        let mean =
+            (from.normal + middle.normal * R::from_f64(4.0) + to.normal) * R::from_f64(1.0 / 6.0);
+        let change = to.gap - from.gap;
+        let expected = mean.dot(b - a);
+        let numbers = place.length() + self.range.size + from.gap.abs() + to.gap.abs();
+        let slack = numbers * ulps(32.0) + bend * length;
+        demand_at_most(
+            (change - expected).abs(),
+            slack,
+            Clause::GapAlongNormal,
+            || Input::Way {
+                from: wide::<R>(a),
+                to: wide::<R>(b),
+            },
+        )
+    }
+
+    fn extent_is_a_plane(&self) -> Result<(), Breach> {
+        match self.ground.extent() {
+            Extent::Plane(plane) | Extent::Below(plane) => plane.check().map_err(cannot_be),
+            Extent::Nowhere | Extent::Everywhere => Ok(()),
+        }
+    }
+
+    fn extent_at(&self, place: R::Vec3) -> Result<(), Breach> {
+        match self.ground.extent() {
+            Extent::Nowhere => self.extent_nowhere(place),
+            Extent::Plane(plane) => self.extent_plane(&plane, place),
+            Extent::Below(plane) => {
+                self.extent_below(&plane, place)?;
+                // Also a hair above the plane, where a wrong one shows first.
+                let hair = self.range.size * R::from_f64(1e-6);
+                let lifted = place + plane.normal * (hair - plane.gap(place));
+                self.extent_below(&plane, lifted)
+            }
+            Extent::Everywhere => Ok(()),
+        }
+    }
+
+    /// Not even a body of the region's size touches.
+    fn extent_nowhere(&self, place: R::Vec3) -> Result<(), Breach> {
+        let gap = self.ground.surface(place).gap;
+        demand_at_least(gap, self.range.size, Clause::Extent, || Input::Place {
+            point: wide::<R>(place),
+        })
+    }
+
+    fn extent_plane(&self, plane: &Plane<R>, place: R::Vec3) -> Result<(), Breach> {
+        let input = || Input::Place {
+            point: wide::<R>(place),
+        };
+        let surface = self.ground.surface(place);
+        let off = (surface.gap - plane.gap(place)).abs();
+        demand_at_most(off, self.rounding(plane, place), Clause::Extent, input)?;
+        let turned = (surface.normal - plane.normal).length();
+        demand_at_most(turned, ulps(32.0), Clause::Extent, input)
+    }
+
+    /// Above the plane the ground is at least as far away as the plane.
+    fn extent_below(&self, plane: &Plane<R>, place: R::Vec3) -> Result<(), Breach> {
+        let above = plane.gap(place);
+        if above < R::ZERO {
+            return Ok(());
+        }
+        let bound = above - self.rounding(plane, place);
+        let gap = self.ground.surface(place).gap;
+        demand_at_least(gap, bound, Clause::Extent, || Input::Place {
+            point: wide::<R>(place),
+        })
+    }
+
+    fn rounding(&self, plane: &Plane<R>, place: R::Vec3) -> R {
+        (place.length() + plane.height.abs() + self.range.size) * ulps(32.0)
+    }
+}
+
+/// The law.
+impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
+    fn law_everywhere(&self, battery: Battery) -> Result<(), Breach> {
+        let at = |share: f64| self.range.depth * R::from_f64(share);
+        for (i, share) in SHARES.into_iter().enumerate() {
+            for speed in SPEEDS {
+                self.law_at(at(share), self.range.speed * R::from_f64(speed))?;
+            }
+            self.energy_between(R::ZERO, at(share))?;
+            for further in SHARES.into_iter().skip(i + 1) {
+                self.energy_between(at(share), at(further))?;
+            }
+        }
+        let mut draw = battery.draw();
+        for _ in 0..battery.cases {
+            let depth = self.range.depth * draw.scale(40);
+            let further = depth + (self.range.depth - depth) * draw.scale(20);
+            let speed = self.range.speed * draw.scale(30);
+            self.law_at(depth, speed)?;
+            self.law_at(depth, -speed)?;
+            self.energy_between(depth, further)?;
+        }
+        Ok(())
+    }
+
+    fn law_at(&self, depth: R, closing_speed: R) -> Result<(), Breach> {
+        let input = || Input::Press {
+            depth: depth.to_f64(),
+            closing_speed: closing_speed.to_f64(),
+        };
+        let spring = self.ground.spring_force(depth);
+        let normal = self.ground.normal_force(depth, closing_speed);
+        demand_finite(spring, input)?;
+        demand_finite(normal, input)?;
+        demand_at_least(spring, R::ZERO, Clause::SpringPushes, input)?;
+        demand_at_least(normal, R::ZERO, Clause::NeverPulls, input)?;
+        let taken = (normal - spring) * closing_speed;
+        let bound = -((spring + normal) * closing_speed.abs() * ulps(8.0));
+        demand_at_least(taken, bound, Clause::DamperTakes, input)
+    }
+
+    fn energy_between(&self, from: R, to: R) -> Result<(), Breach> {
+        let input = || Input::Depths {
+            from: from.to_f64(),
+            to: to.to_f64(),
+        };
+        let (start, end) = (self.energy(from), self.energy(to));
+        demand_finite(end, input)?;
+        // A formula's terms may be as large as the largest force makes them.
+        let terms = self.ground.spring_force(self.range.depth) * to * ulps(8.0);
+        let slack = (start + end) * ulps(256.0) + terms + self.least_energy();
+        demand_at_least(end, -slack, Clause::SpringEnergyRises, input)?;
+        let stored = end - start;
+        demand_at_least(stored, -slack, Clause::SpringEnergyRises, input)?;
+        let (work, doubt) = integral(from, to, |depth| self.ground.spring_force(depth));
+        let slack = slack + work.abs() * ulps(256.0) + doubt;
+        let off = (stored - work).abs();
+        demand_at_most(off, slack, Clause::EnergyIsIntegral, input)
+    }
+
+    fn energy(&self, depth: R) -> R {
+        if depth > R::ZERO {
+            self.ground.spring_energy(depth)
+        } else {
+            R::ZERO
+        }
+    }
+
+    /// What underflow may leave of a small energy.
+    fn least_energy(&self) -> R {
+        self.energy(self.range.depth).abs() * R::EPSILON * R::EPSILON
+    }
+}
+
+/// The mean force.
+impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
+    fn mean_force_everywhere(&self, battery: Battery) -> Result<(), Breach> {
+        for start in ENDS {
+            for end in ENDS {
+                for speed in [1.0, 0.03, 1e-6] {
+                    self.mean_force_between(
+                        self.range.depth * R::from_f64(start),
+                        self.range.depth * R::from_f64(end),
+                        self.range.speed * R::from_f64(speed),
+                    )?;
+                }
+            }
+        }
+        let mut draw = battery.draw();
+        for _ in 0..battery.cases {
+            let start = self.range.depth * draw.either();
+            let end = match draw.pick(3) {
+                0 => self.range.depth * draw.either(),
+                1 => start * (R::ONE + draw.either::<R>() * draw.scale(30)),
+                _ => self.range.depth * draw.scale(30),
+            };
+            self.mean_force_between(start, end, self.range.speed * draw.scale(30))?;
+        }
+        Ok(())
+    }
+
+    fn mean_force_between(&self, start: R, end: R, speed: R) -> Result<(), Breach> {
+        let path = end - start;
+        let still = path == R::ZERO;
+        let seconds = if still { self.range.depth } else { path.abs() } / speed;
+        let input = || Input::Path {
+            start: start.to_f64(),
+            end: end.to_f64(),
+            seconds: seconds.to_f64(),
+        };
+        let mean = self.ground.mean_force(start, end, seconds);
+        for number in [mean.force, mean.slope, mean.stiffness, mean.damping] {
+            demand_finite(number, input)?;
+            demand_at_least(number, R::ZERO, Clause::MeanForceSigns, input)?;
+        }
+        if start <= R::ZERO && end <= R::ZERO {
+            return demand_at_most(mean.force, R::ZERO, Clause::MeanForceAbove, input);
+        }
+        let (before, after) = (self.energy(start), self.energy(end));
+        let work = mean.force * path;
+        let slack = (before + after + work.abs()) * ulps(256.0) + self.least_energy();
+        let least = (after - before) - slack;
+        demand_at_least(work, least, Clause::MeanForceTakes, input)?;
+
+        let (expected, largest) = self.mean_by_definition(start, end, seconds);
+        let off = (mean.force - expected).abs();
+        let slack = largest * R::from_f64(0.05) + self.least_energy() / self.range.depth;
+        demand_at_most(off, slack, Clause::MeanForceIsMean, input)
+    }
+
+    /// The mean of the normal force along a path, and the largest force on it.
+    fn mean_by_definition(&self, start: R, end: R, seconds: R) -> (R, R) {
+        let (path, closing_speed) = (end - start, (end - start) / seconds);
+        let mut largest = R::ZERO;
+        let mut force = |depth: R| {
+            let normal = self.ground.normal_force(depth, closing_speed);
+            let spring = self.ground.spring_force(depth);
+            largest = largest.at_least(normal).at_least(spring);
+            normal
+        };
+        if path == R::ZERO {
+            return (force(start), largest);
+        }
+        let (from, to) = (start.at_least(R::ZERO), end.at_least(R::ZERO));
+        // So short a path that its middle is its mean: the parts would be rounding.
+        let mean = if (to - from).abs() < (from + to) * ulps(1e4) {
+            force((from + to) * R::HALF) * ((to - from) / path)
+        } else {
+            integral(from, to, &mut force).0 / path
+        };
+        (mean, largest)
+    }
+}
+
+/// `∫ f` over `from ... to`, and a bound of its error: four times what other partitions change, and what the outermost points do not see.
+///
+/// The partitions share no inner border, so that a kink of `f` cannot hide at the same distance from one in all of them.
+fn integral<R: Real>(from: R, to: R, mut f: impl FnMut(R) -> R) -> (R, R) {
+    let mut by_gauss = |parts: usize| {
+        let width = (to - from) / R::from_usize(parts);
+        let mut sum = R::ZERO;
+        for part in 0..parts {
+            let start = from + width * R::from_usize(part);
+            for (place, weight) in GAUSS {
+                sum += f(start + width * R::from_f64(place)) * R::from_f64(weight);
+            }
+        }
+        sum * width
+    };
+    let [a, b, c, d] = [7, 17, 31, PARTS].map(&mut by_gauss);
+    let doubt = (a - b).abs() + (b - c).abs() + (c - d).abs();
+    let width = (to - from) / R::from_usize(PARTS);
+    let ends = unseen(&mut f, from, width) + unseen(&mut f, to, -width);
+    (d, doubt * R::from_f64(4.0) + ends)
+}
+
+/// What may lie between the border of an integral and the point next to it: where `f` at the border is off the line through the two points next to it.
+fn unseen<R: Real>(f: &mut impl FnMut(R) -> R, border: R, width: R) -> R {
+    let [near, middle] = [GAUSS[0].0, 0.5].map(|place| f(border + width * R::from_f64(place)));
+    let share = R::from_f64(GAUSS[0].0);
+    let line = near + (near - middle) * (share / (R::HALF - share));
+    // A hair inside: at the surface itself no law is asked.
+    let at_border = f(border + width * ulps(4.0));
+    ((at_border - line) * width * share).abs()
+}
+
+/// The finest partition.
+const PARTS: usize = 64;
+
+/// Gauss's rule on [0, 1] with three points: place and weight.
+const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_31, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];

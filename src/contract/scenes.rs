@@ -1,0 +1,178 @@
+//! Scenes to try an integrator on, scaled so that its step suits them or, on purpose, does not.
+
+use super::battery::Draw;
+use crate::body::{ContactPoint, PointCloud};
+use crate::error::SceneError;
+use crate::friction::SmoothCoulomb;
+use crate::gravity::UniformGravity;
+use crate::ground::{FlatGround, Plane};
+use crate::real::{Real, Vector};
+use crate::scene::Scene;
+use crate::state::State;
+
+type BoxBody<R> = PointCloud<R, [ContactPoint<R>; 8]>;
+
+/// A box of 1 m and 1 kg on flat ground.
+pub(super) struct Setup<R: Real> {
+    pub(super) name: &'static str,
+    pub(super) case: u32,
+    pub(super) scene: Scene<R, BoxBody<R>, FlatGround<R>, SmoothCoulomb<R>, UniformGravity<R>>,
+    pub(super) start: State<R>,
+}
+
+/// Numbers of a scene, with the metre, the kilogram and the integrator's time step as units.
+#[derive(Clone, Copy)]
+struct Knobs<R: Real> {
+    /// Of the body on all four lower corners.
+    frequency: R,
+    damping_ratio: R,
+    coefficient: R,
+    slip_speed: R,
+    gravity: R,
+    /// Height of the ground.
+    level: R,
+    /// Of the corners.
+    radius: R,
+    start: State<R>,
+}
+
+impl<R: Real> Setup<R> {
+    /// Free flight with a tumbling spin, without gravity.
+    pub(super) fn flight(time_step: R) -> Result<Self, SceneError> {
+        let knobs = Knobs {
+            gravity: R::ZERO,
+            level: R::from_f64(-1e3),
+            start: State::at(v::<R>(0.1, -0.2, 0.3))
+                .with_linear_velocity(v::<R>(0.03, -0.02, 0.01))
+                .with_angular_momentum(v::<R>(0.003, 0.02, -0.004)),
+            ..Knobs::tame()
+        };
+        Self::new("free flight", 0, &knobs, time_step)
+    }
+
+    /// Sliding with all four lower corners on the springs: nothing is touched or left.
+    pub(super) fn slide(time_step: R) -> Result<Self, SceneError> {
+        let knobs = Knobs::tame();
+        Self::new("a box that slides", 0, &knobs, time_step)
+    }
+
+    /// Falling on a corner.
+    pub(super) fn fall(time_step: R) -> Result<Self, SceneError> {
+        let knobs = Knobs {
+            start: State::at(v::<R>(0.0, 0.0, 0.6))
+                .turned_by(v::<R>(0.7, 0.4, 0.2))
+                .with_linear_velocity(v::<R>(0.02, 0.0, -0.02))
+                .with_angular_momentum(v::<R>(0.001, -0.002, 0.001)),
+            ..Knobs::tame()
+        };
+        Self::new("a box that falls on a corner", 0, &knobs, time_step)
+    }
+
+    /// Any scene, most of them far too stiff for the step.
+    pub(super) fn wild(draw: &mut Draw, case: u32, time_step: R) -> Result<Self, SceneError> {
+        let around = |draw: &mut Draw, largest: f64, octaves| {
+            R::from_f64(largest) * draw.scale::<R>(octaves)
+        };
+        let or_none = |draw: &mut Draw, largest: f64, octaves| match draw.pick(4) {
+            0 => R::ZERO,
+            _ => around(draw, largest, octaves),
+        };
+        let speed = or_none(draw, 1.0, 20);
+        let spin = or_none(draw, 10.0, 24);
+        let knobs = Knobs {
+            frequency: around(draw, 1e4, 26),
+            damping_ratio: or_none(draw, 1e3, 20),
+            coefficient: or_none(draw, 1e2, 14),
+            slip_speed: around(draw, 1.0, 40),
+            gravity: or_none(draw, 1.0, 26),
+            level: R::ZERO,
+            radius: or_none(draw, 0.3, 3),
+            start: State::at(R::Vec3::new(R::ZERO, R::ZERO, draw.either::<R>()))
+                .turned_by(draw.direction::<R>() * R::from_f64(3.0))
+                .with_linear_velocity(draw.direction::<R>() * speed)
+                .with_angular_momentum(draw.direction::<R>() * spin),
+        };
+        Self::new("a random scene", case, &knobs, time_step)
+    }
+
+    fn new(
+        name: &'static str,
+        case: u32,
+        knobs: &Knobs<R>,
+        time_step: R,
+    ) -> Result<Self, SceneError> {
+        let per_second = R::ONE / time_step;
+        let frequency = knobs.frequency * per_second;
+        let quarter = R::from_f64(0.25);
+        let ground = FlatGround::level(
+            frequency * frequency * quarter,
+            knobs.damping_ratio * frequency * R::HALF,
+        );
+        let friction = SmoothCoulomb {
+            coefficient: knobs.coefficient,
+            slip_speed: knobs.slip_speed * per_second,
+        };
+        let gravity = UniformGravity::down(knobs.gravity * per_second * per_second);
+        let start = &knobs.start;
+        Ok(Self {
+            name,
+            case,
+            scene: Scene::new(
+                lopsided_box(knobs.radius)?,
+                ground.on(Plane::level(knobs.level)),
+                friction,
+                gravity,
+            )?,
+            start: State {
+                linear_velocity: start.linear_velocity * per_second,
+                angular_momentum: start.angular_momentum * per_second,
+                ..*start
+            },
+        })
+    }
+}
+
+impl<R: Real> Knobs<R> {
+    /// Of a scene that every method resolves: a swing takes 31 steps, friction stops a slip in 10 or more, and the springs are pressed by half of the box's
+    /// half height, so that small swings leave none.
+    fn tame() -> Self {
+        let c = R::from_f64;
+        Self {
+            frequency: c(0.2),
+            damping_ratio: c(0.3),
+            coefficient: c(0.3),
+            slip_speed: c(0.02),
+            gravity: c(0.15 * 0.2 * 0.2),
+            level: R::ZERO,
+            radius: R::ZERO,
+            start: State::at(v::<R>(0.0, 0.0, 0.16))
+                .turned_by(v::<R>(0.02, -0.03, 0.5))
+                .with_linear_velocity(v::<R>(0.03, 0.01, 0.001))
+                .with_angular_momentum(v::<R>(0.0002, -0.0001, 0.003)),
+        }
+    }
+}
+
+/// Three different moments, none about an axis of the box.
+fn lopsided_box<R: Real>(radius: R) -> Result<BoxBody<R>, SceneError> {
+    let corner = |x: f64, y: f64, z: f64| ContactPoint {
+        position: v::<R>(x, y, z),
+        radius,
+    };
+    let corners = [
+        corner(0.5, 0.4, 0.3),
+        corner(-0.5, 0.4, 0.3),
+        corner(0.5, -0.4, 0.3),
+        corner(-0.5, -0.4, 0.3),
+        corner(0.5, 0.4, -0.3),
+        corner(-0.5, 0.4, -0.3),
+        corner(0.5, -0.4, -0.3),
+        corner(-0.5, -0.4, -0.3),
+    ];
+    let masses = [0.12, 0.13, 0.12, 0.125, 0.13, 0.12, 0.13, 0.125].map(R::from_f64);
+    PointCloud::in_storage(corners, &masses)
+}
+
+fn v<R: Real>(x: f64, y: f64, z: f64) -> R::Vec3 {
+    R::Vec3::new(R::from_f64(x), R::from_f64(y), R::from_f64(z))
+}

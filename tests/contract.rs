@@ -1,0 +1,942 @@
+//! The checks that an author runs on his own implementation: everything that is built in passes them, and broken implementations are caught, each by the
+//! clause that it breaks.
+
+// Helpers of these tests fail by panicking, like the tests.
+#![allow(clippy::unwrap_used)]
+
+use core::cell::Cell;
+
+use tumble::body::Run;
+use tumble::contract::{
+    Battery, Breach, Clause, FrictionRange, GroundRange, Input, check_body,
+    check_energy_never_rises, check_friction, check_ground, check_integrator,
+};
+use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
+use tumble::integrator::step_length;
+use tumble::{
+    Coin, ContactPoint, Coulomb, Drag, Dynamics, EnergyMomentum, Extent, FlatGround, ForwardEuler,
+    Frictionless, Integrator, MeanForce, NoGround, Plane, PointCloud, Real, RigidPointBody, Rk4,
+    SceneError, SlidingFriction, SmoothCoulomb, SpringDamperGround, State, Step, StepError,
+    StrangSplitting, Surface, SymplecticEuler, error,
+};
+
+/// Ten batteries of other numbers.
+fn batteries() -> impl Iterator<Item = Battery> {
+    (0..10).map(|seed| Battery { seed, cases: 200 })
+}
+
+const RANGE: GroundRange = GroundRange {
+    centre: DVec3::ZERO,
+    size: 1.0,
+    depth: 0.05,
+    speed: 5.0,
+};
+
+const RANGE_32: GroundRange<f32> = GroundRange {
+    centre: Vec3::ZERO,
+    size: 1.0,
+    depth: 0.05,
+    speed: 5.0,
+};
+
+const SLIDES: FrictionRange = FrictionRange {
+    normal: DVec3::Z,
+    normal_force: 1e3,
+    slip: 10.0,
+};
+
+/// What the default battery finds wrong with a ground.
+fn fault_of_ground(ground: &impl SpringDamperGround) -> Breach {
+    check_ground(ground, &RANGE, Battery::default()).unwrap_err()
+}
+
+fn fault_of_friction(friction: &impl SlidingFriction) -> Breach {
+    check_friction(friction, &SLIDES, Battery::default()).unwrap_err()
+}
+
+fn fault_of_body(body: &impl RigidPointBody) -> Breach {
+    check_body(body, Battery::default()).unwrap_err()
+}
+
+fn fault_of_integrator(integrator: &impl Integrator) -> Breach {
+    check_integrator(integrator, Battery::default()).unwrap_err()
+}
+
+// What is built in.
+
+#[test]
+fn every_built_in_body_passes() {
+    let blank = ContactPoint::default();
+    let rod = [-1.0, 0.0, 2.0].map(|x| DVec3::new(x, 2.0 * x, 3.0 * x));
+    for battery in batteries() {
+        check_body(&Coin::ring(1.0, 0.5), battery).unwrap();
+        check_body(&Coin::ring(1e-12, 1e6), battery).unwrap();
+        check_body(&Coin::<f32>::ring(1.0, 0.5), battery).unwrap();
+        check_body(&Coin::ring_in([blank; 3], 2.0, 0.01), battery).unwrap();
+        check_body(&Coin::ring_in(vec![blank; 1001], 2.0, 0.01), battery).unwrap();
+        check_body(&PointCloud::new(rod, [1.0; 3]).unwrap(), battery).unwrap();
+        check_body(&PointCloud::new([DVec3::X], [1.0]).unwrap(), battery).unwrap();
+        check_body(&Coin::ring(1.0, 0.5) as &dyn RigidPointBody, battery).unwrap();
+    }
+}
+
+#[test]
+fn every_built_in_ground_passes() {
+    let tilted = Plane::through(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.2, -0.1, 1.0));
+    for battery in batteries() {
+        check_ground(&NoGround, &RANGE, battery).unwrap();
+        check_ground(&NoGround, &RANGE_32, battery).unwrap();
+        check_ground(&FlatGround::level(0.0_f32, 2.0), &RANGE_32, battery).unwrap();
+        check_ground(&FlatGround::level(1e3_f32, 0.5), &RANGE_32, battery).unwrap();
+        for (stiffness, damping) in [(1e3, 0.5), (1e3, 0.0), (0.0, 3.0), (1e15, 1e9), (1.0, 1e6)] {
+            let ground = FlatGround::level(stiffness, damping).on(tilted);
+            check_ground(&ground, &RANGE, battery).unwrap();
+            check_ground(&Provided(ground), &RANGE, battery).unwrap();
+        }
+    }
+}
+
+#[test]
+fn every_built_in_friction_passes() {
+    let slides_32 = FrictionRange {
+        normal: Vec3::new(1.0, 2.0, 3.0),
+        normal_force: 1e3,
+        slip: 10.0,
+    };
+    for battery in batteries() {
+        check_friction(&Frictionless, &SLIDES, battery).unwrap();
+        for slip_speed in [1e-12, 1e-3, 1.0] {
+            for coefficient in [0.0, 0.3, 1e6] {
+                let coulomb = Coulomb {
+                    coefficient,
+                    slip_speed,
+                };
+                let smooth = SmoothCoulomb {
+                    coefficient,
+                    slip_speed,
+                };
+                check_friction(&coulomb, &SLIDES, battery).unwrap();
+                check_friction(&smooth, &SLIDES, battery).unwrap();
+                check_friction(&Differences(coulomb), &SLIDES, battery).unwrap();
+            }
+        }
+        let coulomb = Coulomb::<f32>::as_in_the_report(0.3);
+        check_friction(&coulomb, &slides_32, battery).unwrap();
+    }
+}
+
+fn every_built_in_integrator_passes_in<R: Real>(time_step: R) {
+    let battery = Battery::default();
+    check_integrator::<R, _>(&EnergyMomentum { time_step }, battery).unwrap();
+    check_integrator::<R, _>(&ForwardEuler { time_step }, battery).unwrap();
+    check_integrator::<R, _>(&SymplecticEuler { time_step }, battery).unwrap();
+    check_integrator::<R, _>(&StrangSplitting { time_step }, battery).unwrap();
+    check_integrator::<R, _>(&Rk4 { time_step }, battery).unwrap();
+}
+
+#[test]
+fn every_built_in_integrator_passes() {
+    for time_step in [1e-9, 1e-3, 0.7] {
+        every_built_in_integrator_passes_in::<f64>(time_step);
+    }
+    for time_step in [1e-6, 1e-3, 0.7] {
+        every_built_in_integrator_passes_in::<f32>(time_step);
+    }
+}
+
+#[test]
+fn the_energy_never_rises_with_the_default_integrator_and_does_with_the_others() {
+    for battery in batteries() {
+        check_energy_never_rises::<f64, _>(&EnergyMomentum { time_step: 1e-3 }, battery).unwrap();
+        check_energy_never_rises::<f32, _>(&EnergyMomentum { time_step: 1e-3 }, battery).unwrap();
+    }
+    let time_step = 1e-3;
+    let battery = Battery::default();
+    for breach in [
+        check_energy_never_rises::<f64, _>(&ForwardEuler { time_step }, battery),
+        check_energy_never_rises::<f64, _>(&SymplecticEuler { time_step }, battery),
+        check_energy_never_rises::<f64, _>(&StrangSplitting { time_step }, battery),
+        check_energy_never_rises::<f64, _>(&Rk4 { time_step }, battery),
+    ] {
+        let breach = breach.unwrap_err();
+        assert_eq!(breach.clause, Clause::EnergyNeverRises, "{breach}");
+        assert!(breach.value > breach.bound, "{breach}");
+    }
+}
+
+// Bodies.
+
+/// A ring that spoils one answer of the coin within.
+struct Spoilt<const FAULT: char> {
+    coin: Coin,
+    asked: Cell<u32>,
+}
+
+fn spoilt<const FAULT: char>() -> Spoilt<FAULT> {
+    Spoilt {
+        coin: Coin::ring(1.0, 0.5),
+        asked: Cell::new(0),
+    }
+}
+
+impl<const FAULT: char> Spoilt<FAULT> {
+    fn times_asked(&self) -> u32 {
+        self.asked.set(self.asked.get() + 1);
+        self.asked.get()
+    }
+}
+
+impl<const FAULT: char> RigidPointBody for Spoilt<FAULT> {
+    fn mass(&self) -> f64 {
+        match FAULT {
+            'm' => -1.0,
+            'b' => 1.0 + f64::from(self.times_asked()),
+            _ => 1.0,
+        }
+    }
+    fn inertia(&self) -> DMat3 {
+        match FAULT {
+            // A slab has at most the sum of the two others.
+            't' => DMat3::from_diagonal(DVec3::new(0.3, 0.125, 0.125)),
+            'a' => DMat3::from_cols(DVec3::new(0.25, 0.1, 0.0), DVec3::Y, DVec3::Z),
+            'n' => DMat3::from_diagonal(DVec3::new(0.1, -0.1, 0.1)),
+            _ => self.coin.inertia(),
+        }
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        let contacts = self.coin.contacts();
+        // Rubber: the hundredth question finds a point gone.
+        if FAULT == 'c' && self.times_asked() > 99 {
+            &contacts[1..]
+        } else {
+            contacts
+        }
+    }
+    fn reach(&self) -> f64 {
+        match FAULT {
+            'r' => 0.499_999,
+            'i' => f64::INFINITY,
+            _ => 0.5,
+        }
+    }
+    fn contacts_below(&self, normal: DVec3, offset: f64) -> Run {
+        let run = self.coin.contacts_below(normal, offset);
+        match FAULT {
+            // One short at the end.
+            's' if run.count > 1 => Run {
+                count: run.count - 1,
+                ..run
+            },
+            // No wrap from the last contact to the first.
+            'w' => Run {
+                count: run.count.min(120 - run.first),
+                ..run
+            },
+            // Upside down.
+            'u' => self.coin.contacts_below(-normal, offset),
+            // Another answer now and then, though none too small.
+            'o' if self.times_asked() % 50 == 0 => Run::all(120),
+            _ => run,
+        }
+    }
+    fn check(&self) -> Result<(), SceneError> {
+        error::at_least_zero("knob", if FAULT == 'k' { -1.0 } else { 1.0 }, "")
+    }
+}
+
+#[test]
+fn a_body_with_impossible_mass_or_inertia_is_caught() {
+    let message = |breach: Breach| match breach.clause {
+        Clause::Composes { quantity, .. } => quantity,
+        _ => panic!("{breach}"),
+    };
+    assert_eq!(message(fault_of_body(&spoilt::<'m'>())), "mass");
+    assert_eq!(message(fault_of_body(&spoilt::<'k'>())), "knob");
+    assert_eq!(
+        message(fault_of_body(&spoilt::<'a'>())),
+        "the inertia tensor"
+    );
+    assert_eq!(
+        message(fault_of_body(&spoilt::<'n'>())),
+        "a principal moment of inertia"
+    );
+    assert!(message(fault_of_body(&spoilt::<'t'>())).contains("moment"));
+}
+
+#[test]
+fn a_body_that_is_not_rigid_is_caught() {
+    assert_eq!(fault_of_body(&spoilt::<'b'>()).clause, Clause::Rigid);
+    assert_eq!(fault_of_body(&spoilt::<'c'>()).clause, Clause::Rigid);
+    assert_eq!(fault_of_body(&spoilt::<'o'>()).clause, Clause::Rigid);
+}
+
+#[test]
+fn a_reach_that_is_too_short_is_caught_at_a_contact_beyond_it() {
+    let breach = fault_of_body(&spoilt::<'r'>());
+    assert_eq!(breach.clause, Clause::Reach);
+    assert!(matches!(breach.input, Input::Contact { .. }), "{breach}");
+    assert_eq!(fault_of_body(&spoilt::<'i'>()).clause, Clause::Finite);
+}
+
+#[test]
+fn contacts_below_that_misses_one_is_caught_with_the_plane_that_shows_it() {
+    for breach in [
+        fault_of_body(&spoilt::<'s'>()),
+        fault_of_body(&spoilt::<'w'>()),
+        fault_of_body(&spoilt::<'u'>()),
+    ] {
+        assert_eq!(breach.clause, Clause::ContactsBelow, "{breach}");
+        let Input::Below {
+            normal,
+            offset,
+            index,
+        } = breach.input
+        else {
+            panic!("{breach}");
+        };
+        let coin: Coin = Coin::ring(1.0, 0.5);
+        assert!(
+            normal.dot(coin.contacts()[index].position) < offset,
+            "{breach}"
+        );
+    }
+}
+
+#[test]
+fn a_good_body_within_the_spoiling_one_passes() {
+    check_body(&spoilt::<'_'>(), Battery::default()).unwrap();
+}
+
+// Grounds.
+
+/// A law with the provided mean force.
+struct Provided(FlatGround);
+
+impl SpringDamperGround for Provided {
+    fn surface(&self, point: DVec3) -> Surface {
+        self.0.surface(point)
+    }
+    fn spring_force(&self, depth: f64) -> f64 {
+        self.0.spring_force(depth)
+    }
+    fn spring_energy(&self, depth: f64) -> f64 {
+        self.0.spring_energy(depth)
+    }
+    fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
+        self.0.normal_force(depth, closing_speed)
+    }
+    fn extent(&self) -> Extent {
+        self.0.extent()
+    }
+}
+
+/// A ground in which each answer can be wrong.
+struct Any {
+    surface: fn(DVec3) -> Surface,
+    spring_force: fn(f64) -> f64,
+    spring_energy: fn(f64) -> f64,
+    normal_force: fn(f64, f64) -> f64,
+    extent: Extent,
+    mean_force: Option<fn(f64, f64, f64) -> MeanForce>,
+}
+
+/// Springs of 1000 N/m and dampers of 2 N s/m in level ground, nothing wrong.
+const RIGHT: Any = Any {
+    surface: |point| Surface {
+        gap: point.z,
+        normal: DVec3::Z,
+    },
+    spring_force: |depth| 1e3 * depth,
+    spring_energy: |depth| 5e2 * depth * depth,
+    normal_force: |depth, speed| (1e3 * depth + 2.0 * speed).max(0.0),
+    extent: Extent::Everywhere,
+    mean_force: None,
+};
+
+impl SpringDamperGround for Any {
+    fn surface(&self, point: DVec3) -> Surface {
+        (self.surface)(point)
+    }
+    fn spring_force(&self, depth: f64) -> f64 {
+        (self.spring_force)(depth)
+    }
+    fn spring_energy(&self, depth: f64) -> f64 {
+        (self.spring_energy)(depth)
+    }
+    fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
+        (self.normal_force)(depth, closing_speed)
+    }
+    fn extent(&self) -> Extent {
+        self.extent
+    }
+    fn mean_force(&self, start: f64, end: f64, seconds: f64) -> MeanForce {
+        match self.mean_force {
+            Some(mean_force) => mean_force(start, end, seconds),
+            None => Provided(FlatGround::level(1e3, 2.0)).mean_force(start, end, seconds),
+        }
+    }
+}
+
+#[test]
+fn grounds_that_are_right_pass_whatever_their_law_and_shape() {
+    struct Law<S, F, E>(S, F, E);
+    impl<S, F, E> SpringDamperGround for Law<S, F, E>
+    where
+        S: Fn(DVec3) -> Surface,
+        F: Fn(f64) -> f64,
+        E: Fn(f64) -> f64,
+    {
+        fn surface(&self, point: DVec3) -> Surface {
+            (self.0)(point)
+        }
+        fn spring_force(&self, depth: f64) -> f64 {
+            (self.1)(depth)
+        }
+        fn spring_energy(&self, depth: f64) -> f64 {
+            (self.2)(depth)
+        }
+        fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
+            // Hunt and Crossley's damper.
+            ((self.1)(depth) * (1.0 + 0.3 * closing_speed)).max(0.0)
+        }
+    }
+    let ball = |point: DVec3| {
+        let away = point - DVec3::new(0.0, 0.0, -2.0);
+        Surface {
+            gap: away.length() - 2.0,
+            normal: away.normalize(),
+        }
+    };
+    // A gutter: two planes that meet along x.
+    let gutter = |point: DVec3| {
+        let [left, right] = [1.0, -1.0].map(|side| DVec3::new(0.0, 0.6 * side, 0.8));
+        let [a, b] = [left, right].map(|normal| normal.dot(point));
+        if a < b {
+            Surface {
+                gap: a,
+                normal: left,
+            }
+        } else {
+            Surface {
+                gap: b,
+                normal: right,
+            }
+        }
+    };
+    let level = RIGHT.surface;
+    for battery in batteries() {
+        // Hertz.
+        let hertz = (|d: f64| 1e5 * d.powf(1.5), |d: f64| 4e4 * d.powf(2.5));
+        check_ground(&Law(level, hertz.0, hertz.1), &RANGE, battery).unwrap();
+        check_ground(&Law(ball, hertz.0, hertz.1), &RANGE, battery).unwrap();
+        check_ground(&Law(gutter, hertz.0, hertz.1), &RANGE, battery).unwrap();
+        // A mat of 1 cm on stone.
+        let stone = |d: f64| 1e3 * d + 1e6 * (d - 0.01).max(0.0);
+        let stored = |d: f64| 5e2 * d * d + 5e5 * (d - 0.01).max(0.0).powi(2);
+        check_ground(&Law(level, stone, stored), &RANGE, battery).unwrap();
+        // A crust with a force that does not depend on the depth, and mud whose force levels off.
+        check_ground(&Law(level, |_| 3.0, |d: f64| 3.0 * d), &RANGE, battery).unwrap();
+        let mud = |d: f64| 5.0 * d / (0.01 + d);
+        let kept = |d: f64| 5.0 * (d - 0.01 * (d / 0.01).ln_1p());
+        check_ground(&Law(level, mud, kept), &RANGE, battery).unwrap();
+    }
+}
+
+#[test]
+fn a_surface_whose_normal_is_not_that_of_its_gap_is_caught() {
+    // A slope by its height, not by its distance.
+    let steep = Any {
+        surface: |p| Surface {
+            gap: p.z - 0.5 * p.x,
+            normal: DVec3::new(-0.5, 0.0, 1.0).normalize(),
+        },
+        ..RIGHT
+    };
+    assert_eq!(fault_of_ground(&steep).clause, Clause::GapAlongNormal);
+    // A dome with a normal that looks up everywhere.
+    let dome = Any {
+        surface: |p| Surface {
+            gap: (p + DVec3::Z * 2.0).length() - 2.0,
+            normal: DVec3::Z,
+        },
+        ..RIGHT
+    };
+    assert_eq!(fault_of_ground(&dome).clause, Clause::GapAlongNormal);
+    // A step of a hair's breadth.
+    let step = Any {
+        surface: |p| Surface {
+            gap: p.z - if p.x > 0.0 { 1e-6 } else { 0.0 },
+            normal: DVec3::Z,
+        },
+        ..RIGHT
+    };
+    let breach = fault_of_ground(&step);
+    assert_eq!(breach.clause, Clause::GapAlongNormal);
+    let Input::Way { from, to } = breach.input else {
+        panic!("{breach}");
+    };
+    assert!(from.x.min(to.x) <= 0.0 && from.x.max(to.x) > 0.0);
+    let long = Any {
+        surface: |p| Surface {
+            gap: p.z,
+            normal: DVec3::Z * (1.0 + 1e-9),
+        },
+        ..RIGHT
+    };
+    assert_eq!(fault_of_ground(&long).clause, Clause::UnitNormal);
+    let nothing = Any {
+        surface: |p| Surface {
+            gap: (p.z * 0.0) / 0.0,
+            normal: DVec3::Z,
+        },
+        ..RIGHT
+    };
+    assert_eq!(fault_of_ground(&nothing).clause, Clause::Finite);
+}
+
+#[test]
+fn an_extent_that_is_not_true_is_caught() {
+    for extent in [
+        Extent::Nowhere,
+        Extent::Plane(Plane::level(1e-6)),
+        Extent::Plane(Plane::through(
+            DVec3::ZERO,
+            DVec3::new(1e-6, 0.0, 1.0).normalize(),
+        )),
+        // The ground is said to lie lower than it does.
+        Extent::Below(Plane::level(-1e-4)),
+        // No plane of this tilt has it all below.
+        Extent::Below(Plane::through(DVec3::ZERO, DVec3::new(0.1, 0.0, 1.0))),
+    ] {
+        let breach = fault_of_ground(&Any { extent, ..RIGHT });
+        assert_eq!(breach.clause, Clause::Extent, "{breach}");
+    }
+    let crooked = Plane {
+        normal: DVec3::Z * 1.01,
+        height: 0.0,
+    };
+    let breach = fault_of_ground(&Any {
+        extent: Extent::Below(crooked),
+        ..RIGHT
+    });
+    assert!(matches!(breach.clause, Clause::Composes { .. }), "{breach}");
+    let low_enough = Any {
+        extent: Extent::Below(Plane::level(0.2)),
+        ..RIGHT
+    };
+    check_ground(&low_enough, &RANGE, Battery::default()).unwrap();
+}
+
+#[test]
+fn a_potential_that_is_not_the_integral_of_the_force_is_caught() {
+    let twice = Any {
+        spring_energy: |d| 1e3 * d * d,
+        ..RIGHT
+    };
+    assert_eq!(fault_of_ground(&twice).clause, Clause::EnergyIsIntegral);
+    // A millionth too much.
+    let nearly = Any {
+        spring_energy: |d| 5e2 * (1.0 + 1e-6) * d * d,
+        ..RIGHT
+    };
+    assert_eq!(fault_of_ground(&nearly).clause, Clause::EnergyIsIntegral);
+    // Right from place to place, but not 0 at the surface.
+    let lifted = Any {
+        spring_energy: |d| 5e2 * d * d + 1e-6,
+        ..RIGHT
+    };
+    let breach = fault_of_ground(&lifted);
+    assert_eq!(breach.clause, Clause::EnergyIsIntegral);
+    assert!(
+        matches!(breach.input, Input::Depths { from: 0.0, .. }),
+        "{breach}"
+    );
+    // A force that stiffens in the deep, with the energy of one that does not.
+    let stiffening = Any {
+        spring_force: |d| 1e3 * d * (1.0 + 100.0 * (d - 0.045).max(0.0)),
+        normal_force: |d, _| 1e3 * d * (1.0 + 100.0 * (d - 0.045).max(0.0)),
+        ..RIGHT
+    };
+    assert_eq!(
+        fault_of_ground(&stiffening).clause,
+        Clause::EnergyIsIntegral
+    );
+    let sinking = Any {
+        spring_energy: |d| -5e2 * d * d,
+        ..RIGHT
+    };
+    assert_eq!(fault_of_ground(&sinking).clause, Clause::SpringEnergyRises);
+}
+
+#[test]
+fn a_ground_that_pulls_is_caught_with_depth_and_speed() {
+    let glue = Any {
+        normal_force: |d, speed| 1e3 * d + 2.0 * speed,
+        ..RIGHT
+    };
+    let breach = fault_of_ground(&glue);
+    assert_eq!(breach.clause, Clause::NeverPulls);
+    let Input::Press {
+        depth,
+        closing_speed,
+    } = breach.input
+    else {
+        panic!("{breach}");
+    };
+    assert!(1e3 * depth + 2.0 * closing_speed < 0.0, "{breach}");
+    let magnet = Any {
+        spring_force: |d| 1e3 * d - 0.1,
+        ..RIGHT
+    };
+    assert_eq!(fault_of_ground(&magnet).clause, Clause::SpringPushes);
+}
+
+#[test]
+fn dampers_that_give_energy_are_caught() {
+    let backwards = Any {
+        normal_force: |d, speed| (1e3 * d - 2.0 * speed).max(0.0),
+        ..RIGHT
+    };
+    assert_eq!(fault_of_ground(&backwards).clause, Clause::DamperTakes);
+    // A trampoline: a fast contact is thrown back harder.
+    let trampoline = Any {
+        normal_force: |d, speed| 1e3 * d * if speed < -4.0 { 1.01 } else { 1.0 },
+        ..RIGHT
+    };
+    assert_eq!(fault_of_ground(&trampoline).clause, Clause::DamperTakes);
+}
+
+#[test]
+fn a_mean_force_that_is_not_the_laws_is_caught() {
+    fn right(start: f64, end: f64, seconds: f64) -> MeanForce {
+        FlatGround::level(1e3, 2.0).mean_force(start, end, seconds)
+    }
+    fn with(mean_force: fn(f64, f64, f64) -> MeanForce) -> Any {
+        Any {
+            mean_force: Some(mean_force),
+            ..RIGHT
+        }
+    }
+    check_ground(&with(right), &RANGE, Battery::default()).unwrap();
+    // The force at the end alone takes too much on the way in and gives too much on the way out.
+    let at_end = with(|start, end, seconds| MeanForce {
+        force: (1e3 * end.max(0.0) + 2.0 * (end - start).min(0.0) / seconds).max(0.0),
+        ..right(start, end, seconds)
+    });
+    let pushing_above = with(|start, end, seconds| MeanForce {
+        force: right(start, end, seconds).force + 1e-3,
+        ..right(start, end, seconds)
+    });
+    // A third of it less.
+    let weak = with(|start, end, seconds| MeanForce {
+        force: right(start, end, seconds).force * 0.7,
+        ..right(start, end, seconds)
+    });
+    // A third more takes enough on the way in, and gives too much on the way out.
+    let strong = with(|start, end, seconds| MeanForce {
+        force: right(start, end, seconds).force * 1.3,
+        ..right(start, end, seconds)
+    });
+    // On the way in, where it takes all the more.
+    let greedy = with(|start, end, seconds| MeanForce {
+        force: right(start, end, seconds).force * if end > start { 1.3 } else { 1.0 },
+        ..right(start, end, seconds)
+    });
+    let softening = with(|start, end, seconds| MeanForce {
+        slope: -1.0,
+        ..right(start, end, seconds)
+    });
+    let clause = |ground: Any| fault_of_ground(&ground).clause;
+    assert_eq!(clause(pushing_above), Clause::MeanForceAbove);
+    assert_eq!(clause(softening), Clause::MeanForceSigns);
+    assert_eq!(clause(greedy), Clause::MeanForceIsMean);
+    assert_eq!(clause(weak), Clause::MeanForceTakes);
+    assert!(matches!(
+        clause(strong),
+        Clause::MeanForceTakes | Clause::MeanForceIsMean
+    ));
+    assert!(matches!(
+        clause(at_end),
+        Clause::MeanForceTakes | Clause::MeanForceIsMean
+    ));
+}
+
+// Friction laws.
+
+/// A law with the provided drag.
+struct Differences(Coulomb);
+
+impl SlidingFriction for Differences {
+    fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
+        self.0.force(normal_force, slip)
+    }
+}
+
+/// A friction law from a closure.
+struct Rub<F>(F);
+
+impl<F: Fn(f64, DVec3) -> DVec3> SlidingFriction for Rub<F> {
+    fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
+        (self.0)(normal_force, slip)
+    }
+}
+
+#[test]
+fn friction_laws_that_are_right_pass() {
+    let oil = Rub(|load: f64, slip: DVec3| if load > 0.0 { -slip * 0.2 } else { DVec3::ZERO });
+    // Stribeck's curve: less at speed than at rest.
+    let stribeck = Rub(|load: f64, slip: DVec3| {
+        let speed = slip.length();
+        -slip * (load * (0.3 + 0.2 * (-speed).exp()) / (speed + 1e-3))
+    });
+    // Skates: along x they glide, along y they grip. On level ground only.
+    let skates = Rub(|load: f64, slip: DVec3| {
+        let grip = DVec3::new(0.01 * slip.x, 0.5 * slip.y, 0.0);
+        -grip * (load / (slip.length() + 1e-3))
+    });
+    for battery in batteries() {
+        check_friction(&oil, &SLIDES, battery).unwrap();
+        check_friction(&stribeck, &SLIDES, battery).unwrap();
+        check_friction(&skates, &SLIDES, battery).unwrap();
+    }
+    let slope = FrictionRange {
+        normal: DVec3::new(0.0, 0.3, 1.0),
+        ..SLIDES
+    };
+    let breach = check_friction(&skates, &slope, Battery::default()).unwrap_err();
+    assert_eq!(breach.clause, Clause::InSurface);
+}
+
+#[test]
+fn friction_that_gives_energy_is_caught_with_load_and_slip() {
+    let motor = Rub(|load: f64, slip: DVec3| slip * (0.3 * load / (slip.length() + 1e-3)));
+    let breach = fault_of_friction(&motor);
+    assert_eq!(breach.clause, Clause::Opposes);
+    assert!(
+        matches!(breach.input, Input::Slide { normal_force, .. } if normal_force > 0.0),
+        "{breach}"
+    );
+    // A belt that runs at 1 mm/s along x drags slower bodies along.
+    let belt = Rub(|load: f64, slip: DVec3| {
+        let past = slip - DVec3::X * 1e-3;
+        -past * (0.3 * load / (past.length() + 1e-3))
+    });
+    assert!(matches!(
+        fault_of_friction(&belt).clause,
+        Clause::Opposes | Clause::NoSlipNoForce
+    ));
+    // Only sideways to the slip it takes nothing, and lifts.
+    let lift = Rub(|load: f64, slip: DVec3| {
+        -slip * (0.3 * load / (slip.length() + 1e-3)) + DVec3::Z * (0.1 * load * slip.length())
+    });
+    assert_eq!(fault_of_friction(&lift).clause, Clause::InSurface);
+}
+
+#[test]
+fn friction_that_is_no_number_at_zero_slip_is_caught() {
+    let naive = Rub(|load: f64, slip: DVec3| -slip.normalize() * (0.3 * load));
+    let breach = fault_of_friction(&naive);
+    assert_eq!(breach.clause, Clause::Finite);
+    assert!(
+        matches!(breach.input, Input::Slide { slip, .. } if slip == DVec3::ZERO),
+        "{breach}"
+    );
+}
+
+#[test]
+fn friction_without_load_is_caught() {
+    let sticky = Rub(|load: f64, slip: DVec3| -slip * (load + 1.0));
+    assert_eq!(fault_of_friction(&sticky).clause, Clause::NoLoadNoForce);
+}
+
+#[test]
+fn a_drag_that_does_not_fit_its_force_is_caught() {
+    struct Misfit(Drag);
+    impl SlidingFriction for Misfit {
+        fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
+            -slip * (0.3 * normal_force)
+        }
+        fn drag(&self, normal_force: f64, _slip: DVec3) -> Drag {
+            Drag {
+                coefficient: self.0.coefficient * normal_force,
+                ..self.0
+            }
+        }
+    }
+    let right = Drag {
+        coefficient: 0.3,
+        per_load: 0.3,
+        width: 1.0,
+        growth: 0.0,
+    };
+    check_friction(&Misfit(right), &SLIDES, Battery::default()).unwrap();
+    for wrong in [
+        Drag {
+            coefficient: 0.31,
+            ..right
+        },
+        Drag {
+            width: 0.0,
+            ..right
+        },
+        Drag {
+            growth: 1.5,
+            ..right
+        },
+    ] {
+        let breach = fault_of_friction(&Misfit(wrong));
+        assert_eq!(breach.clause, Clause::DragFits, "{breach}");
+    }
+}
+
+// Integrators.
+
+/// Semi-implicit Euler of 1 ms with one fault.
+struct Faulty<const FAULT: char>;
+
+impl<const FAULT: char> Integrator for Faulty<FAULT> {
+    type Workspace = u32;
+
+    fn step<D: Dynamics>(
+        &self,
+        scene: &D,
+        state: &mut State,
+        limit: f64,
+        workspace: &mut u32,
+    ) -> Result<Step, StepError> {
+        let own = 1e-3;
+        let dt = step_length(own, limit);
+        let start = *state;
+        let inner = SymplecticEuler {
+            time_step: match FAULT {
+                // Goes the whole step whatever is asked.
+                'l' | 't' => own,
+                // Nine tenths of the way, and ten of the time.
+                'n' => dt * 0.9,
+                _ => dt,
+            },
+        };
+        inner.step(scene, state, f64::MAX, &mut ())?;
+        *workspace += 1;
+        let q = start.orientation;
+        match FAULT {
+            // Linear, without scaling.
+            'q' => {
+                state.orientation = DQuat::from_xyzw(q.x + 1e-6, q.y, q.z, q.w);
+            }
+            'w' if *workspace > 3 => state.position.x += 1e-12,
+            'x' => state.position.x = f64::NAN,
+            // A constant error of the velocity in a second of time.
+            'o' => state.linear_velocity *= 1.0 - dt,
+            _ => {}
+        }
+        Ok(Step::new(
+            match FAULT {
+                'l' => own,
+                't' => dt,
+                'z' => 0.0,
+                's' if limit < own => dt * 1e-6,
+                _ => dt,
+            },
+            1,
+        ))
+    }
+
+    fn order(&self) -> u32 {
+        if FAULT == 'p' { 2 } else { 1 }
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("time step", if FAULT == 'c' { 0.0 } else { 1e-3 }, " s")
+    }
+}
+
+#[test]
+fn integrators_that_break_a_clause_are_caught_by_it() {
+    check_integrator(&Faulty::<'_'>, Battery::default()).unwrap();
+    let clauses = [
+        (fault_of_integrator(&Faulty::<'l'>), Clause::KeepsToLimit),
+        (fault_of_integrator(&Faulty::<'t'>), Clause::TellsTime),
+        (fault_of_integrator(&Faulty::<'n'>), Clause::TellsTime),
+        (fault_of_integrator(&Faulty::<'z'>), Clause::TakesTime),
+        (fault_of_integrator(&Faulty::<'s'>), Clause::LandsOnLimit),
+        (fault_of_integrator(&Faulty::<'q'>), Clause::UnitOrientation),
+        (
+            fault_of_integrator(&Faulty::<'w'>),
+            Clause::WorkspaceChangesNothing,
+        ),
+        (fault_of_integrator(&Faulty::<'x'>), Clause::Finite),
+        (fault_of_integrator(&Faulty::<'p'>), Clause::Order),
+    ];
+    for (breach, clause) in clauses {
+        assert_eq!(breach.clause, clause, "{breach}");
+    }
+    let breach = fault_of_integrator(&Faulty::<'c'>);
+    assert!(matches!(breach.clause, Clause::Composes { .. }), "{breach}");
+}
+
+#[test]
+fn an_integrator_that_remembers_behind_the_workspaces_back_is_caught() {
+    struct Drunk(Cell<u32>);
+    impl Integrator for Drunk {
+        type Workspace = ();
+        fn step<D: Dynamics>(
+            &self,
+            scene: &D,
+            state: &mut State,
+            limit: f64,
+            _workspace: &mut (),
+        ) -> Result<Step, StepError> {
+            self.0.set(self.0.get() + 1);
+            state.position.x += 1e-15 * f64::from(self.0.get());
+            Rk4 { time_step: 1e-3 }.step(scene, state, limit, &mut ())
+        }
+        fn order(&self) -> u32 {
+            4
+        }
+        fn check(&self) -> Result<(), SceneError> {
+            Ok(())
+        }
+    }
+    let breach = fault_of_integrator(&Drunk(Cell::new(0)));
+    assert_eq!(breach.clause, Clause::SameBits, "{breach}");
+}
+
+#[test]
+fn an_integrator_that_refuses_a_tame_step_is_caught() {
+    struct Lazy;
+    impl Integrator for Lazy {
+        type Workspace = ();
+        fn step<D: Dynamics>(
+            &self,
+            _scene: &D,
+            _state: &mut State,
+            _limit: f64,
+            _workspace: &mut (),
+        ) -> Result<Step, StepError> {
+            Err(StepError::Stalled)
+        }
+        fn order(&self) -> u32 {
+            1
+        }
+        fn check(&self) -> Result<(), SceneError> {
+            Ok(())
+        }
+    }
+    let breach = fault_of_integrator(&Lazy);
+    assert_eq!(breach.clause, Clause::Steps(StepError::Stalled));
+}
+
+// Messages.
+
+#[test]
+fn a_breach_says_rule_values_and_input() {
+    let glue = Any {
+        normal_force: |d, speed| 1e3 * d + 2.0 * speed,
+        ..RIGHT
+    };
+    let message = fault_of_ground(&glue).to_string();
+    for part in ["must not pull", "got -", "bound is 0", "at depth", "m/s"] {
+        assert!(message.contains(part), "{message}");
+    }
+}
