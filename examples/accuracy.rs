@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example accuracy`, on a machine with nothing else to do.
 
-use std::error::Error;
+use core::error::Error;
 use std::time::Instant;
 
 use tumble::glam::{DQuat, DVec3};

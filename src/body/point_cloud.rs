@@ -18,7 +18,8 @@ use crate::real::{Matrix, Real, Vector};
 ///     [0.1; 6],
 /// )?;
 /// assert!((jack.mass() - 0.6).abs() < 1e-15);
-/// assert_eq!(jack.reach(), 2.0);
+/// let mass: f64 = jack.mass();
+/// assert!((mass - 0.6).abs() < 1e-15);
 /// # Ok::<(), tumble::SceneError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
