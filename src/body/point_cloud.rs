@@ -17,9 +17,9 @@ use crate::real::{Matrix, Real, Vector};
 ///     [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z * 2.0, -DVec3::Z * 2.0],
 ///     [0.1; 6],
 /// )?;
-/// assert!((jack.mass() - 0.6).abs() < 1e-15);
 /// let mass: f64 = jack.mass();
 /// assert!((mass - 0.6).abs() < 1e-15);
+/// assert_eq!(jack.reach(), 2.0);
 /// # Ok::<(), tumble::SceneError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
