@@ -9,8 +9,8 @@ use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::State;
 
-// On the hints below: what a step does once is `inline(always)`, so that it need not go through memory from stage to stage. What it does with each contact is
-// a function of its own (`inline(never)`): compiled into a step, that loop shares the registers with the rest and takes 8 % more instructions.
+// On the hints below: a step is compiled as one piece, so that it need not go through memory from stage to stage. The loop over contacts as a function of its
+// own took 8 % fewer instructions and 1.2 to 1.8 times as long.
 
 /// A body on a ground, as an integrator sees it.
 ///
@@ -112,7 +112,7 @@ pub trait Dynamics<R: Real = f64> {
     }
 
     /// As [`load`](Self::load), looking at the contacts of `run` alone: for a second look at the same place with other velocities.
-    #[inline(never)]
+    #[inline(always)]
     fn load_on(&self, run: Run, motion: &Motion<R>) -> Load<R> {
         let mut load = Load::default();
         self.visit_run(run, motion, |contact| {
