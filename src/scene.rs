@@ -37,6 +37,12 @@ pub trait Dynamics<R: Real = f64> {
     /// Distance from the centre of mass to the farthest place of the body's surface, m.
     fn reach(&self) -> R;
 
+    /// Whether any contact of the body has a radius.
+    fn has_radii(&self) -> bool {
+        let mut contacts = self.body().contacts().iter();
+        contacts.any(|contact| contact.radius > R::ZERO)
+    }
+
     /// Where everything of the body is and how it moves.
     #[inline(always)]
     fn motion(&self, state: &State<R>) -> Motion<R> {
@@ -321,6 +327,7 @@ pub struct Scene<R: Real, B, G, F, A> {
     gravity: A,
     mass_properties: MassProperties<R>,
     reach: R,
+    has_radii: bool,
 }
 
 impl<R, B, G, F, A> Scene<R, B, G, F, A>
@@ -344,6 +351,10 @@ where
         Ok(Self {
             mass_properties: MassProperties::new(body.mass(), body.inertia())?,
             reach: body.reach(),
+            has_radii: body
+                .contacts()
+                .iter()
+                .any(|contact| contact.radius > R::ZERO),
             body,
             ground,
             friction,
@@ -394,5 +405,9 @@ where
     #[inline]
     fn reach(&self) -> R {
         self.reach
+    }
+    #[inline]
+    fn has_radii(&self) -> bool {
+        self.has_radii
     }
 }

@@ -13,35 +13,25 @@ pub(super) const CAPACITY: usize = 128;
 
 /// One contact of a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Touch<R: Real> {
+struct Touch<R: Real> {
     /// From the centre of mass to the contact's centre at the start of the step, m.
     arm: R::Vec3,
     radius: R,
     /// At the start of the step, m; negative above ground.
     depth: R,
-    /// At the end of the last trial step, m.
-    end_depth: R,
-    /// Newton's dual unknown: the friction's direction over its limit, at most of length 1.
-    dual: R::Vec3,
-    /// What the dual was linearised about; `None` before the first iteration.
-    last: Option<Slip<R>>,
+    /// Newton's dual unknown: the friction's direction over its limit, at most of length 1; `None` before the first trial.
+    dual: Option<R::Vec3>,
+    /// What it did over the last trial step.
+    push: Push<R>,
 }
 
-/// Mean slip over the step (m/s, along the surface) and the friction law's width there.
-#[derive(Clone, Copy, Debug)]
-struct Slip<R: Real> {
-    velocity: R::Vec3,
-    /// Unit vector, or 0.
-    direction: R::Vec3,
-    width: R,
-    growth: R,
-}
-
-/// What a contact does over a step.
+/// What a contact does over a trial step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Push<R: Real> {
+    /// Unit vector out of the ground.
     pub(super) normal: R::Vec3,
     pub(super) mean: MeanForce<R>,
+    /// N, along the ground.
     pub(super) friction: R::Vec3,
     pub(super) drag: Drag<R>,
     /// Mean slip, m/s.
@@ -49,15 +39,36 @@ pub(super) struct Push<R: Real> {
     /// Unit vector along the slip, or 0.
     pub(super) slip_direction: R::Vec3,
     pub(super) dual: R::Vec3,
-    /// From the centre of mass to where the mean force acts.
+    /// From the centre of mass to where the mean force acts, m.
     pub(super) arm: R::Vec3,
-    /// From the centre of mass to the contact's centre at the end of the step.
+    /// From the centre of mass to the contact's centre at the end of the step, m.
     pub(super) end_arm: R::Vec3,
+    /// m; negative above ground.
     pub(super) end_depth: R,
     pub(super) radius: R,
 }
 
 impl<R: Real> Push<R> {
+    const NONE: Self = Self {
+        normal: R::Vec3::ZERO,
+        mean: MeanForce::NONE,
+        friction: R::Vec3::ZERO,
+        drag: Drag::NONE,
+        slip: R::Vec3::ZERO,
+        slip_direction: R::Vec3::ZERO,
+        dual: R::Vec3::ZERO,
+        arm: R::Vec3::ZERO,
+        end_arm: R::Vec3::ZERO,
+        end_depth: R::ZERO,
+        radius: R::ZERO,
+    };
+
+    /// Whether there is a force, or would be one a little deeper.
+    #[inline]
+    pub(super) fn is_felt(&self) -> bool {
+        self.mean.force > R::ZERO || self.mean.slope > R::ZERO
+    }
+
     #[inline]
     pub(super) fn force(&self) -> R::Vec3 {
         self.normal * self.mean.force + self.friction
@@ -86,9 +97,8 @@ impl<R: Real> Default for Contacts<R> {
             arm: R::Vec3::ZERO,
             radius: R::ZERO,
             depth: R::ZERO,
-            end_depth: R::ZERO,
-            dual: R::Vec3::ZERO,
-            last: None,
+            dual: None,
+            push: Push::NONE,
         };
         Self {
             touches: [nothing; CAPACITY],
@@ -120,7 +130,9 @@ impl<R: Real> Contacts<R> {
                 let Some(place) = self.touches.get_mut(self.remembered) else {
                     return;
                 };
-                *place = touch;
+                // The rest of the place is written by the first trial.
+                (place.arm, place.radius, place.depth) = (touch.arm, touch.radius, touch.depth);
+                place.dual = None;
                 self.remembered += 1;
             }
             self.seen += 1;
@@ -135,7 +147,7 @@ impl<R: Real> Contacts<R> {
 
     /// Whether `touching` contacts below ground at the end of the step are no more than the last trial has seen there.
     pub(super) fn foresaw(&self, touching: usize) -> bool {
-        let ended_below = |touch: &&Touch<R>| touch.end_depth > R::ZERO;
+        let ended_below = |touch: &&Touch<R>| touch.push.end_depth > R::ZERO;
         self.seen < self.run.count
             || touching
                 <= self
@@ -146,33 +158,64 @@ impl<R: Real> Contacts<R> {
                     .count()
     }
 
-    /// What the contact number `index`, below [`len`](Self::len), does in a trial step; `None` where it does not reach the ground.
+    /// Asks every contact for its force over a trial step, and hands on what those that reach the ground do.
     #[inline(always)]
-    pub(super) fn push<D: Dynamics<R>>(
+    pub(super) fn respond<D: Dynamics<R>>(
         &mut self,
-        index: usize,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-    ) -> Option<Push<R>> {
-        if index < self.remembered {
-            let touch = self.touches.get_mut(index)?;
-            touch.push(problem, trial)
-        } else {
-            self.forgotten(index, problem)?.push(problem, trial)
+        mut feel: impl FnMut(&Push<R>),
+    ) {
+        for index in 0..self.len() {
+            if let Some(touch) = self
+                .touches
+                .get_mut(index)
+                .filter(|_| index < self.remembered)
+            {
+                touch.respond(problem, trial);
+                if touch.push.is_felt() {
+                    feel(&touch.push);
+                }
+            } else if let Some(push) = self.forgotten(index, problem, trial) {
+                feel(&push);
+            }
         }
     }
 
-    /// A contact that found no place, made anew.
+    /// Hands on what the contacts that reach the ground did over the last trial step, which was `trial`.
+    #[inline(always)]
+    pub(super) fn recall<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        mut feel: impl FnMut(&Push<R>),
+    ) {
+        for touch in self.touches.iter().take(self.remembered) {
+            if touch.push.is_felt() {
+                feel(&touch.push);
+            }
+        }
+        for index in self.remembered..self.len() {
+            if let Some(push) = self.forgotten(index, problem, trial) {
+                feel(&push);
+            }
+        }
+    }
+
+    /// What a contact does that found no place, made anew, if it reaches the ground.
     #[cold]
     fn forgotten<D: Dynamics<R>>(
         &self,
         index: usize,
         problem: &Problem<'_, R, D>,
-    ) -> Option<Touch<R>> {
+        trial: &Trial<R>,
+    ) -> Option<Push<R>> {
         let contacts = problem.scene.body().contacts();
         let along_run = self.run.first + self.seen + (index - self.remembered);
         let point = contacts.get(along_run % contacts.len().max(1))?;
-        Some(Touch::of(problem, point))
+        let mut touch = Touch::of(problem, point);
+        touch.respond(problem, trial);
+        touch.push.is_felt().then_some(touch.push)
     }
 }
 
@@ -188,31 +231,27 @@ impl<R: Real> Touch<R> {
             arm,
             radius: point.radius,
             depth: point.radius - surface.gap,
-            end_depth: R::ZERO,
-            dual: R::Vec3::ZERO,
-            last: None,
+            dual: None,
+            push: Push::NONE,
         }
     }
 
-    /// What the contact does over a trial step, where there is a force.
-    #[inline(always)]
-    fn push<D: Dynamics<R>>(
-        &mut self,
-        problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
-    ) -> Option<Push<R>> {
+    /// Works out what the contact does over a trial step.
+    #[inline]
+    fn respond<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, trial: &Trial<R>) {
         let swung = trial.swing.times(self.arm);
-        let end_arm = self.arm + swung;
         let moved = trial.shift + swung;
         let (normal, end_depth) = self.fall(problem, moved);
-        self.end_depth = end_depth;
         let mean = problem
             .scene
             .ground()
             .mean_force(self.depth, end_depth, problem.seconds);
-        if mean.force <= R::ZERO && mean.slope <= R::ZERO {
-            return None;
+        self.push.end_depth = end_depth;
+        self.push.mean = mean;
+        if !self.push.is_felt() {
+            return;
         }
+        let end_arm = self.arm + swung;
         let mut arm = (self.arm + end_arm) * R::HALF;
         let mut along = moved - normal * normal.dot(moved);
         if self.radius > R::ZERO {
@@ -221,22 +260,23 @@ impl<R: Real> Touch<R> {
             along -= trial.spin.cross(normal) * (self.radius * R::TWO);
         }
         let slip = along * problem.per_second;
-        let friction = problem.scene.friction().force(mean.force, slip);
-        let drag = problem.scene.friction().drag(mean.force, slip);
-        let slip_direction = self.settle_dual(slip, &drag, problem);
-        Some(Push {
+        let friction = problem.scene.friction();
+        let drag = friction.drag(mean.force, slip);
+        let dual = self.next_dual(problem, slip, &drag);
+        self.dual = Some(dual);
+        self.push = Push {
             normal,
             mean,
-            friction,
+            friction: friction.force(mean.force, slip),
             drag,
             slip,
-            slip_direction,
-            dual: self.dual,
+            slip_direction: direction::<R>(slip),
+            dual,
             arm,
             end_arm,
             end_depth,
             radius: self.radius,
-        })
+        };
     }
 
     /// The normal along which the force does the springs' work, and the depth at the end, for a contact whose centre moves by `moved`.
@@ -259,43 +299,37 @@ impl<R: Real> Touch<R> {
         }
     }
 
-    /// The dual after Newton's step: `(u' - w' g (û·(u' - u)))/w`, on the unit disc (Chan, Golub & Mulet 1999). Returns the new slip's direction.
+    /// The dual after Newton's step from the last trial's slip u to this one's u': `(u' - w' g (û·(u' - u)))/w`, on the unit disc (Chan, Golub & Mulet 1999).
     #[inline]
-    fn settle_dual<D: Dynamics<R>>(
-        &mut self,
-        slip: R::Vec3,
-        drag: &Drag<R>,
-        problem: &Problem<'_, R, D>,
-    ) -> R::Vec3 {
-        let speed = slip.length();
-        let direction = if speed > R::ZERO {
-            slip * (R::ONE / speed)
-        } else {
-            R::Vec3::ZERO
-        };
-        self.dual = match self.last {
+    fn next_dual<D>(&self, problem: &Problem<'_, R, D>, slip: R::Vec3, drag: &Drag<R>) -> R::Vec3 {
+        let Some(dual) = self.dual else {
             // A slide that the step can hardly brake begins with Newton's own derivative; one that it can stop, with stick.
-            None if drag.coefficient * problem.seconds < problem.mass * R::from_f64(0.1) => {
+            let slides = drag.coefficient * problem.seconds < problem.mass * R::from_f64(0.1);
+            return if slides {
                 slip * (R::ONE / drag.width)
-            }
-            None => R::Vec3::ZERO,
-            Some(last) => {
-                let change = (slip - last.velocity).dot(last.direction);
-                let dual = (slip - self.dual * (last.growth * change)) * (R::ONE / last.width);
-                let size = dual.length();
-                if size > R::ONE {
-                    dual * (R::ONE / size)
-                } else {
-                    dual
-                }
-            }
+            } else {
+                R::Vec3::ZERO
+            };
         };
-        self.last = Some(Slip {
-            velocity: slip,
-            direction,
-            width: drag.width,
-            growth: drag.growth,
-        });
-        direction
+        let last = &self.push;
+        let change = (slip - last.slip).dot(last.slip_direction);
+        let next = (slip - dual * (last.drag.growth * change)) * (R::ONE / last.drag.width);
+        let square = next.length_squared();
+        if square > R::ONE {
+            next * (R::ONE / square.sqrt())
+        } else {
+            next
+        }
+    }
+}
+
+/// The unit vector along `slip`, or 0.
+#[inline]
+fn direction<R: Real>(slip: R::Vec3) -> R::Vec3 {
+    let speed = slip.length();
+    if speed > R::ZERO {
+        slip * (R::ONE / speed)
+    } else {
+        R::Vec3::ZERO
     }
 }

@@ -92,6 +92,13 @@ impl<R: Real> Block<R> {
         }
     }
 
+    /// With the diagonal raised by a share of its own sum.
+    #[cold]
+    fn with_diagonal_raised(&self, share: R) -> Self {
+        let sum = self.x.x().abs() + self.y.y().abs() + self.z.z().abs();
+        self.plus(&Self::diagonal(sum * share))
+    }
+
     #[inline]
     pub(super) fn scaled(&self, factor: R) -> Self {
         Self {
@@ -112,24 +119,43 @@ pub(super) struct SixBySix<R: Real> {
 }
 
 impl<R: Real> SixBySix<R> {
+    pub(super) const ZERO: Self = Self {
+        force_by_shift: Block::ZERO,
+        force_by_turn: Block::ZERO,
+        torque_by_shift: Block::ZERO,
+        torque_by_turn: Block::ZERO,
+    };
+
     /// Adds what a force at `arm` answers to the path of a place at `place`, which a turn moves by `ϑ × place`: `block (ξ + ϑ × place)`.
     #[inline(always)]
     pub(super) fn add_at(&mut self, block: &Block<R>, arm: R::Vec3, place: R::Vec3) {
-        self.add_turned(block, &block.after_turn_of(place), arm);
-    }
-
-    /// Adds what a force at `arm` answers to a shift by `block` and to a turn by `by_turn`.
-    #[inline(always)]
-    pub(super) fn add_turned(&mut self, block: &Block<R>, by_turn: &Block<R>, arm: R::Vec3) {
+        let by_turn = block.after_turn_of(place);
         self.force_by_shift = self.force_by_shift.plus(block);
-        self.force_by_turn = self.force_by_turn.plus(by_turn);
+        self.force_by_turn = self.force_by_turn.plus(&by_turn);
         self.torque_by_shift = self.torque_by_shift.plus(&block.crossed_by(arm));
         self.torque_by_turn = self.torque_by_turn.plus(&by_turn.crossed_by(arm));
     }
 
-    /// The shift and turn that a force and a torque make, by Gauss's elimination with row pivots. Turns and torques are
-    /// measured with the length `reach`, so that pivots compare like with like whatever the body's size. Not finite where the matrix is singular.
+    /// The shift and turn that a force and a torque make. Where stiffness has swallowed the inertia beyond rounding, so that the matrix is singular, that
+    /// of a body heavier by the root of the rounding: smaller steps, in a direction that can be had.
     pub(super) fn solve(&self, force: R::Vec3, torque: R::Vec3, reach: R) -> (R::Vec3, R::Vec3) {
+        let (shift, turn) = self.solve_regular(force, torque, reach);
+        if shift.is_finite() && turn.is_finite() {
+            return (shift, turn);
+        }
+        let share = R::EPSILON.sqrt();
+        let heavier = Self {
+            force_by_shift: self.force_by_shift.with_diagonal_raised(share),
+            torque_by_turn: self.torque_by_turn.with_diagonal_raised(share),
+            ..*self
+        };
+        heavier.solve_regular(force, torque, reach)
+    }
+
+    /// By Gauss's elimination with row pivots. Turns and torques are measured with the length `reach`, so that pivots compare like with like whatever the
+    /// body's size. Not finite where the matrix is singular.
+    #[inline]
+    fn solve_regular(&self, force: R::Vec3, torque: R::Vec3, reach: R) -> (R::Vec3, R::Vec3) {
         let per_reach = R::ONE / reach;
         let mut rows = [[R::ZERO; 7]; 6];
         let top = [&self.force_by_shift, &self.force_by_turn];

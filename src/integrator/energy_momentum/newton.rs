@@ -10,9 +10,10 @@
 //! the Cayley argument by `(ϑ - a × ϑ + a (a·ϑ))/2`. In these unknowns the derivatives need neither inverses nor the map's own.
 
 use super::contacts::{Contacts, Push};
-use super::linear::{Block, SixBySix};
+use super::linear::SixBySix;
 use super::problem::{Problem, Trial};
 use super::settle::Strain;
+use super::stiffness;
 use crate::integrator::Step;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
@@ -38,14 +39,20 @@ struct Sum<R: Real> {
     /// Sum of the slopes of the normal forces, dampers included, N/m.
     slope: R,
     strain: Strain<R>,
-    equations: SixBySix<R>,
 }
 
-/// A trial with what is lacking there, and where Newton's step leads from it.
+/// The unknowns of a trial, with what is lacking there.
+#[derive(Clone, Copy, Debug)]
+struct Place<R: Real> {
+    velocity: R::Vec3,
+    spin: R::Vec3,
+    size: R,
+}
+
+/// Newton's step from a place.
 #[derive(Clone, Copy, Debug)]
 struct Base<R: Real> {
-    trial: Trial<R>,
-    size: R,
+    place: Place<R>,
     shift: R::Vec3,
     turn: R::Vec3,
 }
@@ -60,68 +67,71 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
     step: &mut Step<R>,
 ) -> Option<(Trial<R>, Strain<R>)> {
     let mut trial = problem.first_trial();
+    let mut equations = SixBySix::ZERO;
     let mut base: Option<Base<R>> = None;
-    let mut best: Option<(R, Trial<R>)> = None;
+    let mut best: Option<Place<R>> = None;
     let mut share = R::ONE;
     for iteration in 0..LIMIT {
         let sum = add_up(problem, contacts, &trial);
         step.evaluations += 1;
         let (force_lack, torque_lack) = lack(problem, &trial, &sum);
-        let size = norm(problem, force_lack, torque_lack);
+        let here = Place {
+            velocity: trial.velocity,
+            spin: trial.spin,
+            size: norm(problem, force_lack, torque_lack),
+        };
         let tolerance = scale(problem, &trial, &sum) * tolerance::<R>();
-        if size <= tolerance * R::from_f64(EXACT) {
+        if here.size <= tolerance * R::from_f64(EXACT) {
             return Some((trial, sum.strain));
         }
-        let progress = best.is_none_or(|(least, _)| size < least * R::HALF);
+        let progress = best.is_none_or(|best| here.size < best.size * R::HALF);
         // No further progress near the end: rounding is reached.
-        if !progress && size <= tolerance * R::from_f64(1e3) {
+        if !progress && here.size <= tolerance * R::from_f64(1e3) {
             return Some((trial, sum.strain));
         }
-        if best.is_none_or(|(least, _)| size < least) {
-            best = Some((size, trial));
-        }
-        if let Some(base) = base {
-            let worse = !size.is_finite() || (iteration > BOLD && size >= base.size);
+        if let Some(base) = &base {
+            let worse =
+                !here.size.is_finite() || (iteration > BOLD && here.size >= base.place.size);
             if worse {
                 share *= R::HALF;
                 if share < R::EPSILON {
                     return None;
                 }
-                trial = change(problem, &base.trial, base.shift * share, base.turn * share);
+                trial = change(problem, &base.place, base.shift * share, base.turn * share);
                 continue;
             }
-        } else if !size.is_finite() {
+        } else if !here.size.is_finite() {
             return None;
         }
         step.iterations += 1;
-        let (shift, turn) = sum
-            .equations
-            .solve(-force_lack, -torque_lack, problem.reach);
-        // Newton's next step squares what is lacking: nothing is left to look at.
-        if progress && size <= tolerance * R::from_f64(CLOSE) {
-            let last = change(problem, &trial, shift, turn);
-            return Some((last, sum.strain));
+        let close = progress && here.size <= tolerance * R::from_f64(CLOSE);
+        // Derivatives that have brought what is lacking down so far that once more brings it below rounding are good enough.
+        let good_enough = close
+            && base.is_some_and(|base| {
+                here.size * here.size <= base.place.size * tolerance * R::from_f64(EXACT)
+            });
+        if !good_enough {
+            equations = stiffness::equations(problem, contacts, &trial);
         }
-        let here = Base {
-            trial,
-            size,
-            shift,
-            turn,
-        };
+        let (shift, turn) = equations.solve(-force_lack, -torque_lack, problem.reach);
+        trial = change(problem, &here, shift, turn);
+        // Newton's next step squares what is lacking: nothing is left to look at.
+        if close {
+            return Some((trial, sum.strain));
+        }
+        if best.is_none_or(|best| here.size < best.size) {
+            best = Some(here);
+        }
         share = R::ONE;
-        base = Some(here);
-        trial = match best {
-            Some((least, best)) if iteration == BOLD => {
-                base = Some(Base {
-                    trial: best,
-                    // The next evaluation is at the best trial itself and must pass.
-                    size: least * R::TWO,
-                    ..here
-                });
-                best
+        let mut place = here;
+        if iteration == BOLD {
+            if let Some(best) = best {
+                trial = problem.trial(best.velocity, best.spin);
+                // The next evaluation is at the best trial itself and must pass.
+                place.size = best.size * R::TWO;
             }
-            _ => change(problem, &trial, shift, turn),
-        };
+        }
+        base = Some(Base { place, shift, turn });
     }
     None
 }
@@ -133,20 +143,17 @@ fn tolerance<R: Real>() -> R {
     root * root.sqrt()
 }
 
-/// The trial after a shift and a turn of its end.
+/// The trial after a shift and a turn of the step's end.
 #[inline]
 fn change<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
-    trial: &Trial<R>,
+    from: &Place<R>,
     shift: R::Vec3,
     turn: R::Vec3,
 ) -> Trial<R> {
-    let a = trial.spin;
+    let a = from.spin;
     let change = (turn - a.cross(turn) + a * a.dot(turn)) * R::HALF;
-    problem.trial(
-        trial.velocity + shift * problem.per_second,
-        trial.spin + change,
-    )
+    problem.trial(from.velocity + shift * problem.per_second, a + change)
 }
 
 /// By how much the momentum balance fails.
@@ -200,7 +207,7 @@ fn scale<R: Real, D: Dynamics<R>>(
     energy.sqrt() + half * (weight + sum.normal + rounding) / problem.mass.sqrt()
 }
 
-/// Forces, torques and their derivatives at a trial.
+/// Forces and torques at a trial.
 #[inline]
 fn add_up<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
@@ -214,86 +221,15 @@ fn add_up<R: Real, D: Dynamics<R>>(
         stiffness: R::ZERO,
         slope: R::ZERO,
         strain: Strain::NONE,
-        equations: inertial(problem, trial),
     };
-    // The Cayley argument's change by a turn, for contacts with a radius.
-    let argument = by_turn(trial.spin);
-    for index in 0..contacts.len() {
-        let Some(push) = contacts.push(index, problem, trial) else {
-            continue;
-        };
+    contacts.respond(problem, trial, |push: &Push<R>| {
         let force = push.force();
         sum.force += force;
         sum.torque += push.arm.cross(force);
         sum.normal += push.mean.force;
         sum.stiffness += push.mean.stiffness;
         sum.slope += push.mean.slope;
-        sum.strain.add(&push);
-        add_stiffness(&mut sum.equations, problem, &push, &argument, force);
-    }
+        sum.strain.add(push);
+    });
     sum
-}
-
-/// `1 - â + a aᵀ`: twice the change of the Cayley argument by a turn of the step's end.
-#[inline]
-fn by_turn<R: Real>(a: R::Vec3) -> Block<R> {
-    Block::diagonal(R::ONE)
-        .plus(&Block::hat(-a))
-        .plus(&Block::outer(a, a))
-}
-
-/// Derivatives of the momenta at the end.
-#[inline]
-fn inertial<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<R>) -> SixBySix<R> {
-    let mean = Block::diagonal(R::ONE)
-        .plus(&trial.swing)
-        .times_block(&problem.inertia.times_block(&by_turn(trial.spin)))
-        .scaled(problem.per_second);
-    SixBySix {
-        force_by_shift: Block::diagonal(problem.mass * problem.per_second),
-        force_by_turn: Block::ZERO,
-        torque_by_shift: Block::ZERO,
-        torque_by_turn: mean.plus(&Block::hat(trial.end_angular_momentum * -R::HALF)),
-    }
-}
-
-/// Adds how one contact's force and torque answer to a shift and a turn of the step's end.
-#[inline(always)]
-fn add_stiffness<R: Real, D: Dynamics<R>>(
-    equations: &mut SixBySix<R>,
-    problem: &Problem<'_, R, D>,
-    push: &Push<R>,
-    argument: &Block<R>,
-    force: R::Vec3,
-) {
-    let half = problem.seconds * R::HALF;
-    let stiffness = stiffness(problem, push, half);
-    let mut by_turn = stiffness.after_turn_of(push.end_arm);
-    if push.radius > R::ZERO {
-        let carried = argument.crossed_by(push.normal).scaled(push.radius);
-        by_turn = by_turn.plus(&stiffness.times_block(&carried));
-    }
-    equations.add_turned(&stiffness, &by_turn, push.arm);
-    // The mean arm turns too: (ϑ × r')/2 × F.
-    let quarter = force * (-half * R::HALF);
-    let arm_turns =
-        Block::outer(push.end_arm, quarter).plus(&Block::diagonal(-quarter.dot(push.end_arm)));
-    equations.torque_by_turn = equations.torque_by_turn.plus(&arm_turns);
-}
-
-/// `-dF/dx` of one contact for its path x over the step, times `factor`: `k (n - uₙ) nᵀ + c/dt (1 - n nᵀ - w' g ûᵀ)`.
-#[inline(always)]
-fn stiffness<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    push: &Push<R>,
-    factor: R,
-) -> Block<R> {
-    let n = push.normal;
-    let c = push.drag.coefficient * problem.per_second * factor;
-    let loaded = n - push.slip * push.drag.per_load;
-    let across = loaded * (push.mean.slope * factor) - n * c;
-    let along = push.dual * (-c * push.drag.growth);
-    Block::diagonal(c)
-        .plus(&Block::outer(across, n))
-        .plus(&Block::outer(along, push.slip_direction))
 }

@@ -18,6 +18,10 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) angular_momentum: R::Vec3,
     /// The ground, where it is a plane.
     pub(super) plane: Option<Plane<R>>,
+    /// Whether it is level.
+    pub(super) is_level: bool,
+    /// Whether any contact has a radius.
+    pub(super) has_radii: bool,
     pub(super) seconds: R,
     pub(super) per_second: R,
     pub(super) mass: R,
@@ -53,6 +57,11 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         let reach = scene.reach();
         let (inertia, angular_momentum) =
             properties.inertia_for_solving(&axes, start.angular_momentum);
+        let plane = match scene.ground().extent() {
+            Extent::Plane(plane) => Some(plane),
+            _ => None,
+        };
+        let up = R::Vec3::new(R::ZERO, R::ZERO, R::ONE);
         Self {
             scene,
             start: *start,
@@ -64,10 +73,9 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
                 angular_velocity,
             },
             angular_momentum,
-            plane: match scene.ground().extent() {
-                Extent::Plane(plane) => Some(plane),
-                _ => None,
-            },
+            plane,
+            is_level: plane.is_some_and(|plane| plane.normal == up),
+            has_radii: scene.has_radii(),
             seconds,
             per_second: R::ONE / seconds,
             mass: properties.mass(),

@@ -61,17 +61,15 @@ fn share<R: Real>(strain: R) -> R {
 /// The end of a trial after friction and dampers have resisted its velocities, within their limits.
 pub(super) fn settle<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
-    contacts: &mut Contacts<R>,
+    contacts: &Contacts<R>,
     trial: &Trial<R>,
     strain: Strain<R>,
     end: &State<R>,
 ) -> State<R> {
     resisted(problem.scene, problem.reach, end, |motion, resist| {
-        for index in 0..contacts.len() {
-            if let Some(push) = contacts.push(index, problem, trial) {
-                resist(&limits(problem, &push, strain, motion));
-            }
-        }
+        contacts.recall(problem, trial, |push| {
+            resist(&limits(problem, push, strain, motion));
+        });
     })
 }
 

@@ -87,6 +87,9 @@ impl<R: Real, D: Dynamics<R>, G: SpringDamperGround<R>> Dynamics<R> for Conserva
     fn reach(&self) -> R {
         self.scene.reach()
     }
+    fn has_radii(&self) -> bool {
+        self.scene.has_radii()
+    }
 }
 
 /// The springs of a ground alone.
