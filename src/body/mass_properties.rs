@@ -201,6 +201,31 @@ impl<R: Real> MassProperties<R> {
         axes.to_world(self.principal.to_world(momentum))
     }
 
+    /// The angular momentum without what the body cannot have: what an implicit step's regular inertia lets rounding leave about an axis without a moment.
+    #[inline]
+    pub(crate) fn without_dead_spin(
+        &self,
+        rotation: Rotation<R>,
+        angular_momentum: R::Vec3,
+    ) -> R::Vec3 {
+        if self.solving.turns == Turns::Freely {
+            angular_momentum
+        } else {
+            let symmetry = self.symmetry.axis.in_world(&rotation.axes());
+            self.without_dead_part(symmetry, angular_momentum)
+        }
+    }
+
+    /// The same, for a body whose axis of symmetry is known in the world.
+    #[inline]
+    fn without_dead_part(&self, symmetry: R::Vec3, angular_momentum: R::Vec3) -> R::Vec3 {
+        match self.solving.turns {
+            Turns::Freely => angular_momentum,
+            Turns::Across => angular_momentum - symmetry * symmetry.dot(angular_momentum),
+            Turns::Never => R::Vec3::ZERO,
+        }
+    }
+
     /// A regular inertia tensor (columns, world axes) of a body with these axes, and the angular momentum without what the body cannot have.
     #[inline]
     pub(crate) fn inertia_for_solving(
@@ -226,11 +251,7 @@ impl<R: Real> MassProperties<R> {
         if self.is_asymmetric() {
             add(self.asymmetry.axis.in_world(axes), solving.asymmetry);
         }
-        let momentum = match solving.turns {
-            Turns::Freely => angular_momentum,
-            Turns::Across => angular_momentum - symmetry * symmetry.dot(angular_momentum),
-            Turns::Never => R::Vec3::ZERO,
-        };
+        let momentum = self.without_dead_part(symmetry, angular_momentum);
         (tensor, momentum)
     }
 

@@ -143,9 +143,29 @@ fn move_on<R: Real, D: Dynamics<R>>(
             }
         }
     }
+    if *state == start {
+        fall(scene, state, &mut energy, dt, &mut step);
+    }
     workspace.known = Some((*state, energy));
     workspace.rest = (*state == start).then_some((start, dt));
     step
+}
+
+/// A body that a step has left as it was may still hang on a spring whose swing is far too quick for the step: where a shorter motion lowers the energy, it
+/// takes it.
+fn fall<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    state: &mut State<R>,
+    energy: &mut Energy<R>,
+    seconds: R,
+    step: &mut Step<R>,
+) {
+    match inch::step(scene, state, *energy, seconds, step) {
+        Some((next, next_energy)) if next_energy.total() < energy.total() => {
+            (*state, *energy) = (next, next_energy);
+        }
+        _ => {}
+    }
 }
 
 /// The longest part of a step that begins at `done` sixteenths: the largest power of 2 that divides it.

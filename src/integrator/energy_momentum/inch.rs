@@ -36,6 +36,10 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
                 .to_quat(),
             angular_momentum,
         };
+        // Too short for numbers to hold: it will not be lower than where it began.
+        if end.position == start.position && end.orientation == start.orientation {
+            return None;
+        }
         if end.not_finite().is_none() {
             let (end_energy, touching) = Energy::with_touching(scene, &end);
             if let Some(kept) = ratchet::hold(scene, start, energy, end, end_energy, touching, step)

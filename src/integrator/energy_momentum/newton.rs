@@ -201,9 +201,9 @@ fn scale<R: Real, D: Dynamics<R>>(
             .dot(problem.motion.angular_velocity)
             .at_least(R::ZERO);
     let weight = problem.mass * problem.scene.gravity().length();
-    let place = start.position.length() + problem.reach;
     let path = trial.shift.length() + trial.spin.length() * (R::TWO * problem.reach);
-    let rounding = (sum.stiffness * place + sum.slope * path) * (R::EPSILON / tolerance::<R>());
+    let rounding =
+        (sum.stiffness * problem.place + sum.slope * path) * (R::EPSILON / tolerance::<R>());
     energy.sqrt() + half * (weight + sum.normal + rounding) / problem.mass.sqrt()
 }
 

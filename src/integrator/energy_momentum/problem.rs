@@ -29,6 +29,8 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) inertia: Block<R>,
     /// A length of the body's size, m, above 0.
     pub(super) reach: R,
+    /// Size of the numbers whose difference is a contact's depth, m.
+    pub(super) place: R,
 }
 
 /// Mean velocity and mean spin over a step: the six unknowns, and what follows from them for every contact.
@@ -85,6 +87,14 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
                 z: inertia[2],
             },
             reach: if reach > R::ZERO { reach } else { R::ONE },
+            place: reach
+                + match plane {
+                    // On level ground the place along it does not count.
+                    Some(plane) if plane.normal == up => {
+                        start.position.z().abs() + plane.height.abs()
+                    }
+                    _ => start.position.length(),
+                },
         }
     }
 
@@ -116,14 +126,17 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
 
     /// The state at the end of a trial.
     pub(super) fn end_of(&self, trial: &Trial<R>) -> State<R> {
+        let rotation = Rotation::cayley_unscaled(trial.spin)
+            .after(self.rotation)
+            .normalised();
         State {
             position: self.start.position + trial.shift,
             linear_velocity: trial.end_velocity,
-            orientation: Rotation::cayley_unscaled(trial.spin)
-                .after(self.rotation)
-                .normalised()
-                .to_quat(),
-            angular_momentum: trial.end_angular_momentum,
+            orientation: rotation.to_quat(),
+            angular_momentum: self
+                .scene
+                .mass_properties()
+                .without_dead_spin(rotation, trial.end_angular_momentum),
         }
     }
 }
