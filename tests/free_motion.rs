@@ -16,8 +16,8 @@ use kit::{
 use proptest::prelude::*;
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
-    Coin, ContactPoint, ForwardEuler, Integrator, MassProperties, PointCloud, RigidPointBody, Rk4,
-    State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
+    Coin, ContactPoint, ForwardEuler, Integrator, PointCloud, RigidPointBody, Rk4, State, Stepper,
+    StrangSplitting, SymplecticEuler, UniformGravity,
 };
 
 /// A body that turns freely, and nothing else.
@@ -685,18 +685,14 @@ proptest! {
         // The body's own largest rate: a light axis may turn faster than asked.
         prop_assume!(momentum.length() > 0.0);
         let dt = 0.01 / spin;
-        let asymmetric = MassProperties::<f64>::new(body.mass(), body.inertia()).unwrap().is_asymmetric();
         each_explicit!(dt, |integrator, method| {
-            // The order in which the free turn of an asymmetric body is composed follows its axes' numbers: there the two paths differ by the method's own error.
-            let composed = asymmetric && ["SymplecticEuler", "StrangSplitting"].contains(&method);
-            let steps = if composed { 0 } else { 100 };
             let mut a = State::default().with_orientation(orientation).with_angular_momentum(momentum);
             let mut b = a.with_orientation(orientation * other_axes);
             let (first, second) = (
                 Stepper::new(&straight).unwrap().with_integrator(integrator).unwrap(),
                 Stepper::new(&turned).unwrap().with_integrator(integrator).unwrap(),
             );
-            for _ in 0..steps {
+            for _ in 0..100 {
                 first.step(&mut a).unwrap();
                 second.step(&mut b).unwrap();
             }

@@ -353,18 +353,24 @@ fn check_moments<R: Real>(moments: [R; 3], rounding: R) -> Result<(), SceneError
 
 const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
-/// The principal axes' numbers: the one unlike the two others, then those two.
+/// The principal axes' numbers: the one unlike the two others, then those two, the one with the larger moment first.
 ///
-/// The two that are alike share most of their inverse moment, so that what is left over for [`MassProperties::turn_freely`] to compose is least.
+/// The two that are alike share most of their inverse moment, so that what is left over for [`MassProperties::turn_freely`] to compose is least. All is chosen by
+/// moment, so that a body moves alike in whichever axes it is described.
 fn by_likeness<R: Real>(moments: [R; 3]) -> [usize; 3] {
-    let gap = |(i, j): (usize, usize)| (moments[i] - moments[j]).abs();
-    let [xy, xz, yz] = PAIRS.map(gap);
-    if yz <= xy && yz <= xz {
-        [0, 1, 2]
-    } else if xz <= xy {
-        [1, 0, 2]
+    let [x, y, z] = moments;
+    let [large, middle, small] = match (x >= y, y >= z, x >= z) {
+        (true, true, _) => [0, 1, 2],
+        (true, false, true) => [0, 2, 1],
+        (true, false, false) => [2, 0, 1],
+        (false, _, true) => [1, 0, 2],
+        (false, true, false) => [1, 2, 0],
+        (false, false, false) => [2, 1, 0],
+    };
+    if moments[large] - moments[middle] <= moments[middle] - moments[small] {
+        [small, large, middle]
     } else {
-        [2, 0, 1]
+        [large, middle, small]
     }
 }
 
@@ -478,6 +484,35 @@ mod tests {
             rod.angular_velocity(&axes, DVec3::new(4.0, 1.0, 0.0)),
             DVec3::new(0.0, 0.5, 0.0)
         );
+    }
+
+    #[test]
+    fn the_free_turn_of_a_body_does_not_follow_the_numbers_of_its_axes() {
+        // Tops of each kind: nearly a disc, nearly a rod, halfway, two and three moments alike.
+        for [a, b, c] in [
+            [3.9e-3, 0.1334, 0.1373],
+            [1.0, 1.1, 2.0],
+            [1.0, 2.0, 3.0],
+            [1.0, 1.0, 2.0],
+            [1.0, 2.0, 2.0],
+            [2.0, 2.0, 2.0],
+        ] {
+            let orders = [
+                [a, b, c],
+                [a, c, b],
+                [b, a, c],
+                [b, c, a],
+                [c, a, b],
+                [c, b, a],
+            ];
+            let kinds = orders.map(|moments| by_likeness(moments).map(|i| moments[i]));
+            assert_eq!(kinds, [kinds[0]; 6]);
+            let [unlike, like, third]: [f64; 3] = kinds[0];
+            let gap = like - third;
+            assert!(gap >= 0.0, "{kinds:?}");
+            assert!(gap <= (unlike - like).abs(), "{kinds:?}");
+            assert!(gap <= (unlike - third).abs(), "{kinds:?}");
+        }
     }
 
     #[test]
