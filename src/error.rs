@@ -133,7 +133,7 @@ fn obey<R: Real>(
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError {
-    /// The state that was handed in holds a NaN or an infinity, or an orientation of length 0.
+    /// The state that was handed in holds a NaN or an infinity, or an orientation of length 0 (or so near to 0 or infinity that its square is).
     #[error("the {0} before the step must be finite, and the orientation must not be zero")]
     BadState(Quantity),
     /// The step's result is not finite: the time step is beyond the integrator's stability limit, or a number has overflowed.
@@ -144,7 +144,7 @@ pub enum StepError {
     /// The integrator said that its step took no time, so that a run would never end.
     #[error("a step must take more than 0 s")]
     Stalled,
-    /// The time to advance by is not a finite number of seconds, at least 0.
+    /// The time to advance by is not a finite number of seconds, at least 0; or the limit of a step is not at least 0 s.
     #[error("the time to advance by must be finite and at least 0 s")]
     BadDuration,
 }

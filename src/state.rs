@@ -8,6 +8,9 @@ use crate::rotation::Rotation;
 ///
 /// Plain data with nothing hidden: save it, load it, and the run goes on with the same bits. A state belongs to no stepper; one
 /// stepper serves a million states.
+///
+/// The feature `serde` writes and reads the numbers as they are. A text format may round them: `serde_json` keeps each bit only with its feature
+/// `float_roundtrip` (without it one f64 in five comes back beside itself).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -22,7 +25,8 @@ pub struct State<R: Real = f64> {
     pub position: R::Vec3,
     /// Velocity of the centre of mass, m/s, world axes.
     pub linear_velocity: R::Vec3,
-    /// The turn from body axes to world axes; a unit quaternion. One that is longer or shorter is scaled to 1 by the first step.
+    /// The turn from body axes to world axes; a unit quaternion. One that is longer or shorter is scaled to 1 by the first step, unless its square is 0 or
+    /// infinite: then the step answers [`BadState`](crate::StepError::BadState).
     pub orientation: R::Quat,
     /// Angular momentum about the centre of mass, kg m²/s, world axes.
     pub angular_momentum: R::Vec3,

@@ -4,7 +4,7 @@ use core::ops::ControlFlow;
 
 use crate::body::RigidPointBody;
 use crate::energy::Energy;
-use crate::error::{SceneError, StepError};
+use crate::error::{Quantity, SceneError, StepError};
 use crate::friction::{Frictionless, SlidingFriction};
 use crate::gravity::{Gravity, NoGravity};
 use crate::ground::{NoGround, SpringDamperGround};
@@ -189,15 +189,30 @@ where
     /// Where the state is not finite, before or after; the state is left as it was.
     #[inline]
     pub fn step(&self, state: &mut State<R>) -> Result<Step<R>, StepError> {
-        self.step_within(state, R::MAX, &mut I::Workspace::default())
+        self.move_on(state, R::MAX, &mut I::Workspace::default())
     }
 
     /// One step of the integrator's own length, or of `limit` seconds where that is less, with a workspace that the caller keeps from step to step.
     ///
     /// # Errors
-    /// As [`step`](Self::step).
+    /// As [`step`](Self::step), and where `limit` is below 0 or NaN.
     #[inline]
     pub fn step_within(
+        &self,
+        state: &mut State<R>,
+        limit: R,
+        workspace: &mut I::Workspace,
+    ) -> Result<Step<R>, StepError> {
+        if limit >= R::ZERO {
+            self.move_on(state, limit, workspace)
+        } else {
+            Err(StepError::BadDuration)
+        }
+    }
+
+    /// As [`step_within`](Self::step_within), with a limit that is known to be at least 0.
+    #[inline]
+    fn move_on(
         &self,
         state: &mut State<R>,
         limit: R,
@@ -243,11 +258,12 @@ where
         // What rounding leaves of the time when the last whole step has been taken.
         let rounding = seconds * (R::EPSILON * R::from_f64(8.0));
         while flow.is_continue() && clock.left(seconds) > rounding {
-            let step = self.step_within(state, clock.left(seconds), &mut workspace)?;
-            if step.elapsed <= R::ZERO {
+            let step = self.move_on(state, clock.left(seconds), &mut workspace)?;
+            if step.elapsed > R::ZERO {
+                clock.tick(step.elapsed);
+            } else {
                 return Err(StepError::Stalled);
             }
-            clock.tick(step.elapsed);
             flow = self.show(observer, state, &clock);
         }
         Ok(clock.time)
@@ -271,10 +287,16 @@ where
 
 /// Whether a step that went wrong was handed something wrong.
 #[cold]
-fn blame<R: Real>(before: &State<R>, after: crate::error::Quantity) -> StepError {
-    match before.not_finite() {
-        Some(quantity) => StepError::BadState(quantity),
-        None => StepError::Diverged(after),
+fn blame<R: Real>(before: &State<R>, after: Quantity) -> StepError {
+    if let Some(quantity) = before.not_finite() {
+        return StepError::BadState(quantity);
+    }
+    // Where the square of the quaternion's length is 0 or infinite, it cannot be scaled to length 1.
+    let excess = before.rotation().length_squared() - R::ONE;
+    if excess.abs() < R::HALF {
+        StepError::Diverged(after)
+    } else {
+        StepError::BadState(Quantity::Orientation)
     }
 }
 

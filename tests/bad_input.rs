@@ -577,6 +577,55 @@ fn a_state_that_is_no_number_is_named_and_left_as_it_is() {
     );
 }
 
+#[test]
+fn an_orientation_without_a_direction_is_blamed_on_the_state_and_a_long_one_is_scaled() {
+    let trial = Trial {
+        slip_speed: 1e-3,
+        ..Trial::report(1).unwrap()
+    };
+    let step_with = |length: f64| {
+        let bad = trial
+            .state()
+            .with_orientation(DQuat::from_xyzw(0.0, 0.6, 0.0, 0.8) * length);
+        let mut answers = Vec::new();
+        each_explicit!(1e-4, |integrator, _method| {
+            let mut state = bad;
+            let answer = trial.stepper(integrator).unwrap().step(&mut state);
+            assert!(answer.is_ok() || bits(&state) == bits(&bad));
+            answers.push(answer.err());
+        });
+        answers
+    };
+    // The squares of the last two are 0 and infinite.
+    for length in [0.0, -0.0, 5e-324, 1e-200, 1e200] {
+        let expected = Some(StepError::BadState(Quantity::Orientation));
+        assert_eq!(step_with(length), [expected; 4], "length {length:e}");
+    }
+    for length in [1e-150, 1e-3, 1.0, 1e3, 1e150] {
+        assert_eq!(step_with(length), [None; 4], "length {length:e}");
+    }
+}
+
+#[test]
+fn the_limit_of_a_step_is_at_least_zero() {
+    let trial = Trial::<f64>::report(1).unwrap();
+    let start = trial.state();
+    each_explicit!(1e-4, |integrator, method| {
+        let stepper = trial.stepper(integrator).unwrap();
+        let mut state = start;
+        for limit in [f64::NAN, f64::NEG_INFINITY, -1.0, -5e-324] {
+            let answer = stepper.step_within(&mut state, limit, &mut ());
+            assert_eq!(answer, Err(StepError::BadDuration), "{method}, {limit}");
+            assert_eq!(bits(&state), bits(&start), "{method}, {limit}");
+        }
+        let step = stepper.step_within(&mut state, 0.0, &mut ()).unwrap();
+        assert_eq!(step.elapsed.to_bits(), 0, "{method}");
+        assert_eq!(state.position, start.position, "{method}");
+        let step = stepper.step_within(&mut state, f64::INFINITY, &mut ());
+        assert_eq!(step.map(|step| step.elapsed), Ok(1e-4), "{method}");
+    });
+}
+
 /// A bath of thick oil: drag in proportion to the speed up and down, everywhere. An explicit step of more than twice `1 kg/drag` seconds overshoots, more each time.
 struct OilBath {
     /// N s/m.
