@@ -13,8 +13,8 @@ use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{Coulomb, FlatGround, RigidPointBody, State, StepError, Stepper, UniformGravity};
 
-/// The length of a quaternion after a step: its square is known to the rounding of four squares and three sums (at most 4 units of
-/// 1.1e-16), half of which is the length's; the scaling rounds once more. So 3.3e-16; measured: 3.3e-16.
+/// The length of a quaternion after a step: a square that differs from 1 by less than 4.4e-16 is left as it is, and the square is known to the rounding of four
+/// squares and three sums (at most 4 units of 1.1e-16); half of both is the length's. So 4.4e-16; measured: 3.3e-16.
 const LENGTH: f64 = 4.5e-16;
 
 /// Relative change of a distance: twice the quaternion's, and the rounding of the two turned points, a few units of 1.1e-16 each.
