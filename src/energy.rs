@@ -12,7 +12,7 @@ use crate::state::State;
 pub struct Energy<R = f64> {
     /// `m v²/2`.
     pub translation: R,
-    /// `L · ω/2`.
+    /// `L · ω/2`, never below 0.
     pub rotation: R,
     /// `-m g · x`: 0 with the centre of mass at the origin.
     pub gravity: R,
@@ -46,7 +46,9 @@ impl<R: Real> Energy<R> {
         let mass = scene.mass_properties().mass();
         Self {
             translation: mass * state.linear_velocity.length_squared() * R::HALF,
-            rotation: state.angular_momentum.dot(motion.angular_velocity) * R::HALF,
+            rotation: scene
+                .mass_properties()
+                .rotational_energy(&motion.axes, state.angular_momentum),
             gravity: -(mass * scene.gravity().dot(state.position)),
             springs,
         }

@@ -201,6 +201,28 @@ impl<R: Real> MassProperties<R> {
         axes.to_world(self.principal.to_world(momentum))
     }
 
+    /// Energy of the rotation (J) of a body with these axes and angular momentum (kg m²/s, world axes): `L · J⁻¹ L/2`.
+    ///
+    /// A sum of squares along and across the axes, so that it is never below 0: for a rod, `L · ω` would be what rounding leaves of two huge numbers.
+    #[inline]
+    #[must_use]
+    pub fn rotational_energy(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R {
+        let square = |axis: &Excess<R>| {
+            let along = axis.axis.in_world(axes);
+            let part = along.dot(angular_momentum);
+            (along * part, part * part * (self.common + axis.inverse))
+        };
+        let (along, of_symmetry) = square(&self.symmetry);
+        let mut across = angular_momentum - along;
+        let mut doubled = of_symmetry;
+        if self.is_asymmetric() {
+            let (along, of_asymmetry) = square(&self.asymmetry);
+            across -= along;
+            doubled += of_asymmetry;
+        }
+        (doubled + across.length_squared() * self.common) * R::HALF
+    }
+
     /// The angular momentum without what the body cannot have: what an implicit step's regular inertia lets rounding leave about an axis without a moment.
     #[inline]
     pub(crate) fn without_dead_spin(

@@ -27,7 +27,8 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     // 4⁻⁶⁰ = 2⁻¹²⁰ of a step.
     for _ in 0..60 {
         let linear_velocity = start.linear_velocity + acceleration * length;
-        let angular_momentum = start.angular_momentum + load.torque * length;
+        let angular_momentum =
+            properties.without_dead_spin(rotation, start.angular_momentum + load.torque * length);
         let end = State {
             position: start.position + linear_velocity * length,
             linear_velocity,

@@ -180,9 +180,8 @@ fn norm<R: Real, D: Dynamics<R>>(
     angular: R::Vec3,
 ) -> R {
     let properties = problem.scene.mass_properties();
-    let spin = properties.angular_velocity(&problem.motion.axes, angular);
-    (linear.length_squared() * properties.inverse_mass() + angular.dot(spin).at_least(R::ZERO))
-        .sqrt()
+    let turning = properties.rotational_energy(&problem.motion.axes, angular) * R::TWO;
+    (linear.length_squared() * properties.inverse_mass() + turning).sqrt()
 }
 
 /// Size of the momenta that balance, √J: the body's own, gravity's, the contacts', and what rounding of places makes of
@@ -195,11 +194,11 @@ fn scale<R: Real, D: Dynamics<R>>(
 ) -> R {
     let start = &problem.start;
     let half = problem.seconds * R::HALF;
-    let energy = problem.mass * start.linear_velocity.length_squared()
-        + problem
-            .angular_momentum
-            .dot(problem.motion.angular_velocity)
-            .at_least(R::ZERO);
+    let turning = problem
+        .scene
+        .mass_properties()
+        .rotational_energy(&problem.motion.axes, problem.angular_momentum);
+    let energy = problem.mass * start.linear_velocity.length_squared() + turning * R::TWO;
     let weight = problem.mass * problem.scene.gravity().length();
     let path = trial.shift.length() + trial.spin.length() * (R::TWO * problem.reach);
     let rounding =

@@ -45,7 +45,10 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
         if !sum.active {
             break;
         }
-        let next = sum.apply(state, reach);
+        let mut next = sum.apply(state, reach);
+        next.angular_momentum = scene
+            .mass_properties()
+            .without_dead_spin(state.rotation(), next.angular_momentum);
         if next.not_finite().is_some() {
             break;
         }
