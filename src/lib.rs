@@ -1,6 +1,94 @@
 #![no_std]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 //! One rigid body made of points that spins, slides, rolls, bounces and tumbles on a spring-damper ground with sliding friction.
+//!
+//! Compose a [`Stepper`] from a body, a ground, a friction law, gravity and an integrator, and move a [`State`] on in time:
+//!
+//! ```
+//! use tumble::glam::DVec3;
+//! use tumble::{Coin, Coulomb, FlatGround, State, Stepper, UniformGravity};
+//!
+//! let stepper = Stepper::new(Coin::ring(1.0, 0.5))? // kg, m
+//!     .with_gravity(UniformGravity::down(9.8))? // m/s²
+//!     .with_ground(FlatGround::level(1000.0, 0.5))? // N/m and N s/m, for each point
+//!     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?; // -, m/s
+//! let mut state = State::at(DVec3::Z).with_angular_momentum(DVec3::new(0.3, 1.0, 0.2)); // m, kg m²/s
+//! let before = stepper.energy(&state).total();
+//! stepper.advance(&mut state, 2.0)?; // s
+//! assert!(stepper.energy(&state).total() < before);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The integrator is [`EnergyMomentum`] with steps of 1 ms unless another is named. What a scene does not name costs nothing.
+//!
+//! # What is modelled
+//!
+//! - One rigid body with its full inertia tensor, from a single point to ten thousand; a contact is a point of it, or a small ball ([`ContactPoint`]). Gyroscopic motion is
+//!   always right, and exact in flight for a body with two equal moments.
+//! - A ground of springs and dampers under each contact, that never pulls: a plane at any height and tilt ([`FlatGround`]), or any surface and law of yours.
+//! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), or yours.
+//! - The energy by kind ([`Energy`]) and the books of a run ([`Ledger`]).
+//!
+//! # What is not
+//!
+//! - Several bodies, joints, motors, air, rolling resistance, a ground that moves or keeps a dent.
+//! - Sticking: on a slope of angle θ a body creeps at `slip_speed · tan θ/(coefficient - tan θ)`. With 1e-10 m/s that is a millimetre in four months.
+//! - A restitution that depends on the speed: [`FlatGround`]'s is `exp(-2ζ arccos(ζ)/√(1-ζ²))` at every speed.
+//! - A smooth rim: a [`Coin`] of n points is out of round by `r (1 - cos(π/n))`, 0.17 mm for 120 points on 0.5 m.
+//!
+//! # Units, frames, signs
+//!
+//! SI units, angles in radians. World axes are right-handed with z up. Body axes have the centre of mass as their origin and need not be principal axes. `orientation` turns body axes to world axes; velocity, angular
+//! momentum (about the centre of mass), forces and torques are in world axes. A *gap* is above 0 outside the ground, a *depth* inside it; a *closing speed* is above 0 while the
+//! depth grows; a ground's normal points out of it. Work on the body is above 0 where it gains energy, so friction's is below.
+//!
+//! # Promises
+//!
+//! | | promise | shown by |
+//! |---|---|---|
+//! | G1 | With [`EnergyMomentum`] the computed energy never rises, by no unit in the last place, at any time step, stiffness, damping, friction, spin, size, shape and precision. | `tests/contract.rs` (random scenes), `tests/extremes.rs` (a sweep of the extremes), [derivation](guide::energy) |
+//! | G2 | The body stays rigid: distances and the orientation's length stay at rounding, however long the run. | `tests/rigidity.rs`, up to 10⁷ steps |
+//! | G3 | The books balance: energy now is energy at the start less what friction, dampers and clamp took, plus a residue that falls at the integrator's order. | `tests/truth.rs` against true works |
+//! | G4 | Accuracy is a number: each integrator states order, price, stability limit, and when it can add energy. | `tests/truth.rs`, `tests/energy.rs` (both sides of each limit), `examples/accuracy.rs`, [tables](guide::accuracy) |
+//! | G5 | A scene pays for what it names: no ground, friction or gravity costs nothing, flight visits no contact, rest costs a comparison. | `benches/` |
+//! | G6 | No standard library, no allocation, no panic. | `.ci/no_std.sh` (linked with nothing to panic with), `tests/downstream/tests/no_allocation.rs` |
+//! | G7 | Same input, same bits, on every machine that follows IEEE 754: `+ - * /` and square root in one order, all else from `libm`, no fused operations. | [`real`], by construction; `tests/symmetry.rs` on one machine |
+//! | G8 | Bad input is answered, not simulated: a typed error that names quantity, rule and value, once; a step that cannot go on leaves the last good state. | `tests/bad_input.rs`, a test a parameter |
+//! | G9 | [`State`] is plain data: saved, loaded or sent elsewhere, a run goes on with the same bits. | `tests/symmetry.rs` |
+//! | G10 | Your own body, ground, friction law or integrator is as good as a built-in one, and can be checked. | `tests/downstream`, `tests/contract.rs` |
+//!
+//! # Integrators
+//!
+//! | | order | evaluations a step | keeps | may add energy | stable for |
+//! |---|---|---|---|---|---|
+//! | [`EnergyMomentum`] | 2 | 2 to 6 in contact, none in flight | energy, where nothing takes it | never | every step |
+//! | [`StrangSplitting`] | 2 | 2 in contact, 1 in flight | energy without drift; flight exactly | O(dt²) | `dt < 2/ω` for weak damping, `dt < 2 m/C` where dampers rule |
+//! | [`SymplecticEuler`] | 1 | 1 | energy without drift; turns in flight exactly | O(dt) | `dt < 2 (√(1+ζ²) - ζ)/ω` |
+//! | [`Rk4`] | 4 | 4 | nothing more | O(dt⁵) a step | `dt < 2.83/ω` without dampers, `dt < 2.79 m/C` where they rule |
+//! | [`ForwardEuler`] | 1 | 1 | nothing more | in every step | `dt < C/K`, and `ζ < 1` |
+//!
+//! `K` and `C` are stiffness and damping of all contacts that touch, together, `ω = √(K/m)`, `ζ = C/(2 √(K m))`. All keep the angular momentum in flight. Take `EnergyMomentum` where a body must come to rest, at long steps and
+//! for stiff ground; `StrangSplitting` where sliding and flight are to be cheap; the others as references. [`guide::accuracy`] goes through the extremes.
+//!
+//! # Your own parts
+//!
+//! - a body: [`RigidPointBody`], [`contract::check_body`]
+//! - a ground: [`SpringDamperGround`], [`contract::check_ground`]
+//! - a friction law: [`SlidingFriction`], [`contract::check_friction`]
+//! - an integrator: [`Integrator`], [`contract::check_integrator`], [`contract::check_energy_never_rises`]
+//! - an observer: [`Observer`]; a closure is one
+//!
+//! Each trait's page says what it asks and has an example; `tests/downstream` in the repository is a crate with one of each. Parts are taken by value, by reference, or behind `&dyn`.
+//! Every type has the number as a parameter ([`Real`]: `f64` where nothing else is said, or `f32`).
+//!
+//! # Features
+//!
+//! | feature | |
+//! |---|---|
+//! | `std` (default) | the standard library for the dependencies and the square root; changes no bit of any result |
+//! | `approx-05` | comparison of states by `approx` 0.5 |
+//! | `serde` | states and parameters can be saved and loaded |
+//! | `mint` | glam's conversions from and to `mint` |
 
 #[cfg(any(test, feature = "std"))]
 extern crate std;
@@ -39,3 +127,17 @@ pub use scene::{Contact, Dynamics, Load, LowestPoint, Motion, Rates, Scene};
 pub use state::State;
 pub use stepper::Stepper;
 pub use trial::{Start, Trial};
+
+/// Chapters: why the energy cannot rise, and how accurate a run is.
+pub mod guide {
+    #[doc = include_str!("guide/energy.md")]
+    pub mod energy {}
+
+    #[doc = include_str!("guide/accuracy.md")]
+    pub mod accuracy {}
+}
+
+/// The code of the README is compiled and run with the documentation's.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
