@@ -6,6 +6,10 @@
 
 use core::ops::ControlFlow;
 
+use tumble::contract::{
+    Battery, FrictionRange, GroundRange, check_body, check_energy_never_rises, check_friction,
+    check_ground, check_integrator,
+};
 use tumble::{
     Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Ledger,
     Plane, PointCloud, Real, RigidPointBody, Rk4, Sample, State, Stepper, StrangSplitting,
@@ -124,6 +128,38 @@ pub fn probe_point_cloud(
 ) -> Option<f64> {
     let cloud = PointCloud::in_storage(points, masses).ok()?;
     run(&cloud, StrangSplitting { time_step }, knobs, state)
+}
+
+/// What an author asks of his own parts, asked on the target.
+#[unsafe(no_mangle)]
+pub fn probe_contract(
+    room: &mut [ContactPoint],
+    knobs: &Knobs<f64>,
+    battery: Battery,
+    time_step: f64,
+) -> bool {
+    let ground = FlatGround::level(knobs.stiffness, knobs.damping).on(knobs.plane);
+    let friction = Coulomb {
+        coefficient: knobs.coefficient,
+        slip_speed: knobs.slip_speed,
+    };
+    let normal = knobs.plane.normal;
+    let range = GroundRange {
+        centre: normal,
+        size: knobs.radius,
+        depth: knobs.radius,
+        speed: knobs.gravity,
+    };
+    let slides = FrictionRange {
+        normal,
+        normal_force: knobs.mass,
+        slip: knobs.gravity,
+    };
+    check_body(&coin(room, knobs), battery).is_ok()
+        && check_ground(&ground, &range, battery).is_ok()
+        && check_friction(&friction, &slides, battery).is_ok()
+        && check_integrator::<f64, _>(&EnergyMomentum { time_step }, battery).is_ok()
+        && check_energy_never_rises::<f64, _>(&EnergyMomentum { time_step }, battery).is_ok()
 }
 
 /// The control: it can panic, and the check must see that.
