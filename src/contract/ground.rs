@@ -23,7 +23,8 @@ pub struct GroundRange<R: Real = f64> {
 /// Checks a ground.
 ///
 /// *The surface*, at places of the region and near the surface: the normal has length 1, the gap changes from place to place as `normal · path` says (else
-/// springs make energy as a contact moves along), and `extent` is true.
+/// springs make energy as a contact moves along), and `extent` is true. So the gap is a distance: a height field's `(z - h(x, y)) cos θ` is one at the surface only,
+/// and fails by depth times curvature.
 ///
 /// *The law*, from 10⁻¹² of the depth to the depth, at speeds of both signs and 0: springs push, never pull; their energy rises and is the
 /// integral of the force, by Gauss's rule on 64 parts; the normal force is at least 0; and beyond the springs it only takes energy.
