@@ -153,11 +153,10 @@ impl<R: Real> Rotation<R> {
     pub fn normalised(self) -> Self {
         let excess = self.length_squared() - R::ONE;
         // A factor that differs from 1 by its last place takes as much from one component and nothing from another, which tilts the turn, step after step the same way.
-        if excess.abs() < R::EPSILON * R::TWO {
-            return self;
-        }
-        // After a step the length is 1 to rounding: there, one term of 1/sqrt(1 + e) = 1 - e/2 + 3e²/8 is exact to the last place.
-        let scale = if excess * excess < R::EPSILON * R::HALF {
+        let scale = if excess.abs() < R::EPSILON * R::TWO {
+            R::ONE
+        } else if excess * excess < R::EPSILON * R::HALF {
+            // After a step the length is 1 to rounding: there, one term of 1/sqrt(1 + e) = 1 - e/2 + 3e²/8 is exact to the last place.
             R::ONE - excess * R::HALF
         } else {
             R::ONE / self.length_squared().sqrt()
