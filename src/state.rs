@@ -33,9 +33,13 @@ pub struct State<R: Real = f64> {
 }
 
 impl<R: Real> State<R> {
-    /// At rest at `position` (m), body axes along the world's.
+    /// At rest at `position` (m), body axes along the world's. The position's type, `DVec3` or `Vec3`, is the precision.
+    // `V` is `R::Vec3`. As a type of its own it tells the compiler the precision, which a projection does not.
     #[must_use]
-    pub fn at(position: R::Vec3) -> Self {
+    pub fn at<V: Vector<R>>(position: V) -> Self
+    where
+        R: Real<Vec3 = V>,
+    {
         Self {
             position,
             linear_velocity: R::Vec3::ZERO,

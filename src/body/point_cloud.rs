@@ -31,11 +31,15 @@ pub struct PointCloud<R: Real, P> {
 }
 
 impl<R: Real, const N: usize> PointCloud<R, [ContactPoint<R>; N]> {
-    /// Points (m, in the user's own axes, about his own origin) with their masses (kg, at least 0, not all 0).
+    /// Points (m, in the user's own axes, about his own origin) with their masses (kg, at least 0, not all 0). The points' type, `DVec3` or `Vec3`, is the precision.
     ///
     /// # Errors
     /// Where there is no point, a coordinate is not finite, a mass is negative, or all are 0.
-    pub fn new(points: [R::Vec3; N], masses: [R; N]) -> Result<Self, SceneError> {
+    // `V` is `R::Vec3`. As a type of its own it tells the compiler the precision, which a projection does not.
+    pub fn new<V: Vector<R>>(points: [V; N], masses: [R; N]) -> Result<Self, SceneError>
+    where
+        R: Real<Vec3 = V>,
+    {
         Self::in_storage(points.map(ContactPoint::bare), &masses)
     }
 }
