@@ -95,6 +95,7 @@ extern crate std;
 
 pub use glam;
 
+mod aliases;
 pub mod body;
 pub mod contract;
 pub mod energy;
@@ -111,6 +112,7 @@ pub mod state;
 pub mod stepper;
 pub mod trial;
 
+pub use aliases::{f32, f64};
 pub use body::{Coin, ContactPoint, Face, MassProperties, PointCloud, RigidPointBody, Run};
 pub use energy::{Account, Dissipation, Energy};
 pub use error::{SceneError, StepError};

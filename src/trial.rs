@@ -23,10 +23,12 @@ pub enum Start {
 
 /// A start of the report, with its five knobs: direction and size of the angular momentum, tilt, friction, damping.
 ///
+/// Nothing in `Trial::report(1)` says in which precision: where no later line does, the compiler asks for an annotation. Say `tumble::f64::Trial`.
+///
 /// A coin of 1 kg and 0.5 m radius with its lowest point on the plane z = 0, under gravity of 9.8 m/s², on springs of 1000 N/m a point.
 ///
 /// ```
-/// use tumble::{SymplecticEuler, Trial};
+/// use tumble::f64::{SymplecticEuler, Trial};
 ///
 /// let trial = Trial { coefficient: 0.5, ..Trial::report(1).ok_or("no such trial")? };
 /// let stepper = trial.stepper(SymplecticEuler { time_step: 1e-3 })?;

@@ -23,7 +23,7 @@ const LAYERS: &[&[&str]] = &[
 ];
 
 /// They gather what all layers offer; no layer imports from them.
-const GATHERERS: &[&str] = &["lib", "f32", "f64"];
+const GATHERERS: &[&str] = &["lib", "aliases", "f32", "f64"];
 
 #[test]
 fn every_import_points_down() {

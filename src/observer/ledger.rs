@@ -17,6 +17,8 @@ use crate::state::State;
 /// where the motion is smooth, whatever the integrator is. So the **residue** is the integrator's own error in the energy: it falls at the
 /// integrator's order, and a user sees by it whether his step is short enough. It costs two evaluations of the contacts a step, and nothing where no ledger watches.
 ///
+/// Say `tumble::f64::Ledger::new()` where no other line says in which precision it counts.
+///
 /// One ledger may watch several runs: the books go on over the pause, and what the state gained between two runs, a push by the user say, is **handed in**.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ledger<R: Real = f64> {
