@@ -73,9 +73,9 @@ fn row<I: Integrator>(
         stepper.advance(&mut end, DURATION)?;
         price = price.min(start.elapsed().as_secs_f64());
     }
-    let error = distance(&end, truth) * 1e3;
+    let error = distance(&end, truth);
     println!(
-        "| {name} | {order} | {} ms | {error:.3} mm | {:.0} µs |",
+        "| {name} | {order} | {} ms | {error:.1e} m | {:.0} µs |",
         time_step * 1e3,
         price * 1e6
     );
