@@ -79,7 +79,7 @@
 //! - an observer: [`Observer`]; a closure is one
 //!
 //! Each trait's page says what it asks and has an example; `tests/downstream` in the repository is a crate with one of each. Parts are taken by value, by reference, or behind `&dyn`.
-//! Every type has the number as a parameter ([`Real`]: `f64` where nothing else is said, or `f32`).
+//! Every type has the number as a parameter ([`Real`]: `f64` where nothing else is said, or `f32`); the modules [`mod@f64`] and [`mod@f32`] name everything for one of them.
 //!
 //! # Features
 //!
