@@ -1,27 +1,14 @@
 //! Implicit, of order 2, with an energy that cannot rise.
 //!
-//! # Why the energy cannot rise
+//! Why it cannot is derived in [`guide::energy`](crate::guide::energy). The stages of a step, one module each:
 //!
-//! Over a step the body moves with one mean velocity `vₘ` and one mean spin `ωₘ`; its turn is the Cayley map of `a = dt ωₘ/2`, under which the arm of a point goes from `r` to `r'` with
-//! `r' - r = 2 a × (r + r')/2`, exactly. So a force `F` that acts at the mean arm does the work `F · Δx` along the point's path `Δx = dt vₘ + (r' - r)`, exactly.
-//! With the ends `v' = 2 vₘ - v` and `L' = R (2 J ωₘ - L)` (Simo & Wong 1991) the kinetic energy changes by just the work of forces and torques that satisfy
-//!
-//! ```text
-//! m (v' - v) = dt (F + m g)        L' - L = dt T
-//! ```
-//!
-//! The normal force of a contact is the mean of the ground's whole law along the path, so that `force · path` gives the springs what they store (the energy's own difference, a discrete
-//! gradient: Gonzalez 1996) and the rest is what dampers and clamp take. Friction opposes the path along the ground. Hence `E' - E = -(what they took) <= 0`, for every step size, where the two
-//! equations hold. Four layers make it true of the *computed* energy:
-//!
-//! 1. Newton's method solves the two equations (`newton`, `contacts`, `problem`). What it leaves over is all that can lift the energy.
-//! 2. At the end of a step too long for friction or dampers they resist the end velocity: impulses that only take energy (`settle`, `resist`).
-//! 3. The ratchet compares the computed energies and scales both velocities by the factor, 1 to rounding, that makes the new one no larger (`ratchet`). A body whose motion is below
-//!    the rounding of its energy has come to rest.
-//! 4. Where the equations are not solved or the ratchet finds no factor, the step is taken as dissipation, conservative motion, dissipation (`split`); else in halves,
-//!    down to sixteenths; else as far as its energy allows (`inch`); else time passes and the body stays. Each of these is under the same ratchet.
-//!
-//! So the induction from step to step needs no assumption on convergence.
+//! 1. `problem`, `contacts`: the two momentum equations of the step, and the contacts' mean forces along its path;
+//! 2. `newton`, `stiffness`, `linear`: their solution. What it leaves over is all that could lift the energy;
+//! 3. `settle`, `resist`: at the end of a step too long for friction or dampers they resist the end velocity, by impulses that only take energy;
+//! 4. `ratchet`: where the computed energy is above the one before, both velocities are scaled down until it is not. A body whose motion is below
+//!    the rounding of its energy has come to rest;
+//! 5. where 2 or 4 fails, `split`: dissipation, conservative motion, dissipation; else halves, down to sixteenths; else `inch`: as far as the energy allows; else time
+//!    passes and the body stays. Each end goes through 4, so that the induction from step to step needs no assumption on convergence.
 
 mod contacts;
 mod inch;
