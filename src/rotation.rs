@@ -147,6 +147,12 @@ impl<R: Real> Rotation<R> {
         self.w * self.w + self.v.length_squared()
     }
 
+    /// Whether the length is 1 within half: not so for a quaternion whose square is 0 or infinite, which cannot be scaled.
+    #[inline]
+    pub(crate) fn is_a_turn(self) -> bool {
+        (self.length_squared() - R::ONE).abs() < R::HALF
+    }
+
     /// The same turn with length 1 again, to a unit in the last place; unchanged where it has that already.
     #[inline]
     #[must_use]

@@ -291,9 +291,7 @@ fn blame<R: Real>(before: &State<R>, after: Quantity) -> StepError {
     if let Some(quantity) = before.not_finite() {
         return StepError::BadState(quantity);
     }
-    // Where the square of the quaternion's length is 0 or infinite, it cannot be scaled to length 1.
-    let excess = before.rotation().length_squared() - R::ONE;
-    if excess.abs() < R::HALF {
+    if before.rotation().is_a_turn() {
         StepError::Diverged(after)
     } else {
         StepError::BadState(Quantity::Orientation)

@@ -24,7 +24,7 @@ mod stiffness;
 use super::{Integrator, Step, step_length};
 use crate::body::{RigidPointBody, Run};
 use crate::energy::Energy;
-use crate::error::{self, SceneError, StepError};
+use crate::error::{self, Quantity, SceneError, StepError};
 use crate::ground::{Extent, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
@@ -77,11 +77,14 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
         workspace: &mut Workspace<R>,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
-        if workspace.rest == Some((*state, dt)) {
+        if dt <= R::ZERO || workspace.rest == Some((*state, dt)) {
             return Ok(Step::new(dt, 0));
         }
-        let step = move_on(scene, state, dt, workspace);
-        Ok(step)
+        // An orientation that no scaling makes a turn: every attempt would fail, and the body stay where it is.
+        if !state.rotation().is_a_turn() {
+            return Err(StepError::BadState(Quantity::Orientation));
+        }
+        Ok(move_on(scene, state, dt, workspace))
     }
 
     fn order(&self) -> u32 {
