@@ -1,0 +1,729 @@
+//! What [`EnergyMomentum`] promises, at the extremes of everything that a scene can hold: for every step, the computed energy does not rise, with no tolerance;
+//! the body is rigid; the whole step's time passes; the work is bounded; no step is refused; and none leaves the body where it is while forces could move it.
+//!
+//! The sweep draws bodies, grounds, frictions, gravities, states and time steps at random, the same ones in every run, and takes 40 steps with each.
+//! A plain `cargo test` takes 200,000 steps. `TUMBLE_SWEEP_STEPS=2000000 cargo test --test extremes -- --nocapture` takes more, and shows how many of them
+//! could be taken whole, by the length of the step. `PROPTEST_RNG_SEED` draws others.
+
+// Helpers of these tests fail by panicking, like the tests.
+#![allow(clippy::unwrap_used)]
+
+mod kit;
+
+use core::cell::RefCell;
+use core::f64::consts::PI;
+use kit::{directions, log_uniform, zero_or};
+use proptest::prelude::*;
+use proptest::test_runner::{TestCaseResult, TestRunner};
+use tumble::glam::DVec3;
+use tumble::real::{Quaternion, Vector};
+use tumble::{
+    Coin, ContactPoint, Coulomb, Dynamics, Energy, EnergyMomentum, Extent, FlatGround,
+    Frictionless, Integrator, Plane, PointCloud, Real, RigidPointBody, SlidingFriction,
+    SmoothCoulomb, SpringDamperGround, State, Step, Stepper, Surface, UniformGravity,
+};
+
+/// Evaluations of the contacts that a step may take: a step that cannot be taken whole is halved down to sixteenths (1 + 2 + 4 + 8 + 16 attempts), and an
+/// attempt is at most three solutions (with the contacts that it foresees, with all, without friction and dampers) of at most 60 iterations and a first look.
+const MOST_EVALUATIONS: u32 = 31 * 3 * 61;
+
+/// Steps that a scene is followed for.
+const STEPS: u32 = 40;
+
+/// Steps of the whole sweep.
+fn sweep_steps() -> u32 {
+    let asked = std::env::var("TUMBLE_SWEEP_STEPS").ok();
+    asked.map_or(200_000, |steps| steps.parse().unwrap())
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Laws of a user
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// A ground that stiffens, `k (d + d³/l²)`, with a damper that grows with the spring's force, on a plane or on hills. Its mean force is the provided one.
+#[derive(Debug)]
+struct Turf<R: Real> {
+    stiffness: R,
+    /// l, m.
+    length: R,
+    /// s/m.
+    damping: R,
+    shape: Shape<R>,
+}
+
+#[derive(Debug)]
+enum Shape<R: Real> {
+    Plane(Plane<R>),
+    /// `z = height sin(x/l) cos(y/l)`, m.
+    Hills {
+        height: R,
+    },
+}
+
+impl<R: Real> SpringDamperGround<R> for Turf<R> {
+    fn surface(&self, point: R::Vec3) -> Surface<R> {
+        match &self.shape {
+            Shape::Plane(plane) => Surface {
+                gap: plane.gap(point),
+                normal: plane.normal,
+            },
+            Shape::Hills { height } => {
+                let (sin_x, cos_x) = (point.x() / self.length).sin_cos();
+                let (sin_y, cos_y) = (point.y() / self.length).sin_cos();
+                let steepness = *height / self.length;
+                let uphill = (steepness * cos_x * cos_y, -(steepness * sin_x * sin_y));
+                let normal = R::Vec3::new(-uphill.0, -uphill.1, R::ONE);
+                let per_length = R::ONE / normal.length();
+                Surface {
+                    gap: (point.z() - *height * sin_x * cos_y) * per_length,
+                    normal: normal * per_length,
+                }
+            }
+        }
+    }
+    fn spring_force(&self, depth: R) -> R {
+        let share = depth / self.length;
+        self.stiffness * depth * (R::ONE + share * share)
+    }
+    fn spring_energy(&self, depth: R) -> R {
+        let share = depth / self.length;
+        self.stiffness * depth * depth * (R::HALF + share * share * R::from_f64(0.25))
+    }
+    fn normal_force(&self, depth: R, closing_speed: R) -> R {
+        let factor = (R::ONE + self.damping * closing_speed).at_least(R::ZERO);
+        self.spring_force(depth) * factor
+    }
+    fn extent(&self) -> Extent<R> {
+        match &self.shape {
+            Shape::Plane(plane) => Extent::Plane(*plane),
+            Shape::Hills { .. } => Extent::Everywhere,
+        }
+    }
+}
+
+/// A film of oil: friction in proportion to the slip.
+#[derive(Debug)]
+struct Oil<R> {
+    drag: R,
+}
+
+impl<R: Real> SlidingFriction<R> for Oil<R> {
+    fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        if normal_force > R::ZERO {
+            slip * -self.drag
+        } else {
+            R::Vec3::ZERO
+        }
+    }
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Scenes
+// ---------------------------------------------------------------------------------------------------------------------
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum BodyKind {
+    Ring(usize),
+    Box,
+    Point,
+    /// Does not spin about itself.
+    Rod,
+    /// A rod with moments in the ratio 1e12.
+    Needle,
+    /// One contact with a radius.
+    Ball,
+    /// Two contacts with a radius.
+    Capsule,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum GroundKind {
+    Flat,
+    Turf,
+    Hills,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum FrictionKind {
+    Coulomb,
+    Smooth,
+    Oil,
+    None,
+}
+
+/// A scene and its first state, in SI units.
+#[derive(Clone, Debug)]
+struct Case {
+    body: BodyKind,
+    size: f64,
+    mass: f64,
+    time_step: f64,
+    ground: GroundKind,
+    stiffness: f64,
+    damping: f64,
+    normal: DVec3,
+    friction: FrictionKind,
+    coefficient: f64,
+    slip_speed: f64,
+    gravity: DVec3,
+    position: DVec3,
+    turn: DVec3,
+    velocity: DVec3,
+    spin: DVec3,
+    /// Replaces components of the state.
+    odd: Vec<(usize, f64)>,
+}
+
+/// How far the ranges go.
+#[derive(Clone, Copy)]
+struct Ranges {
+    time_step: (f64, f64),
+    size: (f64, f64),
+    mass: (f64, f64),
+    stiffness: f64,
+    damping: f64,
+    coefficient: f64,
+    slip_speed: f64,
+    spin: f64,
+    speed: f64,
+    /// Distance from the origin, m.
+    far: f64,
+    /// The smallest number above 0.
+    least: f64,
+}
+
+/// The ranges of the promise.
+const WIDE: Ranges = Ranges {
+    time_step: (1e-9, 1.0),
+    size: (1e-6, 1e6),
+    mass: (1e-12, 1e12),
+    stiffness: 1e15,
+    damping: 1e9,
+    coefficient: 1e6,
+    slip_speed: 1e-12,
+    spin: 1e6,
+    speed: 1e4,
+    far: 1e8,
+    least: 5e-324,
+};
+
+/// What f32 can hold of them. Its largest number is 3e38, and the solver squares impulses: `(S d dt)²` with d up to ten sizes is 1e34 at most here, the energies
+/// `S d²`, `m r² ω²` and `m v²` are 1e19. Steps shorter than 1e-6 s, or places beyond 1e4 m, would be below the last of its seven digits.
+const SINGLE: Ranges = Ranges {
+    time_step: (1e-6, 1.0),
+    size: (1e-3, 1e3),
+    mass: (1e-3, 1e3),
+    stiffness: 1e9,
+    damping: 1e6,
+    coefficient: 1e3,
+    slip_speed: 1e-6,
+    spin: 1e3,
+    speed: 1e3,
+    far: 1e4,
+    least: 1.5e-45,
+};
+
+/// Scenes of a workshop, where much happens in 40 steps.
+const EVERYDAY: Ranges = Ranges {
+    time_step: (1e-5, 0.1),
+    size: (0.01, 10.0),
+    mass: (0.01, 100.0),
+    stiffness: 1e9,
+    damping: 1e4,
+    coefficient: 100.0,
+    slip_speed: 1e-10,
+    spin: 1e3,
+    speed: 100.0,
+    far: 1e4,
+    least: 5e-324,
+};
+
+/// The same where f32 holds it.
+const EVERYDAY_SINGLE: Ranges = Ranges {
+    slip_speed: 1e-6,
+    least: 1.5e-45,
+    ..EVERYDAY
+};
+
+/// Bodies of a few hundred contacts at most: a step of ten thousand may cost a second.
+fn body_kinds() -> impl Strategy<Value = BodyKind> {
+    use BodyKind::{Ball, Box, Capsule, Needle, Point, Ring, Rod};
+    prop_oneof![
+        8 => Just(Ring(120)),
+        3 => (3..200_usize).prop_map(Ring),
+        10 => Just(Box),
+        3 => Just(Point),
+        4 => Just(Rod),
+        4 => Just(Needle),
+        3 => Just(Ball),
+        3 => Just(Capsule),
+    ]
+}
+
+fn gravities() -> impl Strategy<Value = DVec3> {
+    prop_oneof![
+        6 => Just(DVec3::NEG_Z * 9.8),
+        1 => Just(DVec3::ZERO),
+        1 => Just(DVec3::Z * 9.8),
+        1 => Just(DVec3::X * 9.8),
+        2 => (directions(), zero_or(1e-3, 1e3)).prop_map(|(direction, size)| direction * size),
+    ]
+}
+
+fn vectors(least: f64, most: f64) -> impl Strategy<Value = DVec3> {
+    (directions(), zero_or(least, most)).prop_map(|(direction, size)| direction * size)
+}
+
+/// The numbers of a state that hide at 0.
+fn odd_numbers(least: f64) -> impl Strategy<Value = Vec<(usize, f64)>> {
+    let odd = vec![-0.0, least, -least, least * 1e5, 0.0];
+    let one = (0..9_usize, prop::sample::select(odd));
+    prop_oneof![4 => Just(Vec::new()), 1 => prop::collection::vec(one, 1..6)]
+}
+
+fn cases(ranges: Ranges, users: bool) -> impl Strategy<Value = Case> {
+    let grounds = if users {
+        vec![GroundKind::Turf, GroundKind::Hills, GroundKind::Flat]
+    } else {
+        vec![GroundKind::Flat]
+    };
+    let frictions = if users {
+        vec![
+            FrictionKind::Oil,
+            FrictionKind::Smooth,
+            FrictionKind::Coulomb,
+        ]
+    } else {
+        vec![
+            FrictionKind::Coulomb,
+            FrictionKind::Coulomb,
+            FrictionKind::None,
+        ]
+    };
+    let Ranges { size, mass, .. } = ranges;
+    let body = (
+        body_kinds(),
+        log_uniform(size.0, size.1),
+        log_uniform(mass.0, mass.1),
+    );
+    let ground = (
+        prop::sample::select(grounds),
+        zero_or(ranges.stiffness * 1e-14, ranges.stiffness),
+        zero_or(ranges.damping * 1e-12, ranges.damping),
+        prop_oneof![4 => Just(DVec3::Z), 1 => directions()],
+    );
+    let friction = (
+        prop::sample::select(frictions),
+        zero_or(ranges.coefficient * 1e-8, ranges.coefficient),
+        log_uniform(ranges.slip_speed, 1.0),
+        gravities(),
+    );
+    // In sizes above the surface: mostly near to it, at times deep below.
+    let height = prop_oneof![9 => -0.5..1.5_f64, 1 => -10.0..-1.0_f64];
+    let far = prop_oneof![9 => Just(0.0), 1 => Just(ranges.far)];
+    let state = (
+        height,
+        (directions(), far).prop_map(|(direction, far)| direction * far),
+        vectors(1e-3, PI),
+        vectors(ranges.speed * 1e-10, ranges.speed),
+        vectors(ranges.spin * 1e-9, ranges.spin),
+        odd_numbers(ranges.least),
+    );
+    let time_step = log_uniform(ranges.time_step.0, ranges.time_step.1);
+    (time_step, body, ground, friction, state).prop_map(
+        |(
+            time_step,
+            (body, size, mass),
+            (ground, stiffness, damping, normal),
+            (friction, coefficient, slip_speed, gravity),
+            (height, far, turn, velocity, spin, odd),
+        )| {
+            let along = far - normal * far.dot(normal);
+            Case {
+                body,
+                size,
+                mass,
+                time_step,
+                ground,
+                stiffness,
+                damping,
+                normal,
+                friction,
+                coefficient,
+                slip_speed,
+                gravity,
+                position: along + normal * (height * size),
+                turn,
+                velocity,
+                spin,
+                odd,
+            }
+        },
+    )
+}
+
+fn vector<R: Real>(v: DVec3) -> R::Vec3 {
+    R::Vec3::new(R::from_f64(v.x), R::from_f64(v.y), R::from_f64(v.z))
+}
+
+impl Case {
+    fn body<R: Real>(&self) -> Box<dyn RigidPointBody<R>> {
+        let number = R::from_f64;
+        let (mass, size) = (number(self.mass), number(self.size));
+        let cloud = |places: &[DVec3], radius: R| -> Box<dyn RigidPointBody<R>> {
+            let points: Vec<_> = (places.iter())
+                .map(|&place| ContactPoint {
+                    position: vector::<R>(place * self.size),
+                    radius,
+                })
+                .collect();
+            let masses = vec![mass / R::from_usize(points.len()); points.len()];
+            Box::new(PointCloud::in_storage(points, &masses).unwrap())
+        };
+        let (o, slant) = (R::ZERO, DVec3::new(1.0, 2.0, 3.0).normalize());
+        match self.body {
+            BodyKind::Ring(count) => {
+                let points = vec![ContactPoint::default(); count];
+                Box::new(Coin::ring_in(points, mass, size))
+            }
+            BodyKind::Box => {
+                let corner = |i: u32| {
+                    let sign = |bit: u32| if i & bit == 0 { 1.0 } else { -1.0 };
+                    DVec3::new(sign(1), 0.7 * sign(2), 0.4 * sign(4))
+                };
+                cloud(&[0, 1, 2, 3, 4, 5, 6, 7].map(corner), o)
+            }
+            BodyKind::Point => cloud(&[DVec3::ZERO], o),
+            BodyKind::Rod => cloud(&[slant, -slant, slant * 0.5], o),
+            BodyKind::Needle => {
+                let thin = DVec3::Y * 1e-6;
+                cloud(&[DVec3::X, DVec3::NEG_X, thin, -thin], o)
+            }
+            BodyKind::Ball => cloud(&[DVec3::ZERO], size),
+            BodyKind::Capsule => cloud(&[DVec3::X, DVec3::NEG_X], size * R::HALF),
+        }
+    }
+
+    fn ground<R: Real>(&self) -> Box<dyn SpringDamperGround<R>> {
+        let number = R::from_f64;
+        let plane = Plane::through(R::Vec3::ZERO, vector::<R>(self.normal));
+        let turf = |shape| Turf {
+            stiffness: number(self.stiffness),
+            length: number(self.size),
+            // The same force at a depth of one size and a speed of 1 m/s, or less.
+            damping: number((self.damping / (self.stiffness * self.size).max(1.0)).min(1e6)),
+            shape,
+        };
+        match self.ground {
+            GroundKind::Flat => {
+                let ground = FlatGround::level(number(self.stiffness), number(self.damping));
+                Box::new(ground.on(plane))
+            }
+            GroundKind::Turf => Box::new(turf(Shape::Plane(plane))),
+            GroundKind::Hills => Box::new(turf(Shape::Hills {
+                height: number(0.2 * self.size),
+            })),
+        }
+    }
+
+    fn friction<R: Real>(&self) -> Box<dyn SlidingFriction<R>> {
+        let coefficient = R::from_f64(self.coefficient);
+        let slip_speed = R::from_f64(self.slip_speed);
+        match self.friction {
+            FrictionKind::Coulomb => Box::new(Coulomb {
+                coefficient,
+                slip_speed,
+            }),
+            FrictionKind::Smooth => Box::new(SmoothCoulomb {
+                coefficient,
+                slip_speed,
+            }),
+            FrictionKind::Oil => Box::new(Oil { drag: coefficient }),
+            FrictionKind::None => Box::new(Frictionless),
+        }
+    }
+
+    fn state<R: Real>(&self, scene: &impl Dynamics<R>) -> State<R> {
+        let state = State::at(vector::<R>(self.position)).turned_by(vector::<R>(self.turn));
+        let axes = state.rotation().axes();
+        let momentum = (scene.mass_properties()).angular_momentum(&axes, vector::<R>(self.spin));
+        let mut numbers = [state.position, vector::<R>(self.velocity), momentum]
+            .map(|vector| [vector.x(), vector.y(), vector.z()]);
+        for &(place, number) in &self.odd {
+            numbers[place / 3][place % 3] = R::from_f64(number);
+        }
+        let [position, linear_velocity, angular_momentum] =
+            numbers.map(|[x, y, z]| R::Vec3::new(x, y, z));
+        State {
+            position,
+            linear_velocity,
+            angular_momentum,
+            ..state
+        }
+    }
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// The promises
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// Steps by decade of the time step from 1e-9 s: how many, and how many of them could not be taken whole.
+#[derive(Debug, Default)]
+struct Tally {
+    steps: [u64; 12],
+    divided: [u64; 12],
+    iterations: u64,
+    most_evaluations: u32,
+}
+
+impl Tally {
+    fn count<R>(&mut self, time_step: f64, step: &Step<R>) {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // A decade.
+        let decade = (time_step.log10().floor() + 9.0).clamp(0.0, 11.0) as usize;
+        self.steps[decade] += 1;
+        self.divided[decade] += u64::from(step.fallback);
+        self.iterations += u64::from(step.iterations);
+        self.most_evaluations = self.most_evaluations.max(step.evaluations);
+    }
+
+    fn tell(&self, name: &str) {
+        let all: u64 = self.steps.iter().sum();
+        let divided: u64 = self.divided.iter().sum();
+        let share = |divided: u64, steps: u64| 100.0 * (1.0 - divided as f64 / steps as f64);
+        println!(
+            "{name}: {all} steps, {:.2} % whole, {:.2} iterations a step, {} evaluations at most",
+            share(divided, all),
+            self.iterations as f64 / all as f64,
+            self.most_evaluations
+        );
+        for (decade, (&steps, &divided)) in self.steps.iter().zip(&self.divided).enumerate() {
+            if steps > 0 {
+                let from = i32::try_from(decade).unwrap() - 9;
+                println!("  1e{from} s: {:.2} % whole", share(divided, steps));
+            }
+        }
+    }
+}
+
+/// Sum of the sizes of the kinds: what the total's rounding is measured by.
+fn size_of<R: Real>(energy: &Energy<R>) -> R {
+    energy.translation.abs() + energy.rotation.abs() + energy.gravity.abs() + energy.springs.abs()
+}
+
+/// Why a body that a step has left as it was should have moved, if it should.
+///
+/// One that moves by more than a few units in the last place in the time must not be where it was. One at rest is asked where its forces lead: over a step of
+/// length h a shift x along or across the ground, or a turn about the torque, meets mass, springs and resistances, `K = m/h² + Σ (k + c/h)`, so that backward
+/// Euler goes by `f/K`. Where that place differs by more than rounding, and its energy is lower by more than the rounding of the sum, it must have moved.
+fn frozen<R: Real>(
+    scene: &impl Dynamics<R>,
+    state: &State<R>,
+    seconds: R,
+    deep: R,
+) -> Option<&'static str> {
+    let motion = scene.motion(state);
+    let energy = Energy::of(scene, state);
+    let load = scene.load(&motion);
+    let count = R::from_usize(load.touching);
+    let rounding = size_of(&energy) * R::EPSILON * (R::from_f64(64.0) + count);
+    let place = state.position.x().abs().at_least(state.position.y().abs());
+    let place = place
+        .at_least(state.position.z().abs())
+        .at_least(scene.reach());
+    let unit = place * R::EPSILON;
+    let few = R::from_f64(4.0);
+    if energy.translation + energy.rotation > rounding {
+        if state.linear_velocity.length() * seconds > unit * few {
+            return Some("it flies");
+        }
+        if motion.angular_velocity.length() * seconds > R::EPSILON * few {
+            return Some("it spins");
+        }
+        return None;
+    }
+    let inertia = scene.mass_properties();
+    let per_square = R::ONE / (seconds * seconds);
+    let (mut across, mut along) = (inertia.mass() * per_square, inertia.mass() * per_square);
+    let moments = inertia.moments();
+    let moment = moments.x().at_least(moments.y()).at_least(moments.z());
+    let mut about = moment * per_square;
+    let mut normal = R::Vec3::ZERO;
+    let mut deepest = R::ZERO;
+    scene.visit_contacts(&motion, |contact| {
+        let mean = scene
+            .ground()
+            .mean_force(contact.depth, contact.depth, seconds);
+        // The answer of springs to the step's end is half of their stiffness.
+        let push = mean.slope * R::TWO;
+        let drag = scene.friction().drag(mean.force, contact.slip);
+        // A slip of the size that the step could cause, for a law that says nothing at none.
+        let rub = drag.coefficient / seconds;
+        across += push;
+        along += rub;
+        about += (push + rub) * contact.arm.length_squared();
+        normal = contact.normal;
+        deepest = deepest.at_least(contact.depth);
+    });
+    if deepest > deep {
+        return None;
+    }
+    if !matches!(scene.ground().extent(), Extent::Plane(_)) {
+        // Across for one contact is along for another.
+        across += along;
+        along = across;
+    }
+    let force = load.force + scene.gravity() * inertia.mass();
+    let up = normal * force.dot(normal);
+    let shift_up = up * (R::ONE / across);
+    let shift_along = (force - up) * (R::ONE / along);
+    let turn = load.torque * (R::ONE / about);
+    let lower = |moved: &State<R>| {
+        let drop = energy.total() - Energy::of(scene, moved).total();
+        drop > rounding
+    };
+    for (shift, reason) in [(shift_up, "it is pushed"), (shift_along, "it is dragged")] {
+        let moved = State {
+            position: state.position + shift,
+            ..*state
+        };
+        if shift.length() > unit * few && lower(&moved) {
+            return Some(reason);
+        }
+    }
+    let turned = State {
+        orientation: tumble::Rotation::<R>::from_rotation_vector(turn)
+            .after(state.rotation())
+            .to_quat(),
+        ..*state
+    };
+    let reach = scene.reach();
+    let turned_by = turn.length();
+    (turned_by > R::EPSILON * few && turned_by * reach > unit * few && lower(&turned))
+        .then_some("it is turned")
+}
+
+/// Takes a scene through its steps, each of which must keep every promise.
+fn keeps_its_promises<R: Real>(case: &Case, tally: &mut Tally) -> TestCaseResult {
+    let time_step = R::from_f64(case.time_step);
+    let (body, ground, friction) = (case.body::<R>(), case.ground::<R>(), case.friction::<R>());
+    let gravity = UniformGravity::<R> {
+        acceleration: vector::<R>(case.gravity),
+    };
+    let stepper = Stepper::new(&*body)
+        .and_then(|stepper| stepper.with_ground(&*ground))
+        .and_then(|stepper| stepper.with_friction(&*friction))
+        .and_then(|stepper| stepper.with_gravity(gravity))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+        .unwrap();
+    let scene = stepper.scene();
+    let mut state = case.state(scene);
+    let mut workspace = <EnergyMomentum<R> as Integrator<R>>::Workspace::default();
+    let mut before = stepper.energy(&state);
+    // Not asked on hills: deep below them their gap is no distance and their force not the slope of their energy, and a step that has to be inched goes by the stiffest contact there.
+    let deep = match case.ground {
+        GroundKind::Hills => -R::ONE,
+        _ => R::MAX,
+    };
+    for number in 0..STEPS {
+        let start = state;
+        let step = stepper.step_within(&mut state, R::MAX, &mut workspace);
+        prop_assert!(step.is_ok(), "step {number}: {step:?}");
+        let step = step.unwrap();
+        tally.count(case.time_step, &step);
+        prop_assert!(state.not_finite().is_none(), "step {number}: {state:?}");
+        let after = stepper.energy(&state);
+        prop_assert!(
+            after.total() <= before.total(),
+            "step {number}: from {before:?} to {after:?}"
+        );
+        prop_assert!(
+            after.translation >= R::ZERO && after.rotation >= R::ZERO,
+            "step {number}: energy of motion below 0: {after:?}"
+        );
+        before = after;
+        let [x, y, z, w] = state.orientation.xyzw();
+        let excess = (w - R::ONE) * (w + R::ONE) + x * x + (y * y + z * z);
+        prop_assert!(
+            excess.abs() <= R::EPSILON * R::from_f64(4.0),
+            "step {number}: |q|² is off by {excess:?}"
+        );
+        prop_assert!(step.elapsed == time_step, "step {number}: {step:?}");
+        prop_assert!(
+            step.evaluations <= MOST_EVALUATIONS,
+            "step {number}: {step:?}"
+        );
+        prop_assert!(step.ratcheted >= R::ZERO, "step {number}: {step:?}");
+        if state == start {
+            let reason = frozen(scene, &state, time_step, deep);
+            prop_assert!(
+                reason.is_none(),
+                "step {number}: frozen though {}; {step:?}, {state:?}, {after:?}",
+                reason.unwrap()
+            );
+        }
+    }
+    Ok(())
+}
+
+/// A share of the sweep over these scenes.
+fn sweep<R: Real>(name: &str, ranges: Ranges, users: bool, share: f64) {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // A count.
+    let count = (f64::from(sweep_steps()) * share / f64::from(STEPS)).ceil() as u32;
+    let tally = RefCell::new(Tally::default());
+    let result = TestRunner::new(kit::cases(count)).run(&cases(ranges, users), |case| {
+        keeps_its_promises::<R>(&case, &mut tally.borrow_mut())
+    });
+    tally.borrow().tell(name);
+    assert!(result.is_ok(), "{name}: {}", result.unwrap_err());
+}
+
+#[test]
+fn every_step_keeps_its_promises_at_the_extremes() {
+    sweep::<f64>("extremes, f64", WIDE, false, 0.3);
+}
+
+#[test]
+fn every_step_keeps_its_promises_with_a_users_laws_at_the_extremes() {
+    sweep::<f64>("extremes with a user's laws, f64", WIDE, true, 0.15);
+}
+
+#[test]
+fn every_step_keeps_its_promises_in_the_workshop() {
+    sweep::<f64>("workshop, f64", EVERYDAY, false, 0.2);
+}
+
+#[test]
+fn every_step_keeps_its_promises_with_a_users_laws_in_the_workshop() {
+    sweep::<f64>("workshop with a user's laws, f64", EVERYDAY, true, 0.1);
+}
+
+#[test]
+fn every_step_in_f32_keeps_its_promises_where_f32_can_hold_the_energies() {
+    sweep::<f32>("extremes, f32", SINGLE, false, 0.1);
+    sweep::<f32>("workshop, f32", EVERYDAY_SINGLE, false, 0.05);
+}
+
+#[test]
+fn every_step_in_f32_keeps_its_promises_with_a_users_laws() {
+    sweep::<f32>("extremes with a user's laws, f32", SINGLE, true, 0.05);
+    sweep::<f32>(
+        "workshop with a user's laws, f32",
+        EVERYDAY_SINGLE,
+        true,
+        0.05,
+    );
+}
+
+#[test]
+fn a_coin_of_ten_thousand_points_keeps_its_promises() {
+    let scenes = cases(EVERYDAY, false).prop_map(|case| Case {
+        body: BodyKind::Ring(10_000),
+        ..case
+    });
+    let tally = RefCell::new(Tally::default());
+    let result = TestRunner::new(kit::cases(6)).run(&scenes, |case| {
+        keeps_its_promises::<f64>(&case, &mut tally.borrow_mut())
+    });
+    tally.borrow().tell("ten thousand points, f64");
+    assert!(result.is_ok(), "{}", result.unwrap_err());
+}
