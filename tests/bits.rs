@@ -1,0 +1,44 @@
+//! The same input has the same bits: a battery of scenes is hashed, and the hashes are compared with the stored ones.
+//!
+//! The stored hashes are those of every machine and every profile: `cargo test --release` compares with the same file, and `.ci/targets.sh` lets other
+//! processors do so. A change of the arithmetic, however small, fails here. If it is meant, store the new hashes, and let `.ci/targets.sh` confirm them:
+//!
+//! ```text
+//! UPDATE=1 cargo test --test bits
+//! ```
+
+use std::path::Path;
+use std::{env, fs};
+
+#[path = "bits/src/battery.rs"]
+#[allow(unreachable_pub, reason = "it is the face of the crate tests/bits")]
+mod battery;
+
+#[test]
+fn this_machine_has_the_stored_bits() {
+    let mut hashes = String::new();
+    battery::write(&mut hashes, false).unwrap();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bits/hashes.txt");
+    if env::var_os("UPDATE").is_some() {
+        fs::write(&file, &hashes).unwrap();
+    }
+    let stored = fs::read_to_string(&file).unwrap();
+    assert!(
+        hashes == stored,
+        "the bits have changed; `UPDATE=1 cargo test --test bits` stores them if that is meant\nstored:\n{stored}now:\n{hashes}"
+    );
+}
+
+#[test]
+fn every_scene_of_the_battery_is_run_to_its_end_and_is_another() {
+    let mut outcomes = Vec::new();
+    battery::each_scene(&mut |outcome| outcomes.push(outcome)).unwrap();
+    assert_eq!(outcomes.len(), 2 * 5 * 14);
+    for outcome in &outcomes {
+        assert!(!outcome.ended_early, "{outcome:?}");
+    }
+    let mut hashes: Vec<_> = outcomes.iter().map(|outcome| outcome.hash).collect();
+    hashes.sort_unstable();
+    hashes.dedup();
+    assert_eq!(hashes.len(), outcomes.len());
+}

@@ -1,0 +1,44 @@
+//! Prints the battery's hashes: with the standard library where there is one, else by what each bare target has.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(all(target_os = "none", target_arch = "arm"))]
+mod cortex_m;
+#[cfg(all(
+    target_os = "none",
+    any(target_arch = "aarch64", target_arch = "riscv32")
+))]
+mod user_mode;
+
+#[cfg(all(target_os = "none", target_arch = "arm"))]
+use cortex_m::{Out, exit};
+#[cfg(all(
+    target_os = "none",
+    any(target_arch = "aarch64", target_arch = "riscv32")
+))]
+use user_mode::{Out, exit};
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    let mut text = String::new();
+    let written = tumble_bits::battery::write(&mut text, cfg!(feature = "scenes"));
+    print!("{text}");
+    assert_eq!(written, Ok(()), "a scene cannot be composed");
+}
+
+/// What the startup code of a bare target calls.
+#[cfg(target_os = "none")]
+fn main() -> ! {
+    match tumble_bits::battery::write(&mut Out, cfg!(feature = "scenes")) {
+        Ok(()) => exit(0),
+        Err(_) => exit(1),
+    }
+}
+
+#[cfg(target_os = "none")]
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    use core::fmt::Write;
+
+    let _ = writeln!(Out, "{info}");
+    exit(2)
+}
