@@ -25,7 +25,7 @@ use super::{Integrator, Step, step_length};
 use crate::body::{RigidPointBody, Run};
 use crate::energy::Energy;
 use crate::error::{self, Quantity, SceneError, StepError};
-use crate::ground::{Extent, SpringDamperGround};
+use crate::ground::{Extent, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -55,14 +55,53 @@ pub struct EnergyMomentum<R = f64> {
 
 /// What [`EnergyMomentum`] keeps from step to step to save work: the contacts' places, the last energy, and the state that a step has left as it was.
 ///
-/// Nothing of it changes a result: a new one gives the same bits.
+/// Nothing of it changes a result: a new one gives the same bits. It may go from one stepper to another: what it knows counts only for the same state in a scene with the same mass, reach, gravity and surface, and
+/// springs that answer alike at a depth of the reach.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace<R: Real = f64> {
     contacts: Contacts<R>,
-    /// The state after the last step, with its energy.
-    known: Option<(State<R>, Energy<R>)>,
-    /// A state that a step of this length has left as it was.
-    rest: Option<(State<R>, R)>,
+    /// The state after the last step, its energy, and the scene that they belong to.
+    known: Option<(State<R>, Energy<R>, Likeness<R>)>,
+    /// The length of a step that has left that state as it was, s.
+    rest: Option<R>,
+}
+
+/// What tells the energies and the rest of one scene from another's: mass, reach, gravity, the surface as seen from the body, and the springs at a depth of its reach.
+/// Friction and dampers do nothing to a body without motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Likeness<R: Real> {
+    body: [R; 2],
+    gravity: R::Vec3,
+    surface: Surface<R>,
+    spring: [R; 2],
+}
+
+impl<R: Real> Likeness<R> {
+    #[inline]
+    fn of<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Self {
+        let (ground, reach) = (scene.ground(), scene.reach());
+        Self {
+            body: [scene.mass_properties().mass(), reach],
+            gravity: scene.gravity(),
+            surface: ground.surface(state.position),
+            spring: [ground.spring_force(reach), ground.spring_energy(reach)],
+        }
+    }
+}
+
+impl<R: Real> Workspace<R> {
+    /// Whether a step of this length is known to leave this state as it is.
+    #[inline]
+    fn rests<D: Dynamics<R>>(&self, scene: &D, state: &State<R>, seconds: R) -> bool {
+        self.rest == Some(seconds) && self.energy(scene, state).is_some()
+    }
+
+    /// The energy of this state in this scene, if the last step has ended with it.
+    #[inline]
+    fn energy<D: Dynamics<R>>(&self, scene: &D, state: &State<R>) -> Option<Energy<R>> {
+        let (known, energy, likeness) = self.known?;
+        (known == *state && likeness == Likeness::of(scene, state)).then_some(energy)
+    }
 }
 
 impl<R: Real> Integrator<R> for EnergyMomentum<R> {
@@ -77,7 +116,7 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
         workspace: &mut Workspace<R>,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
-        if dt <= R::ZERO || workspace.rest == Some((*state, dt)) {
+        if dt <= R::ZERO || workspace.rests(scene, state, dt) {
             return Ok(Step::new(dt, 0));
         }
         // An orientation that no scaling makes a turn: every attempt would fail, and the body stay where it is.
@@ -106,10 +145,10 @@ fn move_on<R: Real, D: Dynamics<R>>(
     workspace: &mut Workspace<R>,
 ) -> Step<R> {
     let start = *state;
-    let mut energy = match workspace.known {
-        Some((known, energy)) if known == start => energy,
-        _ => Energy::of(scene, &start),
-    };
+    let before = workspace
+        .energy(scene, &start)
+        .unwrap_or_else(|| Energy::of(scene, &start));
+    let mut energy = before;
     let mut step = Step::new(dt, 0);
     // In sixteenths of the step: what is done, and the length that is tried.
     let (mut done, mut length) = (0, PARTS);
@@ -133,11 +172,17 @@ fn move_on<R: Real, D: Dynamics<R>>(
             }
         }
     }
+    if energy.springs > R::ZERO
+        && ratchet::has_come_to_rest(scene, [&start, state], [&before, &energy], dt)
+    {
+        *state = ratchet::stopped(&start);
+        energy = Energy::of(scene, state);
+    }
     if *state == start {
         fall(scene, state, &mut energy, dt, &mut step);
     }
-    workspace.known = Some((*state, energy));
-    workspace.rest = (*state == start).then_some((start, dt));
+    workspace.known = Some((*state, energy, Likeness::of(scene, state)));
+    workspace.rest = (*state == start).then_some(dt);
     step
 }
 

@@ -1,15 +1,19 @@
 //! The last word on a step: the computed energy is not above the one before, or the step does not happen.
 
 use crate::energy::Energy;
+use crate::ground::SpringDamperGround;
 use crate::integrator::Step;
-use crate::real::Real;
+use crate::real::{Quaternion, Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
 
+/// Units in the last place of the sum of all energies' sizes that count as its rounding.
+const ROUNDING: f64 = 64.0;
+
 /// The end of a step with its velocities scaled down until its computed energy is at most `before`; `None` where that cannot be had.
 ///
-/// The solver's residual is all that can lift the energy, so that the factor is 1 to rounding; what was removed is in the step's report. A body whose kinetic
-/// energy is below the rounding of its total cannot be scaled. In contact it has come to rest, and stops where it was; in flight it keeps its old velocity.
+/// The solver's residual is all that can lift the energy, so that the factor is 1 to rounding; what was removed is in the step's report. A body in
+/// contact that has less kinetic energy than the rounding of the total, before and after, has come to rest, and stops where it was; in flight it keeps its old velocity.
 pub(super) fn hold<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &State<R>,
@@ -27,44 +31,112 @@ pub(super) fn hold<R: Real, D: Dynamics<R>>(
     if !excess.is_finite() {
         return None;
     }
-    let mut share = excess;
-    loop {
-        let kinetic = after.translation + after.rotation;
-        // Also where a number is not one.
-        if share >= kinetic {
-            break;
-        }
-        let slowed = slower(&end, (R::ONE - share / kinetic).sqrt());
-        let energy = Energy::of(scene, &slowed);
-        if energy.total() <= ceiling {
-            step.ratcheted += excess;
-            return Some((slowed, energy));
-        }
-        share *= R::TWO;
+    if let Some(held) = scaled_down(scene, ceiling, excess, &end, after) {
+        step.ratcheted += excess;
+        return Some(held);
     }
-    let terms = after.translation.abs()
-        + after.rotation.abs()
-        + after.gravity.abs()
-        + after.springs.abs()
-        + before.gravity.abs()
-        + before.springs.abs();
-    if excess > terms * (R::EPSILON * R::from_f64(64.0)) {
+    let rounding = rounding_of(&before, &after);
+    if excess > rounding {
         return None;
     }
-    let candidate = if touching > 0 {
-        slower(start, R::ZERO)
-    } else {
+    let candidate = if touching == 0 {
         State {
             linear_velocity: start.linear_velocity,
             angular_momentum: start.angular_momentum,
             ..end
         }
+    } else if before.translation + before.rotation <= rounding {
+        stopped(start)
+    } else {
+        // A turning point: a shorter step will not end on it.
+        return None;
     };
     let energy = Energy::of(scene, &candidate);
     if energy.total() <= ceiling {
         Some((candidate, energy))
     } else {
         Some((*start, before))
+    }
+}
+
+/// The end with its velocities scaled, by the smallest doubling of the excess that brings the computed energy to the ceiling.
+fn scaled_down<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    ceiling: R,
+    excess: R,
+    end: &State<R>,
+    after: Energy<R>,
+) -> Option<(State<R>, Energy<R>)> {
+    let mut share = excess;
+    loop {
+        let kinetic = after.translation + after.rotation;
+        if share >= kinetic {
+            return None;
+        }
+        let slowed = slower(end, (R::ONE - share / kinetic).sqrt());
+        let energy = Energy::of(scene, &slowed);
+        if energy.total() <= ceiling {
+            return Some((slowed, energy));
+        }
+        share *= R::TWO;
+    }
+}
+
+/// Whether a step has shown a body in contact to be at rest: it moves by less than numbers can hold, with less kinetic energy than the rounding of the total, and what
+/// velocity it has is dying out or is what rounding leaves of balanced forces. A body that a force sets going gains more velocity than that, however short the step.
+pub(super) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    [start, end]: [&State<R>; 2],
+    [before, after]: [&Energy<R>; 2],
+    seconds: R,
+) -> bool {
+    let kinetic = |energy: &Energy<R>| energy.translation + energy.rotation;
+    let (first, last) = (kinetic(before), kinetic(after));
+    let reach = scene.reach();
+    let stays = |from: R, to: R| (to - from).abs() <= (from.abs() + reach) * R::EPSILON;
+    let (p, q) = (start.position, end.position);
+    if !(stays(p.x(), q.x()) && stays(p.y(), q.y()) && stays(p.z(), q.z())) {
+        return false;
+    }
+    if first.at_least(last) > rounding_of(before, after) {
+        return false;
+    }
+    let turned = start
+        .orientation
+        .xyzw()
+        .into_iter()
+        .zip(end.orientation.xyzw());
+    if turned.into_iter().any(|(a, b)| (a - b).abs() > R::EPSILON) {
+        return false;
+    }
+    // Springs that bear the weight W with the energy V have the stiffness W²/(2 V); a depth is rounded to some last places of the numbers that make it.
+    let mass = scene.mass_properties().mass();
+    let weight = mass * scene.gravity().length();
+    let depth = scene.ground().surface(start.position).gap.abs() + reach;
+    let stiffness = weight * weight * R::HALF / before.springs;
+    let impulse = seconds * (stiffness * depth + weight) * (R::EPSILON * R::from_f64(8.0));
+    let balanced = end.linear_velocity.length() * mass <= impulse
+        && end.angular_momentum.length() <= impulse * reach;
+    (last <= first && first > R::ZERO) || balanced
+}
+
+/// The rounding of the sum of two energies' terms, J.
+fn rounding_of<R: Real>(before: &Energy<R>, after: &Energy<R>) -> R {
+    let terms = after.translation
+        + after.rotation
+        + after.gravity.abs()
+        + after.springs
+        + before.gravity.abs()
+        + before.springs;
+    terms * (R::EPSILON * R::from_f64(ROUNDING))
+}
+
+/// The same place without motion.
+pub(super) fn stopped<R: Real>(state: &State<R>) -> State<R> {
+    State {
+        linear_velocity: R::Vec3::ZERO,
+        angular_momentum: R::Vec3::ZERO,
+        ..*state
     }
 }
 
