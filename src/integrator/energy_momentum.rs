@@ -195,11 +195,12 @@ fn fall<R: Real, D: Dynamics<R>>(
     seconds: R,
     step: &mut Step<R>,
 ) {
-    match inch::step(scene, state, *energy, seconds, step) {
-        Some((next, next_energy)) if next_energy.total() < energy.total() => {
+    if let Some((next, next_energy)) = inch::step(scene, state, *energy, seconds, step) {
+        // A fall by rounding is none: the body would never sleep.
+        let rounding = ratchet::rounding_of(energy, &next_energy);
+        if energy.total() - next_energy.total() > rounding {
             (*state, *energy) = (next, next_energy);
         }
-        _ => {}
     }
 }
 

@@ -121,7 +121,7 @@ pub(super) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
 }
 
 /// The rounding of the sum of two energies' terms, J.
-fn rounding_of<R: Real>(before: &Energy<R>, after: &Energy<R>) -> R {
+pub(super) fn rounding_of<R: Real>(before: &Energy<R>, after: &Energy<R>) -> R {
     let terms = after.translation
         + after.rotation
         + after.gravity.abs()
