@@ -55,8 +55,9 @@ pub struct EnergyMomentum<R = f64> {
 
 /// What [`EnergyMomentum`] keeps from step to step to save work: the contacts' places, the last energy, and the state that a step has left as it was.
 ///
-/// Nothing of it changes a result: a new one gives the same bits. It may go from one stepper to another: what it knows counts only for the same state in a scene with the same mass, reach, gravity and surface, and
-/// springs that answer alike at a depth of the reach.
+/// Nothing of it changes a result: a new one gives the same bits. It may go from one stepper to another: what it knows counts only for the same state in a scene
+/// with the same mass, moments, reach, gravity and surface, and with springs that answer alike at a depth of the reach. Scenes that differ in nothing of this, but in springs at
+/// other depths, want a workspace each.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace<R: Real = f64> {
     contacts: Contacts<R>,
@@ -66,11 +67,12 @@ pub struct Workspace<R: Real = f64> {
     rest: Option<R>,
 }
 
-/// What tells the energies and the rest of one scene from another's: mass, reach, gravity, the surface as seen from the body, and the springs at a depth of its reach.
+/// What tells the energies and the rest of one scene from another's: mass, moments, reach, gravity, the surface as seen from the body, and the springs at a depth of its reach.
 /// Friction and dampers do nothing to a body without motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Likeness<R: Real> {
     body: [R; 2],
+    moments: R::Vec3,
     gravity: R::Vec3,
     surface: Surface<R>,
     spring: [R; 2],
@@ -82,6 +84,7 @@ impl<R: Real> Likeness<R> {
         let (ground, reach) = (scene.ground(), scene.reach());
         Self {
             body: [scene.mass_properties().mass(), reach],
+            moments: scene.mass_properties().moments(),
             gravity: scene.gravity(),
             surface: ground.surface(state.position),
             spring: [ground.spring_force(reach), ground.spring_energy(reach)],
