@@ -42,7 +42,8 @@ use problem::Problem;
 /// *Stable* at any step. *Accurate* where the step resolves the contact: `dt < 1/ω` with `ω = √(K/m)` of all contacts that touch; beyond it bounces keep their energy law but not
 /// their timing, and friction that stops a body within a step stops it at the step's end.
 ///
-/// *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each, and 16 × 60 energies. [`Step`] tells the iterations, whether the step had to be divided, and the energy that
+/// *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each, and at most 17 × 60 shorter motions beside them; each
+/// end costs an energy, and one more for each doubling of the ratchet. [`Step`] tells the iterations, whether the step had to be divided, and the energy that
 /// the solver's error would have added: a user sees by them that a step was too long to be accurate.
 ///
 /// Up to 128 contacts are remembered from iteration to iteration; further ones take part without memory, with more iterations in stick. No allocation.

@@ -7,7 +7,7 @@ use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// A semi-implicit Euler step under the forces of the start, for a quarter of `seconds`, a sixteenth, ... until its energy is not above the one before.
+/// A semi-implicit Euler step under the forces of the start, for `seconds`, a quarter of them, a sixteenth, ... until its energy is not above the one before.
 ///
 /// Such a length exists wherever forces act: velocities first, then places, so that a body at rest loses `(h F)²/m` of potential and gains half of it. The
 /// time that is not used passes all the same: such a step is stable, not accurate. `None` where not even the smallest motion that numbers can hold lowers the energy.
