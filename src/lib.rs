@@ -49,7 +49,7 @@
 //! | G1 | With [`EnergyMomentum`] the computed energy never rises, by no unit in the last place, at any time step, stiffness, damping, friction, spin, size, shape and precision. | `tests/contract.rs` (random scenes), `tests/extremes.rs` (a sweep of the extremes), [derivation](guide::energy) |
 //! | G2 | The body stays rigid: distances and the orientation's length stay at rounding, however long the run. | `tests/rigidity.rs`, up to 10⁷ steps |
 //! | G3 | The books balance: energy now is energy at the start less what friction, dampers and clamp took, plus a residue that falls at the integrator's order. | `tests/truth.rs` against true works |
-//! | G4 | Accuracy is a number: each integrator states order, price, stability limit, and when it can add energy. | `tests/truth.rs`, `tests/energy.rs` (both sides of each limit), `examples/accuracy.rs`, [tables](guide::accuracy) |
+//! | G4 | Accuracy is a number: each integrator states order, price, stability limit, and when it can add energy. | `tests/truth.rs`, `tests/energy.rs` (both sides of each limit), `examples/accuracy.rs`, [tables](guide::accuracy); `tests/validation`, [closed forms and printed numbers](guide::validation) |
 //! | G5 | A scene pays for what it names: no ground, friction or gravity costs nothing, flight visits no contact, rest costs a comparison. | `benches/` |
 //! | G6 | No standard library, no allocation, no panic. | `.ci/no_std.sh` (linked with nothing to panic with), `tests/downstream/tests/no_allocation.rs` |
 //! | G7 | Same input, same bits, on every machine that follows IEEE 754: `+ - * /` and square root in one order, all else from `libm`, no fused operations. | [`real`], by construction; `tests/bits.rs`, stored hashes of every integrator and law, on any machine and profile; `.ci/targets.sh`, the same hashes on other processors; `tests/symmetry.rs` |
@@ -130,13 +130,16 @@ pub use state::State;
 pub use stepper::Stepper;
 pub use trial::{Start, Trial};
 
-/// Chapters: why the energy cannot rise, and how accurate a run is.
+/// Chapters: why the energy cannot rise, how accurate a run is, and what the model gets where the answer is known.
 pub mod guide {
     #[doc = include_str!("guide/energy.md")]
     pub mod energy {}
 
     #[doc = include_str!("guide/accuracy.md")]
     pub mod accuracy {}
+
+    #[doc = include_str!("guide/validation.md")]
+    pub mod validation {}
 }
 
 /// The code of the README is compiled and run with the documentation's.

@@ -1,0 +1,49 @@
+//! The model against results that nobody here made: closed forms and printed numbers of the literature, one file a group of cases.
+//!
+//! A [`Case`](table::Case) has printed numbers and computes them; beside it, properties hold the formula for parameters of any size. All printed numbers together are the
+//! table of the documentation's chapter `guide::validation`, and this suite fails where the table is not what it gets:
+//!
+//! ```text
+//! UPDATE=1 cargo test --test validation
+//! ```
+
+// Helpers of these tests fail by panicking, like the tests.
+#![allow(clippy::unwrap_used)]
+
+#[path = "../kit/mod.rs"]
+mod kit;
+mod scenes;
+mod table;
+
+mod a_free_motion;
+mod b_normal_contact;
+mod c_friction;
+
+use table::{Case, TABLE};
+
+/// Every case, in the table's order.
+fn cases() -> impl Iterator<Item = &'static Case> {
+    [
+        a_free_motion::CASES,
+        b_normal_contact::CASES,
+        c_friction::CASES,
+    ]
+    .into_iter()
+    .flatten()
+    .copied()
+}
+
+#[test]
+fn the_table_in_the_documentation_is_what_the_suite_gets() {
+    let rows: String = cases().map(Case::rows).collect();
+    let stored = TABLE.stored();
+    if std::env::var_os("UPDATE").is_some() {
+        TABLE.store(&stored, &rows);
+    } else {
+        let begun = TABLE.rows_in(&stored);
+        assert!(
+            begun == rows,
+            "the table has changed; `UPDATE=1 cargo test --test validation` stores it if that is meant\nstored:\n{begun}\nnow:\n{rows}"
+        );
+    }
+}
