@@ -10,15 +10,17 @@ macro_rules! names_for {
         pub mod $real {
             #[doc(no_inline)]
             pub use crate::{
-                Every, Face, Frictionless, Gravity, Integrator, NoGravity, NoGround, Observer,
-                Probe, RigidPointBody, SceneError, SlidingFriction, SpringDamperGround, Start,
-                StepError,
+                ContactLaw, Every, Face, Frictionless, Gravity, Integrator, NoGravity, NoGround,
+                Observer, Probe, RigidPointBody, SceneError, Shape, SlidingFriction,
+                SpringDamperGround, Start, StepError,
             };
 
             /// Energy, dissipation and rates.
             pub type Account = crate::Account<$real>;
             /// The body's axes in the world.
             pub type Axes = crate::rotation::Axes<$real>;
+            /// What a ground carries.
+            pub type Carried = crate::Carried<$real>;
             /// The coin of the report.
             pub type Coin<P = [ContactPoint; 120]> = crate::Coin<$real, P>;
             /// A contact that touches.
@@ -43,10 +45,16 @@ macro_rules! names_for {
             pub type ForwardEuler = crate::ForwardEuler<$real>;
             /// What a friction law is checked with.
             pub type FrictionRange = crate::contract::FrictionRange<$real>;
+            /// A law of contact on a shape.
+            pub type Ground<L, S = Plane> = crate::Ground<L, S>;
             /// What a ground is checked with.
             pub type GroundRange = crate::contract::GroundRange<$real>;
+            /// Hunt and Crossley's law of contact.
+            pub type HuntCrossley = crate::HuntCrossley<$real>;
             /// The energy books of a run.
             pub type Ledger = crate::Ledger<$real>;
+            /// A spring with a limited damper.
+            pub type LimitedDamper = crate::LimitedDamper<$real>;
             /// Force and torque of the ground.
             pub type Load = crate::Load<$real>;
             /// The lowest point of a body.
@@ -74,6 +82,8 @@ macro_rules! names_for {
                 crate::Scene<$real, B, G, F, A>;
             /// Coulomb friction with all its derivatives.
             pub type SmoothCoulomb = crate::SmoothCoulomb<$real>;
+            /// The report's law of contact.
+            pub type SpringDamper = crate::SpringDamper<$real>;
             /// The state of a body.
             pub type State = crate::State<$real>;
             /// What a step did.

@@ -10,6 +10,8 @@ pub enum Rule {
     AboveZero,
     /// Finite and at least 0.
     AtLeastZero,
+    /// Above 0 and at most 1.
+    AboveZeroToOne,
     /// Neither infinite nor NaN.
     Finite,
     /// At least this many.
@@ -31,6 +33,7 @@ impl core::fmt::Display for Rule {
             Self::Exactly(count) => return write!(f, "must be {count}"),
             Self::AboveZero => "must be above 0",
             Self::AtLeastZero => "must be at least 0",
+            Self::AboveZeroToOne => "must be above 0 and at most 1",
             Self::Finite => "must be finite",
             Self::UnitLength => "must have length 1",
             Self::TriangleInequality => "must not exceed the sum of the other two moments",

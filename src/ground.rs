@@ -1,8 +1,16 @@
 //! The ground: where it is, and how it pushes back.
 
+mod composed;
 mod flat;
+mod law;
+mod shape;
 
+pub use composed::Ground;
 pub use flat::FlatGround;
+pub use law::{Carried, ContactLaw, HuntCrossley, LimitedDamper, SpringDamper};
+pub use shape::Shape;
+
+use law::mean_force_by_quadrature;
 
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
@@ -71,7 +79,7 @@ pub trait SpringDamperGround<R: Real = f64> {
     /// which takes energy. A law with a closed form should override it: the provided method costs some twenty evaluations.
     #[inline]
     fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
-        mean_force_by_quadrature(self, start, end, seconds)
+        mean_force_by_quadrature(&LawOf(self), start, end, seconds)
     }
 
     /// Where the ground can be at all. The default is everywhere; a ground that names a plane lets a body high above it move without a look at its contacts.
@@ -152,93 +160,23 @@ impl<R: Real> MeanForce<R> {
     };
 }
 
-/// The provided [`SpringDamperGround::mean_force`].
-fn mean_force_by_quadrature<R: Real, G: SpringDamperGround<R> + ?Sized>(
-    ground: &G,
-    start: R,
-    end: R,
-    seconds: R,
-) -> MeanForce<R> {
-    let force = |end: R| mean_parts(ground, start, end, seconds);
-    let (spring, damper) = force(end);
-    if !(start > R::ZERO || end > R::ZERO) {
-        return MeanForce::NONE;
+/// A ground's law without its surface.
+struct LawOf<'a, G: ?Sized>(&'a G);
+
+impl<R: Real, G: SpringDamperGround<R> + ?Sized> ContactLaw<R> for LawOf<'_, G> {
+    #[inline]
+    fn spring_force(&self, depth: R) -> R {
+        self.0.spring_force(depth)
     }
-    // A one-sided difference over a thousandth of the path, or of the depth where the contact hardly moves.
-    let path = (end - start).abs() + (start.abs() + end.abs()) * R::from_f64(1e-3);
-    let nudge = path * R::from_f64(1e-3);
-    let (spring_beyond, damper_beyond) = force(end + nudge);
-    let slope_of = |beyond: R, here: R| {
-        if nudge > R::ZERO {
-            ((beyond - here) / nudge).at_least(R::ZERO)
-        } else {
-            R::ZERO
-        }
-    };
-    MeanForce {
-        force: (spring + damper).at_least(R::ZERO),
-        slope: slope_of(spring_beyond + damper_beyond, spring + damper),
-        stiffness: slope_of(spring_beyond, spring),
-        damping: slope_of(damper_beyond, damper) * seconds,
+    #[inline]
+    fn spring_energy(&self, depth: R) -> R {
+        self.0.spring_energy(depth)
+    }
+    #[inline]
+    fn normal_force(&self, depth: R, closing_speed: R) -> R {
+        self.0.normal_force(depth, closing_speed)
     }
 }
-
-/// Mean force of the springs, and of what the law has beyond them.
-fn mean_parts<R: Real, G: SpringDamperGround<R> + ?Sized>(
-    ground: &G,
-    start: R,
-    end: R,
-    seconds: R,
-) -> (R, R) {
-    let zero = R::ZERO;
-    let (from, to) = (start.at_least(zero), end.at_least(zero));
-    let (path, submerged) = (end - start, to - from);
-    let energy = |depth: R| {
-        if depth > zero {
-            ground.spring_energy(depth)
-        } else {
-            zero
-        }
-    };
-    let spring_at = |depth: R| {
-        if depth > zero {
-            ground.spring_force(depth)
-        } else {
-            zero
-        }
-    };
-    // Where the path is so short that the difference of energies is rounding, the force in its middle is exact to rounding.
-    let spring = if submerged.abs() > (from + to) * R::EPSILON.sqrt() {
-        (energy(to) - energy(from)) / path
-    } else {
-        spring_at((from + to) * R::HALF)
-    };
-    if submerged == zero && path != zero {
-        return (spring, zero);
-    }
-    let closing_speed = path / seconds;
-    let share = if path == zero {
-        R::ONE
-    } else {
-        submerged / path
-    };
-    let mut damper = zero;
-    for (place, weight) in GAUSS {
-        let depth = from + submerged * R::from_f64(place);
-        if depth > zero {
-            let beyond = ground.normal_force(depth, closing_speed) - ground.spring_force(depth);
-            damper += beyond * R::from_f64(weight);
-        }
-    }
-    (spring, damper * share)
-}
-
-/// Gauss's rule on [0, 1] with three points: place and weight.
-const GAUSS: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_31, 5.0 / 18.0),
-    (0.5, 8.0 / 18.0),
-    (0.887_298_334_620_741_7, 5.0 / 18.0),
-];
 
 /// Where a ground can be.
 #[derive(Clone, Copy, Debug, PartialEq)]

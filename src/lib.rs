@@ -25,7 +25,8 @@
 //!
 //! - One rigid body with its full inertia tensor, from a single point to ten thousand; a contact is a point of it, or a small ball ([`ContactPoint`]). Gyroscopic motion is
 //!   always right, and exact in flight for a body with two equal moments.
-//! - A ground of springs and dampers under each contact, that never pulls: a plane at any height and tilt ([`FlatGround`]), or any surface and law of yours.
+//! - A ground of springs and dampers under each contact, that never pulls: the report's on a plane at any height and tilt ([`FlatGround`]); a choice of laws ([`ContactLaw`]) on a choice of shapes
+//!   ([`Shape`]), joined by a [`Ground`]; or yours.
 //! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), or yours.
 //! - The energy by kind ([`Energy`]) and the books of a run ([`Ledger`]).
 //!
@@ -33,7 +34,7 @@
 //!
 //! - Several bodies, joints, motors, air, rolling resistance, a ground that moves or keeps a dent.
 //! - Sticking: on a slope of angle θ a body creeps at `slip_speed · tan θ/(coefficient - tan θ)`. With 1e-10 m/s that is a millimetre in four months.
-//! - A restitution that depends on the speed: [`FlatGround`]'s is `exp(-2ζ arccos(ζ)/√(1-ζ²))` at every speed.
+//! - A coefficient of restitution: bounces follow from spring and damper. Laws can be made for a bounce ([`SpringDamper::from_bounce`], [`HuntCrossley::from_bounce`]).
 //! - A smooth rim: a [`Coin`] of n points is out of round by `r (1 - cos(π/n))`, 0.17 mm for 120 points on 0.5 m.
 //!
 //! # Units, frames, signs
@@ -118,7 +119,10 @@ pub use energy::{Account, Dissipation, Energy};
 pub use error::{SceneError, StepError};
 pub use friction::{Coulomb, Drag, Frictionless, SlidingFriction, SmoothCoulomb};
 pub use gravity::{Gravity, NoGravity, UniformGravity};
-pub use ground::{Extent, FlatGround, MeanForce, NoGround, Plane, SpringDamperGround, Surface};
+pub use ground::{
+    Carried, ContactLaw, Extent, FlatGround, Ground, HuntCrossley, LimitedDamper, MeanForce,
+    NoGround, Plane, Shape, SpringDamper, SpringDamperGround, Surface,
+};
 pub use integrator::{
     EnergyMomentum, ForwardEuler, Integrator, Rk4, Step, StrangSplitting, SymplecticEuler,
 };

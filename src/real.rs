@@ -84,6 +84,9 @@ pub trait Real:
     /// Angle in radians from the first axis to the point (`x`, `self`), from the `libm` crate.
     #[must_use]
     fn atan2(self, x: Self) -> Self;
+    /// `self` to any power, from the `libm` crate; NaN below 0 but for whole powers.
+    #[must_use]
+    fn powf(self, exponent: Self) -> Self;
     /// Largest whole number not above `self`, as an index up to 2³² - 1: 0 for whatever is not above 0, NaN included.
     #[must_use]
     fn floor_index(self) -> usize;
@@ -219,7 +222,7 @@ macro_rules! square_root {
 }
 
 macro_rules! implement_real {
-    ($real:ident, $vec:ident, $quat:ident, $mat:ident, $sqrt:path, $sincos:path, $atan2:path) => {
+    ($real:ident, $vec:ident, $quat:ident, $mat:ident, $sqrt:path, $sincos:path, $atan2:path, $pow:path) => {
         impl Sealed for $real {}
         impl Real for $real {
             type Vec3 = glam::$vec;
@@ -268,6 +271,10 @@ macro_rules! implement_real {
             #[inline]
             fn atan2(self, x: Self) -> Self {
                 $atan2(self, x)
+            }
+            #[inline]
+            fn powf(self, exponent: Self) -> Self {
+                $pow(self, exponent)
             }
             #[inline]
             #[allow(
@@ -334,7 +341,8 @@ implement_real!(
     Mat3,
     libm::sqrtf,
     libm::sincosf,
-    libm::atan2f
+    libm::atan2f,
+    libm::powf
 );
 implement_real!(
     f64,
@@ -343,5 +351,6 @@ implement_real!(
     DMat3,
     libm::sqrt,
     libm::sincos,
-    libm::atan2
+    libm::atan2,
+    libm::pow
 );

@@ -12,9 +12,10 @@ use tumble::error::{Quantity, Rule};
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    Coin, ContactPoint, Coulomb, Dissipation, EnergyMomentum, FlatGround, ForwardEuler, Gravity,
-    Integrator, Ledger, Plane, PointCloud, Real, RigidPointBody, Rk4, SceneError, SlidingFriction,
-    SmoothCoulomb, SpringDamperGround, State, StepError, Stepper, StrangSplitting, Surface,
+    Carried, Coin, ContactLaw, ContactPoint, Coulomb, Dissipation, EnergyMomentum, FlatGround,
+    ForwardEuler, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper, Plane,
+    PointCloud, Real, RigidPointBody, Rk4, SceneError, SlidingFriction, SmoothCoulomb,
+    SpringDamper, SpringDamperGround, State, StepError, Stepper, StrangSplitting, Surface,
     SymplecticEuler, Trial, UniformGravity,
 };
 
@@ -301,6 +302,155 @@ fn the_damping_of_the_ground_is_at_least_zero() {
     refuses("damping of the ground", AT_LEAST_ZERO, " N s/m", |c| {
         on_ground(FlatGround::level(1e3, c))
     });
+}
+
+#[test]
+fn the_numbers_of_a_law_of_contact_are_in_their_ranges() {
+    fn on(law: impl ContactLaw) -> Result<(), SceneError> {
+        let ground: Ground<_, Plane> = Ground::level(law);
+        Stepper::new(point_mass(1.0))?
+            .with_ground(ground)
+            .map(|_| ())
+    }
+    let (stiffness, exponent, damping) = (1e3, 1.5, 0.1);
+    for (name, unit, compose) in [
+        (
+            "stiffness of the ground",
+            " N/m",
+            &(|k| {
+                on(LimitedDamper {
+                    stiffness: k,
+                    damping,
+                })
+            }) as &dyn Fn(f64) -> Result<(), SceneError>,
+        ),
+        ("stiffness of the ground", " N/m", &|k| {
+            on(SpringDamper {
+                stiffness: k,
+                damping,
+            })
+        }),
+        ("stiffness of the ground", " N/m^n", &|k| {
+            on(HuntCrossley {
+                stiffness: k,
+                exponent,
+                damping,
+            })
+        }),
+        ("damping of the ground", " N s/m", &|c| {
+            on(LimitedDamper {
+                stiffness,
+                damping: c,
+            })
+        }),
+        ("damping of the ground", " N s/m", &|c| {
+            on(SpringDamper {
+                stiffness,
+                damping: c,
+            })
+        }),
+        ("damping of the ground", " s/m", &|c| {
+            on(HuntCrossley {
+                stiffness,
+                exponent,
+                damping: c,
+            })
+        }),
+    ] {
+        refuses(name, AT_LEAST_ZERO, unit, compose);
+    }
+    let at_least_one: (Rule, &[f64], &[f64]) =
+        (Rule::AtLeast(1), &[0.0, 0.999_999, -1.5], &[1.0, 1.5, 7.0]);
+    refuses("exponent of the ground", at_least_one, "", |exponent| {
+        on(HuntCrossley {
+            stiffness,
+            exponent,
+            damping,
+        })
+    });
+}
+
+#[test]
+fn what_a_law_is_made_from_is_in_its_range() {
+    let body = Carried {
+        mass: 1.0,
+        contacts: 4,
+    };
+    let of = |mass| Carried { mass, contacts: 4 };
+    let above_zero: (Rule, &[f64], &[f64]) = (Rule::AboveZero, &[0.0, -1.0], &[1e-9, 1.0, 1e9]);
+    let part: (Rule, &[f64], &[f64]) = (
+        Rule::AboveZeroToOne,
+        &[0.0, -0.5, 1.000_001, 7.0],
+        &[1e-9, 0.5, 1.0],
+    );
+    refuses("restitution", part, "", |e| {
+        SpringDamper::from_bounce(body, e, 1e-3)
+    });
+    refuses("restitution", part, "", |e| {
+        SpringDamper::from_rest(body, e, 1e-3, 9.8)
+    });
+    refuses("restitution", part, "", |e| {
+        LimitedDamper::from_bounce(body, e, 1e-3)
+    });
+    refuses("restitution", part, "", |e| {
+        LimitedDamper::from_rest(body, e, 1e-3, 9.8)
+    });
+    refuses("restitution", part, "", |e| {
+        HuntCrossley::from_bounce(body, 1.5, e, 1.0, 1e-3)
+    });
+    refuses("restitution", part, "", |e| {
+        HuntCrossley::from_rest(body, 1.5, [e, 1.0], 1e-3, 9.8)
+    });
+    refuses("time of a bounce", above_zero, " s", |t| {
+        SpringDamper::from_bounce(body, 0.5, t)
+    });
+    refuses("time of a bounce", above_zero, " s", |t| {
+        LimitedDamper::from_bounce(body, 0.5, t)
+    });
+    refuses("depth at rest", above_zero, " m", |d| {
+        SpringDamper::from_rest(body, 0.5, d, 9.8)
+    });
+    refuses("depth at rest", above_zero, " m", |d| {
+        LimitedDamper::from_rest(body, 0.5, d, 9.8)
+    });
+    refuses("depth at rest", above_zero, " m", |d| {
+        HuntCrossley::from_rest(body, 1.5, [0.5, 1.0], d, 9.8)
+    });
+    refuses("gravity", above_zero, " m/s²", |g| {
+        SpringDamper::from_rest(body, 0.5, 1e-3, g)
+    });
+    refuses("gravity", above_zero, " m/s²", |g| {
+        LimitedDamper::from_rest(body, 0.5, 1e-3, g)
+    });
+    refuses("gravity", above_zero, " m/s²", |g| {
+        HuntCrossley::from_rest(body, 1.5, [0.5, 1.0], 1e-3, g)
+    });
+    refuses("speed of a bounce", above_zero, " m/s", |v| {
+        HuntCrossley::from_bounce(body, 1.5, 0.5, v, 1e-3)
+    });
+    refuses("speed of a bounce", above_zero, " m/s", |v| {
+        HuntCrossley::from_rest(body, 1.5, [0.5, v], 1e-3, 9.8)
+    });
+    refuses("depth of a bounce", above_zero, " m", |d| {
+        HuntCrossley::from_bounce(body, 1.5, 0.5, 1.0, d)
+    });
+    refuses("mass of the body", above_zero, " kg", |m| {
+        SpringDamper::from_bounce(of(m), 0.5, 1e-3)
+    });
+    let nobody = Carried {
+        contacts: 0,
+        ..body
+    };
+    let error = SpringDamper::from_bounce(nobody, 0.5, 1e-3).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "number of contacts that carry must be at least 1, got 0"
+    );
+    let error = HuntCrossley::from_bounce(body, 0.5, 0.5, 1.0, 1e-3).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "exponent of the ground must be at least 1, got 0.5"
+    );
 }
 
 #[test]

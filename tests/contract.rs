@@ -15,9 +15,9 @@ use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::integrator::step_length;
 use tumble::{
     Coin, ContactPoint, Coulomb, Drag, Dynamics, EnergyMomentum, Extent, FlatGround, ForwardEuler,
-    Frictionless, Integrator, MeanForce, NoGround, Plane, PointCloud, Real, RigidPointBody, Rk4,
-    SceneError, SlidingFriction, SmoothCoulomb, SpringDamperGround, State, Step, StepError,
-    StrangSplitting, Surface, SymplecticEuler, error,
+    Frictionless, Ground, HuntCrossley, Integrator, LimitedDamper, MeanForce, NoGround, Plane,
+    PointCloud, Real, RigidPointBody, Rk4, SceneError, SlidingFriction, SmoothCoulomb,
+    SpringDamperGround, State, Step, StepError, StrangSplitting, Surface, SymplecticEuler, error,
 };
 
 /// Ten batteries of other numbers.
@@ -92,6 +92,27 @@ fn every_built_in_ground_passes() {
             let ground = FlatGround::level(stiffness, damping).on(tilted);
             check_ground(&ground, &RANGE, battery).unwrap();
             check_ground(&Provided(ground), &RANGE, battery).unwrap();
+            let law = LimitedDamper { stiffness, damping };
+            let limited = Ground { law, shape: tilted };
+            check_ground(&limited, &RANGE, battery).unwrap();
+            check_ground(&Ground::level(ground.law()), &RANGE, battery).unwrap();
+        }
+        for exponent in [1.0, 1.5, 2.0, 1.3, 2.71] {
+            for (stiffness, damping) in [(1e3, 0.5), (1e3, 0.0), (0.0, 3.0), (1e12, 1e3)] {
+                let law = HuntCrossley {
+                    stiffness,
+                    exponent,
+                    damping,
+                };
+                check_ground(&Ground::level(law), &RANGE, battery).unwrap();
+                #[allow(clippy::cast_possible_truncation, reason = "numbers for f32")]
+                let law = HuntCrossley {
+                    stiffness: stiffness as f32,
+                    exponent: exponent as f32,
+                    damping: damping as f32,
+                };
+                check_ground(&Ground::level(law), &RANGE_32, battery).unwrap();
+            }
         }
     }
 }

@@ -19,8 +19,9 @@ use tumble::glam::DVec3;
 use tumble::real::{Quaternion, Vector};
 use tumble::{
     Coin, ContactPoint, Coulomb, Dynamics, Energy, EnergyMomentum, Extent, FlatGround,
-    Frictionless, Integrator, Plane, PointCloud, Real, RigidPointBody, SlidingFriction,
-    SmoothCoulomb, SpringDamperGround, State, Step, Stepper, Surface, UniformGravity,
+    Frictionless, Ground, HuntCrossley, Integrator, LimitedDamper, Plane, PointCloud, Real,
+    RigidPointBody, SlidingFriction, SmoothCoulomb, SpringDamperGround, State, Step, Stepper,
+    Surface, UniformGravity,
 };
 
 /// Evaluations of the contacts that a step may take: a step that cannot be taken whole is halved down to sixteenths (1 + 2 + 4 + 8 + 16 attempts), and an
@@ -139,6 +140,9 @@ enum BodyKind {
 #[derive(Clone, Copy, Debug)]
 enum GroundKind {
     Flat,
+    Limited,
+    /// By its exponent.
+    HuntCrossley(f64),
     Turf,
     Hills,
 }
@@ -172,6 +176,16 @@ struct Case {
     spin: DVec3,
     /// Replaces components of the state.
     odd: Vec<(usize, f64)>,
+}
+
+/// Whose laws a sweep takes.
+#[derive(Clone, Copy)]
+enum Laws {
+    /// The report's.
+    Report,
+    /// The others of the crate.
+    BuiltIn,
+    Users,
 }
 
 /// How far the ranges go.
@@ -281,24 +295,30 @@ fn odd_numbers(least: f64) -> impl Strategy<Value = Vec<(usize, f64)>> {
     prop_oneof![4 => Just(Vec::new()), 1 => prop::collection::vec(one, 1..6)]
 }
 
-fn cases(ranges: Ranges, users: bool) -> impl Strategy<Value = Case> {
-    let grounds = if users {
-        vec![GroundKind::Turf, GroundKind::Hills, GroundKind::Flat]
-    } else {
-        vec![GroundKind::Flat]
+fn cases(ranges: Ranges, laws: Laws) -> impl Strategy<Value = Case> {
+    let grounds = match laws {
+        Laws::Report => vec![GroundKind::Flat],
+        Laws::BuiltIn => vec![
+            GroundKind::Limited,
+            GroundKind::HuntCrossley(1.0),
+            GroundKind::HuntCrossley(1.5),
+            GroundKind::HuntCrossley(2.0),
+            GroundKind::HuntCrossley(1.3),
+        ],
+        Laws::Users => vec![GroundKind::Turf, GroundKind::Hills, GroundKind::Flat],
     };
-    let frictions = if users {
-        vec![
-            FrictionKind::Oil,
-            FrictionKind::Smooth,
-            FrictionKind::Coulomb,
-        ]
-    } else {
-        vec![
+    let frictions = match laws {
+        Laws::Report => vec![
             FrictionKind::Coulomb,
             FrictionKind::Coulomb,
             FrictionKind::None,
-        ]
+        ],
+        Laws::BuiltIn => vec![FrictionKind::Coulomb, FrictionKind::Smooth],
+        Laws::Users => vec![
+            FrictionKind::Oil,
+            FrictionKind::Smooth,
+            FrictionKind::Coulomb,
+        ],
     };
     let Ranges { size, mass, .. } = ranges;
     let body = (
@@ -404,20 +424,40 @@ impl Case {
         }
     }
 
+    /// Of a damper that grows with the spring: the same force as the damping's at a depth of one size and a speed of 1 m/s, or less. s/m.
+    fn relative_damping(&self) -> f64 {
+        (self.damping / (self.stiffness * self.size).max(1.0)).min(1e6)
+    }
+
     fn ground<R: Real>(&self) -> Box<dyn SpringDamperGround<R>> {
         let number = R::from_f64;
         let plane = Plane::through(R::Vec3::ZERO, vector::<R>(self.normal));
         let turf = |shape| Turf {
             stiffness: number(self.stiffness),
             length: number(self.size),
-            // The same force at a depth of one size and a speed of 1 m/s, or less.
-            damping: number((self.damping / (self.stiffness * self.size).max(1.0)).min(1e6)),
+            damping: number(self.relative_damping()),
             shape,
         };
         match self.ground {
             GroundKind::Flat => {
                 let ground = FlatGround::level(number(self.stiffness), number(self.damping));
                 Box::new(ground.on(plane))
+            }
+            GroundKind::Limited => {
+                let law = LimitedDamper {
+                    stiffness: number(self.stiffness),
+                    damping: number(self.damping),
+                };
+                Box::new(Ground { law, shape: plane })
+            }
+            GroundKind::HuntCrossley(exponent) => {
+                // The same spring at a depth of one size.
+                let law = HuntCrossley {
+                    stiffness: number(self.stiffness * self.size.powf(1.0 - exponent)),
+                    exponent: number(exponent),
+                    damping: number(self.relative_damping()),
+                };
+                Box::new(Ground { law, shape: plane })
             }
             GroundKind::Turf => Box::new(turf(Shape::Plane(plane))),
             GroundKind::Hills => Box::new(turf(Shape::Hills {
@@ -666,11 +706,11 @@ fn keeps_its_promises<R: Real>(case: &Case, tally: &mut Tally) -> TestCaseResult
 }
 
 /// A share of the sweep over these scenes.
-fn sweep<R: Real>(name: &str, ranges: Ranges, users: bool, share: f64) {
+fn sweep<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64) {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // A count.
     let count = (f64::from(sweep_steps()) * share / f64::from(STEPS)).ceil() as u32;
     let tally = RefCell::new(Tally::default());
-    let result = TestRunner::new(kit::cases(count)).run(&cases(ranges, users), |case| {
+    let result = TestRunner::new(kit::cases(count)).run(&cases(ranges, laws), |case| {
         keeps_its_promises::<R>(&case, &mut tally.borrow_mut())
     });
     tally.borrow().tell(name);
@@ -679,44 +719,76 @@ fn sweep<R: Real>(name: &str, ranges: Ranges, users: bool, share: f64) {
 
 #[test]
 fn every_step_keeps_its_promises_at_the_extremes() {
-    sweep::<f64>("extremes, f64", WIDE, false, 0.3);
+    sweep::<f64>("extremes, f64", WIDE, Laws::Report, 0.3);
 }
 
 #[test]
 fn every_step_keeps_its_promises_with_a_users_laws_at_the_extremes() {
-    sweep::<f64>("extremes with a user's laws, f64", WIDE, true, 0.15);
+    sweep::<f64>("extremes with a user's laws, f64", WIDE, Laws::Users, 0.15);
 }
 
 #[test]
 fn every_step_keeps_its_promises_in_the_workshop() {
-    sweep::<f64>("workshop, f64", EVERYDAY, false, 0.2);
+    sweep::<f64>("workshop, f64", EVERYDAY, Laws::Report, 0.2);
 }
 
 #[test]
 fn every_step_keeps_its_promises_with_a_users_laws_in_the_workshop() {
-    sweep::<f64>("workshop with a user's laws, f64", EVERYDAY, true, 0.1);
+    sweep::<f64>(
+        "workshop with a user's laws, f64",
+        EVERYDAY,
+        Laws::Users,
+        0.1,
+    );
+}
+
+#[test]
+fn every_step_keeps_its_promises_with_all_built_in_laws() {
+    sweep::<f64>(
+        "extremes with all built-in laws, f64",
+        WIDE,
+        Laws::BuiltIn,
+        0.1,
+    );
+    sweep::<f64>(
+        "workshop with all built-in laws, f64",
+        EVERYDAY,
+        Laws::BuiltIn,
+        0.1,
+    );
+    sweep::<f32>(
+        "extremes with all built-in laws, f32",
+        SINGLE,
+        Laws::BuiltIn,
+        0.05,
+    );
 }
 
 #[test]
 fn every_step_in_f32_keeps_its_promises_where_f32_can_hold_the_energies() {
-    sweep::<f32>("extremes, f32", SINGLE, false, 0.1);
-    sweep::<f32>("workshop, f32", EVERYDAY_SINGLE, false, 0.05);
+    sweep::<f32>("extremes, f32", SINGLE, Laws::Report, 0.1);
+    sweep::<f32>("workshop, f32", EVERYDAY_SINGLE, Laws::Report, 0.05);
 }
 
 #[test]
 fn every_step_in_f32_keeps_its_promises_with_a_users_laws() {
-    sweep::<f32>("extremes with a user's laws, f32", SINGLE, true, 0.05);
+    sweep::<f32>(
+        "extremes with a user's laws, f32",
+        SINGLE,
+        Laws::Users,
+        0.05,
+    );
     sweep::<f32>(
         "workshop with a user's laws, f32",
         EVERYDAY_SINGLE,
-        true,
+        Laws::Users,
         0.05,
     );
 }
 
 #[test]
 fn a_coin_of_ten_thousand_points_keeps_its_promises() {
-    let scenes = cases(EVERYDAY, false).prop_map(|case| Case {
+    let scenes = cases(EVERYDAY, Laws::Report).prop_map(|case| Case {
         body: BodyKind::Ring(10_000),
         ..case
     });

@@ -1,7 +1,7 @@
 //! A plane of springs and dampers.
 
-use super::{Extent, MeanForce, Plane, SpringDamperGround, Surface};
-use crate::error::{self, SceneError};
+use super::{ContactLaw, Extent, MeanForce, Plane, SpringDamper, SpringDamperGround, Surface};
+use crate::error::SceneError;
 use crate::real::Real;
 
 /// A plane, level or tilted, with a spring and a damper under each contact (Kelvin-Voigt, never pulling): the ground of the report.
@@ -40,67 +40,20 @@ impl<R: Real> FlatGround<R> {
         }
     }
 
+    /// The law of its contacts.
+    #[inline]
+    #[must_use]
+    pub fn law(&self) -> SpringDamper<R> {
+        SpringDamper {
+            stiffness: self.stiffness,
+            damping: self.damping,
+        }
+    }
+
     /// The same springs under another plane.
     #[must_use]
     pub fn on(self, plane: Plane<R>) -> Self {
         Self { plane, ..self }
-    }
-}
-
-impl<R: Real> FlatGround<R> {
-    #[inline]
-    fn mean_force_down(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
-        let (k, c) = (self.stiffness, self.damping);
-        let path = end - start;
-        if start >= R::ZERO {
-            MeanForce {
-                force: k * ((start + end) * R::HALF) + c * (path / seconds),
-                slope: k * R::HALF + c / seconds,
-                stiffness: k * R::HALF,
-                damping: c,
-            }
-        } else if end > R::ZERO {
-            let share = end / path;
-            let stiffness = k * (share * (R::ONE - share * R::HALF));
-            MeanForce {
-                force: k * (end * share * R::HALF) + c * (end / seconds),
-                slope: stiffness + c / seconds,
-                stiffness,
-                damping: c * share,
-            }
-        } else {
-            MeanForce::NONE
-        }
-    }
-
-    #[inline]
-    fn mean_force_up(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
-        let (k, c) = (self.stiffness, self.damping);
-        let path = start - end;
-        if start <= R::ZERO || k == R::ZERO {
-            return MeanForce::NONE;
-        }
-        let cut = c * path / (seconds * k);
-        let (over_start, over_end) = (start - cut, end - cut);
-        if over_end >= R::ZERO {
-            MeanForce {
-                force: k * ((over_start + over_end) * R::HALF),
-                slope: k * R::HALF + c / seconds,
-                stiffness: k * R::HALF,
-                damping: c,
-            }
-        } else if over_start > R::ZERO {
-            let share = over_start / path;
-            let stiffness = k * (share * share * R::HALF);
-            MeanForce {
-                force: k * (over_start * share * R::HALF),
-                slope: c * (share / seconds) + stiffness,
-                stiffness,
-                damping: c * share,
-            }
-        } else {
-            MeanForce::NONE
-        }
     }
 }
 
@@ -115,34 +68,22 @@ impl<R: Real> SpringDamperGround<R> for FlatGround<R> {
 
     #[inline]
     fn spring_force(&self, depth: R) -> R {
-        self.stiffness * depth
+        self.law().spring_force(depth)
     }
 
     #[inline]
     fn spring_energy(&self, depth: R) -> R {
-        self.stiffness * depth * depth * R::HALF
+        self.law().spring_energy(depth)
     }
 
     #[inline]
     fn normal_force(&self, depth: R, closing_speed: R) -> R {
-        (self.stiffness * depth + self.damping * closing_speed).at_least(R::ZERO)
+        self.law().normal_force(depth, closing_speed)
     }
 
-    /// The integral of the whole clamped law along an even path, in closed form (k: stiffness, c: damping, d₀ and d₁: depths, Δ = d₁ - d₀, h: time):
-    ///
-    /// - going down from d₀ >= 0: `k (d₀ + d₁)/2 + c Δ/h`; from above ground: `k d₁²/(2Δ) + c d₁/h`;
-    /// - going up: the clamp cuts where `k d + c Δ/h` falls to 0, at the depth `d* = -c Δ/(h k)`; with `eᵢ = dᵢ - d*` the mean is
-    ///   `k (e₀ + e₁)/2` while e₁ >= 0, `k e₀²/(2|Δ|)` while e₀ > 0, then 0.
-    ///
-    /// Continuous, rising with d₁, and without a 0/0 as Δ goes to 0.
     #[inline]
     fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
-        let path = end - start;
-        if path >= R::ZERO {
-            self.mean_force_down(start, end, seconds)
-        } else {
-            self.mean_force_up(start, end, seconds)
-        }
+        self.law().mean_force(start, end, seconds)
     }
 
     #[inline]
@@ -151,8 +92,7 @@ impl<R: Real> SpringDamperGround<R> for FlatGround<R> {
     }
 
     fn check(&self) -> Result<(), SceneError> {
-        error::at_least_zero("stiffness of the ground", self.stiffness, " N/m")?;
-        error::at_least_zero("damping of the ground", self.damping, " N s/m")?;
+        self.law().check()?;
         self.plane.check()
     }
 }

@@ -8,9 +8,9 @@ use core::ops::ControlFlow;
 use tumble::real::{Matrix, Quaternion, Vector};
 use tumble::{
     Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, ForwardEuler, Frictionless, Gravity,
-    Integrator, Ledger, NoGravity, NoGround, Plane, PointCloud, Real, RigidPointBody, Rk4, Sample,
-    SceneError, SlidingFriction, SmoothCoulomb, SpringDamperGround, State, Stepper,
-    StrangSplitting, SymplecticEuler, Trial, UniformGravity,
+    Ground, HuntCrossley, Integrator, Ledger, LimitedDamper, NoGravity, NoGround, Plane,
+    PointCloud, Real, RigidPointBody, Rk4, Sample, SceneError, SlidingFriction, SmoothCoulomb,
+    SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler, Trial, UniformGravity,
 };
 
 /// What a scene has come to.
@@ -369,6 +369,31 @@ fn scenes<R: Bits, I: Integrator<R>>(
         .with_friction(smooth)?
         .with_integrator(by())?;
     see("ball on a slope", follow(&stepper, thrown, 0.5003));
+
+    let law = LimitedDamper {
+        stiffness: real(3000.0),
+        damping: real(40.0),
+    };
+    let stepper = Stepper::new(&lopsided)?
+        .with_gravity(gravity)?
+        .with_ground(Ground { law, shape: slope })?
+        .with_friction(coulomb)?
+        .with_integrator(by())?;
+    see("limited damper", follow(&stepper, thrown, 0.5003));
+
+    for (name, exponent) in [("Hertz", 1.5), ("power of the depth", 1.3)] {
+        let law = HuntCrossley {
+            stiffness: real(20000.0),
+            exponent: real(exponent),
+            damping: real(0.2),
+        };
+        let stepper = Stepper::new(&lopsided)?
+            .with_gravity(gravity)?
+            .with_ground(Ground { law, shape: slope })?
+            .with_friction(smooth)?
+            .with_integrator(by())?;
+        see(name, follow(&stepper, thrown, 0.5003));
+    }
 
     // Far beyond the explicit methods' limits: they are thrown off with whatever speed the first touch gives.
     let stepper = Stepper::new(&lopsided)?

@@ -1,0 +1,189 @@
+//! How a ground pushes back at a depth and a speed, whatever its shape.
+
+mod bounce;
+mod hunt_crossley;
+mod limited_damper;
+mod spring_damper;
+
+pub use bounce::Carried;
+pub use hunt_crossley::HuntCrossley;
+pub use limited_damper::LimitedDamper;
+pub use spring_damper::SpringDamper;
+
+use super::MeanForce;
+use crate::error::SceneError;
+use crate::real::Real;
+
+/// The law of one contact's force: what it is at a depth (m) and a closing speed (m/s). A [`Ground`](crate::Ground) joins it with a shape.
+///
+/// The methods are those of [`SpringDamperGround`](crate::SpringDamperGround) of the same names, with the same duties: the energy is the integral of the spring's force from depth 0, the rest of the force takes
+/// energy, and the ground never pulls. [`contract::check_ground`](crate::contract::check_ground) tests a law on any shape.
+///
+/// # Which law when
+///
+/// | law | force at depth d, closing at u | restitution | at first touch | take it for |
+/// |---|---|---|---|---|
+/// | [`SpringDamper`] | `max(0, k d + c u)` | the same at every speed, any from 1 to 0 | jumps to `c u` | the report's ground; whatever shall come to rest soon |
+/// | [`LimitedDamper`] | `k d + c u`, the damper's share within `± k d` | the same at every speed, any from 1 to 0 | continuous | the same with explicit methods, which keep their order better |
+/// | [`HuntCrossley`] with exponent 1 | `k d max(0, 1 + λ u)` | falls with the speed, `1 - 2 λ u/3` for slow bounces | continuous | balls that bounce less the faster they are |
+/// | [`HuntCrossley`] with exponent 3/2 | `k d^(3/2) max(0, 1 + λ u)` | as above | continuous, with a continuous slope | an elastic ball on an elastic plane (Hertz), or points that touch softly |
+///
+/// ```
+/// use tumble::{ContactLaw, Ground, Plane, Stepper, Coin};
+///
+/// /// Springs that push with the same force at every depth.
+/// struct Weights {
+///     force: f64, // N
+/// }
+///
+/// impl ContactLaw for Weights {
+///     fn spring_force(&self, _depth: f64) -> f64 {
+///         self.force
+///     }
+///     fn spring_energy(&self, depth: f64) -> f64 {
+///         self.force * depth
+///     }
+///     fn normal_force(&self, _depth: f64, _closing_speed: f64) -> f64 {
+///         self.force
+///     }
+/// }
+///
+/// let ground = Ground { law: Weights { force: 2.0 }, shape: Plane::level(0.1) };
+/// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?.with_ground(ground)?;
+/// # Ok::<(), tumble::SceneError>(())
+/// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not the law of a contact: it does not implement `ContactLaw<{R}>`",
+    label = "this should be a law of contact",
+    note = "implement `spring_force`, `spring_energy` and `normal_force`; the precision `{R}` of body, ground, friction and gravity must be the same"
+)]
+pub trait ContactLaw<R: Real = f64> {
+    /// Elastic force at a depth (m) above 0: N, at least 0.
+    fn spring_force(&self, depth: R) -> R;
+
+    /// Energy in the springs at a depth (m) above 0: J, the integral of [`spring_force`](Self::spring_force) from 0.
+    fn spring_energy(&self, depth: R) -> R;
+
+    /// Spring and damper together at a depth (m) above 0 that grows at `closing_speed` (m/s): N, at least 0.
+    fn normal_force(&self, depth: R, closing_speed: R) -> R;
+
+    /// Mean force while the depth goes evenly from `start` to `end` (m; below 0 is above ground) in `seconds`: see [`SpringDamperGround::mean_force`](crate::SpringDamperGround::mean_force).
+    #[inline]
+    fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
+        mean_force_by_quadrature(self, start, end, seconds)
+    }
+
+    /// Whether the law can be: called once, when a scene is composed.
+    ///
+    /// # Errors
+    /// Names the quantity, the rule that it breaks, and its value.
+    fn check(&self) -> Result<(), SceneError> {
+        Ok(())
+    }
+}
+
+impl<R: Real, L: ContactLaw<R> + ?Sized> ContactLaw<R> for &L {
+    #[inline]
+    fn spring_force(&self, depth: R) -> R {
+        (**self).spring_force(depth)
+    }
+    #[inline]
+    fn spring_energy(&self, depth: R) -> R {
+        (**self).spring_energy(depth)
+    }
+    #[inline]
+    fn normal_force(&self, depth: R, closing_speed: R) -> R {
+        (**self).normal_force(depth, closing_speed)
+    }
+    #[inline]
+    fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
+        (**self).mean_force(start, end, seconds)
+    }
+    #[inline]
+    fn check(&self) -> Result<(), SceneError> {
+        (**self).check()
+    }
+}
+
+/// The provided mean force of laws and grounds.
+pub(super) fn mean_force_by_quadrature<R: Real, L: ContactLaw<R> + ?Sized>(
+    law: &L,
+    start: R,
+    end: R,
+    seconds: R,
+) -> MeanForce<R> {
+    let force = |end: R| mean_parts(law, start, end, seconds);
+    let (spring, damper) = force(end);
+    if !(start > R::ZERO || end > R::ZERO) {
+        return MeanForce::NONE;
+    }
+    // A one-sided difference over a thousandth of the path, or of the depth where the contact hardly moves.
+    let path = (end - start).abs() + (start.abs() + end.abs()) * R::from_f64(1e-3);
+    let nudge = path * R::from_f64(1e-3);
+    let (spring_beyond, damper_beyond) = force(end + nudge);
+    let slope_of = |beyond: R, here: R| {
+        if nudge > R::ZERO {
+            ((beyond - here) / nudge).at_least(R::ZERO)
+        } else {
+            R::ZERO
+        }
+    };
+    MeanForce {
+        force: (spring + damper).at_least(R::ZERO),
+        slope: slope_of(spring_beyond + damper_beyond, spring + damper),
+        stiffness: slope_of(spring_beyond, spring),
+        damping: slope_of(damper_beyond, damper) * seconds,
+    }
+}
+
+/// Mean force of the springs, and of what the law has beyond them.
+fn mean_parts<R: Real, L: ContactLaw<R> + ?Sized>(law: &L, start: R, end: R, seconds: R) -> (R, R) {
+    let zero = R::ZERO;
+    let (from, to) = (start.at_least(zero), end.at_least(zero));
+    let (path, submerged) = (end - start, to - from);
+    let energy = |depth: R| {
+        if depth > zero {
+            law.spring_energy(depth)
+        } else {
+            zero
+        }
+    };
+    let spring_at = |depth: R| {
+        if depth > zero {
+            law.spring_force(depth)
+        } else {
+            zero
+        }
+    };
+    // Where the path is so short that the difference of energies is rounding, the force in its middle is exact to rounding.
+    let spring = if submerged.abs() > (from + to) * R::EPSILON.sqrt() {
+        (energy(to) - energy(from)) / path
+    } else {
+        spring_at((from + to) * R::HALF)
+    };
+    if submerged == zero && path != zero {
+        return (spring, zero);
+    }
+    let closing_speed = path / seconds;
+    let share = if path == zero {
+        R::ONE
+    } else {
+        submerged / path
+    };
+    let mut damper = zero;
+    for (place, weight) in GAUSS {
+        let depth = from + submerged * R::from_f64(place);
+        if depth > zero {
+            let beyond = law.normal_force(depth, closing_speed) - law.spring_force(depth);
+            damper += beyond * R::from_f64(weight);
+        }
+    }
+    (spring, damper * share)
+}
+
+/// Gauss's rule on [0, 1] with three points: place and weight.
+const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_31, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];

@@ -1,0 +1,230 @@
+//! From what a user knows of a bounce to the parameters of a law, in f64 and by `libm`, once.
+
+use crate::error::{self, Rule, SceneError};
+use crate::real::Real;
+
+/// What a ground carries: a body's mass, on the contacts that touch together under its centre.
+///
+/// A ball or a corner is one contact; a flat coin of 120 points that lies is 120. The laws made for it are those of each contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Carried<R = f64> {
+    /// kg, above 0.
+    pub mass: R,
+    /// At least 1.
+    pub contacts: u32,
+}
+
+impl<R: Real> Carried<R> {
+    /// The mass (kg) that one contact carries.
+    pub(super) fn by_each(&self) -> Result<f64, SceneError> {
+        error::above_zero("mass of the body", self.mass, " kg")?;
+        if self.contacts == 0 {
+            let rule = Rule::AtLeast(1);
+            return Err(SceneError::new(
+                "number of contacts that carry",
+                rule,
+                0.0,
+                "",
+            ));
+        }
+        Ok(self.mass.to_f64() / f64::from(self.contacts))
+    }
+}
+
+/// That a restitution is above 0 and at most 1.
+fn checked<R: Real>(restitution: R) -> Result<f64, SceneError> {
+    let value = restitution.to_f64();
+    if value > 0.0 && value <= 1.0 {
+        Ok(value)
+    } else {
+        let rule = Rule::AboveZeroToOne;
+        Err(SceneError::new("restitution", rule, value, ""))
+    }
+}
+
+/// The place between `low` and `high` where a falling function passes from above 0 to below, to the last place.
+fn where_it_passes_zero(low: f64, high: f64, falling: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (low, high);
+    // 2⁻¹²⁸ of the interval.
+    for _ in 0..128 {
+        let middle = low + (high - low) * 0.5;
+        if falling(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low + (high - low) * 0.5
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Spring and damper that never pull
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// `arccos(ζ)/√(1-ζ²)`: half the time of a bounce, in radians of the undamped swing.
+pub(super) fn release_angle(ratio: f64) -> f64 {
+    let square = (1.0 - ratio) * (1.0 + ratio);
+    if square.abs() < 1e-12 {
+        // Both branches tend to 1 - (ζ - 1)/3.
+        1.0 + (1.0 - ratio) / 3.0
+    } else if square > 0.0 {
+        let root = libm::sqrt(square);
+        libm::atan2(root, ratio) / root
+    } else {
+        let root = libm::sqrt(-square);
+        libm::log1p((ratio - 1.0) + root) / root
+    }
+}
+
+/// The damping ratio with which a spring and damper that never pull give back this part of a speed: `e = exp(-2ζ arccos(ζ)/√(1-ζ²))`, inverted.
+pub(super) fn spring_damper_ratio<R: Real>(restitution: R) -> Result<f64, SceneError> {
+    let aim = libm::log(checked(restitution)?);
+    // Far above 1 the restitution is 1/(4ζ²).
+    let high = 1.0 + libm::exp(-0.5 * aim);
+    Ok(where_it_passes_zero(0.0, high, |ratio| {
+        -2.0 * ratio * release_angle(ratio) - aim
+    }))
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Limited damper
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// Logarithm of the restitution, and duration in radians of the undamped swing, of a spring with a limited damper.
+///
+/// With the swing's frequency as unit: limited, `d″ = -2 d` from the surface at the speed 1 until `d = 2ζ d′`, at the time `arctan(√8 ζ)/√2`, with the speed `1/√(1+8ζ²)` left. Then
+/// `d = A exp(-ζ t) sin(φ)`, `φ = θ + t sin β`, whose derivatives are `-A exp(-ζ t) sin(φ - β)` and `A exp(-ζ t) sin(φ - 2β)`: it begins where `2 sin θ = sin(2β - θ)`, and ends
+/// where the force is 0, `φ = 2β`. For ζ > 1 all angles are hyperbolic.
+pub(super) fn limited_damper(ratio: f64) -> [f64; 2] {
+    let limited = libm::sqrt(1.0 + 8.0 * ratio * ratio);
+    let first = libm::atan(libm::sqrt(8.0) * ratio) / libm::sqrt(2.0);
+    let square = (1.0 - ratio) * (1.0 + ratio);
+    if square.abs() < 1e-12 {
+        // The angles are in the ratio 2β : θ = 3 : 1, and sin β/sin(β - θ) is 3.
+        return [libm::log(3.0 / limited) - 4.0 / 3.0, first + 4.0 / 3.0];
+    }
+    let root = libm::sqrt(square.abs());
+    // β and β - θ, with sin 2β = 2ζ sin β and cos 2β = 2ζ² - 1.
+    let (whole, rest, sine_of_rest) = if square > 0.0 {
+        let whole = libm::atan2(root, ratio);
+        let rest = whole - libm::atan(2.0 * ratio * root / (1.0 + 2.0 * ratio * ratio));
+        (whole, rest, libm::sin(rest))
+    } else {
+        // exp β = s.
+        let s = ratio + root;
+        let whole = libm::log1p((ratio - 1.0) + root);
+        let rest = 0.5 * libm::log1p(2.0 * root * s / (1.0 + 2.0 * ratio * s));
+        (whole, rest, libm::sinh(rest))
+    };
+    let second = (whole + rest) / root;
+    let left = libm::log(root / (sine_of_rest * limited)) - ratio * second;
+    [left, first + second]
+}
+
+/// The damping ratio with which a spring with a limited damper gives back this part of a speed.
+pub(super) fn limited_damper_ratio<R: Real>(restitution: R) -> Result<f64, SceneError> {
+    // Squares of the ratio are to be numbers: what gives back less than 1e-140 is taken as that.
+    let aim = libm::log(checked(restitution)?.max(1e-140));
+    // Far above 1 the restitution is 1/(√8 ζ).
+    let high = 1.0 + libm::exp(-aim);
+    Ok(where_it_passes_zero(0.0, high, |ratio| {
+        limited_damper(ratio)[0] - aim
+    }))
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Hunt and Crossley
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// The number D = λ v with which Hunt and Crossley's law gives back this part e of the speed v: `D (1 + e) = ln((1 + D)/(1 - e D))`.
+pub(super) fn hunt_crossley_loss<R: Real>(restitution: R) -> Result<f64, SceneError> {
+    let e = checked(restitution)?;
+    let lost = 1.0 - e;
+    if lost < 1e-4 {
+        // Both sides agree to D². e = 1 - 2D/3 + 4D²/9 - ..., so that this misses the restitution by 1e-12 at most.
+        return Ok(1.5 * lost * (1.0 + lost));
+    }
+    let lack = |loss: f64| loss * (1.0 + e) - libm::log1p(loss) + libm::log1p(-e * loss);
+    Ok(where_it_passes_zero(0.0, 1.0 / e, lack))
+}
+
+/// `1/D - ln(1 + D)/D²`: the work of the springs on the way down, over m v².
+pub(super) fn work_down(loss: f64) -> f64 {
+    if loss < 1e-4 {
+        // The next term is D³/5.
+        0.5 - loss / 3.0 + loss * loss / 4.0
+    } else {
+        (loss - libm::log1p(loss)) / (loss * loss)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn restitution_of_hunt_crossley(loss: f64) -> f64 {
+        where_it_passes_zero(0.0, (1.0 / loss).min(1.0), |e| {
+            loss * (1.0 + e) - libm::log1p(loss) + libm::log1p(-e * loss)
+        })
+    }
+
+    #[test]
+    fn damping_ratios_have_the_printed_restitutions() {
+        // Case G3 of the validation catalogue: e = 0.75 needs ζ = 0.0971578.
+        let ratio = spring_damper_ratio(0.75).unwrap();
+        assert!((ratio - 0.097_157_8).abs() < 5e-8, "{ratio}");
+        for (ratio, e) in [(0.1, 0.744_079), (0.3, 0.450_975), (0.5, 0.298_436)] {
+            assert!((spring_damper_ratio(e).unwrap() - ratio).abs() < 2e-6);
+        }
+        assert!((spring_damper_ratio(libm::exp(-2.0)).unwrap() - 1.0).abs() < 1e-12);
+        assert!(spring_damper_ratio(1.0).unwrap() < 1e-15);
+    }
+
+    #[test]
+    fn losses_have_the_printed_restitutions() {
+        // Case B6 of the validation catalogue.
+        for (loss, e) in [
+            (0.1, 0.937_475_58),
+            (0.3, 0.832_869_79),
+            (1.0, 0.593_624_26),
+        ] {
+            // Half a unit of the last printed place, times dD/de of at most 1.9.
+            assert!((hunt_crossley_loss(e).unwrap() - loss).abs() < 1.5e-8);
+        }
+        for loss in [1e-6, 2e-5, 1e-2, 3.0, 40.0] {
+            let e: f64 = if loss < 1e-3 {
+                1.0 - loss * 2.0 / 3.0 + loss * loss * 4.0 / 9.0
+            } else {
+                restitution_of_hunt_crossley(loss)
+            };
+            // What the parabola leaves out, and the rounding of e.
+            let found = hunt_crossley_loss(e).unwrap();
+            assert!((found - loss).abs() < 1e-8 * loss, "{found}, not {loss}");
+        }
+    }
+
+    #[test]
+    fn any_restitution_has_its_damping_ratio() {
+        for e in [1e-140, 1e-20, 1e-3, 0.1, 0.2636, 0.5, 0.9, 0.999_999] {
+            let ratio = spring_damper_ratio(e).unwrap();
+            let found = libm::exp(-2.0 * ratio * release_angle(ratio));
+            assert!((found - e).abs() < 1e-12 * e, "{found}, not {e}");
+            let ratio = limited_damper_ratio(e).unwrap();
+            let found = libm::exp(limited_damper(ratio)[0]);
+            assert!((found - e).abs() < 1e-9 * e, "limited: {found}, not {e}");
+        }
+    }
+
+    #[test]
+    fn the_branches_of_the_formulas_meet_at_critical_damping() {
+        for aside in [1e-5, -1e-5, 1e-12, 0.0] {
+            // Slopes of at most 1.
+            assert!((release_angle(1.0 + aside) - 1.0).abs() <= aside.abs() + 1e-15);
+            let [left, radians] = limited_damper(1.0 + aside);
+            assert!((left + 4.0 / 3.0).abs() <= 2.0 * aside.abs() + 1e-9);
+            let critical = libm::atan(libm::sqrt(8.0)) / libm::sqrt(2.0) + 4.0 / 3.0;
+            assert!((radians - critical).abs() <= 2.0 * aside.abs() + 1e-9);
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! Hunt and Crossley's law, with Hertz's exponent or any other.
+
+use super::bounce::{self, Carried};
+use super::{ContactLaw, MeanForce};
+use crate::error::{self, Rule, SceneError};
+use crate::real::Real;
+
+/// Hunt and Crossley's law (J. Appl. Mech. 42, 440, 1975): a spring that stiffens, and a damper in proportion to the spring's force.
+///
+/// `normal force = k dⁿ max(0, 1 + λ u)` in newtons, for stiffness k, depth d, exponent n, damping λ and closing speed u. Energy in the spring: `k d^(n+1)/(n+1)`.
+///
+/// The exponent 3/2 is that of an elastic ball on an elastic plane (Hertz 1881; [`hertz`](Self::hertz)), 1 that of a linear spring, 2 that of a cone. With 1, 3/2 and 2 a
+/// force costs no more than a square root; others take `libm`'s power, some 50 ns.
+///
+/// A point that hits with speed v leaves with restitution e, `λ v (1 + e) = ln((1 + λ v)/(1 - e λ v))`, whatever exponent, stiffness and mass: `1 - 2 λ v/3` for slow
+/// bounces, `1/(λ v)` at most. It never leaves while the ground pushes, and the force is continuous at first touch.
+///
+/// *Limits:* a light touch is hardly damped: a body that settles at the depth d swings with the damping ratio `λ g/(2ω)`, `ω² = n g/d`, and takes long to come to rest where `λ v` is small.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct HuntCrossley<R = f64> {
+    /// N/mⁿ per contact, at least 0.
+    pub stiffness: R,
+    /// Dimensionless, at least 1.
+    pub exponent: R,
+    /// s/m, at least 0.
+    pub damping: R,
+}
+
+/// Where the depths of a path differ by less than this part of their sum, the difference of the energies says less of the mean force than Gauss's rule does.
+///
+/// There the rule's error is below 1e-14 of the force for exponents up to 3; the difference's is 50 units in the last place.
+const SHORT: f64 = 0.02;
+
+impl<R: Real> HuntCrossley<R> {
+    /// Hertz's contact of an elastic ball of this radius (m) with an elastic plane, without damping: exponent 3/2, stiffness `4/3 E √r`, with `1/E = (1-ν₁²)/E₁ + (1-ν₂²)/E₂` of both
+    /// materials (Pa).
+    ///
+    /// *Limits:* small depths (under a tenth of the radius), no adhesion, slow compared with sound.
+    #[must_use]
+    pub fn hertz(modulus: R, radius: R) -> Self {
+        Self {
+            stiffness: modulus * radius.sqrt() * R::from_f64(4.0 / 3.0),
+            exponent: R::from_f64(1.5),
+            damping: R::ZERO,
+        }
+    }
+
+    /// The law by which a body that hits with `speed` (m/s) goes down by `depth` (m) and leaves with this restitution (-, above 0, at most 1).
+    ///
+    /// Without gravity during the bounce, and for contacts that touch together under the centre of mass. The damping solves the relation above; with it
+    /// `stiffness = (n + 1) m (v/λ - ln(1 + λ v)/λ²)/depth^(n+1)`. An elastic bounce with exponent 3/2 takes `2.943 depth/speed`.
+    ///
+    /// # Errors
+    /// Where a number is not in its range.
+    pub fn from_bounce(
+        carried: Carried<R>,
+        exponent: R,
+        restitution: R,
+        speed: R,
+        depth: R,
+    ) -> Result<Self, SceneError> {
+        let loss = bounce::hunt_crossley_loss(restitution)?;
+        check_exponent(exponent)?;
+        error::above_zero("speed of a bounce", speed, " m/s")?;
+        error::above_zero("depth of a bounce", depth, " m")?;
+        let (speed, power) = (speed.to_f64(), exponent.to_f64() + 1.0);
+        let work = carried.by_each()? * speed * speed * bounce::work_down(loss);
+        Ok(Self {
+            stiffness: R::from_f64(work * power / libm::pow(depth.to_f64(), power)),
+            exponent,
+            damping: R::from_f64(loss / speed),
+        })
+    }
+
+    /// The law on which a body sinks by `sink_depth` (m) at rest under `gravity` (m/s²), and bounces with this restitution (-, above 0, at most 1) where it hits with `speed` (m/s).
+    ///
+    /// `stiffness = m g/depthⁿ`; the damping as of [`from_bounce`](Self::from_bounce).
+    ///
+    /// # Errors
+    /// Where a number is not in its range.
+    pub fn from_rest(
+        carried: Carried<R>,
+        exponent: R,
+        [restitution, speed]: [R; 2],
+        sink_depth: R,
+        gravity: R,
+    ) -> Result<Self, SceneError> {
+        let loss = bounce::hunt_crossley_loss(restitution)?;
+        check_exponent(exponent)?;
+        error::above_zero("speed of a bounce", speed, " m/s")?;
+        error::above_zero("depth at rest", sink_depth, " m")?;
+        error::above_zero("gravity", gravity, " m/s²")?;
+        let weight = carried.by_each()? * gravity.to_f64();
+        let power = libm::pow(sink_depth.to_f64(), exponent.to_f64());
+        Ok(Self {
+            stiffness: R::from_f64(weight / power),
+            exponent,
+            damping: R::from_f64(loss / speed.to_f64()),
+        })
+    }
+
+    /// `dⁿ`.
+    #[inline]
+    fn power(&self, depth: R) -> R {
+        match self.kind() {
+            Kind::Linear => depth,
+            Kind::Hertz => depth * depth.sqrt(),
+            Kind::Square => depth * depth,
+            Kind::Any => depth.powf(self.exponent),
+        }
+    }
+
+    #[inline]
+    fn kind(&self) -> Kind {
+        if self.exponent == R::ONE {
+            Kind::Linear
+        } else if self.exponent == R::from_f64(1.5) {
+            Kind::Hertz
+        } else if self.exponent == R::TWO {
+            Kind::Square
+        } else {
+            Kind::Any
+        }
+    }
+
+    /// Mean force of the spring between two depths of at least 0, `ΔV/Δd`, and its derivative with respect to the second.
+    #[inline]
+    fn mean_spring(&self, from: R, to: R) -> [R; 2] {
+        let k = self.stiffness;
+        match self.kind() {
+            Kind::Linear => [k * ((from + to) * R::HALF), k * R::HALF],
+            Kind::Hertz => mean_of_hertz(from, to).map(|mean| k * mean),
+            Kind::Square => {
+                let third = k * R::from_f64(1.0 / 3.0);
+                let squares = from * from + from * to + to * to;
+                [third * squares, third * (from + to * R::TWO)]
+            }
+            Kind::Any => self.mean_of_any(from, to),
+        }
+    }
+
+    fn mean_of_any(&self, from: R, to: R) -> [R; 2] {
+        let (path, sum) = (to - from, from + to);
+        if path.abs() > sum * R::from_f64(SHORT) {
+            let mean = (self.spring_energy(to) - self.spring_energy(from)) / path;
+            let slope = (self.spring_force(to) - mean) / path;
+            return [mean, slope.at_least(R::ZERO)];
+        }
+        // Gauss's rule with three points.
+        let middle = sum * R::HALF;
+        let force = self.spring_force(middle);
+        let aside = path * R::from_f64(0.387_298_334_620_741_7);
+        let outer = self.spring_force(middle + aside) + self.spring_force(middle - aside);
+        let mean = outer * R::from_f64(5.0 / 18.0) + force * R::from_f64(4.0 / 9.0);
+        let slope = if middle > R::ZERO {
+            self.exponent * (force / middle) * R::HALF
+        } else {
+            R::ZERO
+        };
+        [mean, slope]
+    }
+}
+
+/// The exponents that need no power function.
+#[derive(Clone, Copy)]
+enum Kind {
+    Linear,
+    Hertz,
+    Square,
+    Any,
+}
+
+/// Mean of `d^(3/2)` between two depths, and its derivative with respect to the second: with u and v the roots of the depths,
+/// `2/5 (u⁴ + u³v + u²v² + uv³ + v⁴)/(u + v)` and `1/5 (2u³ + 4u²v + 6uv² + 3v³)/(u + v)²`, without a difference that could cancel.
+#[inline]
+fn mean_of_hertz<R: Real>(from: R, to: R) -> [R; 2] {
+    let (u, v) = (from.sqrt(), to.sqrt());
+    let sum = u + v;
+    if sum <= R::ZERO {
+        return [R::ZERO; 2];
+    }
+    let n = R::from_f64;
+    let fourth = from * from + (from + to) * (u * v) + from * to + to * to;
+    // Each root over the sum is at most 1: no small square.
+    let (p, q) = (u / sum, v / sum);
+    let third = n(2.0) * p * p * u + n(4.0) * p * q * u + n(6.0) * p * q * v + n(3.0) * q * q * v;
+    [n(0.4) * (fourth / sum), n(0.2) * third]
+}
+
+impl<R: Real> ContactLaw<R> for HuntCrossley<R> {
+    #[inline]
+    fn spring_force(&self, depth: R) -> R {
+        self.stiffness * self.power(depth)
+    }
+
+    #[inline]
+    fn spring_energy(&self, depth: R) -> R {
+        self.stiffness * (self.power(depth) * depth) / (self.exponent + R::ONE)
+    }
+
+    #[inline]
+    fn normal_force(&self, depth: R, closing_speed: R) -> R {
+        let factor = R::ONE + self.damping * closing_speed;
+        self.spring_force(depth) * factor.at_least(R::ZERO)
+    }
+
+    /// Along an even path the damper's factor is one number, so that the mean is `(1 + λ Δ/h) ΔV/Δ`, with Δ the path and h the time.
+    #[inline]
+    fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
+        let (from, to) = (start.at_least(R::ZERO), end.at_least(R::ZERO));
+        if from + to <= R::ZERO {
+            return MeanForce::NONE;
+        }
+        let path = end - start;
+        let factor = R::ONE + self.damping * (path / seconds);
+        if factor <= R::ZERO {
+            return MeanForce::NONE;
+        }
+        let [mut spring, mut stiffness] = self.mean_spring(from, to);
+        if end <= R::ZERO {
+            // It leaves: a longer way above the ground takes its share of the mean.
+            spring *= from / -path;
+            stiffness = spring / -path;
+        } else if start < R::ZERO {
+            let share = end / path;
+            stiffness = (share * stiffness) + spring * ((R::ONE - share) / path);
+            spring *= share;
+        }
+        MeanForce {
+            force: factor * spring,
+            slope: factor * stiffness + (self.damping / seconds) * spring,
+            stiffness: factor * stiffness,
+            damping: self.damping * spring,
+        }
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::at_least_zero("stiffness of the ground", self.stiffness, " N/m^n")?;
+        check_exponent(self.exponent)?;
+        error::at_least_zero("damping of the ground", self.damping, " s/m")
+    }
+}
+
+fn check_exponent<R: Real>(exponent: R) -> Result<(), SceneError> {
+    if exponent >= R::ONE && exponent.is_finite() {
+        return Ok(());
+    }
+    let value = exponent.to_f64();
+    Err(SceneError::new(
+        "exponent of the ground",
+        Rule::AtLeast(1),
+        value,
+        "",
+    ))
+}
