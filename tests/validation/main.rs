@@ -18,6 +18,7 @@ mod table;
 mod a_free_motion;
 mod b_normal_contact;
 mod c_friction;
+mod d_rolling;
 
 use table::{Case, TABLE};
 
@@ -27,6 +28,7 @@ fn cases() -> impl Iterator<Item = &'static Case> {
         a_free_motion::CASES,
         b_normal_contact::CASES,
         c_friction::CASES,
+        d_rolling::CASES,
     ]
     .into_iter()
     .flatten()
