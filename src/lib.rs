@@ -73,13 +73,13 @@
 //!
 //! # Your own parts
 //!
-//! - a body: [`RigidPointBody`], [`contract::check_body`]
-//! - a ground: [`SpringDamperGround`], [`contract::check_ground`]
-//! - a friction law: [`SlidingFriction`], [`contract::check_friction`]
-//! - an integrator: [`Integrator`], [`contract::check_integrator`], [`contract::check_energy_never_rises`]
-//! - an observer: [`Observer`]; a closure is one
+//! - [a body](guide::extending::body): [`RigidPointBody`], [`contract::check_body`]
+//! - [a ground](guide::extending::ground): [`SpringDamperGround`], [`contract::check_ground`]
+//! - [a friction law](guide::extending::friction): [`SlidingFriction`], [`contract::check_friction`]
+//! - [an integrator](guide::extending::integrator): [`Integrator`], [`contract::check_integrator`], [`contract::check_energy_never_rises`]
+//! - [an observer](guide::extending::observer): [`Observer`]; a closure is one
 //!
-//! Each trait's page says what it asks and has an example; `tests/downstream` in the repository is a crate with one of each. Parts are taken by value, by reference, or behind `&dyn`.
+//! [`guide::extending`] has a page for each: what to implement, what is provided, what the check tests, and a whole example; `tests/downstream` in the repository is a crate with one of each. Parts are taken by value, by reference, or behind `&dyn`.
 //! Every type has the number as a parameter ([`Real`]: `f64` where nothing else is said, or `f32`); the modules [`mod@f64`] and [`mod@f32`] name everything for one of them.
 //!
 //! # Features
@@ -134,7 +134,7 @@ pub use state::State;
 pub use stepper::Stepper;
 pub use trial::{Start, Trial};
 
-/// Chapters: why the energy cannot rise, how accurate a run is, and what the model gets where the answer is known.
+/// Chapters: why the energy cannot rise, how accurate a run is, what the model gets where the answer is known, and how to add parts.
 pub mod guide {
     #[doc = include_str!("guide/energy.md")]
     pub mod energy {}
@@ -144,6 +144,24 @@ pub mod guide {
 
     #[doc = include_str!("guide/validation.md")]
     pub mod validation {}
+
+    #[doc = include_str!("guide/extending.md")]
+    pub mod extending {
+        #[doc = include_str!("guide/extending/body.md")]
+        pub mod body {}
+
+        #[doc = include_str!("guide/extending/ground.md")]
+        pub mod ground {}
+
+        #[doc = include_str!("guide/extending/friction.md")]
+        pub mod friction {}
+
+        #[doc = include_str!("guide/extending/integrator.md")]
+        pub mod integrator {}
+
+        #[doc = include_str!("guide/extending/observer.md")]
+        pub mod observer {}
+    }
 }
 
 /// The code of the README is compiled and run with the documentation's.

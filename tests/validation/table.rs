@@ -85,7 +85,9 @@ impl Case {
                 got,
                 tolerance,
             } = figure;
-            let (error, digits) = ((got - expected).abs(), digits_for(*expected, *tolerance));
+            let error = (got - expected).abs();
+            // One place more than agree, where the tolerance is wide.
+            let digits = digits_for(*expected, error.max(1e-9).min(*tolerance));
             writeln!(
                 rows,
                 "| {id} | {what} | {formula} | {} | {} | {} | {tolerance:.0e} | {source} |",
@@ -99,10 +101,10 @@ impl Case {
     }
 }
 
-/// Places after the point that show a number to its tolerance, and at most nine digits of it.
-fn digits_for(number: f64, tolerance: f64) -> usize {
-    let [leading, last] = [number, tolerance].map(|x| x.abs().max(1e-12).log10().floor());
-    // A tolerance may be as small as rounding, or far larger than what is shown to be 0.
+/// Places after the point that show a number to a difference, and at most nine.
+fn digits_for(number: f64, difference: f64) -> usize {
+    let [leading, last] = [number, difference].map(|x| x.abs().max(1e-12).log10().floor());
+    // The difference may be as small as rounding, or far larger than what is shown to be 0.
     let places = (-last).min(6.0 - leading.min(0.0)).clamp(0.0, 9.0);
     (0..10)
         .find(|&count| f64::from(count) >= places)
