@@ -17,6 +17,8 @@ macro_rules! names_for {
 
             /// Energy, dissipation and rates.
             pub type Account = crate::Account<$real>;
+            /// Coulomb friction with a grain.
+            pub type AnisotropicCoulomb = crate::AnisotropicCoulomb<$real>;
             /// The body's axes in the world.
             pub type Axes = crate::rotation::Axes<$real>;
             /// What a ground carries.
@@ -93,6 +95,8 @@ macro_rules! names_for {
                 crate::Stepper<$real, B, G, F, A, I>;
             /// The splitting integrator of order 2.
             pub type StrangSplitting = crate::StrangSplitting<$real>;
+            /// Friction with a static and a kinetic coefficient.
+            pub type Stribeck = crate::Stribeck<$real>;
             /// The ground's surface as seen from a point.
             pub type Surface = crate::Surface<$real>;
             /// The semi-implicit Euler integrator.
@@ -103,6 +107,8 @@ macro_rules! names_for {
             pub type TrialStepper<I> = crate::trial::TrialStepper<$real, I>;
             /// Gravity, the same everywhere.
             pub type UniformGravity = crate::UniformGravity<$real>;
+            /// Friction in proportion to the slip.
+            pub type Viscous = crate::Viscous<$real>;
         }
     };
 }

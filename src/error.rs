@@ -12,6 +12,8 @@ pub enum Rule {
     AtLeastZero,
     /// Above 0 and at most 1.
     AboveZeroToOne,
+    /// 0, to rounding.
+    Zero,
     /// Neither infinite nor NaN.
     Finite,
     /// At least this many.
@@ -34,6 +36,7 @@ impl core::fmt::Display for Rule {
             Self::AboveZero => "must be above 0",
             Self::AtLeastZero => "must be at least 0",
             Self::AboveZeroToOne => "must be above 0 and at most 1",
+            Self::Zero => "must be 0",
             Self::Finite => "must be finite",
             Self::UnitLength => "must have length 1",
             Self::TriangleInequality => "must not exceed the sum of the other two moments",

@@ -1,8 +1,14 @@
 //! Sliding friction: the force along the ground.
 
+mod anisotropic;
 mod coulomb;
+mod stribeck;
+mod viscous;
 
+pub use anisotropic::AnisotropicCoulomb;
 pub use coulomb::{Coulomb, SmoothCoulomb};
+pub use stribeck::Stribeck;
+pub use viscous::Viscous;
 
 use crate::error::SceneError;
 use crate::real::{Real, Vector};
@@ -11,6 +17,17 @@ use crate::real::{Real, Vector};
 ///
 /// *To the implementer:* the force must lie in the plane of `slip`, oppose it (`force · slip <= 0`, so that friction never adds energy), and be finite at zero
 /// slip. [`contract::check_friction`](crate::contract::check_friction) tests an implementation.
+///
+/// # Which law when
+///
+/// | law | size of the force at a slip u under the load N | take it for |
+/// |---|---|---|
+/// | [`Coulomb`] | `μ N u/(u + ε)` | the report's; dry friction with one coefficient |
+/// | [`SmoothCoulomb`] | `μ N u/√(u² + ε²)` | the same, with less creep at the same ε, and all derivatives |
+/// | [`Stribeck`] | `N u (μ(u)/(u + ε) + v)`, μ falling from static to kinetic | stick and slip, squeal, greased contacts |
+/// | [`AnisotropicCoulomb`] | on an ellipse of half axes `μ₁ N`, `μ₂ N` | grain: wood, brushed metal |
+/// | [`Viscous`] | `c N u` | wet ground |
+/// | [`Frictionless`] | 0 | ice, and what is computed without friction |
 ///
 /// ```
 /// use tumble::SlidingFriction;

@@ -27,7 +27,8 @@
 //!   always right, and exact in flight for a body with two equal moments.
 //! - A ground of springs and dampers under each contact, that never pulls: the report's on a plane at any height and tilt ([`FlatGround`]); a choice of laws ([`ContactLaw`]) on a choice of shapes
 //!   ([`Shape`]), joined by a [`Ground`]; or yours.
-//! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), or yours.
+//! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), with a static and a kinetic coefficient ([`Stribeck`]) or two directions
+//!   ([`AnisotropicCoulomb`]); [`Viscous`]; or yours.
 //! - The energy by kind ([`Energy`]) and the books of a run ([`Ledger`]).
 //!
 //! # What is not
@@ -117,7 +118,10 @@ pub use aliases::{f32, f64};
 pub use body::{Coin, ContactPoint, Face, MassProperties, PointCloud, RigidPointBody, Run};
 pub use energy::{Account, Dissipation, Energy};
 pub use error::{SceneError, StepError};
-pub use friction::{Coulomb, Drag, Frictionless, SlidingFriction, SmoothCoulomb};
+pub use friction::{
+    AnisotropicCoulomb, Coulomb, Drag, Frictionless, SlidingFriction, SmoothCoulomb, Stribeck,
+    Viscous,
+};
 pub use gravity::{Gravity, NoGravity, UniformGravity};
 pub use ground::{
     Carried, ContactLaw, Extent, FlatGround, Ground, HuntCrossley, LimitedDamper, MeanForce,

@@ -12,11 +12,11 @@ use tumble::error::{Quantity, Rule};
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    Carried, Coin, ContactLaw, ContactPoint, Coulomb, Dissipation, EnergyMomentum, FlatGround,
-    ForwardEuler, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper, Plane,
-    PointCloud, Real, RigidPointBody, Rk4, SceneError, SlidingFriction, SmoothCoulomb,
-    SpringDamper, SpringDamperGround, State, StepError, Stepper, StrangSplitting, Surface,
-    SymplecticEuler, Trial, UniformGravity,
+    AnisotropicCoulomb, Carried, Coin, ContactLaw, ContactPoint, Coulomb, Dissipation,
+    EnergyMomentum, FlatGround, ForwardEuler, Gravity, Ground, HuntCrossley, Integrator, Ledger,
+    LimitedDamper, Plane, PointCloud, Real, RigidPointBody, Rk4, SceneError, SlidingFriction,
+    SmoothCoulomb, SpringDamper, SpringDamperGround, State, StepError, Stepper, StrangSplitting,
+    Stribeck, Surface, SymplecticEuler, Trial, UniformGravity, Viscous,
 };
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -517,6 +517,108 @@ fn the_coefficient_of_friction_is_at_least_zero() {
                 slip_speed,
             })
         },
+    );
+}
+
+#[test]
+fn the_numbers_of_stribecks_friction_are_in_their_ranges() {
+    let law = Stribeck {
+        static_coefficient: 0.4,
+        kinetic_coefficient: 0.3,
+        stribeck_speed: 0.01,
+        viscous: 0.0,
+        slip_speed: 1e-4,
+    };
+    let with = |law: Stribeck| Stepper::new(point_mass(1.0))?.with_friction(law);
+    refuses(
+        "static coefficient of friction",
+        AT_LEAST_ZERO,
+        "",
+        |number| {
+            with(Stribeck {
+                static_coefficient: number,
+                ..law
+            })
+        },
+    );
+    refuses(
+        "kinetic coefficient of friction",
+        AT_LEAST_ZERO,
+        "",
+        |number| {
+            with(Stribeck {
+                kinetic_coefficient: number,
+                ..law
+            })
+        },
+    );
+    refuses(
+        "Stribeck speed of the friction",
+        ABOVE_ZERO,
+        " m/s",
+        |number| {
+            with(Stribeck {
+                stribeck_speed: number,
+                ..law
+            })
+        },
+    );
+    refuses("viscous friction", AT_LEAST_ZERO, " s/m", |number| {
+        with(Stribeck {
+            viscous: number,
+            ..law
+        })
+    });
+    refuses("slip speed of the friction", ABOVE_ZERO, " m/s", |number| {
+        with(Stribeck {
+            slip_speed: number,
+            ..law
+        })
+    });
+    refuses("viscous friction", AT_LEAST_ZERO, " s/m", |coefficient| {
+        Stepper::new(point_mass(1.0))?.with_friction(Viscous { coefficient })
+    });
+}
+
+#[test]
+fn the_numbers_of_friction_with_a_grain_are_in_their_ranges() {
+    let law = AnisotropicCoulomb::on(DVec3::Z, DVec3::X, [0.3, 0.5], 1e-3);
+    let with = |law: AnisotropicCoulomb| {
+        Stepper::new(point_mass(1.0))?
+            .with_friction(law)
+            .map(|_| ())
+    };
+    refuses("coefficient of friction", AT_LEAST_ZERO, "", |number| {
+        let mut law = law;
+        law.coefficients[0] = number;
+        with(law)
+    });
+    refuses("coefficient of friction", AT_LEAST_ZERO, "", |number| {
+        let mut law = law;
+        law.coefficients[1] = number;
+        with(law)
+    });
+    refuses("slip speed of the friction", ABOVE_ZERO, " m/s", |number| {
+        let mut law = law;
+        law.slip_speed = number;
+        with(law)
+    });
+    let refusal = |along, across| {
+        let mut law = law;
+        (law.along, law.across) = (along, across);
+        with(law).unwrap_err().to_string()
+    };
+    assert_eq!(
+        refusal(DVec3::X * 2.0, DVec3::Y),
+        "direction of the friction must have length 1, got 2"
+    );
+    assert_eq!(
+        refusal(DVec3::X, DVec3::NAN),
+        "direction of the friction must have length 1, got NaN"
+    );
+    assert_eq!(
+        refusal(DVec3::X, DVec3::X),
+        "cosine between the directions of the friction must be 0, got 1"
     );
 }
 

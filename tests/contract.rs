@@ -14,10 +14,11 @@ use tumble::contract::{
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::integrator::step_length;
 use tumble::{
-    Coin, ContactPoint, Coulomb, Drag, Dynamics, EnergyMomentum, Extent, FlatGround, ForwardEuler,
-    Frictionless, Ground, HuntCrossley, Integrator, LimitedDamper, MeanForce, NoGround, Plane,
-    PointCloud, Real, RigidPointBody, Rk4, SceneError, SlidingFriction, SmoothCoulomb,
-    SpringDamperGround, State, Step, StepError, StrangSplitting, Surface, SymplecticEuler, error,
+    AnisotropicCoulomb, Coin, ContactPoint, Coulomb, Drag, Dynamics, EnergyMomentum, Extent,
+    FlatGround, ForwardEuler, Frictionless, Ground, HuntCrossley, Integrator, LimitedDamper,
+    MeanForce, NoGround, Plane, PointCloud, Real, RigidPointBody, Rk4, SceneError, SlidingFriction,
+    SmoothCoulomb, SpringDamperGround, State, Step, StepError, StrangSplitting, Stribeck, Surface,
+    SymplecticEuler, Viscous, error,
 };
 
 /// Ten batteries of other numbers.
@@ -139,10 +140,40 @@ fn every_built_in_friction_passes() {
                 check_friction(&coulomb, &SLIDES, battery).unwrap();
                 check_friction(&smooth, &SLIDES, battery).unwrap();
                 check_friction(&Differences(coulomb), &SLIDES, battery).unwrap();
+                let viscous = Viscous { coefficient };
+                check_friction(&viscous, &SLIDES, battery).unwrap();
+                for (kinetic, viscous) in [(0.5, 0.0), (1.0, 0.1), (2.0, 10.0), (0.0, 0.0)] {
+                    let stribeck = Stribeck {
+                        static_coefficient: coefficient,
+                        kinetic_coefficient: kinetic * coefficient,
+                        stribeck_speed: slip_speed * 30.0,
+                        viscous,
+                        slip_speed,
+                    };
+                    check_friction(&stribeck, &SLIDES, battery).unwrap();
+                }
+                for across in [0.0, 0.2, 1.0] {
+                    let coefficients = [coefficient, coefficient * across];
+                    let grain = DVec3::new(0.3, -0.9, 0.1);
+                    let anisotropic =
+                        AnisotropicCoulomb::on(SLIDES.normal, grain, coefficients, slip_speed);
+                    check_friction(&anisotropic, &SLIDES, battery).unwrap();
+                }
             }
         }
         let coulomb = Coulomb::<f32>::as_in_the_report(0.3);
         check_friction(&coulomb, &slides_32, battery).unwrap();
+        let coefficients = [0.3_f32, 0.1];
+        let anisotropic = AnisotropicCoulomb::on(slides_32.normal, Vec3::X, coefficients, 1e-6);
+        check_friction(&anisotropic, &slides_32, battery).unwrap();
+        let stribeck = Stribeck {
+            static_coefficient: 0.4_f32,
+            kinetic_coefficient: 0.3,
+            stribeck_speed: 1e-2,
+            viscous: 1e-3,
+            slip_speed: 1e-5,
+        };
+        check_friction(&stribeck, &slides_32, battery).unwrap();
     }
 }
 

@@ -18,10 +18,10 @@ use proptest::test_runner::{TestCaseResult, TestRunner};
 use tumble::glam::DVec3;
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    Coin, ContactPoint, Coulomb, Dynamics, Energy, EnergyMomentum, Extent, FlatGround,
-    Frictionless, Ground, HuntCrossley, Integrator, LimitedDamper, Plane, PointCloud, Real,
-    RigidPointBody, SlidingFriction, SmoothCoulomb, SpringDamperGround, State, Step, Stepper,
-    Surface, UniformGravity,
+    AnisotropicCoulomb, Coin, ContactPoint, Coulomb, Dynamics, Energy, EnergyMomentum, Extent,
+    FlatGround, Frictionless, Ground, HuntCrossley, Integrator, LimitedDamper, Plane, PointCloud,
+    Real, RigidPointBody, SlidingFriction, SmoothCoulomb, SpringDamperGround, State, Step, Stepper,
+    Stribeck, Surface, UniformGravity, Viscous,
 };
 
 /// Evaluations of the contacts that a step may take: a step that cannot be taken whole is halved down to sixteenths (1 + 2 + 4 + 8 + 16 attempts), and an
@@ -151,6 +151,9 @@ enum GroundKind {
 enum FrictionKind {
     Coulomb,
     Smooth,
+    Stribeck,
+    Viscous,
+    Anisotropic,
     Oil,
     None,
 }
@@ -313,7 +316,12 @@ fn cases(ranges: Ranges, laws: Laws) -> impl Strategy<Value = Case> {
             FrictionKind::Coulomb,
             FrictionKind::None,
         ],
-        Laws::BuiltIn => vec![FrictionKind::Coulomb, FrictionKind::Smooth],
+        Laws::BuiltIn => vec![
+            FrictionKind::Smooth,
+            FrictionKind::Stribeck,
+            FrictionKind::Viscous,
+            FrictionKind::Anisotropic,
+        ],
         Laws::Users => vec![
             FrictionKind::Oil,
             FrictionKind::Smooth,
@@ -478,6 +486,25 @@ impl Case {
                 coefficient,
                 slip_speed,
             }),
+            FrictionKind::Stribeck => Box::new(Stribeck {
+                static_coefficient: coefficient,
+                kinetic_coefficient: coefficient * R::HALF,
+                stribeck_speed: (slip_speed * R::from_f64(100.0)).at_least(R::from_f64(1e-3)),
+                viscous: coefficient * R::from_f64(1e-3),
+                slip_speed,
+            }),
+            FrictionKind::Viscous => Box::new(Viscous { coefficient }),
+            FrictionKind::Anisotropic => {
+                let normal = vector::<R>(self.normal);
+                let grain = vector::<R>(self.normal.any_orthogonal_vector() + self.normal);
+                let coefficients = [coefficient, coefficient * R::from_f64(0.3)];
+                Box::new(AnisotropicCoulomb::on(
+                    normal,
+                    grain,
+                    coefficients,
+                    slip_speed,
+                ))
+            }
             FrictionKind::Oil => Box::new(Oil { drag: coefficient }),
             FrictionKind::None => Box::new(Frictionless),
         }

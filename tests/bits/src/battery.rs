@@ -7,10 +7,11 @@ use core::ops::ControlFlow;
 
 use tumble::real::{Matrix, Quaternion, Vector};
 use tumble::{
-    Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, ForwardEuler, Frictionless, Gravity,
-    Ground, HuntCrossley, Integrator, Ledger, LimitedDamper, NoGravity, NoGround, Plane,
-    PointCloud, Real, RigidPointBody, Rk4, Sample, SceneError, SlidingFriction, SmoothCoulomb,
-    SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler, Trial, UniformGravity,
+    AnisotropicCoulomb, Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, ForwardEuler,
+    Frictionless, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper, NoGravity,
+    NoGround, Plane, PointCloud, Real, RigidPointBody, Rk4, Sample, SceneError, SlidingFriction,
+    SmoothCoulomb, SpringDamperGround, State, Stepper, StrangSplitting, Stribeck, SymplecticEuler,
+    Trial, UniformGravity, Viscous,
 };
 
 /// What a scene has come to.
@@ -391,6 +392,32 @@ fn scenes<R: Bits, I: Integrator<R>>(
             .with_gravity(gravity)?
             .with_ground(Ground { law, shape: slope })?
             .with_friction(smooth)?
+            .with_integrator(by())?;
+        see(name, follow(&stepper, thrown, 0.5003));
+    }
+
+    let stribeck = Stribeck::<R> {
+        static_coefficient: real(0.5),
+        kinetic_coefficient: real(0.3),
+        stribeck_speed: real(0.05),
+        viscous: real(0.01),
+        slip_speed: real(1e-3),
+    };
+    let (grain, coefficients) = (vector::<R>(0.6, 0.8, 0.0), [real(0.5), real(0.2)]);
+    let anisotropic = AnisotropicCoulomb::<R>::on(slope.normal, grain, coefficients, real(1e-3));
+    let viscous = Viscous::<R> {
+        coefficient: real(0.4),
+    };
+    let frictions: [(&'static str, &dyn SlidingFriction<R>); 3] = [
+        ("Stribeck's friction", &stribeck),
+        ("friction with a grain", &anisotropic),
+        ("viscous friction", &viscous),
+    ];
+    for (name, friction) in frictions {
+        let stepper = Stepper::new(&lopsided)?
+            .with_gravity(gravity)?
+            .with_ground(FlatGround::level(real(4000.0), real(6.0)).on(slope))?
+            .with_friction(friction)?
             .with_integrator(by())?;
         see(name, follow(&stepper, thrown, 0.5003));
     }

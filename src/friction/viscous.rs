@@ -1,0 +1,37 @@
+//! Friction in proportion to the slip.
+
+use super::{Drag, SlidingFriction};
+use crate::error::{self, SceneError};
+use crate::real::Real;
+
+/// Friction in proportion to load and slip: a wet or greased ground.
+///
+/// `force = -coefficient · normal_force · slip`, in newtons, world axes. Never adds energy: `force · slip <= 0`.
+///
+/// *Limits:* it does not stick at all: on a slope of angle θ a body comes to slide at `tan θ/coefficient`. A film that drags without load is not modelled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Viscous<R = f64> {
+    /// s/m, at least 0.
+    pub coefficient: R,
+}
+
+impl<R: Real> SlidingFriction<R> for Viscous<R> {
+    #[inline]
+    fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        slip * -(self.coefficient * normal_force)
+    }
+
+    #[inline]
+    fn drag(&self, normal_force: R, _slip: R::Vec3) -> Drag<R> {
+        Drag {
+            coefficient: self.coefficient * normal_force,
+            per_load: self.coefficient,
+            ..Drag::NONE
+        }
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::at_least_zero("viscous friction", self.coefficient, " s/m")
+    }
+}
