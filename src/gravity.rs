@@ -4,6 +4,11 @@ use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
 /// A uniform field of gravity.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a gravity: it does not implement `Gravity<{R}>`",
+    label = "this should be a gravity",
+    note = "take `UniformGravity::down(9.8)`, or implement `acceleration`; the precision `{R}` of body, ground, friction and gravity must be the same"
+)]
 pub trait Gravity<R: Real = f64> {
     /// Acceleration of a falling body, m/s², world axes.
     fn acceleration(&self) -> R::Vec3;

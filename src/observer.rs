@@ -31,6 +31,11 @@ use crate::state::State;
 /// assert!(state.position.z < 0.0 && state.position.z > -0.01);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` does not watch: it does not implement `Observer<{R}>`",
+    label = "this should be an observer",
+    note = "implement `observe`, or write a closure `|sample: &Sample<'_>| ControlFlow::Continue(())`; the precision `{R}` of scene and observer must be the same"
+)]
 pub trait Observer<R: Real = f64> {
     /// Called with the state at the start of a run and after each step. `Break` ends the run.
     fn observe(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()>;

@@ -1,0 +1,13 @@
+//! A ground whose law implements nothing. The compiler says:
+//!
+//! > `Sand` is not the law of a contact: it does not implement `ContactLaw<
+//! > this should be a law of contact
+//! > implement `spring_force`, `spring_energy` and `normal_force`; the precision
+
+use tumble::{Coin, Ground, Stepper};
+
+struct Sand;
+
+fn main() {
+    let _ = Stepper::new(Coin::ring(1.0, 0.5)).unwrap().with_ground(Ground::level(Sand));
+}
