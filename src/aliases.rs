@@ -11,7 +11,7 @@ macro_rules! names_for {
             #[doc(no_inline)]
             pub use crate::{
                 ContactLaw, Every, Face, Frictionless, Gravity, Integrator, NoGravity, NoGround,
-                Observer, Probe, RigidPointBody, SceneError, Shape, SlidingFriction,
+                Observer, Probe, RigidPointBody, SceneError, Shape, Side, SlidingFriction,
                 SpringDamperGround, Start, StepError,
             };
 
@@ -23,6 +23,25 @@ macro_rules! names_for {
             pub type Axes = crate::rotation::Axes<$real>;
             /// What a ground carries.
             pub type Carried = crate::Carried<$real>;
+
+            /// A cylinder with round ends.
+            pub type Capsule = crate::Capsule<$real>;
+            /// A cone.
+            pub type Cone<P = [ContactPoint; 121]> = crate::Cone<$real, P>;
+            /// A box, sharp or with round corners.
+            pub type Cuboid = crate::Cuboid<$real>;
+            /// Mass, centre of mass and inertia of a body or a part.
+            pub type MassDistribution = crate::MassDistribution<$real>;
+            /// A point with a mass.
+            pub type PointMass = crate::PointMass<$real>;
+            /// A thin straight rod.
+            pub type Rod = crate::Rod<$real>;
+            /// A body of any mass distribution and contacts.
+            pub type Solid<P> = crate::Solid<$real, P>;
+            /// A coin with a thickness.
+            pub type SolidCoin<P = [ContactPoint; 240]> = crate::SolidCoin<$real, P>;
+            /// A ball.
+            pub type Sphere = crate::Sphere<$real>;
             /// The coin of the report.
             pub type Coin<P = [ContactPoint; 120]> = crate::Coin<$real, P>;
             /// A contact that touches.

@@ -1,12 +1,47 @@
 //! The rigid body: its mass, its inertia, and the points that can touch the ground.
+//!
+//! # Bodies
+//!
+//! | body | contacts | axes | asks |
+//! |---|---|---|---|
+//! | [`Coin`] | a ring of points, the report's coin | normal along x | [`tilt`](Coin::tilt), [`face_up`](Coin::face_up) |
+//! | [`SolidCoin`] | the points of two rims | normal along x | [`tilt`](SolidCoin::tilt), [`face_up`](SolidCoin::face_up): heads, tails or edge |
+//! | [`Sphere`], solid, hollow or loaded | one ball | any | |
+//! | [`Cuboid`], sharp or rounded, also loaded | eight corners, bare or balls | along the edges | [`side_up`](Cuboid::side_up), [`pips`](Side::pips) |
+//! | [`Capsule`] | two balls | axis along z | |
+//! | [`Cone`] | its tip and the points of its rim | axis along z | |
+//! | [`Rod`] | its two ends | along z | |
+//! | [`PointMass`] | itself | any | |
+//! | [`Solid::hull`] | the user's points | the user's | |
+//! | [`Solid`] | any, apart from where the mass is | the user's | |
+//! | [`PointCloud`] | the user's points, each with a mass | the user's | |
+//!
+//! Mass, centre of mass and inertia of solids, points and what is joined from them: [`MassDistribution`].
 
+mod capsule;
 mod coin;
+mod cone;
+mod cuboid;
+mod hull;
+mod mass_distribution;
 mod mass_properties;
 mod point_cloud;
+mod rod;
+mod solid;
+mod solid_coin;
+mod sphere;
 
+pub use capsule::Capsule;
 pub use coin::{Coin, Face};
+pub use cone::Cone;
+pub use cuboid::{Cuboid, Side};
+pub use mass_distribution::MassDistribution;
 pub use mass_properties::MassProperties;
 pub use point_cloud::PointCloud;
+pub use rod::{PointMass, Rod};
+pub use solid::Solid;
+pub use solid_coin::SolidCoin;
+pub use sphere::Sphere;
 
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};

@@ -26,6 +26,10 @@ pub enum Rule {
     TriangleInequality,
     /// Equal to its own transpose.
     Symmetric,
+    /// A number of pairs.
+    Even,
+    /// A surface without a hole or an edge.
+    Closed,
 }
 
 impl core::fmt::Display for Rule {
@@ -41,6 +45,8 @@ impl core::fmt::Display for Rule {
             Self::UnitLength => "must have length 1",
             Self::TriangleInequality => "must not exceed the sum of the other two moments",
             Self::Symmetric => "must be symmetric",
+            Self::Even => "must be even",
+            Self::Closed => "must be closed",
         })
     }
 }

@@ -29,6 +29,9 @@
 //!   ([`Shape`]), joined by a [`Ground`]; or yours.
 //! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), with a static and a kinetic coefficient ([`Stribeck`]) or two directions
 //!   ([`AnisotropicCoulomb`]); [`Viscous`]; or yours.
+
+//! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), or yours.
+//! - Bodies: rings of points ([`Coin`]), solids ([bodies](body#bodies)), and anything put together from solids and points ([`Solid`], [`MassDistribution`], [`PointCloud`]).
 //! - The energy by kind ([`Energy`]) and the books of a run ([`Ledger`]).
 //!
 //! # What is not
@@ -115,7 +118,10 @@ pub mod stepper;
 pub mod trial;
 
 pub use aliases::{f32, f64};
-pub use body::{Coin, ContactPoint, Face, MassProperties, PointCloud, RigidPointBody, Run};
+pub use body::{
+    Capsule, Coin, Cone, ContactPoint, Cuboid, Face, MassDistribution, MassProperties, PointCloud,
+    PointMass, RigidPointBody, Rod, Run, Side, Solid, SolidCoin, Sphere,
+};
 pub use energy::{Account, Dissipation, Energy};
 pub use error::{SceneError, StepError};
 pub use friction::{

@@ -5,18 +5,19 @@
 
 mod kit;
 
-use kit::{Solid, each_explicit, each_method, point_mass};
+use kit::{Solid as AnySolid, each_explicit, each_method, point_mass};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use tumble::error::{Quantity, Rule};
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    AnisotropicCoulomb, Carried, Coin, ContactLaw, ContactPoint, Coulomb, Dissipation,
-    EnergyMomentum, FlatGround, ForwardEuler, Gravity, Ground, HuntCrossley, Integrator, Ledger,
-    LimitedDamper, Plane, PointCloud, Real, RigidPointBody, Rk4, SceneError, SlidingFriction,
-    SmoothCoulomb, SpringDamper, SpringDamperGround, State, StepError, Stepper, StrangSplitting,
-    Stribeck, Surface, SymplecticEuler, Trial, UniformGravity, Viscous,
+    AnisotropicCoulomb, Capsule, Carried, Coin, Cone, ContactLaw, ContactPoint, Coulomb, Cuboid,
+    Dissipation, EnergyMomentum, FlatGround, ForwardEuler, Gravity, Ground, HuntCrossley,
+    Integrator, Ledger, LimitedDamper, MassDistribution, Plane, PointCloud, PointMass, Real,
+    RigidPointBody, Rk4, Rod, SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere,
+    SpringDamper, SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck,
+    Surface, SymplecticEuler, Trial, UniformGravity, Viscous,
 };
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -94,6 +95,240 @@ fn a_coin_needs_a_radius_above_zero() {
     refuses("radius of the coin", limits, " m", |radius| {
         Stepper::new(Coin::ring(1.0, radius))
     });
+}
+
+/// Up to where `m r²` overflows.
+const MASS: (Rule, &[f64], &[f64]) = (ABOVE_ZERO.0, ABOVE_ZERO.1, &[5e-324, 1e-100, 1.0, 1e300]);
+const LENGTH: (Rule, &[f64], &[f64]) = (ABOVE_ZERO.0, ABOVE_ZERO.1, &[5e-324, 1e-100, 1.0, 1e150]);
+
+#[test]
+fn every_solid_needs_a_mass_above_zero() {
+    refuses("mass of the sphere", MASS, " kg", |mass| {
+        Stepper::new(Sphere::solid(mass, 0.5))
+    });
+    refuses("mass of the sphere", MASS, " kg", |mass| {
+        Stepper::new(Sphere::shell(mass, 0.5))
+    });
+    refuses("mass of the cuboid", MASS, " kg", |mass| {
+        Stepper::new(Cuboid::cube(mass, 0.5))
+    });
+    refuses("mass of the capsule", MASS, " kg", |mass| {
+        Stepper::new(Capsule::solid(mass, 0.5, 1.0))
+    });
+    refuses("mass of the rod", MASS, " kg", |mass| {
+        Stepper::new(Rod::new(mass, 0.5))
+    });
+    refuses("mass of the point", MASS, " kg", |mass| {
+        Stepper::new(PointMass::new(mass))
+    });
+    refuses("mass of the cone", MASS, " kg", |mass| {
+        Stepper::new(Cone::solid(mass, 0.5, 1.0))
+    });
+    refuses("mass of the coin", MASS, " kg", |mass| {
+        Stepper::new(SolidCoin::new(mass, 0.5, 0.1))
+    });
+}
+
+#[test]
+fn every_solid_needs_lengths_above_zero() {
+    refuses("radius of the sphere", LENGTH, " m", |radius| {
+        Stepper::new(Sphere::solid(1.0, radius))
+    });
+    refuses("x edge of the cuboid", LENGTH, " m", |edge| {
+        Stepper::new(Cuboid::solid(1.0, DVec3::new(edge, 0.1, 0.1)))
+    });
+    refuses("y edge of the cuboid", LENGTH, " m", |edge| {
+        Stepper::new(Cuboid::solid(1.0, DVec3::new(0.1, edge, 0.1)))
+    });
+    refuses("z edge of the cuboid", LENGTH, " m", |edge| {
+        Stepper::new(Cuboid::solid(1.0, DVec3::new(0.1, 0.1, edge)))
+    });
+    refuses("radius of the capsule", LENGTH, " m", |radius| {
+        Stepper::new(Capsule::solid(1.0, radius, 0.1))
+    });
+    refuses("length of the rod", LENGTH, " m", |length| {
+        Stepper::new(Rod::new(1.0, length))
+    });
+    refuses("radius of the cone", LENGTH, " m", |radius| {
+        Stepper::new(Cone::solid(1.0, radius, 0.1))
+    });
+    refuses("height of the cone", LENGTH, " m", |height| {
+        Stepper::new(Cone::solid(1.0, 0.1, height))
+    });
+    refuses("radius of the coin", LENGTH, " m", |radius| {
+        Stepper::new(SolidCoin::new(1.0, radius, 0.1))
+    });
+    refuses("thickness of the coin", LENGTH, " m", |thickness| {
+        Stepper::new(SolidCoin::new(1.0, 0.1, thickness))
+    });
+}
+
+#[test]
+fn a_capsule_may_be_a_ball_but_no_less() {
+    let (rule, bad, _) = AT_LEAST_ZERO;
+    let limits = (rule, bad, &[0.0, -0.0, 5e-324, 1.0, 1e150][..]);
+    refuses("length of the capsule", limits, " m", |length| {
+        Stepper::new(Capsule::solid(1.0, 0.1, length))
+    });
+}
+
+#[test]
+fn corners_of_a_box_cannot_be_rounder_than_half_its_shortest_edge() {
+    let cube = Cuboid::cube(1.0, 0.5);
+    let limits = (
+        Rule::AtLeastZero,
+        AT_LEAST_ZERO.1,
+        &[0.0, 1e-100, 0.1, 0.25][..],
+    );
+    refuses("radius of the cuboid's corners", limits, " m", |radius| {
+        Stepper::new(cube.rounded(radius))
+    });
+    assert_eq!(
+        Stepper::new(cube.rounded(0.375)).unwrap_err().to_string(),
+        "edge of the cuboid less its round corners must be at least 0, got -0.25 m"
+    );
+}
+
+#[test]
+fn rims_need_enough_points_and_opposite_ones() {
+    let blank = ContactPoint::default();
+    let coin = |count| Stepper::new(SolidCoin::new_in(vec![blank; count], 1.0, 0.5, 0.1));
+    for count in 0..6 {
+        assert_eq!(
+            coin(count).unwrap_err().to_string(),
+            format!("number of points of the coin must be at least 6, got {count}")
+        );
+    }
+    assert_eq!(
+        coin(7).unwrap_err().to_string(),
+        "number of points of the coin must be even, got 7"
+    );
+    assert!(coin(6).is_ok());
+    for count in 0..4 {
+        let cone = Cone::solid_in(vec![blank; count], 1.0, 0.5, 0.1);
+        assert_eq!(
+            Stepper::new(cone).unwrap_err().to_string(),
+            format!("number of contacts of the cone must be at least 4, got {count}")
+        );
+    }
+}
+
+#[test]
+fn a_composite_needs_a_mass_distribution_that_can_be_and_a_contact() {
+    let of = |mass, centre_of_mass, moment| {
+        let inertia = DMat3::from_diagonal(DVec3::new(1.0, 1.0, moment));
+        let distribution = MassDistribution {
+            mass,
+            centre_of_mass,
+            inertia,
+        };
+        Solid::new(distribution, [ContactPoint::bare(DVec3::X)])
+    };
+    let limits = (ABOVE_ZERO.0, ABOVE_ZERO.1, &[1.0][..]);
+    refuses("mass", limits, " kg", |mass| of(mass, DVec3::ZERO, 1.0));
+    for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        let quantity = format!("{axis} of the centre of mass");
+        refuses(&quantity, FINITE, " m", |place| {
+            let mut centre = [0.0; 3];
+            centre[i] = place;
+            of(1.0, DVec3::from(centre), 1.0)
+        });
+    }
+    let limits = (Rule::Finite, &[][..], &[1.0][..]);
+    refuses("an entry of the inertia tensor", limits, " kg m²", |z| {
+        of(1.0, DVec3::ZERO, z)
+    });
+    let ball = MassDistribution::ball(1.0, 0.5);
+    assert_eq!(
+        Solid::new(ball, []).unwrap_err().to_string(),
+        "number of contacts must be at least 1, got 0"
+    );
+    refuses("radius of a contact point", AT_LEAST_ZERO, " m", |radius| {
+        let position = DVec3::X;
+        Solid::new(
+            MassDistribution::ball(1.0, 0.5),
+            [ContactPoint { position, radius }],
+        )
+    });
+}
+
+#[test]
+fn points_of_mass_are_checked_like_a_cloud() {
+    let points = |places: &[DVec3], masses: &[f64]| MassDistribution::points(places, masses);
+    assert_eq!(
+        points(&[], &[]).unwrap_err().to_string(),
+        "number of points must be at least 1, got 0"
+    );
+    assert_eq!(
+        points(&[DVec3::X], &[]).unwrap_err().to_string(),
+        "number of masses must be 1, got 0"
+    );
+    assert_eq!(
+        points(&[DVec3::X], &[0.0]).unwrap_err().to_string(),
+        "mass of all points must be above 0, got 0 kg"
+    );
+    let limits = (Rule::AtLeastZero, AT_LEAST_ZERO.1, &[0.0, 1.0][..]);
+    refuses("mass of a point", limits, " kg", |mass| {
+        points(&[DVec3::X, DVec3::Y], &[1.0, mass])
+    });
+    refuses("x of a point of mass", FINITE, " m", |x| {
+        points(&[DVec3::new(x, 0.0, 0.0)], &[1.0])
+    });
+    refuses("y of a point of mass", FINITE, " m", |y| {
+        points(&[DVec3::new(0.0, y, 0.0)], &[1.0])
+    });
+    refuses("z of a point of mass", FINITE, " m", |z| {
+        points(&[DVec3::new(0.0, 0.0, z)], &[1.0])
+    });
+}
+
+#[test]
+fn a_surface_must_be_closed_and_turned_outwards() {
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let outwards = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let mesh = |triangles: &[[usize; 3]]| MassDistribution::mesh(1.0, &corners, triangles);
+    assert!(mesh(&outwards).is_ok());
+    assert_eq!(
+        mesh(&outwards[1..]).unwrap_err().to_string(),
+        "the surface must be closed, got 0.5 m² between its edges"
+    );
+    let inwards = outwards.map(|[a, b, c]| [a, c, b]);
+    assert_eq!(
+        mesh(&inwards).unwrap_err().to_string(),
+        format!(
+            "volume within the surface must be above 0, got {} m³",
+            -1.0 / 6.0
+        )
+    );
+    assert_eq!(
+        mesh(&[[0, 1, 4]]).unwrap_err().to_string(),
+        "number of vertices of the mesh must be at least 5, got 4"
+    );
+    assert_eq!(
+        mesh(&[]).unwrap_err().to_string(),
+        "volume within the surface must be above 0, got 0 m³"
+    );
+    assert_eq!(
+        Solid::hull(1.0, [DVec3::X, DVec3::Y, DVec3::ZERO, DVec3::ZERO])
+            .unwrap_err()
+            .to_string(),
+        "volume within the surface must be above 0, got 0 m³"
+    );
+    let none = MassDistribution::<f64>::hull::<DVec3>(1.0, &[]).unwrap_err();
+    assert_eq!(
+        none.to_string(),
+        "number of vertices must be at least 4, got 0"
+    );
+    for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        let quantity = format!("{axis} of a vertex");
+        let limits = (Rule::Finite, &[][..], &[-1.0][..]);
+        refuses(&quantity, limits, " m", |place| {
+            let mut vertex = [-0.5; 3];
+            vertex[i] = place;
+            let [_, x, y, z] = corners;
+            Solid::hull(1.0, [vertex.into(), x, y, z])
+        });
+    }
 }
 
 #[test]
@@ -187,8 +422,8 @@ fn a_cloud_has_a_point_and_as_many_masses_as_points() {
 }
 
 /// A user's body, which checks nothing itself.
-fn solid(mass: f64, inertia: DMat3) -> Solid {
-    Solid {
+fn solid(mass: f64, inertia: DMat3) -> AnySolid {
+    AnySolid {
         mass,
         inertia,
         contacts: Vec::new(),
@@ -204,7 +439,7 @@ fn the_mass_of_a_users_body_is_above_zero() {
 
 #[test]
 fn the_contacts_of_a_users_body_are_checked_like_the_crates_own() {
-    let body = |contact| Solid {
+    let body = |contact| AnySolid {
         contacts: vec![ContactPoint::default(), contact],
         ..solid(1.0, DMat3::IDENTITY)
     };
@@ -258,7 +493,7 @@ fn an_inertia_tensor_is_its_own_mirror_image() {
 
 #[test]
 fn a_principal_moment_is_at_least_zero() {
-    let error = Stepper::new(Solid::with_moments(DVec3::new(-0.5, 1.0, 1.0))).unwrap_err();
+    let error = Stepper::new(AnySolid::with_moments(DVec3::new(-0.5, 1.0, 1.0))).unwrap_err();
     assert_eq!(
         error.to_string(),
         "a principal moment of inertia must be at least 0, got -0.5 kg m²"
@@ -271,7 +506,7 @@ fn a_principal_moment_is_at_most_the_sum_of_the_two_others() {
         let moments = |value| {
             let mut moments = DVec3::ONE;
             moments[axis] = value;
-            Stepper::new(Solid::with_moments(moments))
+            Stepper::new(AnySolid::with_moments(moments))
         };
         let error = moments(2.5).unwrap_err();
         assert_eq!(
@@ -1107,6 +1342,25 @@ impl Anything {
             position: vector::<R>(place),
             radius: R::from_f64(radius),
         });
+        let thickness = R::from_f64(self.points.first().map_or(0.1, |&(_, radius, _)| radius));
+        let coin = SolidCoin::new_in(
+            vec![ContactPoint::default(); self.count],
+            mass,
+            radius,
+            thickness,
+        );
+        let _ = (coin.tilt(&self.state()), coin.face_up(&self.state()));
+        let _ = coin.contacts_below(plane.normal, plane.height);
+        let _ = self.live_with(&coin);
+        let places: Vec<_> = points.clone().map(|point| point.position).collect();
+        let part = MassDistribution::cone(mass, radius, thickness).turned(self.state().rotation());
+        let hull = MassDistribution::hull(mass, &places)
+            .unwrap_or(part)
+            .with(&part);
+        let die = Cuboid::loaded(plane.normal, hull).rounded(thickness);
+        let _ = die.side_up(&self.state());
+        let _ = self.live_with(&die);
+        let _ = self.live_with(&Sphere::loaded(radius, hull));
         let masses: Vec<_> = self
             .points
             .iter()

@@ -33,7 +33,8 @@ fn this_machine_has_the_stored_bits() {
 fn every_scene_of_the_battery_is_run_to_its_end_and_is_another() {
     let mut outcomes = Vec::new();
     battery::each_scene(&mut |outcome| outcomes.push(outcome)).unwrap();
-    assert_eq!(outcomes.len(), 2 * 5 * 20);
+
+    assert_eq!(outcomes.len(), 2 * 5 * 24);
     for outcome in &outcomes {
         assert!(!outcome.ended_early, "{outcome:?}");
     }

@@ -18,10 +18,11 @@ use proptest::test_runner::{TestCaseResult, TestRunner};
 use tumble::glam::DVec3;
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    AnisotropicCoulomb, Coin, ContactPoint, Coulomb, Dynamics, Energy, EnergyMomentum, Extent,
-    FlatGround, Frictionless, Ground, HuntCrossley, Integrator, LimitedDamper, Plane, PointCloud,
-    Real, RigidPointBody, SlidingFriction, SmoothCoulomb, SpringDamperGround, State, Step, Stepper,
-    Stribeck, Surface, UniformGravity, Viscous,
+    AnisotropicCoulomb, Coin, Cone, ContactPoint, Coulomb, Cuboid, Dynamics, Energy,
+    EnergyMomentum, Extent, FlatGround, Frictionless, Ground, HuntCrossley, Integrator,
+    LimitedDamper, MassDistribution, Plane, PointCloud, Real, RigidPointBody, SlidingFriction,
+    SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamperGround, State, Step, Stepper, Stribeck,
+    Surface, UniformGravity, Viscous,
 };
 
 /// Evaluations of the contacts that a step may take: a step that cannot be taken whole is halved down to sixteenths (1 + 2 + 4 + 8 + 16 attempts), and an
@@ -135,6 +136,17 @@ enum BodyKind {
     Ball,
     /// Two contacts with a radius.
     Capsule,
+    Solid(SolidKind),
+}
+
+/// Solids of the library whose contacts are many or round, or that have their centre of mass beside their middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum SolidKind {
+    Coin,
+    LoadedSphere,
+    RoundDie,
+    Cone,
+    Hull,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -429,6 +441,39 @@ impl Case {
             }
             BodyKind::Ball => cloud(&[DVec3::ZERO], size),
             BodyKind::Capsule => cloud(&[DVec3::X, DVec3::NEG_X], size * R::HALF),
+            BodyKind::Solid(kind) => self.solid(kind),
+        }
+    }
+
+    fn solid<R: Real>(&self, kind: SolidKind) -> Box<dyn RigidPointBody<R>> {
+        let (mass, size) = (R::from_f64(self.mass), R::from_f64(self.size));
+        let place = |x: f64, y: f64, z: f64| vector::<R>(DVec3::new(x, y, z) * self.size);
+        let blank = ContactPoint::default();
+        match kind {
+            SolidKind::Coin => {
+                let thickness = size * R::from_f64(0.1);
+                Box::new(SolidCoin::new_in([blank; 48], mass, size, thickness))
+            }
+            SolidKind::LoadedSphere => {
+                let ball = MassDistribution::ball(mass, size).at(place(0.2, 0.0, -0.3));
+                Box::new(Sphere::loaded(size, ball))
+            }
+            SolidKind::RoundDie => {
+                let edges = place(1.0, 1.0, 1.0);
+                let heavy = MassDistribution::cuboid(mass, edges).at(place(0.0, 0.1, 0.05));
+                Box::new(Cuboid::loaded(edges, heavy).rounded(size * R::from_f64(0.1)))
+            }
+            SolidKind::Cone => Box::new(Cone::solid_in([blank; 25], mass, size, size)),
+            SolidKind::Hull => {
+                let corners = [
+                    place(1.0, 0.0, 0.0),
+                    place(0.0, 0.7, 0.1),
+                    place(-0.6, -0.2, 0.3),
+                    place(0.1, -0.5, -0.8),
+                    place(0.2, 0.1, 0.9),
+                ];
+                Box::new(Solid::hull(mass, corners).unwrap())
+            }
         }
     }
 
@@ -734,10 +779,14 @@ fn keeps_its_promises<R: Real>(case: &Case, tally: &mut Tally) -> TestCaseResult
 
 /// A share of the sweep over these scenes.
 fn sweep<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64) {
+    sweep_over::<R>(name, cases(ranges, laws), share);
+}
+
+fn sweep_over<R: Real>(name: &str, scenes: impl Strategy<Value = Case>, share: f64) {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // A count.
     let count = (f64::from(sweep_steps()) * share / f64::from(STEPS)).ceil() as u32;
     let tally = RefCell::new(Tally::default());
-    let result = TestRunner::new(kit::cases(count)).run(&cases(ranges, laws), |case| {
+    let result = TestRunner::new(kit::cases(count)).run(&scenes, |case| {
         keeps_its_promises::<R>(&case, &mut tally.borrow_mut())
     });
     tally.borrow().tell(name);
@@ -810,6 +859,35 @@ fn every_step_in_f32_keeps_its_promises_with_a_users_laws() {
         EVERYDAY_SINGLE,
         Laws::Users,
         0.05,
+    );
+}
+
+/// A share of the sweep over these scenes with solids in them.
+fn sweep_of_solids<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64) {
+    use SolidKind::{Coin, Cone, Hull, LoadedSphere, RoundDie};
+    let kinds = prop::sample::select(vec![Coin, LoadedSphere, RoundDie, Cone, Hull]);
+    let scenes = (cases(ranges, laws), kinds).prop_map(|(case, kind)| Case {
+        body: BodyKind::Solid(kind),
+        ..case
+    });
+    sweep_over::<R>(name, scenes, share);
+}
+
+#[test]
+fn solids_keep_their_promises() {
+    sweep_of_solids::<f64>("solids at the extremes, f64", WIDE, Laws::Report, 0.05);
+    sweep_of_solids::<f64>("solids in the workshop, f64", EVERYDAY, Laws::Report, 0.03);
+    sweep_of_solids::<f64>(
+        "solids with a user's laws, f64",
+        EVERYDAY,
+        Laws::Users,
+        0.03,
+    );
+    sweep_of_solids::<f32>(
+        "solids in the workshop, f32",
+        EVERYDAY_SINGLE,
+        Laws::Report,
+        0.02,
     );
 }
 

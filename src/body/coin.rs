@@ -41,10 +41,9 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Coin<R, P>
     pub fn ring_in(mut storage: P, mass: R, radius: R) -> Self {
         let points = storage.as_mut();
         let count = points.len();
-        let step = R::from_f64(core::f64::consts::TAU) / R::from_usize(count);
         for (i, point) in points.iter_mut().enumerate() {
-            let (sin, cos) = (step * R::from_usize(i + 1)).sin_cos();
-            *point = ContactPoint::bare(R::Vec3::new(R::ZERO, radius * cos, radius * sin));
+            let (y, z) = place_on_circle(radius, i + 1, count);
+            *point = ContactPoint::bare(R::Vec3::new(R::ZERO, y, z));
         }
         Self {
             mass,
@@ -65,24 +64,28 @@ impl<R: Real, P> Coin<R, P> {
     /// Angle between the coin's plane and the horizontal, rad: π/2 upright, 0 flat on either face.
     #[must_use]
     pub fn tilt(&self, state: &State<R>) -> R {
-        let normal = state.rotation().axes().x;
-        let level = (normal.x() * normal.x() + normal.y() * normal.y()).sqrt();
-        level.atan2(normal.z().abs())
+        tilt(state)
     }
 
     /// The face that looks up.
     #[must_use]
     pub fn face_up(&self, state: &State<R>) -> Face {
-        let up = state.rotation().axes().x.z();
-        // A normal nearer to level than the last place of a length-1 vector points neither way.
-        if up > R::EPSILON {
-            Face::Heads
-        } else if up < -R::EPSILON {
-            Face::Tails
-        } else {
-            Face::Edge
-        }
+        Face::up(state.rotation().axes().x.z())
     }
+}
+
+/// Angle between the plane across body x and the horizontal, rad.
+pub(super) fn tilt<R: Real>(state: &State<R>) -> R {
+    let normal = state.rotation().axes().x;
+    let level = (normal.x() * normal.x() + normal.y() * normal.y()).sqrt();
+    level.atan2(normal.z().abs())
+}
+
+/// Point k = 1 ... n of a circle: `(r cos(2πk/n), r sin(2πk/n))`.
+pub(super) fn place_on_circle<R: Real>(radius: R, k: usize, count: usize) -> (R, R) {
+    let step = R::from_f64(core::f64::consts::TAU) / R::from_usize(count);
+    let (sin, cos) = (step * R::from_usize(k)).sin_cos();
+    (radius * cos, radius * sin)
 }
 
 impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
@@ -152,7 +155,8 @@ fn arc_below<R: Real>(points: &[ContactPoint<R>], normal: R::Vec3, offset: R) ->
         return run;
     }
     // A shallow arc may lie beside the guess.
-    let lowest = walk_down(points, guess, height);
+    let height_of = |i: usize| points.get(i).map_or(R::MAX, height);
+    let lowest = walk_down(points.len(), guess, height_of);
     arc_around(points, lowest, |point| height(point) < offset)
 }
 
@@ -179,10 +183,8 @@ fn arc_around<T>(points: &[T], middle: usize, below: impl Fn(&T) -> bool) -> Run
     }
 }
 
-/// The number of the lowest point, downhill from `start`.
-fn walk_down<T, R: Real>(points: &[T], start: usize, height: impl Fn(&T) -> R) -> usize {
-    let count = points.len();
-    let height = |i: usize| points.get(i).map_or(R::MAX, &height);
+/// The number of the lowest of so many points on a ring, downhill from `start`.
+pub(super) fn walk_down<R: Real>(count: usize, start: usize, height: impl Fn(usize) -> R) -> usize {
     let after = |i: usize| if i + 1 < count { i + 1 } else { 0 };
     let before = |i: usize| if i > 0 { i - 1 } else { count.wrapping_sub(1) };
 
@@ -207,7 +209,7 @@ fn walk_down<T, R: Real>(points: &[T], start: usize, height: impl Fn(&T) -> R) -
 /// The angle is `atan t ≈ t (π/4 + 0.273 (1 - t))` in an eighth of a turn, good to 0.0038 rad (Rajan et al., IEEE Signal Processing Magazine 23(3), 2006),
 /// which is a tenth of the way between two of 120 points; from there the caller walks.
 #[inline]
-fn lowest_guess<R: Real>(count: usize, y: R, z: R) -> usize {
+pub(super) fn lowest_guess<R: Real>(count: usize, y: R, z: R) -> usize {
     let c = R::from_f64;
     let (along, across) = (y.abs(), z.abs());
     let steep = across > along;
@@ -242,6 +244,20 @@ pub enum Face {
     Tails,
     /// Neither: the coin stands upright on its rim.
     Edge,
+}
+
+impl Face {
+    /// By the z component of the unit vector that points out of heads.
+    pub(super) fn up<R: Real>(up: R) -> Self {
+        // A normal nearer to level than the last place of a length-1 vector points neither way.
+        if up > R::EPSILON {
+            Self::Heads
+        } else if up < -R::EPSILON {
+            Self::Tails
+        } else {
+            Self::Edge
+        }
+    }
 }
 
 #[cfg(test)]

@@ -51,16 +51,17 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> PointCloud
     /// # Errors
     /// Where there is no point, the numbers of points and masses differ, a coordinate is not finite, a mass or radius is negative, or all masses are 0.
     pub fn in_storage(mut points: P, masses: &[R]) -> Result<Self, SceneError> {
-        check_masses(points.as_ref(), masses)?;
+        check_masses(points.as_ref().len(), masses)?;
+        check_contacts(points.as_ref())?;
         let places = points.as_mut();
         let mass = sum(masses.iter().copied());
         error::above_zero("mass of all points", mass, " kg")?;
-        let moment = sum_of_vectors(places, masses, |p| p);
+        let moment = sum_of_vectors(|| weighted(places, masses), |p| p);
         let centre = moment * (R::ONE / mass);
         for place in places.iter_mut() {
             place.position -= centre;
         }
-        let inertia = inertia_of(places, masses);
+        let inertia = inertia_of(|| weighted(places, masses));
         Ok(Self {
             mass,
             inertia,
@@ -93,29 +94,43 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for PointCloud<R, P
     }
 }
 
-fn check_masses<R: Real>(points: &[ContactPoint<R>], masses: &[R]) -> Result<(), SceneError> {
+/// The places of points with their masses.
+fn weighted<R: Real>(
+    points: &[ContactPoint<R>],
+    masses: &[R],
+) -> impl Iterator<Item = (R::Vec3, R)> {
+    points
+        .iter()
+        .map(|point| point.position)
+        .zip(masses.iter().copied())
+}
+
+/// That there are points, as many masses, and none of these negative.
+pub(super) fn check_masses<R: Real>(points: usize, masses: &[R]) -> Result<(), SceneError> {
     let counted = |quantity, rule, count: usize| {
         SceneError::new(quantity, rule, R::from_usize(count).to_f64(), "")
     };
-    if points.is_empty() {
+    if points == 0 {
         return Err(counted("number of points", Rule::AtLeast(1), 0));
     }
-    if masses.len() != points.len() {
-        let rule = Rule::Exactly(points.len());
+    if masses.len() != points {
+        let rule = Rule::Exactly(points);
         return Err(counted("number of masses", rule, masses.len()));
     }
     for &mass in masses {
         error::at_least_zero("mass of a point", mass, " kg")?;
     }
-    check_contacts(points)
+    Ok(())
 }
 
-/// `Σ m (|p|² 1 - p pᵀ)` about the origin.
-fn inertia_of<R: Real>(points: &[ContactPoint<R>], masses: &[R]) -> R::Mat3 {
-    let squares = sum_of_vectors(points, masses, |p| {
+/// `Σ m (|p|² 1 - p pᵀ)` about the origin, of places and their masses.
+pub(super) fn inertia_of<R: Real, I: Iterator<Item = (R::Vec3, R)>>(
+    weighted: impl Fn() -> I,
+) -> R::Mat3 {
+    let squares = sum_of_vectors(&weighted, |p| {
         R::Vec3::new(p.x() * p.x(), p.y() * p.y(), p.z() * p.z())
     });
-    let products = sum_of_vectors(points, masses, |p| {
+    let products = sum_of_vectors(&weighted, |p| {
         R::Vec3::new(p.y() * p.z(), p.z() * p.x(), p.x() * p.y())
     });
     let (xx, yy, zz) = (squares.x(), squares.y(), squares.z());
@@ -127,18 +142,13 @@ fn inertia_of<R: Real>(points: &[ContactPoint<R>], masses: &[R]) -> R::Mat3 {
     ])
 }
 
-/// `Σ m f(p)`.
-fn sum_of_vectors<R: Real>(
-    points: &[ContactPoint<R>],
-    masses: &[R],
+/// `Σ m f(p)`, of places and their masses.
+pub(super) fn sum_of_vectors<R: Real, I: Iterator<Item = (R::Vec3, R)>>(
+    weighted: impl Fn() -> I,
     of: impl Fn(R::Vec3) -> R::Vec3,
 ) -> R::Vec3 {
-    let component = |pick: fn(R::Vec3) -> R| {
-        sum(points
-            .iter()
-            .zip(masses)
-            .map(|(point, &mass)| mass * pick(of(point.position))))
-    };
+    let component =
+        |pick: fn(R::Vec3) -> R| sum(weighted().map(|(place, mass)| mass * pick(of(place))));
     R::Vec3::new(
         component(R::Vec3::x),
         component(R::Vec3::y),
@@ -147,7 +157,7 @@ fn sum_of_vectors<R: Real>(
 }
 
 /// Kahan's sum: its rounding does not grow with the number of terms, so that ten thousand points on a line are still a line.
-fn sum<R: Real>(terms: impl Iterator<Item = R>) -> R {
+pub(super) fn sum<R: Real>(terms: impl Iterator<Item = R>) -> R {
     let (mut total, mut lost) = (R::ZERO, R::ZERO);
     for term in terms {
         let corrected = term - lost;

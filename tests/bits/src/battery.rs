@@ -7,11 +7,11 @@ use core::ops::ControlFlow;
 
 use tumble::real::{Matrix, Quaternion, Vector};
 use tumble::{
-    AnisotropicCoulomb, Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, ForwardEuler,
-    Frictionless, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper, NoGravity,
-    NoGround, Plane, PointCloud, Real, RigidPointBody, Rk4, Sample, SceneError, SlidingFriction,
-    SmoothCoulomb, SpringDamperGround, State, Stepper, StrangSplitting, Stribeck, SymplecticEuler,
-    Trial, UniformGravity, Viscous,
+    AnisotropicCoulomb, Coin, Cone, ContactPoint, Coulomb, Cuboid, EnergyMomentum, FlatGround,
+    ForwardEuler, Frictionless, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper,
+    MassDistribution, NoGravity, NoGround, Plane, PointCloud, Real, RigidPointBody, Rk4, Rotation,
+    Sample, SceneError, SlidingFriction, SmoothCoulomb, SolidCoin, Sphere, SpringDamperGround,
+    State, Stepper, StrangSplitting, Stribeck, SymplecticEuler, Trial, UniformGravity, Viscous,
 };
 
 /// What a scene has come to.
@@ -421,6 +421,53 @@ fn scenes<R: Bits, I: Integrator<R>>(
             .with_integrator(by())?;
         see(name, follow(&stepper, thrown, 0.5003));
     }
+
+    let nickel = SolidCoin::new(mass, real(0.3), real(0.06));
+    let stepper = Stepper::new(&nickel)?
+        .with_gravity(gravity)?
+        .with_ground(FlatGround::level(real(2000.0), real(2.0)).on(slope))?
+        .with_friction(coulomb)?
+        .with_integrator(by())?;
+    see("solid coin", follow(&stepper, thrown, 0.5003));
+
+    // Solids joined and turned, a hull, and round corners: all of the mass properties' arithmetic.
+    let edges = vector::<R>(0.3, 0.4, 0.5);
+    let hull = MassDistribution::hull(
+        real(0.4),
+        &[
+            vector::<R>(0.1, 0.0, 0.0),
+            vector::<R>(0.0, 0.2, 0.1),
+            vector::<R>(-0.1, -0.1, 0.2),
+            vector::<R>(0.1, 0.1, 0.3),
+            vector::<R>(0.0, 0.1, -0.2),
+        ],
+    )?;
+    let turn = Rotation::<R>::from_rotation_vector(vector::<R>(0.3, -0.2, 0.5));
+    let heavy = MassDistribution::cuboid(mass, edges)
+        .with(&MassDistribution::capsule(real(0.2), real(0.02), real(0.1)).turned(turn))
+        .with(&MassDistribution::cone(real(0.3), real(0.05), real(0.1)))
+        .with(&hull);
+    let stepper = Stepper::new(Cuboid::loaded(edges, heavy).rounded(real(0.04)))?
+        .with_gravity(gravity)?
+        .with_ground(FlatGround::level(real(3000.0), real(3.0)))?
+        .with_friction(smooth)?
+        .with_integrator(by())?;
+    see("loaded die", follow(&stepper, thrown, 0.5003));
+
+    let stepper = Stepper::new(Cone::solid(mass, real(0.2), real(0.4)))?
+        .with_gravity(gravity)?
+        .with_ground(FlatGround::level(real(2000.0), real(3.0)))?
+        .with_friction(coulomb)?
+        .with_integrator(by())?;
+    see("cone", follow(&stepper, thrown, 0.3003));
+
+    let top = MassDistribution::ball(mass, real(0.25)).at(vector::<R>(0.0, 0.0, -0.08));
+    let stepper = Stepper::new(Sphere::loaded(real(0.3), top))?
+        .with_gravity(gravity)?
+        .with_ground(FlatGround::level(real(2000.0), real(5.0)))?
+        .with_friction(coulomb)?
+        .with_integrator(by())?;
+    see("loaded sphere", follow(&stepper, thrown, 0.5003));
 
     // Far beyond the explicit methods' limits: they are thrown off with whatever speed the first touch gives.
     let stepper = Stepper::new(&lopsided)?

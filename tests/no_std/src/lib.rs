@@ -10,10 +10,12 @@ use tumble::contract::{
     Battery, FrictionRange, GroundRange, check_body, check_energy_never_rises, check_friction,
     check_ground, check_integrator,
 };
+use tumble::glam::DVec3;
 use tumble::{
-    Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Ledger,
-    Plane, PointCloud, Real, RigidPointBody, Rk4, Sample, State, Stepper, StrangSplitting,
-    SymplecticEuler, UniformGravity,
+    Capsule, Coin, Cone, ContactPoint, Coulomb, Cuboid, EnergyMomentum, FlatGround, ForwardEuler,
+    Integrator, Ledger, MassDistribution, Plane, PointCloud, PointMass, Real, RigidPointBody, Rk4,
+    Rod, Sample, Solid, SolidCoin, Sphere, State, Stepper, StrangSplitting, SymplecticEuler,
+    UniformGravity,
 };
 
 unsafe extern "C" {
@@ -128,6 +130,51 @@ pub fn probe_point_cloud(
 ) -> Option<f64> {
     let cloud = PointCloud::in_storage(points, masses).ok()?;
     run(&cloud, StrangSplitting { time_step }, knobs, state)
+}
+
+/// Solids put together, and each body that is made of one.
+#[unsafe(no_mangle)]
+pub fn probe_solids(
+    room: &mut [ContactPoint],
+    places: &[DVec3],
+    triangles: &[[usize; 3]],
+    knobs: &Knobs<f64>,
+    time_step: f64,
+    state: &mut State,
+) -> Option<f64> {
+    let &Knobs { mass, radius, .. } = knobs;
+    let edges = knobs.plane.normal;
+    let hull = MassDistribution::hull(mass, places).ok()?;
+    let mesh = MassDistribution::mesh(mass, places, triangles).ok()?;
+    let parts = MassDistribution::capsule(mass, radius, radius)
+        .with(&MassDistribution::cone(mass, radius, radius).turned(state.rotation()))
+        .with(&MassDistribution::ellipsoid(mass, edges).at(edges))
+        .with(&hull)
+        .with(&mesh);
+    let coin = SolidCoin::new_in(&mut *room, mass, radius, radius);
+    let _ = (coin.tilt(state), coin.face_up(state));
+    let mut sum = run(&coin, EnergyMomentum { time_step }, knobs, state)?;
+    let cone = Cone::solid_in(&mut *room, mass, radius, radius);
+    sum += run(&cone, Rk4 { time_step }, knobs, state)?;
+    let die = Cuboid::loaded(edges, parts).rounded(radius);
+    let _ = die.side_up(state)?.pips();
+    sum += run(&die, EnergyMomentum { time_step }, knobs, state)?;
+    sum += run(
+        Sphere::loaded(radius, parts),
+        Rk4 { time_step },
+        knobs,
+        state,
+    )?;
+    sum += run(
+        Capsule::solid(mass, radius, radius),
+        Rk4 { time_step },
+        knobs,
+        state,
+    )?;
+    sum += run(Rod::new(mass, radius), Rk4 { time_step }, knobs, state)?;
+    sum += run(PointMass::new(mass), Rk4 { time_step }, knobs, state)?;
+    let solid = Solid::new(parts, room).ok()?;
+    Some(sum + run(&solid, Rk4 { time_step }, knobs, state)?)
 }
 
 /// What an author asks of his own parts, asked on the target.

@@ -1,0 +1,64 @@
+//! A cylinder with round ends.
+
+use super::{ContactPoint, MassDistribution, RigidPointBody};
+use crate::error::{self, SceneError};
+use crate::real::{Real, Vector};
+
+/// A cylinder between two half-balls, along body z: two contacts with its radius. On flat ground they are the whole of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Capsule<R: Real = f64> {
+    mass: R,
+    length: R,
+    ends: [ContactPoint<R>; 2],
+}
+
+impl<R: Real> Capsule<R> {
+    /// A homogeneous capsule: mass in kg, radius in m, length between the centres of its ends in m (0 makes a ball).
+    #[must_use]
+    pub fn solid(mass: R, radius: R, length: R) -> Self {
+        let end = |z: R| ContactPoint {
+            position: R::Vec3::new(R::ZERO, R::ZERO, z),
+            radius,
+        };
+        Self {
+            mass,
+            length,
+            ends: [end(-(length * R::HALF)), end(length * R::HALF)],
+        }
+    }
+
+    /// Radius, m.
+    #[inline]
+    #[must_use]
+    pub fn radius(&self) -> R {
+        let [end, _] = self.ends;
+        end.radius
+    }
+
+    /// Length between the centres of the ends, m.
+    #[inline]
+    #[must_use]
+    pub fn length(&self) -> R {
+        self.length
+    }
+}
+
+impl<R: Real> RigidPointBody<R> for Capsule<R> {
+    #[inline]
+    fn mass(&self) -> R {
+        self.mass
+    }
+    #[inline]
+    fn inertia(&self) -> R::Mat3 {
+        MassDistribution::capsule(self.mass, self.radius(), self.length).inertia
+    }
+    #[inline]
+    fn contacts(&self) -> &[ContactPoint<R>] {
+        &self.ends
+    }
+    fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("mass of the capsule", self.mass, " kg")?;
+        error::above_zero("radius of the capsule", self.radius(), " m")?;
+        error::at_least_zero("length of the capsule", self.length, " m")
+    }
+}

@@ -1,0 +1,174 @@
+//! A box, sharp or with round corners: a die.
+
+use super::{ContactPoint, MassDistribution, RigidPointBody};
+use crate::error::{self, SceneError};
+use crate::real::{Real, Vector};
+use crate::state::State;
+
+/// A box: a contact at each of its eight corners, sharp, or round where they have a radius. Edges along the body axes.
+///
+/// On flat ground eight round corners are the whole rounded box, because nothing of it reaches below the lowest of them. On curved ground a contact in the
+/// middle of a face is not felt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cuboid<R: Real = f64> {
+    distribution: MassDistribution<R>,
+    edges: R::Vec3,
+    corner_radius: R,
+    corners: [ContactPoint<R>; 8],
+}
+
+// Where a method has a parameter `V`, it is `R::Vec3`. As a type of its own it tells the compiler the precision, which a projection does not.
+impl<R: Real> Cuboid<R> {
+    /// A homogeneous box: moments `m (b² + c²)/12` and so on. Mass in kg, edges in m.
+    #[must_use]
+    pub fn solid<V: Vector<R>>(mass: R, edges: V) -> Self
+    where
+        R: Real<Vec3 = V>,
+    {
+        Self::loaded(edges, MassDistribution::cuboid(mass, edges))
+    }
+
+    /// A homogeneous cube: moments `m a²/6`. Mass in kg, edge in m.
+    #[must_use]
+    pub fn cube(mass: R, edge: R) -> Self {
+        Self::solid(mass, R::Vec3::new(edge, edge, edge))
+    }
+
+    /// A box with these edges (m) and its middle at the origin, with any mass distribution within: a loaded die.
+    #[must_use]
+    pub fn loaded<V: Vector<R>>(edges: V, distribution: MassDistribution<R>) -> Self
+    where
+        R: Real<Vec3 = V>,
+    {
+        Self {
+            distribution,
+            edges,
+            corner_radius: R::ZERO,
+            corners: [ContactPoint::default(); 8],
+        }
+        .rounded(R::ZERO)
+    }
+
+    /// The same with corners and edges rounded to this radius, m: at most half of the shortest edge.
+    ///
+    /// The mass distribution stays that of the sharp box. For a homogeneous cube with a radius of a tenth of its edge the moments are 2.9 % too large, for
+    /// a twentieth 0.8 %; where that matters, give it to [`loaded`](Self::loaded).
+    #[must_use]
+    pub fn rounded(mut self, radius: R) -> Self {
+        self.corner_radius = radius;
+        let centre = self.distribution.centre_of_mass;
+        let [x, y, z] = self.between_corners().map(|edge| edge * R::HALF);
+        for (i, corner) in self.corners.iter_mut().enumerate() {
+            let side = |bit: usize, half: R| if i & bit == 0 { -half } else { half };
+            *corner = ContactPoint {
+                position: R::Vec3::new(side(1, x), side(2, y), side(4, z)) - centre,
+                radius,
+            };
+        }
+        self
+    }
+
+    /// Edges less the corners' radii at both ends, m.
+    fn between_corners(&self) -> [R; 3] {
+        let ends = self.corner_radius * R::TWO;
+        [self.edges.x(), self.edges.y(), self.edges.z()].map(|edge| edge - ends)
+    }
+
+    /// Edges, m.
+    #[inline]
+    #[must_use]
+    pub fn edges(&self) -> R::Vec3 {
+        self.edges
+    }
+
+    /// Radius of the corners, m.
+    #[inline]
+    #[must_use]
+    pub fn corner_radius(&self) -> R {
+        self.corner_radius
+    }
+
+    /// The side that looks up most; `None` where two do alike, as for a box that stands on an edge.
+    #[must_use]
+    pub fn side_up(&self, state: &State<R>) -> Option<Side> {
+        let axes = state.rotation().axes();
+        let up = [axes.x.z(), axes.y.z(), axes.z.z()];
+        let mut most = (R::ZERO, None);
+        let mut next = R::ZERO;
+        for (along, sides) in up.into_iter().zip(Side::PAIRS) {
+            let steepness = along.abs();
+            if steepness > most.0 {
+                next = most.0;
+                most = (steepness, Some(sides[usize::from(along > R::ZERO)]));
+            } else {
+                next = next.at_least(steepness);
+            }
+        }
+        // Nearer than the last place of a length-1 vector is alike.
+        most.1.filter(|_| most.0 - next > R::EPSILON)
+    }
+}
+
+/// A side of a box, by the body axis that points out of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Side {
+    /// Out of it points body x.
+    X,
+    /// Out of it points body -x.
+    MinusX,
+    /// Out of it points body y.
+    Y,
+    /// Out of it points body -y.
+    MinusY,
+    /// Out of it points body z.
+    Z,
+    /// Out of it points body -z.
+    MinusZ,
+}
+
+impl Side {
+    const PAIRS: [[Self; 2]; 3] = [
+        [Self::MinusX, Self::X],
+        [Self::MinusY, Self::Y],
+        [Self::MinusZ, Self::Z],
+    ];
+
+    /// The number on this side of a die: opposite sides make 7, and 1, 2, 3 lie counter-clockwise about their corner, as on Western dice.
+    #[must_use]
+    pub fn pips(self) -> u8 {
+        match self {
+            Self::X => 1,
+            Self::Y => 2,
+            Self::Z => 3,
+            Self::MinusZ => 4,
+            Self::MinusY => 5,
+            Self::MinusX => 6,
+        }
+    }
+}
+
+impl<R: Real> RigidPointBody<R> for Cuboid<R> {
+    #[inline]
+    fn mass(&self) -> R {
+        self.distribution.mass
+    }
+    #[inline]
+    fn inertia(&self) -> R::Mat3 {
+        self.distribution.inertia
+    }
+    #[inline]
+    fn contacts(&self) -> &[ContactPoint<R>] {
+        &self.corners
+    }
+    fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("x edge of the cuboid", self.edges.x(), " m")?;
+        error::above_zero("y edge of the cuboid", self.edges.y(), " m")?;
+        error::above_zero("z edge of the cuboid", self.edges.z(), " m")?;
+        error::at_least_zero("radius of the cuboid's corners", self.corner_radius, " m")?;
+        for between in self.between_corners() {
+            error::at_least_zero("edge of the cuboid less its round corners", between, " m")?;
+        }
+        error::above_zero("mass of the cuboid", self.distribution.mass, " kg")?;
+        self.distribution.check()
+    }
+}

@@ -1,0 +1,175 @@
+//! The convex hull of points, as a solid.
+
+use super::mass_distribution::{Volume, check_vertices};
+use super::{ContactPoint, MassDistribution, Solid};
+use crate::error::SceneError;
+use crate::real::{Real, Vector};
+
+impl<R: Real> MassDistribution<R> {
+    /// The homogeneous solid within the convex hull of points. Mass in kg, points in m, in any order; those inside and doubles do not matter.
+    ///
+    /// Facets are found by wrapping a plane round each edge and summed as those of a [`mesh`](Self::mesh): about `n³` operations for n points and no
+    /// memory, once. Points within 256 units in the last place of the hull's size from a facet's plane belong to the facet.
+    ///
+    /// # Errors
+    /// Where a coordinate is not finite, or the points lie in a plane, so that the hull has no volume.
+    pub fn hull<V: Vector<R>>(mass: R, points: &[V]) -> Result<Self, SceneError>
+    where
+        R: Real<Vec3 = V>,
+    {
+        check_vertices::<R>(points)?;
+        let mut volume = Volume::<R>::about(points)?;
+        let hull = Hull::<R>::of(points);
+        for first in 0..points.len() {
+            for second in first + 1..points.len() {
+                hull.each_triangle(first, second, |corners| volume.add(corners));
+            }
+        }
+        volume.filled_with(mass)
+    }
+}
+
+impl<R: Real, const N: usize> Solid<R, [ContactPoint<R>; N]> {
+    /// The homogeneous convex hull of points (m): it touches with each of them, bare, and has the hull's mass distribution. Mass in kg.
+    ///
+    /// ```
+    /// use tumble::glam::DVec3;
+    /// use tumble::{RigidPointBody, Solid};
+    /// // A tetrahedral die with edges of 20 mm: moments m a²/20.
+    /// let a: f64 = 0.02 / 8.0_f64.sqrt();
+    /// let corners = [(a, a, a), (a, -a, -a), (-a, a, -a), (-a, -a, a)].map(DVec3::from);
+    /// let die = Solid::hull(0.004, corners)?;
+    /// assert!((die.inertia().x_axis.x / (0.004 * 0.02 * 0.02 / 20.0) - 1.0).abs() < 1e-14);
+    /// # Ok::<(), tumble::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where the mass is not above 0, a coordinate is not finite, or the points lie in a plane.
+    // `V` is `R::Vec3`. As a type of its own it tells the compiler the precision, which a projection does not.
+    pub fn hull<V: Vector<R>>(mass: R, points: [V; N]) -> Result<Self, SceneError>
+    where
+        R: Real<Vec3 = V>,
+    {
+        let distribution = MassDistribution::hull(mass, &points)?;
+        Self::new(distribution, points.map(ContactPoint::bare))
+    }
+}
+
+/// Points, and how near to a plane or a line one counts as on it, m.
+struct Hull<'a, R: Real> {
+    points: &'a [R::Vec3],
+    thickness: R,
+}
+
+/// A plane with all points on it or behind it.
+struct FacetPlane<R: Real> {
+    place: R::Vec3,
+    /// Outward, of length 1.
+    normal: R::Vec3,
+}
+
+impl<'a, R: Real> Hull<'a, R> {
+    fn of(points: &'a [R::Vec3]) -> Self {
+        let middle = points.first().copied().unwrap_or_default();
+        let size = points.iter().fold(R::ZERO, |size, &point| {
+            size.at_least((point - middle).length())
+        });
+        Self {
+            points,
+            thickness: size * R::EPSILON * R::from_f64(256.0),
+        }
+    }
+
+    fn point(&self, index: usize) -> R::Vec3 {
+        self.points.get(index).copied().unwrap_or_default()
+    }
+
+    /// Triangles of the facet, counter-clockwise from outside, that lies to the left of the edge from `first` to `second`, if that is its edge and `first` is the
+    /// least number of a point on it: so each facet comes once.
+    fn each_triangle(&self, first: usize, second: usize, mut see: impl FnMut([R::Vec3; 3])) {
+        let Some(plane) = self.wrap(first, second) else {
+            return;
+        };
+        let leads = (0..first).all(|index| !self.is_on(&plane, index));
+        if !leads || !self.is_edge(&plane, first, second) {
+            return;
+        }
+        let (start, end) = (self.point(first), self.point(second));
+        let mut corner = end;
+        for _ in 0..self.points.len() {
+            let next = self.next_corner(&plane, corner);
+            // Round the facet, or past a start that lies amid an edge.
+            let is_back = |to: R::Vec3| (next - to).length() <= self.thickness;
+            if is_back(start) || is_back(end) {
+                return;
+            }
+            see([start, corner, next]);
+            corner = next;
+        }
+    }
+
+    /// The plane through two points that has no point before it, with its normal to their left; `None` where the two are no edge of the hull.
+    fn wrap(&self, first: usize, second: usize) -> Option<FacetPlane<R>> {
+        let place = self.point(first);
+        let along = self.point(second) - place;
+        let mut plane: Option<FacetPlane<R>> = None;
+        for &third in self.points {
+            let normal = along.cross(third - place);
+            let size = normal.length();
+            // On the line of the two.
+            if size <= along.length() * self.thickness {
+                continue;
+            }
+            let is_beyond =
+                |plane: &FacetPlane<R>| plane.normal.dot(third - plane.place) > self.thickness;
+            if plane.as_ref().is_none_or(is_beyond) {
+                let normal = normal * (R::ONE / size);
+                plane = Some(FacetPlane { place, normal });
+            }
+        }
+        plane.filter(|plane| {
+            let height = |point: &R::Vec3| plane.normal.dot(*point - plane.place);
+            (self.points.iter()).all(|point| height(point) <= self.thickness)
+        })
+    }
+
+    fn is_on(&self, plane: &FacetPlane<R>, index: usize) -> bool {
+        let height = plane.normal.dot(self.point(index) - plane.place);
+        height.abs() <= self.thickness
+    }
+
+    /// Whether the facet in this plane lies to the left of the line, and no other point goes farther along it (or as far, with a lesser number).
+    fn is_edge(&self, plane: &FacetPlane<R>, first: usize, second: usize) -> bool {
+        let start = self.point(first);
+        let length = (self.point(second) - start).length();
+        let along = (self.point(second) - start) * (R::ONE / length);
+        let left = plane.normal.cross(along);
+        self.points.iter().enumerate().all(|(index, &point)| {
+            let way = point - start;
+            let (side, ahead) = (left.dot(way), along.dot(way));
+            let is_elsewhere = side > self.thickness || !self.is_on(plane, index);
+            let is_before = ahead < length - self.thickness
+                || (ahead <= length + self.thickness && index >= second);
+            is_elsewhere || (side >= -self.thickness && is_before)
+        })
+    }
+
+    /// The facet's corner after this one, counter-clockwise: it has no point of the facet to its right, and none beyond it on the same line.
+    fn next_corner(&self, plane: &FacetPlane<R>, corner: R::Vec3) -> R::Vec3 {
+        let mut next = corner;
+        for (index, &point) in self.points.iter().enumerate() {
+            let way = point - corner;
+            if way.length() <= self.thickness || !self.is_on(plane, index) {
+                continue;
+            }
+            let so_far = next - corner;
+            let side = plane.normal.dot(so_far.cross(way));
+            let on_line = so_far.length() * self.thickness;
+            let is_farther = side <= on_line && way.length() > so_far.length();
+            if side < -on_line || is_farther {
+                next = point;
+            }
+        }
+        next
+    }
+}

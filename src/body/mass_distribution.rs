@@ -1,0 +1,378 @@
+//! Mass, centre of mass and inertia of solids, and of what is put together from them.
+
+use super::point_cloud::{check_masses, inertia_of, sum};
+use crate::error::{self, Rule, SceneError};
+use crate::real::{Matrix, Real, Vector};
+use crate::rotation::Rotation;
+
+/// How the mass of a body, or of a part of one, is distributed: as much as matters to a rigid body.
+///
+/// Homogeneous solids stand about the origin with their axis of symmetry, where they have one, along z. [`at`](Self::at) and [`turned`](Self::turned) move
+/// them, [`with`](Self::with) joins them by the parallel-axis theorem. A part of negative mass is a hole.
+///
+/// Vectors are glam's `DVec3` or `Vec3`, which tells the precision.
+///
+/// Nothing is checked here: mass and inertia are when a scene is composed, and [`Solid::new`](super::Solid::new) checks the rest.
+///
+/// ```
+/// use tumble::MassDistribution;
+/// use tumble::glam::DVec3;
+///
+/// // A hammer: a wooden handle along z with an iron head across its end.
+/// let handle = MassDistribution::cylinder(0.2, 0.015, 0.3);
+/// let head = MassDistribution::cuboid(0.8, DVec3::new(0.1, 0.03, 0.03)).at(DVec3::Z * 0.165);
+/// let hammer = handle.with(&head);
+/// assert!((hammer.centre_of_mass.z - 0.132).abs() < 1e-15);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MassDistribution<R: Real = f64> {
+    /// kg.
+    pub mass: R,
+    /// m.
+    pub centre_of_mass: R::Vec3,
+    /// Inertia tensor about the centre of mass, kg m².
+    pub inertia: R::Mat3,
+}
+
+// Where a method has a parameter `V`, it is `R::Vec3`. As a type of its own it tells the compiler the precision, which a projection does not.
+impl<R: Real> MassDistribution<R> {
+    /// Of a homogeneous body about the origin with these principal moments, kg m².
+    fn about_origin(mass: R, x: R, y: R, z: R) -> Self {
+        Self {
+            mass,
+            centre_of_mass: R::Vec3::ZERO,
+            inertia: R::Mat3::from_diagonal(R::Vec3::new(x, y, z)),
+        }
+    }
+
+    /// All mass (kg) in one place: no moments.
+    #[must_use]
+    pub fn point(mass: R) -> Self {
+        Self::about_origin(mass, R::ZERO, R::ZERO, R::ZERO)
+    }
+
+    /// Points of mass: places (m) with their masses (kg, at least 0, not all 0).
+    ///
+    /// # Errors
+    /// Where there is no point, the numbers of places and masses differ, a coordinate is not finite, a mass is negative, or all are 0.
+    pub fn points<V: Vector<R>>(places: &[V], masses: &[R]) -> Result<Self, SceneError>
+    where
+        R: Real<Vec3 = V>,
+    {
+        check_masses(places.len(), masses)?;
+        for &place in places {
+            error::finite("x of a point of mass", place.x(), " m")?;
+            error::finite("y of a point of mass", place.y(), " m")?;
+            error::finite("z of a point of mass", place.z(), " m")?;
+        }
+        let mass = sum(masses.iter().copied());
+        error::above_zero("mass of all points", mass, " kg")?;
+        let weighted = || places.iter().copied().zip(masses.iter().copied());
+        let centre = super::point_cloud::sum_of_vectors(weighted, |p| p) * (R::ONE / mass);
+        let centred = || weighted().map(|(place, mass)| (place - centre, mass));
+        Ok(Self {
+            mass,
+            centre_of_mass: centre,
+            inertia: inertia_of(centred),
+        })
+    }
+
+    /// A thin straight rod along z: `m l²/12` across it, 0 about itself. Mass in kg, length in m.
+    #[must_use]
+    pub fn rod(mass: R, length: R) -> Self {
+        let across = mass * length * length / R::from_f64(12.0);
+        Self::about_origin(mass, across, across, R::ZERO)
+    }
+
+    /// A ball: `2 m r²/5`. Mass in kg, radius in m.
+    #[must_use]
+    pub fn ball(mass: R, radius: R) -> Self {
+        let moment = mass * radius * radius * R::from_f64(0.4);
+        Self::about_origin(mass, moment, moment, moment)
+    }
+
+    /// A thin spherical shell: `2 m r²/3`. Mass in kg, radius in m.
+    #[must_use]
+    pub fn shell(mass: R, radius: R) -> Self {
+        let moment = mass * radius * radius * R::TWO / R::from_f64(3.0);
+        Self::about_origin(mass, moment, moment, moment)
+    }
+
+    /// An ellipsoid with these semi-axes (m): `m (b² + c²)/5` about the first, and so on. Mass in kg.
+    #[must_use]
+    pub fn ellipsoid<V: Vector<R>>(mass: R, semi_axes: V) -> Self
+    where
+        R: Real<Vec3 = V>,
+    {
+        Self::by_squares(mass / R::from_f64(5.0), semi_axes, mass)
+    }
+
+    /// A box with these edges (m): `m (b² + c²)/12` about the first, and so on. Mass in kg.
+    #[must_use]
+    pub fn cuboid<V: Vector<R>>(mass: R, edges: V) -> Self
+    where
+        R: Real<Vec3 = V>,
+    {
+        Self::by_squares(mass / R::from_f64(12.0), edges, mass)
+    }
+
+    /// Moments `factor (b² + c²)`, `factor (c² + a²)`, `factor (a² + b²)`.
+    fn by_squares(factor: R, sides: R::Vec3, mass: R) -> Self {
+        let square = |side: R| factor * side * side;
+        let (a, b, c) = (square(sides.x()), square(sides.y()), square(sides.z()));
+        Self::about_origin(mass, b + c, c + a, a + b)
+    }
+
+    /// A cylinder along z: `m r²/2` about its axis, `m (3 r² + h²)/12` across. Mass in kg, radius and height in m.
+    #[must_use]
+    pub fn cylinder(mass: R, radius: R, height: R) -> Self {
+        let square = radius * radius;
+        let across = mass * (square * R::from_f64(3.0) + height * height) / R::from_f64(12.0);
+        Self::about_origin(mass, across, across, mass * square * R::HALF)
+    }
+
+    /// A cylinder along z between half-balls whose centres are `length` apart. Mass in kg, radius and length in m.
+    ///
+    /// With the cylinder's share of the mass `c = l/(l + 4r/3)` and the balls' `b = 1 - c`: `m (c r²/2 + 2 b r²/5)` about the axis,
+    /// `m (c (r²/4 + l²/12) + b (2r²/5 + l²/4 + 3 l r/8))` across, as a half-ball's centre of mass is 3r/8 beyond its flat side.
+    #[must_use]
+    pub fn capsule(mass: R, radius: R, length: R) -> Self {
+        let c = R::from_f64;
+        let caps = radius * c(4.0) / c(3.0);
+        let of_caps = mass * caps / (length + caps);
+        let of_tube = mass - of_caps;
+        let (rr, ll, lr) = (radius * radius, length * length, length * radius);
+        let along = of_tube * rr * R::HALF + of_caps * rr * c(0.4);
+        let across = of_tube * (rr * c(0.25) + ll / c(12.0))
+            + of_caps * (rr * c(0.4) + ll * c(0.25) + lr * c(0.375));
+        Self::about_origin(mass, across, across, along)
+    }
+
+    /// A cone along z with its base on z = 0 and its tip at z = `height`: the centre of mass lies a quarter of the height above the base;
+    /// `3 m r²/10` about the axis, `3 m (4 r² + h²)/80` across. Mass in kg, radius and height in m.
+    #[must_use]
+    pub fn cone(mass: R, radius: R, height: R) -> Self {
+        let c = R::from_f64;
+        let (rr, hh) = (radius * radius, height * height);
+        let across = mass * (rr * c(4.0) + hh) * c(3.0) / c(80.0);
+        let cone = Self::about_origin(mass, across, across, mass * rr * c(0.3));
+        cone.at(R::Vec3::new(R::ZERO, R::ZERO, height * c(0.25)))
+    }
+
+    /// The same, moved by `offset`, m.
+    #[must_use]
+    pub fn at<V: Vector<R>>(self, offset: V) -> Self
+    where
+        R: Real<Vec3 = V>,
+    {
+        Self {
+            centre_of_mass: self.centre_of_mass + offset,
+            ..self
+        }
+    }
+
+    /// The same, turned about the origin: the centre of mass `Q c`, the inertia `Q J Qᵀ`.
+    #[must_use]
+    pub fn turned(self, rotation: Rotation<R>) -> Self {
+        let axes = rotation.axes();
+        let turn = |columns: [R::Vec3; 3]| columns.map(|column| axes.to_world(column));
+        // Q (Q J)ᵀ, which is symmetric as J is.
+        let inertia = turn(transposed::<R>(turn(self.inertia.columns())));
+        Self {
+            centre_of_mass: axes.to_world(self.centre_of_mass),
+            inertia: symmetric::<R>(inertia),
+            ..self
+        }
+    }
+
+    /// This and another part as one rigid body.
+    ///
+    /// `J = J₁ + J₂ + μ (|d|² 1 - d dᵀ)` with `d` from one centre of mass to the other and `μ = m₁ m₂/(m₁ + m₂)`: the parallel-axis theorem of both, without
+    /// the difference of large numbers that a detour by the origin has.
+    #[must_use]
+    pub fn with(&self, other: &Self) -> Self {
+        let mass = self.mass + other.mass;
+        let share = other.mass / mass;
+        let apart = other.centre_of_mass - self.centre_of_mass;
+        let pair = parallel_axis::<R>(self.mass * share, apart);
+        let [a, b] = [self.inertia.columns(), other.inertia.columns()];
+        let column = |i: usize| a[i] + b[i] + pair[i];
+        Self {
+            mass,
+            centre_of_mass: self.centre_of_mass + apart * share,
+            inertia: R::Mat3::from_columns([column(0), column(1), column(2)]),
+        }
+    }
+
+    /// The inertia tensor about `place` (m) instead of the centre of mass, kg m².
+    #[must_use]
+    pub fn inertia_about(&self, place: R::Vec3) -> R::Mat3 {
+        let shift = parallel_axis::<R>(self.mass, place - self.centre_of_mass);
+        let own = self.inertia.columns();
+        R::Mat3::from_columns([own[0] + shift[0], own[1] + shift[1], own[2] + shift[2]])
+    }
+
+    /// That the mass is above 0 and place and inertia are finite; whether the moments are those of a solid is seen when a scene is composed.
+    ///
+    /// # Errors
+    /// Names the first quantity that is not.
+    pub fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("mass", self.mass, " kg")?;
+        let centre = self.centre_of_mass;
+        error::finite("x of the centre of mass", centre.x(), " m")?;
+        error::finite("y of the centre of mass", centre.y(), " m")?;
+        error::finite("z of the centre of mass", centre.z(), " m")?;
+        for column in self.inertia.columns() {
+            for entry in [column.x(), column.y(), column.z()] {
+                error::finite("an entry of the inertia tensor", entry, " kg m²")?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The homogeneous solid inside a closed surface of triangles, each counter-clockwise as seen from outside. Mass in kg, vertices in m.
+    ///
+    /// Exact for any such surface, hollows included: sums over the tetrahedra between the first vertex and each triangle, of volume `v`, first moment
+    /// `v (a + b + c)/4` and second moments `v (a aᵀ + b bᵀ + c cᵀ + s sᵀ)/20` with `s = a + b + c`.
+    ///
+    /// # Errors
+    /// Where a coordinate is not finite, a triangle names a vertex that is not there, the surface is not closed (its triangles' areas as vectors do not
+    /// add up to 0 within `√ε` of their sizes), or the volume is not above 0 (all turned inside out).
+    pub fn mesh<V: Vector<R>>(
+        mass: R,
+        vertices: &[V],
+        triangles: &[[usize; 3]],
+    ) -> Result<Self, SceneError>
+    where
+        R: Real<Vec3 = V>,
+    {
+        check_vertices::<R>(vertices)?;
+        let mut volume = Volume::about(vertices)?;
+        for &corners in triangles {
+            let [Some(a), Some(b), Some(c)] = corners.map(|corner| vertices.get(corner)) else {
+                let count = u32::try_from(vertices.len()).unwrap_or(u32::MAX);
+                let beyond = corners.into_iter().max().unwrap_or_default();
+                return Err(SceneError::new(
+                    "number of vertices of the mesh",
+                    Rule::AtLeast(u32::try_from(beyond).unwrap_or(u32::MAX).saturating_add(1)),
+                    f64::from(count),
+                    "",
+                ));
+            };
+            volume.add([*a, *b, *c]);
+        }
+        volume.filled_with(mass)
+    }
+}
+
+/// That each vertex is finite.
+pub(super) fn check_vertices<R: Real>(vertices: &[R::Vec3]) -> Result<(), SceneError> {
+    for vertex in vertices {
+        error::finite("x of a vertex", vertex.x(), " m")?;
+        error::finite("y of a vertex", vertex.y(), " m")?;
+        error::finite("z of a vertex", vertex.z(), " m")?;
+    }
+    Ok(())
+}
+
+/// Volume, its first and its second moments, gathered triangle by triangle of its surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Volume<R: Real> {
+    /// Tip of all tetrahedra, near to the surface, so that little cancels.
+    tip: R::Vec3,
+    volume: R,
+    /// `∫ p dV` from the tip.
+    first: R::Vec3,
+    /// `∫ p pᵀ dV` from the tip.
+    second: [R::Vec3; 3],
+    /// Sum of the triangles' areas as vectors, m², which is 0 for a closed surface, and of their sizes.
+    area: R::Vec3,
+    area_size: R,
+}
+
+impl<R: Real> Volume<R> {
+    pub(super) fn about(vertices: &[R::Vec3]) -> Result<Self, SceneError> {
+        let Some(&tip) = vertices.first() else {
+            let rule = Rule::AtLeast(4);
+            return Err(SceneError::new("number of vertices", rule, 0.0, ""));
+        };
+        Ok(Self {
+            tip,
+            volume: R::ZERO,
+            first: R::Vec3::ZERO,
+            second: [R::Vec3::ZERO; 3],
+            area: R::Vec3::ZERO,
+            area_size: R::ZERO,
+        })
+    }
+
+    pub(super) fn add(&mut self, corners: [R::Vec3; 3]) {
+        let [a, b, c] = corners.map(|corner| corner - self.tip);
+        let volume = a.dot(b.cross(c)) / R::from_f64(6.0);
+        let sum = a + b + c;
+        self.volume += volume;
+        self.first += sum * (volume * R::from_f64(0.25));
+        let weight = volume / R::from_f64(20.0);
+        for p in [a, b, c, sum] {
+            let weighted = p * weight;
+            self.second[0] += weighted * p.x();
+            self.second[1] += weighted * p.y();
+            self.second[2] += weighted * p.z();
+        }
+        let area = (b - a).cross(c - a) * R::HALF;
+        self.area += area;
+        self.area_size += area.length();
+    }
+
+    /// The solid of this volume with a mass, kg.
+    pub(super) fn filled_with(&self, mass: R) -> Result<MassDistribution<R>, SceneError> {
+        let open = self.area.length();
+        let is_closed = open <= self.area_size * R::EPSILON.sqrt();
+        if !is_closed {
+            let (rule, area) = (Rule::Closed, open.to_f64());
+            let unit = " m² between its edges";
+            return Err(SceneError::new("the surface", rule, area, unit));
+        }
+        error::above_zero("volume within the surface", self.volume, " m³")?;
+        let density = mass / self.volume;
+        let centre = self.first * (R::ONE / self.volume);
+        // About the tip `tr(S) 1 - S`; less what the mass in its centre would have there.
+        let second = self.second.map(|column| column * density);
+        let trace = second[0].x() + second[1].y() + second[2].z();
+        let shift = parallel_axis::<R>(mass, centre);
+        let unit = R::Mat3::from_diagonal(R::Vec3::new(trace, trace, trace)).columns();
+        let column = |i: usize| unit[i] - second[i] - shift[i];
+        Ok(MassDistribution {
+            mass,
+            centre_of_mass: self.tip + centre,
+            inertia: symmetric::<R>([column(0), column(1), column(2)]),
+        })
+    }
+}
+
+/// Columns of `m (|d|² 1 - d dᵀ)`.
+fn parallel_axis<R: Real>(mass: R, d: R::Vec3) -> [R::Vec3; 3] {
+    let (x, y, z) = (d.x(), d.y(), d.z());
+    let (xy, yz, zx) = (-(x * y), -(y * z), -(z * x));
+    [
+        R::Vec3::new(y * y + z * z, xy, zx) * mass,
+        R::Vec3::new(xy, z * z + x * x, yz) * mass,
+        R::Vec3::new(zx, yz, x * x + y * y) * mass,
+    ]
+}
+
+fn transposed<R: Real>([a, b, c]: [R::Vec3; 3]) -> [R::Vec3; 3] {
+    [
+        R::Vec3::new(a.x(), b.x(), c.x()),
+        R::Vec3::new(a.y(), b.y(), c.y()),
+        R::Vec3::new(a.z(), b.z(), c.z()),
+    ]
+}
+
+/// The mean of a matrix and its transpose: without the asymmetry that rounding leaves.
+fn symmetric<R: Real>(columns: [R::Vec3; 3]) -> R::Mat3 {
+    let [a, b, c] = columns;
+    let [p, q, r] = transposed::<R>(columns);
+    let mean = |u: R::Vec3, v: R::Vec3| (u + v) * R::HALF;
+    R::Mat3::from_columns([mean(a, p), mean(b, q), mean(c, r)])
+}

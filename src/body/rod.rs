@@ -1,0 +1,88 @@
+//! A thin straight rod, and a single point.
+
+use super::{ContactPoint, MassDistribution, RigidPointBody};
+use crate::error::{self, SceneError};
+use crate::real::{Matrix, Real, Vector};
+
+/// A thin straight rod along body z: a bare contact at each end. It has no moment about itself and does not spin that way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rod<R: Real = f64> {
+    mass: R,
+    length: R,
+    ends: [ContactPoint<R>; 2],
+}
+
+impl<R: Real> Rod<R> {
+    /// A homogeneous rod: `m l²/12` across it. Mass in kg, length in m.
+    #[must_use]
+    pub fn new(mass: R, length: R) -> Self {
+        let end = |z: R| ContactPoint::bare(R::Vec3::new(R::ZERO, R::ZERO, z));
+        Self {
+            mass,
+            length,
+            ends: [end(-(length * R::HALF)), end(length * R::HALF)],
+        }
+    }
+
+    /// Length, m.
+    #[inline]
+    #[must_use]
+    pub fn length(&self) -> R {
+        self.length
+    }
+}
+
+impl<R: Real> RigidPointBody<R> for Rod<R> {
+    #[inline]
+    fn mass(&self) -> R {
+        self.mass
+    }
+    #[inline]
+    fn inertia(&self) -> R::Mat3 {
+        MassDistribution::rod(self.mass, self.length).inertia
+    }
+    #[inline]
+    fn contacts(&self) -> &[ContactPoint<R>] {
+        &self.ends
+    }
+    fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("mass of the rod", self.mass, " kg")?;
+        error::above_zero("length of the rod", self.length, " m")
+    }
+}
+
+/// A point with a mass: it slides and bounces and does not turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointMass<R: Real = f64> {
+    mass: R,
+    place: [ContactPoint<R>; 1],
+}
+
+impl<R: Real> PointMass<R> {
+    /// Mass in kg.
+    #[must_use]
+    pub fn new(mass: R) -> Self {
+        Self {
+            mass,
+            place: [ContactPoint::default()],
+        }
+    }
+}
+
+impl<R: Real> RigidPointBody<R> for PointMass<R> {
+    #[inline]
+    fn mass(&self) -> R {
+        self.mass
+    }
+    #[inline]
+    fn inertia(&self) -> R::Mat3 {
+        R::Mat3::from_diagonal(R::Vec3::ZERO)
+    }
+    #[inline]
+    fn contacts(&self) -> &[ContactPoint<R>] {
+        &self.place
+    }
+    fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("mass of the point", self.mass, " kg")
+    }
+}

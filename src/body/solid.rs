@@ -1,0 +1,86 @@
+//! A body of any mass distribution and any contacts.
+
+use super::{ContactPoint, MassDistribution, RigidPointBody, check_contacts};
+use crate::error::{Rule, SceneError};
+use crate::real::Real;
+
+/// A body whose mass distribution and whose contacts are given apart from each other: a composite, a solid with the contacts of its hull, or mass and inertia
+/// from a data sheet.
+///
+/// `P` is where the contacts are: an array, a borrowed slice, or a `Vec`.
+///
+/// ```
+/// use tumble::glam::DVec3;
+/// use tumble::{ContactPoint, MassDistribution, RigidPointBody, Solid};
+///
+/// // A spinning top: a disc on a peg. It touches with the peg's round tip and with the disc's rim, given by eight points.
+/// let peg = MassDistribution::cylinder(0.01, 0.003, 0.06);
+/// let disc = MassDistribution::cylinder(0.05, 0.03, 0.008).at(DVec3::Z * 0.005);
+/// let rim = |i: i32| DVec3::new((0.25 * f64::from(i)).cos(), (0.25 * f64::from(i)).sin(), 0.0) * 0.03;
+/// let contacts: [ContactPoint; 9] = core::array::from_fn(|i| match i {
+///     0 => ContactPoint { position: DVec3::Z * -0.027, radius: 0.003 },
+///     i => ContactPoint::bare(rim(i as i32) + DVec3::Z * 0.001),
+/// });
+/// let top = Solid::new(peg.with(&disc), contacts)?;
+/// // The contacts are about the centre of mass now.
+/// assert!(top.contacts()[0].position.z < -0.027);
+/// # Ok::<(), tumble::SceneError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solid<R: Real, P> {
+    /// Its centre of mass in the axes that it was given in.
+    distribution: MassDistribution<R>,
+    contacts: P,
+}
+
+impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Solid<R, P> {
+    /// A mass distribution with contacts in the same axes and about the same origin. The contacts are moved so that the centre of mass is their origin.
+    ///
+    /// # Errors
+    /// Where mass, centre of mass or inertia cannot be, there is no contact, or a contact is not finite or has a radius below 0.
+    pub fn new(distribution: MassDistribution<R>, mut contacts: P) -> Result<Self, SceneError> {
+        distribution.check()?;
+        check_contacts(contacts.as_ref())?;
+        if contacts.as_ref().is_empty() {
+            let rule = Rule::AtLeast(1);
+            return Err(SceneError::new("number of contacts", rule, 0.0, ""));
+        }
+        Ok(Self {
+            contacts: {
+                centre(contacts.as_mut(), distribution.centre_of_mass);
+                contacts
+            },
+            distribution,
+        })
+    }
+}
+
+/// Moves contacts so that `centre` becomes their origin.
+pub(super) fn centre<R: Real>(contacts: &mut [ContactPoint<R>], centre: R::Vec3) {
+    for contact in contacts {
+        contact.position -= centre;
+    }
+}
+
+impl<R: Real, P> Solid<R, P> {
+    /// Where the centre of mass lies from the origin about which the body was given, m, body axes.
+    #[must_use]
+    pub fn centre_of_mass(&self) -> R::Vec3 {
+        self.distribution.centre_of_mass
+    }
+}
+
+impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Solid<R, P> {
+    #[inline]
+    fn mass(&self) -> R {
+        self.distribution.mass
+    }
+    #[inline]
+    fn inertia(&self) -> R::Mat3 {
+        self.distribution.inertia
+    }
+    #[inline]
+    fn contacts(&self) -> &[ContactPoint<R>] {
+        self.contacts.as_ref()
+    }
+}

@@ -1,0 +1,173 @@
+//! A coin with a thickness: two rims.
+
+use super::coin::{lowest_guess, place_on_circle, walk_down};
+use super::{ContactPoint, Face, MassDistribution, RigidPointBody, Run, check_contacts};
+use crate::error::{self, Rule, SceneError};
+use crate::real::{Matrix, Real, Vector};
+use crate::state::State;
+
+/// A coin with a thickness: a homogeneous cylinder that touches with the points of its two rims, so that it can lie on a face, roll on an edge, and stand on both.
+///
+/// Body axes as those of [`Coin`](super::Coin): the coin's normal is x. The rims lie at `x = ±thickness/2`; contact `2 k` is a point of the one at -x, contact
+/// `2 k + 1` the one opposite to it at +x. Moments: `m r²/2` about the normal, `m (3 r² + h²)/12` about a diameter.
+///
+/// *Limit:* each rim is a polygon, out of round by `r (1 - cos(π/n))` for n points on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolidCoin<R: Real = f64, P = [ContactPoint<R>; 240]> {
+    mass: R,
+    radius: R,
+    thickness: R,
+    points: P,
+}
+
+impl<R: Real> SolidCoin<R> {
+    /// A coin with 120 points on each rim; mass in kg, radius and thickness in m.
+    #[must_use]
+    pub fn new(mass: R, radius: R, thickness: R) -> Self {
+        Self::new_in([ContactPoint::default(); 240], mass, radius, thickness)
+    }
+}
+
+impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> SolidCoin<R, P> {
+    /// A coin with as many points as `storage` holds, an even number of at least 6, half of them on each rim.
+    #[must_use]
+    pub fn new_in(mut storage: P, mass: R, radius: R, thickness: R) -> Self {
+        let points = storage.as_mut();
+        let count = points.len() / 2;
+        let half = thickness * R::HALF;
+        for (i, pair) in points.chunks_exact_mut(2).enumerate() {
+            let (y, z) = place_on_circle(radius, i + 1, count);
+            for (point, x) in pair.iter_mut().zip([-half, half]) {
+                *point = ContactPoint::bare(R::Vec3::new(x, y, z));
+            }
+        }
+        Self {
+            mass,
+            radius,
+            thickness,
+            points: storage,
+        }
+    }
+}
+
+impl<R: Real, P> SolidCoin<R, P> {
+    /// Radius, m.
+    #[inline]
+    #[must_use]
+    pub fn radius(&self) -> R {
+        self.radius
+    }
+
+    /// Thickness, m.
+    #[inline]
+    #[must_use]
+    pub fn thickness(&self) -> R {
+        self.thickness
+    }
+
+    /// Angle between the coin's plane and the horizontal, rad: π/2 upright, 0 flat on either face.
+    #[must_use]
+    pub fn tilt(&self, state: &State<R>) -> R {
+        super::coin::tilt(state)
+    }
+
+    /// The face on which it would come to rest from here, if it were let go and did not bounce: the one that looks up; [`Face::Edge`] where its weight is over the edge,
+    /// which is where `r |n_z| < (h/2) √(1 - n_z²)` with the normal n.
+    ///
+    /// Of all orientations a share of `h/√(4 r² + h²)` is such.
+    #[must_use]
+    pub fn face_up(&self, state: &State<R>) -> Face {
+        let normal = state.rotation().axes().x;
+        let level = (normal.x() * normal.x() + normal.y() * normal.y()).sqrt();
+        if self.radius * normal.z().abs() < self.thickness * R::HALF * level {
+            Face::Edge
+        } else {
+            Face::up(normal.z())
+        }
+    }
+}
+
+impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for SolidCoin<R, P> {
+    #[inline]
+    fn mass(&self) -> R {
+        self.mass
+    }
+
+    #[inline]
+    fn inertia(&self) -> R::Mat3 {
+        // The cylinder's z is the coin's x.
+        let cylinder = MassDistribution::cylinder(self.mass, self.radius, self.thickness);
+        let [across, _, along] = cylinder.inertia.columns();
+        R::Mat3::from_diagonal(R::Vec3::new(along.z(), across.x(), across.x()))
+    }
+
+    #[inline]
+    fn contacts(&self) -> &[ContactPoint<R>] {
+        self.points.as_ref()
+    }
+
+    #[inline]
+    fn contacts_below(&self, normal: R::Vec3, offset: R) -> Run {
+        // Of the lower rim, whose arc under the plane is the longer one; opposite points are neighbours.
+        let offset = offset + normal.x().abs() * self.thickness * R::HALF;
+        let (y, z) = (normal.y() * self.radius, normal.z() * self.radius);
+        if offset * offset > y * y + z * z {
+            return if offset > R::ZERO {
+                Run::all(self.points.as_ref().len())
+            } else {
+                Run::NONE
+            };
+        }
+        let pairs = self.pairs_below(normal, offset);
+        Run {
+            first: 2 * pairs.first,
+            count: 2 * pairs.count,
+        }
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("mass of the coin", self.mass, " kg")?;
+        error::above_zero("radius of the coin", self.radius, " m")?;
+        error::above_zero("thickness of the coin", self.thickness, " m")?;
+        let count = self.points.as_ref().len();
+        let refuse = |rule| {
+            let count = R::from_usize(count).to_f64();
+            SceneError::new("number of points of the coin", rule, count, "")
+        };
+        if count < 6 {
+            return Err(refuse(Rule::AtLeast(6)));
+        }
+        if count % 2 == 1 {
+            return Err(refuse(Rule::Even));
+        }
+        check_contacts(self.points.as_ref())
+    }
+}
+
+impl<R: Real, P: AsRef<[ContactPoint<R>]>> SolidCoin<R, P> {
+    /// The run of pairs of opposite points whose distance from the normal's own axis puts them under a plane: from the lowest one outwards to both sides.
+    #[inline]
+    fn pairs_below(&self, normal: R::Vec3, offset: R) -> Run {
+        let points = self.points.as_ref();
+        let count = points.len() / 2;
+        if count == 0 {
+            return Run::NONE;
+        }
+        let height = |pair: usize| {
+            points.get(2 * pair).map_or(R::MAX, |point| {
+                point.position.y() * normal.y() + point.position.z() * normal.z()
+            })
+        };
+        let guess = lowest_guess(count, -normal.y(), -normal.z());
+        let lowest = walk_down(count, guess, height);
+        let is_below = |steps: &usize| height((lowest + *steps) % count) < offset;
+        let ahead = (0..count).take_while(is_below).count();
+        let behind = (1..=count - ahead)
+            .take_while(|steps| is_below(&(count - steps)))
+            .count();
+        Run {
+            first: (lowest + count - behind) % count,
+            count: ahead + behind,
+        }
+    }
+}

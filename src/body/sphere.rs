@@ -1,0 +1,86 @@
+//! A ball with one contact.
+
+use super::{ContactPoint, MassDistribution, RigidPointBody};
+use crate::error::{self, SceneError};
+use crate::real::{Real, Vector};
+
+/// A ball: one contact at the centre with the ball's radius, so that it rolls without a rattle and costs one contact.
+///
+/// Any distribution of mass will do: [`solid`](Self::solid) and [`shell`](Self::shell) have their centre of mass in the middle, [`loaded`](Self::loaded) has
+/// it anywhere, as a tippe top has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere<R: Real = f64> {
+    distribution: MassDistribution<R>,
+    contact: [ContactPoint<R>; 1],
+}
+
+impl<R: Real> Sphere<R> {
+    /// A homogeneous ball: moments `2 m r²/5`. Mass in kg, radius in m.
+    #[must_use]
+    pub fn solid(mass: R, radius: R) -> Self {
+        Self::loaded(radius, MassDistribution::ball(mass, radius))
+    }
+
+    /// A thin spherical shell: moments `2 m r²/3`. Mass in kg, radius in m.
+    #[must_use]
+    pub fn shell(mass: R, radius: R) -> Self {
+        Self::loaded(radius, MassDistribution::shell(mass, radius))
+    }
+
+    /// A ball of this radius (m) about the origin with any mass distribution within. Body axes are those of the distribution, moved to its centre of mass.
+    ///
+    /// ```
+    /// use tumble::glam::DVec3;
+    /// use tumble::{MassDistribution, Sphere};
+    /// // A bowling ball whose centre of mass is 1 mm off the middle.
+    /// let ball = Sphere::loaded(0.108, MassDistribution::ball(7.0, 0.108).at(DVec3::X * 0.001));
+    /// assert_eq!(ball.middle(), DVec3::X * -0.001);
+    /// ```
+    #[must_use]
+    pub fn loaded(radius: R, distribution: MassDistribution<R>) -> Self {
+        Self {
+            contact: [ContactPoint {
+                // Not `-0` where there is no offset.
+                position: R::Vec3::ZERO - distribution.centre_of_mass,
+                radius,
+            }],
+            distribution,
+        }
+    }
+
+    /// Radius, m.
+    #[inline]
+    #[must_use]
+    pub fn radius(&self) -> R {
+        let [contact] = self.contact;
+        contact.radius
+    }
+
+    /// The middle of the ball from the centre of mass, m, body axes.
+    #[inline]
+    #[must_use]
+    pub fn middle(&self) -> R::Vec3 {
+        let [contact] = self.contact;
+        contact.position
+    }
+}
+
+impl<R: Real> RigidPointBody<R> for Sphere<R> {
+    #[inline]
+    fn mass(&self) -> R {
+        self.distribution.mass
+    }
+    #[inline]
+    fn inertia(&self) -> R::Mat3 {
+        self.distribution.inertia
+    }
+    #[inline]
+    fn contacts(&self) -> &[ContactPoint<R>] {
+        &self.contact
+    }
+    fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("radius of the sphere", self.radius(), " m")?;
+        error::above_zero("mass of the sphere", self.distribution.mass, " kg")?;
+        self.distribution.check()
+    }
+}

@@ -1,0 +1,470 @@
+//! Mass properties by two routes that share no formula, and what the bodies of the library answer about themselves.
+
+// Helpers of these tests fail by panicking, like the tests.
+#![allow(clippy::unwrap_used)]
+
+mod kit;
+
+use core::f64::consts::{PI, TAU};
+
+use kit::{cases, directions, log_uniform, orientations};
+use proptest::prelude::*;
+use tumble::contract::{Battery, check_body};
+use tumble::f64::{Capsule, Cone, MassDistribution, Rotation};
+use tumble::glam::{DMat3, DQuat, DVec3};
+use tumble::{
+    ContactPoint, Cuboid, Face, FlatGround, MassProperties, PointCloud, PointMass, RigidPointBody,
+    Rod, Side, Solid, SolidCoin, Sphere, State, Stepper, UniformGravity,
+};
+
+/// Both within so many units in the last place of the largest entry, centre of mass and size; a dozen operations lie between them.
+fn agree(a: &MassDistribution, b: &MassDistribution, size: f64) -> Result<(), String> {
+    let near = |x: f64, y: f64, scale: f64| (x - y).abs() <= 64.0 * f64::EPSILON * scale;
+    let moment = a.mass.abs().max(b.mass.abs()) * size * size;
+    let inertia = (a.inertia - b.inertia).to_cols_array();
+    let centre = a.centre_of_mass - b.centre_of_mass;
+    let same = near(a.mass, b.mass, a.mass.abs())
+        && near(centre.length(), 0.0, size)
+        && inertia.into_iter().all(|entry| near(entry, 0.0, moment));
+    same.then_some(()).ok_or_else(|| format!("{a:?}\n{b:?}"))
+}
+
+/// Points that have the moments of a homogeneous box: eight at `±edge/(2 √3)`.
+fn eight_points(edges: DVec3) -> [DVec3; 8] {
+    let at = edges / 12.0_f64.sqrt();
+    core::array::from_fn(|i| {
+        let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
+        at * DVec3::new(sign(1), sign(2), sign(4))
+    })
+}
+
+fn corners(edges: DVec3) -> [DVec3; 8] {
+    eight_points(edges).map(|place| place * 3.0_f64.sqrt())
+}
+
+fn edges() -> impl Strategy<Value = DVec3> {
+    let edge = || log_uniform(0.1, 1.0);
+    (edge(), edge(), edge()).prop_map(DVec3::from)
+}
+
+fn turned(distribution: MassDistribution, q: DQuat) -> MassDistribution {
+    distribution.turned(Rotation::from_quat(q))
+}
+
+proptest! {
+    #![proptest_config(cases(64))]
+
+    #[test]
+    fn a_box_is_eight_boxes_of_half_its_edges(mass in log_uniform(1e-3, 1e3), edges in edges()) {
+        let whole = MassDistribution::cuboid(mass, edges);
+        let eighth = MassDistribution::cuboid(mass / 8.0, edges / 2.0);
+        let parts = corners(edges / 2.0).map(|place| eighth.at(place));
+        let (first, rest) = parts.split_first().unwrap();
+        let built = rest.iter().fold(*first, |body, part| body.with(part));
+        agree(&whole, &built, 1.0).map_err(TestCaseError::fail)?;
+    }
+
+    #[test]
+    fn a_box_has_the_moments_of_eight_points_of_its_hull_and_of_its_triangles(
+        mass in log_uniform(1e-3, 1e3), edges in edges(), turn in orientations(), way in directions(),
+    ) {
+        let whole = turned(MassDistribution::cuboid(mass, edges).at(way), turn);
+        let place = |p: DVec3| turn * (p + way);
+        let points = MassDistribution::points(&eight_points(edges).map(place), &[mass / 8.0; 8]).unwrap();
+        agree(&whole, &points, 2.0).map_err(TestCaseError::fail)?;
+        // A thin box has the volume of a hundredth of its size cubed, which its sums of tetrahedra are rounded by.
+        let size = 2.0 * 10.0;
+        let vertices = corners(edges).map(place);
+        let hull = MassDistribution::hull(mass, &vertices).unwrap();
+        agree(&whole, &hull, size).map_err(TestCaseError::fail)?;
+        let mesh = MassDistribution::mesh(mass, &vertices, &BOX).unwrap();
+        agree(&whole, &mesh, size).map_err(TestCaseError::fail)?;
+    }
+
+    #[test]
+    fn the_moments_do_not_depend_on_the_axes_in_which_a_body_is_given(
+        edges in edges(), turn in orientations(), way in directions(),
+    ) {
+        let own = MassDistribution::cuboid(1.0, edges).with(&MassDistribution::ball(0.3, 0.2).at(way * 0.5));
+        let other = turned(own, turn).at(way * 3.0);
+        let moments = |body: &MassDistribution| {
+            let found = MassProperties::<f64>::new(body.mass, body.inertia).unwrap().moments();
+            let mut moments = found.to_array();
+            moments.sort_by(f64::total_cmp);
+            DVec3::from(moments)
+        };
+        // Jacobi's rotations and the turn: a few dozen roundings of the largest moment.
+        prop_assert!((moments(&own) - moments(&other)).length() <= 64.0 * f64::EPSILON * own.inertia.to_cols_array().into_iter().fold(0.0, f64::max));
+    }
+
+    #[test]
+    fn the_order_in_which_parts_are_joined_does_not_matter(a in edges(), b in edges(), way in directions(), turn in orientations()) {
+        let first = MassDistribution::cuboid(1.0, a);
+        let second = turned(MassDistribution::cuboid(3.0, b), turn).at(way);
+        let third = MassDistribution::rod(0.1, 1.0).at(-way);
+        let one = first.with(&second).with(&third);
+        let other = third.with(&first).with(&second);
+        agree(&one, &other, 2.0).map_err(TestCaseError::fail)?;
+        // And a part that is taken away again leaves the rest.
+        let hole = MassDistribution { mass: -second.mass, inertia: -second.inertia, ..second };
+        agree(&first.with(&third), &one.with(&hole), 8.0).map_err(TestCaseError::fail)?;
+    }
+
+    #[test]
+    fn inertia_about_another_place_is_that_of_the_points_about_it(edges in edges(), place in directions()) {
+        let points = eight_points(edges);
+        let body = MassDistribution::points(&points, &[0.25; 8]).unwrap();
+        let about = points.iter().fold(DMat3::ZERO, |sum, &point| {
+            let d = point - place;
+            let outer = DMat3::from_cols(d * d.x, d * d.y, d * d.z);
+            sum + (DMat3::from_diagonal(DVec3::splat(d.length_squared())) - outer) * 0.25
+        });
+        let difference = (body.inertia_about(place) - about).to_cols_array();
+        prop_assert!(difference.iter().all(|entry| entry.abs() < 1e-14), "{difference:?}");
+    }
+
+    /// The hull of a prism's corners is the prism, whatever lies inside or twice on it; its moments follow from those of n triangles about the axis:
+    /// `m r² (1 - (2/3) sin²(π/n))/2`, and half of that and `m h²/12` across.
+    #[test]
+    fn the_hull_of_a_prism_is_the_prism(n in 3_usize..24, height in 0.1..2.0_f64, seed in prop::collection::vec(directions(), 6), turn in orientations()) {
+        let rim = |k: usize, z: f64| {
+            let angle = TAU * k as f64 / n as f64;
+            turn * DVec3::new(angle.cos(), angle.sin(), z)
+        };
+        let mut points: Vec<DVec3> = (0..n).flat_map(|k| [rim(k, -height / 2.0), rim(k, height / 2.0)]).collect();
+        // Inside; doubles; on an edge; within a facet.
+        points.extend(seed.iter().map(|&way| way * (0.2 * height.min(1.0))));
+        points.push(points[1]);
+        points.insert(0, (points[0] + points[1]) / 2.0);
+        points.insert(3, (rim(0, 0.1 * height) + rim(1, 0.2 * height)) / 2.0);
+        let hull = MassDistribution::hull(2.0, &points).unwrap();
+        let along = 1.0 - 2.0 / 3.0 * (PI / n as f64).sin().powi(2);
+        let across = along / 2.0 + height * height / 6.0;
+        let prism = MassDistribution {
+            mass: 2.0,
+            centre_of_mass: DVec3::ZERO,
+            inertia: DMat3::from_diagonal(DVec3::new(across, across, along)),
+        };
+        // Points within 256 units in the last place of the hull's size from a facet belong to it, which shifts a thin prism's volume by a share of that.
+        agree(&turned(prism, turn), &hull, 10.0).map_err(TestCaseError::fail)?;
+    }
+
+    /// Of all orientations, a coin's normal is as level as needed to fall back on the edge in a share of `h/√(4r² + h²)` (Archimedes: heights on a sphere are
+    /// evenly shared), which for a US nickel is 9 in 100 (Murray & Teare, Phys. Rev. E 48, 2547, 1993, find 1 in 6000 after bounces).
+    #[test]
+    fn a_coin_whose_weight_is_over_its_edge_stands(turn in orientations()) {
+        let coin = SolidCoin::new(0.005, 10.605e-3, 1.95e-3);
+        let state = State::at(DVec3::ZERO).with_orientation(turn);
+        let share: f64 = 1.95 / (4.0 * 10.605_f64.powi(2) + 1.95_f64.powi(2)).sqrt();
+        prop_assert!((share - 0.0916).abs() < 5e-5);
+        let up = (turn * DVec3::X).z;
+        let expected = if up.abs() < share { Face::Edge } else if up > 0.0 { Face::Heads } else { Face::Tails };
+        prop_assert_eq!(coin.face_up(&state), expected);
+    }
+
+    #[test]
+    fn the_side_that_is_up_is_the_one_whose_normal_rises_most(turn in orientations()) {
+        let die = Cuboid::cube(0.004, 0.016);
+        let sides = [
+            (Side::X, DVec3::X), (Side::MinusX, -DVec3::X), (Side::Y, DVec3::Y),
+            (Side::MinusY, -DVec3::Y), (Side::Z, DVec3::Z), (Side::MinusZ, -DVec3::Z),
+        ];
+        let height = |normal: DVec3| (turn * normal).z;
+        let highest = sides.into_iter().max_by(|a, b| height(a.1).total_cmp(&height(b.1))).unwrap();
+        prop_assert_eq!(die.side_up(&State::at(DVec3::ZERO).with_orientation(turn)), Some(highest.0));
+    }
+}
+
+/// The sides of a box, corner i at the signs of i's bits.
+const BOX: [[usize; 3]; 12] = [
+    [0, 4, 6],
+    [0, 6, 2],
+    [1, 3, 7],
+    [1, 7, 5], // x
+    [0, 1, 5],
+    [0, 5, 4],
+    [2, 6, 7],
+    [2, 7, 3], // y
+    [0, 2, 3],
+    [0, 3, 1],
+    [4, 5, 7],
+    [4, 7, 6], // z
+];
+
+#[test]
+fn a_ball_has_the_moments_of_six_points_on_its_axes() {
+    // 4 of 6 points of mass m/6 turn about an axis: 2 m d²/3 = 2 m r²/5.
+    let d = 0.3 * 0.6_f64.sqrt();
+    let places = [
+        DVec3::X,
+        -DVec3::X,
+        DVec3::Y,
+        -DVec3::Y,
+        DVec3::Z,
+        -DVec3::Z,
+    ]
+    .map(|p| p * d);
+    let points = MassDistribution::points(&places, &[0.5; 6]).unwrap();
+    agree(&MassDistribution::ball(3.0, 0.3), &points, 0.3).unwrap();
+    agree(
+        &MassDistribution::ellipsoid(3.0, DVec3::splat(0.3)),
+        &points,
+        0.3,
+    )
+    .unwrap();
+}
+
+#[test]
+fn a_shell_is_what_a_thinner_ball_leaves_of_a_ball() {
+    // m(r) = r³, so that the difference of two balls is homogeneous; its moment is 2 (r⁵ - s⁵)/5 and its mass r³ - s³: 2/3 m r² as s goes to r, with an error of first order.
+    let error = |gap: f64| {
+        let hole = 1.0 - gap;
+        let ball = MassDistribution::ball(1.0, 1.0);
+        let rest = ball.with(&MassDistribution::ball(-hole.powi(3), hole));
+        rest.inertia.x_axis.x / MassDistribution::shell(rest.mass, 1.0).inertia.x_axis.x - 1.0
+    };
+    assert!((error(1e-3) / 1e-3 + 1.0).abs() < 1e-2, "{}", error(1e-3));
+    assert!((error(1e-4) / 1e-4 + 1.0).abs() < 1e-3, "{}", error(1e-4));
+}
+
+#[test]
+fn a_capsule_is_a_cylinder_between_half_balls() {
+    let (radius, length, density): (f64, f64, f64) = (0.3, 0.8, 7.0);
+    let tube = density * PI * radius * radius * length;
+    let cap = density * 2.0 / 3.0 * PI * radius.powi(3);
+    // About the centre of its flat side a half-ball has a ball's moments for its mass; its centre of mass is 3r/8 above.
+    let lift = 0.375 * radius;
+    let moment = 0.4 * cap * radius * radius;
+    let across = moment - cap * lift * lift;
+    let half_ball = |side: f64| MassDistribution {
+        mass: cap,
+        centre_of_mass: DVec3::Z * side * (length / 2.0 + lift),
+        inertia: DMat3::from_diagonal(DVec3::new(across, across, moment)),
+    };
+    let built = MassDistribution::cylinder(tube, radius, length)
+        .with(&half_ball(1.0))
+        .with(&half_ball(-1.0));
+    agree(
+        &MassDistribution::capsule(tube + 2.0 * cap, radius, length),
+        &built,
+        1.0,
+    )
+    .unwrap();
+    agree(
+        &MassDistribution::capsule(2.0, 0.3, 0.0),
+        &MassDistribution::ball(2.0, 0.3),
+        0.3,
+    )
+    .unwrap();
+    let body = Capsule::solid(2.0, 0.3, 0.8);
+    assert_eq!(
+        (body.radius(), body.length(), body.reach()),
+        (0.3, 0.8, 0.7)
+    );
+}
+
+#[test]
+fn the_hull_of_a_fine_cone_comes_to_the_cone() {
+    let cone = Cone::solid(1.0, 0.5, 0.9);
+    let off = |count: usize| {
+        let rim = (0..count).map(|k| {
+            let angle = TAU * k as f64 / count as f64;
+            DVec3::new(0.5 * angle.cos(), 0.5 * angle.sin(), 0.0)
+        });
+        let points: Vec<DVec3> = rim.chain([DVec3::Z * 0.9]).collect();
+        let hull = MassDistribution::hull(1.0, &points).unwrap();
+        assert!((hull.centre_of_mass - DVec3::Z * 0.225).length() < 1e-15);
+        hull.inertia.z_axis.z / cone.inertia().z_axis.z - 1.0
+    };
+    // A pyramid on a polygon has `1 - (2/3) sin²(π/n)` of the cone's moment about the axis.
+    for count in [12, 60] {
+        let expected = -2.0 / 3.0 * (PI / count as f64).sin().powi(2);
+        assert!(
+            (off(count) - expected).abs() < 1e-14,
+            "{count}: {}",
+            off(count)
+        );
+    }
+    assert_eq!(cone.contacts()[0].position, DVec3::Z * (0.9 - 0.225));
+    assert_eq!((cone.radius(), cone.height()), (0.5, 0.9));
+}
+
+/// `Σ` over a grid of a rounded cube's points: within one in a thousand by 100 cells along an edge.
+#[test]
+fn the_docs_tell_how_much_a_round_die_has_less_than_a_sharp_one() {
+    let excess = |radius: f64| {
+        let (count, core) = (100, 0.5 - radius);
+        let centre = |i: i32| (f64::from(i) + 0.5) / f64::from(count) * 0.5;
+        let beyond = |i: i32| (centre(i) - core).max(0.0).powi(2);
+        let (mut cells, mut sum) = (0.0, 0.0);
+        for x in 0..count {
+            for y in 0..count {
+                for z in 0..count {
+                    if beyond(x) + beyond(y) + beyond(z) <= radius * radius {
+                        cells += 1.0;
+                        sum += centre(x).powi(2) + centre(y).powi(2);
+                    }
+                }
+            }
+        }
+        1.0 / (6.0 * sum / cells) - 1.0
+    };
+    assert!((excess(0.1) - 0.029).abs() < 1e-3, "{}", excess(0.1));
+    assert!((excess(0.05) - 0.008).abs() < 1e-3, "{}", excess(0.05));
+}
+
+#[test]
+fn a_rounded_box_reaches_as_far_as_a_sharp_one_along_its_axes_and_less_to_its_corners() {
+    let sharp = Cuboid::solid(1.0, DVec3::new(0.2, 0.4, 0.6));
+    let round = sharp.rounded(0.05);
+    let lowest = |body: &Cuboid, way: DVec3| {
+        let heights = body
+            .contacts()
+            .iter()
+            .map(|c| way.dot(c.position) - c.radius);
+        heights.fold(f64::INFINITY, f64::min)
+    };
+    for way in [DVec3::X, DVec3::Y, DVec3::Z] {
+        assert!((lowest(&sharp, way) - lowest(&round, way)).abs() < 1e-16);
+    }
+    let corner = DVec3::ONE.normalize();
+    let less = lowest(&round, corner) - lowest(&sharp, corner);
+    assert!(
+        (less - 0.05 * (3.0_f64.sqrt() - 1.0)).abs() < 1e-16,
+        "{less}"
+    );
+    assert_eq!(
+        (round.edges(), round.corner_radius()),
+        (sharp.edges(), 0.05)
+    );
+    assert_eq!(sharp.side_up(&State::default()), Some(Side::Z));
+    // On an edge, as nearly as a number can say.
+    let turn = DQuat::from_rotation_x(PI / 4.0);
+    assert_eq!(
+        sharp.side_up(&State::default().with_orientation(turn)),
+        None
+    );
+}
+
+#[test]
+fn opposite_sides_of_a_die_make_seven_and_each_number_comes_once() {
+    use Side::{MinusX, MinusY, MinusZ, X, Y, Z};
+    for (side, opposite) in [(X, MinusX), (Y, MinusY), (Z, MinusZ)] {
+        assert_eq!(side.pips() + opposite.pips(), 7);
+    }
+    let mut pips = [X, Y, Z, MinusX, MinusY, MinusZ].map(Side::pips);
+    pips.sort_unstable();
+    assert_eq!(pips, [1, 2, 3, 4, 5, 6]);
+}
+
+#[test]
+fn every_body_passes_its_contract() {
+    let blank = ContactPoint::default();
+    let egg = MassDistribution::ball(1.0, 0.3).at(DVec3::new(0.01, -0.02, 0.1));
+    let tetrahedron = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO];
+    let bodies: [Box<dyn RigidPointBody>; 16] = [
+        Box::new(Sphere::solid(1.0, 0.3)),
+        Box::new(Sphere::shell(1.0, 0.3)),
+        Box::new(Sphere::loaded(0.3, egg)),
+        Box::new(Cuboid::cube(1.0, 0.3)),
+        Box::new(Cuboid::solid(1e-3, DVec3::new(0.1, 20.0, 3.0)).rounded(0.05)),
+        Box::new(Cuboid::loaded(DVec3::ONE, egg).rounded(0.5)),
+        Box::new(Capsule::solid(1.0, 0.3, 2.0)),
+        Box::new(Capsule::solid(1.0, 0.3, 0.0)),
+        Box::new(Rod::new(1.0, 0.3)),
+        Box::new(PointMass::new(1.0)),
+        Box::new(Cone::solid(1.0, 0.3, 2.0)),
+        Box::new(Cone::solid_in([blank; 4], 1.0, 0.3, 0.1)),
+        Box::new(SolidCoin::new(1.0, 0.5, 0.1)),
+        Box::new(SolidCoin::new_in(vec![blank; 2002], 1.0, 0.01, 0.1)),
+        Box::new(SolidCoin::new_in([blank; 6], 1.0, 0.5, 1e-6)),
+        Box::new(Solid::hull(1.0, tetrahedron).unwrap()),
+    ];
+    for seed in 0..3 {
+        let battery = Battery { seed, cases: 200 };
+        for (number, body) in bodies.iter().enumerate() {
+            let result = check_body(&**body, battery);
+            assert!(result.is_ok(), "body {number}: {}", result.unwrap_err());
+        }
+        check_body(&Sphere::<f32>::solid(1.0, 0.3), battery).unwrap();
+        check_body(&Cuboid::<f32>::cube(1.0, 0.3), battery).unwrap();
+        check_body(&SolidCoin::<f32>::new(1.0, 0.3, 0.1), battery).unwrap();
+        check_body(&tumble::Cone::<f32>::solid(1.0, 0.3, 0.1), battery).unwrap();
+    }
+}
+
+#[test]
+fn a_solid_coin_looks_at_the_points_under_the_plane_and_few_others() {
+    let coin = SolidCoin::new(1.0, 0.5, 0.1);
+    for step in 0..500 {
+        let turn = DQuat::from_scaled_axis(DVec3::new(0.017, 0.3, -0.11) * f64::from(step));
+        let normal = turn * DVec3::Z;
+        let lowest = -(0.05 * normal.x.abs() + 0.5 * normal.y.hypot(normal.z));
+        for depth in [1e-6, 1e-3, 0.02, 0.4] {
+            let offset = lowest + depth;
+            let run = coin.contacts_below(normal, offset);
+            let below = |rim: usize| {
+                let points = coin.contacts().iter().skip(rim).step_by(2);
+                points
+                    .filter(|point| point.position.dot(normal) < offset)
+                    .count()
+            };
+            assert_eq!(
+                run.count,
+                2 * below(0).max(below(1)),
+                "step {step}, {run:?}"
+            );
+        }
+    }
+}
+
+/// A rod and a disc of points as one body, with the contacts of neither: mass points and contact points stand apart.
+#[test]
+fn a_composite_falls_like_the_cloud_of_its_points() {
+    let points = eight_points(DVec3::new(0.3, 0.2, 0.5)).map(|p| p + DVec3::new(0.1, 0.0, -0.4));
+    let cloud = PointCloud::new(points, [0.25; 8]).unwrap();
+    let distribution = MassDistribution::points(&points, &[0.25; 8]).unwrap();
+    let composite = Solid::new(distribution, points.map(ContactPoint::bare)).unwrap();
+    assert_eq!(composite.centre_of_mass(), cloud.centre_of_mass());
+    let start = State::at(DVec3::Z)
+        .with_linear_velocity(DVec3::X)
+        .with_angular_momentum(DVec3::new(0.01, 0.02, -0.005));
+    let end = |body: &dyn RigidPointBody| {
+        let stepper = Stepper::new(body).unwrap();
+        let stepper = stepper.with_gravity(UniformGravity::down(9.8)).unwrap();
+        let stepper = stepper.with_ground(FlatGround::level(1e4, 3.0)).unwrap();
+        let mut state = start;
+        stepper.advance(&mut state, 1.0).unwrap();
+        state
+    };
+    assert_eq!(end(&cloud), end(&composite));
+}
+
+#[test]
+fn a_capsule_that_slides_across_its_axis_comes_to_roll_at_the_speed_of_its_moment() {
+    // From a slide at v it rolls at v/(1 + I/(m r²)) (validation case C2), whatever its length. The force's arm is the radius, however deep it sinks, so that
+    // only the slip that friction needs is left of the difference.
+    let body = Capsule::solid(1.0, 0.1, 0.3);
+    let ratio = body.inertia().z_axis.z / 0.01;
+    let stepper = Stepper::new(body)
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
+        .and_then(|stepper| stepper.with_ground(FlatGround::level(1e5, 400.0)))
+        .and_then(|stepper| {
+            stepper.with_friction(tumble::Coulomb {
+                coefficient: 0.3,
+                slip_speed: 1e-8,
+            })
+        })
+        .unwrap();
+    let sink = 9.8 / 2e5;
+    let mut state = State::at(DVec3::Z * (0.1 - sink))
+        .turned_by(DVec3::Y * (PI / 2.0))
+        .with_linear_velocity(DVec3::Y);
+    stepper.advance(&mut state, 1.0).unwrap();
+    let expected = 1.0 / (1.0 + ratio);
+    assert!(
+        (state.linear_velocity.y - expected).abs() < 1e-6,
+        "{} {expected}",
+        state.linear_velocity.y
+    );
+}
