@@ -7,11 +7,11 @@
 //! 3. `settle`, `resist`: at the end of a step too long for friction or dampers they resist the end velocity, by impulses that only take energy;
 //! 4. `ratchet`: where the computed energy is above the one before, both velocities are scaled down until it is not. A body whose motion is below
 //!    the rounding of its energy has come to rest;
-//! 5. where 2 or 4 fails, `split`: dissipation, conservative motion, dissipation; else halves, down to sixteenths; else `inch`: as far as the energy allows; else time
+//! 5. where 2 or 4 fails, `split`: dissipation, conservative motion, dissipation; else halves, down to sixteenths; else `descent`: downhill, as far as the energy allows; else time
 //!    passes and the body stays. Each end goes through 4, so that the induction from step to step needs no assumption on convergence.
 
 mod contacts;
-mod inch;
+mod descent;
 mod linear;
 mod newton;
 mod problem;
@@ -42,7 +42,7 @@ use problem::Problem;
 /// *Stable* at any step. *Accurate* where the step resolves the contact: `dt < 1/ω` with `ω = √(K/m)` of all contacts that touch; beyond it bounces keep their energy law but not
 /// their timing, and friction that stops a body within a step stops it at the step's end.
 ///
-/// *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each, and at most 17 × 60 shorter motions beside them; each
+/// *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each, and at most 4 searches downhill of at most 3 × 31 × 4 evaluations beside them; each
 /// end costs an energy, and one more for each doubling of the ratchet. [`Step`] tells the iterations, whether the step had to be divided, and the energy that
 /// the solver's error would have added: a user sees by them that a step was too long to be accurate.
 ///
@@ -141,6 +141,8 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
 
 /// Finest division of a step that cannot be taken whole.
 const PARTS: u32 = 16;
+/// So many sixteenths of a step may go without a solution until the search for others ends.
+const MOST_LOST: u32 = 2;
 
 fn move_on<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -156,8 +158,9 @@ fn move_on<R: Real, D: Dynamics<R>>(
     let mut step = Step::new(dt, 0);
     // In sixteenths of the step: what is done, and the length that is tried.
     let (mut done, mut length) = (0, PARTS);
+    let mut lost = 0;
     while done < PARTS {
-        let seconds = dt * (R::from_usize(length as usize) / R::from_usize(PARTS as usize));
+        let seconds = sixteenths(dt, length);
         match attempt(scene, state, energy, seconds, workspace, &mut step) {
             Some((next, next_energy)) => {
                 (*state, energy) = (next, next_energy);
@@ -169,8 +172,15 @@ fn move_on<R: Real, D: Dynamics<R>>(
                 step.fallback = true;
             }
             None => {
-                if let Some(kept) = inch::step(scene, state, energy, seconds, &mut step) {
-                    (*state, energy) = kept;
+                lost += 1;
+                // Where solution after solution fails, the rest goes downhill at once.
+                if lost > MOST_LOST {
+                    length = PARTS - done;
+                }
+                let seconds = sixteenths(dt, length);
+                if let Some(lower) = descent::step(scene, state, energy.total(), seconds, &mut step)
+                {
+                    (*state, energy) = lower;
                 }
                 done += length;
             }
@@ -190,8 +200,12 @@ fn move_on<R: Real, D: Dynamics<R>>(
     step
 }
 
-/// A body that a step has left as it was may still hang on a spring whose swing is far too quick for the step: where a shorter motion lowers the energy, it
-/// takes it.
+fn sixteenths<R: Real>(dt: R, count: u32) -> R {
+    dt * (R::from_usize(count as usize) / R::from_usize(PARTS as usize))
+}
+
+/// A body that a step has left as it was may still hang on a spring whose swing is far too quick for the step: where another motion lowers the energy, it
+/// takes that one. A fall by rounding is none: the body would never sleep.
 fn fall<R: Real, D: Dynamics<R>>(
     scene: &D,
     state: &mut State<R>,
@@ -199,12 +213,9 @@ fn fall<R: Real, D: Dynamics<R>>(
     seconds: R,
     step: &mut Step<R>,
 ) {
-    if let Some((next, next_energy)) = inch::step(scene, state, *energy, seconds, step) {
-        // A fall by rounding is none: the body would never sleep.
-        let rounding = ratchet::rounding_of(energy, &next_energy);
-        if energy.total() - next_energy.total() > rounding {
-            (*state, *energy) = (next, next_energy);
-        }
+    let ceiling = energy.total() - ratchet::rounding_of(energy, energy) * R::HALF;
+    if let Some(lower) = descent::step(scene, state, ceiling, seconds, step) {
+        (*state, *energy) = lower;
     }
 }
 

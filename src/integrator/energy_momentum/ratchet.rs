@@ -59,6 +59,27 @@ pub(super) fn hold<R: Real, D: Dynamics<R>>(
     }
 }
 
+/// The end with its velocities scaled down, or without any, if its energy is then at most the ceiling.
+pub(super) fn lowered<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    ceiling: R,
+    end: &State<R>,
+    after: Energy<R>,
+) -> Option<(State<R>, Energy<R>)> {
+    let excess = after.total() - ceiling;
+    if excess <= R::ZERO {
+        return Some((*end, after));
+    }
+    if !excess.is_finite() {
+        return None;
+    }
+    scaled_down(scene, ceiling, excess, end, after).or_else(|| {
+        let end = stopped(end);
+        let energy = Energy::of(scene, &end);
+        (energy.total() <= ceiling).then_some((end, energy))
+    })
+}
+
 /// The end with its velocities scaled, by the smallest doubling of the excess that brings the computed energy to the ceiling.
 fn scaled_down<R: Real, D: Dynamics<R>>(
     scene: &D,
