@@ -7,8 +7,8 @@ use core::f64::consts::{PI, TAU};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
-    Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, Rk4, SpringDamperGround, State,
-    Stepper, Surface, UniformGravity,
+    Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, Ground, HuntCrossley, Rk4,
+    SpringDamperGround, State, Stepper, Surface, UniformGravity,
 };
 
 use crate::kit::{self, log_uniform, zero_or};
@@ -21,6 +21,7 @@ pub(crate) const CASES: &[&Case] = &[
     &CLAMPED_DASHPOT,
     &UPRIGHT_SAG,
     &SWING_OF_A_COIN,
+    &HUNT_AND_CROSSLEY,
     &ZENO,
     &SLOW_BOUNCE,
 ];
@@ -192,7 +193,7 @@ fn a_spring_and_damper_that_may_pull_gives_back_the_printed_part_of_the_speed() 
 
 /// Restitution of the ground that never pulls, and the time after which it lets go: where the force, not the depth, has come to 0
 /// (Schwager & Pöschel, Granular Matter 9, 465, 2007): `exp(-2ζ arccos(ζ)/√(1-ζ²))`, for ζ > 1 with arcosh and √(ζ²-1).
-fn clamped_restitution(ratio: f64) -> [f64; 2] {
+pub(crate) fn clamped_restitution(ratio: f64) -> [f64; 2] {
     let angle = if ratio < 0.999_999 {
         ratio.acos() / (1.0 - ratio * ratio).sqrt()
     } else if ratio > 1.000_001 {
@@ -454,6 +455,79 @@ proptest! {
         let damping = 2.0 * ratio * (total * mass).sqrt() / count as f64;
         let miss = miss_of_a_flat_ring(count, mass, stiffness, damping);
         prop_assert!(miss < 3.0 * SWING, "{miss:e} of the amplitude");
+    }
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// B6: a damper that grows with depth
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// Restitution of `F = k dⁿ (1 + λ u)` at `share = λ v`: the e of `share (1 + e) = ln((1 + share)/(1 - e share))`, whatever n and k, by bisection.
+fn hunt_and_crossley(share: f64) -> f64 {
+    let (mut low, mut high) = (0.0, f64::min(1.0, 1.0 / share));
+    for _ in 0..60 {
+        let e = 0.5 * (low + high);
+        if share * (1.0 + e) > ((1.0 + share) / (1.0 - e * share)).ln() {
+            low = e;
+        } else {
+            high = e;
+        }
+    }
+    low
+}
+
+/// Speed after a bounce at 1 m/s of 1 kg without gravity, in `steps` steps to four times v over the spring's 10 rad/s.
+fn restitution_of_hunt_crossley(exponent: f64, share: f64, steps: u32) -> f64 {
+    let law = HuntCrossley {
+        stiffness: 100.0,
+        exponent,
+        damping: share,
+    };
+    fall([1.0, 0.0], Ground::level(law), [0.0, -1.0], 4.0, steps)[1]
+}
+
+static HUNT_AND_CROSSLEY: Case = Case::new(
+    "B6",
+    "`λv (1 + e) = ln((1 + λv)/(1 - e λv))`",
+    "Hunt & Crossley, J. Appl. Mech. 42, 440 (1975)",
+    || {
+        // Half a unit of the last printed place, and Runge-Kutta in 4000 steps of 1e-2 rad, (1e-2)⁴/120 and of order 2.5 where a force d^(3/2) begins and ends.
+        let after = restitution_of_hunt_crossley;
+        vec![
+            figure(
+                "n = 1, λv = 0.1: restitution",
+                0.937_475_58,
+                after(1.0, 0.1, 4000),
+                2e-6,
+            ),
+            figure(
+                "n = 3/2, λv = 0.3",
+                0.832_869_79,
+                after(1.5, 0.3, 4000),
+                2e-6,
+            ),
+            figure("n = 3/2, λv = 1", 0.593_624_26, after(1.5, 1.0, 4000), 2e-6),
+        ]
+    },
+);
+
+#[test]
+fn a_damper_that_grows_with_depth_gives_back_less_the_faster_the_ball() {
+    HUNT_AND_CROSSLEY.holds();
+}
+
+proptest! {
+    #![proptest_config(kit::cases(40))]
+
+    #[test]
+    fn the_restitution_of_hunt_and_crossley_does_not_depend_on_the_springs(
+        exponent in prop_oneof![Just(1.0), Just(1.5), Just(2.0)],
+        share in log_uniform(0.01, 10.0),
+    ) {
+        let found = restitution_of_hunt_crossley(exponent, share, 8000);
+        let expected = hunt_and_crossley(share);
+        // Of order 2 at the kinks of a linear spring, (ω dt)² = 2.5e-5, times the damper.
+        prop_assert!((found - expected).abs() < 2.5e-5 * (1.0 + share), "{found}, not {expected}");
     }
 }
 

@@ -19,6 +19,10 @@ mod a_free_motion;
 mod b_normal_contact;
 mod c_friction;
 mod d_rolling;
+mod e_rocking;
+mod f_eccentric;
+mod g_ball_bounce;
+mod h_coin_toss;
 
 use table::{Case, TABLE};
 
@@ -29,6 +33,10 @@ fn cases() -> impl Iterator<Item = &'static Case> {
         b_normal_contact::CASES,
         c_friction::CASES,
         d_rolling::CASES,
+        e_rocking::CASES,
+        f_eccentric::CASES,
+        g_ball_bounce::CASES,
+        h_coin_toss::CASES,
     ]
     .into_iter()
     .flatten()
