@@ -2,7 +2,8 @@
 //!
 //! [`Real`] names glam's vector, quaternion and matrix of one precision, and the few operations that the core uses. All of them
 //! are `+ - * /` and square root in one fixed order, which IEEE 754 rounds alike on every processor; sine and cosine come
-//! from the `libm` crate, which has one answer everywhere (the standard library's differ between targets).
+//! from the `libm` crate, which has one answer everywhere (the standard library's differ between targets), or in `f32` from arithmetic of this crate
+//! that needs no double precision.
 //!
 //! `Real`, [`Vector`], [`Quaternion`] and [`Matrix`] are sealed: they are public so that a body, ground or friction can be written once
 //! for both precisions. Code for one precision needs none of them: `R::Vec3` *is* `glam::DVec3` when `R` is `f64`.
@@ -12,6 +13,8 @@ use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 #[cfg(feature = "std")]
 extern crate std;
+
+mod sine;
 
 mod sealed {
     pub trait Sealed {}
@@ -78,7 +81,7 @@ pub trait Real:
     /// Neither infinite nor NaN.
     #[must_use]
     fn is_finite(self) -> bool;
-    /// Sine and cosine of an angle in radians, from the `libm` crate.
+    /// Sine and cosine of an angle in radians, with the same bits everywhere.
     #[must_use]
     fn sin_cos(self) -> (Self, Self);
     /// Angle in radians from the first axis to the point (`x`, `self`), from the `libm` crate.
@@ -340,7 +343,7 @@ implement_real!(
     Quat,
     Mat3,
     libm::sqrtf,
-    libm::sincosf,
+    sine::sin_cos,
     libm::atan2f,
     libm::powf
 );

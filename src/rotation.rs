@@ -238,33 +238,33 @@ fn cos_and_sinc<R: Real>(square: R) -> (R, R) {
 
 /// The longer series, for `h` up to 1/2.
 fn cos_and_sinc_to_half<R: Real>(s: R) -> (R, R) {
-    const COS: [f64; 7] = [
-        1.0 / 20922789888000.0,
-        -1.0 / 87178291200.0,
-        1.0 / 479001600.0,
-        -1.0 / 3628800.0,
-        1.0 / 40320.0,
-        -1.0 / 720.0,
-        1.0 / 24.0,
-    ];
-    const SINC: [f64; 7] = [
-        1.0 / 355687428096000.0,
-        -1.0 / 1307674368000.0,
-        1.0 / 6227020800.0,
-        -1.0 / 39916800.0,
-        1.0 / 362880.0,
-        -1.0 / 5040.0,
-        1.0 / 120.0,
-    ];
-    let horner = |coefficients: [f64; 7]| {
-        coefficients
-            .into_iter()
-            .fold(R::ZERO, |sum, k| sum * s + R::from_f64(k))
-    };
-    (
-        R::ONE + s * (horner(COS) * s - R::HALF),
-        R::ONE + s * (horner(SINC) * s - R::from_f64(1.0 / 6.0)),
-    )
+    let c = R::from_f64;
+    // Written out, so that each coefficient is rounded to R by the compiler, never by the program.
+    let cos = ((((((c(1.0 / 20922789888000.0) * s - c(1.0 / 87178291200.0)) * s
+        + c(1.0 / 479001600.0))
+        * s
+        - c(1.0 / 3628800.0))
+        * s
+        + c(1.0 / 40320.0))
+        * s
+        - c(1.0 / 720.0))
+        * s
+        + c(1.0 / 24.0))
+        * s
+        - R::HALF;
+    let sinc = ((((((c(1.0 / 355687428096000.0) * s - c(1.0 / 1307674368000.0)) * s
+        + c(1.0 / 6227020800.0))
+        * s
+        - c(1.0 / 39916800.0))
+        * s
+        + c(1.0 / 362880.0))
+        * s
+        - c(1.0 / 5040.0))
+        * s
+        + c(1.0 / 120.0))
+        * s
+        - c(1.0 / 6.0);
+    (R::ONE + s * cos, R::ONE + s * sinc)
 }
 
 /// The body's axes in the world, unit vectors at right angles: the rotation matrix by its columns.

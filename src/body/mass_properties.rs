@@ -45,25 +45,25 @@ enum Turns {
 
 impl<R: Real> Solving<R> {
     fn new(mass: R, moments: [R; 3], inverse: [R; 3], [unlike, like, third]: [usize; 3]) -> Self {
-        let turns = if inverse[like] == R::ZERO {
+        let turns = if nth(inverse, like) == R::ZERO {
             Turns::Never
-        } else if inverse[unlike] == R::ZERO {
+        } else if nth(inverse, unlike) == R::ZERO {
             Turns::Across
         } else {
             Turns::Freely
         };
         let excess = |moment: R| match turns {
-            Turns::Freely => moment - moments[like],
+            Turns::Freely => moment - nth(moments, like),
             Turns::Across | Turns::Never => R::ZERO,
         };
         Self {
             common: if turns == Turns::Never {
                 mass
             } else {
-                moments[like]
+                nth(moments, like)
             },
-            symmetry: excess(moments[unlike]),
-            asymmetry: excess(moments[third]),
+            symmetry: excess(nth(moments, unlike)),
+            asymmetry: excess(nth(moments, third)),
             turns,
         }
     }
@@ -117,15 +117,15 @@ impl<R: Real> MassProperties<R> {
                 R::ZERO
             }
         });
-        let equal = |i: usize, j: usize| (moments[i] - moments[j]).abs() <= rounding;
+        let equal = |i: usize, j: usize| (nth(moments, i) - nth(moments, j)).abs() <= rounding;
         let [unlike, like, third] = by_likeness(moments);
-        let common = inverse[like];
+        let common = nth(inverse, like);
         let excess = |i: usize| Excess {
-            axis: BodyAxis::along(principal[i]),
+            axis: BodyAxis::along(nth(principal, i)),
             inverse: if equal(i, like) {
                 R::ZERO
             } else {
-                inverse[i] - common
+                nth(inverse, i) - common
             },
         };
         Ok(Self {
@@ -342,7 +342,7 @@ fn check_tensor<R: Real>(inertia: R::Mat3) -> Result<[[R; 3]; 3], SceneError> {
         largest = largest.at_least(entry.abs());
     }
     for (i, j) in PAIRS {
-        let gap = (rows[i][j] - rows[j][i]).abs();
+        let gap = (nth(nth(rows, i), j) - nth(nth(rows, j), i)).abs();
         if gap > largest * R::EPSILON * R::from_f64(64.0) {
             return Err(SceneError::new(
                 "the inertia tensor",
@@ -360,7 +360,7 @@ fn check_moments<R: Real>(moments: [R; 3], rounding: R) -> Result<(), SceneError
         if moment < -rounding {
             return error::at_least_zero("a principal moment of inertia", moment, " kg m²");
         }
-        let others = moments[(i + 1) % 3] + moments[(i + 2) % 3];
+        let others = nth(moments, (i + 1) % 3) + nth(moments, (i + 2) % 3);
         if moment > others + rounding {
             return Err(SceneError::new(
                 "a principal moment of inertia",
@@ -371,6 +371,16 @@ fn check_moments<R: Real>(moments: [R; 3], rounding: R) -> Result<(), SceneError
         }
     }
     Ok(())
+}
+
+/// One of three, without a panic that the compiler would have to prove away.
+#[inline]
+fn nth<T>([x, y, z]: [T; 3], index: usize) -> T {
+    match index {
+        0 => x,
+        1 => y,
+        _ => z,
+    }
 }
 
 const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
@@ -389,7 +399,7 @@ fn by_likeness<R: Real>(moments: [R; 3]) -> [usize; 3] {
         (false, true, false) => [1, 2, 0],
         (false, false, false) => [2, 1, 0],
     };
-    if moments[large] - moments[middle] <= moments[middle] - moments[small] {
+    if nth(moments, large) - nth(moments, middle) <= nth(moments, middle) - nth(moments, small) {
         [small, large, middle]
     } else {
         [large, middle, small]

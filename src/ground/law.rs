@@ -171,19 +171,23 @@ fn mean_parts<R: Real, L: ContactLaw<R> + ?Sized>(law: &L, start: R, end: R, sec
         submerged / path
     };
     let mut damper = zero;
-    for (place, weight) in GAUSS {
-        let depth = from + submerged * R::from_f64(place);
+    for [place, weight] in gauss() {
+        let depth = from + submerged * place;
         if depth > zero {
             let beyond = law.normal_force(depth, closing_speed) - law.spring_force(depth);
-            damper += beyond * R::from_f64(weight);
+            damper += beyond * weight;
         }
     }
     (spring, damper * share)
 }
 
 /// Gauss's rule on [0, 1] with three points: place and weight.
-const GAUSS: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_31, 5.0 / 18.0),
-    (0.5, 8.0 / 18.0),
-    (0.887_298_334_620_741_7, 5.0 / 18.0),
-];
+#[inline]
+fn gauss<R: Real>() -> [[R; 2]; 3] {
+    let n = R::from_f64;
+    [
+        [n(0.112_701_665_379_258_31), n(5.0 / 18.0)],
+        [n(0.5), n(8.0 / 18.0)],
+        [n(0.887_298_334_620_741_7), n(5.0 / 18.0)],
+    ]
+}

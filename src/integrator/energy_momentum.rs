@@ -59,7 +59,7 @@ pub struct EnergyMomentum<R = f64> {
 /// Nothing of it changes a result: a new one gives the same bits. It may go from one stepper to another: what it knows counts only for the same state in a scene
 /// with the same mass, moments, reach, gravity and surface, and with springs that answer alike at a depth of the reach. Scenes that differ in nothing of this, but in springs at
 /// other depths, want a workspace each.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Workspace<R: Real = f64> {
     contacts: Contacts<R>,
     /// The state after the last step, its energy, and the scene that they belong to.
@@ -93,7 +93,23 @@ impl<R: Real> Likeness<R> {
     }
 }
 
+impl<R: Real> Default for Workspace<R> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<R: Real> Workspace<R> {
+    /// One that remembers nothing. It can be made at compile time, to lie in a `static` where the stack is small.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            contacts: Contacts::NONE,
+            known: None,
+            rest: None,
+        }
+    }
+
     /// Whether a step of this length is known to leave this state as it is.
     #[inline]
     fn rests<D: Dynamics<R>>(&self, scene: &D, state: &State<R>, seconds: R) -> bool {

@@ -49,11 +49,15 @@ pub(super) struct Push<R: Real> {
 }
 
 impl<R: Real> Push<R> {
+    /// All zeros, so that a workspace in a `static` takes no place in a program's image.
     const NONE: Self = Self {
         normal: R::Vec3::ZERO,
         mean: MeanForce::NONE,
         friction: R::Vec3::ZERO,
-        drag: Drag::NONE,
+        drag: Drag {
+            width: R::ZERO,
+            ..Drag::NONE
+        },
         slip: R::Vec3::ZERO,
         slip_direction: R::Vec3::ZERO,
         dual: R::Vec3::ZERO,
@@ -91,25 +95,24 @@ pub(super) struct Contacts<R: Real> {
     seen: usize,
 }
 
-impl<R: Real> Default for Contacts<R> {
-    fn default() -> Self {
-        let nothing = Touch {
-            arm: R::Vec3::ZERO,
-            radius: R::ZERO,
-            depth: R::ZERO,
-            dual: None,
-            push: Push::NONE,
-        };
-        Self {
-            touches: [nothing; CAPACITY],
-            remembered: 0,
-            run: Run::NONE,
-            seen: 0,
-        }
-    }
+impl<R: Real> Touch<R> {
+    const NONE: Self = Self {
+        arm: R::Vec3::ZERO,
+        radius: R::ZERO,
+        depth: R::ZERO,
+        dual: None,
+        push: Push::NONE,
+    };
 }
 
 impl<R: Real> Contacts<R> {
+    pub(super) const NONE: Self = Self {
+        touches: [Touch::NONE; CAPACITY],
+        remembered: 0,
+        run: Run::NONE,
+        seen: 0,
+    };
+
     /// Collects the contacts of `run` that `keep` (depth at the start, arm) accepts.
     #[inline]
     pub(super) fn gather<D: Dynamics<R>>(

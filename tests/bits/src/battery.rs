@@ -1,6 +1,9 @@
 //! The scenes and their hashes: every integrator, every built-in law and every kind of body, in both precisions.
 //!
 //! A hash takes in all bits of the state after each step, and of what is computed from it: energy, works, lowest point.
+//!
+//! A new part joins by a line: a scene by a `play` at the end of [`scenes`], with the part in it; an integrator by a line in [`each_scene`].
+//! `UPDATE=1 cargo test --test bits` stores the new hashes.
 
 use core::fmt;
 use core::ops::ControlFlow;
@@ -70,23 +73,28 @@ pub fn write(out: &mut dyn fmt::Write, scenes: bool) -> fmt::Result {
 /// # Errors
 /// If a scene cannot be composed, which is a fault of the battery.
 pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
-    macro_rules! all {
-        ($($real:ident: $($integrator:ident)*;)*) => {$($(
-            scenes::<$real, _>(
-                |time_step| $integrator { time_step },
-                &mut |scene, (hash, ended_early)| see(Outcome {
-                    precision: stringify!($real),
-                    integrator: stringify!($integrator),
-                    scene,
-                    hash,
-                    ended_early,
-                }),
-            )?;
-        )*)*};
+    macro_rules! with_each {
+        ($($integrator:ident: $method:expr;)*) => {
+            with_each!(f32 $($integrator: $method;)*);
+            with_each!(f64 $($integrator: $method;)*);
+        };
+        ($real:ident $($integrator:ident: $method:expr;)*) => {$(
+            scenes::<$real, _>($method, &mut |scene, (hash, ended_early)| see(Outcome {
+                precision: stringify!($real),
+                integrator: stringify!($integrator),
+                scene,
+                hash,
+                ended_early,
+            }))?;
+        )*};
     }
-    all! {
-        f32: ForwardEuler SymplecticEuler StrangSplitting Rk4 EnergyMomentum;
-        f64: ForwardEuler SymplecticEuler StrangSplitting Rk4 EnergyMomentum;
+    // Each is made from the time step (s) that the scene asks for.
+    with_each! {
+        ForwardEuler: |time_step| ForwardEuler { time_step };
+        SymplecticEuler: |time_step| SymplecticEuler { time_step };
+        StrangSplitting: |time_step| StrangSplitting { time_step };
+        Rk4: |time_step| Rk4 { time_step };
+        EnergyMomentum: |time_step| EnergyMomentum { time_step };
     }
     Ok(())
 }
@@ -227,22 +235,40 @@ fn follow<R: Bits, I: Integrator<R>>(
     (hash.0, end.is_err())
 }
 
+/// Body, ground, friction and gravity of a scene, behind `dyn`, which has the same bits: so each integrator is compiled for one scene, not for all.
+type Parts<'a, R> = (
+    &'a dyn RigidPointBody<R>,
+    &'a dyn SpringDamperGround<R>,
+    &'a dyn SlidingFriction<R>,
+    &'a dyn Gravity<R>,
+);
+
 /// All scenes with one integrator, which is made from its time step (s).
 fn scenes<R: Bits, I: Integrator<R>>(
     method: impl Fn(R) -> I,
     see: &mut dyn FnMut(&'static str, (u64, bool)),
 ) -> Result<(), SceneError> {
-    let by = || method(real(1e-3));
-    let gravity = UniformGravity::<R>::down(real(9.8));
-    let slope = Plane::<R>::through(vector::<R>(0.1, -0.2, 0.05), vector::<R>(0.2, -0.1, 1.0));
-    let coulomb = Coulomb::<R> {
-        coefficient: real(0.3),
-        slip_speed: real(1e-3),
+    // The report's own trials: a ring that rolls upright, one that spins, and their steep friction. Their parts are known at compile time.
+    for (name, number) in [("coin rolls", 1), ("coin spins", 6), ("coin leans", 7)] {
+        if let Some(trial) = Trial::<R>::report(number) {
+            let stepper = trial.stepper(method(real(1e-3)))?;
+            see(name, follow(&stepper, trial.state(), 0.3003));
+        }
+    }
+
+    // Name, parts, start, time step (s), duration (s).
+    let mut play = |name, parts: Parts<'_, R>, start, time_step, seconds| {
+        let (body, ground, friction, gravity) = parts;
+        let stepper = Stepper::new(body)?
+            .with_gravity(gravity)?
+            .with_ground(ground)?
+            .with_friction(friction)?
+            .with_integrator(method(real(time_step)))?;
+        see(name, follow(&stepper, start, seconds));
+        Ok::<(), SceneError>(())
     };
-    let smooth = SmoothCoulomb::<R> {
-        coefficient: real(0.4),
-        slip_speed: real(1e-2),
-    };
+
+    let coin = Coin::<R>::ring(real(1.0), real(0.5));
     let lopsided = cloud::<R, 5>([
         [0.31, 0.02, -0.11, 0.0, 0.4],
         [-0.17, 0.23, 0.05, 0.0, 0.3],
@@ -250,186 +276,27 @@ fn scenes<R: Bits, I: Integrator<R>>(
         [-0.08, -0.06, 0.27, 0.0, 0.2],
         [0.11, 0.14, -0.21, 0.0, 0.5],
     ])?;
-    let mass = real::<R>(1.0);
-    let coin = Coin::<R>::ring(mass, real(0.5));
-
-    // The report's own trials: a ring that rolls upright, one that spins, and their steep friction.
-    for (name, number) in [("coin rolls", 1), ("coin spins", 6), ("coin leans", 7)] {
-        if let Some(trial) = Trial::<R>::report(number) {
-            see(name, follow(&trial.stepper(by())?, trial.state(), 0.3003));
-        }
-    }
-
-    let thrown = start::<R>([
-        [0.0, 0.0, 0.6],
-        [0.7, -0.4, -0.5],
-        [0.5, 0.9, -0.3],
-        [0.2, 0.5, -0.3],
-    ]);
-    let stepper = Stepper::new(&coin)?
-        .with_gravity(gravity)?
-        .with_ground(FlatGround::level(real(3000.0), real(4.0)).on(slope))?
-        .with_friction(coulomb)?
-        .with_integrator(by())?;
-    see("coin tumbles", follow(&stepper, thrown, 0.5003));
-
-    // All 120 points in touch.
-    let lying = start::<R>([
-        [0.0, 0.0, -2e-4],
-        [0.8, 0.1, 0.0],
-        [0.01, core::f64::consts::FRAC_PI_2, 0.0],
-        [0.0, 0.02, 0.6],
-    ]);
-    let stepper = Stepper::new(&coin)?
-        .with_gravity(gravity)?
-        .with_ground(FlatGround::level(real(200.0), real(1.0)))?
-        .with_friction(smooth)?
-        .with_integrator(by())?;
-    see("coin lies", follow(&stepper, lying, 0.1003));
-
-    let stepper = Stepper::new(&lopsided)?
-        .with_gravity(gravity)?
-        .with_ground(FlatGround::level(real(4000.0), real(6.0)).on(slope))?
-        .with_friction(smooth)?
-        .with_integrator(by())?;
-    see("cloud on a slope", follow(&stepper, thrown, 0.5003));
-
-    let stepper = Stepper::new(&lopsided)?.with_integrator(by())?;
-    see("cloud in empty space", follow(&stepper, thrown, 0.2003));
-
-    let stepper = Stepper::new(&coin)?
-        .with_gravity(gravity)?
-        .with_ground(NoGround)?
-        .with_friction(coulomb)?
-        .with_integrator(by())?;
-    see("coin in flight", follow(&stepper, thrown, 0.2003));
-
     let rod = cloud::<R, 3>([
         [-0.3, 0.0, 0.0, 0.0, 0.5],
         [0.1, 0.0, 0.0, 0.0, 0.2],
         [0.4, 0.0, 0.0, 0.0, 0.3],
     ])?;
-    let stepper = Stepper::new(&rod)?
-        .with_gravity(gravity)?
-        .with_ground(FlatGround::level(real(2000.0), real(3.0)))?
-        .with_friction(coulomb)?
-        .with_integrator(by())?;
-    let falling = start::<R>([
-        [0.0, 0.0, 0.3],
-        [0.2, 0.6, 0.0],
-        [0.0, 0.8, 0.1],
-        [0.0, 0.02, 0.03],
-    ]);
-    see("rod", follow(&stepper, falling, 0.5003));
-
     let point = cloud::<R, 1>([[0.0, 0.0, 0.0, 0.0, 0.7]])?;
-    let stepper = Stepper::new(&point)?
-        .with_gravity(gravity)?
-        .with_ground(FlatGround::level(real(1500.0), real(2.0)).on(slope))?
-        .with_friction(coulomb)?
-        .with_integrator(by())?;
-    see("point on a slope", follow(&stepper, thrown, 0.5003));
-
-    // A slip speed whose square is below f32's normal numbers, on a body that comes to slide slowly.
-    let slow = start::<R>([[0.0, 0.0, -4e-3], [0.02, -0.01, 0.0], [0.0; 3], [0.0; 3]]);
-    let stepper = Stepper::new(&point)?
-        .with_gravity(gravity)?
-        .with_ground(FlatGround::level(real(1500.0), real(20.0)))?
-        .with_friction(SmoothCoulomb {
-            coefficient: real(0.2),
-            slip_speed: real(1e-21),
-        })?
-        .with_integrator(by())?;
-    see("point comes to rest", follow(&stepper, slow, 0.3003));
-
     // Corners with a radius.
-    let mut corners = [[0.0; 5]; 8];
-    for (i, [x, y, z, radius, mass]) in corners.iter_mut().enumerate() {
+    let die = cloud::<R, 8>(core::array::from_fn(|i| {
         let side = |bit: usize| if i & bit == 0 { -0.2 } else { 0.2 };
-        (*x, *y, *z, *radius, *mass) = (side(1), side(2), side(4), 0.03, 0.125);
-    }
-    let die = cloud::<R, 8>(corners)?;
-    let stepper = Stepper::new(&die)?
-        .with_gravity(gravity)?
-        .with_ground(FlatGround::level(real(2500.0), real(3.0)))?
-        .with_friction(Frictionless)?
-        .with_integrator(by())?;
-    see("die without friction", follow(&stepper, thrown, 0.5003));
-
+        [side(1), side(2), side(4), 0.03, 0.125]
+    }))?;
     let ball = Ball {
-        mass,
+        mass: real(1.0),
         moment: real(0.036),
         contact: [ContactPoint {
             position: R::Vec3::ZERO,
             radius: real(0.3),
         }],
     };
-    let stepper = Stepper::new(ball)?
-        .with_gravity(gravity)?
-        .with_ground(FlatGround::level(real(2000.0), real(5.0)).on(slope))?
-        .with_friction(smooth)?
-        .with_integrator(by())?;
-    see("ball on a slope", follow(&stepper, thrown, 0.5003));
 
-    let law = LimitedDamper {
-        stiffness: real(3000.0),
-        damping: real(40.0),
-    };
-    let stepper = Stepper::new(&lopsided)?
-        .with_gravity(gravity)?
-        .with_ground(Ground { law, shape: slope })?
-        .with_friction(coulomb)?
-        .with_integrator(by())?;
-    see("limited damper", follow(&stepper, thrown, 0.5003));
-
-    for (name, exponent) in [("Hertz", 1.5), ("power of the depth", 1.3)] {
-        let law = HuntCrossley {
-            stiffness: real(20000.0),
-            exponent: real(exponent),
-            damping: real(0.2),
-        };
-        let stepper = Stepper::new(&lopsided)?
-            .with_gravity(gravity)?
-            .with_ground(Ground { law, shape: slope })?
-            .with_friction(smooth)?
-            .with_integrator(by())?;
-        see(name, follow(&stepper, thrown, 0.5003));
-    }
-
-    let stribeck = Stribeck::<R> {
-        static_coefficient: real(0.5),
-        kinetic_coefficient: real(0.3),
-        stribeck_speed: real(0.05),
-        viscous: real(0.01),
-        slip_speed: real(1e-3),
-    };
-    let (grain, coefficients) = (vector::<R>(0.6, 0.8, 0.0), [real(0.5), real(0.2)]);
-    let anisotropic = AnisotropicCoulomb::<R>::on(slope.normal, grain, coefficients, real(1e-3));
-    let viscous = Viscous::<R> {
-        coefficient: real(0.4),
-    };
-    let frictions: [(&'static str, &dyn SlidingFriction<R>); 3] = [
-        ("Stribeck's friction", &stribeck),
-        ("friction with a grain", &anisotropic),
-        ("viscous friction", &viscous),
-    ];
-    for (name, friction) in frictions {
-        let stepper = Stepper::new(&lopsided)?
-            .with_gravity(gravity)?
-            .with_ground(FlatGround::level(real(4000.0), real(6.0)).on(slope))?
-            .with_friction(friction)?
-            .with_integrator(by())?;
-        see(name, follow(&stepper, thrown, 0.5003));
-    }
-
-    let nickel = SolidCoin::new(mass, real(0.3), real(0.06));
-    let stepper = Stepper::new(&nickel)?
-        .with_gravity(gravity)?
-        .with_ground(FlatGround::level(real(2000.0), real(2.0)).on(slope))?
-        .with_friction(coulomb)?
-        .with_integrator(by())?;
-    see("solid coin", follow(&stepper, thrown, 0.5003));
-
+    let nickel = SolidCoin::new(real(1.0), real(0.3), real(0.06));
     // Solids joined and turned, a hull, and round corners: all of the mass properties' arithmetic.
     let edges = vector::<R>(0.3, 0.4, 0.5);
     let hull = MassDistribution::hull(
@@ -443,38 +310,107 @@ fn scenes<R: Bits, I: Integrator<R>>(
         ],
     )?;
     let turn = Rotation::<R>::from_rotation_vector(vector::<R>(0.3, -0.2, 0.5));
-    let heavy = MassDistribution::cuboid(mass, edges)
+    let heavy = MassDistribution::cuboid(real(1.0), edges)
         .with(&MassDistribution::capsule(real(0.2), real(0.02), real(0.1)).turned(turn))
         .with(&MassDistribution::cone(real(0.3), real(0.05), real(0.1)))
         .with(&hull);
-    let stepper = Stepper::new(Cuboid::loaded(edges, heavy).rounded(real(0.04)))?
-        .with_gravity(gravity)?
-        .with_ground(FlatGround::level(real(3000.0), real(3.0)))?
-        .with_friction(smooth)?
-        .with_integrator(by())?;
-    see("loaded die", follow(&stepper, thrown, 0.5003));
+    let loaded_die = Cuboid::loaded(edges, heavy).rounded(real(0.04));
+    let cone = Cone::solid(real(1.0), real(0.2), real(0.4));
+    let load = MassDistribution::ball(real(1.0), real(0.25)).at(vector::<R>(0.0, 0.0, -0.08));
+    let loaded_sphere = Sphere::loaded(real(0.3), load);
 
-    let stepper = Stepper::new(Cone::solid(mass, real(0.2), real(0.4)))?
-        .with_gravity(gravity)?
-        .with_ground(FlatGround::level(real(2000.0), real(3.0)))?
-        .with_friction(coulomb)?
-        .with_integrator(by())?;
-    see("cone", follow(&stepper, thrown, 0.3003));
+    let level = |stiffness, damping| FlatGround::level(real(stiffness), real(damping));
+    let plane = Plane::<R>::through(vector::<R>(0.1, -0.2, 0.05), vector::<R>(0.2, -0.1, 1.0));
+    let slope = |stiffness, damping| level(stiffness, damping).on(plane);
+    let falls = UniformGravity::<R>::down(real(9.8));
+    let coulomb = Coulomb::<R> {
+        coefficient: real(0.3),
+        slip_speed: real(1e-3),
+    };
+    let smooth = SmoothCoulomb::<R> {
+        coefficient: real(0.4),
+        slip_speed: real(1e-2),
+    };
+    let limited = Ground {
+        law: LimitedDamper {
+            stiffness: real(3000.0),
+            damping: real(40.0),
+        },
+        shape: plane,
+    };
+    let hertzian = |exponent| Ground {
+        law: HuntCrossley {
+            stiffness: real(20000.0),
+            exponent: real(exponent),
+            damping: real(0.2),
+        },
+        shape: plane,
+    };
+    let stribeck = Stribeck::<R> {
+        static_coefficient: real(0.5),
+        kinetic_coefficient: real(0.3),
+        stribeck_speed: real(0.05),
+        viscous: real(0.01),
+        slip_speed: real(1e-3),
+    };
+    let (grain, coefficients) = (vector::<R>(0.6, 0.8, 0.0), [real(0.5), real(0.2)]);
+    let grained = AnisotropicCoulomb::<R>::on(plane.normal, grain, coefficients, real(1e-3));
+    let viscous = Viscous::<R> {
+        coefficient: real(0.4),
+    };
+    // The square of its slip speed is below f32's normal numbers.
+    let steep = SmoothCoulomb::<R> {
+        coefficient: real(0.2),
+        slip_speed: real(1e-21),
+    };
 
-    let top = MassDistribution::ball(mass, real(0.25)).at(vector::<R>(0.0, 0.0, -0.08));
-    let stepper = Stepper::new(Sphere::loaded(real(0.3), top))?
-        .with_gravity(gravity)?
-        .with_ground(FlatGround::level(real(2000.0), real(5.0)))?
-        .with_friction(coulomb)?
-        .with_integrator(by())?;
-    see("loaded sphere", follow(&stepper, thrown, 0.5003));
+    // Place, velocity, turn (a rotation vector) and angular momentum.
+    let thrown = start::<R>([
+        [0.0, 0.0, 0.6],
+        [0.7, -0.4, -0.5],
+        [0.5, 0.9, -0.3],
+        [0.2, 0.5, -0.3],
+    ]);
+    let falling = start::<R>([
+        [0.0, 0.0, 0.3],
+        [0.2, 0.6, 0.0],
+        [0.0, 0.8, 0.1],
+        [0.0, 0.02, 0.03],
+    ]);
+    // All points of a coin in touch.
+    let lying = start::<R>([
+        [0.0, 0.0, -2e-4],
+        [0.8, 0.1, 0.0],
+        [0.01, core::f64::consts::FRAC_PI_2, 0.0],
+        [0.0, 0.02, 0.6],
+    ]);
+    let slow = start::<R>([[0.0, 0.0, -4e-3], [0.02, -0.01, 0.0], [0.0; 3], [0.0; 3]]);
 
-    // Far beyond the explicit methods' limits: they are thrown off with whatever speed the first touch gives.
-    let stepper = Stepper::new(&lopsided)?
-        .with_gravity(NoGravity)?
-        .with_ground(FlatGround::level(real(1e7), real(300.0)))?
-        .with_friction(coulomb)?
-        .with_integrator(method(real(1e-2)))?;
-    see("stiff", follow(&stepper, falling, 2.003));
+    #[rustfmt::skip] // a line a scene
+    let () = {
+        play("coin tumbles", (&coin, &slope(3000.0, 4.0), &coulomb, &falls), thrown, 1e-3, 0.5003)?;
+        play("coin lies", (&coin, &level(200.0, 1.0), &smooth, &falls), lying, 1e-3, 0.1003)?;
+        play("cloud on a slope", (&lopsided, &slope(4000.0, 6.0), &smooth, &falls), thrown, 1e-3, 0.5003)?;
+        play("cloud in empty space", (&lopsided, &NoGround, &Frictionless, &NoGravity), thrown, 1e-3, 0.2003)?;
+        play("coin in flight", (&coin, &NoGround, &coulomb, &falls), thrown, 1e-3, 0.2003)?;
+        play("rod", (&rod, &level(2000.0, 3.0), &coulomb, &falls), falling, 1e-3, 0.5003)?;
+        play("point on a slope", (&point, &slope(1500.0, 2.0), &coulomb, &falls), thrown, 1e-3, 0.5003)?;
+        // Comes to slide slowly.
+        play("point comes to rest", (&point, &level(1500.0, 20.0), &steep, &falls), slow, 1e-3, 0.3003)?;
+        play("die without friction", (&die, &level(2500.0, 3.0), &Frictionless, &falls), thrown, 1e-3, 0.5003)?;
+        play("ball on a slope", (&ball, &slope(2000.0, 5.0), &smooth, &falls), thrown, 1e-3, 0.5003)?;
+        play("limited damper", (&lopsided, &limited, &coulomb, &falls), thrown, 1e-3, 0.5003)?;
+        play("Hertz", (&lopsided, &hertzian(1.5), &smooth, &falls), thrown, 1e-3, 0.5003)?;
+        play("power of the depth", (&lopsided, &hertzian(1.3), &smooth, &falls), thrown, 1e-3, 0.5003)?;
+        play("Stribeck's friction", (&lopsided, &slope(4000.0, 6.0), &stribeck, &falls), thrown, 1e-3, 0.5003)?;
+        play("friction with a grain", (&lopsided, &slope(4000.0, 6.0), &grained, &falls), thrown, 1e-3, 0.5003)?;
+        play("viscous friction", (&lopsided, &slope(4000.0, 6.0), &viscous, &falls), thrown, 1e-3, 0.5003)?;
+        play("solid coin", (&nickel, &slope(2000.0, 2.0), &coulomb, &falls), thrown, 1e-3, 0.5003)?;
+        play("loaded die", (&loaded_die, &level(3000.0, 3.0), &smooth, &falls), thrown, 1e-3, 0.5003)?;
+        play("cone", (&cone, &level(2000.0, 3.0), &coulomb, &falls), thrown, 1e-3, 0.3003)?;
+        play("loaded sphere", (&loaded_sphere, &level(2000.0, 5.0), &coulomb, &falls), thrown, 1e-3, 0.5003)?;
+        // Far beyond the explicit methods' limits: they are thrown off with whatever speed the first touch gives.
+        play("stiff", (&lopsided, &level(1e7, 300.0), &coulomb, &NoGravity), falling, 1e-2, 2.003)?;
+    };
     Ok(())
 }

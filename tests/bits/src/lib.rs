@@ -4,6 +4,3 @@
 #![no_std]
 
 pub mod battery;
-
-#[cfg(all(target_arch = "wasm32", target_os = "unknown"))]
-mod wasm;

@@ -1,5 +1,5 @@
 //! Prints the battery's hashes: with the standard library where there is one, else by what each bare target has.
-#![cfg_attr(target_os = "none", no_std, no_main)]
+#![cfg_attr(any(target_os = "none", target_os = "unknown"), no_std, no_main)]
 
 #[cfg(all(target_os = "none", target_arch = "arm"))]
 mod cortex_m;
@@ -8,6 +8,8 @@ mod cortex_m;
     any(target_arch = "aarch64", target_arch = "riscv32")
 ))]
 mod user_mode;
+#[cfg(target_os = "unknown")]
+mod wasm;
 
 #[cfg(all(target_os = "none", target_arch = "arm"))]
 use cortex_m::{Out, exit};
@@ -17,7 +19,7 @@ use cortex_m::{Out, exit};
 ))]
 use user_mode::{Out, exit};
 
-#[cfg(not(target_os = "none"))]
+#[cfg(not(any(target_os = "none", target_os = "unknown")))]
 fn main() {
     let mut text = String::new();
     let written = tumble_bits::battery::write(&mut text, cfg!(feature = "scenes"));

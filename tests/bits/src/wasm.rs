@@ -20,7 +20,7 @@ impl fmt::Write for Page {
 
 #[unsafe(no_mangle)]
 extern "C" fn run() -> bool {
-    crate::battery::write(&mut Page, cfg!(feature = "scenes")).is_ok()
+    tumble_bits::battery::write(&mut Page, cfg!(feature = "scenes")).is_ok()
 }
 
 #[panic_handler]

@@ -1,0 +1,76 @@
+#!/bin/bash
+# Builds examples/embedded for three processors and looks at the images: nothing that panics, no double precision in a program of single precision, no
+# more code and stack than stored here. Runs them on an emulated Cortex-M4F and Cortex-M3 and compares the lines with this machine's.
+# Prints the README's table of code, memory and instructions. From the top folder:  .ci/embedded.sh
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+. .ci/cross.sh
+export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}/firmware"
+work="$CARGO_TARGET_DIR/work"
+mkdir -p "$work"
+cross_tools "$work"
+
+# Bytes of code and constants, and of stack, that a program may take on the Cortex-M4F.
+programs=(
+  'symplectic_euler_f32 24576 4096'
+  'symplectic_euler_f64 43008 4352'
+  'energy_momentum_f32 67584 5120'
+  'energy_momentum_f64 118784 9728'
+)
+build() { cargo build -q --release --locked --manifest-path examples/embedded/Cargo.toml "$@"; }
+build --bins
+linker=$(cross_linker) RUSTC=$(cross_compiler)
+export RUSTC RUSTC_BOOTSTRAP=1
+for target in THUMBV7EM_NONE_EABIHF THUMBV6M_NONE_EABI RISCV32IMAC_UNKNOWN_NONE_ELF; do
+  export "CARGO_TARGET_${target}_LINKER=$linker"
+done
+m4f=thumbv7em-none-eabihf
+build -Zbuild-std=core --bins --target={$m4f,thumbv6m-none-eabi,riscv32imac-unknown-none-elf}
+
+fail() { echo "$*"; exit 1; }
+image() { echo "$CARGO_TARGET_DIR/$1/release/$2"; } # image TARGET PROGRAM
+# A symbol is in an image only where something calls it: the linker leaves out the rest.
+panics() { nm "$1" | grep -E 'panic|unwrap_failed|expect_failed|slice_.*fail|rust_begin_unwind' || true; }
+# Widening alone is let pass: it carries a parameter that is refused, when a scene is composed, into the error's f64.
+doubles() { nm "$1" | grep -E '__aeabi_(d|cd)|__aeabi_[a-z0-9]*2d|__[a-z0-9]*df[a-z0-9]*' | grep -vE '__aeabi_u?[fi]2d|extendsfdf2|floatun' || true; }
+
+# Numbers in the text of a program: 'number TEXT FILE'.
+number() { sed -n "s/^$1 *//p" "$2"; }
+emulate() { # emulate MACHINE IMAGE
+  timeout 300 qemu-system-arm -M "$1" -nographic -monitor none -serial none -semihosting-config enable=on,target=native -icount shift=0 -kernel "$2" </dev/null
+}
+
+echo "| program | code and constants | static memory | stack | instructions a step in flight / in contact / at most |"
+echo "|---|---|---|---|---|"
+for line in "${programs[@]}"; do
+  read -r program code_limit stack_limit <<<"$line"
+  for target in $m4f thumbv6m-none-eabi riscv32imac-unknown-none-elf; do
+    found=$(panics "$(image $target "$program")")
+    [ -z "$found" ] || fail "$program for $target can panic: $found"
+  done
+  elf=$(image $m4f "$program")
+  if [[ $program == *_f32 ]]; then
+    found=$(doubles "$elf")
+    [ -z "$found" ] || fail "$program computes in double precision: $found"
+  fi
+  "$CARGO_TARGET_DIR/release/$program" >"$work/host"
+  [ "$(grep -c . "$work/host")" = 13 ] || fail "$program prints $(grep -c . "$work/host") lines here"
+  for machine in mps2-an386:$m4f mps2-an385:thumbv6m-none-eabi; do
+    emulate "${machine%:*}" "$(image "${machine#*:}" "$program")" >"$work/${machine%:*}"
+    head -n 13 "$work/${machine%:*}" | diff "$work/host" - || fail "$program has other bits for ${machine#*:}"
+  done
+  code=$(size -A "$elf" | awk '$1 == ".text" || $1 == ".rodata" || $1 == ".data" || $1 == ".vector_table" { sum += $2 } END { print sum }')
+  ran="$work/mps2-an386"
+  stack=$(number 'bytes of stack' "$ran")
+  echo "| \`$program\` | $code B | $(number 'bytes of static memory' "$ran") B | $stack B |" \
+    "$(number 'clocks a step in flight' "$ran") / $(number 'clocks a step in contact' "$ran") / $(number 'clocks, longest step' "$ran") |"
+  [ "$code" -le "$code_limit" ] || fail "$program: more than $code_limit bytes of code"
+  [ "$stack" -le "$stack_limit" ] || fail "$program: more than $stack_limit bytes of stack"
+done
+echo "the same bits on this machine, as ARMv7E-M with floating-point unit, and as ARMv6-M"
+
+# The looks are put to the test.
+build -Zbuild-std=core --bin symplectic_euler_f32 --features control --target=$m4f
+elf=$(image $m4f symplectic_euler_f32)
+[ -n "$(panics "$elf")" ] || fail "the control panics by design, and this check did not see it"
+[ -n "$(doubles "$elf")" ] || fail "the control computes in f64 by design, and this check did not see it"

@@ -1,0 +1,7 @@
+//! The coin, by `EnergyMomentum` in `f64`.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+use tumble::EnergyMomentum;
+use tumble::integrator::EnergyMomentumWorkspace;
+
+coin_firmware::firmware!(f64, EnergyMomentum, EnergyMomentumWorkspace::new());

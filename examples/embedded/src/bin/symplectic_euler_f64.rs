@@ -1,0 +1,6 @@
+//! The coin, by `SymplecticEuler` in `f64`.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+use tumble::SymplecticEuler;
+
+coin_firmware::firmware!(f64, SymplecticEuler, ());

@@ -1,0 +1,162 @@
+//! A coin of 120 points is thrown, bounces, tumbles and comes to rest on a microcontroller: no operating system, no allocator, no panic.
+//!
+//! Each program in `src/bin` is this scene with one integrator in one precision, and nothing else: what is linked is what such a scene needs. It prints the
+//! states, the energies and a hash of all bits, and then what the run has cost. For a computer with a system, it prints the same without the cost.
+#![no_std]
+#![deny(unsafe_code)]
+
+pub mod board;
+mod report;
+
+pub use report::Number;
+use report::{Hash, line, print, print_count};
+
+use tumble::real::Vector;
+use tumble::{
+    Coin, ContactPoint, Coulomb, FlatGround, Integrator, SceneError, State, StepError, Stepper,
+    UniformGravity,
+};
+
+/// What a toss keeps outside of the stack: the coin's rim, and what the integrator remembers from step to step.
+#[derive(Debug)]
+pub struct Memory<R: Number, W> {
+    rim: [ContactPoint<R>; 120],
+    workspace: W,
+}
+
+impl<R: Number, W> Memory<R, W> {
+    /// Memory for a coin and this workspace.
+    pub const fn new(workspace: W) -> Self {
+        Self {
+            rim: [ContactPoint {
+                position: R::Vec3::ZERO,
+                radius: R::ZERO,
+            }; 120],
+            workspace,
+        }
+    }
+}
+
+/// Why a toss ended early. Neither happens here; a device would answer.
+#[derive(Clone, Copy, Debug)]
+pub enum Fault {
+    /// A parameter cannot be.
+    Scene(SceneError),
+    /// A step could not go on.
+    Step(StepError),
+}
+
+/// Of 1 ms.
+const STEPS: u32 = 2000;
+const STEPS_A_LINE: u32 = 200;
+
+/// What a toss has cost.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Account {
+    flight: board::Cost,
+    contact: board::Cost,
+}
+
+/// Tosses the coin for 2 s, and prints what it does.
+///
+/// # Errors
+/// None with these parameters.
+pub fn toss<R: Number, I: Integrator<R>>(
+    memory: &mut Memory<R, I::Workspace>,
+    integrator: I,
+    clock: &mut board::Clock,
+) -> Result<Account, Fault> {
+    let stepper = compose(&mut memory.rim, integrator).map_err(Fault::Scene)?;
+    let real = R::from_f64;
+    let mut state = State::<R>::at(R::Vec3::new(R::ZERO, R::ZERO, R::ONE))
+        .with_angular_momentum(R::Vec3::new(real(0.3), R::ONE, real(0.2)));
+    let mut hash = Hash::new();
+    let mut account = Account::default();
+
+    print("     time/ms         x/m         y/m         z/m    energy/J\n");
+    for step in 0..STEPS {
+        if step % STEPS_A_LINE == 0 {
+            line(step, &state, stepper.energy(&state).total());
+        }
+        let touches = stepper.touching(&state) > 0;
+        clock.start();
+        let stepped = stepper.step_within(&mut state, R::MAX, &mut memory.workspace);
+        let clocks = clock.stop();
+        stepped.map_err(Fault::Step)?;
+        if touches {
+            &mut account.contact
+        } else {
+            &mut account.flight
+        }
+        .add(clocks);
+        hash.state(&state);
+    }
+    line(STEPS, &state, stepper.energy(&state).total());
+    hash.print();
+    #[cfg(feature = "control")]
+    control(&memory.rim);
+    Ok(account)
+}
+
+/// What the checks of the image must find: an index that nobody has checked, and arithmetic in f64.
+#[cfg(feature = "control")]
+fn control<R: Number>(rim: &[ContactPoint<R>]) {
+    let count = core::hint::black_box(rim.len());
+    print_count(
+        "control ",
+        (rim[count / 2].position.y().to_f64() * 3.0) as u32,
+    );
+}
+
+/// The README's scene.
+fn compose<R: Number, I: Integrator<R>>(
+    rim: &mut [ContactPoint<R>; 120],
+    integrator: I,
+) -> Result<
+    Stepper<R, Coin<R, &mut [ContactPoint<R>]>, FlatGround<R>, Coulomb<R>, UniformGravity<R>, I>,
+    SceneError,
+> {
+    let real = R::from_f64;
+    Stepper::new(Coin::ring_in(rim.as_mut_slice(), R::ONE, R::HALF))? // kg, m
+        .with_gravity(UniformGravity::down(real(9.8)))? // m/s²
+        .with_ground(FlatGround::level(real(1000.0), R::HALF))? // N/m and N s/m, for each point
+        .with_friction(Coulomb {
+            coefficient: real(0.3),
+            slip_speed: real(1e-3), // m/s
+        })?
+        .with_integrator(integrator)
+}
+
+/// Prints what the run has cost, where it can be measured; `fixed` is the size of the memory outside of the stack.
+pub fn print_account(account: &Account, fixed: usize) {
+    if let Some(stack) = board::stack_used() {
+        print_count("clocks a step in flight  ", account.flight.mean());
+        print_count("clocks a step in contact ", account.contact.mean());
+        print_count("clocks, longest step     ", account.contact.longest());
+        print_count("bytes of stack           ", stack);
+        print_count("bytes of static memory   ", fixed as u32);
+    }
+}
+
+/// A program that tosses the coin: `firmware!(f32, EnergyMomentum, EnergyMomentumWorkspace::new())`.
+#[macro_export]
+macro_rules! firmware {
+    ($real:ident, $integrator:ident, $workspace:expr) => {
+        type Memory =
+            $crate::Memory<$real, <$integrator<$real> as tumble::Integrator<$real>>::Workspace>;
+
+        fn program(memory: &'static mut Memory) -> i32 {
+            let mut clock = $crate::board::Clock::new();
+            let time_step = 1e-3; // s
+            match $crate::toss::<$real, _>(memory, $integrator { time_step }, &mut clock) {
+                Ok(account) => {
+                    $crate::print_account(&account, core::mem::size_of::<Memory>());
+                    0
+                }
+                Err(_) => 1,
+            }
+        }
+
+        $crate::program!(program, Memory, $crate::Memory::new($workspace));
+    };
+}
