@@ -152,6 +152,9 @@ pub mod guide {
     #[doc = include_str!("guide/accuracy.md")]
     pub mod accuracy {}
 
+    #[doc = include_str!("guide/gallery.md")]
+    pub mod gallery {}
+
     #[doc = include_str!("guide/validation.md")]
     pub mod validation {}
 

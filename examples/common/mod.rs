@@ -1,0 +1,311 @@
+//! What the examples share: options, figures that are checked, pictures, and a page that shows both.
+
+// Each example uses its part of this.
+#![allow(dead_code)]
+
+use std::error::Error;
+use std::ffi::OsString;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use kuva::prelude::*;
+use kuva::render::render::render_multiple;
+use lexopt::prelude::*;
+
+pub(crate) type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// Colours that colour-blind eyes tell apart (Okabe and Ito).
+pub(crate) const BLUE: &str = "#0072b2";
+pub(crate) const ORANGE: &str = "#e69f00";
+pub(crate) const GREEN: &str = "#009e73";
+pub(crate) const PURPLE: &str = "#cc79a7";
+pub(crate) const GREY: &str = "#888888";
+pub(crate) const BLACK: &str = "#222222";
+
+/// Pixels of the PNG for each pixel of the SVG.
+const PNG_SCALE: f32 = 2.0;
+
+/// What the command line asks for.
+#[derive(Debug)]
+pub(crate) struct Options {
+    /// Folder that receives the files; made if it is not there.
+    pub(crate) out: PathBuf,
+    /// Less of everything.
+    pub(crate) quick: bool,
+}
+
+/// Runs an example: reads the options, works, and says by the exit code whether every figure is what it should be.
+///
+/// 0 where all are, 1 where one is not or the run fails, 2 where the command line is to blame.
+pub(crate) fn main(
+    name: &str,
+    about: &str,
+    work: impl FnOnce(&Options) -> Outcome<Page>,
+) -> ExitCode {
+    let options = match parse(name, about) {
+        Ok(Some(options)) => options,
+        Ok(None) => return ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}\nThe options are listed by --help.");
+            return ExitCode::from(2);
+        }
+    };
+    let finished = work(&options).and_then(|page| page.write(name, &options));
+    match finished {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn parse(name: &str, about: &str) -> Result<Option<Options>, lexopt::Error> {
+    let mut options = Options {
+        out: PathBuf::from("out"),
+        quick: false,
+    };
+    let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
+    let mut parser = lexopt::Parser::from_args(arguments);
+    while let Some(argument) = parser.next()? {
+        match argument {
+            Short('o') | Long("out") => options.out = parser.value()?.into(),
+            Short('q') | Long("quick") => options.quick = true,
+            Short('h') | Long("help") => {
+                println!(
+                    "{about}\n\nUsage: cargo run --release --example {name} -- [OPTIONS]\n\n  \
+                     -o, --out <FOLDER>   where the page and its pictures go   [default: out]\n  \
+                     -q, --quick          a shorter run\n  -h, --help           this text"
+                );
+                return Ok(None);
+            }
+            other => return Err(other.unexpected()),
+        }
+    }
+    Ok(Some(options))
+}
+
+/// A figure beside what it should be.
+#[derive(Debug)]
+pub(crate) struct Check {
+    /// What it is, with its unit.
+    pub(crate) what: String,
+    /// Where the expected value comes from.
+    pub(crate) source: String,
+    pub(crate) got: f64,
+    pub(crate) least: f64,
+    pub(crate) most: f64,
+}
+
+impl Check {
+    /// That a figure lies within `tolerance` of what is expected.
+    pub(crate) fn near(what: &str, source: &str, got: f64, expected: f64, tolerance: f64) -> Self {
+        Self::between(
+            what,
+            source,
+            got,
+            expected - tolerance,
+            expected + tolerance,
+        )
+    }
+
+    /// That a figure lies in a range.
+    pub(crate) fn between(what: &str, source: &str, got: f64, least: f64, most: f64) -> Self {
+        Self {
+            what: what.to_owned(),
+            source: source.to_owned(),
+            got,
+            least,
+            most,
+        }
+    }
+
+    fn holds(&self) -> bool {
+        self.least <= self.got && self.got <= self.most
+    }
+
+    fn cells(&self) -> [String; 5] {
+        let number = |value: f64| {
+            if value.is_finite() {
+                format!("{value:.5}")
+            } else {
+                String::new()
+            }
+        };
+        let size = self.got.abs();
+        let got = if size < 1e-3 && size > 0.0 {
+            format!("{:.2e}", self.got)
+        } else {
+            number(self.got)
+        };
+        [
+            self.what.clone(),
+            got,
+            format!("{} to {}", number(self.least), number(self.most)),
+            if self.holds() { "yes" } else { "NO" }.to_owned(),
+            self.source.clone(),
+        ]
+    }
+}
+
+/// A drawing with its name.
+#[derive(Debug)]
+pub(crate) struct Picture {
+    name: &'static str,
+    svg: String,
+    png: Vec<u8>,
+}
+
+impl Picture {
+    /// Curves and points in one frame.
+    pub(crate) fn new(
+        name: &'static str,
+        plots: Vec<Plot>,
+        arrange: impl FnOnce(Layout) -> Layout,
+    ) -> Outcome<Self> {
+        let layout = Layout::auto_from_plots(&plots)
+            .with_width(900.0)
+            .with_height(480.0)
+            .with_theme(theme());
+        let scene = render_multiple(plots, arrange(layout));
+        let text = SvgBackend::new().render_scene(&scene);
+        // With a view box, so that a page may scale it.
+        let view_box = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
+        Ok(Self {
+            name,
+            svg: text.replacen("<svg ", &view_box, 1),
+            png: PngBackend::new()
+                .with_scale(PNG_SCALE)
+                .render_scene(&scene)?,
+        })
+    }
+}
+
+fn theme() -> Theme {
+    Theme {
+        grid_color: "#e4e4e4".to_owned(),
+        legend_border: "#cccccc".to_owned(),
+        axis_color: "#444444".to_owned(),
+        ..Theme::light()
+    }
+}
+
+pub(crate) fn line(curve: Vec<(f64, f64)>, colour: &str, name: &str) -> Plot {
+    let line = LinePlot::new()
+        .with_data(curve)
+        .with_color(colour)
+        .with_stroke_width(1.8);
+    Plot::Line(if name.is_empty() {
+        line
+    } else {
+        line.with_legend(name)
+    })
+}
+
+/// What an example has to show.
+#[derive(Debug)]
+pub(crate) struct Page {
+    pub(crate) title: &'static str,
+    /// A paragraph each.
+    pub(crate) text: Vec<String>,
+    pub(crate) checks: Vec<Check>,
+    pub(crate) pictures: Vec<Picture>,
+}
+
+impl Page {
+    /// Writes the page and its pictures, prints the figures, and says whether all of them hold.
+    fn write(&self, name: &str, options: &Options) -> Outcome<bool> {
+        let folder = options.out.join(name);
+        let shown = folder.display();
+        fs::create_dir_all(&folder)
+            .map_err(|error| format!("cannot make the folder {shown}: {error}"))?;
+        for picture in &self.pictures {
+            let file = folder.join(picture.name);
+            fs::write(file.with_extension("svg"), &picture.svg)?;
+            fs::write(file.with_extension("png"), &picture.png)?;
+        }
+        let page = folder.join(name).with_extension("html");
+        fs::write(&page, self.html()?)?;
+        println!("{}", self.title);
+        for paragraph in &self.text {
+            println!("{paragraph}");
+        }
+        for check in &self.checks {
+            let [what, got, range, holds, source] = check.cells();
+            println!("  {what}: {got} ({range}: {holds}) [{source}]");
+        }
+        println!("Written: {}", page.display());
+        Ok(self.checks.iter().all(Check::holds))
+    }
+
+    fn html(&self) -> Result<String, std::fmt::Error> {
+        let mut html = format!(
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>{0}</title>\n\
+             <style>body{{font:16px/1.5 system-ui,sans-serif;max-width:960px;margin:24px auto;padding:0 16px;color:#1d2430;background:#fff}}\
+             svg{{width:100%;height:auto}}table{{border-collapse:collapse;width:100%}}\
+             td,th{{text-align:left;padding:4px 12px 4px 0;border-bottom:1px solid #d5dbe4;vertical-align:top}}</style></head>\n\
+             <body><h1>{0}</h1>\n",
+            self.title
+        );
+        for paragraph in &self.text {
+            writeln!(html, "<p>{paragraph}</p>")?;
+        }
+        for (number, picture) in self.pictures.iter().enumerate() {
+            // Names of clip paths must be the page's only ones.
+            let svg = picture.svg.replace("kuva-clip", &format!("clip-{number}"));
+            writeln!(html, "{svg}")?;
+        }
+        html.push_str(
+            "<table><tr><th>figure</th><th>got</th><th>should be</th><th>is</th><th>by</th></tr>\n",
+        );
+        for check in &self.checks {
+            writeln!(
+                html,
+                "<tr><td>{}</td></tr>",
+                check.cells().join("</td><td>")
+            )?;
+        }
+        html.push_str("</table></body></html>\n");
+        Ok(html)
+    }
+}
+
+/// SplitMix64 (Steele, Lea & Flood, OOPSLA 2014): the same numbers in every run.
+#[derive(Debug)]
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Evenly between two numbers.
+    pub(crate) fn between(&mut self, least: f64, most: f64) -> f64 {
+        let share = (self.bits() >> 11) as f64 / (1_u64 << 53) as f64;
+        least + (most - least) * share
+    }
+
+    /// Four numbers of a unit quaternion, any turn as likely as any other (Shoemake, Graphics Gems III, 1992).
+    pub(crate) fn turn(&mut self) -> [f64; 4] {
+        let (share, first, second) = (
+            self.between(0.0, 1.0),
+            self.between(0.0, core::f64::consts::TAU),
+            self.between(0.0, core::f64::consts::TAU),
+        );
+        let (small, large) = ((1.0 - share).sqrt(), share.sqrt());
+        [
+            small * first.sin(),
+            small * first.cos(),
+            large * second.sin(),
+            large * second.cos(),
+        ]
+    }
+}

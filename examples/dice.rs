@@ -1,0 +1,195 @@
+//! Throws dice until they lie: a fair one shows each face alike, by the chi-square test; a loaded one does not. `cargo run --release --example dice -- --help`.
+
+// A program has std; these lints guard the library.
+#![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
+
+mod common;
+
+use std::process::ExitCode;
+
+use common::{BLUE, Check, ORANGE, Options, Outcome, Page, Picture, Random};
+use kuva::prelude::*;
+use tumble::glam::{DQuat, DVec3};
+use tumble::{
+    Coulomb, Cuboid, EnergyMomentum, FlatGround, MassDistribution, State, Stepper, UniformGravity,
+};
+
+const ABOUT: &str = "\
+Throws a die of 16 mm with round corners a few thousand times, each time until it lies still, and
+counts the faces; and does so with a die whose centre of mass is 2 mm off its middle.";
+
+/// kg and m: a die of acrylic.
+const MASS: f64 = 0.0048;
+const EDGE: f64 = 0.016;
+const CORNER: f64 = 0.0015;
+/// How far a loaded die's centre of mass lies from the middle towards the four, m.
+const LOAD: f64 = 0.002;
+const GRAVITY: f64 = 9.81;
+/// A throw that does not lie after so many seconds is a fault.
+const PATIENCE: f64 = 20.0;
+
+type Die = Stepper<f64, Cuboid, FlatGround, Coulomb, UniformGravity>;
+
+fn main() -> ExitCode {
+    common::main("dice", ABOUT, work)
+}
+
+fn work(options: &Options) -> Outcome<Page> {
+    let throws = if options.quick { 600 } else { 6000 };
+    let fair = count(&stepper(0.0)?, throws, 1)?;
+    let loaded = count(&stepper(LOAD)?, throws, 2)?;
+    let expected = f64::from(throws) / 6.0;
+    let [fair_square, loaded_square] = [&fair, &loaded].map(|faces| chi_square(faces, expected));
+    // Of a count around n/6 with the spread √(n/6 · 5/6).
+    let spread = (expected * 5.0 / 6.0).sqrt();
+    let three = (f64::from(loaded[2]) - expected) / spread;
+    let bars = |faces: [u32; 6], colour: &str, name: &str, beside: f64| {
+        let places = (1..).zip(faces).map(|(face, count)| {
+            (
+                f64::from(face) + beside,
+                f64::from(count) / f64::from(throws),
+            )
+        });
+        let dots = ScatterPlot::new()
+            .with_data(places.collect::<Vec<_>>())
+            .with_color(colour)
+            .with_size(7.0)
+            .with_legend(name);
+        Plot::Scatter(dots)
+    };
+    let sixth = common::line(
+        vec![(0.5, 1.0 / 6.0), (6.5, 1.0 / 6.0)],
+        common::GREY,
+        "1/6",
+    );
+    let plots = vec![
+        sixth,
+        bars(fair, BLUE, "fair", -0.08),
+        bars(loaded, ORANGE, "loaded towards the four", 0.08),
+    ];
+    let picture = Picture::new("faces", plots, |layout| {
+        layout
+            .with_title("share of throws by face")
+            .with_x_label("face")
+            .with_y_label("share")
+            .with_y_axis_min(0.0)
+            .with_legend_position(LegendPosition::InsideTopRight)
+    })?;
+    Ok(Page {
+        title: "Dice",
+        text: vec![
+            format!(
+                "Each of {throws} throws begins with a random turn, spin and speed half a metre above the table and ends when the die lies still."
+            ),
+            format!(
+                "Fair: {fair:?}. Loaded, centre of mass {:.0} mm towards the four: {loaded:?}.",
+                1e3 * LOAD
+            ),
+        ],
+        checks: vec![
+            // Five degrees of freedom: 20.5 is passed by one fair die in a thousand.
+            Check::between(
+                "chi-square of the fair die",
+                "chi-square with 5 degrees of freedom, 0.999 quantile",
+                fair_square,
+                0.0,
+                20.515,
+            ),
+            Check::between(
+                "probability of at least this chi-square, fair die",
+                "survival function of chi-square with 5 degrees of freedom",
+                survival(fair_square),
+                1e-3,
+                1.0,
+            ),
+            Check::between(
+                "chi-square of the loaded die",
+                "beyond the 1 - 1e-9 quantile",
+                loaded_square,
+                50.8,
+                f64::INFINITY,
+            ),
+            Check::between(
+                "threes of the loaded die beyond a sixth, in standard deviations",
+                "the heavy side, four, comes to lie below",
+                three,
+                5.0,
+                f64::INFINITY,
+            ),
+        ],
+        pictures: vec![picture],
+    })
+}
+
+fn stepper(load: f64) -> Outcome<Die> {
+    let edges = DVec3::splat(EDGE);
+    // Four is the face at -z.
+    let heavy = MassDistribution::cuboid(MASS, edges).at(DVec3::NEG_Z * load);
+    // A corner sinks 12 µm under the whole weight, and bounces back at 0.6 of its speed.
+    let ground = FlatGround::level(4000.0, 1.2);
+    Ok(Stepper::new(Cuboid::loaded(edges, heavy).rounded(CORNER))?
+        .with_gravity(UniformGravity::down(GRAVITY))?
+        .with_ground(ground)?
+        .with_friction(Coulomb {
+            coefficient: 0.3,
+            slip_speed: 1e-4,
+        })?
+        .with_integrator(EnergyMomentum { time_step: 1e-3 })?)
+}
+
+/// How often each face came up.
+fn count(die: &Die, throws: u32, seed: u64) -> Outcome<[u32; 6]> {
+    let mut random = Random(seed);
+    let mut faces = [0; 6];
+    for _ in 0..throws {
+        let face = throw(die, &mut random)?;
+        faces[usize::from(face) - 1] += 1;
+    }
+    Ok(faces)
+}
+
+/// The face that one throw shows.
+fn throw(die: &Die, random: &mut Random) -> Outcome<u8> {
+    let mut any = |most: f64| {
+        DVec3::new(
+            random.between(-most, most),
+            random.between(-most, most),
+            random.between(-most, most),
+        )
+    };
+    // Up to 60 rad/s about each axis.
+    let momentum = any(60.0) * MASS * EDGE * EDGE / 6.0;
+    let velocity = any(1.0);
+    let mut state = State::at(DVec3::Z * 0.5)
+        .with_orientation(DQuat::from_array(random.turn()))
+        .with_linear_velocity(velocity)
+        .with_angular_momentum(momentum);
+    let mut time = 0.0;
+    while time < PATIENCE {
+        die.advance(&mut state, 0.05)?;
+        time += 0.05;
+        let energy = die.energy(&state);
+        // Too little to climb a micrometre.
+        let rests = energy.translation + energy.rotation < MASS * GRAVITY * 1e-6;
+        if rests && die.touching(&state) >= 4 {
+            let side = die
+                .body()
+                .side_up(&state)
+                .ok_or("the die stands on an edge")?;
+            return Ok(side.pips());
+        }
+    }
+    Err(format!("a die does not lie after {PATIENCE} s").into())
+}
+
+/// `Σ (count - expected)²/expected`.
+fn chi_square(faces: &[u32; 6], expected: f64) -> f64 {
+    let terms = faces.map(|count| (f64::from(count) - expected).powi(2) / expected);
+    terms.iter().sum()
+}
+
+/// Probability that chi-square with 5 degrees of freedom is at least x: `erfc √(x/2) + √(2x/π) e^(-x/2) (1 + x/3)`.
+fn survival(x: f64) -> f64 {
+    let tail = (2.0 * x / std::f64::consts::PI).sqrt() * (-x / 2.0).exp() * (1.0 + x / 3.0);
+    libm::erfc((x / 2.0).sqrt()) + tail
+}

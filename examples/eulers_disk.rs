@@ -1,0 +1,229 @@
+//! Euler's disk: a coin that spins down on its rim, ever flatter and ever faster. `cargo run --release --example eulers_disk -- --help`.
+
+// A program has std; these lints guard the library.
+#![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
+
+mod common;
+
+use std::ops::ControlFlow;
+use std::process::ExitCode;
+
+use common::{BLACK, BLUE, Check, GREEN, GREY, ORANGE, Options, Outcome, PURPLE, Page, Picture};
+use kuva::prelude::*;
+use tumble::glam::DVec3;
+use tumble::{Coin, Dynamics, EnergyMomentum, FlatGround, Sample, State, Stepper, UniformGravity};
+
+const ABOUT: &str = "\
+Lets a coin of 120 points spin on its rim at a small angle and follows the angle down. On springs
+with dampers it falls evenly, angle = (4/3) (damping/stiffness) (g/r) (t0 - t): exponent 1, where air
+has 1/3 or 4/9, dry rolling 2/3 and viscous rolling 1/2.";
+
+// The report's coin and ground.
+const MASS: f64 = 1.0;
+const RADIUS: f64 = 0.5;
+const GRAVITY: f64 = 9.8;
+const STIFFNESS: f64 = 1000.0;
+const DAMPING: f64 = 0.5;
+/// rad.
+const FIRST: f64 = 0.2;
+/// The part of the fall that is compared, rad: above it the start still shows, below it the patch that touches is no small part of the rim.
+const WINDOW: [f64; 2] = [0.05, 0.16];
+
+/// What the formulas of a small patch may be off by: the square of its half-angle, which is `∛(3π M g/(n S r α))` = 0.25 rad in the middle of the window.
+const PATCH: f64 = 0.06;
+
+fn main() -> ExitCode {
+    common::main("eulers_disk", ABOUT, work)
+}
+
+fn work(options: &Options) -> Outcome<Page> {
+    let time_step = if options.quick { 1e-3 } else { 2.5e-4 };
+    let curve = smoothed(&run(time_step)?);
+    let fallen: Vec<(f64, f64)> = curve
+        .iter()
+        .copied()
+        .filter(|&(_, angle)| (WINDOW[0]..=WINDOW[1]).contains(&angle))
+        .collect();
+    let fit = Fit::of(&fallen);
+    // Power lost: the dampers under the patch take τ M g r α Ω², of the energy (3/2) M g r α, with Ω² α = g/(k r) and k = 1/2 for a ring.
+    let rate = 4.0 / 3.0 * DAMPING / STIFFNESS * GRAVITY / RADIUS;
+    let slope = rate_of(&fallen);
+    let log = |(time, angle): (f64, f64)| ((fit.end - time).log10(), angle.log10());
+    let before: Vec<(f64, f64)> = (curve.iter())
+        .filter(|&&(time, angle)| time < fit.end - 0.05 && angle > 0.01)
+        .map(|&point| log(point))
+        .collect();
+    let middle = log(fallen[fallen.len() / 2]);
+    let power = |exponent: f64| {
+        let at = |x: f64| (x, middle.1 + exponent * (x - middle.0));
+        vec![at(middle.0 - 0.7), at(middle.0 + 0.4)]
+    };
+    let plots = vec![
+        common::line(power(1.0 / 3.0), GREY, "1/3: film of air"),
+        common::line(power(0.5), GREEN, "1/2: viscous rolling"),
+        common::line(power(2.0 / 3.0), ORANGE, "2/3: dry rolling"),
+        common::line(power(1.0), PURPLE, "1: dampers under points"),
+        common::line(before, BLACK, "this coin"),
+    ];
+    let exponents = Picture::new("exponent", plots, |layout| {
+        layout
+            .with_title("Euler's disk: angle against the time that is left")
+            .with_x_label("log10 of the time left (s)")
+            .with_y_label("log10 of the angle (rad)")
+            .with_legend_position(LegendPosition::InsideBottomRight)
+    })?;
+    let fall = vec![
+        common::line(curve.clone(), BLUE, "angle, mean over 0.5 s"),
+        common::line(
+            vec![(fit.end - FIRST / rate, FIRST), (fit.end, 0.0)],
+            PURPLE,
+            "(4/3) (damping/stiffness) (g/r) (t0 - t)",
+        ),
+    ];
+    let angle = Picture::new("angle", fall, |layout| {
+        layout
+            .with_title("Euler's disk: angle to the ground")
+            .with_x_label("time (s)")
+            .with_y_label("angle (rad)")
+            .with_legend_position(LegendPosition::InsideTopRight)
+    })?;
+    Ok(Page {
+        title: "Euler's disk",
+        text: vec![
+            "A ring of 1 kg and 0.5 m is set spinning on its rim at 0.2 rad, without friction, at the rate at which its centre stays, Ω² sin α = 2 g/r. Only the dampers take energy.".to_owned(),
+            format!("It lies at {:.2} s by the fit; the angle falls at {slope:.5} rad/s.", fit.end),
+        ],
+        checks: vec![
+            Check::near(
+                "exponent n of angle ~ (t0 - t)^n",
+                "power lost ~ Ω² α, so n = 1/(1 - 1 + 2/2) = 1",
+                fit.exponent,
+                1.0,
+                PATCH,
+            ),
+            Check::near(
+                "rate of the fall over (4/3) (damping/stiffness) (g/r)",
+                "dampers under a small patch; its half-angle of 0.25 counts by its square",
+                slope / rate,
+                1.0,
+                PATCH,
+            ),
+        ],
+        pictures: vec![exponents, angle],
+    })
+}
+
+/// Time (s) and angle (rad), until it is nearly flat.
+fn run(time_step: f64) -> Outcome<Vec<(f64, f64)>> {
+    let stepper = Stepper::new(Coin::ring(MASS, RADIUS))?
+        .with_gravity(UniformGravity::down(GRAVITY))?
+        .with_ground(FlatGround::level(STIFFNESS, DAMPING))?
+        .with_integrator(EnergyMomentum { time_step })?;
+    // The plane leans by turning about y from upright.
+    let turned =
+        State::at(DVec3::ZERO).turned_by(DVec3::Y * (FIRST - core::f64::consts::FRAC_PI_2));
+    let axes = turned.rotation().axes();
+    // Depth of the lowest point under the weight, spread along the rim: M g = (n S/2π) (2/3) r sin α φ³ with the half-angle φ of the patch, depth r sin α φ²/2.
+    let steep = FIRST.sin();
+    let patch = (3.0 * core::f64::consts::PI * MASS * GRAVITY
+        / (120.0 * STIFFNESS * RADIUS * steep))
+        .cbrt();
+    let sink = RADIUS * steep * patch * patch / 2.0;
+    let precession = (2.0 * GRAVITY / (RADIUS * steep)).sqrt();
+    // No spin about the normal: what is left of a turn about the vertical.
+    let spin = DVec3::Z - axes.x * axes.x.z;
+    let spin = spin * precession;
+    let momentum = stepper
+        .scene()
+        .mass_properties()
+        .angular_momentum(&axes, spin);
+    let mut state = State {
+        position: DVec3::Z * (RADIUS * steep - sink),
+        ..turned
+    }
+    .with_angular_momentum(momentum);
+    let mut curve = Vec::new();
+    let mut watch = |sample: &Sample<'_>| {
+        let angle = stepper.body().tilt(sample.state);
+        curve.push((sample.time, angle));
+        if angle > 0.02 {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    };
+    stepper.run(&mut state, 40.0, &mut watch)?;
+    Ok(curve)
+}
+
+/// Means over half a second, which hold many of its nods.
+fn smoothed(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let count = curve.partition_point(|&(time, _)| time < 0.5);
+    let mean = |part: &[(f64, f64)]| {
+        let sum = part
+            .iter()
+            .fold((0.0, 0.0), |sum, p| (sum.0 + p.0, sum.1 + p.1));
+        (sum.0 / part.len() as f64, sum.1 / part.len() as f64)
+    };
+    curve
+        .windows(count)
+        .step_by(count / 5 + 1)
+        .map(mean)
+        .collect()
+}
+
+/// `angle = c (end - t)^exponent`.
+#[derive(Debug)]
+struct Fit {
+    end: f64,
+    exponent: f64,
+}
+
+impl Fit {
+    /// Least squares of the logarithms, over the end by golden section.
+    fn of(curve: &[(f64, f64)]) -> Self {
+        let last = curve[curve.len() - 1].0;
+        let span = last - curve[0].0;
+        let (mut low, mut high) = (last + 1e-3 * span, last + 3.0 * span);
+        let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
+        for _ in 0..100 {
+            let (a, b) = (high - golden * (high - low), low + golden * (high - low));
+            if Self::with_end(curve, a).1 < Self::with_end(curve, b).1 {
+                high = b;
+            } else {
+                low = a;
+            }
+        }
+        Self::with_end(curve, f64::midpoint(low, high)).0
+    }
+
+    /// The line through the logarithms, and what is left of the squares.
+    fn with_end(curve: &[(f64, f64)], end: f64) -> (Self, f64) {
+        let logs = || {
+            curve
+                .iter()
+                .map(|&(time, angle)| ((end - time).ln(), angle.ln()))
+        };
+        let (exponent, left) = straight(logs);
+        (Self { end, exponent }, left)
+    }
+}
+
+/// Slope of the line of least squares, and the mean square off it.
+fn straight<I: Iterator<Item = (f64, f64)>>(points: impl Fn() -> I) -> (f64, f64) {
+    let count = points().count() as f64;
+    let (x, y) = points().fold((0.0, 0.0), |sum, p| (sum.0 + p.0, sum.1 + p.1));
+    let (x, y) = (x / count, y / count);
+    let moment = |f: fn(f64, f64) -> f64| points().map(|p| f(p.0 - x, p.1 - y)).sum::<f64>();
+    let (xx, xy, yy) = (
+        moment(|x, _| x * x),
+        moment(|x, y| x * y),
+        moment(|_, y| y * y),
+    );
+    (xy / xx, (yy - xy * xy / xx) / count)
+}
+
+/// How fast the angle falls, rad/s.
+fn rate_of(curve: &[(f64, f64)]) -> f64 {
+    -straight(|| curve.iter().copied()).0
+}

@@ -1,0 +1,176 @@
+//! A tippe top turns upside down, and Jellett's integral says how fast it spins then. `cargo run --release --example tippe_top -- --help`.
+
+// A program has std; these lints guard the library.
+#![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
+
+mod common;
+
+use std::ops::ControlFlow;
+use std::process::ExitCode;
+
+use common::{BLUE, Check, GREEN, ORANGE, Options, Outcome, Page, Picture};
+use kuva::prelude::*;
+use tumble::glam::{DMat3, DVec3};
+use tumble::{
+    Coulomb, Dynamics, EnergyMomentum, FlatGround, MassDistribution, Sample, Sphere, State,
+    Stepper, UniformGravity,
+};
+
+const ABOUT: &str = "\
+Spins a sphere whose centre of mass is below its middle. Friction at the slipping contact turns it
+upside down, while Jellett's integral -L·a (a from the centre of mass to the contact) stays.";
+
+// The top of Rauch-Wojciechowski, Skoldstam & Glad (Regul. Chaotic Dyn. 10, 333, 2005) and of the papers after it, in SI units.
+const MASS: f64 = 0.02;
+const RADIUS: f64 = 0.02;
+/// Distance of the centre of mass from the middle, in radii.
+const OFFSET: f64 = 0.3;
+/// Moments about the axis and across it, in m R².
+const ALONG: f64 = 2.0 / 5.0;
+const ACROSS: f64 = 131.0 / 350.0;
+const GRAVITY: f64 = 9.82;
+/// rad/s; 155 in those papers.
+const SPIN: f64 = 155.0;
+/// Of the axis from upright at the start, rad.
+const LEAN: f64 = 0.1;
+
+/// The top now and then.
+#[derive(Clone, Copy, Debug)]
+struct Moment {
+    time: f64,
+    /// Angle of the axis from upright, degrees.
+    lean: f64,
+    /// Spin about the vertical, rad/s.
+    spin: f64,
+    jellett: f64,
+    energy: f64,
+}
+
+fn main() -> ExitCode {
+    common::main("tippe_top", ABOUT, work)
+}
+
+fn work(options: &Options) -> Outcome<Page> {
+    let duration = if options.quick { 15.0 } else { 20.0 };
+    let moments = run(duration, 1e-4)?;
+    let coarse = run(duration, 2e-4)?;
+    let (first, last) = (moments[0], moments[moments.len() - 1]);
+    let drift = |moments: &[Moment]| {
+        let worst = |most: f64, m: &Moment| most.max((m.jellett / first.jellett - 1.0).abs());
+        moments.iter().fold(0.0, worst)
+    };
+    let rise = moments
+        .windows(2)
+        .map(|pair| pair[1].energy - pair[0].energy);
+    let rise = rise.fold(f64::NEG_INFINITY, f64::max);
+    // Upright on its head the arm is R (1 + offset) long and the spin is all about the axis: J = R (1 + offset) I₃ ω.
+    let inverted = first.jellett / (RADIUS * (1.0 + OFFSET) * ALONG * MASS * RADIUS * RADIUS);
+    let halves = (drift(&coarse) / drift(&moments)).log2();
+    let curve = |value: fn(&Moment) -> f64| moments.iter().map(|m| (m.time, value(m))).collect();
+    let lean = Picture::new(
+        "lean",
+        vec![common::line(curve(|m| m.lean), BLUE, "axis from upright")],
+        |layout| {
+            layout
+                .with_title("tippe top: angle of the axis")
+                .with_x_label("time (s)")
+                .with_y_label("degrees")
+                .with_legend_position(LegendPosition::InsideBottomRight)
+        },
+    )?;
+    let spins = vec![
+        common::line(curve(|m| m.spin), ORANGE, "spin about the vertical"),
+        common::line(
+            vec![(0.0, inverted), (duration, inverted)],
+            GREEN,
+            "upside down, by Jellett's integral",
+        ),
+    ];
+    let spin = Picture::new("spin", spins, |layout| {
+        layout
+            .with_title("tippe top: spin")
+            .with_x_label("time (s)")
+            .with_y_label("rad/s")
+            .with_legend_position(LegendPosition::InsideTopRight)
+    })?;
+    Ok(Page {
+        title: "Tippe top",
+        text: vec![
+            "A sphere with its centre of mass 0.3 radii below its middle is spun about its axis at 155 rad/s and leaves upright by friction alone.".to_owned(),
+            format!("From {:.0} to {:.0} degrees, from {:.1} to {:.1} rad/s, from {:.4} to {:.4} J.", first.lean, last.lean, first.spin, last.spin, first.energy, last.energy),
+        ],
+        checks: vec![
+            Check::between("angle of the axis at the end, degrees", "on its head, which it nears ever more slowly", last.lean, 170.0, 180.0),
+            Check::near(
+                "spin at the end, rad/s",
+                "Jellett's integral: the spin falls by (1 - offset)/(1 + offset)",
+                last.spin,
+                inverted,
+                0.01 * inverted,
+            ),
+            Check::between(
+                "drift of Jellett's integral, relative",
+                "conserved for any contact force at distance R from the middle (Jellett 1872)",
+                drift(&moments),
+                0.0,
+                JELLETT,
+            ),
+            Check::between("order of that drift in the time step", "EnergyMomentum is of order 2", halves, 1.7, 2.3),
+            Check::between("largest rise of the energy between two moments, J", "promise G1", rise, f64::NEG_INFINITY, 0.0),
+        ],
+        pictures: vec![lean, spin],
+    })
+}
+
+/// Of the relative drift: a step turns the top by `ω dt` = 0.0155 rad, whose square 2.4e-4 is what a method of order 2 may be off by in a radian.
+const JELLETT: f64 = 2.4e-4;
+
+fn run(duration: f64, time_step: f64) -> Outcome<Vec<Moment>> {
+    let moment = MASS * RADIUS * RADIUS;
+    let inertia = DMat3::from_diagonal(DVec3::new(ACROSS, ACROSS, ALONG) * moment);
+    let distribution = MassDistribution {
+        mass: MASS,
+        centre_of_mass: DVec3::NEG_Z * (OFFSET * RADIUS),
+        inertia,
+    };
+    let stepper = Stepper::new(Sphere::loaded(RADIUS, distribution))?
+        .with_gravity(UniformGravity::down(GRAVITY))?
+        // It sinks by 20 µm, a thousandth of the radius.
+        .with_ground(FlatGround::level(1e4, 4.0))?
+        .with_friction(Coulomb {
+            coefficient: 0.3,
+            slip_speed: 1e-3,
+        })?
+        .with_integrator(EnergyMomentum { time_step })?;
+    let turned = State::at(DVec3::ZERO).turned_by(DVec3::X * LEAN);
+    let middle = turned.place(stepper.body().middle());
+    let axis = turned.place(DVec3::Z);
+    let sink = MASS * GRAVITY / 1e4;
+    let mut state = State {
+        position: DVec3::Z * (RADIUS - sink - middle.z),
+        ..turned
+    }
+    .with_angular_momentum(axis * (ALONG * moment * SPIN));
+    let mut moments: Vec<Moment> = Vec::new();
+    let mut watch = |sample: &Sample<'_>| {
+        if sample.time >= moments.len() as f64 * 0.01 - 1e-9 {
+            let energy = sample.energy().total();
+            moments.push(look(stepper.scene(), sample.time, sample.state, energy));
+        }
+        ControlFlow::Continue(())
+    };
+    stepper.run(&mut state, duration, &mut watch)?;
+    Ok(moments)
+}
+
+fn look(scene: &impl Dynamics<Body = Sphere>, time: f64, state: &State, energy: f64) -> Moment {
+    let axes = state.rotation().axes();
+    let arm = axes.to_world(scene.body().middle()) - DVec3::Z * scene.body().radius();
+    Moment {
+        time,
+        lean: axes.z.z.clamp(-1.0, 1.0).acos().to_degrees(),
+        spin: scene.motion(state).angular_velocity.z,
+        jellett: -state.angular_momentum.dot(arm),
+        energy,
+    }
+}
