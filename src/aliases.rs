@@ -11,8 +11,8 @@ macro_rules! names_for {
             #[doc(no_inline)]
             pub use crate::{
                 ContactLaw, Every, Face, Frictionless, Gravity, Integrator, NoGravity, NoGround,
-                Observer, Probe, RigidPointBody, SceneError, Shape, Side, SlidingFriction,
-                SpringDamperGround, Start, StepError,
+                Observer, Probe, Relief, RigidPointBody, SceneError, Shape, Side, SlidingFriction,
+                SpringDamperGround, Start, StepError, Terrain,
             };
 
             /// Energy, dissipation and rates.
@@ -21,6 +21,8 @@ macro_rules! names_for {
             pub type AnisotropicCoulomb = crate::AnisotropicCoulomb<$real>;
             /// The body's axes in the world.
             pub type Axes = crate::rotation::Axes<$real>;
+            /// A bowl, a trough, a hill or a saddle.
+            pub type Bowl = crate::Bowl<$real>;
             /// What a ground carries.
             pub type Carried = crate::Carried<$real>;
 
@@ -54,6 +56,8 @@ macro_rules! names_for {
             pub type Dissipation = crate::Dissipation<$real>;
             /// The local shape of a friction law.
             pub type Drag = crate::Drag<$real>;
+            /// Height, slope and bend of a terrain.
+            pub type Elevation = crate::Elevation<$real>;
             /// Energy by kind.
             pub type Energy = crate::Energy<$real>;
             /// The integrator whose energy never rises.
@@ -90,6 +94,8 @@ macro_rules! names_for {
             pub type Plane = crate::Plane<$real>;
             /// A body of the user's own points.
             pub type PointCloud<P> = crate::PointCloud<$real, P>;
+            /// A level ground that becomes a slope.
+            pub type Ramp = crate::Ramp<$real>;
             /// How fast a state changes.
             pub type Rates = crate::Rates<$real>;
             /// The classical Runge-Kutta integrator.
@@ -126,6 +132,8 @@ macro_rules! names_for {
             pub type TrialStepper<I> = crate::trial::TrialStepper<$real, I>;
             /// Gravity, the same everywhere.
             pub type UniformGravity = crate::UniformGravity<$real>;
+            /// Waves of the ground.
+            pub type Waves = crate::Waves<$real>;
             /// Friction in proportion to the slip.
             pub type Viscous = crate::Viscous<$real>;
         }

@@ -8,7 +8,7 @@ mod shape;
 pub use composed::Ground;
 pub use flat::FlatGround;
 pub use law::{Carried, ContactLaw, HuntCrossley, LimitedDamper, SpringDamper};
-pub use shape::Shape;
+pub use shape::{Bowl, Elevation, Ramp, Relief, Shape, Terrain, Waves};
 
 use law::mean_force_by_quadrature;
 

@@ -26,7 +26,7 @@
 //! - One rigid body with its full inertia tensor, from a single point to ten thousand; a contact is a point of it, or a small ball ([`ContactPoint`]). Gyroscopic motion is
 //!   always right, and exact in flight for a body with two equal moments.
 //! - A ground of springs and dampers under each contact, that never pulls: the report's on a plane at any height and tilt ([`FlatGround`]); a choice of laws ([`ContactLaw`]) on a choice of shapes
-//!   ([`Shape`]), joined by a [`Ground`]; or yours.
+//!   ([`Shape`]), joined by a [`Ground`], also hills and valleys ([`Terrain`]); or yours.
 //! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), with a static and a kinetic coefficient ([`Stribeck`]) or two directions
 //!   ([`AnisotropicCoulomb`]); [`Viscous`]; or yours.
 
@@ -130,8 +130,9 @@ pub use friction::{
 };
 pub use gravity::{Gravity, NoGravity, UniformGravity};
 pub use ground::{
-    Carried, ContactLaw, Extent, FlatGround, Ground, HuntCrossley, LimitedDamper, MeanForce,
-    NoGround, Plane, Shape, SpringDamper, SpringDamperGround, Surface,
+    Bowl, Carried, ContactLaw, Elevation, Extent, FlatGround, Ground, HuntCrossley, LimitedDamper,
+    MeanForce, NoGround, Plane, Ramp, Relief, Shape, SpringDamper, SpringDamperGround, Surface,
+    Terrain, Waves,
 };
 pub use integrator::{
     EnergyMomentum, ForwardEuler, Integrator, Rk4, Step, StrangSplitting, SymplecticEuler,

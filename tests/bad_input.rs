@@ -12,12 +12,12 @@ use tumble::error::{Quantity, Rule};
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    AnisotropicCoulomb, Capsule, Carried, Coin, Cone, ContactLaw, ContactPoint, Coulomb, Cuboid,
-    Dissipation, EnergyMomentum, FlatGround, ForwardEuler, Gravity, Ground, HuntCrossley,
-    Integrator, Ledger, LimitedDamper, MassDistribution, Plane, PointCloud, PointMass, Real,
-    RigidPointBody, Rk4, Rod, SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere,
-    SpringDamper, SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck,
-    Surface, SymplecticEuler, Trial, UniformGravity, Viscous,
+    AnisotropicCoulomb, Bowl, Capsule, Carried, Coin, Cone, ContactLaw, ContactPoint, Coulomb,
+    Cuboid, Dissipation, EnergyMomentum, FlatGround, ForwardEuler, Gravity, Ground, HuntCrossley,
+    Integrator, Ledger, LimitedDamper, MassDistribution, Plane, PointCloud, PointMass, Ramp, Real,
+    Relief, RigidPointBody, Rk4, Rod, SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin,
+    Sphere, SpringDamper, SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck,
+    Surface, SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves,
 };
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -601,6 +601,52 @@ fn the_numbers_of_a_law_of_contact_are_in_their_ranges() {
             stiffness,
             exponent,
             damping,
+        })
+    });
+}
+
+#[test]
+fn the_numbers_of_a_terrain_are_in_their_ranges() {
+    fn on(relief: impl Relief) -> Result<(), SceneError> {
+        let law = SpringDamper {
+            stiffness: 1e3,
+            damping: 0.5,
+        };
+        let ground = Ground {
+            law,
+            shape: Terrain { relief },
+        };
+        Stepper::new(point_mass(1.0))?
+            .with_ground(ground)
+            .map(|_| ())
+    }
+    let finite: (Rule, &[f64], &[f64]) = (Rule::Finite, &[], &[0.0, -1.0, 1e9]);
+    refuses("curvature of the bowl", finite, " 1/m", |number| {
+        on(Bowl {
+            curvatures: [number, 1.0],
+        })
+    });
+    refuses("curvature of the bowl", finite, " 1/m", |number| {
+        on(Bowl {
+            curvatures: [1.0, number],
+        })
+    });
+    refuses("slope of the ramp", finite, "", |slope| {
+        on(Ramp { slope, width: 1.0 })
+    });
+    refuses("width of the ramp", ABOVE_ZERO, " m", |width| {
+        on(Ramp { slope: 0.5, width })
+    });
+    refuses("amplitude of the waves", finite, " m", |amplitude| {
+        on(Waves {
+            amplitude,
+            length: 1.0,
+        })
+    });
+    refuses("length of the waves", ABOVE_ZERO, " m", |length| {
+        on(Waves {
+            amplitude: 0.1,
+            length,
         })
     });
 }

@@ -14,11 +14,11 @@ use tumble::contract::{
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::integrator::step_length;
 use tumble::{
-    AnisotropicCoulomb, Coin, ContactPoint, Coulomb, Drag, Dynamics, EnergyMomentum, Extent,
-    FlatGround, ForwardEuler, Frictionless, Ground, HuntCrossley, Integrator, LimitedDamper,
-    MeanForce, NoGround, Plane, PointCloud, Real, RigidPointBody, Rk4, SceneError, SlidingFriction,
-    SmoothCoulomb, SpringDamperGround, State, Step, StepError, StrangSplitting, Stribeck, Surface,
-    SymplecticEuler, Viscous, error,
+    AnisotropicCoulomb, Bowl, Coin, ContactPoint, Coulomb, Drag, Dynamics, Elevation,
+    EnergyMomentum, Extent, FlatGround, ForwardEuler, Frictionless, Ground, HuntCrossley,
+    Integrator, LimitedDamper, MeanForce, NoGround, Plane, PointCloud, Ramp, Real, RigidPointBody,
+    Rk4, SceneError, SlidingFriction, SmoothCoulomb, SpringDamper, SpringDamperGround, State, Step,
+    StepError, StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, Viscous, Waves, error,
 };
 
 /// Ten batteries of other numbers.
@@ -98,6 +98,33 @@ fn every_built_in_ground_passes() {
             check_ground(&limited, &RANGE, battery).unwrap();
             check_ground(&Ground::level(ground.law()), &RANGE, battery).unwrap();
         }
+        // Depths, and half of the region's size, below the radii of curvature: 1 m, 2.5 m and 2.2 m at least, in a region of 1 m.
+        let law = SpringDamper {
+            stiffness: 1e3,
+            damping: 0.5,
+        };
+        let curvatures = [0.4, -0.2];
+        let shape = Terrain {
+            relief: Bowl { curvatures },
+        };
+        check_ground(&Ground { law, shape }, &RANGE, battery).unwrap();
+        let relief = Waves {
+            amplitude: 0.1,
+            length: 3.0,
+        };
+        let shape = Terrain { relief };
+        check_ground(&Ground { law, shape }, &RANGE, battery).unwrap();
+        let relief = Ramp {
+            slope: 0.5,
+            width: 1.0,
+        };
+        let shape = Terrain { relief };
+        check_ground(&Ground { law, shape }, &RANGE, battery).unwrap();
+        // Without its bend the search takes longer, to the same place.
+        let shape = Terrain::of(|x: f64, y: f64| {
+            Elevation::new(0.1 * x * x - 0.05 * x * y, [0.2 * x - 0.05 * y, -0.05 * x])
+        });
+        check_ground(&Ground { law, shape }, &RANGE, battery).unwrap();
         for exponent in [1.0, 1.5, 2.0, 1.3, 2.71] {
             for (stiffness, damping) in [(1e3, 0.5), (1e3, 0.0), (0.0, 3.0), (1e12, 1e3)] {
                 let law = HuntCrossley {

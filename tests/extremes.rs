@@ -21,8 +21,8 @@ use tumble::{
     AnisotropicCoulomb, Coin, Cone, ContactPoint, Coulomb, Cuboid, Dynamics, Energy,
     EnergyMomentum, Extent, FlatGround, Frictionless, Ground, HuntCrossley, Integrator,
     LimitedDamper, MassDistribution, Plane, PointCloud, Real, RigidPointBody, SlidingFriction,
-    SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamperGround, State, Step, Stepper, Stribeck,
-    Surface, UniformGravity, Viscous,
+    SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Step,
+    Stepper, Stribeck, Surface, Terrain, UniformGravity, Viscous, Waves,
 };
 
 /// Evaluations of the contacts that a step may take: a step that cannot be taken whole is halved down to sixteenths (1 + 2 + 4 + 8 + 16 attempts), and an
@@ -156,6 +156,8 @@ enum GroundKind {
     Limited,
     /// By its exponent.
     HuntCrossley(f64),
+    /// Waves of a terrain.
+    Waves,
     Turf,
     Hills,
 }
@@ -201,6 +203,8 @@ enum Laws {
     Report,
     /// The others of the crate.
     BuiltIn,
+    /// Those again on a terrain, where a contact costs several looks at the surface.
+    Terrain,
     Users,
 }
 
@@ -321,6 +325,7 @@ fn cases(ranges: Ranges, laws: Laws) -> impl Strategy<Value = Case> {
             GroundKind::HuntCrossley(2.0),
             GroundKind::HuntCrossley(1.3),
         ],
+        Laws::Terrain => vec![GroundKind::Waves],
         Laws::Users => vec![GroundKind::Turf, GroundKind::Hills, GroundKind::Flat],
     };
     let frictions = match laws {
@@ -329,7 +334,7 @@ fn cases(ranges: Ranges, laws: Laws) -> impl Strategy<Value = Case> {
             FrictionKind::Coulomb,
             FrictionKind::None,
         ],
-        Laws::BuiltIn => vec![
+        Laws::BuiltIn | Laws::Terrain => vec![
             FrictionKind::Smooth,
             FrictionKind::Stribeck,
             FrictionKind::Viscous,
@@ -512,6 +517,20 @@ impl Case {
                     damping: number(self.relative_damping()),
                 };
                 Box::new(Ground { law, shape: plane })
+            }
+            GroundKind::Waves => {
+                let law = SpringDamper {
+                    stiffness: number(self.stiffness),
+                    damping: number(self.damping),
+                };
+                let relief = Waves {
+                    amplitude: number(0.2 * self.size),
+                    length: number(PI * 2.0 * self.size),
+                };
+                Box::new(Ground {
+                    law,
+                    shape: Terrain { relief },
+                })
             }
             GroundKind::Turf => Box::new(turf(Shape::Plane(plane))),
             GroundKind::Hills => Box::new(turf(Shape::Hills {
@@ -834,6 +853,11 @@ fn every_step_keeps_its_promises_with_all_built_in_laws() {
         Laws::BuiltIn,
         0.05,
     );
+}
+
+#[test]
+fn every_step_keeps_its_promises_on_a_terrain_in_the_workshop() {
+    sweep::<f64>("workshop on a terrain, f64", EVERYDAY, Laws::Terrain, 0.004);
 }
 
 #[test]

@@ -1,12 +1,35 @@
 //! Where a ground's surface is, whatever its law.
 
+mod reliefs;
+mod terrain;
+
+pub use reliefs::{Bowl, Ramp, Waves};
+pub use terrain::{Elevation, Relief, Terrain};
+
 use super::{Extent, Plane, Surface};
 use crate::error::SceneError;
 use crate::real::Real;
 
 /// The shape of a ground: how far a point lies above its surface, and which way out is. A [`Ground`](crate::Ground) joins it with a law.
 ///
-/// The methods are those of [`SpringDamperGround`](crate::SpringDamperGround) of the same names, with the same duties: the gap changes by `normal · path`, so that it is a distance.
+/// A [`Plane`] is one, and a [`Terrain`] of any height. The methods are those of [`SpringDamperGround`](crate::SpringDamperGround) of the same names, with the same duties: the gap changes by `normal · path`, so
+/// that it is a distance.
+///
+/// ```
+/// use tumble::glam::DVec3;
+/// use tumble::{Shape, Surface};
+///
+/// /// A bowl that is part of a sphere about the origin.
+/// struct Hollow {
+///     radius: f64,
+/// }
+///
+/// impl Shape for Hollow {
+///     fn surface(&self, point: DVec3) -> Surface {
+///         Surface { gap: self.radius - point.length(), normal: (-point).try_normalize().unwrap_or(DVec3::Z) }
+///     }
+/// }
+/// ```
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not the shape of a ground: it does not implement `Shape<{R}>`",
     label = "this should be a shape",

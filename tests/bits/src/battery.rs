@@ -10,11 +10,12 @@ use core::ops::ControlFlow;
 
 use tumble::real::{Matrix, Quaternion, Vector};
 use tumble::{
-    AnisotropicCoulomb, Coin, Cone, ContactPoint, Coulomb, Cuboid, EnergyMomentum, FlatGround,
-    ForwardEuler, Frictionless, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper,
-    MassDistribution, NoGravity, NoGround, Plane, PointCloud, Real, RigidPointBody, Rk4, Rotation,
-    Sample, SceneError, SlidingFriction, SmoothCoulomb, SolidCoin, Sphere, SpringDamperGround,
-    State, Stepper, StrangSplitting, Stribeck, SymplecticEuler, Trial, UniformGravity, Viscous,
+    AnisotropicCoulomb, Bowl, Coin, Cone, ContactPoint, Coulomb, Cuboid, EnergyMomentum,
+    FlatGround, ForwardEuler, Frictionless, Gravity, Ground, HuntCrossley, Integrator, Ledger,
+    LimitedDamper, MassDistribution, NoGravity, NoGround, Plane, PointCloud, Ramp, Real,
+    RigidPointBody, Rk4, Rotation, Sample, SceneError, SlidingFriction, SmoothCoulomb, SolidCoin,
+    Sphere, SpringDamper, SpringDamperGround, State, Stepper, StrangSplitting, Stribeck,
+    SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves,
 };
 
 /// What a scene has come to.
@@ -364,6 +365,34 @@ fn scenes<R: Bits, I: Integrator<R>>(
         slip_speed: real(1e-21),
     };
 
+    let law = SpringDamper::<R> {
+        stiffness: real(4000.0),
+        damping: real(6.0),
+    };
+    let relief = Waves::<R> {
+        amplitude: real(0.05),
+        length: real(1.0),
+    };
+    let waves = Ground {
+        law,
+        shape: Terrain { relief },
+    };
+    let relief = Ramp::<R> {
+        slope: real(0.3),
+        width: real(0.2),
+    };
+    let ramp = Ground {
+        law,
+        shape: Terrain { relief },
+    };
+    let relief = Bowl::<R> {
+        curvatures: [real(0.7), real(0.3)],
+    };
+    let bowl = Ground {
+        law,
+        shape: Terrain { relief },
+    };
+
     // Place, velocity, turn (a rotation vector) and angular momentum.
     let thrown = start::<R>([
         [0.0, 0.0, 0.6],
@@ -405,6 +434,9 @@ fn scenes<R: Bits, I: Integrator<R>>(
         play("Stribeck's friction", (&lopsided, &slope(4000.0, 6.0), &stribeck, &falls), thrown, 1e-3, 0.5003)?;
         play("friction with a grain", (&lopsided, &slope(4000.0, 6.0), &grained, &falls), thrown, 1e-3, 0.5003)?;
         play("viscous friction", (&lopsided, &slope(4000.0, 6.0), &viscous, &falls), thrown, 1e-3, 0.5003)?;
+        play("waves", (&lopsided, &waves, &coulomb, &falls), thrown, 1e-3, 0.5003)?;
+        play("ramp", (&lopsided, &ramp, &coulomb, &falls), thrown, 1e-3, 0.5003)?;
+        play("ball in a bowl", (&ball, &bowl, &coulomb, &falls), thrown, 1e-3, 0.5003)?;
         play("solid coin", (&nickel, &slope(2000.0, 2.0), &coulomb, &falls), thrown, 1e-3, 0.5003)?;
         play("loaded die", (&loaded_die, &level(3000.0, 3.0), &smooth, &falls), thrown, 1e-3, 0.5003)?;
         play("cone", (&cone, &level(2000.0, 3.0), &coulomb, &falls), thrown, 1e-3, 0.3003)?;

@@ -1,0 +1,102 @@
+//! Terrains that need no code of the user's.
+
+use super::{Elevation, Relief};
+use crate::error::{self, SceneError};
+use crate::real::Real;
+
+/// A bowl, a trough, a hill or a saddle: `z = (c₁ x² + c₂ y²)/2`, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Bowl<R = f64> {
+    /// c₁ and c₂, 1/m, along x and y: above 0 in a bowl, below on a hill, one of them 0 in a trough. The terrain's radii of curvature at the bottom are their inverses.
+    pub curvatures: [R; 2],
+}
+
+impl<R: Real> Relief<R> for Bowl<R> {
+    #[inline]
+    fn elevation(&self, x: R, y: R) -> Elevation<R> {
+        let [along_x, along_y] = self.curvatures;
+        let slope = [along_x * x, along_y * y];
+        let height = (slope[0] * x + slope[1] * y) * R::HALF;
+        Elevation::new(height, slope).with_bend([along_x, R::ZERO, along_y])
+    }
+
+    #[inline]
+    fn highest(&self) -> Option<R> {
+        let is_hill = self.curvatures.iter().all(|&c| c <= R::ZERO);
+        is_hill.then_some(R::ZERO)
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        let [along_x, along_y] = self.curvatures;
+        error::finite("curvature of the bowl", along_x, " 1/m")?;
+        error::finite("curvature of the bowl", along_y, " 1/m")
+    }
+}
+
+/// A level ground that becomes a slope along x: `z = slope (x + √(x² + width²))/2`, m.
+///
+/// Level to `slope width²/(4 |x|)` before, and as near to the plane `z = slope · x` after. The sharpest bend, at x = 0, is `slope/(2 width)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Ramp<R = f64> {
+    /// The tangent of its angle; below 0 where it leads down.
+    pub slope: R,
+    /// m, above 0. Half the length of the bend.
+    pub width: R,
+}
+
+impl<R: Real> Relief<R> for Ramp<R> {
+    #[inline]
+    fn elevation(&self, x: R, _y: R) -> Elevation<R> {
+        let half = self.slope * R::HALF;
+        let root = (x * x + self.width * self.width).sqrt();
+        let share = x / root;
+        let bend = half * ((R::ONE - share) * (R::ONE + share)) / root;
+        let o = R::ZERO;
+        Elevation::new(half * (x + root), [half * (R::ONE + share), o]).with_bend([bend, o, o])
+    }
+
+    #[inline]
+    fn highest(&self) -> Option<R> {
+        (self.slope <= R::ZERO).then_some(R::ZERO)
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::finite("slope of the ramp", self.slope, "")?;
+        error::above_zero("width of the ramp", self.width, " m")
+    }
+}
+
+/// Waves along x: `z = amplitude sin(2π x/length)`, m.
+///
+/// Crests and troughs have the radius of curvature `(length/2π)²/amplitude`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Waves<R = f64> {
+    /// m.
+    pub amplitude: R,
+    /// From crest to crest, m, above 0.
+    pub length: R,
+}
+
+impl<R: Real> Relief<R> for Waves<R> {
+    #[inline]
+    fn elevation(&self, x: R, _y: R) -> Elevation<R> {
+        let per_metre = R::from_f64(core::f64::consts::TAU) / self.length;
+        let (sin, cos) = (x * per_metre).sin_cos();
+        let (height, slope) = (self.amplitude * sin, self.amplitude * per_metre * cos);
+        let o = R::ZERO;
+        Elevation::new(height, [slope, o]).with_bend([-(height * per_metre * per_metre), o, o])
+    }
+
+    #[inline]
+    fn highest(&self) -> Option<R> {
+        Some(self.amplitude.abs())
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::finite("amplitude of the waves", self.amplitude, " m")?;
+        error::above_zero("length of the waves", self.length, " m")
+    }
+}
