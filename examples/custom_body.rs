@@ -1,0 +1,296 @@
+//! A body of one's own: a rattleback, which spins one way and not the other. `cargo run --release --example custom_body -- --help`.
+
+// A program has std; these lints guard the library.
+#![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
+
+mod common;
+
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+use std::process::ExitCode;
+
+use common::{BLUE, Check, ORANGE, Options, Outcome, Page, Picture};
+use kuva::prelude::*;
+use tumble::contract::{Battery, check_body};
+use tumble::error::{self, SceneError};
+use tumble::glam::{DMat3, DQuat, DVec3};
+use tumble::{
+    ContactPoint, Coulomb, EnergyMomentum, FlatGround, RigidPointBody, Run, Sample, State, Stepper,
+    UniformGravity,
+};
+
+const ABOUT: &str = "\
+Spins a stone of this file's own, a boat whose mass lies askew to its keel: a rattleback, or celt. Against
+its sense it rattles, stops, and turns back. Its mirror image does the same the other way round, bit by bit.";
+
+// The stone of Garcia & Hubbard (Proc. R. Soc. Lond. A 418, 165, 1988) in size: an ellipsoid of half axes 0.2, 0.03 and 0.02 m has these radii at its bottom, 0.2²/0.02 and 0.03²/0.02.
+/// Radius of the keel, m.
+const KEEL: f64 = 2.0;
+/// Radius across the keel, m.
+const BEAM: f64 = 0.045;
+/// Height of the centre of mass over the bottom, m.
+const HEIGHT: f64 = 0.02;
+/// Half of the keel's arc, rad.
+const ARC: f64 = 0.1;
+/// kg
+const MASS: f64 = 1.0;
+/// About the long axis, the broad one and the upright one, kg m²: those of the ellipsoid, `m (b² + c²)/5` and so on.
+const MOMENTS: DVec3 = DVec3::new(2.6e-4, 8.08e-3, 8.18e-3);
+const GRAVITY: f64 = 9.8;
+/// Of each ball. The stone sinks in by some micrometres: less would be beyond what the gaps between balls round off, more would rub like a plank.
+const STIFFNESS: f64 = 5e5;
+/// rad/s
+const SPIN: f64 = 4.0;
+
+fn main() -> ExitCode {
+    common::main("custom_body", ABOUT, work)
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// The body
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// A boat: balls along an arc under its centre of mass, in the xz plane, so close that they are a smooth keel; and a mass that lies askew to it.
+///
+/// Body axes: x along the keel, z up.
+#[derive(Debug)]
+struct Celt {
+    /// Angle from the keel to the long axis of the mass, about z, rad.
+    askew: f64,
+    balls: Vec<ContactPoint>,
+}
+
+impl Celt {
+    /// Balls to each side of the middle one.
+    const HALF: usize = 200;
+
+    fn new(askew: f64) -> Self {
+        let balls = (0..=2 * Self::HALF).map(|number| {
+            let (sin, cos) = Self::place(number).sin_cos();
+            let position = DVec3::new(Self::ARM * sin, 0.0, Self::CENTRE - Self::ARM * cos);
+            ContactPoint {
+                position,
+                radius: BEAM,
+            }
+        });
+        Self {
+            askew,
+            balls: balls.collect(),
+        }
+    }
+
+    /// Radius of the arc of the balls' centres, and its middle's height, m.
+    const ARM: f64 = KEEL - BEAM;
+    const CENTRE: f64 = KEEL - HEIGHT;
+
+    /// Where a ball is on the arc, rad; its mirror image is exactly on the other side.
+    fn place(number: usize) -> f64 {
+        (number as f64 - Self::HALF as f64) * (ARC / Self::HALF as f64)
+    }
+}
+
+impl RigidPointBody for Celt {
+    fn mass(&self) -> f64 {
+        MASS
+    }
+
+    fn inertia(&self) -> DMat3 {
+        let axes = DMat3::from_rotation_z(self.askew);
+        axes * DMat3::from_diagonal(MOMENTS) * axes.transpose()
+    }
+
+    fn contacts(&self) -> &[ContactPoint] {
+        &self.balls
+    }
+
+    /// The balls lie on an arc, so those that are low lie beside each other: `ARM |n| cos(φ - φ₀) > CENTRE n_z - BEAM - offset` with φ₀ the lowest place
+    /// (of a stone on its back it may be both ends: then all). One more to each side covers rounding.
+    /// Optional, like `check`: without it each step looks at all balls.
+    fn contacts_below(&self, normal: DVec3, offset: f64) -> Run {
+        let level =
+            (Self::CENTRE * normal.z - BEAM - offset) / (Self::ARM * normal.x.hypot(normal.z));
+        if level.is_nan() || level <= -1.0 || normal.z <= 0.0 {
+            return Run::all(self.balls.len());
+        }
+        let (lowest, half) = ((-normal.x).atan2(normal.z), level.min(1.0).acos());
+        let number = |angle: f64| angle / (ARC / Self::HALF as f64) + Self::HALF as f64;
+        let first = (number(lowest - half) - 1.0).max(0.0) as usize;
+        let end = (number(lowest + half) + 3.0).clamp(0.0, self.balls.len() as f64) as usize;
+        Run {
+            first,
+            count: end.saturating_sub(first),
+        }
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::finite("angle of the stone's mass", self.askew, " rad")
+    }
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// The runs
+// ---------------------------------------------------------------------------------------------------------------------
+
+fn work(options: &Options) -> Outcome<Page> {
+    let duration = if options.quick { 2.0 } else { 8.0 };
+    let askew = 8.0_f64.to_radians();
+    check_body(&Celt::new(askew), Battery::default())?;
+    let against = run(askew, start(-SPIN), duration)?;
+    let along = run(askew, start(SPIN), duration)?;
+    let image = run(-askew, mirrored(&start(-SPIN)), duration)?;
+    let other =
+        (against.iter().zip(&image)).filter(|(one, image)| mirrored(&one.state) != image.state);
+    let rises =
+        (against.windows(2).chain(along.windows(2))).map(|pair| pair[1].energy - pair[0].energy);
+    let period = period_of_pitch()?;
+    let expected =
+        TAU * ((MOMENTS.y + MASS * HEIGHT * HEIGHT) / (MASS * GRAVITY * (KEEL - HEIGHT))).sqrt();
+    Ok(Page {
+        title: "Rattleback: a body of one's own",
+        text: vec![
+            format!("A stone whose mass lies 8 degrees askew to its keel is spun at {SPIN} rad/s to either side, with a hair of pitch and roll."),
+            "One way the spin feeds the pitching until nothing of it is left, and the pitching gives it back the other way round; the other way it just comes to rest.".to_owned(),
+        ],
+        checks: vec![
+            Check::between("spun against its sense, largest spin back, rad/s", "it reverses: Garcia & Hubbard, Proc. R. Soc. Lond. A 418, 165 (1988)", largest(&against, 1.0), 0.25 * SPIN, SPIN),
+            Check::between("spun along its sense, largest spin back, rad/s", "it does not, but for what its last rocking makes", largest(&along, -1.0), 0.0, 0.02 * SPIN),
+            Check::near("moments in which the mirrored stone is not the mirror image, bit by bit", "the equations have no handedness", other.count() as f64, 0.0, 0.0),
+            Check::near("period of a small pitch of the straight stone, s", "2π √((I + m h²)/(m g (R - h)))", period, expected, 0.01 * expected),
+            Check::between("largest rise of the energy in a step, J", "promise G1", rises.fold(f64::NEG_INFINITY, f64::max), f64::NEG_INFINITY, 0.0),
+        ],
+        pictures: vec![spin_picture(&against, &along)?, pitch_picture(&against, &along)?],
+    })
+}
+
+/// The stone now and then.
+#[derive(Clone, Copy, Debug)]
+struct Moment {
+    time: f64,
+    state: State,
+    /// About the vertical, rad/s.
+    spin: f64,
+    /// Of the keel from level, degrees.
+    pitch: f64,
+    energy: f64,
+}
+
+/// Upright, a hair from level, spinning about the vertical.
+fn start(spin: f64) -> State {
+    State::at(DVec3::Z * HEIGHT)
+        .turned_by(DVec3::new(0.01, 0.002, 0.0))
+        .with_angular_momentum(DVec3::Z * (MOMENTS.z * spin))
+}
+
+/// The image of a state in the xz plane. Angular momentum and the quaternion's vector are axial: of them the mirror keeps what is along y.
+fn mirrored(state: &State) -> State {
+    let image = |v: DVec3| DVec3::new(v.x, -v.y, v.z);
+    let axial = |v: DVec3| DVec3::new(-v.x, v.y, -v.z);
+    let turn = axial(state.orientation.xyz());
+    State {
+        position: image(state.position),
+        linear_velocity: image(state.linear_velocity),
+        orientation: DQuat::from_xyzw(turn.x, turn.y, turn.z, state.orientation.w),
+        angular_momentum: axial(state.angular_momentum),
+    }
+}
+
+/// Every step of a run of the stone.
+fn run(askew: f64, mut state: State, duration: f64) -> Outcome<Vec<Moment>> {
+    let stepper = Stepper::new(Celt::new(askew))?
+        .with_gravity(UniformGravity::down(GRAVITY))?
+        .with_ground(FlatGround::level(STIFFNESS, 10.0))?
+        .with_friction(Coulomb {
+            coefficient: 1.0,
+            slip_speed: 1e-3,
+        })?
+        .with_integrator(EnergyMomentum { time_step: 5e-4 })?;
+    let mut moments = Vec::new();
+    let mut watch = |sample: &Sample<'_>| {
+        moments.push(Moment {
+            time: sample.time,
+            state: *sample.state,
+            spin: sample.rates().angular_velocity.z,
+            pitch: (sample.state.orientation * DVec3::X).z.asin().to_degrees(),
+            energy: sample.energy().total(),
+        });
+        ControlFlow::Continue(())
+    };
+    stepper.run(&mut state, duration, &mut watch)?;
+    Ok(moments)
+}
+
+/// Largest spin of this sign, rad/s.
+fn largest(moments: &[Moment], sign: f64) -> f64 {
+    moments
+        .iter()
+        .fold(0.0, |most, moment| f64::max(most, sign * moment.spin))
+}
+
+/// Time between the keel's passages of level, of a stone without skew that is let go with a small pitch, s.
+fn period_of_pitch() -> Outcome<f64> {
+    let state = State::at(DVec3::Z * HEIGHT).turned_by(DVec3::Y * 0.005);
+    let moments = run(0.0, state, 1.0)?;
+    let passages: Vec<f64> = (moments.windows(2))
+        .filter(|pair| pair[0].pitch < 0.0 && pair[1].pitch >= 0.0)
+        .map(|pair| {
+            pair[0].time
+                + (pair[1].time - pair[0].time) * pair[0].pitch / (pair[0].pitch - pair[1].pitch)
+        })
+        .collect();
+    let [first, .., last] = passages[..] else {
+        return Err("the stone does not pitch".into());
+    };
+    Ok((last - first) / (passages.len() - 1) as f64)
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// The pictures
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// One quantity of both runs over time, every fourth step.
+fn picture(
+    name: &'static str,
+    title: &str,
+    unit: &str,
+    runs: [&[Moment]; 2],
+    of: fn(&Moment) -> f64,
+) -> Outcome<Picture> {
+    let curve = |moments: &[Moment]| {
+        moments
+            .iter()
+            .step_by(4)
+            .map(|moment| (moment.time, of(moment)))
+            .collect()
+    };
+    let lines = vec![
+        common::line(curve(runs[1]), BLUE, "spun along its sense"),
+        common::line(curve(runs[0]), ORANGE, "spun against its sense"),
+    ];
+    Picture::new(name, lines, |layout| {
+        layout
+            .with_title(title)
+            .with_x_label("time (s)")
+            .with_y_label(unit)
+            .with_legend_position(LegendPosition::InsideTopRight)
+    })
+}
+
+fn spin_picture(against: &[Moment], along: &[Moment]) -> Outcome<Picture> {
+    picture(
+        "spin",
+        "rattleback: spin about the vertical",
+        "rad/s",
+        [against, along],
+        |moment| moment.spin,
+    )
+}
+
+fn pitch_picture(against: &[Moment], along: &[Moment]) -> Outcome<Picture> {
+    picture(
+        "pitch",
+        "rattleback: pitch of the keel",
+        "degrees",
+        [against, along],
+        |moment| moment.pitch,
+    )
+}
