@@ -1,23 +1,41 @@
 //! Error against price: each integrator on trial 1 of the report, against the truth of its equations. Prints the README's table.
 //!
-//! `cargo run --release --example accuracy`, on a machine with nothing else to do.
+//! `cargo run --release --example accuracy`, on a machine with nothing else to do. With `-- --f32` it prints the tables of single precision in
+//! `src/guide/accuracy.md`: errors of the numbers alone, which no other work on the machine changes.
+
+mod single;
+mod truth;
 
 use core::error::Error;
 use std::time::Instant;
 
-use tumble::glam::{DQuat, DVec3};
+use lexopt::prelude::*;
+use truth::{DURATION, SLIP_SPEED, distance, truth};
 use tumble::{
     EnergyMomentum, ForwardEuler, Integrator, Rk4, State, StrangSplitting, SymplecticEuler, Trial,
 };
 
-/// Simulated time, s.
-const DURATION: f64 = 1.0;
-/// m/s; the truth is known for this one, which an explicit method resolves.
-const SLIP_SPEED: f64 = 1e-3;
 /// The price is the least of so many runs: whatever else the machine does only adds to it.
 const RUNS: usize = 20;
 
 fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = lexopt::Parser::from_env();
+    match arguments.next()? {
+        None => prices(),
+        Some(Long("f32")) => single::tables(),
+        Some(Long("help")) => {
+            println!("accuracy          error against price of each integrator, in f64");
+            println!(
+                "accuracy --f32    error and energy in f32 against f64, for each integrator and step"
+            );
+            Ok(())
+        }
+        Some(other) => Err(other.unexpected().into()),
+    }
+}
+
+/// The README's table.
+fn prices() -> Result<(), Box<dyn Error>> {
     let truth = truth()?;
     println!("| integrator | order | time step | error | price of 1 s |");
     println!("|---|---|---|---|---|");
@@ -80,37 +98,4 @@ fn row<I: Integrator>(
         price * 1e6
     );
     Ok(())
-}
-
-/// How far apart two states of the coin are, m: the centres' distance, and how far the turn between them moves the rim (to 1e-8 m, because of the arc cosine).
-fn distance(a: &State, b: &State) -> f64 {
-    let angle = a.orientation.angle_between(b.orientation);
-    (a.position - b.position)
-        .length()
-        .hypot(Trial::<f64>::RADIUS * angle)
-}
-
-/// The state of trial 1 at the end, to 13 digits.
-fn truth() -> Result<State, Box<dyn Error>> {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/truth_table.csv");
-    let mut table = csv::Reader::from_path(path)?;
-    let headings = table.headers()?.clone();
-    for line in table.records() {
-        let line = line?;
-        let number = |name: &str| -> Result<f64, Box<dyn Error>> {
-            let column = headings
-                .iter()
-                .position(|heading| heading == name)
-                .ok_or("the table lacks a column")?;
-            Ok(line[column].parse()?)
-        };
-        if (number("trial")?, number("v_eps")?, number("t")?) == (1.0, SLIP_SPEED, DURATION) {
-            let turn = DQuat::from_xyzw(number("qx")?, number("qy")?, number("qz")?, number("qw")?);
-            return Ok(
-                State::at(DVec3::new(number("x")?, number("y")?, number("z")?))
-                    .with_orientation(turn),
-            );
-        }
-    }
-    Err("the table lacks trial 1 at its end".into())
 }

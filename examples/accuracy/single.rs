@@ -1,0 +1,226 @@
+//! Single precision: what it adds to the error of each integrator at each step, and what a compensated sum would save.
+
+#![allow(
+    clippy::cast_possible_truncation,
+    reason = "rounding to f32 is what is measured"
+)]
+
+use core::error::Error;
+
+use crate::truth::{DURATION, SLIP_SPEED, distance, truth};
+use tumble::error::SceneError;
+use tumble::glam::{DQuat, DVec3, Vec3};
+use tumble::integrator::step_length;
+use tumble::{
+    Dynamics, EnergyMomentum, ForwardEuler, Integrator, Ledger, Real, Rk4, State, Step, StepError,
+    StrangSplitting, SymplecticEuler, Trial,
+};
+
+const STEPS: [f64; 6] = [3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
+
+/// Prints all tables.
+pub(crate) fn tables() -> Result<(), Box<dyn Error>> {
+    let truth = truth()?;
+    macro_rules! measured {
+        ($($integrator:ident)*) => {[$((
+            stringify!($integrator),
+            STEPS.map(|time_step| [
+                run::<f64, _>($integrator { time_step }, 0.0),
+                run::<f32, _>($integrator { time_step: time_step as f32 }, 0.0),
+            ]),
+        )),*]};
+    }
+    let measured = measured!(EnergyMomentum StrangSplitting Rk4 SymplecticEuler ForwardEuler);
+    table("error in f32 (f64), m", &measured, |end| {
+        distance(&end.state, &truth)
+    });
+    println!();
+    table("residue in f32 (f64), J", &measured, |end| {
+        end.residue.abs()
+    });
+    println!();
+    compensation(&truth);
+    Ok(())
+}
+
+type Measured = (&'static str, [[Option<End>; 2]; STEPS.len()]);
+
+/// A row for each integrator, a column for each step, and the step with the least figure in f32.
+fn table(what: &str, measured: &[Measured], figure: impl Fn(&End) -> f64) {
+    let steps = STEPS
+        .map(|step| format!(" {} |", milliseconds(step)))
+        .concat();
+    println!("| {what} |{steps} best |");
+    println!("|---|{}---|", "---|".repeat(STEPS.len()));
+    for (name, ends) in measured {
+        let mut best = (f64::INFINITY, 0.0);
+        print!("| `{name}` |");
+        for (time_step, [double, single]) in STEPS.iter().zip(ends) {
+            let [double, single] = [double, single].map(|end| end.as_ref().map(&figure));
+            print!(" {} ({}) |", or_none(single), or_none(double));
+            best = match single {
+                Some(single) if single < best.0 => (single, *time_step),
+                _ => best,
+            };
+        }
+        println!(" {} |", milliseconds(best.1));
+    }
+}
+
+/// What sums that keep what rounding takes would save, near the origin and far from it.
+fn compensation(truth: &State) {
+    println!(
+        "| `SymplecticEuler`, error in m | time step | f32 | position compensated | velocity and momentum too | f64 |"
+    );
+    println!("|---|---|---|---|---|---|");
+    let places = [
+        ("at the origin", 0.0),
+        ("100 m away", 100.0),
+        ("1 km away", 1000.0),
+    ];
+    for (name, away) in places {
+        for double in [1e-3, 1e-4, 1e-5, 1e-6] {
+            let time_step = double as f32;
+            println!(
+                "| {name} | {} | {} | {} | {} | {} |",
+                milliseconds(double),
+                error_of(SymplecticEuler { time_step }, away, truth),
+                error_of(Compensated::<false> { time_step }, away, truth),
+                error_of(Compensated::<true> { time_step }, away, truth),
+                error_of(SymplecticEuler { time_step: double }, away, truth),
+            );
+        }
+    }
+}
+
+fn error_of<R: Widen, I: Integrator<R>>(integrator: I, away: f64, truth: &State) -> String {
+    or_none(run(integrator, away).map(|end| distance(&end.state, truth)))
+}
+
+fn milliseconds(time_step: f64) -> String {
+    format!("{} ms", (time_step * 1e6).round() * 1e-3)
+}
+
+/// A figure, or a dash where the run has come apart.
+fn or_none(figure: Option<f64>) -> String {
+    match figure {
+        Some(figure) if figure.abs() < 1.0 => format!("{figure:.1e}"),
+        _ => "-".into(),
+    }
+}
+
+/// How a run ends, in f64.
+struct End {
+    state: State,
+    /// The energy that no force took or gave, J.
+    residue: f64,
+}
+
+/// A number whose states can be compared with the truth.
+trait Widen: Real {
+    fn widen(state: &State<Self>) -> State;
+}
+
+impl Widen for f64 {
+    fn widen(state: &State) -> State {
+        *state
+    }
+}
+
+impl Widen for f32 {
+    fn widen(state: &State<f32>) -> State {
+        let turn = state.orientation;
+        let turn = DQuat::from_xyzw(turn.x.into(), turn.y.into(), turn.z.into(), turn.w.into());
+        State::at(state.position.into()).with_orientation(turn.normalize())
+    }
+}
+
+/// Trial 1, begun so many metres away along x and brought back at the end; nothing where it cannot go on.
+fn run<R: Widen, I: Integrator<R>>(integrator: I, away: f64) -> Option<End> {
+    let trial = Trial::<R> {
+        slip_speed: R::from_f64(SLIP_SPEED),
+        ..Trial::report(1)?
+    };
+    let stepper = trial.stepper(integrator).ok()?;
+    let mut state = trial.state();
+    let aside = <R::Vec3 as tumble::real::Vector<R>>::new(R::from_f64(away), R::ZERO, R::ZERO);
+    state.position += aside;
+    let mut ledger = Ledger::new();
+    stepper
+        .run(&mut state, R::from_f64(DURATION), &mut ledger)
+        .ok()?;
+    let mut end = R::widen(&state);
+    end.position -= DVec3::X * away;
+    Some(End {
+        state: end,
+        residue: ledger.residue().to_f64(),
+    })
+}
+
+/// [`SymplecticEuler`] whose sums over the steps keep what rounding takes from them (Kahan 1965): of the position, or also of velocity and angular momentum.
+struct Compensated<const ALL: bool> {
+    time_step: f32,
+}
+
+/// What rounding took from a sum.
+#[derive(Debug, Default)]
+struct Lost {
+    position: Vec3,
+    velocity: Vec3,
+    momentum: Vec3,
+}
+
+impl<const ALL: bool> Integrator<f32> for Compensated<ALL> {
+    type Workspace = Lost;
+
+    fn step<D: Dynamics<f32>>(
+        &self,
+        scene: &D,
+        state: &mut State<f32>,
+        limit: f32,
+        lost: &mut Lost,
+    ) -> Result<Step<f32>, StepError> {
+        let dt = step_length(self.time_step, limit);
+        let mass = scene.mass_properties();
+        let rotation = state.rotation();
+        let motion = scene.motion_along(state, rotation.axes());
+        let load = scene.load(&motion);
+        let kick = (load.force * mass.inverse_mass() + scene.gravity()) * dt;
+        let twist = load.torque * dt;
+        if ALL {
+            add(&mut state.linear_velocity, &mut lost.velocity, kick);
+            add(&mut state.angular_momentum, &mut lost.momentum, twist);
+        } else {
+            state.linear_velocity += kick;
+            state.angular_momentum += twist;
+        }
+        add(
+            &mut state.position,
+            &mut lost.position,
+            state.linear_velocity * dt,
+        );
+        state.orientation = mass
+            .turn_freely(rotation, &motion.axes, state.angular_momentum, dt)
+            .to_quat();
+        Ok(Step::new(dt, 1))
+    }
+
+    fn order(&self) -> u32 {
+        1
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        SymplecticEuler {
+            time_step: self.time_step,
+        }
+        .check()
+    }
+}
+
+/// `sum += term`, with what rounding took before, and takes now.
+fn add(sum: &mut Vec3, lost: &mut Vec3, term: Vec3) {
+    let corrected = term - *lost;
+    let next = *sum + corrected;
+    *lost = (next - *sum) - corrected;
+    *sum = next;
+}

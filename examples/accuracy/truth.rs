@@ -1,0 +1,44 @@
+//! Trial 1 of the report, and where it ends.
+
+use core::error::Error;
+
+use tumble::glam::{DQuat, DVec3};
+use tumble::{State, Trial};
+
+/// Simulated time, s.
+pub(crate) const DURATION: f64 = 1.0;
+/// m/s; the truth is known for this one, which an explicit method resolves.
+pub(crate) const SLIP_SPEED: f64 = 1e-3;
+
+/// How far apart two states of the coin are, m: the centres' distance, and how far the turn between them moves the rim (to 1e-8 m, because of the arc cosine).
+pub(crate) fn distance(a: &State, b: &State) -> f64 {
+    let angle = a.orientation.angle_between(b.orientation);
+    (a.position - b.position)
+        .length()
+        .hypot(Trial::<f64>::RADIUS * angle)
+}
+
+/// The state of trial 1 at the end, to 13 digits.
+pub(crate) fn truth() -> Result<State, Box<dyn Error>> {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/truth_table.csv");
+    let mut table = csv::Reader::from_path(path)?;
+    let headings = table.headers()?.clone();
+    for line in table.records() {
+        let line = line?;
+        let number = |name: &str| -> Result<f64, Box<dyn Error>> {
+            let column = headings
+                .iter()
+                .position(|heading| heading == name)
+                .ok_or("the table lacks a column")?;
+            Ok(line[column].parse()?)
+        };
+        if (number("trial")?, number("v_eps")?, number("t")?) == (1.0, SLIP_SPEED, DURATION) {
+            let turn = DQuat::from_xyzw(number("qx")?, number("qy")?, number("qz")?, number("qw")?);
+            return Ok(
+                State::at(DVec3::new(number("x")?, number("y")?, number("z")?))
+                    .with_orientation(turn),
+            );
+        }
+    }
+    Err("the table lacks trial 1 at its end".into())
+}
