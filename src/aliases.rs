@@ -10,9 +10,9 @@ macro_rules! names_for {
         pub mod $real {
             #[doc(no_inline)]
             pub use crate::{
-                ContactLaw, Every, Face, Frictionless, Gravity, Integrator, NoGravity, NoGround,
-                Observer, Probe, Relief, RigidPointBody, SceneError, Shape, Side, SlidingFriction,
-                SpringDamperGround, Start, StepError, Terrain,
+                ContactLaw, Every, Face, Flight, Frictionless, Gravity, Integrator, NoGravity,
+                NoGround, Observer, Probe, Relief, RigidPointBody, SceneError, Shape, Side,
+                SlidingFriction, SpringDamperGround, Start, StepError, Terrain,
             };
 
             /// Energy, dissipation and rates.
@@ -44,6 +44,8 @@ macro_rules! names_for {
             pub type SolidCoin<P = [ContactPoint; 240]> = crate::SolidCoin<$real, P>;
             /// A ball.
             pub type Sphere = crate::Sphere<$real>;
+            /// The error-controlled integrator of order 3.
+            pub type BogackiShampine32 = crate::BogackiShampine32<$real>;
             /// The coin of the report.
             pub type Coin<P = [ContactPoint; 120]> = crate::Coin<$real, P>;
             /// A contact that touches.
@@ -54,6 +56,8 @@ macro_rules! names_for {
             pub type Coulomb = crate::Coulomb<$real>;
             /// Power of what takes energy away.
             pub type Dissipation = crate::Dissipation<$real>;
+            /// The error-controlled integrator of order 5.
+            pub type DormandPrince54 = crate::DormandPrince54<$real>;
             /// The local shape of a friction law.
             pub type Drag = crate::Drag<$real>;
             /// Height, slope and bend of a terrain.
@@ -126,6 +130,8 @@ macro_rules! names_for {
             pub type Surface = crate::Surface<$real>;
             /// The semi-implicit Euler integrator.
             pub type SymplecticEuler = crate::SymplecticEuler<$real>;
+            /// Looks at given times.
+            pub type Timed<O> = crate::Timed<O, $real>;
             /// A start of the report.
             pub type Trial = crate::Trial<$real>;
             /// The stepper of a trial.

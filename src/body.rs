@@ -110,6 +110,16 @@ pub trait RigidPointBody<R: Real = f64> {
         Run::all(self.contacts().len())
     }
 
+    /// How far the surface reaches in a `direction` (unit vector, body axes), m from the centre of mass: the body's support function. Never less than the greatest
+    /// `direction · position + radius` of a contact; a little more does no harm. It is what a closed-form [`Flight`](crate::Flight) asks for.
+    fn support(&self, direction: R::Vec3) -> R {
+        self.contacts()
+            .iter()
+            .fold(-self.reach(), |farthest, contact| {
+                farthest.at_least(direction.dot(contact.position) + contact.radius)
+            })
+    }
+
     /// Whether the body can be: called once, when a scene is composed, before anything else is asked.
     ///
     /// Mass and inertia are checked in any case; an implementer adds the rules of his own parameters.
@@ -141,6 +151,10 @@ impl<R: Real, B: RigidPointBody<R> + ?Sized> RigidPointBody<R> for &B {
     #[inline]
     fn contacts_below(&self, normal: R::Vec3, offset: R) -> Run {
         (**self).contacts_below(normal, offset)
+    }
+    #[inline]
+    fn support(&self, direction: R::Vec3) -> R {
+        (**self).support(direction)
     }
     #[inline]
     fn check(&self) -> Result<(), SceneError> {
@@ -210,6 +224,28 @@ impl Run {
     #[must_use]
     pub const fn all(count: usize) -> Self {
         Self { first: 0, count }
+    }
+
+    /// What this run holds of `contacts` numbers that `other` does not: at most two runs.
+    #[must_use]
+    pub(crate) fn without(self, other: Self, contacts: usize) -> [Self; 2] {
+        let (count, taken) = (self.count.min(contacts), other.count.min(contacts));
+        if taken == 0 || count == 0 {
+            return [self, Self::NONE];
+        }
+        // Places counted from the start of this run, round the body: `other` covers [start, start + taken), and that again one round earlier.
+        let start = (other.first + contacts).saturating_sub(self.first) % contacts.max(1);
+        let wrapped = (start + taken).saturating_sub(contacts);
+        let head = Self {
+            first: (self.first + wrapped) % contacts.max(1),
+            count: start.min(count).saturating_sub(wrapped),
+        };
+        let after = (start + taken).min(count);
+        let tail = Self {
+            first: (self.first + after) % contacts.max(1),
+            count: count - after.max(wrapped.min(count)),
+        };
+        [head, tail]
     }
 
     /// The run's part up to the last of `contacts`, and the part that begins again at contact 0.

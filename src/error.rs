@@ -142,7 +142,7 @@ fn obey<R: Real>(
 }
 
 /// A step that cannot go on. The state that was handed in is left as it was: the last good one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError {
     /// The state that was handed in holds a NaN or an infinity, or an orientation of length 0 (or so near to 0 or infinity that its square is).
@@ -153,6 +153,29 @@ pub enum StepError {
         "the {0} is no longer finite after the step: shorten the time step or choose an integrator that is stable for it"
     )]
     Diverged(Quantity),
+    /// A method that chooses its steps cannot keep its tolerance with any step that the clock resolves: the tolerance is below what rounding leaves, or a force is
+    /// not what the method takes it for.
+    #[error(
+        "the tolerance needs steps below {length:.1e} s at {time:.6} s, because of the {quantity}: loosen it, or look at the forces there"
+    )]
+    StepTooShort {
+        /// What the error is in.
+        quantity: Quantity,
+        /// The shortest step, s.
+        length: f64,
+        /// Since the workspace was new, which is the start of a run, s.
+        time: f64,
+    },
+    /// A method that chooses its steps has tried as many as its budget has.
+    #[error(
+        "the budget of {attempts} steps is spent at {time:.6} s: raise it, or loosen the tolerance"
+    )]
+    BudgetSpent {
+        /// Steps tried.
+        attempts: u32,
+        /// Since the workspace was new, which is the start of a run, s.
+        time: f64,
+    },
     /// The integrator said that its step took no time, so that a run would never end.
     #[error("a step must take more than 0 s")]
     Stalled,

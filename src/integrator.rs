@@ -1,12 +1,20 @@
 //! How a state moves on in time: one file a method.
 
+mod bogacki_shampine_32;
+mod dormand_prince_54;
+mod embedded_pair;
 mod energy_momentum;
+mod flight;
 mod forward_euler;
 mod rk4;
 mod strang_splitting;
 mod symplectic_euler;
 
+pub use bogacki_shampine_32::BogackiShampine32;
+pub use dormand_prince_54::DormandPrince54;
+pub use embedded_pair::Workspace as EmbeddedPairWorkspace;
 pub use energy_momentum::{EnergyMomentum, Workspace as EnergyMomentumWorkspace};
+pub use flight::Flight;
 pub use forward_euler::ForwardEuler;
 pub use rk4::Rk4;
 pub use strang_splitting::StrangSplitting;
@@ -22,7 +30,8 @@ use crate::state::State;
 /// A method that moves a state on in time.
 ///
 /// Its accuracy (a time step, a tolerance) is its own field. *To the implementer:* [`step`](Self::step) must advance by at most `limit`, must be a
-/// function of scene, state and limit alone (a workspace may save work, never change a result), and keep the orientation's length at 1.
+/// function of scene, state and limit alone (a workspace may save work, never change a result), and keep the orientation's length at 1. A method that chooses its steps says so
+/// by [`CHOOSES_STEPS`](Self::CHOOSES_STEPS): its step is a function of scene, state, limit and the proposal that the workspace holds, and a new workspace proposes from the state alone.
 /// [`contract::check_integrator`](crate::contract::check_integrator) tests an implementation.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not an integrator: it does not implement `Integrator<{R}>`",
@@ -30,8 +39,12 @@ use crate::state::State;
     note = "implement `step`, `order` and `check`; the precision `{R}` of scene and integrator must be the same"
 )]
 pub trait Integrator<R: Real = f64> {
-    /// What the method may keep from step to step to save work: its results must not depend on it.
-    type Workspace: Default + Debug;
+    /// What the method may keep from step to step to save work: its results must not depend on it, but for a length of the next step where the method
+    /// [chooses its steps](Self::CHOOSES_STEPS). A copy must do as well.
+    type Workspace: Default + Clone + Debug;
+
+    /// Whether the method chooses the length of its steps, and carries its choice of the next one in the workspace.
+    const CHOOSES_STEPS: bool = false;
 
     /// One step of the method's own length, or of `limit` seconds where that is less.
     ///
@@ -48,6 +61,11 @@ pub trait Integrator<R: Real = f64> {
     /// Order of the error in the time step, in smooth motion.
     fn order(&self) -> u32;
 
+    /// The length of its steps where they are all alike, s.
+    fn fixed_step(&self) -> Option<R> {
+        None
+    }
+
     /// Whether the method's parameters can be: called once, when a scene is composed.
     ///
     /// # Errors
@@ -63,6 +81,8 @@ pub struct Step<R = f64> {
     pub elapsed: R,
     /// How often the contacts' forces were evaluated.
     pub evaluations: u32,
+    /// How many attempts were turned down before, by a method that chooses its steps.
+    pub rejected: u32,
     /// Iterations of an implicit method, over all parts of the step.
     pub iterations: u32,
     /// Whether an implicit method could not take the step whole: it was too long to be accurate.
@@ -79,6 +99,7 @@ impl<R: Real> Step<R> {
         Self {
             elapsed,
             evaluations,
+            rejected: 0,
             iterations: 0,
             fallback: false,
             ratcheted: R::ZERO,

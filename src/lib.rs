@@ -70,10 +70,13 @@
 //! | [`StrangSplitting`] | 2 | 2 in contact, 1 in flight | energy without drift; flight exactly | O(dt²) | `dt < 2/ω` for weak damping, `dt < 2 m/C` where dampers rule |
 //! | [`SymplecticEuler`] | 1 | 1 | energy without drift; turns in flight exactly | O(dt) | `dt < 2 (√(1+ζ²) - ζ)/ω` |
 //! | [`Rk4`] | 4 | 4 | nothing more | O(dt⁵) a step | `dt < 2.83/ω` without dampers, `dt < 2.79 m/C` where they rule |
+//! | [`BogackiShampine32`] | 3 | 3 | nothing more | by its error | chooses its steps for a tolerance |
+//! | [`DormandPrince54`] | 5 | 6 | nothing more | by its error | chooses its steps for a tolerance |
 //! | [`ForwardEuler`] | 1 | 1 | nothing more | in every step | `dt < C/K`, and `ζ < 1` |
 //!
 //! `K` and `C` are stiffness and damping of all contacts that touch, together, `ω = √(K/m)`, `ζ = C/(2 √(K m))`. All keep the angular momentum in flight. Take `EnergyMomentum` where a body must come to rest, at long steps and
-//! for stiff ground; `StrangSplitting` where sliding and flight are to be cheap; the others as references. [`guide::accuracy`] goes through the extremes.
+//! for stiff ground; `StrangSplitting` where sliding and flight are to be cheap; `DormandPrince54` for a tolerance instead of a step; the others as references. Each can have its flight in closed form
+//! ([`Flight`]). [`guide::choosing`] starts from the problem, [`guide::accuracy`] goes through the extremes.
 //!
 //! # Your own parts
 //!
@@ -115,6 +118,8 @@ pub mod rotation;
 pub mod scene;
 pub mod state;
 pub mod stepper;
+#[cfg(feature = "std")]
+pub mod trade;
 pub mod trial;
 
 pub use aliases::{f32, f64};
@@ -135,9 +140,10 @@ pub use ground::{
     Terrain, Waves,
 };
 pub use integrator::{
-    EnergyMomentum, ForwardEuler, Integrator, Rk4, Step, StrangSplitting, SymplecticEuler,
+    BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, ForwardEuler, Integrator, Rk4,
+    Step, StrangSplitting, SymplecticEuler,
 };
-pub use observer::{Every, Ledger, Observer, Probe, Sample};
+pub use observer::{Every, Ledger, Observer, Probe, Sample, Timed};
 pub use real::Real;
 pub use rotation::Rotation;
 pub use scene::{Contact, Dynamics, Load, LowestPoint, Motion, Rates, Scene};
@@ -145,13 +151,16 @@ pub use state::State;
 pub use stepper::Stepper;
 pub use trial::{Start, Trial};
 
-/// Chapters: why the energy cannot rise, how accurate a run is, what the model gets where the answer is known, and how to add parts.
+/// Chapters: why the energy cannot rise, which integrator and which step, how accurate a run is, what the model gets where the answer is known, and how to add parts.
 pub mod guide {
     #[doc = include_str!("guide/energy.md")]
     pub mod energy {}
 
     #[doc = include_str!("guide/accuracy.md")]
     pub mod accuracy {}
+
+    #[doc = include_str!("guide/choosing.md")]
+    pub mod choosing {}
 
     #[doc = include_str!("guide/gallery.md")]
     pub mod gallery {}

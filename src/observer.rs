@@ -2,9 +2,11 @@
 
 mod every;
 mod ledger;
+mod timed;
 
 pub use every::Every;
 pub use ledger::Ledger;
+pub use timed::Timed;
 
 use core::ops::ControlFlow;
 
@@ -39,6 +41,19 @@ use crate::state::State;
 pub trait Observer<R: Real = f64> {
     /// Called with the state at the start of a run and after each step. `Break` ends the run.
     fn observe(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()>;
+
+    /// The next time at which it asks for a sample, s since the start of the run, besides those after each step; none where nothing else is said.
+    #[inline]
+    fn asks_for(&self) -> Option<R> {
+        None
+    }
+
+    /// Called with the state at the time that it has [asked for](Self::asks_for), and must then ask for a later one. The run goes on as if nobody had looked.
+    #[inline]
+    fn observe_asked(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
+        let _ = sample;
+        ControlFlow::Continue(())
+    }
 }
 
 impl<R: Real> Observer<R> for () {
@@ -63,6 +78,26 @@ impl<R: Real, A: Observer<R>, B: Observer<R>> Observer<R> for (A, B) {
         let second = self.1.observe(sample);
         if first.is_break() { first } else { second }
     }
+
+    #[inline]
+    fn asks_for(&self) -> Option<R> {
+        match (self.0.asks_for(), self.1.asks_for()) {
+            (Some(first), Some(second)) => Some(first.at_most(second)),
+            (first, second) => first.or(second),
+        }
+    }
+
+    fn observe_asked(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
+        let mut flow = ControlFlow::Continue(());
+        if self.0.asks_for() == Some(sample.time) {
+            flow = self.0.observe_asked(sample);
+        }
+        if self.1.asks_for() == Some(sample.time) {
+            let second = self.1.observe_asked(sample);
+            flow = if flow.is_break() { flow } else { second };
+        }
+        flow
+    }
 }
 
 /// A moment of a run. Whatever costs something is computed when it is asked for.
@@ -72,6 +107,10 @@ pub struct Sample<'a, R: Real = f64> {
     pub time: R,
     /// Number of steps since the start of the run.
     pub step: u64,
+    /// How often these have evaluated the contacts' forces.
+    pub evaluations: u64,
+    /// How many attempts were turned down, by a method that chooses its steps.
+    pub rejected: u64,
     /// The state now.
     pub state: &'a State<R>,
     /// The scene, for questions about this state or any other.

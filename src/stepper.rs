@@ -256,17 +256,67 @@ where
         let mut clock = Clock::new();
         let mut flow = self.show(observer, state, &clock);
         // What rounding leaves of the time when the last whole step has been taken.
-        let rounding = seconds * (R::EPSILON * R::from_f64(8.0));
+        let rounding = rounding_of(seconds);
         while flow.is_continue() && clock.left(seconds) > rounding {
+            // Whoever asks for times between the steps is led there from the step's start.
+            let before = observer.asks_for().map(|_| Before {
+                clock,
+                state: *state,
+                workspace: I::CHOOSES_STEPS.then(|| workspace.clone()),
+            });
             let step = self.move_on(state, clock.left(seconds), &mut workspace)?;
-            if step.elapsed > R::ZERO {
-                clock.tick(step.elapsed);
-            } else {
-                return Err(StepError::Stalled);
+            clock.tick(&step)?;
+            if let Some(before) = before {
+                flow = self.show_between(observer, &before, state, &clock)?;
             }
-            flow = self.show(observer, state, &clock);
+            if flow.is_continue() {
+                flow = self.show(observer, state, &clock);
+            }
         }
         Ok(clock.time)
+    }
+
+    /// The states at the times that are asked for, from the start of a step to its end.
+    fn show_between(
+        &self,
+        observer: &mut impl Observer<R>,
+        before: &Before<R, I::Workspace>,
+        end: &State<R>,
+        clock: &Clock<R>,
+    ) -> Result<ControlFlow<()>, StepError> {
+        let mut last = None;
+        while let Some(time) = observer.asks_for() {
+            // A time that is asked for twice would be so for ever.
+            let is_due = time - clock.time <= rounding_of(time);
+            if !is_due || last == Some(time) {
+                break;
+            }
+            last = Some(time);
+            let state = if (clock.time - time).abs() <= rounding_of(time) {
+                *end
+            } else {
+                self.state_at(time, before)?
+            };
+            let sample = Sample {
+                time,
+                ..self.sample(&state, clock)
+            };
+            if observer.observe_asked(&sample).is_break() {
+                return Ok(ControlFlow::Break(()));
+            }
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+
+    /// The state at a time after the start of a step, by steps of its own.
+    fn state_at(&self, time: R, before: &Before<R, I::Workspace>) -> Result<State<R>, StepError> {
+        let (mut state, mut clock) = (before.state, before.clock);
+        let mut workspace = before.workspace.clone().unwrap_or_default();
+        while clock.left(time) > rounding_of(time) {
+            let step = self.move_on(&mut state, clock.left(time), &mut workspace)?;
+            clock.tick(&step)?;
+        }
+        Ok(state)
     }
 
     #[inline]
@@ -276,12 +326,19 @@ where
         state: &State<R>,
         clock: &Clock<R>,
     ) -> ControlFlow<()> {
-        observer.observe(&Sample {
+        observer.observe(&self.sample(state, clock))
+    }
+
+    #[inline]
+    fn sample<'a>(&'a self, state: &'a State<R>, clock: &Clock<R>) -> Sample<'a, R> {
+        Sample {
             time: clock.time,
             step: clock.steps,
+            evaluations: clock.evaluations,
+            rejected: clock.rejected,
             state,
             scene: &self.scene,
-        })
+        }
     }
 }
 
@@ -298,11 +355,28 @@ fn blame<R: Real>(before: &State<R>, after: Quantity) -> StepError {
     }
 }
 
-/// Time since the start of a run, by Kahan's sum: a million steps of 1e-4 s are 100 s to the last place.
+/// What rounding leaves of a time when the last whole step has been taken, s.
+#[inline]
+fn rounding_of<R: Real>(seconds: R) -> R {
+    seconds * (R::EPSILON * R::from_f64(8.0))
+}
+
+/// The start of a step, for a look between it and the end.
+struct Before<R: Real, W> {
+    clock: Clock<R>,
+    state: State<R>,
+    /// Of a method that carries its choice of the step in it.
+    workspace: Option<W>,
+}
+
+/// Time since the start of a run, by Kahan's sum: a million steps of 1e-4 s are 100 s to the last place. And what it has cost.
+#[derive(Clone, Copy)]
 struct Clock<R> {
     time: R,
     lost: R,
     steps: u64,
+    evaluations: u64,
+    rejected: u64,
 }
 
 impl<R: Real> Clock<R> {
@@ -311,6 +385,8 @@ impl<R: Real> Clock<R> {
             time: R::ZERO,
             lost: R::ZERO,
             steps: 0,
+            evaluations: 0,
+            rejected: 0,
         }
     }
 
@@ -320,11 +396,18 @@ impl<R: Real> Clock<R> {
     }
 
     #[inline]
-    fn tick(&mut self, elapsed: R) {
-        let corrected = elapsed - self.lost;
+    fn tick(&mut self, step: &Step<R>) -> Result<(), StepError> {
+        let takes_time = step.elapsed > R::ZERO;
+        if !takes_time {
+            return Err(StepError::Stalled);
+        }
+        let corrected = step.elapsed - self.lost;
         let next = self.time + corrected;
         self.lost = (next - self.time) - corrected;
         self.time = next;
         self.steps += 1;
+        self.evaluations += u64::from(step.evaluations);
+        self.rejected += u64::from(step.rejected);
+        Ok(())
     }
 }

@@ -12,12 +12,13 @@ use tumble::error::{Quantity, Rule};
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    AnisotropicCoulomb, Bowl, Capsule, Carried, Coin, Cone, ContactLaw, ContactPoint, Coulomb,
-    Cuboid, Dissipation, EnergyMomentum, FlatGround, ForwardEuler, Gravity, Ground, HuntCrossley,
-    Integrator, Ledger, LimitedDamper, MassDistribution, Plane, PointCloud, PointMass, Ramp, Real,
-    Relief, RigidPointBody, Rk4, Rod, SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin,
-    Sphere, SpringDamper, SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck,
-    Surface, SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves,
+    AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Carried, Coin, Cone, ContactLaw,
+    ContactPoint, Coulomb, Cuboid, Dissipation, DormandPrince54, EnergyMomentum, FlatGround,
+    ForwardEuler, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper,
+    MassDistribution, Plane, PointCloud, PointMass, Ramp, Real, Relief, RigidPointBody, Rk4, Rod,
+    SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
+    SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck, Surface,
+    SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves,
 };
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -960,6 +961,53 @@ fn the_time_step_of_each_integrator_is_above_zero() {
     refuses("time step", ABOVE_ZERO, " s", |time_step| {
         body().with_integrator(EnergyMomentum { time_step })
     });
+}
+
+#[test]
+fn the_tolerance_and_the_longest_step_of_each_pair_are_above_zero() {
+    let body = || Stepper::new(point_mass(1.0)).unwrap();
+    refuses("tolerance", ABOVE_ZERO, " m", |tolerance| {
+        body().with_integrator(BogackiShampine32::new(tolerance))
+    });
+    refuses("tolerance", ABOVE_ZERO, " m", |tolerance| {
+        body().with_integrator(DormandPrince54::new(tolerance))
+    });
+    refuses("longest step", ABOVE_ZERO, " s", |longest_step| {
+        body().with_integrator(BogackiShampine32 {
+            longest_step,
+            ..BogackiShampine32::new(1e-5)
+        })
+    });
+    refuses("longest step", ABOVE_ZERO, " s", |longest_step| {
+        body().with_integrator(DormandPrince54 {
+            longest_step,
+            ..DormandPrince54::new(1e-5)
+        })
+    });
+}
+
+#[test]
+fn the_budget_of_each_pair_is_at_least_one_step() {
+    let body = || Stepper::new(point_mass(1.0)).unwrap();
+    let (bogacki_shampine, dormand_prince) = (
+        BogackiShampine32 {
+            budget: 0,
+            ..BogackiShampine32::new(1e-5)
+        },
+        DormandPrince54 {
+            budget: 0,
+            ..DormandPrince54::new(1e-5)
+        },
+    );
+    for error in [
+        body().with_integrator(bogacki_shampine).unwrap_err(),
+        body().with_integrator(dormand_prince).unwrap_err(),
+    ] {
+        assert_eq!(
+            error.to_string(),
+            "budget of steps must be at least 1, got 0"
+        );
+    }
 }
 
 #[test]

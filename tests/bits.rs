@@ -42,8 +42,6 @@ fn every_scene_of_the_battery_is_run_to_its_end_and_is_another() {
     };
     let scenes = played_by(&outcomes[0]);
     assert!(scenes.len() >= 14, "{scenes:?}");
-
-    assert_eq!(outcomes.len(), 2 * 5 * 24);
     for outcome in &outcomes {
         assert!(!outcome.ended_early, "{outcome:?}");
         assert_eq!(played_by(outcome), scenes, "{outcome:?}");

@@ -14,11 +14,12 @@ use tumble::contract::{
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::integrator::step_length;
 use tumble::{
-    AnisotropicCoulomb, Bowl, Coin, ContactPoint, Coulomb, Drag, Dynamics, Elevation,
-    EnergyMomentum, Extent, FlatGround, ForwardEuler, Frictionless, Ground, HuntCrossley,
-    Integrator, LimitedDamper, MeanForce, NoGround, Plane, PointCloud, Ramp, Real, RigidPointBody,
-    Rk4, SceneError, SlidingFriction, SmoothCoulomb, SpringDamper, SpringDamperGround, State, Step,
-    StepError, StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, Viscous, Waves, error,
+    AnisotropicCoulomb, BogackiShampine32, Bowl, Coin, ContactPoint, Coulomb, DormandPrince54,
+    Drag, Dynamics, Elevation, EnergyMomentum, Extent, FlatGround, ForwardEuler, Frictionless,
+    Ground, HuntCrossley, Integrator, LimitedDamper, MeanForce, NoGround, Plane, PointCloud, Ramp,
+    Real, RigidPointBody, Rk4, SceneError, SlidingFriction, SmoothCoulomb, SpringDamper,
+    SpringDamperGround, State, Step, StepError, StrangSplitting, Stribeck, Surface,
+    SymplecticEuler, Terrain, Viscous, Waves, error,
 };
 
 /// Ten batteries of other numbers.
@@ -211,6 +212,36 @@ fn every_built_in_integrator_passes_in<R: Real>(time_step: R) {
     check_integrator::<R, _>(&SymplecticEuler { time_step }, battery).unwrap();
     check_integrator::<R, _>(&StrangSplitting { time_step }, battery).unwrap();
     check_integrator::<R, _>(&Rk4 { time_step }, battery).unwrap();
+}
+
+#[test]
+fn every_built_in_integrator_that_chooses_its_steps_passes() {
+    let battery = Battery::default();
+    for tolerance in [1e-9, 1e-5, 1e-2] {
+        check_integrator::<f64, _>(&BogackiShampine32::new(tolerance), battery).unwrap();
+        check_integrator::<f64, _>(&DormandPrince54::new(tolerance), battery).unwrap();
+    }
+    for tolerance in [1e-5, 1e-2] {
+        check_integrator::<f32, _>(&BogackiShampine32::new(tolerance), battery).unwrap();
+        check_integrator::<f32, _>(&DormandPrince54::new(tolerance), battery).unwrap();
+    }
+}
+
+#[test]
+fn a_pair_that_is_given_its_steps_has_its_order() {
+    let battery = Battery::default();
+    for longest_step in [1e-3, 0.7] {
+        let bogacki_shampine = BogackiShampine32 {
+            longest_step,
+            ..BogackiShampine32::new(1e100)
+        };
+        let dormand_prince = DormandPrince54 {
+            longest_step,
+            ..DormandPrince54::new(1e100)
+        };
+        check_integrator::<f64, _>(&bogacki_shampine, battery).unwrap();
+        check_integrator::<f64, _>(&dormand_prince, battery).unwrap();
+    }
 }
 
 #[test]

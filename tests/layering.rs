@@ -19,7 +19,7 @@ const LAYERS: &[&[&str]] = &[
     &["integrator"],
     &["observer"],
     &["stepper"],
-    &["contract", "trial"],
+    &["contract", "trade", "trial"],
 ];
 
 /// They gather what all layers offer; no layer imports from them.

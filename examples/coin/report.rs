@@ -36,6 +36,8 @@ pub(crate) fn run<I: Integrator<f64>>(
         let sample = Sample {
             time: report.time(),
             step,
+            evaluations: step,
+            rejected: 0,
             state: &state,
             scene: stepper.scene(),
         };

@@ -126,6 +126,14 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
         arc_below(self.points.as_ref(), normal, offset)
     }
 
+    /// That of the round rim, which holds the points.
+    #[inline]
+    fn support(&self, direction: R::Vec3) -> R {
+        let (y, z) = (direction.y(), direction.z());
+        // A rim's point may lie beyond the circle by its rounding.
+        self.radius * (y * y + z * z).sqrt() * (R::ONE + R::EPSILON * R::from_f64(4.0))
+    }
+
     fn check(&self) -> Result<(), SceneError> {
         error::above_zero("mass of the coin", self.mass, " kg")?;
         error::above_zero("radius of the coin", self.radius, " m")?;

@@ -10,7 +10,7 @@ use crate::real::{Real, Vector};
 
 /// Checks a body.
 ///
-/// Its mass is above 0, its inertia symmetric and that of a solid; its contacts are finite, with radii of at least 0, none beyond its reach; `contacts_below`
+/// Its mass is above 0, its inertia symmetric and that of a solid; its contacts are finite, with radii of at least 0, none beyond its reach, nor beyond its `support` in a direction; `contacts_below`
 /// misses none, for planes in directions of a cube's faces, edges and corners, towards its contacts, and random ones, at offsets through its contacts,
 /// at the reach and far away; and all of it is the same whenever it is asked for.
 ///
@@ -40,7 +40,9 @@ pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
     }
     let mut draw = battery.draw();
     for _ in 0..battery.cases {
-        check_offsets(body, &first, any_direction(body, &mut draw))?;
+        let direction = any_direction(body, &mut draw);
+        check_support(body, direction)?;
+        check_offsets(body, &first, direction)?;
         let offset = body.reach() * draw.either() * R::from_f64(1.1);
         check_below(body, &first, draw.direction::<R>(), offset)?;
         first.check(&Portrait::of(body))?;
@@ -55,6 +57,21 @@ fn check_reach<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B) -> Result<(), B
     for (index, contact) in body.contacts().iter().enumerate() {
         let place = contact.position.length() + contact.radius;
         let bound = reach + reach * ulps(8.0);
+        demand_at_most(place, bound, Clause::Reach, || Input::Contact { index })?;
+    }
+    Ok(())
+}
+
+/// No contact reaches farther in a direction than the body says.
+fn check_support<R: Real, B: RigidPointBody<R> + ?Sized>(
+    body: &B,
+    direction: R::Vec3,
+) -> Result<(), Breach> {
+    let support = body.support(direction);
+    demand_finite(support, || Input::AsItIs)?;
+    let bound = support + body.reach() * ulps(8.0);
+    for (index, contact) in body.contacts().iter().enumerate() {
+        let place = direction.dot(contact.position) + contact.radius;
         demand_at_most(place, bound, Clause::Reach, || Input::Contact { index })?;
     }
     Ok(())

@@ -13,7 +13,8 @@ use crate::state::State;
 /// Checks an integrator, on scenes scaled to its own step: a box in free flight, one that slides on its springs, one that falls on a corner.
 ///
 /// A step succeeds and is finite; takes more than 0 s, at most its limit (but for what [`step_length`](crate::integrator::step_length) counts as
-/// rounding), and just the time that it tells; steps towards a moment land on it. The same input gives the same bits, whatever was done with the workspace before. The orientation
+/// rounding), and just the time that it tells; steps towards a moment land on it. The same input gives the same bits, whatever was done with the workspace before (where the
+/// method [chooses its steps](Integrator::CHOOSES_STEPS): with a new workspace, or a copy of the one that was used). The orientation
 /// has length 1. The error falls with the step at least at the stated order less 0.3, by halving the limit while the box slides (not asked where it is
 /// rounding already, or where the method chooses shorter steps).
 ///
@@ -185,7 +186,8 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
         Ok(())
     }
 
-    /// The same steps three times: twice with a fresh workspace, once with one that is used for everything.
+    /// The same steps four times: twice with a fresh workspace, once with one that is used for everything, once with a copy of that. A method that chooses its steps may
+    /// take another one with a used workspace.
     fn alike(&self, shares: [R; 4], steps: u32) -> Result<(), Breach> {
         let mut state = self.setup.start;
         let mut used = I::Workspace::default();
@@ -194,15 +196,26 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
             let [mut once, mut twice, mut thrice] = [state; 3];
             let first = self.step(&mut once, limit, number, &mut I::Workspace::default())?;
             let second = self.step(&mut twice, limit, number, &mut I::Workspace::default())?;
+            let mut copy = used.clone();
             let third = self.step(&mut thrice, limit, number, &mut used)?;
-            let input = || self.input(number, limit);
-            for (end, step, clause) in [
-                (twice, second, Clause::SameBits),
-                (thrice, third, Clause::WorkspaceChangesNothing),
-            ] {
-                let same = end == once && step.elapsed == first.elapsed;
-                let apart = distance(&end, &once, self.time_step);
-                demand(same, clause, apart, R::ZERO, input)?;
+            let mut fourth = state;
+            let step = self.step(&mut fourth, limit, number, &mut copy)?;
+            let same =
+                |end: &State<R>, step: &Step<R>, other: &State<R>, as_in: &Step<R>, clause| {
+                    let same = end == other && step.elapsed == as_in.elapsed;
+                    let apart = distance(end, other, self.time_step);
+                    demand(same, clause, apart, R::ZERO, || self.input(number, limit))
+                };
+            same(&twice, &second, &once, &first, Clause::SameBits)?;
+            same(&fourth, &step, &thrice, &third, Clause::SameBits)?;
+            if !I::CHOOSES_STEPS {
+                same(
+                    &thrice,
+                    &third,
+                    &once,
+                    &first,
+                    Clause::WorkspaceChangesNothing,
+                )?;
             }
             if number % 3 == 0 {
                 // Something else in between.

@@ -54,6 +54,10 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
         1
     }
 
+    fn fixed_step(&self) -> Option<R> {
+        Some(self.time_step)
+    }
+
     fn check(&self) -> Result<(), SceneError> {
         error::above_zero("time step", self.time_step, " s")
     }

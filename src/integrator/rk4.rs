@@ -4,7 +4,7 @@ use super::{Integrator, Step, step_length};
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
 use crate::rotation::Rotation;
-use crate::scene::{Dynamics, Motion};
+use crate::scene::{Dynamics, Load, Motion};
 use crate::state::State;
 
 /// The classical Runge-Kutta method on position, velocity, quaternion and angular momentum, with the quaternion scaled to length 1 after each step.
@@ -49,23 +49,27 @@ impl<R: Real> Integrator<R> for Rk4<R> {
         4
     }
 
+    fn fixed_step(&self) -> Option<R> {
+        Some(self.time_step)
+    }
+
     fn check(&self) -> Result<(), SceneError> {
         error::above_zero("time step", self.time_step, " s")
     }
 }
 
 /// The thirteen numbers as the method adds them: a state, or its slope in time.
-#[derive(Clone, Copy)]
-struct Point<R: Real> {
-    position: R::Vec3,
-    linear_velocity: R::Vec3,
-    orientation: Rotation<R>,
-    angular_momentum: R::Vec3,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point<R: Real> {
+    pub(super) position: R::Vec3,
+    pub(super) linear_velocity: R::Vec3,
+    pub(super) orientation: Rotation<R>,
+    pub(super) angular_momentum: R::Vec3,
 }
 
 impl<R: Real> Point<R> {
     #[inline]
-    fn of(state: &State<R>) -> Self {
+    pub(super) fn of(state: &State<R>) -> Self {
         Self {
             position: state.position,
             linear_velocity: state.linear_velocity,
@@ -75,7 +79,7 @@ impl<R: Real> Point<R> {
     }
 
     #[inline]
-    fn to_state(self) -> State<R> {
+    pub(super) fn to_state(self) -> State<R> {
         State {
             position: self.position,
             linear_velocity: self.linear_velocity,
@@ -84,8 +88,17 @@ impl<R: Real> Point<R> {
         }
     }
 
+    /// The same with a quaternion of length 1.
     #[inline]
-    fn plus(&self, slope: &Self, seconds: R) -> Self {
+    pub(super) fn normalised(self) -> Self {
+        Self {
+            orientation: self.orientation.normalised(),
+            ..self
+        }
+    }
+
+    #[inline]
+    pub(super) fn plus(&self, slope: &Self, seconds: R) -> Self {
         Self {
             position: self.position + slope.position * seconds,
             linear_velocity: self.linear_velocity + slope.linear_velocity * seconds,
@@ -96,19 +109,36 @@ impl<R: Real> Point<R> {
 
     /// The time derivative here.
     #[inline(always)]
-    fn slope(&self, scene: &impl Dynamics<R>) -> Self {
-        let mass = scene.mass_properties();
+    pub(super) fn slope(&self, scene: &impl Dynamics<R>) -> Self {
+        let motion = self.motion(scene);
+        self.slope_under(scene, &motion, &scene.load(&motion))
+    }
+
+    /// What the forces depend on here.
+    #[inline(always)]
+    pub(super) fn motion(&self, scene: &impl Dynamics<R>) -> Motion<R> {
         let axes = self.orientation.axes_of_any_length();
-        let motion = Motion {
+        let mass = scene.mass_properties();
+        Motion {
             position: self.position,
             axes,
             linear_velocity: self.linear_velocity,
             angular_velocity: mass.angular_velocity(&axes, self.angular_momentum),
-        };
-        let load = scene.load(&motion);
+        }
+    }
+
+    /// The time derivative here, under the load of the contacts.
+    #[inline(always)]
+    pub(super) fn slope_under(
+        &self,
+        scene: &impl Dynamics<R>,
+        motion: &Motion<R>,
+        load: &Load<R>,
+    ) -> Self {
+        let inverse_mass = scene.mass_properties().inverse_mass();
         Self {
             position: self.linear_velocity,
-            linear_velocity: load.force * mass.inverse_mass() + scene.gravity(),
+            linear_velocity: load.force * inverse_mass + scene.gravity(),
             orientation: self.orientation.rate(motion.angular_velocity),
             angular_momentum: load.torque,
         }

@@ -10,12 +10,12 @@ use core::ops::ControlFlow;
 
 use tumble::real::{Matrix, Quaternion, Vector};
 use tumble::{
-    AnisotropicCoulomb, Bowl, Coin, Cone, ContactPoint, Coulomb, Cuboid, EnergyMomentum,
-    FlatGround, ForwardEuler, Frictionless, Gravity, Ground, HuntCrossley, Integrator, Ledger,
-    LimitedDamper, MassDistribution, NoGravity, NoGround, Plane, PointCloud, Ramp, Real,
-    RigidPointBody, Rk4, Rotation, Sample, SceneError, SlidingFriction, SmoothCoulomb, SolidCoin,
-    Sphere, SpringDamper, SpringDamperGround, State, Stepper, StrangSplitting, Stribeck,
-    SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves,
+    AnisotropicCoulomb, BogackiShampine32, Bowl, Coin, Cone, ContactPoint, Coulomb, Cuboid,
+    DormandPrince54, EnergyMomentum, FlatGround, ForwardEuler, Frictionless, Gravity, Ground,
+    HuntCrossley, Integrator, Ledger, LimitedDamper, MassDistribution, NoGravity, NoGround, Plane,
+    PointCloud, Ramp, Real, RigidPointBody, Rk4, Rotation, Sample, SceneError, SlidingFriction,
+    SmoothCoulomb, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Stepper,
+    StrangSplitting, Stribeck, SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves,
 };
 
 /// What a scene has come to.
@@ -96,8 +96,15 @@ pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
         StrangSplitting: |time_step| StrangSplitting { time_step };
         Rk4: |time_step| Rk4 { time_step };
         EnergyMomentum: |time_step| EnergyMomentum { time_step };
+        BogackiShampine32: |time_step| BogackiShampine32::new(tolerance(time_step));
+        DormandPrince54: |time_step| DormandPrince54::new(tolerance(time_step));
     }
     Ok(())
+}
+
+/// For a method that chooses its steps: a hundredth of what a metre a second covers in the time step (s), m.
+fn tolerance<R: Real>(time_step: R) -> R {
+    time_step * R::from_f64(0.01)
 }
 
 /// A number's bits.

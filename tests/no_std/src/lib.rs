@@ -12,10 +12,7 @@ use tumble::contract::{
 };
 use tumble::glam::DVec3;
 use tumble::{
-    Capsule, Coin, Cone, ContactPoint, Coulomb, Cuboid, EnergyMomentum, FlatGround, ForwardEuler,
-    Integrator, Ledger, MassDistribution, Plane, PointCloud, PointMass, Real, RigidPointBody, Rk4,
-    Rod, Sample, Solid, SolidCoin, Sphere, State, Stepper, StrangSplitting, SymplecticEuler,
-    UniformGravity,
+    BogackiShampine32, Capsule, Coin, Cone, ContactPoint, Coulomb, Cuboid, DormandPrince54, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Ledger, MassDistribution, Plane, PointCloud, PointMass, Real, RigidPointBody, Rk4, Rod, Sample, Solid, SolidCoin, Sphere, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
 };
 
 unsafe extern "C" {
@@ -117,6 +114,23 @@ probes! {
     probe_rk4_f32: Rk4 in f32;
     probe_energy_momentum_f64: EnergyMomentum in f64;
     probe_energy_momentum_f32: EnergyMomentum in f32;
+}
+
+macro_rules! probes_of_pairs {
+    ($($probe:ident: $integrator:ident in $real:ty;)*) => {$(
+        /// A coin by this method, which chooses its steps, in this precision.
+        #[unsafe(no_mangle)]
+        pub fn $probe(room: &mut [ContactPoint<$real>], knobs: &Knobs<$real>, tolerance: $real, state: &mut State<$real>) -> Option<$real> {
+            run(&coin(room, knobs), $integrator::new(tolerance), knobs, state)
+        }
+    )*};
+}
+
+probes_of_pairs! {
+    probe_bogacki_shampine_32_f64: BogackiShampine32 in f64;
+    probe_bogacki_shampine_32_f32: BogackiShampine32 in f32;
+    probe_dormand_prince_54_f64: DormandPrince54 in f64;
+    probe_dormand_prince_54_f32: DormandPrince54 in f32;
 }
 
 /// A body of any points and masses, with the whole tensor and its principal axes.

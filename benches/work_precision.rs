@@ -1,0 +1,121 @@
+//! Error against processor time: every integrator over a ladder of steps and tolerances, on six scenes, and on trial 1 with one knob turned at a time.
+//!
+//! `cargo bench --bench work_precision` prints the tables (some minutes) and draws them into `target/work_precision`; a word after `--` picks the scenes whose names hold it.
+//! The times are the shortest of three runs: compare rows, not machines.
+
+// A bench that cannot go on ends.
+#![allow(clippy::unwrap_used)]
+// The numbers of the scenes are small.
+#![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
+
+#[path = "../examples/choose_accuracy/picture.rs"]
+mod picture;
+#[path = "../examples/choose_accuracy/scenes.rs"]
+mod scenes;
+
+use std::path::Path;
+
+use scenes::{Friction, Start};
+use tumble::trade::Setting;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    // `cargo test` starts every bench too, to see that it runs.
+    let whole = arguments.iter().any(|argument| argument == "--bench");
+    let wanted = arguments
+        .iter()
+        .find(|argument| !argument.starts_with("--"));
+    for (name, start, single) in table() {
+        if wanted.is_some_and(|wanted| !name.contains(wanted.as_str())) {
+            continue;
+        }
+        measure(&name, &start, single, whole);
+        if !whole {
+            return;
+        }
+    }
+}
+
+/// Name, scene, and whether in single precision.
+fn table() -> Vec<(String, Start, bool)> {
+    let mut table = Vec::new();
+    for name in ["trial1", "trial8", "toss", "smooth", "stiff", "rest"] {
+        let start = Start::named(name).unwrap();
+        table.push((name.to_owned(), start.clone(), false));
+        table.push((format!("{name} in f32"), start, true));
+    }
+    let trial_1 = || Start::named("trial1").unwrap();
+    for points in [12, 1200] {
+        let start = Start {
+            points,
+            ..trial_1()
+        };
+        table.push((format!("trial1 with {points} points"), start, false));
+    }
+    let coefficient = 0.3;
+    for slip_speed in [1e-2, 1e-3, 1e-6] {
+        for smooth in [false, true] {
+            let (law, friction) = if smooth {
+                (
+                    "SmoothCoulomb",
+                    Friction::Smooth {
+                        coefficient,
+                        slip_speed,
+                    },
+                )
+            } else {
+                (
+                    "Coulomb",
+                    Friction::Coulomb {
+                        coefficient,
+                        slip_speed,
+                    },
+                )
+            };
+            let start = Start {
+                friction,
+                ..trial_1()
+            };
+            table.push((format!("trial1 with {law} at {slip_speed:e}"), start, false));
+        }
+    }
+    for stiffness in [1e4, 1e6] {
+        let start = Start {
+            stiffness,
+            ..trial_1()
+        };
+        table.push((format!("trial1 on {stiffness:e} N per m"), start, false));
+    }
+    table
+}
+
+fn measure(name: &str, start: &Start, single: bool, whole: bool) {
+    let mut settings = Setting::ladder();
+    if !whole {
+        settings.retain(|setting| (setting.knob - 1e-3).abs() < 1e-12);
+    }
+    println!(
+        "\n## {name}: {} s, {} points\n",
+        start.seconds, start.points
+    );
+    let trade = match start.trade(&settings, single) {
+        Ok(trade) => trade,
+        Err(error) => {
+            println!("no reference: {error}");
+            return;
+        }
+    };
+    print!("{trade}");
+    println!("the reference is good to {:.0e} m", trade.resolution);
+    for error in [1e-2, 1e-4, 1e-6, 1e-8] {
+        if let Some(row) = trade.cheapest(error) {
+            let micros = row.time.as_secs_f64() * 1e6;
+            println!("cheapest for {error:e} m: {}, {micros:.1} µs", row.setting);
+        }
+    }
+    if whole {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/work_precision");
+        let file = name.replace(' ', "_");
+        picture::write(&trade, name, &folder, &file).unwrap();
+    }
+}

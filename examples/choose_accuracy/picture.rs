@@ -1,0 +1,81 @@
+//! Error over price, a line a method.
+
+use core::error::Error;
+use std::fs;
+use std::path::Path;
+
+use kuva::prelude::*;
+use kuva::render::render::{Scene, render_multiple};
+use tumble::trade::{Method, Row, Trade};
+
+/// Colours that colour-blind eyes tell apart (Okabe and Ito).
+const COLOURS: [(Method, &str); 7] = [
+    (Method::ForwardEuler, "#999999"),
+    (Method::SymplecticEuler, "#e69f00"),
+    (Method::StrangSplitting, "#009e73"),
+    (Method::Rk4, "#0072b2"),
+    (Method::EnergyMomentum, "#222222"),
+    (Method::BogackiShampine32, "#cc79a7"),
+    (Method::DormandPrince54, "#d55e00"),
+];
+
+/// Writes `name`.svg and `name`.png into a folder.
+pub(crate) fn write(
+    trade: &Trade,
+    title: &str,
+    folder: &Path,
+    name: &str,
+) -> Result<(), Box<dyn Error>> {
+    fs::create_dir_all(folder)?;
+    let scene = scene(trade, title);
+    fs::write(folder.join(name).with_extension("svg"), svg(&scene))?;
+    let png = PngBackend::new().with_scale(2.0).render_scene(&scene)?;
+    fs::write(folder.join(name).with_extension("png"), png)?;
+    Ok(())
+}
+
+/// With a view box, so that a page may scale it.
+fn svg(scene: &Scene) -> String {
+    let view_box = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
+    let text = SvgBackend::new().render_scene(scene);
+    text.replacen("<svg ", &view_box, 1)
+}
+
+fn scene(trade: &Trade, title: &str) -> Scene {
+    let mut plots = Vec::new();
+    for (method, colour) in COLOURS {
+        let places: Vec<(f64, f64)> = (trade.rows.iter())
+            .filter(|row| row.setting.method == method && says_something(row))
+            .map(|row| (row.time.as_secs_f64() * 1e6, row.error))
+            .collect();
+        if places.is_empty() {
+            continue;
+        }
+        let line = LinePlot::new()
+            .with_data(places.clone())
+            .with_color(colour)
+            .with_stroke_width(1.8)
+            .with_legend(method.name());
+        let dots = ScatterPlot::new()
+            .with_data(places)
+            .with_color(colour)
+            .with_size(3.5);
+        plots.push(Plot::Line(line));
+        plots.push(Plot::Scatter(dots));
+    }
+    let layout = Layout::auto_from_plots(&plots)
+        .with_width(900.0)
+        .with_height(560.0)
+        .with_title(title)
+        .with_x_label("price (µs)")
+        .with_y_label("error (m)")
+        .with_log_x()
+        .with_log_y()
+        .with_legend_position(LegendPosition::OutsideRightTop);
+    render_multiple(plots, layout)
+}
+
+/// Errors above the size of the coin tell nothing, and neither do those of rounding.
+fn says_something(row: &Row) -> bool {
+    row.error < 2.0 && row.error > 1e-14
+}

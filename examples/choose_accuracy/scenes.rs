@@ -1,0 +1,207 @@
+//! The scenes of the trade: coins that roll, fall over, bounce and rest.
+
+use core::error::Error;
+
+use tumble::glam::DVec3;
+use tumble::real::{Quaternion, Vector};
+use tumble::trade::{Reference, Setting, Trade, reference, trade_against};
+use tumble::{
+    Coin, ContactPoint, Coulomb, FlatGround, Frictionless, Real, Scene, SceneError,
+    SlidingFriction, SmoothCoulomb, State, Trial, UniformGravity,
+};
+
+type CoinScene<R, F> = Scene<R, Coin<R, Vec<ContactPoint<R>>>, FlatGround<R>, F, UniformGravity<R>>;
+
+/// A friction law with its numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Friction {
+    Coulomb { coefficient: f64, slip_speed: f64 },
+    Smooth { coefficient: f64, slip_speed: f64 },
+    None,
+}
+
+/// A coin of 1 kg and 0.5 m on a level ground, and how it starts.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Start {
+    pub(crate) name: String,
+    pub(crate) points: usize,
+    /// N/m of a point of a coin with 120; a coin with more has softer points, so that all together are the same.
+    pub(crate) stiffness: f64,
+    /// N s/m, likewise.
+    pub(crate) damping: f64,
+    pub(crate) friction: Friction,
+    pub(crate) state: State,
+    /// s
+    pub(crate) seconds: f64,
+}
+
+const GRAVITY: f64 = 9.8;
+
+impl Start {
+    /// A trial of the report, for a second.
+    pub(crate) fn trial(number: usize) -> Option<Self> {
+        let trial = Trial::report(number)?;
+        Some(Self {
+            name: format!("trial {number}"),
+            points: 120,
+            stiffness: 1000.0,
+            damping: 0.5,
+            friction: Friction::Coulomb {
+                coefficient: trial.friction().coefficient,
+                slip_speed: 1e-3,
+            },
+            state: trial.state(),
+            seconds: 1.0,
+        })
+    }
+
+    /// By name: `trial1` to `trial8`, `toss`, `smooth`, `stiff`, `rest`.
+    pub(crate) fn named(name: &str) -> Option<Self> {
+        let rolls = Self::trial(1)?;
+        let start = match name {
+            "toss" => Self {
+                name: "a toss with bounces".into(),
+                state: State::at(DVec3::new(0.0, 0.0, 1.0))
+                    .with_linear_velocity(DVec3::new(0.4, -0.2, 3.0))
+                    .turned_by(DVec3::new(0.3, 0.8, -0.2))
+                    .with_angular_momentum(DVec3::new(0.4, 1.1, -0.7)),
+                seconds: 1.5,
+                ..rolls
+            },
+            "smooth" => Self {
+                name: "frictionless rolling".into(),
+                damping: 0.0,
+                friction: Friction::None,
+                state: rolls
+                    .state
+                    .with_angular_momentum(rolls.state.angular_momentum * 4.0),
+                ..rolls
+            },
+            "stiff" => Self {
+                name: "a stiff ground".into(),
+                stiffness: 1e9,
+                damping: 1e3,
+                state: State::at(DVec3::new(0.0, 0.0, 0.7))
+                    .turned_by(DVec3::new(0.3, 0.8, -0.2))
+                    .with_angular_momentum(DVec3::new(0.1, 0.3, -0.2)),
+                seconds: 0.3,
+                ..rolls
+            },
+            "rest" => Self {
+                name: "rest".into(),
+                state: State::at(DVec3::new(0.0, 0.0, -GRAVITY / 120_000.0))
+                    .turned_by(DVec3::Y * core::f64::consts::FRAC_PI_2),
+                ..rolls
+            },
+            _ => Self::trial(name.strip_prefix("trial")?.parse().ok()?)?,
+        };
+        Some(start)
+    }
+
+    /// Error and price in double precision, and in single precision against the same reference.
+    pub(crate) fn trade(
+        &self,
+        settings: &[Setting],
+        single: bool,
+    ) -> Result<Trade, Box<dyn Error>> {
+        match self.friction {
+            Friction::Coulomb {
+                coefficient,
+                slip_speed,
+            } => self.trade_with(
+                Coulomb {
+                    coefficient,
+                    slip_speed,
+                },
+                Coulomb {
+                    coefficient: coefficient as f32,
+                    slip_speed: slip_speed as f32,
+                },
+                settings,
+                single,
+            ),
+            Friction::Smooth {
+                coefficient,
+                slip_speed,
+            } => self.trade_with(
+                SmoothCoulomb {
+                    coefficient,
+                    slip_speed,
+                },
+                SmoothCoulomb {
+                    coefficient: coefficient as f32,
+                    slip_speed: slip_speed as f32,
+                },
+                settings,
+                single,
+            ),
+            Friction::None => self.trade_with(Frictionless, Frictionless, settings, single),
+        }
+    }
+
+    fn trade_with<F: SlidingFriction, F32: SlidingFriction<f32>>(
+        &self,
+        friction: F,
+        friction_32: F32,
+        settings: &[Setting],
+        single: bool,
+    ) -> Result<Trade, Box<dyn Error>> {
+        let scene = self.scene::<f64, _>(friction)?;
+        let reference = reference(&scene, &self.state, self.seconds)?;
+        if !single {
+            let start = &self.state;
+            return Ok(trade_against(
+                &scene,
+                start,
+                self.seconds,
+                settings,
+                &reference,
+            ));
+        }
+        let scene = self.scene::<f32, _>(friction_32)?;
+        let reference = Reference {
+            end: in_precision(&reference.end),
+            resolution: reference.resolution,
+        };
+        let start = in_precision(&self.state);
+        Ok(trade_against(
+            &scene,
+            &start,
+            self.seconds as f32,
+            settings,
+            &reference,
+        ))
+    }
+
+    fn scene<R: Real, F: SlidingFriction<R>>(
+        &self,
+        friction: F,
+    ) -> Result<CoinScene<R, F>, SceneError> {
+        let share = 120.0 / self.points as f64;
+        let points = vec![ContactPoint::default(); self.points];
+        Scene::new(
+            Coin::ring_in(points, R::ONE, R::HALF),
+            FlatGround::level(
+                R::from_f64(self.stiffness * share),
+                R::from_f64(self.damping * share),
+            ),
+            friction,
+            UniformGravity::down(R::from_f64(GRAVITY)),
+        )
+    }
+}
+
+/// The same state in another precision.
+fn in_precision<R: Real>(state: &State) -> State<R> {
+    let vector = |v: DVec3| {
+        let [x, y, z] = v.to_array().map(R::from_f64);
+        R::Vec3::new(x, y, z)
+    };
+    let [x, y, z, w] = state.orientation.to_array().map(R::from_f64);
+    State {
+        position: vector(state.position),
+        linear_velocity: vector(state.linear_velocity),
+        orientation: R::Quat::new(x, y, z, w),
+        angular_momentum: vector(state.angular_momentum),
+    }
+}

@@ -1,0 +1,277 @@
+//! Runge-Kutta pairs that choose their steps: attempt, estimate, control. The pairs' files hold their coefficients.
+//!
+//! The stages of a step:
+//!
+//! 1. `attempt`: a step of the proposed length, or to the limit; the pair's difference is an estimate of its error;
+//! 2. `touch`: contacts that begin or cease to push in it, whose kink no such estimate sees for sure, with a bound of what they spoil;
+//! 3. `control`: both below the tolerance: done. Else again, to the first kink that matters, or shorter.
+
+mod control;
+mod touch;
+
+use super::Step;
+use super::rk4::Point;
+use crate::error::{self, Quantity, Rule, SceneError, StepError};
+use crate::friction::SlidingFriction;
+use crate::ground::{SpringDamperGround, Surface};
+use crate::real::{Real, Vector};
+use crate::scene::{Dynamics, Load, Motion};
+use crate::state::State;
+use control::{Control, Errors};
+
+/// Coefficients of a pair whose last stage is the first of the next step.
+pub(super) struct Pair<const STAGES: usize> {
+    /// Row i weighs the slopes 0 to i for the place of slope i + 1; the last but one gives the result, the last is idle.
+    pub(super) stages: [[f64; STAGES]; STAGES],
+    /// Weights of the slopes in the estimate: those of the result less those of the lower order.
+    pub(super) error: [f64; STAGES],
+    /// The controller works with the 2^roots-th root of the error: next below the estimate's order in the step.
+    pub(super) roots: u32,
+}
+
+impl<const STAGES: usize> Pair<STAGES> {
+    /// Weights of the slopes in the result.
+    fn weights(&self) -> &[f64] {
+        self.stages.iter().rev().nth(1).map_or(&[], |row| row)
+    }
+}
+
+/// The user's choices.
+pub(super) struct Settings<R> {
+    pub(super) tolerance: R,
+    pub(super) longest_step: R,
+    pub(super) budget: u32,
+}
+
+impl<R: Real> Settings<R> {
+    pub(super) fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("tolerance", self.tolerance, " m")?;
+        error::above_zero("longest step", self.longest_step, " s")?;
+        if self.budget == 0 {
+            return Err(SceneError::new(
+                "budget of steps",
+                Rule::AtLeast(1),
+                0.0,
+                "",
+            ));
+        }
+        Ok(())
+    }
+
+    /// A step below this is given up: it is rounding beside the longest one.
+    fn shortest_step(&self) -> R {
+        self.longest_step * R::EPSILON
+    }
+}
+
+/// An estimate above so many times what is allowed tells enough.
+const HOPELESS: f64 = 1e4;
+
+/// What a method that chooses its steps carries from one to the next: the length that it proposes, the last error, and how much of the budget is spent. It also keeps the
+/// last slope, which saves work.
+///
+/// A new one chooses the first step from the state alone. To go on after a pause as if there had been none, keep it with the state: it is plain data.
+/// Its slope counts only for the same state in a scene that answers alike (mass, moments, gravity, surface, and the laws at one depth and slip).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Workspace<R: Real = f64> {
+    control: Control<R>,
+    known: Option<Known<R>>,
+}
+
+/// A state, and what has been computed there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Known<R: Real> {
+    state: State<R>,
+    place: Place<R>,
+    likeness: Likeness<R>,
+}
+
+/// Either end of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Place<R: Real> {
+    point: Point<R>,
+    slope: Point<R>,
+    motion: Motion<R>,
+}
+
+impl<R: Real> Place<R> {
+    #[inline(always)]
+    fn at<D: Dynamics<R>>(scene: &D, point: Point<R>) -> Self {
+        Self::under(scene, point, |motion| scene.load(motion))
+    }
+
+    #[inline(always)]
+    fn under<D: Dynamics<R>>(
+        scene: &D,
+        point: Point<R>,
+        load: impl FnOnce(&Motion<R>) -> Load<R>,
+    ) -> Self {
+        let motion = point.motion(scene);
+        Self {
+            point,
+            slope: point.slope_under(scene, &motion, &load(&motion)),
+            motion,
+        }
+    }
+}
+
+/// What tells the slopes of one scene from another's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Likeness<R: Real> {
+    body: [R; 2],
+    moments: R::Vec3,
+    gravity: R::Vec3,
+    surface: Surface<R>,
+    normal_forces: [R; 2],
+    friction: R::Vec3,
+}
+
+impl<R: Real> Likeness<R> {
+    #[inline]
+    fn of<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Self {
+        let (ground, reach) = (scene.ground(), scene.reach());
+        Self {
+            body: [scene.mass_properties().mass(), reach],
+            moments: scene.mass_properties().moments(),
+            gravity: scene.gravity(),
+            surface: ground.surface(state.position),
+            normal_forces: [R::ZERO, R::ONE].map(|speed| ground.normal_force(reach, speed)),
+            friction: scene
+                .friction()
+                .force(R::ONE, R::Vec3::new(R::ONE, R::ZERO, R::ZERO)),
+        }
+    }
+}
+
+/// One step that is below the tolerance, at most `limit` seconds long.
+pub(super) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
+    pair: &Pair<STAGES>,
+    settings: &Settings<R>,
+    scene: &D,
+    state: &mut State<R>,
+    limit: R,
+    workspace: &mut Workspace<R>,
+) -> Result<Step<R>, StepError> {
+    if limit <= R::ZERO {
+        return Ok(Step::new(R::ZERO, 0));
+    }
+    let mut report = Step::new(R::ZERO, 0);
+    let start = start_of(scene, state, workspace, &mut report)?;
+    let control = &mut workspace.control;
+    let mut trial = control.first_trial(|| {
+        report.evaluations += 1;
+        control::first_length(pair.roots, settings, scene, &start)
+    });
+    trial.length = trial.length.at_most(settings.longest_step);
+    loop {
+        control.spend(settings)?;
+        let seconds = trial.seconds(limit);
+        let to_kink = trial.is_to_kink(seconds);
+        let attempt = if to_kink {
+            let load =
+                |motion: &Motion<R>| touch::load_before(scene, &start.motion, motion, seconds);
+            attempt(pair, scene, &start, seconds, load)
+        } else {
+            attempt(pair, scene, &start, seconds, |motion| scene.load(motion))
+        };
+        report.evaluations += u32::try_from(STAGES).unwrap_or(u32::MAX) - 1;
+        let mut end = attempt.end;
+        let mut errors = Errors::of(scene, &attempt.difference, &end.motion);
+        let allowed = control::allowed(settings, scene, &end.motion);
+        // A step that is far too long for all that is smooth is not looked at contact by contact.
+        let kinks = if errors.total() > allowed * R::from_f64(HOPELESS) {
+            touch::Kinks::none()
+        } else {
+            touch::kinks(pair, scene, &start, &attempt, seconds, to_kink, allowed)
+        };
+        errors.add_kinks(&kinks);
+        if errors.total() <= allowed {
+            control.accept(pair.roots, &trial, seconds, errors.total() / allowed);
+            *state = end.point.to_state();
+            if to_kink {
+                end = Place::at(scene, end.point);
+                report.evaluations += 1;
+            }
+            workspace.known = Some(Known {
+                state: *state,
+                place: end,
+                likeness: Likeness::of(scene, state),
+            });
+            report.elapsed = seconds;
+            return Ok(report);
+        }
+        report.rejected += 1;
+        trial.shorten(pair.roots, seconds, errors.total() / allowed, &kinks);
+        if trial.seconds(limit) < settings.shortest_step() {
+            return Err(control.too_short(settings, errors.largest()));
+        }
+    }
+}
+
+/// Where the step begins: known from the last one, or evaluated.
+#[inline]
+fn start_of<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    state: &State<R>,
+    workspace: &Workspace<R>,
+    report: &mut Step<R>,
+) -> Result<Place<R>, StepError> {
+    if let Some(known) = &workspace.known {
+        if known.state == *state && known.likeness == Likeness::of(scene, state) {
+            return Ok(known.place);
+        }
+    }
+    if let Some(quantity) = state.not_finite() {
+        return Err(StepError::BadState(quantity));
+    }
+    if !state.rotation().is_a_turn() {
+        return Err(StepError::BadState(Quantity::Orientation));
+    }
+    report.evaluations += 1;
+    Ok(Place::at(scene, Point::of(state)))
+}
+
+/// A step of the higher order.
+struct Attempt<R: Real, const STAGES: usize> {
+    end: Place<R>,
+    /// What the forces of each stage were computed from.
+    motions: [Motion<R>; STAGES],
+    /// To a step of the lower order.
+    difference: Point<R>,
+}
+
+#[inline(always)]
+fn attempt<R: Real, D: Dynamics<R>, const STAGES: usize>(
+    pair: &Pair<STAGES>,
+    scene: &D,
+    start: &Place<R>,
+    seconds: R,
+    load: impl Fn(&Motion<R>) -> Load<R>,
+) -> Attempt<R, STAGES> {
+    let mut slopes = [start.slope; STAGES];
+    let mut motions = [start.motion; STAGES];
+    let mut end = *start;
+    for (i, row) in pair.stages.iter().enumerate().take(STAGES - 1) {
+        let mut point = start.point;
+        for (slope, &weight) in slopes.iter().zip(row).take(i + 1) {
+            point = point.plus(slope, seconds * R::from_f64(weight));
+        }
+        if i + 2 == STAGES {
+            point = point.normalised();
+        }
+        end = Place::under(scene, point, &load);
+        if let (Some(slope), Some(motion)) = (slopes.get_mut(i + 1), motions.get_mut(i + 1)) {
+            *slope = end.slope;
+            *motion = end.motion;
+        }
+    }
+    let mut difference = start.slope.plus(&start.slope, -R::ONE);
+    for (slope, &weight) in slopes.iter().zip(&pair.error) {
+        difference = difference.plus(slope, seconds * R::from_f64(weight));
+    }
+    Attempt {
+        end,
+        motions,
+        difference,
+    }
+}

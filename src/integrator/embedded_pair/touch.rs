@@ -1,0 +1,337 @@
+//! Contacts that begin or cease to push within a step.
+//!
+//! The damper's force jumps where a contact touches down, and a contact that leaves so fast that its spring cannot follow ceases to push with a kink. A Runge-Kutta step takes the
+//! force as smooth; how wrong it is depends on where in the step that happens, and its own estimate may be small by chance. So each contact is looked at by itself, at both ends
+//! of the step, with its gap in between by cubic Hermite interpolation.
+
+use super::{Attempt, Pair, Place};
+use crate::body::{ContactPoint, RigidPointBody};
+use crate::friction::SlidingFriction;
+use crate::ground::SpringDamperGround;
+use crate::real::{Real, Vector};
+use crate::scene::{Dynamics, Load, Motion};
+
+/// What contacts that begin or cease to push spoil in a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kinks<R> {
+    /// Bound of the error in the velocity of the farthest place, m/s.
+    pub(super) velocity: R,
+    /// Share of the step after which the first one that matters comes.
+    pub(super) first: Option<R>,
+}
+
+impl<R: Real> Kinks<R> {
+    /// None.
+    pub(super) fn none() -> Self {
+        Self {
+            velocity: R::ZERO,
+            first: None,
+        }
+    }
+}
+
+/// All kinks of a step; one that goes to a kink was taken with [`load_before`].
+#[inline]
+pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
+    pair: &Pair<STAGES>,
+    scene: &D,
+    start: &Place<R>,
+    attempt: &Attempt<R, STAGES>,
+    seconds: R,
+    to_kink: bool,
+    allowed: R,
+) -> Kinks<R> {
+    let mut kinks = Kinks::none();
+    let places = [start, &attempt.end];
+    let step = Taken {
+        pair,
+        scene,
+        motions: &attempt.motions,
+        ends: places.map(|place| &place.motion),
+        seconds,
+        to_kink,
+        allowed,
+    };
+    let contacts = scene.body().contacts();
+    let margin = dip(scene, places, seconds);
+    let [before, after] = places
+        .map(|place| scene.contacts_within(margin, place.motion.position, &place.motion.axes));
+    for run in [before]
+        .into_iter()
+        .chain(after.without(before, contacts.len()))
+    {
+        for point in run.parts(contacts).into_iter().flatten() {
+            step.look_at(point, &mut kinks);
+        }
+    }
+    kinks
+}
+
+/// The load in a step up to a kink at its end: without the contacts that begin to push only there.
+///
+/// A stage at the end of the step may lie a little beyond the path, so that it would see the jump of a force that the step just does not reach.
+pub(super) fn load_before<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    start: &Motion<R>,
+    motion: &Motion<R>,
+    seconds: R,
+) -> Load<R> {
+    let mut load = Load::default();
+    scene.visit_contacts(motion, |contact| {
+        if !side(scene, start, &contact.point).comes_late(seconds) {
+            load.add(contact, contact.force(scene.ground(), scene.friction()));
+        }
+    });
+    load
+}
+
+/// How deep a contact may dip between two ends above ground: `a h²/8`, with the accelerations of the body's farthest place, m.
+#[inline]
+fn dip<R: Real, D: Dynamics<R>>(scene: &D, places: [&Place<R>; 2], seconds: R) -> R {
+    let reach = scene.reach();
+    let acceleration = places.map(|place| {
+        let spin = place.motion.angular_velocity;
+        let turn = scene
+            .mass_properties()
+            .angular_velocity(&place.motion.axes, place.slope.angular_momentum);
+        place.slope.linear_velocity.length() + (turn.length() + spin.length_squared()) * reach
+    });
+    let [first, last] = acceleration;
+    first.at_least(last) * (seconds * seconds * R::from_f64(0.125))
+}
+
+/// A contact at one moment of the step.
+#[derive(Clone, Copy)]
+struct Side<R: Real> {
+    depth: R,
+    closing_speed: R,
+    normal_force: R,
+}
+
+impl<R: Real> Side<R> {
+    #[inline]
+    fn pushes(&self) -> bool {
+        self.normal_force > R::ZERO
+    }
+
+    /// Whether it is above ground now and, going on evenly, for the first half of a step.
+    #[inline]
+    fn comes_late(&self, seconds: R) -> bool {
+        let halfway = self.depth + self.closing_speed * (seconds * R::HALF);
+        self.depth <= R::ZERO && halfway <= R::ZERO
+    }
+}
+
+#[inline]
+fn side<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    motion: &Motion<R>,
+    point: &ContactPoint<R>,
+) -> Side<R> {
+    let ground = scene.ground();
+    let arm = motion.axes.to_world(point.position);
+    let surface = ground.surface(motion.position + arm);
+    let depth = point.radius - surface.gap;
+    let closing_speed = -motion
+        .velocity_at(arm - surface.normal * point.radius)
+        .dot(surface.normal);
+    Side {
+        depth,
+        closing_speed,
+        normal_force: push(scene, depth, closing_speed),
+    }
+}
+
+/// Normal force of one contact, N; 0 above ground.
+#[inline]
+fn push<R: Real, D: Dynamics<R>>(scene: &D, depth: R, closing_speed: R) -> R {
+    if depth > R::ZERO {
+        scene.ground().normal_force(depth, closing_speed)
+    } else {
+        R::ZERO
+    }
+}
+
+/// A step that has been tried.
+struct Taken<'a, R: Real, D, const STAGES: usize> {
+    pair: &'a Pair<STAGES>,
+    scene: &'a D,
+    motions: &'a [Motion<R>; STAGES],
+    ends: [&'a Motion<R>; 2],
+    seconds: R,
+    to_kink: bool,
+    allowed: R,
+}
+
+impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
+    #[inline]
+    fn look_at(&self, point: &ContactPoint<R>, kinks: &mut Kinks<R>) {
+        let [start, end] = self.ends.map(|motion| side(self.scene, motion, point));
+        if start.pushes() && end.pushes() {
+            return;
+        }
+        let path = Path::between(&start, &end, self.seconds);
+        let last = if start.pushes() != end.pushes() {
+            Some(R::ONE)
+        } else if path.turns_under_ground() {
+            Some(path.turn())
+        } else if path.nears() {
+            None
+        } else {
+            return;
+        };
+        self.weigh(point, &path, &[start, end], last, kinks);
+    }
+
+    /// One contact that begins or ceases to push before the share `last` of the step, or that comes near without doing so.
+    #[inline(never)]
+    fn weigh(
+        &self,
+        point: &ContactPoint<R>,
+        path: &Path<R>,
+        [start, end]: &[Side<R>; 2],
+        last: Option<R>,
+        kinks: &mut Kinks<R>,
+    ) {
+        let force = |share: R| {
+            let (depth, slope) = path.at(share);
+            push(self.scene, depth, slope / self.seconds)
+        };
+        let pushes = start.pushes();
+        let share = last.map_or(R::ONE, |last| first_change(force, pushes, last));
+        let truth = if pushes {
+            mean(force, R::ZERO, share)
+        } else {
+            mean(force, share, R::ONE)
+        };
+        let taken = if self.to_kink && start.comes_late(self.seconds) {
+            R::ZERO
+        } else {
+            self.mean_of_stages(point)
+        };
+        let motion = self.ends[usize::from(!pushes)];
+        let mobility = mobility(self.scene, point, motion);
+        let velocity = (truth - taken).abs() * (self.seconds * mobility) * R::from_f64(WEIGHT);
+        kinks.velocity += velocity;
+        if velocity * R::from_f64(4.0) > self.allowed {
+            let change = force(share) + (start.normal_force - end.normal_force).abs();
+            let there = self.just_beyond(share, mobility * change);
+            kinks.first = Some(kinks.first.map_or(there, |first| first.at_most(there)));
+        }
+    }
+
+    /// What the method has made of the contact's force, N.
+    fn mean_of_stages(&self, point: &ContactPoint<R>) -> R {
+        let weights = self.pair.weights();
+        let mut sum = R::ZERO;
+        for (motion, &weight) in self.motions.iter().zip(weights) {
+            if weight != 0.0 {
+                sum += side(self.scene, motion, point).normal_force * R::from_f64(weight);
+            }
+        }
+        sum
+    }
+
+    /// A share of the step so little beyond a kink that a force with this acceleration (m/s²) does no harm until there.
+    ///
+    /// Not below a fiftieth: what is wrong near the start may be the path, which a shorter step shows.
+    fn just_beyond(&self, share: R, acceleration: R) -> R {
+        let harmless = self.allowed / (acceleration * self.seconds * R::from_f64(16.0));
+        let there = share + harmless.at_most(R::ONE - share);
+        there.at_least(R::from_f64(0.02))
+    }
+}
+
+/// The path of a contact through the step: its depth by Hermite's cubic, over the share of the step.
+struct Path<R: Real> {
+    start: R,
+    end: R,
+    start_slope: R,
+    end_slope: R,
+}
+
+impl<R: Real> Path<R> {
+    #[inline]
+    fn between(start: &Side<R>, end: &Side<R>, seconds: R) -> Self {
+        Self {
+            start: start.depth,
+            end: end.depth,
+            start_slope: start.closing_speed * seconds,
+            end_slope: end.closing_speed * seconds,
+        }
+    }
+
+    /// Depth, and how it grows with the share: `d(s) = d₀ + m₀ s + (3Δ - 2m₀ - m₁) s² + (m₀ + m₁ - 2Δ) s³`.
+    #[inline]
+    fn at(&self, share: R) -> (R, R) {
+        let three = R::from_f64(3.0);
+        let rise = self.end - self.start;
+        let square = three * rise - R::TWO * self.start_slope - self.end_slope;
+        let cube = self.start_slope + self.end_slope - R::TWO * rise;
+        let depth = self.start + share * (self.start_slope + share * (square + share * cube));
+        let slope = self.start_slope + share * (R::TWO * square + share * (three * cube));
+        (depth, slope)
+    }
+
+    /// Where a path that goes down and comes up again is deepest, about.
+    #[inline]
+    fn turn(&self) -> R {
+        self.start_slope / (self.start_slope - self.end_slope)
+    }
+
+    /// Whether a path with both ends above ground is under it in between.
+    #[inline]
+    fn turns_under_ground(&self) -> bool {
+        let above = self.start <= R::ZERO && self.end <= R::ZERO;
+        let turns = self.start_slope > R::ZERO && self.end_slope < R::ZERO;
+        above && turns && self.at(self.turn()).0 > R::ZERO
+    }
+
+    /// Whether a path that ends above ground goes under it so soon after that a stage at the end may see it touch.
+    #[inline]
+    fn nears(&self) -> bool {
+        self.end <= R::ZERO && self.end + self.end_slope * R::from_f64(NEAR) > R::ZERO
+    }
+}
+
+/// The first share of a step at which a force begins to push or ceases to, up to `last`, where it has; a little beyond it.
+fn first_change<R: Real>(force: impl Fn(R) -> R, pushes: bool, last: R) -> R {
+    let (mut low, mut high) = (R::ZERO, last);
+    for _ in 0..HALVINGS {
+        let middle = (low + high) * R::HALF;
+        if (force(middle) > R::ZERO) == pushes {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+/// What is found of a kink is weighed so many times: it misleads the stages after it, too.
+const WEIGHT: f64 = 3.0;
+/// Halvings of a step to find a kink: to a millionth of it.
+const HALVINGS: u32 = 20;
+/// By how much of a step a stage at its end may be ahead of the path.
+const NEAR: f64 = 0.05;
+
+/// The integral of a force over a part of the step, in steps, by Gauss's rule with three points.
+fn mean<R: Real>(force: impl Fn(R) -> R, from: R, to: R) -> R {
+    let (middle, half) = ((from + to) * R::HALF, (to - from) * R::HALF);
+    let out = half * R::from_f64(0.774_596_669_241_483_4);
+    let [inner, outer] = [8.0 / 9.0, 5.0 / 9.0].map(R::from_f64);
+    ((force(middle - out) + force(middle + out)) * outer + force(middle) * inner) * half
+}
+
+/// How fast the farthest place of the body moves for a normal impulse of 1 N s at a contact, with its friction: 1/kg.
+fn mobility<R: Real, D: Dynamics<R>>(scene: &D, point: &ContactPoint<R>, motion: &Motion<R>) -> R {
+    let mass = scene.mass_properties();
+    let arm = motion.axes.to_world(point.position);
+    let normal = scene.ground().surface(motion.position + arm).normal;
+    let arm = arm - normal * point.radius;
+    let velocity = motion.velocity_at(arm);
+    let slip = velocity - normal * velocity.dot(normal);
+    let force = normal + scene.friction().force(R::ONE, slip);
+    let spin = mass.angular_velocity(&motion.axes, arm.cross(force));
+    force.length() * mass.inverse_mass() + spin.length() * scene.reach()
+}

@@ -1,0 +1,80 @@
+//! Watching at given times.
+
+use core::ops::ControlFlow;
+
+use super::{Observer, Sample};
+use crate::real::Real;
+
+/// Shows another observer the states at the start and at whole multiples of a time, instead of those after each step.
+///
+/// A state between two steps is that at the end of a shorter step from the first of them, made on the side, and the run itself goes on as if nobody looked. With a fixed step it has the bits of an
+/// [`advance`](crate::Stepper::advance) to that time; a method that chooses its steps keeps its tolerance. A look costs a step.
+///
+/// ```
+/// use core::ops::ControlFlow;
+/// use tumble::{DormandPrince54, Sample, Timed, Trial};
+///
+/// let trial = Trial::report(1).ok_or("no such trial")?;
+/// let stepper = trial.stepper(DormandPrince54::new(1e-5))?;
+/// let mut heights = Vec::new();
+/// let mut film = Timed::every(1.0 / 60.0, |sample: &Sample<'_>| {
+///     heights.push(sample.state.position.z);
+///     ControlFlow::Continue(())
+/// });
+/// stepper.run(&mut trial.state(), 1.0, &mut film)?;
+/// assert_eq!(heights.len(), 61);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timed<O, R = f64> {
+    interval: R,
+    looks: u32,
+    observer: O,
+}
+
+impl<O, R: Real> Timed<O, R> {
+    /// At 0, `seconds`, twice that and so on; an interval that is not above 0 asks for the start alone.
+    #[must_use]
+    pub fn every(seconds: R, observer: O) -> Self {
+        Self {
+            interval: seconds,
+            looks: 0,
+            observer,
+        }
+    }
+
+    /// The observer again.
+    #[must_use]
+    pub fn into_inner(self) -> O {
+        self.observer
+    }
+
+    fn look(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()>
+    where
+        O: Observer<R>,
+    {
+        self.looks = self.looks.saturating_add(1);
+        self.observer.observe(sample)
+    }
+}
+
+impl<R: Real, O: Observer<R>> Observer<R> for Timed<O, R> {
+    fn observe(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
+        // The start of a run.
+        if sample.step == 0 {
+            self.looks = 0;
+            self.look(sample)
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+
+    fn asks_for(&self) -> Option<R> {
+        let next = self.interval * R::from_usize(self.looks as usize);
+        (self.interval > R::ZERO && next.is_finite()).then_some(next)
+    }
+
+    fn observe_asked(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
+        self.look(sample)
+    }
+}

@@ -1,0 +1,300 @@
+//! Flight in closed form: the same states as step by step, never into the ground, however the body turns.
+
+// Helpers of these tests fail by panicking, like the tests.
+#![allow(clippy::unwrap_used)]
+
+use core::ops::ControlFlow;
+use tumble::contract::{Battery, check_integrator};
+use tumble::glam::{DQuat, DVec3};
+use tumble::{
+    Coin, ContactPoint, Coulomb, DormandPrince54, Dynamics, EnergyMomentum, FlatGround, Flight,
+    Integrator, MassProperties, Plane, PointCloud, Probe, RigidPointBody, Rk4, Rotation, Sample,
+    State, Stepper, StrangSplitting, SymplecticEuler, Timed, UniformGravity,
+};
+
+/// A toss that lands after 1.3 s.
+fn toss() -> State {
+    State::at(DVec3::new(0.0, 0.0, 1.0))
+        .with_linear_velocity(DVec3::new(0.4, -0.2, 6.0))
+        .turned_by(DVec3::new(0.3, 0.8, -0.2))
+        .with_angular_momentum(DVec3::new(0.4, 1.1, -0.7))
+}
+
+fn table<I: Integrator, B: RigidPointBody>(
+    body: B,
+    plane: Plane,
+    integrator: I,
+) -> Stepper<f64, B, FlatGround, Coulomb, UniformGravity, I> {
+    Stepper::new(body)
+        .and_then(|stepper| stepper.with_ground(FlatGround::level(1000.0, 0.5).on(plane)))
+        .and_then(|stepper| {
+            stepper.with_friction(Coulomb {
+                coefficient: 0.3,
+                slip_speed: 1e-3,
+            })
+        })
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
+        .and_then(|stepper| stepper.with_integrator(integrator))
+        .unwrap()
+}
+
+fn level() -> Plane {
+    Plane::level(0.0)
+}
+
+/// The states at multiples of 0.05 s, and the number of steps.
+fn film<B: RigidPointBody, I: Integrator>(
+    stepper: &Stepper<f64, B, FlatGround, Coulomb, UniformGravity, I>,
+    seconds: f64,
+) -> (Vec<State>, u64) {
+    let (mut states, mut steps) = (Vec::new(), 0);
+    let film = Timed::every(0.05, |sample: &Sample<'_>| {
+        states.push(*sample.state);
+        ControlFlow::Continue(())
+    });
+    let mut count = |sample: &Sample<'_>| {
+        steps = sample.step;
+        ControlFlow::Continue(())
+    };
+    stepper
+        .run(&mut toss(), seconds, &mut (film, &mut count))
+        .unwrap();
+    (states, steps)
+}
+
+fn apart(a: &State, b: &State) -> f64 {
+    let sign = a.orientation.dot(b.orientation).signum();
+    (a.position - b.position).length()
+        + (a.linear_velocity - b.linear_velocity).length()
+        + (a.orientation - b.orientation * sign).length()
+        + (a.angular_momentum - b.angular_momentum).length()
+}
+
+#[test]
+fn a_toss_with_bounces_has_the_same_states_to_rounding() {
+    // 1500 steps of numbers near 10 round by 2e-15 each in the flight; the contact makes it grow, by what a push grows there (100 in a second).
+    fn compare<I: Integrator + Copy>(integrator: I) {
+        let (plain, many) = film(&table(Coin::ring(1.0, 0.5), level(), integrator), 2.0);
+        let (flown, few) = film(
+            &table(Coin::ring(1.0, 0.5), level(), Flight(integrator)),
+            2.0,
+        );
+        assert_eq!(plain.len(), flown.len());
+        assert!(few < many / 2, "{few} of {many} steps");
+        for (k, (a, b)) in plain.iter().zip(&flown).enumerate() {
+            let bound = if k <= 26 { 2e-11 } else { 1e-8 };
+            let off = apart(a, b);
+            assert!(off < bound, "{off:e} at {:.2} s", 0.05 * k as f64);
+        }
+    }
+    compare(StrangSplitting { time_step: 1e-3 });
+    compare(EnergyMomentum { time_step: 1e-3 });
+}
+
+#[test]
+fn methods_that_are_not_exact_in_flight_differ_by_their_error_there() {
+    let truth = film(
+        &table(
+            Coin::ring(1.0, 0.5),
+            level(),
+            Flight(StrangSplitting { time_step: 1e-3 }),
+        ),
+        1.25,
+    )
+    .0;
+    let rk4 = film(
+        &table(Coin::ring(1.0, 0.5), level(), Rk4 { time_step: 1e-3 }),
+        1.25,
+    )
+    .0;
+    let flown = film(
+        &table(
+            Coin::ring(1.0, 0.5),
+            level(),
+            Flight(Rk4 { time_step: 1e-3 }),
+        ),
+        1.25,
+    )
+    .0;
+    let euler = film(
+        &table(
+            Coin::ring(1.0, 0.5),
+            level(),
+            Flight(SymplecticEuler { time_step: 1e-3 }),
+        ),
+        1.25,
+    )
+    .0;
+    for (((truth, rk4), flown), euler) in truth.iter().zip(&rk4).zip(&flown).zip(&euler) {
+        assert_eq!(truth, flown);
+        assert_eq!(truth, euler);
+        assert!(apart(truth, rk4) < 1e-8);
+    }
+}
+
+/// Numbers between -1 and 1 without a pattern.
+struct Random(u64);
+
+impl Random {
+    fn number(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+    fn vector(&mut self) -> DVec3 {
+        DVec3::new(self.number(), self.number(), self.number())
+    }
+}
+
+/// That nothing touches within the first step of random tosses, and that it ends near the first touch.
+fn assert_flights_end_above_ground<B: RigidPointBody + Copy>(body: B, size: f64) {
+    let mut random = Random(7);
+    let mut flights = 0;
+    for _ in 0..150 {
+        let plane = Plane::through(random.vector(), random.vector() * 0.5 + DVec3::Z);
+        let stepper = table(body, plane, Flight(StrangSplitting { time_step: 1e-4 }));
+        let spin = 10.0_f64.powf(2.0 * random.number());
+        let start = State::at(plane.normal * (plane.height + size * (1.2 + random.number().abs())))
+            .with_linear_velocity(random.vector() * 4.0)
+            .turned_by(random.vector() * 3.0)
+            .with_angular_momentum(random.vector() * spin * body.inertia().x_axis.x);
+        if stepper.touching(&start) > 0 {
+            continue;
+        }
+        let mut end = start;
+        let step = stepper
+            .step_within(&mut end, 5.0, &mut Default::default())
+            .unwrap();
+        if step.elapsed < 3e-4 {
+            continue;
+        }
+        flights += 1;
+        for k in 0..=100 {
+            let mut state = start;
+            let share = step.elapsed * f64::from(k) / 100.0;
+            if share > 0.0 {
+                stepper
+                    .step_within(&mut state, share, &mut Default::default())
+                    .unwrap();
+            }
+            let gap = stepper.lowest_point(&state).unwrap().gap;
+            assert!(gap > 0.0, "{gap:e} after {share} s of {} s", step.elapsed);
+        }
+    }
+    assert!(flights > 100, "{flights}");
+}
+
+#[test]
+fn no_flight_of_a_coin_goes_into_the_ground() {
+    assert_flights_end_above_ground(Coin::ring(1.0, 0.5), 0.5);
+}
+
+#[test]
+fn no_flight_of_a_lopsided_body_goes_into_the_ground() {
+    let body = PointCloud::new(
+        [
+            DVec3::new(0.3, 0.0, 0.1),
+            DVec3::new(-0.2, 0.3, 0.0),
+            DVec3::new(0.0, -0.4, 0.2),
+            DVec3::new(0.1, 0.1, -0.3),
+        ],
+        [0.4, 0.3, 0.2, 0.6],
+    )
+    .unwrap();
+    assert_flights_end_above_ground(body, 0.5);
+}
+
+#[test]
+fn the_first_step_of_a_toss_ends_within_two_steps_of_the_first_touch() {
+    let stepper = table(
+        Coin::ring(1.0, 0.5),
+        level(),
+        Flight(StrangSplitting { time_step: 1e-3 }),
+    );
+    let mut state = toss();
+    let flight = stepper.step(&mut state).unwrap();
+    assert_eq!(flight.evaluations, 0);
+    let mut steps = 0;
+    while stepper.touching(&state) == 0 {
+        stepper.step(&mut state).unwrap();
+        steps += 1;
+    }
+    assert!(flight.elapsed > 1.0 && steps < 30, "{flight:?}, {steps}");
+}
+
+#[test]
+fn empty_space_takes_one_step_of_any_length() {
+    let stepper = Stepper::new(Coin::ring(1.0, 0.5))
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
+        .and_then(|stepper| stepper.with_integrator(Flight(EnergyMomentum { time_step: 1e-3 })))
+        .unwrap();
+    let (mut state, mut steps) = (toss(), 0);
+    let mut count = |sample: &Sample<'_>| {
+        steps = sample.step;
+        ControlFlow::Continue(())
+    };
+    stepper.run(&mut state, 1000.0, &mut count).unwrap();
+    assert_eq!(steps, 1);
+    let z = 1.0 + 6.0 * 1000.0 - 4.9 * 1e6;
+    assert!((state.position.z / z - 1.0).abs() < 1e-15);
+    // Without a limit there is no end: the other method's own step.
+    assert!(stepper.step(&mut state).unwrap().elapsed < 2e-3);
+}
+
+#[test]
+fn three_different_moments_turn_as_far_to_nine_digits() {
+    let mass = MassProperties::<f64>::new(
+        1.0,
+        tumble::glam::DMat3::from_diagonal(DVec3::new(1.0, 1.6, 2.3)),
+    )
+    .unwrap();
+    // Close to the middle axis, where it tumbles most.
+    let momentum = DVec3::new(0.02, 3.2, 0.05);
+    let start = Rotation::<f64>::from_rotation_vector(DVec3::new(0.2, -0.4, 0.7));
+    let end = mass.turn_far(start, momentum, 10.0);
+    // Strang's composition in steps of 1e-5 s and half of that, extrapolated.
+    let fine = |steps: u32| {
+        let mut turned = start;
+        for _ in 0..steps {
+            turned = mass.turn_freely(turned, &turned.axes(), momentum, 10.0 / f64::from(steps));
+        }
+        turned.to_quat()
+    };
+    let (coarse, twice) = (fine(100_000), fine(200_000));
+    let truth = (twice + (twice - coarse) * (1.0 / 3.0)).normalize();
+    let between: DQuat = end.to_quat() * truth.conjugate();
+    let angle = 2.0 * between.xyz().length();
+    // 3.2 rad/s for 10 s.
+    assert!(angle < 1e-9 * 32.0, "{angle:e}");
+}
+
+#[test]
+fn flight_with_every_kind_of_method_keeps_the_contract() {
+    let battery = Battery::default();
+    let time_step = 1e-3;
+    check_integrator::<f64, _>(&Flight(StrangSplitting { time_step }), battery).unwrap();
+    check_integrator::<f64, _>(&Flight(EnergyMomentum { time_step }), battery).unwrap();
+    check_integrator::<f64, _>(&Flight(DormandPrince54::new(1e-6)), battery).unwrap();
+    check_integrator::<f32, _>(&Flight(Rk4 { time_step: 1e-3 }), battery).unwrap();
+}
+
+#[test]
+fn a_ball_flies_until_it_touches() {
+    let ball = PointCloud::in_storage(
+        [ContactPoint {
+            position: DVec3::ZERO,
+            radius: 0.1,
+        }],
+        &[1.0],
+    )
+    .unwrap();
+    let stepper = table(ball, level(), Flight(DormandPrince54::new(1e-6)));
+    let mut state = State::at(DVec3::Z);
+    let step = stepper.step(&mut state).unwrap();
+    let fall = (2.0_f64 * 0.9 / 9.8).sqrt();
+    assert!((step.elapsed - fall).abs() < 1e-6, "{step:?}");
+    assert_eq!(stepper.scene().touching(&state), 0);
+    assert!(stepper.scene().reach() > 0.09);
+}
