@@ -106,6 +106,10 @@ impl RigidPointBody for Celt {
     /// The balls lie on an arc, so those that are low lie beside each other: `ARM |n| cos(φ - φ₀) > CENTRE n_z - BEAM - offset` with φ₀ the lowest place
     /// (of a stone on its back it may be both ends: then all). One more to each side covers rounding.
     /// Optional, like `check`: without it each step looks at all balls.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "both numbers are clamped to those of the balls"
+    )]
     fn contacts_below(&self, normal: DVec3, offset: f64) -> Run {
         let level =
             (Self::CENTRE * normal.z - BEAM - offset) / (Self::ARM * normal.x.hypot(normal.z));

@@ -569,7 +569,7 @@ proptest! {
 // C10: Painlevé's rod
 // ---------------------------------------------------------------------------------------------------------------------
 
-/// A uniform rod of 1 kg, 2 m long, along body x, that touches with its ends.
+/// A uniform rod of 1 kg, 2 m long, along body x (the built-in one lies along z), that touches with its ends.
 fn rod() -> Solid {
     let end = |x| ContactPoint::bare(DVec3::X * x);
     Solid {

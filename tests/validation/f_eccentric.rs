@@ -5,10 +5,11 @@ use core::f64::consts::TAU;
 use proptest::prelude::*;
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
-    ContactPoint, Coulomb, FlatGround, Rk4, Sample, State, Stepper, StrangSplitting, UniformGravity,
+    Coulomb, FlatGround, MassDistribution, Rk4, Sample, Sphere, State, Stepper, StrangSplitting,
+    UniformGravity,
 };
 
-use crate::kit::{self, Solid, directions, orientations};
+use crate::kit::{self, directions, orientations};
 use crate::table::{Case, figure};
 
 pub(crate) const CASES: &[&Case] = &[&JELLETT, &ROLY_POLY];
@@ -18,15 +19,16 @@ const GRAVITY: f64 = 9.8;
 const RADIUS: f64 = 0.1;
 
 /// A ball of 1 kg and 0.1 m whose centre of mass lies `low` (m) under its middle, along -z of the body; moments in `m r²` across the axis and about it.
-fn eccentric(low: f64, across: f64, about: f64) -> Solid {
-    Solid {
-        mass: 1.0,
-        inertia: DMat3::from_diagonal(DVec3::new(across, across, about) * (RADIUS * RADIUS)),
-        contacts: vec![ContactPoint {
-            position: DVec3::Z * low,
-            radius: RADIUS,
-        }],
-    }
+fn eccentric(low: f64, across: f64, about: f64) -> Sphere {
+    let moments = DVec3::new(across, across, about) * (RADIUS * RADIUS);
+    Sphere::loaded(
+        RADIUS,
+        MassDistribution {
+            mass: 1.0,
+            centre_of_mass: DVec3::NEG_Z * low,
+            inertia: DMat3::from_diagonal(moments),
+        },
+    )
 }
 
 // ---------------------------------------------------------------------------------------------------------------------

@@ -23,6 +23,7 @@ mod e_rocking;
 mod f_eccentric;
 mod g_ball_bounce;
 mod h_coin_toss;
+mod i_terrain;
 
 use table::{Case, TABLE};
 
@@ -37,6 +38,7 @@ fn cases() -> impl Iterator<Item = &'static Case> {
         f_eccentric::CASES,
         g_ball_bounce::CASES,
         h_coin_toss::CASES,
+        i_terrain::CASES,
     ]
     .into_iter()
     .flatten()

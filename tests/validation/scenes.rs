@@ -4,11 +4,11 @@ use core::f64::consts::FRAC_PI_2;
 
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
-    ContactPoint, FlatGround, Rk4, SlidingFriction, SpringDamperGround, State, Stepper,
+    FlatGround, MassDistribution, Rk4, SlidingFriction, Sphere, SpringDamperGround, State, Stepper,
     UniformGravity,
 };
 
-use crate::kit::{Solid, point_mass};
+use crate::kit::point_mass;
 
 /// A single point under gravity on a ground, moved on by Runge-Kutta in steps of a given length.
 pub(crate) fn move_point(
@@ -42,14 +42,14 @@ pub(crate) fn ground_for(time_step: f64, mass: f64, count: usize) -> FlatGround 
     FlatGround::level(mass * (0.3 / time_step).powi(2) / count as f64, 0.0)
 }
 
-/// A ball of 1 kg with `moment` times `m r²` about every axis: 2/5 for a solid ball, 2/3 for a shell, 1/2 and 1 for what rolls as a disc and a hoop do. One contact, at its centre.
-pub(crate) fn ball(moment: f64, radius: f64) -> Solid {
-    Solid {
-        mass: 1.0,
-        inertia: DMat3::from_diagonal(DVec3::splat(moment * radius * radius)),
-        contacts: vec![ContactPoint {
-            position: DVec3::ZERO,
-            radius,
-        }],
-    }
+/// A ball of 1 kg with `moment` times `m r²` about every axis: 2/5 for a solid ball, 2/3 for a shell, 1/2 and 1 for what rolls as a disc and a hoop do.
+pub(crate) fn ball(moment: f64, radius: f64) -> Sphere {
+    Sphere::loaded(
+        radius,
+        MassDistribution {
+            mass: 1.0,
+            centre_of_mass: DVec3::ZERO,
+            inertia: DMat3::from_diagonal(DVec3::splat(moment * radius * radius)),
+        },
+    )
 }

@@ -79,6 +79,8 @@ impl Case {
                 0 => [self.id, self.formula, self.source],
                 _ => [""; 3],
             };
+            // A bar would end the cell.
+            let formula = formula.replace('|', "\\|");
             let Figure {
                 what,
                 expected,
