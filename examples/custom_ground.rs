@@ -1,0 +1,200 @@
+//! A ground of the user's own: a valley in which every swing takes as long. `cargo run --release --example custom_ground -- --help`.
+
+// A program has std; these lints guard the library.
+#![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
+
+mod common;
+
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+use std::process::ExitCode;
+
+use common::{BLACK, BLUE, Check, GREEN, ORANGE, Options, Outcome, Page, Picture};
+use kuva::prelude::*;
+use tumble::contract::{Battery, GroundRange, check_ground};
+use tumble::glam::DVec3;
+use tumble::{
+    Elevation, EnergyMomentum, Ground, PointCloud, Relief, Sample, SpringDamper, State, Stepper,
+    Terrain, UniformGravity,
+};
+
+const ABOUT: &str = "\
+Lets beads go in a valley whose profile is a cycloid, a terrain that is written here. A swing takes
+4π √(a/g), however high it begins (Huygens 1673).";
+
+/// The circle that makes the cycloid, m.
+const CIRCLE: f64 = 0.1;
+const GRAVITY: f64 = 9.8;
+/// N/m under a bead of 1 kg: it sinks by 20 µm at most, 1e-4 of the smallest radius of curvature on its way.
+const STIFFNESS: f64 = 1e6;
+/// Where the beads begin: angles of the circle, rad.
+const STARTS: [f64; 3] = [0.4, 0.9, 1.5];
+
+/// `x = a (φ + sin φ)`, `z = a (1 - cos φ)`: a valley along y.
+#[derive(Clone, Copy, Debug)]
+struct Cycloid;
+
+impl Cycloid {
+    fn place(angle: f64) -> DVec3 {
+        DVec3::new(angle + angle.sin(), 0.0, 1.0 - angle.cos()) * CIRCLE
+    }
+
+    /// φ by Newton's method, up to an angle of 2.4 and straight on beyond.
+    fn angle(x: f64) -> f64 {
+        let aim = (x / CIRCLE).clamp(-3.0, 3.0);
+        let mut angle = aim / 2.0;
+        for _ in 0..30 {
+            let step = (angle + angle.sin() - aim) / (1.0 + angle.cos());
+            angle -= step;
+            if step.abs() < 1e-15 {
+                break;
+            }
+        }
+        angle
+    }
+}
+
+impl Relief for Cycloid {
+    fn elevation(&self, x: f64, _y: f64) -> Elevation {
+        let angle = Self::angle(x);
+        let half = (angle / 2.0).cos();
+        let place = Self::place(angle);
+        let slope = (angle / 2.0).tan();
+        Elevation::new(place.z + slope * (x - place.x), [slope, 0.0]).with_bend([
+            1.0 / (4.0 * CIRCLE * half.powi(4)),
+            0.0,
+            0.0,
+        ])
+    }
+}
+
+/// A bead's way: time (s), x (m) and energy (J).
+type Way = Vec<(f64, f64, f64)>;
+
+fn main() -> ExitCode {
+    common::main("custom_ground", ABOUT, work)
+}
+
+fn work(options: &Options) -> Outcome<Page> {
+    let period = 4.0 * PI * (CIRCLE / GRAVITY).sqrt();
+    let steps = if options.quick { 1000.0 } else { 4000.0 };
+    let ground = Ground {
+        law: SpringDamper {
+            stiffness: STIFFNESS,
+            damping: 2.0 * STIFFNESS.sqrt(),
+        },
+        shape: Terrain { relief: Cycloid },
+    };
+    let range = GroundRange {
+        centre: DVec3::new(0.0, 0.0, 0.05),
+        size: 0.1,
+        depth: 1e-3,
+        speed: 1.0,
+    };
+    check_ground(&ground, &range, Battery::default())?;
+    let mut ways = Vec::new();
+    let mut checks = Vec::new();
+    for start in STARTS {
+        let way = swing(ground, start, period / steps, 2.0 * period)?;
+        checks.push(Check::near(
+            &format!(
+                "period of the swing from {:.0} mm, s",
+                Cycloid::place(start).z * 1e3
+            ),
+            "4π √(a/g) at every height (Huygens, Horologium oscillatorium, 1673)",
+            period_of(&way),
+            period,
+            // Depth over radius of curvature, and order 2: (2π/steps)²/12.
+            period * (1e-4 + (2.0 * PI / steps).powi(2) / 12.0),
+        ));
+        ways.push(way);
+    }
+    let pairs = ways.iter().flat_map(|way| way.windows(2));
+    let rise = pairs
+        .map(|pair| pair[1].2 - pair[0].2)
+        .fold(f64::NEG_INFINITY, f64::max);
+    checks.push(Check::between(
+        "largest rise of the energy between two steps, J",
+        "promise G1",
+        rise,
+        f64::NEG_INFINITY,
+        0.0,
+    ));
+    let colours = [BLUE, ORANGE, GREEN];
+    let heights = STARTS.map(|start| format!("from {:.0} mm", Cycloid::place(start).z * 1e3));
+    let mut plots = Vec::new();
+    for ((way, colour), height) in ways.iter().zip(colours).zip(&heights) {
+        let curve = way.iter().map(|&(time, x, _)| (time, x)).collect();
+        plots.push(common::line(curve, colour, height));
+    }
+    let swings = Picture::new("swings", plots, |layout| {
+        layout
+            .with_title("beads in a cycloid valley meet at the bottom")
+            .with_x_label("time (s)")
+            .with_y_label("x (m)")
+            .with_legend_position(LegendPosition::OutsideRightTop)
+    })?;
+    let profile = (-60..=60).map(|i| {
+        let place = Cycloid::place(f64::from(i) / 60.0 * 1.8);
+        (place.x, place.z)
+    });
+    let mut plots = vec![common::line(profile.collect(), BLACK, "the valley")];
+    for ((start, colour), height) in STARTS.into_iter().zip(colours).zip(&heights) {
+        let place = Cycloid::place(start);
+        let mark = vec![(place.x, place.z), (place.x, place.z + 0.02)];
+        plots.push(common::line(mark, colour, height));
+    }
+    let valley = Picture::new("valley", plots, |layout| {
+        layout
+            .with_title("the valley, and where the beads begin")
+            .with_x_label("x (m)")
+            .with_y_label("z (m)")
+            .with_legend_position(LegendPosition::OutsideRightTop)
+    })?;
+    Ok(Page {
+        title: "A ground of one's own",
+        text: vec![
+            "A relief is a height with its slope; the crate finds the nearest point of it, so that its springs are a true potential, and checks that they are.".to_owned(),
+        ],
+        checks,
+        pictures: vec![valley, swings],
+    })
+}
+
+fn swing(
+    ground: Ground<SpringDamper, Terrain<Cycloid>>,
+    start: f64,
+    time_step: f64,
+    seconds: f64,
+) -> Outcome<Way> {
+    let stepper = Stepper::new(PointCloud::new([DVec3::ZERO], [1.0])?)?
+        .with_gravity(UniformGravity::down(GRAVITY))?
+        .with_ground(ground)?
+        .with_integrator(EnergyMomentum { time_step })?;
+    let mut way = Way::new();
+    let mut watch = |sample: &Sample<'_>| {
+        way.push((
+            sample.time,
+            sample.state.position.x,
+            sample.energy().total(),
+        ));
+        ControlFlow::Continue(())
+    };
+    stepper.run(&mut State::at(Cycloid::place(start)), seconds, &mut watch)?;
+    Ok(way)
+}
+
+/// From the first passage through the bottom to the third.
+fn period_of(way: &Way) -> f64 {
+    let crossings = way.windows(2).filter(|pair| pair[0].1 * pair[1].1 < 0.0);
+    let times: Vec<f64> = crossings
+        .map(|pair| {
+            let [(t0, x0, _), (t1, x1, _)] = [pair[0], pair[1]];
+            t0 - x0 * (t1 - t0) / (x1 - x0)
+        })
+        .collect();
+    match times[..] {
+        [first, _, third, ..] => third - first,
+        _ => f64::NAN,
+    }
+}

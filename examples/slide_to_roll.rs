@@ -1,0 +1,207 @@
+//! A ball is set sliding and comes to roll, at five sevenths of its speed. `cargo run --release --example slide_to_roll -- --help`.
+
+// A program has std; these lints guard the library.
+#![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
+
+mod common;
+
+use std::ops::ControlFlow;
+use std::process::ExitCode;
+
+use common::{BLUE, Check, GREEN, ORANGE, Options, Outcome, PURPLE, Page, Picture};
+use kuva::prelude::*;
+use tumble::glam::DVec3;
+use tumble::{
+    Coulomb, Dynamics, EnergyMomentum, FlatGround, Sample, Sphere, SpringDamper, State, Stepper,
+    UniformGravity,
+};
+
+const ABOUT: &str = "\
+Sets balls sliding without spin, and with backspin, and follows them until they roll. With β = I/(m r²)
+a ball rolls at v/(1 + β) after the time β/(1 + β) v/(μ g), whatever the friction; one with enough
+backspin comes back.";
+
+const MASS: f64 = 0.17; // kg
+const RADIUS: f64 = 0.0286; // m
+const GRAVITY: f64 = 9.8; // m/s²
+const COEFFICIENT: f64 = 0.2;
+const SPEED: f64 = 2.0; // m/s
+/// m/s: at a slip of a thousandth of the speed the force is short of Coulomb's by 5e-4.
+const SLIP_SPEED: f64 = 1e-6;
+
+/// What a ball does now and then: time (s), speed (m/s), speed of its rim by the spin (m/s), place (m), energy (J).
+#[derive(Clone, Copy, Debug)]
+struct Moment {
+    time: f64,
+    speed: f64,
+    rim: f64,
+    place: f64,
+    energy: f64,
+}
+
+fn main() -> ExitCode {
+    common::main("slide_to_roll", ABOUT, work)
+}
+
+fn work(options: &Options) -> Outcome<Page> {
+    let time_step = if options.quick { 2e-4 } else { 5e-5 };
+    let solid = run(Sphere::solid(MASS, RADIUS), 0.0, time_step)?;
+    let shell = run(Sphere::shell(MASS, RADIUS), 0.0, time_step)?;
+    // The rim goes back four times as fast as the ball goes on.
+    let back = run(Sphere::solid(MASS, RADIUS), -4.0 * SPEED, time_step)?;
+    let mut checks = Vec::new();
+    for (name, moments, beta) in [("solid ball", &solid, 0.4), ("shell", &shell, 2.0 / 3.0)] {
+        checks.extend(figures(name, moments, beta, time_step));
+    }
+    let last = back[back.len() - 1];
+    let returns = SPEED * (1.0 - 0.4 * 4.0) / 1.4;
+    checks.push(Check::near(
+        "solid ball with backspin: speed at last, m/s",
+        "(v + β r ω)/(1 + β): below 0, it comes back",
+        last.speed,
+        returns,
+        1e-5 * SPEED,
+    ));
+    let rises = |moments: &[Moment]| {
+        let pairs = moments.windows(2);
+        pairs
+            .map(|pair| pair[1].energy - pair[0].energy)
+            .fold(f64::NEG_INFINITY, f64::max)
+    };
+    checks.push(Check::between(
+        "largest rise of the energy between two moments, J",
+        "promise G1",
+        rises(&solid).max(rises(&shell)).max(rises(&back)),
+        f64::NEG_INFINITY,
+        0.0,
+    ));
+    let curve = |moments: &[Moment], value: fn(&Moment) -> f64| {
+        moments
+            .iter()
+            .map(|m| (m.time, value(m)))
+            .collect::<Vec<_>>()
+    };
+    let plots = vec![
+        common::line(
+            curve(&solid, |m| m.rim),
+            ORANGE,
+            "solid ball: spin times radius",
+        ),
+        common::line(curve(&shell, |m| m.rim), PURPLE, "shell: spin times radius"),
+        common::line(curve(&solid, |m| m.speed), BLUE, "solid ball: speed"),
+        common::line(curve(&shell, |m| m.speed), GREEN, "shell: speed"),
+    ];
+    let without = Picture::new("speeds", plots, |layout| {
+        arranged(layout, "without spin at first")
+    })?;
+    let plots = vec![
+        common::line(
+            curve(&back, |m| m.rim),
+            ORANGE,
+            "solid ball: spin times radius",
+        ),
+        common::line(curve(&back, |m| m.speed), BLUE, "solid ball: speed"),
+    ];
+    let with = Picture::new("backspin", plots, |layout| {
+        arranged(layout, "with backspin")
+    })?;
+    Ok(Page {
+        title: "From sliding to rolling",
+        text: vec![format!(
+            "Balls set sliding at {SPEED} m/s on a ground with the coefficient {COEFFICIENT}. Friction slows the ball and turns it, until the two speeds meet; from then on it takes nothing more."
+        )],
+        checks,
+        pictures: vec![without, with],
+    })
+}
+
+fn arranged(layout: Layout, how: &str) -> Layout {
+    layout
+        .with_title(format!("from sliding to rolling, {how}"))
+        .with_x_label("time (s)")
+        .with_y_label("m/s")
+        .with_legend_position(LegendPosition::OutsideRightTop)
+}
+
+/// Kleppner & Kolenkow, An Introduction to Mechanics, ch. 6; Coriolis 1835.
+fn figures(name: &str, moments: &[Moment], beta: f64, time_step: f64) -> Vec<Check> {
+    let share = beta / (1.0 + beta);
+    let (first, last) = (moments[0], moments[moments.len() - 1]);
+    let when = share * SPEED / (COEFFICIENT * GRAVITY);
+    // Until a thousandth of the slip is left, and a step of the time. A moment before the end the force is short by `SLIP_SPEED/slip`.
+    let slack = 1e-3 * when + time_step;
+    let rolls = moments.iter().find(|m| m.speed - m.rim < 1e-3 * SPEED);
+    let rolls = rolls.copied().unwrap_or(last);
+    let way = (share - share * share / 2.0) * SPEED * SPEED / (COEFFICIENT * GRAVITY);
+    vec![
+        Check::near(
+            &format!("{name}: speed at last, m/s"),
+            "v/(1 + β), whatever the friction",
+            last.speed,
+            SPEED / (1.0 + beta),
+            1e-5 * SPEED,
+        ),
+        Check::near(
+            &format!("{name}: time until it rolls, s"),
+            "β/(1 + β) v/(μ g)",
+            rolls.time,
+            when,
+            slack,
+        ),
+        Check::near(
+            &format!("{name}: way until it rolls, m"),
+            "(b - b²/2) v²/(μ g), b = β/(1 + β)",
+            rolls.place,
+            way,
+            slack * SPEED,
+        ),
+        Check::near(
+            &format!("{name}: part of the energy that friction took"),
+            "β/(1 + β)",
+            2.0 * (first.energy - last.energy) / (MASS * SPEED * SPEED),
+            share,
+            1e-4,
+        ),
+    ]
+}
+
+fn run(ball: Sphere, rim: f64, time_step: f64) -> Outcome<Vec<Moment>> {
+    // It sinks by 10 µm at rest, and starts there.
+    let sink = 1e-5;
+    let stiffness = MASS * GRAVITY / sink;
+    let law = SpringDamper {
+        stiffness,
+        damping: (MASS * stiffness).sqrt(),
+    };
+    let stepper = Stepper::new(ball)?
+        .with_gravity(UniformGravity::down(GRAVITY))?
+        .with_ground(FlatGround::level(law.stiffness, law.damping))?
+        .with_friction(Coulomb {
+            coefficient: COEFFICIENT,
+            slip_speed: SLIP_SPEED,
+        })?
+        .with_integrator(EnergyMomentum { time_step })?;
+    let start = State::at(DVec3::Z * (RADIUS - sink)).with_linear_velocity(DVec3::X * SPEED);
+    let spin = DVec3::Y * (rim / RADIUS);
+    let axes = start.rotation().axes();
+    let momentum = stepper
+        .scene()
+        .mass_properties()
+        .angular_momentum(&axes, spin);
+    let mut state = start.with_angular_momentum(momentum);
+    let mut moments = Vec::new();
+    let mut watch = |sample: &Sample<'_>| {
+        let state = sample.state;
+        let spin = stepper.scene().motion(state).angular_velocity;
+        moments.push(Moment {
+            time: sample.time,
+            speed: state.linear_velocity.x,
+            rim: spin.y * RADIUS,
+            place: state.position.x,
+            energy: sample.energy().total(),
+        });
+        ControlFlow::Continue(())
+    };
+    stepper.run(&mut state, 2.0, &mut watch)?;
+    Ok(moments)
+}
