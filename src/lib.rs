@@ -151,7 +151,8 @@ pub use state::State;
 pub use stepper::Stepper;
 pub use trial::{Start, Trial};
 
-/// Chapters: why the energy cannot rise, which integrator and which step, how accurate a run is, what the model gets where the answer is known, and how to add parts.
+/// Chapters: why the energy cannot rise, which integrator and which step, how accurate a run is, what others do with the same scenes, what the model gets where the answer
+/// is known, and how to add parts.
 pub mod guide {
     #[doc = include_str!("guide/energy.md")]
     pub mod energy {}
@@ -161,6 +162,9 @@ pub mod guide {
 
     #[doc = include_str!("guide/choosing.md")]
     pub mod choosing {}
+
+    #[doc = include_str!("guide/peers.md")]
+    pub mod peers {}
 
     #[doc = include_str!("guide/gallery.md")]
     pub mod gallery {}

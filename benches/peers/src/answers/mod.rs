@@ -1,0 +1,31 @@
+//! The scenes, a file a kind of motion, each with the answer that is known of it.
+
+mod bounces;
+mod coins;
+mod free;
+mod rigid_hoop;
+mod rolling_ball;
+
+use crate::scene::Scene;
+
+/// m/s²
+const GRAVITY: f64 = 9.8;
+
+/// All scenes, in the order of the table.
+pub(crate) fn all() -> Result<Vec<Scene>, String> {
+    Ok(vec![
+        rolling_ball::slides_then_rolls(1e6),
+        rolling_ball::slides_then_rolls(1e9),
+        bounces::elastic(1e5),
+        bounces::elastic(1e9),
+        free::coin(),
+        free::fast_coin(),
+        free::middle_axis(),
+        coins::rolling_hoop()?,
+        coins::trial(1, 1.0)?,
+        coins::trial(8, 1.0)?,
+        coins::trial(1, 0.002)?,
+        coins::trial(1, 2000.0)?,
+        coins::drilling(),
+    ])
+}

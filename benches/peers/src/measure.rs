@@ -1,0 +1,231 @@
+//! Error, energy and price of each program on a scene, taking turns.
+
+use cpu_time::ThreadTime;
+use tumble::State;
+
+use crate::programs::rapier::{Rapier, Tuning};
+use crate::programs::{Program, ode, ours, plain};
+use crate::scene::{Case, Scene};
+
+/// What is known of one program on one scene.
+pub(crate) struct Row {
+    pub(crate) name: String,
+    pub(crate) settings: String,
+    pub(crate) is_ours: bool,
+    /// Or why the program could not go on.
+    pub(crate) outcome: Result<Outcome, String>,
+}
+
+#[derive(Clone, Copy)]
+pub(crate) struct Outcome {
+    /// In the scene's unit.
+    pub(crate) error: f64,
+    /// The most that the energy rose above any earlier value, over the kinetic energy at the start and the weight's over the scene's length.
+    pub(crate) rise: f64,
+    pub(crate) steps: u64,
+    /// CPU seconds a simulated second: the median of the turns.
+    pub(crate) price: f64,
+    /// Price over that of the cheapest of our rows that is as accurate.
+    pub(crate) ratio: Ratio,
+}
+
+/// How a price compares with ours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Ratio {
+    /// So many times ours at the same accuracy.
+    Times(f64),
+    /// None of our rows is as accurate.
+    NotReached,
+    /// The error is too large for an answer.
+    NoAnswer,
+}
+
+impl Outcome {
+    /// ns a step.
+    pub(crate) fn step(&self, scene: &Scene) -> f64 {
+        self.price * scene.seconds / self.steps as f64 * 1e9
+    }
+}
+
+/// All programs on a scene, measured.
+pub(crate) fn rows(scene: &Scene, turns: usize) -> Result<Vec<Row>, String> {
+    let mut programs = ours::programs(scene)?;
+    programs.extend(peers(scene));
+    let energy = ours::energy(scene)?;
+    let mut rows = Vec::new();
+    for program in &programs {
+        rows.push(Row {
+            name: program.name(),
+            settings: program.settings(),
+            is_ours: program.is_ours(),
+            outcome: accuracy(scene, &**program, &energy),
+        });
+    }
+    let prices = prices(scene, &programs, &rows, turns);
+    for (row, price) in rows.iter_mut().zip(prices) {
+        if let Ok(outcome) = &mut row.outcome {
+            outcome.price = price;
+        }
+    }
+    compare(scene, &mut rows);
+    Ok(rows)
+}
+
+/// Everything but the library.
+fn peers(scene: &Scene) -> Vec<Box<dyn Program + '_>> {
+    let (law, start, seconds) = (&scene.law, scene.soft.start, scene.seconds);
+    let mut all: Vec<Box<dyn Program>> = Vec::new();
+    for &time_step in &scene.plain_steps {
+        all.push(Box::new(plain::PlainRk4 {
+            law,
+            start,
+            seconds,
+            time_step,
+        }));
+    }
+    for (method, tolerance) in [
+        (ode::Method::Dopri5, 1e-4),
+        (ode::Method::Dopri5, 1e-6),
+        (ode::Method::Dopri5, 1e-8),
+        (ode::Method::Dop853, 1e-10),
+    ] {
+        all.push(Box::new(ode::OdeSolvers {
+            law,
+            start,
+            seconds,
+            method,
+            tolerance,
+            scale: scene.scale,
+        }));
+    }
+    all.push(Box::new(Rapier::<f32>::new(scene, Tuning::Default)));
+    for &time_step in &scene.rapier_steps {
+        all.push(best(scene, time_step, Rapier::<f32>::new));
+    }
+    all.push(Box::new(Rapier::<f64>::new(scene, Tuning::Default)));
+    for &time_step in &scene.rapier_steps {
+        all.push(best(scene, time_step, Rapier::<f64>::new));
+    }
+    all
+}
+
+/// The most accurate of rapier's settings at a step: it is tuned on the very scene and answer.
+fn best<'a, P: Program + 'a>(
+    scene: &'a Scene,
+    time_step: f64,
+    with: impl Fn(&'a Scene, Tuning) -> P,
+) -> Box<dyn Program + 'a> {
+    let error = |program: &P| match program.run(None) {
+        Ok(end) => scene.error(&end.state, &scene.rigid.answer),
+        Err(_) => f64::INFINITY,
+    };
+    let candidates = Tuning::all(time_step, scene)
+        .into_iter()
+        .map(|tuning| with(scene, tuning));
+    let rated = candidates.map(|program| (error(&program), program));
+    let (_, program) = rated
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .expect("there are settings to try");
+    Box::new(program)
+}
+
+/// Error and energy of a run, without its price.
+fn accuracy(
+    scene: &Scene,
+    program: &dyn Program,
+    energy: &dyn Fn(&State) -> f64,
+) -> Result<Outcome, String> {
+    let Case { start, answer } = if program.is_rigid() {
+        scene.rigid
+    } else {
+        scene.soft
+    };
+    // rapier's ground holds no energy.
+    let energy = |state: &State| match program.is_rigid() {
+        true => scene.law.energy_without_springs(state),
+        false => energy(state),
+    };
+    let kinetic = scene.law.energy_without_springs(&State {
+        position: start.position.with_z(0.0),
+        ..start
+    });
+    let weight = scene.law.mass * scene.law.gravity * scene.scale.0;
+    let (mut least, mut rise) = (f64::INFINITY, 0.0_f64);
+    let mut watch = |state: &State| {
+        let now = energy(state);
+        rise = rise.max(now - least);
+        least = least.min(now);
+    };
+    let end = program.run(Some(&mut watch))?;
+    Ok(Outcome {
+        error: scene.error(&end.state, &answer),
+        rise: rise / (kinetic + weight),
+        steps: end.steps,
+        price: f64::NAN,
+        ratio: Ratio::NoAnswer,
+    })
+}
+
+/// CPU seconds that a turn of a program lasts at least, so that the clock's grain does not show.
+const LEAST_TURN: f64 = 2e-3;
+
+/// CPU seconds a simulated second: the programs take turns, and each price is the median of its turns.
+fn prices(
+    scene: &Scene,
+    programs: &[Box<dyn Program + '_>],
+    rows: &[Row],
+    turns: usize,
+) -> Vec<f64> {
+    let mut samples = vec![Vec::new(); programs.len()];
+    let mut repeats = vec![1_u32; programs.len()];
+    for turn in 0..=turns {
+        for (i, program) in programs.iter().enumerate() {
+            if rows[i].outcome.is_err() {
+                continue;
+            }
+            let clock = ThreadTime::now();
+            let mut preparation = 0.0;
+            for _ in 0..repeats[i] {
+                let end = core::hint::black_box(program.run(None));
+                preparation += end.map_or(0.0, |end| end.preparation);
+            }
+            let spent = (clock.elapsed().as_secs_f64() - preparation) / f64::from(repeats[i]);
+            // The turn before the first finds out how often a program has to run, and warms the machine up.
+            if turn == 0 {
+                repeats[i] = (LEAST_TURN / spent).ceil().clamp(1.0, 1e5) as u32;
+            } else {
+                samples[i].push(spent / scene.seconds);
+            }
+        }
+    }
+    samples.into_iter().map(median).collect()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Ours is as accurate with an error up to a tenth larger: two programs with the same method differ by that much.
+const AS_ACCURATE: f64 = 1.1;
+
+/// Price of each row over that of our cheapest that is as accurate.
+fn compare(scene: &Scene, rows: &mut [Row]) {
+    let ours: Vec<Outcome> = (rows.iter())
+        .filter(|row| row.is_ours)
+        .filter_map(|row| row.outcome.as_ref().ok().copied())
+        .collect();
+    for row in rows {
+        if let Ok(outcome) = &mut row.outcome {
+            let enough = ours
+                .iter()
+                .filter(|ours| ours.error <= outcome.error * AS_ACCURATE);
+            let cheapest = enough.map(|ours| ours.price).reduce(f64::min);
+            outcome.ratio = match cheapest {
+                _ if outcome.error > scene.useful || outcome.error.is_nan() => Ratio::NoAnswer,
+                Some(price) => Ratio::Times(outcome.price / price),
+                None => Ratio::NotReached,
+            };
+        }
+    }
+}

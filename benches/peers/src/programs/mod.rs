@@ -1,0 +1,41 @@
+//! The programs that are compared.
+
+pub(crate) mod ode;
+pub(crate) mod ours;
+pub(crate) mod plain;
+pub(crate) mod rapier;
+
+use tumble::State;
+
+/// Sees the states of a run, the first and that after each step.
+pub(crate) type Watch<'a> = &'a mut dyn FnMut(&State);
+
+/// One program with its settings, ready to run one scene from its start to its end.
+pub(crate) trait Program {
+    /// Who it is.
+    fn name(&self) -> String;
+    /// Its settings.
+    fn settings(&self) -> String;
+    /// A whole run.
+    ///
+    /// # Errors
+    /// Says why the program could not go on.
+    fn run(&self, watch: Option<Watch<'_>>) -> Result<End, String>;
+    /// Whether its contacts are rigid, so that the rigid answer is its own.
+    fn is_rigid(&self) -> bool {
+        false
+    }
+    /// Whether it is this library.
+    fn is_ours(&self) -> bool {
+        false
+    }
+}
+
+/// Where a run ended.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct End {
+    pub(crate) state: State,
+    pub(crate) steps: u64,
+    /// CPU seconds before the first step, where that is worth mentioning: no part of the price.
+    pub(crate) preparation: f64,
+}
