@@ -17,6 +17,7 @@ coin --quiet --all --duration 2 --out "$out/all"
 for example in custom_body dice tippe_top eulers_disk slide_to_roll custom_ground sphere_with_spin; do
   cargo run -q --release --example "$example" -- --quick --out "$out/all"
 done
+cargo run -q --release --example choose_accuracy -- --quick --out "$out/all"
 python3 .ci/read_pictures.py "$out/all" >"$out/list"
 echo "all trials and the gallery: $(wc -l <"$out/list") files"
 

@@ -13,10 +13,14 @@ mod picture;
 #[path = "../examples/choose_accuracy/scenes.rs"]
 mod scenes;
 
+use core::hint::black_box;
 use std::path::Path;
+use std::time::Instant;
 
 use scenes::{Friction, Start};
+use tumble::glam::DVec3;
 use tumble::trade::Setting;
+use tumble::{Flight, State, StrangSplitting, Trial};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -25,6 +29,7 @@ fn main() {
     let wanted = arguments
         .iter()
         .find(|argument| !argument.starts_with("--"));
+    flight(if whole { 200 } else { 1 });
     for (name, start, single) in table() {
         if wanted.is_some_and(|wanted| !name.contains(wanted.as_str())) {
             continue;
@@ -34,6 +39,52 @@ fn main() {
             return;
         }
     }
+}
+
+/// What a whole flight costs in closed form and step by step, and what the look for it costs on the ground.
+fn flight(turns: u32) {
+    let toss = State::at(DVec3::Z)
+        .with_linear_velocity(DVec3::new(0.4, -0.2, 6.0))
+        .turned_by(DVec3::new(0.3, 0.8, -0.2))
+        .with_angular_momentum(DVec3::new(0.4, 1.1, -0.7));
+    let trial = Trial::report(1).unwrap();
+    let plain = trial.stepper(StrangSplitting { time_step: 1e-3 }).unwrap();
+    let flying = plain.with_integrator(Flight(*plain.integrator())).unwrap();
+    let mut elapsed = 0.0;
+    let whole = fastest(turns, || {
+        let mut state = black_box(toss);
+        elapsed = flying.step(&mut state).unwrap().elapsed;
+        black_box(state);
+    });
+    let steps = fastest(turns, || {
+        let mut state = black_box(toss);
+        plain.advance(&mut state, elapsed).unwrap();
+        black_box(state);
+    });
+    println!(
+        "a flight of {elapsed} s: {whole:.0} ns in one step, {steps:.0} ns in steps of 1 ms, {:.0} times as much",
+        steps / whole
+    );
+    let rolls = trial.state();
+    let on_ground = |advance: &dyn Fn(&mut State)| {
+        fastest(turns, || {
+            let mut state = black_box(rolls);
+            advance(&mut state);
+            black_box(state);
+        }) / 100.0
+    };
+    let without = on_ground(&|state| plain.advance(state, 0.1).unwrap());
+    let with = on_ground(&|state| flying.advance(state, 0.1).unwrap());
+    println!("a step on the ground: {without:.0} ns, with a look for a flight {with:.0} ns");
+}
+
+/// The least of so many turns, ns.
+fn fastest(turns: u32, mut program: impl FnMut()) -> f64 {
+    (0..turns).fold(f64::INFINITY, |least, _| {
+        let clock = Instant::now();
+        program();
+        least.min(clock.elapsed().as_secs_f64() * 1e9)
+    })
 }
 
 /// Name, scene, and whether in single precision.

@@ -161,6 +161,8 @@ pub mod guide {
     pub mod accuracy {}
 
     #[doc = include_str!("guide/choosing.md")]
+    #[doc = ""]
+    #[doc = include_str!("../assets/trade.svg")]
     pub mod choosing {}
 
     #[doc = include_str!("guide/peers.md")]

@@ -81,10 +81,10 @@ impl Start {
                 name: "a stiff ground".into(),
                 stiffness: 1e9,
                 damping: 1e3,
-                state: State::at(DVec3::new(0.0, 0.0, 0.7))
+                state: State::at(DVec3::new(0.0, 0.0, 0.4))
                     .turned_by(DVec3::new(0.3, 0.8, -0.2))
                     .with_angular_momentum(DVec3::new(0.1, 0.3, -0.2)),
-                seconds: 0.3,
+                seconds: 0.4,
                 ..rolls
             },
             "rest" => Self {

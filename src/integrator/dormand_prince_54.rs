@@ -10,7 +10,7 @@ use crate::state::State;
 /// Runge-Kutta of order 5 that chooses its steps for a tolerance (Dormand & Prince, Journal of Computational and Applied Mathematics 6(1), 1980): six evaluations a step.
 ///
 /// [`guide::choosing`](crate::guide::choosing) says what the tolerance bounds and what error a run has for it. The method for tight tolerances: each tenfold tighter one costs
-/// some 1.6 times as much in smooth motion. *May add energy* by the size of its error.
+/// `10^(1/5)`, 1.6 times as much in smooth motion. *May add energy* by the size of its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DormandPrince54<R = f64> {

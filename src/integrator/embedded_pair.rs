@@ -64,9 +64,6 @@ impl<R: Real> Settings<R> {
     }
 }
 
-/// An estimate above so many times what is allowed tells enough.
-const HOPELESS: f64 = 1e4;
-
 /// What a method that chooses its steps carries from one to the next: the length that it proposes, the last error, and how much of the budget is spent. It also keeps the
 /// last slope, which saves work.
 ///
@@ -178,12 +175,8 @@ pub(super) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
         let mut end = attempt.end;
         let mut errors = Errors::of(scene, &attempt.difference, &end.motion);
         let allowed = control::allowed(settings, scene, &end.motion);
-        // A step that is far too long for all that is smooth is not looked at contact by contact.
-        let kinks = if errors.total() > allowed * R::from_f64(HOPELESS) {
-            touch::Kinks::none()
-        } else {
-            touch::kinks(pair, scene, &start, &attempt, seconds, to_kink, allowed)
-        };
+        let bounds = [errors.total(), allowed];
+        let kinks = touch::kinks(pair, scene, &start, &attempt, seconds, to_kink, bounds);
         errors.add_kinks(&kinks);
         if errors.total() <= allowed {
             control.accept(pair.roots, &trial, seconds, errors.total() / allowed);

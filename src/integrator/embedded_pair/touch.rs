@@ -30,7 +30,7 @@ impl<R: Real> Kinks<R> {
     }
 }
 
-/// All kinks of a step; one that goes to a kink was taken with [`load_before`].
+/// All kinks of a step with a `smooth` error; one that goes to a kink was taken with [`load_before`].
 #[inline]
 pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
     pair: &Pair<STAGES>,
@@ -39,7 +39,7 @@ pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
     attempt: &Attempt<R, STAGES>,
     seconds: R,
     to_kink: bool,
-    allowed: R,
+    [smooth, allowed]: [R; 2],
 ) -> Kinks<R> {
     let mut kinks = Kinks::none();
     let places = [start, &attempt.end];
@@ -56,6 +56,10 @@ pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
     let margin = dip(scene, places, seconds);
     let [before, after] = places
         .map(|place| scene.contacts_within(margin, place.motion.position, &place.motion.axes));
+    // A step that is too long anyhow, and long enough to have many contacts near the ground, is not worth the look.
+    if smooth > allowed && before.count + after.count > MANY {
+        return kinks;
+    }
     for run in [before]
         .into_iter()
         .chain(after.without(before, contacts.len()))
@@ -310,6 +314,8 @@ fn first_change<R: Real>(force: impl Fn(R) -> R, pushes: bool, last: R) -> R {
 
 /// What is found of a kink is weighed so many times: it misleads the stages after it, too.
 const WEIGHT: f64 = 3.0;
+/// As many contacts at both ends of a step are dearer to look at than another attempt.
+const MANY: usize = 48;
 /// Halvings of a step to find a kink: to a millionth of it.
 const HALVINGS: u32 = 20;
 /// By how much of a step a stage at its end may be ahead of the path.
