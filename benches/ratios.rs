@@ -36,7 +36,7 @@ use report_loop::{ReportLoop, ReportTrial};
 use scenes::{Advance, Phase, Ring, STEPS, TIME_STEP, ring, stepper, trial_1};
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
-    ContactPoint, EnergyMomentum, ForwardEuler, RigidPointBody, Rk4, SlidingFriction,
+    ContactPoint, EnergyMomentum, ForwardEuler, RigidPointBody, Rk4, SlidingFriction, Sphere,
     SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler, body::Run,
 };
 
@@ -58,6 +58,7 @@ fn main() {
     against_the_report(turns);
     against_by_hand(turns);
     against_a_users_body(turns);
+    against_a_users_sphere(turns);
     against_dyn(turns);
     of_the_phases(turns);
     whole_trial_1(turns);
@@ -86,7 +87,11 @@ fn row(name: &str, turns: usize, mut a: impl FnMut(u32), mut b: impl FnMut(u32))
 
 /// A program for [`row`]: steps from the start of a phase.
 fn program<S: Advance>(stepper: S, phase: Phase) -> impl FnMut(u32) {
-    let start = phase.state();
+    from(stepper, phase.state())
+}
+
+/// A program for [`row`]: steps from a state.
+fn from<S: Advance>(stepper: S, start: State) -> impl FnMut(u32) {
     move |steps| {
         black_box(scenes::steps(&stepper, black_box(&start), steps));
     }
@@ -157,6 +162,27 @@ fn against_a_users_body(turns: usize) {
         );
         row(&name, turns, program(user, phase), program(built_in, phase));
     }
+}
+
+/// The sphere of the guide's readers against the built-in one: it slides, then rolls.
+fn against_a_users_sphere(turns: usize) {
+    let start = State::at(DVec3::Z * 0.49).with_linear_velocity(DVec3::X);
+    let energy_momentum = EnergyMomentum {
+        time_step: TIME_STEP,
+    };
+    let name = |integrator: &str| format!("a user's sphere against the built-in, {integrator}");
+    row(
+        &name("SymplecticEuler"),
+        turns,
+        from(stepper(UserSphere::default(), EULER), start),
+        from(stepper(Sphere::solid(1.0, 0.5), EULER), start),
+    );
+    row(
+        &name("EnergyMomentum"),
+        turns,
+        from(stepper(UserSphere::default(), energy_momentum), start),
+        from(stepper(Sphere::solid(1.0, 0.5), energy_momentum), start),
+    );
 }
 
 fn against_dyn(turns: usize) {
@@ -248,6 +274,34 @@ fn spent(program: impl FnOnce()) -> f64 {
     match (start, on_processor()) {
         (Some(start), Some(end)) => end - start,
         _ => clock.elapsed().as_secs_f64(),
+    }
+}
+
+/// A ball of 1 kg and 0.5 m as a type of the user's own, as the README writes one.
+struct UserSphere {
+    contact: [ContactPoint; 1],
+}
+
+impl Default for UserSphere {
+    fn default() -> Self {
+        Self {
+            contact: [ContactPoint {
+                position: DVec3::ZERO,
+                radius: 0.5,
+            }],
+        }
+    }
+}
+
+impl RigidPointBody for UserSphere {
+    fn mass(&self) -> f64 {
+        1.0
+    }
+    fn inertia(&self) -> DMat3 {
+        DMat3::from_diagonal(DVec3::splat(0.1))
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        &self.contact
     }
 }
 

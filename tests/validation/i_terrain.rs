@@ -6,8 +6,8 @@ use core::ops::ControlFlow;
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
-    Bowl, Coulomb, Elevation, EnergyMomentum, Frictionless, Ground, RigidPointBody, Sample, Shape,
-    SlidingFriction, SmoothCoulomb, SpringDamper, State, Stepper, StrangSplitting, Surface,
+    Bowl, Coulomb, Elevation, EnergyMomentum, Frictionless, Ground, RigidPointBody, Rk4, Sample,
+    Shape, SlidingFriction, SmoothCoulomb, SpringDamper, State, Stepper, StrangSplitting, Surface,
     Terrain, UniformGravity,
 };
 
@@ -15,7 +15,7 @@ use crate::kit::{self, point_mass};
 use crate::scenes::ball;
 use crate::table::{Case, figure};
 
-pub(crate) const CASES: &[&Case] = &[&SPHERE_IN_BOWL, &CYCLOID, &REST_IN_A_TROUGH];
+pub(crate) const CASES: &[&Case] = &[&SPHERE_IN_BOWL, &GOLF_BALL, &CYCLOID, &REST_IN_A_TROUGH];
 
 const GRAVITY: f64 = 9.8;
 
@@ -137,6 +137,114 @@ proptest! {
         // The arm is 1 - r: the ground's depth is a larger share of it.
         prop_assert!((got / expected - 1.0).abs() < MISS / (1.0 - radius), "{got}, not {expected} s");
     }
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// I2: a golf ball in the hole
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// The inside of an upright cylinder about the z axis.
+struct Hole {
+    radius: f64,
+}
+
+impl Shape for Hole {
+    fn surface(&self, point: DVec3) -> Surface {
+        let level = point.with_z(0.0);
+        Surface {
+            gap: self.radius - level.length(),
+            normal: -level.normalize(),
+        }
+    }
+}
+
+/// A ball that rolls round the wall of a hole at Ω, let go without a vertical speed: rolling turns its spin about the radius into a vertical force, `z'' = -g/(1 + β) - k² z` with
+/// `k = Ω √(β/(1 + β))`. So it sinks by `2g/(β Ω²)` and comes up again.
+///
+/// Returns k over Ω, and the depth of the lowest place (m).
+fn dip(moment: f64) -> [f64; 2] {
+    let (hole, radius, rate) = (0.5, 0.1, 10.0);
+    let arm = hole - radius;
+    let law = SpringDamper {
+        stiffness: 1e6,
+        damping: 200.0,
+    };
+    // The wall carries arm Ω² = 40 m/s²: 3e4/s of slip.
+    let friction = Coulomb {
+        coefficient: 1.0,
+        slip_speed: arm * rate * rate / 3e4,
+    };
+    let stepper = Stepper::new(ball(moment, radius))
+        .unwrap()
+        .with_gravity(UniformGravity::down(GRAVITY))
+        .unwrap()
+        .with_ground(Ground {
+            law,
+            shape: Hole { radius: hole },
+        })
+        .unwrap()
+        .with_friction(friction)
+        .unwrap()
+        .with_integrator(Rk4 { time_step: 2e-5 })
+        .unwrap();
+    let speed = arm * rate;
+    let depth = speed * rate / law.stiffness;
+    let mut state = State::at(DVec3::X * (arm + depth))
+        .with_linear_velocity(DVec3::Y * speed)
+        .with_angular_momentum(DVec3::Z * (-moment * radius * speed));
+    let expected = rate * (moment / (1.0 + moment)).sqrt();
+    let (mut lowest, mut turn, mut before) = (0.0, 0.0, (0.0, 0.0));
+    stepper
+        .run(&mut state, 1.2 * PI / expected, &mut |sample: &Sample<
+            '_,
+        >| {
+            let now = (sample.time, sample.state.linear_velocity.z);
+            // Half a swing: it is lowest where the vertical speed changes sign.
+            if before.1 < 0.0 && now.1 >= 0.0 {
+                let time = before.0 + (now.0 - before.0) * before.1 / (before.1 - now.1);
+                let place = sample.state.position;
+                lowest = place.z;
+                let angle = place.y.atan2(place.x) - rate * (now.0 - time);
+                turn = angle + ((rate * time - angle) / TAU).round() * TAU;
+            }
+            before = now;
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    [PI / turn, -lowest]
+}
+
+static GOLF_BALL: Case = Case::new(
+    "I2",
+    "`k = Ω √(β/(1+β))`, dips by `2g/(β Ω²)`",
+    "Littlewood, A Mathematician's Miscellany (1953); Gualtieri et al., Am. J. Phys. 74, 497 (2006)",
+    || {
+        let ([sphere, lowest], [shell, lowest_of_shell]) = (dip(0.4), dip(2.0 / 3.0));
+        let depth = |moment: f64| 2.0 * GRAVITY / (moment * 100.0);
+        // Friction carries the weight, g of the wall's 40 m/s² on average: for half a swing it slips by so much of ε, a tenth more as the load comes and goes. The wall's depth is 4e-5 m of 0.4 m.
+        let sunk = |moment: f64| {
+            let (share, rate) = (GRAVITY / 40.0, 10.0 * (moment / (1.0 + moment)).sqrt());
+            1.1 * 40.0 / 3e4 * share / (1.0 - share) * PI / rate + 1e-4 * depth(moment)
+        };
+        // Of the time as of the way, a share of 2.5e-4 m in 0.5 m.
+        let miss = 6e-4;
+        vec![
+            figure(
+                "ball in a hole: swings up and down by turns round",
+                (2.0_f64 / 7.0).sqrt(),
+                sphere,
+                miss,
+            ),
+            figure("dip, m", depth(0.4), lowest, sunk(0.4)),
+            figure("shell: swings by turns", (0.4_f64).sqrt(), shell, miss),
+            figure("dip, m", depth(2.0 / 3.0), lowest_of_shell, sunk(2.0 / 3.0)),
+        ]
+    },
+);
+
+#[test]
+fn a_ball_that_rolls_round_a_hole_comes_up_again() {
+    GOLF_BALL.holds();
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
