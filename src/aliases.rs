@@ -32,6 +32,8 @@ macro_rules! names_for {
             pub type Cone<P = [ContactPoint; 121]> = crate::Cone<$real, P>;
             /// A box, sharp or with round corners.
             pub type Cuboid = crate::Cuboid<$real>;
+            /// A smooth ellipsoid.
+            pub type Ellipsoid = crate::Ellipsoid<$real>;
             /// Mass, centre of mass and inertia of a body or a part.
             pub type MassDistribution = crate::MassDistribution<$real>;
             /// A point with a mass.

@@ -8,6 +8,7 @@
 //! | [`SolidCoin`] | the points of two rims | normal along x | [`tilt`](SolidCoin::tilt), [`face_up`](SolidCoin::face_up): heads, tails or edge |
 //! | [`Sphere`], solid, hollow or loaded | one ball | any | |
 //! | [`Cuboid`], sharp or rounded, also loaded | eight corners, bare or balls | along the edges | [`side_up`](Cuboid::side_up), [`pips`](Side::pips) |
+//! | [`Ellipsoid`], also loaded: an egg | one, which wanders over its surface | axes along x, y, z | |
 //! | [`Capsule`] | two balls | axis along z | |
 //! | [`Cone`] | its tip and the points of its rim | axis along z | |
 //! | [`Rod`] | its two ends | along z | |
@@ -22,6 +23,7 @@ mod capsule;
 mod coin;
 mod cone;
 mod cuboid;
+mod ellipsoid;
 mod hull;
 mod mass_distribution;
 mod mass_properties;
@@ -35,6 +37,7 @@ pub use capsule::Capsule;
 pub use coin::{Coin, Face};
 pub use cone::Cone;
 pub use cuboid::{Cuboid, Side};
+pub use ellipsoid::Ellipsoid;
 pub use mass_distribution::MassDistribution;
 pub use mass_properties::MassProperties;
 pub use point_cloud::PointCloud;
@@ -113,11 +116,31 @@ pub trait RigidPointBody<R: Real = f64> {
     /// How far the surface reaches in a `direction` (unit vector, body axes), m from the centre of mass: the body's support function. Never less than the greatest
     /// `direction · position + radius` of a contact; a little more does no harm. It is what a closed-form [`Flight`](crate::Flight) asks for.
     fn support(&self, direction: R::Vec3) -> R {
+        if self.is_smooth() {
+            return direction.dot(self.support_point(direction));
+        }
         self.contacts()
             .iter()
             .fold(-self.reach(), |farthest, contact| {
                 farthest.at_least(direction.dot(contact.position) + contact.radius)
             })
+    }
+
+    /// Whether the body has one contact that wanders over its surface as it turns: the place that [`support_point`](Self::support_point) tells. An egg does, and no body of fixed contacts.
+    ///
+    /// Such a body gives in [`contacts`](Self::contacts) one contact that stands for it, with a radius above 0 (a ball within it will do), and tells its own
+    /// [`reach`](Self::reach).
+    #[inline]
+    fn is_smooth(&self) -> bool {
+        false
+    }
+
+    /// Of a smooth body: the place of its surface that is farthest in the direction `towards` (body axes, length 1), from the centre of mass, m, body axes. Not asked of others.
+    ///
+    /// The surface must be convex. On a plane, force and energy then belong together: as the body turns, depth changes as if the place were fixed in the body.
+    #[inline]
+    fn support_point(&self, towards: R::Vec3) -> R::Vec3 {
+        towards * self.reach()
     }
 
     /// Whether the body can be: called once, when a scene is composed, before anything else is asked.
@@ -155,6 +178,14 @@ impl<R: Real, B: RigidPointBody<R> + ?Sized> RigidPointBody<R> for &B {
     #[inline]
     fn support(&self, direction: R::Vec3) -> R {
         (**self).support(direction)
+    }
+    #[inline]
+    fn is_smooth(&self) -> bool {
+        (**self).is_smooth()
+    }
+    #[inline]
+    fn support_point(&self, towards: R::Vec3) -> R::Vec3 {
+        (**self).support_point(towards)
     }
     #[inline]
     fn check(&self) -> Result<(), SceneError> {

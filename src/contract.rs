@@ -96,6 +96,8 @@ pub enum Clause {
     Reach,
     /// Body: `contacts_below` misses no contact.
     ContactsBelow,
+    /// Smooth body: it has one contact; `support_point` is a place within reach, and none other that it tells is farther in that direction.
+    Support,
 
     /// Ground: the normal has length 1.
     UnitNormal,
@@ -166,6 +168,9 @@ impl fmt::Display for Clause {
             Self::Rigid => "a rigid body must answer alike whenever it is asked",
             Self::Reach => "no contact may lie beyond the reach",
             Self::ContactsBelow => "contacts_below must not miss a contact",
+            Self::Support => {
+                "support_point must be the farthest place of one contact, within reach"
+            }
             Self::UnitNormal => "the surface's normal must have length 1",
             Self::GapAlongNormal => "the gap must change by normal · path",
             Self::Extent => "the extent must be true of the surface",

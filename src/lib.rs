@@ -124,8 +124,8 @@ pub mod trial;
 
 pub use aliases::{f32, f64};
 pub use body::{
-    Capsule, Coin, Cone, ContactPoint, Cuboid, Face, MassDistribution, MassProperties, PointCloud,
-    PointMass, RigidPointBody, Rod, Run, Side, Solid, SolidCoin, Sphere,
+    Capsule, Coin, Cone, ContactPoint, Cuboid, Ellipsoid, Face, MassDistribution, MassProperties,
+    PointCloud, PointMass, RigidPointBody, Rod, Run, Side, Solid, SolidCoin, Sphere,
 };
 pub use energy::{Account, Dissipation, Energy};
 pub use error::{SceneError, StepError};

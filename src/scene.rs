@@ -104,7 +104,7 @@ pub trait Dynamics<R: Real = f64> {
             }) else {
                 return;
             };
-            if let Some(contact) = Contact::at(self.ground(), motion, point) {
+            if let Some(contact) = Contact::at(self.body(), self.ground(), motion, point) {
                 visit(&contact);
             }
         }
@@ -170,11 +170,19 @@ pub struct Contact<R: Real = f64> {
 impl<R: Real> Contact<R> {
     /// The contact of `point` with the ground, if it touches.
     #[inline]
-    fn at<G: SpringDamperGround<R>>(
+    fn at<B: RigidPointBody<R>, G: SpringDamperGround<R>>(
+        body: &B,
         ground: &G,
         motion: &Motion<R>,
         point: &ContactPoint<R>,
     ) -> Option<Self> {
+        let facing;
+        let point = if body.is_smooth() {
+            facing = facing_ground(body, ground, motion.position, &motion.axes);
+            &facing
+        } else {
+            point
+        };
         let centre_arm = motion.axes.to_world(point.position);
         let surface = ground.surface(motion.position + centre_arm);
         let depth = point.radius - surface.gap;
@@ -211,6 +219,19 @@ impl<R: Real> Contact<R> {
         let normal_force = ground.normal_force(self.depth, self.closing_speed);
         self.normal * normal_force + friction.force(normal_force, self.slip)
     }
+}
+
+/// The place of a smooth body that faces the ground, as a bare contact of the body as it is turned now: for the normal under the contact that stands for it.
+#[inline]
+pub(crate) fn facing_ground<R: Real, B: RigidPointBody<R>, G: SpringDamperGround<R>>(
+    body: &B,
+    ground: &G,
+    position: R::Vec3,
+    axes: &Axes<R>,
+) -> ContactPoint<R> {
+    let middle = body.contacts().first().copied().unwrap_or_default();
+    let surface = ground.surface(position + axes.to_world(middle.position));
+    ContactPoint::bare(body.support_point(axes.to_body(-surface.normal)))
 }
 
 /// From the centre of mass to the place of a contact's surface that faces the ground, m, world axes.
@@ -299,7 +320,15 @@ impl<R: Real> LowestPoint<R> {
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Option<Self> {
         let motion = scene.motion(state);
         let mut lowest: Option<Self> = None;
-        for (index, point) in scene.body().contacts().iter().enumerate() {
+        let body = scene.body();
+        for (index, point) in body.contacts().iter().enumerate() {
+            let facing;
+            let point = if body.is_smooth() {
+                facing = facing_ground(body, scene.ground(), motion.position, &motion.axes);
+                &facing
+            } else {
+                point
+            };
             let centre = motion.position + motion.axes.to_world(point.position);
             let surface = scene.ground().surface(centre);
             let gap = surface.gap - point.radius;

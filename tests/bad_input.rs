@@ -13,8 +13,8 @@ use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::real::{Quaternion, Vector};
 use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Carried, Coin, Cone, ContactLaw,
-    ContactPoint, Coulomb, Cuboid, Dissipation, DormandPrince54, EnergyMomentum, FlatGround,
-    ForwardEuler, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper,
+    ContactPoint, Coulomb, Cuboid, Dissipation, DormandPrince54, Ellipsoid, EnergyMomentum,
+    FlatGround, ForwardEuler, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper,
     MassDistribution, Plane, PointCloud, PointMass, Ramp, Real, Relief, RigidPointBody, Rk4, Rod,
     SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
     SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck, Surface,
@@ -110,6 +110,9 @@ fn every_solid_needs_a_mass_above_zero() {
     refuses("mass of the sphere", MASS, " kg", |mass| {
         Stepper::new(Sphere::shell(mass, 0.5))
     });
+    refuses("mass of the ellipsoid", MASS, " kg", |mass| {
+        Stepper::new(Ellipsoid::solid(mass, DVec3::ONE))
+    });
     refuses("mass of the cuboid", MASS, " kg", |mass| {
         Stepper::new(Cuboid::cube(mass, 0.5))
     });
@@ -143,6 +146,15 @@ fn every_solid_needs_lengths_above_zero() {
     });
     refuses("z edge of the cuboid", LENGTH, " m", |edge| {
         Stepper::new(Cuboid::solid(1.0, DVec3::new(0.1, 0.1, edge)))
+    });
+    refuses("x semi-axis of the ellipsoid", LENGTH, " m", |a| {
+        Stepper::new(Ellipsoid::solid(1.0, DVec3::new(a, 0.1, 0.1)))
+    });
+    refuses("y semi-axis of the ellipsoid", LENGTH, " m", |b| {
+        Stepper::new(Ellipsoid::solid(1.0, DVec3::new(0.1, b, 0.1)))
+    });
+    refuses("z semi-axis of the ellipsoid", LENGTH, " m", |c| {
+        Stepper::new(Ellipsoid::solid(1.0, DVec3::new(0.1, 0.1, c)))
     });
     refuses("radius of the capsule", LENGTH, " m", |radius| {
         Stepper::new(Capsule::solid(1.0, radius, 0.1))
@@ -1455,6 +1467,7 @@ impl Anything {
         let _ = die.side_up(&self.state());
         let _ = self.live_with(&die);
         let _ = self.live_with(&Sphere::loaded(radius, hull));
+        let _ = self.live_with(&Ellipsoid::loaded(plane.normal, hull));
         let masses: Vec<_> = self
             .points
             .iter()

@@ -13,8 +13,8 @@ use tumble::contract::{Battery, check_body};
 use tumble::f64::{Capsule, Cone, MassDistribution, Rotation};
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
-    ContactPoint, Cuboid, Face, FlatGround, MassProperties, PointCloud, PointMass, RigidPointBody,
-    Rod, Side, Solid, SolidCoin, Sphere, State, Stepper, UniformGravity,
+    ContactPoint, Cuboid, Ellipsoid, Face, FlatGround, MassProperties, PointCloud, PointMass,
+    RigidPointBody, Rod, Side, Solid, SolidCoin, Sphere, State, Stepper, UniformGravity,
 };
 
 /// Both within so many units in the last place of the largest entry, centre of mass and size; a dozen operations lie between them.
@@ -362,7 +362,7 @@ fn every_body_passes_its_contract() {
     let blank = ContactPoint::default();
     let egg = MassDistribution::ball(1.0, 0.3).at(DVec3::new(0.01, -0.02, 0.1));
     let tetrahedron = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO];
-    let bodies: [Box<dyn RigidPointBody>; 16] = [
+    let bodies: [Box<dyn RigidPointBody>; 18] = [
         Box::new(Sphere::solid(1.0, 0.3)),
         Box::new(Sphere::shell(1.0, 0.3)),
         Box::new(Sphere::loaded(0.3, egg)),
@@ -379,6 +379,8 @@ fn every_body_passes_its_contract() {
         Box::new(SolidCoin::new_in(vec![blank; 2002], 1.0, 0.01, 0.1)),
         Box::new(SolidCoin::new_in([blank; 6], 1.0, 0.5, 1e-6)),
         Box::new(Solid::hull(1.0, tetrahedron).unwrap()),
+        Box::new(Ellipsoid::solid(1.0, DVec3::new(1.0, 1e-3, 20.0))),
+        Box::new(Ellipsoid::loaded(DVec3::new(0.3, 0.3, 0.4), egg)),
     ];
     for seed in 0..3 {
         let battery = Battery { seed, cases: 200 };

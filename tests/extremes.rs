@@ -18,7 +18,7 @@ use proptest::test_runner::{TestCaseResult, TestRunner};
 use tumble::glam::DVec3;
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    AnisotropicCoulomb, Coin, Cone, ContactPoint, Coulomb, Cuboid, Dynamics, Energy,
+    AnisotropicCoulomb, Coin, Cone, ContactPoint, Coulomb, Cuboid, Dynamics, Ellipsoid, Energy,
     EnergyMomentum, Extent, FlatGround, Frictionless, Ground, HuntCrossley, Integrator,
     LimitedDamper, MassDistribution, Plane, PointCloud, Real, RigidPointBody, SlidingFriction,
     SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Step,
@@ -148,6 +148,7 @@ enum SolidKind {
     RoundDie,
     Cone,
     Hull,
+    Egg,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -468,6 +469,11 @@ impl Case {
                 let edges = place(1.0, 1.0, 1.0);
                 let heavy = MassDistribution::cuboid(mass, edges).at(place(0.0, 0.1, 0.05));
                 Box::new(Cuboid::loaded(edges, heavy).rounded(size * R::from_f64(0.1)))
+            }
+            SolidKind::Egg => {
+                let semi_axes = place(1.0, 0.7, 0.5);
+                let egg = MassDistribution::ellipsoid(mass, semi_axes).at(place(0.1, 0.0, -0.05));
+                Box::new(Ellipsoid::loaded(semi_axes, egg))
             }
             SolidKind::Cone => Box::new(Cone::solid_in([blank; 25], mass, size, size)),
             SolidKind::Hull => {
@@ -884,8 +890,8 @@ fn every_step_in_f32_keeps_its_promises_with_a_users_laws() {
 
 /// A share of the sweep over these scenes with solids in them.
 fn sweep_of_solids<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64) {
-    use SolidKind::{Coin, Cone, Hull, LoadedSphere, RoundDie};
-    let kinds = prop::sample::select(vec![Coin, LoadedSphere, RoundDie, Cone, Hull]);
+    use SolidKind::{Coin, Cone, Egg, Hull, LoadedSphere, RoundDie};
+    let kinds = prop::sample::select(vec![Coin, LoadedSphere, RoundDie, Cone, Hull, Egg, Egg]);
     let scenes = (cases(ranges, laws), kinds).prop_map(|(case, kind)| Case {
         body: BodyKind::Solid(kind),
         ..case

@@ -12,7 +12,7 @@ use crate::real::{Real, Vector};
 ///
 /// Its mass is above 0, its inertia symmetric and that of a solid; its contacts are finite, with radii of at least 0, none beyond its reach, nor beyond its `support` in a direction; `contacts_below`
 /// misses none, for planes in directions of a cube's faces, edges and corners, towards its contacts, and random ones, at offsets through its contacts,
-/// at the reach and far away; and all of it is the same whenever it is asked for.
+/// at the reach and far away; the place that a smooth body tells as the farthest in a direction is; and all of it is the same whenever it is asked for.
 ///
 /// Of contacts that lie nearer to a plane than 8 units in the last place of the reach either answer is right: so much is allowed for where `contacts_below` is asked.
 ///
@@ -35,6 +35,7 @@ pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
 
     let first = Portrait::of(body);
     first.check(&Portrait::of(body))?;
+    check_support_point(body, &mut battery.draw(), battery.cases)?;
     for normal in cube_directions::<R>() {
         check_offsets(body, &first, normal)?;
     }
@@ -73,6 +74,43 @@ fn check_support<R: Real, B: RigidPointBody<R> + ?Sized>(
     for (index, contact) in body.contacts().iter().enumerate() {
         let place = direction.dot(contact.position) + contact.radius;
         demand_at_most(place, bound, Clause::Reach, || Input::Contact { index })?;
+    }
+    Ok(())
+}
+
+/// A smooth body has one contact, and in each of these directions no other place that it tells is farther.
+fn check_support_point<R: Real, B: RigidPointBody<R> + ?Sized>(
+    body: &B,
+    draw: &mut Draw,
+    cases: u32,
+) -> Result<(), Breach> {
+    if !body.is_smooth() {
+        return Ok(());
+    }
+    let count = R::from_usize(body.contacts().len());
+    let alone = body.contacts().len() == 1;
+    demand(alone, Clause::Support, count, R::ONE, || Input::AsItIs)?;
+    let reach = body.reach();
+    let rounding = reach * ulps(16.0);
+    let mut other = R::Vec3::new(R::ZERO, R::ZERO, R::ONE);
+    for number in 0..cases {
+        let towards = cube_directions::<R>()
+            .nth(number as usize)
+            .unwrap_or_else(|| draw.direction::<R>());
+        let place = body.support_point(towards);
+        let input = || Input::Below {
+            normal: wide::<R>(towards),
+            offset: towards.dot(place).to_f64(),
+            index: 0,
+        };
+        demand_finite(place.length(), input)?;
+        demand_at_most(place.length(), reach + rounding, Clause::Support, input)?;
+        for elsewhere in [other, -towards, draw.direction::<R>()] {
+            let height = towards.dot(body.support_point(elsewhere));
+            let most = towards.dot(place) + rounding;
+            demand_at_most(height, most, Clause::Support, input)?;
+        }
+        other = towards;
     }
     Ok(())
 }

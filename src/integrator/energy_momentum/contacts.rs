@@ -5,7 +5,8 @@ use crate::body::{ContactPoint, RigidPointBody, Run};
 use crate::friction::{Drag, SlidingFriction};
 use crate::ground::{MeanForce, SpringDamperGround};
 use crate::real::{Real, Vector};
-use crate::scene::Dynamics;
+use crate::rotation::Rotation;
+use crate::scene::{Dynamics, facing_ground};
 
 /// How many contacts a step remembers from iteration to iteration. Of further ones it forgets the direction of slip, so that
 /// sticking takes more iterations; every promise holds for them too.
@@ -225,11 +226,17 @@ impl<R: Real> Contacts<R> {
 impl<R: Real> Touch<R> {
     #[inline]
     fn of<D: Dynamics<R>>(problem: &Problem<'_, R, D>, point: &ContactPoint<R>) -> Self {
-        let arm = problem.motion.axes.to_world(point.position);
-        let surface = problem
-            .scene
-            .ground()
-            .surface(problem.motion.position + arm);
+        let (body, ground) = (problem.scene.body(), problem.scene.ground());
+        let motion = &problem.motion;
+        let facing;
+        let point = if body.is_smooth() {
+            facing = facing_ground(body, ground, motion.position, &motion.axes);
+            &facing
+        } else {
+            point
+        };
+        let arm = motion.axes.to_world(point.position);
+        let surface = ground.surface(motion.position + arm);
         Self {
             arm,
             radius: point.radius,
@@ -242,7 +249,12 @@ impl<R: Real> Touch<R> {
     /// Works out what the contact does over a trial step.
     #[inline]
     fn respond<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, trial: &Trial<R>) {
-        let swung = trial.swing.times(self.arm);
+        let is_smooth = problem.scene.body().is_smooth();
+        let swung = if is_smooth {
+            wandered(problem, trial) - self.arm
+        } else {
+            trial.swing.times(self.arm)
+        };
         let moved = trial.shift + swung;
         let (normal, end_depth) = self.fall(problem, moved);
         let mean = problem
@@ -257,7 +269,11 @@ impl<R: Real> Touch<R> {
         let end_arm = self.arm + swung;
         let mut arm = (self.arm + end_arm) * R::HALF;
         let mut along = moved - normal * normal.dot(moved);
-        if self.radius > R::ZERO {
+        if is_smooth {
+            arm = carried::<R>(arm, normal, swung, trial.spin);
+            let path = trial.shift + trial.spin.cross(arm) * R::TWO;
+            along = path - normal * normal.dot(path);
+        } else if self.radius > R::ZERO {
             // The contact's place lies a radius below its centre and is carried round by the turn.
             arm -= normal * self.radius;
             along -= trial.spin.cross(normal) * (self.radius * R::TWO);
@@ -323,6 +339,33 @@ impl<R: Real> Touch<R> {
         } else {
             next
         }
+    }
+}
+
+/// From the centre of mass to the place of a smooth body that faces the ground at the end of a trial step, m, world axes.
+#[inline]
+fn wandered<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<R>) -> R::Vec3 {
+    let turn = Rotation::cayley_unscaled(trial.spin).after(problem.rotation);
+    let axes = turn.normalised().axes();
+    let (body, ground) = (problem.scene.body(), problem.scene.ground());
+    let facing = facing_ground(body, ground, problem.motion.position + trial.shift, &axes);
+    axes.to_world(facing.position)
+}
+
+/// The arm of a force along `normal` that does the springs' work on a smooth body: with the step's turn `2a`, `normal · (2a × arm) = normal · swung`.
+///
+/// The mean of the arms at start and end does so but for terms of third order in the turn, because at its own place the surface moves like the body's material; what
+/// lacks is added along `normal × 2a`, where that is not too small to divide by.
+#[inline]
+fn carried<R: Real>(mean: R::Vec3, normal: R::Vec3, swung: R::Vec3, spin: R::Vec3) -> R::Vec3 {
+    let lever = normal.cross(spin) * R::TWO;
+    let lack = normal.dot(swung) - lever.dot(mean);
+    let square = lever.length_squared();
+    let most = mean.length_squared() * square * spin.length_squared();
+    if square > R::ZERO && lack * lack <= most {
+        mean + lever * (lack / square)
+    } else {
+        mean
     }
 }
 

@@ -11,11 +11,12 @@ use core::ops::ControlFlow;
 use tumble::real::{Matrix, Quaternion, Vector};
 use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Coin, Cone, ContactPoint, Coulomb, Cuboid,
-    DormandPrince54, EnergyMomentum, FlatGround, ForwardEuler, Frictionless, Gravity, Ground,
-    HuntCrossley, Integrator, Ledger, LimitedDamper, MassDistribution, NoGravity, NoGround, Plane,
-    PointCloud, Ramp, Real, RigidPointBody, Rk4, Rotation, Sample, SceneError, SlidingFriction,
-    SmoothCoulomb, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Stepper,
-    StrangSplitting, Stribeck, SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves,
+    DormandPrince54, Ellipsoid, EnergyMomentum, FlatGround, ForwardEuler, Frictionless, Gravity,
+    Ground, HuntCrossley, Integrator, Ledger, LimitedDamper, MassDistribution, NoGravity, NoGround,
+    Plane, PointCloud, Ramp, Real, RigidPointBody, Rk4, Rotation, Sample, SceneError,
+    SlidingFriction, SmoothCoulomb, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State,
+    Stepper, StrangSplitting, Stribeck, SymplecticEuler, Terrain, Trial, UniformGravity, Viscous,
+    Waves,
 };
 
 /// What a scene has come to.
@@ -326,6 +327,9 @@ fn scenes<R: Bits, I: Integrator<R>>(
     let cone = Cone::solid(real(1.0), real(0.2), real(0.4));
     let load = MassDistribution::ball(real(1.0), real(0.25)).at(vector::<R>(0.0, 0.0, -0.08));
     let loaded_sphere = Sphere::loaded(real(0.3), load);
+    let semi_axes = vector::<R>(0.3, 0.2, 0.15);
+    let load = MassDistribution::ellipsoid(real(1.0), semi_axes);
+    let egg = Ellipsoid::loaded(semi_axes, load.at(vector::<R>(0.02, 0.0, -0.01)));
 
     let level = |stiffness, damping| FlatGround::level(real(stiffness), real(damping));
     let plane = Plane::<R>::through(vector::<R>(0.1, -0.2, 0.05), vector::<R>(0.2, -0.1, 1.0));
@@ -448,6 +452,7 @@ fn scenes<R: Bits, I: Integrator<R>>(
         play("loaded die", (&loaded_die, &level(3000.0, 3.0), &smooth, &falls), thrown, 1e-3, 0.5003)?;
         play("cone", (&cone, &level(2000.0, 3.0), &coulomb, &falls), thrown, 1e-3, 0.3003)?;
         play("loaded sphere", (&loaded_sphere, &level(2000.0, 5.0), &coulomb, &falls), thrown, 1e-3, 0.5003)?;
+        play("egg", (&egg, &level(2000.0, 5.0), &smooth, &falls), thrown, 1e-3, 0.5003)?;
         // Far beyond the explicit methods' limits: they are thrown off with whatever speed the first touch gives.
         play("stiff", (&lopsided, &level(1e7, 300.0), &coulomb, &NoGravity), falling, 1e-2, 2.003)?;
     };

@@ -12,7 +12,10 @@ use tumble::contract::{
 };
 use tumble::glam::DVec3;
 use tumble::{
-    BogackiShampine32, Capsule, Coin, Cone, ContactPoint, Coulomb, Cuboid, DormandPrince54, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Ledger, MassDistribution, Plane, PointCloud, PointMass, Real, RigidPointBody, Rk4, Rod, Sample, Solid, SolidCoin, Sphere, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
+    BogackiShampine32, Capsule, Coin, Cone, ContactPoint, Coulomb, Cuboid, DormandPrince54,
+    Ellipsoid, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Ledger, MassDistribution,
+    Plane, PointCloud, PointMass, Real, RigidPointBody, Rk4, Rod, Sample, Solid, SolidCoin, Sphere,
+    State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
 };
 
 unsafe extern "C" {
@@ -173,6 +176,8 @@ pub fn probe_solids(
     let die = Cuboid::loaded(edges, parts).rounded(radius);
     let _ = die.side_up(state)?.pips();
     sum += run(&die, EnergyMomentum { time_step }, knobs, state)?;
+    let egg = Ellipsoid::loaded(edges, parts);
+    sum += run(&egg, EnergyMomentum { time_step }, knobs, state)?;
     sum += run(
         Sphere::loaded(radius, parts),
         Rk4 { time_step },

@@ -1,0 +1,115 @@
+//! A smooth ellipsoid, loaded or not: an egg.
+
+use super::{ContactPoint, MassDistribution, RigidPointBody};
+use crate::error::{self, SceneError};
+use crate::real::{Real, Vector};
+
+/// An ellipsoid with its semi-axes along the body axes: its one contact wanders over its surface to the place that faces the ground.
+///
+/// That place is `s = (a² d_x, b² d_y, c² d_z)/h` for the direction d to the ground, with the distance `h = √(a² d_x² + b² d_y² + c² d_z²)` of the tangent plane from
+/// the middle (Goldman, *Pyramid Algorithms*, 2003, or any book on quadrics: the gradient of the support function h). The force acts there, and what slips is the body's
+/// material there, `v + ω × s`.
+///
+/// *Limits:* on a plane depth and force are exact; on a curved ground the place is that for the normal under the middle, good while the ground's radius of curvature is
+/// large against the body. One contact carries no moment about itself, so that the ellipsoid spins on a pivot without drilling friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ellipsoid<R: Real = f64> {
+    distribution: MassDistribution<R>,
+    semi_axes: R::Vec3,
+    /// A ball within it, which stands for it.
+    within: [ContactPoint<R>; 1],
+}
+
+// Where a method has a parameter `V`, it is `R::Vec3`. As a type of its own it tells the compiler the precision, which a projection does not.
+impl<R: Real> Ellipsoid<R> {
+    /// A homogeneous ellipsoid: moments `m (b² + c²)/5` and so on. Mass in kg, semi-axes in m.
+    #[must_use]
+    pub fn solid<V: Vector<R>>(mass: R, semi_axes: V) -> Self
+    where
+        R: Real<Vec3 = V>,
+    {
+        Self::loaded(semi_axes, MassDistribution::ellipsoid(mass, semi_axes))
+    }
+
+    /// An ellipsoid with these semi-axes (m) and its middle at the origin, with any mass distribution within.
+    #[must_use]
+    pub fn loaded<V: Vector<R>>(semi_axes: V, distribution: MassDistribution<R>) -> Self
+    where
+        R: Real<Vec3 = V>,
+    {
+        let least = semi_axes.x().at_most(semi_axes.y()).at_most(semi_axes.z());
+        Self {
+            semi_axes,
+            within: [ContactPoint {
+                // Not `-0` where there is no offset.
+                position: R::Vec3::ZERO - distribution.centre_of_mass,
+                radius: least,
+            }],
+            distribution,
+        }
+    }
+
+    /// Semi-axes, m.
+    #[inline]
+    #[must_use]
+    pub fn semi_axes(&self) -> R::Vec3 {
+        self.semi_axes
+    }
+
+    /// The middle of the ellipsoid from the centre of mass, m, body axes.
+    #[inline]
+    #[must_use]
+    pub fn middle(&self) -> R::Vec3 {
+        let [within] = self.within;
+        within.position
+    }
+}
+
+impl<R: Real> RigidPointBody<R> for Ellipsoid<R> {
+    #[inline]
+    fn mass(&self) -> R {
+        self.distribution.mass
+    }
+    #[inline]
+    fn inertia(&self) -> R::Mat3 {
+        self.distribution.inertia
+    }
+    #[inline]
+    fn contacts(&self) -> &[ContactPoint<R>] {
+        &self.within
+    }
+    /// That of a ball around it: not less than the farthest place, and no more than that and the middle's offset.
+    #[inline]
+    fn reach(&self) -> R {
+        let (a, b, c) = (self.semi_axes.x(), self.semi_axes.y(), self.semi_axes.z());
+        self.middle().length() + a.at_least(b).at_least(c)
+    }
+    #[inline]
+    fn is_smooth(&self) -> bool {
+        true
+    }
+    #[inline]
+    fn support_point(&self, towards: R::Vec3) -> R::Vec3 {
+        // Scaled by the largest semi-axis, so that no square of a length overflows or vanishes.
+        let (a, b, c) = (self.semi_axes.x(), self.semi_axes.y(), self.semi_axes.z());
+        let scale = a.at_least(b).at_least(c);
+        let ratios = [a / scale, b / scale, c / scale];
+        let [x, y, z] = ratios;
+        let stretched = R::Vec3::new(x * towards.x(), y * towards.y(), z * towards.z());
+        let height = stretched.length();
+        if height > R::ZERO {
+            let factor = scale / height;
+            let place = R::Vec3::new(x * stretched.x(), y * stretched.y(), z * stretched.z());
+            self.middle() + place * factor
+        } else {
+            self.middle()
+        }
+    }
+    fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("x semi-axis of the ellipsoid", self.semi_axes.x(), " m")?;
+        error::above_zero("y semi-axis of the ellipsoid", self.semi_axes.y(), " m")?;
+        error::above_zero("z semi-axis of the ellipsoid", self.semi_axes.z(), " m")?;
+        error::above_zero("mass of the ellipsoid", self.distribution.mass, " kg")?;
+        self.distribution.check()
+    }
+}

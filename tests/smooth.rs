@@ -1,0 +1,260 @@
+//! A body whose contact wanders over its surface: an ellipsoid.
+
+// Helpers of these tests fail by panicking, like the tests.
+#![allow(clippy::unwrap_used)]
+
+mod kit;
+
+use core::f64::consts::TAU;
+
+use kit::{cases, difference, directions, log_uniform, order};
+use proptest::prelude::*;
+use tumble::contract::{Battery, Clause, check_body};
+use tumble::f64::{Ellipsoid, MassDistribution, Sphere};
+use tumble::glam::{DMat3, DVec3};
+use tumble::{
+    ContactPoint, Coulomb, EnergyMomentum, FlatGround, Frictionless, Integrator, RigidPointBody,
+    Rk4, SlidingFriction, SmoothCoulomb, State, Stepper, StrangSplitting, UniformGravity,
+};
+
+const GRAVITY: f64 = 9.8;
+
+/// Where a body comes to in so many seconds.
+fn end<B: RigidPointBody, F: SlidingFriction>(
+    body: B,
+    (ground, friction): (FlatGround, F),
+    integrator: impl Integrator,
+    start: &State,
+    seconds: f64,
+) -> State {
+    let stepper = Stepper::new(body)
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
+        .and_then(|stepper| stepper.with_ground(ground))
+        .and_then(|stepper| stepper.with_friction(friction))
+        .and_then(|stepper| stepper.with_integrator(integrator))
+        .unwrap();
+    let mut state = *start;
+    stepper.advance(&mut state, seconds).unwrap();
+    state
+}
+
+proptest! {
+    #![proptest_config(cases(128))]
+
+    /// The tangent plane at the place that is farthest in a direction has the whole surface behind it, and touches it.
+    #[test]
+    fn the_support_is_the_farthest_place_of_the_surface(
+        axes in (log_uniform(1e-3, 1e3), log_uniform(1e-3, 1e3), log_uniform(1e-3, 1e3)),
+        towards in directions(), other in directions(),
+    ) {
+        let semi_axes = DVec3::from(axes);
+        let egg = Ellipsoid::solid(1.0, semi_axes);
+        let place = egg.support_point(towards);
+        // On the surface: (x/a)² + (y/b)² + (z/c)² = 1.
+        prop_assert!(((place / semi_axes).length() - 1.0).abs() < 1e-14);
+        let beyond = towards.dot(other.normalize() * semi_axes - place);
+        prop_assert!(beyond <= 1e-14 * semi_axes.max_element(), "{}", beyond);
+        let height = (semi_axes * towards).length();
+        prop_assert!((towards.dot(place) - height).abs() <= 1e-14 * height);
+    }
+}
+
+#[test]
+fn an_ellipsoid_with_equal_axes_is_a_sphere() {
+    let distribution = MassDistribution::ball(0.5, 0.1).at(DVec3::new(0.01, 0.0, -0.03));
+    let start = State::at(DVec3::Z * 0.2)
+        .turned_by(DVec3::new(0.3, 0.2, 0.0))
+        .with_linear_velocity(DVec3::new(0.5, 0.1, 0.0))
+        .with_angular_momentum(DVec3::new(0.004, 0.01, 0.02));
+    let laws = (
+        FlatGround::level(4e3, 5.0),
+        SmoothCoulomb {
+            coefficient: 0.3,
+            slip_speed: 1e-2,
+        },
+    );
+    let apart = |seconds: f64, time_step: f64| {
+        let egg = Ellipsoid::loaded(DVec3::splat(0.1), distribution);
+        let ball = Sphere::loaded(0.1, distribution);
+        let by = EnergyMomentum { time_step };
+        let implicit = difference(
+            &end(egg, laws, by, &start, seconds),
+            &end(ball, laws, by, &start, seconds),
+        );
+        let by = StrangSplitting { time_step };
+        let explicit = difference(
+            &end(egg, laws, by, &start, seconds),
+            &end(ball, laws, by, &start, seconds),
+        );
+        (implicit, explicit)
+    };
+    let (implicit, explicit) = apart(1.0, 1e-3);
+    // The same forces at the same places but for rounding.
+    assert!(explicit < 1e-11, "{explicit:e}");
+    assert!(implicit < 1e-7, "{implicit:e}");
+}
+
+/// At rest on its side a body with radius of curvature ρ below and its centre of mass at height c rocks at `ω² = m g (ρ - c)/I` where it slides, and at
+/// `m g (ρ - c)/(I + m c²)` where it rolls; an ellipse has `ρ = a²/c` at the end of its semi-axis c.
+#[test]
+fn an_ellipsoid_rocks_at_the_rate_of_its_curvature() {
+    let (mass, a, c) = (0.5, 0.15, 0.1);
+    let egg = Ellipsoid::solid(mass, DVec3::new(a, 0.1, c));
+    let moment = egg.inertia().y_axis.y;
+    let push = mass * GRAVITY * (a * a / c - c);
+    let ground = FlatGround::level(1e5, 0.0);
+    let sink = mass * GRAVITY / 1e5;
+    let amplitude = 1e-3;
+    let start = State::at(DVec3::Z * (c - sink)).turned_by(DVec3::Y * amplitude);
+    let rocked = |end: &State| 2.0 * end.orientation.y / amplitude;
+    let by = EnergyMomentum { time_step: 1e-4 };
+    let period = |moment: f64| TAU / (push / moment).sqrt();
+    let slides = end(egg, (ground, Frictionless), by, &start, period(moment));
+    // The depth takes sink/(ρ - c) = 6e-4 of the lever arm; the turn is of second order in the amplitude and in the phase of one period.
+    assert!((rocked(&slides) - 1.0).abs() < 1e-4, "{}", rocked(&slides));
+    let slides = end(
+        egg,
+        (ground, Frictionless),
+        by,
+        &start,
+        period(moment) / 4.0,
+    );
+    assert!(rocked(&slides).abs() < 2e-3, "{}", rocked(&slides));
+    let grip = Coulomb {
+        coefficient: 1.0,
+        slip_speed: 1e-8,
+    };
+    let rolling = moment + mass * c * c;
+    let rolls = end(egg, (ground, grip), by, &start, period(rolling) / 4.0);
+    assert!(rocked(&rolls).abs() < 2e-3, "{}", rocked(&rolls));
+}
+
+#[test]
+fn the_orders_are_those_of_fixed_contacts() {
+    let egg = Ellipsoid::loaded(
+        DVec3::new(0.15, 0.1, 0.08),
+        MassDistribution::ellipsoid(0.5, DVec3::new(0.15, 0.1, 0.08))
+            .at(DVec3::new(0.02, 0.0, 0.01)),
+    );
+    let laws = (
+        FlatGround::level(500.0, 0.5),
+        SmoothCoulomb {
+            coefficient: 0.3,
+            slip_speed: 0.3,
+        },
+    );
+    // In touch all the time: nothing is made or lost.
+    let start = State::at(DVec3::Z * 0.07)
+        .turned_by(DVec3::new(0.2, 0.1, 0.0))
+        .with_linear_velocity(DVec3::new(0.2, 0.1, 0.0))
+        .with_angular_momentum(DVec3::new(0.002, 0.003, 0.004));
+    let truth = end(egg, laws, Rk4 { time_step: 1e-5 }, &start, 0.1);
+    let error = |end: State| difference(&end, &truth);
+    let second = |time_step: f64| {
+        [
+            error(end(egg, laws, EnergyMomentum { time_step }, &start, 0.1)),
+            error(end(egg, laws, StrangSplitting { time_step }, &start, 0.1)),
+        ]
+    };
+    let (coarse, fine) = (second(1e-3), second(5e-4));
+    for (coarse, fine) in coarse.into_iter().zip(fine) {
+        let found = order(coarse, fine);
+        assert!((found - 2.0).abs() < 0.1, "{found} {coarse:e} {fine:e}");
+    }
+    let fourth = |time_step| error(end(egg, laws, Rk4 { time_step }, &start, 0.1));
+    let (coarse, fine) = (fourth(4e-3), fourth(2e-3));
+    let found = order(coarse, fine);
+    assert!((found - 4.0).abs() < 0.4, "{found} {coarse:e} {fine:e}");
+}
+
+#[test]
+fn an_egg_keeps_its_energy_where_nothing_takes_it() {
+    let egg = Ellipsoid::solid(0.5, DVec3::new(0.15, 0.1, 0.08));
+    let lost = |time_step: f64| {
+        let stepper = Stepper::new(egg)
+            .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
+            .and_then(|stepper| stepper.with_ground(FlatGround::level(2e3, 0.0)))
+            .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+            .unwrap();
+        let mut state = State::at(DVec3::Z * 0.2)
+            .turned_by(DVec3::new(0.2, 0.5, 0.0))
+            .with_angular_momentum(DVec3::new(0.004, 0.01, 0.02));
+        let first = stepper.energy(&state).total();
+        let mut before = first;
+        for _ in 0..1000 {
+            stepper.step(&mut state).unwrap();
+            let after = stepper.energy(&state).total();
+            assert!(after <= before, "{after} {before}");
+            before = after;
+        }
+        (first - before) / first
+    };
+    // Arm and depth belong together, so that only rounding is taken.
+    let lost = lost(1e-3);
+    assert!(lost < 1e-9, "{lost:e}");
+}
+
+/// A smooth body of a user's: a ball told by its support alone, or what he takes for one.
+struct Ball<const COUNT: usize = 1>([ContactPoint; COUNT], f64);
+
+impl<const COUNT: usize> RigidPointBody for Ball<COUNT> {
+    fn mass(&self) -> f64 {
+        0.5
+    }
+    fn inertia(&self) -> DMat3 {
+        MassDistribution::ball(0.5, 0.1).inertia
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        &self.0
+    }
+    fn is_smooth(&self) -> bool {
+        true
+    }
+    fn support_point(&self, towards: DVec3) -> DVec3 {
+        towards * self.1
+    }
+}
+
+#[test]
+fn a_support_that_is_not_the_farthest_place_is_caught() {
+    let contact = ContactPoint {
+        position: DVec3::ZERO,
+        radius: 0.1,
+    };
+    let check = |support| check_body(&Ball([contact], support), Battery::default());
+    check(0.1).unwrap();
+    for wrong in [-0.1, 0.2, f64::NAN] {
+        let breach = check(wrong).unwrap_err();
+        let told = if wrong.is_nan() {
+            Clause::Finite
+        } else {
+            Clause::Support
+        };
+        assert_eq!(breach.clause, told, "{breach}");
+    }
+    let two = check_body(&Ball([contact; 2], 0.1), Battery::default()).unwrap_err();
+    assert_eq!(two.clause, Clause::Support, "{two}");
+}
+
+#[test]
+fn a_smooth_body_of_a_user_may_be_a_ball() {
+    let contact = ContactPoint {
+        position: DVec3::ZERO,
+        radius: 0.1,
+    };
+    let ball = Ball([contact], 0.1);
+    let start = State::at(DVec3::Z * 0.2).with_linear_velocity(DVec3::X);
+    let laws = (
+        FlatGround::level(4e3, 5.0),
+        SmoothCoulomb {
+            coefficient: 0.3,
+            slip_speed: 1e-2,
+        },
+    );
+    let by = Rk4 { time_step: 1e-3 };
+    let apart = difference(
+        &end(&ball as &dyn RigidPointBody, laws, by, &start, 1.0),
+        &end(Sphere::solid(0.5, 0.1), laws, by, &start, 1.0),
+    );
+    assert!(apart < 1e-12, "{apart:e}");
+}
