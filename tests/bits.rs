@@ -46,7 +46,11 @@ fn every_scene_of_the_battery_is_run_to_its_end_and_is_another() {
         assert!(!outcome.ended_early, "{outcome:?}");
         assert_eq!(played_by(outcome), scenes, "{outcome:?}");
     }
-    let mut hashes: Vec<_> = outcomes.iter().map(|outcome| outcome.hash).collect();
+    // Of one method: a closed-form flight that never begins is another method's run.
+    let mut hashes: Vec<_> = outcomes
+        .iter()
+        .map(|o| (o.precision, o.integrator, o.hash))
+        .collect();
     hashes.sort_unstable();
     hashes.dedup();
     assert_eq!(hashes.len(), outcomes.len());
