@@ -163,7 +163,7 @@ struct Compensated<const ALL: bool> {
 }
 
 /// What rounding took from a sum.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Lost {
     position: Vec3,
     velocity: Vec3,

@@ -100,8 +100,13 @@ mod tests {
 
     /// How far apart, in units in the last place of the truth.
     fn units_apart(ours: f32, truth: f64) -> f64 {
-        let next = f32::from_bits((truth as f32).abs().to_bits() + 1);
-        let unit = f64::from(next) - f64::from((truth as f32).abs());
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "the unit is that of the nearest f32"
+        )]
+        let nearest = (truth as f32).abs();
+        let next = f32::from_bits(nearest.to_bits() + 1);
+        let unit = f64::from(next) - f64::from(nearest);
         (f64::from(ours) - truth).abs() / unit
     }
 
@@ -126,8 +131,8 @@ mod tests {
         for angle in [
             16_367_173.0 * 2.0_f32.powi(72),
             f32::MAX,
-            3.141_592_7,
-            1.570_796_4,
+            core::f32::consts::PI,
+            core::f32::consts::FRAC_PI_2,
             12.566_371,
         ] {
             let (sin, cos) = sin_cos(angle);
