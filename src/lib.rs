@@ -39,7 +39,7 @@
 //! - Several bodies, joints, motors, air, rolling resistance, a ground that moves or keeps a dent.
 //! - Sticking: on a slope of angle θ a body creeps at `slip_speed · tan θ/(coefficient - tan θ)`. With 1e-10 m/s that is a millimetre in four months.
 //! - A coefficient of restitution: bounces follow from spring and damper. Laws can be made for a bounce ([`SpringDamper::from_bounce`], [`HuntCrossley::from_bounce`]).
-//! - A smooth rim: a [`Coin`] of n points is out of round by `r (1 - cos(π/n))`, 0.17 mm for 120 points on 0.5 m.
+//! - A smooth rim: a [`Coin`] of n points is out of round by `r (1 - cos(π/n))`, 0.17 mm for 120 points on 0.5 m. Spheres, capsules and [`Ellipsoid`]s are smooth.
 //!
 //! # Units, frames, signs
 //!
