@@ -138,8 +138,12 @@ macro_rules! names_for {
             pub type Trial = crate::Trial<$real>;
             /// The stepper of a trial.
             pub type TrialStepper<I> = crate::trial::TrialStepper<$real, I>;
+            /// Torque against rolling and drilling.
+            pub type TurningResistance = crate::TurningResistance<$real>;
             /// Gravity, the same everywhere.
             pub type UniformGravity = crate::UniformGravity<$real>;
+            /// A friction law that also resists rolling and drilling.
+            pub type WithResistance<F> = crate::WithResistance<F, $real>;
             /// Waves of the ground.
             pub type Waves = crate::Waves<$real>;
             /// Friction in proportion to the slip.

@@ -132,6 +132,8 @@ pub enum Clause {
     NoLoadNoForce,
     /// Friction: without slip there is no force.
     NoSlipNoForce,
+    /// Friction: `turning` is always there or never, with torques of at least 0 and a turn speed above 0.
+    TurningOpposes,
     /// Friction: `drag` has a coefficient of `|force|/|slip|`, a width above 0, and a growth between 0 and 1.
     DragFits,
 
@@ -189,6 +191,9 @@ impl fmt::Display for Clause {
             Self::InSurface => "friction must lie in the surface",
             Self::NoLoadNoForce => "friction must be 0 without load",
             Self::NoSlipNoForce => "friction must be 0 without slip",
+            Self::TurningOpposes => {
+                "resistance to turning must be always there or never, and not below 0"
+            }
             Self::DragFits => "the drag must fit the force",
             Self::TakesTime => "a step must take more than 0 s",
             Self::KeepsToLimit => "a step must keep to its limit",

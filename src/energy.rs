@@ -65,7 +65,7 @@ impl<R: Real> Energy<R> {
 /// Power of the contacts on the body beyond what the springs store, by cause, W. Each is at most 0 for a ground and a friction that keep their contracts.
 ///
 /// The energy falls at their sum: `dE/dt = friction + damper + clamp`. With `N` the normal force, `S` the spring's share of it, and `c` the closing speed, a
-/// contact gives `force · slip` to friction, and `(S - N) c` to the damper; where the clamp has cut the whole force (`N = 0`), `S c` goes to the clamp instead.
+/// contact gives `force · slip` to friction (and `torque · ω`, where it resists turning), and `(S - N) c` to the damper; where the clamp has cut the whole force (`N = 0`), `S c` goes to the clamp instead.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Dissipation<R = f64> {
@@ -82,8 +82,10 @@ impl<R: Real> Dissipation<R> {
     #[must_use]
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Self {
         let mut power = Self::default();
-        scene.visit_contacts(&scene.motion(state), |contact| {
-            power = power.plus(&force_and_power(scene, contact).1, R::ONE);
+        let motion = scene.motion(state);
+        let turning = motion.angular_velocity;
+        scene.visit_contacts(&motion, |contact| {
+            power = power.plus(&force_and_power(scene, contact, turning).1, R::ONE);
         });
         power
     }
@@ -112,6 +114,7 @@ impl<R: Real> Dissipation<R> {
 fn force_and_power<R: Real>(
     scene: &impl Dynamics<R>,
     contact: &Contact<R>,
+    angular_velocity: R::Vec3,
 ) -> (R::Vec3, Dissipation<R>) {
     let ground = scene.ground();
     let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
@@ -122,12 +125,28 @@ fn force_and_power<R: Real>(
     } else {
         (R::ZERO, lost)
     };
+    let mut rubbed = friction.dot(contact.slip);
+    if let Some(torque) = torque_on(scene, contact, angular_velocity) {
+        rubbed += torque.dot(angular_velocity);
+    }
     let power = Dissipation {
-        friction: friction.dot(contact.slip),
+        friction: rubbed,
         damper,
         clamp,
     };
     (contact.normal * normal_force + friction, power)
+}
+
+/// Torque on the body at a contact beyond that of its force, N m, where the friction law resists turning.
+#[inline]
+fn torque_on<R: Real>(
+    scene: &impl Dynamics<R>,
+    contact: &Contact<R>,
+    angular_velocity: R::Vec3,
+) -> Option<R::Vec3> {
+    let (ground, friction) = (scene.ground(), scene.friction());
+    friction.turning(R::ZERO)?;
+    Some(contact.turning_torque(ground, friction, angular_velocity))
 }
 
 /// What books of energy ask of a state, from a single look at its contacts.
@@ -149,8 +168,11 @@ impl<R: Real> Account<R> {
         let (mut load, mut dissipation) = (Load::default(), Dissipation::default());
         let mut springs = R::ZERO;
         scene.visit_contacts(&motion, |contact| {
-            let (force, power) = force_and_power(scene, contact);
+            let (force, power) = force_and_power(scene, contact, motion.angular_velocity);
             load.add(contact, force);
+            if let Some(torque) = torque_on(scene, contact, motion.angular_velocity) {
+                load.torque += torque;
+            }
             dissipation = dissipation.plus(&power, R::ONE);
             springs += scene.ground().spring_energy(contact.depth);
         });

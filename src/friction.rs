@@ -2,11 +2,13 @@
 
 mod anisotropic;
 mod coulomb;
+mod resistance;
 mod stribeck;
 mod viscous;
 
 pub use anisotropic::AnisotropicCoulomb;
 pub use coulomb::{Coulomb, SmoothCoulomb};
+pub use resistance::{TurningResistance, WithResistance};
 pub use stribeck::Stribeck;
 pub use viscous::Viscous;
 
@@ -27,6 +29,7 @@ use crate::real::{Real, Vector};
 /// | [`Stribeck`] | `N u (μ(u)/(u + ε) + v)`, μ falling from static to kinetic | stick and slip, squeal, greased contacts |
 /// | [`AnisotropicCoulomb`] | on an ellipse of half axes `μ₁ N`, `μ₂ N` | grain: wood, brushed metal |
 /// | [`Viscous`] | `c N u` | wet ground |
+/// | any of them in [`WithResistance`] | and torques against rolling and drilling | balls that roll out, tops that spin down |
 /// | [`Frictionless`] | 0 | ice, and what is computed without friction |
 ///
 /// ```
@@ -62,6 +65,14 @@ pub trait SlidingFriction<R: Real = f64> {
         drag_by_differences(self, normal_force, slip)
     }
 
+    /// How a contact that presses with `normal_force` (N) resists the body's rolling and drilling, if the law does at all: always, or never.
+    ///
+    /// The provided method says never, which costs nothing. [`WithResistance`] adds it to any law.
+    #[inline]
+    fn turning(&self, _normal_force: R) -> Option<TurningResistance<R>> {
+        None
+    }
+
     /// Whether the law can be: called once, when a scene is composed.
     ///
     /// # Errors
@@ -79,6 +90,10 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> SlidingFriction<R> for &F {
     #[inline]
     fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
         (**self).drag(normal_force, slip)
+    }
+    #[inline]
+    fn turning(&self, normal_force: R) -> Option<TurningResistance<R>> {
+        (**self).turning(normal_force)
     }
     #[inline]
     fn check(&self) -> Result<(), SceneError> {

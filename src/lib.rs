@@ -28,7 +28,7 @@
 //! - A ground of springs and dampers under each contact, that never pulls: the report's on a plane at any height and tilt ([`FlatGround`]); a choice of laws ([`ContactLaw`]) on a choice of shapes
 //!   ([`Shape`]), joined by a [`Ground`], also hills and valleys ([`Terrain`]); or yours.
 //! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), with a static and a kinetic coefficient ([`Stribeck`]) or two directions
-//!   ([`AnisotropicCoulomb`]); [`Viscous`]; or yours.
+//!   ([`AnisotropicCoulomb`]); [`Viscous`]; or yours. Resistance to rolling and drilling beside any of them ([`WithResistance`]).
 
 //! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), or yours.
 //! - Bodies: rings of points ([`Coin`]), solids ([bodies](body#bodies)), and anything put together from solids and points ([`Solid`], [`MassDistribution`], [`PointCloud`]).
@@ -36,7 +36,7 @@
 //!
 //! # What is not
 //!
-//! - Several bodies, joints, motors, air, rolling resistance, a ground that moves or keeps a dent.
+//! - Several bodies, joints, motors, air, a ground that moves or keeps a dent.
 //! - Sticking: on a slope of angle θ a body creeps at `slip_speed · tan θ/(coefficient - tan θ)`. With 1e-10 m/s that is a millimetre in four months.
 //! - A coefficient of restitution: bounces follow from spring and damper. Laws can be made for a bounce ([`SpringDamper::from_bounce`], [`HuntCrossley::from_bounce`]).
 //! - A smooth rim: a [`Coin`] of n points is out of round by `r (1 - cos(π/n))`, 0.17 mm for 120 points on 0.5 m. Spheres, capsules and [`Ellipsoid`]s are smooth.
@@ -131,7 +131,7 @@ pub use energy::{Account, Dissipation, Energy};
 pub use error::{SceneError, StepError};
 pub use friction::{
     AnisotropicCoulomb, Coulomb, Drag, Frictionless, SlidingFriction, SmoothCoulomb, Stribeck,
-    Viscous,
+    TurningResistance, Viscous, WithResistance,
 };
 pub use gravity::{Gravity, NoGravity, UniformGravity};
 pub use ground::{

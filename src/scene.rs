@@ -124,8 +124,26 @@ pub trait Dynamics<R: Real = f64> {
         self.visit_run(run, motion, |contact| {
             load.add(contact, contact.force(self.ground(), self.friction()));
         });
+        if let Some(torque) = turning_torque(self, run, motion) {
+            load.torque += torque;
+        }
         load
     }
+}
+
+/// Torque of the contacts of `run` against the body's turning, N m, where the friction law resists it.
+#[inline(always)]
+pub(crate) fn turning_torque<R: Real, D: Dynamics<R> + ?Sized>(
+    scene: &D,
+    run: Run,
+    motion: &Motion<R>,
+) -> Option<R::Vec3> {
+    scene.friction().turning(R::ZERO)?;
+    let mut sum = R::Vec3::ZERO;
+    scene.visit_run(run, motion, |contact| {
+        sum += contact.turning_torque(scene.ground(), scene.friction(), motion.angular_velocity);
+    });
+    Some(sum)
 }
 
 /// Where everything of a body is and how it moves, in world axes.
@@ -232,6 +250,27 @@ pub(crate) fn facing_ground<R: Real, B: RigidPointBody<R>, G: SpringDamperGround
     let middle = body.contacts().first().copied().unwrap_or_default();
     let surface = ground.surface(position + axes.to_world(middle.position));
     ContactPoint::bare(body.support_point(axes.to_body(-surface.normal)))
+}
+
+impl<R: Real> Contact<R> {
+    /// The ground's torque on a body that turns (rad/s), beyond that of the force, N m: 0 but for a law that resists turning.
+    #[inline]
+    pub fn turning_torque<G, F>(
+        &self,
+        ground: &G,
+        friction: &F,
+        angular_velocity: R::Vec3,
+    ) -> R::Vec3
+    where
+        G: SpringDamperGround<R>,
+        F: SlidingFriction<R>,
+    {
+        let normal_force = ground.normal_force(self.depth, self.closing_speed);
+        match friction.turning(normal_force) {
+            Some(resistance) => resistance.torque(self.normal, angular_velocity),
+            None => R::Vec3::ZERO,
+        }
+    }
 }
 
 /// From the centre of mass to the place of a contact's surface that faces the ground, m, world axes.

@@ -18,7 +18,7 @@ use tumble::{
     MassDistribution, Plane, PointCloud, PointMass, Ramp, Real, Relief, RigidPointBody, Rk4, Rod,
     SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
     SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck, Surface,
-    SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves,
+    SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves, WithResistance,
 };
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -871,6 +871,45 @@ fn the_numbers_of_stribecks_friction_are_in_their_ranges() {
     });
     refuses("viscous friction", AT_LEAST_ZERO, " s/m", |coefficient| {
         Stepper::new(point_mass(1.0))?.with_friction(Viscous { coefficient })
+    });
+}
+
+#[test]
+fn the_numbers_of_turning_resistance_are_in_their_ranges() {
+    let law = WithResistance {
+        friction: Viscous { coefficient: 1.0 },
+        rolling: 1e-3,
+        drilling: 1e-3,
+        turn_speed: 1e-3,
+    };
+    let with = |law: WithResistance<Viscous>| {
+        Stepper::new(point_mass(1.0))?
+            .with_friction(law)
+            .map(|_| ())
+    };
+    refuses(
+        "length of the rolling resistance",
+        AT_LEAST_ZERO,
+        " m",
+        |rolling| with(WithResistance { rolling, ..law }),
+    );
+    refuses(
+        "length of the drilling resistance",
+        AT_LEAST_ZERO,
+        " m",
+        |drilling| with(WithResistance { drilling, ..law }),
+    );
+    refuses(
+        "turn speed of the resistance",
+        ABOVE_ZERO,
+        " rad/s",
+        |turn_speed| with(WithResistance { turn_speed, ..law }),
+    );
+    refuses("viscous friction", AT_LEAST_ZERO, " s/m", |coefficient| {
+        with(WithResistance {
+            friction: Viscous { coefficient },
+            ..law
+        })
     });
 }
 

@@ -19,7 +19,7 @@ use tumble::{
     Ground, HuntCrossley, Integrator, LimitedDamper, MeanForce, NoGround, Plane, PointCloud, Ramp,
     Real, RigidPointBody, Rk4, SceneError, SlidingFriction, SmoothCoulomb, SpringDamper,
     SpringDamperGround, State, Step, StepError, StrangSplitting, Stribeck, Surface,
-    SymplecticEuler, Terrain, Viscous, Waves, error,
+    SymplecticEuler, Terrain, TurningResistance, Viscous, Waves, WithResistance, error,
 };
 
 /// Ten batteries of other numbers.
@@ -170,6 +170,13 @@ fn every_built_in_friction_passes() {
                 check_friction(&Differences(coulomb), &SLIDES, battery).unwrap();
                 let viscous = Viscous { coefficient };
                 check_friction(&viscous, &SLIDES, battery).unwrap();
+                let resisting = WithResistance {
+                    friction: coulomb,
+                    rolling: coefficient * 1e-3,
+                    drilling: 0.0,
+                    turn_speed: slip_speed,
+                };
+                check_friction(&resisting, &SLIDES, battery).unwrap();
                 for (kinetic, viscous) in [(0.5, 0.0), (1.0, 0.1), (2.0, 10.0), (0.0, 0.0)] {
                     let stribeck = Stribeck {
                         static_coefficient: coefficient,
@@ -772,6 +779,30 @@ fn a_mean_force_that_is_not_the_laws_is_caught() {
 }
 
 // Friction laws.
+
+/// Resists turning as a contact does that pulls.
+struct Pushing(f64);
+
+impl SlidingFriction for Pushing {
+    fn force(&self, _normal_force: f64, _slip: DVec3) -> DVec3 {
+        DVec3::ZERO
+    }
+    fn turning(&self, normal_force: f64) -> Option<TurningResistance> {
+        (normal_force > 0.0 || self.0 < 0.0).then_some(TurningResistance {
+            rolling: self.0 * normal_force,
+            drilling: 0.0,
+            turn_speed: 1.0,
+        })
+    }
+}
+
+#[test]
+fn a_resistance_that_drives_or_comes_and_goes_is_found() {
+    for factor in [-1.0, 1.0] {
+        let breach = check_friction(&Pushing(factor), &SLIDES, Battery::default()).unwrap_err();
+        assert_eq!(breach.clause, Clause::TurningOpposes, "{breach}");
+    }
+}
 
 /// A law with the provided drag.
 struct Differences(Coulomb);

@@ -22,7 +22,7 @@ use tumble::{
     EnergyMomentum, Extent, FlatGround, Frictionless, Ground, HuntCrossley, Integrator,
     LimitedDamper, MassDistribution, Plane, PointCloud, Real, RigidPointBody, SlidingFriction,
     SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Step,
-    Stepper, Stribeck, Surface, Terrain, UniformGravity, Viscous, Waves,
+    Stepper, Stribeck, Surface, Terrain, UniformGravity, Viscous, Waves, WithResistance,
 };
 
 /// Evaluations of the contacts that a step may take: a step that cannot be taken whole is halved down to sixteenths (1 + 2 + 4 + 8 + 16 attempts), and an
@@ -170,6 +170,8 @@ enum FrictionKind {
     Stribeck,
     Viscous,
     Anisotropic,
+    /// Coulomb's, with resistance to rolling and drilling.
+    Resisting,
     Oil,
     None,
 }
@@ -340,6 +342,7 @@ fn cases(ranges: Ranges, laws: Laws) -> impl Strategy<Value = Case> {
             FrictionKind::Stribeck,
             FrictionKind::Viscous,
             FrictionKind::Anisotropic,
+            FrictionKind::Resisting,
         ],
         Laws::Users => vec![
             FrictionKind::Oil,
@@ -576,6 +579,15 @@ impl Case {
                     slip_speed,
                 ))
             }
+            FrictionKind::Resisting => Box::new(WithResistance {
+                friction: Coulomb {
+                    coefficient,
+                    slip_speed,
+                },
+                rolling: R::from_f64(self.coefficient * self.size * 0.01),
+                drilling: R::from_f64(self.coefficient * self.size * 0.1),
+                turn_speed: slip_speed,
+            }),
             FrictionKind::Oil => Box::new(Oil { drag: coefficient }),
             FrictionKind::None => Box::new(Frictionless),
         }

@@ -22,7 +22,7 @@ pub struct FrictionRange<R: Real = f64> {
 /// Checks a friction law, at loads and slips from 10⁻¹² of the largest to the largest, at 0, and in all directions of the surface.
 ///
 /// The force is finite and lies in the surface; it opposes the slip (`force · slip <= 0`); it is 0 without load, and 0 without slip, where there is nothing to
-/// oppose. Of `drag`: no number is negative, the width is above 0, the growth at most 1, and the coefficient is `-force · slip/slip²` to the root of the rounding (it steers an iteration).
+/// oppose. Of `turning`: it is always there or never, its torques are at least 0, and 0 without load, and its turn speed is above 0. Of `drag`: no number is negative, the width is above 0, the growth at most 1, and the coefficient is `-force · slip/slip²` to the root of the rounding (it steers an iteration).
 ///
 /// ```
 /// use tumble::contract::{Battery, FrictionRange, check_friction};
@@ -90,7 +90,33 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         demand_at_most(force.dot(slip), bound, Clause::Opposes, input)?;
         let lifted = force.dot(self.normal).abs();
         demand_at_most(lifted, size * ulps(16.0), Clause::InSurface, input)?;
+        self.turning_at(load, slip)?;
         self.drag_at(load, slip, force)
+    }
+
+    fn turning_at(&self, load: R, slip: R::Vec3) -> Result<(), Breach> {
+        let input = || Input::Slide {
+            normal_force: load.to_f64(),
+            slip: wide::<R>(slip),
+        };
+        let (found, o) = (self.friction.turning(load), R::ZERO);
+        let says = |resists: bool| if resists { R::ONE } else { o };
+        let never = says(self.friction.turning(o).is_some());
+        let off = (says(found.is_some()) - never).abs();
+        demand_at_most(off, o, Clause::TurningOpposes, input)?;
+        let Some(turning) = found else {
+            return Ok(());
+        };
+        for limit in [turning.rolling, turning.drilling] {
+            demand_finite(limit, input)?;
+            demand_at_least(limit, o, Clause::TurningOpposes, input)?;
+            if load == o {
+                demand_at_most(limit, o, Clause::NoLoadNoForce, input)?;
+            }
+        }
+        let speed = turning.turn_speed;
+        demand_finite(speed, input)?;
+        demand(speed > o, Clause::TurningOpposes, speed, o, input)
     }
 
     fn drag_at(&self, load: R, slip: R::Vec3, force: R::Vec3) -> Result<(), Breach> {

@@ -12,7 +12,7 @@ mod touch;
 use super::Step;
 use super::rk4::Point;
 use crate::error::{self, Quantity, Rule, SceneError, StepError};
-use crate::friction::SlidingFriction;
+use crate::friction::{SlidingFriction, TurningResistance};
 use crate::ground::{SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Load, Motion};
@@ -121,6 +121,7 @@ struct Likeness<R: Real> {
     surface: Surface<R>,
     normal_forces: [R; 2],
     friction: R::Vec3,
+    turning: Option<TurningResistance<R>>,
 }
 
 impl<R: Real> Likeness<R> {
@@ -136,6 +137,7 @@ impl<R: Real> Likeness<R> {
             friction: scene
                 .friction()
                 .force(R::ONE, R::Vec3::new(R::ONE, R::ZERO, R::ZERO)),
+            turning: scene.friction().turning(R::ONE),
         }
     }
 }

@@ -20,6 +20,7 @@ mod resist;
 mod settle;
 mod split;
 mod stiffness;
+mod turning;
 
 use super::{Integrator, Step, step_length};
 use crate::body::{RigidPointBody, Run};
@@ -176,6 +177,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
         .unwrap_or_else(|| Energy::of(scene, &start));
     let mut energy = before;
     let mut step = Step::new(dt, 0);
+    turning::resisted(scene, state, &mut energy, dt * R::HALF);
     // In sixteenths of the step: what is done, and the length that is tried.
     let (mut done, mut length) = (0, PARTS);
     let mut lost = 0;
@@ -206,6 +208,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
             }
         }
     }
+    turning::resisted(scene, state, &mut energy, dt * R::HALF);
     if energy.springs > R::ZERO
         && ratchet::has_come_to_rest(scene, [&start, state], [&before, &energy], dt)
     {

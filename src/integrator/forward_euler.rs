@@ -1,10 +1,11 @@
 //! The report's method: forward Euler with an exact turn.
 
 use super::{Integrator, Step, step_length};
+use crate::body::{RigidPointBody, Run};
 use crate::error::{self, SceneError, StepError};
 use crate::real::{Real, Vector};
 use crate::rotation::{Axes, Rotation};
-use crate::scene::{Dynamics, Load, Motion};
+use crate::scene::{Dynamics, Load, Motion, turning_torque};
 use crate::state::State;
 
 /// The report's order of operations on a plain state: forward Euler, with the body turned exactly about its angular velocity.
@@ -78,5 +79,9 @@ fn load_with_arms<R: Real>(
         load.torque += arm.cross(force);
         load.touching += 1;
     });
+    let run = Run::all(scene.body().contacts().len());
+    if let Some(torque) = turning_torque(scene, run, motion) {
+        load.torque += torque;
+    }
     load
 }

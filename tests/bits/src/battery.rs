@@ -16,7 +16,7 @@ use tumble::{
     MassDistribution, NoGravity, NoGround, Plane, PointCloud, PointMass, Ramp, Real,
     RigidPointBody, Rk4, Rod, Rotation, Sample, SceneError, SlidingFriction, SmoothCoulomb,
     SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Stepper, StrangSplitting, Stribeck,
-    SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves,
+    SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves, WithResistance,
 };
 
 /// What a scene has come to.
@@ -371,6 +371,12 @@ fn scenes<R: Bits, I: Integrator<R>>(
     let viscous = Viscous::<R> {
         coefficient: real(0.4),
     };
+    let resisting = WithResistance::<_, R> {
+        friction: smooth,
+        rolling: real(2e-3),
+        drilling: real(5e-3),
+        turn_speed: real(1e-2),
+    };
     // The square of its slip speed is below f32's normal numbers.
     let steep = SmoothCoulomb::<R> {
         coefficient: real(0.2),
@@ -449,6 +455,8 @@ fn scenes<R: Bits, I: Integrator<R>>(
         play("waves", (&lopsided, &waves, &coulomb, &falls), thrown, 1e-3, 0.5003)?;
         play("ramp", (&lopsided, &ramp, &coulomb, &falls), thrown, 1e-3, 0.5003)?;
         play("ball in a bowl", (&ball, &bowl, &coulomb, &falls), thrown, 1e-3, 0.5003)?;
+        play("ball that rolls out", (&ball, &level(2000.0, 5.0), &resisting, &falls), thrown, 1e-3, 0.5003)?;
+        play("cloud that resists turning", (&lopsided, &slope(4000.0, 6.0), &resisting, &falls), thrown, 1e-3, 0.5003)?;
         play("solid coin", (&nickel, &slope(2000.0, 2.0), &coulomb, &falls), thrown, 1e-3, 0.5003)?;
         play("loaded die", (&loaded_die, &level(3000.0, 3.0), &smooth, &falls), thrown, 1e-3, 0.5003)?;
         play("cone", (&cone, &level(2000.0, 3.0), &coulomb, &falls), thrown, 1e-3, 0.3003)?;

@@ -1,0 +1,98 @@
+//! Resistance to rolling and to drilling: a torque beside the force of friction.
+
+use super::{Drag, SlidingFriction};
+use crate::error::{self, SceneError};
+use crate::real::{Real, Vector};
+
+/// How one contact resists the body's turning: with ω's parts along the ground (rolling) and along its normal (drilling, spin on the spot),
+/// `torque = -rolling ωₜ/(|ωₜ| + turn_speed) - drilling ωₙ/(|ωₙ| + turn_speed)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TurningResistance<R = f64> {
+    /// Largest torque against rolling, N m, at least 0.
+    pub rolling: R,
+    /// Largest torque against drilling, N m, at least 0.
+    pub drilling: R,
+    /// rad/s, above 0. The turning at which half of the torque is reached.
+    pub turn_speed: R,
+}
+
+impl<R: Real> TurningResistance<R> {
+    /// Torque on a body (N m, world axes) that turns with this angular velocity (rad/s) on a ground with this normal.
+    ///
+    /// Never adds energy: `torque · angular_velocity <= 0`.
+    #[inline]
+    #[must_use]
+    pub fn torque(&self, normal: R::Vec3, angular_velocity: R::Vec3) -> R::Vec3 {
+        let drilling = normal * normal.dot(angular_velocity);
+        let rolling = angular_velocity - drilling;
+        let [roll, drill] = self.per_turn(rolling.length(), drilling.length());
+        -(rolling * roll + drilling * drill)
+    }
+
+    /// Torque over turning, N m s, for both parts of it (rad/s).
+    #[inline]
+    pub(crate) fn per_turn(&self, rolling: R, drilling: R) -> [R; 2] {
+        [
+            self.rolling / (rolling + self.turn_speed),
+            self.drilling / (drilling + self.turn_speed),
+        ]
+    }
+}
+
+/// A friction law with resistance to rolling and to drilling beside it.
+///
+/// Each contact that presses with N resists with torques of up to `rolling · N` and `drilling · N`: see [`TurningResistance`]. The lengths are those of the field: a wheel that takes the force f N to be kept
+/// rolling has `rolling = f · radius`; a ball of radius r sunk by d has a patch of the radius a = √(2 r d), and by Coulomb's law under Hertz's pressure `drilling = 3π/16 μ a` (Johnson, Contact Mechanics, 1985).
+///
+/// ```
+/// use tumble::{Coulomb, WithResistance};
+///
+/// // A billiard ball on cloth: it rolls out with the deceleration 5/7 · rolling/radius · g.
+/// let cloth = WithResistance { friction: Coulomb { coefficient: 0.2, slip_speed: 1e-4 }, rolling: 2.9e-4, drilling: 1.2e-3, turn_speed: 1e-2 };
+/// # use tumble::{Sphere, Stepper};
+/// # Stepper::new(Sphere::solid(0.17, 0.0286))?.with_friction(cloth)?;
+/// # Ok::<(), tumble::SceneError>(())
+/// ```
+///
+/// *Limits:* it does not hold: a ball on a slope of angle θ, with `tan θ < rolling/radius`, creeps at the turning `turn_speed · t/(1 - t)`, `t = tan θ · radius/rolling`. Bodies on many contacts feel it at each. [`EnergyMomentum`](crate::EnergyMomentum) takes it in two halves, before and after each step
+/// (its energy never rises), under the load at those moments: a bounce that is shorter than the step feels none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct WithResistance<F, R = f64> {
+    /// The force.
+    pub friction: F,
+    /// Against rolling, m, at least 0.
+    pub rolling: R,
+    /// Against drilling, m, at least 0.
+    pub drilling: R,
+    /// rad/s, above 0. The turning at which half of the torque is reached.
+    pub turn_speed: R,
+}
+
+impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for WithResistance<F, R> {
+    #[inline]
+    fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        self.friction.force(normal_force, slip)
+    }
+
+    #[inline]
+    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
+        self.friction.drag(normal_force, slip)
+    }
+
+    #[inline]
+    fn turning(&self, normal_force: R) -> Option<TurningResistance<R>> {
+        Some(TurningResistance {
+            rolling: self.rolling * normal_force,
+            drilling: self.drilling * normal_force,
+            turn_speed: self.turn_speed,
+        })
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        self.friction.check()?;
+        error::at_least_zero("length of the rolling resistance", self.rolling, " m")?;
+        error::at_least_zero("length of the drilling resistance", self.drilling, " m")?;
+        error::above_zero("turn speed of the resistance", self.turn_speed, " rad/s")
+    }
+}

@@ -1,0 +1,124 @@
+//! Resistance to rolling and drilling, on a body that stands still: half of it before a step, half of it after.
+//!
+//! ```text
+//! (I + h Σ K) ω' = I ω,     K = k_r (1 - n nᵀ) + k_d n nᵀ,     k_r, k_d >= 0
+//! ```
+//!
+//! Backward Euler, all contacts at once; the resistances `k` fit the law at ω' after a few passes. Whatever they are, the energy of turning falls, by
+//! `h (2 ω'ᵀ Σ K ω' + ...)/2`, as for the impulses of [`resist`](super::resist). Rounding has the last word: where the computed energy is not lower, nothing is done.
+
+use crate::energy::Energy;
+use crate::friction::{SlidingFriction, TurningResistance};
+use crate::ground::SpringDamperGround;
+use crate::real::{Real, Vector};
+use crate::scene::{Dynamics, Motion};
+use crate::state::State;
+
+/// Passes that fit the resistances to the law. Each keeps the energy from rising.
+const PASSES: u32 = 6;
+
+/// What one contact's law takes of the angular momentum in a time, h times its torque: the columns of `h K`, and `h K ω`.
+type Columns<R> = [<R as Real>::Vec3; 3];
+
+/// The state and its energy after its contacts have resisted its turning for a time (s); as they were for a friction law without resistance.
+#[inline]
+pub(super) fn resisted<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    state: &mut State<R>,
+    energy: &mut Energy<R>,
+    seconds: R,
+) {
+    if scene.friction().turning(R::ZERO).is_none() {
+        return;
+    }
+    let slowed = slowed(scene, state, seconds);
+    if slowed.not_finite().is_some() {
+        return;
+    }
+    let lower = Energy::of(scene, &slowed);
+    if lower.total() <= energy.total() {
+        (*state, *energy) = (slowed, lower);
+    }
+}
+
+fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
+    let motion = scene.motion(state);
+    let properties = scene.mass_properties();
+    let (inertia, momentum) = properties.inertia_for_solving(&motion.axes, state.angular_momentum);
+    let before = motion.angular_velocity;
+    let mut after = before;
+    let mut taken = R::Vec3::ZERO;
+    for _ in 0..PASSES {
+        let resistance = resistance(scene, &motion, after, seconds);
+        let resisted = times::<R>(&resistance, before);
+        if resisted == R::Vec3::ZERO {
+            return *state;
+        }
+        let [x, y, z] = [0, 1, 2].map(|i| nth::<R>(&inertia, i) + nth::<R>(&resistance, i));
+        let change = solved::<R>([x, y, z], -resisted);
+        taken = times::<R>(&inertia, change);
+        after = before + change;
+    }
+    State {
+        angular_momentum: properties.without_dead_spin(state.rotation(), momentum + taken),
+        ..*state
+    }
+}
+
+/// `h Σ K` for contacts that resist as they do at an angular velocity.
+fn resistance<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    motion: &Motion<R>,
+    angular_velocity: R::Vec3,
+    seconds: R,
+) -> Columns<R> {
+    let mut sum = [R::Vec3::ZERO; 3];
+    scene.visit_contacts(motion, |contact| {
+        let normal_force = scene
+            .ground()
+            .normal_force(contact.depth, contact.closing_speed);
+        let Some(law) = scene.friction().turning(normal_force) else {
+            return;
+        };
+        let [roll, drill] = of_contact(&law, contact.normal, angular_velocity);
+        let (roll, beyond) = (roll * seconds, (drill - roll) * seconds);
+        let (n, o) = (contact.normal, R::ZERO);
+        sum[0] += R::Vec3::new(roll, o, o) + n * (n.x() * beyond);
+        sum[1] += R::Vec3::new(o, roll, o) + n * (n.y() * beyond);
+        sum[2] += R::Vec3::new(o, o, roll) + n * (n.z() * beyond);
+    });
+    sum
+}
+
+fn of_contact<R: Real>(
+    law: &TurningResistance<R>,
+    n: R::Vec3,
+    angular_velocity: R::Vec3,
+) -> [R; 2] {
+    let drilling = angular_velocity.dot(n);
+    let rolling = angular_velocity - n * drilling;
+    law.per_turn(rolling.length(), drilling.abs())
+}
+
+fn nth<R: Real>([x, y, z]: &Columns<R>, index: usize) -> R::Vec3 {
+    match index {
+        0 => *x,
+        1 => *y,
+        _ => *z,
+    }
+}
+
+fn times<R: Real>([x, y, z]: &Columns<R>, v: R::Vec3) -> R::Vec3 {
+    *x * v.x() + *y * v.y() + *z * v.z()
+}
+
+/// The solution of three equations by Cramer's rule; the matrix is positive definite.
+fn solved<R: Real>([x, y, z]: Columns<R>, b: R::Vec3) -> R::Vec3 {
+    let normal = y.cross(z);
+    let per = R::ONE / x.dot(normal);
+    R::Vec3::new(
+        b.dot(normal) * per,
+        x.dot(b.cross(z)) * per,
+        x.dot(y.cross(b)) * per,
+    )
+}
