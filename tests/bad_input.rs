@@ -1550,6 +1550,24 @@ impl Anything {
         self.steps(&report.with_integrator(StrangSplitting { time_step })?);
         self.steps(&smooth.with_integrator(Rk4 { time_step })?);
         self.steps(&report.with_integrator(EnergyMomentum { time_step })?);
+        // In single precision the tolerance may be 0.
+        let (tolerance, budget) = (R::from_f64(self.friction[1]), 20);
+        let third = report.with_integrator(BogackiShampine32 {
+            tolerance,
+            longest_step: time_step,
+            budget,
+        });
+        if let Ok(stepper) = third {
+            self.steps(&stepper);
+        }
+        let fifth = smooth.with_integrator(DormandPrince54 {
+            tolerance,
+            longest_step: time_step,
+            budget,
+        });
+        if let Ok(stepper) = fifth {
+            self.steps(&stepper);
+        }
         Ok(())
     }
 

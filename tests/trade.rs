@@ -1,0 +1,86 @@
+//! The trade of error against price, measured by the library.
+
+// Helpers of these tests fail by panicking, like the tests.
+#![allow(clippy::unwrap_used)]
+
+use tumble::error::Quantity;
+use tumble::trade::{Method, Setting, reference, trade, trade_against};
+use tumble::{FlatGround, Rk4, State, StepError, Stepper, Trial, UniformGravity};
+
+fn settings() -> Vec<Setting> {
+    let mut ladder = Setting::ladder();
+    ladder.retain(|setting| {
+        setting.knob
+            >= if setting.method.has_tolerance() {
+                1e-6
+            } else {
+                1e-3
+            }
+    });
+    ladder
+}
+
+#[test]
+fn the_table_has_a_row_for_each_setting_and_its_errors_are_those_of_runs() {
+    let trial = Trial::<f64> {
+        slip_speed: 1e-3,
+        ..Trial::report(1).unwrap()
+    };
+    let stepper = trial.stepper(Rk4 { time_step: 1e-3 }).unwrap();
+    let (start, settings) = (trial.state(), settings());
+    let table = trade(stepper.scene(), &start, 0.1, &settings).unwrap();
+    assert!(table.resolution < 1e-9, "{:e}", table.resolution);
+    assert_eq!(table.rows.len(), settings.len());
+    let reference = reference(stepper.scene(), &start, 0.1).unwrap().end;
+    for (row, setting) in table.rows.iter().zip(&settings) {
+        assert_eq!(row.setting, *setting);
+        assert_eq!(row.failure, None);
+        assert!(row.steps > 0 && row.evaluations > 0, "{setting}");
+        if setting.method == Method::Rk4 && setting.knob < 2e-3 {
+            let mut state = start;
+            stepper.advance(&mut state, 0.1).unwrap();
+            let way = (state.position - reference.position).length();
+            assert!(row.error >= way && row.error < way + 1e-4);
+            assert_eq!((row.steps, row.evaluations), (100, 400));
+        }
+        if setting.method == Method::EnergyMomentum {
+            assert!(row.energy_rise <= 0.0, "{setting}: {:e}", row.energy_rise);
+        }
+    }
+    // No row of the front is beaten, and the cheapest for an error is one of them.
+    let front = table.front();
+    for pair in front.windows(2) {
+        assert!(pair[0].time <= pair[1].time && pair[0].error > pair[1].error);
+    }
+    let best = table.cheapest(1e-4).unwrap();
+    assert!(best.error <= 1e-4 && front.iter().any(|row| row.time == best.time));
+    assert_eq!(table.cheapest(0.0), None);
+    assert_eq!(table.to_string().lines().count(), settings.len() + 1);
+}
+
+#[test]
+fn a_setting_that_fails_has_a_row_with_its_error() {
+    // A place that is no number.
+    let stepper = Stepper::new(tumble::Coin::<f64>::ring(1.0, 0.5))
+        .and_then(|stepper| stepper.with_ground(FlatGround::level(1e4, 1.0)))
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
+        .unwrap();
+    let start = State::at(tumble::glam::DVec3::NAN);
+    let settings = [Setting {
+        method: Method::Rk4,
+        knob: 1e-2,
+        flight: true,
+    }];
+    let end = tumble::trade::Reference {
+        end: start,
+        resolution: 0.0,
+    };
+    let table = trade_against(stepper.scene(), &start, 1.0, &settings, &end);
+    assert_eq!(
+        table.rows[0].failure,
+        Some(StepError::BadState(Quantity::Position))
+    );
+    assert!(table.rows[0].error.is_infinite());
+    assert!(table.front().is_empty());
+    assert_eq!(table.rows[0].setting.to_string(), "Rk4 1e-2 s + flight");
+}
