@@ -9,8 +9,8 @@ use common::methods::{Record, apart, convergence, truths};
 use tumble::glam::DVec3;
 use tumble::integrator::EmbeddedPairWorkspace;
 use tumble::{
-    BogackiShampine32, Coin, Coulomb, DormandPrince54, FlatGround, Integrator, PointCloud, Rk4,
-    SpringDamperGround, State, StepError, Stepper, Surface, Trial, UniformGravity,
+    BogackiShampine32, Coin, Coulomb, DormandPrince54, Ellipsoid, FlatGround, Integrator,
+    PointCloud, Rk4, SpringDamperGround, State, StepError, Stepper, Surface, Trial, UniformGravity,
 };
 
 const TOLERANCES: [f64; 7] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
@@ -321,5 +321,32 @@ fn single_precision_takes_a_tolerance_below_its_rounding_for_rounding() {
             off < 10.0 * f64::from(tolerance) + 5e-4,
             "{off:e} for {tolerance:e}"
         );
+    }
+}
+
+#[test]
+fn the_wandering_contact_of_an_egg_is_seen_to_touch() {
+    // It falls, turns and bounces; its one contact is another place of it at each moment.
+    let egg = Ellipsoid::solid(1.0, DVec3::new(0.3, 0.2, 0.2));
+    let stepper = Stepper::new(egg)
+        .and_then(|stepper| stepper.with_ground(FlatGround::level(1e5, 100.0)))
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
+        .unwrap();
+    let start = State::at(DVec3::new(0.0, 0.0, 0.4))
+        .turned_by(DVec3::new(0.0, 0.6, 0.0))
+        .with_angular_momentum(DVec3::new(0.01, 0.05, 0.02));
+    let end = |tolerance: f64| {
+        let mut state = start;
+        let stepper = stepper
+            .with_integrator(DormandPrince54::new(tolerance))
+            .unwrap();
+        stepper.advance(&mut state, 0.5).unwrap();
+        state.position
+    };
+    let truth = end(1e-11);
+    assert!(truth.z > 0.2, "it is in the air again: {truth}");
+    for tolerance in [1e-3, 1e-5, 1e-7] {
+        let off = (end(tolerance) - truth).length();
+        assert!(off < 10.0 * tolerance, "{off:e} for {tolerance:e}");
     }
 }

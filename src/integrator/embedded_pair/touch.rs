@@ -9,7 +9,7 @@ use crate::body::{ContactPoint, RigidPointBody};
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, Load, Motion};
+use crate::scene::{Dynamics, Load, Motion, facing_ground};
 
 /// What contacts that begin or cease to push spoil in a step.
 #[derive(Clone, Copy, Debug)]
@@ -133,6 +133,7 @@ fn side<R: Real, D: Dynamics<R>>(
     point: &ContactPoint<R>,
 ) -> Side<R> {
     let ground = scene.ground();
+    let point = place_of(scene, motion, point);
     let arm = motion.axes.to_world(point.position);
     let surface = ground.surface(motion.position + arm);
     let depth = point.radius - surface.gap;
@@ -143,6 +144,20 @@ fn side<R: Real, D: Dynamics<R>>(
         depth,
         closing_speed,
         normal_force: push(scene, depth, closing_speed),
+    }
+}
+
+/// Where a contact is in the body: that of a smooth body wanders.
+#[inline]
+fn place_of<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    motion: &Motion<R>,
+    point: &ContactPoint<R>,
+) -> ContactPoint<R> {
+    if scene.body().is_smooth() {
+        facing_ground(scene.body(), scene.ground(), motion.position, &motion.axes)
+    } else {
+        *point
     }
 }
 
@@ -332,6 +347,7 @@ fn mean<R: Real>(force: impl Fn(R) -> R, from: R, to: R) -> R {
 /// How fast the farthest place of the body moves for a normal impulse of 1 N s at a contact, with its friction: 1/kg.
 fn mobility<R: Real, D: Dynamics<R>>(scene: &D, point: &ContactPoint<R>, motion: &Motion<R>) -> R {
     let mass = scene.mass_properties();
+    let point = place_of(scene, motion, point);
     let arm = motion.axes.to_world(point.position);
     let normal = scene.ground().surface(motion.position + arm).normal;
     let arm = arm - normal * point.radius;
