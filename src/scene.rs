@@ -37,10 +37,10 @@ pub trait Dynamics<R: Real = f64> {
     /// Distance from the centre of mass to the farthest place of the body's surface, m.
     fn reach(&self) -> R;
 
-    /// Whether any contact of the body has a radius.
+    /// Whether any contact of the body has a radius or wanders over a smooth surface: whether the force acts elsewhere than at the contact's own position.
     fn has_radii(&self) -> bool {
         let mut contacts = self.body().contacts().iter();
-        contacts.any(|contact| contact.radius > R::ZERO)
+        self.body().is_smooth() || contacts.any(|contact| contact.radius > R::ZERO)
     }
 
     /// Where everything of the body is and how it moves.
@@ -419,10 +419,8 @@ where
         Ok(Self {
             mass_properties: MassProperties::new(body.mass(), body.inertia())?,
             reach: body.reach(),
-            has_radii: body
-                .contacts()
-                .iter()
-                .any(|contact| contact.radius > R::ZERO),
+            has_radii: body.is_smooth()
+                || (body.contacts().iter()).any(|contact| contact.radius > R::ZERO),
             body,
             ground,
             friction,
