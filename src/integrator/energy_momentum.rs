@@ -5,6 +5,7 @@
 //! 1. `problem`, `contacts`: the two momentum equations of the step, and the contacts' mean forces along its path;
 //! 2. `newton`, `stiffness`, `linear`: their solution. What it leaves over is all that could lift the energy;
 //! 3. `settle`, `resist`: at the end of a step too long for friction or dampers they resist the end velocity, by impulses that only take energy;
+//!    (`turning`: resistance to rolling and drilling, where the friction law has it, half before and half after the step;)
 //! 4. `ratchet`: where the computed energy is above the one before, both velocities are scaled down until it is not. A body whose motion is below
 //!    the rounding of its energy has come to rest;
 //! 5. where 2 or 4 fails, `split`: dissipation, conservative motion, dissipation; else halves, down to sixteenths; else `descent`: downhill, as far as the energy allows; else time
