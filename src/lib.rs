@@ -171,6 +171,9 @@ pub mod guide {
     #[doc = include_str!("guide/gallery.md")]
     pub mod gallery {}
 
+    #[doc = include_str!("guide/measured.md")]
+    pub mod measured {}
+
     #[doc = include_str!("guide/validation.md")]
     pub mod validation {}
 

@@ -217,7 +217,7 @@ pub(crate) struct Page {
 
 impl Page {
     /// Writes the page and its pictures, prints the figures, and says whether all of them hold.
-    fn write(&self, name: &str, options: &Options) -> Outcome<bool> {
+    pub(crate) fn write(&self, name: &str, options: &Options) -> Outcome<bool> {
         let folder = options.out.join(name);
         let shown = folder.display();
         fs::create_dir_all(&folder)

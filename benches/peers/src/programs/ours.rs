@@ -2,9 +2,9 @@
 
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
-    Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, Gravity, Integrator, RigidPointBody,
-    Rk4, Sample, SlidingFriction, SpringDamperGround, State, Stepper, StrangSplitting,
-    UniformGravity,
+    BogackiShampine32, Coin, ContactPoint, Coulomb, DormandPrince54, EnergyMomentum, FlatGround,
+    Flight, Gravity, Integrator, RigidPointBody, Rk4, Sample, SlidingFriction, SpringDamperGround,
+    State, Stepper, StrangSplitting, UniformGravity,
 };
 
 use core::ops::ControlFlow;
@@ -26,6 +26,8 @@ struct Given {
     mass: f64,
     inertia: DVec3,
     contacts: Vec<ContactPoint>,
+    /// m
+    reach: f64,
 }
 
 impl RigidPointBody for Given {
@@ -37,6 +39,10 @@ impl RigidPointBody for Given {
     }
     fn contacts(&self) -> &[ContactPoint] {
         &self.contacts
+    }
+    // A body in flight has no contact here, but a tolerance in metres wants to know how large it is.
+    fn reach(&self) -> f64 {
+        self.reach
     }
 }
 
@@ -79,14 +85,18 @@ where
     }
 }
 
-/// The library on a scene: each integrator at each of the scene's steps.
+/// Tolerances in the scene's length.
+const TOLERANCES: [f64; 8] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
+
+/// The library on a scene: each integrator at each of the scene's steps, and with each tolerance.
 pub(crate) fn programs(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, String> {
     let mut all: Vec<Box<dyn Program>> = Vec::new();
+    let step = |time_step: f64| format!("{time_step:.0e} s");
     for &time_step in &scene.steps {
         all.push(composed(
             scene,
             "EnergyMomentum",
-            time_step,
+            step(time_step),
             EnergyMomentum { time_step },
         )?);
     }
@@ -94,15 +104,52 @@ pub(crate) fn programs(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, Stri
         all.push(composed(
             scene,
             "StrangSplitting",
-            time_step,
+            step(time_step),
             StrangSplitting { time_step },
         )?);
     }
     for &time_step in &scene.steps {
-        all.push(composed(scene, "Rk4", time_step, Rk4 { time_step })?);
+        all.push(composed(scene, "Rk4", step(time_step), Rk4 { time_step })?);
     }
+    let (length, time) = scene.scale;
+    let longest_step = 0.1 * time;
+    for tolerance in TOLERANCES {
+        let settings = format!("tol {tolerance:.0e}");
+        let tolerance = tolerance * length;
+        let low = BogackiShampine32 {
+            tolerance,
+            longest_step,
+            budget: BUDGET,
+        };
+        let high = DormandPrince54 {
+            tolerance,
+            longest_step,
+            budget: BUDGET,
+        };
+        all.extend(match scene.shape {
+            Shape::Free => vec![composed(scene, "DormandPrince54", settings, high)?],
+            _ => vec![
+                composed(scene, "BogackiShampine32", settings.clone(), Flight(low))?,
+                composed(scene, "DormandPrince54", settings, Flight(high))?,
+            ],
+        });
+    }
+    if scene.shape == Shape::Free {
+        let time_step = 0.1;
+        all.push(composed(
+            scene,
+            "Flight",
+            "one step".into(),
+            Flight(Rk4 { time_step }),
+        )?);
+    }
+    // The rows of one method stand together.
+    all.sort_by_key(|program| program.name().contains("DormandPrince54"));
     Ok(all)
 }
+
+/// More steps than any scene should take.
+const BUDGET: u32 = 3_000_000;
 
 /// The energy of a state by the library's own books, J.
 pub(crate) fn energy(scene: &Scene) -> Result<impl Fn(&State) -> f64 + use<>, String> {
@@ -116,18 +163,18 @@ pub(crate) fn energy(scene: &Scene) -> Result<impl Fn(&State) -> f64 + use<>, St
 fn composed<'a, I: Integrator + 'a>(
     scene: &'a Scene,
     name: &'static str,
-    time_step: f64,
+    settings: String,
     integrator: I,
 ) -> Result<Box<dyn Program + 'a>, String> {
-    let boxed = || -> Result<Box<dyn Program + 'a>, tumble::SceneError> {
+    let boxed = move || -> Result<Box<dyn Program + 'a>, tumble::SceneError> {
         Ok(match scene.shape {
             Shape::Free => {
                 let stepper = Stepper::new(given(scene))?.with_integrator(integrator)?;
-                Box::new(ours_of(stepper, name, time_step, scene))
+                Box::new(ours_of(stepper, name, settings, scene))
             }
             Shape::Ball(_) => {
                 let stepper = composed_of(scene, given(scene), integrator)?;
-                Box::new(ours_of(stepper, name, time_step, scene))
+                Box::new(ours_of(stepper, name, settings, scene))
             }
             Shape::Coin(radius) => {
                 let points = vec![ContactPoint::default(); scene.law.contacts.len()];
@@ -135,7 +182,7 @@ fn composed<'a, I: Integrator + 'a>(
                 Box::new(ours_of(
                     composed_of(scene, coin, integrator)?,
                     name,
-                    time_step,
+                    settings,
                     scene,
                 ))
             }
@@ -144,11 +191,11 @@ fn composed<'a, I: Integrator + 'a>(
     boxed().map_err(|error| error.to_string())
 }
 
-fn ours_of<S>(stepper: S, name: &'static str, time_step: f64, scene: &Scene) -> Ours<S> {
+fn ours_of<S>(stepper: S, name: &'static str, settings: String, scene: &Scene) -> Ours<S> {
     Ours {
         stepper,
         name,
-        settings: format!("{time_step:.0e} s"),
+        settings,
         start: scene.soft.start,
         seconds: scene.seconds,
     }
@@ -159,6 +206,10 @@ fn given(scene: &Scene) -> Given {
         mass: scene.law.mass,
         inertia: scene.law.inertia,
         contacts: scene.law.contacts.clone(),
+        reach: match scene.shape {
+            Shape::Free => 0.5,
+            _ => scene.law.reach(),
+        },
     }
 }
 

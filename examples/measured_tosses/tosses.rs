@@ -1,0 +1,105 @@
+//! Measured tosses: reading, and which of them are the same motion.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+use flate2::bufread::GzDecoder;
+use tumble::glam::{DQuat, DVec3};
+
+/// Samples a second.
+pub(crate) const RATE: f64 = 148.0;
+
+/// What the tracker saw of the cube at one moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sample {
+    /// Centre, m, z up, table at z = 0.
+    pub(crate) position: DVec3,
+    /// Body to world.
+    pub(crate) orientation: DQuat,
+    /// m/s
+    pub(crate) velocity: DVec3,
+    /// rad/s, body axes
+    pub(crate) spin: DVec3,
+}
+
+/// One toss, a sample every `1/RATE` s.
+#[derive(Clone, Debug)]
+pub(crate) struct Toss {
+    pub(crate) number: u32,
+    pub(crate) samples: Vec<Sample>,
+}
+
+/// Reads a table of tosses, compressed or not.
+pub(crate) fn read(path: &Path) -> Result<Vec<Toss>, Box<dyn Error>> {
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    BufReader::new(file).read_to_end(&mut bytes)?;
+    // gzip's magic number.
+    let tosses = if bytes.starts_with(&[0x1f, 0x8b]) {
+        parse(GzDecoder::new(bytes.as_slice()))
+    } else {
+        parse(bytes.as_slice())
+    }?;
+    if tosses.is_empty() {
+        return Err(format!("{}: no toss of two samples or more", path.display()).into());
+    }
+    Ok(tosses)
+}
+
+const COLUMNS: [&str; 15] = [
+    "toss", "sample", "x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz",
+];
+
+fn parse(text: impl Read) -> Result<Vec<Toss>, Box<dyn Error>> {
+    let mut table = csv::Reader::from_reader(text);
+    if *table.headers()? != COLUMNS[..] {
+        return Err(format!("the columns must be {}", COLUMNS.join(",")).into());
+    }
+    let mut tosses: BTreeMap<u32, Vec<Sample>> = BTreeMap::new();
+    for row in table.deserialize() {
+        let row: (u32, usize, [f64; 13]) = row?;
+        let (number, place, [x, y, z, qw, qx, qy, qz, vx, vy, vz, wx, wy, wz]) = row;
+        let samples = tosses.entry(number).or_default();
+        if place != samples.len() {
+            return Err(format!("toss {number} lacks sample {}", samples.len()).into());
+        }
+        samples.push(Sample {
+            position: DVec3::new(x, y, z),
+            orientation: DQuat::from_xyzw(qx, qy, qz, qw).normalize(),
+            velocity: DVec3::new(vx, vy, vz),
+            spin: DVec3::new(wx, wy, wz),
+        });
+    }
+    let tosses = tosses.into_iter().filter(|(_, samples)| samples.len() > 1);
+    Ok(tosses
+        .map(|(number, samples)| Toss { number, samples })
+        .collect())
+}
+
+/// The tosses in groups of one motion each: some are another turned about the vertical, and one of them in the fit would tell the answer of the other in the hold-out.
+///
+/// Heights do not change with such a turn.
+pub(crate) fn motions(tosses: Vec<Toss>) -> Vec<Vec<Toss>> {
+    let mut motions: Vec<Vec<Toss>> = Vec::new();
+    for toss in tosses {
+        match motions.iter_mut().find(|motion| is_same(&motion[0], &toss)) {
+            Some(motion) => motion.push(toss),
+            None => motions.push(vec![toss]),
+        }
+    }
+    motions
+}
+
+/// Whether two tosses have one course of heights, to a tenth of a millimetre: rounding of the table is 1e-7 m, and two tosses of a hand differ by centimetres.
+fn is_same(a: &Toss, b: &Toss) -> bool {
+    let heights = |toss: &Toss| -> Vec<f64> {
+        (toss.samples.iter())
+            .map(|sample| sample.position.z)
+            .collect()
+    };
+    a.samples.len() == b.samples.len()
+        && (heights(a).iter().zip(heights(b))).all(|(a, b)| (a - b).abs() < 1e-4)
+}
