@@ -5,14 +5,14 @@ use core::f64::consts::TAU;
 use proptest::prelude::*;
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
-    Coulomb, FlatGround, MassDistribution, Rk4, Sample, Sphere, State, Stepper, StrangSplitting,
-    UniformGravity,
+    Coulomb, Ellipsoid, FlatGround, MassDistribution, RigidPointBody, Rk4, Sample, Sphere, State,
+    Stepper, StrangSplitting, UniformGravity,
 };
 
 use crate::kit::{self, directions, orientations};
 use crate::table::{Case, figure};
 
-pub(crate) const CASES: &[&Case] = &[&JELLETT, &ROLY_POLY];
+pub(crate) const CASES: &[&Case] = &[&JELLETT, &ROLY_POLY, &EGG];
 
 const GRAVITY: f64 = 9.8;
 /// m
@@ -124,21 +124,19 @@ proptest! {
 // F5: a tumbler doll's swing
 // ---------------------------------------------------------------------------------------------------------------------
 
-/// Time of a swing (s) of a doll that starts at rest with a lean of `first` rad, from its passages upright.
-fn swing(low: f64, moment: f64, friction: Coulomb, first: f64) -> f64 {
-    let stiffness = 1e5;
-    let stepper = Stepper::new(eccentric(low, moment, 0.4))
+/// Time of a swing (s) of a body that stands at a height on its lowest place and starts at rest with a lean of `first` rad about y, from its passages upright.
+fn swing(body: impl RigidPointBody, height: f64, friction: Coulomb, first: f64) -> f64 {
+    let stepper = Stepper::new(body)
         .unwrap()
         .with_gravity(UniformGravity::down(GRAVITY))
         .unwrap()
-        .with_ground(FlatGround::level(stiffness, 0.0))
+        .with_ground(FlatGround::level(1e5, 0.0))
         .unwrap()
         .with_friction(friction)
         .unwrap()
         .with_integrator(StrangSplitting { time_step: 1e-4 })
         .unwrap();
-    let height = RADIUS - low * first.cos() - GRAVITY / stiffness;
-    let mut state = State::at(DVec3::Z * height).turned_by(DVec3::Y * first);
+    let mut state = State::at(DVec3::Z * (height - GRAVITY / 1e5)).turned_by(DVec3::Y * first);
     let (mut passages, mut before) = (Vec::new(), (0.0, first));
     stepper
         .run(&mut state, 4.0, &mut |sample: &Sample<'_>| {
@@ -152,6 +150,11 @@ fn swing(low: f64, moment: f64, friction: Coulomb, first: f64) -> f64 {
         .unwrap();
     let swings = passages.len() - 1;
     (passages[swings] - passages[0]) / swings as f64
+}
+
+fn swing_of_doll(low: f64, moment: f64, friction: Coulomb, first: f64) -> f64 {
+    let body = eccentric(low, moment, 0.4);
+    swing(body, RADIUS - low * first.cos(), friction, first)
 }
 
 /// Friction enough to roll: 30/s of slip, or 600 times the swing's rate.
@@ -181,13 +184,13 @@ static ROLY_POLY: Case = Case::new(
             figure(
                 "tumbler doll, rolling: period, s",
                 rolling,
-                swing(low, moment, GRIP, first),
+                swing_of_doll(low, moment, GRIP, first),
                 share * rolling,
             ),
             figure(
                 "on ice: period, s",
                 sliding,
-                swing(low, moment, ICE, first),
+                swing_of_doll(low, moment, ICE, first),
                 share * sliding,
             ),
         ]
@@ -197,4 +200,41 @@ static ROLY_POLY: Case = Case::new(
 #[test]
 fn a_tumbler_doll_swings_at_the_rate_of_a_pendulum_that_rolls() {
     ROLY_POLY.holds();
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// F6: an ellipsoid's rocking
+// ---------------------------------------------------------------------------------------------------------------------
+
+static EGG: Case = Case::new(
+    "F6",
+    "rolling `ω² = m g (ρ - c)/(I + m c²)`, on ice `m g (ρ - c)/I`, ρ = a²/c",
+    "small swings of a heavy ellipsoid, Routh (1905)",
+    || {
+        let (a, c, first) = (0.1_f64, 0.06, 0.03_f64);
+        let inertia = (a * a + c * c) / 5.0;
+        let period = |inertia: f64| TAU * (inertia / (GRAVITY * (a * a / c - c))).sqrt();
+        let height = (a * first.sin()).hypot(c * first.cos());
+        let rock = |friction| {
+            let body = Ellipsoid::solid(1.0, DVec3::new(a, a, c));
+            swing(body, height, friction, first)
+        };
+        let [rolling, sliding] = [period(inertia + c * c), period(inertia)];
+        // Not quite linear: the lean's square by some of the radii's ratio, (a/c)² = 2.8.
+        let share = 2.8 * first * first;
+        vec![
+            figure(
+                "lens of 0.2 by 0.12 m, rolling: period, s",
+                rolling,
+                rock(GRIP),
+                share * rolling,
+            ),
+            figure("on ice: period, s", sliding, rock(ICE), share * sliding),
+        ]
+    },
+);
+
+#[test]
+fn an_ellipsoid_rocks_on_its_flat_side_by_the_radius_of_curvature() {
+    EGG.holds();
 }
