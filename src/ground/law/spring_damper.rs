@@ -73,13 +73,13 @@ impl<R: Real> SpringDamper<R> {
 
 impl<R: Real> SpringDamper<R> {
     #[inline]
-    fn mean_force_down(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
+    fn mean_force_down(&self, start: R, end: R, per_second: R) -> MeanForce<R> {
         let (k, c) = (self.stiffness, self.damping);
         let path = end - start;
         if start >= R::ZERO {
             MeanForce {
-                force: k * ((start + end) * R::HALF) + c * (path / seconds),
-                slope: k * R::HALF + c / seconds,
+                force: k * ((start + end) * R::HALF) + c * (path * per_second),
+                slope: k * R::HALF + c * per_second,
                 stiffness: k * R::HALF,
                 damping: c,
             }
@@ -87,8 +87,8 @@ impl<R: Real> SpringDamper<R> {
             let share = end / path;
             let stiffness = k * (share * (R::ONE - share * R::HALF));
             MeanForce {
-                force: k * (end * share * R::HALF) + c * (end / seconds),
-                slope: stiffness + c / seconds,
+                force: k * (end * share * R::HALF) + c * (end * per_second),
+                slope: stiffness + c * per_second,
                 stiffness,
                 damping: c * share,
             }
@@ -98,18 +98,18 @@ impl<R: Real> SpringDamper<R> {
     }
 
     #[inline]
-    pub(super) fn mean_force_up(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
+    pub(super) fn mean_force_up(&self, start: R, end: R, per_second: R) -> MeanForce<R> {
         let (k, c) = (self.stiffness, self.damping);
         let path = start - end;
         if start <= R::ZERO || k == R::ZERO {
             return MeanForce::NONE;
         }
-        let cut = c * path / (seconds * k);
+        let cut = c * path * per_second / k;
         let (over_start, over_end) = (start - cut, end - cut);
         if over_end >= R::ZERO {
             MeanForce {
                 force: k * ((over_start + over_end) * R::HALF),
-                slope: k * R::HALF + c / seconds,
+                slope: k * R::HALF + c * per_second,
                 stiffness: k * R::HALF,
                 damping: c,
             }
@@ -118,7 +118,7 @@ impl<R: Real> SpringDamper<R> {
             let stiffness = k * (share * share * R::HALF);
             MeanForce {
                 force: k * (over_start * share * R::HALF),
-                slope: c * (share / seconds) + stiffness,
+                slope: c * (share * per_second) + stiffness,
                 stiffness,
                 damping: c * share,
             }
@@ -154,10 +154,12 @@ impl<R: Real> ContactLaw<R> for SpringDamper<R> {
     #[inline]
     fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
         let path = end - start;
+        // The same for all contacts of a step: its division is taken out of their loop.
+        let per_second = R::ONE / seconds;
         if path >= R::ZERO {
-            self.mean_force_down(start, end, seconds)
+            self.mean_force_down(start, end, per_second)
         } else {
-            self.mean_force_up(start, end, seconds)
+            self.mean_force_up(start, end, per_second)
         }
     }
 

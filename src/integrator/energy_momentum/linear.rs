@@ -136,51 +136,193 @@ impl<R: Real> SixBySix<R> {
         self.torque_by_turn = self.torque_by_turn.plus(&by_turn.crossed_by(arm));
     }
 
-    /// The shift and turn that a force and a torque make. Where stiffness has swallowed the inertia beyond rounding, so that the matrix is singular, that
-    /// of a body heavier by the root of the rounding: smaller steps, in a direction that can be had.
+    /// The shift and turn that a force and a torque make.
     pub(super) fn solve(&self, force: R::Vec3, torque: R::Vec3, reach: R) -> (R::Vec3, R::Vec3) {
-        let (shift, turn) = self.solve_regular(force, torque, reach);
+        let mut factors = Factors::NONE;
+        self.factor(reach, &mut factors);
+        self.solve_with(&factors, force, torque, reach)
+    }
+
+    /// As [`solve`](Self::solve), with the factors that [`factor`](Self::factor) has found. Where stiffness has swallowed the inertia beyond rounding, so that the matrix is
+    /// singular, that of a body heavier by the root of the rounding: smaller steps, in a direction that can be had.
+    #[inline]
+    pub(super) fn solve_with(
+        &self,
+        factors: &Factors<R>,
+        force: R::Vec3,
+        torque: R::Vec3,
+        reach: R,
+    ) -> (R::Vec3, R::Vec3) {
+        let (shift, turn) = factors.solve(force, torque);
         if shift.is_finite() && turn.is_finite() {
             return (shift, turn);
         }
+        self.solve_heavier(force, torque, reach)
+    }
+
+    #[cold]
+    fn solve_heavier(&self, force: R::Vec3, torque: R::Vec3, reach: R) -> (R::Vec3, R::Vec3) {
         let share = R::EPSILON.sqrt();
         let heavier = Self {
             force_by_shift: self.force_by_shift.with_diagonal_raised(share),
             torque_by_turn: self.torque_by_turn.with_diagonal_raised(share),
             ..*self
         };
-        heavier.solve_regular(force, torque, reach)
+        let mut factors = Factors::NONE;
+        heavier.factor(reach, &mut factors);
+        factors.solve(force, torque)
     }
 
-    /// By Gauss's elimination with row pivots. Turns and torques are measured with the length `reach`, so that pivots compare like with like whatever the
-    /// body's size. Not finite where the matrix is singular.
+    /// The matrix as a product of triangular ones, by Gauss's elimination. Turns and torques are measured with the length `reach`, so that pivots compare like with like
+    /// whatever the body's size. Inertia and springs make the diagonal strong: rows are exchanged only where a pivot is small beside what is below it.
     #[inline]
-    fn solve_regular(&self, force: R::Vec3, torque: R::Vec3, reach: R) -> (R::Vec3, R::Vec3) {
+    pub(super) fn factor(&self, reach: R, factors: &mut Factors<R>) {
+        self.fill(reach, factors);
+        if !factors.eliminate::<false>() {
+            self.factor_with_exchanges(reach, factors);
+        }
+    }
+
+    #[cold]
+    fn factor_with_exchanges(&self, reach: R, factors: &mut Factors<R>) {
+        self.fill(reach, factors);
+        factors.order = [0, 1, 2, 3, 4, 5];
+        factors.exchanged = true;
+        factors.eliminate::<true>();
+    }
+
+    #[inline]
+    fn fill(&self, reach: R, factors: &mut Factors<R>) {
         let per_reach = R::ONE / reach;
-        let mut rows = [[R::ZERO; 7]; 6];
         let top = [&self.force_by_shift, &self.force_by_turn];
         let bottom = [&self.torque_by_shift, &self.torque_by_turn];
-        fill(&mut rows[0..3], top, force, R::ONE, per_reach);
-        fill(&mut rows[3..6], bottom, torque, per_reach, per_reach);
-        let solution = eliminate(rows);
-        (
-            R::Vec3::new(solution[0], solution[1], solution[2]),
-            R::Vec3::new(solution[3], solution[4], solution[5]) * per_reach,
-        )
+        let [a, b, c, d, e, f] = &mut factors.rows;
+        fill([a, b, c], top, R::ONE, per_reach);
+        fill([d, e, f], bottom, per_reach, per_reach);
+        factors.per_reach = per_reach;
+        factors.exchanged = false;
     }
 }
 
-/// Three rows from two blocks and a right-hand side.
+/// The factors of six equations.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Factors<R: Real> {
+    /// Above the diagonal the upper one, below it the lower one, whose diagonal is 1.
+    rows: [[R; 6]; 6],
+    /// One over the diagonal of the upper one.
+    inverse: [R; 6],
+    /// The equation that each row comes from, where rows have been exchanged.
+    order: [u8; 6],
+    exchanged: bool,
+    per_reach: R,
+}
+
+/// A pivot may be so many times smaller than what is below it.
+const LARGEST_FACTOR: f64 = 16.0;
+
+impl<R: Real> Factors<R> {
+    pub(super) const NONE: Self = Self {
+        rows: [[R::ZERO; 6]; 6],
+        inverse: [R::ZERO; 6],
+        order: [0, 1, 2, 3, 4, 5],
+        exchanged: false,
+        per_reach: R::ONE,
+    };
+
+    /// One function a column, so that every index is known at compile time. Whether every pivot will do.
+    #[inline(always)]
+    fn eliminate<const EXCHANGING: bool>(&mut self) -> bool {
+        self.eliminate_column::<0, EXCHANGING>()
+            && self.eliminate_column::<1, EXCHANGING>()
+            && self.eliminate_column::<2, EXCHANGING>()
+            && self.eliminate_column::<3, EXCHANGING>()
+            && self.eliminate_column::<4, EXCHANGING>()
+            && self.eliminate_column::<5, EXCHANGING>()
+    }
+
+    /// The rows below lose their entry of the column. With exchanges the largest entry moves up first.
+    #[inline(always)]
+    fn eliminate_column<const P: usize, const EXCHANGING: bool>(&mut self) -> bool {
+        let rows = &mut self.rows;
+        if EXCHANGING {
+            for below in P + 1..6 {
+                if rows[below][P].abs() > rows[P][P].abs() {
+                    rows.swap(P, below);
+                    self.order.swap(P, below);
+                }
+            }
+        }
+        let upper = rows[P];
+        let inverse = R::ONE / upper[P];
+        self.inverse[P] = inverse;
+        let mut largest = R::ZERO;
+        for row in rows.iter_mut().skip(P + 1) {
+            let factor = row[P] * inverse;
+            row[P] = factor;
+            largest = largest.at_least(factor.abs());
+            for column in P + 1..6 {
+                row[column] -= factor * upper[column];
+            }
+        }
+        EXCHANGING || largest <= R::from_f64(LARGEST_FACTOR)
+    }
+
+    /// The shift and turn that a force and a torque make; not finite where the matrix is singular.
+    #[inline]
+    fn solve(&self, force: R::Vec3, torque: R::Vec3) -> (R::Vec3, R::Vec3) {
+        let torque = torque * self.per_reach;
+        let right = [
+            force.x(),
+            force.y(),
+            force.z(),
+            torque.x(),
+            torque.y(),
+            torque.z(),
+        ];
+        let x = self.substitute(if self.exchanged {
+            self.exchange(right)
+        } else {
+            right
+        });
+        (
+            R::Vec3::new(x[0], x[1], x[2]),
+            R::Vec3::new(x[3], x[4], x[5]) * self.per_reach,
+        )
+    }
+
+    #[cold]
+    fn exchange(&self, right: [R; 6]) -> [R; 6] {
+        (self.order).map(|equation| right.get(usize::from(equation)).copied().unwrap_or(R::ZERO))
+    }
+
+    #[inline(always)]
+    fn substitute(&self, mut x: [R; 6]) -> [R; 6] {
+        let rows = &self.rows;
+        for j in 0..5 {
+            for i in j + 1..6 {
+                x[i] -= rows[i][j] * x[j];
+            }
+        }
+        for j in (0..6).rev() {
+            x[j] *= self.inverse[j];
+            for i in 0..j {
+                x[i] -= rows[i][j] * x[j];
+            }
+        }
+        x
+    }
+}
+
+/// Three rows from two blocks.
 #[inline]
 fn fill<R: Real>(
-    rows: &mut [[R; 7]],
+    rows: [&mut [R; 6]; 3],
     [shift, turn]: [&Block<R>; 2],
-    right: R::Vec3,
     row_scale: R,
     turn_scale: R,
 ) {
     let pick: [fn(R::Vec3) -> R; 3] = [R::Vec3::x, R::Vec3::y, R::Vec3::z];
-    for (row, of) in rows.iter_mut().zip(pick) {
+    for (row, of) in rows.into_iter().zip(pick) {
         let per_turn = row_scale * turn_scale;
         *row = [
             of(shift.x) * row_scale,
@@ -189,44 +331,6 @@ fn fill<R: Real>(
             of(turn.x) * per_turn,
             of(turn.y) * per_turn,
             of(turn.z) * per_turn,
-            of(right) * row_scale,
         ];
-    }
-}
-
-/// Gauss's elimination with row pivots, one function a column so that every index is known at compile time.
-#[inline]
-fn eliminate<R: Real>(mut rows: [[R; 7]; 6]) -> [R; 6] {
-    eliminate_column::<R, 0>(&mut rows);
-    eliminate_column::<R, 1>(&mut rows);
-    eliminate_column::<R, 2>(&mut rows);
-    eliminate_column::<R, 3>(&mut rows);
-    eliminate_column::<R, 4>(&mut rows);
-    let mut solution = [R::ZERO; 6];
-    for i in (0..6).rev() {
-        let mut sum = rows[i][6];
-        for j in i + 1..6 {
-            sum -= rows[i][j] * solution[j];
-        }
-        solution[i] = sum / rows[i][i];
-    }
-    solution
-}
-
-/// The largest entry of the column moves up by exchanges; the rows below lose theirs.
-#[inline(always)]
-fn eliminate_column<R: Real, const P: usize>(rows: &mut [[R; 7]; 6]) {
-    for below in P + 1..6 {
-        if rows[below][P].abs() > rows[P][P].abs() {
-            rows.swap(P, below);
-        }
-    }
-    let upper = rows[P];
-    let inverse = R::ONE / upper[P];
-    for row in rows.iter_mut().skip(P + 1) {
-        let factor = row[P] * inverse;
-        for column in P + 1..7 {
-            row[column] -= factor * upper[column];
-        }
     }
 }

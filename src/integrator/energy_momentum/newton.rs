@@ -10,7 +10,7 @@
 //! the Cayley argument by `(ϑ - a × ϑ + a (a·ϑ))/2`. In these unknowns the derivatives need neither inverses nor the map's own.
 
 use super::contacts::{Contacts, Push};
-use super::linear::SixBySix;
+use super::linear::{Factors, SixBySix};
 use super::problem::{Problem, Trial};
 use super::settle::Strain;
 use super::stiffness;
@@ -41,6 +41,28 @@ struct Sum<R: Real> {
     strain: Strain<R>,
 }
 
+impl<R: Real> Sum<R> {
+    const NONE: Self = Self {
+        force: R::Vec3::ZERO,
+        torque: R::Vec3::ZERO,
+        normal: R::ZERO,
+        stiffness: R::ZERO,
+        slope: R::ZERO,
+        strain: Strain::NONE,
+    };
+
+    #[inline(always)]
+    fn add(&mut self, push: &Push<R>) {
+        let force = push.force();
+        self.force += force;
+        self.torque += push.arm.cross(force);
+        self.normal += push.mean.force;
+        self.stiffness += push.mean.stiffness;
+        self.slope += push.mean.slope;
+        self.strain.add(push);
+    }
+}
+
 /// The unknowns of a trial, with what is lacking there.
 #[derive(Clone, Copy, Debug)]
 struct Place<R: Real> {
@@ -68,11 +90,14 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
 ) -> Option<(Trial<R>, Strain<R>)> {
     let mut trial = problem.first_trial();
     let mut equations = SixBySix::ZERO;
+    let mut factors = Factors::NONE;
     let mut base: Option<Base<R>> = None;
     let mut best: Option<Place<R>> = None;
     let mut share = R::ONE;
+    let scale = Scale::of(problem);
     for iteration in 0..LIMIT {
-        let sum = add_up(problem, contacts, &trial);
+        let mut sum = Sum::NONE;
+        contacts.respond(problem, &trial, |push| sum.add(push));
         step.evaluations += 1;
         let (force_lack, torque_lack) = lack(problem, &trial, &sum);
         let here = Place {
@@ -80,7 +105,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
             spin: trial.spin,
             size: norm(problem, force_lack, torque_lack),
         };
-        let tolerance = scale(problem, &trial, &sum) * tolerance::<R>();
+        let tolerance = scale.at(problem, &trial, &sum) * tolerance::<R>();
         if here.size <= tolerance * R::from_f64(EXACT) {
             return Some((trial, sum.strain));
         }
@@ -104,19 +129,19 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
             return None;
         }
         step.iterations += 1;
-        let close = progress && here.size <= tolerance * R::from_f64(CLOSE);
-        // Derivatives that have brought what is lacking down so far that once more brings it below rounding are good enough.
-        let good_enough = close
-            && base.is_some_and(|base| {
-                here.size * here.size <= base.place.size * tolerance * R::from_f64(EXACT)
-            });
-        if !good_enough {
+        // What would be lacking after one more step with the last derivatives, if it takes off as large a share again.
+        let once_more = base.map_or(R::MAX, |base| here.size * (here.size / base.place.size));
+        let enough = once_more <= tolerance * R::from_f64(EXACT);
+        let last = enough || (progress && here.size <= tolerance * R::from_f64(CLOSE));
+        if !enough {
             equations = stiffness::equations(problem, contacts, &trial);
+            equations.factor(problem.reach, &mut factors);
         }
-        let (shift, turn) = equations.solve(-force_lack, -torque_lack, problem.reach);
+        let (shift, turn) =
+            equations.solve_with(&factors, -force_lack, -torque_lack, problem.reach);
         trial = change(problem, &here, shift, turn);
         // Newton's next step squares what is lacking: nothing is left to look at.
-        if close {
+        if last {
             return Some((trial, sum.strain));
         }
         if best.is_none_or(|best| here.size < best.size) {
@@ -186,49 +211,34 @@ fn norm<R: Real, D: Dynamics<R>>(
 
 /// Size of the momenta that balance, √J: the body's own, gravity's, the contacts', and what rounding of places makes of
 /// stiff springs and rounding of paths of strong dampers.
-#[inline]
-fn scale<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    trial: &Trial<R>,
-    sum: &Sum<R>,
-) -> R {
-    let start = &problem.start;
-    let half = problem.seconds * R::HALF;
-    let turning = problem
-        .scene
-        .mass_properties()
-        .rotational_energy(&problem.motion.axes, problem.angular_momentum);
-    let energy = problem.mass * start.linear_velocity.length_squared() + turning * R::TWO;
-    let weight = problem.mass * problem.scene.gravity().length();
-    let path = trial.shift.length() + trial.spin.length() * (R::TWO * problem.reach);
-    let rounding =
-        (sum.stiffness * problem.place + sum.slope * path) * (R::EPSILON / tolerance::<R>());
-    energy.sqrt() + half * (weight + sum.normal + rounding) / problem.mass.sqrt()
+#[derive(Clone, Copy, Debug)]
+struct Scale<R> {
+    own: R,
+    weight: R,
+    root_of_mass: R,
 }
 
-/// Forces and torques at a trial.
-#[inline]
-fn add_up<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    contacts: &mut Contacts<R>,
-    trial: &Trial<R>,
-) -> Sum<R> {
-    let mut sum = Sum {
-        force: R::Vec3::ZERO,
-        torque: R::Vec3::ZERO,
-        normal: R::ZERO,
-        stiffness: R::ZERO,
-        slope: R::ZERO,
-        strain: Strain::NONE,
-    };
-    contacts.respond(problem, trial, |push: &Push<R>| {
-        let force = push.force();
-        sum.force += force;
-        sum.torque += push.arm.cross(force);
-        sum.normal += push.mean.force;
-        sum.stiffness += push.mean.stiffness;
-        sum.slope += push.mean.slope;
-        sum.strain.add(push);
-    });
-    sum
+impl<R: Real> Scale<R> {
+    #[inline]
+    fn of<D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> Self {
+        let turning = problem
+            .scene
+            .mass_properties()
+            .rotational_energy(&problem.motion.axes, problem.angular_momentum);
+        let square = problem.start.linear_velocity.length_squared();
+        Self {
+            own: (problem.mass * square + turning * R::TWO).sqrt(),
+            weight: problem.mass * problem.scene.gravity().length(),
+            root_of_mass: problem.mass.sqrt(),
+        }
+    }
+
+    #[inline]
+    fn at<D>(&self, problem: &Problem<'_, R, D>, trial: &Trial<R>, sum: &Sum<R>) -> R {
+        let half = problem.seconds * R::HALF;
+        let path = trial.shift.length() + trial.spin.length() * (R::TWO * problem.reach);
+        let rounding =
+            (sum.stiffness * problem.place + sum.slope * path) * (R::EPSILON / tolerance::<R>());
+        self.own + half * (self.weight + sum.normal + rounding) / self.root_of_mass
+    }
 }
