@@ -8,6 +8,7 @@ need cc gcc
 need ld binutils
 need nm binutils
 need python3 python3
+need valgrind valgrind
 if [ ${#missing[@]} != 0 ]; then
   if ! command -v apt-get >/dev/null || [ "$(id -u)" != 0 ]; then
     echo "please install: ${missing[*]}"

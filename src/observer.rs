@@ -185,8 +185,8 @@ impl<R: Real, D: Dynamics<R>> Probe<R> for D {
         Dissipation::of(self, state)
     }
     fn rates(&self, state: &State<R>) -> Rates<R> {
-        let motion = self.motion(state);
-        Rates::under(&self.load(&motion), self, &motion)
+        // From the same sums, so that an account and its parts agree to the last bit.
+        self.account(state).rates
     }
     fn account(&self, state: &State<R>) -> Account<R> {
         Account::of(self, state)
@@ -275,8 +275,11 @@ mod tests {
             assert_eq!(account.energy, scene.energy(&state));
             assert_eq!(account.dissipation, scene.dissipation(&state));
             assert_eq!(account.rates, scene.rates(&state));
+            // An integrator's load is the same sum in another order: 8 contacts at most, of some 20 N with an arm of 0.5 m, in 6 products and sums each.
             let load = scene.load(&scene.motion(&state));
-            assert_eq!(account.rates.torque, load.torque);
+            let rounding = 8.0 * 6.0 * 20.0 * 0.5 * f64::EPSILON;
+            let apart: DVec3 = account.rates.torque - load.torque;
+            assert!(apart.length() < rounding, "{apart}");
             assert_eq!(scene.touching(&state), load.touching);
         }
     }

@@ -1,10 +1,12 @@
 //! Body, ground, friction and gravity together: which contacts touch, and with what force and torque.
 
+mod level;
+
 use crate::body::{ContactPoint, MassProperties, RigidPointBody, Run};
 use crate::error::SceneError;
 use crate::friction::SlidingFriction;
 use crate::gravity::Gravity;
-use crate::ground::{Extent, SpringDamperGround};
+use crate::ground::{Extent, Plane, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::State;
@@ -41,6 +43,12 @@ pub trait Dynamics<R: Real = f64> {
     fn has_radii(&self) -> bool {
         let mut contacts = self.body().contacts().iter();
         self.body().is_smooth() || contacts.any(|contact| contact.radius > R::ZERO)
+    }
+
+    /// Whether all contacts lie in the body's yz plane, as those of a ring do.
+    fn is_flat(&self) -> bool {
+        let mut contacts = self.body().contacts().iter();
+        contacts.all(|contact| contact.position.x() == R::ZERO)
     }
 
     /// Where everything of the body is and how it moves.
@@ -111,6 +119,8 @@ pub trait Dynamics<R: Real = f64> {
     }
 
     /// Force and torque of all contacts; gravity not included.
+    ///
+    /// The sums are those of [`visit_contacts`](Self::visit_contacts) but for rounding: bare points on a level plane, if they are many, are summed in another fixed order.
     #[inline(always)]
     fn load(&self, motion: &Motion<R>) -> Load<R> {
         let run = self.contacts_within(R::ZERO, motion.position, &motion.axes);
@@ -120,14 +130,66 @@ pub trait Dynamics<R: Real = f64> {
     /// As [`load`](Self::load), looking at the contacts of `run` alone: for a second look at the same place with other velocities.
     #[inline(always)]
     fn load_on(&self, run: Run, motion: &Motion<R>) -> Load<R> {
-        let mut load = Load::default();
-        self.visit_run(run, motion, |contact| {
-            load.add(contact, contact.force(self.ground(), self.friction()));
-        });
-        if let Some(torque) = turning_torque(self, run, motion) {
-            load.torque += torque;
+        load_with_arms(self, run, motion, &motion.axes)
+    }
+}
+
+/// As [`Dynamics::load_on`], with the torque that the same forces have on a body with other axes.
+#[inline(always)]
+pub(crate) fn load_with_arms<R: Real, D: Dynamics<R> + ?Sized>(
+    scene: &D,
+    run: Run,
+    motion: &Motion<R>,
+    axes: &Axes<R>,
+) -> Load<R> {
+    if run.count == 0 {
+        return Load::default();
+    }
+    let mut load = load_of_forces(scene, run, motion, axes);
+    if let Some(torque) = turning_torque(scene, run, motion) {
+        load.torque += torque;
+    }
+    load
+}
+
+#[inline(always)]
+fn load_of_forces<R: Real, D: Dynamics<R> + ?Sized>(
+    scene: &D,
+    run: Run,
+    motion: &Motion<R>,
+    axes: &Axes<R>,
+) -> Load<R> {
+    let laws = (scene.ground(), scene.friction());
+    if let Some(height) = height_under_bare_points(scene) {
+        let parts = run.parts(scene.body().contacts());
+        return if scene.is_flat() {
+            level::load::<R, 2, _, _>(laws, height, parts, motion, axes)
+        } else {
+            level::load::<R, 3, _, _>(laws, height, parts, motion, axes)
+        };
+    }
+    let mut load = Load::default();
+    scene.visit_run(run, motion, |contact| {
+        let force = contact.force(laws.0, laws.1);
+        load.force += force;
+        load.torque += contact.arm_along(axes).cross(force);
+        load.touching += 1;
+    });
+    load
+}
+
+/// The height of a ground that is a level plane, if the contacts are bare points that stay where they are in the body.
+#[inline(always)]
+fn height_under_bare_points<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> Option<R> {
+    match scene.ground().extent() {
+        Extent::Plane(plane)
+            if !scene.has_radii()
+                && !scene.body().is_smooth()
+                && plane == Plane::level(plane.height) =>
+        {
+            Some(plane.height)
         }
-        load
+        _ => None,
     }
 }
 
@@ -396,6 +458,7 @@ pub struct Scene<R: Real, B, G, F, A> {
     mass_properties: MassProperties<R>,
     reach: R,
     has_radii: bool,
+    is_flat: bool,
 }
 
 impl<R, B, G, F, A> Scene<R, B, G, F, A>
@@ -421,6 +484,10 @@ where
             reach: body.reach(),
             has_radii: body.is_smooth()
                 || (body.contacts().iter()).any(|contact| contact.radius > R::ZERO),
+            is_flat: body
+                .contacts()
+                .iter()
+                .all(|contact| contact.position.x() == R::ZERO),
             body,
             ground,
             friction,
@@ -475,5 +542,9 @@ where
     #[inline]
     fn has_radii(&self) -> bool {
         self.has_radii
+    }
+    #[inline]
+    fn is_flat(&self) -> bool {
+        self.is_flat
     }
 }

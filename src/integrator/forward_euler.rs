@@ -1,11 +1,10 @@
 //! The report's method: forward Euler with an exact turn.
 
 use super::{Integrator, Step, step_length};
-use crate::body::{RigidPointBody, Run};
 use crate::error::{self, SceneError, StepError};
-use crate::real::{Real, Vector};
-use crate::rotation::{Axes, Rotation};
-use crate::scene::{Dynamics, Load, Motion, turning_torque};
+use crate::real::Real;
+use crate::rotation::Rotation;
+use crate::scene::{Dynamics, load_with_arms};
 use crate::state::State;
 
 /// The report's order of operations on a plain state: forward Euler, with the body turned exactly about its angular velocity.
@@ -42,7 +41,8 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
         let motion = scene.motion_along(state, old_rotation.axes());
         let turn = Rotation::from_rotation_vector(motion.angular_velocity * dt);
         let rotation = turn.after(old_rotation).normalised();
-        let load = load_with_arms(scene, &motion, &rotation.axes());
+        let run = scene.contacts_within(R::ZERO, motion.position, &motion.axes);
+        let load = load_with_arms(scene, run, &motion, &rotation.axes());
 
         state.position += state.linear_velocity * dt;
         state.linear_velocity += (load.force * mass.inverse_mass() + scene.gravity()) * dt;
@@ -62,26 +62,4 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
     fn check(&self) -> Result<(), SceneError> {
         error::above_zero("time step", self.time_step, " s")
     }
-}
-
-/// Force of all contacts, with the torque that it has at the arms of a body with other axes.
-#[inline]
-fn load_with_arms<R: Real>(
-    scene: &impl Dynamics<R>,
-    motion: &Motion<R>,
-    axes: &Axes<R>,
-) -> Load<R> {
-    let mut load = Load::default();
-    scene.visit_contacts(motion, |contact| {
-        let force = contact.force(scene.ground(), scene.friction());
-        let arm = contact.arm_along(axes);
-        load.force += force;
-        load.torque += arm.cross(force);
-        load.touching += 1;
-    });
-    let run = Run::all(scene.body().contacts().len());
-    if let Some(torque) = turning_torque(scene, run, motion) {
-        load.torque += torque;
-    }
-    load
 }
