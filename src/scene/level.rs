@@ -120,8 +120,10 @@ impl<R: Real, const AXES: usize> Level<R, AXES> {
         }
     }
 
-    /// Adds the contacts that fill whole blocks and returns the rest. A block that touches all over goes abreast, another one by one, because a law is asked
-    /// of contacts alone that touch.
+    /// Adds whole blocks abreast up to the first that does not touch all over, and returns the rest: a law is asked of contacts alone that touch.
+    ///
+    /// A run is as good as exact where a body can tell it, so that only its ends are left; where it cannot, one copy more of the laws here would be a tenth of a small
+    /// device's program.
     #[inline(never)]
     fn add_blocks<'a, G, F>(
         &self,
@@ -138,11 +140,10 @@ impl<R: Real, const AXES: usize> Level<R, AXES> {
         let mut depths = [R::ZERO; ABREAST];
         let mut forces = [[R::ZERO; ABREAST]; 3];
         while let Some((block, rest)) = contacts.split_first_chunk() {
-            contacts = rest;
             if self.sink(block, &mut places, &mut depths) < ABREAST {
-                self.add_each(moments, laws, block);
-                continue;
+                break;
             }
+            contacts = rest;
             for (i, &depth) in depths.iter().enumerate() {
                 let force = self.force(laws, array::from_fn(|axis| places[axis][i]), depth);
                 forces[0][i] = force.x();

@@ -148,7 +148,7 @@ impl<R: Real> ContactLaw<R> for LimitedDamper<R> {
         if end >= start {
             self.mean_force_down(start, end, seconds)
         } else {
-            self.unlimited().mean_force_up(start, end, seconds)
+            self.unlimited().mean_force_up(start, end, R::ONE / seconds)
         }
     }
 

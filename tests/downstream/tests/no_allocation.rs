@@ -69,7 +69,9 @@ fn live<I: Integrator>(
     let mut state = State::at(DVec3::new(0.0, 0.0, 0.6))
         .with_linear_velocity(DVec3::X)
         .with_angular_momentum(DVec3::new(0.1, 0.2, 0.3));
-    stepper.step(&mut state).expect("the step is good");
+    // On a copy: a step that chooses its own length may go as far as the first touch.
+    let mut aside = state;
+    stepper.step(&mut aside).expect("the step is good");
     stepper
         .advance(&mut state, 0.1)
         .expect("the steps are good");
