@@ -45,12 +45,6 @@ pub trait Dynamics<R: Real = f64> {
         self.body().is_smooth() || contacts.any(|contact| contact.radius > R::ZERO)
     }
 
-    /// Whether all contacts lie in the body's yz plane, as those of a ring do.
-    fn is_flat(&self) -> bool {
-        let mut contacts = self.body().contacts().iter();
-        contacts.all(|contact| contact.position.x() == R::ZERO)
-    }
-
     /// Where everything of the body is and how it moves.
     #[inline(always)]
     fn motion(&self, state: &State<R>) -> Motion<R> {
@@ -162,11 +156,7 @@ fn load_of_forces<R: Real, D: Dynamics<R> + ?Sized>(
     let laws = (scene.ground(), scene.friction());
     if let Some(height) = height_under_bare_points(scene) {
         let parts = run.parts(scene.body().contacts());
-        return if scene.is_flat() {
-            level::load::<R, 2, _, _>(laws, height, parts, motion, axes)
-        } else {
-            level::load::<R, 3, _, _>(laws, height, parts, motion, axes)
-        };
+        return level::load(laws, height, parts, motion, axes);
     }
     let mut load = Load::default();
     scene.visit_run(run, motion, |contact| {
@@ -458,7 +448,6 @@ pub struct Scene<R: Real, B, G, F, A> {
     mass_properties: MassProperties<R>,
     reach: R,
     has_radii: bool,
-    is_flat: bool,
 }
 
 impl<R, B, G, F, A> Scene<R, B, G, F, A>
@@ -484,10 +473,6 @@ where
             reach: body.reach(),
             has_radii: body.is_smooth()
                 || (body.contacts().iter()).any(|contact| contact.radius > R::ZERO),
-            is_flat: body
-                .contacts()
-                .iter()
-                .all(|contact| contact.position.x() == R::ZERO),
             body,
             ground,
             friction,
@@ -542,9 +527,5 @@ where
     #[inline]
     fn has_radii(&self) -> bool {
         self.has_radii
-    }
-    #[inline]
-    fn is_flat(&self) -> bool {
-        self.is_flat
     }
 }

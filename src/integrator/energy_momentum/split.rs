@@ -90,9 +90,6 @@ impl<R: Real, D: Dynamics<R>, G: SpringDamperGround<R>> Dynamics<R> for Conserva
     fn has_radii(&self) -> bool {
         self.scene.has_radii()
     }
-    fn is_flat(&self) -> bool {
-        self.scene.is_flat()
-    }
 }
 
 /// The springs of a ground alone.
