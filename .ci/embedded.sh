@@ -13,7 +13,7 @@ cross_tools "$work"
 # Bytes of code and constants, and of stack, that a program may take on the Cortex-M4F.
 programs=(
   'symplectic_euler_f32 24576 4096'
-  'symplectic_euler_f64 43008 4352'
+  'symplectic_euler_f64 49152 6144'
   'energy_momentum_f32 81920 6144'
   'energy_momentum_f64 139264 11264'
 )
