@@ -79,8 +79,8 @@ impl<R: Real> Level<R> {
     /// Depth of a place, m.
     #[inline(always)]
     fn depth(&self, place: [R; 3]) -> R {
-        let steps = self.rise.into_iter().zip(place);
-        steps.fold(self.depth, |depth, (rise, p)| depth - rise * p)
+        let ([x, y, z], rise) = (place, self.rise);
+        self.depth - rise[0] * x - rise[1] * y - rise[2] * z
     }
 
     /// Force of the ground on a contact at a place and depth (m), N.
@@ -90,10 +90,8 @@ impl<R: Real> Level<R> {
         G: SpringDamperGround<R>,
         F: SlidingFriction<R>,
     {
-        let steps = self.turning.into_iter().zip(place);
-        let velocity = steps.fold(self.velocity, |velocity, (turning, p)| {
-            velocity + turning * p
-        });
+        let ([x, y, z], turning) = (place, self.turning);
+        let velocity = self.velocity + turning[0] * x + turning[1] * y + turning[2] * z;
         let normal_force = ground.normal_force(depth, -velocity.z());
         let slip = R::Vec3::new(velocity.x(), velocity.y(), R::ZERO);
         let rub = friction.force(normal_force, slip);
@@ -196,9 +194,10 @@ impl<R: Real> Moments<R> {
     #[inline(always)]
     fn add(&mut self, place: [R; 3], force: R::Vec3) {
         self.force += force;
-        for (along, p) in self.along.iter_mut().zip(place) {
-            *along += force * p;
-        }
+        let [x, y, z] = place;
+        self.along[0] += force * x;
+        self.along[1] += force * y;
+        self.along[2] += force * z;
         self.touching += 1;
     }
 
