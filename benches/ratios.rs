@@ -5,21 +5,21 @@
 //!
 //! # What remains
 //!
-//! A step of `SymplecticEuler` of the coin with 120 points, upright, where 4 of them touch, takes 1100 instructions (`.ci/instructions`):
+//! A step of `SymplecticEuler` of the coin with 120 points, upright, where 4 of them touch, takes 1190 instructions (`.ci/instructions`):
 //!
 //! * 430 for the body, as many as a step in flight: the rotation matrix, the angular velocity, the turn by two quaternion products, two normalisations, the finite check,
 //!   and the state from and to memory. A third of it is arithmetic; most of the rest are moves, because SSE2's operations overwrite an operand and a state with its
 //!   matrix does not fit into 16 registers.
 //! * 200 to find the arc: the plane's normal in body axes, an angle by one division, and 9 for each of the 6 points walked over.
-//! * 470 for the contacts: some 160 for what they share, the velocity for each metre along the body's axes and the torque from the sums (`scene/level.rs`), and some 70 for each.
+//! * 560 for the contacts: what they share, the velocity for each metre along the body's three axes and the torque from the sums (`scene/level.rs`), and what each takes.
 //!
 //! Few contacts go one by one: stages over arrays cost more than they save below some twenty. So a body with a single contact pays for what nobody shares: a coin of
-//! 12 points takes 790 instructions, 70 more than if its contact were worked out alone. On a tilted plane, or with a radius, a contact takes some 130.
+//! 12 points takes 830 instructions, 110 more than if its contact were worked out alone. On a tilted plane, or with a radius, a contact takes some 130.
 //!
-//! At rest all 120 go abreast, 24 at a time, two in a register: 52 instructions each, and half of their time is the root and the division, which one unit does for
+//! At rest all 120 go abreast, 24 at a time, two in a register: 64 instructions each, and half of their time is the root and the division, which one unit does for
 //! all, 3.1 ns a pair. That is the floor for any program with the report's law.
 //!
-//! `Rk4` takes 4200 instructions, 1000 above its aim: 1300 in flight, which are four matrices, four sums of states, and moves of them, and four searches for the arc.
+//! `Rk4` takes 4300 instructions, 1100 above its aim: 1240 in flight, which are four matrices, four sums of states, and moves of them, and four searches for the arc.
 //!
 //! Memory: the state, the scene and the points walked over, under 1 kB, are in the first cache; at rest 4 kB of points are. Branches: whether the arc ends here is
 //! mispredicted when the number of touching points changes; the others go with the phase. Time: each contact's root and division wait for all before them;

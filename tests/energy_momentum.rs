@@ -749,8 +749,10 @@ fn far_from_the_origin_rest_is_where_the_energy_is_lowest_to_its_rounding() {
             })
             .unwrap();
         let place = R::Vec3::new(R::ZERO, R::ZERO, number(height));
-        let mut state = State::<R>::default();
-        state.position = place;
+        let mut state = State::<R> {
+            position: place,
+            ..State::default()
+        };
         for _ in 0..2000 {
             stepper.step(&mut state).unwrap();
         }
