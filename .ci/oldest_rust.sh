@@ -13,7 +13,8 @@ unpack_debian_rustc() {
   rm -rf "$partial" "$unpacked"
   mkdir -p "$partial"
   apt-get update -qq
-  llvm=$(apt-cache depends "libstd-rust-web-$version" | grep -om1 'libllvm[0-9]*')
+  # To its end: a pipe that is closed early is an error here.
+  llvm=$(apt-cache depends "libstd-rust-web-$version" | awk 'match($0, /libllvm[0-9]+/) && !seen { print substr($0, RSTART, RLENGTH); seen = 1 }')
   DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends "$llvm" >"$partial/log" 2>&1 || { cat "$partial/log"; return 1; }
   (cd "$partial" && apt-get download -qq -o APT::Sandbox::User=root \
     "rustc-web=$version*" "libstd-rust-web-$version" "libstd-rust-web-dev=$version*" "rust-web-src=$version*")
