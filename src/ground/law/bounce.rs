@@ -1,5 +1,6 @@
 //! From what a user knows of a bounce to the parameters of a law, in f64 and by `libm`, once.
 
+use super::SpringDamper;
 use crate::error::{self, Rule, SceneError};
 use crate::real::Real;
 
@@ -30,6 +31,28 @@ impl<R: Real> Carried<R> {
         }
         Ok(self.mass.to_f64() / f64::from(self.contacts))
     }
+
+    /// The spring and damper of each contact on which the body swings with this frequency (rad/s) and damping ratio.
+    pub(super) fn on(&self, frequency: f64, ratio: f64) -> Result<SpringDamper<R>, SceneError> {
+        let mass = self.by_each()?;
+        Ok(SpringDamper {
+            stiffness: R::from_f64(mass * frequency * frequency),
+            damping: R::from_f64(2.0 * ratio * mass * frequency),
+        })
+    }
+}
+
+/// Frequency (rad/s) of a bounce that goes through so many radians in its time (s).
+pub(super) fn frequency_in<R: Real>(angle: f64, contact_time: R) -> Result<f64, SceneError> {
+    error::above_zero("time of a bounce", contact_time, " s")?;
+    Ok(angle / contact_time.to_f64())
+}
+
+/// Frequency (rad/s) on a spring that sinks by a depth (m) at rest under a gravity (m/s²).
+pub(super) fn frequency_at_rest<R: Real>(sink_depth: R, gravity: R) -> Result<f64, SceneError> {
+    error::above_zero("depth at rest", sink_depth, " m")?;
+    error::above_zero("gravity", gravity, " m/s²")?;
+    Ok(libm::sqrt(gravity.to_f64() / sink_depth.to_f64()))
 }
 
 /// That a restitution is above 0 and at most 1.

@@ -2,7 +2,7 @@
 
 use super::bounce::{self, Carried};
 use super::{ContactLaw, MeanForce, SpringDamper};
-use crate::error::{self, SceneError};
+use crate::error::SceneError;
 use crate::real::Real;
 
 /// A spring and a damper side by side, where the damper's force is at most as large as the spring's.
@@ -37,11 +37,9 @@ impl<R: Real> LimitedDamper<R> {
         contact_time: R,
     ) -> Result<Self, SceneError> {
         let ratio = bounce::limited_damper_ratio(restitution)?;
-        error::above_zero("time of a bounce", contact_time, " s")?;
         let [_, angle] = bounce::limited_damper(ratio);
-        let frequency = angle / contact_time.to_f64();
-        let mass = carried.by_each()?;
-        Ok(Self::of_swing(mass, frequency, ratio))
+        let frequency = bounce::frequency_in(angle, contact_time)?;
+        Ok(Self::limited(carried.on(frequency, ratio)?))
     }
 
     /// The law on which a body sinks by `sink_depth` (m) at rest under `gravity` (m/s²), and bounces with this restitution (-, above 0, at most 1).
@@ -55,18 +53,14 @@ impl<R: Real> LimitedDamper<R> {
         gravity: R,
     ) -> Result<Self, SceneError> {
         let ratio = bounce::limited_damper_ratio(restitution)?;
-        error::above_zero("depth at rest", sink_depth, " m")?;
-        error::above_zero("gravity", gravity, " m/s²")?;
-        let frequency = libm::sqrt(gravity.to_f64() / sink_depth.to_f64());
-        let mass = carried.by_each()?;
-        Ok(Self::of_swing(mass, frequency, ratio))
+        let frequency = bounce::frequency_at_rest(sink_depth, gravity)?;
+        Ok(Self::limited(carried.on(frequency, ratio)?))
     }
 
-    /// By mass (kg), frequency (rad/s) and damping ratio.
-    fn of_swing(mass: f64, frequency: f64, ratio: f64) -> Self {
+    fn limited(law: SpringDamper<R>) -> Self {
         Self {
-            stiffness: R::from_f64(mass * frequency * frequency),
-            damping: R::from_f64(2.0 * ratio * mass * frequency),
+            stiffness: law.stiffness,
+            damping: law.damping,
         }
     }
 

@@ -36,10 +36,8 @@ impl<R: Real> SpringDamper<R> {
         contact_time: R,
     ) -> Result<Self, SceneError> {
         let ratio = bounce::spring_damper_ratio(restitution)?;
-        error::above_zero("time of a bounce", contact_time, " s")?;
-        let frequency = 2.0 * bounce::release_angle(ratio) / contact_time.to_f64();
-        let mass = carried.by_each()?;
-        Ok(Self::of_swing(mass, frequency, ratio))
+        let frequency = bounce::frequency_in(2.0 * bounce::release_angle(ratio), contact_time)?;
+        carried.on(frequency, ratio)
     }
 
     /// The law on which a body sinks by `sink_depth` (m) at rest under `gravity` (m/s²), and bounces with this restitution (-, above 0, at most 1).
@@ -55,19 +53,7 @@ impl<R: Real> SpringDamper<R> {
         gravity: R,
     ) -> Result<Self, SceneError> {
         let ratio = bounce::spring_damper_ratio(restitution)?;
-        error::above_zero("depth at rest", sink_depth, " m")?;
-        error::above_zero("gravity", gravity, " m/s²")?;
-        let frequency = libm::sqrt(gravity.to_f64() / sink_depth.to_f64());
-        let mass = carried.by_each()?;
-        Ok(Self::of_swing(mass, frequency, ratio))
-    }
-
-    /// By mass (kg), frequency (rad/s) and damping ratio.
-    fn of_swing(mass: f64, frequency: f64, ratio: f64) -> Self {
-        Self {
-            stiffness: R::from_f64(mass * frequency * frequency),
-            damping: R::from_f64(2.0 * ratio * mass * frequency),
-        }
+        carried.on(bounce::frequency_at_rest(sink_depth, gravity)?, ratio)
     }
 }
 
