@@ -114,7 +114,7 @@ pub trait Dynamics<R: Real = f64> {
 
     /// Force and torque of all contacts; gravity not included.
     ///
-    /// The sums are those of [`visit_contacts`](Self::visit_contacts) but for rounding: bare points on a level plane, if they are many, are summed in another fixed order.
+    /// The sums are those of [`visit_contacts`](Self::visit_contacts) but for rounding: the torque of bare points on a level plane comes from other sums, in another fixed order.
     #[inline(always)]
     fn load(&self, motion: &Motion<R>) -> Load<R> {
         let run = self.contacts_within(R::ZERO, motion.position, &motion.axes);
@@ -168,15 +168,11 @@ fn load_of_forces<R: Real, D: Dynamics<R> + ?Sized>(
     load
 }
 
-/// The height of a ground that is a level plane, if the contacts are bare points that stay where they are in the body.
+/// The height of a ground that is a level plane, if all contacts are bare points of the body.
 #[inline(always)]
 fn height_under_bare_points<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> Option<R> {
     match scene.ground().extent() {
-        Extent::Plane(plane)
-            if !scene.has_radii()
-                && !scene.body().is_smooth()
-                && plane == Plane::level(plane.height) =>
-        {
+        Extent::Plane(plane) if !scene.has_radii() && plane == Plane::level(plane.height) => {
             Some(plane.height)
         }
         _ => None,
@@ -289,22 +285,7 @@ impl<R: Real> Contact<R> {
         let normal_force = ground.normal_force(self.depth, self.closing_speed);
         self.normal * normal_force + friction.force(normal_force, self.slip)
     }
-}
 
-/// The place of a smooth body that faces the ground, as a bare contact of the body as it is turned now: for the normal under the contact that stands for it.
-#[inline]
-pub(crate) fn facing_ground<R: Real, B: RigidPointBody<R>, G: SpringDamperGround<R>>(
-    body: &B,
-    ground: &G,
-    position: R::Vec3,
-    axes: &Axes<R>,
-) -> ContactPoint<R> {
-    let middle = body.contacts().first().copied().unwrap_or_default();
-    let surface = ground.surface(position + axes.to_world(middle.position));
-    ContactPoint::bare(body.support_point(axes.to_body(-surface.normal)))
-}
-
-impl<R: Real> Contact<R> {
     /// The ground's torque on a body that turns (rad/s), beyond that of the force, N m: 0 but for a law that resists turning.
     #[inline]
     pub fn turning_torque<G, F>(
@@ -323,6 +304,19 @@ impl<R: Real> Contact<R> {
             None => R::Vec3::ZERO,
         }
     }
+}
+
+/// The place of a smooth body that faces the ground, as a bare contact of the body as it is turned now: for the normal under the contact that stands for it.
+#[inline]
+pub(crate) fn facing_ground<R: Real, B: RigidPointBody<R>, G: SpringDamperGround<R>>(
+    body: &B,
+    ground: &G,
+    position: R::Vec3,
+    axes: &Axes<R>,
+) -> ContactPoint<R> {
+    let middle = body.contacts().first().copied().unwrap_or_default();
+    let surface = ground.surface(position + axes.to_world(middle.position));
+    ContactPoint::bare(body.support_point(axes.to_body(-surface.normal)))
 }
 
 /// From the centre of mass to the place of a contact's surface that faces the ground, m, world axes.
