@@ -6,6 +6,7 @@ mod embedded_pair;
 mod energy_momentum;
 mod flight;
 mod forward_euler;
+mod likeness;
 mod rk4;
 mod strang_splitting;
 mod symplectic_euler;

@@ -10,10 +10,11 @@ mod control;
 mod touch;
 
 use super::Step;
+use super::likeness::Likeness;
 use super::rk4::Point;
 use crate::error::{self, Quantity, Rule, SceneError, StepError};
 use crate::friction::{SlidingFriction, TurningResistance};
-use crate::ground::{SpringDamperGround, Surface};
+use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Load, Motion};
 use crate::state::State;
@@ -80,7 +81,7 @@ pub struct Workspace<R: Real = f64> {
 struct Known<R: Real> {
     state: State<R>,
     place: Place<R>,
-    likeness: Likeness<R>,
+    answers: Answers<R>,
 }
 
 /// Either end of a step.
@@ -112,32 +113,24 @@ impl<R: Real> Place<R> {
     }
 }
 
-/// What tells the slopes of one scene from another's.
+/// What tells the slopes of one scene from another's: what tells the energies, and the answers of damper and friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Likeness<R: Real> {
-    body: [R; 2],
-    moments: R::Vec3,
-    gravity: R::Vec3,
-    surface: Surface<R>,
-    normal_forces: [R; 2],
+struct Answers<R: Real> {
+    likeness: Likeness<R>,
+    normal_force: R,
     friction: R::Vec3,
     turning: Option<TurningResistance<R>>,
 }
 
-impl<R: Real> Likeness<R> {
+impl<R: Real> Answers<R> {
     #[inline]
     fn of<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Self {
-        let (ground, reach) = (scene.ground(), scene.reach());
+        let friction = scene.friction();
         Self {
-            body: [scene.mass_properties().mass(), reach],
-            moments: scene.mass_properties().moments(),
-            gravity: scene.gravity(),
-            surface: ground.surface(state.position),
-            normal_forces: [R::ZERO, R::ONE].map(|speed| ground.normal_force(reach, speed)),
-            friction: scene
-                .friction()
-                .force(R::ONE, R::Vec3::new(R::ONE, R::ZERO, R::ZERO)),
-            turning: scene.friction().turning(R::ONE),
+            likeness: Likeness::of(scene, state),
+            normal_force: scene.ground().normal_force(scene.reach(), R::ONE),
+            friction: friction.force(R::ONE, R::Vec3::new(R::ONE, R::ZERO, R::ZERO)),
+            turning: friction.turning(R::ONE),
         }
     }
 }
@@ -190,7 +183,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
             workspace.known = Some(Known {
                 state: *state,
                 place: end,
-                likeness: Likeness::of(scene, state),
+                answers: Answers::of(scene, state),
             });
             report.elapsed = seconds;
             return Ok(report);
@@ -212,7 +205,7 @@ fn start_of<R: Real, D: Dynamics<R>>(
     report: &mut Step<R>,
 ) -> Result<Place<R>, StepError> {
     if let Some(known) = &workspace.known {
-        if known.state == *state && known.likeness == Likeness::of(scene, state) {
+        if known.state == *state && known.answers == Answers::of(scene, state) {
             return Ok(known.place);
         }
     }

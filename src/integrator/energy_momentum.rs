@@ -23,11 +23,12 @@ mod split;
 mod stiffness;
 mod turning;
 
+use super::likeness::Likeness;
 use super::{Integrator, Step, step_length};
 use crate::body::{RigidPointBody, Run};
 use crate::energy::Energy;
 use crate::error::{self, Quantity, SceneError, StepError};
-use crate::ground::{Extent, SpringDamperGround, Surface};
+use crate::ground::{Extent, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -64,35 +65,10 @@ pub struct EnergyMomentum<R = f64> {
 #[derive(Clone, Debug)]
 pub struct Workspace<R: Real = f64> {
     contacts: Contacts<R>,
-    /// The state after the last step, its energy, and the scene that they belong to.
+    /// The state after the last step, its energy, and the scene that they belong to: friction and dampers do nothing to a body without motion.
     known: Option<(State<R>, Energy<R>, Likeness<R>)>,
     /// The length of a step that has left that state as it was, s.
     rest: Option<R>,
-}
-
-/// What tells the energies and the rest of one scene from another's: mass, moments, reach, gravity, the surface as seen from the body, and the springs at a depth of its reach.
-/// Friction and dampers do nothing to a body without motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Likeness<R: Real> {
-    body: [R; 2],
-    moments: R::Vec3,
-    gravity: R::Vec3,
-    surface: Surface<R>,
-    spring: [R; 2],
-}
-
-impl<R: Real> Likeness<R> {
-    #[inline]
-    fn of<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Self {
-        let (ground, reach) = (scene.ground(), scene.reach());
-        Self {
-            body: [scene.mass_properties().mass(), reach],
-            moments: scene.mass_properties().moments(),
-            gravity: scene.gravity(),
-            surface: ground.surface(state.position),
-            spring: [ground.spring_force(reach), ground.spring_energy(reach)],
-        }
-    }
 }
 
 impl<R: Real> Default for Workspace<R> {

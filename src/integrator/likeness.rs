@@ -1,0 +1,30 @@
+//! What tells one scene from another, for a workspace that may go from stepper to stepper.
+
+use crate::ground::{SpringDamperGround, Surface};
+use crate::real::Real;
+use crate::scene::Dynamics;
+use crate::state::State;
+
+/// What tells the energies of one scene from another's: mass, moments, reach, gravity, the surface as seen from the body, and the springs at a depth of its reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Likeness<R: Real> {
+    body: [R; 2],
+    moments: R::Vec3,
+    gravity: R::Vec3,
+    surface: Surface<R>,
+    spring: [R; 2],
+}
+
+impl<R: Real> Likeness<R> {
+    #[inline]
+    pub(super) fn of<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Self {
+        let (ground, reach) = (scene.ground(), scene.reach());
+        Self {
+            body: [scene.mass_properties().mass(), reach],
+            moments: scene.mass_properties().moments(),
+            gravity: scene.gravity(),
+            surface: ground.surface(state.position),
+            spring: [ground.spring_force(reach), ground.spring_energy(reach)],
+        }
+    }
+}
