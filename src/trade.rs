@@ -152,7 +152,19 @@ pub struct Row {
     /// The largest rise of the energy in a step, J; 0 where it never rose.
     pub energy_rise: f64,
     /// Why the run failed, if it did.
-    pub failure: Option<StepError>,
+    pub failure: Option<Failure>,
+}
+
+/// Why a run has no end.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Failure {
+    /// The scene, or a setting's knob, cannot be.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The run could not go on.
+    #[error(transparent)]
+    Step(#[from] StepError),
 }
 
 /// Error and price of several settings on one scene.
@@ -226,7 +238,7 @@ pub fn trade<R: Real, D: Dynamics<R>>(
     start: &State<R>,
     seconds: R,
     settings: &[Setting],
-) -> Result<Trade, StepError> {
+) -> Result<Trade, Failure> {
     let reference = reference(scene, start, seconds)?;
     Ok(trade_against(scene, start, seconds, settings, &reference))
 }
@@ -270,7 +282,7 @@ pub fn reference<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &State<R>,
     seconds: R,
-) -> Result<Reference<R>, StepError> {
+) -> Result<Reference<R>, Failure> {
     let bench = Bench {
         scene,
         start,
@@ -280,8 +292,8 @@ pub fn reference<R: Real, D: Dynamics<R>>(
         budget: 20_000_000,
         ..DormandPrince54::new(R::from_f64(share) * scene.reach().at_least(R::from_f64(1e-3)))
     };
-    let end = bench.end(&method(1e-11))?;
-    let coarse = bench.end(&method(1e-10))?;
+    let end = bench.end(method(1e-11))?;
+    let coarse = bench.end(method(1e-10))?;
     Ok(Reference {
         end,
         resolution: bench.apart(&end, &coarse),
@@ -318,13 +330,10 @@ impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
             .with_integrator(integrator)
     }
 
-    fn end<I: Integrator<R> + Copy>(&self, integrator: &I) -> Result<State<R>, StepError> {
+    fn end<I: Integrator<R>>(&self, integrator: I) -> Result<State<R>, Failure> {
         let mut state = *self.start;
-        // The scene has been composed before, and the integrators' knobs are ours.
-        let stepper = self
-            .stepper(*integrator)
-            .map_err(|_| StepError::BadDuration)?;
-        stepper.advance(&mut state, self.seconds)?;
+        self.stepper(integrator)?
+            .advance(&mut state, self.seconds)?;
         Ok(state)
     }
 
@@ -372,13 +381,16 @@ impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
             energy_rise: 0.0,
             failure: None,
         };
-        let Ok(stepper) = self.stepper(integrator) else {
-            row.failure = Some(StepError::BadDuration);
-            return row;
+        let stepper = match self.stepper(integrator) {
+            Ok(stepper) => stepper,
+            Err(error) => {
+                row.failure = Some(error.into());
+                return row;
+            }
         };
         for _ in 0..3 {
             let (mut state, clock) = (*self.start, Instant::now());
-            row.failure = stepper.advance(&mut state, self.seconds).err();
+            row.failure = (stepper.advance(&mut state, self.seconds).err()).map(Failure::Step);
             row.time = row.time.min(clock.elapsed());
             if row.failure.is_some() {
                 return row;

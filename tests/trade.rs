@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use tumble::error::Quantity;
-use tumble::trade::{Method, Setting, reference, trade, trade_against};
+use tumble::trade::{Failure, Method, Setting, reference, trade, trade_against};
 use tumble::{FlatGround, Rk4, State, StepError, Stepper, Trial, UniformGravity};
 
 fn settings() -> Vec<Setting> {
@@ -78,9 +78,31 @@ fn a_setting_that_fails_has_a_row_with_its_error() {
     let table = trade_against(stepper.scene(), &start, 1.0, &settings, &end);
     assert_eq!(
         table.rows[0].failure,
-        Some(StepError::BadState(Quantity::Position))
+        Some(Failure::Step(StepError::BadState(Quantity::Position)))
     );
     assert!(table.rows[0].error.is_infinite());
     assert!(table.front().is_empty());
     assert_eq!(table.rows[0].setting.to_string(), "Rk4 1e-2 s + flight");
+}
+
+#[test]
+fn a_setting_whose_knob_cannot_be_is_told_so() {
+    let stepper = Stepper::new(tumble::Coin::<f64>::ring(1.0, 0.5)).unwrap();
+    let settings = [Method::Rk4, Method::DormandPrince54].map(|method| Setting {
+        method,
+        knob: -1.0,
+        flight: false,
+    });
+    let table = trade(stepper.scene(), &State::default(), 1.0, &settings).unwrap();
+    let said = table
+        .rows
+        .iter()
+        .map(|row| row.failure.unwrap().to_string());
+    assert_eq!(
+        said.collect::<Vec<_>>(),
+        [
+            "time step must be above 0, got -1 s",
+            "tolerance must be above 0, got -1 m"
+        ]
+    );
 }
