@@ -7,6 +7,7 @@ mod energy_momentum;
 mod flight;
 mod forward_euler;
 mod likeness;
+mod ratchet;
 mod rk4;
 mod strang_splitting;
 mod symplectic_euler;

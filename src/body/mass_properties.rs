@@ -99,6 +99,10 @@ impl<R: Real> Excess<R> {
     }
 }
 
+/// Of a turn about three different moments, rad: the largest part, and how many at most.
+const LARGEST_PART: f64 = 0.02;
+const MOST_PARTS: usize = 1_000_000;
+
 impl<R: Real> MassProperties<R> {
     /// Mass (kg) and inertia tensor about the centre of mass (kg m², body axes).
     ///
@@ -301,7 +305,7 @@ impl<R: Real> MassProperties<R> {
 
     /// The turn after `seconds` without torque, however far: [`turn_freely`](Self::turn_freely) for a body with two equal moments.
     ///
-    /// For three different ones it is composed of steps of at most 0.02 rad (or a million of them), each by the triple jump of Yoshida (Physics Letters A 150, 1990), of order 4.
+    /// For three different ones it is composed of steps of at most 0.02 rad (beyond 20 000 rad, of a million longer ones), each by the triple jump of Yoshida (Physics Letters A 150, 1990), of order 4.
     #[inline]
     #[must_use]
     pub fn turn_far(
@@ -327,8 +331,8 @@ impl<R: Real> MassProperties<R> {
         let outer = R::from_f64(1.351_207_191_959_657_6);
         let inner = R::ONE - R::TWO * outer;
         let spin = angular_momentum.length() * self.largest_inverse_moment();
-        let parts = (spin * seconds.abs() * R::from_f64(50.0)).floor_index() + 1;
-        let parts = parts.min(1_000_000);
+        let parts = (spin * seconds.abs() / R::from_f64(LARGEST_PART)).floor_index() + 1;
+        let parts = parts.min(MOST_PARTS);
         let step = seconds / R::from_usize(parts);
         let mut turned = rotation;
         for _ in 0..parts {
@@ -338,6 +342,17 @@ impl<R: Real> MassProperties<R> {
             }
         }
         turned
+    }
+
+    /// The time in which [`turn_far`](Self::turn_far) keeps its parts small, s: for ever with two equal moments.
+    #[inline]
+    pub(crate) fn longest_turn(&self, angular_momentum: R::Vec3) -> R {
+        let spin = angular_momentum.length() * self.largest_inverse_moment();
+        if self.is_asymmetric() && spin > R::ZERO {
+            R::from_f64(LARGEST_PART) * R::from_usize(MOST_PARTS) / spin
+        } else {
+            R::MAX
+        }
     }
 
     /// The spin (rad/s) that an angular momentum of 1 kg m²/s gives about the axis that is turned most easily, 1/(kg m²); 0 for a point.

@@ -16,7 +16,6 @@ mod descent;
 mod linear;
 mod newton;
 mod problem;
-mod ratchet;
 mod resist;
 mod settle;
 mod split;
@@ -24,7 +23,7 @@ mod stiffness;
 mod turning;
 
 use super::likeness::Likeness;
-use super::{Integrator, Step, step_length};
+use super::{Integrator, Step, ratchet, step_length};
 use crate::body::{RigidPointBody, Run};
 use crate::energy::Energy;
 use crate::error::{self, Quantity, SceneError, StepError};

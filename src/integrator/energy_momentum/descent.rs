@@ -11,11 +11,10 @@
 //! Springs far stiffer than `m/h²` turn the motion along the ground, where an explicit one would be thrown out of it. Dampers and friction only add to what resists.
 
 use super::linear::{Block, SixBySix};
-use super::ratchet;
 use crate::energy::Energy;
 use crate::friction::SlidingFriction;
 use crate::ground::{Extent, SpringDamperGround};
-use crate::integrator::Step;
+use crate::integrator::{Step, ratchet};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::{Contact, Dynamics};

@@ -1,8 +1,8 @@
 //! The last word on a step: the computed energy is not above the one before, or the step does not happen.
 
+use super::Step;
 use crate::energy::Energy;
 use crate::ground::SpringDamperGround;
-use crate::integrator::Step;
 use crate::real::{Quaternion, Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -81,7 +81,7 @@ pub(super) fn lowered<R: Real, D: Dynamics<R>>(
 }
 
 /// The end with its velocities scaled, by the smallest doubling of the excess that brings the computed energy to the ceiling.
-fn scaled_down<R: Real, D: Dynamics<R>>(
+pub(super) fn scaled_down<R: Real, D: Dynamics<R>>(
     scene: &D,
     ceiling: R,
     excess: R,
@@ -91,7 +91,7 @@ fn scaled_down<R: Real, D: Dynamics<R>>(
     let mut share = excess;
     loop {
         let kinetic = after.translation + after.rotation;
-        if share >= kinetic {
+        if !share.is_finite() || share >= kinetic {
             return None;
         }
         let slowed = slower(end, (R::ONE - share / kinetic).sqrt());
