@@ -693,6 +693,9 @@ fn what_a_law_is_made_from_is_in_its_range() {
         HuntCrossley::from_bounce(body, 1.5, e, 1.0, 1e-3)
     });
     refuses("restitution", part, "", |e| {
+        HuntCrossley::from_contact_time(body, 1.5, e, 1.0, 1e-3)
+    });
+    refuses("restitution", part, "", |e| {
         HuntCrossley::from_rest(body, 1.5, [e, 1.0], 1e-3, 9.8)
     });
     refuses("time of a bounce", above_zero, " s", |t| {
@@ -700,6 +703,9 @@ fn what_a_law_is_made_from_is_in_its_range() {
     });
     refuses("time of a bounce", above_zero, " s", |t| {
         LimitedDamper::from_bounce(body, 0.5, t)
+    });
+    refuses("time of a bounce", above_zero, " s", |t| {
+        HuntCrossley::from_contact_time(body, 1.5, 0.5, 1.0, t)
     });
     refuses("depth at rest", above_zero, " m", |d| {
         SpringDamper::from_rest(body, 0.5, d, 9.8)
@@ -723,6 +729,9 @@ fn what_a_law_is_made_from_is_in_its_range() {
         HuntCrossley::from_bounce(body, 1.5, 0.5, v, 1e-3)
     });
     refuses("speed of a bounce", above_zero, " m/s", |v| {
+        HuntCrossley::from_contact_time(body, 1.5, 0.5, v, 1e-3)
+    });
+    refuses("speed of a bounce", above_zero, " m/s", |v| {
         HuntCrossley::from_rest(body, 1.5, [0.5, v], 1e-3, 9.8)
     });
     refuses("depth of a bounce", above_zero, " m", |d| {
@@ -740,11 +749,15 @@ fn what_a_law_is_made_from_is_in_its_range() {
         error.to_string(),
         "number of contacts that carry must be at least 1, got 0"
     );
-    let error = HuntCrossley::from_bounce(body, 0.5, 0.5, 1.0, 1e-3).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "exponent of the ground must be at least 1, got 0.5"
-    );
+    for made in [
+        HuntCrossley::from_bounce(body, 0.5, 0.5, 1.0, 1e-3),
+        HuntCrossley::from_contact_time(body, 0.5, 0.5, 1.0, 1e-3),
+    ] {
+        assert_eq!(
+            made.unwrap_err().to_string(),
+            "exponent of the ground must be at least 1, got 0.5"
+        );
+    }
 }
 
 #[test]

@@ -99,6 +99,19 @@ proptest! {
         prop_assert!((found.depth / depth - 1.0).abs() < 1e-5, "{} m for {depth}", found.depth);
     }
 
+    /// The time is seen to a step, which is 1/4000 of it.
+    #[test]
+    fn a_hunt_crossley_law_made_for_a_contact_time_takes_it(
+        carried in carried(), restitution in 0.05..=1.0_f64, seconds in log_uniform(1e-6, 1.0), speed in log_uniform(1e-3, 1e3),
+        exponent in prop_oneof![Just(1.0), Just(1.5), Just(2.0), 1.0..4.0_f64],
+    ) {
+        let dt = seconds / 4000.0;
+        let law = HuntCrossley::from_contact_time(carried, exponent, restitution, speed, seconds).unwrap();
+        let found = bounce(law, carried, speed, dt);
+        prop_assert!((found.restitution - restitution).abs() < 1e-5, "{} for {restitution}", found.restitution);
+        prop_assert!((found.seconds - seconds).abs() < 2.0 * dt, "{} s for {seconds}", found.seconds);
+    }
+
     #[test]
     fn a_law_made_for_a_depth_at_rest_carries_the_weight_there(
         carried in carried(), restitution in 0.01..1.0_f64, depth in log_uniform(1e-6, 1.0), gravity in log_uniform(0.1, 100.0), exponent in 1.0..3.0_f64,
