@@ -319,11 +319,12 @@ fn gather<R: Real, D: Dynamics<R>>(
     let bend = dt * dt * (scene.gravity().length() + spin.length_squared() * problem.reach);
     let bend = bend.at_most(R::TWO * problem.reach + dt * dt * scene.gravity().length());
     let fall = dt * -motion.linear_velocity.dot(plane.normal);
-    let swing = dt * spin.cross(plane.normal).length() * problem.reach;
+    let tilt = spin.cross(plane.normal);
+    let swing = dt * tilt.length() * problem.reach;
     let margin = (fall + swing).at_least(R::ZERO) + bend;
     let run = scene.contacts_within(margin, motion.position, &motion.axes);
     contacts.gather(problem, run, |depth, arm| {
-        let closing = -motion.velocity_at(arm).dot(plane.normal);
-        depth > R::ZERO || depth + dt * closing + bend > R::ZERO
+        // -n · (ω × r) = (ω × n) · r
+        depth > R::ZERO || depth + fall + dt * tilt.dot(arm) + bend > R::ZERO
     });
 }

@@ -2,7 +2,7 @@
 
 use super::problem::{Problem, Trial};
 use crate::body::{ContactPoint, RigidPointBody, Run};
-use crate::friction::{Drag, SlidingFriction};
+use crate::friction::Drag;
 use crate::ground::{MeanForce, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
@@ -17,13 +17,12 @@ pub(super) const CAPACITY: usize = 128;
 struct Touch<R: Real> {
     /// From the centre of mass to the contact's centre at the start of the step, m.
     arm: R::Vec3,
-    radius: R,
     /// At the start of the step, m; negative above ground.
     depth: R,
-    /// Newton's dual unknown: the friction's direction over its limit, at most of length 1; `None` before the first trial.
-    dual: Option<R::Vec3>,
     /// What it did over the last trial step.
     push: Push<R>,
+    /// How friction answered where Newton's matrix was last made; not so far, where the step has just begun.
+    answer: Option<Answer<R>>,
 }
 
 /// What a contact does over a trial step.
@@ -34,12 +33,8 @@ pub(super) struct Push<R: Real> {
     pub(super) mean: MeanForce<R>,
     /// N, along the ground.
     pub(super) friction: R::Vec3,
-    pub(super) drag: Drag<R>,
     /// Mean slip, m/s.
     pub(super) slip: R::Vec3,
-    /// Unit vector along the slip, or 0.
-    pub(super) slip_direction: R::Vec3,
-    pub(super) dual: R::Vec3,
     /// From the centre of mass to where the mean force acts, m.
     pub(super) arm: R::Vec3,
     /// From the centre of mass to the contact's centre at the end of the step, m.
@@ -49,19 +44,25 @@ pub(super) struct Push<R: Real> {
     pub(super) radius: R,
 }
 
+/// How friction at a contact answers to its slip.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Answer<R: Real> {
+    pub(super) drag: Drag<R>,
+    /// Newton's dual unknown: the friction's direction over its limit, at most of length 1.
+    pub(super) dual: R::Vec3,
+    /// Mean slip where it was asked for, m/s.
+    slip: R::Vec3,
+    /// Unit vector along that slip, or 0.
+    pub(super) slip_direction: R::Vec3,
+}
+
 impl<R: Real> Push<R> {
     /// All zeros, so that a workspace in a `static` takes no place in a program's image.
     const NONE: Self = Self {
         normal: R::Vec3::ZERO,
         mean: MeanForce::NONE,
         friction: R::Vec3::ZERO,
-        drag: Drag {
-            width: R::ZERO,
-            ..Drag::NONE
-        },
         slip: R::Vec3::ZERO,
-        slip_direction: R::Vec3::ZERO,
-        dual: R::Vec3::ZERO,
         arm: R::Vec3::ZERO,
         end_arm: R::Vec3::ZERO,
         end_depth: R::ZERO,
@@ -99,10 +100,9 @@ pub(super) struct Contacts<R: Real> {
 impl<R: Real> Touch<R> {
     const NONE: Self = Self {
         arm: R::Vec3::ZERO,
-        radius: R::ZERO,
         depth: R::ZERO,
-        dual: None,
         push: Push::NONE,
+        answer: None,
     };
 }
 
@@ -135,8 +135,12 @@ impl<R: Real> Contacts<R> {
                     return;
                 };
                 // The rest of the place is written by the first trial.
-                (place.arm, place.radius, place.depth) = (touch.arm, touch.radius, touch.depth);
-                place.dual = None;
+                (place.arm, place.depth) = (touch.arm, touch.depth);
+                place.answer = None;
+                place.push.radius = touch.push.radius;
+                if let Some(plane) = &problem.plane {
+                    place.push.normal = plane.normal;
+                }
                 self.remembered += 1;
             }
             self.seen += 1;
@@ -170,24 +174,42 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
         mut feel: impl FnMut(&Push<R>),
     ) {
-        for index in 0..self.len() {
-            if let Some(touch) = self
-                .touches
-                .get_mut(index)
-                .filter(|_| index < self.remembered)
-            {
-                touch.respond(problem, trial);
-                if touch.push.is_felt() {
-                    feel(&touch.push);
-                }
-            } else if let Some(push) = self.forgotten(index, problem, trial) {
-                feel(&push);
+        for touch in self.touches.iter_mut().take(self.remembered) {
+            touch.respond(problem, trial);
+            if touch.push.is_felt() {
+                feel(&touch.push);
+            }
+        }
+        for index in self.remembered..self.len() {
+            if let Some(touch) = self.forgotten(index, problem, trial) {
+                feel(&touch.push);
+            }
+        }
+    }
+
+    /// Asks those that reach the ground how friction answers at the last trial step, which was `trial`, and hands that on with what they did.
+    #[inline(always)]
+    pub(super) fn answer<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        mut feel: impl FnMut(&Push<R>, &Answer<R>),
+    ) {
+        for touch in self.touches.iter_mut().take(self.remembered) {
+            if touch.push.is_felt() {
+                let answer = touch.answer(problem);
+                touch.answer = Some(answer);
+                feel(&touch.push, &answer);
+            }
+        }
+        for index in self.remembered..self.len() {
+            if let Some(touch) = self.forgotten(index, problem, trial) {
+                feel(&touch.push, &touch.answer(problem));
             }
         }
     }
 
     /// Hands on what the contacts that reach the ground did over the last trial step, which was `trial`.
-    #[inline(always)]
     pub(super) fn recall<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
@@ -200,8 +222,8 @@ impl<R: Real> Contacts<R> {
             }
         }
         for index in self.remembered..self.len() {
-            if let Some(push) = self.forgotten(index, problem, trial) {
-                feel(&push);
+            if let Some(touch) = self.forgotten(index, problem, trial) {
+                feel(&touch.push);
             }
         }
     }
@@ -213,13 +235,13 @@ impl<R: Real> Contacts<R> {
         index: usize,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-    ) -> Option<Push<R>> {
+    ) -> Option<Touch<R>> {
         let contacts = problem.scene.body().contacts();
         let along_run = self.run.first + self.seen + (index - self.remembered);
         let point = contacts.get(along_run % contacts.len().max(1))?;
         let mut touch = Touch::of(problem, point);
         touch.respond(problem, trial);
-        touch.push.is_felt().then_some(touch.push)
+        touch.push.is_felt().then_some(touch)
     }
 }
 
@@ -239,16 +261,36 @@ impl<R: Real> Touch<R> {
         let surface = ground.surface(motion.position + arm);
         Self {
             arm,
-            radius: point.radius,
             depth: point.radius - surface.gap,
-            dual: None,
-            push: Push::NONE,
+            push: Push {
+                normal: surface.normal,
+                radius: point.radius,
+                ..Push::NONE
+            },
+            answer: None,
         }
     }
 
     /// Works out what the contact does over a trial step.
     #[inline]
     fn respond<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, trial: &Trial<R>) {
+        if !problem.is_bare {
+            self.respond_anywhere(problem, trial);
+            return;
+        }
+        let swung = trial.swing.times(self.arm);
+        let moved = trial.shift + swung;
+        self.push.end_depth = self.depth - moved.z();
+        self.push.mean = problem.mean_force(self.depth, self.push.end_depth);
+        if self.push.is_felt() {
+            let end_arm = self.arm + swung;
+            let along = R::Vec3::new(moved.x(), moved.y(), R::ZERO);
+            self.slide(problem, along, (self.arm + end_arm) * R::HALF, end_arm);
+        }
+    }
+
+    /// The same for a contact of any kind on any ground.
+    fn respond_anywhere<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, trial: &Trial<R>) {
         let is_smooth = problem.scene.body().is_smooth();
         let swung = if is_smooth {
             wandered(problem, trial) - self.arm
@@ -257,45 +299,42 @@ impl<R: Real> Touch<R> {
         };
         let moved = trial.shift + swung;
         let (normal, end_depth) = self.fall(problem, moved);
-        let mean = problem
-            .scene
-            .ground()
-            .mean_force(self.depth, end_depth, problem.seconds);
+        self.push.normal = normal;
         self.push.end_depth = end_depth;
-        self.push.mean = mean;
+        self.push.mean = problem.mean_force(self.depth, end_depth);
         if !self.push.is_felt() {
             return;
         }
         let end_arm = self.arm + swung;
         let mut arm = (self.arm + end_arm) * R::HALF;
         let mut along = moved - normal * normal.dot(moved);
+        let radius = self.push.radius;
         if is_smooth {
             arm = carried::<R>(arm, normal, swung, trial.spin);
             let path = trial.shift + trial.spin.cross(arm) * R::TWO;
             along = path - normal * normal.dot(path);
-        } else if self.radius > R::ZERO {
+        } else if radius > R::ZERO {
             // The contact's place lies a radius below its centre and is carried round by the turn.
-            arm -= normal * self.radius;
-            along -= trial.spin.cross(normal) * (self.radius * R::TWO);
+            arm -= normal * radius;
+            along -= trial.spin.cross(normal) * (radius * R::TWO);
         }
+        self.slide(problem, along, arm, end_arm);
+    }
+
+    /// Friction over a path along the ground.
+    #[inline(always)]
+    fn slide<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        along: R::Vec3,
+        arm: R::Vec3,
+        end_arm: R::Vec3,
+    ) {
         let slip = along * problem.per_second;
-        let friction = problem.scene.friction();
-        let drag = friction.drag(mean.force, slip);
-        let dual = self.next_dual(problem, slip, &drag);
-        self.dual = Some(dual);
-        self.push = Push {
-            normal,
-            mean,
-            friction: friction.force(mean.force, slip),
-            drag,
-            slip,
-            slip_direction: direction::<R>(slip),
-            dual,
-            arm,
-            end_arm,
-            end_depth,
-            radius: self.radius,
-        };
+        self.push.slip = slip;
+        self.push.friction = problem.friction(self.push.mean.force, slip);
+        self.push.arm = arm;
+        self.push.end_arm = end_arm;
     }
 
     /// The normal along which the force does the springs' work, and the depth at the end, for a contact whose centre moves by `moved`.
@@ -308,7 +347,7 @@ impl<R: Real> Touch<R> {
         let ground = problem.scene.ground();
         let start = problem.motion.position + self.arm;
         let middle = ground.surface(start + moved * R::HALF).normal;
-        let end_depth = self.radius - ground.surface(start + moved).gap;
+        let end_depth = self.push.radius - ground.surface(start + moved).gap;
         let square = moved.length_squared();
         let lack = (self.depth - end_depth) - middle.dot(moved);
         if square > R::ZERO && lack.abs() < square.sqrt() {
@@ -318,10 +357,24 @@ impl<R: Real> Touch<R> {
         }
     }
 
-    /// The dual after Newton's step from the last trial's slip u to this one's u': `(u' - w' g (û·(u' - u)))/w`, on the unit disc (Chan, Golub & Mulet 1999).
+    /// How friction answers at the last trial step.
     #[inline]
-    fn next_dual<D>(&self, problem: &Problem<'_, R, D>, slip: R::Vec3, drag: &Drag<R>) -> R::Vec3 {
-        let Some(dual) = self.dual else {
+    fn answer<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Answer<R> {
+        let (push, slip) = (&self.push, self.push.slip);
+        let drag = problem.drag(push.mean.force, slip);
+        Answer {
+            drag,
+            dual: self.next_dual(problem, &drag),
+            slip,
+            slip_direction: direction::<R>(slip),
+        }
+    }
+
+    /// The dual after Newton's step from the last answer's slip u to this one's u': `(u' - w' g (û·(u' - u)))/w`, on the unit disc (Chan, Golub & Mulet 1999).
+    #[inline]
+    fn next_dual<D>(&self, problem: &Problem<'_, R, D>, drag: &Drag<R>) -> R::Vec3 {
+        let slip = self.push.slip;
+        let Some(last) = &self.answer else {
             // A slide that the step can hardly brake begins with Newton's own derivative; one that it can stop, with stick.
             let slides = drag.coefficient * problem.seconds < problem.mass * R::from_f64(0.1);
             return if slides {
@@ -330,9 +383,8 @@ impl<R: Real> Touch<R> {
                 R::Vec3::ZERO
             };
         };
-        let last = &self.push;
         let change = (slip - last.slip).dot(last.slip_direction);
-        let next = (slip - dual * (last.drag.growth * change)) * (R::ONE / last.drag.width);
+        let next = (slip - last.dual * (last.drag.growth * change)) * (R::ONE / last.drag.width);
         let square = next.length_squared();
         if square > R::ONE {
             next * (R::ONE / square.sqrt())

@@ -176,12 +176,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
     /// Newton's step from the end of a way, with everything times h²: `(M + h² K + h C) Δz = M (z₀ - z) + h² f - h C z`.
     fn newton(&self, end: &State<R>, way: &Way<R>) -> (R::Vec3, R::Vec3) {
         let h = self.seconds;
-        let mut equations = SixBySix {
-            force_by_shift: Block::diagonal(self.mass),
-            force_by_turn: Block::ZERO,
-            torque_by_shift: Block::ZERO,
-            torque_by_turn: self.inertia,
-        };
+        let mut equations = SixBySix::of_body(self.mass, &self.inertia);
         let mut force = (self.free.shift - way.shift) * self.mass;
         let mut torque = self.inertia.times(self.free.turn - way.turn);
         let motion = self.scene.motion(end);
@@ -207,7 +202,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             equations.add_at(&resistance, contact.arm, contact.arm);
         });
         if self.kind == Kind::WithoutTurn {
-            (equations.force_by_turn, equations.torque_by_shift) = (Block::ZERO, Block::ZERO);
+            equations = equations.uncoupled();
             torque = R::Vec3::ZERO;
         }
         equations.solve(force, torque, self.reach)

@@ -11,12 +11,6 @@ pub(super) struct Block<R: Real> {
 }
 
 impl<R: Real> Block<R> {
-    pub(super) const ZERO: Self = Self {
-        x: R::Vec3::ZERO,
-        y: R::Vec3::ZERO,
-        z: R::Vec3::ZERO,
-    };
-
     /// `value` times the unit matrix.
     #[inline]
     pub(super) fn diagonal(value: R) -> Self {
@@ -63,16 +57,6 @@ impl<R: Real> Block<R> {
         }
     }
 
-    /// `self (ϑ × place)` as a matrix for ϑ: `-self hat(place)`.
-    #[inline]
-    pub(super) fn after_turn_of(&self, place: R::Vec3) -> Self {
-        Self {
-            x: self.z * place.y() - self.y * place.z(),
-            y: self.x * place.z() - self.z * place.x(),
-            z: self.y * place.x() - self.x * place.y(),
-        }
-    }
-
     /// `hat(a) self`: each column crossed by `a`.
     #[inline]
     pub(super) fn crossed_by(&self, a: R::Vec3) -> Self {
@@ -92,11 +76,15 @@ impl<R: Real> Block<R> {
         }
     }
 
-    /// With the diagonal raised by a share of its own sum.
-    #[cold]
-    fn with_diagonal_raised(&self, share: R) -> Self {
-        let sum = self.x.x().abs() + self.y.y().abs() + self.z.z().abs();
-        self.plus(&Self::diagonal(sum * share))
+    /// The three rows.
+    #[inline]
+    pub(super) fn rows(&self) -> [R::Vec3; 3] {
+        let (a, b, c) = (self.x, self.y, self.z);
+        [
+            R::Vec3::new(a.x(), b.x(), c.x()),
+            R::Vec3::new(a.y(), b.y(), c.y()),
+            R::Vec3::new(a.z(), b.z(), c.z()),
+        ]
     }
 
     #[inline]
@@ -109,31 +97,87 @@ impl<R: Real> Block<R> {
     }
 }
 
-/// Six linear equations of a rigid body: a force and a torque that answer to a displacement and a turn.
+/// Six linear equations of a rigid body: force and torque, row by row, as they answer to a shift and a turn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SixBySix<R: Real> {
-    pub(super) force_by_shift: Block<R>,
-    pub(super) force_by_turn: Block<R>,
-    pub(super) torque_by_shift: Block<R>,
-    pub(super) torque_by_turn: Block<R>,
+    rows: [[R; 6]; 6],
 }
 
 impl<R: Real> SixBySix<R> {
     pub(super) const ZERO: Self = Self {
-        force_by_shift: Block::ZERO,
-        force_by_turn: Block::ZERO,
-        torque_by_shift: Block::ZERO,
-        torque_by_turn: Block::ZERO,
+        rows: [[R::ZERO; 6]; 6],
     };
 
+    /// A force that answers to the shift alone, and a torque to the turn.
+    #[inline]
+    pub(super) fn of_body(mass: R, inertia: &Block<R>) -> Self {
+        let o = R::ZERO;
+        let [x, y, z] = inertia.rows();
+        Self {
+            rows: [
+                [mass, o, o, o, o, o],
+                [o, mass, o, o, o, o],
+                [o, o, mass, o, o, o],
+                [o, o, o, x.x(), x.y(), x.z()],
+                [o, o, o, y.x(), y.y(), y.z()],
+                [o, o, o, z.x(), z.y(), z.z()],
+            ],
+        }
+    }
+
     /// Adds what a force at `arm` answers to the path of a place at `place`, which a turn moves by `ϑ × place`: `block (ξ + ϑ × place)`.
-    #[inline(always)]
     pub(super) fn add_at(&mut self, block: &Block<R>, arm: R::Vec3, place: R::Vec3) {
-        let by_turn = block.after_turn_of(place);
-        self.force_by_shift = self.force_by_shift.plus(block);
-        self.force_by_turn = self.force_by_turn.plus(&by_turn);
-        self.torque_by_shift = self.torque_by_shift.plus(&block.crossed_by(arm));
-        self.torque_by_turn = self.torque_by_turn.plus(&by_turn.crossed_by(arm));
+        let shift = block.rows();
+        self.add(shift, shift.map(|row| place.cross(row)), arm);
+    }
+
+    /// Adds a force at `arm` by the rows of its answers to the shift and to the turn.
+    #[inline(always)]
+    pub(super) fn add(&mut self, shift: [R::Vec3; 3], turn: [R::Vec3; 3], arm: R::Vec3) {
+        let row = |s: R::Vec3, t: R::Vec3| [s.x(), s.y(), s.z(), t.x(), t.y(), t.z()];
+        let [x, y, z] = [
+            row(shift[0], turn[0]),
+            row(shift[1], turn[1]),
+            row(shift[2], turn[2]),
+        ];
+        let [fx, fy, fz, tx, ty, tz] = &mut self.rows;
+        for j in 0..6 {
+            fx[j] += x[j];
+            fy[j] += y[j];
+            fz[j] += z[j];
+            tx[j] += z[j] * arm.y() - y[j] * arm.z();
+            ty[j] += x[j] * arm.z() - z[j] * arm.x();
+            tz[j] += y[j] * arm.x() - x[j] * arm.y();
+        }
+    }
+
+    /// Adds the torque of a force whose arm a turn moves by `ϑ × place`: `(ϑ × place) × force`.
+    #[inline(always)]
+    pub(super) fn add_swing(&mut self, place: R::Vec3, force: R::Vec3) {
+        let along = force.dot(place);
+        let [_, _, _, x, y, z] = &mut self.rows;
+        let f = [force.x(), force.y(), force.z()];
+        for j in 0..3 {
+            x[3 + j] += place.x() * f[j];
+            y[3 + j] += place.y() * f[j];
+            z[3 + j] += place.z() * f[j];
+        }
+        x[3] -= along;
+        y[4] -= along;
+        z[5] -= along;
+    }
+
+    /// Without what a turn does to the force, and a shift to the torque.
+    pub(super) fn uncoupled(&self) -> Self {
+        let mut rows = self.rows;
+        for (i, row) in rows.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                if (i < 3) != (j < 3) {
+                    *entry = R::ZERO;
+                }
+            }
+        }
+        Self { rows }
     }
 
     /// The shift and turn that a force and a torque make.
@@ -163,11 +207,16 @@ impl<R: Real> SixBySix<R> {
     #[cold]
     fn solve_heavier(&self, force: R::Vec3, torque: R::Vec3, reach: R) -> (R::Vec3, R::Vec3) {
         let share = R::EPSILON.sqrt();
-        let heavier = Self {
-            force_by_shift: self.force_by_shift.with_diagonal_raised(share),
-            torque_by_turn: self.torque_by_turn.with_diagonal_raised(share),
-            ..*self
+        let mut heavier = *self;
+        let [a, b, c, d, e, f] = &mut heavier.rows;
+        let raised = |x: &mut R, y: &mut R, z: &mut R| {
+            let more = (x.abs() + y.abs() + z.abs()) * share;
+            *x += more;
+            *y += more;
+            *z += more;
         };
+        raised(&mut a[0], &mut b[1], &mut c[2]);
+        raised(&mut d[3], &mut e[4], &mut f[5]);
         let mut factors = Factors::NONE;
         heavier.factor(reach, &mut factors);
         factors.solve(force, torque)
@@ -194,11 +243,22 @@ impl<R: Real> SixBySix<R> {
     #[inline]
     fn fill(&self, reach: R, factors: &mut Factors<R>) {
         let per_reach = R::ONE / reach;
-        let top = [&self.force_by_shift, &self.force_by_turn];
-        let bottom = [&self.torque_by_shift, &self.torque_by_turn];
-        let [a, b, c, d, e, f] = &mut factors.rows;
-        fill([a, b, c], top, R::ONE, per_reach);
-        fill([d, e, f], bottom, per_reach, per_reach);
+        let square = per_reach * per_reach;
+        let [a, b, c, d, e, f] = &self.rows;
+        let top = |[u, v, w, x, y, z]: &[R; 6]| {
+            [*u, *v, *w, *x * per_reach, *y * per_reach, *z * per_reach]
+        };
+        let bottom = |[u, v, w, x, y, z]: &[R; 6]| {
+            [
+                *u * per_reach,
+                *v * per_reach,
+                *w * per_reach,
+                *x * square,
+                *y * square,
+                *z * square,
+            ]
+        };
+        factors.rows = [top(a), top(b), top(c), bottom(d), bottom(e), bottom(f)];
         factors.per_reach = per_reach;
         factors.exchanged = false;
     }
@@ -310,27 +370,5 @@ impl<R: Real> Factors<R> {
             }
         }
         x
-    }
-}
-
-/// Three rows from two blocks.
-#[inline]
-fn fill<R: Real>(
-    rows: [&mut [R; 6]; 3],
-    [shift, turn]: [&Block<R>; 2],
-    row_scale: R,
-    turn_scale: R,
-) {
-    let pick: [fn(R::Vec3) -> R; 3] = [R::Vec3::x, R::Vec3::y, R::Vec3::z];
-    for (row, of) in rows.into_iter().zip(pick) {
-        let per_turn = row_scale * turn_scale;
-        *row = [
-            of(shift.x) * row_scale,
-            of(shift.y) * row_scale,
-            of(shift.z) * row_scale,
-            of(turn.x) * per_turn,
-            of(turn.y) * per_turn,
-            of(turn.z) * per_turn,
-        ];
     }
 }

@@ -38,7 +38,6 @@ struct Sum<R: Real> {
     stiffness: R,
     /// Sum of the slopes of the normal forces, dampers included, N/m.
     slope: R,
-    strain: Strain<R>,
 }
 
 impl<R: Real> Sum<R> {
@@ -48,7 +47,6 @@ impl<R: Real> Sum<R> {
         normal: R::ZERO,
         stiffness: R::ZERO,
         slope: R::ZERO,
-        strain: Strain::NONE,
     };
 
     #[inline(always)]
@@ -59,7 +57,6 @@ impl<R: Real> Sum<R> {
         self.normal += push.mean.force;
         self.stiffness += push.mean.stiffness;
         self.slope += push.mean.slope;
-        self.strain.add(push);
     }
 }
 
@@ -91,6 +88,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
     let mut trial = problem.first_trial();
     let mut equations = SixBySix::ZERO;
     let mut factors = Factors::NONE;
+    let mut strain = Strain::NONE;
     let mut base: Option<Base<R>> = None;
     let mut best: Option<Place<R>> = None;
     let mut share = R::ONE;
@@ -107,12 +105,12 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
         };
         let tolerance = scale.at(problem, &trial, &sum) * tolerance::<R>();
         if here.size <= tolerance * R::from_f64(EXACT) {
-            return Some((trial, sum.strain));
+            return Some((trial, Strain::at(problem, contacts, &trial)));
         }
         let progress = best.is_none_or(|best| here.size < best.size * R::HALF);
         // No further progress near the end: rounding is reached.
         if !progress && here.size <= tolerance * R::from_f64(1e3) {
-            return Some((trial, sum.strain));
+            return Some((trial, Strain::at(problem, contacts, &trial)));
         }
         if let Some(base) = &base {
             let worse =
@@ -122,6 +120,8 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
                 if share < R::EPSILON {
                     return None;
                 }
+                // The dual unknowns go on from here.
+                contacts.answer(problem, &trial, |_, _| {});
                 trial = change(problem, &base.place, base.shift * share, base.turn * share);
                 continue;
             }
@@ -133,8 +133,13 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
         let once_more = base.map_or(R::MAX, |base| here.size * (here.size / base.place.size));
         let enough = once_more <= tolerance * R::from_f64(EXACT);
         let last = enough || (progress && here.size <= tolerance * R::from_f64(CLOSE));
-        if !enough {
-            equations = stiffness::equations(problem, contacts, &trial);
+        if enough {
+            // A step that is resolved is so here too; how far another one is not, is asked where it ends.
+            if !strain.of_step(problem).is_resolved() {
+                strain = Strain::at(problem, contacts, &trial);
+            }
+        } else {
+            strain = stiffness::equations(problem, contacts, &trial, &mut equations);
             equations.factor(problem.reach, &mut factors);
         }
         let (shift, turn) =
@@ -142,7 +147,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
         trial = change(problem, &here, shift, turn);
         // Newton's next step squares what is lacking: nothing is left to look at.
         if last {
-            return Some((trial, sum.strain));
+            return Some((trial, strain));
         }
         if best.is_none_or(|best| here.size < best.size) {
             best = Some(here);

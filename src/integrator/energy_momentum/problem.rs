@@ -1,7 +1,8 @@
 //! The equations of one implicit step: what is known at its start, a trial for its end, and the state that a trial means.
 
 use super::linear::Block;
-use crate::ground::{Extent, Plane, SpringDamperGround};
+use crate::friction::{Drag, SlidingFriction};
+use crate::ground::{Extent, MeanForce, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::{Dynamics, Motion};
@@ -18,10 +19,12 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) angular_momentum: R::Vec3,
     /// The ground, where it is a plane.
     pub(super) plane: Option<Plane<R>>,
-    /// Whether it is level.
-    pub(super) is_level: bool,
+    /// Whether it is level, and all contacts are bare points of the body.
+    pub(super) is_bare: bool,
     /// Whether any contact has a radius.
     pub(super) has_radii: bool,
+    /// Without friction and dampers.
+    pub(super) is_conservative: bool,
     pub(super) seconds: R,
     pub(super) per_second: R,
     pub(super) mass: R,
@@ -63,6 +66,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             Extent::Plane(plane) => Some(plane),
             _ => None,
         };
+        let has_radii = scene.has_radii();
         let up = R::Vec3::new(R::ZERO, R::ZERO, R::ONE);
         Self {
             scene,
@@ -76,8 +80,9 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             },
             angular_momentum,
             plane,
-            is_level: plane.is_some_and(|plane| plane.normal == up),
-            has_radii: scene.has_radii(),
+            is_bare: plane.is_some_and(|plane| plane.normal == up) && !has_radii,
+            has_radii,
+            is_conservative: false,
             seconds,
             per_second: R::ONE / seconds,
             mass: properties.mass(),
@@ -95,6 +100,35 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
                     }
                     _ => start.position.length(),
                 },
+        }
+    }
+
+    /// What the ground gives a contact whose depth goes evenly from `start` to `end` over the step.
+    #[inline]
+    pub(super) fn mean_force(&self, start: R, end: R) -> MeanForce<R> {
+        let ground = self.scene.ground();
+        if self.is_conservative {
+            Springs(ground).mean_force(start, end, self.seconds)
+        } else {
+            ground.mean_force(start, end, self.seconds)
+        }
+    }
+
+    #[inline]
+    pub(super) fn friction(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        if self.is_conservative {
+            R::Vec3::ZERO
+        } else {
+            self.scene.friction().force(normal_force, slip)
+        }
+    }
+
+    #[inline]
+    pub(super) fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
+        if self.is_conservative {
+            Drag::NONE
+        } else {
+            self.scene.friction().drag(normal_force, slip)
         }
     }
 
@@ -138,5 +172,23 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
                 .mass_properties()
                 .without_dead_spin(rotation, trial.end_angular_momentum),
         }
+    }
+}
+
+/// The springs of a ground alone.
+struct Springs<'a, G>(&'a G);
+
+impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for Springs<'_, G> {
+    fn surface(&self, point: R::Vec3) -> Surface<R> {
+        self.0.surface(point)
+    }
+    fn spring_force(&self, depth: R) -> R {
+        self.0.spring_force(depth)
+    }
+    fn spring_energy(&self, depth: R) -> R {
+        self.0.spring_energy(depth)
+    }
+    fn normal_force(&self, depth: R, _closing_speed: R) -> R {
+        self.0.spring_force(depth)
     }
 }

@@ -73,12 +73,7 @@ impl<R: Real> Resistance<R> {
         let ([x, y, z], _) = properties.inertia_for_solving(&motion.axes, angular_momentum);
         let inertia = Block { x, y, z };
         Self {
-            equations: SixBySix {
-                force_by_shift: Block::diagonal(properties.mass()),
-                force_by_turn: Block::ZERO,
-                torque_by_shift: Block::ZERO,
-                torque_by_turn: inertia,
-            },
+            equations: SixBySix::of_body(properties.mass(), &inertia),
             inertia,
             impulse: R::Vec3::ZERO,
             turning: R::Vec3::ZERO,

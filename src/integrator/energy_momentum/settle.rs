@@ -5,7 +5,7 @@
 //! limited to what the law gives there *beyond* what it has given at the mean velocity. In steady motion the two are the same and nothing happens; where the step resolves friction and
 //! dampers, nothing is applied at all, so that the order stays 2.
 
-use super::contacts::{Contacts, Push};
+use super::contacts::{Answer, Contacts, Push};
 use super::problem::{Problem, Trial};
 use super::resist::{Resisting, resisted};
 use crate::friction::SlidingFriction;
@@ -28,9 +28,20 @@ impl<R: Real> Strain<R> {
     };
 
     #[inline]
-    pub(super) fn add(&mut self, push: &Push<R>) {
-        self.friction += push.drag.coefficient;
+    pub(super) fn add(&mut self, push: &Push<R>, answer: &Answer<R>) {
+        self.friction += answer.drag.coefficient;
         self.damping += push.mean.damping;
+    }
+
+    /// Of the contacts at the trial that they have responded to last.
+    pub(super) fn at<D: Dynamics<R>>(
+        problem: &Problem<'_, R, D>,
+        contacts: &mut Contacts<R>,
+        trial: &Trial<R>,
+    ) -> Self {
+        let mut strain = Self::NONE;
+        contacts.answer(problem, trial, |push, answer| strain.add(push, answer));
+        strain
     }
 
     /// How strongly a step strains them: `2 dt Σc/m`, unresolved above 2.

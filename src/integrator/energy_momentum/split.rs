@@ -1,16 +1,15 @@
 //! A step in parts, for where Newton's method does not find the whole: friction and dampers for half the step, springs and inertia for the step,
 //! friction and dampers for the other half.
 //!
-//! The first and the last part stand still and only take energy ([`resist`](super::resist)); the middle one is the step's own solver on a scene without friction and dampers, whose
+//! The first and the last part stand still and only take energy ([`resist`](super::resist)); the middle one is the step's own solver without friction and dampers, whose
 //! equations are those of a gradient.
 
 use super::contacts::Contacts;
 use super::newton;
 use super::problem::Problem;
 use super::resist::{Resisting, resisted};
-use crate::body::MassProperties;
-use crate::friction::{Frictionless, SlidingFriction};
-use crate::ground::{Extent, SpringDamperGround, Surface};
+use crate::friction::SlidingFriction;
+use crate::ground::SpringDamperGround;
 use crate::integrator::Step;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
@@ -26,12 +25,10 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
 ) -> Option<State<R>> {
     let half = seconds * R::HALF;
     let slowed = dissipate(scene, start, half);
-    let conservative = Conservative {
-        scene,
-        ground: Springs(scene.ground()),
-        friction: Frictionless,
+    let problem = Problem {
+        is_conservative: true,
+        ..Problem::new(scene, &slowed, seconds)
     };
-    let problem = Problem::new(&conservative, &slowed, seconds);
     super::gather(&problem, contacts, true);
     let (trial, _) = newton::solve(&problem, contacts, step)?;
     let moved = problem.end_of(&trial);
@@ -55,60 +52,4 @@ fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -
             });
         });
     })
-}
-
-/// A scene without what takes energy.
-struct Conservative<'a, D, G> {
-    scene: &'a D,
-    ground: G,
-    friction: Frictionless,
-}
-
-impl<R: Real, D: Dynamics<R>, G: SpringDamperGround<R>> Dynamics<R> for Conservative<'_, D, G> {
-    type Body = D::Body;
-    type Ground = G;
-    type Friction = Frictionless;
-
-    fn body(&self) -> &D::Body {
-        self.scene.body()
-    }
-    fn ground(&self) -> &G {
-        &self.ground
-    }
-    fn friction(&self) -> &Frictionless {
-        &self.friction
-    }
-    fn gravity(&self) -> R::Vec3 {
-        self.scene.gravity()
-    }
-    fn mass_properties(&self) -> &MassProperties<R> {
-        self.scene.mass_properties()
-    }
-    fn reach(&self) -> R {
-        self.scene.reach()
-    }
-    fn has_radii(&self) -> bool {
-        self.scene.has_radii()
-    }
-}
-
-/// The springs of a ground alone.
-struct Springs<'a, G>(&'a G);
-
-impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for Springs<'_, G> {
-    fn surface(&self, point: R::Vec3) -> Surface<R> {
-        self.0.surface(point)
-    }
-    fn spring_force(&self, depth: R) -> R {
-        self.0.spring_force(depth)
-    }
-    fn spring_energy(&self, depth: R) -> R {
-        self.0.spring_energy(depth)
-    }
-    fn normal_force(&self, depth: R, _closing_speed: R) -> R {
-        self.0.spring_force(depth)
-    }
-    fn extent(&self) -> Extent<R> {
-        self.0.extent()
-    }
 }
