@@ -13,24 +13,24 @@ use crate::tosses::Toss;
 pub(crate) enum Free {
     /// Stiffness, damping, friction, slip speed.
     Ground,
-    /// These, and inertia, corner radius and scale.
+    /// These, inertia and corner radius.
     GroundAndBody,
 }
 
 /// A simplex moves in steps of about 1: each parameter is multiplied by the exponential of its coordinate times this.
-const STEPS: [f64; 7] = [0.3, 0.3, 0.3, 0.5, 0.05, 0.5, 0.01];
+const STEPS: [f64; 6] = [0.3, 0.3, 0.3, 0.5, 0.05, 0.5];
 
 impl Free {
     fn count(self) -> usize {
         match self {
             Self::Ground => 4,
-            Self::GroundAndBody => 7,
+            Self::GroundAndBody => 6,
         }
     }
 
     /// The parameters at some coordinates from a first guess.
     fn at(self, guess: &Parameters, coordinates: &[f64]) -> Parameters {
-        let mut moved = [0.0; 7];
+        let mut moved = [0.0; 6];
         for (moved, (coordinate, step)) in moved.iter_mut().zip(coordinates.iter().zip(STEPS)) {
             *moved = coordinate * step;
         }
@@ -43,8 +43,7 @@ impl Free {
             body: Corrections {
                 inertia: guess.body.inertia * factor[4],
                 corner_radius: (guess.body.corner_radius * factor[5]).min(0.4 * WIDTH),
-                scale: guess.body.scale * factor[6],
-                start_from_flight: guess.body.start_from_flight,
+                ..guess.body
             },
         }
     }

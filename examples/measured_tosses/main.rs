@@ -7,6 +7,7 @@
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 mod fit;
+mod flights;
 mod model;
 mod synthetic;
 mod tosses;
@@ -20,10 +21,12 @@ use std::process::ExitCode;
 
 use common::{BLUE, Check, ORANGE, Options, Outcome, Page, Picture, Random, line};
 use fit::{Free, fit};
+use flights::Weighed;
 use indicatif::{ProgressBar, ProgressStyle};
 use kuva::prelude::*;
 use model::{Corrections, Model, Parameters, Score, WIDTH, scores};
 use tosses::{RATE, Toss};
+use tumble::glam::DVec3;
 
 const HELP: &str = "\
 Predicts whole tosses of a real cube from their first state, fits stiffness, damping, friction and slip speed
@@ -32,8 +35,8 @@ of the ground on half of them, and says how well the other half is predicted.
 Usage: cargo run --release --example measured_tosses -- --data <FILE> [OPTIONS]
 
   -d, --data <FILE>     the tosses, CSV or CSV in gzip; see below
-      --body            fit moment of inertia, radius of the corners and scale as well, and start each toss from all
-                        of its flight before the first touch, not from its first sample alone
+      --body            weigh the cube by its flights before the first touch (centre of mass, scale), fit moment of
+                        inertia and radius of the corners as well, and start each toss from all of its flight
       --parameters <S,D,MU,V>
                         no fit: stiffness (N/m a corner), damping (N s/m a corner), coefficient, slip speed (m/s)
       --seed <NUMBER>   of the split into halves and of the bootstrap                  [default: 1]
@@ -145,13 +148,18 @@ const GUESS: Parameters = Parameters {
     body: Corrections::NONE,
 };
 
-/// What is known of tracker and cube before the fit: the cube rests 2.2 % lower than half its edge, and falls as much slower.
-const BODY_GUESS: Corrections = Corrections {
-    inertia: 1.0,
-    corner_radius: 0.002,
-    scale: 1.0 / 0.978,
-    start_from_flight: true,
-};
+/// A sharp corner's radius, m: where its fit starts.
+const SHARP: f64 = 0.002;
+
+fn tell(weighed: &Weighed) -> String {
+    format!(
+        "The flights say: centre of mass {:.2} mm off the middle (standard error {:.2}), true lengths {:.4} of the tracked ones ({:.4}).",
+        1e3 * weighed.centre_of_mass,
+        1e3 * weighed.centre_error,
+        weighed.scale,
+        weighed.scale_error
+    )
+}
 
 /// Fits on half of the motions and predicts the others.
 fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
@@ -176,6 +184,7 @@ fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
     let known_mean = Score::mean(scores(&model, &known).iter());
     let interval = |k: usize| format!("{:.1} to {:.1}", intervals[k].0, intervals[k].1);
     let text = vec![
+        tell(&flights::weigh(&known)?),
         describe(&parameters),
         format!(
             "{count} motions; fitted on {} tosses ({:.1} %, {:.1} degrees, {:.0} % right faces), predicted: the other {}.",
@@ -195,10 +204,14 @@ fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
             interval(2),
         ),
     ];
-    // Other engines on the same cube: 13.5 % and 18.5 degrees at best. The body's corrections have to gain on what the printed body gets here.
+    // Other engines on the same cube: 13.5 % and 18.5 degrees at best. With inertia, corners and scale fitted and the centre of mass in the middle: 11.5 % and 14.2 degrees.
     let (limit, most_position, most_rotation) = match arguments.free {
         Free::Ground => ("better than other engines", 13.0, 17.0),
-        Free::GroundAndBody => ("better than the printed body", 12.1, 16.2),
+        Free::GroundAndBody => (
+            "better than with the centre of mass in the middle",
+            11.0,
+            12.0,
+        ),
     };
     Ok(Page {
         title: "Measured tosses of a cube, predicted from their first state",
@@ -225,16 +238,23 @@ fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
 
 /// The ground first, from a guess; then, where asked for, the body as well.
 fn fit_in_stages(tosses: &[Toss], arguments: &Arguments) -> Outcome<Parameters> {
-    let iterations = if arguments.options.quick { 10 } else { 150 };
+    let iterations = if arguments.options.quick { 10 } else { 120 };
     let bar = ProgressBar::new_spinner().with_style(ProgressStyle::with_template(
         "{spinner} fitting on {msg}: {pos} tries in {elapsed}, {per_sec}",
     )?);
     bar.set_message(format!("{} tosses", tosses.len()));
     bar.enable_steady_tick(std::time::Duration::from_millis(200));
+    let weighed = flights::weigh(tosses)?;
     let guess = match arguments.free {
         Free::Ground => GUESS,
         Free::GroundAndBody => Parameters {
-            body: BODY_GUESS,
+            body: Corrections {
+                inertia: 1.0,
+                corner_radius: SHARP,
+                centre_of_mass: weighed.centre_of_mass,
+                scale: weighed.scale,
+                start_from_flight: true,
+            },
             ..GUESS
         },
     };
@@ -242,7 +262,7 @@ fn fit_in_stages(tosses: &[Toss], arguments: &Arguments) -> Outcome<Parameters> 
         tosses,
         guess,
         Free::Ground,
-        model::STEPS / 2,
+        model::STEPS / 3,
         iterations / 2,
         &bar,
     )?;
@@ -251,7 +271,7 @@ fn fit_in_stages(tosses: &[Toss], arguments: &Arguments) -> Outcome<Parameters> 
         tosses,
         found,
         arguments.free,
-        model::STEPS / 2,
+        model::STEPS / 3,
         iterations,
         &bar,
     )?;
@@ -265,13 +285,17 @@ fn describe(parameters: &Parameters) -> String {
         "stiffness {:.0} N/m and damping {:.0} N s/m a corner, friction {:.3}, slip speed {:.4} m/s",
         parameters.stiffness, parameters.damping, parameters.coefficient, parameters.slip_speed
     );
-    if *body != Corrections::NONE {
+    if body.centre_of_mass != DVec3::ZERO {
         text += &format!(
-            "; inertia × {:.3}, corner radius {:.1} mm, scale × {:.4}, starts from flights",
+            "; centre of mass {:.1} mm off the middle, scale × {:.4}, inertia × {:.3}, corner radius {:.1} mm",
+            1e3 * body.centre_of_mass,
+            body.scale,
             body.inertia,
-            1e3 * body.corner_radius,
-            body.scale
+            1e3 * body.corner_radius
         );
+    }
+    if body.start_from_flight {
+        text += "; starts from flights";
     }
     text
 }
@@ -333,7 +357,7 @@ fn one_toss(model: &Model, held: &[&(Toss, Score)]) -> Outcome<Picture> {
             .map(|k| (k as f64 / RATE, 1e3 * of(k)))
             .collect()
     };
-    let way = |place: tumble::glam::DVec3| (place - first).with_z(0.0).length();
+    let way = |place: DVec3| (place - first).with_z(0.0).length();
     let predicted = |name: &str, of: &dyn Fn(usize) -> f64| line(course(of), BLUE, name);
     let seen = |name: &str, of: &dyn Fn(usize) -> f64| line(course(of), ORANGE, name);
     Picture::new(
@@ -391,11 +415,18 @@ fn errors(held: &[&(Toss, Score)]) -> Outcome<Picture> {
 /// Whether a fit finds the parameters that made its tosses.
 fn recover(arguments: &Arguments) -> Outcome<Page> {
     use synthetic::{GUESS, TRUTH};
-    let tosses = synthetic::tosses(16, arguments.seed)?;
+    let tosses = synthetic::tosses(64, arguments.seed)?;
+    let weighed_by = flights::weigh(&tosses)?;
+    // A few are enough for the ground.
+    let tosses = &tosses[..16];
+    let guess = Parameters {
+        body: TRUTH.body,
+        ..GUESS
+    };
     let bar = ProgressBar::hidden();
-    let mut found = fit(&tosses, GUESS, Free::Ground, model::STEPS, 60, &bar)?;
-    found = fit(&tosses, found, Free::Ground, model::STEPS, 60, &bar)?;
-    let score = Score::mean(scores(&Model::new(&found, model::STEPS)?, &tosses).iter());
+    let mut found = fit(tosses, guess, Free::Ground, model::STEPS, 60, &bar)?;
+    found = fit(tosses, found, Free::Ground, model::STEPS, 60, &bar)?;
+    let score = Score::mean(scores(&Model::new(&found, model::STEPS)?, tosses).iter());
     let near = |what: &str, got: f64, truth: f64| {
         Check::near(
             what,
@@ -407,14 +438,31 @@ fn recover(arguments: &Arguments) -> Outcome<Page> {
     };
     Ok(Page {
         title: "Tosses of the model's own with noise: the fit finds what made them",
-        text: vec![format!(
-            "{}; {:.2} % of the width of {} m, {:.2} degrees are left of noise.",
-            describe(&found),
-            score.position,
-            WIDTH,
-            score.rotation
-        )],
+        text: vec![
+            tell(&weighed_by),
+            format!(
+                "{}; {:.2} % of the width of {} m, {:.2} degrees are left of noise.",
+                describe(&found),
+                score.position,
+                WIDTH,
+                score.rotation
+            ),
+        ],
         checks: vec![
+            Check::near(
+                "height of the centre of mass over the middle, mm",
+                "what made the tosses, to four standard errors",
+                1e3 * weighed_by.centre_of_mass.z,
+                1e3 * TRUTH.body.centre_of_mass.z,
+                4e3 * weighed_by.centre_error.z,
+            ),
+            Check::near(
+                "true lengths over tracked ones",
+                "what made the tosses, to four standard errors",
+                weighed_by.scale,
+                TRUTH.body.scale,
+                4.0 * weighed_by.scale_error,
+            ),
             near("stiffness, N/m", found.stiffness, TRUTH.stiffness),
             near("damping, N s/m", found.damping, TRUTH.damping),
             near("friction", found.coefficient, TRUTH.coefficient),

@@ -8,6 +8,7 @@ use tumble::{
     UniformGravity,
 };
 
+use crate::flights;
 use crate::tosses::{RATE, Sample, Toss};
 
 /// Edge of the cube, m (Pfrommer, Halm & Posa).
@@ -17,7 +18,7 @@ const MASS: f64 = 0.37;
 /// kg m², about every axis.
 const INERTIA: f64 = 8.1e-4;
 /// m/s²
-const GRAVITY: f64 = 9.81;
+pub(crate) const GRAVITY: f64 = 9.81;
 
 /// What is fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +41,8 @@ pub(crate) struct Corrections {
     pub(crate) inertia: f64,
     /// Radius of the corners, m.
     pub(crate) corner_radius: f64,
+    /// From the cube's middle, which the tracker follows, m, body axes.
+    pub(crate) centre_of_mass: DVec3,
     /// True lengths over measured ones.
     pub(crate) scale: f64,
     /// Whether a toss starts from what its flight says, instead of from its first sample alone.
@@ -50,6 +53,7 @@ impl Corrections {
     pub(crate) const NONE: Self = Self {
         inertia: 1.0,
         corner_radius: 0.0,
+        centre_of_mass: DVec3::ZERO,
         scale: 1.0,
         start_from_flight: false,
     };
@@ -67,7 +71,10 @@ impl Cube {
         let corners = core::array::from_fn(|k| {
             let sign = |bit: usize| if k >> bit & 1 == 0 { -1.0 } else { 1.0 };
             let position = DVec3::new(sign(0), sign(1), sign(2)) * (0.5 * WIDTH - radius);
-            ContactPoint { position, radius }
+            ContactPoint {
+                position: position - corrections.centre_of_mass,
+                radius,
+            }
         });
         Self {
             inertia: INERTIA * corrections.inertia,
@@ -121,26 +128,24 @@ impl Model {
 
     /// The first state of a toss, in true lengths.
     fn start(&self, toss: &Toss) -> State {
-        let scale = self.corrections.scale;
-        let sample = if self.corrections.start_from_flight {
-            flown(toss, scale)
-        } else {
-            toss.samples[0]
-        };
-        let momentum = sample.orientation * (sample.spin * self.stepper.body().inertia);
-        State::at(sample.position * scale)
-            .with_linear_velocity(sample.velocity * scale)
-            .with_orientation(sample.orientation)
+        let start = flights::start(toss, &self.corrections);
+        let momentum = start.orientation * (start.spin * self.stepper.body().inertia);
+        State::at(start.position)
+            .with_linear_velocity(start.velocity)
+            .with_orientation(start.orientation)
             .with_angular_momentum(momentum)
     }
 
-    /// The states at the moments of a toss's samples, from the first of them alone; `None` where the model cannot go on.
+    /// The states at the moments of a toss's samples, from the first of them alone, with the cube's middle as their position; `None` where the model cannot go on.
     pub(crate) fn predict(&self, toss: &Toss) -> Option<Vec<State>> {
         let mut state = self.start(toss);
         let mut states = vec![state];
         for _ in 1..toss.samples.len() {
             self.stepper.advance(&mut state, 1.0 / RATE).ok()?;
             states.push(state);
+        }
+        for state in &mut states {
+            state.position -= state.orientation * self.corrections.centre_of_mass;
         }
         Some(states)
     }
@@ -173,68 +178,6 @@ impl Model {
             ),
         }
     }
-}
-
-/// Gap that a sample in flight has at least, m: above the tracker's error.
-const CLEAR: f64 = 0.005;
-/// Samples of a flight that are used at most: 0.1 s.
-const LONGEST_FLIGHT: usize = 15;
-
-/// The first sample as the whole flight says: a parabola and a steady turn (the cube's moments are equal) through all samples before the first touch, by
-/// least squares. It evens the tracker's noise out, and a backward difference's lag.
-fn flown(toss: &Toss, scale: f64) -> Sample {
-    let first = toss.samples[0];
-    let in_flight = |sample: &&Sample| {
-        let down = (sample.orientation.inverse() * DVec3::NEG_Z).to_array();
-        let reach: f64 = down.iter().map(|part| part.abs() * 0.5 * WIDTH).sum();
-        sample.position.z * scale - reach > CLEAR
-    };
-    let flight: Vec<&Sample> = (toss.samples.iter())
-        .take_while(in_flight)
-        .take(LONGEST_FLIGHT)
-        .collect();
-    if flight.len() < 3 {
-        return first;
-    }
-    let time = |k: usize| k as f64 / RATE;
-    let places = flight.iter().enumerate().map(|(k, sample)| {
-        let fallen = 0.5 * GRAVITY * time(k) * time(k) / scale;
-        (time(k), sample.position + DVec3::Z * fallen)
-    });
-    let turns = (flight.iter().enumerate()).map(|(k, sample)| {
-        let turn = sample.orientation * first.orientation.inverse();
-        (
-            time(k),
-            if turn.w < 0.0 { -turn } else { turn }.to_scaled_axis(),
-        )
-    });
-    let (position, velocity) = straight(places);
-    let (offset, spin) = straight(turns);
-    let orientation = DQuat::from_scaled_axis(offset) * first.orientation;
-    Sample {
-        position,
-        velocity,
-        orientation,
-        spin: orientation.inverse() * spin,
-    }
-}
-
-/// Value at time 0 and rate of the straight line through some values at some times, by least squares.
-fn straight(values: impl Iterator<Item = (f64, DVec3)> + Clone) -> (DVec3, DVec3) {
-    let (mut count, mut time, mut value) = (0.0, 0.0, DVec3::ZERO);
-    for (t, v) in values.clone() {
-        count += 1.0;
-        time += t;
-        value += v;
-    }
-    let (time, value) = (time / count, value / count);
-    let (mut square, mut product) = (0.0, DVec3::ZERO);
-    for (t, v) in values {
-        square += (t - time) * (t - time);
-        product += (v - value) * (t - time);
-    }
-    let rate = product / square;
-    (value - rate * time, rate)
 }
 
 /// The face that looks down: an axis and its sign.

@@ -12,7 +12,10 @@ pub(crate) const TRUTH: Parameters = Parameters {
     damping: 80.0,
     coefficient: 0.25,
     slip_speed: 0.02,
-    body: Corrections::NONE,
+    body: Corrections {
+        centre_of_mass: DVec3::new(0.0, 0.0, 0.004),
+        ..Corrections::NONE
+    },
 };
 
 /// Where a fit starts.

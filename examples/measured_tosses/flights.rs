@@ -1,0 +1,148 @@
+//! What the flights before the first touch say of cube and tracker, whatever the ground: where the centre of mass is, and how long a tracked metre is.
+
+use tumble::glam::{DMat4, DQuat, DVec3, DVec4};
+
+use crate::common::Outcome;
+use crate::model::{Corrections, GRAVITY, WIDTH};
+use crate::tosses::{RATE, Sample, Toss};
+
+/// Gap that a sample in flight has at least, m: above the tracker's error.
+const CLEAR: f64 = 0.005;
+/// Samples of a flight that a start is taken from at most: 0.1 s. Over longer ones a turn is not steady enough.
+const LONGEST_START: usize = 15;
+
+/// What the flights say, each with its standard error.
+pub(crate) struct Weighed {
+    /// From the cube's middle, m, body axes.
+    pub(crate) centre_of_mass: DVec3,
+    pub(crate) centre_error: DVec3,
+    /// True lengths over tracked ones.
+    pub(crate) scale: f64,
+    pub(crate) scale_error: f64,
+}
+
+/// Weighs the cube by its flights.
+///
+/// The centre of mass flies along a parabola, and the middle that is tracked turns about it: `middle = x + v t - g t²/2 - R c`, in tracked lengths, with the measured turn R. All flights
+/// together give c and g by least squares, each with a place x and a velocity v of its own, which are taken out first: what is left of every term is what a straight line in time
+/// does not explain. That g is 9.81 m/s² gives the scale.
+pub(crate) fn weigh(tosses: &[Toss]) -> Outcome<Weighed> {
+    let (mut normal, mut right) = ([[0.0; 4]; 4], [0.0; 4]);
+    let (mut squares, mut freedom) = (0.0, -4.0);
+    for toss in tosses {
+        // Close enough to know what is in flight.
+        let flight = flight(toss, 1.0);
+        if flight.len() < 3 {
+            continue;
+        }
+        let bent = |of: &dyn Fn(f64, &Sample) -> DVec3| bent(flight, of);
+        let terms = [
+            bent(&|_, sample| -(sample.orientation * DVec3::X)),
+            bent(&|_, sample| -(sample.orientation * DVec3::Y)),
+            bent(&|_, sample| -(sample.orientation * DVec3::Z)),
+            bent(&|t, _| DVec3::NEG_Z * (0.5 * t * t)),
+        ];
+        let path = bent(&|_, sample| sample.position);
+        for (row, term) in terms.iter().enumerate() {
+            for (column, other) in terms.iter().enumerate() {
+                normal[row][column] += product(term, other);
+            }
+            right[row] += product(term, &path);
+        }
+        squares += product(&path, &path);
+        freedom += 3.0 * (flight.len() as f64 - 2.0);
+    }
+    let inverse = DMat4::from_cols_array_2d(&normal).inverse();
+    let right = DVec4::from_array(right);
+    let found = inverse * right;
+    if !(found.is_finite() && found.w > 0.0 && freedom > 0.0) {
+        return Err("the flights before the first touch are too short, or turn too little, to weigh the cube by".into());
+    }
+    let variance = (squares - found.dot(right)).max(0.0) / freedom;
+    let error = DVec4::from_array([0, 1, 2, 3].map(|k| (variance * inverse.col(k)[k]).sqrt()));
+    let scale = GRAVITY / found.w;
+    Ok(Weighed {
+        centre_of_mass: found.truncate() * scale,
+        centre_error: error.truncate() * scale,
+        scale,
+        scale_error: scale * error.w / found.w,
+    })
+}
+
+/// The first sample as the whole flight says, in true lengths and of the centre of mass: a parabola and a steady turn (the cube's moments are equal) through all samples before the first
+/// touch, by least squares. It evens the tracker's noise out, and a backward difference's lag.
+pub(crate) fn start(toss: &Toss, body: &Corrections) -> Sample {
+    let first = &toss.samples[0];
+    let centre =
+        |sample: &Sample| sample.position * body.scale + sample.orientation * body.centre_of_mass;
+    let flight = flight(toss, body.scale);
+    let flight = &flight[..flight.len().min(LONGEST_START)];
+    if !body.start_from_flight || flight.len() < 3 {
+        let arm = first.orientation * body.centre_of_mass;
+        let spin = first.orientation * first.spin;
+        return Sample {
+            position: centre(first),
+            velocity: first.velocity * body.scale + spin.cross(arm),
+            ..*first
+        };
+    }
+    let (position, velocity) = straight(
+        times(&flight).map(|(t, sample)| (t, centre(sample) + DVec3::Z * (0.5 * GRAVITY * t * t))),
+    );
+    let (offset, spin) = straight(times(flight).map(|(t, sample)| {
+        let turn = sample.orientation * first.orientation.inverse();
+        let turn = if turn.w < 0.0 { -turn } else { turn };
+        (t, turn.to_scaled_axis())
+    }));
+    let orientation = DQuat::from_scaled_axis(offset) * first.orientation;
+    Sample {
+        position,
+        velocity,
+        orientation,
+        spin: orientation.inverse() * spin,
+    }
+}
+
+/// The samples before the first touch.
+fn flight(toss: &Toss, scale: f64) -> &[Sample] {
+    let in_flight = |sample: &Sample| {
+        let down = (sample.orientation.inverse() * DVec3::NEG_Z).to_array();
+        let reach: f64 = down.iter().map(|part| part.abs() * 0.5 * WIDTH).sum();
+        sample.position.z * scale - reach > CLEAR
+    };
+    let end = (toss.samples.iter()).position(|sample| !in_flight(sample));
+    &toss.samples[..end.unwrap_or(toss.samples.len())]
+}
+
+fn times(flight: &[Sample]) -> impl Iterator<Item = (f64, &Sample)> + Clone {
+    (flight.iter().enumerate()).map(|(k, sample)| (k as f64 / RATE, sample))
+}
+
+/// What a straight line in time leaves of a quantity in a flight.
+fn bent(flight: &[Sample], of: &dyn Fn(f64, &Sample) -> DVec3) -> Vec<DVec3> {
+    let values = times(flight).map(|(t, sample)| (t, of(t, sample)));
+    let (start, rate) = straight(values.clone());
+    values.map(|(t, value)| value - start - rate * t).collect()
+}
+
+fn product(a: &[DVec3], b: &[DVec3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
+}
+
+/// Value at time 0 and rate of the straight line through some values at some times, by least squares.
+fn straight(values: impl Iterator<Item = (f64, DVec3)> + Clone) -> (DVec3, DVec3) {
+    let (mut count, mut time, mut value) = (0.0, 0.0, DVec3::ZERO);
+    for (t, v) in values.clone() {
+        count += 1.0;
+        time += t;
+        value += v;
+    }
+    let (time, value) = (time / count, value / count);
+    let (mut square, mut product) = (0.0, DVec3::ZERO);
+    for (t, v) in values {
+        square += (t - time) * (t - time);
+        product += (v - value) * (t - time);
+    }
+    let rate = product / square;
+    (value - rate * time, rate)
+}
