@@ -17,8 +17,6 @@ pub(super) const CAPACITY: usize = 128;
 struct Touch<R: Real> {
     /// From the centre of mass to the contact's centre at the start of the step, m.
     arm: R::Vec3,
-    /// At the start of the step, m; negative above ground.
-    depth: R,
     /// What it did over the last trial step.
     push: Push<R>,
     /// How friction answered where Newton's matrix was last made; not so far, where the step has just begun.
@@ -39,6 +37,8 @@ pub(super) struct Push<R: Real> {
     pub(super) arm: R::Vec3,
     /// From the centre of mass to the contact's centre at the end of the step, m.
     pub(super) end_arm: R::Vec3,
+    /// At the start of the step, m; negative above ground.
+    pub(super) depth: R,
     /// m; negative above ground.
     pub(super) end_depth: R,
     pub(super) radius: R,
@@ -65,6 +65,7 @@ impl<R: Real> Push<R> {
         slip: R::Vec3::ZERO,
         arm: R::Vec3::ZERO,
         end_arm: R::Vec3::ZERO,
+        depth: R::ZERO,
         end_depth: R::ZERO,
         radius: R::ZERO,
     };
@@ -100,7 +101,6 @@ pub(super) struct Contacts<R: Real> {
 impl<R: Real> Touch<R> {
     const NONE: Self = Self {
         arm: R::Vec3::ZERO,
-        depth: R::ZERO,
         push: Push::NONE,
         answer: None,
     };
@@ -130,12 +130,12 @@ impl<R: Real> Contacts<R> {
         };
         for point in run.parts(contacts).into_iter().flatten() {
             let touch = Touch::of(problem, point);
-            if keep(touch.depth, touch.arm) {
+            if keep(touch.push.depth, touch.arm) {
                 let Some(place) = self.touches.get_mut(self.remembered) else {
                     return;
                 };
                 // The rest of the place is written by the first trial.
-                (place.arm, place.depth) = (touch.arm, touch.depth);
+                (place.arm, place.push.depth) = (touch.arm, touch.push.depth);
                 place.answer = None;
                 place.push.radius = touch.push.radius;
                 if let Some(plane) = &problem.plane {
@@ -209,21 +209,21 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// Hands on what the contacts that reach the ground did over the last trial step, which was `trial`.
+    /// Hands on what the contacts that reach the ground did over the last trial step, which was `trial`, and how friction answered there, as it has been asked.
     pub(super) fn recall<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        mut feel: impl FnMut(&Push<R>),
+        mut feel: impl FnMut(&Push<R>, &Answer<R>),
     ) {
         for touch in self.touches.iter().take(self.remembered) {
-            if touch.push.is_felt() {
-                feel(&touch.push);
+            if let Some(answer) = touch.answer.as_ref().filter(|_| touch.push.is_felt()) {
+                feel(&touch.push, answer);
             }
         }
         for index in self.remembered..self.len() {
             if let Some(touch) = self.forgotten(index, problem, trial) {
-                feel(&touch.push);
+                feel(&touch.push, &touch.answer(problem));
             }
         }
     }
@@ -261,9 +261,9 @@ impl<R: Real> Touch<R> {
         let surface = ground.surface(motion.position + arm);
         Self {
             arm,
-            depth: point.radius - surface.gap,
             push: Push {
                 normal: surface.normal,
+                depth: point.radius - surface.gap,
                 radius: point.radius,
                 ..Push::NONE
             },
@@ -280,8 +280,8 @@ impl<R: Real> Touch<R> {
         }
         let swung = trial.swing.times(self.arm);
         let moved = trial.shift + swung;
-        self.push.end_depth = self.depth - moved.z();
-        self.push.mean = problem.mean_force(self.depth, self.push.end_depth);
+        self.push.end_depth = self.push.depth - moved.z();
+        self.push.mean = problem.mean_force(self.push.depth, self.push.end_depth);
         if self.push.is_felt() {
             let end_arm = self.arm + swung;
             let along = R::Vec3::new(moved.x(), moved.y(), R::ZERO);
@@ -301,7 +301,7 @@ impl<R: Real> Touch<R> {
         let (normal, end_depth) = self.fall(problem, moved);
         self.push.normal = normal;
         self.push.end_depth = end_depth;
-        self.push.mean = problem.mean_force(self.depth, end_depth);
+        self.push.mean = problem.mean_force(self.push.depth, end_depth);
         if !self.push.is_felt() {
             return;
         }
@@ -341,7 +341,7 @@ impl<R: Real> Touch<R> {
     #[inline]
     fn fall<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>, moved: R::Vec3) -> (R::Vec3, R) {
         if let Some(plane) = &problem.plane {
-            return (plane.normal, self.depth - plane.normal.dot(moved));
+            return (plane.normal, self.push.depth - plane.normal.dot(moved));
         }
         // A curved ground: Gonzalez's discrete gradient, so that force times path is the change of depth.
         let ground = problem.scene.ground();
@@ -349,7 +349,7 @@ impl<R: Real> Touch<R> {
         let middle = ground.surface(start + moved * R::HALF).normal;
         let end_depth = self.push.radius - ground.surface(start + moved).gap;
         let square = moved.length_squared();
-        let lack = (self.depth - end_depth) - middle.dot(moved);
+        let lack = (self.push.depth - end_depth) - middle.dot(moved);
         if square > R::ZERO && lack.abs() < square.sqrt() {
             (middle + moved * (lack / square), end_depth)
         } else {

@@ -4,7 +4,7 @@
 //! (M + Σ Jᵢᵀ kᵢ Jᵢ) y' = M y        y = (v, ω),   kᵢ >= 0
 //! ```
 //!
-//! Each contact answers its new velocity `uᵢ' = Jᵢ y'` with the impulse `-kᵢ uᵢ'`: backward Euler, all contacts at once. Whatever the resistances `kᵢ >= 0` are, the kinetic energy falls:
+//! Each contact answers its new velocity `uᵢ' = Jᵢ y'` with the impulse `-kᵢ uᵢ'`: backward Euler, all contacts at once. ([`settle`](super::settle) draws it to another velocity than 0.) Whatever the resistances `kᵢ >= 0` are, the kinetic energy falls:
 //! with `K = Σ Jᵢᵀ kᵢ Jᵢ` it is `yᵀ M y - y'ᵀ M y' = 2 y'ᵀ K y' + (K y')ᵀ M⁻¹ (K y') >= 0`. So they may be fitted to limits of the impulses in a few passes, and the order of the contacts
 //! does not matter.
 
@@ -41,25 +41,39 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
     let mut settled = *state;
     for _ in 0..PASSES {
         let mut sum = Resistance::of_body(scene, &motion, state.angular_momentum);
-        visit(&motion, &mut |contact| sum.add(contact, &motion, &known));
-        if !sum.active {
+        visit(&motion, &mut |contact| {
+            contact.add_to(&mut sum, &motion, &known);
+        });
+        let Some(next) = sum.resisted(scene, state, reach) else {
             break;
-        }
-        let mut next = sum.apply(state, reach);
-        next.angular_momentum = scene
-            .mass_properties()
-            .without_dead_spin(state.rotation(), next.angular_momentum);
-        if next.not_finite().is_some() {
-            break;
-        }
+        };
         settled = next;
         known = scene.motion(&settled);
     }
     settled
 }
 
+impl<R: Real> Resisting<R> {
+    /// With the resistances that would give the limits' impulses in the motion `known`.
+    fn add_to(&self, sum: &mut Resistance<R>, motion: &Motion<R>, known: &Motion<R>) {
+        let n = self.normal;
+        let (before, after) = (
+            motion.velocity_at(self.place),
+            known.velocity_at(self.place),
+        );
+        let (closing, closing_after) = (before.dot(n), after.dot(n));
+        let along = resistance(
+            self.along,
+            (before - n * closing).length(),
+            (after - n * closing_after).length(),
+        );
+        let across = resistance(self.across, closing.abs(), closing_after.abs());
+        sum.add(self.place, n, [along, across], before);
+    }
+}
+
 /// The equations of a pass.
-struct Resistance<R: Real> {
+pub(super) struct Resistance<R: Real> {
     equations: SixBySix<R>,
     inertia: Block<R>,
     impulse: R::Vec3,
@@ -68,7 +82,11 @@ struct Resistance<R: Real> {
 }
 
 impl<R: Real> Resistance<R> {
-    fn of_body<D: Dynamics<R>>(scene: &D, motion: &Motion<R>, angular_momentum: R::Vec3) -> Self {
+    pub(super) fn of_body<D: Dynamics<R>>(
+        scene: &D,
+        motion: &Motion<R>,
+        angular_momentum: R::Vec3,
+    ) -> Self {
         let properties = scene.mass_properties();
         let ([x, y, z], _) = properties.inertia_for_solving(&motion.axes, angular_momentum);
         let inertia = Block { x, y, z };
@@ -81,35 +99,47 @@ impl<R: Real> Resistance<R> {
         }
     }
 
-    fn add(&mut self, contact: &Resisting<R>, motion: &Motion<R>, known: &Motion<R>) {
-        let (place, n) = (contact.place, contact.normal);
-        let (before, after) = (motion.velocity_at(place), known.velocity_at(place));
-        let (closing, closing_after) = (before.dot(n), after.dot(n));
-        let along = resistance(
-            contact.along,
-            (before - n * closing).length(),
-            (after - n * closing_after).length(),
-        );
-        let across = resistance(contact.across, closing.abs(), closing_after.abs());
+    /// A place (m from the centre of mass, world axes) that resists what its velocity departs by from the one that it is drawn to (m/s, before the impulses) with `along` and
+    /// `across` the ground (kg, at least 0).
+    pub(super) fn add(
+        &mut self,
+        place: R::Vec3,
+        normal: R::Vec3,
+        [along, across]: [R; 2],
+        departure: R::Vec3,
+    ) {
         if along <= R::ZERO && across <= R::ZERO {
             return;
         }
         self.active = true;
-        let block = Block::diagonal(along).plus(&Block::outer(n * (across - along), n));
-        let resisted = block.times(before);
+        let block = Block::diagonal(along).plus(&Block::outer(normal * (across - along), normal));
+        let resisted = block.times(departure);
         self.impulse += resisted;
         self.turning += place.cross(resisted);
         self.equations.add_at(&block, place, place);
     }
 
-    /// Solved for the change of the velocities, so that what no contact resists stays as it is to the last place.
-    fn apply(&self, state: &State<R>, reach: R) -> State<R> {
-        let (change, turn) = self.equations.solve(-self.impulse, -self.turning, reach);
-        State {
-            linear_velocity: state.linear_velocity + change,
-            angular_momentum: state.angular_momentum + self.inertia.times(turn),
-            ..*state
+    /// The state after the impulses, or `None` where there are none or they cannot be had. Solved for the change of the velocities, so that what no contact resists stays as it is
+    /// to the last place.
+    pub(super) fn resisted<D: Dynamics<R>>(
+        &self,
+        scene: &D,
+        state: &State<R>,
+        reach: R,
+    ) -> Option<State<R>> {
+        if !self.active {
+            return None;
         }
+        let (change, turn) = self.equations.solve(-self.impulse, -self.turning, reach);
+        let angular_momentum = state.angular_momentum + self.inertia.times(turn);
+        let resisted = State {
+            linear_velocity: state.linear_velocity + change,
+            angular_momentum: scene
+                .mass_properties()
+                .without_dead_spin(state.rotation(), angular_momentum),
+            ..*state
+        };
+        resisted.not_finite().is_none().then_some(resisted)
     }
 }
 

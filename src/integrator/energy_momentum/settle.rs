@@ -1,34 +1,52 @@
-//! What a step that is too long for friction or dampers must still do: let them stop the body at its end.
+//! What a step that is too long for friction or dampers must still do: let them settle its end velocity.
 //!
-//! A mean force over a step knows the mean velocity only. Where friction or a damper could stop a contact in less than half a step, the mean velocity comes out as 0 and the end velocity
-//! as minus the start's: a sticking contact would flip for ever, and an over-damped floor throw a body back. The cure is an impulse at the end of the step that resists the end velocity,
-//! limited to what the law gives there *beyond* what it has given at the mean velocity. In steady motion the two are the same and nothing happens; where the step resolves friction and
-//! dampers, nothing is applied at all, so that the order stays 2.
+//! Where friction or a damper resists a slip `u` with `c u`, the slip that it settles at, `u*`, is approached as `e^-z` in a step, with the strain `z = h c/m`. The step's mean slip is nearer to
+//! `u*` by `1 + z/2`, as it should be; but its end slip follows as `(1 - z/2)/(1 + z/2)`: beyond `z = 2` it turns round, and for `z >> 2` it flips for ever. A sticking contact would never
+//! rest, and an over-damped floor throw a body back. The cure is an impulse at the end of the step, of backward Euler's kind,
+//!
+//! ```text
+//! p = -k (u' - uₘ),    k = h c θ,    θ = 1/2 - 1/z   (0 up to z = 2)
+//! ```
+//!
+//! with the mean slip `uₘ` and the slip `u'` after all impulses. For one contact and a law that is linear they leave nothing of a departure from `u*`: the factor is
+//! `(1 - z/2 + θ z)/((1 + z/2)(1 + θ z)) = 0`. The impulse is 0 in steady motion, where the end slip is the mean one, so that a creep is the law's at any step; and 0 where the step resolves friction and
+//! dampers, so that the order stays 2.
+//!
+//! A friction law is not linear: `c` is the chord between the mean slip and the end's. Where the end slip has turned against the mean one, the chord to 0 stands for it, `|F|/|uₘ|`: a slide that friction
+//! would end within the step ends at 0 by it. Elsewhere it is the law's own slope at the mean slip, next to 0 in a slide: one that begins or goes on in spite of friction is left alone.
+//!
+//! *The energy.* With `y` the velocities (v, ω), the impulses change it by `Σ pᵢ·uₘᵢ` and a part below 0 (they draw `y` towards the mean, by factors of 0 to 1 in the metric of the mass). Where
+//! `u'` has not turned, `p·uₘ <= h θ c uₘ²`: less than the half of what friction and dampers have taken in the step.
 
 use super::contacts::{Answer, Contacts, Push};
 use super::problem::{Problem, Trial};
-use super::resist::{Resisting, resisted};
-use crate::friction::SlidingFriction;
-use crate::ground::SpringDamperGround;
+use super::resist::Resistance;
+use crate::friction::Drag;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion};
 use crate::state::State;
 
+/// Passes that fit the dampers' impulses to their limits.
+const PASSES: u32 = 4;
+
 /// Resistance of all contacts to sliding and to closing, N s/m.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Strain<R> {
+    contacts: R,
     friction: R,
     damping: R,
 }
 
 impl<R: Real> Strain<R> {
     pub(super) const NONE: Self = Self {
+        contacts: R::ZERO,
         friction: R::ZERO,
         damping: R::ZERO,
     };
 
     #[inline]
     pub(super) fn add(&mut self, push: &Push<R>, answer: &Answer<R>) {
+        self.contacts += R::ONE;
         self.friction += answer.drag.coefficient;
         self.damping += push.mean.damping;
     }
@@ -44,13 +62,14 @@ impl<R: Real> Strain<R> {
         strain
     }
 
-    /// How strongly a step strains them: `2 dt Σc/m`, unresolved above 2.
+    /// How strongly a step strains them: `z = h Σc/m`, unresolved above 2.
     #[inline]
     pub(super) fn of_step<D>(&self, problem: &Problem<'_, R, D>) -> Self {
-        let factor = R::TWO * problem.seconds / problem.mass;
+        let factor = problem.seconds / problem.mass;
         Self {
             friction: self.friction * factor,
             damping: self.damping * factor,
+            ..*self
         }
     }
 
@@ -60,16 +79,7 @@ impl<R: Real> Strain<R> {
     }
 }
 
-/// The share of a limit that is applied: 0 up to a strain of 2, towards 1 far above.
-fn share<R: Real>(strain: R) -> R {
-    if strain > R::TWO {
-        R::ONE - R::TWO / strain
-    } else {
-        R::ZERO
-    }
-}
-
-/// The end of a trial after friction and dampers have resisted its velocities, within their limits.
+/// The end of a trial after friction and dampers have settled its velocities.
 pub(super) fn settle<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &Contacts<R>,
@@ -77,41 +87,90 @@ pub(super) fn settle<R: Real, D: Dynamics<R>>(
     strain: Strain<R>,
     end: &State<R>,
 ) -> State<R> {
-    resisted(problem.scene, problem.reach, end, |motion, resist| {
-        contacts.recall(problem, trial, |push| {
-            resist(&limits(problem, push, strain, motion));
+    let settling = Settling {
+        problem,
+        strain,
+        motion: problem.scene.motion(end),
+    };
+    let mut settled = *end;
+    for pass in 0..PASSES {
+        let after = (pass > 0).then(|| problem.scene.motion(&settled));
+        let mut sum = Resistance::of_body(problem.scene, &settling.motion, end.angular_momentum);
+        let mut is_limited = false;
+        contacts.recall(problem, trial, |push, answer| {
+            is_limited |= settling.add(&mut sum, push, answer, after.as_ref());
         });
-    })
+        // Without a limit, another pass is the same one.
+        if pass > 0 && !is_limited {
+            break;
+        }
+        let Some(next) = sum.resisted(problem.scene, end, problem.reach) else {
+            break;
+        };
+        settled = next;
+    }
+    settled
 }
 
-/// What one contact may still give at the end of the step.
-fn limits<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    push: &Push<R>,
+/// What the contacts' impulses are found from.
+struct Settling<'a, R: Real, D> {
+    problem: &'a Problem<'a, R, D>,
     strain: Strain<R>,
-    motion: &Motion<R>,
-) -> Resisting<R> {
-    let (ground, friction) = (problem.scene.ground(), problem.scene.friction());
-    let (normal, place) = (push.normal, push.end_point());
-    let velocity = motion.velocity_at(place);
-    let rising = velocity.dot(normal);
-    let slip = velocity - normal * rising;
-    let friction_beyond = friction.force(push.mean.force, slip).length() - push.friction.length();
-    let force_at_end = if push.end_depth > R::ZERO {
-        ground.normal_force(push.end_depth, -rising)
-    } else {
-        R::ZERO
-    };
-    // The ground may take back what it gave too much, but never push a body down into itself.
-    let pull = if rising > R::ZERO {
-        push.mean.force - force_at_end
-    } else {
-        R::ZERO
-    };
-    Resisting {
-        place,
-        normal,
-        along: friction_beyond * (problem.seconds * share(strain.friction)),
-        across: pull * (problem.seconds * share(strain.damping)),
+    /// At the end of the step.
+    motion: Motion<R>,
+}
+
+impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
+    /// Adds the resistances of one contact, and tells whether its damper has reached its limit in the motion `after` the last pass.
+    fn add(
+        &self,
+        sum: &mut Resistance<R>,
+        push: &Push<R>,
+        answer: &Answer<R>,
+        after: Option<&Motion<R>>,
+    ) -> bool {
+        let (n, place) = (push.normal, push.end_point());
+        let end = self.motion.velocity_at(place);
+        let along = chord(push, &answer.drag, end);
+        let along = self.per_speed(along, self.share(along, self.strain.friction));
+        let damping = push.mean.damping;
+        let share = self.share(damping, self.strain.damping);
+        let mut across = self.per_speed(damping, share);
+        let rising = (push.depth - push.end_depth) * self.problem.per_second;
+        // The ground may take back as much of what it has given, but never pull.
+        let limit = self.per_speed(push.mean.force, share);
+        let beyond = after.map_or(R::ZERO, |after| after.velocity_at(place).dot(n) - rising);
+        let is_limited = across * beyond > limit;
+        if is_limited {
+            across = limit / beyond;
+        }
+        sum.add(place, n, [along, across], end - push.slip - n * rising);
+        is_limited
     }
+
+    /// `h c θ`.
+    fn per_speed(&self, coefficient: R, share: R) -> R {
+        coefficient * (self.problem.seconds * share)
+    }
+
+    /// θ of a contact with the coefficient c (N s/m), as if every other one were strained as much, but no more than all together are: one that slides beside one that sticks is
+    /// resolved as it would be alone.
+    fn share(&self, coefficient: R, strain_of_all: R) -> R {
+        let own = coefficient * (self.problem.seconds / self.problem.mass);
+        let strain = (own * self.strain.contacts).at_most(strain_of_all);
+        if strain > R::TWO {
+            R::HALF - R::ONE / strain
+        } else {
+            R::ZERO
+        }
+    }
+}
+
+/// `|F|/|u|` of the friction at the mean slip where the slip at the end of the step has turned against it; elsewhere the law's slope there, N s/m.
+fn chord<R: Real>(push: &Push<R>, drag: &Drag<R>, end: R::Vec3) -> R {
+    if end.dot(push.slip) <= R::ZERO {
+        return drag.coefficient;
+    }
+    let steepness = R::ONE - drag.growth * (push.slip.length() / drag.width);
+    drag.coefficient * steepness.at_least(R::ZERO)
 }
