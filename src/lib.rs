@@ -29,8 +29,6 @@
 //!   ([`Shape`]), joined by a [`Ground`], also hills and valleys ([`Terrain`]); or yours.
 //! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), with a static and a kinetic coefficient ([`Stribeck`]) or two directions
 //!   ([`AnisotropicCoulomb`]); [`Viscous`]; or yours. Resistance to rolling and drilling beside any of them ([`WithResistance`]).
-
-//! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), or yours.
 //! - Bodies: rings of points ([`Coin`]), solids ([bodies](body#bodies)), and anything put together from solids and points ([`Solid`], [`MassDistribution`], [`PointCloud`]).
 //! - The energy by kind ([`Energy`]) and the books of a run ([`Ledger`]).
 //!
