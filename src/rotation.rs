@@ -165,7 +165,9 @@ impl<R: Real> Rotation<R> {
             // After a step the length is 1 to rounding: there, one term of 1/sqrt(1 + e) = 1 - e/2 + 3e²/8 is exact to the last place.
             R::ONE - excess * R::HALF
         } else {
-            R::ONE / self.length_squared().sqrt()
+            // A length that has overflowed makes NaNs, which are seen, and not a turn of length 0.
+            let overflow = excess * R::ZERO;
+            (R::ONE + overflow) / self.length_squared().sqrt()
         };
         Self {
             w: self.w * scale,
