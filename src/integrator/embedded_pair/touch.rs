@@ -83,7 +83,9 @@ pub(super) fn load_before<R: Real, D: Dynamics<R>>(
     let mut load = Load::default();
     scene.visit_contacts(motion, |contact| {
         if !side(scene, start, &contact.point).comes_late(seconds) {
-            load.add(contact, contact.force(scene.ground(), scene.friction()));
+            let laws = (scene.ground(), scene.friction());
+            load.add(contact, contact.force(laws.0, laws.1));
+            load.torque += contact.turning_torque(laws.0, laws.1, motion.angular_velocity);
         }
     });
     load
