@@ -9,7 +9,9 @@ mod scenes;
 
 use core::hint::black_box;
 use scenes::{Advance, Phase, TIME_STEP, ring, stepper};
-use tumble::{EnergyMomentum, ForwardEuler, Integrator, Rk4, StrangSplitting, SymplecticEuler};
+use tumble::{
+    EnergyMomentum, ForwardEuler, Integrator, Nystrom, Rk4, StrangSplitting, SymplecticEuler,
+};
 
 fn main() {
     let arguments = Vec::from_iter(std::env::args().skip(1));
@@ -26,6 +28,7 @@ fn main() {
         "SymplecticEuler" => run(SymplecticEuler { time_step }, phase, points, steps),
         "StrangSplitting" => run(StrangSplitting { time_step }, phase, points, steps),
         "Rk4" => run(Rk4 { time_step }, phase, points, steps),
+        "Nystrom" => run(Nystrom { time_step }, phase, points, steps),
         "EnergyMomentum" => run(EnergyMomentum { time_step }, phase, points, steps),
         other => panic!("no integrator {other}"),
     }

@@ -9,7 +9,9 @@ use core::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use scenes::{Phase, STEPS, TIME_STEP, ring, stepper};
-use tumble::{EnergyMomentum, ForwardEuler, Integrator, Rk4, StrangSplitting, SymplecticEuler};
+use tumble::{
+    EnergyMomentum, ForwardEuler, Integrator, Nystrom, Rk4, StrangSplitting, SymplecticEuler,
+};
 
 const TIME: f64 = TIME_STEP;
 
@@ -26,6 +28,7 @@ fn explicit(criterion: &mut Criterion) {
         StrangSplitting { time_step: TIME },
     );
     every_phase(criterion, "Rk4", Rk4 { time_step: TIME });
+    every_phase(criterion, "Nystrom", Nystrom { time_step: TIME });
 }
 
 fn implicit(criterion: &mut Criterion) {

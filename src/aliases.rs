@@ -96,6 +96,8 @@ macro_rules! names_for {
             pub type MeanForce = crate::MeanForce<$real>;
             /// Where a body is and how it moves.
             pub type Motion = crate::Motion<$real>;
+            /// Nyström's method, with touch-downs set right.
+            pub type Nystrom = crate::Nystrom<$real>;
             /// A plane.
             pub type Plane = crate::Plane<$real>;
             /// A body of the user's own points.

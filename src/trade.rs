@@ -24,8 +24,8 @@ use std::time::Instant;
 use crate::error::{SceneError, StepError};
 use crate::gravity::UniformGravity;
 use crate::integrator::{
-    BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, ForwardEuler, Integrator, Rk4,
-    StrangSplitting, SymplecticEuler,
+    BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, ForwardEuler, Integrator, Nystrom,
+    Rk4, StrangSplitting, SymplecticEuler,
 };
 use crate::observer::Sample;
 use crate::real::{Quaternion, Real, Vector};
@@ -46,6 +46,8 @@ pub enum Method {
     StrangSplitting,
     /// [`Rk4`]
     Rk4,
+    /// [`Nystrom`]
+    Nystrom,
     /// [`EnergyMomentum`]
     EnergyMomentum,
     /// [`BogackiShampine32`]
@@ -56,11 +58,12 @@ pub enum Method {
 
 impl Method {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::ForwardEuler,
         Self::SymplecticEuler,
         Self::StrangSplitting,
         Self::Rk4,
+        Self::Nystrom,
         Self::EnergyMomentum,
         Self::BogackiShampine32,
         Self::DormandPrince54,
@@ -74,6 +77,7 @@ impl Method {
             Self::SymplecticEuler => "SymplecticEuler",
             Self::StrangSplitting => "StrangSplitting",
             Self::Rk4 => "Rk4",
+            Self::Nystrom => "Nystrom",
             Self::EnergyMomentum => "EnergyMomentum",
             Self::BogackiShampine32 => "BogackiShampine32",
             Self::DormandPrince54 => "DormandPrince54",
@@ -359,6 +363,7 @@ impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
             Method::SymplecticEuler => with!(SymplecticEuler { time_step: knob }),
             Method::StrangSplitting => with!(StrangSplitting { time_step: knob }),
             Method::Rk4 => with!(Rk4 { time_step: knob }),
+            Method::Nystrom => with!(Nystrom { time_step: knob }),
             Method::EnergyMomentum => with!(EnergyMomentum { time_step: knob }),
             Method::BogackiShampine32 => with!(BogackiShampine32::new(knob)),
             Method::DormandPrince54 => with!(DormandPrince54::new(knob)),

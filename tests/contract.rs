@@ -16,9 +16,9 @@ use tumble::integrator::step_length;
 use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Coin, ContactPoint, Coulomb, DormandPrince54,
     Drag, Dynamics, Elevation, EnergyMomentum, Extent, FlatGround, ForwardEuler, Frictionless,
-    Ground, HuntCrossley, Integrator, LimitedDamper, MeanForce, NoGround, Plane, PointCloud, Ramp,
-    Real, RigidPointBody, Rk4, SceneError, SlidingFriction, SmoothCoulomb, SpringDamper,
-    SpringDamperGround, State, Step, StepError, StrangSplitting, Stribeck, Surface,
+    Ground, HuntCrossley, Integrator, LimitedDamper, MeanForce, NoGround, Nystrom, Plane,
+    PointCloud, Ramp, Real, RigidPointBody, Rk4, SceneError, SlidingFriction, SmoothCoulomb,
+    SpringDamper, SpringDamperGround, State, Step, StepError, StrangSplitting, Stribeck, Surface,
     SymplecticEuler, Terrain, TurningResistance, Viscous, Waves, WithResistance, error,
 };
 
@@ -219,6 +219,7 @@ fn every_built_in_integrator_passes_in<R: Real>(time_step: R) {
     check_integrator::<R, _>(&SymplecticEuler { time_step }, battery).unwrap();
     check_integrator::<R, _>(&StrangSplitting { time_step }, battery).unwrap();
     check_integrator::<R, _>(&Rk4 { time_step }, battery).unwrap();
+    check_integrator::<R, _>(&Nystrom { time_step }, battery).unwrap();
 }
 
 #[test]

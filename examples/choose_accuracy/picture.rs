@@ -9,11 +9,12 @@ use kuva::render::render::{Scene, render_multiple};
 use tumble::trade::{Method, Row, Trade};
 
 /// Colours that colour-blind eyes tell apart (Okabe and Ito).
-const COLOURS: [(Method, &str); 7] = [
+const COLOURS: [(Method, &str); 8] = [
     (Method::ForwardEuler, "#999999"),
     (Method::SymplecticEuler, "#e69f00"),
     (Method::StrangSplitting, "#009e73"),
     (Method::Rk4, "#0072b2"),
+    (Method::Nystrom, "#56b4e9"),
     (Method::EnergyMomentum, "#222222"),
     (Method::BogackiShampine32, "#cc79a7"),
     (Method::DormandPrince54, "#d55e00"),

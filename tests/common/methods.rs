@@ -4,8 +4,8 @@ use core::ops::ControlFlow;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
     Coin, Coulomb, Dissipation, Energy, EnergyMomentum, FlatGround, ForwardEuler, Integrator,
-    Ledger, Observer, RigidPointBody, Rk4, Sample, SlidingFriction, SpringDamperGround, State,
-    StepError, Stepper, StrangSplitting, SymplecticEuler, Trial, UniformGravity,
+    Ledger, Nystrom, Observer, RigidPointBody, Rk4, Sample, SlidingFriction, SpringDamperGround,
+    State, StepError, Stepper, StrangSplitting, SymplecticEuler, Trial, UniformGravity,
 };
 
 /// The report's coin (1 kg, 0.5 m, 120 points, 9.8 m/s^2) on a flat ground, and how it starts.
@@ -56,7 +56,7 @@ pub(crate) struct Method {
 }
 
 /// Every integrator with a fixed step. A new one is tested as soon as it stands here.
-pub(crate) const METHODS: [Method; 5] = [
+pub(crate) const METHODS: [Method; 6] = [
     Method {
         name: "ForwardEuler",
         order: 1,
@@ -81,6 +81,12 @@ pub(crate) const METHODS: [Method; 5] = [
         order: 4,
         time_step: 1e-3,
         compose: |setup, time_step| Box::new(setup.composed(Rk4 { time_step })),
+    },
+    Method {
+        name: "Nystrom",
+        order: 4,
+        time_step: 1e-3,
+        compose: |setup, time_step| Box::new(setup.composed(Nystrom { time_step })),
     },
     Method {
         name: "EnergyMomentum",

@@ -48,6 +48,10 @@ macro_rules! each_explicit {
             let ($integrator, $name) = (tumble::Rk4 { time_step }, "Rk4");
             $block
         }
+        {
+            let ($integrator, $name) = (tumble::Nystrom { time_step }, "Nystrom");
+            $block
+        }
     }};
 }
 pub(crate) use each_explicit;

@@ -8,8 +8,9 @@ use super::{Attempt, Pair, Place};
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
+use crate::integrator::passage::{Path, Side, place_of, push};
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, Load, Motion, facing_ground};
+use crate::scene::{Dynamics, Load, Motion};
 
 /// What contacts that begin or cease to push spoil in a step.
 #[derive(Clone, Copy, Debug)]
@@ -82,7 +83,7 @@ pub(super) fn load_before<R: Real, D: Dynamics<R>>(
 ) -> Load<R> {
     let mut load = Load::default();
     scene.visit_contacts(motion, |contact| {
-        if !side(scene, start, &contact.point).comes_late(seconds) {
+        if !comes_late(&Side::of(scene, start, &contact.point), seconds) {
             let laws = (scene.ground(), scene.friction());
             load.add(contact, contact.force(laws.0, laws.1));
             load.torque += contact.turning_torque(laws.0, laws.1, motion.angular_velocity);
@@ -106,71 +107,11 @@ fn dip<R: Real, D: Dynamics<R>>(scene: &D, places: [&Place<R>; 2], seconds: R) -
     first.at_least(last) * (seconds * seconds * R::from_f64(0.125))
 }
 
-/// A contact at one moment of the step.
-#[derive(Clone, Copy)]
-struct Side<R: Real> {
-    depth: R,
-    closing_speed: R,
-    normal_force: R,
-}
-
-impl<R: Real> Side<R> {
-    #[inline]
-    fn pushes(&self) -> bool {
-        self.normal_force > R::ZERO
-    }
-
-    /// Whether it is above ground now and, going on evenly, for the first half of a step.
-    #[inline]
-    fn comes_late(&self, seconds: R) -> bool {
-        let halfway = self.depth + self.closing_speed * (seconds * R::HALF);
-        self.depth <= R::ZERO && halfway <= R::ZERO
-    }
-}
-
+/// Whether a contact is above ground now and, going on evenly, for the first half of a step.
 #[inline]
-fn side<R: Real, D: Dynamics<R>>(
-    scene: &D,
-    motion: &Motion<R>,
-    point: &ContactPoint<R>,
-) -> Side<R> {
-    let ground = scene.ground();
-    let point = place_of(scene, motion, point);
-    let arm = motion.axes.to_world(point.position);
-    let surface = ground.surface(motion.position + arm);
-    let depth = point.radius - surface.gap;
-    let closing_speed = -motion
-        .velocity_at(arm - surface.normal * point.radius)
-        .dot(surface.normal);
-    Side {
-        depth,
-        closing_speed,
-        normal_force: push(scene, depth, closing_speed),
-    }
-}
-
-/// Where a contact is in the body: that of a smooth body wanders.
-#[inline]
-fn place_of<R: Real, D: Dynamics<R>>(
-    scene: &D,
-    motion: &Motion<R>,
-    point: &ContactPoint<R>,
-) -> ContactPoint<R> {
-    if scene.body().is_smooth() {
-        facing_ground(scene.body(), scene.ground(), motion.position, &motion.axes)
-    } else {
-        *point
-    }
-}
-
-/// Normal force of one contact, N; 0 above ground.
-#[inline]
-fn push<R: Real, D: Dynamics<R>>(scene: &D, depth: R, closing_speed: R) -> R {
-    if depth > R::ZERO {
-        scene.ground().normal_force(depth, closing_speed)
-    } else {
-        R::ZERO
-    }
+fn comes_late<R: Real>(side: &Side<R>, seconds: R) -> bool {
+    let halfway = side.depth + side.closing_speed * (seconds * R::HALF);
+    side.depth <= R::ZERO && halfway <= R::ZERO
 }
 
 /// A step that has been tried.
@@ -187,7 +128,7 @@ struct Taken<'a, R: Real, D, const STAGES: usize> {
 impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     #[inline]
     fn look_at(&self, point: &ContactPoint<R>, kinks: &mut Kinks<R>) {
-        let [start, end] = self.ends.map(|motion| side(self.scene, motion, point));
+        let [start, end] = self.ends.map(|motion| Side::of(self.scene, motion, point));
         if start.pushes() && end.pushes() {
             return;
         }
@@ -225,7 +166,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         } else {
             mean(force, share, R::ONE)
         };
-        let taken = if self.to_kink && start.comes_late(self.seconds) {
+        let taken = if self.to_kink && comes_late(start, self.seconds) {
             R::ZERO
         } else {
             self.mean_of_stages(point)
@@ -247,7 +188,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         let mut sum = R::ZERO;
         for (motion, &weight) in self.motions.iter().zip(weights) {
             if weight != 0.0 {
-                sum += side(self.scene, motion, point).normal_force * R::from_f64(weight);
+                sum += Side::of(self.scene, motion, point).normal_force * R::from_f64(weight);
             }
         }
         sum
@@ -260,58 +201,6 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         let harmless = self.allowed / (acceleration * self.seconds * R::from_f64(16.0));
         let there = share + harmless.at_most(R::ONE - share);
         there.at_least(R::from_f64(0.02))
-    }
-}
-
-/// The path of a contact through the step: its depth by Hermite's cubic, over the share of the step.
-struct Path<R: Real> {
-    start: R,
-    end: R,
-    start_slope: R,
-    end_slope: R,
-}
-
-impl<R: Real> Path<R> {
-    #[inline]
-    fn between(start: &Side<R>, end: &Side<R>, seconds: R) -> Self {
-        Self {
-            start: start.depth,
-            end: end.depth,
-            start_slope: start.closing_speed * seconds,
-            end_slope: end.closing_speed * seconds,
-        }
-    }
-
-    /// Depth, and how it grows with the share: `d(s) = d₀ + m₀ s + (3Δ - 2m₀ - m₁) s² + (m₀ + m₁ - 2Δ) s³`.
-    #[inline]
-    fn at(&self, share: R) -> (R, R) {
-        let three = R::from_f64(3.0);
-        let rise = self.end - self.start;
-        let square = three * rise - R::TWO * self.start_slope - self.end_slope;
-        let cube = self.start_slope + self.end_slope - R::TWO * rise;
-        let depth = self.start + share * (self.start_slope + share * (square + share * cube));
-        let slope = self.start_slope + share * (R::TWO * square + share * (three * cube));
-        (depth, slope)
-    }
-
-    /// Where a path that goes down and comes up again is deepest, about.
-    #[inline]
-    fn turn(&self) -> R {
-        self.start_slope / (self.start_slope - self.end_slope)
-    }
-
-    /// Whether a path with both ends above ground is under it in between.
-    #[inline]
-    fn turns_under_ground(&self) -> bool {
-        let above = self.start <= R::ZERO && self.end <= R::ZERO;
-        let turns = self.start_slope > R::ZERO && self.end_slope < R::ZERO;
-        above && turns && self.at(self.turn()).0 > R::ZERO
-    }
-
-    /// Whether a path that ends above ground goes under it so soon after that a stage at the end may see it touch.
-    #[inline]
-    fn nears(&self) -> bool {
-        self.end <= R::ZERO && self.end + self.end_slope * R::from_f64(NEAR) > R::ZERO
     }
 }
 
@@ -335,8 +224,6 @@ const WEIGHT: f64 = 3.0;
 const MANY: usize = 48;
 /// Halvings of a step to find a kink: to a millionth of it.
 const HALVINGS: u32 = 20;
-/// By how much of a step a stage at its end may be ahead of the path.
-const NEAR: f64 = 0.05;
 
 /// The integral of a force over a part of the step, in steps, by Gauss's rule with three points.
 fn mean<R: Real>(force: impl Fn(R) -> R, from: R, to: R) -> R {

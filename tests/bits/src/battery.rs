@@ -13,7 +13,7 @@ use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Coin, Cone, ContactPoint, Coulomb,
     Cuboid, DormandPrince54, Ellipsoid, EnergyMomentum, FlatGround, Flight, ForwardEuler,
     Frictionless, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper,
-    MassDistribution, NoGravity, NoGround, Plane, PointCloud, PointMass, Ramp, Real,
+    MassDistribution, NoGravity, NoGround, Nystrom, Plane, PointCloud, PointMass, Ramp, Real,
     RigidPointBody, Rk4, Rod, Rotation, Sample, SceneError, SlidingFriction, SmoothCoulomb,
     SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Stepper, StrangSplitting, Stribeck,
     SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves, WithResistance,
@@ -96,6 +96,7 @@ pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
         SymplecticEuler: |time_step| SymplecticEuler { time_step };
         StrangSplitting: |time_step| StrangSplitting { time_step };
         Rk4: |time_step| Rk4 { time_step };
+        Nystrom: |time_step| Nystrom { time_step };
         EnergyMomentum: |time_step| EnergyMomentum { time_step };
         BogackiShampine32: |time_step| BogackiShampine32::new(tolerance(time_step));
         DormandPrince54: |time_step| DormandPrince54::new(tolerance(time_step));

@@ -1,0 +1,216 @@
+//! Nyström's method, with a correction for the contacts that come and go within a step.
+
+mod crossing;
+
+use super::rk4::Point;
+use super::{Integrator, Step, step_length};
+use crate::body::Run;
+use crate::error::{self, SceneError, StepError};
+use crate::real::{Real, Vector};
+use crate::rotation::Rotation;
+use crate::scene::{Dynamics, Motion};
+use crate::state::State;
+use crossing::Missed;
+
+/// Nyström's method: that of Runge and Kutta for equations which say how velocities change, with the contacts that touch down or let go within a step set right.
+///
+/// Place and quaternion `y = (x, q)` follow from their second derivatives, velocity and angular momentum `p = (v, L)` from the same loads:
+///
+/// ```text
+/// y_i = y + c_i h y' + h² Σ_j A_ij y''_j     p_i = p + h Σ_j a_ij p'_j     x'' = F/m + g     q'' = (0, J⁻¹ (T - ω × L)) q/2 - ω² q/4
+/// ```
+/// Four evaluations a step. Order 4 in smooth motion, and 5 where forces depend on the place alone: in flight, and on springs. `c`, `A` and the weights are those of Nyström (1925; Hairer,
+/// Nørsett & Wanner I, section II.14); `a` is the one matrix that makes the velocities a method of order 4 with these nodes and weights, by `Σ_i b_i a_ij = b_j (1 - c_j)` and
+/// `b_4 a_43 a_32 c_2 = 1/24`.
+///
+/// *Touch-downs.* Where a contact touches down, its force jumps (the damper's) and bends (the spring's). The weighted sum over the stages makes an error of `h Δf` of that, whatever
+/// the order, and every method of high order falls to order 1 (Gear & Østerby, ACM Transactions on Mathematical Software 10, 23, 1984; Hairer, Nørsett & Wanner I, section
+/// II.6). But the path of the contact between both ends of the step is known, and with it the leading term of that error. For each contact that pushes at one end of the step and not at the
+/// other, the end is moved by
+///
+/// ```text
+/// Δp = h (∫ f ds - Σ b_i f(c_i))     and the place that follows from     h² (∫ (1 - s) f ds - Σ B_i f(c_i))
+/// ```
+/// with `f(s)` its force where the depth goes by Hermite's cubic from end to end. What is left is what the stages did to each other by it, a power of the step smaller: order 2 through
+/// touch-downs. In trial 1 of the report, with 150 of them in a second, the error is 8e-5 m with a step of 12.5 ms, 5e-7 m with 2 ms and 1e-7 m with 1 ms: a hundredth of
+/// [`Rk4`](crate::Rk4)'s at a step of 1 ms.
+///
+/// *Limits* (ω = √(K/m), K and C stiffness and damping of all contacts that touch together, ζ = C/(2 √(K m))):
+/// - Stable for `dt < 3.1/ω` where damping is weak, `dt < 2.79 m/C` where dampers rule.
+/// - *May add energy*: a swing without dampers grows by 2.8e-4 (ω dt)⁶ of itself a step. Damping of `ζ > 2.8e-4 (ω dt)⁵` takes more than that.
+/// - A contact that dips into the ground and out of it within one step is seen by the stages alone; torques that [resist turning](crate::WithResistance) are not set right.
+///
+/// The least price for an error between 1e-4 and 1e-6 m where a body rolls and slides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Nystrom<R = f64> {
+    /// s, above 0.
+    pub time_step: R,
+}
+
+impl<R: Real> Integrator<R> for Nystrom<R> {
+    type Workspace = ();
+
+    #[inline]
+    fn step<D: Dynamics<R>>(
+        &self,
+        scene: &D,
+        state: &mut State<R>,
+        limit: R,
+        _workspace: &mut (),
+    ) -> Result<Step<R>, StepError> {
+        let dt = step_length(self.time_step, limit);
+        let start = Start::of(scene, state, dt);
+        let first = &start.stage;
+        let second = Stage::at(scene, start.ahead(&SECOND, [first]));
+        let third = Stage::at(scene, start.ahead(&THIRD, [first, &second]));
+        let fourth = Stage::at(scene, start.ahead(&FOURTH, [first, &second, &third]));
+        let stages = [first, &second, &third, &fourth];
+        let end = start.ahead(&END, stages).normalised();
+        *state = crossing::missed(scene, stages, &end, dt)
+            .added_to(end, scene, dt)
+            .to_state();
+        Ok(Step::new(dt, 4))
+    }
+
+    fn order(&self) -> u32 {
+        4
+    }
+
+    fn fixed_step(&self) -> Option<R> {
+        Some(self.time_step)
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("time step", self.time_step, " s")
+    }
+}
+
+/// Where a stage stands, and what the stages before it weigh for its place (`A`) and for its velocities (`a`).
+struct Row<const N: usize> {
+    /// Share of the step.
+    time: f64,
+    places: [f64; N],
+    speeds: [f64; N],
+}
+
+const SECOND: Row<1> = Row {
+    time: 1.0 / 5.0,
+    places: [1.0 / 50.0],
+    speeds: [1.0 / 5.0],
+};
+const THIRD: Row<2> = Row {
+    time: 2.0 / 3.0,
+    places: [-1.0 / 27.0, 7.0 / 27.0],
+    speeds: [-17.0 / 27.0, 35.0 / 27.0],
+};
+const FOURTH: Row<3> = Row {
+    time: 1.0,
+    places: [3.0 / 10.0, -2.0 / 35.0, 9.0 / 35.0],
+    speeds: [13.0 / 5.0, -22.0 / 7.0, 54.0 / 35.0],
+};
+/// The weights `B` and `b` of the end.
+const END: Row<4> = Row {
+    time: 1.0,
+    places: [14.0 / 336.0, 100.0 / 336.0, 54.0 / 336.0, 0.0],
+    speeds: [14.0 / 336.0, 125.0 / 336.0, 162.0 / 336.0, 35.0 / 336.0],
+};
+
+/// A stage: what its forces were computed from, and how they bend the path.
+struct Stage<R: Real> {
+    motion: Motion<R>,
+    /// The contacts that touch.
+    run: Run,
+    /// m/s².
+    acceleration: R::Vec3,
+    /// N m.
+    torque: R::Vec3,
+    /// Second derivative of the quaternion, 1/s².
+    bend: Rotation<R>,
+}
+
+impl<R: Real> Stage<R> {
+    // Four copies of the loop over contacts would be no faster and four times as large.
+    #[inline(never)]
+    fn at<D: Dynamics<R>>(scene: &D, point: Point<R>) -> Self {
+        let motion = point.motion(scene);
+        let run = scene.contacts_within(R::ZERO, motion.position, &motion.axes);
+        let load = scene.load_on(run, &motion);
+        let mass = scene.mass_properties();
+        let spin = motion.angular_velocity;
+        let turn = load.torque - spin.cross(point.angular_momentum);
+        let turn = mass.angular_velocity(&motion.axes, turn);
+        let quarter = spin.length_squared() * R::from_f64(-0.25);
+        Self {
+            motion,
+            run,
+            acceleration: load.force * mass.inverse_mass() + scene.gravity(),
+            torque: load.torque,
+            bend: point
+                .orientation
+                .rate(turn)
+                .plus(point.orientation, quarter),
+        }
+    }
+}
+
+/// The start of a step.
+struct Start<R: Real> {
+    point: Point<R>,
+    /// Derivative of the quaternion, 1/s.
+    turning: Rotation<R>,
+    stage: Stage<R>,
+    seconds: R,
+}
+
+impl<R: Real> Start<R> {
+    #[inline(always)]
+    fn of<D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> Self {
+        let point = Point::of(state);
+        let stage = Stage::at(scene, point);
+        Self {
+            point,
+            turning: point.orientation.rate(stage.motion.angular_velocity),
+            stage,
+            seconds,
+        }
+    }
+
+    /// The point that a row of the method makes of the start and of so many stages.
+    #[inline(always)]
+    fn ahead<const N: usize>(&self, row: &Row<N>, stages: [&Stage<R>; N]) -> Point<R> {
+        let h = self.seconds;
+        let along = h * R::from_f64(row.time);
+        let mut point = self.point;
+        point.position += self.point.linear_velocity * along;
+        point.orientation = point.orientation.plus(self.turning, along);
+        for ((stage, &place), &speed) in stages.into_iter().zip(&row.places).zip(&row.speeds) {
+            let place = h * h * R::from_f64(place);
+            let speed = h * R::from_f64(speed);
+            point.position += stage.acceleration * place;
+            point.orientation = point.orientation.plus(stage.bend, place);
+            point.linear_velocity += stage.acceleration * speed;
+            point.angular_momentum += stage.torque * speed;
+        }
+        point
+    }
+}
+
+impl<R: Real> Missed<R> {
+    /// The end of a step with what its stages have missed.
+    #[inline(always)]
+    fn added_to<D: Dynamics<R>>(&self, mut end: Point<R>, scene: &D, seconds: R) -> Point<R> {
+        if self.speeds.touching == 0 {
+            return end;
+        }
+        let mass = scene.mass_properties();
+        let axes = end.orientation.axes();
+        let inverse_mass = mass.inverse_mass();
+        let turn = mass.angular_velocity(&axes, self.places.torque);
+        end.position += self.places.force * (inverse_mass * seconds * seconds);
+        end.orientation = (end.orientation).plus(end.orientation.rate(turn), seconds * seconds);
+        end.linear_velocity += self.speeds.force * (inverse_mass * seconds);
+        end.angular_momentum += self.speeds.torque * seconds;
+        end
+    }
+}

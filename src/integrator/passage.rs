@@ -1,0 +1,221 @@
+//! How one contact passes through a step: where it is at both ends, how hard it pushes there, and its path between.
+//!
+//! For the methods that look at contacts which begin or cease to push within a step.
+
+use crate::body::{ContactPoint, RigidPointBody};
+use crate::ground::{Extent, SpringDamperGround};
+use crate::real::{Real, Vector};
+use crate::scene::{Dynamics, Motion, facing_ground};
+
+/// A contact at one moment of the step.
+#[derive(Clone, Copy)]
+pub(super) struct Side<R: Real> {
+    pub(super) depth: R,
+    pub(super) closing_speed: R,
+    pub(super) normal_force: R,
+}
+
+impl<R: Real> Side<R> {
+    #[inline(always)]
+    pub(super) fn of<D: Dynamics<R>>(
+        scene: &D,
+        motion: &Motion<R>,
+        point: &ContactPoint<R>,
+    ) -> Self {
+        let ground = scene.ground();
+        let point = place_of(scene, motion, point);
+        let arm = motion.axes.to_world(point.position);
+        let surface = ground.surface(motion.position + arm);
+        let depth = point.radius - surface.gap;
+        let closing_speed = -motion
+            .velocity_at(arm - surface.normal * point.radius)
+            .dot(surface.normal);
+        Self {
+            depth,
+            closing_speed,
+            normal_force: push(scene, depth, closing_speed),
+        }
+    }
+
+    #[inline]
+    pub(super) fn pushes(&self) -> bool {
+        self.normal_force > R::ZERO
+    }
+}
+
+/// Where a contact is in the body: that of a smooth body wanders.
+#[inline]
+pub(super) fn place_of<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    motion: &Motion<R>,
+    point: &ContactPoint<R>,
+) -> ContactPoint<R> {
+    if scene.body().is_smooth() {
+        facing_ground(scene.body(), scene.ground(), motion.position, &motion.axes)
+    } else {
+        *point
+    }
+}
+
+/// Normal force of one contact, N; 0 above ground.
+#[inline]
+pub(super) fn push<R: Real, D: Dynamics<R>>(scene: &D, depth: R, closing_speed: R) -> R {
+    if depth > R::ZERO {
+        scene.ground().normal_force(depth, closing_speed)
+    } else {
+        R::ZERO
+    }
+}
+
+/// A moment of the step, from which depth and closing speed of each contact are seen.
+///
+/// Above a plane `n · p = height` both are linear in the contact's place `b` in the body, as `(ω × r) · n = (n × ω) · r`:
+///
+/// ```text
+/// depth = radius + (height - n · x) - Qᵀn · b        closing speed = -n · v - Qᵀ(n × ω) · b
+/// ```
+pub(super) struct Sight<'a, R: Real, D> {
+    scene: &'a D,
+    pub(super) motion: &'a Motion<R>,
+    plane: Option<AbovePlane<R>>,
+}
+
+/// Depth and closing speed of the centre of mass, and what they lose for each metre along the body's axes.
+struct AbovePlane<R: Real> {
+    depth: R,
+    closing_speed: R,
+    rise: R::Vec3,
+    rising: R::Vec3,
+}
+
+impl<'a, R: Real, D: Dynamics<R>> Sight<'a, R, D> {
+    #[inline(always)]
+    pub(super) fn of(scene: &'a D, motion: &'a Motion<R>) -> Self {
+        let plane = match scene.ground().extent() {
+            Extent::Plane(plane) if !scene.body().is_smooth() => Some(AbovePlane {
+                depth: -plane.gap(motion.position),
+                closing_speed: -plane.normal.dot(motion.linear_velocity),
+                rise: motion.axes.to_body(plane.normal),
+                rising: (motion.axes).to_body(plane.normal.cross(motion.angular_velocity)),
+            }),
+            _ => None,
+        };
+        Self {
+            scene,
+            motion,
+            plane,
+        }
+    }
+
+    /// From the centre of mass to where the force acts (m), and the ground's normal there; world axes.
+    #[inline(always)]
+    pub(super) fn arm(&self, point: &ContactPoint<R>) -> (R::Vec3, R::Vec3) {
+        let point = place_of(self.scene, self.motion, point);
+        let arm = self.motion.axes.to_world(point.position);
+        let normal = (self.scene.ground())
+            .surface(self.motion.position + arm)
+            .normal;
+        (arm - normal * point.radius, normal)
+    }
+
+    #[inline(always)]
+    pub(super) fn side(&self, point: &ContactPoint<R>) -> Side<R> {
+        let Some(plane) = &self.plane else {
+            return Side::of(self.scene, self.motion, point);
+        };
+        let depth = point.radius + (plane.depth - plane.rise.dot(point.position));
+        let closing_speed = plane.closing_speed - plane.rising.dot(point.position);
+        Side {
+            depth,
+            closing_speed,
+            normal_force: push(self.scene, depth, closing_speed),
+        }
+    }
+}
+
+/// The path of a contact through the step: its depth by Hermite's cubic, over the share of the step.
+pub(super) struct Path<R: Real> {
+    start: R,
+    end: R,
+    start_slope: R,
+    end_slope: R,
+    square: R,
+    cube: R,
+}
+
+impl<R: Real> Path<R> {
+    #[inline]
+    pub(super) fn between(start: &Side<R>, end: &Side<R>, seconds: R) -> Self {
+        let slopes = [start.closing_speed * seconds, end.closing_speed * seconds];
+        let rise = end.depth - start.depth;
+        Self {
+            start: start.depth,
+            end: end.depth,
+            start_slope: slopes[0],
+            end_slope: slopes[1],
+            square: R::from_f64(3.0) * rise - R::TWO * slopes[0] - slopes[1],
+            cube: slopes[0] + slopes[1] - R::TWO * rise,
+        }
+    }
+
+    /// Depth, and how it grows with the share: `d(s) = d₀ + m₀ s + (3Δ - 2m₀ - m₁) s² + (m₀ + m₁ - 2Δ) s³`.
+    #[inline]
+    pub(super) fn at(&self, share: R) -> (R, R) {
+        let (square, cube) = (self.square, self.cube);
+        let depth = self.start + share * (self.start_slope + share * (square + share * cube));
+        let slope =
+            self.start_slope + share * (R::TWO * square + share * (R::from_f64(3.0) * cube));
+        (depth, slope)
+    }
+
+    /// Where the path goes through the surface, if its ends lie on both sides of it: by Newton's method, or by halving where that leads astray.
+    #[inline(always)]
+    pub(super) fn surface(&self) -> Option<R> {
+        let starts_below = self.start > R::ZERO;
+        if starts_below == (self.end > R::ZERO) {
+            return None;
+        }
+        let (mut low, mut high) = (R::ZERO, R::ONE);
+        let mut share = self.start / (self.start - self.end);
+        for _ in 0..NEWTON {
+            let (depth, slope) = self.at(share);
+            if (depth > R::ZERO) == starts_below {
+                low = share;
+            } else {
+                high = share;
+            }
+            let next = share - depth / slope;
+            share = if next > low && next < high {
+                next
+            } else {
+                (low + high) * R::HALF
+            };
+        }
+        Some(share)
+    }
+
+    /// Where a path that goes down and comes up again is deepest, about.
+    #[inline]
+    pub(super) fn turn(&self) -> R {
+        self.start_slope / (self.start_slope - self.end_slope)
+    }
+
+    /// Whether a path with both ends above ground is under it in between.
+    #[inline]
+    pub(super) fn turns_under_ground(&self) -> bool {
+        let above = self.start <= R::ZERO && self.end <= R::ZERO;
+        let turns = self.start_slope > R::ZERO && self.end_slope < R::ZERO;
+        above && turns && self.at(self.turn()).0 > R::ZERO
+    }
+
+    /// Whether a path that ends above ground goes under it so soon after that a stage at the end may see it touch.
+    #[inline]
+    pub(super) fn nears(&self) -> bool {
+        self.end <= R::ZERO && self.end + self.end_slope * R::from_f64(NEAR) > R::ZERO
+    }
+}
+
+/// Newton's iterations from the chord's crossing on, which is some percent of the step off: to 1e-6 of it.
+const NEWTON: u32 = 3;
+/// By how much of a step a stage at its end may be ahead of the path.
+const NEAR: f64 = 0.05;
