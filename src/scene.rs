@@ -194,6 +194,16 @@ pub(crate) fn turning_torque<R: Real, D: Dynamics<R> + ?Sized>(
     Some(sum)
 }
 
+/// How far the body reaches from its centre of mass, m, for whoever turns an angle into a way: its reach, or the radius of gyration `√(largest moment/mass)` where that is more.
+///
+/// A body without contacts has no reach of its own. But it has mass at that radius or beyond.
+#[inline]
+pub(crate) fn size<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> R {
+    scene
+        .reach()
+        .at_least(scene.mass_properties().radius_of_gyration())
+}
+
 /// Where everything of a body is and how it moves, in world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<R: Real = f64> {

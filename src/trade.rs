@@ -30,7 +30,7 @@ use crate::integrator::{
 use crate::observer::Sample;
 use crate::real::{Quaternion, Real, Vector};
 use crate::rotation::Rotation;
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, size};
 use crate::state::State;
 use crate::stepper::Stepper;
 
@@ -143,7 +143,7 @@ impl fmt::Display for Setting {
 pub struct Row {
     /// Which one.
     pub setting: Setting,
-    /// At the end of the run, m: of the place and, by the reach, of the turn. Infinite where the run failed.
+    /// At the end of the run, m: of the place and, by the reach (or the radius of gyration, where that is more), of the turn. Infinite where the run failed.
     pub error: f64,
     /// What the run took on this machine: the shortest of three, or the only one where that took above 0.1 s.
     pub time: Duration,
@@ -278,7 +278,7 @@ pub struct Reference<R: Real = f64> {
     pub resolution: f64,
 }
 
-/// The end of a run by [`DormandPrince54`] with a tolerance of 1e-11 of the reach.
+/// The end of a run by [`DormandPrince54`] with a tolerance of 1e-11 of the reach (or the radius of gyration, where that is more).
 ///
 /// # Errors
 /// Where the run fails: in stick with a tiny slip speed its 20 million steps may be spent.
@@ -294,7 +294,7 @@ pub fn reference<R: Real, D: Dynamics<R>>(
     };
     let method = |share: f64| DormandPrince54 {
         budget: 20_000_000,
-        ..DormandPrince54::new(R::from_f64(share) * scene.reach().at_least(R::from_f64(1e-3)))
+        ..DormandPrince54::new(R::from_f64(share) * size(scene).at_least(R::from_f64(1e-3)))
     };
     let end = bench.end(method(1e-11))?;
     let coarse = bench.end(method(1e-10))?;
@@ -344,7 +344,7 @@ impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
     fn apart(&self, a: &State<R>, b: &State<R>) -> f64 {
         let turn = a.rotation().after(b.rotation().inverse());
         let angle = R::TWO * sine_of_half(turn);
-        ((a.position - b.position).length() + angle * self.scene.reach()).to_f64()
+        ((a.position - b.position).length() + angle * size(self.scene)).to_f64()
     }
 
     fn measure(&self, setting: Setting, reference: &State<R>) -> Row {

@@ -6,11 +6,12 @@
 mod common;
 
 use common::methods::{Record, apart, convergence, truths};
-use tumble::glam::DVec3;
+use tumble::glam::{DMat3, DVec3};
 use tumble::integrator::EmbeddedPairWorkspace;
 use tumble::{
-    BogackiShampine32, Coin, Coulomb, DormandPrince54, Ellipsoid, FlatGround, Integrator,
-    PointCloud, Rk4, SpringDamperGround, State, StepError, Stepper, Surface, Trial, UniformGravity,
+    BogackiShampine32, Coin, ContactPoint, Coulomb, DormandPrince54, Ellipsoid, FlatGround,
+    Integrator, PointCloud, RigidPointBody, Rk4, SpringDamperGround, State, StepError, Stepper,
+    Surface, Trial, UniformGravity,
 };
 
 const TOLERANCES: [f64; 7] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
@@ -45,13 +46,13 @@ fn errors<I: Integrator>(number: usize, of: fn(f64) -> I) -> Vec<(f64, f64)> {
 }
 
 /// The tolerance bounds what a step does wrong. How many steps there are, and how the motion makes errors grow, is not the method's choice: trials 1 and 5 make 1 of a tolerance, trial 8,
-/// where the coin falls over, several (measured: 0.01 to 7).
-fn assert_errors_follow<I: Integrator>(of: fn(f64) -> I) {
+/// where the coin falls over, several. So the error is to lie between `least` tolerances and ten.
+fn assert_errors_follow<I: Integrator>(of: fn(f64) -> I, least: f64) {
     for number in [1, 3, 5, 8] {
         let errors = errors(number, of);
         for (tolerance, error) in &errors {
             assert!(
-                *error < 10.0 * tolerance,
+                *error < 10.0 * tolerance && *error > least * tolerance,
                 "trial {number}: {error:e} m for {tolerance:e} m"
             );
         }
@@ -65,12 +66,14 @@ fn assert_errors_follow<I: Integrator>(of: fn(f64) -> I) {
 
 #[test]
 fn the_error_of_bogacki_and_shampine_follows_the_tolerance_over_six_decades() {
-    assert_errors_follow(BogackiShampine32::new);
+    // Measured: 0.15 to 5.5.
+    assert_errors_follow(BogackiShampine32::new, 0.1);
 }
 
 #[test]
 fn the_error_of_dormand_and_prince_follows_the_tolerance_over_six_decades() {
-    assert_errors_follow(DormandPrince54::new);
+    // Measured: 0.05 to 6.1 down to 1e-6 m, and from 0.02 below. What is estimated is the error of order 4, of which that of the result, of order 5, is an ever smaller share.
+    assert_errors_follow(DormandPrince54::new, 0.005);
 }
 
 /// Evaluations of the forces for a quarter of a second.
@@ -232,6 +235,37 @@ fn a_corner_that_dips_into_the_ground_and_out_of_it_within_a_step_is_seen() {
         loose.advance(&mut state, 0.2).unwrap();
         let off = (state.position - fine.position).length();
         assert!(off < 10.0 * tolerance, "{off:e} for {tolerance:e}");
+    }
+}
+
+#[test]
+fn a_body_without_contacts_turns_as_truly_as_its_tolerance_says() {
+    /// Nothing of it can touch, so that it has no reach; its radius of gyration is 0.5 m.
+    struct Cloud;
+    impl RigidPointBody for Cloud {
+        fn mass(&self) -> f64 {
+            1.0
+        }
+        fn inertia(&self) -> DMat3 {
+            DMat3::from_diagonal(DVec3::new(0.1, 0.2, 0.25))
+        }
+        fn contacts(&self) -> &[ContactPoint] {
+            &[]
+        }
+    }
+    // It turns over about its middle axis, at 30 rad/s: by 3 rad in the longest step, which is what a method would take that does not see a turn.
+    let start = State::at(DVec3::ZERO).with_angular_momentum(DVec3::new(0.1, 6.0, 0.2));
+    fn end<I: Integrator>(start: State, by: I) -> State {
+        let mut state = start;
+        let stepper = Stepper::new(Cloud).and_then(|stepper| stepper.with_integrator(by));
+        stepper.unwrap().advance(&mut state, 0.2).unwrap();
+        state
+    }
+    let truth = end(start, Rk4 { time_step: 1e-5 });
+    for tolerance in [1e-3, 1e-5, 1e-7] {
+        let found = end(start, DormandPrince54::new(tolerance));
+        let off = 0.5 * found.orientation.angle_between(truth.orientation);
+        assert!(off < 10.0 * tolerance, "{off:e} m for {tolerance:e} m");
     }
 }
 

@@ -181,6 +181,13 @@ impl<R: Real> MassProperties<R> {
         self.asymmetry.inverse != R::ZERO
     }
 
+    /// About the axis of the largest moment, m: `√(moment/mass)`.
+    #[inline]
+    pub(crate) fn radius_of_gyration(&self) -> R {
+        let [x, y, z] = [self.moments.x(), self.moments.y(), self.moments.z()];
+        (x.at_least(y).at_least(z) * self.inverse_mass).sqrt()
+    }
+
     /// Angular velocity (rad/s, world axes) of a body with these axes and angular momentum (kg m²/s, world axes): `ω = J⁻¹ L`.
     #[inline(always)]
     #[must_use]

@@ -6,7 +6,7 @@ use crate::error::{Quantity, StepError};
 use crate::integrator::rk4::Point;
 use crate::integrator::step_length;
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, Motion};
+use crate::scene::{Dynamics, Motion, size};
 
 /// An error of a velocity counts by the way that it makes in this time, s.
 const HORIZON: f64 = 1.0;
@@ -30,7 +30,7 @@ impl<R: Real> Errors<R> {
     /// Of a difference of two ends of a step.
     #[inline]
     pub(super) fn of<D: Dynamics<R>>(scene: &D, difference: &Point<R>, motion: &Motion<R>) -> Self {
-        let (reach, horizon) = (scene.reach(), R::from_f64(HORIZON));
+        let (reach, horizon) = (size(scene), R::from_f64(HORIZON));
         let spin = scene
             .mass_properties()
             .angular_velocity(&motion.axes, difference.angular_momentum);
@@ -78,7 +78,7 @@ pub(super) fn allowed<R: Real, D: Dynamics<R>>(
     scene: &D,
     motion: &Motion<R>,
 ) -> R {
-    let reach = scene.reach();
+    let reach = size(scene);
     let speed = motion.linear_velocity.length() + motion.angular_velocity.length() * reach;
     let way = motion.position.length() + reach + speed * R::from_f64(HORIZON);
     settings.tolerance * R::from_f64(SHARE) + way * (R::EPSILON * R::from_f64(16.0))

@@ -10,7 +10,7 @@ use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::integrator::passage::{Path, Side, place_of, push};
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, Load, Motion};
+use crate::scene::{Dynamics, Load, Motion, size};
 
 /// What contacts that begin or cease to push spoil in a step.
 #[derive(Clone, Copy, Debug)]
@@ -244,5 +244,5 @@ fn mobility<R: Real, D: Dynamics<R>>(scene: &D, point: &ContactPoint<R>, motion:
     let slip = velocity - normal * velocity.dot(normal);
     let force = normal + scene.friction().force(R::ONE, slip);
     let spin = mass.angular_velocity(&motion.axes, arm.cross(force));
-    force.length() * mass.inverse_mass() + spin.length() * scene.reach()
+    force.length() * mass.inverse_mass() + spin.length() * size(scene)
 }
