@@ -28,6 +28,12 @@ pub(crate) fn cases(cases: u32) -> ProptestConfig {
     }
 }
 
+/// Whether `PROPTEST_CASES` or `PROPTEST_RNG_SEED` ask for other inputs than a stored result has.
+pub(crate) fn asks_for_other_draws() -> bool {
+    let asked = ProptestConfig::default();
+    asked.cases != 256 || !matches!(asked.rng_seed, RngSeed::Random)
+}
+
 /// Runs a block with each explicit integrator of one time step, by value and by name.
 macro_rules! each_explicit {
     ($time_step:expr, |$integrator:ident, $name:ident| $block:block) => {{
@@ -192,6 +198,15 @@ impl RigidPointBody for Solid {
     }
     fn contacts(&self) -> &[ContactPoint] {
         &self.contacts
+    }
+}
+
+/// A number without what stands after its point.
+pub(crate) fn whole(number: f64) -> usize {
+    // A test's own count, small and above 0.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    {
+        number as usize
     }
 }
 

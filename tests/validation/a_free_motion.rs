@@ -13,7 +13,7 @@ use crate::kit::{
     self, AnyBody, Solid, angle_between, bodies, directions, each_explicit, log_uniform, order,
     orientations, zero_or,
 };
-use crate::table::{Case, figure};
+use crate::table::{Case, figure, random};
 
 pub(crate) const CASES: &[&Case] = &[&TOSS, &WOBBLE, &ASYMMETRIC_TOP, &WING_NUT, &RING];
 
@@ -59,19 +59,18 @@ static TOSS: Case = Case::new("A1", "`u²/2g`, `2u/g`", "Galileo, Discorsi (1638
         ),
         figure("return, s", 0.489_80, back, 5e-6),
     ]
-});
+})
+.and(&[&ANY_TOSS]);
 
 #[test]
 fn a_toss_at_2_4_m_per_s_reaches_0_29388_m_and_returns_after_0_48980_s() {
     TOSS.holds();
 }
 
-proptest! {
-    #![proptest_config(kit::cases(100))]
-
+random! {
     /// `x0 + v0 t - g t²/2`, whatever the body is and however it spins. Methods of order 2 and more are exact; forward Euler lags behind by `g t dt/2`, and
     /// semi-implicit Euler is as much ahead.
-    #[test]
+    ANY_TOSS = of_rounding(100, "body, spin, velocity and pull, by each explicit method");
     fn the_centre_of_mass_of_any_spinning_body_flies_along_a_parabola(
         body in bodies(),
         orientation in orientations(),
@@ -82,7 +81,7 @@ proptest! {
         pull in directions(),
         g in zero_or(1e-2, 1e2),
         dt in log_uniform(1e-5, 0.1),
-    ) {
+    ) |misses| {
         let gravity = UniformGravity { acceleration: pull * g };
         let velocity = velocity * speed;
         let steps = 200;
@@ -105,11 +104,15 @@ proptest! {
             let (miss, size) = ((state.position - expected).length(), speed * seconds + g * seconds * seconds);
             // Each of 200 steps rounds position and velocity, by a unit of 1.1e-16 in each of three components at most; the velocity's add up to half as much again.
             let rounding = f64::from(steps) * 4e-16 * size;
-            prop_assert!(miss <= rounding, "{method}: {miss:e} m off, {rounding:e} allowed");
+            misses.within(method, miss, rounding)?;
             let faster = (state.linear_velocity - velocity - gravity.acceleration * seconds).length();
-            prop_assert!(faster <= f64::from(steps) * 4e-16 * (speed + g * seconds), "{method}");
+            misses.within(method, faster, f64::from(steps) * 4e-16 * (speed + g * seconds))?;
         });
     }
+}
+
+proptest! {
+    #![proptest_config(kit::cases(100))]
 
     /// Without torque the angular momentum is the same number, bit by bit, in every method and for every body: its direction and length alike.
     #[test]
@@ -204,18 +207,17 @@ static WOBBLE: Case = Case::new(
             figure("wobble to spin", 2.070_552, 8.0 / own_rate.abs(), 5e-7),
         ]
     },
-);
+)
+.and(&[&ANY_WOBBLE]);
 
 #[test]
 fn a_wobbling_ring_precesses_by_feynmans_plate_to_the_printed_digits() {
     WOBBLE.holds();
 }
 
-proptest! {
-    #![proptest_config(kit::cases(100))]
-
+random! {
     /// A symmetric body's turn is exact at any step: one long step or a hundred short ones, thin as a disc, long as a rod, or a ball.
-    #[test]
+    ANY_WOBBLE = of_rounding(100, "disc, ball or rod, rate and step");
     fn symmetric_bodies_turn_by_the_closed_form_at_any_step(
         ratio in prop_oneof![Just(1.0), Just(2.0), log_uniform(1e-3, 2.0)],
         transverse in log_uniform(1e-6, 1e6),
@@ -225,7 +227,7 @@ proptest! {
         rate in zero_or(1e-3, 1e3),
         steps in 1..100_u32,
         seconds in log_uniform(1e-3, 10.0),
-    ) {
+    ) |misses| {
         let axial = ratio * transverse;
         let mut moments = DVec3::splat(transverse);
         moments[number] = axial;
@@ -244,7 +246,7 @@ proptest! {
             let mut state = start;
             advance(&mut state, seconds);
             let miss = angle_between(state.orientation, expected);
-            prop_assert!(miss <= rounding, "{method}: {miss:e} rad off, {rounding:e} allowed");
+            misses.within(method, miss, rounding)?;
         }
     }
 }
@@ -472,7 +474,8 @@ static ASYMMETRIC_TOP: Case = Case::new(
             figure("ω₃, rad/s", 4.967_635_84, rates.z, 6e-9),
         ]
     },
-);
+)
+.and(&[&ANY_ASYMMETRIC_TOP]);
 
 #[test]
 fn an_asymmetric_box_turns_by_jacobis_functions() {
@@ -524,11 +527,9 @@ fn the_free_turn_of_an_asymmetric_body_is_of_order_two() {
     }
 }
 
-proptest! {
-    #![proptest_config(kit::cases(60))]
-
+random! {
     /// Boxes of any sides and both kinds of turn, about the shortest and about the longest side.
-    #[test]
+    ANY_ASYMMETRIC_TOP = new(60, "three moments, both kinds of turn");
     fn asymmetric_bodies_of_all_kinds_turn_by_jacobis_functions(
         middle in 0.05..0.95_f64,
         thickness in 0.0..0.9_f64,
@@ -536,7 +537,7 @@ proptest! {
         size in log_uniform(1e-6, 1e6),
         rate in log_uniform(1e-3, 1e3),
         part in 0.0..1.0_f64,
-    ) {
+    ) |misses| {
         // From a rod (I₁ = 0 would be one) to a plate (I₃ = I₁ + I₂).
         let first = 0.1 + thickness * 0.4;
         let second = first + middle * (1.0 - first);
@@ -554,7 +555,7 @@ proptest! {
         let miss = (body_rates(moments, &state) - top.rates_after(seconds)).length() / rate;
         // Runge-Kutta at 1e-3 rad a step: (1e-3)⁴ times the radians turned (100 at most here), /120, times the moments' ratio (5 at most) a few times over. Rounding:
         // 1e5 steps of 1e-16. Measured: 1e-12.
-        prop_assert!(miss < 1e-10, "{miss:e} of the rate");
+        misses.within("rates", miss, 1e-10)?;
     }
 }
 
@@ -707,7 +708,8 @@ static RING: Case = Case::new(
             figure("transverse, kg m²", 0.125, inertia.y_axis.y, rounding),
         ]
     },
-);
+)
+.and(&[&OTHER_AXES]);
 
 #[test]
 fn three_points_have_the_moments_of_a_ring() {
@@ -743,18 +745,16 @@ fn a_coin_of_three_points_flies_like_one_of_a_hundred_and_twenty() {
     assert_eq!(a, b);
 }
 
-proptest! {
-    #![proptest_config(kit::cases(100))]
-
+random! {
     /// The same points in other body axes have a full inertia tensor instead of a diagonal one, and fly along the same paths.
-    #[test]
+    OTHER_AXES = of_rounding(100, "body in other body axes");
     fn a_body_in_other_body_axes_moves_through_the_same_places(
         body in bodies(),
         other_axes in orientations(),
         orientation in orientations(),
         axis in directions(),
         spin in log_uniform(1e-2, 1e2),
-    ) {
+    ) |misses| {
         let straight = Solid { mass: body.mass(), inertia: body.inertia(), contacts: body.contacts().to_vec() };
         let turned = in_axes(&body, other_axes);
         let momentum = body.inertia() * (axis * spin);
@@ -776,7 +776,7 @@ proptest! {
             for (p, q) in straight.contacts.iter().zip(&turned.contacts) {
                 let miss = a.place(p.position).distance(b.place(q.position));
                 // 100 steps of a few roundings, and the tensor's own, over a radian of the turn asked for. Measured: 8e-15.
-                prop_assert!(miss <= 1e-13 * reach, "{method}: {miss:e} m of {reach:e} m, {body:?}");
+                misses.within(method, miss, 1e-13 * reach)?;
             }
         });
     }

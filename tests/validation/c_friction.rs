@@ -11,9 +11,9 @@ use tumble::{
     RigidPointBody, Rk4, SlidingFriction, SmoothCoulomb, State, Stepper, UniformGravity,
 };
 
-use crate::kit::{self, Solid, log_uniform};
+use crate::kit::{Solid, log_uniform, zero_or};
 use crate::scenes::{ball, flat, ground_for, move_point};
-use crate::table::{Case, figure};
+use crate::table::{Case, figure, random};
 
 pub(crate) const CASES: &[&Case] = &[
     &SLIDING_COIN,
@@ -87,17 +87,16 @@ static SLIDING_COIN: Case = Case::new("C1", "`v₀/μg`, `v₀²/2μg`", "Coulom
         ),
         figure("way, m", 0.680_272, state.position.x, 0.32 * one_step),
     ]
-});
+})
+.and(&[&ANY_SLIDE]);
 
 #[test]
 fn a_coin_that_slides_flat_comes_to_rest_after_the_printed_time_and_way() {
     SLIDING_COIN.holds();
 }
 
-proptest! {
-    #![proptest_config(kit::cases(200))]
-
-    #[test]
+random! {
+    ANY_SLIDE = new(200, "mass, μ, g, speed and slip speed, under both laws");
     fn a_block_slides_by_the_closed_form_under_both_laws_of_friction(
         mass in log_uniform(1e-3, 1e3),
         coefficient in log_uniform(1e-3, 10.0),
@@ -106,7 +105,7 @@ proptest! {
         eps_share in log_uniform(1e-9, 10.0),
         part in 0.1..0.95_f64,
         heading in 0.0..TAU,
-    ) {
+    ) |misses| {
         let (eps, v) = (v0 * eps_share, v0 * part);
         let forward = DVec3::new(heading.cos(), heading.sin(), 0.0);
         let slid = |friction: &dyn SlidingFriction, [seconds, way]: [f64; 2]| {
@@ -119,10 +118,10 @@ proptest! {
             let aside = (state.linear_velocity - forward * along).length();
             let gone = (state.position - start.position).dot(forward);
             // A step changes v by a thousandth of v0, a hundredth of v at most: Runge-Kutta, (1/100)⁵/120 a step. A thousand of them are 1e-9 of v.
-            prop_assert!((along - v).abs() < 1e-8 * v0, "{along} m/s, not {v}");
-            prop_assert!((gone - way).abs() < 1e-8 * way, "{gone} m, not {way}");
-            prop_assert!(aside < 1e-12 * v0, "{aside:e} m/s aside");
-            Ok(())
+            misses.near("speed", [along, v], 1e-8 * v0)?;
+            misses.near("way", [gone, way], 1e-8 * way)?;
+            misses.within("aside", aside, 1e-12 * v0)?;
+            Ok::<(), TestCaseError>(())
         };
         let a = coefficient * g;
         slid(&Coulomb { coefficient, slip_speed: eps }, slide(a, eps, v0, v))?;
@@ -267,7 +266,8 @@ static ROLLING_UP: Case = Case::new(
         })
         .collect()
     },
-);
+)
+.and(&[&ANY_SKID]);
 
 #[test]
 fn spheres_hoops_discs_and_shells_come_to_roll_at_the_shares_of_their_speed() {
@@ -340,10 +340,8 @@ fn a_bowling_ball_with_side_spin_hooks_along_a_parabola_and_then_rolls_straight(
     PARABOLA.holds();
 }
 
-proptest! {
-    #![proptest_config(kit::cases(200))]
-
-    #[test]
+random! {
+    ANY_SKID = new(200, "ball, speed, spin about any axis and μ (C2, C3 and C12)");
     fn balls_of_any_speed_and_spin_skid_by_the_closed_form(
         moment in log_uniform(0.05, 1.0),
         radius in log_uniform(1e-3, 10.0),
@@ -355,7 +353,7 @@ proptest! {
         drill in -10.0..10.0_f64,
         eps_share in log_uniform(1e-6, 1.0),
         part in 0.1..0.9_f64,
-    ) {
+    ) |misses| {
         let level = |angle: f64| DVec3::new(angle.cos(), angle.sin(), 0.0);
         let mut skid = Skid { moment, radius, g, ..Skid::of(moment, coefficient, 1.0) };
         let velocity = level(headings.0) * speed;
@@ -374,9 +372,9 @@ proptest! {
         // Up and down it swings by the rounding of its height.
         let size = speed + spin;
         let far = |miss: DVec3| miss.with_z(0.0).length();
-        prop_assert!(far(skid.slip(&end) - along * last) < 1e-8 * size, "{} m/s of {last}", skid.slip(&end));
-        prop_assert!(far(end.linear_velocity - velocity + along * (share * (first.length() - last))) < 1e-8 * size);
-        prop_assert!(far(end.position - expected) < 1e-8 * size * seconds, "{} not {expected} m", end.position);
+        misses.within("slip", far(skid.slip(&end) - along * last), 1e-8 * size)?;
+        misses.within("velocity", far(end.linear_velocity - velocity + along * (share * (first.length() - last))), 1e-8 * size)?;
+        misses.within("place", far(end.position - expected), 1e-8 * size * seconds)?;
     }
 }
 
@@ -448,23 +446,22 @@ static INCLINE: Case = Case::new(
             figure("hoop, μ = 0.25", 9.8 * slope.sin() / 2.0, hoop, 1e-9),
         ]
     },
-);
+)
+.and(&[&ANY_INCLINE]);
 
 #[test]
 fn a_sphere_slides_down_a_slope_that_is_too_steep_to_roll() {
     INCLINE.holds();
 }
 
-proptest! {
-    #![proptest_config(kit::cases(60))]
-
+random! {
     /// The threshold is sharp: some percent below, the slip stays of the order of the slip speed; above, it grows as the law says.
-    #[test]
+    ANY_INCLINE = new(60, "ball, μ and slope on both sides of the threshold");
     fn any_ball_rolls_down_slopes_up_to_the_threshold_and_slides_beyond(
         moment in log_uniform(0.05, 1.0),
         coefficient in log_uniform(0.05, 0.5),
         share in prop_oneof![0.2..0.9_f64, 1.1..1.5_f64],
-    ) {
+    ) |misses| {
         let tangent = share * coefficient * (1.0 + moment) / moment;
         let slope = tangent.atan();
         prop_assume!(slope < 1.2);
@@ -473,12 +470,13 @@ proptest! {
         if share < 1.0 {
             // u/(u + ε) is the share of the friction that rolling takes. It is reached at a rate of a (1 - share)²/ε, 0.5 m/s² · 0.01/1e-3 at least.
             let steady = 1e-3 * share / (1.0 - share);
-            prop_assert!((slip / steady - 1.0).abs() < 0.05, "{slip} m/s, not {steady}");
-            prop_assert!((acceleration / (9.8 * slope.sin() / (1.0 + moment)) - 1.0).abs() < 1e-3);
+            misses.near("slip", [slip, steady], 0.05 * steady)?;
+            let rolls = 9.8 * slope.sin() / (1.0 + moment);
+            misses.near("acceleration", [acceleration, rolls], 1e-3 * rolls)?;
         } else {
             let expected = 9.8 * (slope.sin() - coefficient * slope.cos());
             let short = coefficient * 9.8 * slope.cos() * 1e-3 / (0.4 * slip);
-            prop_assert!((acceleration - expected).abs() < short, "{acceleration}, not {expected}");
+            misses.near("acceleration", [acceleration, expected], short)?;
         }
     }
 }
@@ -538,30 +536,29 @@ static CREEP: Case = Case::new(
             figure("smooth law", 1.986, smooth(15.0), 5e-4),
         ]
     },
-);
+)
+.and(&[&ANY_CREEP]);
 
 #[test]
 fn a_body_on_a_slope_creeps_at_the_printed_speeds() {
     CREEP.holds();
 }
 
-proptest! {
-    #![proptest_config(kit::cases(200))]
-
+random! {
     /// `ε t/(μ - t)` and `ε t/√(μ² - t²)` for a slope of t = tan θ below μ: where the two forces balance.
-    #[test]
+    ANY_CREEP = new(200, "μ, slip speed and slope up to 0.8 of μ, under both laws");
     fn a_body_creeps_down_any_slope_that_would_hold_it_at_the_speed_of_the_closed_form(
         coefficient in log_uniform(1e-2, 10.0),
         share in 0.01..0.8_f64,
         eps in log_uniform(1e-6, 1.0),
-    ) {
+    ) |misses| {
         let tangent = share * coefficient;
         let found = creep(Coulomb { coefficient, slip_speed: eps }, coefficient, eps, tangent);
         let expected = eps * tangent / (coefficient - tangent);
-        prop_assert!((found / expected - 1.0).abs() < 1e-7, "{found}, not {expected}");
+        misses.near("creep", [found, expected], 1e-7 * expected)?;
         let found = creep(SmoothCoulomb { coefficient, slip_speed: eps }, coefficient, eps, tangent);
         let expected = eps * tangent / (coefficient * coefficient - tangent * tangent).sqrt();
-        prop_assert!((found / expected - 1.0).abs() < 1e-7, "{found}, not {expected}, smooth");
+        misses.near("creep, smooth law", [found, expected], 1e-7 * expected)?;
     }
 }
 
@@ -569,38 +566,86 @@ proptest! {
 // C10: Painlevé's rod
 // ---------------------------------------------------------------------------------------------------------------------
 
-/// A uniform rod of 1 kg, 2 m long, along body x (the built-in one lies along z), that touches with its ends.
-fn rod() -> Solid {
+/// A rod of a mass, a half length and a moment in `m l²` (1/3 of a uniform one), along body x (the built-in one lies along z), that touches with its ends.
+fn rod([mass, half, moment]: [f64; 3]) -> Solid {
     let end = |x| ContactPoint::bare(DVec3::X * x);
+    let inertia = moment * mass * half * half;
     Solid {
-        mass: 1.0,
-        inertia: DMat3::from_diagonal(DVec3::new(0.0, 1.0, 1.0) / 3.0),
-        contacts: vec![end(-1.0), end(1.0)],
+        mass,
+        inertia: DMat3::from_diagonal(DVec3::new(0.0, inertia, inertia)),
+        contacts: vec![end(-half), end(half)],
     }
 }
 
-/// The rod with its end -x in the ground by `depth`, up by `angle`, sliding with that end ahead at 1 m/s.
-fn sliding_rod(angle: f64, depth: f64) -> State {
-    State::at(DVec3::Z * (angle.sin() - depth))
+/// A uniform rod of 1 kg and 2 m.
+const UNIFORM: [f64; 3] = [1.0, 1.0, 1.0 / 3.0];
+
+/// A rod with its end -x in the ground by `depth`, up by `angle`, sliding with that end ahead at 1 m/s.
+fn sliding_rod(half: f64, angle: f64, depth: f64) -> State {
+    State::at(DVec3::Z * (half * angle.sin() - depth))
         .turned_by(DVec3::Y * -angle)
         .with_linear_velocity(-DVec3::X)
 }
 
-/// By how much the touching end of the rod is accelerated upwards, in `normal force/mass`.
-fn lift(coefficient: f64, angle: f64) -> f64 {
-    let (stiffness, depth) = (1000.0, 1e-3);
-    let stepper = Stepper::new(rod())
+/// By how much the touching end of a rod is accelerated upwards, in `normal force/mass`.
+fn lift_of(rod_of: [f64; 3], friction: Coulomb, state: &State, normal_force: f64) -> f64 {
+    let [mass, half, moment] = rod_of;
+    let stiffness = 1000.0;
+    let stepper = Stepper::new(rod(rod_of))
         .unwrap()
         .with_ground(FlatGround::level(stiffness, 0.0))
         .unwrap()
-        .with_friction(Coulomb::as_in_the_report(coefficient))
+        .with_friction(friction)
         .unwrap();
-    let state = sliding_rod(angle, depth);
+    let mut state = *state;
+    state.position.z -= normal_force / stiffness;
+    let inertia = moment * mass * half * half;
     let rates = stepper.scene().rates(&state);
-    let arm = state.orientation * -DVec3::X;
-    // No spin, so no centripetal part; the torque is across the rod.
-    let acceleration = rates.acceleration + (rates.torque * 3.0).cross(arm);
-    acceleration.z / (stiffness * depth)
+    let arm = state.orientation * -DVec3::X * half;
+    let spin = state.angular_momentum / inertia;
+    let acceleration =
+        rates.acceleration + (rates.torque / inertia).cross(arm) + spin.cross(spin.cross(arm));
+    acceleration.z * mass / normal_force
+}
+
+/// The same of the uniform rod, on 1 N.
+fn lift(coefficient: f64, angle: f64) -> f64 {
+    let friction = Coulomb::as_in_the_report(coefficient);
+    lift_of(UNIFORM, friction, &sliding_rod(1.0, angle, 0.0), 1.0)
+}
+
+random! {
+    /// The end ahead or behind, with a spin of the rod: `N/m (1 + cos θ (cos θ ∓ μ sin θ)/k) + ω² l sin θ` for a moment of `k m l²` (Génot & Brogliato, Eur. J. Mech. A 18, 653, 1999).
+    ANY_ROD = new(200, "mass, length, moment, angle, spin, μ and sense of sliding: `1 + cos θ (cos θ ∓ μ sin θ)/k`");
+    fn the_ends_of_sliding_rods_of_any_kind_are_pressed_as_painleve_says(
+        mass in log_uniform(1e-3, 1e3),
+        half in log_uniform(1e-2, 10.0),
+        moment in 0.05..1.0_f64,
+        angle in 0.0..1.57_f64,
+        coefficient in zero_or(1e-2, 10.0),
+        speed in prop_oneof![log_uniform(0.1, 10.0), log_uniform(0.1, 10.0).prop_map(|v| -v)],
+        spin in -10.0..10.0_f64,
+        load in log_uniform(0.1, 10.0),
+    ) |misses| {
+        let rod_of = [mass, half, moment];
+        let start = sliding_rod(half, angle, 0.0)
+            .with_linear_velocity(DVec3::X * speed)
+            .with_angular_momentum(DVec3::Y * (spin * moment * mass * half * half));
+        // The end is at (-cos θ, -sin θ) l: the spin moves it by -ω l sin θ along x. The arm is the same in the ground as above it.
+        let slip = speed - spin * half * angle.sin();
+        prop_assume!(slip.abs() > 0.01);
+        // The other end stays above the ground.
+        prop_assume!(2.0 * half * angle.sin() > 1.1 * load / 1000.0);
+        let friction = Coulomb::as_in_the_report(coefficient);
+        let (sin, cos) = angle.sin_cos();
+        let reaction = 1.0 + cos * (cos + coefficient * slip.signum() * sin) / moment;
+        let centripetal = spin * spin * half * sin * mass / load;
+        let found = lift_of(rod_of, friction, &start, load);
+        // The slip speed's share, 1e-10 m/s of the slip; and the rounding of the depth, which is a difference of heights of up to 10 m, on 1000 N/m.
+        let size = 1.0 + (1.0 + coefficient) / moment;
+        let rounding = 4e-16 * (1.0 + half) * 1000.0 / load + 1e-14;
+        misses.near("lift", [found, reaction + centripetal], size * (1e-10 / slip.abs() + rounding) + 1e-14 * centripetal)?;
+    }
 }
 
 static PAINLEVE: Case = Case::new(
@@ -630,7 +675,8 @@ static PAINLEVE: Case = Case::new(
             figure("45°, μ = 1/2: lift, N/m", 1.75, lift(0.5, TAU / 8.0), 1e-9),
         ]
     },
-);
+)
+.and(&[&ANY_ROD]);
 
 #[test]
 fn the_end_of_a_sliding_rod_is_pressed_down_by_its_own_reaction_from_painleves_coefficient_on() {
@@ -654,7 +700,7 @@ fn a_rod_in_painleves_paradox_jams_and_is_thrown_without_gaining_energy() {
     // The depth grows by z'' = λ² z + g, λ² ~ S, until the force has taken the slip: N = c (cosh λt - 1), N's impulse = c (sinh λt - λt)/λ ~ v. So N ~ λ v ~ √S, ten times as high on a
     // ground a hundred times as stiff, but for (1 + λt)/cosh λt of it: N is 30 g on the softer ground, λt = 4, so a sixth.
     let peak = |stiffness: f64| {
-        let stepper = Stepper::new(rod())
+        let stepper = Stepper::new(rod(UNIFORM))
             .unwrap()
             .with_gravity(UniformGravity::down(9.8))
             .unwrap()
@@ -666,7 +712,7 @@ fn a_rod_in_painleves_paradox_jams_and_is_thrown_without_gaining_energy() {
                 time_step: 0.02 / stiffness.sqrt(),
             })
             .unwrap();
-        let mut state = sliding_rod(2.0_f64.atan(), 0.0);
+        let mut state = sliding_rod(1.0, 2.0_f64.atan(), 0.0);
         let (mut before, mut peak) = (f64::MAX, 0.0);
         stepper
             .run(
@@ -754,7 +800,8 @@ static DRILLING: Case = Case::new(
             ),
         ]
     },
-);
+)
+.and(&[&ANY_DRILLING]);
 
 #[test]
 fn rings_and_discs_that_drill_slow_down_as_the_closed_form_says() {
@@ -783,11 +830,9 @@ fn disc_of_points() -> PointCloud<f64, Vec<ContactPoint>> {
     PointCloud::in_storage(points, &masses).unwrap()
 }
 
-proptest! {
-    #![proptest_config(kit::cases(200))]
-
+random! {
     /// The rim's speed obeys the law of a sliding block, for every number of points.
-    #[test]
+    ANY_DRILLING = new(200, "ring of 3 to 200 points, speed, μ and slip speed");
     fn rings_of_any_size_drill_by_the_closed_form_of_sliding(
         count in 3..200_usize,
         mass in log_uniform(1e-2, 10.0),
@@ -796,7 +841,7 @@ proptest! {
         angle in log_uniform(0.01, 100.0),
         eps_share in log_uniform(1e-9, 1.0),
         part in 0.1..0.95_f64,
-    ) {
+    ) |misses| {
         // The friction that would stop it after this angle: v²/(2 μ g) is the rim's way.
         let coefficient = rim_speed * rim_speed / (2.0 * 9.8 * radius * angle);
         let slip_speed = eps_share * rim_speed;
@@ -807,6 +852,6 @@ proptest! {
         let rate = rim_speed / radius;
         let time_step = f64::min(seconds / 400.0, 0.1 / rate);
         let after = radius * drill(ring, friction, rate, [seconds, time_step]);
-        prop_assert!((after - part * rim_speed).abs() < 1e-6 * rim_speed, "{after} m/s of {rim_speed}");
+        misses.near("rim", [after, part * rim_speed], 1e-6 * rim_speed)?;
     }
 }

@@ -1,9 +1,15 @@
 //! A case with its printed numbers, and the table that all of them make.
 
+use core::cell::Cell;
 use core::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
+
+use proptest::prelude::{Strategy, TestCaseError};
+use proptest::test_runner::TestRunner;
+
+use crate::kit;
 
 /// A result of the literature: its place in the catalogue, its formula, where it stands, and the numbers that the model gets for it.
 pub(crate) struct Case {
@@ -14,6 +20,8 @@ pub(crate) struct Case {
     pub(crate) source: &'static str,
     /// Computed once, for the case's own test and for the table.
     pub(crate) figures: LazyLock<Vec<Figure>>,
+    /// The same formula with random parameters.
+    pub(crate) random: &'static [&'static Random],
 }
 
 /// A number that is known, and what the model gets.
@@ -49,7 +57,16 @@ impl Case {
             formula,
             source,
             figures: LazyLock::new(figures),
+            random: &[],
         }
+    }
+
+    /// With its random versions.
+    pub(crate) const fn and(self, random: &'static [&'static Random]) -> Self {
+        // Not `..self`: a constant function cannot drop what that leaves.
+        let mut case = self;
+        case.random = random;
+        case
     }
 
     /// Fails at the first number that is farther off than its tolerance.
@@ -99,7 +116,113 @@ impl Case {
             )
             .unwrap();
         }
+        rows.extend(self.random.iter().map(|random| random.row()));
         rows
+    }
+}
+
+/// A case's formula with random parameters: a property that tells how near it came to failing.
+pub(crate) struct Random {
+    /// What is drawn, as the table shows it.
+    what: &'static str,
+    /// Whether the tolerances are those of rounding, whose share is the machine's.
+    of_rounding: bool,
+    /// Computed once, for the property's own test and for the table.
+    drawn: LazyLock<Drawn>,
+}
+
+/// Number of draws, and the largest error in tolerances; or the draw that failed.
+pub(crate) type Drawn = Result<(u32, f64), String>;
+
+impl Random {
+    pub(crate) const fn new(what: &'static str, drawn: fn() -> Drawn) -> Self {
+        Self {
+            what,
+            of_rounding: false,
+            drawn: LazyLock::new(drawn),
+        }
+    }
+
+    /// With tolerances of nothing but rounding.
+    pub(crate) const fn of_rounding(what: &'static str, drawn: fn() -> Drawn) -> Self {
+        Self {
+            what,
+            of_rounding: true,
+            drawn: LazyLock::new(drawn),
+        }
+    }
+
+    /// Fails with the simplest draw found whose error is larger than its tolerance.
+    pub(crate) fn holds(&self) {
+        let failure = self.drawn.as_ref().err();
+        assert!(failure.is_none(), "{}: {failure:#?}", self.what);
+    }
+
+    fn row(&self) -> String {
+        let (draws, share) = self.drawn.as_ref().unwrap();
+        let worst = if self.of_rounding {
+            "rounding".to_owned()
+        } else {
+            let share = if *share < 0.095 {
+                in_words(*share, 1.0)
+            } else {
+                format!("{share:.1}")
+            };
+            format!("at most {share} of it")
+        };
+        format!(
+            "|  | any {} |  | {draws} random | the formula's | {worst} | of each |  |\n",
+            self.what
+        )
+    }
+}
+
+/// Largest error of all draws, in tolerances.
+pub(crate) struct Misses(Cell<f64>);
+
+impl Misses {
+    /// Fails where an error is larger than its tolerance, and else remembers their ratio.
+    pub(crate) fn within(
+        &self,
+        what: &str,
+        error: f64,
+        tolerance: f64,
+    ) -> Result<(), TestCaseError> {
+        // Not `error > tolerance`: that would let a NaN pass.
+        if error <= tolerance {
+            if error > 0.0 {
+                self.0.set(self.0.get().max(error / tolerance));
+            }
+            return Ok(());
+        }
+        let message = format!("{what}: {error:.2e} off, {tolerance:.2e} allowed");
+        Err(TestCaseError::fail(message))
+    }
+
+    /// The same for a number that the formula says.
+    pub(crate) fn near(
+        &self,
+        what: &str,
+        [got, expected]: [f64; 2],
+        tolerance: f64,
+    ) -> Result<(), TestCaseError> {
+        let what = format!("{what} {got:.9}, not {expected:.9}");
+        self.within(&what, (got - expected).abs(), tolerance)
+    }
+}
+
+/// Tries `count` random inputs, the same in every run.
+pub(crate) fn draw<S: Strategy>(
+    count: u32,
+    inputs: S,
+    test: impl Fn(S::Value, &Misses) -> Result<(), TestCaseError>,
+) -> Drawn {
+    let (config, misses) = (kit::cases(count), Misses(Cell::new(0.0)));
+    let draws = config.cases;
+    let outcome = TestRunner::new(config).run(&inputs, |input| test(input, &misses));
+    match outcome {
+        Ok(()) => Ok((draws, misses.0.get())),
+        Err(failure) => Err(failure.to_string()),
     }
 }
 
@@ -166,3 +289,26 @@ impl Table {
         fs::write(Self::file(), text).unwrap();
     }
 }
+
+/// A [`Random`] and its test, written as `proptest!` would have it: a constant, its number of draws and what is drawn; then the property.
+macro_rules! random {
+    (
+        $(#[$doc:meta])*
+        $name:ident = $kind:ident($draws:expr, $what:literal);
+        fn $test:ident($($input:ident in $inputs:expr),+ $(,)?) |$misses:ident| $body:block
+    ) => {
+        $(#[$doc])*
+        static $name: $crate::table::Random = $crate::table::Random::$kind($what, || {
+            $crate::table::draw($draws, ($($inputs,)+), |($($input,)+), $misses| {
+                $body
+                Ok(())
+            })
+        });
+
+        #[test]
+        fn $test() {
+            $name.holds();
+        }
+    };
+}
+pub(crate) use random;
