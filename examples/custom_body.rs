@@ -163,6 +163,7 @@ fn work(options: &Options) -> Outcome<Page> {
             Check::between("largest rise of the energy in a step, J", "promise G1", rises.fold(f64::NEG_INFINITY, f64::max), f64::NEG_INFINITY, 0.0),
         ],
         pictures: vec![spin_picture(&against, &along)?, pitch_picture(&against, &along)?],
+        film: None,
     })
 }
 

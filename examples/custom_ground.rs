@@ -158,6 +158,7 @@ fn work(options: &Options) -> Outcome<Page> {
         ],
         checks,
         pictures: vec![valley, swings],
+        film: None,
     })
 }
 

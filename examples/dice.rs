@@ -5,13 +5,18 @@
 
 mod common;
 
+use std::ops::ControlFlow;
 use std::process::ExitCode;
 
-use common::{BLUE, Check, ORANGE, Options, Outcome, Page, Picture, Random};
+use common::{
+    BLUE, Camera, Check, Column, Film, Mesh, ORANGE, Options, Outcome, Page, Picture, Random,
+    energy_columns, mesh,
+};
 use kuva::prelude::*;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    Coulomb, Cuboid, EnergyMomentum, FlatGround, MassDistribution, State, Stepper, UniformGravity,
+    Coulomb, Cuboid, EnergyMomentum, FlatGround, MassDistribution, Sample, State, Stepper,
+    UniformGravity,
 };
 
 const ABOUT: &str = "\
@@ -36,7 +41,8 @@ fn main() -> ExitCode {
 
 fn work(options: &Options) -> Outcome<Page> {
     let throws = if options.quick { 600 } else { 6000 };
-    let fair = count(&stepper(0.0)?, throws, 1)?;
+    let fair_die = stepper(0.0)?;
+    let fair = count(&fair_die, throws, 1)?;
     let loaded = count(&stepper(LOAD)?, throws, 2)?;
     let expected = f64::from(throws) / 6.0;
     let [fair_square, loaded_square] = [&fair, &loaded].map(|faces| chi_square(faces, expected));
@@ -118,6 +124,7 @@ fn work(options: &Options) -> Outcome<Page> {
             ),
         ],
         pictures: vec![picture],
+        film: Some(film(&fair_die)?),
     })
 }
 
@@ -142,14 +149,14 @@ fn count(die: &Die, throws: u32, seed: u64) -> Outcome<[u32; 6]> {
     let mut random = Random(seed);
     let mut faces = [0; 6];
     for _ in 0..throws {
-        let face = throw(die, &mut random)?;
+        let (face, _) = throw(die, thrown(&mut random))?;
         faces[usize::from(face) - 1] += 1;
     }
     Ok(faces)
 }
 
-/// The face that one throw shows.
-fn throw(die: &Die, random: &mut Random) -> Outcome<u8> {
+/// A die as it leaves the hand.
+fn thrown(random: &mut Random) -> State {
     let mut any = |most: f64| {
         DVec3::new(
             random.between(-most, most),
@@ -160,10 +167,14 @@ fn throw(die: &Die, random: &mut Random) -> Outcome<u8> {
     // Up to 60 rad/s about each axis.
     let momentum = any(60.0) * MASS * EDGE * EDGE / 6.0;
     let velocity = any(1.0);
-    let mut state = State::at(DVec3::Z * 0.5)
+    State::at(DVec3::Z * 0.5)
         .with_orientation(DQuat::from_array(random.turn()))
         .with_linear_velocity(velocity)
-        .with_angular_momentum(momentum);
+        .with_angular_momentum(momentum)
+}
+
+/// The face that one throw shows, and when the die lies.
+fn throw(die: &Die, mut state: State) -> Outcome<(u8, f64)> {
     let mut time = 0.0;
     while time < PATIENCE {
         die.advance(&mut state, 0.05)?;
@@ -176,10 +187,38 @@ fn throw(die: &Die, random: &mut Random) -> Outcome<u8> {
                 .body()
                 .side_up(&state)
                 .ok_or("the die stands on an edge")?;
-            return Ok(side.pips());
+            return Ok((side.pips(), time));
         }
     }
     Err(format!("a die does not lie after {PATIENCE} s").into())
+}
+
+/// The first throw that is counted.
+fn film(die: &Die) -> Outcome<Film> {
+    let mut state = thrown(&mut Random(1));
+    let (face, time) = throw(die, state)?;
+    let mut camera = Camera::new(0.002);
+    let mut watch = |sample: &Sample<'_>| {
+        let height = 1e3 * sample.state.position.z;
+        camera.look(sample, || [height, sample.touching() as f64]);
+        ControlFlow::Continue(())
+    };
+    die.run(&mut state, time + 0.2, &mut watch)?;
+    Ok(Film {
+        title: "A throw of the fair die".to_owned(),
+        lines: vec![format!("It shows {face} and lies after {time:.2} s.")],
+        size: 0.5 * EDGE,
+        distance: 14.0,
+        slower: 4.0,
+        bodies: vec![Mesh::die(DVec3::ZERO, EDGE, mesh::IVORY, mesh::INK)],
+        readouts: vec![
+            Column::new("height of the centre", "mm", 1, "ink"),
+            Column::new("corners that touch", "", 0, "ink"),
+        ],
+        curves: energy_columns(),
+        events: vec![("lies", time)],
+        shots: camera.shots,
+    })
 }
 
 /// `Σ (count - expected)²/expected`.

@@ -8,7 +8,10 @@ mod common;
 use std::ops::ControlFlow;
 use std::process::ExitCode;
 
-use common::{BLACK, BLUE, Check, GREEN, GREY, ORANGE, Options, Outcome, PURPLE, Page, Picture};
+use common::{
+    BLACK, BLUE, Camera, Check, Column, Film, GREEN, GREY, Mesh, ORANGE, Options, Outcome, PURPLE,
+    Page, Picture, Shot, energy_columns,
+};
 use kuva::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{Coin, Dynamics, EnergyMomentum, FlatGround, Sample, State, Stepper, UniformGravity};
@@ -32,13 +35,17 @@ const WINDOW: [f64; 2] = [0.05, 0.16];
 /// What the formulas of a small patch may be off by: the square of its half-angle, which is `∛(3π M g/(n S r α))` = 0.25 rad in the middle of the window.
 const PATCH: f64 = 0.06;
 
+/// Time (s) and angle (rad).
+type Curve = Vec<(f64, f64)>;
+
 fn main() -> ExitCode {
     common::main("eulers_disk", ABOUT, work)
 }
 
 fn work(options: &Options) -> Outcome<Page> {
     let time_step = if options.quick { 1e-3 } else { 2.5e-4 };
-    let curve = smoothed(&run(time_step)?);
+    let (angles, shots) = run(time_step)?;
+    let curve = smoothed(&angles);
     let fallen: Vec<(f64, f64)> = curve
         .iter()
         .copied()
@@ -110,11 +117,12 @@ fn work(options: &Options) -> Outcome<Page> {
             ),
         ],
         pictures: vec![exponents, angle],
+        film: Some(film(shots)),
     })
 }
 
-/// Time (s) and angle (rad), until it is nearly flat.
-fn run(time_step: f64) -> Outcome<Vec<(f64, f64)>> {
+/// Time (s) and angle (rad), until it is nearly flat; and the film's shots.
+fn run(time_step: f64) -> Outcome<(Curve, Vec<Shot>)> {
     let stepper = Stepper::new(Coin::ring(MASS, RADIUS))?
         .with_gravity(UniformGravity::down(GRAVITY))?
         .with_ground(FlatGround::level(STIFFNESS, DAMPING))?
@@ -143,9 +151,11 @@ fn run(time_step: f64) -> Outcome<Vec<(f64, f64)>> {
     }
     .with_angular_momentum(momentum);
     let mut curve = Vec::new();
+    let mut camera = Camera::new(0.01);
     let mut watch = |sample: &Sample<'_>| {
         let angle = stepper.body().tilt(sample.state);
         curve.push((sample.time, angle));
+        camera.look(sample, || [angle.to_degrees()]);
         if angle > 0.02 {
             ControlFlow::Continue(())
         } else {
@@ -153,7 +163,25 @@ fn run(time_step: f64) -> Outcome<Vec<(f64, f64)>> {
         }
     };
     stepper.run(&mut state, 40.0, &mut watch)?;
-    Ok(curve)
+    Ok((curve, camera.shots))
+}
+
+fn film(shots: Vec<Shot>) -> Film {
+    Film {
+        title: "Euler's disk".to_owned(),
+        lines: vec![
+            "A ring on its rim, without friction. It falls evenly: only the dampers take energy."
+                .to_owned(),
+        ],
+        size: RADIUS,
+        distance: 5.4,
+        slower: 1.0,
+        bodies: vec![Mesh::coin(RADIUS, 120)],
+        readouts: vec![Column::new("angle to floor", "°", 2, "ink")],
+        curves: energy_columns(),
+        events: Vec::new(),
+        shots,
+    }
 }
 
 /// Means over half a second, which hold many of its nods.

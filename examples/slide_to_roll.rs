@@ -112,6 +112,7 @@ fn work(options: &Options) -> Outcome<Page> {
         )],
         checks,
         pictures: vec![without, with],
+        film: None,
     })
 }
 

@@ -8,7 +8,10 @@ mod common;
 use std::ops::ControlFlow;
 use std::process::ExitCode;
 
-use common::{BLUE, Check, GREEN, ORANGE, Options, Outcome, Page, Picture};
+use common::{
+    BLUE, Camera, Check, Column, Film, GREEN, Mesh, ORANGE, Options, Outcome, Page, Picture, Shot,
+    mesh,
+};
 use kuva::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
@@ -33,6 +36,9 @@ const RESTITUTION: f64 = 0.81;
 /// s. A real ball takes 5 ms; a short touch leaves gravity no time to change the bounce: `g · time/speed down`, 1.2e-3.
 const CONTACT_TIME: f64 = 1e-3;
 
+/// Places (m) along the court and over it.
+type Path = Vec<(f64, f64)>;
+
 /// What a bounce makes of the ball: speeds on and up, and of the rim by the spin, m/s.
 #[derive(Clone, Copy, Debug)]
 struct Bounced {
@@ -49,7 +55,7 @@ fn work(options: &Options) -> Outcome<Page> {
     let time_step = CONTACT_TIME / if options.quick { 200.0 } else { 1000.0 };
     let mut checks = Vec::new();
     for (name, coefficient) in [("slides", 0.5), ("grips", 0.8)] {
-        let (found, _) = bounce(coefficient, 0.0, time_step)?;
+        let (found, ..) = bounce(coefficient, 0.0, time_step)?;
         let rigid = rigid(coefficient, 0.0);
         checks.push(near(
             &format!("no spin, μ = {coefficient}, it {name}: speed on, m/s"),
@@ -72,7 +78,7 @@ fn work(options: &Options) -> Outcome<Page> {
             "a ball that grips shows the court an apparent μ of 0.7707: 22.93",
         ),
     ] {
-        let (found, _) = bounce(coefficient, 0.0, time_step)?;
+        let (found, ..) = bounce(coefficient, 0.0, time_step)?;
         let expected = 100.0 * (1.0 - apparent(rigid(coefficient, 0.0)));
         checks.push(Check::near(
             &format!("court pace rating, μ = {coefficient}"),
@@ -83,13 +89,14 @@ fn work(options: &Options) -> Outcome<Page> {
             1.0,
         ));
     }
-    let mut plots = Vec::new();
+    let (mut plots, mut films) = (Vec::new(), Vec::new());
     for (name, rim, colour) in [
         ("topspin", 25.0, ORANGE),
         ("no spin", 0.0, BLUE),
         ("backspin", -25.0, GREEN),
     ] {
-        let (found, path) = bounce(0.9, rim, time_step)?;
+        let (found, path, shots) = bounce(0.9, rim, time_step)?;
+        films.push(shots);
         if rim.abs() > 0.0 {
             checks.push(near(
                 &format!("{name}, μ = 0.9: speed on, m/s"),
@@ -114,7 +121,56 @@ fn work(options: &Options) -> Outcome<Page> {
         ],
         checks,
         pictures: vec![picture],
+        film: Some(film(&films)),
     })
+}
+
+/// The film's time, s: it touches at 0.1 s.
+const SHOWN: [f64; 2] = [0.09, 0.15];
+
+/// The three balls side by side, three diameters apart.
+fn film(films: &[Vec<Shot>]) -> Film {
+    let together = |k: usize| {
+        let shots: Vec<&Shot> = films.iter().map(|shots| &shots[k]).collect();
+        let lanes = shots.iter().zip([-1.0, 0.0, 1.0]);
+        let poses = lanes.map(|(shot, lane)| shot.poses[0].moved(DVec3::Y * (lane * 6.0 * RADIUS)));
+        let values = [1, 0].map(|k| shots.iter().map(move |shot| shot.values[k]));
+        Shot {
+            time: shots[0].time,
+            poses: poses.collect(),
+            values: values.into_iter().flatten().collect(),
+        }
+    };
+    let count = films.iter().map(Vec::len).min().unwrap_or(0);
+    let speed = |name, colour| Column::new(name, "m/s", 1, colour);
+    let ball = |colour| {
+        Mesh::ellipsoid(
+            DVec3::ZERO,
+            DVec3::splat(RADIUS),
+            [colour, mesh::IVORY],
+            [mesh::SAND; 2],
+        )
+    };
+    Film {
+        title: "A tennis ball with topspin, without spin and with backspin".to_owned(),
+        lines: vec!["30 m/s at 16 degrees onto a court with μ = 0.9: topspin orange, no spin blue, backspin green.".to_owned()],
+        size: RADIUS,
+        distance: 22.0,
+        slower: 100.0,
+        bodies: vec![ball(mesh::ORANGE), ball(mesh::BLUE), ball(mesh::GREEN)],
+        readouts: vec![
+            speed("topspin: rim by the spin", "ink"),
+            speed("no spin", "ink"),
+            speed("backspin", "ink"),
+        ],
+        curves: vec![
+            speed("speed on: topspin", "orange"),
+            speed("no spin", "blue"),
+            speed("backspin", "green"),
+        ],
+        events: vec![("touches", 0.1)],
+        shots: (0..count).map(together).collect(),
+    }
 }
 
 fn near(what: &str, got: f64, expected: f64) -> Check {
@@ -157,8 +213,8 @@ fn rigid(coefficient: f64, rim: f64) -> Bounced {
     }
 }
 
-/// The ball right after the bounce, and its path.
-fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Vec<(f64, f64)>)> {
+/// The ball right after the bounce, its path, and the film's shots.
+fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Path, Vec<Shot>)> {
     let carried = Carried {
         mass: MASS,
         contacts: 1,
@@ -188,9 +244,16 @@ fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Vec<(
     let mut state = start.with_angular_momentum(momentum);
     let mut path = Vec::new();
     let mut after = None;
+    let mut camera = Camera::starting(SHOWN[0], 2.5e-4);
     let mut watch = |sample: &Sample<'_>| {
         let state = sample.state;
         path.push((state.position.x, state.position.z));
+        if (SHOWN[0]..=SHOWN[1]).contains(&sample.time) {
+            camera.look(sample, || {
+                let spin = stepper.scene().motion(state).angular_velocity.y;
+                [state.linear_velocity.x, spin * RADIUS]
+            });
+        }
         if after.is_none() && sample.time > before && state.position.z > RADIUS {
             after = Some(Bounced {
                 on: state.linear_velocity.x,
@@ -204,5 +267,9 @@ fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Vec<(
     // A point for each millisecond is enough to draw.
     let every = (path.len() / 400).max(1);
     let path = path.into_iter().step_by(every).collect();
-    Ok((after.ok_or("the ball does not come off the court")?, path))
+    Ok((
+        after.ok_or("the ball does not come off the court")?,
+        path,
+        camera.shots,
+    ))
 }

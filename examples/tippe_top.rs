@@ -8,7 +8,10 @@ mod common;
 use std::ops::ControlFlow;
 use std::process::ExitCode;
 
-use common::{BLUE, Check, GREEN, ORANGE, Options, Outcome, Page, Picture};
+use common::{
+    BLUE, Camera, Check, Column, Film, GREEN, Mesh, ORANGE, Options, Outcome, Page, Picture, Shot,
+    energy_columns, mesh,
+};
 use kuva::prelude::*;
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
@@ -52,8 +55,8 @@ fn main() -> ExitCode {
 
 fn work(options: &Options) -> Outcome<Page> {
     let duration = if options.quick { 15.0 } else { 20.0 };
-    let moments = run(duration, 1e-4)?;
-    let coarse = run(duration, 2e-4)?;
+    let (moments, shots) = run(duration, 1e-4)?;
+    let (coarse, _) = run(duration, 2e-4)?;
     let (first, last) = (moments[0], moments[moments.len() - 1]);
     let drift = |moments: &[Moment]| {
         let worst = |most: f64, m: &Moment| most.max((m.jellett / first.jellett - 1.0).abs());
@@ -119,13 +122,14 @@ fn work(options: &Options) -> Outcome<Page> {
             Check::between("largest rise of the energy between two moments, J", "promise G1", rise, f64::NEG_INFINITY, 0.0),
         ],
         pictures: vec![lean, spin],
+        film: Some(film(shots)),
     })
 }
 
 /// Of the relative drift: a step turns the top by `ω dt` = 0.0155 rad, whose square 2.4e-4 is what a method of order 2 may be off by in a radian.
 const JELLETT: f64 = 2.4e-4;
 
-fn run(duration: f64, time_step: f64) -> Outcome<Vec<Moment>> {
+fn run(duration: f64, time_step: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {
     let moment = MASS * RADIUS * RADIUS;
     let inertia = DMat3::from_diagonal(DVec3::new(ACROSS, ACROSS, ALONG) * moment);
     let distribution = MassDistribution {
@@ -152,7 +156,13 @@ fn run(duration: f64, time_step: f64) -> Outcome<Vec<Moment>> {
     }
     .with_angular_momentum(axis * (ALONG * moment * SPIN));
     let mut moments: Vec<Moment> = Vec::new();
+    // Half a radian of its spin from one shot to the next.
+    let mut camera = Camera::new(0.004);
     let mut watch = |sample: &Sample<'_>| {
+        camera.look(sample, || {
+            let moment = look(stepper.scene(), sample.time, sample.state, 0.0);
+            [moment.lean, moment.spin]
+        });
         if sample.time >= moments.len() as f64 * 0.01 - 1e-9 {
             let energy = sample.energy().total();
             moments.push(look(stepper.scene(), sample.time, sample.state, energy));
@@ -160,7 +170,33 @@ fn run(duration: f64, time_step: f64) -> Outcome<Vec<Moment>> {
         ControlFlow::Continue(())
     };
     stepper.run(&mut state, duration, &mut watch)?;
-    Ok(moments)
+    Ok((moments, camera.shots))
+}
+
+fn film(shots: Vec<Shot>) -> Film {
+    let middle = DVec3::Z * (OFFSET * RADIUS);
+    Film {
+        title: "Tippe top".to_owned(),
+        lines: vec![
+            "A sphere with its centre of mass below its middle, spun at 155 rad/s: blue below at first, red at the end.".to_owned(),
+        ],
+        size: RADIUS,
+        distance: 6.5,
+        slower: 2.0,
+        bodies: vec![Mesh::ellipsoid(
+            middle,
+            DVec3::splat(RADIUS),
+            [mesh::IVORY, mesh::SAND],
+            [mesh::RED, mesh::BLUE],
+        )],
+        readouts: vec![
+            Column::new("axis from upright", "°", 1, "ink"),
+            Column::new("spin", "rad/s", 1, "ink"),
+        ],
+        curves: energy_columns(),
+        events: Vec::new(),
+        shots,
+    }
 }
 
 fn look(scene: &impl Dynamics<Body = Sphere>, time: f64, state: &State, energy: f64) -> Moment {

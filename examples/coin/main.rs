@@ -16,8 +16,9 @@ use recording::Recording;
 use setup::Setup;
 use summary::Summary;
 
+#[path = "../common/mod.rs"]
+mod common;
 mod curve;
-mod frames;
 mod milestones;
 mod options;
 mod overview;

@@ -1,96 +1,58 @@
-//! The page that plays the run: `page.html` with the run written into it as whole numbers.
+//! The page that plays the run.
 
-use std::error::Error;
-use std::fs;
 use std::path::Path;
 
-use serde_json::{Value, json};
-
-use crate::frames::kept;
+use crate::common::{Column, Film, Mesh, Outcome, Pose, Shot, energies, energy_columns};
 use crate::milestones::Milestones;
 use crate::recording::{Moment, Recording};
 use crate::setup::RADIUS;
 
-const TEMPLATE: &str = include_str!("page.html");
-/// Where the run goes in the template.
-const PLACE: &str = "/*RUN*/null";
-
-/// What one unit of each whole number means.
-const TIME: f64 = 1e-4;
-const LENGTH: f64 = 1e-4;
-const ORIENTATION: f64 = 1e-4;
-const SPEED: f64 = 1e-3;
-const ENERGY: f64 = 1e-4;
-
 /// Writes the page.
-pub(crate) fn write(recording: &Recording, path: &Path) -> Result<(), Box<dyn Error>> {
-    let run = serde_json::to_string(&run(recording))?;
-    fs::write(path, TEMPLATE.replace(PLACE, &run))?;
-    Ok(())
-}
-
-fn run(recording: &Recording) -> Value {
+pub(crate) fn write(recording: &Recording, path: &Path) -> Outcome<()> {
     let setup = &recording.setup;
     let milestones = Milestones::of(recording);
-    json!({
-        "title": format!("{} of the coin", setup.title()),
-        "knobs": setup.knobs(),
-        "computation": setup.computation(),
-        "radius": RADIUS,
-        "points": setup.points,
-        "units": {
-            "time": TIME,
-            "length": LENGTH,
-            "orientation": ORIENTATION,
-            "speed": SPEED,
-            "energy": ENERGY,
-        },
-        "events": milestones.events(),
-        "duration": setup.duration,
-        "frames": frames(&kept(recording.until(milestones.curtain()))),
-    })
-}
-
-fn frames(moments: &[Moment]) -> Value {
-    let column = |unit, value: fn(&Moment) -> f64| differences(moments.iter().map(value), unit);
-    json!({
-        "time": column(TIME, |moment| moment.time),
-        "centre": [
-            column(LENGTH, |moment| moment.centre.x),
-            column(LENGTH, |moment| moment.centre.y),
-            column(LENGTH, |moment| moment.centre.z),
+    let shown = recording.until(milestones.curtain());
+    let mut lines = vec![setup.knobs(), setup.computation()];
+    if shown.len() < recording.moments.len() {
+        lines.push(format!(
+            "The run lasts {} s; the film ends when the coin lies still.",
+            setup.duration
+        ));
+    }
+    // Few points make a polygon with the points as its corners; many look round.
+    let corners = if setup.points < 30 { setup.points } else { 120 };
+    let film = Film {
+        title: format!("{} of the coin", setup.title()),
+        lines,
+        size: RADIUS,
+        distance: 5.4,
+        slower: 1.0,
+        bodies: vec![Mesh::coin(RADIUS, corners)],
+        readouts: vec![
+            Column::new("energy", "J", 3, "ink"),
+            Column::new("angle to floor", "°", 1, "ink"),
+            Column::new("slip speed", "m/s", 3, "ink"),
         ],
-        "orientation": [
-            column(ORIENTATION, |moment| moment.orientation.w),
-            column(ORIENTATION, |moment| moment.orientation.x),
-            column(ORIENTATION, |moment| moment.orientation.y),
-            column(ORIENTATION, |moment| moment.orientation.z),
-        ],
-        "slip": column(SPEED, |moment| moment.slip),
-        "energy": {
-            "gravity": column(ENERGY, |moment| moment.energy.gravity),
-            "rotation": column(ENERGY, |moment| moment.energy.rotation),
-            "translation": column(ENERGY, |moment| moment.energy.translation),
-            "springs": column(ENERGY, |moment| moment.energy.springs),
-        },
-    })
+        curves: energy_columns(),
+        events: milestones.events(),
+        shots: shown.iter().map(shot).collect(),
+    };
+    film.write(path)
 }
 
-/// Each value in units, as the difference to the one before: small numbers, a small file.
-fn differences(values: impl Iterator<Item = f64>, unit: f64) -> Vec<i64> {
-    let mut before = 0;
-    values
-        .map(|value| {
-            let now = whole(value / unit);
-            let difference = now - before;
-            before = now;
-            difference
-        })
-        .collect()
-}
-
-/// The nearest whole number; the ends of the range stand for what is beyond them.
-#[allow(clippy::cast_possible_truncation)] // The cast saturates, which is what is wanted.
-fn whole(value: f64) -> i64 {
-    value.round() as i64
+fn shot(moment: &Moment) -> Shot {
+    let energy = &moment.energy;
+    Shot {
+        time: moment.time,
+        poses: vec![Pose {
+            place: moment.centre,
+            orientation: moment.orientation,
+            lowest: moment.lowest,
+        }],
+        values: [
+            &[energy.total(), moment.tilt.to_degrees(), moment.slip][..],
+            &energies(energy),
+        ]
+        .concat(),
+    }
 }

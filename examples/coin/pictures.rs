@@ -1,7 +1,5 @@
 //! The report's pictures: energy, track, slip speed and centre, each as SVG and PNG.
 
-use std::error::Error;
-use std::fs;
 use std::path::Path;
 
 use kuva::prelude::*;
@@ -9,31 +7,24 @@ use kuva::render::figure::Figure;
 use kuva::render::render::{Scene, render_multiple};
 use tumble::Energy;
 
+use crate::common::Outcome;
+use crate::common::picture::{
+    self, BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Picture, Size, VERMILION, WIDE,
+};
+
 use crate::curve::{Curve, pieces, simplified, thinned};
 use crate::milestones::Milestones;
 use crate::recording::{Moment, Recording};
 use crate::setup::RADIUS;
 
-/// Colours that colour-blind eyes tell apart (Okabe and Ito).
-const BLUE: &str = "#0072b2";
-const ORANGE: &str = "#e69f00";
-const GREEN: &str = "#009e73";
-const PURPLE: &str = "#cc79a7";
-const VERMILION: &str = "#d55e00";
-const BLACK: &str = "#222222";
-
-/// Width and height, pixels of the SVG.
-type Size = (f64, f64);
-const WIDE: Size = (900.0, 480.0);
+/// A flat one: two of them stand in one picture.
 const FLAT: Size = (900.0, 300.0);
 const SQUARE: Size = (820.0, 720.0);
 /// A picture in the overview of the trials.
 const SMALL: Size = (420.0, 280.0);
-/// Pixels of the PNG for each pixel of the SVG.
-const PNG_SCALE: f32 = 2.0;
 
 /// Writes the four pictures of a run into a folder.
-pub(crate) fn write(recording: &Recording, folder: &Path) -> Result<(), Box<dyn Error>> {
+pub(crate) fn write(recording: &Recording, folder: &Path) -> Outcome<()> {
     let title = recording.setup.title();
     let energy = energy(recording, WIDE)
         .with_title(format!("{title}: energy by kind"))
@@ -42,10 +33,10 @@ pub(crate) fn write(recording: &Recording, folder: &Path) -> Result<(), Box<dyn 
     let slip = slip(recording)
         .with_title(format!("{title}: slip speed of the lowest point"))
         .with_events(recording);
-    write_both(&energy.scene(), folder, "energy")?;
-    write_both(&track.scene(), folder, "track")?;
-    write_both(&slip.scene(), folder, "slip")?;
-    write_both(&centre(recording), folder, "centre")
+    Picture::of("energy", &energy.scene())?.write(folder)?;
+    Picture::of("track", &track.scene())?.write(folder)?;
+    Picture::of("slip", &slip.scene())?.write(folder)?;
+    Picture::of("centre", &centre(recording))?.write(folder)
 }
 
 /// Energy and track as two small SVGs, for the overview of the trials.
@@ -53,43 +44,26 @@ pub(crate) fn small(recording: &Recording) -> [String; 2] {
     let number = recording.setup.number;
     let energy = ("energy", energy(recording, SMALL));
     let track = ("track", track(recording, SMALL));
-    [energy, track].map(|(name, picture)| {
-        // Names of clip paths must be the page's only ones.
-        svg(&picture.sparse().scene()).replace("kuva-clip", &format!("{name}-{number}-clip"))
+    [energy, track].map(|(name, sketch)| {
+        picture::with_own_names(
+            &picture::svg(&sketch.sparse().scene()),
+            &format!("{name}-{number}"),
+        )
     })
 }
 
-fn write_both(scene: &Scene, folder: &Path, name: &str) -> Result<(), Box<dyn Error>> {
-    fs::write(folder.join(name).with_extension("svg"), svg(scene))?;
-    let png = PngBackend::new()
-        .with_scale(PNG_SCALE)
-        .render_scene(scene)?;
-    fs::write(folder.join(name).with_extension("png"), png)?;
-    Ok(())
-}
-
-/// With a view box, so that a page may scale it.
-fn svg(scene: &Scene) -> String {
-    let view_box = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
-    let text = SvgBackend::new().render_scene(scene);
-    text.replacen("<svg ", &view_box, 1)
-}
-
 /// Curves and the frame around them.
-struct Picture {
+struct Sketch {
     curves: Vec<Plot>,
     layout: Layout,
 }
 
-impl Picture {
-    fn new(curves: Vec<LinePlot>, x_label: &str, y_label: &str, (width, height): Size) -> Self {
+impl Sketch {
+    fn new(curves: Vec<LinePlot>, x_label: &str, y_label: &str, size: Size) -> Self {
         let curves: Vec<Plot> = curves.into_iter().map(Plot::Line).collect();
-        let layout = Layout::auto_from_plots(&curves)
-            .with_width(width)
-            .with_height(height)
+        let layout = picture::layout(&curves, size)
             .with_x_label(x_label)
-            .with_y_label(y_label)
-            .with_theme(theme());
+            .with_y_label(y_label);
         Self { curves, layout }
     }
 
@@ -102,11 +76,11 @@ impl Picture {
                 .map(|point| point.y)
         };
         let (lowest, highest) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));
-        let picture = Self::new(curves, "time (s)", y_label, size);
+        let sketch = Self::new(curves, "time (s)", y_label, size);
         if lowest < -0.01 * highest {
-            return picture;
+            return sketch;
         }
-        picture.with(|layout| layout.with_y_axis_min(0.0))
+        sketch.with(|layout| layout.with_y_axis_min(0.0))
     }
 
     fn with(mut self, change: impl FnOnce(Layout) -> Layout) -> Self {
@@ -137,7 +111,7 @@ impl Picture {
             .collect();
         self.with(|layout| {
             let layout = layout.with_subtitle(told.join("   ·   "));
-            let mark = |(_, time)| ReferenceLine::vertical(time).with_color("#888888");
+            let mark = |(_, time)| ReferenceLine::vertical(time).with_color(GREY);
             let marks = events.into_iter().map(mark);
             marks.fold(layout, Layout::with_reference_line)
         })
@@ -157,7 +131,7 @@ impl Picture {
 }
 
 /// Energy by kind over time.
-fn energy(recording: &Recording, size: Size) -> Picture {
+fn energy(recording: &Recording, size: Size) -> Sketch {
     let kind = |name, colour, value: fn(&Energy) -> f64| {
         line(over_time(recording, |moment| value(&moment.energy)), colour).with_legend(name)
     };
@@ -168,12 +142,12 @@ fn energy(recording: &Recording, size: Size) -> Picture {
         kind("translation", ORANGE, |energy| energy.translation),
         kind("springs", PURPLE, |energy| energy.springs),
     ];
-    Picture::over_time(curves, "energy (J)", size)
+    Sketch::over_time(curves, "energy (J)", size)
         .with(|layout| layout.with_legend_position(LegendPosition::InsideTopRight))
 }
 
 /// Path of the lowest point and of the centre on the floor.
-fn track(recording: &Recording, size: Size) -> Picture {
+fn track(recording: &Recording, size: Size) -> Sketch {
     let moving = recording.until(Milestones::of(recording).settled);
     let lowest = moving.iter().map(|m| (m.lowest.x, m.lowest.y));
     let centre = moving.iter().map(|m| (m.centre.x, m.centre.y));
@@ -183,7 +157,7 @@ fn track(recording: &Recording, size: Size) -> Picture {
     let (x, y): (Vec<f64>, Vec<f64>) = lowest.chain(centre).unzip();
     let (left, right) = room_for(&x);
     let (bottom, top) = room_for(&y);
-    Picture::new(curves, "x (m)", "y (m)", size)
+    Sketch::new(curves, "x (m)", "y (m)", size)
         .with_dots(starts.into_iter().flatten(), "start")
         .with(|layout| {
             layout
@@ -205,9 +179,9 @@ fn room_for(places: &[f64]) -> (f64, f64) {
 }
 
 /// Slip speed of the lowest point over time.
-fn slip(recording: &Recording) -> Picture {
+fn slip(recording: &Recording) -> Sketch {
     let slip = line(over_time(recording, |moment| moment.slip), VERMILION);
-    Picture::over_time(vec![slip], "slip speed (m/s)", WIDE)
+    Sketch::over_time(vec![slip], "slip speed (m/s)", WIDE)
 }
 
 /// Height of the centre over time, and its y below.
@@ -215,7 +189,7 @@ fn centre(recording: &Recording) -> Scene {
     let height = line(over_time(recording, |moment| moment.centre.z), GREEN);
     let across = line(over_time(recording, |moment| moment.centre.y), BLUE);
     let panel = |curve, label| {
-        Picture::over_time(vec![curve], label, FLAT)
+        Sketch::over_time(vec![curve], label, FLAT)
             .with(|layout| layout.with_force_margins(90.0, 20.0))
     };
     let upper = panel(height, "height z (m)");
@@ -254,15 +228,6 @@ fn line(curve: Curve, colour: &str) -> LinePlot {
         .with_data(curve)
         .with_color(colour)
         .with_stroke_width(1.5)
-}
-
-fn theme() -> Theme {
-    Theme {
-        grid_color: "#e4e4e4".to_owned(),
-        legend_border: "#cccccc".to_owned(),
-        axis_color: "#444444".to_owned(),
-        ..Theme::light()
-    }
 }
 
 /// A quantity over time, until a little after the coin has settled.

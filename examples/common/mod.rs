@@ -1,7 +1,11 @@
-//! What the examples share: options, figures that are checked, pictures, and a page that shows both.
+//! What the examples share: options, figures that are checked, pictures, films, and a page that shows them.
 
 // Each example uses its part of this.
-#![allow(dead_code)]
+#![allow(dead_code, unused_imports)]
+
+pub(crate) mod film;
+pub(crate) mod mesh;
+pub(crate) mod picture;
 
 use std::error::Error;
 use std::ffi::OsString;
@@ -10,22 +14,13 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use kuva::prelude::*;
-use kuva::render::render::render_multiple;
 use lexopt::prelude::*;
 
+pub(crate) use film::{Camera, Column, Film, Pose, Shot, energies, energy_columns};
+pub(crate) use mesh::Mesh;
+pub(crate) use picture::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Picture, line};
+
 pub(crate) type Outcome<T> = Result<T, Box<dyn Error>>;
-
-/// Colours that colour-blind eyes tell apart (Okabe and Ito).
-pub(crate) const BLUE: &str = "#0072b2";
-pub(crate) const ORANGE: &str = "#e69f00";
-pub(crate) const GREEN: &str = "#009e73";
-pub(crate) const PURPLE: &str = "#cc79a7";
-pub(crate) const GREY: &str = "#888888";
-pub(crate) const BLACK: &str = "#222222";
-
-/// Pixels of the PNG for each pixel of the SVG.
-const PNG_SCALE: f32 = 2.0;
 
 /// What the command line asks for.
 #[derive(Debug)]
@@ -127,83 +122,51 @@ impl Check {
         self.least <= self.got && self.got <= self.most
     }
 
+    /// What it is, what it came to, what it should be, whether it is, and who says so.
     fn cells(&self) -> [String; 5] {
-        let number = |value: f64| {
-            if value.is_finite() {
-                format!("{value:.5}")
-            } else {
-                String::new()
-            }
-        };
-        let size = self.got.abs();
-        let got = if size < 1e-3 && size > 0.0 {
-            format!("{:.2e}", self.got)
-        } else {
-            number(self.got)
+        let [least, most] = [self.least, self.most].map(rounded);
+        let range = match (self.least.is_finite(), self.most.is_finite()) {
+            (true, true) => format!("{least} to {most}"),
+            (true, false) => format!("at least {least}"),
+            (false, true) => format!("at most {most}"),
+            (false, false) => "anything".to_owned(),
         };
         [
             self.what.clone(),
-            got,
-            format!("{} to {}", number(self.least), number(self.most)),
+            rounded(self.got),
+            range,
             if self.holds() { "yes" } else { "NO" }.to_owned(),
             self.source.clone(),
         ]
     }
 }
 
-/// A drawing with its name.
-#[derive(Debug)]
-pub(crate) struct Picture {
-    name: &'static str,
-    svg: String,
-    png: Vec<u8>,
-}
-
-impl Picture {
-    /// Curves and points in one frame.
-    pub(crate) fn new(
-        name: &'static str,
-        plots: Vec<Plot>,
-        arrange: impl FnOnce(Layout) -> Layout,
-    ) -> Outcome<Self> {
-        let layout = Layout::auto_from_plots(&plots)
-            .with_width(900.0)
-            .with_height(480.0)
-            .with_theme(theme());
-        let scene = render_multiple(plots, arrange(layout));
-        let text = SvgBackend::new().render_scene(&scene);
-        // With a view box, so that a page may scale it.
-        let view_box = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
-        Ok(Self {
-            name,
-            svg: text.replacen("<svg ", &view_box, 1),
-            png: PngBackend::new()
-                .with_scale(PNG_SCALE)
-                .render_scene(&scene)?,
-        })
+/// To six places that count, without zeros behind them.
+fn rounded(value: f64) -> String {
+    let (mantissa, power) = split(value, 5);
+    let shown = match power {
+        -3..=5 => format!("{value:.*}", usize::try_from(5 - power).unwrap_or(0)),
+        _ => mantissa,
+    };
+    let plain = match shown.contains('.') {
+        true => shown.trim_end_matches('0').trim_end_matches('.'),
+        false => &shown,
+    };
+    match power {
+        -3..=5 => plain.to_owned(),
+        _ => format!("{plain}e{power}"),
     }
 }
 
-fn theme() -> Theme {
-    Theme {
-        grid_color: "#e4e4e4".to_owned(),
-        legend_border: "#cccccc".to_owned(),
-        axis_color: "#444444".to_owned(),
-        ..Theme::light()
-    }
+/// The number between 1 and 10, to so many places, and the power of ten.
+fn split(value: f64, places: usize) -> (String, i32) {
+    let text = format!("{value:.places$e}");
+    let (mantissa, power) = text.split_once('e').unwrap_or((&text, "0"));
+    (mantissa.to_owned(), power.parse().unwrap_or(0))
 }
 
-pub(crate) fn line(curve: Vec<(f64, f64)>, colour: &str, name: &str) -> Plot {
-    let line = LinePlot::new()
-        .with_data(curve)
-        .with_color(colour)
-        .with_stroke_width(1.8);
-    Plot::Line(if name.is_empty() {
-        line
-    } else {
-        line.with_legend(name)
-    })
-}
+/// The film's file, beside the page.
+const PLAY: &str = "play.html";
 
 /// What an example has to show.
 #[derive(Debug)]
@@ -213,6 +176,8 @@ pub(crate) struct Page {
     pub(crate) text: Vec<String>,
     pub(crate) checks: Vec<Check>,
     pub(crate) pictures: Vec<Picture>,
+    /// The run, to be played: `play.html` beside the page.
+    pub(crate) film: Option<Film>,
 }
 
 impl Page {
@@ -223,9 +188,10 @@ impl Page {
         fs::create_dir_all(&folder)
             .map_err(|error| format!("cannot make the folder {shown}: {error}"))?;
         for picture in &self.pictures {
-            let file = folder.join(picture.name);
-            fs::write(file.with_extension("svg"), &picture.svg)?;
-            fs::write(file.with_extension("png"), &picture.png)?;
+            picture.write(&folder)?;
+        }
+        if let Some(film) = &self.film {
+            film.write(&folder.join(PLAY))?;
         }
         let page = folder.join(name).with_extension("html");
         fs::write(&page, self.html()?)?;
@@ -235,7 +201,8 @@ impl Page {
         }
         for check in &self.checks {
             let [what, got, range, holds, source] = check.cells();
-            println!("  {what}: {got} ({range}: {holds}) [{source}]");
+            let verdict = if holds == "yes" { "ok" } else { "NO" };
+            println!("  {verdict}  {what}: {got}, should be {range}\n      ({source})");
         }
         println!("Written: {}", page.display());
         Ok(self.checks.iter().all(Check::holds))
@@ -246,7 +213,7 @@ impl Page {
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>{0}</title>\n\
              <style>body{{font:16px/1.5 system-ui,sans-serif;max-width:960px;margin:24px auto;padding:0 16px;color:#1d2430;background:#fff}}\
-             svg{{width:100%;height:auto}}table{{border-collapse:collapse;width:100%}}\
+             svg{{width:100%;height:auto}}iframe{{width:100%;height:560px;border:1px solid #d5dbe4;border-radius:8px}}table{{border-collapse:collapse;width:100%}}\
              td,th{{text-align:left;padding:4px 12px 4px 0;border-bottom:1px solid #d5dbe4;vertical-align:top}}</style></head>\n\
              <body><h1>{0}</h1>\n",
             self.title
@@ -254,13 +221,17 @@ impl Page {
         for paragraph in &self.text {
             writeln!(html, "<p>{paragraph}</p>")?;
         }
+        if self.film.is_some() {
+            writeln!(
+                html,
+                "<iframe src=\"{PLAY}\" title=\"The run, to be played\"></iframe><p><a href=\"{PLAY}\">The film alone</a></p>"
+            )?;
+        }
         for (number, picture) in self.pictures.iter().enumerate() {
-            // Names of clip paths must be the page's only ones.
-            let svg = picture.svg.replace("kuva-clip", &format!("clip-{number}"));
-            writeln!(html, "{svg}")?;
+            writeln!(html, "{}", picture.svg(&number.to_string()))?;
         }
         html.push_str(
-            "<table><tr><th>figure</th><th>got</th><th>should be</th><th>is</th><th>by</th></tr>\n",
+            "<table><tr><th>figure</th><th>got</th><th>should be</th><th>is</th><th>why</th></tr>\n",
         );
         for check in &self.checks {
             writeln!(

@@ -87,7 +87,7 @@ pub(crate) fn start(toss: &Toss, body: &Corrections) -> Sample {
         };
     }
     let (position, velocity) = straight(
-        times(&flight).map(|(t, sample)| (t, centre(sample) + DVec3::Z * (0.5 * GRAVITY * t * t))),
+        times(flight).map(|(t, sample)| (t, centre(sample) + DVec3::Z * (0.5 * GRAVITY * t * t))),
     );
     let (offset, spin) = straight(times(flight).map(|(t, sample)| {
         let turn = sample.orientation * first.orientation.inverse();

@@ -233,6 +233,7 @@ fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
             ),
         ],
         pictures: vec![one_toss(&model, &flat)?, errors(&flat)?],
+        film: None,
     })
 }
 
@@ -469,5 +470,6 @@ fn recover(arguments: &Arguments) -> Outcome<Page> {
             near("slip speed, m/s", found.slip_speed, TRUTH.slip_speed),
         ],
         pictures: Vec::new(),
+        film: None,
     })
 }

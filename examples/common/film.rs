@@ -1,0 +1,314 @@
+//! A page that plays a run in three dimensions: `film.html` with the run written into it as whole numbers. It needs no other file.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::{Value, json};
+use tumble::glam::{DQuat, DVec3};
+use tumble::{Energy, Sample};
+
+use super::Outcome;
+use super::mesh::Mesh;
+
+const TEMPLATE: &str = include_str!("film.html");
+/// Where the run goes in the template.
+const PLACE: &str = "/*RUN*/null";
+
+/// What one unit of a whole number means: s, parts of the size, and of a quaternion.
+const TIME: f64 = 1e-4;
+const LENGTH: f64 = 2e-4;
+const ORIENTATION: f64 = 1e-4;
+
+/// A run to play.
+#[derive(Debug)]
+pub(crate) struct Film {
+    pub(crate) title: String,
+    /// Below the title, a line each.
+    pub(crate) lines: Vec<String>,
+    /// Half of the body, m: a coin's radius.
+    pub(crate) size: f64,
+    /// Of the eye from what it looks at, in sizes.
+    pub(crate) distance: f64,
+    /// How many times slower than the run it plays at first; one of the page's choices.
+    pub(crate) slower: f64,
+    pub(crate) bodies: Vec<Mesh>,
+    /// Figures beside the picture.
+    pub(crate) readouts: Vec<Column>,
+    /// Curves below it, in one unit; the first is the main one.
+    pub(crate) curves: Vec<Column>,
+    /// Marks on the curves.
+    pub(crate) events: Vec<(&'static str, f64)>,
+    /// In the order of time, two or more.
+    pub(crate) shots: Vec<Shot>,
+}
+
+/// What a number of each shot is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Column {
+    pub(crate) name: &'static str,
+    pub(crate) unit: &'static str,
+    /// Behind the point.
+    pub(crate) digits: i32,
+    /// Of a curve: `ink`, `blue`, `green`, `orange` or `purple`.
+    pub(crate) colour: &'static str,
+}
+
+impl Column {
+    pub(crate) fn new(
+        name: &'static str,
+        unit: &'static str,
+        digits: i32,
+        colour: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            unit,
+            digits,
+            colour,
+        }
+    }
+}
+
+/// Curves of the energy by kind, whose values [`energies`] gives.
+pub(crate) fn energy_columns() -> Vec<Column> {
+    [
+        ("total", "ink"),
+        ("gravity", "green"),
+        ("rotation", "blue"),
+        ("translation", "orange"),
+        ("springs", "purple"),
+    ]
+    .map(|(name, colour)| Column::new(name, "J", 4, colour))
+    .to_vec()
+}
+
+pub(crate) fn energies(energy: &Energy) -> [f64; 5] {
+    [
+        energy.total(),
+        energy.gravity,
+        energy.rotation,
+        energy.translation,
+        energy.springs,
+    ]
+}
+
+/// One moment.
+#[derive(Clone, Debug)]
+pub(crate) struct Shot {
+    /// s
+    pub(crate) time: f64,
+    /// One for each body.
+    pub(crate) poses: Vec<Pose>,
+    /// The readouts, then the curves.
+    pub(crate) values: Vec<f64>,
+}
+
+/// Where a body is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pose {
+    /// Of the mesh's origin, m.
+    pub(crate) place: DVec3,
+    /// Body to world.
+    pub(crate) orientation: DQuat,
+    /// Lowest point, m: it draws a track on the floor.
+    pub(crate) lowest: DVec3,
+}
+
+impl Pose {
+    /// With the mesh's origin at the centre of mass.
+    pub(crate) fn of(sample: &Sample<'_>) -> Self {
+        let state = sample.state;
+        let lowest = sample.lowest_point();
+        Self {
+            place: state.position,
+            orientation: state.orientation,
+            lowest: lowest.map_or(state.position, |lowest| lowest.position),
+        }
+    }
+
+    /// The same elsewhere.
+    pub(crate) fn moved(self, way: DVec3) -> Self {
+        Self {
+            place: self.place + way,
+            lowest: self.lowest + way,
+            ..self
+        }
+    }
+}
+
+/// Takes shots of a run at even times.
+#[derive(Debug)]
+pub(crate) struct Camera {
+    /// s
+    start: f64,
+    /// s
+    interval: f64,
+    pub(crate) shots: Vec<Shot>,
+}
+
+impl Camera {
+    pub(crate) fn new(interval: f64) -> Self {
+        Self::starting(0.0, interval)
+    }
+
+    pub(crate) fn starting(start: f64, interval: f64) -> Self {
+        Self {
+            start,
+            interval,
+            shots: Vec::new(),
+        }
+    }
+
+    /// A shot where one is due, of these readouts and the energy by kind.
+    pub(crate) fn look<const N: usize>(
+        &mut self,
+        sample: &Sample<'_>,
+        readouts: impl FnOnce() -> [f64; N],
+    ) {
+        // Times are sums of steps.
+        if sample.time < self.start + self.shots.len() as f64 * self.interval - 1e-9 {
+            return;
+        }
+        let energies = energies(&sample.energy());
+        self.shots.push(Shot {
+            time: sample.time,
+            poses: vec![Pose::of(sample)],
+            values: [&readouts()[..], &energies].concat(),
+        });
+    }
+}
+
+impl Film {
+    /// Writes the page.
+    pub(crate) fn write(&self, path: &Path) -> Outcome<()> {
+        let run = serde_json::to_string(&self.run())?;
+        fs::write(path, TEMPLATE.replace(PLACE, &run))?;
+        Ok(())
+    }
+
+    fn run(&self) -> Value {
+        let shots = self.kept();
+        let column = |unit: f64, value: &dyn Fn(&Shot) -> f64| differences(&shots, unit, value);
+        let length = self.size * LENGTH;
+        let actors: Vec<Value> = (0..self.bodies.len())
+            .map(|k| {
+                let centre = [0, 1, 2].map(|i| column(length, &|shot| shot.poses[k].place[i]));
+                let orientation = [3, 0, 1, 2]
+                    .map(|i| column(ORIENTATION, &|shot| shot.poses[k].orientation.to_array()[i]));
+                let contact = [0, 1].map(|i| column(length, &|shot| shot.poses[k].lowest[i]));
+                json!({ "body": k, "centre": centre, "orientation": orientation, "contact": contact })
+            })
+            .collect();
+        let columns = |columns: &[Column], first: usize| -> Vec<Value> {
+            (columns.iter().enumerate())
+                .map(|(k, c)| {
+                    let numbers = column(0.1_f64.powi(c.digits + 1), &|shot| shot.values[first + k]);
+                    json!({ "name": c.name, "unit": c.unit, "digits": c.digits, "colour": c.colour, "numbers": numbers })
+                })
+                .collect()
+        };
+        let mut colours = Vec::new();
+        let bodies: Vec<Value> = (self.bodies.iter())
+            .map(|mesh| mesh.faces(length, &mut colours))
+            .collect();
+        json!({
+            "title": self.title,
+            "lines": self.lines,
+            "distance": 0.5 * self.distance,
+            "slower": self.slower,
+            "follow": self.bodies.len() / 2,
+            // The page's lengths are such that the size is one half.
+            "units": { "time": TIME, "length": 0.5 * LENGTH, "orientation": ORIENTATION },
+            "events": self.events,
+            "colours": colours,
+            "bodies": bodies,
+            "time": column(TIME, &|shot| shot.time),
+            "actors": actors,
+            "readouts": columns(&self.readouts, 0),
+            "curves": columns(&self.curves, self.readouts.len()),
+        })
+    }
+
+    /// The shots that are needed to draw all of them, first and last included.
+    fn kept(&self) -> Vec<Shot> {
+        let shots = with_steady_signs(&self.shots);
+        let mut kept = vec![shots[0].clone()];
+        let mut from = 0;
+        while from + 1 < shots.len() {
+            from = self.next(&shots, from);
+            kept.push(shots[from].clone());
+        }
+        kept
+    }
+
+    /// The farthest shot such that all between it and `from` lie on the line.
+    fn next(&self, shots: &[Shot], from: usize) -> usize {
+        let last = shots.len() - 1;
+        let mut to = from + 1;
+        while to < last && to - from < LONGEST && self.on_the_line(&shots[from..=to + 1]) {
+            to += 1;
+        }
+        to
+    }
+
+    fn on_the_line(&self, stretch: &[Shot]) -> bool {
+        let (first, last) = (&stretch[0], &stretch[stretch.len() - 1]);
+        let span = last.time - first.time;
+        stretch.iter().all(|shot| {
+            let part = (shot.time - first.time) / span;
+            (shot.poses.iter().zip(first.poses.iter().zip(&last.poses))).all(|(pose, (a, b))| {
+                let place = a.place.lerp(b.place, part);
+                let orientation = a.orientation * (1.0 - part) + b.orientation * part;
+                let lowest = a.lowest.lerp(b.lowest, part);
+                let leaps = a.lowest.distance(b.lowest) > LEAP * self.size;
+                place.distance(pose.place) < NEAR * self.size
+                    && (leaps || lowest.distance(pose.lowest) < NEAR_ON_FLOOR * self.size)
+                    && (orientation - pose.orientation).length() < NEAR
+            })
+        })
+    }
+}
+
+/// A shot may be left out where the line between its neighbours is this near, in sizes and in each part of the quaternion (half of an angle in radians).
+const NEAR: f64 = 1e-3;
+/// The same for the track on the floor, in sizes ...
+const NEAR_ON_FLOOR: f64 = 0.02;
+/// ... but where the lowest point leaps so far across the body, which leaves no track.
+const LEAP: f64 = 0.6;
+/// Longest gap between two shots that are kept, in shots.
+const LONGEST: usize = 100;
+
+/// `q` and `−q` are the same orientation, but the way from one to the other is a whole turn.
+fn with_steady_signs(shots: &[Shot]) -> Vec<Shot> {
+    let mut before = shots[0].poses.clone();
+    (shots.iter().cloned())
+        .map(|mut shot| {
+            for (pose, before) in shot.poses.iter_mut().zip(&before) {
+                if pose.orientation.dot(before.orientation) < 0.0 {
+                    pose.orientation = -pose.orientation;
+                }
+            }
+            before.clone_from(&shot.poses);
+            shot
+        })
+        .collect()
+}
+
+/// Each value in units, as the difference to the one before: small numbers, a small file.
+fn differences(shots: &[Shot], unit: f64, value: &dyn Fn(&Shot) -> f64) -> Vec<i64> {
+    let mut before = 0;
+    (shots.iter())
+        .map(|shot| {
+            let now = whole(value(shot) / unit);
+            let difference = now - before;
+            before = now;
+            difference
+        })
+        .collect()
+}
+
+/// The nearest whole number; the ends of the range stand for what is beyond them.
+#[allow(clippy::cast_possible_truncation)] // The cast saturates, which is what is wanted.
+pub(super) fn whole(value: f64) -> i64 {
+    value.round() as i64
+}

@@ -1,0 +1,174 @@
+//! Bodies to draw: convex, of coloured faces, and what is painted on a face after it.
+
+use core::f64::consts::TAU;
+
+use serde_json::{Value, json};
+use tumble::glam::{DVec2, DVec3};
+
+use super::film::whole;
+
+pub(crate) type Colour = [u8; 3];
+
+const GOLD: Colour = [222, 170, 60];
+const GOLD_RELIEF: Colour = [176, 124, 28];
+const SILVER: Colour = [188, 198, 210];
+const SILVER_RELIEF: Colour = [128, 140, 156];
+pub(crate) const RED: Colour = [208, 52, 44];
+pub(crate) const IVORY: Colour = [240, 234, 220];
+pub(crate) const ORANGE: Colour = [224, 140, 40];
+pub(crate) const GREEN: Colour = [40, 150, 110];
+pub(crate) const BLUE: Colour = [60, 110, 180];
+pub(crate) const SAND: Colour = [206, 190, 160];
+pub(crate) const INK: Colour = [40, 44, 56];
+
+/// Faces with their corners against the clock, seen from outside; m, body axes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Mesh(Vec<(Colour, Vec<DVec3>)>);
+
+impl Mesh {
+    /// The faces in whole units of length: a colour's number, then the coordinates.
+    pub(super) fn faces(&self, unit: f64, colours: &mut Vec<Colour>) -> Value {
+        let face = |(colour, points): &(Colour, Vec<DVec3>)| {
+            let place = colours.iter().position(|known| known == colour);
+            let number = place.unwrap_or_else(|| {
+                colours.push(*colour);
+                colours.len() - 1
+            });
+            let mut numbers = vec![whole(number as f64)];
+            let flat = points.iter().flat_map(|point| point.to_array());
+            numbers.extend(flat.map(|x| whole(x / unit)));
+            json!(numbers)
+        };
+        self.0.iter().map(face).collect()
+    }
+
+    /// A coin about its x axis: gold with a star, silver with rings, and a red mark at the rim of both, towards y. The rim has so many corners.
+    pub(crate) fn coin(radius: f64, corners: usize) -> Self {
+        // Drawn a little thick so that the edge is seen.
+        let half = 0.032 * radius;
+        let on =
+            |side: f64, place: DVec2| DVec3::new(side * half, radius * place.x, radius * place.y);
+        let mut mesh = Self::default();
+        let rim = ring(1.0, corners);
+        for k in 0..corners {
+            let (a, b) = (rim[k], rim[(k + 1) % corners]);
+            let rib = if k % 2 == 0 {
+                [176, 132, 44]
+            } else {
+                [204, 158, 64]
+            };
+            mesh.0
+                .push((rib, vec![on(1.0, a), on(-1.0, a), on(-1.0, b), on(1.0, b)]));
+        }
+        let mut paint = |side: f64, colour: Colour, mut figure: Vec<DVec2>| {
+            if side < 0.0 {
+                figure.reverse();
+            }
+            mesh.0
+                .push((colour, figure.into_iter().map(|p| on(side, p)).collect()));
+        };
+        let wedge = || {
+            [(0.70, 0.0), (0.985, -0.075), (0.995, 0.0), (0.985, 0.075)]
+                .map(|(r, angle)| r * DVec2::from_angle(angle))
+                .to_vec()
+        };
+        for (side, base, relief) in [(1.0, GOLD, GOLD_RELIEF), (-1.0, SILVER, SILVER_RELIEF)] {
+            paint(side, base, rim.clone());
+            paint(side, relief, ring(0.87, corners));
+            paint(side, base, ring(0.85, corners));
+            if side > 0.0 {
+                let star = (0..10).map(|k| if k % 2 == 0 { 0.58 } else { 0.225 } * DVec2::from_angle(TAU * f64::from(k) / 20.0 * 2.0));
+                paint(side, relief, star.collect());
+            } else {
+                paint(side, relief, ring(0.64, corners));
+                paint(side, base, ring(0.42, corners));
+                paint(side, relief, ring(0.2, corners));
+            }
+            paint(side, RED, wedge());
+        }
+        mesh
+    }
+
+    /// A ball or an egg about a middle, with half axes, in sectors of two colours about z and caps of a third around its poles.
+    pub(crate) fn ellipsoid(
+        middle: DVec3,
+        half: DVec3,
+        [first, second]: [Colour; 2],
+        [top, bottom]: [Colour; 2],
+    ) -> Self {
+        const AROUND: i32 = 24;
+        const DOWN: i32 = 16;
+        let at = |i: i32, k: i32| {
+            let (fall, turn) = (
+                0.5 * TAU * f64::from(i) / f64::from(DOWN),
+                TAU * f64::from(k) / f64::from(AROUND),
+            );
+            middle + half * DVec3::new(fall.sin() * turn.cos(), fall.sin() * turn.sin(), fall.cos())
+        };
+        let mut mesh = Self::default();
+        for i in 0..DOWN {
+            for k in 0..AROUND {
+                let colour = match i {
+                    0..3 => top,
+                    13.. => bottom,
+                    _ if k / 3 % 2 == 0 => first,
+                    _ => second,
+                };
+                let mut corners = vec![at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)];
+                // Triangles at the poles.
+                if i == 0 {
+                    corners.remove(3);
+                } else if i == DOWN - 1 {
+                    corners.remove(2);
+                }
+                mesh.0.push((colour, corners));
+            }
+        }
+        mesh
+    }
+
+    /// A die about a middle: 1 at x, 2 at y, 3 at z, and 7 together on opposite sides.
+    pub(crate) fn die(middle: DVec3, edge: f64, base: Colour, pip: Colour) -> Self {
+        let mut mesh = Self::default();
+        for (axis, number) in [(0, 1), (1, 2), (2, 3), (2, 4), (1, 5), (0, 6)] {
+            let out = DVec3::AXES[axis] * if number > 3 { -1.0 } else { 1.0 };
+            let right = DVec3::AXES[(axis + 1) % 3];
+            let up = out.cross(right);
+            let on = |p: DVec2| middle + 0.5 * edge * (out + right * p.x + up * p.y);
+            let figure = |figure: Vec<DVec2>, aside: DVec2| {
+                figure
+                    .into_iter()
+                    .map(|p| on(p + aside))
+                    .collect::<Vec<_>>()
+            };
+            let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+                .map(DVec2::from)
+                .to_vec();
+            mesh.0.push((base, figure(square, DVec2::ZERO)));
+            for place in pips(number) {
+                mesh.0.push((pip, figure(ring(0.17, 16), place)));
+            }
+        }
+        mesh
+    }
+}
+
+/// A circle of so many corners, against the clock.
+fn ring(radius: f64, corners: usize) -> Vec<DVec2> {
+    (0..corners)
+        .map(|k| radius * DVec2::from_angle(TAU * k as f64 / corners as f64))
+        .collect()
+}
+
+fn pips(number: u8) -> Vec<DVec2> {
+    let mut places = Vec::new();
+    if number % 2 == 1 {
+        places.push(DVec2::ZERO);
+    }
+    for (least, place) in [(2, (0.52, 0.52)), (4, (0.52, -0.52)), (6, (0.52, 0.0))] {
+        if number >= least {
+            places.extend([DVec2::from(place), -DVec2::from(place)]);
+        }
+    }
+    places
+}

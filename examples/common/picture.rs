@@ -1,0 +1,105 @@
+//! Plots, each as SVG and PNG.
+
+use std::fs;
+use std::path::Path;
+
+use kuva::prelude::*;
+use kuva::render::render::{Scene, render_multiple};
+
+use super::Outcome;
+
+/// Colours that colour-blind eyes tell apart (Okabe and Ito).
+pub(crate) const BLUE: &str = "#0072b2";
+pub(crate) const ORANGE: &str = "#e69f00";
+pub(crate) const GREEN: &str = "#009e73";
+pub(crate) const PURPLE: &str = "#cc79a7";
+pub(crate) const VERMILION: &str = "#d55e00";
+pub(crate) const GREY: &str = "#888888";
+pub(crate) const BLACK: &str = "#222222";
+
+/// Width and height, pixels of the SVG.
+pub(crate) type Size = (f64, f64);
+pub(crate) const WIDE: Size = (900.0, 480.0);
+/// Pixels of the PNG for each pixel of the SVG.
+const PNG_SCALE: f32 = 2.0;
+
+/// A drawing with its name.
+#[derive(Debug)]
+pub(crate) struct Picture {
+    name: &'static str,
+    svg: String,
+    png: Vec<u8>,
+}
+
+impl Picture {
+    /// Curves and points in one frame.
+    pub(crate) fn new(
+        name: &'static str,
+        plots: Vec<Plot>,
+        arrange: impl FnOnce(Layout) -> Layout,
+    ) -> Outcome<Self> {
+        let layout = arrange(layout(&plots, WIDE));
+        Self::of(name, &render_multiple(plots, layout))
+    }
+
+    /// Whatever was drawn.
+    pub(crate) fn of(name: &'static str, scene: &Scene) -> Outcome<Self> {
+        Ok(Self {
+            name,
+            svg: svg(scene),
+            png: PngBackend::new()
+                .with_scale(PNG_SCALE)
+                .render_scene(scene)?,
+        })
+    }
+
+    /// The drawing for a page: its clip paths have names of their own.
+    pub(crate) fn svg(&self, tag: &str) -> String {
+        with_own_names(&self.svg, tag)
+    }
+
+    /// Writes both files into a folder.
+    pub(crate) fn write(&self, folder: &Path) -> Outcome<()> {
+        let file = folder.join(self.name);
+        fs::write(file.with_extension("svg"), &self.svg)?;
+        fs::write(file.with_extension("png"), &self.png)?;
+        Ok(())
+    }
+}
+
+/// With a view box, so that a page may scale it.
+pub(crate) fn svg(scene: &Scene) -> String {
+    let view_box = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
+    let text = SvgBackend::new().render_scene(scene);
+    text.replacen("<svg ", &view_box, 1)
+}
+
+/// Names of clip paths must be a page's only ones.
+pub(crate) fn with_own_names(svg: &str, tag: &str) -> String {
+    svg.replace("kuva-clip", &format!("clip-{tag}"))
+}
+
+/// A frame that fits some plots.
+pub(crate) fn layout(plots: &[Plot], (width, height): Size) -> Layout {
+    Layout::auto_from_plots(plots)
+        .with_width(width)
+        .with_height(height)
+        .with_theme(Theme {
+            grid_color: "#e4e4e4".to_owned(),
+            legend_border: "#cccccc".to_owned(),
+            axis_color: "#444444".to_owned(),
+            ..Theme::light()
+        })
+}
+
+pub(crate) fn line(curve: Vec<(f64, f64)>, colour: &str, name: &str) -> Plot {
+    let line = LinePlot::new()
+        .with_data(curve)
+        .with_color(colour)
+        .with_stroke_width(1.8);
+    Plot::Line(if name.is_empty() {
+        line
+    } else {
+        line.with_legend(name)
+    })
+}
