@@ -74,7 +74,7 @@
 //! | [`ForwardEuler`] | 1 | 1 | nothing more | in every step | `dt < C/K`, and `ζ < 1` |
 //!
 //! `K` and `C` are stiffness and damping of all contacts that touch, together, `ω = √(K/m)`, `ζ = C/(2 √(K m))`. All keep the angular momentum in flight. Take `EnergyMomentum` where a body must come to rest, at long steps and
-//! for stiff ground; `StrangSplitting` where sliding and flight are to be cheap; `DormandPrince54` for a tolerance instead of a step; the others as references. Each can have its flight in closed form
+//! for stiff ground; `StrangSplitting` where sliding and flight are to be cheap; `Nystrom` for a tenth of a millimetre and less where a body rolls and slides; `DormandPrince54` for a tolerance instead of a step; the others as references. Each can have its flight in closed form
 //! ([`Flight`]). [`guide::choosing`] starts from the problem, [`guide::accuracy`] goes through the extremes.
 //!
 //! # Your own parts

@@ -1,18 +1,22 @@
-//! Error against price: each integrator on trial 1 of the report, against the truth of its equations. Prints the README's table.
+//! Error against price: each integrator on trial 1 of the report, against the truth of its equations. Prints the README's table, and the cheapest settings for an error of 1e-4 m,
+//! beside an Rk4 as anyone would write it.
 //!
 //! `cargo run --release --example accuracy`, on a machine with nothing else to do. With `-- --f32` it prints the tables of single precision in
 //! `src/guide/accuracy.md`: errors of the numbers alone, which no other work on the machine changes.
 
+#[path = "../common/plain_rk4.rs"]
+mod plain_rk4;
 mod single;
 mod truth;
+mod within;
 
 use core::error::Error;
 use std::time::Instant;
 
 use lexopt::prelude::*;
-use truth::{DURATION, SLIP_SPEED, distance, truth};
+use truth::{DURATION, distance, trial, truth};
 use tumble::{
-    EnergyMomentum, ForwardEuler, Integrator, Rk4, State, StrangSplitting, SymplecticEuler, Trial,
+    EnergyMomentum, ForwardEuler, Integrator, Nystrom, Rk4, State, StrangSplitting, SymplecticEuler,
 };
 
 /// The price is the least of so many runs: whatever else the machine does only adds to it.
@@ -66,8 +70,15 @@ fn prices() -> Result<(), Box<dyn Error>> {
             &truth,
         )?;
         row("`Rk4`", time_step, |time_step| Rk4 { time_step }, &truth)?;
+        row(
+            "`Nystrom`",
+            time_step,
+            |time_step| Nystrom { time_step },
+            &truth,
+        )?;
     }
-    Ok(())
+    println!();
+    within::table(1e-4, &truth)
 }
 
 /// Prints the row of one integrator with one step (s).
@@ -77,10 +88,7 @@ fn row<I: Integrator>(
     with: impl Fn(f64) -> I,
     truth: &State,
 ) -> Result<(), Box<dyn Error>> {
-    let trial = Trial {
-        slip_speed: SLIP_SPEED,
-        ..Trial::report(1).ok_or("the report has a trial 1")?
-    };
+    let trial = trial()?;
     let integrator = with(time_step);
     let order = integrator.order();
     let stepper = trial.stepper(integrator)?;

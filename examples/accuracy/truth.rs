@@ -10,6 +10,14 @@ pub(crate) const DURATION: f64 = 1.0;
 /// m/s; the truth is known for this one, which an explicit method resolves.
 pub(crate) const SLIP_SPEED: f64 = 1e-3;
 
+/// The trial.
+pub(crate) fn trial() -> Result<Trial<f64>, &'static str> {
+    Ok(Trial {
+        slip_speed: SLIP_SPEED,
+        ..Trial::report(1).ok_or("the report has a trial 1")?
+    })
+}
+
 /// How far apart two states of the coin are, m: the centres' distance, and how far the turn between them moves the rim (to 1e-8 m, because of the arc cosine).
 pub(crate) fn distance(a: &State, b: &State) -> f64 {
     let angle = a.orientation.angle_between(b.orientation);

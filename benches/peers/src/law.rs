@@ -1,60 +1,13 @@
 //! The point law in plain numbers: what every program but rapier integrates, and what the energies are computed by.
 
+#[path = "../../../examples/common/plain_rk4.rs"]
+mod plain_rk4;
+
+pub(crate) use plain_rk4::{Law, rates, step};
+use tumble::State;
 use tumble::glam::{DMat3, DQuat, DVec3};
-use tumble::{ContactPoint, State};
-
-/// One body of contact points on a level spring-damper ground at z = 0, with Coulomb's friction made finite at zero slip. SI units.
-#[derive(Clone, Debug)]
-pub(crate) struct Law {
-    pub(crate) mass: f64,
-    /// Principal moments, along the body's axes.
-    pub(crate) inertia: DVec3,
-    /// None where the body is in free flight.
-    pub(crate) contacts: Vec<ContactPoint>,
-    /// N/m a contact.
-    pub(crate) stiffness: f64,
-    /// N s/m a contact.
-    pub(crate) damping: f64,
-    pub(crate) coefficient: f64,
-    pub(crate) slip_speed: f64,
-    pub(crate) gravity: f64,
-}
-
-/// Force and torque about the centre of mass, world axes.
-pub(crate) struct Load {
-    pub(crate) force: DVec3,
-    pub(crate) torque: DVec3,
-}
 
 impl Law {
-    /// Angular velocity, world axes.
-    pub(crate) fn spin(&self, axes: DMat3, angular_momentum: DVec3) -> DVec3 {
-        axes * ((axes.transpose() * angular_momentum) / self.inertia)
-    }
-
-    /// The loop over all points, as anyone would write it.
-    pub(crate) fn load(&self, state: &State) -> Load {
-        let axes = DMat3::from_quat(state.orientation.normalize());
-        let spin = self.spin(axes, state.angular_momentum);
-        let mut force = DVec3::new(0.0, 0.0, -self.mass * self.gravity);
-        let mut torque = DVec3::ZERO;
-        for contact in &self.contacts {
-            let arm = axes * contact.position - DVec3::Z * contact.radius;
-            let depth = -(state.position.z + arm.z);
-            if depth > 0.0 {
-                let velocity = state.linear_velocity + spin.cross(arm);
-                let normal = (self.stiffness * depth - self.damping * velocity.z).max(0.0);
-                let slip = velocity.with_z(0.0);
-                let friction =
-                    slip * (-self.coefficient * normal / (slip.length() + self.slip_speed));
-                let push = friction.with_z(normal);
-                force += push;
-                torque += arm.cross(push);
-            }
-        }
-        Load { force, torque }
-    }
-
     /// Kinetic energy and that of gravity, J.
     pub(crate) fn energy_without_springs(&self, state: &State) -> f64 {
         let axes = DMat3::from_quat(state.orientation.normalize());

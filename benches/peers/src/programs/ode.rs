@@ -6,9 +6,8 @@ use ode_solvers::{Dop853, Dopri5, OutputType, SVector, System};
 use tumble::State;
 use tumble::glam::{DQuat, DVec3};
 
-use super::plain::rates;
 use super::{End, Program, Watch};
-use crate::law::Law;
+use crate::law::{Law, rates};
 
 /// Thirteen numbers: position, velocity, orientation, angular momentum.
 pub(crate) type Vector = SVector<f64, 13>;

@@ -3,7 +3,7 @@
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
     BogackiShampine32, Coin, ContactPoint, Coulomb, DormandPrince54, EnergyMomentum, FlatGround,
-    Flight, Gravity, Integrator, RigidPointBody, Rk4, Sample, SlidingFriction, SpringDamperGround,
+    Flight, Gravity, Integrator, Nystrom, RigidPointBody, Rk4, Sample, SlidingFriction, SpringDamperGround,
     State, Stepper, StrangSplitting, UniformGravity,
 };
 
@@ -110,6 +110,14 @@ pub(crate) fn programs(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, Stri
     }
     for &time_step in &scene.steps {
         all.push(composed(scene, "Rk4", step(time_step), Rk4 { time_step })?);
+    }
+    for &time_step in &scene.steps {
+        all.push(composed(
+            scene,
+            "Nystrom",
+            step(time_step),
+            Nystrom { time_step },
+        )?);
     }
     let (length, time) = scene.scale;
     let longest_step = 0.1 * time;

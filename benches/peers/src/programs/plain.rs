@@ -1,10 +1,9 @@
-//! A fixed-step Rk4 on the point law, as anyone would write it in an hour: all points in each evaluation, a quaternion as four more numbers.
+//! The plain Rk4 as a program.
 
 use tumble::State;
-use tumble::glam::{DMat3, DQuat, DVec3};
 
 use super::{End, Program, Watch};
-use crate::law::Law;
+use crate::law::{self, Law};
 
 pub(crate) struct PlainRk4<'a> {
     pub(crate) law: &'a Law,
@@ -30,7 +29,7 @@ impl Program for PlainRk4<'_> {
             if let Some(watch) = &mut watch {
                 watch(&state);
             }
-            state = step(self.law, &state, dt);
+            state = law::step(self.law, &state, dt);
         }
         if let Some(watch) = &mut watch {
             watch(&state);
@@ -43,48 +42,5 @@ impl Program for PlainRk4<'_> {
             steps: steps as u64,
             preparation: 0.0,
         })
-    }
-}
-
-/// Rates of change of a state's four parts.
-#[derive(Clone, Copy)]
-pub(crate) struct Rates {
-    pub(crate) position: DVec3,
-    pub(crate) velocity: DVec3,
-    pub(crate) orientation: DQuat,
-    pub(crate) angular_momentum: DVec3,
-}
-
-/// `x' = v`, `v' = F/m`, `q' = ω q/2`, `L' = T`.
-pub(crate) fn rates(law: &Law, state: &State) -> Rates {
-    let load = law.load(state);
-    let axes = DMat3::from_quat(state.orientation.normalize());
-    let spin = law.spin(axes, state.angular_momentum);
-    Rates {
-        position: state.linear_velocity,
-        velocity: load.force / law.mass,
-        orientation: DQuat::from_vec4((0.5 * spin).extend(0.0)) * state.orientation,
-        angular_momentum: load.torque,
-    }
-}
-
-fn step(law: &Law, state: &State, dt: f64) -> State {
-    let k1 = rates(law, state);
-    let k2 = rates(law, &moved(state, &k1, 0.5 * dt));
-    let k3 = rates(law, &moved(state, &k2, 0.5 * dt));
-    let k4 = rates(law, &moved(state, &k3, dt));
-    let mut next = moved(state, &k1, dt / 6.0);
-    next = moved(&next, &k2, dt / 3.0);
-    next = moved(&next, &k3, dt / 3.0);
-    next = moved(&next, &k4, dt / 6.0);
-    next.with_orientation(next.orientation.normalize())
-}
-
-fn moved(state: &State, rates: &Rates, dt: f64) -> State {
-    State {
-        position: state.position + rates.position * dt,
-        linear_velocity: state.linear_velocity + rates.velocity * dt,
-        orientation: state.orientation + rates.orientation * dt,
-        angular_momentum: state.angular_momentum + rates.angular_momentum * dt,
     }
 }

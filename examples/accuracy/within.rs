@@ -1,0 +1,132 @@
+//! The cheapest settings for an error, beside a plain Rk4.
+
+// Steps in a second are few.
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+
+use core::error::Error;
+use std::time::Instant;
+
+use tumble::glam::DVec3;
+use tumble::{
+    BogackiShampine32, DormandPrince54, EnergyMomentum, Integrator, Nystrom, RigidPointBody, Rk4,
+    State, StrangSplitting,
+};
+
+use super::plain_rk4::{self, Law};
+use super::truth::{DURATION, distance, trial};
+
+/// Steps in a second.
+const STEPS: [u32; 20] = [
+    60, 70, 80, 90, 100, 110, 125, 150, 200, 250, 300, 400, 500, 600, 800, 1000, 1500, 2000, 3000,
+    4000,
+];
+/// m
+const TOLERANCES: [f64; 12] = [
+    3e-3, 2e-3, 1e-3, 5e-4, 3e-4, 2e-4, 1e-4, 5e-5, 3e-5, 2e-5, 1e-5, 5e-6,
+];
+/// The price is the least of so many runs.
+const RUNS: usize = 200;
+
+/// What can be run with a step (s) or a tolerance (m): the end of the trial, and the time that it took, s.
+type Run = Box<dyn Fn(f64) -> Result<(State, f64), Box<dyn Error>>>;
+
+/// Prints a row a method: its longest step or largest tolerance that is within `error` (m), *and every shorter or smaller one that is tried with it*, so that no chance hit counts.
+pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
+    println!("| within {error:e} m | setting | error | price of 1 s | of the plain Rk4's |");
+    println!("|---|---|---|---|---|");
+    let steps = STEPS.map(|count| DURATION / f64::from(count));
+    let methods: [(&str, &[f64], &str, Run); 7] = [
+        (
+            "an Rk4 as anyone would write it",
+            &steps,
+            "s",
+            Box::new(plain),
+        ),
+        ("`Rk4`", &steps, "s", run(|time_step| Rk4 { time_step })),
+        (
+            "`StrangSplitting`",
+            &steps,
+            "s",
+            run(|time_step| StrangSplitting { time_step }),
+        ),
+        (
+            "`EnergyMomentum`",
+            &steps,
+            "s",
+            run(|time_step| EnergyMomentum { time_step }),
+        ),
+        (
+            "`BogackiShampine32`",
+            &TOLERANCES,
+            "m",
+            run(BogackiShampine32::new),
+        ),
+        (
+            "`DormandPrince54`",
+            &TOLERANCES,
+            "m",
+            run(DormandPrince54::new),
+        ),
+        (
+            "`Nystrom`",
+            &steps,
+            "s",
+            run(|time_step| Nystrom { time_step }),
+        ),
+    ];
+    let mut plain_price = None;
+    for (name, knobs, unit, run) in methods {
+        let mut longest = None;
+        for &knob in knobs.iter().rev() {
+            if distance(&run(knob)?.0, truth) > error {
+                break;
+            }
+            longest = Some(knob);
+        }
+        let Some(knob) = longest else {
+            println!("| {name} | none that is tried | | | |");
+            continue;
+        };
+        let (end, mut price) = run(knob)?;
+        for _ in 0..RUNS {
+            price = price.min(run(knob)?.1);
+        }
+        let whole = *plain_price.get_or_insert(price);
+        println!(
+            "| {name} | {knob:.1e} {unit} | {:.1e} m | {:.0} µs | {:.2} |",
+            distance(&end, truth),
+            price * 1e6,
+            price / whole
+        );
+    }
+    Ok(())
+}
+
+fn run<I: Integrator + 'static>(with: impl Fn(f64) -> I + 'static) -> Run {
+    Box::new(move |knob| {
+        let trial = trial()?;
+        let stepper = trial.stepper(with(knob))?;
+        let (mut state, clock) = (trial.state(), Instant::now());
+        stepper.advance(&mut state, DURATION)?;
+        Ok((state, clock.elapsed().as_secs_f64()))
+    })
+}
+
+fn plain(time_step: f64) -> Result<(State, f64), Box<dyn Error>> {
+    let trial = trial()?;
+    let law = Law {
+        mass: 1.0,
+        inertia: DVec3::new(0.25, 0.125, 0.125),
+        contacts: trial.coin().contacts().to_vec(),
+        stiffness: 1000.0,
+        damping: trial.damping,
+        coefficient: trial.coefficient,
+        slip_speed: trial.slip_speed,
+        gravity: 9.8,
+    };
+    let (mut state, clock) = (trial.state(), Instant::now());
+    for _ in 0..(DURATION / time_step).round() as u32 {
+        state = plain_rk4::step(&law, &state, time_step);
+    }
+    Ok((state, clock.elapsed().as_secs_f64()))
+}
