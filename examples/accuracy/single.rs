@@ -12,8 +12,8 @@ use tumble::error::SceneError;
 use tumble::glam::{DQuat, DVec3, Vec3};
 use tumble::integrator::step_length;
 use tumble::{
-    Dynamics, EnergyMomentum, ForwardEuler, Integrator, Ledger, Real, Rk4, State, Step, StepError,
-    StrangSplitting, SymplecticEuler, Trial,
+    Dynamics, EnergyMomentum, ForwardEuler, Integrator, Ledger, Nystrom, Real, Rk4, State, Step,
+    StepError, StrangSplitting, SymplecticEuler, Trial,
 };
 
 const STEPS: [f64; 6] = [3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
@@ -30,7 +30,8 @@ pub(crate) fn tables() -> Result<(), Box<dyn Error>> {
             ]),
         )),*]};
     }
-    let measured = measured!(EnergyMomentum StrangSplitting Rk4 SymplecticEuler ForwardEuler);
+    let measured =
+        measured!(EnergyMomentum StrangSplitting Rk4 Nystrom SymplecticEuler ForwardEuler);
     table("error in f32 (f64), m", &measured, |end| {
         distance(&end.state, &truth)
     });

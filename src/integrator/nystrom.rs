@@ -180,18 +180,20 @@ impl<R: Real> Start<R> {
     #[inline(always)]
     fn ahead<const N: usize>(&self, row: &Row<N>, stages: [&Stage<R>; N]) -> Point<R> {
         let h = self.seconds;
-        let along = h * R::from_f64(row.time);
         let mut point = self.point;
-        point.position += self.point.linear_velocity * along;
-        point.orientation = point.orientation.plus(self.turning, along);
+        // Place and turn by their mean rates up to here: a term of h² by itself would be lost in the rounding of the place.
+        let (mut velocity, mut turning) = (self.point.linear_velocity, self.turning);
         for ((stage, &place), &speed) in stages.into_iter().zip(&row.places).zip(&row.speeds) {
-            let place = h * h * R::from_f64(place);
+            let place = h * R::from_f64(place / row.time);
             let speed = h * R::from_f64(speed);
-            point.position += stage.acceleration * place;
-            point.orientation = point.orientation.plus(stage.bend, place);
+            velocity += stage.acceleration * place;
+            turning = turning.plus(stage.bend, place);
             point.linear_velocity += stage.acceleration * speed;
             point.angular_momentum += stage.torque * speed;
         }
+        let along = h * R::from_f64(row.time);
+        point.position += velocity * along;
+        point.orientation = point.orientation.plus(turning, along);
         point
     }
 }
