@@ -371,8 +371,9 @@ impl<R: Real> MassProperties<R> {
             .at_least(self.common + self.asymmetry.inverse)
     }
 
+    /// As [`turn_freely`](Self::turn_freely) for a body with two equal moments, not scaled to length 1.
     #[inline(always)]
-    fn turn_symmetric(
+    pub(crate) fn turn_symmetric(
         &self,
         rotation: Rotation<R>,
         axes: &Axes<R>,

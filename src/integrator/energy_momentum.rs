@@ -29,7 +29,7 @@ use crate::energy::Energy;
 use crate::error::{self, Quantity, SceneError, StepError};
 use crate::ground::{Extent, SpringDamperGround};
 use crate::real::{Real, Vector};
-use crate::scene::Dynamics;
+use crate::scene::{Contact, Dynamics, Motion};
 use crate::state::State;
 use contacts::Contacts;
 use problem::Problem;
@@ -199,6 +199,22 @@ fn move_on<R: Real, D: Dynamics<R>>(
     step
 }
 
+/// As [`Dynamics::motion`], but compiled once, for the stages that a step seldom needs.
+#[inline(never)]
+fn motion_of<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> Motion<R> {
+    scene.motion(state)
+}
+
+/// As [`Dynamics::visit_contacts`], but compiled once, for the stages that a step seldom needs.
+#[inline(never)]
+fn visit_contacts<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    motion: &Motion<R>,
+    visit: &mut dyn FnMut(&Contact<R>),
+) {
+    scene.visit_contacts(motion, visit);
+}
+
 fn sixteenths<R: Real>(dt: R, count: u32) -> R {
     dt * (R::from_usize(count as usize) / R::from_usize(PARTS as usize))
 }
@@ -273,12 +289,13 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
         orientation: problem
             .scene
             .mass_properties()
-            .turn_freely(
+            .turn_symmetric(
                 problem.rotation,
                 &problem.motion.axes,
                 start.angular_momentum,
                 seconds,
             )
+            .normalised()
             .to_quat(),
         angular_momentum: start.angular_momentum,
     }

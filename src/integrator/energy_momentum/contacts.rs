@@ -19,8 +19,20 @@ struct Touch<R: Real> {
     arm: R::Vec3,
     /// What it did over the last trial step.
     push: Push<R>,
-    /// How friction answered where Newton's matrix was last made; not so far, where the step has just begun.
-    answer: Option<Answer<R>>,
+    /// Where Newton's matrix was last made; not so far, where the step has just begun.
+    dual: Option<Dual<R>>,
+}
+
+/// Newton's dual unknown of a contact, and the slip that it was found at.
+#[derive(Clone, Copy, Debug)]
+struct Dual<R: Real> {
+    /// The friction's direction over its limit, at most of length 1.
+    direction: R::Vec3,
+    /// m/s.
+    slip: R::Vec3,
+    /// Of the friction's [`Drag`].
+    width: R,
+    growth: R,
 }
 
 /// What a contact does over a trial step.
@@ -31,6 +43,8 @@ pub(super) struct Push<R: Real> {
     pub(super) mean: MeanForce<R>,
     /// N, along the ground.
     pub(super) friction: R::Vec3,
+    /// The normal force and friction together, N.
+    pub(super) force: R::Vec3,
     /// Mean slip, m/s.
     pub(super) slip: R::Vec3,
     /// From the centre of mass to where the mean force acts, m.
@@ -50,9 +64,7 @@ pub(super) struct Answer<R: Real> {
     pub(super) drag: Drag<R>,
     /// Newton's dual unknown: the friction's direction over its limit, at most of length 1.
     pub(super) dual: R::Vec3,
-    /// Mean slip where it was asked for, m/s.
-    slip: R::Vec3,
-    /// Unit vector along that slip, or 0.
+    /// Unit vector along the slip, or 0.
     pub(super) slip_direction: R::Vec3,
 }
 
@@ -62,6 +74,7 @@ impl<R: Real> Push<R> {
         normal: R::Vec3::ZERO,
         mean: MeanForce::NONE,
         friction: R::Vec3::ZERO,
+        force: R::Vec3::ZERO,
         slip: R::Vec3::ZERO,
         arm: R::Vec3::ZERO,
         end_arm: R::Vec3::ZERO,
@@ -74,11 +87,6 @@ impl<R: Real> Push<R> {
     #[inline]
     pub(super) fn is_felt(&self) -> bool {
         self.mean.force > R::ZERO || self.mean.slope > R::ZERO
-    }
-
-    #[inline]
-    pub(super) fn force(&self) -> R::Vec3 {
-        self.normal * self.mean.force + self.friction
     }
 
     /// From the centre of mass to where the ground's force acts at the end of the step.
@@ -102,7 +110,7 @@ impl<R: Real> Touch<R> {
     const NONE: Self = Self {
         arm: R::Vec3::ZERO,
         push: Push::NONE,
-        answer: None,
+        dual: None,
     };
 }
 
@@ -136,7 +144,7 @@ impl<R: Real> Contacts<R> {
                 };
                 // The rest of the place is written by the first trial.
                 (place.arm, place.push.depth) = (touch.arm, touch.push.depth);
-                place.answer = None;
+                place.dual = None;
                 place.push.radius = touch.push.radius;
                 if let Some(plane) = &problem.plane {
                     place.push.normal = plane.normal;
@@ -198,7 +206,12 @@ impl<R: Real> Contacts<R> {
         for touch in self.touches.iter_mut().take(self.remembered) {
             if touch.push.is_felt() {
                 let answer = touch.answer(problem);
-                touch.answer = Some(answer);
+                touch.dual = Some(Dual {
+                    direction: answer.dual,
+                    slip: touch.push.slip,
+                    width: answer.drag.width,
+                    growth: answer.drag.growth,
+                });
                 feel(&touch.push, &answer);
             }
         }
@@ -209,21 +222,22 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// Hands on what the contacts that reach the ground did over the last trial step, which was `trial`, and how friction answered there, as it has been asked.
+    /// Hands on what the contacts that reach the ground did over the last trial step, which was `trial`, and the drag of friction there.
     pub(super) fn recall<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        mut feel: impl FnMut(&Push<R>, &Answer<R>),
+        mut feel: impl FnMut(&Push<R>, &Drag<R>),
     ) {
+        let mut feel = |push: &Push<R>| feel(push, &problem.drag(push.mean.force, push.slip));
         for touch in self.touches.iter().take(self.remembered) {
-            if let Some(answer) = touch.answer.as_ref().filter(|_| touch.push.is_felt()) {
-                feel(&touch.push, answer);
+            if touch.push.is_felt() {
+                feel(&touch.push);
             }
         }
         for index in self.remembered..self.len() {
             if let Some(touch) = self.forgotten(index, problem, trial) {
-                feel(&touch.push, &touch.answer(problem));
+                feel(&touch.push);
             }
         }
     }
@@ -267,7 +281,7 @@ impl<R: Real> Touch<R> {
                 radius: point.radius,
                 ..Push::NONE
             },
-            answer: None,
+            dual: None,
         }
     }
 
@@ -286,6 +300,9 @@ impl<R: Real> Touch<R> {
             let end_arm = self.arm + swung;
             let along = R::Vec3::new(moved.x(), moved.y(), R::ZERO);
             self.slide(problem, along, (self.arm + end_arm) * R::HALF, end_arm);
+            let friction = self.push.friction;
+            let up = friction.z() + self.push.mean.force;
+            self.push.force = R::Vec3::new(friction.x(), friction.y(), up);
         }
     }
 
@@ -319,6 +336,7 @@ impl<R: Real> Touch<R> {
             along -= trial.spin.cross(normal) * (radius * R::TWO);
         }
         self.slide(problem, along, arm, end_arm);
+        self.push.force = normal * self.push.mean.force + self.push.friction;
     }
 
     /// Friction over a path along the ground.
@@ -358,14 +376,12 @@ impl<R: Real> Touch<R> {
     }
 
     /// How friction answers at the last trial step.
-    #[inline]
     fn answer<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Answer<R> {
         let (push, slip) = (&self.push, self.push.slip);
         let drag = problem.drag(push.mean.force, slip);
         Answer {
             drag,
             dual: self.next_dual(problem, &drag),
-            slip,
             slip_direction: direction::<R>(slip),
         }
     }
@@ -374,7 +390,7 @@ impl<R: Real> Touch<R> {
     #[inline]
     fn next_dual<D>(&self, problem: &Problem<'_, R, D>, drag: &Drag<R>) -> R::Vec3 {
         let slip = self.push.slip;
-        let Some(last) = &self.answer else {
+        let Some(last) = &self.dual else {
             // A slide that the step can hardly brake begins with Newton's own derivative; one that it can stop, with stick.
             let slides = drag.coefficient * problem.seconds < problem.mass * R::from_f64(0.1);
             return if slides {
@@ -383,8 +399,8 @@ impl<R: Real> Touch<R> {
                 R::Vec3::ZERO
             };
         };
-        let change = (slip - last.slip).dot(last.slip_direction);
-        let next = (slip - last.dual * (last.drag.growth * change)) * (R::ONE / last.drag.width);
+        let change = (slip - last.slip).dot(direction::<R>(last.slip));
+        let next = (slip - last.direction * (last.growth * change)) * (R::ONE / last.width);
         let square = next.length_squared();
         if square > R::ONE {
             next * (R::ONE / square.sqrt())

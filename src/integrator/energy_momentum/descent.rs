@@ -11,6 +11,7 @@
 //! Springs far stiffer than `m/h²` turn the motion along the ground, where an explicit one would be thrown out of it. Dampers and friction only add to what resists.
 
 use super::linear::{Block, SixBySix};
+use super::{motion_of, visit_contacts};
 use crate::energy::Energy;
 use crate::friction::SlidingFriction;
 use crate::ground::{Extent, SpringDamperGround};
@@ -104,7 +105,7 @@ struct Way<R: Real> {
 impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
     fn new(scene: &'a D, start: &'a State<R>, seconds: R, kind: Kind) -> Self {
         let properties = scene.mass_properties();
-        let motion = scene.motion(start);
+        let motion = motion_of(scene, start);
         let ([x, y, z], _) = properties.inertia_for_solving(&motion.axes, start.angular_momentum);
         let reach = scene.reach();
         Self {
@@ -179,8 +180,8 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         let mut equations = SixBySix::of_body(self.mass, &self.inertia);
         let mut force = (self.free.shift - way.shift) * self.mass;
         let mut torque = self.inertia.times(self.free.turn - way.turn);
-        let motion = self.scene.motion(end);
-        self.scene.visit_contacts(&motion, |contact| {
+        let motion = motion_of(self.scene, end);
+        visit_contacts(self.scene, &motion, &mut |contact| {
             let (ground, friction) = (self.scene.ground(), self.scene.friction());
             let mean = ground.mean_force(contact.depth, contact.depth, h);
             // The contact's depth falls as its centre moves along this.

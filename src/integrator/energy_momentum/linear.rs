@@ -33,6 +33,19 @@ impl<R: Real> Block<R> {
         }
     }
 
+    /// What the Cayley map of `a` adds to a vector: `2 (â + â²)/(1 + |a|²)`, with `â² = a aᵀ - |a|²`.
+    #[inline]
+    pub(super) fn swing(a: R::Vec3) -> Self {
+        let (x, y, z) = (a.x() * a.x(), a.y() * a.y(), a.z() * a.z());
+        let scale = R::TWO / (R::ONE + (x + y + z));
+        let (xy, yz, zx) = (a.x() * a.y(), a.y() * a.z(), a.z() * a.x());
+        Self {
+            x: R::Vec3::new(-(y + z), xy + a.z(), zx - a.y()) * scale,
+            y: R::Vec3::new(xy - a.z(), -(z + x), yz + a.x()) * scale,
+            z: R::Vec3::new(zx + a.y(), yz - a.x(), -(x + y)) * scale,
+        }
+    }
+
     /// `a bᵀ`.
     #[inline]
     pub(super) fn outer(a: R::Vec3, b: R::Vec3) -> Self {
@@ -140,15 +153,25 @@ impl<R: Real> SixBySix<R> {
             row(shift[1], turn[1]),
             row(shift[2], turn[2]),
         ];
+        let by_column = [x, y, z];
+        self.add_column::<0>(&by_column, arm);
+        self.add_column::<1>(&by_column, arm);
+        self.add_column::<2>(&by_column, arm);
+        self.add_column::<3>(&by_column, arm);
+        self.add_column::<4>(&by_column, arm);
+        self.add_column::<5>(&by_column, arm);
+    }
+
+    /// One function a column, as in [`Factors::eliminate`].
+    #[inline(always)]
+    fn add_column<const J: usize>(&mut self, [x, y, z]: &[[R; 6]; 3], arm: R::Vec3) {
         let [fx, fy, fz, tx, ty, tz] = &mut self.rows;
-        for j in 0..6 {
-            fx[j] += x[j];
-            fy[j] += y[j];
-            fz[j] += z[j];
-            tx[j] += z[j] * arm.y() - y[j] * arm.z();
-            ty[j] += x[j] * arm.z() - z[j] * arm.x();
-            tz[j] += y[j] * arm.x() - x[j] * arm.y();
-        }
+        fx[J] += x[J];
+        fy[J] += y[J];
+        fz[J] += z[J];
+        tx[J] += z[J] * arm.y() - y[J] * arm.z();
+        ty[J] += x[J] * arm.z() - z[J] * arm.x();
+        tz[J] += y[J] * arm.x() - x[J] * arm.y();
     }
 
     /// Adds the torque of a force whose arm a turn moves by `ϑ × place`: `(ϑ × place) × force`.
@@ -156,12 +179,14 @@ impl<R: Real> SixBySix<R> {
     pub(super) fn add_swing(&mut self, place: R::Vec3, force: R::Vec3) {
         let along = force.dot(place);
         let [_, _, _, x, y, z] = &mut self.rows;
-        let f = [force.x(), force.y(), force.z()];
-        for j in 0..3 {
-            x[3 + j] += place.x() * f[j];
-            y[3 + j] += place.y() * f[j];
-            z[3 + j] += place.z() * f[j];
-        }
+        let by = |row: &mut [R; 6], arm: R| {
+            row[3] += arm * force.x();
+            row[4] += arm * force.y();
+            row[5] += arm * force.z();
+        };
+        by(x, place.x());
+        by(y, place.y());
+        by(z, place.z());
         x[3] -= along;
         y[4] -= along;
         z[5] -= along;
@@ -227,7 +252,7 @@ impl<R: Real> SixBySix<R> {
     #[inline]
     pub(super) fn factor(&self, reach: R, factors: &mut Factors<R>) {
         self.fill(reach, factors);
-        if !factors.eliminate::<false>() {
+        if !factors.eliminate() {
             self.factor_with_exchanges(reach, factors);
         }
     }
@@ -237,7 +262,7 @@ impl<R: Real> SixBySix<R> {
         self.fill(reach, factors);
         factors.order = [0, 1, 2, 3, 4, 5];
         factors.exchanged = true;
-        factors.eliminate::<true>();
+        factors.eliminate_with_exchanges();
     }
 
     #[inline]
@@ -291,27 +316,19 @@ impl<R: Real> Factors<R> {
 
     /// One function a column, so that every index is known at compile time. Whether every pivot will do.
     #[inline(always)]
-    fn eliminate<const EXCHANGING: bool>(&mut self) -> bool {
-        self.eliminate_column::<0, EXCHANGING>()
-            && self.eliminate_column::<1, EXCHANGING>()
-            && self.eliminate_column::<2, EXCHANGING>()
-            && self.eliminate_column::<3, EXCHANGING>()
-            && self.eliminate_column::<4, EXCHANGING>()
-            && self.eliminate_column::<5, EXCHANGING>()
+    fn eliminate(&mut self) -> bool {
+        self.eliminate_column::<0>()
+            && self.eliminate_column::<1>()
+            && self.eliminate_column::<2>()
+            && self.eliminate_column::<3>()
+            && self.eliminate_column::<4>()
+            && self.eliminate_column::<5>()
     }
 
-    /// The rows below lose their entry of the column. With exchanges the largest entry moves up first.
+    /// The rows below lose their entry of the column.
     #[inline(always)]
-    fn eliminate_column<const P: usize, const EXCHANGING: bool>(&mut self) -> bool {
+    fn eliminate_column<const P: usize>(&mut self) -> bool {
         let rows = &mut self.rows;
-        if EXCHANGING {
-            for below in P + 1..6 {
-                if rows[below][P].abs() > rows[P][P].abs() {
-                    rows.swap(P, below);
-                    self.order.swap(P, below);
-                }
-            }
-        }
         let upper = rows[P];
         let inverse = R::ONE / upper[P];
         self.inverse[P] = inverse;
@@ -324,7 +341,30 @@ impl<R: Real> Factors<R> {
                 row[column] -= factor * upper[column];
             }
         }
-        EXCHANGING || largest <= R::from_f64(LARGEST_FACTOR)
+        largest <= R::from_f64(LARGEST_FACTOR)
+    }
+
+    /// The same, where the largest entry of a column moves up first.
+    fn eliminate_with_exchanges(&mut self) {
+        let rows = &mut self.rows;
+        for p in 0..6 {
+            for below in p + 1..6 {
+                if rows[below][p].abs() > rows[p][p].abs() {
+                    rows.swap(p, below);
+                    self.order.swap(p, below);
+                }
+            }
+            let upper = rows[p];
+            let inverse = R::ONE / upper[p];
+            self.inverse[p] = inverse;
+            for row in rows.iter_mut().skip(p + 1) {
+                let factor = row[p] * inverse;
+                row[p] = factor;
+                for column in p + 1..6 {
+                    row[column] -= factor * upper[column];
+                }
+            }
+        }
     }
 
     /// The shift and turn that a force and a torque make; not finite where the matrix is singular.

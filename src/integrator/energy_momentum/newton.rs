@@ -51,9 +51,8 @@ impl<R: Real> Sum<R> {
 
     #[inline(always)]
     fn add(&mut self, push: &Push<R>) {
-        let force = push.force();
-        self.force += force;
-        self.torque += push.arm.cross(force);
+        self.force += push.force;
+        self.torque += push.arm.cross(push.force);
         self.normal += push.mean.force;
         self.stiffness += push.mean.stiffness;
         self.slope += push.mean.slope;

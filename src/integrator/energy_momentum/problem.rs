@@ -104,17 +104,22 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     }
 
     /// What the ground gives a contact whose depth goes evenly from `start` to `end` over the step.
-    #[inline]
+    #[inline(always)]
     pub(super) fn mean_force(&self, start: R, end: R) -> MeanForce<R> {
-        let ground = self.scene.ground();
         if self.is_conservative {
-            Springs(ground).mean_force(start, end, self.seconds)
+            self.mean_force_of_springs(start, end)
         } else {
+            let ground = self.scene.ground();
             ground.mean_force(start, end, self.seconds)
         }
     }
 
-    #[inline]
+    #[cold]
+    fn mean_force_of_springs(&self, start: R, end: R) -> MeanForce<R> {
+        Springs(self.scene.ground()).mean_force(start, end, self.seconds)
+    }
+
+    #[inline(always)]
     pub(super) fn friction(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
         if self.is_conservative {
             R::Vec3::ZERO
@@ -141,11 +146,9 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         )
     }
 
-    #[inline]
+    /// The trial with these unknowns.
     pub(super) fn trial(&self, velocity: R::Vec3, spin: R::Vec3) -> Trial<R> {
-        let swing = Block::hat(spin)
-            .plus(&Block::hat(spin).crossed_by(spin))
-            .scaled(R::TWO / (R::ONE + spin.length_squared()));
+        let swing = Block::swing(spin);
         let mean_momentum = self.inertia.times(spin) * (R::TWO * self.per_second);
         let turned = mean_momentum * R::TWO - self.angular_momentum;
         Trial {

@@ -9,6 +9,7 @@
 //! does not matter.
 
 use super::linear::{Block, SixBySix};
+use super::motion_of;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion};
 use crate::state::State;
@@ -36,7 +37,7 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
     state: &State<R>,
     mut visit: impl FnMut(&Motion<R>, &mut dyn FnMut(&Resisting<R>)),
 ) -> State<R> {
-    let motion = scene.motion(state);
+    let motion = motion_of(scene, state);
     let mut known = motion;
     let mut settled = *state;
     for _ in 0..PASSES {
@@ -48,7 +49,7 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
             break;
         };
         settled = next;
-        known = scene.motion(&settled);
+        known = motion_of(scene, &settled);
     }
     settled
 }

@@ -18,7 +18,8 @@
 //! *The energy.* With `y` the velocities (v, ω), the impulses change it by `Σ pᵢ·uₘᵢ` and a part below 0 (they draw `y` towards the mean, by factors of 0 to 1 in the metric of the mass). Where
 //! `u'` has not turned, `p·uₘ <= h θ c uₘ²`: less than the half of what friction and dampers have taken in the step.
 
-use super::contacts::{Answer, Contacts, Push};
+use super::contacts::{Contacts, Push};
+use super::motion_of;
 use super::problem::{Problem, Trial};
 use super::resist::Resistance;
 use crate::friction::Drag;
@@ -45,20 +46,20 @@ impl<R: Real> Strain<R> {
     };
 
     #[inline]
-    pub(super) fn add(&mut self, push: &Push<R>, answer: &Answer<R>) {
+    pub(super) fn add(&mut self, push: &Push<R>, drag: &Drag<R>) {
         self.contacts += R::ONE;
-        self.friction += answer.drag.coefficient;
+        self.friction += drag.coefficient;
         self.damping += push.mean.damping;
     }
 
     /// Of the contacts at the trial that they have responded to last.
     pub(super) fn at<D: Dynamics<R>>(
         problem: &Problem<'_, R, D>,
-        contacts: &mut Contacts<R>,
+        contacts: &Contacts<R>,
         trial: &Trial<R>,
     ) -> Self {
         let mut strain = Self::NONE;
-        contacts.answer(problem, trial, |push, answer| strain.add(push, answer));
+        contacts.recall(problem, trial, |push, drag| strain.add(push, drag));
         strain
     }
 
@@ -90,15 +91,15 @@ pub(super) fn settle<R: Real, D: Dynamics<R>>(
     let settling = Settling {
         problem,
         strain,
-        motion: problem.scene.motion(end),
+        motion: motion_of(problem.scene, end),
     };
     let mut settled = *end;
     for pass in 0..PASSES {
-        let after = (pass > 0).then(|| problem.scene.motion(&settled));
+        let after = (pass > 0).then(|| motion_of(problem.scene, &settled));
         let mut sum = Resistance::of_body(problem.scene, &settling.motion, end.angular_momentum);
         let mut is_limited = false;
-        contacts.recall(problem, trial, |push, answer| {
-            is_limited |= settling.add(&mut sum, push, answer, after.as_ref());
+        contacts.recall(problem, trial, |push, drag| {
+            is_limited |= settling.add(&mut sum, push, drag, after.as_ref());
         });
         // Without a limit, another pass is the same one.
         if pass > 0 && !is_limited {
@@ -126,12 +127,12 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
         &self,
         sum: &mut Resistance<R>,
         push: &Push<R>,
-        answer: &Answer<R>,
+        drag: &Drag<R>,
         after: Option<&Motion<R>>,
     ) -> bool {
         let (n, place) = (push.normal, push.end_point());
         let end = self.motion.velocity_at(place);
-        let along = chord(push, &answer.drag, end);
+        let along = chord(push, drag, end);
         let along = self.per_speed(along, self.share(along, self.strain.friction));
         let damping = push.mean.damping;
         let share = self.share(damping, self.strain.damping);

@@ -8,6 +8,7 @@ use super::contacts::Contacts;
 use super::newton;
 use super::problem::Problem;
 use super::resist::{Resisting, resisted};
+use super::visit_contacts;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::integrator::Step;
@@ -41,7 +42,7 @@ fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -
     let (ground, friction) = (scene.ground(), scene.friction());
     let reach = scene.reach().at_least(R::EPSILON);
     resisted(scene, reach, state, |motion, resist| {
-        scene.visit_contacts(motion, |contact| {
+        visit_contacts(scene, motion, &mut |contact| {
             let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
             let damper = normal_force - ground.spring_force(contact.depth);
             resist(&Resisting {

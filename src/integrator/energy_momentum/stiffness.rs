@@ -20,7 +20,7 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
     *equations = inertial(problem, trial, &argument);
     let mut strain = Strain::NONE;
     contacts.answer(problem, trial, |push, answer| {
-        strain.add(push, answer);
+        strain.add(push, &answer.drag);
         let path = of_path(problem, push, answer);
         let mut turn = path.map(|row| push.end_arm.cross(row));
         if problem.has_radii {
@@ -33,7 +33,7 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
         equations.add(path, turn, push.arm);
         // The mean arm turns too: (ϑ × r')/2 × F.
         let quarter = problem.seconds * (R::HALF * R::HALF);
-        equations.add_swing(push.end_arm, push.force() * -quarter);
+        equations.add_swing(push.end_arm, push.force * -quarter);
     });
     strain
 }
@@ -53,9 +53,9 @@ fn inertial<R: Real, D>(
     trial: &Trial<R>,
     argument: &Block<R>,
 ) -> SixBySix<R> {
-    let mean = Block::diagonal(R::ONE)
-        .plus(&trial.swing)
-        .times_block(&problem.inertia.times_block(argument))
+    let mean = problem.inertia.times_block(argument);
+    let mean = mean
+        .plus(&trial.swing.times_block(&mean))
         .scaled(problem.per_second);
     let turned = Block::hat(trial.end_angular_momentum * -R::HALF);
     SixBySix::of_body(problem.mass * problem.per_second, &mean.plus(&turned))

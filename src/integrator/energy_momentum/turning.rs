@@ -7,6 +7,7 @@
 //! Backward Euler, all contacts at once; the resistances `k` fit the law at ω' after a few passes. Whatever they are, the energy of turning falls, by
 //! `h (2 ω'ᵀ Σ K ω' + ...)/2`, as for the impulses of [`resist`](super::resist). Rounding has the last word: where the computed energy is not lower, nothing is done.
 
+use super::{motion_of, visit_contacts};
 use crate::energy::Energy;
 use crate::friction::{SlidingFriction, TurningResistance};
 use crate::ground::SpringDamperGround;
@@ -42,7 +43,7 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
 }
 
 fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
-    let motion = scene.motion(state);
+    let motion = motion_of(scene, state);
     let properties = scene.mass_properties();
     let (inertia, momentum) = properties.inertia_for_solving(&motion.axes, state.angular_momentum);
     let before = motion.angular_velocity;
@@ -73,7 +74,7 @@ fn resistance<R: Real, D: Dynamics<R>>(
     seconds: R,
 ) -> Columns<R> {
     let mut sum = [R::Vec3::ZERO; 3];
-    scene.visit_contacts(motion, |contact| {
+    visit_contacts(scene, motion, &mut |contact| {
         let normal_force = scene
             .ground()
             .normal_force(contact.depth, contact.closing_speed);
