@@ -9,9 +9,9 @@ use tumble::integrator::step_length;
 use tumble::real::{Quaternion, Vector};
 use tumble::{
     Coin, ContactPoint, Coulomb, Dynamics, EnergyMomentum, Extent, FlatGround, ForwardEuler,
-    Integrator, Real, RigidPointBody, Rk4, Sample, SceneError, SlidingFriction, SpringDamperGround,
-    State, Step, StepError, Stepper, StrangSplitting, Surface, SymplecticEuler, UniformGravity,
-    error,
+    Integrator, Nystrom, Real, RigidPointBody, Rk4, Sample, SceneError, SlidingFriction,
+    SpringDamperGround, State, Step, StepError, Stepper, StrangSplitting, Surface, SymplecticEuler,
+    UniformGravity, error,
 };
 
 /// A ball thrown forward with a turn, in the air for its first 40 ms.
@@ -106,6 +106,7 @@ fn three_ways_with_every_integrator<R: Real>() {
     three_ways(SymplecticEuler { time_step });
     three_ways(StrangSplitting { time_step });
     three_ways(Rk4 { time_step });
+    three_ways(Nystrom { time_step });
     three_ways(EnergyMomentum { time_step });
     three_ways(Midpoint { time_step });
 }

@@ -9,8 +9,8 @@ use downstream::{Ball, Midpoint, Turf, Viscous};
 use tumble::glam::DVec3;
 use tumble::{
     BogackiShampine32, Coin, Coulomb, DormandPrince54, EnergyMomentum, FlatGround, ForwardEuler,
-    Integrator, Ledger, RigidPointBody, Rk4, Sample, SlidingFriction, SpringDamperGround, State,
-    Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
+    Integrator, Ledger, Nystrom, RigidPointBody, Rk4, Sample, SlidingFriction, SpringDamperGround,
+    State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
 };
 
 /// The system's allocator, with a count of how often this thread has asked for memory.
@@ -101,6 +101,7 @@ fn live_with_every_integrator(
     live(body, ground, friction, SymplecticEuler { time_step });
     live(body, ground, friction, StrangSplitting { time_step });
     live(body, ground, friction, Rk4 { time_step });
+    live(body, ground, friction, Nystrom { time_step });
     live(body, ground, friction, EnergyMomentum { time_step });
     live(body, ground, friction, BogackiShampine32::new(1e-6));
     live(body, ground, friction, DormandPrince54::new(1e-6));

@@ -14,8 +14,8 @@ use tumble::glam::DVec3;
 use tumble::{
     BogackiShampine32, Capsule, Coin, Cone, ContactPoint, Coulomb, Cuboid, DormandPrince54,
     Ellipsoid, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Ledger, MassDistribution,
-    Plane, PointCloud, PointMass, Real, RigidPointBody, Rk4, Rod, Sample, Solid, SolidCoin, Sphere,
-    State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
+    Nystrom, Plane, PointCloud, PointMass, Real, RigidPointBody, Rk4, Rod, Sample, Solid,
+    SolidCoin, Sphere, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
 };
 
 unsafe extern "C" {
@@ -115,6 +115,8 @@ probes! {
     probe_strang_splitting_f32: StrangSplitting in f32;
     probe_rk4_f64: Rk4 in f64;
     probe_rk4_f32: Rk4 in f32;
+    probe_nystrom_f64: Nystrom in f64;
+    probe_nystrom_f32: Nystrom in f32;
     probe_energy_momentum_f64: EnergyMomentum in f64;
     probe_energy_momentum_f32: EnergyMomentum in f32;
 }
