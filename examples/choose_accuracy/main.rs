@@ -18,7 +18,7 @@ use tumble::trade::{Setting, Trade};
 const HELP: &str = "\
 Error against price of every integrator, and the cheapest setting for an error.
 
-Usage: choose_accuracy [options]
+Usage: cargo run --release --example choose_accuracy -- [OPTIONS]
 
   --scene NAME        trial1 to trial8, toss, smooth, stiff, rest   [trial1]
   --error M           the error that you can bear at the end, m     [1e-4]
