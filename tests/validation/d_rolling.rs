@@ -11,7 +11,7 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use proptest::prelude::prop_assume;
+use proptest::prelude::{prop, prop_assume};
 use tumble::glam::{DMat3, DMat4, DVec3, DVec4};
 use tumble::{
     Coin, ContactPoint, Coulomb, FlatGround, RigidPointBody, Rk4, Run, State, Stepper,
@@ -562,9 +562,18 @@ fn damped_power(alpha: f64, passing: f64, damping: f64) -> [f64; 2] {
 /// points of the run at its end. The heave that is left over from the start, a thousandth of the sag, is an energy of `M g r φ²/2 · 1e-3` at most.
 fn loss(moments: [f64; 2], alpha: f64, [spin, rate]: [f64; 2], damping: f64) -> [f64; 3] {
     let friction = if spin == 0.0 { ICE } else { grip(1000.0) };
-    // The splitting's own error in the energy, of order 2, is as large as what these dampers take.
+    let steady = spin - rate * alpha.cos();
+    // The splitting's own error in the energy, of order 2, is as large as what these dampers take. A step that meets the points of the rim in a few phases only would see a few places of the patch: a golden share of the time from
+    // one to the next meets all.
+    let next = TAU / 8000.0 / steady.abs();
+    let shares = [0.618_034, 0.381_966, 0.236_068];
+    let time_step = shares
+        .map(|share| share * next)
+        .into_iter()
+        .find(|step| *step <= 2e-4)
+        .unwrap_or(1e-4);
     let stepper = scene(moments, friction, damping)
-        .with_integrator(Rk4 { time_step: 2e-4 })
+        .with_integrator(Rk4 { time_step })
         .unwrap();
     let mut state = start(moments, alpha, spin, rate);
     // Until the patch has settled.
@@ -581,10 +590,9 @@ fn loss(moments: [f64; 2], alpha: f64, [spin, rate]: [f64; 2], damping: f64) -> 
     let (ledger, _) = watchers;
     // A point that lifts off before its spring is slack leaves what is in it: the clamp's.
     let lost = -(ledger.work().damper + ledger.work().clamp);
-    let passing = spin - rate * alpha.cos();
-    let [_, delta] = damped_power(alpha, passing, damping);
+    let [_, delta] = damped_power(alpha, steady, damping);
     let heave = GRAVITY * RADIUS * arc(alpha).powi(2) / 2.0 * 1e-3;
-    let come_in = TAU / 8000.0 / passing.abs() / seconds;
+    let come_in = next / seconds;
     [
         lost,
         expected,
@@ -635,23 +643,21 @@ fn the_dampers_under_a_rim_take_what_its_points_press_out_of_them() {
 }
 
 random! {
-    ANY_DAMPED_BED = new(24, "moments, 20° to 90°, tumbling or rolling, τσ/φ of 0.002 to 0.1");
+    ANY_DAMPED_BED = new(24, "moments, tumbling at 20° to 85° or rolling upright, τσ/φ of 0.002 to 0.1");
     fn the_dampers_under_any_rim_take_what_its_points_press_out_of_them(
         diametral in 0.15..0.6_f64,
         degrees in 20.0..85.0_f64,
-        motion in 0..3_usize,
+        tumbles in prop::bool::ANY,
         spin in 4.0..10.0_f64,
         delta in log_uniform(2e-3, 0.1),
     ) |misses| {
         let moments = [2.0 * diametral, diametral];
-        let alpha = if motion == 2 { FRAC_PI_2 } else { degrees.to_radians() };
-        let turning = match motion {
-            0 => [0.0, (GRAVITY / (diametral * RADIUS * alpha.sin())).sqrt()],
-            1 => [spin, steady_rate(moments, alpha, spin)],
-            _ => [spin, 0.0],
+        let alpha = if tumbles { degrees.to_radians() } else { FRAC_PI_2 };
+        let turning = if tumbles {
+            [0.0, (GRAVITY / (diametral * RADIUS * alpha.sin())).sqrt()]
+        } else {
+            [spin, 0.0]
         };
-        prop_assume!(motion == 0 || nutation(moments, alpha, turning) > 10.0);
-        prop_assume!(RADIUS * (turning[0] * turning[1]).abs() < 0.6 * GRAVITY);
         let damping = delta * arc(alpha) / (turning[0] - turning[1] * alpha.cos()).abs();
         let [got, expected, miss] = loss(moments, alpha, turning, damping);
         misses.near("work", [got, expected], miss)?;

@@ -157,7 +157,10 @@ random! {
         let late = (depth / 0.2 + 1e-5) / (p * alpha * share.sqrt());
         misses.near("time", [upright, fall(alpha, share) / p], 2.0 * late)?;
         let lost = 1.5 * alpha.sin().powi(2);
-        misses.near("rate left", [left, 1.0 - lost], lost * 2e-3 + depth / (0.1 * share * alpha))?;
+        // The corner comes down at 2 b θ', θ'² = p² α² (1 - (1 - share)²): it goes on for a step, 20 µs, and for m/4D, 2.5 µs, as deep as that.
+        let speed = 0.2 * p * alpha * (share * (2.0 - share)).sqrt();
+        let deeper = depth + 2.25e-5 * speed;
+        misses.near("rate left", [left, 1.0 - lost], lost * 2e-3 + deeper / (0.1 * share * alpha))?;
     }
 }
 
