@@ -88,12 +88,6 @@ impl<R: Real> Push<R> {
     pub(super) fn is_felt(&self) -> bool {
         self.mean.force > R::ZERO || self.mean.slope > R::ZERO
     }
-
-    /// From the centre of mass to where the ground's force acts at the end of the step.
-    #[inline]
-    pub(super) fn end_point(&self) -> R::Vec3 {
-        self.end_arm - self.normal * self.radius
-    }
 }
 
 /// The contacts that may touch during a step.

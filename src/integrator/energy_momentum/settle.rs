@@ -23,6 +23,7 @@ use super::motion_of;
 use super::problem::{Problem, Trial};
 use super::resist::Resistance;
 use crate::friction::Drag;
+use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion};
 use crate::state::State;
@@ -130,9 +131,10 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
         drag: &Drag<R>,
         after: Option<&Motion<R>>,
     ) -> bool {
-        let (n, place) = (push.normal, push.end_point());
+        let n = self.end_normal(push);
+        let place = push.end_arm - n * push.radius;
         let end = self.motion.velocity_at(place);
-        let along = chord(push, drag, end);
+        let along = chord(push, drag, end - n * end.dot(n));
         let along = self.per_speed(along, self.share(along, self.strain.friction));
         let damping = push.mean.damping;
         let share = self.share(damping, self.strain.damping);
@@ -147,6 +149,15 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
         }
         sum.add(place, n, [along, across], end - push.slip - n * rising);
         is_limited
+    }
+
+    /// Out of the ground where the contact is at the end. The mean one would take a ball's way round a curve, and its turn about the normal, for a slip and a rise of order h.
+    fn end_normal(&self, push: &Push<R>) -> R::Vec3 {
+        if self.problem.plane.is_some() {
+            return push.normal;
+        }
+        let ground = self.problem.scene.ground();
+        ground.surface(self.motion.position + push.end_arm).normal
     }
 
     /// `h c θ`.
@@ -168,8 +179,8 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
 }
 
 /// `|F|/|u|` of the friction at the mean slip where the slip at the end of the step has turned against it; elsewhere the law's slope there, N s/m.
-fn chord<R: Real>(push: &Push<R>, drag: &Drag<R>, end: R::Vec3) -> R {
-    if end.dot(push.slip) <= R::ZERO {
+fn chord<R: Real>(push: &Push<R>, drag: &Drag<R>, end_slip: R::Vec3) -> R {
+    if end_slip.dot(push.slip) <= R::ZERO {
         return drag.coefficient;
     }
     let steepness = R::ONE - drag.growth * (push.slip.length() / drag.width);
