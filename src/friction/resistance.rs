@@ -55,7 +55,8 @@ impl<R: Real> TurningResistance<R> {
 /// ```
 ///
 /// *Limits:* it does not hold: a ball on a slope of angle θ, with `tan θ < rolling/radius`, creeps at the turning `turn_speed · t/(1 - t)`, `t = tan θ · radius/rolling`. Bodies on many contacts feel it at each. [`EnergyMomentum`](crate::EnergyMomentum) takes it in two halves, before and after each step
-/// (its energy never rises), under the load at those moments: a bounce that is shorter than the step feels none.
+/// (its energy never rises), under the load at those moments: a bounce that is shorter than the step feels none. The way of a ball that rolls out is of order 2; the speed that is seen after a step is that
+/// of half a step before, off by `h/2 · 5/7 · rolling/radius · g` of a solid ball: friction passes the last half of the torque on in the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WithResistance<F, R = f64> {
