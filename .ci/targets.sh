@@ -53,13 +53,15 @@ others() { # others PROFILE TARGET…
 program() { echo "$CARGO_TARGET_DIR/$1/tumble_bits"; }
 semihosting="-nographic -monitor none -serial none -semihosting-config enable=on,target=native"
 
-others release --target={aarch64-unknown-none,riscv32imac-unknown-none-elf,wasm32-unknown-unknown,thumbv7em-none-eabihf}
-compare aarch64-release qemu-aarch64 "$(program aarch64-unknown-none/release)"
-compare riscv32imac-release qemu-riscv32 "$(program riscv32imac-unknown-none-elf/release)"
-compare wasm32-release node tests/bits/run.mjs "$(program wasm32-unknown-unknown/release).wasm"
-# shellcheck disable=SC2086 # several options
-compare thumbv7em-hf-release qemu-system-arm -M mps2-an386 $semihosting -kernel "$(program thumbv7em-none-eabihf/release)"
-others dev --target=aarch64-unknown-none
-compare aarch64-dev qemu-aarch64 "$(program aarch64-unknown-none/debug)"
+each_processor() { # each_processor PROFILE FOLDER
+  others "$1" --target={aarch64-unknown-none,riscv32imac-unknown-none-elf,wasm32-unknown-unknown,thumbv7em-none-eabihf}
+  compare "aarch64-$1" qemu-aarch64 "$(program "aarch64-unknown-none/$2")"
+  compare "riscv32imac-$1" qemu-riscv32 "$(program "riscv32imac-unknown-none-elf/$2")"
+  compare "wasm32-$1" node tests/bits/run.mjs "$(program "wasm32-unknown-unknown/$2").wasm"
+  # shellcheck disable=SC2086 # several options
+  compare "thumbv7em-hf-$1" qemu-system-arm -M mps2-an386 $semihosting -kernel "$(program "thumbv7em-none-eabihf/$2")"
+}
+each_processor release release
+each_processor dev debug
 
 exit "$differ"
