@@ -32,6 +32,10 @@ macro_rules! names_for {
             pub type Cone<P = [ContactPoint; 121]> = crate::Cone<$real, P>;
             /// A box, sharp or with round corners.
             pub type Cuboid = crate::Cuboid<$real>;
+            /// A coin with a round rim.
+            pub type Disc = crate::Disc<$real>;
+            /// A circle that can touch all round.
+            pub type Rim = crate::Rim<$real>;
             /// A smooth ellipsoid.
             pub type Ellipsoid = crate::Ellipsoid<$real>;
             /// Mass, centre of mass and inertia of a body or a part.

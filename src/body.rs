@@ -5,6 +5,7 @@
 //! | body | contacts | axes | asks |
 //! |---|---|---|---|
 //! | [`Coin`] | a ring of points, the report's coin | normal along x | [`tilt`](Coin::tilt), [`face_up`](Coin::face_up) |
+//! | [`Disc`], thin ring or solid | the whole circle of its rim | normal along x | [`tilt`](Disc::tilt), [`face_up`](Disc::face_up) |
 //! | [`SolidCoin`] | the points of two rims | normal along x | [`tilt`](SolidCoin::tilt), [`face_up`](SolidCoin::face_up): heads, tails or edge |
 //! | [`Sphere`], solid, hollow or loaded | one ball | any | |
 //! | [`Cuboid`], sharp or rounded, also loaded | eight corners, bare or balls | along the edges | [`side_up`](Cuboid::side_up), [`pips`](Side::pips) |
@@ -23,11 +24,13 @@ mod capsule;
 mod coin;
 mod cone;
 mod cuboid;
+mod disc;
 mod ellipsoid;
 mod hull;
 mod mass_distribution;
 mod mass_properties;
 mod point_cloud;
+mod rim;
 mod rod;
 mod solid;
 mod solid_coin;
@@ -37,16 +40,20 @@ pub use capsule::Capsule;
 pub use coin::{Coin, Face};
 pub use cone::Cone;
 pub use cuboid::{Cuboid, Side};
+pub use disc::Disc;
 pub use ellipsoid::Ellipsoid;
 pub use mass_distribution::MassDistribution;
 pub use mass_properties::MassProperties;
 pub use point_cloud::PointCloud;
+use rim::MOST_NODES;
+pub use rim::Rim;
+pub(crate) use rim::{Arc, CUTS, Panels, sink_last};
 pub use rod::{PointMass, Rod};
 pub use solid::Solid;
 pub use solid_coin::SolidCoin;
 pub use sphere::Sphere;
 
-use crate::error::{self, SceneError};
+use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
 
 /// A rigid body made of points.
@@ -96,11 +103,19 @@ pub trait RigidPointBody<R: Real = f64> {
     /// The places that can touch the ground. A contact's number is its place in this slice.
     fn contacts(&self) -> &[ContactPoint<R>];
 
+    /// The circle of the body all of whose places can touch, beside [`contacts`](Self::contacts): none where nothing else is said, one at most, and at most 32 contacts beside it.
+    #[inline]
+    fn rims(&self) -> &[Rim<R>] {
+        &[]
+    }
+
     /// Distance from the centre of mass to the farthest place of the surface, m.
     fn reach(&self) -> R {
-        self.contacts().iter().fold(R::ZERO, |reach, contact| {
-            reach.at_least(contact.position.length() + contact.radius)
-        })
+        let rims = self.rims().iter().map(Rim::reach);
+        let contacts = self.contacts().iter();
+        (contacts.map(|contact| contact.position.length() + contact.radius))
+            .chain(rims)
+            .fold(R::ZERO, R::at_least)
     }
 
     /// A cyclic run of contact numbers that holds every contact whose surface reaches below the plane `normal · p = offset` (body axes, `normal`
@@ -119,11 +134,11 @@ pub trait RigidPointBody<R: Real = f64> {
         if self.is_smooth() {
             return direction.dot(self.support_point(direction));
         }
-        self.contacts()
-            .iter()
-            .fold(-self.reach(), |farthest, contact| {
-                farthest.at_least(direction.dot(contact.position) + contact.radius)
-            })
+        let rims = self.rims().iter().map(|rim| rim.support(direction));
+        let contacts = self.contacts().iter();
+        (contacts.map(|contact| direction.dot(contact.position) + contact.radius))
+            .chain(rims)
+            .fold(-self.reach(), R::at_least)
     }
 
     /// Whether the body has one contact that wanders over its surface as it turns: the place that [`support_point`](Self::support_point) tells. An egg does, and no body of fixed contacts.
@@ -166,6 +181,10 @@ impl<R: Real, B: RigidPointBody<R> + ?Sized> RigidPointBody<R> for &B {
     #[inline]
     fn contacts(&self) -> &[ContactPoint<R>] {
         (**self).contacts()
+    }
+    #[inline]
+    fn rims(&self) -> &[Rim<R>] {
+        (**self).rims()
     }
     #[inline]
     fn reach(&self) -> R {
@@ -236,6 +255,29 @@ pub fn check_contacts<R: Real>(contacts: &[ContactPoint<R>]) -> Result<(), Scene
     }
     Ok(())
 }
+
+/// That every rim can be, that there is no more than one, and that few enough contacts stand beside it.
+///
+/// # Errors
+/// Names the first quantity that breaks a rule.
+pub fn check_rims<R: Real>(rims: &[Rim<R>], contacts: usize) -> Result<(), SceneError> {
+    let Some(rim) = rims.first() else {
+        return Ok(());
+    };
+    rim.check()?;
+    let at_most = |quantity, most, count: usize| {
+        if count <= most {
+            return Ok(());
+        }
+        let rule = Rule::AtMost(most);
+        Err(SceneError::new(quantity, rule, count as f64, ""))
+    };
+    at_most("number of rims of a body", 1, rims.len())?;
+    at_most("number of contacts beside a rim", BESIDE_A_RIM, contacts)
+}
+
+/// An implicit step remembers 128 contacts, and keeps 96 of these places for a rim.
+const BESIDE_A_RIM: usize = 128 - MOST_NODES;
 
 /// A cyclic run of contact numbers: `first`, `first + 1`, ..., beginning again at 0 after the last contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

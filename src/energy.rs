@@ -34,7 +34,7 @@ impl<R: Real> Energy<R> {
         let motion = scene.motion(state);
         let (mut springs, mut touching) = (R::ZERO, 0);
         scene.visit_contacts(&motion, |contact| {
-            springs += scene.ground().spring_energy(contact.depth);
+            springs += scene.ground().spring_energy(contact.depth) * contact.weight;
             touching += 1;
         });
         (Self::moving(scene, state, &motion, springs), touching)
@@ -118,7 +118,7 @@ fn force_and_power<R: Real>(
 ) -> (R::Vec3, Dissipation<R>) {
     let ground = scene.ground();
     let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
-    let friction = scene.friction().force(normal_force, contact.slip);
+    let friction = scene.friction().force(normal_force, contact.slip) * contact.weight;
     let lost = (ground.spring_force(contact.depth) - normal_force) * contact.closing_speed;
     let (damper, clamp) = if normal_force > R::ZERO {
         (lost, R::ZERO)
@@ -131,10 +131,13 @@ fn force_and_power<R: Real>(
     }
     let power = Dissipation {
         friction: rubbed,
-        damper,
-        clamp,
+        damper: damper * contact.weight,
+        clamp: clamp * contact.weight,
     };
-    (contact.normal * normal_force + friction, power)
+    (
+        contact.normal * (normal_force * contact.weight) + friction,
+        power,
+    )
 }
 
 /// Torque on the body at a contact beyond that of its force, N m, where the friction law resists turning.
@@ -174,7 +177,7 @@ impl<R: Real> Account<R> {
                 load.torque += torque;
             }
             dissipation = dissipation.plus(&power, R::ONE);
-            springs += scene.ground().spring_energy(contact.depth);
+            springs += scene.ground().spring_energy(contact.depth) * contact.weight;
         });
         Self {
             energy: Energy::moving(scene, state, &motion, springs),

@@ -18,6 +18,8 @@ pub enum Rule {
     Finite,
     /// At least this many.
     AtLeast(u32),
+    /// At most this many.
+    AtMost(usize),
     /// As many as this.
     Exactly(usize),
     /// Of length 1, to rounding.
@@ -36,6 +38,7 @@ impl core::fmt::Display for Rule {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::AtLeast(least) => return write!(f, "must be at least {least}"),
+            Self::AtMost(most) => return write!(f, "must be at most {most}"),
             Self::Exactly(count) => return write!(f, "must be {count}"),
             Self::AboveZero => "must be above 0",
             Self::AtLeastZero => "must be at least 0",

@@ -37,7 +37,7 @@
 //! - Several bodies, joints, motors, air, a ground that moves or keeps a dent.
 //! - Sticking: on a slope of angle θ a body creeps at `slip_speed · tan θ/(coefficient - tan θ)`. With 1e-10 m/s that is a millimetre in four months.
 //! - A coefficient of restitution: bounces follow from spring and damper. Laws can be made for a bounce ([`SpringDamper::from_bounce`], [`HuntCrossley::from_bounce`]).
-//! - A smooth rim: a [`Coin`] of n points is out of round by `r (1 - cos(π/n))`, 0.17 mm for 120 points on 0.5 m. Spheres, capsules and [`Ellipsoid`]s are smooth.
+//! - Two round rims on one body. A [`Coin`] of n points is a polygon, out of round by `r (1 - cos(π/n))`, 0.17 mm for 120 points on 0.5 m; a [`Disc`] is round, as spheres, capsules and [`Ellipsoid`]s are.
 //!
 //! # Units, frames, signs
 //!
@@ -123,8 +123,9 @@ pub mod trial;
 
 pub use aliases::{f32, f64};
 pub use body::{
-    Capsule, Coin, Cone, ContactPoint, Cuboid, Ellipsoid, Face, MassDistribution, MassProperties,
-    PointCloud, PointMass, RigidPointBody, Rod, Run, Side, Solid, SolidCoin, Sphere,
+    Capsule, Coin, Cone, ContactPoint, Cuboid, Disc, Ellipsoid, Face, MassDistribution,
+    MassProperties, PointCloud, PointMass, RigidPointBody, Rim, Rod, Run, Side, Solid, SolidCoin,
+    Sphere,
 };
 pub use energy::{Account, Dissipation, Energy};
 pub use error::{SceneError, StepError};

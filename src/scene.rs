@@ -1,6 +1,9 @@
 //! Body, ground, friction and gravity together: which contacts touch, and with what force and torque.
 
 mod level;
+mod rims;
+
+pub(crate) use rims::{Kinks, Velocities, arc_below, kinks};
 
 use crate::body::{ContactPoint, MassProperties, RigidPointBody, Run};
 use crate::error::SceneError;
@@ -104,10 +107,27 @@ pub trait Dynamics<R: Real = f64> {
                 ahead = contacts.iter();
                 ahead.next()
             }) else {
-                return;
+                break;
             };
             if let Some(contact) = Contact::at(self.body(), self.ground(), motion, point) {
                 visit(&contact);
+            }
+        }
+        if !self.body().rims().is_empty() {
+            self.visit_rims(motion, visit);
+        }
+    }
+
+    /// As [`visit_contacts`](Self::visit_contacts), of the places that stand for the rims alone.
+    #[inline(always)]
+    fn visit_rims(&self, motion: &Motion<R>, mut visit: impl FnMut(&Contact<R>)) {
+        for rim in self.body().rims() {
+            let panels = rims::panels(self, rim, motion);
+            for (place, weight) in panels.iter().flat_map(|panel| rim.nodes(panel)) {
+                let point = ContactPoint::bare(place);
+                if let Some(contact) = Contact::of(self.ground(), motion, &point, weight) {
+                    visit(&contact);
+                }
             }
         }
     }
@@ -136,7 +156,7 @@ pub(crate) fn load_with_arms<R: Real, D: Dynamics<R> + ?Sized>(
     motion: &Motion<R>,
     axes: &Axes<R>,
 ) -> Load<R> {
-    if run.count == 0 {
+    if run.count == 0 && scene.body().rims().is_empty() {
         return Load::default();
     }
     let mut load = load_of_forces(scene, run, motion, axes);
@@ -154,16 +174,19 @@ fn load_of_forces<R: Real, D: Dynamics<R> + ?Sized>(
     axes: &Axes<R>,
 ) -> Load<R> {
     let laws = (scene.ground(), scene.friction());
+    let mut load = Load::default();
     if let Some(height) = height_under_bare_points(scene) {
         let parts = run.parts(scene.body().contacts());
-        return level::load(laws, height, parts, motion, axes);
+        load = level::load(laws, height, parts, motion, axes);
+        if !scene.body().rims().is_empty() {
+            scene.visit_rims(motion, |contact| {
+                load.add_along(axes, contact, contact.force(laws.0, laws.1))
+            });
+        }
+        return load;
     }
-    let mut load = Load::default();
     scene.visit_run(run, motion, |contact| {
-        let force = contact.force(laws.0, laws.1);
-        load.force += force;
-        load.torque += contact.arm_along(axes).cross(force);
-        load.touching += 1;
+        load.add_along(axes, contact, contact.force(laws.0, laws.1));
     });
     load
 }
@@ -241,6 +264,8 @@ pub struct Contact<R: Real = f64> {
     pub closing_speed: R,
     /// Velocity along the surface, m/s.
     pub slip: R::Vec3,
+    /// How many contacts of the body it stands for: 1, but for a place of a [`Rim`](crate::Rim).
+    pub weight: R,
 }
 
 impl<R: Real> Contact<R> {
@@ -259,6 +284,17 @@ impl<R: Real> Contact<R> {
         } else {
             point
         };
+        Self::of(ground, motion, point, R::ONE)
+    }
+
+    /// The contact of a fixed `point` with the ground, if it touches.
+    #[inline]
+    fn of<G: SpringDamperGround<R>>(
+        ground: &G,
+        motion: &Motion<R>,
+        point: &ContactPoint<R>,
+        weight: R,
+    ) -> Option<Self> {
         let centre_arm = motion.axes.to_world(point.position);
         let surface = ground.surface(motion.position + centre_arm);
         let depth = point.radius - surface.gap;
@@ -274,6 +310,7 @@ impl<R: Real> Contact<R> {
                 depth,
                 closing_speed: -rising,
                 slip: velocity - normal * rising,
+                weight,
             }
         })
     }
@@ -293,7 +330,7 @@ impl<R: Real> Contact<R> {
         F: SlidingFriction<R>,
     {
         let normal_force = ground.normal_force(self.depth, self.closing_speed);
-        self.normal * normal_force + friction.force(normal_force, self.slip)
+        (self.normal * normal_force + friction.force(normal_force, self.slip)) * self.weight
     }
 
     /// The ground's torque on a body that turns (rad/s), beyond that of the force, N m: 0 but for a law that resists turning.
@@ -310,7 +347,7 @@ impl<R: Real> Contact<R> {
     {
         let normal_force = ground.normal_force(self.depth, self.closing_speed);
         match friction.turning(normal_force) {
-            Some(resistance) => resistance.torque(self.normal, angular_velocity),
+            Some(resistance) => resistance.torque(self.normal, angular_velocity) * self.weight,
             None => R::Vec3::ZERO,
         }
     }
@@ -352,6 +389,14 @@ pub struct Load<R: Real = f64> {
 }
 
 impl<R: Real> Load<R> {
+    /// One more contact that touches, with its force (N), and its arm when the body has other axes.
+    #[inline]
+    fn add_along(&mut self, axes: &Axes<R>, contact: &Contact<R>, force: R::Vec3) {
+        self.force += force;
+        self.torque += contact.arm_along(axes).cross(force);
+        self.touching += 1;
+    }
+
     /// One more contact that touches, with its force (N).
     #[inline]
     pub(crate) fn add(&mut self, contact: &Contact<R>, force: R::Vec3) {
@@ -399,7 +444,7 @@ impl<R: Real> Rates<R> {
 /// The lowest point of a body's surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LowestPoint<R: Real = f64> {
-    /// Number of its contact.
+    /// Number of its contact; rims are counted on from the last contact.
     pub index: usize,
     /// m, world axes.
     pub position: R::Vec3,
@@ -416,14 +461,7 @@ impl<R: Real> LowestPoint<R> {
         let motion = scene.motion(state);
         let mut lowest: Option<Self> = None;
         let body = scene.body();
-        for (index, point) in body.contacts().iter().enumerate() {
-            let facing;
-            let point = if body.is_smooth() {
-                facing = facing_ground(body, scene.ground(), motion.position, &motion.axes);
-                &facing
-            } else {
-                point
-            };
+        let mut look_at = |index: usize, point: &ContactPoint<R>| {
             let centre = motion.position + motion.axes.to_world(point.position);
             let surface = scene.ground().surface(centre);
             let gap = surface.gap - point.radius;
@@ -437,6 +475,18 @@ impl<R: Real> LowestPoint<R> {
                     slip: velocity - surface.normal * velocity.dot(surface.normal),
                 });
             }
+        };
+        for (index, point) in body.contacts().iter().enumerate() {
+            if body.is_smooth() {
+                let facing = facing_ground(body, scene.ground(), motion.position, &motion.axes);
+                look_at(index, &facing);
+            } else {
+                look_at(index, point);
+            }
+        }
+        for (number, rim) in body.rims().iter().enumerate() {
+            let (_, place) = rims::lowest(rim, scene.ground(), motion.position, &motion.axes);
+            look_at(body.contacts().len() + number, &ContactPoint::bare(place));
         }
         lowest
     }
@@ -472,6 +522,7 @@ where
         friction.check()?;
         gravity.check()?;
         crate::body::check_contacts(body.contacts())?;
+        crate::body::check_rims(body.rims(), body.contacts().len())?;
         Ok(Self {
             mass_properties: MassProperties::new(body.mass(), body.inertia())?,
             reach: body.reach(),

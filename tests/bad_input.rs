@@ -13,10 +13,10 @@ use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::real::{Quaternion, Vector};
 use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Carried, Coin, Cone, ContactLaw,
-    ContactPoint, Coulomb, Cuboid, Dissipation, DormandPrince54, Ellipsoid, EnergyMomentum,
+    ContactPoint, Coulomb, Cuboid, Disc, Dissipation, DormandPrince54, Ellipsoid, EnergyMomentum,
     FlatGround, ForwardEuler, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper,
-    MassDistribution, Plane, PointCloud, PointMass, Ramp, Real, Relief, RigidPointBody, Rk4, Rod,
-    SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
+    MassDistribution, Plane, PointCloud, PointMass, Ramp, Real, Relief, RigidPointBody, Rim, Rk4,
+    Rod, SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
     SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck, Surface,
     SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves, WithResistance,
 };
@@ -113,6 +113,9 @@ fn every_solid_needs_a_mass_above_zero() {
     refuses("mass of the ellipsoid", MASS, " kg", |mass| {
         Stepper::new(Ellipsoid::solid(mass, DVec3::ONE))
     });
+    refuses("mass of the disc", MASS, " kg", |mass| {
+        Stepper::new(Disc::ring(mass, 0.5, 120))
+    });
     refuses("mass of the cuboid", MASS, " kg", |mass| {
         Stepper::new(Cuboid::cube(mass, 0.5))
     });
@@ -155,6 +158,9 @@ fn every_solid_needs_lengths_above_zero() {
     });
     refuses("z semi-axis of the ellipsoid", LENGTH, " m", |c| {
         Stepper::new(Ellipsoid::solid(1.0, DVec3::new(0.1, 0.1, c)))
+    });
+    refuses("radius of the rim", LENGTH, " m", |radius| {
+        Stepper::new(Disc::ring(1.0, radius, 120))
     });
     refuses("radius of the capsule", LENGTH, " m", |radius| {
         Stepper::new(Capsule::solid(1.0, radius, 0.1))
@@ -224,6 +230,56 @@ fn rims_need_enough_points_and_opposite_ones() {
             format!("number of contacts of the cone must be at least 4, got {count}")
         );
     }
+}
+
+/// A body that is nothing but rims and points.
+struct Rimmed(Vec<Rim>, Vec<ContactPoint>);
+
+impl RigidPointBody for Rimmed {
+    fn mass(&self) -> f64 {
+        1.0
+    }
+    fn inertia(&self) -> DMat3 {
+        DMat3::IDENTITY
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        &self.1
+    }
+    fn rims(&self) -> &[Rim] {
+        &self.0
+    }
+}
+
+#[test]
+fn a_rim_stands_for_points_around_a_place_and_beside_few_contacts() {
+    let answer = |body| Stepper::new(body).err().map(|error| error.to_string());
+    let rim = |centre, normal, points| Rim::new(centre, normal, 0.5, points);
+    let good = rim(DVec3::X, DVec3::Y, 120);
+    let alone = |rim| answer(Rimmed(vec![rim], vec![]));
+    assert_eq!(alone(good), None);
+    assert_eq!(
+        alone(rim(DVec3::X, DVec3::Y, 0)).unwrap(),
+        "number of points that the rim stands for must be above 0, got 0"
+    );
+    for bad in NOT_FINITE {
+        let told = alone(rim(DVec3::X * bad, DVec3::Y, 120)).unwrap();
+        let place = "distance of the rim from the centre of mass must be finite";
+        assert!(told.starts_with(place), "{told}");
+        let told = alone(rim(DVec3::X, DVec3::Y * bad, 120)).unwrap();
+        assert!(told.starts_with("normal of the rim must be"), "{told}");
+    }
+    let told = alone(rim(DVec3::X, DVec3::ZERO, 120)).unwrap();
+    assert!(told.starts_with("normal of the rim must be"), "{told}");
+    let beside = |count| answer(Rimmed(vec![good], vec![ContactPoint::default(); count]));
+    assert_eq!(beside(32), None);
+    assert_eq!(
+        beside(33).unwrap(),
+        "number of contacts beside a rim must be at most 32, got 33"
+    );
+    assert_eq!(
+        answer(Rimmed(vec![good; 2], vec![])).unwrap(),
+        "number of rims of a body must be at most 1, got 2"
+    );
 }
 
 #[test]

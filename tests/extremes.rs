@@ -18,8 +18,8 @@ use proptest::test_runner::{TestCaseResult, TestRunner};
 use tumble::glam::DVec3;
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    AnisotropicCoulomb, Coin, Cone, ContactPoint, Coulomb, Cuboid, Dynamics, Ellipsoid, Energy,
-    EnergyMomentum, Extent, FlatGround, Frictionless, Ground, HuntCrossley, Integrator,
+    AnisotropicCoulomb, Coin, Cone, ContactPoint, Coulomb, Cuboid, Disc, Dynamics, Ellipsoid,
+    Energy, EnergyMomentum, Extent, FlatGround, Frictionless, Ground, HuntCrossley, Integrator,
     LimitedDamper, MassDistribution, Plane, PointCloud, Real, RigidPointBody, SlidingFriction,
     SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Step,
     Stepper, Stribeck, Surface, Terrain, UniformGravity, Viscous, Waves, WithResistance,
@@ -149,6 +149,8 @@ enum SolidKind {
     Cone,
     Hull,
     Egg,
+    /// A round rim.
+    Disc,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -478,6 +480,7 @@ impl Case {
                 let egg = MassDistribution::ellipsoid(mass, semi_axes).at(place(0.1, 0.0, -0.05));
                 Box::new(Ellipsoid::loaded(semi_axes, egg))
             }
+            SolidKind::Disc => Box::new(Disc::solid(mass, size, 120)),
             SolidKind::Cone => Box::new(Cone::solid_in([blank; 25], mass, size, size)),
             SolidKind::Hull => {
                 let corners = [
@@ -701,10 +704,10 @@ fn frozen<R: Real>(scene: &impl Dynamics<R>, state: &State<R>, seconds: R) -> Op
             .ground()
             .mean_force(contact.depth, contact.depth, seconds);
         // The answer of springs to the step's end is half of their stiffness.
-        let push = mean.slope * R::TWO;
+        let push = mean.slope * R::TWO * contact.weight;
         let drag = scene.friction().drag(mean.force, contact.slip);
         // A slip of the size that the step could cause, for a law that says nothing at none.
-        let rub = drag.coefficient / seconds;
+        let rub = drag.coefficient * contact.weight / seconds;
         across += push;
         along += rub;
         about += (push + rub) * contact.arm.length_squared();
@@ -902,8 +905,19 @@ fn every_step_in_f32_keeps_its_promises_with_a_users_laws() {
 
 /// A share of the sweep over these scenes with solids in them.
 fn sweep_of_solids<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64) {
-    use SolidKind::{Coin, Cone, Egg, Hull, LoadedSphere, RoundDie};
-    let kinds = prop::sample::select(vec![Coin, LoadedSphere, RoundDie, Cone, Hull, Egg, Egg]);
+    use SolidKind::{Coin, Cone, Disc, Egg, Hull, LoadedSphere, RoundDie};
+    let kinds = prop::sample::select(vec![
+        Coin,
+        LoadedSphere,
+        RoundDie,
+        Cone,
+        Hull,
+        Egg,
+        Egg,
+        Disc,
+        Disc,
+        Disc,
+    ]);
     let scenes = (cases(ranges, laws), kinds).prop_map(|(case, kind)| Case {
         body: BodyKind::Solid(kind),
         ..case

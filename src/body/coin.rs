@@ -11,7 +11,7 @@ use crate::state::State;
 /// For any n of at least 3 the moments are exactly `m r²` about the normal and `m r²/2` about a diameter.
 ///
 /// *Limit:* the rim is a polygon. Upright, its centre rises and falls by `r (1 - cos(π/n))` as it rolls: 1.7e-4 m for the report's 120 points
-/// and r = 0.5 m; with few points it rattles from corner to corner.
+/// and r = 0.5 m; with few points it rattles from corner to corner. [`Disc`](super::Disc) is round, and says when which of them is better.
 ///
 /// `P` is where the points are: an array, a borrowed slice, or a `Vec`.
 #[derive(Clone, Copy, Debug, PartialEq)]

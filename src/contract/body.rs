@@ -5,12 +5,14 @@ use super::{
     Breach, Clause, Input, cannot_be, demand, demand_at_least, demand_at_most, demand_finite, ulps,
     wide,
 };
-use crate::body::{ContactPoint, MassProperties, RigidPointBody, Run, check_contacts};
+use crate::body::{
+    ContactPoint, MassProperties, RigidPointBody, Rim, Run, check_contacts, check_rims,
+};
 use crate::real::{Real, Vector};
 
 /// Checks a body.
 ///
-/// Its mass is above 0, its inertia symmetric and that of a solid; its contacts are finite, with radii of at least 0, none beyond its reach, nor beyond its `support` in a direction; `contacts_below`
+/// Its mass is above 0, its inertia symmetric and that of a solid; its contacts are finite, with radii of at least 0, and neither they nor its rim lie beyond its reach, nor beyond its `support` in a direction; `contacts_below`
 /// misses none, for planes in directions of a cube's faces, edges and corners, towards its contacts, and random ones, at offsets through its contacts,
 /// at the reach and far away; the place that a smooth body tells as the farthest in a direction is; and all of it is the same whenever it is asked for.
 ///
@@ -30,6 +32,7 @@ pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
 ) -> Result<(), Breach> {
     body.check().map_err(cannot_be)?;
     check_contacts(body.contacts()).map_err(cannot_be)?;
+    check_rims(body.rims(), body.contacts().len()).map_err(cannot_be)?;
     MassProperties::new(body.mass(), body.inertia()).map_err(cannot_be)?;
     check_reach(body)?;
 
@@ -71,6 +74,13 @@ fn check_support<R: Real, B: RigidPointBody<R> + ?Sized>(
     let support = body.support(direction);
     demand_finite(support, || Input::AsItIs)?;
     let bound = support + body.reach() * ulps(8.0);
+    for rim in body.rims() {
+        let place = rim.support_point(direction);
+        let most = body.reach() + body.reach() * ulps(8.0);
+        demand_at_most(place.length(), most, Clause::Reach, || Input::AsItIs)?;
+        let height = direction.dot(place);
+        demand_at_most(height, bound, Clause::Reach, || Input::AsItIs)?;
+    }
     for (index, contact) in body.contacts().iter().enumerate() {
         let place = direction.dot(contact.position) + contact.radius;
         demand_at_most(place, bound, Clause::Reach, || Input::Contact { index })?;
@@ -195,6 +205,7 @@ struct Portrait<R: Real> {
     reach: R,
     count: usize,
     contacts: u64,
+    rim: Option<Rim<R>>,
 }
 
 impl<R: Real> Portrait<R> {
@@ -205,6 +216,7 @@ impl<R: Real> Portrait<R> {
             reach: body.reach(),
             count: body.contacts().len(),
             contacts: fingerprint(body.contacts()),
+            rim: body.rims().first().copied(),
         }
     }
 

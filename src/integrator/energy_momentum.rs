@@ -24,7 +24,7 @@ mod turning;
 
 use super::likeness::Likeness;
 use super::{Integrator, Step, ratchet, step_length};
-use crate::body::{RigidPointBody, Run};
+use crate::body::{RigidPointBody, Rim, Run};
 use crate::energy::Energy;
 use crate::error::{self, Quantity, SceneError, StepError};
 use crate::ground::{Extent, SpringDamperGround};
@@ -256,7 +256,7 @@ fn attempt<R: Real, D: Dynamics<R>>(
     let contacts = &mut workspace.contacts;
     for wide in [false, true] {
         gather(&problem, contacts, wide);
-        let end = if contacts.len() == 0 && !scene.mass_properties().is_asymmetric() {
+        let end = if contacts.is_empty() && !scene.mass_properties().is_asymmetric() {
             Some(fly(&problem))
         } else {
             whole(&problem, contacts, step)
@@ -328,7 +328,8 @@ fn gather<R: Real, D: Dynamics<R>>(
             Extent::Nowhere => Run::NONE,
             _ => Run::all(scene.body().contacts().len()),
         };
-        contacts.gather(problem, run, |_, _| true);
+        let anywhere = !matches!(scene.ground().extent(), Extent::Nowhere);
+        contacts.gather(problem, run, |_, _| true, |_| anywhere);
         return;
     };
     let spin = motion.angular_velocity;
@@ -340,8 +341,14 @@ fn gather<R: Real, D: Dynamics<R>>(
     let swing = dt * tilt.length() * problem.reach;
     let margin = (fall + swing).at_least(R::ZERO) + bend;
     let run = scene.contacts_within(margin, motion.position, &motion.axes);
-    contacts.gather(problem, run, |depth, arm| {
-        // -n · (ω × r) = (ω × n) · r
+    // -n · (ω × r) = (ω × n) · r
+    let keep = |depth: R, arm: R::Vec3| {
         depth > R::ZERO || depth + fall + dt * tilt.dot(arm) + bend > R::ZERO
-    });
+    };
+    // A rim counts as a whole: its lowest place may be another at the end.
+    let may_touch = |rim: &Rim<R>| {
+        let lowest = rim.support(-motion.axes.to_body(plane.normal));
+        plane.gap(motion.position) - lowest <= margin
+    };
+    contacts.gather(problem, run, keep, may_touch);
 }

@@ -1,12 +1,12 @@
 //! The contacts of an implicit step: gathered once, then asked for their mean force at each iteration.
 
 use super::problem::{Problem, Trial};
-use crate::body::{ContactPoint, RigidPointBody, Run};
+use crate::body::{Arc, ContactPoint, Panels, RigidPointBody, Rim, Run};
 use crate::friction::Drag;
 use crate::ground::{MeanForce, SpringDamperGround};
 use crate::real::{Real, Vector};
-use crate::rotation::Rotation;
-use crate::scene::{Dynamics, facing_ground};
+use crate::rotation::{Axes, Rotation};
+use crate::scene::{Dynamics, Kinks, Velocities, arc_below, facing_ground, kinks};
 
 /// How many contacts a step remembers from iteration to iteration. Of further ones it forgets the direction of slip, so that
 /// sticking takes more iterations; every promise holds for them too.
@@ -56,6 +56,8 @@ pub(super) struct Push<R: Real> {
     /// m; negative above ground.
     pub(super) end_depth: R,
     pub(super) radius: R,
+    /// Of a place of a rim: how many contacts it stands for.
+    weight: R,
 }
 
 /// How friction at a contact answers to its slip.
@@ -81,12 +83,57 @@ impl<R: Real> Push<R> {
         depth: R::ZERO,
         end_depth: R::ZERO,
         radius: R::ZERO,
+        weight: R::ZERO,
     };
 
     /// Whether there is a force, or would be one a little deeper.
     #[inline]
     pub(super) fn is_felt(&self) -> bool {
         self.mean.force > R::ZERO || self.mean.slope > R::ZERO
+    }
+
+    /// How many contacts it stands for, and how many that is for one: both 1 where the body has no rim.
+    #[inline]
+    fn weights<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Option<[R; 2]> {
+        (!problem.scene.body().rims().is_empty()).then(|| [self.weight, R::ONE / self.weight])
+    }
+
+    #[inline]
+    fn mean_force<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        end_depth: R,
+    ) -> MeanForce<R> {
+        let mean = problem.mean_force(self.depth, end_depth);
+        match self.weights(problem) {
+            Some([weight, _]) => MeanForce {
+                force: mean.force * weight,
+                slope: mean.slope * weight,
+                stiffness: mean.stiffness * weight,
+                damping: mean.damping * weight,
+            },
+            None => mean,
+        }
+    }
+
+    #[inline]
+    fn friction<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>, slip: R::Vec3) -> R::Vec3 {
+        match self.weights(problem) {
+            Some([weight, each]) => problem.friction(self.mean.force * each, slip) * weight,
+            None => problem.friction(self.mean.force, slip),
+        }
+    }
+
+    #[inline]
+    fn drag<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>, slip: R::Vec3) -> Drag<R> {
+        let Some([weight, each]) = self.weights(problem) else {
+            return problem.drag(self.mean.force, slip);
+        };
+        let drag = problem.drag(self.mean.force * each, slip);
+        Drag {
+            coefficient: drag.coefficient * weight,
+            ..drag
+        }
     }
 }
 
@@ -98,6 +145,10 @@ pub(super) struct Contacts<R: Real> {
     /// All candidates, and how many of them were looked at when the places ran out.
     run: Run,
     seen: usize,
+    /// How many of those remembered are contacts of their own; after them come the places of a rim.
+    fixed: usize,
+    /// Whether a rim may touch in the step.
+    with_rim: bool,
 }
 
 impl<R: Real> Touch<R> {
@@ -114,6 +165,8 @@ impl<R: Real> Contacts<R> {
         remembered: 0,
         run: Run::NONE,
         seen: 0,
+        fixed: 0,
+        with_rim: false,
     };
 
     /// Collects the contacts of `run` that `keep` (depth at the start, arm) accepts.
@@ -123,6 +176,7 @@ impl<R: Real> Contacts<R> {
         problem: &Problem<'_, R, D>,
         run: Run,
         keep: impl Fn(R, R::Vec3) -> bool,
+        may_touch: impl Fn(&Rim<R>) -> bool,
     ) {
         let contacts = problem.scene.body().contacts();
         (self.remembered, self.seen) = (0, 0);
@@ -130,6 +184,8 @@ impl<R: Real> Contacts<R> {
             count: run.count.min(contacts.len()),
             ..run
         };
+        self.fixed = 0;
+        self.with_rim = problem.scene.body().rims().iter().any(may_touch);
         for point in run.parts(contacts).into_iter().flatten() {
             let touch = Touch::of(problem, point);
             if keep(touch.push.depth, touch.arm) {
@@ -143,6 +199,10 @@ impl<R: Real> Contacts<R> {
                 if let Some(plane) = &problem.plane {
                     place.push.normal = plane.normal;
                 }
+                if !problem.scene.body().rims().is_empty() {
+                    place.push.weight = R::ONE;
+                    self.fixed += 1;
+                }
                 self.remembered += 1;
             }
             self.seen += 1;
@@ -155,10 +215,17 @@ impl<R: Real> Contacts<R> {
         self.remembered + (self.run.count - self.seen)
     }
 
+    /// Whether nothing can touch in the step.
+    #[inline]
+    pub(super) fn is_empty(&self) -> bool {
+        self.len() == 0 && !self.with_rim
+    }
+
     /// Whether `touching` contacts below ground at the end of the step are no more than the last trial has seen there.
     pub(super) fn foresaw(&self, touching: usize) -> bool {
         let ended_below = |touch: &&Touch<R>| touch.push.end_depth > R::ZERO;
         self.seen < self.run.count
+            || self.with_rim
             || touching
                 <= self
                     .touches
@@ -176,6 +243,9 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
         mut feel: impl FnMut(&Push<R>),
     ) {
+        if self.with_rim && !problem.scene.body().rims().is_empty() {
+            self.lay_rims(problem, trial);
+        }
         for touch in self.touches.iter_mut().take(self.remembered) {
             touch.respond(problem, trial);
             if touch.push.is_felt() {
@@ -187,6 +257,48 @@ impl<R: Real> Contacts<R> {
                 feel(&touch.push);
             }
         }
+    }
+
+    /// The places of a rim over a trial step: on what lies below ground at its start or at its end, cut where an arc of either ends.
+    ///
+    /// They are material points of the body, fixed over the step, with the same weights at its start and at its end: what springs give back, and what the others take, is that of such points.
+    /// And since no end of an arc lies within a panel, the sums at start and end are the energies there but for the quadrature's 2e-10 at most.
+    fn lay_rims<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, trial: &Trial<R>) {
+        let (body, ground) = (problem.scene.body(), problem.scene.ground());
+        let motion = &problem.motion;
+        let (end, end_axes) = end_of(problem, trial);
+        let mut count = self.fixed;
+        for rim in body.rims() {
+            let arcs = [
+                arc_below(rim, ground, motion.position, &motion.axes),
+                arc_below(rim, ground, end, &end_axes),
+            ];
+            let panels = match Arc::longer(&arcs) {
+                Some(arc) => {
+                    let kinks = mean_kinks(problem, trial, rim, &arc);
+                    Panels::of_both(arcs, kinks.get().iter().map(|&u| arc.place(u)))
+                }
+                None => Panels::of_both(arcs, core::iter::empty()),
+            };
+            for (place, weight) in panels.iter().flat_map(|panel| rim.nodes(panel)) {
+                let Some(touch) = self.touches.get_mut(count) else {
+                    break;
+                };
+                let laid = Touch::of(problem, &ContactPoint::bare(place));
+                (touch.arm, touch.push) = (
+                    laid.arm,
+                    Push {
+                        weight,
+                        ..laid.push
+                    },
+                );
+                if count >= self.remembered {
+                    touch.dual = None;
+                }
+                count += 1;
+            }
+        }
+        self.remembered = count;
     }
 
     /// Asks those that reach the ground how friction answers at the last trial step, which was `trial`, and hands that on with what they did.
@@ -223,7 +335,7 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
         mut feel: impl FnMut(&Push<R>, &Drag<R>),
     ) {
-        let mut feel = |push: &Push<R>| feel(push, &problem.drag(push.mean.force, push.slip));
+        let mut feel = |push: &Push<R>| feel(push, &push.drag(problem, push.slip));
         for touch in self.touches.iter().take(self.remembered) {
             if touch.push.is_felt() {
                 feel(&touch.push);
@@ -289,7 +401,7 @@ impl<R: Real> Touch<R> {
         let swung = trial.swing.times(self.arm);
         let moved = trial.shift + swung;
         self.push.end_depth = self.push.depth - moved.z();
-        self.push.mean = problem.mean_force(self.push.depth, self.push.end_depth);
+        self.push.mean = self.push.mean_force(problem, self.push.end_depth);
         if self.push.is_felt() {
             let end_arm = self.arm + swung;
             let along = R::Vec3::new(moved.x(), moved.y(), R::ZERO);
@@ -312,7 +424,7 @@ impl<R: Real> Touch<R> {
         let (normal, end_depth) = self.fall(problem, moved);
         self.push.normal = normal;
         self.push.end_depth = end_depth;
-        self.push.mean = problem.mean_force(self.push.depth, end_depth);
+        self.push.mean = self.push.mean_force(problem, end_depth);
         if !self.push.is_felt() {
             return;
         }
@@ -344,7 +456,7 @@ impl<R: Real> Touch<R> {
     ) {
         let slip = along * problem.per_second;
         self.push.slip = slip;
-        self.push.friction = problem.friction(self.push.mean.force, slip);
+        self.push.friction = self.push.friction(problem, slip);
         self.push.arm = arm;
         self.push.end_arm = end_arm;
     }
@@ -372,7 +484,7 @@ impl<R: Real> Touch<R> {
     /// How friction answers at the last trial step.
     fn answer<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Answer<R> {
         let (push, slip) = (&self.push, self.push.slip);
-        let drag = problem.drag(push.mean.force, slip);
+        let drag = push.drag(problem, slip);
         Answer {
             drag,
             dual: self.next_dual(problem, &drag),
@@ -407,11 +519,42 @@ impl<R: Real> Touch<R> {
 /// From the centre of mass to the place of a smooth body that faces the ground at the end of a trial step, m, world axes.
 #[inline]
 fn wandered<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<R>) -> R::Vec3 {
-    let turn = Rotation::cayley_unscaled(trial.spin).after(problem.rotation);
-    let axes = turn.normalised().axes();
+    let (position, axes) = end_of(problem, trial);
     let (body, ground) = (problem.scene.body(), problem.scene.ground());
-    let facing = facing_ground(body, ground, problem.motion.position + trial.shift, &axes);
+    let facing = facing_ground(body, ground, position, &axes);
     axes.to_world(facing.position)
+}
+
+/// Where the body is at the end of a trial step, and its axes there.
+#[inline]
+fn end_of<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    trial: &Trial<R>,
+) -> (R::Vec3, Axes<R>) {
+    let turn = Rotation::cayley_unscaled(trial.spin).after(problem.rotation);
+    let position = problem.motion.position + trial.shift;
+    (position, turn.normalised().axes())
+}
+
+/// Where the forces of mean velocities over a trial step have a kink on an arc.
+fn mean_kinks<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    trial: &Trial<R>,
+    rim: &Rim<R>,
+    arc: &Arc<R>,
+) -> Kinks<R> {
+    let axes = &problem.motion.axes;
+    let velocity = |v: R::Vec3| trial.swing.times(axes.to_world(v)) * problem.per_second;
+    let turning = rim.axes().map(|axis| velocity(axis * rim.radius()));
+    let middle = trial.velocity + velocity(rim.centre());
+    let velocities = Velocities::along(arc, middle, turning);
+    let ground = problem.scene.ground();
+    let normal = match &problem.plane {
+        Some(plane) => plane.normal,
+        None => ground.surface(problem.motion.position).normal,
+    };
+    let in_body = axes.to_body(normal);
+    kinks(problem.scene, rim, arc, in_body, normal, &velocities)
 }
 
 /// The arm of a force along `normal` that does the springs' work on a smooth body: with the step's turn `2a`, `normal · (2a × arm) = normal · swung`.

@@ -186,16 +186,17 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             let mean = ground.mean_force(contact.depth, contact.depth, h);
             // The contact's depth falls as its centre moves along this.
             let (slope, centre) = self.slope(contact);
-            let springs = slope * (mean.force * h * h);
+            let weight = contact.weight;
+            let springs = slope * (mean.force * h * h * weight);
             force += springs;
             torque += centre.cross(springs);
             // The force over an even path answers to its end by half of the springs' stiffness.
-            let stiffness = mean.stiffness * R::TWO * h * h;
+            let stiffness = mean.stiffness * R::TWO * h * h * weight;
             equations.add_at(&Block::outer(slope * stiffness, slope), centre, centre);
 
             let n = contact.normal;
-            let along = friction.drag(mean.force, contact.slip).coefficient * h;
-            let across = n * (mean.damping * h - along);
+            let along = friction.drag(mean.force, contact.slip).coefficient * (h * weight);
+            let across = n * (mean.damping * h * weight - along);
             let resistance = Block::diagonal(along).plus(&Block::outer(across, n));
             let resisted = resistance.times(way.shift + way.turn.cross(contact.arm));
             force += -resisted;

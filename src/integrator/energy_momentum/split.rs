@@ -48,8 +48,9 @@ fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -
             resist(&Resisting {
                 place: contact.arm,
                 normal: contact.normal,
-                along: friction.force(normal_force, contact.slip).length() * seconds,
-                across: damper.abs() * seconds,
+                along: friction.force(normal_force, contact.slip).length()
+                    * (seconds * contact.weight),
+                across: damper.abs() * (seconds * contact.weight),
             });
         });
     })

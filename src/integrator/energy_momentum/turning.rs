@@ -81,7 +81,8 @@ fn resistance<R: Real, D: Dynamics<R>>(
         let Some(law) = scene.friction().turning(normal_force) else {
             return;
         };
-        let [roll, drill] = of_contact(&law, contact.normal, angular_velocity);
+        let [roll, drill] = of_contact(&law, contact.normal, angular_velocity)
+            .map(|resistance| resistance * contact.weight);
         let (roll, beyond) = (roll * seconds, (drill - roll) * seconds);
         let (n, o) = (contact.normal, R::ZERO);
         sum[0] += R::Vec3::new(roll, o, o) + n * (n.x() * beyond);

@@ -11,7 +11,7 @@ use core::ops::ControlFlow;
 use tumble::real::{Matrix, Quaternion, Vector};
 use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Coin, Cone, ContactPoint, Coulomb,
-    Cuboid, DormandPrince54, Ellipsoid, EnergyMomentum, FlatGround, Flight, ForwardEuler,
+    Cuboid, Disc, DormandPrince54, Ellipsoid, EnergyMomentum, FlatGround, Flight, ForwardEuler,
     Frictionless, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper,
     MassDistribution, NoGravity, NoGround, Nystrom, Plane, PointCloud, PointMass, Ramp, Real,
     RigidPointBody, Rk4, Rod, Rotation, Sample, SceneError, SlidingFriction, SmoothCoulomb,
@@ -307,6 +307,7 @@ fn scenes<R: Bits, I: Integrator<R>>(
         }],
     };
 
+    let disc = Disc::<R>::solid(real(1.0), real(0.5), 40);
     let nickel = SolidCoin::new(real(1.0), real(0.3), real(0.06));
     // Solids joined and turned, a hull, and round corners: all of the mass properties' arithmetic.
     let edges = vector::<R>(0.3, 0.4, 0.5);
@@ -463,6 +464,9 @@ fn scenes<R: Bits, I: Integrator<R>>(
         play("cone", (&cone, &level(2000.0, 3.0), &coulomb, &falls), thrown, 1e-3, 0.3003)?;
         play("loaded sphere", (&loaded_sphere, &level(2000.0, 5.0), &coulomb, &falls), thrown, 1e-3, 0.5003)?;
         play("egg", (&egg, &level(2000.0, 5.0), &smooth, &falls), thrown, 1e-3, 0.5003)?;
+        play("round rim", (&disc, &slope(3000.0, 4.0), &coulomb, &falls), thrown, 1e-3, 0.5003)?;
+        play("round rim lies", (&disc, &level(200.0, 1.0), &smooth, &falls), lying, 1e-3, 0.1003)?;
+        play("round rim in a bowl", (&disc, &bowl, &coulomb, &falls), thrown, 1e-3, 0.3003)?;
         play("capsule", (&Capsule::solid(real(1.0), real(0.1), real(0.4)), &level(2000.0, 3.0), &smooth, &falls), thrown, 1e-3, 0.5003)?;
         play("thin rod", (&Rod::new(real(1.0), real(0.8)), &slope(2000.0, 3.0), &smooth, &falls), thrown, 1e-3, 0.5003)?;
         play("point mass", (&PointMass::new(real(0.7)), &slope(1500.0, 2.0), &grained, &falls), thrown, 1e-3, 0.5003)?;

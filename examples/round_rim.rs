@@ -1,0 +1,220 @@
+//! When a round rim, and when points: `Disc` beside rings of 12, 120 and 1200 points with the same stiffness of the whole rim.
+//!
+//! `cargo run --release --example round_rim` prints the tables of `Disc`'s documentation. Prices are ratios within the run.
+
+use core::error::Error;
+use std::time::Instant;
+
+use tumble::glam::DVec3;
+use tumble::{
+    Coin, ContactPoint, Coulomb, Disc, FlatGround, Frictionless, Integrator, Probe, RigidPointBody,
+    Rk4, SlidingFriction, State, Stepper, StrangSplitting, Trial, UniformGravity,
+};
+
+const RADIUS: f64 = 0.5;
+const GRAVITY: f64 = 9.8;
+/// Of the whole rim: 120 points of 1000 N/m and 0.5 N s/m.
+const STIFFNESS: f64 = 120e3;
+const DAMPING: f64 = 60.0;
+/// m/s.
+const SLIP_SPEED: f64 = 1e-3;
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// A coin of 1 kg with so many points on its rim, or with a round one.
+enum Body {
+    Ring(Coin<f64, Vec<ContactPoint>>),
+    Round(Disc),
+}
+
+impl Body {
+    fn all() -> [(String, f64, Self); 4] {
+        let ring = |n: u32| {
+            let points = vec![ContactPoint::default(); n as usize];
+            let coin = Coin::ring_in(points, 1.0, RADIUS);
+            (format!("{n} points"), f64::from(n), Self::Ring(coin))
+        };
+        let round = Self::Round(Disc::ring(1.0, RADIUS, 120));
+        [
+            ring(12),
+            ring(120),
+            ring(1200),
+            ("round".into(), 120.0, round),
+        ]
+    }
+
+    /// Calls `run` with the body as its own type.
+    fn with<T>(&self, run: impl Run<T>) -> Outcome<T> {
+        match self {
+            Self::Ring(coin) => run.run(coin),
+            Self::Round(disc) => run.run(disc),
+        }
+    }
+}
+
+/// What is asked of a body of any type.
+trait Run<T> {
+    fn run<B: RigidPointBody>(self, body: &B) -> Outcome<T>;
+}
+
+/// A body on the rim's springs, each point with its share.
+struct Scene<F, I> {
+    points: f64,
+    damping: f64,
+    friction: F,
+    integrator: I,
+    start: State,
+    seconds: f64,
+}
+
+/// Where it ends, its energy at both ends, the variation of its vertical acceleration over gravity, and the price of the run, s.
+struct Ride {
+    place: DVec3,
+    energy: [f64; 2],
+    rattle: f64,
+    price: f64,
+}
+
+impl<F: SlidingFriction + Copy, I: Integrator + Copy> Run<Ride> for Scene<F, I> {
+    fn run<B: RigidPointBody>(self, body: &B) -> Outcome<Ride> {
+        let each = |whole: f64| whole / self.points;
+        let stepper = Stepper::new(body)?
+            .with_gravity(UniformGravity::down(GRAVITY))?
+            .with_ground(FlatGround::level(each(STIFFNESS), each(self.damping)))?
+            .with_friction(self.friction)?
+            .with_integrator(self.integrator)?;
+        let mut state = self.start;
+        let (mut squares, mut samples) = (0.0, 0);
+        stepper.run(&mut state, self.seconds, &mut |sample: &tumble::Sample<
+            '_,
+        >| {
+            squares += stepper.scene().rates(sample.state).acceleration.z.powi(2);
+            samples += 1;
+            core::ops::ControlFlow::Continue(())
+        })?;
+        let mut price = f64::MAX;
+        for _ in 0..5 {
+            let mut again = self.start;
+            let clock = Instant::now();
+            stepper.advance(&mut again, self.seconds)?;
+            price = price.min(clock.elapsed().as_secs_f64());
+        }
+        Ok(Ride {
+            place: state.position,
+            energy: [stepper.energy(&self.start), stepper.energy(&state)].map(|e| e.total()),
+            rattle: (squares / f64::from(samples)).sqrt() / GRAVITY,
+            price,
+        })
+    }
+}
+
+fn main() -> Outcome<()> {
+    trials()?;
+    println!();
+    rolling()
+}
+
+/// The place of the report's trials beside that of the round rim.
+fn trials() -> Outcome<()> {
+    println!(
+        "| distance from the round rim, m | trial 1, 1 s | 5 s | trial 5, 1 s | 5 s | trial 8, 1 s | 5 s |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    let mut rows = Vec::new();
+    for (name, points, body) in Body::all() {
+        let mut places = Vec::new();
+        for number in [1, 5, 8] {
+            for seconds in [1.0, 5.0] {
+                let trial: Trial = Trial::report(number).ok_or("no such trial")?;
+                let friction = Coulomb {
+                    coefficient: trial.coefficient,
+                    slip_speed: SLIP_SPEED,
+                };
+                let integrator = Rk4 { time_step: 2e-4 };
+                let (start, damping) = (trial.state(), DAMPING);
+                let scene = Scene {
+                    points,
+                    damping,
+                    friction,
+                    integrator,
+                    start,
+                    seconds,
+                };
+                places.push(body.with(scene)?.place);
+            }
+        }
+        rows.push((name, places));
+    }
+    let Some((_, round)) = rows.pop() else {
+        return Ok(());
+    };
+    for (name, places) in rows {
+        let apart = places.iter().zip(&round).map(|(a, b)| a.distance(*b));
+        let cells: Vec<_> = apart.map(|apart| format!("{apart:.1e}")).collect();
+        println!("| {name} | {} |", cells.join(" | "));
+    }
+    Ok(())
+}
+
+/// A hoop that rolls upright at 4 rad/s, at the depth at which the round rim rests.
+fn rolling() -> Outcome<()> {
+    println!(
+        "| upright, 4 rad/s | vertical acceleration, rms, over g | energy lost in 1 s with dampers and friction, J | price of a step of `StrangSplitting` |"
+    );
+    println!("|---|---|---|---|");
+    let start = State::at(DVec3::Z * (RADIUS * half_arc().cos()))
+        .with_linear_velocity(-DVec3::Y * (4.0 * RADIUS))
+        .with_angular_momentum(DVec3::X * (4.0 * RADIUS * RADIUS));
+    let integrator = StrangSplitting { time_step: 1e-4 };
+    let mut prices = Vec::new();
+    for (name, points, body) in Body::all() {
+        let seconds = 1.0;
+        let free = body.with(Scene {
+            points,
+            damping: 0.0,
+            friction: Frictionless,
+            integrator,
+            start,
+            seconds,
+        })?;
+        let friction = Coulomb {
+            coefficient: 0.3,
+            slip_speed: SLIP_SPEED,
+        };
+        let real = body.with(Scene {
+            points,
+            damping: DAMPING,
+            friction,
+            integrator,
+            start,
+            seconds,
+        })?;
+        prices.push((
+            name,
+            free.rattle,
+            real.energy[0] - real.energy[1],
+            real.price,
+        ));
+    }
+    let per = prices.get(1).map_or(1.0, |(_, _, _, price)| *price);
+    for (name, rattle, lost, price) in prices {
+        println!("| {name} | {rattle:.1e} | {lost:.4} | {:.1} |", price / per);
+    }
+    Ok(())
+}
+
+/// Half of the arc on which the round rim bears its weight upright: `n S r (sin α - α cos α)/π = m g`.
+fn half_arc() -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let alpha: f64 = 0.5 * (low + high);
+        let force =
+            STIFFNESS * RADIUS / core::f64::consts::PI * (alpha.sin() - alpha * alpha.cos());
+        if force < GRAVITY {
+            low = alpha;
+        } else {
+            high = alpha;
+        }
+    }
+    low
+}
