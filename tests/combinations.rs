@@ -9,12 +9,13 @@ use core::ops::ControlFlow;
 
 use tumble::glam::DVec3;
 use tumble::{
-    AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Coin, Cone, Coulomb, Cuboid,
+    AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Coin, Cone, Coulomb, Cuboid, Disc,
     DormandPrince54, Ellipsoid, EnergyMomentum, Flight, ForwardEuler, Frictionless, Ground,
-    HuntCrossley, Integrator, LimitedDamper, MassDistribution, Plane, PointCloud, PointMass, Ramp,
-    RigidPointBody, Rk4, Rod, Sample, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere,
-    SpringDamper, SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck,
-    SymplecticEuler, Terrain, UniformGravity, Viscous, Waves, WithResistance,
+    HuntCrossley, Integrator, LimitedDamper, MassDistribution, Nystrom, Plane, PointCloud,
+    PointMass, Ramp, RigidPointBody, Rk4, Rod, Sample, SlidingFriction, SmoothCoulomb, Solid,
+    SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, StepError, Stepper,
+    StrangSplitting, Stribeck, SymplecticEuler, Terrain, UniformGravity, Viscous, Waves,
+    WithResistance,
 };
 
 type Named<T> = Vec<(&'static str, Box<T>)>;
@@ -41,6 +42,7 @@ fn bodies() -> Named<dyn RigidPointBody> {
     .unwrap();
     vec![
         ("Coin", Box::new(Coin::<f64>::ring(1.0, 0.3))),
+        ("Disc", Box::new(Disc::<f64>::ring(1.0, 0.3, 120))),
         ("SolidCoin", Box::new(SolidCoin::new(1.0, 0.3, 0.06))),
         ("Sphere::solid", Box::new(Sphere::solid(1.0, 0.3))),
         ("Sphere::shell", Box::new(Sphere::shell(1.0, 0.3))),
@@ -230,13 +232,14 @@ fn each(
 /// A body that hits with u = 3 m/s on springs of ω = 45 to 170 rad/s is pushed by u ω, up to 500 m/s². A method of order 1 is off by some half a step of that for the rest of the run, 0.2 s · u ω dt/2 = 10 mm
 /// for 0.2 ms; `ForwardEuler` gains energy besides, ω² dt a second, threefold in the stiffest bounce. Order 2 is off by 0.2 s · u (ω dt)²/12 = 1.5 mm for 1 ms, and by some times that where
 /// the tip of a cone or rod, six times lighter than the whole, takes the push.
-const BOUNDS: [(&str, f64); 7] = [
+const BOUNDS: [(&str, f64); 8] = [
     ("ForwardEuler", 0.15),
     ("SymplecticEuler", 2e-2),
     ("StrangSplitting", 8e-3),
     ("Rk4", 8e-3),
     ("EnergyMomentum", 4e-2),
     ("BogackiShampine32", 1e-4),
+    ("Nystrom", 8e-3),
     ("Flight", 4e-2),
 ];
 
@@ -260,11 +263,12 @@ fn in_tame_scenes_all_integrators_agree() {
                     3 => run(parts, Rk4 { time_step: 1e-3 }, 0.2),
                     4 => run(parts, EnergyMomentum { time_step: 1e-3 }, 0.2),
                     5 => run(parts, BogackiShampine32::new(1e-5), 0.2),
+                    6 => run(parts, Nystrom { time_step: 1e-3 }, 0.2),
                     _ => run(parts, Flight(EnergyMomentum { time_step: 1e-3 }), 0.2),
                 };
                 assert!(covers(&time, 0.2), "{name}, {method}: {time:?}");
                 assert!(
-                    rise <= 0.0 || !matches!(which, 4 | 6),
+                    rise <= 0.0 || !matches!(method, "EnergyMomentum" | "Flight"),
                     "{name}, {method}: {rise:e} J up"
                 );
                 let length = end.orientation.length();
@@ -277,7 +281,7 @@ fn in_tame_scenes_all_integrators_agree() {
             }
         },
     );
-    assert_eq!(count, 14 * 15 * 7);
+    assert_eq!(count, 15 * 15 * 7);
     for ((method, bound), (off, name)) in BOUNDS.iter().zip(&worst) {
         println!("{method:20} {off:.1e} of {bound:.0e} m  {name}");
     }
@@ -310,17 +314,26 @@ fn at_the_extremes_each_integrator_ends_its_steps_or_says_why_not() {
         time.is_ok()
     }
     let mut ended = BOUNDS.map(|_| [0_u32; 2]);
-    for (stiffness, damping, strength, slip_speed, time_step) in [
+    // Each combination has one of the extremes.
+    let extremes = [
         (1e9, 1e4, 1.0, 1e-10, 1e-3),
         (1e11, 0.0, 1e6, 1e-3, 1e-1),
         (1e-3, 1e8, 10.0, 1e-12, 1.0),
         (1e12, 1e9, 1e-3, 1.0, 1e-9),
         (0.0, 0.0, 1e6, 1e-12, 1e-2),
-    ] {
+    ];
+    for (number, (stiffness, damping, strength, slip_speed, time_step)) in
+        extremes.into_iter().enumerate()
+    {
+        let mut seen = 0;
         each(
             &grounds(stiffness, damping),
             &frictions(strength, slip_speed),
             |name, parts, turn| {
+                seen += 1;
+                if seen % extremes.len() != number {
+                    return;
+                }
                 let which = turn % BOUNDS.len();
                 let name = &format!(
                     "{}, {name}, stiffness {stiffness:e}, {time_step:e} s",
@@ -337,6 +350,7 @@ fn at_the_extremes_each_integrator_ends_its_steps_or_says_why_not() {
                     3 => live(name, parts, Rk4 { time_step }, time_step),
                     4 => live(name, parts, EnergyMomentum { time_step }, time_step),
                     5 => live(name, parts, adaptive, time_step),
+                    6 => live(name, parts, Nystrom { time_step }, time_step),
                     _ => live(name, parts, Flight(EnergyMomentum { time_step }), time_step),
                 };
                 ended[which][usize::from(fine)] += 1;
