@@ -18,6 +18,7 @@ for example in custom_body dice tippe_top rising_egg eulers_disk slide_to_roll c
   cargo run -q --release --example "$example" -- --quick --out "$out/all"
 done
 cargo run -q --release --example choose_accuracy -- --quick --out "$out/all"
+cargo run -q --release --example round_rim >"$out/round_rim"
 cargo run -q --release --example measured_tosses -- --synthetic --out "$out/all"
 python3 .ci/read_pictures.py "$out/all" >"$out/list"
 echo "all trials and the gallery: $(wc -l <"$out/list") files"

@@ -3,12 +3,14 @@
 //! `cargo run --release --example round_rim` prints the tables of `Disc`'s documentation. Prices are ratios within the run.
 
 use core::error::Error;
+use core::ops::ControlFlow;
 use std::time::Instant;
 
 use tumble::glam::DVec3;
 use tumble::{
-    Coin, ContactPoint, Coulomb, Disc, FlatGround, Frictionless, Integrator, Probe, RigidPointBody,
-    Rk4, SlidingFriction, State, Stepper, StrangSplitting, Trial, UniformGravity,
+    Coin, ContactPoint, Coulomb, Disc, EnergyMomentum, FlatGround, Frictionless, Integrator,
+    Nystrom, Probe, RigidPointBody, Rk4, Sample, SlidingFriction, State, Stepper, StrangSplitting,
+    Trial, UniformGravity,
 };
 
 const RADIUS: f64 = 0.5;
@@ -85,13 +87,12 @@ impl<F: SlidingFriction + Copy, I: Integrator + Copy> Run<Ride> for Scene<F, I> 
             .with_integrator(self.integrator)?;
         let mut state = self.start;
         let (mut squares, mut samples) = (0.0, 0);
-        stepper.run(&mut state, self.seconds, &mut |sample: &tumble::Sample<
-            '_,
-        >| {
+        let mut shake = |sample: &Sample<'_>| {
             squares += stepper.scene().rates(sample.state).acceleration.z.powi(2);
             samples += 1;
-            core::ops::ControlFlow::Continue(())
-        })?;
+            ControlFlow::Continue(())
+        };
+        stepper.run(&mut state, self.seconds, &mut shake)?;
         let mut price = f64::MAX;
         for _ in 0..5 {
             let mut again = self.start;
@@ -111,7 +112,9 @@ impl<F: SlidingFriction + Copy, I: Integrator + Copy> Run<Ride> for Scene<F, I> 
 fn main() -> Outcome<()> {
     trials()?;
     println!();
-    rolling()
+    rolling()?;
+    println!();
+    steps()
 }
 
 /// The place of the report's trials beside that of the round rim.
@@ -125,21 +128,7 @@ fn trials() -> Outcome<()> {
         let mut places = Vec::new();
         for number in [1, 5, 8] {
             for seconds in [1.0, 5.0] {
-                let trial: Trial = Trial::report(number).ok_or("no such trial")?;
-                let friction = Coulomb {
-                    coefficient: trial.coefficient,
-                    slip_speed: SLIP_SPEED,
-                };
-                let integrator = Rk4 { time_step: 2e-4 };
-                let (start, damping) = (trial.state(), DAMPING);
-                let scene = Scene {
-                    points,
-                    damping,
-                    friction,
-                    integrator,
-                    start,
-                    seconds,
-                };
+                let scene = trial(number, points, seconds, Rk4 { time_step: 2e-4 })?;
                 places.push(body.with(scene)?.place);
             }
         }
@@ -152,6 +141,55 @@ fn trials() -> Outcome<()> {
         let apart = places.iter().zip(&round).map(|(a, b)| a.distance(*b));
         let cells: Vec<_> = apart.map(|apart| format!("{apart:.1e}")).collect();
         println!("| {name} | {} |", cells.join(" | "));
+    }
+    Ok(())
+}
+
+/// A trial of the report on the rim's springs.
+fn trial<I>(number: usize, points: f64, seconds: f64, integrator: I) -> Outcome<Scene<Coulomb, I>> {
+    let trial: Trial = Trial::report(number).ok_or("no such trial")?;
+    Ok(Scene {
+        points,
+        damping: DAMPING,
+        friction: Coulomb {
+            coefficient: trial.coefficient,
+            slip_speed: SLIP_SPEED,
+        },
+        integrator,
+        start: trial.state(),
+        seconds,
+    })
+}
+
+/// How far the round rim's place is off after a second of trial 1.
+fn steps() -> Outcome<()> {
+    println!(
+        "| round, trial 1, place after 1 s, m | `Rk4` | `Nystrom` | `StrangSplitting` | `EnergyMomentum` |"
+    );
+    println!("|---|---|---|---|---|");
+    let disc = Disc::<f64>::ring(1.0, RADIUS, 120);
+    let truth = trial(1, 120.0, 1.0, Rk4 { time_step: 1e-4 })?
+        .run(&disc)?
+        .place;
+    for time_step in [1e-2, 5e-3, 2e-3, 1e-3, 2e-4] {
+        let places = [
+            trial(1, 120.0, 1.0, Rk4 { time_step })?.run(&disc)?.place,
+            trial(1, 120.0, 1.0, Nystrom { time_step })?
+                .run(&disc)?
+                .place,
+            trial(1, 120.0, 1.0, StrangSplitting { time_step })?
+                .run(&disc)?
+                .place,
+            trial(1, 120.0, 1.0, EnergyMomentum { time_step })?
+                .run(&disc)?
+                .place,
+        ];
+        let cells = places.map(|place| format!("{:.0e}", place.distance(truth)));
+        println!(
+            "| steps of {} ms | {} |",
+            time_step * 1e3,
+            cells.join(" | ")
+        );
     }
     Ok(())
 }
