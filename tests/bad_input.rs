@@ -1300,10 +1300,18 @@ fn an_orientation_without_a_direction_is_blamed_on_the_state_and_a_long_one_is_s
     // The squares of the last two are 0 and infinite.
     for length in [0.0, -0.0, 5e-324, 1e-200, 1e200] {
         let expected = Some(StepError::BadState(Quantity::Orientation));
-        assert_eq!(step_with(length), [expected; 5], "length {length:e}");
+        let answers = step_with(length);
+        assert!(
+            answers.iter().all(|answer| *answer == expected),
+            "length {length:e}: {answers:?}"
+        );
     }
     for length in [1e-150, 1e-3, 1.0, 1e3, 1e150] {
-        assert_eq!(step_with(length), [None; 5], "length {length:e}");
+        let answers = step_with(length);
+        assert!(
+            answers.iter().all(Option::is_none),
+            "length {length:e}: {answers:?}"
+        );
     }
 }
 

@@ -294,15 +294,15 @@ fn touch_downs_that_are_set_right_cost_nystroms_method_next_to_nothing() {
         let logs = (0..7).map(|k| error(name, steps + k * steps / 33).ln());
         (logs.sum::<f64>() / 7.0).exp()
     };
-    // Measured: 1.6e-6 against 8.0e-5 m with 4 ms, 1.4e-7 against 1.4e-5 m with 1 ms.
-    for (steps, gain) in [(250, 20.0), (1000, 40.0)] {
+    // Measured: 1.6e-6 against 6.9e-5 m with 4 ms, 6.4e-8 against 1.8e-5 m with 1 ms.
+    for (steps, gain) in [(250, 20.0), (1000, 100.0)] {
         let [ours, plain] = ["Nystrom", "Rk4"].map(|name| mean(name, steps));
         assert!(plain > gain * ours, "{steps}: {ours:e} m, Rk4 {plain:e} m");
     }
-    // Order 4 where steps are long, 2 where they are short: 2.8 and 1.7 measured, with chance in them; order 1 were it not for the correction.
+    // Order 4 where steps are long, 2 for each touch-down where they are short: 2.3 measured, with chance in it; order 1 were it not for the correction.
     let errors =
         [100, 250, 1000, 4000].map(|steps| (1.0 / f64::from(steps), mean("Nystrom", steps)));
-    assert!(convergence(&errors) > 1.5, "{errors:?}");
+    assert!(convergence(&errors) > 2.0, "{errors:?}");
     // A tenth of a millimetre, for 320 evaluations and up.
     for steps in [80, 85, 90, 95, 100, 110] {
         let error = error("Nystrom", steps);
@@ -332,6 +332,9 @@ fn in_trial_1_the_state_converges_at_the_methods_order_as_far_as_touch_downs_let
         let measured = convergence(&errors);
         let expected = if method.order == 1 {
             0.95..1.05
+        } else if method.name == "Nystrom" {
+            // It sees the jump: order 2 for each touch-down, which come at times without a pattern.
+            2.0..3.2
         } else {
             // The damper's force jumps at touch-down: order 1 with a small constant and chance in it, in front of what is
             // left of the method's own order at these steps. (An integrator that sees the jump keeps order 2.)

@@ -185,7 +185,8 @@ impl<R: Real> Path<R> {
                 high = share;
             }
             let next = share - depth / slope;
-            share = if next > low && next < high {
+            // Where it has converged, it stays.
+            share = if next >= low && next <= high {
                 next
             } else {
                 (low + high) * R::HALF

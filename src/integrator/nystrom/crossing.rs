@@ -131,30 +131,37 @@ fn pushing<R: Real>(path: &Path<R>, force: impl Fn(R) -> R, at_start: bool) -> [
     if at_start {
         // In the ground it may let go before it leaves.
         let inside = [R::ZERO, surface.unwrap_or(R::ONE)];
-        [R::ZERO, change(|share| force(share) > R::ZERO, inside)]
+        [R::ZERO, edge(force, inside, at_start)]
     } else {
         // It pushes as soon as it is in the ground, or begins to while it is there.
-        let inside = [R::ZERO, R::ONE];
-        let start = surface.unwrap_or_else(|| change(|share| force(share) <= R::ZERO, inside));
+        let start = surface.unwrap_or_else(|| edge(force, [R::ZERO, R::ONE], at_start));
         [start, R::ONE]
     }
 }
 
-/// Where what holds at the start ceases to, by halving.
+/// Where a force that pushes at one end of a part of the step falls to 0: by halving, and from the last share where it pushes on along its chord, so that rounding does not decide between two places.
 #[inline(always)]
-fn change<R: Real>(holds: impl Fn(R) -> bool, [mut low, mut high]: [R; 2]) -> R {
+fn edge<R: Real>(force: impl Fn(R) -> R, [mut low, mut high]: [R; 2], at_start: bool) -> R {
     for _ in 0..HALVINGS {
         let middle = (low + high) * R::HALF;
-        if holds(middle) {
+        if (force(middle) > R::ZERO) == at_start {
             low = middle;
         } else {
             high = middle;
         }
     }
-    high
+    let (inside, outside) = if at_start { (low, high) } else { (high, low) };
+    let width = outside - inside;
+    let (near, far) = (force(inside), force(inside - width));
+    let on = near / (far - near);
+    if on > R::ZERO && on < R::ONE {
+        inside + width * on
+    } else {
+        outside
+    }
 }
 
-/// To a 64th of the step: the force is next to 0 there, so that the square of that counts.
+/// To a 64th of the step, and a square of that on the chord; the force is next to 0 there, so that what is missed of its integral goes as the square once more.
 const HALVINGS: u32 = 6;
 
 /// `∫ f ds` and `∫ (1 - s) f ds` over a part of the step, by Gauss's rule with two points: the spring-damper's force is a cubic there.
