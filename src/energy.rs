@@ -1,5 +1,6 @@
 //! Energy by kind, and the rate at which contacts take it away.
 
+use crate::body::RigidPointBody;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
@@ -32,11 +33,7 @@ impl<R: Real> Energy<R> {
     #[inline]
     pub(crate) fn with_touching(scene: &impl Dynamics<R>, state: &State<R>) -> (Self, usize) {
         let motion = scene.motion(state);
-        let (mut springs, mut touching) = (R::ZERO, 0);
-        scene.visit_contacts(&motion, |contact| {
-            springs += scene.ground().spring_energy(contact.depth) * contact.weight;
-            touching += 1;
-        });
+        let (springs, touching) = springs(scene, &motion);
         (Self::moving(scene, state, &motion, springs), touching)
     }
 
@@ -163,13 +160,31 @@ pub struct Account<R: Real = f64> {
     pub rates: Rates<R>,
 }
 
+/// The energy in the springs, J, and how many contacts touch.
+///
+/// It is that of a body at rest in the same place: where the quadrature of a rim is cut for its forces depends on its velocities, and an energy of places must not.
+#[inline]
+fn springs<R: Real>(scene: &impl Dynamics<R>, motion: &Motion<R>) -> (R, usize) {
+    let at_rest = Motion {
+        linear_velocity: R::Vec3::ZERO,
+        angular_velocity: R::Vec3::ZERO,
+        ..*motion
+    };
+    let (mut energy, mut touching) = (R::ZERO, 0);
+    scene.visit_contacts(&at_rest, |contact| {
+        energy += scene.ground().spring_energy(contact.depth) * contact.weight;
+        touching += 1;
+    });
+    (energy, touching)
+}
+
 impl<R: Real> Account<R> {
     /// The account of a state of a scene.
     #[must_use]
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Self {
         let motion = scene.motion(state);
         let (mut load, mut dissipation) = (Load::default(), Dissipation::default());
-        let mut springs = R::ZERO;
+        let mut stored = R::ZERO;
         scene.visit_contacts(&motion, |contact| {
             let (force, power) = force_and_power(scene, contact, motion.angular_velocity);
             load.add(contact, force);
@@ -177,10 +192,13 @@ impl<R: Real> Account<R> {
                 load.torque += torque;
             }
             dissipation = dissipation.plus(&power, R::ONE);
-            springs += scene.ground().spring_energy(contact.depth) * contact.weight;
+            stored += scene.ground().spring_energy(contact.depth);
         });
+        if !scene.body().rims().is_empty() {
+            stored = springs(scene, &motion).0;
+        }
         Self {
-            energy: Energy::moving(scene, state, &motion, springs),
+            energy: Energy::moving(scene, state, &motion, stored),
             dissipation,
             rates: Rates::under(&load, scene, &motion),
         }
