@@ -14,7 +14,10 @@ use tumble::{
     Surface, Trial, UniformGravity,
 };
 
-const TOLERANCES: [f64; 7] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
+/// 1e-3 to 1e-9 m, three a decade, so that none is met by luck.
+fn tolerances() -> impl Iterator<Item = f64> {
+    (0..19).map(|thirds| 10.0_f64.powf(-3.0 - f64::from(thirds) / 3.0))
+}
 
 fn trial(number: usize) -> Trial {
     Trial {
@@ -40,19 +43,22 @@ fn error_of<I: Integrator>(number: usize, truths: &[Record], integrator: I) -> f
 fn errors<I: Integrator>(number: usize, of: fn(f64) -> I) -> Vec<(f64, f64)> {
     let truths = truths(number, 1e-3, 1.0);
     let error = |tolerance| error_of(number, &truths, of(tolerance));
-    TOLERANCES
+    tolerances()
         .map(|tolerance| (tolerance, error(tolerance)))
-        .to_vec()
+        .collect()
 }
 
-/// The tolerance bounds what a step does wrong. How many steps there are, and how the motion makes errors grow, is not the method's choice: trials 1 and 5 make 1 of a tolerance, trial 8,
-/// where the coin falls over, several. So the error is to lie between `least` tolerances and ten.
-fn assert_errors_follow<I: Integrator>(of: fn(f64) -> I, least: f64) {
+/// The error is the tolerance, within a factor of ten to either side.
+///
+/// The tolerance bounds what a step does wrong. How many steps there are, and how the motion makes errors grow or takes them back, is not the method's choice: a velocity that is wrong by 1 mm/s makes a way of 1 mm
+/// in a second where nothing takes it back, of 0.05 mm where the coin sticks (trial 3), and more where it falls over (trial 8). So the shares of the tolerance that a step may take are chosen for what comes between.
+fn assert_errors_follow<I: Integrator>(of: fn(f64) -> I) {
     for number in [1, 3, 5, 8] {
         let errors = errors(number, of);
         for (tolerance, error) in &errors {
+            let ratio = error / tolerance;
             assert!(
-                *error < 10.0 * tolerance && *error > least * tolerance,
+                (0.1..=10.0).contains(&ratio),
                 "trial {number}: {error:e} m for {tolerance:e} m"
             );
         }
@@ -66,14 +72,14 @@ fn assert_errors_follow<I: Integrator>(of: fn(f64) -> I, least: f64) {
 
 #[test]
 fn the_error_of_bogacki_and_shampine_follows_the_tolerance_over_six_decades() {
-    // Measured: 0.15 to 5.5.
-    assert_errors_follow(BogackiShampine32::new, 0.1);
+    // Measured: 0.13 to 7.1.
+    assert_errors_follow(BogackiShampine32::new);
 }
 
 #[test]
 fn the_error_of_dormand_and_prince_follows_the_tolerance_over_six_decades() {
-    // Measured: 0.05 to 6.1 down to 1e-6 m, and from 0.02 below. What is estimated is the error of order 4, of which that of the result, of order 5, is an ever smaller share.
-    assert_errors_follow(DormandPrince54::new, 0.005);
+    // Measured: 0.12 to 7.9.
+    assert_errors_follow(DormandPrince54::new);
 }
 
 /// Evaluations of the forces for a quarter of a second.

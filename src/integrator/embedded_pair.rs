@@ -3,10 +3,11 @@
 //! The stages of a step:
 //!
 //! 1. `attempt`: a step of the proposed length, or to the limit; the pair's difference is an estimate of its error;
-//! 2. `touch`: contacts that begin or cease to push in it, whose kink no such estimate sees for sure, with a bound of what they spoil;
+//! 2. `touch` and `slip`: contacts that begin or cease to push in it, or whose friction turns round, whose kink no such estimate sees for sure, with a bound of what they spoil;
 //! 3. `control`: both below the tolerance: done. Else again, to the first kink that matters, or shorter.
 
 mod control;
+mod slip;
 mod touch;
 
 use super::Step;
@@ -26,6 +27,8 @@ pub(super) struct Pair<const STAGES: usize> {
     pub(super) stages: [[f64; STAGES]; STAGES],
     /// Weights of the slopes in the estimate: those of the result less those of the lower order.
     pub(super) error: [f64; STAGES],
+    /// What counts of an estimated error of the velocities: how much larger it is than what the result, of a higher order, errs and contacts leave of that.
+    pub(super) trust: f64,
     /// The controller works with the 2^roots-th root of the error: next below the estimate's order in the step.
     pub(super) roots: u32,
 }
@@ -168,7 +171,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
         };
         report.evaluations += u32::try_from(STAGES).unwrap_or(u32::MAX) - 1;
         let mut end = attempt.end;
-        let mut errors = Errors::of(scene, &attempt.difference, &end.motion);
+        let mut errors = Errors::of(scene, &attempt.difference, &end.motion).within(pair.trust);
         let allowed = control::allowed(settings, scene, &end.motion);
         let bounds = [errors.total(), allowed];
         let kinks = touch::kinks(pair, scene, &start, &attempt, seconds, to_kink, bounds);

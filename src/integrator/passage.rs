@@ -208,15 +208,7 @@ impl<R: Real> Path<R> {
         let turns = self.start_slope > R::ZERO && self.end_slope < R::ZERO;
         above && turns && self.at(self.turn()).0 > R::ZERO
     }
-
-    /// Whether a path that ends above ground goes under it so soon after that a stage at the end may see it touch.
-    #[inline]
-    pub(super) fn nears(&self) -> bool {
-        self.end <= R::ZERO && self.end + self.end_slope * R::from_f64(NEAR) > R::ZERO
-    }
 }
 
 /// Newton's iterations from the chord's crossing on, which is some percent of the step off: to 1e-6 of it.
 const NEWTON: u32 = 3;
-/// By how much of a step a stage at its end may be ahead of the path.
-const NEAR: f64 = 0.05;

@@ -13,7 +13,7 @@ const HORIZON: f64 = 1.0;
 /// The share of the length that the error would just allow: a step that is turned down costs as much as one that is not.
 const SAFETY: f64 = 0.9;
 /// The share of the tolerance that one step may take, chosen so that the error of a second of contact is of the size of the tolerance.
-const SHARE: f64 = 0.5;
+const SHARE: f64 = 0.65;
 /// A step is at most so much longer, and after a failure at most so much shorter, than the last.
 const GROWTH: f64 = 5.0;
 const SHRINKAGE: f64 = 0.1;
@@ -40,6 +40,17 @@ impl<R: Real> Errors<R> {
             orientation: difference.orientation.length_squared().sqrt() * (R::TWO * reach),
             linear_velocity: difference.linear_velocity.length() * horizon,
             angular_momentum: spin.length() * (reach * horizon),
+        }
+    }
+
+    /// With the errors of the velocities counted by the way that they make in another time, as a share of [`HORIZON`].
+    #[inline]
+    pub(super) fn within(self, share: f64) -> Self {
+        let share = R::from_f64(share);
+        Self {
+            linear_velocity: self.linear_velocity * share,
+            angular_momentum: self.angular_momentum * share,
+            ..self
         }
     }
 
