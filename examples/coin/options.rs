@@ -37,11 +37,11 @@ What the report keeps fixed
 
 How to compute
   -i, --integrator <METHOD>     energy-momentum, report, forward-euler, symplectic-euler,
-                                strang or rk4; the energy of energy-momentum never rises,
-                                report is the report's own loop, word for word
+                                strang, rk4 or nystrom; the energy of energy-momentum never
+                                rises, report is the report's own loop, word for word
                                                                    [default: energy-momentum]
-  -s, --step <SECONDS>          time step                 [default: 1e-3 for energy-momentum,
-                                                             1e-4, the report's, for others]
+  -s, --step <SECONDS>          time step                 [default: 1e-3 for energy-momentum
+                                                 and nystrom, 1e-4, the report's, for others]
   -d, --duration <SECONDS>      of the run                                    [default: 160]
       --no-books                do not keep books of the energy: several times faster
 

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use indicatif::ProgressBar;
 use tumble::{
-    Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Rk4, State,
-    Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
+    Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Nystrom,
+    Rk4, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
 };
 
 use crate::options::UsageError;
@@ -32,6 +32,7 @@ pub(crate) fn run(setup: Setup, bar: &ProgressBar) -> Result<Recording, Box<dyn 
         Method::SymplecticEuler => record(setup, bar, SymplecticEuler { time_step }, by_library),
         Method::Strang => record(setup, bar, StrangSplitting { time_step }, by_library),
         Method::Rk4 => record(setup, bar, Rk4 { time_step }, by_library),
+        Method::Nystrom => record(setup, bar, Nystrom { time_step }, by_library),
     }
 }
 

