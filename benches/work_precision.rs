@@ -1,6 +1,8 @@
 //! Error against processor time: every integrator over a ladder of steps and tolerances, on six scenes, and on trial 1 with one knob turned at a time.
 //!
 //! `cargo bench --bench work_precision` prints the tables (some minutes) and draws them into `target/work_precision`; a word after `--` picks the scenes whose names hold it.
+//! `cargo bench --bench work_precision -- --all` turns all knobs together: every integrator and step or tolerance, `f64` and `f32`, 12, 120 and 1200 points, both laws of friction, three slip speeds, on the six
+//! scenes (some hours; a word picks here, too: `-- --all trial1`). It prints the cheapest setting for an error, a line a combination, and writes every row into `target/work_precision/rows.csv`.
 //! The times are the shortest of three runs: compare rows, not machines.
 
 // A bench that cannot go on ends.
@@ -8,13 +10,15 @@
 // The numbers of the scenes are small.
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
 
+#[path = "work_precision/grid.rs"]
+mod grid;
 #[path = "../examples/choose_accuracy/picture.rs"]
 mod picture;
 #[path = "../examples/choose_accuracy/scenes.rs"]
 mod scenes;
 
 use core::hint::black_box;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use scenes::{Friction, Start};
@@ -29,6 +33,11 @@ fn main() {
     let wanted = arguments
         .iter()
         .find(|argument| !argument.starts_with("--"));
+    if arguments.iter().any(|argument| argument == "--all") {
+        let wanted = wanted.map_or("", String::as_str);
+        grid::run(wanted, &folder()).unwrap();
+        return;
+    }
     flight(if whole { 200 } else { 1 });
     for (name, start, single) in table() {
         if wanted.is_some_and(|wanted| !name.contains(wanted.as_str())) {
@@ -165,8 +174,12 @@ fn measure(name: &str, start: &Start, single: bool, whole: bool) {
         }
     }
     if whole {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/work_precision");
         let file = name.replace(' ', "_");
-        picture::write(&trade, name, &folder, &file).unwrap();
+        picture::write(&trade, name, &folder(), &file).unwrap();
     }
+}
+
+/// Where pictures and tables go.
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("target/work_precision")
 }

@@ -12,6 +12,9 @@ use tumble::{
 
 type CoinScene<R, F> = Scene<R, Coin<R, Vec<ContactPoint<R>>>, FlatGround<R>, F, UniformGravity<R>>;
 
+/// Tries settings on a scene, in single precision or not.
+pub(crate) type Measured = Box<dyn Fn(&[Setting], bool) -> Trade>;
+
 /// A friction law with its numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Friction {
@@ -104,11 +107,16 @@ impl Start {
         settings: &[Setting],
         single: bool,
     ) -> Result<Trade, Box<dyn Error>> {
+        Ok(self.measured()?(settings, single))
+    }
+
+    /// The same for any settings, with the reference computed once.
+    pub(crate) fn measured(&self) -> Result<Measured, Box<dyn Error>> {
         match self.friction {
             Friction::Coulomb {
                 coefficient,
                 slip_speed,
-            } => self.trade_with(
+            } => self.measured_with(
                 Coulomb {
                     coefficient,
                     slip_speed,
@@ -117,13 +125,11 @@ impl Start {
                     coefficient: coefficient as f32,
                     slip_speed: slip_speed as f32,
                 },
-                settings,
-                single,
             ),
             Friction::Smooth {
                 coefficient,
                 slip_speed,
-            } => self.trade_with(
+            } => self.measured_with(
                 SmoothCoulomb {
                     coefficient,
                     slip_speed,
@@ -132,45 +138,36 @@ impl Start {
                     coefficient: coefficient as f32,
                     slip_speed: slip_speed as f32,
                 },
-                settings,
-                single,
             ),
-            Friction::None => self.trade_with(Frictionless, Frictionless, settings, single),
+            Friction::None => self.measured_with(Frictionless, Frictionless),
         }
     }
 
-    fn trade_with<F: SlidingFriction, F32: SlidingFriction<f32>>(
+    fn measured_with<F, F32>(
         &self,
         friction: F,
         friction_32: F32,
-        settings: &[Setting],
-        single: bool,
-    ) -> Result<Trade, Box<dyn Error>> {
+    ) -> Result<Measured, Box<dyn Error>>
+    where
+        F: SlidingFriction + 'static,
+        F32: SlidingFriction<f32> + 'static,
+    {
+        let (start, seconds) = (self.state, self.seconds);
         let scene = self.scene::<f64, _>(friction)?;
-        let reference = reference(&scene, &self.state, self.seconds)?;
-        if !single {
-            let start = &self.state;
-            return Ok(trade_against(
-                &scene,
-                start,
-                self.seconds,
-                settings,
-                &reference,
-            ));
-        }
-        let scene = self.scene::<f32, _>(friction_32)?;
-        let reference = Reference {
-            end: in_precision(&reference.end),
-            resolution: reference.resolution,
+        let scene_32 = self.scene::<f32, _>(friction_32)?;
+        let known = reference(&scene, &start, seconds)?;
+        let known_32 = Reference {
+            end: in_precision(&known.end),
+            resolution: known.resolution,
         };
-        let start = in_precision(&self.state);
-        Ok(trade_against(
-            &scene,
-            &start,
-            self.seconds as f32,
-            settings,
-            &reference,
-        ))
+        Ok(Box::new(move |settings, single| {
+            if single {
+                let start = in_precision(&start);
+                trade_against(&scene_32, &start, seconds as f32, settings, &known_32)
+            } else {
+                trade_against(&scene, &start, seconds, settings, &known)
+            }
+        }))
     }
 
     fn scene<R: Real, F: SlidingFriction<R>>(

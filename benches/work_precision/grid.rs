@@ -1,0 +1,252 @@
+//! The whole grid: each scene in both precisions, with few and many points, both laws of friction, and three slip speeds.
+
+use core::error::Error;
+use core::time::Duration;
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::Path;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use tumble::trade::{Method, Row, Setting, Trade};
+
+use crate::scenes::{Friction, Measured, Start};
+
+const SCENES: [&str; 6] = ["trial1", "trial8", "toss", "smooth", "stiff", "rest"];
+const POINTS: [usize; 3] = [12, 120, 1200];
+/// m/s
+const SLIP_SPEEDS: [f64; 3] = [1e-2, 1e-3, 1e-6];
+/// m
+const ERRORS: [f64; 4] = [1e-2, 1e-4, 1e-6, 1e-8];
+/// A method whose run has taken so long is not tried with a shorter step or a tighter tolerance.
+const LONGEST_RUN: Duration = Duration::from_secs(1);
+
+/// One place of the grid, in both precisions.
+struct Combination {
+    scene: &'static str,
+    start: Start,
+}
+
+/// Measures the combinations whose names hold `wanted`; writes every row into `rows.csv` and the cheapest settings into `cheapest.csv`, as they come, and prints these, a table a scene.
+pub(crate) fn run(wanted: &str, folder: &Path) -> Result<(), Box<dyn Error>> {
+    fs::create_dir_all(folder)?;
+    let mut rows = csv_file(&folder.join("rows.csv"), ROWS)?;
+    let mut cheapest = csv_file(&folder.join("cheapest.csv"), CHEAPEST)?;
+    let combinations: Vec<_> = combinations()
+        .filter(|combination| combination.name().contains(wanted))
+        .collect();
+    let bar = ProgressBar::new(combinations.len() as u64).with_style(ProgressStyle::with_template(
+        "{bar:30} {pos}/{len} {elapsed} of about {duration}  {msg}",
+    )?);
+    let mut last = "";
+    for combination in &combinations {
+        bar.set_message(combination.name());
+        if combination.scene != last {
+            last = combination.scene;
+            bar.suspend(|| print_head(combination));
+        }
+        match combination.start.measured() {
+            Ok(measured) => {
+                for single in [false, true] {
+                    let trade = try_all(&measured, single);
+                    let place = combination.place(single);
+                    bar.suspend(|| print_line(&place, &trade));
+                    write_rows(&mut rows, &place, &trade)?;
+                    write_cheapest(&mut cheapest, &place, &trade)?;
+                }
+            }
+            Err(error) => {
+                bar.suspend(|| println!("| {} | no reference: {error} |", combination.name()))
+            }
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    println!("\nall rows: {}", folder.join("rows.csv").display());
+    Ok(())
+}
+
+fn combinations() -> impl Iterator<Item = Combination> {
+    SCENES.into_iter().flat_map(|scene| {
+        let start = Start::named(scene).unwrap();
+        let frictions = frictions(start.friction);
+        POINTS.into_iter().flat_map(move |points| {
+            let start = start.clone();
+            frictions
+                .clone()
+                .into_iter()
+                .map(move |friction| Combination {
+                    scene,
+                    start: Start {
+                        points,
+                        friction,
+                        ..start.clone()
+                    },
+                })
+        })
+    })
+}
+
+/// Both laws at each slip speed; the scene without friction stays so.
+fn frictions(of_scene: Friction) -> Vec<Friction> {
+    let Friction::Coulomb { coefficient, .. } = of_scene else {
+        return vec![of_scene];
+    };
+    let laws = |slip_speed| {
+        [
+            Friction::Coulomb {
+                coefficient,
+                slip_speed,
+            },
+            Friction::Smooth {
+                coefficient,
+                slip_speed,
+            },
+        ]
+    };
+    SLIP_SPEEDS.into_iter().flat_map(laws).collect()
+}
+
+impl Combination {
+    /// `trial1 120 points Coulomb 1e-3`
+    fn name(&self) -> String {
+        let (law, slip_speed) = self.law();
+        let points = self.start.points;
+        format!("{} {points} points {law} {slip_speed}", self.scene)
+    }
+
+    /// Name and slip speed, m/s.
+    fn law(&self) -> (&'static str, String) {
+        match self.start.friction {
+            Friction::Coulomb { slip_speed, .. } => ("Coulomb", format!("{slip_speed:e}")),
+            Friction::Smooth { slip_speed, .. } => ("SmoothCoulomb", format!("{slip_speed:e}")),
+            Friction::None => ("none", String::new()),
+        }
+    }
+
+    /// What tells a row from those of other combinations.
+    fn place(&self, single: bool) -> [String; 5] {
+        let (law, slip_speed) = self.law();
+        let precision = if single { "f32" } else { "f64" };
+        let points = self.start.points.to_string();
+        [
+            self.scene.into(),
+            points,
+            law.into(),
+            slip_speed,
+            precision.into(),
+        ]
+    }
+}
+
+/// Every setting of the ladder, but those that come after a long run.
+fn try_all(measured: &Measured, single: bool) -> Trade {
+    let ladder = Setting::ladder();
+    let mut whole = measured(&[], single);
+    for method in Method::ALL {
+        for setting in ladder.iter().filter(|setting| setting.method == method) {
+            let rows = measured(&[*setting], single).rows;
+            let long = rows.iter().any(is_long);
+            whole.rows.extend(rows);
+            if long {
+                break;
+            }
+        }
+    }
+    whole
+}
+
+fn is_long(row: &Row) -> bool {
+    row.time > LONGEST_RUN && row.time != Duration::MAX
+}
+
+/// The cheapest setting for an error, where the reference can tell.
+fn cheapest(trade: &Trade, error: f64) -> Option<&Row> {
+    (trade.resolution <= error)
+        .then(|| trade.cheapest(error))
+        .flatten()
+}
+
+fn print_head(combination: &Combination) {
+    println!(
+        "\n## {}: {} s\n",
+        combination.scene, combination.start.seconds
+    );
+    print!("| points | friction | slip speed, m/s | |");
+    for error in ERRORS {
+        print!(" {error:e} m |");
+    }
+    println!(
+        " reference good to |\n|---|---|---|---|{}---|",
+        "---|".repeat(ERRORS.len())
+    );
+}
+
+fn print_line(place: &[String], trade: &Trade) {
+    print!("| {} |", place[1..].join(" | "));
+    for error in ERRORS {
+        match cheapest(trade, error) {
+            Some(row) => print!(" {}, {:.0} µs |", row.setting, micros(row)),
+            None => print!(" - |"),
+        }
+    }
+    println!(" {:.0e} m |", trade.resolution);
+}
+
+fn micros(row: &Row) -> f64 {
+    row.time.as_secs_f64() * 1e6
+}
+
+const ROWS: &str = "method,knob,error_m,time_us,evaluations,steps,rejected,energy_rise_J,reference_good_to_m,failure";
+const CHEAPEST: &str = "error_asked_m,method,knob,error_m,time_us,reference_good_to_m";
+
+/// A file with the columns of a combination and others.
+fn csv_file(path: &Path, columns: &str) -> Result<File, Box<dyn Error>> {
+    let mut file = File::create(path)?;
+    writeln!(
+        file,
+        "scene,points,friction,slip_speed_m_per_s,precision,{columns}"
+    )?;
+    Ok(file)
+}
+
+fn write_rows(file: &mut File, place: &[String], trade: &Trade) -> std::io::Result<()> {
+    let place = place.join(",");
+    for row in &trade.rows {
+        let Setting { method, knob, .. } = row.setting;
+        let failure = row.failure.map(|failure| failure.to_string());
+        writeln!(
+            file,
+            "{place},{},{knob:e},{:e},{:.3},{},{},{},{:e},{:e},\"{}\"",
+            method.name(),
+            row.error,
+            micros(row),
+            row.evaluations,
+            row.steps,
+            row.rejected,
+            row.energy_rise,
+            trade.resolution,
+            failure.unwrap_or_default()
+        )?;
+    }
+    Ok(())
+}
+
+fn write_cheapest(file: &mut File, place: &[String], trade: &Trade) -> std::io::Result<()> {
+    let place = place.join(",");
+    for error in ERRORS {
+        let Some(row) = cheapest(trade, error) else {
+            writeln!(file, "{place},{error:e},,,,,{:e}", trade.resolution)?;
+            continue;
+        };
+        let Setting { method, knob, .. } = row.setting;
+        writeln!(
+            file,
+            "{place},{error:e},{},{knob:e},{:e},{:.3},{:e}",
+            method.name(),
+            row.error,
+            micros(row),
+            trade.resolution
+        )?;
+    }
+    Ok(())
+}
