@@ -18,9 +18,11 @@ pub(crate) fn trial() -> Result<Trial<f64>, &'static str> {
     })
 }
 
-/// How far apart two states of the coin are, m: the centres' distance, and how far the turn between them moves the rim (to 1e-8 m, because of the arc cosine).
+/// How far apart two states of the coin are, m: the centres' distance, and how far the turn between them moves the rim.
 pub(crate) fn distance(a: &State, b: &State) -> f64 {
-    let angle = a.orientation.angle_between(b.orientation);
+    // The arc cosine of the product, as glam has it, would tell no angles below 2e-8 from 0.
+    let between = a.orientation * b.orientation.conjugate();
+    let angle = 2.0 * between.xyz().length().atan2(between.w.abs());
     (a.position - b.position)
         .length()
         .hypot(Trial::<f64>::RADIUS * angle)
