@@ -13,6 +13,7 @@
 
 mod contacts;
 mod descent;
+mod level;
 mod linear;
 mod newton;
 mod problem;
@@ -29,6 +30,7 @@ use crate::energy::Energy;
 use crate::error::{self, Quantity, SceneError, StepError};
 use crate::ground::{Extent, SpringDamperGround};
 use crate::real::{Real, Vector};
+use crate::rotation::Rotation;
 use crate::scene::{Contact, Dynamics, Motion};
 use crate::state::State;
 use contacts::Contacts;
@@ -117,7 +119,9 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
             return Ok(Step::new(dt, 0));
         }
         // An orientation that no scaling makes a turn: every attempt would fail, and the body stay where it is.
-        if !state.rotation().is_a_turn() {
+        let is_a_turn =
+            Rotation::<R>::unscaled(state.orientation).is_a_turn() || state.rotation().is_a_turn();
+        if !is_a_turn {
             return Err(StepError::BadState(Quantity::Orientation));
         }
         Ok(move_on(scene, state, dt, workspace))
@@ -159,29 +163,23 @@ fn move_on<R: Real, D: Dynamics<R>>(
     let mut lost = 0;
     while done < PARTS {
         let seconds = sixteenths(dt, length);
-        match attempt(scene, state, energy, seconds, workspace, &mut step) {
-            Some((next, next_energy)) => {
-                (*state, energy) = (next, next_energy);
-                done += length;
-                length = longest_part(done);
+        if attempt(scene, state, &mut energy, seconds, workspace, &mut step) {
+            done += length;
+            length = longest_part(done);
+        } else if length > 1 {
+            length /= 2;
+            step.fallback = true;
+        } else {
+            lost += 1;
+            // Where solution after solution fails, the rest goes downhill at once.
+            if lost > MOST_LOST {
+                length = PARTS - done;
             }
-            None if length > 1 => {
-                length /= 2;
-                step.fallback = true;
+            let seconds = sixteenths(dt, length);
+            if let Some(lower) = descent::step(scene, state, energy.total(), seconds, &mut step) {
+                (*state, energy) = lower;
             }
-            None => {
-                lost += 1;
-                // Where solution after solution fails, the rest goes downhill at once.
-                if lost > MOST_LOST {
-                    length = PARTS - done;
-                }
-                let seconds = sixteenths(dt, length);
-                if let Some(lower) = descent::step(scene, state, energy.total(), seconds, &mut step)
-                {
-                    (*state, energy) = lower;
-                }
-                done += length;
-            }
+            done += length;
         }
     }
     turning::resisted(scene, state, &mut energy, dt * R::HALF);
@@ -243,42 +241,46 @@ fn longest_part(done: u32) -> u32 {
     }
 }
 
-/// One attempt at a step: whole by Newton's method, else split. `None` where neither ends with an energy that is no higher.
+/// One attempt at a step: whole by Newton's method, else split. Whether one of them ends with an energy that is no higher; if not, state and energy stay.
 fn attempt<R: Real, D: Dynamics<R>>(
     scene: &D,
-    start: &State<R>,
-    energy: Energy<R>,
+    state: &mut State<R>,
+    energy: &mut Energy<R>,
     seconds: R,
     workspace: &mut Workspace<R>,
     step: &mut Step<R>,
-) -> Option<(State<R>, Energy<R>)> {
-    let problem = Problem::new(scene, start, seconds);
+) -> bool {
+    let problem = Problem::new(scene, state, energy, seconds);
     let contacts = &mut workspace.contacts;
+    let mut end = *state;
     for wide in [false, true] {
         gather(&problem, contacts, wide);
-        let end = if contacts.is_empty() && !scene.mass_properties().is_asymmetric() {
-            Some(fly(&problem))
-        } else {
-            whole(&problem, contacts, step)
-        };
-        let Some(end) = end else { break };
+        if contacts.is_empty() && !scene.mass_properties().is_asymmetric() {
+            end = fly(&problem);
+        } else if !whole(&problem, contacts, &mut end, step) {
+            break;
+        }
         let (end_energy, touching) = Energy::with_touching(scene, &end);
         // A contact that was not foreseen has come down: look at all of them.
         if !wide && !contacts.foresaw(touching) {
             continue;
         }
-        if let Some(kept) = ratchet::hold(scene, start, energy, end, end_energy, touching, step) {
-            return Some(kept);
+        let known = (&mut *state, &mut *energy);
+        if ratchet::hold(scene, known, (&end, &end_energy), touching, step) {
+            return true;
         }
         break;
     }
     step.fallback = true;
-    let end = split::step(scene, start, seconds, contacts, step)?;
+    let Some(end) = split::step(scene, state, seconds, contacts, step) else {
+        return false;
+    };
     let (end_energy, touching) = Energy::with_touching(scene, &end);
-    ratchet::hold(scene, start, energy, end, end_energy, touching, step)
+    ratchet::hold(scene, (state, energy), (&end, &end_energy), touching, step)
 }
 
-/// Free flight of a symmetric body, exact.
+/// Free flight of a symmetric body, exact. Not inlined: what it can be prepared with would be worked out for steps in contact too.
+#[inline(never)]
 fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
     let (start, seconds) = (&problem.start, problem.seconds);
     let gravity = problem.scene.gravity();
@@ -301,19 +303,23 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
     }
 }
 
-/// The whole step at once: Newton's method, then what friction and dampers still must stop.
+/// The whole step at once: Newton's method, then what friction and dampers still must stop. Whether its `end` could be had.
 fn whole<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
+    end: &mut State<R>,
     step: &mut Step<R>,
-) -> Option<State<R>> {
-    let (trial, strain) = newton::solve(problem, contacts, step)?;
-    let mut end = problem.end_of(&trial);
+) -> bool {
+    let mut trial = problem.first_trial();
+    let Some(strain) = newton::solve(problem, contacts, &mut trial, step) else {
+        return false;
+    };
+    *end = problem.end_of(&trial);
     let strain = strain.of_step(problem);
     if !strain.is_resolved() {
-        end = settle::settle(problem, contacts, &trial, strain, &end);
+        *end = settle::settle(problem, contacts, &trial, strain, end);
     }
-    end.not_finite().is_none().then_some(end)
+    end.not_finite().is_none()
 }
 
 /// Collects the contacts that may touch in the step: those below ground, and those that its first motion brings near; all where `wide`.

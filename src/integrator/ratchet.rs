@@ -10,53 +10,52 @@ use crate::state::State;
 /// Units in the last place of the sum of all energies' sizes that count as its rounding.
 const ROUNDING: f64 = 64.0;
 
-/// The end of a step with its velocities scaled down until its computed energy is at most `before`; `None` where that cannot be had.
+/// Moves a state with its energy on to the end of a step, with its velocities scaled down until its computed energy is no higher; `false` where that cannot be had.
 ///
 /// The solver's residual is all that can lift the energy, so that the factor is 1 to rounding; what was removed is in the step's report. A body in
 /// contact that has less kinetic energy than the rounding of the total, before and after, has come to rest, and stops where it was; in flight it keeps its old velocity.
 pub(super) fn hold<R: Real, D: Dynamics<R>>(
     scene: &D,
-    start: &State<R>,
-    before: Energy<R>,
-    end: State<R>,
-    after: Energy<R>,
+    (state, energy): (&mut State<R>, &mut Energy<R>),
+    (end, after): (&State<R>, &Energy<R>),
     touching: usize,
     step: &mut Step<R>,
-) -> Option<(State<R>, Energy<R>)> {
-    let ceiling = before.total();
+) -> bool {
+    let ceiling = energy.total();
     let excess = after.total() - ceiling;
     if excess <= R::ZERO {
-        return Some((end, after));
+        (*state, *energy) = (*end, *after);
+        return true;
     }
     if !excess.is_finite() {
-        return None;
+        return false;
     }
-    if let Some(held) = scaled_down(scene, ceiling, excess, &end, after) {
+    if let Some(held) = scaled_down(scene, ceiling, excess, end, *after) {
         step.ratcheted += excess;
-        return Some(held);
+        (*state, *energy) = held;
+        return true;
     }
-    let rounding = rounding_of(&before, &after);
+    let rounding = rounding_of(energy, after);
     if excess > rounding {
-        return None;
+        return false;
     }
     let candidate = if touching == 0 {
         State {
-            linear_velocity: start.linear_velocity,
-            angular_momentum: start.angular_momentum,
-            ..end
+            linear_velocity: state.linear_velocity,
+            angular_momentum: state.angular_momentum,
+            ..*end
         }
-    } else if before.translation + before.rotation <= rounding {
-        stopped(start)
+    } else if energy.translation + energy.rotation <= rounding {
+        stopped(state)
     } else {
         // A turning point: a shorter step will not end on it.
-        return None;
+        return false;
     };
-    let energy = Energy::of(scene, &candidate);
-    if energy.total() <= ceiling {
-        Some((candidate, energy))
-    } else {
-        Some((*start, before))
+    let candidate_energy = Energy::of(scene, &candidate);
+    if candidate_energy.total() <= ceiling {
+        (*state, *energy) = (candidate, candidate_energy);
     }
+    true
 }
 
 /// The end with its velocities scaled down, or without any, if its energy is then at most the ceiling.

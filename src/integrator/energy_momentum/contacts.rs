@@ -41,8 +41,6 @@ pub(super) struct Push<R: Real> {
     /// Unit vector out of the ground.
     pub(super) normal: R::Vec3,
     pub(super) mean: MeanForce<R>,
-    /// N, along the ground.
-    pub(super) friction: R::Vec3,
     /// The normal force and friction together, N.
     pub(super) force: R::Vec3,
     /// Mean slip, m/s.
@@ -75,7 +73,6 @@ impl<R: Real> Push<R> {
     const NONE: Self = Self {
         normal: R::Vec3::ZERO,
         mean: MeanForce::NONE,
-        friction: R::Vec3::ZERO,
         force: R::Vec3::ZERO,
         slip: R::Vec3::ZERO,
         arm: R::Vec3::ZERO,
@@ -179,34 +176,37 @@ impl<R: Real> Contacts<R> {
         may_touch: impl Fn(&Rim<R>) -> bool,
     ) {
         let contacts = problem.scene.body().contacts();
-        (self.remembered, self.seen) = (0, 0);
         self.run = Run {
             count: run.count.min(contacts.len()),
             ..run
         };
         self.fixed = 0;
         self.with_rim = problem.scene.body().rims().iter().any(may_touch);
-        for point in run.parts(contacts).into_iter().flatten() {
-            let touch = Touch::of(problem, point);
-            if keep(touch.push.depth, touch.arm) {
-                let Some(place) = self.touches.get_mut(self.remembered) else {
-                    return;
-                };
-                // The rest of the place is written by the first trial.
-                (place.arm, place.push.depth) = (touch.arm, touch.push.depth);
-                place.dual = None;
-                place.push.radius = touch.push.radius;
-                if let Some(plane) = &problem.plane {
-                    place.push.normal = plane.normal;
+        let (mut remembered, mut seen) = (0, 0);
+        'all: for part in run.parts(contacts) {
+            for point in part {
+                let touch = Touch::of(problem, point);
+                if keep(touch.push.depth, touch.arm) {
+                    let Some(place) = self.touches.get_mut(remembered) else {
+                        break 'all;
+                    };
+                    // The rest of the place is written by the first trial.
+                    (place.arm, place.push.depth) = (touch.arm, touch.push.depth);
+                    place.dual = None;
+                    place.push.radius = touch.push.radius;
+                    if let Some(plane) = &problem.plane {
+                        place.push.normal = plane.normal;
+                    }
+                    if !problem.scene.body().rims().is_empty() {
+                        place.push.weight = R::ONE;
+                        self.fixed += 1;
+                    }
+                    remembered += 1;
                 }
-                if !problem.scene.body().rims().is_empty() {
-                    place.push.weight = R::ONE;
-                    self.fixed += 1;
-                }
-                self.remembered += 1;
+                seen += 1;
             }
-            self.seen += 1;
         }
+        (self.remembered, self.seen) = (remembered, seen);
     }
 
     /// How many contacts there are, remembered or not.
@@ -246,14 +246,28 @@ impl<R: Real> Contacts<R> {
         if self.with_rim && !problem.scene.body().rims().is_empty() {
             self.lay_rims(problem, trial);
         }
-        for touch in self.touches.iter_mut().take(self.remembered) {
-            touch.respond(problem, trial);
-            if touch.push.is_felt() {
-                feel(&touch.push);
+        let mut done = 0;
+        if problem.is_bare {
+            for touch in self.touches.iter_mut().take(self.remembered) {
+                if touch.respond_on_level(problem, trial) {
+                    feel(&touch.push);
+                }
             }
+            done = self.remembered;
         }
-        for index in self.remembered..self.len() {
-            if let Some(touch) = self.forgotten(index, problem, trial) {
+        let mut forgotten;
+        for index in done..self.len() {
+            let touch = if index < self.remembered {
+                let Some(touch) = self.touches.get_mut(index) else {
+                    break;
+                };
+                touch.respond(problem, trial);
+                touch
+            } else {
+                forgotten = self.forgotten(index, problem, trial);
+                &mut forgotten
+            };
+            if touch.push.is_felt() {
                 feel(&touch.push);
             }
         }
@@ -301,6 +315,17 @@ impl<R: Real> Contacts<R> {
         self.remembered = count;
     }
 
+    /// As [`answer`](Self::answer), for what they keep of it alone.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn note_answers<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+    ) {
+        self.answer(problem, trial, |_, _| {});
+    }
+
     /// Asks those that reach the ground how friction answers at the last trial step, which was `trial`, and hands that on with what they did.
     #[inline(always)]
     pub(super) fn answer<D: Dynamics<R>>(
@@ -309,7 +334,17 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
         mut feel: impl FnMut(&Push<R>, &Answer<R>),
     ) {
-        for touch in self.touches.iter_mut().take(self.remembered) {
+        let mut forgotten;
+        for index in 0..self.len() {
+            let touch = if index < self.remembered {
+                let Some(touch) = self.touches.get_mut(index) else {
+                    break;
+                };
+                touch
+            } else {
+                forgotten = self.forgotten(index, problem, trial);
+                &mut forgotten
+            };
             if touch.push.is_felt() {
                 let answer = touch.answer(problem);
                 touch.dual = Some(Dual {
@@ -321,11 +356,6 @@ impl<R: Real> Contacts<R> {
                 feel(&touch.push, &answer);
             }
         }
-        for index in self.remembered..self.len() {
-            if let Some(touch) = self.forgotten(index, problem, trial) {
-                feel(&touch.push, &touch.answer(problem));
-            }
-        }
     }
 
     /// Hands on what the contacts that reach the ground did over the last trial step, which was `trial`, and the drag of friction there.
@@ -335,33 +365,39 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
         mut feel: impl FnMut(&Push<R>, &Drag<R>),
     ) {
-        let mut feel = |push: &Push<R>| feel(push, &push.drag(problem, push.slip));
-        for touch in self.touches.iter().take(self.remembered) {
+        let mut forgotten;
+        for index in 0..self.len() {
+            let touch = match self.touches.get(index) {
+                Some(touch) if index < self.remembered => touch,
+                _ => {
+                    forgotten = self.forgotten(index, problem, trial);
+                    &forgotten
+                }
+            };
             if touch.push.is_felt() {
-                feel(&touch.push);
-            }
-        }
-        for index in self.remembered..self.len() {
-            if let Some(touch) = self.forgotten(index, problem, trial) {
-                feel(&touch.push);
+                let push = &touch.push;
+                feel(push, &push.drag(problem, push.slip));
             }
         }
     }
 
-    /// What a contact does that found no place, made anew, if it reaches the ground.
+    /// What a contact does that found no place, made anew.
     #[cold]
+    #[inline(never)]
     fn forgotten<D: Dynamics<R>>(
         &self,
         index: usize,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-    ) -> Option<Touch<R>> {
+    ) -> Touch<R> {
         let contacts = problem.scene.body().contacts();
         let along_run = self.run.first + self.seen + (index - self.remembered);
-        let point = contacts.get(along_run % contacts.len().max(1))?;
+        let Some(point) = contacts.get(along_run % contacts.len().max(1)) else {
+            return Touch::NONE;
+        };
         let mut touch = Touch::of(problem, point);
         touch.respond(problem, trial);
-        touch.push.is_felt().then_some(touch)
+        touch
     }
 }
 
@@ -391,29 +427,34 @@ impl<R: Real> Touch<R> {
         }
     }
 
-    /// Works out what the contact does over a trial step.
-    #[inline]
-    fn respond<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, trial: &Trial<R>) {
-        if !problem.is_bare {
-            self.respond_anywhere(problem, trial);
-            return;
-        }
+    /// Works out what a bare contact on level ground does over a trial step, and whether that is felt.
+    #[inline(always)]
+    fn respond_on_level<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+    ) -> bool {
         let swung = trial.swing.times(self.arm);
         let moved = trial.shift + swung;
-        self.push.end_depth = self.push.depth - moved.z();
-        self.push.mean = self.push.mean_force(problem, self.push.end_depth);
-        if self.push.is_felt() {
-            let end_arm = self.arm + swung;
-            let along = R::Vec3::new(moved.x(), moved.y(), R::ZERO);
-            self.slide(problem, along, (self.arm + end_arm) * R::HALF, end_arm);
-            let friction = self.push.friction;
-            let up = friction.z() + self.push.mean.force;
-            self.push.force = R::Vec3::new(friction.x(), friction.y(), up);
+        let end_depth = self.push.depth - moved.z();
+        let mean = self.push.mean_force(problem, end_depth);
+        self.push.end_depth = end_depth;
+        self.push.mean = mean;
+        if !self.push.is_felt() {
+            return false;
         }
+        let end_arm = self.arm + swung;
+        let along = R::Vec3::new(moved.x(), moved.y(), R::ZERO);
+        let arm = (self.arm + end_arm) * R::HALF;
+        let friction = self.slide(problem, along, arm, end_arm);
+        let up = friction.z() + mean.force;
+        self.push.force = R::Vec3::new(friction.x(), friction.y(), up);
+        true
     }
 
     /// The same for a contact of any kind on any ground.
-    fn respond_anywhere<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, trial: &Trial<R>) {
+    #[inline(never)]
+    fn respond<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, trial: &Trial<R>) {
         let is_smooth = problem.scene.body().is_smooth();
         let swung = if is_smooth {
             wandered(problem, trial) - self.arm
@@ -441,11 +482,11 @@ impl<R: Real> Touch<R> {
             arm -= normal * radius;
             along -= trial.spin.cross(normal) * (radius * R::TWO);
         }
-        self.slide(problem, along, arm, end_arm);
-        self.push.force = normal * self.push.mean.force + self.push.friction;
+        let friction = self.slide(problem, along, arm, end_arm);
+        self.push.force = normal * self.push.mean.force + friction;
     }
 
-    /// Friction over a path along the ground.
+    /// Friction (N) over a path along the ground.
     #[inline(always)]
     fn slide<D: Dynamics<R>>(
         &mut self,
@@ -453,12 +494,12 @@ impl<R: Real> Touch<R> {
         along: R::Vec3,
         arm: R::Vec3,
         end_arm: R::Vec3,
-    ) {
+    ) -> R::Vec3 {
         let slip = along * problem.per_second;
         self.push.slip = slip;
-        self.push.friction = self.push.friction(problem, slip);
         self.push.arm = arm;
         self.push.end_arm = end_arm;
+        self.push.friction(problem, slip)
     }
 
     /// The normal along which the force does the springs' work, and the depth at the end, for a contact whose centre moves by `moved`.
@@ -482,6 +523,7 @@ impl<R: Real> Touch<R> {
     }
 
     /// How friction answers at the last trial step.
+    #[inline(always)]
     fn answer<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Answer<R> {
         let (push, slip) = (&self.push, self.push.slip);
         let drag = push.drag(problem, slip);

@@ -113,14 +113,10 @@ impl<R: Real> Block<R> {
 /// Six linear equations of a rigid body: force and torque, row by row, as they answer to a shift and a turn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SixBySix<R: Real> {
-    rows: [[R; 6]; 6],
+    pub(super) rows: [[R; 6]; 6],
 }
 
 impl<R: Real> SixBySix<R> {
-    pub(super) const ZERO: Self = Self {
-        rows: [[R::ZERO; 6]; 6],
-    };
-
     /// A force that answers to the shift alone, and a torque to the turn.
     #[inline]
     pub(super) fn of_body(mass: R, inertia: &Block<R>) -> Self {
@@ -153,25 +149,15 @@ impl<R: Real> SixBySix<R> {
             row(shift[1], turn[1]),
             row(shift[2], turn[2]),
         ];
-        let by_column = [x, y, z];
-        self.add_column::<0>(&by_column, arm);
-        self.add_column::<1>(&by_column, arm);
-        self.add_column::<2>(&by_column, arm);
-        self.add_column::<3>(&by_column, arm);
-        self.add_column::<4>(&by_column, arm);
-        self.add_column::<5>(&by_column, arm);
-    }
-
-    /// One function a column, as in [`Factors::eliminate`].
-    #[inline(always)]
-    fn add_column<const J: usize>(&mut self, [x, y, z]: &[[R; 6]; 3], arm: R::Vec3) {
         let [fx, fy, fz, tx, ty, tz] = &mut self.rows;
-        fx[J] += x[J];
-        fy[J] += y[J];
-        fz[J] += z[J];
-        tx[J] += z[J] * arm.y() - y[J] * arm.z();
-        ty[J] += x[J] * arm.z() - z[J] * arm.x();
-        tz[J] += y[J] * arm.x() - x[J] * arm.y();
+        for j in 0..6 {
+            fx[j] += x[j];
+            fy[j] += y[j];
+            fz[j] += z[j];
+            tx[j] += z[j] * arm.y() - y[j] * arm.z();
+            ty[j] += x[j] * arm.z() - z[j] * arm.x();
+            tz[j] += y[j] * arm.x() - x[j] * arm.y();
+        }
     }
 
     /// Adds the torque of a force whose arm a turn moves by `ϑ × place`: `(ϑ × place) × force`.
@@ -207,26 +193,12 @@ impl<R: Real> SixBySix<R> {
 
     /// The shift and turn that a force and a torque make.
     pub(super) fn solve(&self, force: R::Vec3, torque: R::Vec3, reach: R) -> (R::Vec3, R::Vec3) {
-        let mut factors = Factors::NONE;
-        self.factor(reach, &mut factors);
-        self.solve_with(&factors, force, torque, reach)
-    }
-
-    /// As [`solve`](Self::solve), with the factors that [`factor`](Self::factor) has found. Where stiffness has swallowed the inertia beyond rounding, so that the matrix is
-    /// singular, that of a body heavier by the root of the rounding: smaller steps, in a direction that can be had.
-    #[inline]
-    pub(super) fn solve_with(
-        &self,
-        factors: &Factors<R>,
-        force: R::Vec3,
-        torque: R::Vec3,
-        reach: R,
-    ) -> (R::Vec3, R::Vec3) {
-        let (shift, turn) = factors.solve(force, torque);
-        if shift.is_finite() && turn.is_finite() {
-            return (shift, turn);
-        }
-        self.solve_heavier(force, torque, reach)
+        let mut matrix = Factored {
+            equations: *self,
+            ..Factored::NONE
+        };
+        matrix.factor(reach);
+        matrix.solve(force, torque, reach)
     }
 
     #[cold]
@@ -250,7 +222,7 @@ impl<R: Real> SixBySix<R> {
     /// The matrix as a product of triangular ones, by Gauss's elimination. Turns and torques are measured with the length `reach`, so that pivots compare like with like
     /// whatever the body's size. Inertia and springs make the diagonal strong: rows are exchanged only where a pivot is small beside what is below it.
     #[inline]
-    pub(super) fn factor(&self, reach: R, factors: &mut Factors<R>) {
+    fn factor(&self, reach: R, factors: &mut Factors<R>) {
         self.fill(reach, factors);
         if !factors.eliminate() {
             self.factor_with_exchanges(reach, factors);
@@ -269,29 +241,55 @@ impl<R: Real> SixBySix<R> {
     fn fill(&self, reach: R, factors: &mut Factors<R>) {
         let per_reach = R::ONE / reach;
         let square = per_reach * per_reach;
-        let [a, b, c, d, e, f] = &self.rows;
-        let top = |[u, v, w, x, y, z]: &[R; 6]| {
-            [*u, *v, *w, *x * per_reach, *y * per_reach, *z * per_reach]
-        };
-        let bottom = |[u, v, w, x, y, z]: &[R; 6]| {
-            [
-                *u * per_reach,
-                *v * per_reach,
-                *w * per_reach,
-                *x * square,
-                *y * square,
-                *z * square,
-            ]
-        };
-        factors.rows = [top(a), top(b), top(c), bottom(d), bottom(e), bottom(f)];
+        let scales = [R::ONE, per_reach, square];
+        for i in 0..6 {
+            for j in 0..6 {
+                factors.rows[i][j] = self.rows[i][j] * scales[i / 3 + j / 3];
+            }
+        }
         factors.per_reach = per_reach;
         factors.exchanged = false;
     }
 }
 
+/// Six equations with their factors.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Factored<R: Real> {
+    pub(super) equations: SixBySix<R>,
+    factors: Factors<R>,
+}
+
+impl<R: Real> Factored<R> {
+    pub(super) const NONE: Self = Self {
+        equations: SixBySix {
+            rows: [[R::ZERO; 6]; 6],
+        },
+        factors: Factors::NONE,
+    };
+
+    /// Finds the factors of the equations.
+    #[inline]
+    pub(super) fn factor(&mut self, reach: R) {
+        self.equations.factor(reach, &mut self.factors);
+    }
+
+    /// The shift and turn that a force and a torque make. Where stiffness has swallowed the inertia beyond rounding, so that the matrix is
+    /// singular, those of a body heavier by the root of the rounding: smaller steps, in a direction that can be had.
+    #[inline]
+    pub(super) fn solve(&self, force: R::Vec3, torque: R::Vec3, reach: R) -> (R::Vec3, R::Vec3) {
+        let (shift, turn) = self.factors.solve(force, torque);
+        // What is not finite leaves no 0, in fewer operations than six questions.
+        let nothing = (shift + turn) * R::ZERO;
+        if nothing.x() + nothing.y() + nothing.z() == R::ZERO {
+            return (shift, turn);
+        }
+        self.equations.solve_heavier(force, torque, reach)
+    }
+}
+
 /// The factors of six equations.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Factors<R: Real> {
+struct Factors<R: Real> {
     /// Above the diagonal the upper one, below it the lower one, whose diagonal is 1.
     rows: [[R; 6]; 6],
     /// One over the diagonal of the upper one.
@@ -306,12 +304,12 @@ pub(super) struct Factors<R: Real> {
 const LARGEST_FACTOR: f64 = 16.0;
 
 impl<R: Real> Factors<R> {
-    pub(super) const NONE: Self = Self {
+    const NONE: Self = Self {
         rows: [[R::ZERO; 6]; 6],
         inverse: [R::ZERO; 6],
-        order: [0, 1, 2, 3, 4, 5],
+        order: [0; 6],
         exchanged: false,
-        per_reach: R::ONE,
+        per_reach: R::ZERO,
     };
 
     /// One function a column, so that every index is known at compile time. Whether every pivot will do.

@@ -10,7 +10,7 @@
 //! the Cayley argument by `(ϑ - a × ϑ + a (a·ϑ))/2`. In these unknowns the derivatives need neither inverses nor the map's own.
 
 use super::contacts::{Contacts, Push};
-use super::linear::{Factors, SixBySix};
+use super::linear::Factored;
 use super::problem::{Problem, Trial};
 use super::settle::Strain;
 use super::stiffness;
@@ -75,18 +75,17 @@ struct Base<R: Real> {
     turn: R::Vec3,
 }
 
-/// Solves the step: the trial and how it strains friction and dampers, or `None` where the iteration does not converge. Counts its work in `step`.
+/// Solves the step: the trial, which is left in `trial`, and how it strains friction and dampers, or `None` where the iteration does not converge. Counts its work in `step`.
 ///
 /// Full steps first: with the dual unknown they pass from slip to stick and back, which a search along the line would forbid. Where they run in a circle
 /// (a spring so stiff that the step out of contact overshoots), the iteration goes back to the best trial and takes only steps that reduce what is lacking.
 pub(super) fn solve<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
+    trial: &mut Trial<R>,
     step: &mut Step<R>,
-) -> Option<(Trial<R>, Strain<R>)> {
-    let mut trial = problem.first_trial();
-    let mut equations = SixBySix::ZERO;
-    let mut factors = Factors::NONE;
+) -> Option<Strain<R>> {
+    let mut matrix = Factored::NONE;
     let mut strain = Strain::NONE;
     let mut base: Option<Base<R>> = None;
     let mut best: Option<Place<R>> = None;
@@ -94,22 +93,22 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
     let scale = Scale::of(problem);
     for iteration in 0..LIMIT {
         let mut sum = Sum::NONE;
-        contacts.respond(problem, &trial, |push| sum.add(push));
+        contacts.respond(problem, trial, |push| sum.add(push));
         step.evaluations += 1;
-        let (force_lack, torque_lack) = lack(problem, &trial, &sum);
+        let (force_lack, torque_lack) = lack(problem, trial, &sum);
         let here = Place {
             velocity: trial.velocity,
             spin: trial.spin,
             size: norm(problem, force_lack, torque_lack),
         };
-        let tolerance = scale.at(problem, &trial, &sum) * tolerance::<R>();
+        let tolerance = scale.at(problem, trial, &sum) * tolerance::<R>();
         if here.size <= tolerance * R::from_f64(EXACT) {
-            return Some((trial, Strain::at(problem, contacts, &trial)));
+            return Some(Strain::at(problem, contacts, trial));
         }
         let progress = best.is_none_or(|best| here.size < best.size * R::HALF);
         // No further progress near the end: rounding is reached.
         if !progress && here.size <= tolerance * R::from_f64(1e3) {
-            return Some((trial, Strain::at(problem, contacts, &trial)));
+            return Some(Strain::at(problem, contacts, trial));
         }
         if let Some(base) = &base {
             let worse =
@@ -120,8 +119,14 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
                     return None;
                 }
                 // The dual unknowns go on from here.
-                contacts.answer(problem, &trial, |_, _| {});
-                trial = change(problem, &base.place, base.shift * share, base.turn * share);
+                contacts.note_answers(problem, trial);
+                change(
+                    problem,
+                    trial,
+                    &base.place,
+                    base.shift * share,
+                    base.turn * share,
+                );
                 continue;
             }
         } else if !here.size.is_finite() {
@@ -135,18 +140,17 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
         if enough {
             // A step that is resolved is so here too; how far another one is not, is asked where it ends.
             if !strain.of_step(problem).is_resolved() {
-                strain = Strain::at(problem, contacts, &trial);
+                strain = Strain::at(problem, contacts, trial);
             }
         } else {
-            strain = stiffness::equations(problem, contacts, &trial, &mut equations);
-            equations.factor(problem.reach, &mut factors);
+            strain = stiffness::equations(problem, contacts, trial, &mut matrix.equations);
+            matrix.factor(problem.reach);
         }
-        let (shift, turn) =
-            equations.solve_with(&factors, -force_lack, -torque_lack, problem.reach);
-        trial = change(problem, &here, shift, turn);
+        let (shift, turn) = matrix.solve(-force_lack, -torque_lack, problem.reach);
+        change(problem, trial, &here, shift, turn);
         // Newton's next step squares what is lacking: nothing is left to look at.
         if last {
-            return Some((trial, strain));
+            return Some(strain);
         }
         if best.is_none_or(|best| here.size < best.size) {
             best = Some(here);
@@ -155,7 +159,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
         let mut place = here;
         if iteration == BOLD {
             if let Some(best) = best {
-                trial = problem.trial(best.velocity, best.spin);
+                problem.set(trial, best.velocity, best.spin);
                 // The next evaluation is at the best trial itself and must pass.
                 place.size = best.size * R::TWO;
             }
@@ -176,13 +180,15 @@ fn tolerance<R: Real>() -> R {
 #[inline]
 fn change<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
+    trial: &mut Trial<R>,
     from: &Place<R>,
     shift: R::Vec3,
     turn: R::Vec3,
-) -> Trial<R> {
+) {
     let a = from.spin;
     let change = (turn - a.cross(turn) + a * a.dot(turn)) * R::HALF;
-    problem.trial(from.velocity + shift * problem.per_second, a + change)
+    let velocity = from.velocity + shift * problem.per_second;
+    problem.set(trial, velocity, a + change);
 }
 
 /// By how much the momentum balance fails.
@@ -225,13 +231,8 @@ struct Scale<R> {
 impl<R: Real> Scale<R> {
     #[inline]
     fn of<D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> Self {
-        let turning = problem
-            .scene
-            .mass_properties()
-            .rotational_energy(&problem.motion.axes, problem.angular_momentum);
-        let square = problem.start.linear_velocity.length_squared();
         Self {
-            own: (problem.mass * square + turning * R::TWO).sqrt(),
+            own: (problem.kinetic_energy * R::TWO).sqrt(),
             weight: problem.mass * problem.scene.gravity().length(),
             root_of_mass: problem.mass.sqrt(),
         }

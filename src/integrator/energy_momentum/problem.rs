@@ -1,6 +1,7 @@
 //! The equations of one implicit step: what is known at its start, a trial for its end, and the state that a trial means.
 
 use super::linear::Block;
+use crate::energy::Energy;
 use crate::friction::{Drag, SlidingFriction};
 use crate::ground::{Extent, MeanForce, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
@@ -19,7 +20,7 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) angular_momentum: R::Vec3,
     /// The ground, where it is a plane.
     pub(super) plane: Option<Plane<R>>,
-    /// Whether it is level, and all contacts are bare points of the body.
+    /// Whether it is level, all contacts are bare points of the body, and friction and dampers act.
     pub(super) is_bare: bool,
     /// Whether any contact has a radius.
     pub(super) has_radii: bool,
@@ -34,6 +35,8 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) reach: R,
     /// Size of the numbers whose difference is a contact's depth, m.
     pub(super) place: R,
+    /// Of the start, J.
+    pub(super) kinetic_energy: R,
 }
 
 /// Mean velocity and mean spin over a step: the six unknowns, and what follows from them for every contact.
@@ -53,8 +56,23 @@ pub(super) struct Trial<R: Real> {
     pub(super) end_angular_momentum: R::Vec3,
 }
 
+impl<R: Real> Trial<R> {
+    const NONE: Self = Self {
+        velocity: R::Vec3::ZERO,
+        spin: R::Vec3::ZERO,
+        shift: R::Vec3::ZERO,
+        swing: Block {
+            x: R::Vec3::ZERO,
+            y: R::Vec3::ZERO,
+            z: R::Vec3::ZERO,
+        },
+        end_velocity: R::Vec3::ZERO,
+        end_angular_momentum: R::Vec3::ZERO,
+    };
+}
+
 impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
-    pub(super) fn new(scene: &'a D, start: &State<R>, seconds: R) -> Self {
+    pub(super) fn new(scene: &'a D, start: &State<R>, energy: &Energy<R>, seconds: R) -> Self {
         let rotation = start.rotation();
         let axes = rotation.axes();
         let properties = scene.mass_properties();
@@ -100,13 +118,20 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
                     }
                     _ => start.position.length(),
                 },
+            kinetic_energy: energy.translation + energy.rotation,
         }
+    }
+
+    /// Whether friction and dampers are left out; never for bare contacts on level ground, which is said here so that their loops need not ask.
+    #[inline(always)]
+    fn is_without_loss(&self) -> bool {
+        self.is_conservative && !self.is_bare
     }
 
     /// What the ground gives a contact whose depth goes evenly from `start` to `end` over the step.
     #[inline(always)]
     pub(super) fn mean_force(&self, start: R, end: R) -> MeanForce<R> {
-        if self.is_conservative {
+        if self.is_without_loss() {
             self.mean_force_of_springs(start, end)
         } else {
             let ground = self.scene.ground();
@@ -121,7 +146,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
 
     #[inline(always)]
     pub(super) fn friction(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
-        if self.is_conservative {
+        if self.is_without_loss() {
             R::Vec3::ZERO
         } else {
             self.scene.friction().force(normal_force, slip)
@@ -130,7 +155,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
 
     #[inline]
     pub(super) fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
-        if self.is_conservative {
+        if self.is_without_loss() {
             Drag::NONE
         } else {
             self.scene.friction().drag(normal_force, slip)
@@ -148,17 +173,23 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
 
     /// The trial with these unknowns.
     pub(super) fn trial(&self, velocity: R::Vec3, spin: R::Vec3) -> Trial<R> {
+        let mut trial = Trial::NONE;
+        self.set(&mut trial, velocity, spin);
+        trial
+    }
+
+    /// Gives a trial these unknowns, where it lies.
+    #[inline(never)]
+    pub(super) fn set(&self, trial: &mut Trial<R>, velocity: R::Vec3, spin: R::Vec3) {
         let swing = Block::swing(spin);
         let mean_momentum = self.inertia.times(spin) * (R::TWO * self.per_second);
         let turned = mean_momentum * R::TWO - self.angular_momentum;
-        Trial {
-            velocity,
-            spin,
-            shift: velocity * self.seconds,
-            swing,
-            end_velocity: velocity * R::TWO - self.start.linear_velocity,
-            end_angular_momentum: turned + swing.times(turned),
-        }
+        trial.velocity = velocity;
+        trial.spin = spin;
+        trial.shift = velocity * self.seconds;
+        trial.swing = swing;
+        trial.end_velocity = velocity * R::TWO - self.start.linear_velocity;
+        trial.end_angular_momentum = turned + swing.times(turned);
     }
 
     /// The state at the end of a trial.

@@ -9,6 +9,7 @@ use super::newton;
 use super::problem::Problem;
 use super::resist::{Resisting, resisted};
 use super::visit_contacts;
+use crate::energy::Energy;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::integrator::Step;
@@ -28,10 +29,12 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     let slowed = dissipate(scene, start, half);
     let problem = Problem {
         is_conservative: true,
-        ..Problem::new(scene, &slowed, seconds)
+        is_bare: false,
+        ..Problem::new(scene, &slowed, &Energy::of(scene, &slowed), seconds)
     };
     super::gather(&problem, contacts, true);
-    let (trial, _) = newton::solve(&problem, contacts, step)?;
+    let mut trial = problem.first_trial();
+    newton::solve(&problem, contacts, &mut trial, step)?;
     let moved = problem.end_of(&trial);
     let end = dissipate(scene, &moved, half);
     end.not_finite().is_none().then_some(end)
