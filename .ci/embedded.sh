@@ -14,8 +14,8 @@ cross_tools "$work"
 programs=(
   'symplectic_euler_f32 24576 4096'
   'symplectic_euler_f64 49152 6144'
-  'energy_momentum_f32 57344 5120'
-  'energy_momentum_f64 110592 9216'
+  'energy_momentum_f32 57344 4096'
+  'energy_momentum_f64 110592 8192'
 )
 build() { cargo build -q --release --locked --manifest-path examples/embedded/Cargo.toml "$@"; }
 build --bins
