@@ -10,12 +10,13 @@ mod kit;
 use common::methods::{apart, truths};
 use core::f64::consts::FRAC_PI_2;
 use kit::point_mass;
-use tumble::glam::{DQuat, DVec3};
+use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    Coin, Coulomb, EnergyMomentum, FlatGround, ForwardEuler, Frictionless, Integrator, NoGravity,
-    Real, RigidPointBody, Rk4, SlidingFriction, Sphere, State, Stepper, StrangSplitting,
-    SymplecticEuler, Trial, UniformGravity, WithResistance,
+    BogackiShampine32, Coin, ContactPoint, Coulomb, DormandPrince54, EnergyMomentum, FlatGround,
+    ForwardEuler, Frictionless, Integrator, NoGravity, Nystrom, Real, RigidPointBody, Rk4,
+    SlidingFriction, Sphere, SpringDamperGround, State, StepError, Stepper, StrangSplitting,
+    Surface, SymplecticEuler, Trial, UniformGravity, WithResistance,
 };
 
 const G: f64 = 9.8;
@@ -267,9 +268,213 @@ fn a_ball_that_rolls_out_has_the_speed_of_half_a_step_before_and_the_right_way()
     }
 }
 
+/// A ring that lies on all of so many points, slides and comes to stick on a slope of 6 degrees: its place after 0.3 s, and the iterations of the last step.
+fn sticks_on(points: usize) -> (DVec3, u32) {
+    // Together as stiff as the report's 120 points.
+    let share = 120.0 / points as f64;
+    let ring = Coin::ring_in(vec![ContactPoint::default(); points], 1.0, 0.5);
+    let friction = Coulomb {
+        coefficient: 0.3,
+        slip_speed: 1e-8,
+    };
+    let by = EnergyMomentum { time_step: 1e-3 };
+    let down_slope = UniformGravity {
+        acceleration: DVec3::new(1.0, 0.0, -G),
+    };
+    let stepper = scene(
+        ring,
+        FlatGround::level(1000.0 * share, 0.5 * share),
+        friction,
+        by,
+    )
+    .with_gravity(down_slope)
+    .unwrap();
+    let mut state = State::at(DVec3::Z * (-G / 120_000.0))
+        .with_orientation(DQuat::from_rotation_y(FRAC_PI_2))
+        .with_linear_velocity(DVec3::new(0.02, 0.01, 0.0))
+        .with_angular_momentum(DVec3::new(0.01, 0.02, 0.03));
+    let mut iterations = 0;
+    for _ in 0..300 {
+        iterations = stepper.step(&mut state).unwrap().iterations;
+    }
+    (state.position, iterations)
+}
+
+#[test]
+fn contacts_beyond_those_that_are_remembered_cost_iterations_and_beyond_a_third_more_the_stick() {
+    let (truth, remembered) = sticks_on(128);
+    // A ring of 100 points stands elsewhere: while it rocks into its bed, friction differs by a little. Of the 4e-4 m of its way, 1e-7 m.
+    let (fewer, few) = sticks_on(100);
+    println!("{few}, {remembered}: {:e} m", fewer.distance(truth));
+    assert!(few.abs_diff(remembered) <= 1 && fewer.distance(truth) < 1e-7);
+    let (some, more) = sticks_on(160);
+    println!("{remembered}, {more}: {:e} m", some.distance(truth));
+    assert!(more > remembered && more < 2 * remembered);
+    assert!(some.distance(truth) < 1e-7);
+    // Newton's method no longer ends: what it has after its last iteration is taken, or the fallback. It only creeps, by a millimetre in a second at most.
+    for points in [200, 256, 400] {
+        let (place, most) = sticks_on(points);
+        println!("{points}: {most}, {:e} m", place.distance(truth));
+        assert!(most > 4 * remembered, "{points}: {most}");
+        assert!(
+            (1e-6..3e-4).contains(&place.distance(truth)),
+            "{points}: {place}"
+        );
+    }
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 // The explicit integrators
 // ---------------------------------------------------------------------------------------------------------------------
+
+/// A body with three moments, without contacts.
+struct Flyer(DVec3);
+
+impl RigidPointBody for Flyer {
+    fn mass(&self) -> f64 {
+        1.0
+    }
+    fn inertia(&self) -> DMat3 {
+        DMat3::from_diagonal(self.0)
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        &[]
+    }
+}
+
+/// Share of the first lean that a body has after 400 steps of flight by `Rk4`, which turns with `y` rad of nutation a step about the axis of the moment `I₃ = flatness I₁`.
+fn lean_after_400_steps(flatness: f64, y: f64) -> f64 {
+    let stepper = Stepper::new(Flyer(DVec3::new(1.0, 1.0, flatness)))
+        .and_then(|stepper| stepper.with_integrator(Rk4 { time_step: 1.0 }))
+        .unwrap();
+    let mut state = State::default().with_angular_momentum(DVec3::new(1e-3 * y, 0.0, y));
+    let lean = |state: &State| (state.orientation * DVec3::Z).angle_between(state.angular_momentum);
+    let first = lean(&state);
+    for _ in 0..400 {
+        stepper.step(&mut state).unwrap();
+    }
+    lean(&state) / first
+}
+
+#[test]
+fn runge_kutta_bears_so_much_nutation_of_a_flat_body_and_tips_a_long_one_over() {
+    // The quaternion of a spin about the axis turns at b = y/(2 I₃/I₁) rad a step, a small lean in it at a = y - b. Each step multiplies what turns at x by a number of the square 1 - x⁶/72 + x⁸/576, and scales the
+    // whole to length 1: the lean grows where its number is the larger one.
+    let square = |x: f64| 1.0 - x.powi(6) / 72.0 + x.powi(8) / 576.0;
+    let growth = |flatness: f64, y: f64| {
+        let b = y / (2.0 * flatness);
+        square(y - b) / square(b)
+    };
+    for flatness in [1.5, 1.8, 2.0] {
+        // `2.83/(1 - I₁/2I₃)`, to a percent; 3.77 of a coin.
+        let limit = 2.83 / (1.0 - 0.5 / flatness);
+        assert!(growth(flatness, 0.99 * limit) < 1.0 && growth(flatness, 1.01 * limit) > 1.0);
+        let lean = [0.97, 1.03].map(|share| lean_after_400_steps(flatness, share * limit));
+        assert!(lean[0] < 1.0 && lean[1] > 1.0, "{flatness}: {lean:?}");
+    }
+    // Rods, cigars: whatever takes energy from a spin about the axis of the least moment tips it over.
+    for flatness in [0.5, 0.8] {
+        for y in [0.3, 0.6] {
+            let lean = lean_after_400_steps(flatness, y);
+            let expected = growth(flatness, y).powi(200);
+            assert!(
+                lean > 1.0 && (lean / expected - 1.0).abs() < 1e-3,
+                "{flatness}, {y}: {lean}, not {expected}"
+            );
+        }
+    }
+}
+
+/// Steps and error of the place (m) of a ball that bounces for a second, against its path by a tolerance of 1e-12 m.
+fn bounces<R: Real, I: Integrator<R>>(by: I) -> (u64, f64) {
+    let number = R::from_f64;
+    let end = |steps: &mut u64| {
+        let stepper = Stepper::new(Sphere::solid(R::ONE, number(0.1)))
+            .and_then(|stepper| stepper.with_ground(FlatGround::level(number(1e4), number(2.0))))
+            .and_then(|stepper| stepper.with_gravity(UniformGravity::down(number(G))))
+            .and_then(|stepper| stepper.with_integrator(by))
+            .unwrap();
+        let mut state = State::<R>::at(R::Vec3::new(R::ZERO, R::ZERO, number(0.5)));
+        let count = &mut |sample: &tumble::Sample<'_, R>| {
+            *steps = sample.step;
+            core::ops::ControlFlow::Continue(())
+        };
+        stepper.run(&mut state, R::ONE, count).unwrap();
+        state.position.z().to_f64()
+    };
+    let mut steps = 0;
+    let place = end(&mut steps);
+    (steps, place)
+}
+
+#[test]
+fn a_tolerance_counts_down_to_the_rounding_of_the_state_and_below_it_as_that() {
+    // 16 ε of place, reach and way in a second, some 2 to 6 m here: 1e-14 m in f64, 7e-6 m in f32.
+    let (_, truth) = bounces::<f64, _>(DormandPrince54::new(1e-12));
+    let double = [1e-9, 1e-11, 1e-16, 1e-18].map(|t| bounces::<f64, _>(DormandPrince54::new(t)));
+    let single = [1e-3, 1e-4, 1e-8, 1e-10].map(|t| bounces::<f32, _>(DormandPrince54::new(t)));
+    let third = [1e-3, 1e-4, 1e-8, 1e-10].map(|t| bounces::<f32, _>(BogackiShampine32::new(t)));
+    println!("{double:?} {single:?} {third:?} {truth}");
+    for steps in [
+        double.map(|run| run.0),
+        single.map(|run| run.0),
+        third.map(|run| run.0),
+    ] {
+        // A hundredth of the tolerance in f64, a tenth in f32: more steps. Below the rounding: the same.
+        assert!(steps[1] as f64 > 1.1 * steps[0] as f64, "{steps:?}");
+        assert_eq!(steps[2].abs_diff(steps[3]) * 50 / steps[3], 0, "{steps:?}");
+    }
+    for (tolerance, (_, place)) in [1e-3, 1e-4].into_iter().zip(single) {
+        assert!(
+            (place - truth).abs() < 10.0 * tolerance,
+            "{tolerance}: {place}, not {truth}"
+        );
+    }
+}
+
+/// A ground whose force jumps by so many newtons at a depth of 1 cm, which no contact's beginning or end tells of.
+struct Shelf(f64);
+
+impl SpringDamperGround for Shelf {
+    fn surface(&self, point: DVec3) -> Surface {
+        Surface {
+            gap: point.z,
+            normal: DVec3::Z,
+        }
+    }
+    fn spring_force(&self, depth: f64) -> f64 {
+        if depth > 0.01 { self.0 } else { 1.0 }
+    }
+    fn spring_energy(&self, depth: f64) -> f64 {
+        depth + self.0 * (depth - 0.01).max(0.0)
+    }
+    fn normal_force(&self, depth: f64, _closing_speed: f64) -> f64 {
+        self.spring_force(depth)
+    }
+}
+
+#[test]
+fn a_jump_of_the_force_inside_the_ground_is_passed_by_a_step_that_makes_it_harmless_or_refused() {
+    // The shortest step is 2.2e-17 s; a jump of F in a step h makes the velocity of 1 kg wrong by up to F h, which counts by the way in a second.
+    let passes = |jump: f64, tolerance: f64| {
+        let stepper = Stepper::new(point_mass(1.0))
+            .and_then(|stepper| stepper.with_ground(Shelf(jump)))
+            .and_then(|stepper| stepper.with_gravity(UniformGravity::down(G)))
+            .and_then(|stepper| stepper.with_integrator(DormandPrince54::new(tolerance)))
+            .unwrap();
+        let mut state = State::at(-DVec3::Z * 0.005).with_linear_velocity(-DVec3::Z);
+        match stepper.advance(&mut state, 0.006) {
+            Ok(()) => true,
+            Err(StepError::StepTooShort { .. }) => false,
+            Err(other) => panic!("{other}"),
+        }
+    };
+    for jump in [1e6, 1e9] {
+        let harmless = jump * 0.1 * f64::EPSILON;
+        assert!(passes(jump, 10.0 * harmless), "{jump:e}");
+        assert!(!passes(jump, 1e-3 * harmless), "{jump:e}");
+    }
+}
 
 /// Slip of a point of 1 kg on the ground after 2000 steps, m/s, from 1 m/s.
 fn slip_after(by: impl Integrator, slip_speed: f64) -> f64 {
@@ -376,6 +581,8 @@ fn single_precision_is_as_accurate_down_to_a_millisecond_and_loses_below_its_bes
     best!(EnergyMomentum, [1e-3, 1e-5], 100.0);
     best!(StrangSplitting, [1e-3, 1e-5], 100.0);
     best!(Rk4, [1e-3, 1e-5], 100.0);
+    best!(Nystrom, [1e-2, 1e-5], 100.0);
     // Of order 1: their own error is still the larger one there.
     best!(SymplecticEuler, [1e-3, 1e-6], 100.0);
+    best!(ForwardEuler, [1e-4, 1e-6], 20.0);
 }

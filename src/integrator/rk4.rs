@@ -11,8 +11,8 @@ use crate::state::State;
 ///
 /// Order 4 in smooth motion, four evaluations a step; order 1 to 2 through contact entries, where the damper's force jumps. *May add energy* by O(dt⁵) a step in
 /// smooth motion. Stable for `dt < 2.83/ω` without dampers (`ω = √(K/m)`, K of all contacts that touch), `dt < 2.79 m/C` where dampers rule.
-/// The spin has its limit too: where nutation, at `I₃/I₁` times the spin about the axis of symmetry (twice the spin of a coin), turns by more than 2.83 rad a step,
-/// rounding errors grow. A coin that spins flat on the ground at 50 rad/s tips over with dt = 0.15 s.
+/// The spin has its limit too: where nutation, at `I₃/I₁` times the spin about the axis of symmetry (twice the spin of a coin), turns by more than `2.83/(1 - I₁/2I₃)` rad a step (3.77 of a coin),
+/// a lean grows; and at any step where `I₃ < I₁`, as the method takes energy from the spin. A coin that spins flat on the ground at 50 rad/s tips over with dt = 0.15 s.
 /// For smooth spells and as a reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
