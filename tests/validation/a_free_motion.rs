@@ -5,8 +5,8 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use proptest::prelude::*;
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
-    Coin, ContactPoint, ForwardEuler, Integrator, PointCloud, RigidPointBody, Rk4, State, Stepper,
-    StrangSplitting, SymplecticEuler, UniformGravity,
+    Coin, ContactPoint, ForwardEuler, Integrator, MassProperties, PointCloud, RigidPointBody, Rk4,
+    State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
 };
 
 use crate::kit::{
@@ -758,9 +758,11 @@ random! {
         let straight = Solid { mass: body.mass(), inertia: body.inertia(), contacts: body.contacts().to_vec() };
         let turned = in_axes(&body, other_axes);
         let momentum = body.inertia() * (axis * spin);
-        // The body's own largest rate: a light axis may turn faster than asked.
         prop_assume!(momentum.length() > 0.0);
         let dt = 0.01 / spin;
+        // The body may come to turn about an axis of a lesser moment, by so many radians for one that was asked for; and the tensor in other axes is rounded as its largest moment is, a greater share of the least.
+        let properties = MassProperties::new(body.mass(), body.inertia()).unwrap();
+        let radians = (momentum.length() * properties.largest_inverse_moment() / spin).max(1.0);
         each_explicit!(dt, |integrator, method| {
             let mut a = State::default().with_orientation(orientation).with_angular_momentum(momentum);
             let mut b = a.with_orientation(orientation * other_axes);
@@ -775,8 +777,8 @@ random! {
             let reach = body.reach();
             for (p, q) in straight.contacts.iter().zip(&turned.contacts) {
                 let miss = a.place(p.position).distance(b.place(q.position));
-                // 100 steps of a few roundings, and the tensor's own, over a radian of the turn asked for. Measured: 8e-15.
-                misses.within(method, miss, 1e-13 * reach)?;
+                // 100 steps of a few roundings, and the tensor's own, a radian. Measured: 1e-14 in a body of equal moments.
+                misses.within(method, miss, 1e-13 * reach * radians)?;
             }
         });
     }
