@@ -3,6 +3,7 @@
 //! `cargo bench --bench work_precision` prints the tables (some minutes) and draws them into `target/work_precision`; a word after `--` picks the scenes whose names hold it.
 //! `cargo bench --bench work_precision -- --all` turns all knobs together: every integrator and step or tolerance, `f64` and `f32`, 12, 120 and 1200 points, both laws of friction, three slip speeds, on the six
 //! scenes (some hours; a word picks here, too: `-- --all trial1`). It prints the cheapest setting for an error, a line a combination, and writes every row into `target/work_precision/rows.csv`.
+//! `cargo bench --bench work_precision -- --readme` measures trial 1 alone and draws the README's picture, assets/trade.svg.
 //! The times are the shortest of three runs: compare rows, not machines.
 
 // A bench that cannot go on ends.
@@ -36,6 +37,10 @@ fn main() {
     if arguments.iter().any(|argument| argument == "--all") {
         let wanted = wanted.map_or("", String::as_str);
         grid::run(wanted, &folder()).unwrap();
+        return;
+    }
+    if arguments.iter().any(|argument| argument == "--readme") {
+        draw_for_the_readme();
         return;
     }
     flight(if whole { 200 } else { 1 });
@@ -177,6 +182,14 @@ fn measure(name: &str, start: &Start, single: bool, whole: bool) {
         let file = name.replace(' ', "_");
         picture::write(&trade, name, &folder(), &file).unwrap();
     }
+}
+
+/// Trial 1, as every other scene, into assets/trade.svg.
+fn draw_for_the_readme() {
+    measure("trial1", &Start::named("trial1").unwrap(), false, true);
+    let picture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/trade.svg");
+    std::fs::copy(folder().join("trial1.svg"), &picture).unwrap();
+    println!("picture: {}", picture.display());
 }
 
 /// Where pictures and tables go.
