@@ -19,7 +19,7 @@
 //! At rest all 120 go abreast, 24 at a time, two in a register: 64 instructions each, and half of their time is the root and the division, which one unit does for
 //! all, 3.1 ns a pair. That is the floor for any program with the report's law.
 //!
-//! `Rk4` takes 4300 instructions, 1100 above its aim: 1240 in flight, which are four matrices, four sums of states, and moves of them, and four searches for the arc.
+//! `Rk4` takes 4170 instructions, 970 above its aim: 1220 in flight, which are four matrices, four sums of states, and moves of them, and four searches for the arc.
 //!
 //! Memory: the state, the scene and the points walked over, under 1 kB, are in the first cache; at rest 4 kB of points are. Branches: whether the arc ends here is
 //! mispredicted when the number of touching points changes; the others go with the phase. Time: each contact's root and division wait for all before them;

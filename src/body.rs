@@ -128,6 +128,15 @@ pub trait RigidPointBody<R: Real = f64> {
         Run::all(self.contacts().len())
     }
 
+    /// As [`contacts_below`](Self::contacts_below), for a caller who knows the run under a plane that is not far from this one, as that of a moment ago: the same run, found sooner.
+    ///
+    /// Whatever `near` is, the run must not miss a contact.
+    #[inline]
+    fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: Run) -> Run {
+        let _ = near;
+        self.contacts_below(normal, offset)
+    }
+
     /// How far the surface reaches in a `direction` (unit vector, body axes), m from the centre of mass: the body's support function. Never less than the greatest
     /// `direction · position + radius` of a contact; a little more does no harm. It is what a closed-form [`Flight`](crate::Flight) asks for.
     fn support(&self, direction: R::Vec3) -> R {
@@ -193,6 +202,10 @@ impl<R: Real, B: RigidPointBody<R> + ?Sized> RigidPointBody<R> for &B {
     #[inline]
     fn contacts_below(&self, normal: R::Vec3, offset: R) -> Run {
         (**self).contacts_below(normal, offset)
+    }
+    #[inline]
+    fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: Run) -> Run {
+        (**self).contacts_below_near(normal, offset, near)
     }
     #[inline]
     fn support(&self, direction: R::Vec3) -> R {

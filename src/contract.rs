@@ -169,7 +169,7 @@ impl fmt::Display for Clause {
             Self::Finite => "every number must be finite",
             Self::Rigid => "a rigid body must answer alike whenever it is asked",
             Self::Reach => "no contact may lie beyond the reach",
-            Self::ContactsBelow => "contacts_below must not miss a contact",
+            Self::ContactsBelow => "contacts_below and contacts_below_near must not miss a contact",
             Self::Support => {
                 "support_point must be the farthest place of one contact, within reach"
             }

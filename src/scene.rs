@@ -70,23 +70,9 @@ pub trait Dynamics<R: Real = f64> {
     /// The contacts that may lie less than `margin` (m) above the ground: none that does is missing, and in flight none is visited to find out.
     #[inline]
     fn contacts_within(&self, margin: R, position: R::Vec3, axes: &Axes<R>) -> Run {
-        match self.ground().extent() {
-            Extent::Nowhere => Run::NONE,
-            Extent::Everywhere => Run::all(self.body().contacts().len()),
-            Extent::Plane(plane) | Extent::Below(plane) => {
-                let gap = plane.gap(position);
-                // What rounding may hide of a gap; far more than the body's own arithmetic loses.
-                let rounding = (gap.abs() + plane.height.abs() + self.reach())
-                    * (R::EPSILON * R::from_f64(8.0));
-                let offset = margin + rounding - gap;
-                if offset < -self.reach() {
-                    Run::NONE
-                } else {
-                    let normal = axes.to_body(plane.normal);
-                    self.body().contacts_below(normal, offset)
-                }
-            }
-        }
+        low_contacts(self, margin, position, axes, |normal, offset| {
+            self.body().contacts_below(normal, offset)
+        })
     }
 
     /// Calls `visit` with each contact that touches, in the order of their run round the body.
@@ -145,6 +131,45 @@ pub trait Dynamics<R: Real = f64> {
     #[inline(always)]
     fn load_on(&self, run: Run, motion: &Motion<R>) -> Load<R> {
         load_with_arms(self, run, motion, &motion.axes)
+    }
+}
+
+/// As [`Dynamics::contacts_within`] with no margin, for a caller who knows those of a moment not far from this one.
+#[inline]
+pub(crate) fn contacts_near<R: Real, D: Dynamics<R> + ?Sized>(
+    scene: &D,
+    near: Run,
+    position: R::Vec3,
+    axes: &Axes<R>,
+) -> Run {
+    low_contacts(scene, R::ZERO, position, axes, |normal, offset| {
+        scene.body().contacts_below_near(normal, offset, near)
+    })
+}
+
+#[inline]
+fn low_contacts<R: Real, D: Dynamics<R> + ?Sized>(
+    scene: &D,
+    margin: R,
+    position: R::Vec3,
+    axes: &Axes<R>,
+    below: impl FnOnce(R::Vec3, R) -> Run,
+) -> Run {
+    match scene.ground().extent() {
+        Extent::Nowhere => Run::NONE,
+        Extent::Everywhere => Run::all(scene.body().contacts().len()),
+        Extent::Plane(plane) | Extent::Below(plane) => {
+            let gap = plane.gap(position);
+            // What rounding may hide of a gap; far more than the body's own arithmetic loses.
+            let rounding =
+                (gap.abs() + plane.height.abs() + scene.reach()) * (R::EPSILON * R::from_f64(8.0));
+            let offset = margin + rounding - gap;
+            if offset < -scene.reach() {
+                Run::NONE
+            } else {
+                below(axes.to_body(plane.normal), offset)
+            }
+        }
     }
 }
 

@@ -126,6 +126,12 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
         arc_below(self.points.as_ref(), normal, offset)
     }
 
+    #[inline]
+    fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: Run) -> Run {
+        arc_near(self.points.as_ref(), normal, offset, near)
+            .unwrap_or_else(|| self.contacts_below(normal, offset))
+    }
+
     /// That of the round rim, which holds the points.
     #[inline]
     fn support(&self, direction: R::Vec3) -> R {
@@ -155,17 +161,50 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
 /// Heights round a ring have one minimum, so no other point is visited and no arc is missed.
 #[inline]
 fn arc_below<R: Real>(points: &[ContactPoint<R>], normal: R::Vec3, offset: R) -> Run {
-    let height =
-        |point: &ContactPoint<R>| point.position.y() * normal.y() + point.position.z() * normal.z();
     let guess = lowest_guess(points.len(), -normal.y(), -normal.z());
-    let run = arc_around(points, guess, |point| height(point) < offset);
+    let run = arc_around(points, guess, |point| height(point, normal) < offset);
     if run.count > 0 {
         return run;
     }
     // A shallow arc may lie beside the guess.
-    let height_of = |i: usize| points.get(i).map_or(R::MAX, height);
+    let height_of = |i: usize| (points.get(i)).map_or(R::MAX, |point| height(point, normal));
     let lowest = walk_down(points.len(), guess, height_of);
-    arc_around(points, lowest, |point| height(point) < offset)
+    arc_around(points, lowest, |point| height(point, normal) < offset)
+}
+
+/// The arc of a ring under a plane, if each of its ends lies within one point of a known arc's and neither next to the ring's first point. No branch depends on where they lie, and nothing waits for the
+/// direction of the lowest point: so the processor goes on to the contacts meanwhile.
+#[inline]
+fn arc_near<R: Real>(
+    points: &[ContactPoint<R>],
+    normal: R::Vec3,
+    offset: R,
+    near: Run,
+) -> Option<Run> {
+    let below = |place: usize| -> Option<[bool; 4]> {
+        let window: &[_; 4] = points.get(place..)?.first_chunk()?;
+        let below = |point| height(point, normal) < offset;
+        Some(window.each_ref().map(below))
+    };
+    let first = near.first.checked_sub(2)?;
+    let end = first.checked_add(near.count)?;
+    let ([a, b, c, d], [e, f, g, h]) = (below(first)?, below(end)?);
+    // The first is above the plane and the last below it at one end, and the other way round at the other.
+    if near.count < 2 || a | !d | !e | h {
+        return None;
+    }
+    let first = first + 3 - usize::from(b) - usize::from(c);
+    let end = end + 1 + usize::from(f) + usize::from(g);
+    Some(Run {
+        first,
+        count: end - first,
+    })
+}
+
+/// Height of a ring's point along a direction, m.
+#[inline(always)]
+fn height<R: Real>(point: &ContactPoint<R>, normal: R::Vec3) -> R {
+    point.position.y() * normal.y() + point.position.z() * normal.z()
 }
 
 /// The longest run of points around `middle` that are all `below`; none where the middle itself is not.
@@ -314,6 +353,40 @@ mod tests {
         the_arc_is_right::<12>();
         the_arc_is_right::<120>();
         the_arc_is_right::<1200>();
+    }
+
+    #[test]
+    fn from_a_known_arc_the_same_arc_is_found() {
+        let coin = ring::<120>();
+        let (mut near, mut sooner) = (Run::NONE, 0);
+        for step in 0..10_000 {
+            // Rolling by a third of the way between two points, deeper and less deep, leaning to and fro.
+            let step = f64::from(step);
+            let turn = DQuat::from_rotation_x(0.0175 * step)
+                * DQuat::from_rotation_y(0.05 * (0.01 * step).sin());
+            let normal = turn.inverse() * DVec3::Z;
+            let offset = -0.5 * (1.0 - 0.01 * (1.0 + (0.03 * step).cos()));
+            let run = coin.contacts_below(normal, offset);
+            let from_afar = Run {
+                first: run.first + 60,
+                count: 7,
+            };
+            let endless = Run {
+                first: run.first + 2,
+                count: usize::MAX,
+            };
+            for known in [near, run, from_afar, endless, Run::all(120)] {
+                assert_eq!(
+                    coin.contacts_below_near(normal, offset, known),
+                    run,
+                    "{known:?}"
+                );
+            }
+            sooner += usize::from(arc_near(coin.contacts(), normal, offset, near).is_some());
+            near = run;
+        }
+        // But for those across the ring's first point, and short ones.
+        assert!(sooner > 6000, "{sooner}");
     }
 
     #[test]

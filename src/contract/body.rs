@@ -13,7 +13,7 @@ use crate::real::{Real, Vector};
 /// Checks a body.
 ///
 /// Its mass is above 0, its inertia symmetric and that of a solid; its contacts are finite, with radii of at least 0, and neither they nor its rim lie beyond its reach, nor beyond its `support` in a direction; `contacts_below`
-/// misses none, for planes in directions of a cube's faces, edges and corners, towards its contacts, and random ones, at offsets through its contacts,
+/// and `contacts_below_near` miss none, for planes in directions of a cube's faces, edges and corners, towards its contacts, and random ones, at offsets through its contacts,
 /// at the reach and far away; the place that a smooth body tells as the farthest in a direction is; and all of it is the same whenever it is asked for.
 ///
 /// Of contacts that lie nearer to a plane than 8 units in the last place of the reach either answer is right: so much is allowed for where `contacts_below` is asked.
@@ -158,7 +158,7 @@ fn check_offsets<R: Real, B: RigidPointBody<R> + ?Sized>(
     Ok(())
 }
 
-/// Asks below one plane: none may be missed, and the answer must be the same twice.
+/// Asks below one plane, and again by who knows a run of nearly the same, or of another one: none may be missed, and the answer must be the same twice.
 fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     first: &Portrait<R>,
@@ -177,9 +177,16 @@ fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
         input(again.first)
     })?;
     let sure = offset - (offset.abs() + body.reach()) * ulps(8.0);
+    let longer = Run {
+        count: run.count + 1,
+        ..run
+    };
+    let known = [run, longer, Run::NONE, Run::all(contacts.len())];
+    let near = known.map(|known| body.contacts_below_near(normal, offset, known));
     for (index, contact) in contacts.iter().enumerate() {
         let height = normal.dot(contact.position) - contact.radius;
-        let found = height >= sure || holds(run, contacts, index);
+        let found = height >= sure
+            || holds(run, contacts, index) && near.iter().all(|&run| holds(run, contacts, index));
         if !found {
             // Was the run wrong, or have the contacts changed meanwhile?
             first.check(&Portrait::of(body))?;

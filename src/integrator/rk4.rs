@@ -1,10 +1,11 @@
 //! The classical Runge-Kutta method.
 
 use super::{Integrator, Step, step_length};
+use crate::body::Run;
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
-use crate::rotation::Rotation;
-use crate::scene::{Dynamics, Load, Motion};
+use crate::rotation::{Axes, Rotation};
+use crate::scene::{Dynamics, Load, Motion, contacts_near};
 use crate::state::State;
 
 /// The classical Runge-Kutta method on position, velocity, quaternion and angular momentum, with the quaternion scaled to length 1 after each step.
@@ -35,10 +36,12 @@ impl<R: Real> Integrator<R> for Rk4<R> {
         let dt = step_length(self.time_step, limit);
         let half = dt * R::HALF;
         let start = Point::of(state);
-        let k1 = start.slope(scene);
-        let k2 = start.plus(&k1, half).slope(scene);
-        let k3 = start.plus(&k2, half).slope(scene);
-        let k4 = start.plus(&k3, dt).slope(scene);
+        // The contacts that touch, from one stage to the next.
+        let mut run = Run::NONE;
+        let k1 = start.slope_near(scene, &mut run);
+        let k2 = start.plus(&k1, half).slope_near(scene, &mut run);
+        let k3 = start.plus(&k2, half).slope_near(scene, &mut run);
+        let k4 = start.plus(&k3, dt).slope_near(scene, &mut run);
 
         let sum = k1.plus(&k2, R::TWO).plus(&k3, R::TWO).plus(&k4, R::ONE);
         *state = start.plus(&sum, dt * R::from_f64(1.0 / 6.0)).to_state();
@@ -110,14 +113,27 @@ impl<R: Real> Point<R> {
     /// The time derivative here.
     #[inline(always)]
     pub(super) fn slope(&self, scene: &impl Dynamics<R>) -> Self {
+        let mut run = Run::NONE;
+        self.slope_near(scene, &mut run)
+    }
+
+    /// As [`slope`](Self::slope), with the contacts that touch, known of a point not far from here or not at all.
+    #[inline(always)]
+    fn slope_near(&self, scene: &impl Dynamics<R>, run: &mut Run) -> Self {
         let motion = self.motion(scene);
-        self.slope_under(scene, &motion, &scene.load(&motion))
+        *run = contacts_near(scene, *run, motion.position, &motion.axes);
+        self.slope_under(scene, &motion, &scene.load_on(*run, &motion))
     }
 
     /// What the forces depend on here.
     #[inline(always)]
     pub(super) fn motion(&self, scene: &impl Dynamics<R>) -> Motion<R> {
-        let axes = self.orientation.axes_of_any_length();
+        self.motion_along(scene, self.orientation.axes_of_any_length())
+    }
+
+    /// As [`motion`](Self::motion), with axes that are known.
+    #[inline(always)]
+    pub(super) fn motion_along(&self, scene: &impl Dynamics<R>, axes: Axes<R>) -> Motion<R> {
         let mass = scene.mass_properties();
         Motion {
             position: self.position,
