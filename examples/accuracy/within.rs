@@ -16,9 +16,9 @@ use super::plain_rk4::{self, Law};
 use super::truth::{DURATION, distance, trial};
 
 /// Steps in a second.
-const STEPS: [u32; 20] = [
-    60, 70, 80, 90, 100, 110, 125, 150, 200, 250, 300, 400, 500, 600, 800, 1000, 1500, 2000, 3000,
-    4000,
+const STEPS: [u32; 22] = [
+    60, 65, 70, 75, 80, 90, 100, 110, 125, 150, 200, 250, 300, 400, 500, 600, 800, 1000, 1500,
+    2000, 3000, 4000,
 ];
 /// m
 const TOLERANCES: [f64; 12] = [
