@@ -67,6 +67,19 @@ pub(super) fn push<R: Real, D: Dynamics<R>>(scene: &D, depth: R, closing_speed: 
     }
 }
 
+/// From the centre of mass to where the force acts on a contact (m), and the ground's normal there; world axes.
+#[inline(always)]
+pub(super) fn arm<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    motion: &Motion<R>,
+    point: &ContactPoint<R>,
+) -> (R::Vec3, R::Vec3) {
+    let point = place_of(scene, motion, point);
+    let arm = motion.axes.to_world(point.position);
+    let normal = scene.ground().surface(motion.position + arm).normal;
+    (arm - normal * point.radius, normal)
+}
+
 /// A moment of the step, from which depth and closing speed of each contact are seen.
 ///
 /// Above a plane `n · p = height` both are linear in the contact's place `b` in the body, as `(ω × r) · n = (n × ω) · r`:
@@ -105,17 +118,6 @@ impl<'a, R: Real, D: Dynamics<R>> Sight<'a, R, D> {
             motion,
             plane,
         }
-    }
-
-    /// From the centre of mass to where the force acts (m), and the ground's normal there; world axes.
-    #[inline(always)]
-    pub(super) fn arm(&self, point: &ContactPoint<R>) -> (R::Vec3, R::Vec3) {
-        let point = place_of(self.scene, self.motion, point);
-        let arm = self.motion.axes.to_world(point.position);
-        let normal = (self.scene.ground())
-            .surface(self.motion.position + arm)
-            .normal;
-        (arm - normal * point.radius, normal)
     }
 
     #[inline(always)]
@@ -210,5 +212,5 @@ impl<R: Real> Path<R> {
     }
 }
 
-/// Newton's iterations from the chord's crossing on, which is some percent of the step off: to 1e-6 of it.
-const NEWTON: u32 = 3;
+/// Newton's iterations from the chord's crossing on, which is some percent of the step off: to 1e-5 of it.
+const NEWTON: u32 = 2;

@@ -1,40 +1,60 @@
 //! Contacts that begin or cease to push within a step, and what the stages have missed of their forces.
 
-use super::{END, SECOND, Stage, THIRD};
+use super::{END, SECOND, Stage};
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::friction::SlidingFriction;
-use crate::integrator::passage::{Path, Side, Sight, push};
+use crate::integrator::passage::{Path, Side, Sight, arm, push};
 use crate::integrator::rk4::Point;
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, Load};
+use crate::rotation::Axes;
+use crate::scene::{Dynamics, Load, Motion};
 
-/// What the weighted sums over the stages lack of the true means of force and torque over the step.
-pub(super) struct Missed<R: Real> {
-    /// Of `∫ f ds`, which the velocities take.
-    pub(super) speeds: Load<R>,
-    /// Of `∫ (1 - s) f ds`, which place and turn take.
-    pub(super) places: Load<R>,
+/// The `end` of a step (with a quaternion of length 1), with what its stages have missed.
+#[inline(always)]
+pub(super) fn corrected<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    stages: [&Stage<R>; 4],
+    end: Point<R>,
+    seconds: R,
+) -> Point<R> {
+    let [first, .., last] = stages;
+    if first.run.count + last.run.count == 0 {
+        return end;
+    }
+    let motion = end.motion_along(scene, end.orientation.axes());
+    let missed = missed(scene, stages, &motion, seconds);
+    if missed.speeds.touching == 0 {
+        return end;
+    }
+    missed.added_to(end, scene, &motion.axes, seconds)
 }
 
-/// What the stages of a step to `end` have missed.
+/// What the weighted sums over the stages lack of the true means of force and torque over the step.
+struct Missed<R: Real> {
+    /// Of `∫ f ds`, which the velocities take.
+    speeds: Load<R>,
+    /// Of `∫ (1 - s) f ds`, which place and turn take.
+    places: Load<R>,
+}
+
 #[inline(always)]
-pub(super) fn missed<R: Real, D: Dynamics<R>>(
+fn missed<R: Real, D: Dynamics<R>>(
     scene: &D,
-    [first, .., last]: [&Stage<R>; 4],
-    end: &Point<R>,
+    [first, _, third, last]: [&Stage<R>; 4],
+    end: &Motion<R>,
     seconds: R,
 ) -> Missed<R> {
     let mut missed = Missed {
         speeds: Load::default(),
         places: Load::default(),
     };
-    if first.run.count + last.run.count == 0 {
-        return missed;
-    }
-    let end = end.motion(scene);
     let step = Taken {
         scene,
-        ends: [Sight::of(scene, &first.motion), Sight::of(scene, &end)],
+        ends: [Sight::of(scene, &first.motion), Sight::of(scene, end)],
+        late: [
+            Sight::of(scene, &third.motion),
+            Sight::of(scene, &last.motion),
+        ],
         seconds,
     };
     let contacts = scene.body().contacts();
@@ -54,6 +74,8 @@ pub(super) fn missed<R: Real, D: Dynamics<R>>(
 struct Taken<'a, R: Real, D> {
     scene: &'a D,
     ends: [Sight<'a, R, D>; 2],
+    /// The third stage and the last one.
+    late: [Sight<'a, R, D>; 2],
     seconds: R,
 }
 
@@ -78,11 +100,13 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
         };
         let [from, to] = pushing(&path, force, start.pushes());
         let [mut speeds, mut places] = means(force, from, to);
+        // The second stage stands on the path. The later ones do not, and what is to be replaced is what they have seen.
+        let [third, last] = &self.late;
         let taken = [
             start.normal_force,
             force(R::from_f64(SECOND.time)),
-            force(R::from_f64(THIRD.time)),
-            end.normal_force,
+            third.side(point).normal_force,
+            last.side(point).normal_force,
         ];
         for (taken, (speed, place)) in taken
             .into_iter()
@@ -92,73 +116,122 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
             places -= taken * R::from_f64(place);
         }
         let load = start.normal_force.at_least(end.normal_force);
-        let (arm, push) = self.direction(point, (from + to) * R::HALF, load);
-        missed.add(arm, push * speeds, push * places);
+        let pushes = (self.ends.each_ref()).map(|end| self.direction(point, end.motion, load));
+        missed.add(pushes, [speeds, places]);
     }
 
-    /// Arm of the contact (m) at a share of the step, and force on the body for each newton of the normal force, there and under a `load` (N).
+    /// Force and torque on the body for each newton of the contact's normal force, in a motion and under a `load` (N).
     #[inline(always)]
-    fn direction(&self, point: &ContactPoint<R>, share: R, load: R) -> (R::Vec3, R::Vec3) {
-        let between = |a: R::Vec3, b: R::Vec3| a + (b - a) * share;
-        let [start, end] = &self.ends;
-        let (motion, next) = (start.motion, end.motion);
-        let (first, _) = start.arm(point);
-        let (last, normal) = end.arm(point);
-        let arm = between(first, last);
-        let spin = between(motion.angular_velocity, next.angular_velocity);
-        let velocity = between(motion.linear_velocity, next.linear_velocity) + spin.cross(arm);
+    fn direction(&self, point: &ContactPoint<R>, motion: &Motion<R>, load: R) -> [R::Vec3; 2] {
+        let (arm, normal) = arm(self.scene, motion, point);
+        let velocity = motion.velocity_at(arm);
         let slip = velocity - normal * velocity.dot(normal);
         let rub = self.scene.friction().force(load, slip);
-        (arm, normal + rub * (R::ONE / load))
+        let push = normal + rub * (R::ONE / load);
+        [push, arm.cross(push)]
     }
 }
 
 impl<R: Real> Missed<R> {
+    /// One contact more, with its directions at both ends: `∫ f D ds` to first order in how `D` changes, as `D(s) = (1 - s) D(0) + s D(1)`.
     #[inline(always)]
-    fn add(&mut self, arm: R::Vec3, speeds: R::Vec3, places: R::Vec3) {
-        for (sum, force) in [(&mut self.speeds, speeds), (&mut self.places, places)] {
-            sum.force += force;
-            sum.torque += arm.cross(force);
+    fn add(&mut self, [first, last]: [[R::Vec3; 2]; 2], [speeds, places]: [R; 2]) {
+        let rest = speeds - places;
+        for (sum, [early, late]) in [
+            (&mut self.speeds, [places, rest]),
+            (&mut self.places, [places * R::HALF; 2]),
+        ] {
+            sum.force += first[0] * early + last[0] * late;
+            sum.torque += first[1] * early + last[1] * late;
             sum.touching += 1;
         }
+    }
+
+    /// The end of a step with these `axes`, and with this.
+    #[inline(always)]
+    fn added_to<D: Dynamics<R>>(
+        &self,
+        mut end: Point<R>,
+        scene: &D,
+        axes: &Axes<R>,
+        seconds: R,
+    ) -> Point<R> {
+        let mass = scene.mass_properties();
+        let inverse_mass = mass.inverse_mass();
+        let turn = mass.angular_velocity(axes, self.places.torque);
+        end.position += self.places.force * (inverse_mass * seconds * seconds);
+        end.orientation = (end.orientation).plus(end.orientation.rate(turn), seconds * seconds);
+        end.linear_velocity += self.speeds.force * (inverse_mass * seconds);
+        end.angular_momentum += self.speeds.torque * seconds;
+        end
     }
 }
 
 /// The shares of the step between which a contact pushes that does so at one of its ends: at the start, or not.
 #[inline(always)]
 fn pushing<R: Real>(path: &Path<R>, force: impl Fn(R) -> R, at_start: bool) -> [R; 2] {
-    let surface = path.surface();
-    if at_start {
-        // In the ground it may let go before it leaves.
-        let inside = [R::ZERO, surface.unwrap_or(R::ONE)];
-        [R::ZERO, edge(force, inside, at_start)]
+    let (inside, other) = if at_start {
+        (R::ZERO, R::ONE)
     } else {
-        // It pushes as soon as it is in the ground, or begins to while it is there.
-        let start = surface.unwrap_or_else(|| edge(force, [R::ZERO, R::ONE], at_start));
-        [start, R::ONE]
+        (R::ONE, R::ZERO)
+    };
+    // In the ground it may let go before it leaves, or begin to push after it came.
+    let outside = path.surface().unwrap_or(other);
+    let edge = edge(force, inside, outside);
+    if at_start {
+        [R::ZERO, edge]
+    } else {
+        [edge, R::ONE]
     }
 }
 
-/// Where a force that pushes at one end of a part of the step falls to 0: by halving, and from the last share where it pushes on along its chord, so that rounding does not decide between two places.
+/// Where a force falls to 0 on the way from one share of the step to another, or jumps there: where the chord from the middle to three quarters of the way leads, and the next chord from there.
 #[inline(always)]
-fn edge<R: Real>(force: impl Fn(R) -> R, [mut low, mut high]: [R; 2], at_start: bool) -> R {
+fn edge<R: Real>(force: impl Fn(R) -> R, inside: R, outside: R) -> R {
+    let width = outside - inside;
+    let [first, second] = [R::HALF, R::from_f64(0.75)].map(|share| {
+        let place = inside + width * share;
+        (place, force(place))
+    });
+    if second.1 <= R::ZERO {
+        return edge_by_halving(force, inside, outside);
+    }
+    let place = beyond(first, second, outside);
+    let third = (place, force(place));
+    if third.1 > R::ZERO {
+        beyond(second, third, outside)
+    } else {
+        place
+    }
+}
+
+/// Where the chord through a force at two places falls to 0, at most `limit`.
+#[inline(always)]
+fn beyond<R: Real>((first, more): (R, R), (second, less): (R, R), limit: R) -> R {
+    let on = (second - first) * (less / (more - less));
+    let rest = limit - second;
+    // Both have the sign of the way; a chord that does not fall leads nowhere.
+    if on.abs() < rest.abs() && less < more {
+        second + on
+    } else {
+        limit
+    }
+}
+
+/// By halving, and from the last share where it pushes on along its chord, so that rounding does not decide between two places.
+#[inline(never)]
+fn edge_by_halving<R: Real>(force: impl Fn(R) -> R, inside: R, outside: R) -> R {
+    let [mut near, mut far] = [inside, outside];
     for _ in 0..HALVINGS {
-        let middle = (low + high) * R::HALF;
-        if (force(middle) > R::ZERO) == at_start {
-            low = middle;
+        let middle = (near + far) * R::HALF;
+        if force(middle) > R::ZERO {
+            near = middle;
         } else {
-            high = middle;
+            far = middle;
         }
     }
-    let (inside, outside) = if at_start { (low, high) } else { (high, low) };
-    let width = outside - inside;
-    let (near, far) = (force(inside), force(inside - width));
-    let on = near / (far - near);
-    if on > R::ZERO && on < R::ONE {
-        inside + width * on
-    } else {
-        outside
-    }
+    let last = near - (far - near);
+    beyond((last, force(last)), (near, force(near)), far)
 }
 
 /// To a 64th of the step, and a square of that on the chord; the force is next to 0 there, so that what is missed of its integral goes as the square once more.
