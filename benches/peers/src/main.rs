@@ -1,6 +1,7 @@
 //! The same work by tumble and by what its users would take instead: error, energy, price.
 
 mod answers;
+mod kept;
 mod law;
 mod measure;
 mod programs;
@@ -15,6 +16,7 @@ worst rise of the energy, ns a step, CPU time for a simulated second, and ratios
 
     cargo run --release -- [OPTIONS]
 
+  --write        all of it into RESULTS.md, and the summary into the guide's page (src/guide/peers.md)
   --markdown     tables in markdown
   --summary      only the table with a row a scene
   --turns N      how often each program is timed, in turns (5)
@@ -22,6 +24,7 @@ worst rise of the energy, ns a step, CPU time for a simulated second, and ratios
   -h, --help     this";
 
 struct Options {
+    write: bool,
     markdown: bool,
     summary: bool,
     turns: usize,
@@ -31,6 +34,7 @@ struct Options {
 fn options() -> Result<Option<Options>, lexopt::Error> {
     use lexopt::prelude::*;
     let mut options = Options {
+        write: false,
         markdown: false,
         summary: false,
         turns: 5,
@@ -39,6 +43,7 @@ fn options() -> Result<Option<Options>, lexopt::Error> {
     let mut parser = lexopt::Parser::from_env();
     while let Some(argument) = parser.next()? {
         match argument {
+            Long("write") => options.write = true,
             Long("markdown") => options.markdown = true,
             Long("summary") => options.summary = true,
             Long("turns") => options.turns = parser.value()?.parse()?,
@@ -69,21 +74,38 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<(), String> {
-    println!(
-        "rapier3d {}, rapier3d-f64 {}\n",
-        rapier3d::VERSION,
-        rapier3d_f64::VERSION
-    );
+    let markdown = options.markdown || options.write;
+    // A table that is kept has all scenes.
+    let wanted = |name: &str| options.write || name.contains(&options.scene);
     let mut measured = Vec::new();
+    let mut tables = String::new();
     for scene in answers::all()? {
-        if scene.name.contains(&options.scene) {
+        if wanted(scene.name) {
+            eprintln!("{} ...", scene.name);
             let rows = measure::rows(&scene, options.turns)?;
             if !options.summary {
-                table::print_scene(&scene, &rows, options.markdown);
+                tables += &table::of_scene(&scene, &rows, markdown);
             }
             measured.push((scene, rows));
         }
     }
-    table::print_summary(&measured, options.markdown);
-    Ok(())
+    let within: String = (measured.iter())
+        .filter(|(scene, _)| scene.name == "trial 1")
+        .map(|(scene, rows)| table::within(1e-4, scene, rows, markdown))
+        .collect();
+    let summary = table::summary(&measured, markdown);
+    if options.write {
+        let heading = |title: &str, text: &str| format!("## {title}\n\n{text}");
+        kept::write(
+            &(tables + &within + &heading("Summary", &summary)),
+            &summary,
+            &within,
+        )
+    } else {
+        println!(
+            "{}\n\n{tables}{within}Summary\n\n{summary}",
+            kept::versions()
+        );
+        Ok(())
+    }
 }

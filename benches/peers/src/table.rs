@@ -4,10 +4,10 @@ use crate::measure::{Outcome, Ratio, Row};
 use crate::scene::Scene;
 
 /// One scene: a row a program and setting.
-pub(crate) fn print_scene(scene: &Scene, rows: &[Row], markdown: bool) {
+pub(crate) fn of_scene(scene: &Scene, rows: &[Row], markdown: bool) -> String {
     let (heading, unit) = (scene.name, scene.unit.1);
-    println!(
-        "{}{heading}\n\n{}\n",
+    let above = format!(
+        "{}{heading}\n\n{}\n\n",
         if markdown { "### " } else { "" },
         scene.about
     );
@@ -39,11 +39,52 @@ pub(crate) fn print_scene(scene: &Scene, rows: &[Row], markdown: bool) {
             cells
         }
     });
-    print(&head, lines.collect(), markdown);
+    above + &table(&head, lines.collect(), markdown)
+}
+
+/// What an error of so much costs each program on a scene: the longest step or the loosest tolerance that keeps it, as every shorter and tighter one that was tried does; beside the plain Rk4.
+pub(crate) fn within(error: f64, scene: &Scene, rows: &[Row], markdown: bool) -> String {
+    let cheapest = |name: &str| -> Option<(&Row, Outcome)> {
+        (rows.iter().filter(|row| row.name == name).rev())
+            .map_while(|row| {
+                let outcome = row.outcome.as_ref().ok()?;
+                (outcome.error <= error).then_some((row, *outcome))
+            })
+            .min_by(|a, b| a.1.price.total_cmp(&b.1.price))
+    };
+    let mut names: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
+    names.dedup();
+    let plain = cheapest("plain Rk4").map_or(f64::NAN, |(_, outcome)| outcome.price);
+    let mut found: Vec<_> = names.into_iter().filter_map(cheapest).collect();
+    found.sort_by(|a, b| a.1.price.total_cmp(&b.1.price));
+    let unit = scene.unit.1;
+    let head = [
+        "program",
+        "settings",
+        &format!("error, {unit}"),
+        "CPU a second",
+        "of the plain Rk4's",
+    ]
+    .map(String::from);
+    let lines = found.into_iter().map(|(row, outcome)| {
+        [
+            row.name.clone(),
+            row.settings.clone(),
+            format!("{:.1e}", outcome.error),
+            time(outcome.price),
+            format!("{:.2}", outcome.price / plain),
+        ]
+    });
+    let above = format!(
+        "{}{} within {error:.0e} {unit}\n\n",
+        if markdown { "## " } else { "" },
+        scene.name
+    );
+    above + &table(&head, lines.collect(), markdown)
 }
 
 /// A row a scene: for each peer its least error, and the row of it that is cheapest against ours of the same accuracy.
-pub(crate) fn print_summary(measured: &[(Scene, Vec<Row>)], markdown: bool) {
+pub(crate) fn summary(measured: &[(Scene, Vec<Row>)], markdown: bool) -> String {
     let peers = ["plain Rk4", "ode_solvers", "rapier3d ", "rapier3d-f64 "];
     let mut head = vec!["scene".to_string(), "tumble, least error".into()];
     head.extend(peers.iter().map(|peer| peer.trim().to_string()));
@@ -71,8 +112,7 @@ pub(crate) fn print_summary(measured: &[(Scene, Vec<Row>)], markdown: bool) {
         }
         lines.push(line);
     }
-    println!("{}Summary\n", if markdown { "## " } else { "" });
-    print(&head, lines, markdown);
+    table(&head, lines, markdown)
 }
 
 /// The least and the largest ratio of a program's rows that are an answer.
@@ -128,7 +168,7 @@ fn digits(value: f64) -> String {
 }
 
 /// A table in markdown, or in columns.
-fn print<L: AsRef<[String]>>(head: &[String], lines: Vec<L>, markdown: bool) {
+fn table<L: AsRef<[String]>>(head: &[String], lines: Vec<L>, markdown: bool) -> String {
     let (open, between, close) = if markdown {
         ("| ", " | ", " |")
     } else {
@@ -148,22 +188,23 @@ fn print<L: AsRef<[String]>>(head: &[String], lines: Vec<L>, markdown: bool) {
         }
     };
     let widths: Vec<usize> = (0..head.len()).map(width).collect();
-    let print_line = |cells: &[String]| {
+    let mut out = String::new();
+    let line_of = |cells: &[String]| {
         let padded: Vec<String> = cells
             .iter()
             .zip(&widths)
             .map(|(cell, width)| format!("{cell:<width$}"))
             .collect();
-        println!("{open}{}{close}", padded.join(between).trim_end());
+        format!("{open}{}{close}\n", padded.join(between).trim_end())
     };
-    print_line(head);
+    out += &line_of(head);
     if markdown {
-        println!("|{}", "---|".repeat(head.len()));
+        out += &format!("|{}\n", "---|".repeat(head.len()));
     }
     for line in &lines {
-        print_line(line.as_ref());
+        out += &line_of(line.as_ref());
     }
-    println!();
+    out + "\n"
 }
 
 fn rise(rise: f64) -> String {

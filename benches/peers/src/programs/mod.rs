@@ -39,3 +39,16 @@ pub(crate) struct End {
     /// CPU seconds before the first step, where that is worth mentioning: no part of the price.
     pub(crate) preparation: f64,
 }
+
+/// `1e-2 s`, `1.25e-2 s`: with as many digits as it takes.
+fn name_of_step(time_step: f64) -> String {
+    let short = format!("{time_step:.0e}");
+    let is_exact = short
+        .parse()
+        .is_ok_and(|short: f64| (short / time_step - 1.0).abs() < 1e-3);
+    if is_exact {
+        format!("{short} s")
+    } else {
+        format!("{time_step:.2e} s")
+    }
+}

@@ -3,8 +3,8 @@
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
     BogackiShampine32, Coin, ContactPoint, Coulomb, DormandPrince54, EnergyMomentum, FlatGround,
-    Flight, Gravity, Integrator, Nystrom, RigidPointBody, Rk4, Sample, SlidingFriction, SpringDamperGround,
-    State, Stepper, StrangSplitting, UniformGravity,
+    Flight, Gravity, Integrator, Nystrom, RigidPointBody, Rk4, Sample, SlidingFriction,
+    SpringDamperGround, State, Stepper, StrangSplitting, UniformGravity,
 };
 
 use core::ops::ControlFlow;
@@ -91,7 +91,7 @@ const TOLERANCES: [f64; 8] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
 /// The library on a scene: each integrator at each of the scene's steps, and with each tolerance.
 pub(crate) fn programs(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, String> {
     let mut all: Vec<Box<dyn Program>> = Vec::new();
-    let step = |time_step: f64| format!("{time_step:.0e} s");
+    let step = super::name_of_step;
     for &time_step in &scene.steps {
         all.push(composed(
             scene,

@@ -18,7 +18,7 @@ impl Program for PlainRk4<'_> {
     }
 
     fn settings(&self) -> String {
-        format!("{:.0e} s", self.time_step)
+        super::name_of_step(self.time_step)
     }
 
     fn run(&self, mut watch: Option<Watch<'_>>) -> Result<End, String> {
