@@ -1,6 +1,6 @@
 //! A fixed number of steps and nothing else, for `callgrind` to count: see `.ci/instructions`.
 //!
-//! `instructions INTEGRATOR PHASE POINTS STEPS`; the instructions of a step are the difference of two counts over the difference of their steps.
+//! `instructions INTEGRATOR PHASE POINTS STEPS`, with `round` for a rim without points; the instructions of a step are the difference of two counts over the difference of their steps.
 
 // A count that cannot be taken ends.
 #![allow(clippy::unwrap_used, clippy::panic)]
@@ -8,7 +8,7 @@
 mod scenes;
 
 use core::hint::black_box;
-use scenes::{Advance, Phase, TIME_STEP, ring, stepper};
+use scenes::{Advance, Phase, TIME_STEP, ring, round, stepper};
 use tumble::{
     EnergyMomentum, ForwardEuler, Integrator, Nystrom, Rk4, StrangSplitting, SymplecticEuler,
 };
@@ -21,7 +21,7 @@ fn main() {
         return;
     };
     let phase = Phase::ALL.into_iter().find(|p| p.name() == phase).unwrap();
-    let (points, steps) = (points.parse().unwrap(), steps.parse().unwrap());
+    let steps = steps.parse().unwrap();
     let time_step = TIME_STEP;
     match &integrator[..] {
         "ForwardEuler" => run(ForwardEuler { time_step }, phase, points, steps),
@@ -34,8 +34,13 @@ fn main() {
     }
 }
 
-fn run(integrator: impl Integrator, phase: Phase, points: usize, steps: u32) {
-    measure(&stepper(ring(points), integrator), phase, steps);
+fn run(integrator: impl Integrator, phase: Phase, points: &str, steps: u32) {
+    if points == "round" {
+        measure(&stepper(round(), integrator), phase, steps);
+    } else {
+        let points = points.parse().unwrap();
+        measure(&stepper(ring(points), integrator), phase, steps);
+    }
 }
 
 fn measure(stepper: &impl Advance, phase: Phase, steps: u32) {

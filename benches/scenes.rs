@@ -7,8 +7,8 @@
 
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    Coin, ContactPoint, Coulomb, FlatGround, Gravity, Integrator, RigidPointBody, SlidingFriction,
-    SpringDamperGround, State, Stepper, Trial, UniformGravity,
+    Coin, ContactPoint, Coulomb, Disc, FlatGround, Gravity, Integrator, RigidPointBody,
+    SlidingFriction, SpringDamperGround, State, Stepper, Trial, UniformGravity,
 };
 
 /// The report's time step, s.
@@ -95,6 +95,11 @@ pub(crate) fn ring(points: usize) -> Ring {
     Coin::ring_in(storage, Trial::<f64>::MASS, Trial::<f64>::RADIUS)
 }
 
+/// The coin of the report with a round rim.
+pub(crate) fn round() -> Disc {
+    Disc::ring(Trial::<f64>::MASS, Trial::<f64>::RADIUS, 120)
+}
+
 /// The report's ground under a coin of `points` points: as stiff and as damped in all as under its 120.
 pub(crate) fn ground(points: usize) -> FlatGround {
     let share = 120.0 / points as f64;
@@ -112,7 +117,11 @@ pub(crate) fn stepper<B: RigidPointBody, I: Integrator>(
     body: B,
     integrator: I,
 ) -> SceneStepper<B, I> {
-    let points = body.contacts().len();
+    // A round rim stands for the report's 120.
+    let points = match body.contacts().len() {
+        0 => 120,
+        points => points,
+    };
     Stepper::new(body)
         .and_then(|stepper| stepper.with_ground(ground(points)))
         .and_then(|stepper| stepper.with_friction(trial_1().friction()))

@@ -1,10 +1,9 @@
 //! When a round rim, and when points: `Disc` beside rings of 12, 120 and 1200 points with the same stiffness of the whole rim.
 //!
-//! `cargo run --release --example round_rim` prints the tables of `Disc`'s documentation. Prices are ratios within the run.
+//! `cargo run --release --example round_rim` prints the tables of `Disc`'s documentation; its prices are counted by `.ci/instructions`.
 
 use core::error::Error;
 use core::ops::ControlFlow;
-use std::time::Instant;
 
 use tumble::glam::DVec3;
 use tumble::{
@@ -69,12 +68,11 @@ struct Scene<F, I> {
     seconds: f64,
 }
 
-/// Where it ends, its energy at both ends, the variation of its vertical acceleration over gravity, and the price of the run, s.
+/// Where it ends, its energy at both ends, and the variation of its vertical acceleration over gravity.
 struct Ride {
     place: DVec3,
     energy: [f64; 2],
     rattle: f64,
-    price: f64,
 }
 
 impl<F: SlidingFriction + Copy, I: Integrator + Copy> Run<Ride> for Scene<F, I> {
@@ -93,18 +91,10 @@ impl<F: SlidingFriction + Copy, I: Integrator + Copy> Run<Ride> for Scene<F, I> 
             ControlFlow::Continue(())
         };
         stepper.run(&mut state, self.seconds, &mut shake)?;
-        let mut price = f64::MAX;
-        for _ in 0..5 {
-            let mut again = self.start;
-            let clock = Instant::now();
-            stepper.advance(&mut again, self.seconds)?;
-            price = price.min(clock.elapsed().as_secs_f64());
-        }
         Ok(Ride {
             place: state.position,
             energy: [stepper.energy(&self.start), stepper.energy(&state)].map(|e| e.total()),
             rattle: (squares / f64::from(samples)).sqrt() / GRAVITY,
-            price,
         })
     }
 }
@@ -197,14 +187,14 @@ fn steps() -> Outcome<()> {
 /// A hoop that rolls upright at 4 rad/s, at the depth at which the round rim rests.
 fn rolling() -> Outcome<()> {
     println!(
-        "| upright, 4 rad/s | vertical acceleration, rms, over g | energy lost in 1 s with dampers and friction, J | price of a step of `StrangSplitting` |"
+        "| upright, 4 rad/s | vertical acceleration, rms, over g | energy lost in 1 s with dampers and friction, J |"
     );
-    println!("|---|---|---|---|");
+    println!("|---|---|---|");
     let start = State::at(DVec3::Z * (RADIUS * half_arc().cos()))
         .with_linear_velocity(-DVec3::Y * (4.0 * RADIUS))
         .with_angular_momentum(DVec3::X * (4.0 * RADIUS * RADIUS));
     let integrator = StrangSplitting { time_step: 1e-4 };
-    let mut prices = Vec::new();
+    let mut rows = Vec::new();
     for (name, points, body) in Body::all() {
         let seconds = 1.0;
         let free = body.with(Scene {
@@ -227,16 +217,10 @@ fn rolling() -> Outcome<()> {
             start,
             seconds,
         })?;
-        prices.push((
-            name,
-            free.rattle,
-            real.energy[0] - real.energy[1],
-            real.price,
-        ));
+        rows.push((name, free.rattle, real.energy[0] - real.energy[1]));
     }
-    let per = prices.get(1).map_or(1.0, |(_, _, _, price)| *price);
-    for (name, rattle, lost, price) in prices {
-        println!("| {name} | {rattle:.1e} | {lost:.4} | {:.1} |", price / per);
+    for (name, rattle, lost) in rows {
+        println!("| {name} | {rattle:.1e} | {lost:.4} |");
     }
     Ok(())
 }

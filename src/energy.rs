@@ -4,7 +4,7 @@ use crate::body::RigidPointBody;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
-use crate::scene::{Contact, Dynamics, Load, Motion, Rates};
+use crate::scene::{Contact, Dynamics, Load, Motion, Rates, spring_energy};
 use crate::state::State;
 
 /// Energy of a body on its ground, by kind, J.
@@ -33,7 +33,7 @@ impl<R: Real> Energy<R> {
     #[inline]
     pub(crate) fn with_touching(scene: &impl Dynamics<R>, state: &State<R>) -> (Self, usize) {
         let motion = scene.motion(state);
-        let (springs, touching) = springs(scene, &motion);
+        let (springs, touching) = spring_energy(scene, &motion);
         (Self::moving(scene, state, &motion, springs), touching)
     }
 
@@ -160,24 +160,6 @@ pub struct Account<R: Real = f64> {
     pub rates: Rates<R>,
 }
 
-/// The energy in the springs, J, and how many contacts touch.
-///
-/// It is that of a body at rest in the same place: where the quadrature of a rim is cut for its forces depends on its velocities, and an energy of places must not.
-#[inline]
-fn springs<R: Real>(scene: &impl Dynamics<R>, motion: &Motion<R>) -> (R, usize) {
-    let at_rest = Motion {
-        linear_velocity: R::Vec3::ZERO,
-        angular_velocity: R::Vec3::ZERO,
-        ..*motion
-    };
-    let (mut energy, mut touching) = (R::ZERO, 0);
-    scene.visit_contacts(&at_rest, |contact| {
-        energy += scene.ground().spring_energy(contact.depth) * contact.weight;
-        touching += 1;
-    });
-    (energy, touching)
-}
-
 impl<R: Real> Account<R> {
     /// The account of a state of a scene.
     #[must_use]
@@ -195,7 +177,7 @@ impl<R: Real> Account<R> {
             stored += scene.ground().spring_energy(contact.depth);
         });
         if !scene.body().rims().is_empty() {
-            stored = springs(scene, &motion).0;
+            stored = spring_energy(scene, &motion).0;
         }
         Self {
             energy: Energy::moving(scene, state, &motion, stored),

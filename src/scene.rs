@@ -3,6 +3,7 @@
 mod level;
 mod rims;
 
+use rims::Touching;
 pub(crate) use rims::{Kinks, Velocities, arc_below, kinks};
 
 use crate::body::{ContactPoint, MassProperties, RigidPointBody, Run};
@@ -85,20 +86,7 @@ pub trait Dynamics<R: Real = f64> {
     /// As [`visit_contacts`](Self::visit_contacts), looking at the contacts of `run` alone.
     #[inline(always)]
     fn visit_run(&self, run: Run, motion: &Motion<R>, mut visit: impl FnMut(&Contact<R>)) {
-        let contacts = self.body().contacts();
-        // One loop for both parts of a run that begins again at the first contact, so that `visit` is compiled once.
-        let mut ahead = contacts.get(run.first..).unwrap_or_default().iter();
-        for _ in 0..run.count.min(contacts.len()) {
-            let Some(point) = ahead.next().or_else(|| {
-                ahead = contacts.iter();
-                ahead.next()
-            }) else {
-                break;
-            };
-            if let Some(contact) = Contact::at(self.body(), self.ground(), motion, point) {
-                visit(&contact);
-            }
-        }
+        visit_points(self, run, motion, &mut visit);
         if !self.body().rims().is_empty() {
             self.visit_rims(motion, visit);
         }
@@ -108,12 +96,12 @@ pub trait Dynamics<R: Real = f64> {
     #[inline(always)]
     fn visit_rims(&self, motion: &Motion<R>, mut visit: impl FnMut(&Contact<R>)) {
         for rim in self.body().rims() {
-            let panels = rims::panels(self, rim, motion);
-            for (place, weight) in panels.iter().flat_map(|panel| rim.nodes(panel)) {
-                let point = ContactPoint::bare(place);
-                if let Some(contact) = Contact::of(self.ground(), motion, &point, weight) {
-                    visit(&contact);
+            match Touching::of(self, rim, motion) {
+                Touching::Nothing => {}
+                Touching::Arc(sweep) => {
+                    sweep.visit(|node| visit(&sweep.contact(rim, &motion.axes, node)));
                 }
+                Touching::Any => rims::visit_any(self, rim, motion, &mut visit),
             }
         }
     }
@@ -173,6 +161,57 @@ fn low_contacts<R: Real, D: Dynamics<R> + ?Sized>(
     }
 }
 
+/// As [`Dynamics::visit_run`], of the contacts of the body alone, without those that stand for a rim.
+#[inline(always)]
+fn visit_points<R: Real, D: Dynamics<R> + ?Sized>(
+    scene: &D,
+    run: Run,
+    motion: &Motion<R>,
+    visit: &mut impl FnMut(&Contact<R>),
+) {
+    let contacts = scene.body().contacts();
+    // One loop for both parts of a run that begins again at the first contact, so that `visit` is compiled once.
+    let mut ahead = contacts.get(run.first..).unwrap_or_default().iter();
+    for _ in 0..run.count.min(contacts.len()) {
+        let Some(point) = ahead.next().or_else(|| {
+            ahead = contacts.iter();
+            ahead.next()
+        }) else {
+            break;
+        };
+        if let Some(contact) = Contact::at(scene.body(), scene.ground(), motion, point) {
+            visit(&contact);
+        }
+    }
+}
+
+/// The energy in the springs, J, and how many contacts touch.
+///
+/// It is that of a body at rest in the same place: where the quadrature of a rim is cut for its forces depends on its velocities, and an energy of places must not.
+#[inline]
+pub(crate) fn spring_energy<R: Real, D: Dynamics<R> + ?Sized>(
+    scene: &D,
+    motion: &Motion<R>,
+) -> (R, usize) {
+    let (mut energy, mut touching) = (R::ZERO, 0);
+    let run = scene.contacts_within(R::ZERO, motion.position, &motion.axes);
+    visit_points(scene, run, motion, &mut |contact: &Contact<R>| {
+        energy += scene.ground().spring_energy(contact.depth);
+        touching += 1;
+    });
+    for rim in scene.body().rims() {
+        let at_rest = Motion {
+            linear_velocity: R::Vec3::ZERO,
+            angular_velocity: R::Vec3::ZERO,
+            ..*motion
+        };
+        let (stored, places) = rims::spring_energy(scene, rim, &at_rest);
+        energy += stored;
+        touching += places;
+    }
+    (energy, touching)
+}
+
 /// As [`Dynamics::load_on`], with the torque that the same forces have on a body with other axes.
 #[inline(always)]
 pub(crate) fn load_with_arms<R: Real, D: Dynamics<R> + ?Sized>(
@@ -181,7 +220,7 @@ pub(crate) fn load_with_arms<R: Real, D: Dynamics<R> + ?Sized>(
     motion: &Motion<R>,
     axes: &Axes<R>,
 ) -> Load<R> {
-    if run.count == 0 && scene.body().rims().is_empty() {
+    if run.count == 0 && (scene.body().rims().is_empty() || is_aloft(scene, motion)) {
         return Load::default();
     }
     let mut load = load_of_forces(scene, run, motion, axes);
@@ -189,6 +228,16 @@ pub(crate) fn load_with_arms<R: Real, D: Dynamics<R> + ?Sized>(
         load.torque += torque;
     }
     load
+}
+
+/// Whether a body is so high above a plane that none of it touches.
+#[inline]
+fn is_aloft<R: Real, D: Dynamics<R> + ?Sized>(scene: &D, motion: &Motion<R>) -> bool {
+    match scene.ground().extent() {
+        Extent::Nowhere => true,
+        Extent::Plane(plane) | Extent::Below(plane) => plane.gap(motion.position) > scene.reach(),
+        Extent::Everywhere => false,
+    }
 }
 
 #[inline(always)]
@@ -203,10 +252,14 @@ fn load_of_forces<R: Real, D: Dynamics<R> + ?Sized>(
     if let Some(height) = height_under_bare_points(scene) {
         let parts = run.parts(scene.body().contacts());
         load = level::load(laws, height, parts, motion, axes);
-        if !scene.body().rims().is_empty() {
-            scene.visit_rims(motion, |contact| {
-                load.add_along(axes, contact, contact.force(laws.0, laws.1))
-            });
+        for rim in scene.body().rims() {
+            match Touching::of(scene, rim, motion) {
+                Touching::Nothing => {}
+                Touching::Arc(sweep) => sweep.load(scene, rim, axes, &mut load),
+                Touching::Any => rims::visit_any(scene, rim, motion, &mut |contact| {
+                    load.add_along(axes, contact, contact.force(laws.0, laws.1));
+                }),
+            }
         }
         return load;
     }

@@ -19,7 +19,7 @@
 //! cos θ = 1 - 2 κ² u²     sin θ = 2 κ u √(1 - κ² u²)     dθ = 2 κ du/√(1 - κ² u²)     d = 2 r s κ² (1 - u²)
 //! ```
 //! without a sine or an arc cosine, and without cancellation in a small depth. Gauss's rule in `u`, with six points on short arcs and eight on longer ones, integrates what is smooth on an arc of up to a quarter of the circle (`κ <= 0.38`) to 2e-10 of itself, and to rounding on
-//! the arcs of less than 0.2 rad on which a body rolls; longer arcs are cut into quarters.
+//! the arcs of less than 0.2 rad on which a body rolls; longer arcs are cut into quarters. Forces on a level plane make do with fewer points, to 4e-11, and to 3e-8 of a long arc on which friction turns round.
 
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
@@ -119,7 +119,12 @@ impl<R: Real> Rim<R> {
     /// The arc that lies below a plane with this unit normal (body axes), above which the rim's middle has this gap (m).
     #[inline]
     pub(crate) fn arc_below(&self, normal: R::Vec3, gap: R) -> Arc<R> {
-        let [along, across] = self.in_plane(normal);
+        self.arc_of(self.in_plane(normal), gap)
+    }
+
+    /// The same by the parts of the normal along the rim's own axes.
+    #[inline]
+    pub(crate) fn arc_of(&self, [along, across]: [R; 2], gap: R) -> Arc<R> {
         let steepness = (along * along + across * across).sqrt();
         let extent = self.radius * steepness;
         if gap >= extent {
@@ -131,7 +136,22 @@ impl<R: Real> Rim<R> {
         Arc::Part {
             lowest: [-along / steepness, -across / steepness],
             chord: ((extent - gap) / (extent + extent)).sqrt(),
+            extent,
         }
+    }
+
+    /// From its middle to the place in a direction, and to the one a quarter of a turn on, m, where its own axes are these.
+    #[inline]
+    pub(crate) fn spokes(
+        &self,
+        [first, second]: [R::Vec3; 2],
+        direction: Direction<R>,
+    ) -> [R::Vec3; 2] {
+        let [along, across] = direction.map(|part| part * self.radius);
+        [
+            first * along + second * across,
+            second * along - first * across,
+        ]
     }
 
     /// Its own axes.
@@ -198,19 +218,19 @@ impl<R: Real> Rim<R> {
 }
 
 /// Gauss's rule on [-1, 1]: the places above 0, and their weights.
-const GAUSS_8: [[f64; 2]; 4] = [
+pub(crate) const GAUSS_8: [[f64; 2]; 4] = [
     [0.183_434_642_495_649_8, 0.362_683_783_378_362],
     [0.525_532_409_916_329, 0.313_706_645_877_887_3],
     [0.796_666_477_413_626_7, 0.222_381_034_453_374_5],
     [0.960_289_856_497_536_3, 0.101_228_536_290_376_3],
 ];
-const GAUSS_6: [[f64; 2]; 3] = [
+pub(crate) const GAUSS_6: [[f64; 2]; 3] = [
     [0.23861918608319693, 0.46791393457269126],
     [0.6612093864662646, 0.3607615730481386],
     [0.932469514203152, 0.1713244923791705],
 ];
 /// The chord of a panel on which six points are as exact as numbers: what is left of the springs' energy is `2e-4 κ⁸` of it, 1e-14.
-const SHORT: f64 = 0.05;
+pub(crate) const SHORT: f64 = 0.05;
 
 /// Cosine and sine in the rim's plane.
 pub(crate) type Direction<R> = [R; 2];
@@ -230,6 +250,8 @@ pub(crate) enum Arc<R> {
         lowest: Direction<R>,
         /// `sin(α/2)`: half of the chord from the lowest place to the end, over the radius.
         chord: R,
+        /// `r s`: how far the rim reaches below its middle, m.
+        extent: R,
     },
     Whole,
 }
@@ -242,7 +264,7 @@ pub(crate) struct Panel<R> {
 }
 
 /// `sin(π/8)`: of a quarter of the circle.
-const QUARTER: f64 = 0.382_683_432_365_089_8;
+pub(crate) const QUARTER: f64 = 0.382_683_432_365_089_8;
 
 impl<R: Real> Arc<R> {
     /// Whether a place in a direction is on it.
@@ -254,6 +276,7 @@ impl<R: Real> Arc<R> {
             Self::Part {
                 lowest: [x, y],
                 chord,
+                ..
             } => (a - x) * (a - x) + (b - y) * (b - y) < chord * chord * R::from_f64(4.0),
         }
     }
@@ -268,11 +291,20 @@ impl<R: Real> Arc<R> {
     #[inline]
     pub(crate) fn place(&self, u: R) -> Direction<R> {
         match *self {
-            Self::Part { lowest, chord } => {
+            Self::Part { lowest, chord, .. } => {
                 let half = half_turn(chord * u);
                 turned(lowest, turned(half, half))
             }
             _ => [R::ONE, R::ZERO],
+        }
+    }
+
+    /// How far the rim reaches below its middle, m.
+    #[inline]
+    pub(crate) fn extent(&self) -> R {
+        match *self {
+            Self::Part { extent, .. } => extent,
+            _ => R::ZERO,
         }
     }
 
@@ -334,13 +366,13 @@ impl<R: Real> Panels<R> {
 
     /// Those of one arc, cut at these places: `sin(θ/2)/sin(α/2)`, from -1 to 1 along the arc.
     #[inline]
-    pub(crate) fn of(arc: Arc<R>, cuts: &[R]) -> Self {
+    pub(crate) fn of(arc: Arc<R>, cuts: impl Iterator<Item = R>) -> Self {
         let mut panels = Self::NONE;
         match arc {
             Arc::Nothing => {}
-            Arc::Part { lowest, chord } if chord <= R::from_f64(QUARTER) => {
+            Arc::Part { lowest, chord, .. } if chord <= R::from_f64(QUARTER) => {
                 let mut from = half_turn(-chord);
-                for &cut in cuts {
+                for cut in cuts {
                     let to = half_turn(chord * cut);
                     panels.push_between(lowest, from, to);
                     from = to;
@@ -348,7 +380,7 @@ impl<R: Real> Panels<R> {
                 panels.push_between(lowest, from, half_turn(chord));
             }
             _ => {
-                let places = cuts.iter().map(|&cut| arc.place(cut));
+                let places = cuts.map(|cut| arc.place(cut));
                 return Self::of_both([arc, Arc::Nothing], places);
             }
         }

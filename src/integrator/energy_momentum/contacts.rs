@@ -290,7 +290,7 @@ impl<R: Real> Contacts<R> {
             let panels = match Arc::longer(&arcs) {
                 Some(arc) => {
                     let kinks = mean_kinks(problem, trial, rim, &arc);
-                    Panels::of_both(arcs, kinks.get().iter().map(|&u| arc.place(u)))
+                    Panels::of_both(arcs, kinks.places().map(|u| arc.place(u)))
                 }
                 None => Panels::of_both(arcs, core::iter::empty()),
             };
@@ -595,8 +595,7 @@ fn mean_kinks<R: Real, D: Dynamics<R>>(
         Some(plane) => plane.normal,
         None => ground.surface(problem.motion.position).normal,
     };
-    let in_body = axes.to_body(normal);
-    kinks(problem.scene, rim, arc, in_body, normal, &velocities)
+    kinks(problem.scene, arc, normal, &velocities)
 }
 
 /// The arm of a force along `normal` that does the springs' work on a smooth body: with the step's turn `2a`, `normal · (2a × arm) = normal · swung`.
