@@ -446,7 +446,7 @@ impl SpringDamperGround for Shelf {
         if depth > 0.01 { self.0 } else { 1.0 }
     }
     fn spring_energy(&self, depth: f64) -> f64 {
-        depth + self.0 * (depth - 0.01).max(0.0)
+        depth.min(0.01) + self.0 * (depth - 0.01).max(0.0)
     }
     fn normal_force(&self, depth: f64, _closing_speed: f64) -> f64 {
         self.spring_force(depth)
