@@ -150,6 +150,8 @@ macro_rules! names_for {
             pub type UniformGravity = crate::UniformGravity<$real>;
             /// A friction law that also resists rolling and drilling.
             pub type WithResistance<F> = crate::WithResistance<F, $real>;
+            /// Ends a run when the body lies still.
+            pub type UntilRest = crate::UntilRest<$real>;
             /// Waves of the ground.
             pub type Waves = crate::Waves<$real>;
             /// Friction in proportion to the slip.

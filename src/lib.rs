@@ -143,7 +143,7 @@ pub use integrator::{
     BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, ForwardEuler, Integrator, Nystrom,
     Rk4, Step, StrangSplitting, SymplecticEuler,
 };
-pub use observer::{Every, Ledger, Observer, Probe, Sample, Timed};
+pub use observer::{Every, Ledger, Observer, Probe, Sample, Timed, UntilRest};
 pub use real::Real;
 pub use rotation::Rotation;
 pub use scene::{Contact, Dynamics, Load, LowestPoint, Motion, Rates, Scene};

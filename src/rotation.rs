@@ -140,6 +140,12 @@ impl<R: Real> Rotation<R> {
         }
     }
 
+    /// `|sin(φ/2)|` of the turn by φ.
+    #[inline]
+    pub(crate) fn sine_of_half(self) -> R {
+        self.v.length()
+    }
+
     /// Square of the quaternion's length; 1 to rounding.
     #[inline]
     #[must_use]

@@ -149,6 +149,35 @@ where
         &self.integrator
     }
 
+    /// The same state, with the angular momentum that the body, turned as it is there, has at this angular velocity (rad/s, world axes): `L = J ω`.
+    ///
+    /// A [`State`] holds the angular momentum, which is what stays in flight; what is known of a throw is mostly how fast it turns. `state.orientation * vector` takes a vector
+    /// of body axes to world axes.
+    ///
+    /// ```
+    /// use tumble::glam::DVec3;
+    /// use tumble::{Coin, State, Stepper};
+    ///
+    /// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?; // kg, m; its normal is body x
+    /// let state = State::at(DVec3::Z).turned_by(DVec3::Y * 0.3); // rad
+    /// let state = stepper.spinning(state, state.orientation * DVec3::X * 8.0); // rad/s about its normal
+    /// assert!((state.angular_momentum.length() - 1.0 * 0.5 * 0.5 * 8.0).abs() < 1e-12); // m r² ω
+    /// assert!((stepper.angular_velocity(&state).length() - 8.0).abs() < 1e-12);
+    /// # Ok::<(), tumble::SceneError>(())
+    /// ```
+    #[must_use]
+    pub fn spinning(&self, state: State<R>, angular_velocity: R::Vec3) -> State<R> {
+        let axes = state.rotation().axes();
+        let masses = self.scene.mass_properties();
+        state.with_angular_momentum(masses.angular_momentum(&axes, angular_velocity))
+    }
+
+    /// Angular velocity of the body, rad/s, world axes: `ω = J⁻¹ L`.
+    #[must_use]
+    pub fn angular_velocity(&self, state: &State<R>) -> R::Vec3 {
+        self.scene.motion(state).angular_velocity
+    }
+
     /// Energy of a state, by kind, J.
     #[must_use]
     pub fn energy(&self, state: &State<R>) -> Energy<R> {

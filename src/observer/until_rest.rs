@@ -1,0 +1,110 @@
+//! Watching until a body lies still.
+
+use core::ops::ControlFlow;
+
+use super::{Observer, Sample};
+use crate::body::RigidPointBody;
+use crate::real::{Real, Vector};
+use crate::state::State;
+
+/// Ends a run when the body lies still: when no place of it has moved by more than a distance for a time.
+///
+/// A single look at a state cannot tell: in the middle of a bounce, and where a rocking coin turns back, a body is slow as well. So this one remembers where the body was when
+/// it last moved. It compares places and asks for no force, so a look costs next to nothing.
+///
+/// One observer may watch run after run, as a game does frame by frame. It then goes on counting, and begins anew when the state was changed between two runs: a body that is pushed wakes up. A run of a body that
+/// lies ends before its first step.
+///
+/// ```
+/// use tumble::glam::DVec3;
+/// use tumble::{Coulomb, Cuboid, FlatGround, State, Stepper, UniformGravity, UntilRest};
+///
+/// let stepper = Stepper::new(Cuboid::cube(0.005, 0.016).rounded(0.0015))? // kg, m, m
+///     .with_gravity(UniformGravity::down(9.81))?
+///     .with_ground(FlatGround::level(4000.0, 1.2))?
+///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?;
+/// let mut state = stepper.spinning(State::at(DVec3::Z * 0.2), DVec3::new(20.0, 35.0, 5.0)); // m, rad/s
+/// // Not a tenth of a millimetre in a quarter of a second.
+/// let mut rest = UntilRest::new(stepper.body(), 1e-4, 0.25);
+/// let seconds = stepper.run(&mut state, 60.0, &mut rest)?;
+/// assert!(rest.is_reached() && seconds < 5.0);
+/// println!("{:?} after {seconds:.2} s", stepper.body().side_up(&state));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// *Limits:* it sees the body at the ends of steps. A body that creeps, as every body does on a slope, lies still where it creeps by less than `distance` in the time. So does one that
+/// stands on an edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UntilRest<R: Real = f64> {
+    reach: R,
+    distance: R,
+    seconds: R,
+    /// Where the body was when it last moved, and its last sample.
+    seen: Option<Seen<R>>,
+    /// s since it last moved.
+    still: R,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seen<R: Real> {
+    moved: State<R>,
+    last: State<R>,
+    /// Of the last sample, s since the start of its run.
+    time: R,
+}
+
+impl<R: Real> UntilRest<R> {
+    /// Waits until no place of `body` has moved by more than `distance` (m) for `seconds`.
+    ///
+    /// Of a body of some centimetres, 1e-4 m in a quarter of a second is below what the eye sees. A distance that is not at least 0 is kept by no body, and the run goes on to its end.
+    #[must_use]
+    pub fn new<B: RigidPointBody<R> + ?Sized>(body: &B, distance: R, seconds: R) -> Self {
+        Self {
+            reach: body.reach(),
+            distance,
+            seconds,
+            seen: None,
+            still: R::ZERO,
+        }
+    }
+
+    /// Whether the body lies still.
+    #[must_use]
+    pub fn is_reached(&self) -> bool {
+        self.seen.is_some() && self.still >= self.seconds
+    }
+
+    /// Whether the body has stayed where it was from `seen` to now, `elapsed` seconds after the last look.
+    fn stays(&self, seen: &Seen<R>, now: &State<R>, elapsed: R) -> bool {
+        let shift = (now.position - seen.moved.position).length();
+        // A turn by φ takes a place at the distance r along a chord of 2 r sin(φ/2).
+        let turn = now.rotation().after(seen.moved.rotation().inverse());
+        let chord = R::TWO * self.reach * turn.sine_of_half();
+        // A long step in flight may end at the height at which it began.
+        let way = now.linear_velocity.length() * elapsed;
+        shift + chord <= self.distance && way <= self.distance
+    }
+}
+
+impl<R: Real> Observer<R> for UntilRest<R> {
+    fn observe(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
+        let (now, time) = (*sample.state, sample.time);
+        let begins = sample.step == 0;
+        let before = self.seen.filter(|seen| !begins || seen.last == now);
+        let elapsed = before
+            .filter(|_| !begins)
+            .map_or(R::ZERO, |seen| time - seen.time);
+        let stays = before.filter(|seen| self.stays(seen, &now, elapsed));
+        self.still = stays.map_or(R::ZERO, |_| self.still + elapsed);
+        self.seen = Some(Seen {
+            moved: stays.map_or(now, |seen| seen.moved),
+            last: now,
+            time,
+        });
+        if self.is_reached() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
