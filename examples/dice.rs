@@ -12,11 +12,12 @@ use common::{
     BLUE, Camera, Check, Column, Film, Mesh, ORANGE, Options, Outcome, Page, Picture, Random,
     energy_columns, mesh,
 };
+use indicatif::{ProgressBar, ProgressStyle};
 use kuva::prelude::*;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
     Coulomb, Cuboid, EnergyMomentum, FlatGround, MassDistribution, Sample, State, Stepper,
-    UniformGravity,
+    UniformGravity, UntilRest,
 };
 
 const ABOUT: &str = "\
@@ -88,8 +89,10 @@ fn work(options: &Options) -> Outcome<Page> {
                 "Each of {throws} throws begins with a random turn, spin and speed half a metre above the table and ends when the die lies still."
             ),
             format!(
-                "Fair: {fair:?}. Loaded, centre of mass {:.0} mm towards the four: {loaded:?}.",
-                1e3 * LOAD
+                "Faces one to six of the fair die: {}. Of one whose centre of mass lies {:.0} mm towards the four: {}.",
+                listed(fair),
+                1e3 * LOAD,
+                listed(loaded)
             ),
         ],
         checks: vec![
@@ -144,19 +147,25 @@ fn stepper(load: f64) -> Outcome<Die> {
         .with_integrator(EnergyMomentum { time_step: 1e-3 })?)
 }
 
+fn listed(faces: [u32; 6]) -> String {
+    faces.map(|count| count.to_string()).join(", ")
+}
+
 /// How often each face came up.
 fn count(die: &Die, throws: u32, seed: u64) -> Outcome<[u32; 6]> {
     let mut random = Random(seed);
     let mut faces = [0; 6];
-    for _ in 0..throws {
-        let (face, _) = throw(die, thrown(&mut random))?;
+    let style = ProgressStyle::with_template("{pos} of {len} throws {wide_bar} {eta} left")?;
+    let bar = ProgressBar::new(u64::from(throws)).with_style(style);
+    for _ in bar.wrap_iter(0..throws) {
+        let (face, _) = throw(die, thrown(die, &mut random))?;
         faces[usize::from(face) - 1] += 1;
     }
     Ok(faces)
 }
 
 /// A die as it leaves the hand.
-fn thrown(random: &mut Random) -> State {
+fn thrown(die: &Die, random: &mut Random) -> State {
     let mut any = |most: f64| {
         DVec3::new(
             random.between(-most, most),
@@ -165,37 +174,32 @@ fn thrown(random: &mut Random) -> State {
         )
     };
     // Up to 60 rad/s about each axis.
-    let momentum = any(60.0) * MASS * EDGE * EDGE / 6.0;
+    let spin = any(60.0);
     let velocity = any(1.0);
-    State::at(DVec3::Z * 0.5)
+    let state = State::at(DVec3::Z * 0.5)
         .with_orientation(DQuat::from_array(random.turn()))
-        .with_linear_velocity(velocity)
-        .with_angular_momentum(momentum)
+        .with_linear_velocity(velocity);
+    die.spinning(state, spin)
 }
 
 /// The face that one throw shows, and when the die lies.
 fn throw(die: &Die, mut state: State) -> Outcome<(u8, f64)> {
-    let mut time = 0.0;
-    while time < PATIENCE {
-        die.advance(&mut state, 0.05)?;
-        time += 0.05;
-        let energy = die.energy(&state);
-        // Too little to climb a micrometre.
-        let rests = energy.translation + energy.rotation < MASS * GRAVITY * 1e-6;
-        if rests && die.touching(&state) >= 4 {
-            let side = die
-                .body()
-                .side_up(&state)
-                .ok_or("the die stands on an edge")?;
-            return Ok((side.pips(), time));
-        }
+    // Not a hundredth of a millimetre in 50 ms.
+    let mut rest = UntilRest::new(die.body(), 1e-5, 0.05);
+    let time = die.run(&mut state, PATIENCE, &mut rest)?;
+    if !rest.is_reached() {
+        return Err(format!("a die does not lie after {PATIENCE} s").into());
     }
-    Err(format!("a die does not lie after {PATIENCE} s").into())
+    let side = die
+        .body()
+        .side_up(&state)
+        .ok_or("the die stands on an edge")?;
+    Ok((side.pips(), time))
 }
 
 /// The first throw that is counted.
 fn film(die: &Die) -> Outcome<Film> {
-    let mut state = thrown(&mut Random(1));
+    let mut state = thrown(die, &mut Random(1));
     let (face, time) = throw(die, state)?;
     let mut camera = Camera::new(0.002);
     let mut watch = |sample: &Sample<'_>| {
