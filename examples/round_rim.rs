@@ -1,10 +1,15 @@
 //! When a round rim, and when points: `Disc` beside rings of 12, 120 and 1200 points with the same stiffness of the whole rim.
 //!
-//! `cargo run --release --example round_rim` prints the tables of `Disc`'s documentation; its prices are counted by `.ci/instructions`.
+//! `cargo run --release --example round_rim -- --help`; prints the tables of `Disc`'s documentation; its prices are counted by `.ci/instructions`.
+
+#[path = "common/table.rs"]
+mod table;
 
 use core::error::Error;
 use core::ops::ControlFlow;
 
+use lexopt::prelude::*;
+use table::cells;
 use tumble::glam::DVec3;
 use tumble::{
     Coin, ContactPoint, Coulomb, Disc, EnergyMomentum, FlatGround, Frictionless, Integrator,
@@ -99,7 +104,26 @@ impl<F: SlidingFriction + Copy, I: Integrator + Copy> Run<Ride> for Scene<F, I> 
     }
 }
 
+const HELP: &str = "\
+Coins with 12, 120 and 1200 points on the rim beside one whose rim is round, on springs that are as stiff
+in all: how far apart the report's trials end, how the coins rattle as they roll, and how accurate each
+integrator is on the round rim. Takes some seconds.
+
+Usage: cargo run --release --example round_rim -- [OPTIONS]
+
+  -h, --help   this text
+";
+
 fn main() -> Outcome<()> {
+    let mut arguments = lexopt::Parser::from_env();
+    match arguments.next()? {
+        None => {}
+        Some(Short('h') | Long("help")) => {
+            print!("{HELP}");
+            return Ok(());
+        }
+        Some(other) => return Err(other.unexpected().into()),
+    }
     trials()?;
     println!();
     rolling()?;
@@ -109,10 +133,6 @@ fn main() -> Outcome<()> {
 
 /// The place of the report's trials beside that of the round rim.
 fn trials() -> Outcome<()> {
-    println!(
-        "| distance from the round rim, m | trial 1, 1 s | 5 s | trial 5, 1 s | 5 s | trial 8, 1 s | 5 s |"
-    );
-    println!("|---|---|---|---|---|---|---|");
     let mut rows = Vec::new();
     for (name, points, body) in Body::all() {
         let mut places = Vec::new();
@@ -127,11 +147,21 @@ fn trials() -> Outcome<()> {
     let Some((_, round)) = rows.pop() else {
         return Ok(());
     };
+    let mut lines = vec![cells([
+        "distance from the round rim, m",
+        "trial 1, 1 s",
+        "5 s",
+        "trial 5, 1 s",
+        "5 s",
+        "trial 8, 1 s",
+        "5 s",
+    ])];
     for (name, places) in rows {
         let apart = places.iter().zip(&round).map(|(a, b)| a.distance(*b));
-        let cells: Vec<_> = apart.map(|apart| format!("{apart:.1e}")).collect();
-        println!("| {name} | {} |", cells.join(" | "));
+        let apart = apart.map(|apart| format!("{apart:.1e}"));
+        lines.push([name].into_iter().chain(apart).collect());
     }
+    table::print(&lines);
     Ok(())
 }
 
@@ -153,10 +183,13 @@ fn trial<I>(number: usize, points: f64, seconds: f64, integrator: I) -> Outcome<
 
 /// How far the round rim's place is off after a second of trial 1.
 fn steps() -> Outcome<()> {
-    println!(
-        "| round, trial 1, place after 1 s, m | `Rk4` | `Nystrom` | `StrangSplitting` | `EnergyMomentum` |"
-    );
-    println!("|---|---|---|---|---|");
+    let mut lines = vec![cells([
+        "round, trial 1, place after 1 s",
+        "`Rk4`",
+        "`Nystrom`",
+        "`StrangSplitting`",
+        "`EnergyMomentum`",
+    ])];
     let disc = Disc::<f64>::ring(1.0, RADIUS, 120);
     let truth = trial(1, 120.0, 1.0, Rk4 { time_step: 1e-4 })?
         .run(&disc)?
@@ -174,27 +207,26 @@ fn steps() -> Outcome<()> {
                 .run(&disc)?
                 .place,
         ];
-        let cells = places.map(|place| format!("{:.0e}", place.distance(truth)));
-        println!(
-            "| steps of {} ms | {} |",
-            time_step * 1e3,
-            cells.join(" | ")
-        );
+        let [rk4, nystrom, splitting, implicit] =
+            places.map(|place| format!("{:.0e} m", place.distance(truth)));
+        let step = format!("steps of {} ms", time_step * 1e3);
+        lines.push(cells([step, rk4, nystrom, splitting, implicit]));
     }
+    table::print(&lines);
     Ok(())
 }
 
 /// A hoop that rolls upright at 4 rad/s, at the depth at which the round rim rests.
 fn rolling() -> Outcome<()> {
-    println!(
-        "| upright, 4 rad/s | vertical acceleration, rms, over g | energy lost in 1 s with dampers and friction, J |"
-    );
-    println!("|---|---|---|");
     let start = State::at(DVec3::Z * (RADIUS * half_arc().cos()))
         .with_linear_velocity(-DVec3::Y * (4.0 * RADIUS))
         .with_angular_momentum(DVec3::X * (4.0 * RADIUS * RADIUS));
     let integrator = StrangSplitting { time_step: 1e-4 };
-    let mut rows = Vec::new();
+    let mut lines = vec![cells([
+        "upright, 4 rad/s",
+        "vertical acceleration, rms, over g",
+        "energy lost in 1 s with dampers and friction, J",
+    ])];
     for (name, points, body) in Body::all() {
         let seconds = 1.0;
         let free = body.with(Scene {
@@ -217,11 +249,11 @@ fn rolling() -> Outcome<()> {
             start,
             seconds,
         })?;
-        rows.push((name, free.rattle, real.energy[0] - real.energy[1]));
+        let lost = real.energy[0] - real.energy[1];
+        let (rattle, lost) = (format!("{:.1e}", free.rattle), format!("{lost:.4}"));
+        lines.push(cells([name, rattle, lost]));
     }
-    for (name, rattle, lost) in rows {
-        println!("| {name} | {rattle:.1e} | {lost:.4} |");
-    }
+    table::print(&lines);
     Ok(())
 }
 

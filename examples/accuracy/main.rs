@@ -7,6 +7,8 @@
 #[path = "../common/plain_rk4.rs"]
 mod plain_rk4;
 mod single;
+#[path = "../common/table.rs"]
+mod table;
 mod truth;
 mod within;
 
@@ -27,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     match arguments.next()? {
         None => prices(),
         Some(Long("f32")) => single::tables(),
-        Some(Long("help")) => {
+        Some(Short('h') | Long("help")) => {
             print!("{HELP}");
             Ok(())
         }
@@ -42,62 +44,50 @@ Runs trial 1 for a second by each integrator, in steps of 1 ms and less, and pri
 Usage: cargo run --release --example accuracy -- [OPTIONS]
 
       --f32    instead, error and energy in single against double precision, for each integrator and step
-      --help   this text
+  -h, --help   this text
 ";
 
 /// The README's table.
 fn prices() -> Result<(), Box<dyn Error>> {
     let truth = truth()?;
-    println!("| integrator | order | time step | error | price of 1 s |");
-    println!("|---|---|---|---|---|");
     // The report's method is stable below damping/stiffness = 0.5 ms.
-    row(
-        "`ForwardEuler`, the report's",
-        1e-4,
-        |time_step| ForwardEuler { time_step },
-        &truth,
-    )?;
+    let mut rows = vec![
+        table::cells(["integrator", "order", "time step", "error", "price of 1 s"]),
+        row(
+            "`ForwardEuler`, the report's",
+            ForwardEuler { time_step: 1e-4 },
+            &truth,
+        )?,
+    ];
     for time_step in [1e-3, 1e-4] {
-        row(
-            "`EnergyMomentum`, the default",
-            time_step,
-            |time_step| EnergyMomentum { time_step },
-            &truth,
-        )?;
-        row(
-            "`SymplecticEuler`",
-            time_step,
-            |time_step| SymplecticEuler { time_step },
-            &truth,
-        )?;
-        row(
-            "`StrangSplitting`",
-            time_step,
-            |time_step| StrangSplitting { time_step },
-            &truth,
-        )?;
-        row("`Rk4`", time_step, |time_step| Rk4 { time_step }, &truth)?;
-        row(
-            "`Nystrom`",
-            time_step,
-            |time_step| Nystrom { time_step },
-            &truth,
-        )?;
+        rows.extend([
+            row(
+                "`EnergyMomentum`, the default",
+                EnergyMomentum { time_step },
+                &truth,
+            )?,
+            row("`SymplecticEuler`", SymplecticEuler { time_step }, &truth)?,
+            row("`StrangSplitting`", StrangSplitting { time_step }, &truth)?,
+            row("`Rk4`", Rk4 { time_step }, &truth)?,
+            row("`Nystrom`", Nystrom { time_step }, &truth)?,
+        ]);
     }
+    table::print(&rows);
     println!();
     within::table(1e-4, &truth)
 }
 
-/// Prints the row of one integrator with one step (s).
+/// The row of one integrator.
 fn row<I: Integrator>(
     name: &str,
-    time_step: f64,
-    with: impl Fn(f64) -> I,
+    integrator: I,
     truth: &State,
-) -> Result<(), Box<dyn Error>> {
+) -> Result<Vec<String>, Box<dyn Error>> {
     let trial = trial()?;
-    let integrator = with(time_step);
     let order = integrator.order();
+    let time_step = integrator
+        .fixed_step()
+        .ok_or("the method chooses its steps")?;
     let stepper = trial.stepper(integrator)?;
     let (mut end, mut price) = (trial.state(), f64::INFINITY);
     for _ in 0..RUNS {
@@ -107,10 +97,11 @@ fn row<I: Integrator>(
         price = price.min(start.elapsed().as_secs_f64());
     }
     let error = distance(&end, truth);
-    println!(
-        "| {name} | {order} | {} ms | {error:.1e} m | {:.0} µs |",
-        time_step * 1e3,
-        price * 1e6
-    );
-    Ok(())
+    Ok(table::cells([
+        name.to_owned(),
+        order.to_string(),
+        format!("{} ms", time_step * 1e3),
+        format!("{error:.1e} m"),
+        format!("{:.0} µs", price * 1e6),
+    ]))
 }

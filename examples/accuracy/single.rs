@@ -7,6 +7,7 @@
 
 use core::error::Error;
 
+use crate::table::cells;
 use crate::truth::{DURATION, SLIP_SPEED, distance, truth};
 use tumble::error::SceneError;
 use tumble::glam::{DQuat, DVec3, Vec3};
@@ -48,32 +49,37 @@ type Measured = (&'static str, [[Option<End>; 2]; STEPS.len()]);
 
 /// A row for each integrator, a column for each step, and the step with the least figure in f32.
 fn table(what: &str, measured: &[Measured], figure: impl Fn(&End) -> f64) {
-    let steps = STEPS
-        .map(|step| format!(" {} |", milliseconds(step)))
-        .concat();
-    println!("| {what} |{steps} best |");
-    println!("|---|{}---|", "---|".repeat(STEPS.len()));
+    let mut head = vec![what.to_owned()];
+    head.extend(STEPS.map(milliseconds));
+    head.push("best".to_owned());
+    let mut rows = vec![head];
     for (name, ends) in measured {
         let mut best = (f64::INFINITY, 0.0);
-        print!("| `{name}` |");
+        let mut row = vec![format!("`{name}`")];
         for (time_step, [double, single]) in STEPS.iter().zip(ends) {
             let [double, single] = [double, single].map(|end| end.as_ref().map(&figure));
-            print!(" {} ({}) |", or_none(single), or_none(double));
+            row.push(format!("{} ({})", or_none(single), or_none(double)));
             best = match single {
                 Some(single) if single < best.0 => (single, *time_step),
                 _ => best,
             };
         }
-        println!(" {} |", milliseconds(best.1));
+        row.push(milliseconds(best.1));
+        rows.push(row);
     }
+    crate::table::print(&rows);
 }
 
 /// What sums that keep what rounding takes would save, near the origin and far from it.
 fn compensation(truth: &State) {
-    println!(
-        "| `SymplecticEuler`, error in m | time step | f32 | position compensated | velocity and momentum too | f64 |"
-    );
-    println!("|---|---|---|---|---|---|");
+    let mut rows = vec![cells([
+        "`SymplecticEuler`, error in m",
+        "time step",
+        "f32",
+        "position compensated",
+        "velocity and momentum too",
+        "f64",
+    ])];
     let places = [
         ("at the origin", 0.0),
         ("100 m away", 100.0),
@@ -82,16 +88,17 @@ fn compensation(truth: &State) {
     for (name, away) in places {
         for double in [1e-3, 1e-4, 1e-5, 1e-6] {
             let time_step = double as f32;
-            println!(
-                "| {name} | {} | {} | {} | {} | {} |",
+            rows.push(cells([
+                name.to_owned(),
                 milliseconds(double),
                 error_of(SymplecticEuler { time_step }, away, truth),
                 error_of(Compensated::<false> { time_step }, away, truth),
                 error_of(Compensated::<true> { time_step }, away, truth),
                 error_of(SymplecticEuler { time_step: double }, away, truth),
-            );
+            ]));
         }
     }
+    crate::table::print(&rows);
 }
 
 fn error_of<R: Widen, I: Integrator<R>>(integrator: I, away: f64, truth: &State) -> String {

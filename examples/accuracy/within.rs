@@ -13,6 +13,7 @@ use tumble::{
 };
 
 use super::plain_rk4::{self, Law};
+use super::table;
 use super::truth::{DURATION, distance, trial};
 
 /// Steps in a second.
@@ -30,52 +31,67 @@ const RUNS: usize = 200;
 /// What can be run with a step (s) or a tolerance (m): the end of the trial, and the time that it took, s.
 type Run = Box<dyn Fn(f64) -> Result<(State, f64), Box<dyn Error>>>;
 
+/// Its name, the knobs to try, how they are written, and a run.
+type Method<'a> = (&'a str, &'a [f64], fn(f64) -> String, Run);
+
 /// Prints a row a method: its longest step or largest tolerance that is within `error` (m), *and every shorter or smaller one that is tried with it*, so that no chance hit counts.
 pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
-    println!("| within {error:e} m | setting | error | price of 1 s | of the plain Rk4's |");
-    println!("|---|---|---|---|---|");
+    let within = format!("within {error:e} m");
+    let head = [
+        &within,
+        "setting",
+        "error",
+        "price of 1 s",
+        "of the plain Rk4's",
+    ];
+    let mut rows = vec![table::cells(head)];
     let steps = STEPS.map(|count| DURATION / f64::from(count));
-    let methods: [(&str, &[f64], &str, Run); 7] = [
+    let methods: [Method; 7] = [
         (
             "an Rk4 as anyone would write it",
             &steps,
-            "s",
+            milliseconds,
             Box::new(plain),
         ),
-        ("`Rk4`", &steps, "s", run(|time_step| Rk4 { time_step })),
+        (
+            "`Rk4`",
+            &steps,
+            milliseconds,
+            run(|time_step| Rk4 { time_step }),
+        ),
         (
             "`StrangSplitting`",
             &steps,
-            "s",
+            milliseconds,
             run(|time_step| StrangSplitting { time_step }),
         ),
         (
             "`EnergyMomentum`",
             &steps,
-            "s",
+            milliseconds,
             run(|time_step| EnergyMomentum { time_step }),
         ),
         (
             "`BogackiShampine32`",
             &TOLERANCES,
-            "m",
+            metres,
             run(BogackiShampine32::new),
         ),
         (
             "`DormandPrince54`",
             &TOLERANCES,
-            "m",
+            metres,
             run(DormandPrince54::new),
         ),
         (
             "`Nystrom`",
             &steps,
-            "s",
+            milliseconds,
             run(|time_step| Nystrom { time_step }),
         ),
     ];
     let mut plain_price = None;
-    for (name, knobs, unit, run) in methods {
+    for (name, knobs, show, run) in methods {
         let mut longest = None;
         for &knob in knobs.iter().rev() {
             if distance(&run(knob)?.0, truth) > error {
@@ -84,7 +100,7 @@ pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
             longest = Some(knob);
         }
         let Some(knob) = longest else {
-            println!("| {name} | none that is tried | | | |");
+            rows.push(table::cells([name, "none that is tried", "", "", ""]));
             continue;
         };
         let (end, mut price) = run(knob)?;
@@ -92,14 +108,25 @@ pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
             price = price.min(run(knob)?.1);
         }
         let whole = *plain_price.get_or_insert(price);
-        println!(
-            "| {name} | {knob:.1e} {unit} | {:.1e} m | {:.0} µs | {:.2} |",
-            distance(&end, truth),
-            price * 1e6,
-            price / whole
-        );
+        rows.push(table::cells([
+            name.to_owned(),
+            show(knob),
+            format!("{:.1e} m", distance(&end, truth)),
+            format!("{:.0} µs", price * 1e6),
+            format!("{:.2}", price / whole),
+        ]));
     }
+    table::print(&rows);
     Ok(())
+}
+
+/// A tenth of a millisecond tells any two of the steps apart.
+fn milliseconds(time_step: f64) -> String {
+    format!("{} ms", (time_step * 1e4).round() / 10.0)
+}
+
+fn metres(tolerance: f64) -> String {
+    format!("{tolerance:e} m")
 }
 
 fn run<I: Integrator + 'static>(with: impl Fn(f64) -> I + 'static) -> Run {

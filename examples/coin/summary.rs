@@ -94,7 +94,7 @@ fn write_speed(out: &mut fmt::Formatter<'_>, recording: &Recording) -> fmt::Resu
     let wall = recording.wall_time;
     let speed = simulated / wall;
     let books = recording.books.map_or("", |_| ", books included");
-    let text = format!("{wall:.2} s{books}: {speed:.0} simulated seconds per second");
+    let text = format!("{wall:.3} s{books}: {speed:.0} simulated seconds per second");
     write_line(out, "computed in", text)
 }
 

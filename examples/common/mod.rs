@@ -213,7 +213,7 @@ impl Page {
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>{0}</title>\n\
              <style>body{{font:16px/1.5 system-ui,sans-serif;max-width:960px;margin:24px auto;padding:0 16px;color:#1d2430;background:#fff}}\
-             svg{{width:100%;height:auto}}iframe{{width:100%;height:560px;border:1px solid #d5dbe4;border-radius:8px}}table{{border-collapse:collapse;width:100%}}\
+             svg{{width:100%;height:auto;min-width:540px}}.wide{{overflow-x:auto}}iframe{{width:100%;height:max(560px,75vh);border:1px solid #d5dbe4;border-radius:8px}}table{{border-collapse:collapse;width:100%;min-width:540px}}\
              td,th{{text-align:left;padding:4px 12px 4px 0;border-bottom:1px solid #d5dbe4;vertical-align:top}}</style></head>\n\
              <body><h1>{0}</h1>\n",
             self.title
@@ -228,10 +228,11 @@ impl Page {
             )?;
         }
         for (number, picture) in self.pictures.iter().enumerate() {
-            writeln!(html, "{}", picture.svg(&number.to_string()))?;
+            let svg = picture.svg(&number.to_string());
+            writeln!(html, "<div class=\"wide\">{svg}</div>")?;
         }
         html.push_str(
-            "<table><tr><th>figure</th><th>got</th><th>should be</th><th>is</th><th>why</th></tr>\n",
+            "<div class=\"wide\"><table><tr><th>figure</th><th>got</th><th>should be</th><th>is</th><th>why</th></tr>\n",
         );
         for check in &self.checks {
             writeln!(
@@ -240,7 +241,7 @@ impl Page {
                 check.cells().join("</td><td>")
             )?;
         }
-        html.push_str("</table></body></html>\n");
+        html.push_str("</table></div></body></html>\n");
         Ok(html)
     }
 }

@@ -38,8 +38,8 @@ use crate::state::State;
 /// | 10 ms | 1e-4 m | 1e-5 m | 1e-3 m | 8e-4 m |
 /// | 5 ms | 4e-6 m | 5e-7 m | 2e-4 m | 2e-4 m |
 /// | 2 ms | 4e-8 m | 1e-8 m | 3e-5 m | 4e-5 m |
-/// | 1 ms | 3e-9 m | 7e-10 m | 8e-6 m | 2e-5 m |
-/// | 0.2 ms | 6e-12 m | 1e-12 m | 3e-7 m | 4e-6 m |
+/// | 1 ms | 3e-9 m | 8e-10 m | 8e-6 m | 2e-5 m |
+/// | 0.2 ms | 6e-12 m | 1e-12 m | 3e-7 m | 5e-6 m |
 ///
 /// *Limits:* the arc is that below a plane: on [`Terrain`](crate::Terrain) that which touches the ground under the lowest place, good while half an arc is short beside the ground's radius of curvature, and one arc alone. There
 /// the springs' energy is not quite their work, and the ratchet of `EnergyMomentum` holds what is lacking. The forces' kinks are cut out of the quadrature at first order: places after 1 s differ from those of 12 000 points

@@ -1,0 +1,27 @@
+//! A table that is read in a terminal as it is in a Markdown file.
+
+/// Prints rows of cells, the first one as the head: Markdown, with its columns below each other.
+pub(crate) fn print(rows: &[Vec<String>]) {
+    let Some(head) = rows.first() else { return };
+    let width = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..head.len()).map(width).collect();
+    for (number, row) in rows.iter().enumerate() {
+        let padded = row.iter().zip(&widths);
+        let cells: Vec<String> = padded
+            .map(|(cell, width)| format!("{cell:width$}"))
+            .collect();
+        println!("| {} |", cells.join(" | "));
+        if number == 0 {
+            let rules: Vec<String> = widths.iter().map(|width| "-".repeat(width + 2)).collect();
+            println!("|{}|", rules.join("|"));
+        }
+    }
+}
+
+/// A row of cells.
+pub(crate) fn cells<const N: usize>(cells: [impl ToString; N]) -> Vec<String> {
+    cells.map(|cell| cell.to_string()).to_vec()
+}
