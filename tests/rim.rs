@@ -14,7 +14,7 @@ use tumble::f64::{Coin, Disc, Rim, State, Trial};
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
     ContactPoint, Coulomb, DormandPrince54, EnergyMomentum, FlatGround, Frictionless, Integrator,
-    Probe, RigidPointBody, Rk4, SlidingFriction, SmoothCoulomb, Stepper, StrangSplitting,
+    Plane, Probe, RigidPointBody, Rk4, SlidingFriction, SmoothCoulomb, Stepper, StrangSplitting,
     UniformGravity,
 };
 
@@ -48,7 +48,7 @@ fn end<B: RigidPointBody, F: SlidingFriction>(
     state
 }
 
-/// Upright and rising from the ground by `gap`, then turned.
+/// Leaning by an angle (rad), with its lowest place so deep in the ground (m).
 fn leaning(lean: f64, depth: f64) -> State {
     State::at(DVec3::Z * (RADIUS * lean.cos() - depth)).turned_by(DVec3::Y * lean)
 }
@@ -127,7 +127,7 @@ proptest! {
         velocity in (-1.0..1.0_f64, -1.0..1.0_f64, -1.0..-0.5_f64),
     ) {
         let ground = FlatGround::level(1000.0, 0.5);
-        let tilted = ground.on(tumble::Plane::through(DVec3::ZERO, DVec3::new(1e-14, 0.0, 1.0)));
+        let tilted = ground.on(Plane::through(DVec3::ZERO, DVec3::new(1e-14, 0.0, 1.0)));
         let friction = tumble::Viscous { coefficient: 0.3 };
         // So that no place leaves: it sinks faster than it turns.
         let spin = DVec3::from(about) * 0.1;
@@ -141,6 +141,33 @@ proptest! {
         let load = level.acceleration.length() + GRAVITY;
         prop_assert!((level.acceleration - other.acceleration).length() < 1e-7 * load, "{level:?} {other:?}");
         prop_assert!((level.torque - other.torque).length() < 1e-7 * load * RADIUS, "{level:?} {other:?}");
+    }
+}
+
+/// Friction turns round at the lowest place of a rim that spins there, also where that stands still to the last bit: the torque does not jump with a slip far below the slip speed.
+#[test]
+fn a_rim_that_spins_on_the_spot_is_braked_as_one_that_just_does_not() {
+    let level = FlatGround::level(1000.0, 0.5);
+    let tilted = level.on(Plane::through(DVec3::ZERO, DVec3::new(1e-14, 0.0, 1.0)));
+    let friction = Coulomb {
+        coefficient: 0.3,
+        slip_speed: 1e-3,
+    };
+    let disc = Disc::ring(1.0, RADIUS, 120);
+    for (ground, depth) in [(level, 1e-3), (level, 1e-2), (tilted, 1e-3)] {
+        let stepper = scene!(disc, ground, friction, Rk4 { time_step: 1e-3 });
+        let drilling = |speed: f64| {
+            let state = leaning(0.0, depth)
+                .with_linear_velocity(DVec3::X * speed)
+                .with_angular_momentum(DVec3::Z * 0.5);
+            stepper.scene().rates(&state).torque.z
+        };
+        let (still, moving) = (drilling(0.0), drilling(1e-9));
+        // A shift of the turning point by 1e-9 of the arc's own speeds, 0.06 m/s at its ends.
+        assert!(
+            (still / moving - 1.0).abs() < 1e-6,
+            "{still:e} {moving:e} at {depth} m"
+        );
     }
 }
 

@@ -469,7 +469,7 @@ fn kinks_along<R: Real, D: Dynamics<R> + ?Sized>(
     slips: [R::Vec3; 3],
 ) -> Kinks<R> {
     let mut kinks = Kinks::none();
-    if may_turn(slips, chord) && rubs(scene.friction(), slips[0]) {
+    if may_turn(slips, chord) && rubs(scene.friction(), slips) {
         for place in slowest(slips, chord).into_iter().flatten() {
             kinks.add(Kink {
                 u: place,
@@ -488,10 +488,10 @@ fn kinks_along<R: Real, D: Dynamics<R> + ?Sized>(
     kinks
 }
 
-/// Whether a law has friction at all.
+/// Whether a law has friction at all. It is asked at more than the first slip, which is 0 where the lowest place stands still.
 #[inline]
-fn rubs<R: Real, F: SlidingFriction<R>>(friction: &F, slip: R::Vec3) -> bool {
-    friction.force(R::ONE, slip) != R::Vec3::ZERO
+fn rubs<R: Real, F: SlidingFriction<R>>(friction: &F, slips: [R::Vec3; 3]) -> bool {
+    (slips.into_iter()).any(|slip| friction.force(R::ONE, slip) != R::Vec3::ZERO)
 }
 
 /// Whether the slip may come near to 0 on an arc: where it varies by no more than a seventh of itself, an arc is smooth to 1e-9 without a cut.
