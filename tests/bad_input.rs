@@ -270,6 +270,10 @@ fn a_rim_stands_for_points_around_a_place_and_beside_few_contacts() {
     }
     let told = alone(rim(DVec3::X, DVec3::ZERO, 120)).unwrap();
     assert!(told.starts_with("normal of the rim must be"), "{told}");
+    // Of any length above 0, also where its square is no number.
+    for length in [1e-300, 1e-160, 1e160, 1e300] {
+        assert_eq!(rim(DVec3::X, DVec3::Y * length, 120), good, "{length:e}");
+    }
     let beside = |count| answer(Rimmed(vec![good], vec![ContactPoint::default(); count]));
     assert_eq!(beside(32), None);
     assert_eq!(

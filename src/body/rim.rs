@@ -44,7 +44,7 @@ impl<R: Real> Rim<R> {
     where
         R: Real<Vec3 = V>,
     {
-        let normal = normal * (R::ONE / normal.length());
+        let normal = unit(normal);
         // The axis that lies nearest to its plane: for the normal x, the rim's axes are y and z.
         let (x, y, z) = (normal.x().abs(), normal.y().abs(), normal.z().abs());
         let (o, one) = (R::ZERO, R::ONE);
@@ -55,8 +55,7 @@ impl<R: Real> Rim<R> {
         } else {
             V::new(one, o, o)
         };
-        let first = beside - normal * normal.dot(beside);
-        let first = first * (one / first.length());
+        let first = unit(beside - normal * normal.dot(beside));
         Self {
             centre,
             axes: [first, normal.cross(first)],
@@ -215,6 +214,14 @@ impl<R: Real> Rim<R> {
         let [first, second] = self.axes;
         error::finite("normal of the rim", first.cross(second).length(), "")
     }
+}
+
+/// The unit vector along a vector, also of one whose square is no number; not a number for 0.
+fn unit<R: Real<Vec3 = V>, V: Vector<R>>(v: V) -> V {
+    let largest = (v.x().abs()).at_least(v.y().abs()).at_least(v.z().abs());
+    // In two steps: one over a number close to 0 is infinite.
+    let v = V::new(v.x() / largest, v.y() / largest, v.z() / largest);
+    v * (R::ONE / v.length())
 }
 
 /// Gauss's rule on [-1, 1]: the places above 0, and their weights.
