@@ -15,7 +15,7 @@ use tumble::real::{Matrix, Vector};
 use tumble::{
     Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, Frictionless, Integrator,
     MassProperties, Plane, PointCloud, Real, RigidPointBody, SlidingFriction, SmoothCoulomb,
-    SpringDamperGround, State, Stepper, Trial, UniformGravity, Viscous,
+    Sphere, SpringDamperGround, State, Stepper, Trial, UniformGravity, Viscous,
 };
 
 const GRAVITY: f64 = 9.8;
@@ -346,6 +346,68 @@ fn a_body_that_creeps_does_not_sleep() {
         (creep / expected - 1.0).abs() < 1e-3,
         "{creep:e} {expected:e}"
     );
+}
+
+/// Height and upward speed of a ball of 1 kg and 0.5 m on 1 kN/m after so many steps.
+fn ball_after<R: Real>(height: f64, speed: f64, time_step: f64, steps: u32) -> (f64, f64) {
+    let real = R::from_f64;
+    let up = |length: f64| R::Vec3::new(R::ZERO, R::ZERO, real(length));
+    let stepper = Stepper::new(Sphere::solid(R::ONE, R::HALF))
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(real(GRAVITY))))
+        .and_then(|stepper| stepper.with_ground(FlatGround::level(real(1000.0), real(5.0))))
+        .and_then(|stepper| {
+            stepper.with_integrator(EnergyMomentum {
+                time_step: real(time_step),
+            })
+        })
+        .unwrap();
+    let mut state = tumble::State::<R>::at(up(height)).with_linear_velocity(up(speed));
+    for _ in 0..steps {
+        stepper.step(&mut state).unwrap();
+    }
+    let (position, velocity) = (state.position, state.linear_velocity);
+    (position.z().to_f64(), velocity.z().to_f64())
+}
+
+#[test]
+fn a_body_that_is_let_go_falls_though_a_step_moves_it_by_less_than_its_place_is_rounded_by() {
+    for (height, time_step, steps) in [(100.0, 5e-4, 200), (100.0, 2e-5, 5000), (1.0, 1e-5, 10_000)]
+    {
+        let (end, _) = ball_after::<f32>(height, 0.0, time_step, steps);
+        let share = (height - end) / (0.5 * GRAVITY * 0.01);
+        // Two units in the last place instead of one, as long as a step's way is less than one.
+        assert!(
+            (0.7..1.8).contains(&share),
+            "{height} m, {time_step} s: {share}"
+        );
+    }
+    let (end, _) = ball_after::<f64>(1.0, 0.0, 1e-9, 10_000);
+    let share = (1.0 - end) / (0.5 * GRAVITY * 1e-10);
+    assert!((0.7..1.8).contains(&share), "{share}");
+}
+
+#[test]
+fn a_body_that_just_does_not_touch_sinks_until_it_is_borne() {
+    // A quarter of the swing about m g/K = 9.8 mm, of 50 ms.
+    for (time_step, steps) in [(1e-3, 50), (1e-4, 500), (2e-5, 2500), (1e-5, 5000)] {
+        let (end, _) = ball_after::<f32>(0.5, 0.0, time_step, steps);
+        assert!(end < 0.494, "{time_step} s: {end}");
+    }
+    let (end, _) = ball_after::<f64>(0.5, 0.0, 1e-9, 10_000);
+    assert!(0.5 - end > 0.35 * GRAVITY * 1e-10, "{end}");
+}
+
+#[test]
+fn a_body_that_is_thrown_up_in_single_precision_comes_down_again() {
+    for i in 0..40 {
+        let (height, speed) = (0.6 + 0.07 * f64::from(i), 0.05 + 0.01 * f64::from(i));
+        // For 3 v/g at least.
+        let (end, after) = ball_after::<f32>(height, speed, 1e-4, 160 + 31 * i);
+        assert!(
+            end < height && after < 0.0,
+            "{height} m, {speed} m/s: {end} m, {after} m/s"
+        );
+    }
 }
 
 #[test]

@@ -13,7 +13,8 @@ const ROUNDING: f64 = 64.0;
 /// Moves a state with its energy on to the end of a step, with its velocities scaled down until its computed energy is no higher; `false` where that cannot be had.
 ///
 /// The solver's residual is all that can lift the energy, so that the factor is 1 to rounding; what was removed is in the step's report. A body in
-/// contact that has less kinetic energy than the rounding of the total, before and after, has come to rest, and stops where it was; in flight it keeps its old velocity.
+/// contact that has less kinetic energy than the rounding of the total, before and after, has come to rest, and stops where it was; in flight it keeps its old velocity. One that falls by less than its
+/// place's rounding falls by that: else it would hang for ever.
 pub(super) fn hold<R: Real, D: Dynamics<R>>(
     scene: &D,
     (state, energy): (&mut State<R>, &mut Energy<R>),
@@ -27,35 +28,96 @@ pub(super) fn hold<R: Real, D: Dynamics<R>>(
         (*state, *energy) = (*end, *after);
         return true;
     }
+    hold_down(scene, (state, energy), (end, after), touching, step)
+}
+
+/// The same for an end whose energy is above the one before.
+#[inline(never)]
+fn hold_down<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    (state, energy): (&mut State<R>, &mut Energy<R>),
+    (end, after): (&State<R>, &Energy<R>),
+    touching: usize,
+    step: &mut Step<R>,
+) -> bool {
+    let ceiling = energy.total();
+    let excess = after.total() - ceiling;
     if !excess.is_finite() {
         return false;
+    }
+    let rounding = rounding_of(energy, after);
+    let is_slow = energy.translation + energy.rotation <= rounding;
+    let fallen = (touching == 0 || is_slow)
+        .then(|| fallen(scene, [state, end], touching))
+        .flatten();
+    if let Some(fallen) = fallen.filter(|(_, energy)| energy.total() <= ceiling) {
+        (*state, *energy) = fallen;
+        return true;
     }
     if let Some(held) = scaled_down(scene, ceiling, excess, end, *after) {
         step.ratcheted += excess;
         (*state, *energy) = held;
         return true;
     }
-    let rounding = rounding_of(energy, after);
-    if excess > rounding {
+    // In contact and not slow: a turning point. A shorter step will not end on it.
+    if excess > rounding || (touching > 0 && !is_slow) {
         return false;
     }
-    let candidate = if touching == 0 {
-        State {
-            linear_velocity: state.linear_velocity,
-            angular_momentum: state.angular_momentum,
-            ..*end
+    for other in without_gain(state, end, touching) {
+        let other_energy = Energy::of(scene, &other);
+        if other_energy.total() <= ceiling {
+            (*state, *energy) = (other, other_energy);
+            break;
         }
-    } else if energy.translation + energy.rotation <= rounding {
-        stopped(state)
-    } else {
-        // A turning point: a shorter step will not end on it.
-        return false;
-    };
-    let candidate_energy = Energy::of(scene, &candidate);
-    if candidate_energy.total() <= ceiling {
-        (*state, *energy) = (candidate, candidate_energy);
     }
     true
+}
+
+/// Where a step may end that would gain no more than rounding: stopped in contact; in flight with the old velocity, or, at the top of its path, turned round where it is.
+fn without_gain<R: Real>(start: &State<R>, end: &State<R>, touching: usize) -> [State<R>; 2] {
+    if touching > 0 {
+        return [stopped(start); 2];
+    }
+    let coasting = State {
+        linear_velocity: start.linear_velocity,
+        angular_momentum: start.angular_momentum,
+        ..*end
+    };
+    let turning = State {
+        position: start.position,
+        ..*end
+    };
+    [coasting, turning]
+}
+
+/// Of a step from start to end that has not changed the height of a body which nothing bears: its end, lower by two units in the last place of the height. That takes one unit or more from the computed
+/// energy of gravity; what the body has gained of speed is worth less.
+fn fallen<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    [start, end]: [&State<R>; 2],
+    touching: usize,
+) -> Option<(State<R>, Energy<R>)> {
+    let gravity = scene.gravity();
+    let square = gravity.length_squared();
+    let is_held = gravity.dot(end.position - start.position) == R::ZERO && square > R::ZERO;
+    if !is_held || (touching > 0 && is_borne(scene, start)) {
+        return None;
+    }
+    // The height over |g|, for a way along g.
+    let height = gravity.dot(end.position).abs() / square;
+    let fallen = State {
+        position: end.position + gravity * (height * (R::EPSILON * R::TWO)),
+        ..*end
+    };
+    Some((fallen, Energy::of(scene, &fallen)))
+}
+
+/// Whether the contacts bear at least half of the body's weight.
+fn is_borne<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> bool {
+    let gravity = scene.gravity();
+    let force = scene.load(&scene.motion(state)).force;
+    let weight = gravity.length_squared() * scene.mass_properties().mass();
+    -force.dot(gravity) >= weight * R::HALF
 }
 
 /// The end with its velocities scaled down, or without any, if its energy is then at most the ceiling.
@@ -103,7 +165,7 @@ pub(super) fn scaled_down<R: Real, D: Dynamics<R>>(
 }
 
 /// Whether a step has shown a body in contact to be at rest: it moves by less than numbers can hold, with less kinetic energy than the rounding of the total, and what
-/// velocity it has is dying out or is what rounding leaves of balanced forces. A body that a force sets going gains more velocity than that, however short the step.
+/// velocity it has is dying out or is what rounding leaves of balanced forces; and that its contacts bear it. A body that a force sets going gains more velocity than that, however short the step.
 pub(super) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     scene: &D,
     [start, end]: [&State<R>; 2],
@@ -129,7 +191,7 @@ pub(super) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     if turned.into_iter().any(|(a, b)| (a - b).abs() > R::EPSILON) {
         return false;
     }
-    // Springs that bear the weight W with the energy V have the stiffness W²/(2 V); a depth is rounded to some last places of the numbers that make it.
+    // Springs that bear the weight W with the energy V have the stiffness W²/(2 V); a depth is rounded to some last places of the numbers that make it. Of springs that do not, that says nothing.
     let mass = scene.mass_properties().mass();
     let weight = mass * scene.gravity().length();
     let depth = scene.ground().surface(start.position).gap.abs() + reach;
@@ -137,7 +199,8 @@ pub(super) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     let impulse = seconds * (stiffness * depth + weight) * (R::EPSILON * R::from_f64(8.0));
     let balanced = end.linear_velocity.length() * mass <= impulse
         && end.angular_momentum.length() <= impulse * reach;
-    (last <= first && first > R::ZERO) || balanced
+    let is_dying_out = last <= first && first > R::ZERO;
+    (is_dying_out || balanced) && is_borne(scene, end)
 }
 
 /// The rounding of the sum of two energies' terms, J.
