@@ -178,52 +178,60 @@ pub trait RigidPointBody<R: Real = f64> {
     }
 }
 
-impl<R: Real, B: RigidPointBody<R> + ?Sized> RigidPointBody<R> for &B {
-    #[inline]
-    fn mass(&self) -> R {
-        (**self).mass()
-    }
-    #[inline]
-    fn inertia(&self) -> R::Mat3 {
-        (**self).inertia()
-    }
-    #[inline]
-    fn contacts(&self) -> &[ContactPoint<R>] {
-        (**self).contacts()
-    }
-    #[inline]
-    fn rims(&self) -> &[Rim<R>] {
-        (**self).rims()
-    }
-    #[inline]
-    fn reach(&self) -> R {
-        (**self).reach()
-    }
-    #[inline]
-    fn contacts_below(&self, normal: R::Vec3, offset: R) -> Run {
-        (**self).contacts_below(normal, offset)
-    }
-    #[inline]
-    fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: Run) -> Run {
-        (**self).contacts_below_near(normal, offset, near)
-    }
-    #[inline]
-    fn support(&self, direction: R::Vec3) -> R {
-        (**self).support(direction)
-    }
-    #[inline]
-    fn is_smooth(&self) -> bool {
-        (**self).is_smooth()
-    }
-    #[inline]
-    fn support_point(&self, towards: R::Vec3) -> R::Vec3 {
-        (**self).support_point(towards)
-    }
-    #[inline]
-    fn check(&self) -> Result<(), SceneError> {
-        (**self).check()
-    }
+/// Behind a pointer, also as `dyn`.
+macro_rules! forward {
+    ($pointer:ty) => {
+        impl<R: Real, B: RigidPointBody<R> + ?Sized> RigidPointBody<R> for $pointer {
+            #[inline]
+            fn mass(&self) -> R {
+                (**self).mass()
+            }
+            #[inline]
+            fn inertia(&self) -> R::Mat3 {
+                (**self).inertia()
+            }
+            #[inline]
+            fn contacts(&self) -> &[ContactPoint<R>] {
+                (**self).contacts()
+            }
+            #[inline]
+            fn rims(&self) -> &[Rim<R>] {
+                (**self).rims()
+            }
+            #[inline]
+            fn reach(&self) -> R {
+                (**self).reach()
+            }
+            #[inline]
+            fn contacts_below(&self, normal: R::Vec3, offset: R) -> Run {
+                (**self).contacts_below(normal, offset)
+            }
+            #[inline]
+            fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: Run) -> Run {
+                (**self).contacts_below_near(normal, offset, near)
+            }
+            #[inline]
+            fn support(&self, direction: R::Vec3) -> R {
+                (**self).support(direction)
+            }
+            #[inline]
+            fn is_smooth(&self) -> bool {
+                (**self).is_smooth()
+            }
+            #[inline]
+            fn support_point(&self, towards: R::Vec3) -> R::Vec3 {
+                (**self).support_point(towards)
+            }
+            #[inline]
+            fn check(&self) -> Result<(), SceneError> {
+                (**self).check()
+            }
+        }
+    };
 }
+forward!(&B);
+#[cfg(feature = "std")]
+forward!(alloc::boxed::Box<B>);
 
 /// A place of the body that can touch the ground: a small ball fixed in the body, or a bare point where the radius is 0.
 ///

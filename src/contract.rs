@@ -174,7 +174,9 @@ impl fmt::Display for Clause {
                 "support_point must be the farthest place of one contact, within reach"
             }
             Self::UnitNormal => "the surface's normal must have length 1",
-            Self::GapAlongNormal => "the gap must change by normal · path",
+            Self::GapAlongNormal => {
+                "the gap must change by normal · path, as a distance does; a height z = h(x, y) makes a Terrain"
+            }
             Self::Extent => "the extent must be true of the surface",
             Self::SpringPushes => "the spring force must be at least 0",
             Self::SpringEnergyRises => "the springs' energy must be at least 0 and rise with depth",
@@ -202,7 +204,9 @@ impl fmt::Display for Clause {
             Self::SameBits => "the same input must give the same bits",
             Self::WorkspaceChangesNothing => "the workspace must not change a result",
             Self::UnitOrientation => "the orientation must have length 1 after a step",
-            Self::Order => "the error must fall with the step at the stated order",
+            Self::Order => {
+                "half the step must divide the error by at least 2^(order - 0.3)"
+            }
             Self::EnergyNeverRises => "the energy must not rise",
         })
     }

@@ -82,24 +82,32 @@ pub trait SlidingFriction<R: Real = f64> {
     }
 }
 
-impl<R: Real, F: SlidingFriction<R> + ?Sized> SlidingFriction<R> for &F {
-    #[inline]
-    fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
-        (**self).force(normal_force, slip)
-    }
-    #[inline]
-    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
-        (**self).drag(normal_force, slip)
-    }
-    #[inline]
-    fn turning(&self, normal_force: R) -> Option<TurningResistance<R>> {
-        (**self).turning(normal_force)
-    }
-    #[inline]
-    fn check(&self) -> Result<(), SceneError> {
-        (**self).check()
-    }
+/// Behind a pointer, also as `dyn`.
+macro_rules! forward {
+    ($pointer:ty) => {
+        impl<R: Real, F: SlidingFriction<R> + ?Sized> SlidingFriction<R> for $pointer {
+            #[inline]
+            fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+                (**self).force(normal_force, slip)
+            }
+            #[inline]
+            fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
+                (**self).drag(normal_force, slip)
+            }
+            #[inline]
+            fn turning(&self, normal_force: R) -> Option<TurningResistance<R>> {
+                (**self).turning(normal_force)
+            }
+            #[inline]
+            fn check(&self) -> Result<(), SceneError> {
+                (**self).check()
+            }
+        }
+    };
 }
+forward!(&F);
+#[cfg(feature = "std")]
+forward!(alloc::boxed::Box<F>);
 
 /// The local shape of a friction law: `force = -coefficient · slip`, with the coefficient falling as the slip grows.
 ///

@@ -26,16 +26,24 @@ pub trait Gravity<R: Real = f64> {
     }
 }
 
-impl<R: Real, A: Gravity<R> + ?Sized> Gravity<R> for &A {
-    #[inline]
-    fn acceleration(&self) -> R::Vec3 {
-        (**self).acceleration()
-    }
-    #[inline]
-    fn check(&self) -> Result<(), SceneError> {
-        (**self).check()
-    }
+/// Behind a pointer, also as `dyn`.
+macro_rules! forward {
+    ($pointer:ty) => {
+        impl<R: Real, A: Gravity<R> + ?Sized> Gravity<R> for $pointer {
+            #[inline]
+            fn acceleration(&self) -> R::Vec3 {
+                (**self).acceleration()
+            }
+            #[inline]
+            fn check(&self) -> Result<(), SceneError> {
+                (**self).check()
+            }
+        }
+    };
 }
+forward!(&A);
+#[cfg(feature = "std")]
+forward!(alloc::boxed::Box<A>);
 
 /// Weightlessness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -55,6 +55,7 @@ use crate::real::{Real, Vector};
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a ground: it does not implement `SpringDamperGround<{R}>`",
     label = "this should be a ground",
+    note = "a `Shape`, such as `Plane` or `Terrain`, becomes a ground with a law: `Ground {{ law: SpringDamper {{ stiffness, damping }}, shape }}`",
     note = "implement `surface`, `spring_force`, `spring_energy` and `normal_force`; the precision `{R}` of body, ground, friction and gravity must be the same"
 )]
 pub trait SpringDamperGround<R: Real = f64> {
@@ -97,36 +98,44 @@ pub trait SpringDamperGround<R: Real = f64> {
     }
 }
 
-impl<R: Real, G: SpringDamperGround<R> + ?Sized> SpringDamperGround<R> for &G {
-    #[inline]
-    fn surface(&self, point: R::Vec3) -> Surface<R> {
-        (**self).surface(point)
-    }
-    #[inline]
-    fn spring_force(&self, depth: R) -> R {
-        (**self).spring_force(depth)
-    }
-    #[inline]
-    fn spring_energy(&self, depth: R) -> R {
-        (**self).spring_energy(depth)
-    }
-    #[inline]
-    fn normal_force(&self, depth: R, closing_speed: R) -> R {
-        (**self).normal_force(depth, closing_speed)
-    }
-    #[inline]
-    fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
-        (**self).mean_force(start, end, seconds)
-    }
-    #[inline]
-    fn extent(&self) -> Extent<R> {
-        (**self).extent()
-    }
-    #[inline]
-    fn check(&self) -> Result<(), SceneError> {
-        (**self).check()
-    }
+/// Behind a pointer, also as `dyn`.
+macro_rules! forward {
+    ($pointer:ty) => {
+        impl<R: Real, G: SpringDamperGround<R> + ?Sized> SpringDamperGround<R> for $pointer {
+            #[inline]
+            fn surface(&self, point: R::Vec3) -> Surface<R> {
+                (**self).surface(point)
+            }
+            #[inline]
+            fn spring_force(&self, depth: R) -> R {
+                (**self).spring_force(depth)
+            }
+            #[inline]
+            fn spring_energy(&self, depth: R) -> R {
+                (**self).spring_energy(depth)
+            }
+            #[inline]
+            fn normal_force(&self, depth: R, closing_speed: R) -> R {
+                (**self).normal_force(depth, closing_speed)
+            }
+            #[inline]
+            fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
+                (**self).mean_force(start, end, seconds)
+            }
+            #[inline]
+            fn extent(&self) -> Extent<R> {
+                (**self).extent()
+            }
+            #[inline]
+            fn check(&self) -> Result<(), SceneError> {
+                (**self).check()
+            }
+        }
+    };
 }
+forward!(&G);
+#[cfg(feature = "std")]
+forward!(alloc::boxed::Box<G>);
 
 /// The ground's surface as seen from a point.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -85,20 +85,23 @@
 //! - [an integrator](guide::extending::integrator): [`Integrator`], [`contract::check_integrator`], [`contract::check_energy_never_rises`]
 //! - [an observer](guide::extending::observer): [`Observer`]; a closure is one
 //!
-//! [`guide::extending`] has a page for each: what to implement, what is provided, what the check tests, and a whole example; `tests/downstream` in the repository is a crate with one of each. Parts are taken by value, by reference, or behind `&dyn`.
+//! [`guide::extending`] has a page for each: what to implement, what is provided, what the check tests, and a whole example; `tests/downstream` in the repository is a crate with one of each. Parts are taken by value, by reference, behind `&dyn` or in a `Box<dyn …>`.
 //! Every type has the number as a parameter ([`Real`]: `f64` where nothing else is said, or `f32`); the modules [`mod@f64`] and [`mod@f32`] name everything for one of them.
 //!
 //! # Features
 //!
 //! | feature | |
 //! |---|---|
-//! | `std` (default) | the standard library for the dependencies and the square root; changes no bit of any result |
+//! | `std` (default) | the standard library for the dependencies and the square root, parts in boxes, [`trade`](mod@trade); changes no bit of any result |
 //! | `approx-05` | comparison of states by `approx` 0.5 |
 //! | `serde` | states and parameters can be saved and loaded |
 //! | `mint` | glam's conversions from and to `mint` |
 
 #[cfg(any(test, feature = "std"))]
 extern crate std;
+
+#[cfg(feature = "std")]
+extern crate alloc;
 
 pub use glam;
 

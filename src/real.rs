@@ -22,6 +22,11 @@ mod sealed {
 use sealed::Sealed;
 
 /// A floating-point number: `f32` or `f64`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a number that bodies are counted in: that is `f64` or `f32`",
+    label = "this should be `f64` or `f32`",
+    note = "write `1.0` for `1`; where the compiler cannot tell which of the two, take the names of `tumble::f64` or `tumble::f32`"
+)]
 pub trait Real:
     Sealed
     + Copy

@@ -13,8 +13,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-extern crate alloc;
-
 use alloc::vec::Vec;
 use core::fmt;
 use core::ops::ControlFlow;

@@ -82,28 +82,36 @@ pub trait ContactLaw<R: Real = f64> {
     }
 }
 
-impl<R: Real, L: ContactLaw<R> + ?Sized> ContactLaw<R> for &L {
-    #[inline]
-    fn spring_force(&self, depth: R) -> R {
-        (**self).spring_force(depth)
-    }
-    #[inline]
-    fn spring_energy(&self, depth: R) -> R {
-        (**self).spring_energy(depth)
-    }
-    #[inline]
-    fn normal_force(&self, depth: R, closing_speed: R) -> R {
-        (**self).normal_force(depth, closing_speed)
-    }
-    #[inline]
-    fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
-        (**self).mean_force(start, end, seconds)
-    }
-    #[inline]
-    fn check(&self) -> Result<(), SceneError> {
-        (**self).check()
-    }
+/// Behind a pointer, also as `dyn`.
+macro_rules! forward {
+    ($pointer:ty) => {
+        impl<R: Real, L: ContactLaw<R> + ?Sized> ContactLaw<R> for $pointer {
+            #[inline]
+            fn spring_force(&self, depth: R) -> R {
+                (**self).spring_force(depth)
+            }
+            #[inline]
+            fn spring_energy(&self, depth: R) -> R {
+                (**self).spring_energy(depth)
+            }
+            #[inline]
+            fn normal_force(&self, depth: R, closing_speed: R) -> R {
+                (**self).normal_force(depth, closing_speed)
+            }
+            #[inline]
+            fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
+                (**self).mean_force(start, end, seconds)
+            }
+            #[inline]
+            fn check(&self) -> Result<(), SceneError> {
+                (**self).check()
+            }
+        }
+    };
 }
+forward!(&L);
+#[cfg(feature = "std")]
+forward!(alloc::boxed::Box<L>);
 
 /// The provided mean force of laws and grounds.
 pub(super) fn mean_force_by_quadrature<R: Real, L: ContactLaw<R> + ?Sized>(

@@ -54,20 +54,28 @@ pub trait Shape<R: Real = f64> {
     }
 }
 
-impl<R: Real, S: Shape<R> + ?Sized> Shape<R> for &S {
-    #[inline]
-    fn surface(&self, point: R::Vec3) -> Surface<R> {
-        (**self).surface(point)
-    }
-    #[inline]
-    fn extent(&self) -> Extent<R> {
-        (**self).extent()
-    }
-    #[inline]
-    fn check(&self) -> Result<(), SceneError> {
-        (**self).check()
-    }
+/// Behind a pointer, also as `dyn`.
+macro_rules! forward {
+    ($pointer:ty) => {
+        impl<R: Real, S: Shape<R> + ?Sized> Shape<R> for $pointer {
+            #[inline]
+            fn surface(&self, point: R::Vec3) -> Surface<R> {
+                (**self).surface(point)
+            }
+            #[inline]
+            fn extent(&self) -> Extent<R> {
+                (**self).extent()
+            }
+            #[inline]
+            fn check(&self) -> Result<(), SceneError> {
+                (**self).check()
+            }
+        }
+    };
 }
+forward!(&S);
+#[cfg(feature = "std")]
+forward!(alloc::boxed::Box<S>);
 
 impl<R: Real> Shape<R> for Plane<R> {
     #[inline]
