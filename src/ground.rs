@@ -1,4 +1,13 @@
 //! The ground: where it is, and how it pushes back.
+//!
+//! | you want | take |
+//! |---|---|
+//! | a plane with springs and dampers | [`FlatGround::level`], tilted or raised by [`on`](FlatGround::on) a [`Plane`] |
+//! | one that is made for a bounce, or for how far a body sinks | [`Ground::level`] of [`SpringDamper::from_bounce`] or [`from_rest`](SpringDamper::from_rest), with the body that is [`Carried`] |
+//! | another law of contact | [`Ground::level`] of [`LimitedDamper`] or [`HuntCrossley`]; [`ContactLaw`] says which when |
+//! | hills, valleys, bowls, waves | [`Ground`] of a law and a [`Terrain`] |
+//! | none: flight | [`NoGround`], which a scene has until it is given another |
+//! | your own | [`Shape`], [`ContactLaw`] or [`SpringDamperGround`]: [`guide::extending::ground`](crate::guide::extending::ground) |
 
 mod composed;
 mod flat;

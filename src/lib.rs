@@ -12,7 +12,8 @@
 //!     .with_gravity(UniformGravity::down(9.8))? // m/s²
 //!     .with_ground(FlatGround::level(1000.0, 0.5))? // N/m and N s/m, for each point
 //!     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?; // -, m/s
-//! let mut state = State::at(DVec3::Z).with_angular_momentum(DVec3::new(0.3, 1.0, 0.2)); // m, kg m²/s
+//! let mut state = State::at(DVec3::Z) // m
+//!     .with_angular_momentum(DVec3::new(0.3, 1.0, 0.2)); // kg m²/s
 //! let before = stepper.energy(&state).total();
 //! stepper.advance(&mut state, 2.0)?; // s
 //! assert!(stepper.energy(&state).total() < before);
@@ -21,14 +22,24 @@
 //!
 //! The integrator is [`EnergyMomentum`] with steps of 1 ms unless another is named. What a scene does not name costs nothing.
 //!
+//! # Start here
+//!
+//! - To look at something first: `cargo run --release --example coin` in the repository; the [gallery](guide::gallery) has the others.
+//! - To study a motion: [`guide::choosing`] names integrator and step for an error, [`Ledger`] says what became of the energy, [`trade`](mod@trade) measures the error on your scene, [`Timed`] samples it.
+//! - To throw dice and coins in a game: [`guide::game`] goes from the throw to the face that is up.
+//! - To add a body, a ground, a friction law or an integrator: [`guide::extending`].
+//! - Where the compiler cannot tell `f64` from `f32`, as in `Ledger::new()` alone, take the names from [`mod@f64`]: `use tumble::f64::*;`.
+//!
+//! *The report* of which these pages speak is the text that the crate began with: a ring of 120 points on a springy floor, set rolling or spinning in eight ways. They are [`Trial`]s 1 to 8.
+//!
 //! # What is modelled
 //!
 //! - One rigid body with its full inertia tensor, from a single point to ten thousand; a contact is a point of it, or a small ball ([`ContactPoint`]). Gyroscopic motion is
 //!   always right, and exact in flight for a body with two equal moments.
-//! - A ground of springs and dampers under each contact, that never pulls: the report's on a plane at any height and tilt ([`FlatGround`]); a choice of laws ([`ContactLaw`]) on a choice of shapes
-//!   ([`Shape`]), joined by a [`Ground`], also hills and valleys ([`Terrain`]); or yours.
+//! - A ground of springs and dampers under each contact, that never pulls. [`FlatGround`] is a plane at any height and tilt. [`Ground`] joins a choice of laws ([`ContactLaw`]) and a choice of shapes
+//!   ([`Shape`]), among them hills and valleys ([`Terrain`]). Or take your own.
 //! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), with a static and a kinetic coefficient ([`Stribeck`]) or two directions
-//!   ([`AnisotropicCoulomb`]); [`Viscous`]; or yours. Resistance to rolling and drilling beside any of them ([`WithResistance`]).
+//!   ([`AnisotropicCoulomb`]); [`Viscous`]; or your own. Beside any of them, resistance to rolling and drilling ([`WithResistance`]).
 //! - Bodies: rings of points ([`Coin`]), solids ([bodies](body#bodies)), and anything put together from solids and points ([`Solid`], [`MassDistribution`], [`PointCloud`]).
 //! - The energy by kind ([`Energy`]) and the books of a run ([`Ledger`]).
 //!
@@ -41,9 +52,11 @@
 //!
 //! # Units, frames, signs
 //!
-//! SI units, angles in radians. World axes are right-handed with z up. Body axes have the centre of mass as their origin and need not be principal axes. `orientation` turns body axes to world axes; velocity, angular
-//! momentum (about the centre of mass), forces and torques are in world axes. A *gap* is above 0 outside the ground, a *depth* inside it; a *closing speed* is above 0 while the
-//! depth grows; a ground's normal points out of it. Work on the body is above 0 where it gains energy, so friction's is below.
+//! - SI units, angles in radians.
+//! - World axes are right-handed with z up. Velocity, angular momentum (about the centre of mass), forces and torques are in world axes.
+//! - Body axes have the centre of mass as their origin and need not be principal axes. `orientation` turns body axes to world axes.
+//! - A *gap* is above 0 outside the ground, a *depth* inside it. A *closing speed* is above 0 while the depth grows. A ground's normal points out of it.
+//! - Work on the body is above 0 where it gains energy, so friction's is below.
 //!
 //! # Promises
 //!
@@ -73,9 +86,15 @@
 //! | [`DormandPrince54`] | 5 | 6 | nothing more | by its error | chooses its steps for a tolerance |
 //! | [`ForwardEuler`] | 1 | 1 | nothing more | in every step | `dt < C/K`, and `ζ < 1` |
 //!
-//! `K` and `C` are stiffness and damping of all contacts that touch, together, `ω = √(K/m)`, `ζ = C/(2 √(K m))`. All keep the angular momentum in flight. Take `EnergyMomentum` where a body must come to rest, at long steps and
-//! for stiff ground; `StrangSplitting` where sliding and flight are to be cheap; `Nystrom` for a tenth of a millimetre and less where a body rolls and slides; `DormandPrince54` for a tolerance instead of a step; the others as references. Each can have its flight in closed form
-//! ([`Flight`]). [`guide::choosing`] starts from the problem, [`guide::accuracy`] goes through the extremes.
+//! `K` and `C` are stiffness and damping of all contacts that touch, together; `ω = √(K/m)`; `ζ = C/(2 √(K m))`. All keep the angular momentum in flight.
+//!
+//! - `EnergyMomentum` where a body must come to rest, at long steps and for stiff ground;
+//! - `StrangSplitting` where sliding and flight are to be cheap;
+//! - `Nystrom` for a tenth of a millimetre and less where a body rolls and slides;
+//! - `DormandPrince54` for a tolerance instead of a step;
+//! - the others as references. Each can have its flight in closed form ([`Flight`]).
+//!
+//! [`guide::choosing`] starts from the problem, [`guide::accuracy`] goes through the extremes.
 //!
 //! # Your own parts
 //!
@@ -154,8 +173,16 @@ pub use state::State;
 pub use stepper::Stepper;
 pub use trial::{Start, Trial};
 
-/// Chapters: why the energy cannot rise, which integrator and which step, how accurate a run is, what others do with the same scenes, what the model gets where the answer
-/// is known, and how to add parts.
+/// Chapters, from the question to the page:
+///
+/// - Which integrator, which step? [`choosing`](guide::choosing)
+/// - How do I throw dice and coins in a game? [`game`](guide::game)
+/// - How accurate is a run at the extremes, and where is it only stable? [`accuracy`](guide::accuracy)
+/// - How do I add a body, a ground, a friction law, an integrator, an observer? [`extending`](guide::extending)
+/// - Why can the energy not rise? [`energy`](guide::energy)
+/// - Does the model get right what is known? [`validation`](guide::validation), and beside a real cube: [`measured`](guide::measured)
+/// - What do other libraries do with the same scenes? [`peers`](guide::peers)
+/// - Which examples are there, and what do they show? [`gallery`](guide::gallery)
 pub mod guide {
     #[doc = include_str!("guide/energy.md")]
     pub mod energy {}
@@ -167,6 +194,9 @@ pub mod guide {
     #[doc = ""]
     #[doc = include_str!("../assets/trade.svg")]
     pub mod choosing {}
+
+    #[doc = include_str!("guide/game.md")]
+    pub mod game {}
 
     #[doc = include_str!("guide/peers.md")]
     pub mod peers {}
