@@ -101,7 +101,7 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Each method with six to eight knobs: time steps from 10 ms to 0.1 ms, tolerances from 1e-2 to 1e-9 m; flight step by step.
+    /// Each method with seven or eight knobs: time steps from 10 ms to 0.1 ms, tolerances from 1e-2 to 1e-9 m; flight step by step.
     #[must_use]
     pub fn ladder() -> Vec<Self> {
         const TIME_STEPS: [f64; 7] = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4];

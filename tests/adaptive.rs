@@ -53,10 +53,12 @@ fn errors<I: Integrator>(number: usize, of: fn(f64) -> I) -> Vec<(f64, f64)> {
 /// The tolerance bounds what a step does wrong. How many steps there are, and how the motion makes errors grow or takes them back, is not the method's choice: a velocity that is wrong by 1 mm/s makes a way of 1 mm
 /// in a second where nothing takes it back, of 0.05 mm where the coin sticks (trial 3), and more where it falls over (trial 8). So the shares of the tolerance that a step may take are chosen for what comes between.
 fn assert_errors_follow<I: Integrator>(of: fn(f64) -> I) {
+    let (mut least, mut largest) = (f64::MAX, 0.0);
     for number in [1, 3, 5, 8] {
         let errors = errors(number, of);
         for (tolerance, error) in &errors {
             let ratio = error / tolerance;
+            (least, largest) = (ratio.min(least), ratio.max(largest));
             assert!(
                 (0.1..=10.0).contains(&ratio),
                 "trial {number}: {error:e} m for {tolerance:e} m"
@@ -68,17 +70,16 @@ fn assert_errors_follow<I: Integrator>(of: fn(f64) -> I) {
             "trial {number}: error goes as tolerance^{slope:.2}, {errors:?}"
         );
     }
+    println!("errors of {least:.2} to {largest:.1} tolerances");
 }
 
 #[test]
 fn the_error_of_bogacki_and_shampine_follows_the_tolerance_over_six_decades() {
-    // Measured: 0.13 to 7.1.
     assert_errors_follow(BogackiShampine32::new);
 }
 
 #[test]
 fn the_error_of_dormand_and_prince_follows_the_tolerance_over_six_decades() {
-    // Measured: 0.12 to 7.9.
     assert_errors_follow(DormandPrince54::new);
 }
 

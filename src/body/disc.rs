@@ -21,10 +21,10 @@ use crate::state::State;
 ///
 /// | upright, 4 rad/s | vertical acceleration, rms, over g | energy lost in 1 s with dampers and friction, J | instructions of a step of `SymplecticEuler`, start of trial 1 |
 /// |---|---|---|---|
-/// | 12 points | 2.4e0 | 0.2936 | 848 |
-/// | 120 points | 7.0e-3 | 0.0430 | 1204 |
-/// | 1200 points | 2.1e-4 | 0.0431 | 4552 |
-/// | round | 7.3e-14 | 0.0431 | 1578 |
+/// | 12 points | 2.4e0 | 0.2936 | 860 |
+/// | 120 points | 7.0e-3 | 0.0430 | 1224 |
+/// | 1200 points | 2.1e-4 | 0.0431 | 4583 |
+/// | round | 7.3e-14 | 0.0431 | 1580 |
 ///
 /// In time an explicit step on the round rim costs 1.4 to 1.6 times that of 120 points at the start of trial 1, and no more in flight; where it rolls steadily, so that friction turns round twice on the arc, 2.7 to 3.5 times.
 /// One of [`EnergyMomentum`](crate::EnergyMomentum) costs 4.5 times as much, and up to 10 times where it rolls.
