@@ -36,11 +36,11 @@ use core::hint::black_box;
 use std::time::Instant;
 
 use report_loop::{ReportLoop, ReportTrial};
-use scenes::{Advance, Phase, Ring, STEPS, TIME_STEP, ring, stepper, trial_1};
+use scenes::{Advance, Phase, Ring, STEPS, TIME_STEP, ring, round, stepper, trial_1};
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
-    ContactPoint, EnergyMomentum, ForwardEuler, RigidPointBody, Rk4, SlidingFriction, Sphere,
-    SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler, body::Run,
+    ContactPoint, EnergyMomentum, ForwardEuler, Nystrom, RigidPointBody, Rk4, SlidingFriction,
+    Sphere, SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler, body::Run,
 };
 
 const EULER: SymplecticEuler = SymplecticEuler {
@@ -63,8 +63,38 @@ fn main() {
     against_a_users_body(turns);
     against_a_users_sphere(turns);
     against_dyn(turns);
+    against_a_round_rim(turns);
     of_the_phases(turns);
     whole_trial_1(turns);
+}
+
+/// A round rim against 120 points: in the upright phase of trial 1, and rolling upright at 4 rad/s, where friction turns round twice on the arc.
+fn against_a_round_rim(turns: usize) {
+    let rolls = State::at(DVec3::Z * 0.4999)
+        .with_linear_velocity(-DVec3::Y * 2.0)
+        .with_angular_momentum(DVec3::X);
+    let starts = [("upright", Phase::Upright.state()), ("rolling", rolls)];
+    let time_step = TIME_STEP;
+    for (phase, start) in starts {
+        let of = |integrator, a: &mut dyn FnMut(u32), b: &mut dyn FnMut(u32)| {
+            let name = format!("{integrator}, a round rim against 120 points, {phase}");
+            row(&name, turns, a, b);
+        };
+        macro_rules! by {
+            ($integrator:ident) => {
+                of(
+                    stringify!($integrator),
+                    &mut from(stepper(round(), $integrator { time_step }), start),
+                    &mut from(stepper(ring(120), $integrator { time_step }), start),
+                )
+            };
+        }
+        by!(SymplecticEuler);
+        by!(StrangSplitting);
+        by!(Rk4);
+        by!(Nystrom);
+        by!(EnergyMomentum);
+    }
 }
 
 /// What a row compares: each is called with how many steps to take.

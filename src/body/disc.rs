@@ -26,8 +26,8 @@ use crate::state::State;
 /// | 1200 points | 2.1e-4 | 0.0431 | 4583 |
 /// | round | 7.3e-14 | 0.0431 | 1580 |
 ///
-/// In time an explicit step on the round rim costs 1.4 to 1.6 times that of 120 points at the start of trial 1, and no more in flight; where it rolls steadily, so that friction turns round twice on the arc, 2.7 to 3.5 times.
-/// One of [`EnergyMomentum`](crate::EnergyMomentum) costs 4.5 times as much, and up to 10 times where it rolls.
+/// In time an explicit step on the round rim costs 1.3 to 1.8 times that of 120 points at the start of trial 1, and no more in flight; where it rolls steadily, so that friction turns round twice on the arc, 2.7 to 4 times.
+/// One of [`EnergyMomentum`](crate::EnergyMomentum) costs 5 times as much, and 4 times where it rolls (`cargo bench --bench ratios`).
 ///
 /// - Points are the report's coin, and the cheaper one: take [`Coin`](super::Coin) to repeat the report, for pictures, and where 0.1 mm or a few hundredths of g do not matter.
 /// - The round rim has no corners to enter: it rolls without a rattle, methods of high order keep their order, and one that chooses its steps has no touch-downs to find. How far the place is off after a
