@@ -80,6 +80,13 @@ pub(super) fn arm<R: Real, D: Dynamics<R>>(
     (arm - normal * point.radius, normal)
 }
 
+/// Velocity of the body's material at an arm, along the ground with this normal, m/s.
+#[inline(always)]
+pub(super) fn slip<R: Real>(motion: &Motion<R>, (arm, normal): (R::Vec3, R::Vec3)) -> R::Vec3 {
+    let velocity = motion.velocity_at(arm);
+    velocity - normal * velocity.dot(normal)
+}
+
 /// A moment of the step, from which depth and closing speed of each contact are seen.
 ///
 /// Above a plane `n · p = height` both are linear in the contact's place `b` in the body, as `(ω × r) · n = (n × ω) · r`:

@@ -7,10 +7,9 @@
 use super::touch::{Taken, mean};
 use crate::body::ContactPoint;
 use crate::friction::SlidingFriction;
-use crate::ground::SpringDamperGround;
-use crate::integrator::passage::{Path, Side, place_of, push};
+use crate::integrator::passage::{Path, Side, arm, push, slip};
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, Motion, size};
+use crate::scene::{Dynamics, size};
 
 /// The friction turns round so quickly that a step may miss it where, about the smallest slip, it changes this much more than in proportion to the time. A step sums a steady change well.
 const QUICK: f64 = 2.0;
@@ -25,7 +24,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     pub(super) fn wrong_of_slip(&self, point: &ContactPoint<R>, sides: &[Side<R>; 2]) -> R {
         let [first, last] = self
             .ends
-            .map(|motion| Arm::of(self.scene, motion, point).slip(motion));
+            .map(|motion| slip(motion, arm(self.scene, motion, point)));
         let change = last - first;
         let square = change.length_squared();
         let share = (-first.dot(change) / square)
@@ -74,7 +73,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     fn friction_of_stages(&self, point: &ContactPoint<R>) -> R::Vec3 {
         let mut sum = R::Vec3::ZERO;
         for (motion, weight) in self.weighed_motions() {
-            let slip = Arm::of(self.scene, motion, point).slip(motion);
+            let slip = slip(motion, arm(self.scene, motion, point));
             let normal_force = Side::of(self.scene, motion, point).normal_force;
             sum += self.scene.friction().force(normal_force, slip) * weight;
         }
@@ -85,32 +84,8 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     fn way_of(&self, point: &ContactPoint<R>, impulse: R::Vec3) -> R {
         let motion = self.ends[1];
         let mass = self.scene.mass_properties();
-        let arm = Arm::of(self.scene, motion, point).arm;
+        let (arm, _) = arm(self.scene, motion, point);
         let spin = mass.angular_velocity(&motion.axes, arm.cross(impulse));
         impulse.length() * mass.inverse_mass() + spin.length() * size(self.scene)
-    }
-}
-
-/// Where a contact's force would act, whether or not it touches.
-struct Arm<R: Real> {
-    arm: R::Vec3,
-    normal: R::Vec3,
-}
-
-impl<R: Real> Arm<R> {
-    #[inline]
-    fn of<D: Dynamics<R>>(scene: &D, motion: &Motion<R>, point: &ContactPoint<R>) -> Self {
-        let point = place_of(scene, motion, point);
-        let centre = motion.axes.to_world(point.position);
-        let normal = scene.ground().surface(motion.position + centre).normal;
-        let arm = centre - normal * point.radius;
-        Self { arm, normal }
-    }
-
-    /// Velocity along the surface, m/s.
-    #[inline]
-    fn slip(&self, motion: &Motion<R>) -> R::Vec3 {
-        let velocity = motion.velocity_at(self.arm);
-        velocity - self.normal * velocity.dot(self.normal)
     }
 }

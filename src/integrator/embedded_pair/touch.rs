@@ -7,8 +7,7 @@
 use super::{Attempt, Pair, Place};
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::friction::SlidingFriction;
-use crate::ground::SpringDamperGround;
-use crate::integrator::passage::{Path, Side, place_of, push};
+use crate::integrator::passage::{Path, Side, arm, push, slip};
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Load, Motion, size};
 use core::ops::{Add, Mul};
@@ -258,12 +257,8 @@ where
 /// How fast the farthest place of the body moves for a normal impulse of 1 N s at a contact, with its friction: 1/kg.
 fn mobility<R: Real, D: Dynamics<R>>(scene: &D, point: &ContactPoint<R>, motion: &Motion<R>) -> R {
     let mass = scene.mass_properties();
-    let point = place_of(scene, motion, point);
-    let arm = motion.axes.to_world(point.position);
-    let normal = scene.ground().surface(motion.position + arm).normal;
-    let arm = arm - normal * point.radius;
-    let velocity = motion.velocity_at(arm);
-    let slip = velocity - normal * velocity.dot(normal);
+    let (arm, normal) = arm(scene, motion, point);
+    let slip = slip(motion, (arm, normal));
     let force = normal + scene.friction().force(R::ONE, slip);
     let spin = mass.angular_velocity(&motion.axes, arm.cross(force));
     force.length() * mass.inverse_mass() + spin.length() * size(scene)
