@@ -1,10 +1,11 @@
 //! Energy by kind, and the rate at which contacts take it away.
 
-use crate::body::RigidPointBody;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
-use crate::scene::{Contact, Dynamics, Load, Motion, Rates, spring_energy};
+use crate::scene::{
+    Contact, Dynamics, Load, Motion, Rates, rims_energy, spring_energy, visit_points,
+};
 use crate::state::State;
 
 /// Energy of a body on its ground, by kind, J.
@@ -166,21 +167,24 @@ impl<R: Real> Account<R> {
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Self {
         let motion = scene.motion(state);
         let (mut load, mut dissipation) = (Load::default(), Dissipation::default());
-        let mut stored = R::ZERO;
-        scene.visit_contacts(&motion, |contact| {
+        let mut enter = |contact: &Contact<R>| {
             let (force, power) = force_and_power(scene, contact, motion.angular_velocity);
             load.add(contact, force);
             if let Some(torque) = torque_on(scene, contact, motion.angular_velocity) {
                 load.torque += torque;
             }
             dissipation = dissipation.plus(&power, R::ONE);
-            stored += scene.ground().spring_energy(contact.depth);
+        };
+        let run = scene.contacts_within(R::ZERO, motion.position, &motion.axes);
+        let mut springs = R::ZERO;
+        visit_points(scene, run, &motion, &mut |contact: &Contact<R>| {
+            enter(contact);
+            springs += scene.ground().spring_energy(contact.depth);
         });
-        if !scene.body().rims().is_empty() {
-            stored = spring_energy(scene, &motion).0;
-        }
+        scene.visit_rims(&motion, enter);
+        let (of_rims, _) = rims_energy(scene, &motion);
         Self {
-            energy: Energy::moving(scene, state, &motion, stored),
+            energy: Energy::moving(scene, state, &motion, springs + of_rims),
             dissipation,
             rates: Rates::under(&load, scene, &motion),
         }

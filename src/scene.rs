@@ -163,7 +163,7 @@ fn low_contacts<R: Real, D: Dynamics<R> + ?Sized>(
 
 /// As [`Dynamics::visit_run`], of the contacts of the body alone, without those that stand for a rim.
 #[inline(always)]
-fn visit_points<R: Real, D: Dynamics<R> + ?Sized>(
+pub(crate) fn visit_points<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
     run: Run,
     motion: &Motion<R>,
@@ -186,8 +186,6 @@ fn visit_points<R: Real, D: Dynamics<R> + ?Sized>(
 }
 
 /// The energy in the springs, J, and how many contacts touch.
-///
-/// It is that of a body at rest in the same place: where the quadrature of a rim is cut for its forces depends on its velocities, and an energy of places must not.
 #[inline]
 pub(crate) fn spring_energy<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -199,6 +197,19 @@ pub(crate) fn spring_energy<R: Real, D: Dynamics<R> + ?Sized>(
         energy += scene.ground().spring_energy(contact.depth);
         touching += 1;
     });
+    let (of_rims, places) = rims_energy(scene, motion);
+    (energy + of_rims, touching + places)
+}
+
+/// The energy in the springs under the rims, J, and how many places stand for what touches of them.
+///
+/// It is that of a body at rest in the same place: where the quadrature of a rim is cut for its forces depends on its velocities, and an energy of places must not.
+#[inline]
+pub(crate) fn rims_energy<R: Real, D: Dynamics<R> + ?Sized>(
+    scene: &D,
+    motion: &Motion<R>,
+) -> (R, usize) {
+    let (mut energy, mut touching) = (R::ZERO, 0);
     for rim in scene.body().rims() {
         let at_rest = Motion {
             linear_velocity: R::Vec3::ZERO,
