@@ -19,7 +19,23 @@ use crate::state::State;
 
 /// Something that watches a run.
 ///
-/// Closures are observers, and so are pairs of observers and `()`, which watches nothing and costs nothing.
+/// Closures are observers, and so are pairs of observers and `()`, which watches nothing and costs nothing. A run takes `&mut dyn Observer` as well. A pair has its observers by value:
+///
+/// ```
+/// use tumble::glam::DVec3;
+/// use tumble::{Coin, FlatGround, Ledger, State, Stepper, UniformGravity, UntilRest};
+///
+/// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?.with_gravity(UniformGravity::down(9.8))?.with_ground(FlatGround::level(1e3, 2.0))?;
+/// let mut both = (Ledger::new(), UntilRest::new(stepper.body(), 1e-3, 0.1));
+/// let mut state = State::at(DVec3::Z).turned_by(DVec3::Y * 1.2);
+/// let seconds = stepper.run(&mut state, 100.0, &mut both)?;
+/// let (books, rest) = both;
+/// assert!(rest.is_reached());
+/// println!("lies after {seconds:.1} s; the dampers took {:.3} J", -books.work().damper);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// A closure sees each sample and may end the run:
 ///
 /// ```
 /// use core::ops::ControlFlow;
@@ -38,6 +54,7 @@ use crate::state::State;
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not watch: it does not implement `Observer<{R}>`",
     label = "this should be an observer",
+    note = "a pair takes its observers by value and hands them back: `let mut both = (ledger, rest)`, then `let (ledger, rest) = both`",
     note = "implement `observe`, or write a closure `|sample: &Sample<'_>| ControlFlow::Continue(())`; the precision `{R}` of scene and observer must be the same"
 )]
 pub trait Observer<R: Real = f64> {

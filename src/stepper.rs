@@ -276,7 +276,7 @@ where
         &self,
         state: &mut State<R>,
         seconds: R,
-        observer: &mut impl Observer<R>,
+        observer: &mut (impl Observer<R> + ?Sized),
     ) -> Result<R, StepError> {
         if !(seconds >= R::ZERO && seconds.is_finite()) {
             return Err(StepError::BadDuration);
@@ -308,7 +308,7 @@ where
     /// The states at the times that are asked for, from the start of a step to its end.
     fn show_between(
         &self,
-        observer: &mut impl Observer<R>,
+        observer: &mut (impl Observer<R> + ?Sized),
         before: &Before<R, I::Workspace>,
         end: &State<R>,
         clock: &Clock<R>,
@@ -351,7 +351,7 @@ where
     #[inline]
     fn show(
         &self,
-        observer: &mut impl Observer<R>,
+        observer: &mut (impl Observer<R> + ?Sized),
         state: &State<R>,
         clock: &Clock<R>,
     ) -> ControlFlow<()> {

@@ -9,7 +9,7 @@ mod kit;
 
 use core::ops::ControlFlow;
 use tumble::{
-    BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, Integrator, Ledger, Observer,
+    BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, Integrator, Ledger, Observer, Rk4,
     Sample, State, Timed, Trial,
 };
 
@@ -73,6 +73,25 @@ fn nobodys_looking_changes_the_path<I: Integrator>(name: &str, tolerance: f64, i
             }
         }
     }
+}
+
+/// A box of observers of any kind: each by itself, as one.
+#[test]
+fn a_run_is_watched_by_an_observer_that_is_known_at_run_time_only() {
+    let stepper = trial().stepper(Rk4 { time_step: 1e-3 }).unwrap();
+    let counts = |watch: &mut dyn Observer| {
+        let mut state = trial().state();
+        stepper.run(&mut state, 0.01, watch).unwrap();
+    };
+    let mut ledger = Ledger::new();
+    let mut times = 0;
+    counts(&mut ledger);
+    counts(&mut |_: &Sample<'_>| {
+        times += 1;
+        ControlFlow::Continue(())
+    });
+    assert_eq!(times, 11);
+    assert!(ledger.work().friction < 0.0);
 }
 
 #[test]
