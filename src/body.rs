@@ -321,25 +321,44 @@ impl Run {
     }
 
     /// What this run holds of `contacts` numbers that `other` does not: at most two runs.
+    #[inline]
     #[must_use]
     pub(crate) fn without(self, other: Self, contacts: usize) -> [Self; 2] {
-        let (count, taken) = (self.count.min(contacts), other.count.min(contacts));
-        if taken == 0 || count == 0 {
-            return [self, Self::NONE];
+        let (run, other) = (self.within(contacts), other.within(contacts));
+        if run.count == 0 || other.count == 0 {
+            return [run, Self::NONE];
         }
-        // Places counted from the start of this run, round the body: `other` covers [start, start + taken), and that again one round earlier.
-        let start = (other.first + contacts).saturating_sub(self.first) % contacts.max(1);
-        let wrapped = (start + taken).saturating_sub(contacts);
-        let head = Self {
-            first: (self.first + wrapped) % contacts.max(1),
-            count: start.min(count).saturating_sub(wrapped),
+        // A division for each of the remainders would take as long as two contacts.
+        let once_round = |place: usize| {
+            if place < contacts {
+                place
+            } else {
+                place - contacts
+            }
         };
-        let after = (start + taken).min(count);
+        // Places counted from the start of this run, round the body: `other` covers [start, start + its count), and that again one round earlier.
+        let start = once_round(other.first + contacts - run.first);
+        let end = start + other.count;
+        let wrapped = end.saturating_sub(contacts);
+        let after = end.min(run.count);
+        let head = Self {
+            first: once_round(run.first + wrapped),
+            count: start.min(run.count).saturating_sub(wrapped),
+        };
         let tail = Self {
-            first: (self.first + after) % contacts.max(1),
-            count: count - after.max(wrapped.min(count)),
+            first: once_round(run.first + after),
+            count: run.count - after.max(wrapped.min(run.count)),
         };
         [head, tail]
+    }
+
+    /// The same contacts of a body that has so many, as [`parts`](Self::parts) takes them: from one of its contacts on, and at most once round.
+    #[inline]
+    fn within(self, contacts: usize) -> Self {
+        Self {
+            first: if self.first < contacts { self.first } else { 0 },
+            count: self.count.min(contacts),
+        }
     }
 
     /// The run's part up to the last of `contacts`, and the part that begins again at contact 0.
@@ -373,6 +392,34 @@ mod tests {
         );
         assert_eq!(Run::all(5).parts(&contacts), [&contacts[..], &[]]);
         assert_eq!(Run::NONE.parts(&contacts), [&[][..], &[]]);
+    }
+
+    #[test]
+    fn what_a_run_holds_beyond_another_is_each_of_its_contacts_that_the_other_lacks_once() {
+        const FIRSTS: [usize; 8] = [0, 1, 2, 3, 4, 5, 6, usize::MAX];
+        const COUNTS: [usize; 7] = [0, 1, 2, 3, 4, 5, usize::MAX];
+        let contacts = [0, 1, 2, 3, 4];
+        let runs = || {
+            FIRSTS
+                .into_iter()
+                .flat_map(|first| COUNTS.into_iter().map(move |count| Run { first, count }))
+        };
+        for held in 0..=contacts.len() {
+            let contacts = &contacts[..held];
+            let has = |run: Run, contact: &i32| run.parts(contacts).concat().contains(contact);
+            for (run, other) in runs().flat_map(|run| runs().map(move |other| (run, other))) {
+                let rest = run.without(other, held);
+                let mut found = rest.map(|run| run.parts(contacts).concat()).concat();
+                found.sort_unstable();
+                let lacking = contacts
+                    .iter()
+                    .filter(|contact| has(run, contact) && !has(other, contact));
+                assert!(
+                    found.iter().eq(lacking),
+                    "{held}: {run:?} without {other:?}: {rest:?}"
+                );
+            }
+        }
     }
 
     #[test]
