@@ -6,6 +6,8 @@
 
 #[path = "../common/plain_rk4.rs"]
 mod plain_rk4;
+#[path = "../../tests/common/report_loop.rs"]
+mod report_loop;
 mod single;
 #[path = "../common/table.rs"]
 mod table;

@@ -4,6 +4,7 @@
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 
 use core::error::Error;
+use core::hint::black_box;
 use std::time::Instant;
 
 use tumble::glam::DVec3;
@@ -13,20 +14,26 @@ use tumble::{
 };
 
 use super::plain_rk4::{self, Law};
+use super::report_loop::{ReportLoop, ReportTrial};
 use super::table;
 use super::truth::{DURATION, distance, trial};
 
-/// Steps in a second.
-const STEPS: [u32; 22] = [
-    60, 65, 70, 75, 80, 90, 100, 110, 125, 150, 200, 250, 300, 400, 500, 600, 800, 1000, 1500,
-    2000, 3000, 4000,
-];
+/// Steps in a second: every number to 100, and then 1 to 2 % more from one to the next, so that a step which hits the truth by chance has neighbours that do not.
+fn steps() -> Vec<f64> {
+    core::iter::successors(Some(60_u32), |count| Some(count + count / 50))
+        .take_while(|&count| count <= 4000)
+        .map(|count| DURATION / f64::from(count))
+        .collect()
+}
+
 /// m
 const TOLERANCES: [f64; 12] = [
     3e-3, 2e-3, 1e-3, 5e-4, 3e-4, 2e-4, 1e-4, 5e-5, 3e-5, 2e-5, 1e-5, 5e-6,
 ];
 /// The price is the least of so many runs.
 const RUNS: usize = 200;
+/// Steps of the report's loop in one of them.
+const REPORT_STEPS: u32 = 100;
 
 /// What can be run with a step (s) or a tolerance (m): the end of the trial, and the time that it took, s.
 type Run = Box<dyn Fn(f64) -> Result<(State, f64), Box<dyn Error>>>;
@@ -43,9 +50,11 @@ pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
         "error",
         "price of 1 s",
         "of the plain Rk4's",
+        "in steps of the report's loop",
     ];
     let mut rows = vec![table::cells(head)];
-    let steps = STEPS.map(|count| DURATION / f64::from(count));
+    let steps = steps();
+    let yardstick = report_step()?;
     let methods: [Method; 7] = [
         (
             "an Rk4 as anyone would write it",
@@ -100,7 +109,7 @@ pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
             longest = Some(knob);
         }
         let Some(knob) = longest else {
-            rows.push(table::cells([name, "none that is tried", "", "", ""]));
+            rows.push(table::cells([name, "none that is tried", "", "", "", ""]));
             continue;
         };
         let (end, mut price) = run(knob)?;
@@ -114,10 +123,25 @@ pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
             format!("{:.1e} m", distance(&end, truth)),
             format!("{:.0} µs", price * 1e6),
             format!("{:.2}", price / whole),
+            format!("{:.0}", price / yardstick),
         ]));
     }
     table::print(&rows);
     Ok(())
+}
+
+/// Price of a step of the report's loop at the start of the trial, s: with it, prices on two machines can be compared.
+fn report_step() -> Result<f64, &'static str> {
+    let start = ReportLoop::new(ReportTrial::numbered(1).ok_or("the report has a trial 1")?);
+    let once = || {
+        let (mut report, clock) = (start.clone(), Instant::now());
+        for _ in 0..REPORT_STEPS {
+            report.step();
+        }
+        black_box(report);
+        clock.elapsed().as_secs_f64() / f64::from(REPORT_STEPS)
+    };
+    Ok((0..RUNS).map(|_| once()).fold(f64::MAX, f64::min))
 }
 
 /// A tenth of a millisecond tells any two of the steps apart.

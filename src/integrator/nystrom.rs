@@ -32,7 +32,7 @@ use crate::state::State;
 /// ```
 /// with `f(s)` its force where the depth goes by Hermite's cubic from end to end, and `f(c_i)` what the stages have seen of it. Arm and direction of the force are those at both ends,
 /// `Δp = Δp_B D(0) + (Δp - Δp_B) D(1)`, because `B_i = b_i (1 - c_i)`: with the share `Δp_B` that the place takes and the rest. What is left is what the stages did to each other by it, a power of the step smaller: order 2 through
-/// touch-downs. In trial 1 of the report, with 150 of them in a second, the error is 9.5e-5 m with a step of 13.3 ms, 1.1e-6 m with 4 ms and 7e-8 m with 1 ms
+/// touch-downs. In trial 1 of the report, with 150 of them in a second, the error is 8.4e-5 m with a step of 14.7 ms, 1.1e-6 m with 4 ms and 7e-8 m with 1 ms
 /// (`tests/truth.rs`): there a 250th of [`Rk4`](crate::Rk4)'s.
 ///
 /// *Limits* (ω = √(K/m), K and C stiffness and damping of all contacts that touch together, ζ = C/(2 √(K m))):
@@ -70,7 +70,7 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
             third.run,
         );
         let stages = [first, &second, &third, &fourth];
-        let end = start.ahead(&END, stages).normalised();
+        let end = start.ahead(&END, stages);
         *state = crossing::corrected(scene, stages, end, dt).to_state();
         Ok(Step::new(dt, 4))
     }

@@ -9,7 +9,7 @@ use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::scene::{Dynamics, Load, Motion};
 
-/// The `end` of a step (with a quaternion of length 1), with what its stages have missed.
+/// The `end` of a step, with what its stages have missed.
 #[inline(always)]
 pub(super) fn corrected<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -21,7 +21,7 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>>(
     if first.run.count + last.run.count == 0 {
         return end;
     }
-    let motion = end.motion_along(scene, end.orientation.axes());
+    let motion = end.motion(scene);
     let missed = missed(scene, stages, &motion, seconds);
     if missed.speeds.touching == 0 {
         return end;
@@ -116,7 +116,11 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
             places -= taken * R::from_f64(place);
         }
         let load = start.normal_force.at_least(end.normal_force);
-        let pushes = (self.ends.each_ref()).map(|end| self.direction(point, end.motion, load));
+        let [first, last] = &self.ends;
+        let pushes = [
+            self.direction(point, first.motion, load),
+            self.direction(point, last.motion, load),
+        ];
         missed.add(pushes, [speeds, places]);
     }
 
@@ -170,39 +174,31 @@ impl<R: Real> Missed<R> {
 /// The shares of the step between which a contact pushes that does so at one of its ends: at the start, or not.
 #[inline(always)]
 fn pushing<R: Real>(path: &Path<R>, force: impl Fn(R) -> R, at_start: bool) -> [R; 2] {
-    let (inside, other) = if at_start {
-        (R::ZERO, R::ONE)
-    } else {
-        (R::ONE, R::ZERO)
-    };
-    // In the ground it may let go before it leaves, or begin to push after it came.
-    let outside = path.surface().unwrap_or(other);
-    let edge = edge(force, inside, outside);
+    let surface = path.surface();
     if at_start {
-        [R::ZERO, edge]
+        // It may let go before it leaves the ground.
+        [R::ZERO, edge(force, R::ZERO, surface.unwrap_or(R::ONE))]
     } else {
-        [edge, R::ONE]
+        // What goes down through the surface pushes from there on, by spring and damper both; what was in the ground before begins later.
+        let from = surface.unwrap_or_else(|| edge(force, R::ONE, R::ZERO));
+        [from, R::ONE]
     }
 }
 
-/// Where a force falls to 0 on the way from one share of the step to another, or jumps there: where the chord from the middle to three quarters of the way leads, and the next chord from there.
+/// Where a force falls to 0 on the way from one share of the step to another, or jumps there: where the chord leads through the force at two places near the end of the way, or half as far.
 #[inline(always)]
 fn edge<R: Real>(force: impl Fn(R) -> R, inside: R, outside: R) -> R {
-    let width = outside - inside;
-    let [first, second] = [R::HALF, R::from_f64(0.75)].map(|share| {
-        let place = inside + width * share;
+    let at = |share: f64| {
+        let place = inside + (outside - inside) * R::from_f64(share);
         (place, force(place))
-    });
-    if second.1 <= R::ZERO {
-        return edge_by_halving(force, inside, outside);
+    };
+    for [first, second] in [[0.75, 0.9], [0.5, 0.7]] {
+        let second = at(second);
+        if second.1 > R::ZERO {
+            return beyond(at(first), second, outside);
+        }
     }
-    let place = beyond(first, second, outside);
-    let third = (place, force(place));
-    if third.1 > R::ZERO {
-        beyond(second, third, outside)
-    } else {
-        place
-    }
+    edge_by_halving(force, inside, outside)
 }
 
 /// Where the chord through a force at two places falls to 0, at most `limit`.
