@@ -10,8 +10,31 @@ use crate::state::State;
 ///
 /// Body axes: the normal is x, the rim lies in the yz plane. Mass properties are those of the constructor, and do not depend on the number of points that the rim [stands for](Rim).
 ///
-/// **When which.** Beside a `Disc` for 120 points of 1000 N/m and 0.5 N s/m, with 1 kg on 0.5 m: where rings of n points with as much on the whole rim come to in the report's trials (slip speed 1 mm/s), and
-/// how they roll upright at 4 rad/s. `cargo run --release --example round_rim` prints these tables, `.ci/instructions` the counts.
+/// ```
+/// use tumble::glam::DVec3;
+/// use tumble::{Disc, FlatGround, State, Stepper, StrangSplitting, UniformGravity};
+///
+/// // On the ground of the report's 120 points it rolls upright at 4 rad/s and stays as high as it was to a micrometre: the corners of such a ring are 170 µm high.
+/// let stepper = Stepper::new(Disc::ring(1.0, 0.5, 120))? // kg, m
+///     .with_gravity(UniformGravity::down(9.8))? // m/s²
+///     .with_ground(FlatGround::level(1000.0, 0.5))? // N/m and N s/m, for each of 120 points
+///     .with_integrator(StrangSplitting { time_step: 1e-3 })?; // s
+/// let mut state = State::at(DVec3::Z * 0.49);
+/// stepper.advance(&mut state, 20.0)?; // until it has sunk in
+/// let height = state.position.z;
+/// state = stepper.spinning(state.with_linear_velocity(DVec3::NEG_Y * 2.0), DVec3::X * 4.0); // m/s, rad/s
+/// stepper.advance(&mut state, 1.0)?;
+/// assert!((state.position.z - height).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Points or a round rim
+///
+/// - Points are the report's coin, and the cheaper one. Take [`Coin`](super::Coin) to repeat the report, for pictures, and where 0.1 mm or a few hundredths of g do not matter.
+/// - The round rim has no corners to enter. It rolls without a rattle, methods of high order keep their order, and one that chooses its steps has no touch-downs to find.
+///
+/// The tables compare a `Disc` that stands for 120 points of 1000 N/m and 0.5 N s/m, with 1 kg on 0.5 m, with rings of n points that have as much stiffness and damping on the whole rim: where they come to in the report's
+/// trials (slip speed 1 mm/s), and how they roll upright at 4 rad/s. `cargo run --release --example round_rim` prints them, `.ci/instructions` the counts.
 ///
 /// | distance from the round rim, m | trial 1, 1 s | 5 s | trial 5, 1 s | 5 s | trial 8, 1 s | 5 s |
 /// |---|---|---|---|---|---|---|
@@ -26,12 +49,10 @@ use crate::state::State;
 /// | 1200 points | 2.1e-4 | 0.0431 | 4583 |
 /// | round | 7.3e-14 | 0.0431 | 1580 |
 ///
-/// In time an explicit step on the round rim costs 1.3 to 1.8 times that of 120 points at the start of trial 1, and no more in flight; where it rolls steadily, so that friction turns round twice on the arc, 2.7 to 4 times.
-/// One of [`EnergyMomentum`](crate::EnergyMomentum) costs 5 times as much, and 4 times where it rolls (`cargo bench --bench ratios`).
+/// In time an explicit step on the round rim costs 1.4 to 1.6 times that of 120 points at the start of trial 1, and no more in flight; where it rolls steadily, so that friction turns round twice on the arc, 2.7 to 3.5 times.
+/// One of [`EnergyMomentum`](crate::EnergyMomentum) costs 4.5 times as much, and up to 10 times where it rolls.
 ///
-/// - Points are the report's coin, and the cheaper one: take [`Coin`](super::Coin) to repeat the report, for pictures, and where 0.1 mm or a few hundredths of g do not matter.
-/// - The round rim has no corners to enter: it rolls without a rattle, methods of high order keep their order, and one that chooses its steps has no touch-downs to find. How far the place is off after a
-///   second of trial 1:
+/// How far the place of the round coin is off after a second of trial 1:
 ///
 /// | steps of | [`Rk4`](crate::Rk4) | [`Nystrom`](crate::Nystrom) | [`StrangSplitting`](crate::StrangSplitting) | [`EnergyMomentum`](crate::EnergyMomentum) |
 /// |---|---|---|---|---|
@@ -41,10 +62,12 @@ use crate::state::State;
 /// | 1 ms | 3e-9 m | 8e-10 m | 8e-6 m | 2e-5 m |
 /// | 0.2 ms | 6e-12 m | 1e-12 m | 3e-7 m | 5e-6 m |
 ///
-/// *Limits:* the arc is that below a plane: on [`Terrain`](crate::Terrain) that which touches the ground under the lowest place, good while half an arc is short beside the ground's radius of curvature, and one arc alone. There
-/// the springs' energy is not quite their work, and the ratchet of `EnergyMomentum` holds what is lacking. The forces' kinks are cut out of the quadrature at first order: places after 1 s differ from those of 12 000 points
-/// by 1e-7 m where a coin slides, and by 1e-4 m where it spins on its rim with a slip speed of 1 mm/s. `EnergyMomentum` is of order 2 on it without dampers; with those of the report it is of order 1
-/// below steps of 2 ms.
+/// # Limits
+///
+/// - The arc is that below a plane. On [`Terrain`](crate::Terrain) it is the one that touches the ground under the lowest place: good while half an arc is short beside the ground's radius of curvature, and one arc
+///   alone. There the springs' energy is not quite their work, and the ratchet of `EnergyMomentum` holds what is lacking.
+/// - The forces' kinks are cut out of the quadrature at first order. Places after 1 s differ from those of 12 000 points by 1e-7 m where a coin slides, and by 1e-4 m where it spins on its rim with a slip speed of 1 mm/s.
+/// - `EnergyMomentum` is of order 2 on it without dampers; with those of the report it is of order 1 below steps of 2 ms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc<R: Real = f64> {
     mass: R,
