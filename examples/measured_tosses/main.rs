@@ -79,7 +79,9 @@ fn main() -> ExitCode {
     let page = match (&arguments.data, arguments.synthetic) {
         (_, true) => recover(&arguments),
         (Some(file), _) => tosses::read(file).and_then(|tosses| measured(tosses, &arguments)),
-        (None, _) => Err(DATA.into()),
+        (None, _) => {
+            Err(format!("no data: give them with --data FILE, or try --synthetic.\n{DATA}").into())
+        }
     };
     match page.and_then(|page| page.write("measured_tosses", &arguments.options)) {
         Ok(true) => ExitCode::SUCCESS,
