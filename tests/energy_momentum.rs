@@ -13,7 +13,7 @@ use tumble::glam::{DQuat, DVec3};
 use tumble::integrator::EnergyMomentumWorkspace;
 use tumble::real::{Matrix, Vector};
 use tumble::{
-    Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, Frictionless, Integrator,
+    Coin, ContactPoint, Coulomb, Disc, EnergyMomentum, FlatGround, Frictionless, Integrator,
     MassProperties, Plane, PointCloud, Real, RigidPointBody, SlidingFriction, SmoothCoulomb,
     Sphere, SpringDamperGround, State, Stepper, Trial, UniformGravity, Viscous,
 };
@@ -316,6 +316,33 @@ fn a_body_at_rest_wakes_when_its_state_or_its_scene_is_another() {
             .unwrap();
         assert_eq!(state != resting, moves, "{what}: {step:?}");
     }
+}
+
+#[test]
+fn a_workspace_that_comes_from_a_coin_with_fewer_points_brings_no_energy_from_it() {
+    fn on_ground<B: RigidPointBody>(body: B) -> Scene<B, FlatGround, Coulomb> {
+        let friction = Coulomb::as_in_the_report(0.3);
+        scene(body, FlatGround::level(1000.0, 0.5), friction, 1e-3)
+    }
+    /// Lying on the springs of one body until it sleeps; then on those of the other, which throw it up.
+    fn wakes(few: impl RigidPointBody, points: f64, many: impl RigidPointBody) {
+        let (few, many) = (on_ground(few), on_ground(many));
+        let mut workspace = EnergyMomentumWorkspace::default();
+        let mut state = lying(-GRAVITY / (1000.0 * points));
+        let sleeps = (0..1000).any(|_| {
+            let step = few.step_within(&mut state, f64::MAX, &mut workspace);
+            step.unwrap().evaluations == 0
+        });
+        assert!(sleeps);
+        let asleep = state;
+        many.step_within(&mut state, f64::MAX, &mut workspace)
+            .unwrap();
+        assert_ne!(state, asleep, "it sleeps on");
+    }
+    let few = Coin::ring_in([ContactPoint::default(); 12], 1.0, 0.5);
+    wakes(few, 12.0, Coin::ring(1.0, 0.5));
+    let rim = |points| Disc::ring(1.0, 0.5, points);
+    wakes(rim(60), 60.0, rim(120));
 }
 
 #[test]

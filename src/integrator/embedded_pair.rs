@@ -72,7 +72,7 @@ impl<R: Real> Settings<R> {
 /// last slope, which saves work.
 ///
 /// A new one chooses the first step from the state alone. To go on after a pause as if there had been none, keep it with the state: it is plain data.
-/// Its slope counts only for the same state in a scene that answers alike (mass, moments, gravity, surface, and the laws at one depth and slip).
+/// Its slope counts only for the same state in a scene that answers alike (mass, moments, reach, number of contacts and of the rim's points, gravity, surface, and the laws at one depth and slip).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Workspace<R: Real = f64> {
     control: Control<R>,

@@ -81,8 +81,8 @@ pub struct EnergyMomentum<R = f64> {
 /// What [`EnergyMomentum`] keeps from step to step to save work: the contacts' places, the last energy, and the state that a step has left as it was.
 ///
 /// Nothing of it changes a result: a new one gives the same bits. It may go from one stepper to another: what it knows counts only for the same state in a scene
-/// with the same mass, moments, reach, gravity and surface, and with springs that answer alike at a depth of the reach. Scenes that differ in nothing of this, but in springs at
-/// other depths, want a workspace each.
+/// with the same mass, moments, reach, number of contacts and of the rim's points, gravity and surface, and with springs that answer alike at a depth of the reach. Scenes that differ in nothing of this, but in springs at
+/// other depths or in places of contacts, want a workspace each.
 #[derive(Clone, Debug)]
 pub struct Workspace<R: Real = f64> {
     contacts: Contacts<R>,

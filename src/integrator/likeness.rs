@@ -1,15 +1,18 @@
 //! What tells one scene from another, for a workspace that may go from stepper to stepper.
 
+use crate::body::RigidPointBody;
 use crate::ground::{SpringDamperGround, Surface};
 use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// What tells the energies of one scene from another's: mass, moments, reach, gravity, the surface as seen from the body, and the springs at a depth of its reach.
+/// What tells the energies of one scene from another's: mass, moments, reach, how many contacts and how many points its rim stands for, gravity, the surface as seen from the body, and the springs at a depth of its reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Likeness<R: Real> {
     body: [R; 2],
     moments: R::Vec3,
+    contacts: usize,
+    rim: R,
     gravity: R::Vec3,
     surface: Surface<R>,
     spring: [R; 2],
@@ -22,6 +25,8 @@ impl<R: Real> Likeness<R> {
         Self {
             body: [scene.mass_properties().mass(), reach],
             moments: scene.mass_properties().moments(),
+            contacts: scene.body().contacts().len(),
+            rim: (scene.body().rims().first()).map_or(R::ZERO, |rim| rim.points()),
             gravity: scene.gravity(),
             surface: ground.surface(state.position),
             spring: [ground.spring_force(reach), ground.spring_energy(reach)],
