@@ -422,6 +422,54 @@ impl RigidPointBody for Top {
     }
 }
 
+/// A coin with studs on one face, close to its round rim.
+struct Studded {
+    studs: [ContactPoint; 24],
+    rim: [Rim; 1],
+}
+
+impl RigidPointBody for Studded {
+    fn mass(&self) -> f64 {
+        1.0
+    }
+    fn inertia(&self) -> DMat3 {
+        Disc::ring(1.0, RADIUS, 120).inertia()
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        &self.studs
+    }
+    fn rims(&self) -> &[Rim] {
+        &self.rim
+    }
+}
+
+/// A step that ends where a stud touches down leaves that stud out, and nothing of the rim.
+#[test]
+fn the_error_follows_the_tolerance_where_points_touch_down_beside_a_rim() {
+    let stud = |i: usize| {
+        let (sin, cos) = (TAU * i as f64 / 24.0).sin_cos();
+        ContactPoint::bare(DVec3::new(0.02, RADIUS * cos, RADIUS * sin))
+    };
+    let body = Studded {
+        studs: core::array::from_fn(stud),
+        rim: [Rim::new(DVec3::ZERO, DVec3::X, RADIUS, 120)],
+    };
+    let trial = Trial {
+        slip_speed: 1e-2,
+        ..Trial::report(1).unwrap()
+    };
+    let place = |tolerance| {
+        let by = DormandPrince54::new(tolerance);
+        let laws = (trial.ground(), trial.friction());
+        end(&body, laws, by, &trial.state(), 1.0).position
+    };
+    let truth = place(1e-11);
+    for tolerance in [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {
+        let error = place(tolerance).distance(truth);
+        assert!(error < 10.0 * tolerance, "{tolerance:e}: {error:e}");
+    }
+}
+
 #[test]
 fn a_body_of_a_user_may_have_a_rim_beside_its_points() {
     let top = Top {

@@ -9,7 +9,7 @@ use crate::body::{ContactPoint, RigidPointBody};
 use crate::friction::SlidingFriction;
 use crate::integrator::passage::{Path, Side, arm, push, slip};
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, Load, Motion, size};
+use crate::scene::{Contact, Dynamics, Load, Motion, size, visit_points};
 use core::ops::{Add, Mul};
 
 /// What contacts spoil in a step whose force has a kink in it.
@@ -82,13 +82,19 @@ pub(super) fn load_before<R: Real, D: Dynamics<R>>(
     seconds: R,
 ) -> Load<R> {
     let mut load = Load::default();
-    scene.visit_contacts(motion, |contact| {
+    let mut add = |contact: &Contact<R>| {
+        let laws = (scene.ground(), scene.friction());
+        load.add(contact, contact.force(laws.0, laws.1));
+        load.torque += contact.turning_torque(laws.0, laws.1, motion.angular_velocity);
+    };
+    let run = scene.contacts_within(R::ZERO, motion.position, &motion.axes);
+    visit_points(scene, run, motion, &mut |contact| {
         if !comes_late(&Side::of(scene, start, &contact.point), seconds) {
-            let laws = (scene.ground(), scene.friction());
-            load.add(contact, contact.force(laws.0, laws.1));
-            load.torque += contact.turning_torque(laws.0, laws.1, motion.angular_velocity);
+            add(contact);
         }
     });
+    // Places of a rim come one after the other, without a jump of its force.
+    scene.visit_rims(motion, add);
     load
 }
 
