@@ -103,7 +103,7 @@ pub trait RigidPointBody<R: Real = f64> {
     /// The places that can touch the ground. A contact's number is its place in this slice.
     fn contacts(&self) -> &[ContactPoint<R>];
 
-    /// The circle of the body all of whose places can touch, beside [`contacts`](Self::contacts): none where nothing else is said, one at most, and at most 32 contacts beside it.
+    /// The circle of the body all of whose places can touch, beside [`contacts`](Self::contacts): none where nothing else is said, one at most, and at most 32 contacts beside it. A [smooth](Self::is_smooth) body has none.
     #[inline]
     fn rims(&self) -> &[Rim<R>] {
         &[]
@@ -277,11 +277,12 @@ pub fn check_contacts<R: Real>(contacts: &[ContactPoint<R>]) -> Result<(), Scene
     Ok(())
 }
 
-/// That every rim can be, that there is no more than one, and that few enough contacts stand beside it.
+/// That the rim of a body can be, that there is no more than one, not on a smooth body, and that few enough contacts stand beside it.
 ///
 /// # Errors
 /// Names the first quantity that breaks a rule.
-pub fn check_rims<R: Real>(rims: &[Rim<R>], contacts: usize) -> Result<(), SceneError> {
+pub fn check_rims<R: Real>(body: &(impl RigidPointBody<R> + ?Sized)) -> Result<(), SceneError> {
+    let rims = body.rims();
     let Some(rim) = rims.first() else {
         return Ok(());
     };
@@ -294,6 +295,11 @@ pub fn check_rims<R: Real>(rims: &[Rim<R>], contacts: usize) -> Result<(), Scene
         Err(SceneError::new(quantity, rule, count as f64, ""))
     };
     at_most("number of rims of a body", 1, rims.len())?;
+    if body.is_smooth() {
+        // The contact that wanders over its surface would stand for each place of the rim.
+        at_most("number of rims of a smooth body", 0, rims.len())?;
+    }
+    let contacts = body.contacts().len();
     at_most("number of contacts beside a rim", BESIDE_A_RIM, contacts)
 }
 

@@ -611,7 +611,7 @@ where
         friction.check()?;
         gravity.check()?;
         crate::body::check_contacts(body.contacts())?;
-        crate::body::check_rims(body.rims(), body.contacts().len())?;
+        crate::body::check_rims(&body)?;
         Ok(Self {
             mass_properties: MassProperties::new(body.mass(), body.inertia())?,
             reach: body.reach(),

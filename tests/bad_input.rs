@@ -232,6 +232,43 @@ fn rims_need_enough_points_and_opposite_ones() {
     }
 }
 
+/// An egg with a rim.
+struct Banded(Ellipsoid, [Rim; 1]);
+
+impl RigidPointBody for Banded {
+    fn mass(&self) -> f64 {
+        self.0.mass()
+    }
+    fn inertia(&self) -> DMat3 {
+        self.0.inertia()
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        self.0.contacts()
+    }
+    fn reach(&self) -> f64 {
+        self.0.reach()
+    }
+    fn is_smooth(&self) -> bool {
+        true
+    }
+    fn support_point(&self, towards: DVec3) -> DVec3 {
+        self.0.support_point(towards)
+    }
+    fn rims(&self) -> &[Rim] {
+        &self.1
+    }
+}
+
+#[test]
+fn a_smooth_body_has_no_rim() {
+    let egg = Ellipsoid::solid(1.0, DVec3::new(0.4, 0.3, 0.3));
+    let banded = Banded(egg, [Rim::new(DVec3::ZERO, DVec3::X, 0.3, 120)]);
+    assert_eq!(
+        Stepper::new(banded).err().unwrap().to_string(),
+        "number of rims of a smooth body must be at most 0, got 1"
+    );
+}
+
 /// A body that is nothing but rims and points.
 struct Rimmed(Vec<Rim>, Vec<ContactPoint>);
 

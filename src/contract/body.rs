@@ -32,7 +32,7 @@ pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
 ) -> Result<(), Breach> {
     body.check().map_err(cannot_be)?;
     check_contacts(body.contacts()).map_err(cannot_be)?;
-    check_rims(body.rims(), body.contacts().len()).map_err(cannot_be)?;
+    check_rims(body).map_err(cannot_be)?;
     MassProperties::new(body.mass(), body.inertia()).map_err(cannot_be)?;
     check_reach(body)?;
 
