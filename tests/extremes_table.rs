@@ -13,10 +13,11 @@ use kit::point_mass;
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    BogackiShampine32, Coin, ContactPoint, Coulomb, DormandPrince54, EnergyMomentum, FlatGround,
-    ForwardEuler, Frictionless, Integrator, NoGravity, Nystrom, Real, RigidPointBody, Rk4,
-    SlidingFriction, Sphere, SpringDamperGround, State, StepError, Stepper, StrangSplitting,
-    Surface, SymplecticEuler, Trial, UniformGravity, WithResistance,
+    BogackiShampine32, Carried, Coin, ContactPoint, Coulomb, DormandPrince54, EnergyMomentum,
+    FlatGround, ForwardEuler, Frictionless, Ground, Integrator, NoGravity, Nystrom, Real,
+    RigidPointBody, Rk4, SlidingFriction, Sphere, SpringDamper, SpringDamperGround, State,
+    StepError, Stepper, StrangSplitting, Surface, SymplecticEuler, Trial, UniformGravity,
+    WithResistance,
 };
 
 const G: f64 = 9.8;
@@ -585,4 +586,57 @@ fn single_precision_is_as_accurate_down_to_a_millisecond_and_loses_below_its_bes
     // Of order 1: their own error is still the larger one there.
     best!(SymplecticEuler, [1e-3, 1e-6], 100.0);
     best!(ForwardEuler, [1e-4, 1e-6], 20.0);
+}
+
+/// Least and greatest of the restitutions that bounces have without gravity on springs made for `wanted`, of a step of `resolution = h ω`, over the phases of the first touch.
+fn restitutions(wanted: f64, resolution: f64) -> [f64; 2] {
+    let carried = Carried {
+        mass: 1.0,
+        contacts: 1,
+    };
+    let law = SpringDamper::from_bounce(carried, wanted, 1e-3).unwrap();
+    let time_step = resolution / law.stiffness.sqrt();
+    let stepper = Stepper::new(point_mass(1.0))
+        .and_then(|stepper| stepper.with_ground(Ground::level(law)))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+        .unwrap();
+    let mut range = [f64::INFINITY, 0.0_f64];
+    for phase in 0..64 {
+        // It comes down at 1 m/s.
+        let above = time_step * (f64::from(phase) + 0.5) / 64.0;
+        let mut state = State::at(DVec3::Z * above).with_linear_velocity(-DVec3::Z);
+        stepper.advance(&mut state, 0.1 + 20.0 * time_step).unwrap();
+        let speed = state.linear_velocity.z;
+        range = [range[0].min(speed), range[1].max(speed)];
+    }
+    range
+}
+
+/// What a step that does not resolve a bounce makes of its restitution: none where no damper takes energy, and less and less of what was meant where one does.
+#[test]
+fn a_restitution_is_kept_while_the_step_resolves_the_bounce() {
+    for resolution in [0.1, 1.0, 10.0, 50.0] {
+        let [least, greatest] = restitutions(1.0, resolution);
+        // Up to a few hundred steps in the ground, each right to a unit in the last place of the energy.
+        assert!(least > 1.0 - 1e-13 && greatest <= 1.0, "{resolution}");
+    }
+    for wanted in [0.2, 0.5, 0.8] {
+        let off = |resolution| {
+            let range = restitutions(wanted, resolution);
+            range
+                .map(|got| (got - wanted).abs())
+                .into_iter()
+                .fold(0.0, f64::max)
+        };
+        // Of order 2 up to h ω = 1.
+        assert!((2e-4..7e-4).contains(&off(0.1)), "{wanted}: {}", off(0.1));
+        assert!(off(0.3) < 0.006 && off(0.5) < 0.014, "{wanted}");
+        assert!((0.02..0.06).contains(&off(1.0)), "{wanted}: {}", off(1.0));
+        assert!((0.06..0.13).contains(&off(2.0)), "{wanted}: {}", off(2.0));
+    }
+    // Beyond, the phase of the touch decides.
+    let [least, greatest] = restitutions(0.5, 10.0);
+    assert!((0.3..0.4).contains(&least) && (0.7..0.75).contains(&greatest));
+    let [least, greatest] = restitutions(0.5, 50.0);
+    assert!((0.05..0.1).contains(&least) && (0.7..0.75).contains(&greatest));
 }

@@ -63,8 +63,8 @@ use problem::Problem;
 /// - *Order* 2, also where contacts begin: the mean force over the step integrates the damper's jump.
 /// - *Conserves* the energy where nothing takes it, to the rounding of each step.
 /// - *Stable* at any step.
-/// - *Accurate* where the step resolves the contact: `dt < 1/ω`, with `ω = √(K/m)` and `K` the stiffness of all contacts that touch. Beyond it bounces keep their energy law, but not their timing; and friction that stops
-///   a body within a step stops it at the step's end. [`guide::accuracy`](crate::guide::accuracy) goes through the extremes.
+/// - *Accurate* where the step resolves the contact: `dt < 1/ω`, with `ω = √(K/m)` and `K` the stiffness of all contacts that touch. Beyond it a bounce without dampers still
+///   keeps its energy, but not its timing, and one with dampers not its restitution; friction that stops a body within a step stops it at the step's end. [`guide::accuracy`](crate::guide::accuracy) goes through the extremes.
 /// - *Cost:* in contact two to five iterations a step, each about as dear as two evaluations of all contacts. Flight of a body with two equal moments is exact and costs no iteration. A body at rest costs a
 ///   comparison, once a step with the same workspace has found it so.
 /// - *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each, and beside them at most 4 searches downhill of at most 3 × 31 × 4 evaluations. Each end costs an energy, and one more for each doubling
