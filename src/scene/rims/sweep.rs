@@ -1,0 +1,269 @@
+//! A short arc below a level plane, and Gauss's rules for it.
+
+use super::kinks::{Kink, Kinks, Velocities, kinks_along};
+use crate::body::{ContactPoint, Rim, SHORT};
+use crate::friction::SlidingFriction;
+use crate::ground::SpringDamperGround;
+use crate::real::{Real, Vector};
+use crate::rotation::Axes;
+use crate::scene::{Contact, Dynamics, Load};
+
+/// A short arc below a level plane, along which everything is linear in 1, the sine of the angle θ from the lowest place, and the fall `1 - cos θ`.
+///
+/// With `s = sin(θ/2)` in place of θ, from `-κ` to `κ`, and the extent `r s` of the rim below its middle,
+///
+/// ```text
+/// sin θ = 2 s √(1 - s²)     1 - cos θ = 2 s²     depth = 2 extent (κ - s)(κ + s)     dθ = 2 ds/√(1 - s²)
+/// velocity = lowest + across sin θ - down (1 - cos θ)
+/// ```
+/// A force f has the torque `(lowest + across sin θ - down (1 - cos θ)) × f` with the places in the same words, so that all of them together need no arms, but the sums of `f`, `f sin θ` and `f (1 - cos θ)`.
+pub(in crate::scene) struct Sweep<R: Real> {
+    chord: R,
+    /// m.
+    extent: R,
+    /// Upward velocities, m/s: at the lowest place, and those that sine and fall add.
+    rising: [R; 3],
+    /// The same along the ground.
+    slips: [R::Vec3; 3],
+    kinks: Kinks<R>,
+    /// Points on the rim for half a radian.
+    density: R,
+    lowest: [R; 2],
+}
+
+/// Gauss's rule for a piece of a sweep with this half length in s, of an arc with this chord: places from -1 to 1, and weights.
+///
+/// The springs' force goes with `(κ² - s²)/√(1 - s²)`, of which m points on the whole arc leave `3.6e-3 κ⁶`, `8e-4 κ⁸`, `1.8e-4 κ¹⁰` for m = 4, 5, 6 by the rule's error term; two points leave `0.07 (half/κ)⁵ κ²` of it. So each is
+/// good to 4e-11, as eight are at the longest arc.
+///
+/// At an end where friction turns round, within a slip speed of it, places stand closer: with `x = y²` from there, or `x = (3y - y³)/2` between two such ends. There a rule is as good as one of half as many points: to 3e-8 on a quarter of the circle.
+#[inline(always)]
+fn gauss_rule<R: Real>(half: R, chord: R, turns: [bool; 2]) -> &'static [[f64; 2]] {
+    if half <= R::from_f64(1e-3) && half * R::from_f64(16.0) <= chord {
+        return &GAUSS_2;
+    }
+    let is_short = half <= R::from_f64(0.12);
+    match turns {
+        [false, false] if half <= R::from_f64(0.04) => &GAUSS_4,
+        [false, false] if is_short => &GAUSS_5,
+        [false, false] if half <= R::from_f64(0.2) => &GAUSS_6,
+        [false, false] => &GAUSS_8,
+        [true, false] if is_short => &FROM_5,
+        [true, false] => &FROM_8,
+        [false, true] if is_short => &UP_TO_5,
+        [false, true] => &UP_TO_8,
+        [true, true] if is_short => &BETWEEN_5,
+        [true, true] => &BETWEEN_8,
+    }
+}
+
+const GAUSS_2: [[f64; 2]; 2] = both([[0.577_350_269_189_625_8, 1.0]]);
+const GAUSS_4: [[f64; 2]; 4] = both([
+    [0.339_981_043_584_856_3, 0.652_145_154_862_546_1],
+    [0.861_136_311_594_052_6, 0.347_854_845_137_453_9],
+]);
+const GAUSS_5: [[f64; 2]; 5] = [
+    [0.0, 0.568_888_888_888_888_9],
+    [0.538_469_310_105_683_1, 0.478_628_670_499_366_5],
+    [-0.538_469_310_105_683_1, 0.478_628_670_499_366_5],
+    [0.906_179_845_938_664, 0.236_926_885_056_189_1],
+    [-0.906_179_845_938_664, 0.236_926_885_056_189_1],
+];
+const GAUSS_6: [[f64; 2]; 6] = both(crate::body::GAUSS_6);
+const GAUSS_8: [[f64; 2]; 8] = both(crate::body::GAUSS_8);
+const FROM_5: [[f64; 2]; 5] = from_left(GAUSS_5, 1.0);
+const FROM_8: [[f64; 2]; 8] = from_left(GAUSS_8, 1.0);
+const UP_TO_5: [[f64; 2]; 5] = from_left(GAUSS_5, -1.0);
+const UP_TO_8: [[f64; 2]; 8] = from_left(GAUSS_8, -1.0);
+const BETWEEN_5: [[f64; 2]; 5] = between(GAUSS_5);
+const BETWEEN_8: [[f64; 2]; 8] = between(GAUSS_8);
+
+/// The places above 0, and those below.
+const fn both<const HALF: usize, const ALL: usize>(half: [[f64; 2]; HALF]) -> [[f64; 2]; ALL] {
+    let mut all = [[0.0; 2]; ALL];
+    let mut i = 0;
+    while i < ALL {
+        let [place, weight] = half[i / 2];
+        all[i] = [if i % 2 == 0 { place } else { -place }, weight];
+        i += 1;
+    }
+    all
+}
+
+/// Closer towards -1, or towards 1 where the side is -1: `x = 2y² - 1` with y from 0 to 1.
+const fn from_left<const N: usize>(mut rule: [[f64; 2]; N], side: f64) -> [[f64; 2]; N] {
+    let mut i = 0;
+    while i < N {
+        let [place, weight] = rule[i];
+        let y = 0.5 + 0.5 * place;
+        rule[i] = [side * (2.0 * y * y - 1.0), 2.0 * y * weight];
+        i += 1;
+    }
+    rule
+}
+
+/// Closer towards both ends.
+const fn between<const N: usize>(mut rule: [[f64; 2]; N]) -> [[f64; 2]; N] {
+    let mut i = 0;
+    while i < N {
+        let [y, weight] = rule[i];
+        rule[i] = [0.5 * y * (3.0 - y * y), 1.5 * (1.0 - y * y) * weight];
+        i += 1;
+    }
+    rule
+}
+
+/// A place of a sweep.
+pub(in crate::scene) struct Node<R: Real> {
+    /// Of the angle from the lowest place.
+    sin: R,
+    /// 1 less its cosine.
+    fall: R,
+    depth: R,
+    closing_speed: R,
+    slip: R::Vec3,
+    weight: R,
+}
+
+impl<R: Real> Sweep<R> {
+    /// With this chord, and an extent in m, to both sides of the lowest place.
+    #[inline(always)]
+    pub(super) fn of<D: Dynamics<R> + ?Sized>(
+        scene: &D,
+        rim: &Rim<R>,
+        velocities: Velocities<R>,
+        [chord, extent]: [R; 2],
+        lowest: [R; 2],
+    ) -> Self {
+        let (rising, slips) = velocities.over_level();
+        Self {
+            chord,
+            extent,
+            rising,
+            slips,
+            kinks: kinks_along(scene, [chord, extent], rising, slips),
+            density: rim.points() * R::from_f64(core::f64::consts::FRAC_1_PI),
+            lowest,
+        }
+    }
+
+    /// Calls `visit` with each place that stands for the arc.
+    #[inline(always)]
+    pub(in crate::scene) fn visit(&self, mut visit: impl FnMut(&Node<R>)) {
+        self.visit_within([-R::ONE, R::ONE], &mut visit);
+    }
+
+    /// The same within a part of the arc that no kink cuts short.
+    #[inline(always)]
+    fn visit_within(&self, [first, last]: [R; 2], visit: &mut impl FnMut(&Node<R>)) {
+        let mut from = Kink {
+            u: -R::ONE,
+            turns: false,
+        };
+        for to in self.kinks.iter().chain([Kink::end()]) {
+            let is_within = from.u >= first && to.u <= last;
+            let (begin, end) = (from.u * self.chord, to.u * self.chord);
+            let turns = [from.turns, to.turns];
+            from = to;
+            let (middle, half) = ((begin + end) * R::HALF, (end - begin) * R::HALF);
+            if !is_within || half <= self.chord * R::EPSILON {
+                continue;
+            }
+            let density = half * self.density;
+            for &[place, weight] in gauss_rule(half, self.chord, turns) {
+                let s = middle + half * R::from_f64(place);
+                let node = self.node(s, density * R::from_f64(weight));
+                if node.depth > R::ZERO {
+                    visit(&node);
+                }
+            }
+        }
+    }
+
+    /// The energy needs a finer rule than forces do: a symmetric one, of which half is enough.
+    #[inline]
+    pub(super) fn spring_energy<G: SpringDamperGround<R>>(&self, ground: &G) -> (R, usize) {
+        let rule: &[[f64; 2]] = if self.chord <= R::from_f64(SHORT) {
+            &crate::body::GAUSS_6
+        } else {
+            &crate::body::GAUSS_8
+        };
+        let (mut energy, mut touching) = (R::ZERO, 0);
+        for &[place, weight] in rule {
+            let s = self.chord * R::from_f64(place);
+            let depth = R::TWO * self.extent * ((self.chord - s) * (self.chord + s));
+            if depth > R::ZERO {
+                let share = R::from_f64(weight) / (R::ONE - s * s).sqrt();
+                energy += ground.spring_energy(depth) * share;
+                touching += 2;
+            }
+        }
+        (energy * (R::TWO * self.chord * self.density), touching)
+    }
+
+    #[inline(always)]
+    fn node(&self, s: R, weight: R) -> Node<R> {
+        let root = (R::ONE - s * s).sqrt();
+        let (sin, fall) = (R::TWO * s * root, R::TWO * s * s);
+        let [lowest, across, down] = self.rising;
+        let [slip, slip_across, slip_down] = self.slips;
+        let slip_along = |along: fn(R::Vec3) -> R| {
+            along(slip) + along(slip_across) * sin - along(slip_down) * fall
+        };
+        Node {
+            sin,
+            fall,
+            depth: R::TWO * self.extent * ((self.chord - s) * (self.chord + s)),
+            closing_speed: down * fall - across * sin - lowest,
+            slip: R::Vec3::new(slip_along(R::Vec3::x), slip_along(R::Vec3::y), R::ZERO),
+            weight: weight / root,
+        }
+    }
+
+    /// Adds the load of the rim, with the torque that it has on a body with these axes.
+    #[inline(always)]
+    pub(in crate::scene) fn load<D: Dynamics<R> + ?Sized>(
+        &self,
+        scene: &D,
+        rim: &Rim<R>,
+        axes: &Axes<R>,
+        load: &mut Load<R>,
+    ) {
+        let (ground, friction) = (scene.ground(), scene.friction());
+        let zero = R::Vec3::ZERO;
+        let (mut force, mut with_sin, mut with_fall) = (zero, zero, zero);
+        self.visit_within(self.kinks.pushed, &mut |node: &Node<R>| {
+            let normal_force = ground.normal_force(node.depth, node.closing_speed);
+            let rub = friction.force(normal_force, node.slip);
+            let push = R::Vec3::new(rub.x(), rub.y(), rub.z() + normal_force) * node.weight;
+            force += push;
+            with_sin += push * node.sin;
+            with_fall += push * node.fall;
+            load.touching += 1;
+        });
+        let [down, across] = rim.spokes(rim.axes().map(|axis| axes.to_world(axis)), self.lowest);
+        let lowest = axes.to_world(rim.centre()) + down;
+        load.force += force;
+        load.torque += lowest.cross(force) + across.cross(with_sin) - down.cross(with_fall);
+    }
+
+    #[inline]
+    pub(in crate::scene) fn contact(
+        &self,
+        rim: &Rim<R>,
+        axes: &Axes<R>,
+        node: &Node<R>,
+    ) -> Contact<R> {
+        let [down, across] = rim.spokes(rim.axes(), self.lowest);
+        let place = rim.centre() + down + across * node.sin - down * node.fall;
+        Contact {
+            point: ContactPoint::bare(place),
+            arm: axes.to_world(place),
+            normal: R::Vec3::new(R::ZERO, R::ZERO, R::ONE),
+            depth: node.depth,
+            closing_speed: node.closing_speed,
+            slip: node.slip,
+            weight: node.weight,
+        }
+    }
+}
