@@ -1,0 +1,204 @@
+//! An arc, or two together, in panels that Gauss's rule can be laid on.
+
+use super::{Arc, Direction, GAUSS_8, QUARTER, turned};
+use crate::real::Real;
+
+/// A piece of arc of at most a quarter of the circle, by its middle and `sin(half its half angle)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Panel<R> {
+    pub(super) middle: Direction<R>,
+    pub(super) chord: R,
+}
+
+/// Most panels that two arcs make: their four ends, the four cuts into quarters and what else cuts them.
+const MOST: usize = 8 + CUTS;
+/// Most further cuts.
+pub(crate) const CUTS: usize = 4;
+/// Most nodes of a rim in a step.
+pub(crate) const MOST_NODES: usize = MOST * GAUSS_8.len() * 2;
+
+/// The panels of what lies below ground in one moment or in either of two: no end of an arc lies within one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Panels<R> {
+    panels: [Panel<R>; MOST],
+    count: usize,
+}
+
+impl<R: Real> Panels<R> {
+    const NONE: Self = Self {
+        panels: [Panel {
+            middle: [R::ONE, R::ZERO],
+            chord: R::ZERO,
+        }; MOST],
+        count: 0,
+    };
+
+    /// Those of one arc, cut at these places: `sin(θ/2)/sin(α/2)`, from -1 to 1 along the arc.
+    #[inline]
+    pub(crate) fn of(arc: Arc<R>, cuts: impl Iterator<Item = R>) -> Self {
+        let mut panels = Self::NONE;
+        match arc {
+            Arc::Nothing => {}
+            Arc::Part { lowest, chord, .. } if chord <= R::from_f64(QUARTER) => {
+                let mut from = half_turn(-chord);
+                for cut in cuts {
+                    let to = half_turn(chord * cut);
+                    panels.push_between(lowest, from, to);
+                    from = to;
+                }
+                panels.push_between(lowest, from, half_turn(chord));
+            }
+            _ => {
+                let places = cuts.map(|cut| arc.place(cut));
+                return Self::of_both([arc, Arc::Nothing], places);
+            }
+        }
+        panels
+    }
+
+    /// One between two half angles from the lowest place.
+    #[inline]
+    fn push_between(&mut self, lowest: Direction<R>, [a, b]: Direction<R>, [c, d]: Direction<R>) {
+        // Of half the panel's angle.
+        let (sin, cos) = (d * a - c * b, c * a + d * b);
+        if sin > R::EPSILON {
+            let middle = turned(lowest, turned([a, b], [c, d]));
+            self.push(middle, half_of(sin, cos));
+        }
+    }
+
+    /// Those of two arcs together, cut at these places.
+    #[inline(never)]
+    pub(crate) fn of_both(arcs: [Arc<R>; 2], places: impl Iterator<Item = Direction<R>>) -> Self {
+        let mut panels = Self::NONE;
+        if arcs == [Arc::Nothing; 2] {
+            return panels;
+        }
+        let [first, second] = arcs;
+        // The circle is counted from opposite the lowest place, so that no arc of rolling lies across the seam.
+        let middle = first.lowest().or(second.lowest());
+        let frame = middle.unwrap_or([R::ONE, R::ZERO]).map(|x| -x);
+        let half = R::from_f64(core::f64::consts::FRAC_1_SQRT_2);
+        let quarters = [[half, half], [-half, half], [-half, -half], [half, -half]];
+        let mut cuts = Cuts::NONE;
+        for cut in quarters {
+            cuts.add(frame, turned(frame, cut));
+        }
+        for end in arcs.iter().filter_map(Arc::ends).flatten() {
+            cuts.add(frame, end);
+        }
+        for place in places {
+            cuts.add(frame, place);
+        }
+        let cuts = cuts.get();
+        for (from, to) in cuts.iter().zip(cuts.iter().cycle().skip(1)) {
+            let Some((middle, chord)) = between(from.place, to.place) else {
+                continue;
+            };
+            if arcs.iter().any(|arc| arc.holds(middle)) {
+                panels.push(middle, chord);
+            }
+        }
+        panels
+    }
+
+    #[inline]
+    fn push(&mut self, middle: Direction<R>, chord: R) {
+        if let Some(panel) = self.panels.get_mut(self.count) {
+            *panel = Panel { middle, chord };
+            self.count += 1;
+        }
+    }
+
+    #[inline]
+    pub(crate) fn iter(&self) -> impl Iterator<Item = Panel<R>> + '_ {
+        self.panels.iter().take(self.count).copied()
+    }
+}
+
+/// Middle and chord of the shorter arc between two directions; `None` where they are the same to rounding.
+fn between<R: Real>([a, b]: Direction<R>, [c, d]: Direction<R>) -> Option<(Direction<R>, R)> {
+    let (x, y) = (a + c, b + d);
+    let (across, along) = (c - a, d - b);
+    // Twice the cosine and the sine of half the angle.
+    let cos = (x * x + y * y).sqrt();
+    let sin = (across * across + along * along).sqrt();
+    if !(sin > R::EPSILON && cos > R::ZERO) {
+        return None;
+    }
+    Some(([x / cos, y / cos], half_of(sin * R::HALF, cos * R::HALF)))
+}
+
+/// The sine of half an angle: `sin(h/2) = sin h/√(2 (1 + cos h))`.
+#[inline]
+fn half_of<R: Real>(sin: R, cos: R) -> R {
+    sin / (R::TWO + R::TWO * cos).sqrt()
+}
+
+/// Cosine and sine of an angle with this sine.
+#[inline]
+pub(super) fn half_turn<R: Real>(sin: R) -> Direction<R> {
+    [(R::ONE - sin * sin).at_least(R::ZERO).sqrt(), sin]
+}
+
+/// A direction and its place in the order round the circle.
+#[derive(Clone, Copy, Debug)]
+struct Cut<R> {
+    place: Direction<R>,
+    order: R,
+}
+
+/// Where the circle is cut.
+struct Cuts<R> {
+    cuts: [Cut<R>; MOST],
+    count: usize,
+}
+
+impl<R: Real> Cuts<R> {
+    const NONE: Self = Self {
+        cuts: [Cut {
+            place: [R::ONE, R::ZERO],
+            order: R::ZERO,
+        }; MOST],
+        count: 0,
+    };
+
+    fn add(&mut self, [a, b]: Direction<R>, place: Direction<R>) {
+        let [x, y] = turned(place, [a, -b]);
+        if let Some(cut) = self.cuts.get_mut(self.count) {
+            let order = order(x, y);
+            *cut = Cut { place, order };
+            self.count += 1;
+            sink_last(self.cuts.get_mut(..self.count).unwrap_or_default(), |cut| {
+                cut.order
+            });
+        }
+    }
+
+    fn get(&self) -> &[Cut<R>] {
+        self.cuts.get(..self.count).unwrap_or_default()
+    }
+}
+
+/// Brings the last of what was in order to its place.
+pub(crate) fn sink_last<T, R: Real>(mut sorted: &mut [T], order: impl Fn(&T) -> R) {
+    while let [.., lower, last] = sorted {
+        if order(last) >= order(lower) {
+            return;
+        }
+        core::mem::swap(lower, last);
+        let count = sorted.len() - 1;
+        sorted = sorted.get_mut(..count).unwrap_or_default();
+    }
+}
+
+/// Grows with the angle of a direction, from 0 to 4, without trigonometry.
+fn order<R: Real>(x: R, y: R) -> R {
+    let three = R::TWO + R::ONE;
+    match (x >= R::ZERO, y >= R::ZERO) {
+        (true, true) => y / (x + y),
+        (false, true) => R::ONE - x / (y - x),
+        (false, false) => R::TWO + y / (x + y),
+        (true, false) => three + x / (x - y),
+    }
+}
