@@ -2,7 +2,7 @@
 //!
 //! Why it cannot is derived in [`guide::energy`](crate::guide::energy). The stages of a step, one module each:
 //!
-//! 1. `problem`, `contacts`: the two momentum equations of the step, and the contacts' mean forces along its path;
+//! 1. `problem`, `contacts`, `touch`: the two momentum equations of the step, and the contacts' mean forces along its path;
 //! 2. `newton`, `stiffness`, `linear`: their solution. What it leaves over is all that could lift the energy;
 //! 3. `settle`, `resist`: at the end of a step too long for friction or dampers they resist the end velocity, by impulses that only take energy;
 //!    (`turning`: resistance to rolling and drilling, where the friction law has it, half before and half after the step;)
@@ -21,6 +21,7 @@ mod resist;
 mod settle;
 mod split;
 mod stiffness;
+mod touch;
 mod turning;
 
 use super::likeness::Likeness;

@@ -9,11 +9,12 @@
 //! A small change of the trial shifts the end of the step by `ξ` and turns it by `ϑ`: a contact's path changes by `ξ + ϑ × r'`, its mean arm by `ϑ × r'/2`, and
 //! the Cayley argument by `(ϑ - a × ϑ + a (a·ϑ))/2`. In these unknowns the derivatives need neither inverses nor the map's own.
 
-use super::contacts::{Contacts, Push};
+use super::contacts::Contacts;
 use super::linear::Factored;
 use super::problem::{Problem, Trial};
 use super::settle::Strain;
 use super::stiffness;
+use super::touch::Push;
 use crate::integrator::Step;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;

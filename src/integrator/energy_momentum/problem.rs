@@ -5,7 +5,7 @@ use crate::energy::Energy;
 use crate::friction::{Drag, SlidingFriction};
 use crate::ground::{Extent, MeanForce, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
-use crate::rotation::Rotation;
+use crate::rotation::{Axes, Rotation};
 use crate::scene::{Dynamics, Motion};
 use crate::state::State;
 
@@ -190,6 +190,14 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         trial.swing = swing;
         trial.end_velocity = velocity * R::TWO - self.start.linear_velocity;
         trial.end_angular_momentum = turned + swing.times(turned);
+    }
+
+    /// Where the body is at the end of a trial, and its axes there.
+    #[inline]
+    pub(super) fn place_at_end(&self, trial: &Trial<R>) -> (R::Vec3, Axes<R>) {
+        let turn = Rotation::cayley_unscaled(trial.spin).after(self.rotation);
+        let position = self.motion.position + trial.shift;
+        (position, turn.normalised().axes())
     }
 
     /// The state at the end of a trial.

@@ -18,10 +18,11 @@
 //! *The energy.* With `y` the velocities (v, ω), the impulses change it by `Σ pᵢ·uₘᵢ` and a part below 0 (they draw `y` towards the mean, by factors of 0 to 1 in the metric of the mass). Where
 //! `u'` has not turned, `p·uₘ <= h θ c uₘ²`: less than the half of what friction and dampers have taken in the step.
 
-use super::contacts::{Contacts, Push};
+use super::contacts::Contacts;
 use super::motion_of;
 use super::problem::{Problem, Trial};
 use super::resist::Resistance;
+use super::touch::Push;
 use crate::friction::Drag;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};

@@ -2,11 +2,12 @@
 //!
 //! A contact's path changes by `ξ + ϑ × r'` (r': its arm at the end), its mean arm by `ϑ × r'/2`, and the Cayley argument by `(ϑ - a × ϑ + a (a·ϑ))/2`.
 
-use super::contacts::{Answer, Contacts, Push};
+use super::contacts::Contacts;
 use super::level::{Level, LevelPath};
 use super::linear::{Block, SixBySix};
 use super::problem::{Problem, Trial};
 use super::settle::Strain;
+use super::touch::{Answer, Push};
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
