@@ -10,7 +10,7 @@ use tumble::glam::DVec3;
 use tumble::{
     BogackiShampine32, Coin, Coulomb, DormandPrince54, EnergyMomentum, FlatGround, ForwardEuler,
     Integrator, Ledger, Nystrom, RigidPointBody, Rk4, Sample, SlidingFriction, SpringDamperGround,
-    State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
+    State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity, UntilRest,
 };
 
 /// The system's allocator, with a count of how often this thread has asked for memory.
@@ -76,10 +76,12 @@ fn live<I: Integrator>(
         .advance(&mut state, 0.1)
         .expect("the steps are good");
     let mut touched = 0;
-    let mut observers = (Ledger::new(), |sample: &Sample<'_>| {
+    let watch = |sample: &Sample<'_>| {
         touched = touched.max(sample.touching());
         ControlFlow::Continue(())
-    });
+    };
+    let rest = UntilRest::new(stepper.body(), 1e-4, 1.0);
+    let mut observers = (Ledger::new(), (watch, rest));
     stepper
         .run(&mut state, 0.2, &mut observers)
         .expect("the steps are good");

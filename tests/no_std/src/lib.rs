@@ -15,7 +15,7 @@ use tumble::{
     BogackiShampine32, Capsule, Coin, Cone, ContactPoint, Coulomb, Cuboid, DormandPrince54,
     Ellipsoid, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Ledger, MassDistribution,
     Nystrom, Plane, PointCloud, PointMass, Real, RigidPointBody, Rk4, Rod, Sample, Solid,
-    SolidCoin, Sphere, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
+    SolidCoin, Sphere, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity, UntilRest,
 };
 
 unsafe extern "C" {
@@ -80,8 +80,10 @@ fn run<R: Real>(
             ControlFlow::Continue(())
         }
     };
-    let mut observers = (Ledger::new(), stop_in_flight);
+    let rest = UntilRest::new(stepper.body(), knobs.radius, seconds);
+    let mut observers = (Ledger::new(), (stop_in_flight, rest));
     stepper.run(state, seconds, &mut observers).ok()?;
+    *state = stepper.spinning(*state, stepper.angular_velocity(state));
     let lowest = stepper.lowest_point(state)?;
     Some(observers.0.residue() + stepper.energy(state).total() + lowest.gap)
 }
