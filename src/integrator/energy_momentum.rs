@@ -3,7 +3,7 @@
 //! Why it cannot is derived in [`guide::energy`](crate::guide::energy). The stages of a step, one module each:
 //!
 //! 1. `problem`, `contacts`, `touch`: the two momentum equations of the step, and the contacts' mean forces along its path;
-//! 2. `newton`, `stiffness`, `linear`: their solution. What it leaves over is all that could lift the energy;
+//! 2. `newton`, `stiffness`, `linear`: their solution (`block`, `level`: its arithmetic). What it leaves over is all that could lift the energy;
 //! 3. `settle`, `resist`: at the end of a step too long for friction or dampers they resist the end velocity, by impulses that only take energy;
 //!    (`turning`: resistance to rolling and drilling, where the friction law has it, half before and half after the step;)
 //! 4. `ratchet`: where the computed energy is above the one before, both velocities are scaled down until it is not. A body whose motion is below
@@ -11,6 +11,7 @@
 //! 5. where 2 or 4 fails, `split`: dissipation, conservative motion, dissipation; else halves, down to sixteenths; else `descent`: downhill, as far as the energy allows; else time
 //!    passes and the body stays. Each end goes through 4, so that the induction from step to step needs no assumption on convergence.
 
+mod block;
 mod contacts;
 mod descent;
 mod level;

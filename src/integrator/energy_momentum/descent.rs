@@ -10,7 +10,8 @@
 //! smallest. `Φ(0)` is the energy of the start. So wherever Φ is lower than there, so is `U`, and the body may be there with a velocity along `z`, scaled as the energy allows.
 //! Springs far stiffer than `m/h²` turn the motion along the ground, where an explicit one would be thrown out of it. Dampers and friction only add to what resists.
 
-use super::linear::{Block, SixBySix};
+use super::block::Block;
+use super::linear::SixBySix;
 use super::{motion_of, visit_contacts};
 use crate::energy::Energy;
 use crate::friction::SlidingFriction;

@@ -10,7 +10,8 @@
 //!
 //! and its torque with `r × (xⱼ, yⱼ, zⱼ)`, r its arm. Numbers stand in pairs that a processor works out together; signs, and what a pair adds up to, are left to the end.
 
-use super::linear::{Block, SixBySix};
+use super::block::Block;
+use super::linear::SixBySix;
 use crate::real::{Real, Vector};
 
 type Pair<R> = [R; 2];

@@ -1,6 +1,6 @@
 //! The equations of one implicit step: what is known at its start, a trial for its end, and the state that a trial means.
 
-use super::linear::Block;
+use super::block::Block;
 use crate::energy::Energy;
 use crate::friction::{Drag, SlidingFriction};
 use crate::ground::{Extent, MeanForce, Plane, SpringDamperGround, Surface};

@@ -8,7 +8,8 @@
 //! with `K = Σ Jᵢᵀ kᵢ Jᵢ` it is `yᵀ M y - y'ᵀ M y' = 2 y'ᵀ K y' + (K y')ᵀ M⁻¹ (K y') >= 0`. So they may be fitted to limits of the impulses in a few passes, and the order of the contacts
 //! does not matter.
 
-use super::linear::{Block, SixBySix};
+use super::block::Block;
+use super::linear::SixBySix;
 use super::motion_of;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion};

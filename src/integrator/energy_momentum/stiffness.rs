@@ -2,9 +2,10 @@
 //!
 //! A contact's path changes by `ξ + ϑ × r'` (r': its arm at the end), its mean arm by `ϑ × r'/2`, and the Cayley argument by `(ϑ - a × ϑ + a (a·ϑ))/2`.
 
+use super::block::Block;
 use super::contacts::Contacts;
 use super::level::{Level, LevelPath};
-use super::linear::{Block, SixBySix};
+use super::linear::SixBySix;
 use super::problem::{Problem, Trial};
 use super::settle::Strain;
 use super::touch::{Answer, Push};

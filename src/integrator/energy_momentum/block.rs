@@ -1,0 +1,111 @@
+//! The 3 by 3 matrices of an implicit step.
+
+use crate::real::{Real, Vector};
+
+/// A 3 by 3 matrix by its columns.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Block<R: Real> {
+    pub(super) x: R::Vec3,
+    pub(super) y: R::Vec3,
+    pub(super) z: R::Vec3,
+}
+
+impl<R: Real> Block<R> {
+    /// `value` times the unit matrix.
+    #[inline]
+    pub(super) fn diagonal(value: R) -> Self {
+        let o = R::ZERO;
+        Self {
+            x: R::Vec3::new(value, o, o),
+            y: R::Vec3::new(o, value, o),
+            z: R::Vec3::new(o, o, value),
+        }
+    }
+
+    /// The matrix of the vector product: `hat(a) b = a × b`.
+    #[inline]
+    pub(super) fn hat(a: R::Vec3) -> Self {
+        let o = R::ZERO;
+        Self {
+            x: R::Vec3::new(o, a.z(), -a.y()),
+            y: R::Vec3::new(-a.z(), o, a.x()),
+            z: R::Vec3::new(a.y(), -a.x(), o),
+        }
+    }
+
+    /// What the Cayley map of `a` adds to a vector: `2 (â + â²)/(1 + |a|²)`, with `â² = a aᵀ - |a|²`.
+    #[inline]
+    pub(super) fn swing(a: R::Vec3) -> Self {
+        let (x, y, z) = (a.x() * a.x(), a.y() * a.y(), a.z() * a.z());
+        let scale = R::TWO / (R::ONE + (x + y + z));
+        let (xy, yz, zx) = (a.x() * a.y(), a.y() * a.z(), a.z() * a.x());
+        Self {
+            x: R::Vec3::new(-(y + z), xy + a.z(), zx - a.y()) * scale,
+            y: R::Vec3::new(xy - a.z(), -(z + x), yz + a.x()) * scale,
+            z: R::Vec3::new(zx + a.y(), yz - a.x(), -(x + y)) * scale,
+        }
+    }
+
+    /// `a bᵀ`.
+    #[inline]
+    pub(super) fn outer(a: R::Vec3, b: R::Vec3) -> Self {
+        Self {
+            x: a * b.x(),
+            y: a * b.y(),
+            z: a * b.z(),
+        }
+    }
+
+    #[inline]
+    pub(super) fn times(&self, v: R::Vec3) -> R::Vec3 {
+        self.x * v.x() + self.y * v.y() + self.z * v.z()
+    }
+
+    #[inline]
+    pub(super) fn times_block(&self, other: &Self) -> Self {
+        Self {
+            x: self.times(other.x),
+            y: self.times(other.y),
+            z: self.times(other.z),
+        }
+    }
+
+    /// `hat(a) self`: each column crossed by `a`.
+    #[inline]
+    pub(super) fn crossed_by(&self, a: R::Vec3) -> Self {
+        Self {
+            x: a.cross(self.x),
+            y: a.cross(self.y),
+            z: a.cross(self.z),
+        }
+    }
+
+    #[inline]
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        Self {
+            x: self.x + other.x,
+            y: self.y + other.y,
+            z: self.z + other.z,
+        }
+    }
+
+    /// The three rows.
+    #[inline]
+    pub(super) fn rows(&self) -> [R::Vec3; 3] {
+        let (a, b, c) = (self.x, self.y, self.z);
+        [
+            R::Vec3::new(a.x(), b.x(), c.x()),
+            R::Vec3::new(a.y(), b.y(), c.y()),
+            R::Vec3::new(a.z(), b.z(), c.z()),
+        ]
+    }
+
+    #[inline]
+    pub(super) fn scaled(&self, factor: R) -> Self {
+        Self {
+            x: self.x * factor,
+            y: self.y * factor,
+            z: self.z * factor,
+        }
+    }
+}
