@@ -27,6 +27,7 @@ mod cuboid;
 mod disc;
 mod ellipsoid;
 mod hull;
+mod jacobi;
 mod mass_distribution;
 mod mass_properties;
 mod point_cloud;

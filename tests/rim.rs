@@ -7,18 +7,16 @@ mod kit;
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use kit::{cases, difference, log_uniform, order, orientations};
+use kit::{GRAVITY, cases, difference, end, log_uniform, order, orientations};
 use proptest::prelude::*;
 use tumble::contract::{Battery, check_body};
 use tumble::f64::{Coin, Disc, Rim, State, Trial};
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
-    ContactPoint, Coulomb, DormandPrince54, EnergyMomentum, FlatGround, Frictionless, Integrator,
-    Plane, Probe, RigidPointBody, Rk4, SlidingFriction, SmoothCoulomb, Stepper, StrangSplitting,
-    UniformGravity,
+    ContactPoint, Coulomb, DormandPrince54, EnergyMomentum, FlatGround, Frictionless, Plane, Probe,
+    RigidPointBody, Rk4, SmoothCoulomb, Stepper, StrangSplitting, UniformGravity,
 };
 
-const GRAVITY: f64 = 9.8;
 const RADIUS: f64 = 0.5;
 
 /// A scene of any body.
@@ -31,21 +29,6 @@ macro_rules! scene {
             .and_then(|stepper| stepper.with_integrator($integrator))
             .unwrap()
     };
-}
-
-/// Where a body comes to in so many seconds.
-fn end<B: RigidPointBody, F: SlidingFriction>(
-    body: B,
-    (ground, friction): (FlatGround, F),
-    integrator: impl Integrator,
-    start: &State,
-    seconds: f64,
-) -> State {
-    let mut state = *start;
-    scene!(body, ground, friction, integrator)
-        .advance(&mut state, seconds)
-        .unwrap();
-    state
 }
 
 /// Leaning by an angle (rad), with its lowest place so deep in the ground (m).

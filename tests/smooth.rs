@@ -7,36 +7,15 @@ mod kit;
 
 use core::f64::consts::TAU;
 
-use kit::{cases, difference, directions, log_uniform, order};
+use kit::{GRAVITY, cases, difference, directions, end, log_uniform, order};
 use proptest::prelude::*;
 use tumble::contract::{Battery, Clause, check_body};
 use tumble::f64::{Ellipsoid, MassDistribution, Sphere};
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
-    ContactPoint, Coulomb, EnergyMomentum, FlatGround, Frictionless, Integrator, RigidPointBody,
-    Rk4, SlidingFriction, SmoothCoulomb, State, Stepper, StrangSplitting, UniformGravity,
+    ContactPoint, Coulomb, EnergyMomentum, FlatGround, Frictionless, RigidPointBody, Rk4,
+    SmoothCoulomb, State, Stepper, StrangSplitting, UniformGravity,
 };
-
-const GRAVITY: f64 = 9.8;
-
-/// Where a body comes to in so many seconds.
-fn end<B: RigidPointBody, F: SlidingFriction>(
-    body: B,
-    (ground, friction): (FlatGround, F),
-    integrator: impl Integrator,
-    start: &State,
-    seconds: f64,
-) -> State {
-    let stepper = Stepper::new(body)
-        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
-        .and_then(|stepper| stepper.with_ground(ground))
-        .and_then(|stepper| stepper.with_friction(friction))
-        .and_then(|stepper| stepper.with_integrator(integrator))
-        .unwrap();
-    let mut state = *start;
-    stepper.advance(&mut state, seconds).unwrap();
-    state
-}
 
 proptest! {
     #![proptest_config(cases(128))]

@@ -8,7 +8,10 @@
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use tumble::glam::{DMat3, DQuat, DVec3};
-use tumble::{Coin, ContactPoint, PointCloud, RigidPointBody, State};
+use tumble::{
+    Coin, ContactPoint, FlatGround, Integrator, PointCloud, RigidPointBody, SlidingFriction, State,
+    Stepper, UniformGravity,
+};
 
 /// `cases` random inputs, the same in every run of the tests. `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask for more and for others.
 pub(crate) fn cases(cases: u32) -> ProptestConfig {
@@ -237,4 +240,27 @@ pub(crate) fn difference(a: &State, b: &State) -> f64 {
     ]
     .into_iter()
     .fold(0.0, f64::max)
+}
+
+/// m/s².
+pub(crate) const GRAVITY: f64 = 9.8;
+
+/// Where a body comes to in so many seconds on a level ground.
+pub(crate) fn end<B: RigidPointBody, F: SlidingFriction>(
+    body: B,
+    (ground, friction): (FlatGround, F),
+    integrator: impl Integrator,
+    start: &State,
+    seconds: f64,
+) -> State {
+    let mut state = *start;
+    Stepper::new(body)
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
+        .and_then(|stepper| stepper.with_ground(ground))
+        .and_then(|stepper| stepper.with_friction(friction))
+        .and_then(|stepper| stepper.with_integrator(integrator))
+        .unwrap()
+        .advance(&mut state, seconds)
+        .unwrap();
+    state
 }
