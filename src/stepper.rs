@@ -19,6 +19,9 @@ use crate::state::State;
 /// [`new`](Self::new) starts in empty space; each `with_*` names one thing that the scene has, and what is not named costs nothing. The state is the
 /// caller's, so one stepper serves any number of states, also from several threads.
 ///
+/// Its type names precision, body, ground, friction, gravity and integrator. In a struct of your own, take it from [`mod@crate::f64`] or [`mod@crate::f32`], and name what differs from empty space and from
+/// [`EnergyMomentum`]: `tumble::f64::Stepper<Coin, FlatGround, Coulomb, UniformGravity>`.
+///
 /// ```
 /// use tumble::glam::DVec3;
 /// use tumble::{Coin, Coulomb, FlatGround, State, Stepper, StrangSplitting, UniformGravity};
