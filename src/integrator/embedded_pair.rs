@@ -87,6 +87,23 @@ struct Known<R: Real> {
     answers: Answers<R>,
 }
 
+impl<R: Real> Known<R> {
+    /// Of the end of a step. One to a kink has left out what begins to push there: its slope is evaluated anew.
+    #[inline(always)]
+    fn of<D: Dynamics<R>>(scene: &D, state: &State<R>, end: &Place<R>, to_kink: bool) -> Self {
+        let place = if to_kink {
+            Place::at(scene, end.point)
+        } else {
+            *end
+        };
+        Self {
+            state: *state,
+            place,
+            answers: Answers::of(scene, state),
+        }
+    }
+}
+
 /// Either end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place<R: Real> {
@@ -162,37 +179,25 @@ pub(super) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
         control.spend(settings)?;
         let seconds = trial.seconds(limit);
         let to_kink = trial.is_to_kink(seconds);
-        let attempt = if to_kink {
-            let load =
-                |motion: &Motion<R>| touch::load_before(scene, &start.motion, motion, seconds);
-            attempt(pair, scene, &start, seconds, load)
-        } else {
-            attempt(pair, scene, &start, seconds, |motion| scene.load(motion))
-        };
+        let attempt = attempt(pair, scene, &start, seconds, to_kink);
         report.evaluations += u32::try_from(STAGES).unwrap_or(u32::MAX) - 1;
-        let mut end = attempt.end;
+        let end = &attempt.end;
         let mut errors = Errors::of(scene, &attempt.difference, &end.motion).within(pair.trust);
         let allowed = control::allowed(settings, scene, &end.motion);
         let bounds = [errors.total(), allowed];
         let kinks = touch::kinks(pair, scene, &start, &attempt, seconds, to_kink, bounds);
         errors.add_kinks(&kinks);
+        let error = errors.total() / allowed;
         if errors.total() <= allowed {
-            control.accept(pair.roots, &trial, seconds, errors.total() / allowed);
+            control.accept(pair.roots, &trial, seconds, error);
             *state = end.point.to_state();
-            if to_kink {
-                end = Place::at(scene, end.point);
-                report.evaluations += 1;
-            }
-            workspace.known = Some(Known {
-                state: *state,
-                place: end,
-                answers: Answers::of(scene, state),
-            });
             report.elapsed = seconds;
+            report.evaluations += u32::from(to_kink);
+            workspace.known = Some(Known::of(scene, state, end, to_kink));
             return Ok(report);
         }
         report.rejected += 1;
-        trial.shorten(pair.roots, seconds, errors.total() / allowed, &kinks);
+        trial.shorten(pair.roots, seconds, error, &kinks);
         if trial.seconds(limit) < settings.shortest_step() {
             return Err(control.too_short(settings, errors.largest()));
         }
@@ -231,8 +236,26 @@ struct Attempt<R: Real, const STAGES: usize> {
     difference: Point<R>,
 }
 
+/// One attempt, which leaves out what begins to push at its end where it goes to a kink.
 #[inline(always)]
 fn attempt<R: Real, D: Dynamics<R>, const STAGES: usize>(
+    pair: &Pair<STAGES>,
+    scene: &D,
+    start: &Place<R>,
+    seconds: R,
+    to_kink: bool,
+) -> Attempt<R, STAGES> {
+    if to_kink {
+        attempt_under(pair, scene, start, seconds, |motion| {
+            touch::load_before(scene, &start.motion, motion, seconds)
+        })
+    } else {
+        attempt_under(pair, scene, start, seconds, |motion| scene.load(motion))
+    }
+}
+
+#[inline(always)]
+fn attempt_under<R: Real, D: Dynamics<R>, const STAGES: usize>(
     pair: &Pair<STAGES>,
     scene: &D,
     start: &Place<R>,
