@@ -131,7 +131,7 @@ pub trait RigidPointBody<R: Real = f64> {
 
     /// As [`contacts_below`](Self::contacts_below), for a caller who knows the run under a plane that is not far from this one, as that of a moment ago: the same run, found sooner.
     ///
-    /// Whatever `near` is, the run must not miss a contact.
+    /// Whatever `near` is, the answer must be that of [`contacts_below`](Self::contacts_below): a run of contacts that depends on what is known would sum forces in another order.
     #[inline]
     fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: Run) -> Run {
         let _ = near;

@@ -94,7 +94,7 @@ pub enum Clause {
     Rigid,
     /// Body: no contact's surface lies beyond the reach.
     Reach,
-    /// Body: `contacts_below` misses no contact.
+    /// Body: `contacts_below` misses no contact, and `contacts_below_near` answers alike whatever is known.
     ContactsBelow,
     /// Smooth body: it has one contact; `support_point` is a place within reach, and none other that it tells is farther in that direction.
     Support,
@@ -169,7 +169,7 @@ impl fmt::Display for Clause {
             Self::Finite => "every number must be finite",
             Self::Rigid => "a rigid body must answer alike whenever it is asked",
             Self::Reach => "no contact may lie beyond the reach",
-            Self::ContactsBelow => "contacts_below and contacts_below_near must not miss a contact",
+            Self::ContactsBelow => "contacts_below must not miss a contact, and contacts_below_near must answer alike",
             Self::Support => {
                 "support_point must be the farthest place of one contact, within reach"
             }

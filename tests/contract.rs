@@ -361,6 +361,8 @@ impl<const FAULT: char> RigidPointBody for Spoilt<FAULT> {
         match FAULT {
             // The old answer, as if nothing had moved.
             'e' => near,
+            // None missed, but as many more as were known.
+            'l' if near.count > 1 => Run::all(120),
             _ => self.contacts_below(normal, offset),
         }
     }
@@ -401,6 +403,12 @@ fn a_reach_that_is_too_short_is_caught_at_a_contact_beyond_it() {
     assert_eq!(breach.clause, Clause::Reach);
     assert!(matches!(breach.input, Input::Contact { .. }), "{breach}");
     assert_eq!(fault_of_body(&spoilt::<'i'>()).clause, Clause::Finite);
+}
+
+#[test]
+fn contacts_below_near_that_depends_on_what_is_known_is_caught() {
+    let breach = fault_of_body(&spoilt::<'l'>());
+    assert_eq!(breach.clause, Clause::ContactsBelow, "{breach}");
 }
 
 #[test]
@@ -966,7 +974,7 @@ impl<const FAULT: char> Integrator for Faulty<FAULT> {
                 _ => dt,
             },
         };
-        inner.step(scene, state, f64::MAX, &mut ())?;
+        inner.step(scene, state, f64::MAX, &mut Run::default())?;
         *workspace += 1;
         let q = start.orientation;
         match FAULT {
@@ -1039,7 +1047,7 @@ fn an_integrator_that_remembers_behind_the_workspaces_back_is_caught() {
         ) -> Result<Step, StepError> {
             self.0.set(self.0.get() + 1);
             state.position.x += 1e-15 * f64::from(self.0.get());
-            Rk4 { time_step: 1e-3 }.step(scene, state, limit, &mut ())
+            Rk4 { time_step: 1e-3 }.step(scene, state, limit, &mut Run::default())
         }
         fn order(&self) -> u32 {
             4

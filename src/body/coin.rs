@@ -113,23 +113,23 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
 
     #[inline]
     fn contacts_below(&self, normal: R::Vec3, offset: R) -> Run {
+        self.contacts_below_near(normal, offset, Run::NONE)
+    }
+
+    #[inline]
+    fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: Run) -> Run {
+        let points = self.points.as_ref();
         let (y, z) = (normal.y() * self.radius, normal.z() * self.radius);
         // The lowest place of the continuous rim is -|(y, z)|, the highest +|(y, z)|.
         let extent = y * y + z * z;
         if offset * offset > extent {
             return if offset > R::ZERO {
-                Run::all(self.points.as_ref().len())
+                Run::all(points.len())
             } else {
                 Run::NONE
             };
         }
-        arc_below(self.points.as_ref(), normal, offset)
-    }
-
-    #[inline]
-    fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: Run) -> Run {
-        arc_near(self.points.as_ref(), normal, offset, near)
-            .unwrap_or_else(|| self.contacts_below(normal, offset))
+        arc_near(points, normal, offset, near).unwrap_or_else(|| arc_below(points, normal, offset))
     }
 
     /// That of the round rim, which holds the points.
@@ -172,8 +172,7 @@ fn arc_below<R: Real>(points: &[ContactPoint<R>], normal: R::Vec3, offset: R) ->
     arc_around(points, lowest, |point| height(point, normal) < offset)
 }
 
-/// The arc of a ring under a plane, if each of its ends lies within one point of a known arc's and neither next to the ring's first point. No branch depends on where they lie, and nothing waits for the
-/// direction of the lowest point: so the processor goes on to the contacts meanwhile.
+/// The arc of a ring under a plane, by walking from both ends of one that is known: none where they part for good, or where the ring's first point is in the way.
 #[inline]
 fn arc_near<R: Real>(
     points: &[ContactPoint<R>],
@@ -181,24 +180,31 @@ fn arc_near<R: Real>(
     offset: R,
     near: Run,
 ) -> Option<Run> {
-    let below = |place: usize| -> Option<[bool; 4]> {
-        let window: &[_; 4] = points.get(place..)?.first_chunk()?;
-        let below = |point| height(point, normal) < offset;
-        Some(window.each_ref().map(below))
-    };
-    let first = near.first.checked_sub(2)?;
-    let end = first.checked_add(near.count)?;
-    let ([a, b, c, d], [e, f, g, h]) = (below(first)?, below(end)?);
-    // The first is above the plane and the last below it at one end, and the other way round at the other.
-    if near.count < 2 || a | !d | !e | h {
-        return None;
+    let below = |place: usize| Some(height(points.get(place)?, normal) < offset);
+    let (mut first, mut last) = (
+        near.first,
+        near.first.checked_add(near.count)?.checked_sub(1)?,
+    );
+    if below(first)? {
+        while below(first.checked_sub(1)?)? {
+            first -= 1;
+        }
+    } else {
+        while !below(first)? {
+            first += 1;
+        }
     }
-    let first = first + 3 - usize::from(b) - usize::from(c);
-    let end = end + 1 + usize::from(f) + usize::from(g);
-    Some(Run {
-        first,
-        count: end - first,
-    })
+    if below(last)? {
+        while below(last + 1)? {
+            last += 1;
+        }
+    } else {
+        while !below(last)? {
+            last = last.checked_sub(1)?;
+        }
+    }
+    let count = last.checked_sub(first)? + 1;
+    Some(Run { first, count })
 }
 
 /// Height of a ring's point along a direction, m.

@@ -13,7 +13,7 @@ use crate::real::{Real, Vector};
 /// Checks a body.
 ///
 /// Its mass is above 0, its inertia symmetric and that of a solid; its contacts are finite, with radii of at least 0, and neither they nor its rim lie beyond its reach, nor beyond its `support` in a direction; `contacts_below`
-/// and `contacts_below_near` miss none, for planes in directions of a cube's faces, edges and corners, towards its contacts, and random ones, at offsets through its contacts,
+/// misses none and `contacts_below_near` answers alike, for planes in directions of a cube's faces, edges and corners, towards its contacts, and random ones, at offsets through its contacts,
 /// at the reach and far away; the place that a smooth body tells as the farthest in a direction is; and all of it is the same whenever it is asked for.
 ///
 /// Of contacts that lie nearer to a plane than 8 units in the last place of the reach either answer is right: so much is allowed for where `contacts_below` is asked.
@@ -158,7 +158,7 @@ fn check_offsets<R: Real, B: RigidPointBody<R> + ?Sized>(
     Ok(())
 }
 
-/// Asks below one plane, and again by who knows a run of nearly the same, or of another one: none may be missed, and the answer must be the same twice.
+/// Asks below one plane, and again by who knows a run of nearly the same, or of another one: none may be missed, and all answers must be the same.
 fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     first: &Portrait<R>,
@@ -177,11 +177,7 @@ fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
         input(again.first)
     })?;
     let sure = offset - (offset.abs() + body.reach()) * ulps(8.0);
-    let longer = Run {
-        count: run.count + 1,
-        ..run
-    };
-    let known = [run, longer, Run::NONE, Run::all(contacts.len())];
+    let known = runs_like(run, contacts.len());
     let near = known.map(|known| body.contacts_below_near(normal, offset, known));
     for (index, contact) in contacts.iter().enumerate() {
         let height = normal.dot(contact.position) - contact.radius;
@@ -195,7 +191,43 @@ fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
             input(index)
         })?;
     }
+    for (known, near) in known.into_iter().zip(near) {
+        if near == run || (near.count == 0 && run.count == 0) {
+            continue;
+        }
+        // Does it follow what is known, or does it change meanwhile?
+        let again = body.contacts_below_near(normal, offset, known);
+        let (clause, value) = if near == again {
+            (Clause::ContactsBelow, near)
+        } else {
+            (Clause::Rigid, again)
+        };
+        let [count, asked] = [value, run].map(|run| R::from_usize(run.count.min(contacts.len())));
+        demand(false, clause, count, asked, || input(near.first))?;
+    }
     Ok(())
+}
+
+/// What a caller may know who asks for a run of so many contacts: it, others that end beside its ends, none, and all.
+fn runs_like(run: Run, contacts: usize) -> [Run; 6] {
+    let Run { first, count } = run;
+    [
+        run,
+        Run {
+            count: count + 1,
+            ..run
+        },
+        Run {
+            first: first.saturating_sub(1),
+            ..run
+        },
+        Run {
+            first: first + 1,
+            count: count.saturating_sub(1),
+        },
+        Run::NONE,
+        Run::all(contacts),
+    ]
 }
 
 /// Whether a run holds a contact, by what is made of it.

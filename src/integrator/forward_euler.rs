@@ -1,10 +1,11 @@
 //! The report's method: forward Euler with an exact turn.
 
 use super::{Integrator, Step, step_length};
+use crate::body::Run;
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
 use crate::rotation::Rotation;
-use crate::scene::{Dynamics, load_with_arms};
+use crate::scene::{Dynamics, contacts_near, load_with_arms};
 use crate::state::State;
 
 /// The report's order of operations on a plain state: forward Euler, with the body turned exactly about its angular velocity.
@@ -25,7 +26,8 @@ pub struct ForwardEuler<R = f64> {
 }
 
 impl<R: Real> Integrator<R> for ForwardEuler<R> {
-    type Workspace = ();
+    /// The contacts that were low in the step before: where to look for them first.
+    type Workspace = Run;
 
     #[inline]
     fn step<D: Dynamics<R>>(
@@ -33,7 +35,7 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
         scene: &D,
         state: &mut State<R>,
         limit: R,
-        _workspace: &mut (),
+        near: &mut Run,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
         let mass = scene.mass_properties();
@@ -41,8 +43,8 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
         let motion = scene.motion_along(state, old_rotation.axes());
         let turn = Rotation::from_rotation_vector(motion.angular_velocity * dt);
         let rotation = turn.after(old_rotation).normalised();
-        let run = scene.contacts_within(R::ZERO, motion.position, &motion.axes);
-        let load = load_with_arms(scene, run, &motion, &rotation.axes());
+        *near = contacts_near(scene, *near, motion.position, &motion.axes);
+        let load = load_with_arms(scene, *near, &motion, &rotation.axes());
 
         state.position += state.linear_velocity * dt;
         state.linear_velocity += (load.force * mass.inverse_mass() + scene.gravity()) * dt;

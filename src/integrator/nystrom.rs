@@ -49,7 +49,8 @@ pub struct Nystrom<R = f64> {
 }
 
 impl<R: Real> Integrator<R> for Nystrom<R> {
-    type Workspace = ();
+    /// The contacts that were low in the step before: where to look for them first.
+    type Workspace = Run;
 
     #[inline]
     fn step<D: Dynamics<R>>(
@@ -57,10 +58,10 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
         scene: &D,
         state: &mut State<R>,
         limit: R,
-        _workspace: &mut (),
+        near: &mut Run,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
-        let start = Start::of(scene, state, dt);
+        let start = Start::of(scene, state, dt, *near);
         let first = &start.stage;
         let second = Stage::at(scene, start.ahead(&SECOND, [first]), first.run);
         let third = Stage::at(scene, start.ahead(&THIRD, [first, &second]), second.run);
@@ -69,6 +70,7 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
             start.ahead(&FOURTH, [first, &second, &third]),
             third.run,
         );
+        *near = fourth.run;
         let stages = [first, &second, &third, &fourth];
         let end = start.ahead(&END, stages);
         *state = crossing::corrected(scene, stages, end, dt).to_state();
@@ -167,9 +169,9 @@ struct Start<R: Real> {
 
 impl<R: Real> Start<R> {
     #[inline(always)]
-    fn of<D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> Self {
+    fn of<D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R, near: Run) -> Self {
         let point = Point::of(state);
-        let stage = Stage::at(scene, point, Run::NONE);
+        let stage = Stage::at(scene, point, near);
         Self {
             point,
             turning: point.orientation.rate(stage.motion.angular_velocity),

@@ -23,7 +23,8 @@ pub struct Rk4<R = f64> {
 }
 
 impl<R: Real> Integrator<R> for Rk4<R> {
-    type Workspace = ();
+    /// The contacts that were low in the step before: where to look for them first.
+    type Workspace = Run;
 
     #[inline]
     fn step<D: Dynamics<R>>(
@@ -31,17 +32,15 @@ impl<R: Real> Integrator<R> for Rk4<R> {
         scene: &D,
         state: &mut State<R>,
         limit: R,
-        _workspace: &mut (),
+        near: &mut Run,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
         let half = dt * R::HALF;
         let start = Point::of(state);
-        // The contacts that touch, from one stage to the next.
-        let mut run = Run::NONE;
-        let k1 = start.slope_near(scene, &mut run);
-        let k2 = start.plus(&k1, half).slope_near(scene, &mut run);
-        let k3 = start.plus(&k2, half).slope_near(scene, &mut run);
-        let k4 = start.plus(&k3, dt).slope_near(scene, &mut run);
+        let k1 = start.slope_near(scene, near);
+        let k2 = start.plus(&k1, half).slope_near(scene, near);
+        let k3 = start.plus(&k2, half).slope_near(scene, near);
+        let k4 = start.plus(&k3, dt).slope_near(scene, near);
 
         let sum = k1.plus(&k2, R::TWO).plus(&k3, R::TWO).plus(&k4, R::ONE);
         *state = start.plus(&sum, dt * R::from_f64(1.0 / 6.0)).to_state();

@@ -1,10 +1,11 @@
 //! Drift, kick, drift: exact flight on both sides of a kick by the forces.
 
 use super::{Integrator, Step, step_length};
+use crate::body::Run;
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
 use crate::rotation::{Axes, Rotation};
-use crate::scene::{Dynamics, Load};
+use crate::scene::{Dynamics, Load, contacts_near};
 use crate::state::State;
 
 /// Strang's splitting: half a step of exact flight, a kick by the contacts at the middle, half a step of exact flight.
@@ -31,7 +32,8 @@ pub struct StrangSplitting<R = f64> {
 }
 
 impl<R: Real> Integrator<R> for StrangSplitting<R> {
-    type Workspace = ();
+    /// The contacts that were low in the step before: where to look for them first.
+    type Workspace = Run;
 
     #[inline]
     fn step<D: Dynamics<R>>(
@@ -39,14 +41,14 @@ impl<R: Real> Integrator<R> for StrangSplitting<R> {
         scene: &D,
         state: &mut State<R>,
         limit: R,
-        _workspace: &mut (),
+        near: &mut Run,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
         let half = dt * R::HALF;
         let start = state.rotation();
         let middle = drift(scene, state, start, &start.axes(), half);
         let axes = middle.axes();
-        let evaluations = kick(scene, state, axes, dt);
+        let evaluations = kick(scene, state, axes, dt, near);
         let end = drift(scene, state, middle, &axes, half);
         state.orientation = end.to_quat();
         Ok(Step::new(dt, evaluations))
@@ -81,17 +83,23 @@ fn drift<R: Real>(
 
 /// Velocities moved on by the forces at a place that stands still. Returns how often the contacts were evaluated.
 #[inline]
-fn kick<R: Real>(scene: &impl Dynamics<R>, state: &mut State<R>, axes: Axes<R>, seconds: R) -> u32 {
+fn kick<R: Real>(
+    scene: &impl Dynamics<R>,
+    state: &mut State<R>,
+    axes: Axes<R>,
+    seconds: R,
+    near: &mut Run,
+) -> u32 {
     // The place stays, so the contacts that touch do too.
-    let run = scene.contacts_within(R::ZERO, state.position, &axes);
-    let load = scene.load_on(run, &scene.motion_along(state, axes));
+    *near = contacts_near(scene, *near, state.position, &axes);
+    let load = scene.load_on(*near, &scene.motion_along(state, axes));
     if load.touching == 0 {
         state.linear_velocity += scene.gravity() * seconds;
         return 1;
     }
     let mut middle = *state;
     push(scene, &mut middle, &load, seconds * R::HALF);
-    let load = scene.load_on(run, &scene.motion_along(&middle, axes));
+    let load = scene.load_on(*near, &scene.motion_along(&middle, axes));
     push(scene, state, &load, seconds);
     2
 }

@@ -1,9 +1,10 @@
 //! Semi-implicit Euler: velocities first, then positions with the new velocities.
 
 use super::{Integrator, Step, step_length};
+use crate::body::Run;
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, contacts_near};
 use crate::state::State;
 
 /// Semi-implicit (symplectic) Euler with the exact torque-free turn: a kick by the forces, then a drift with the new velocities.
@@ -22,7 +23,8 @@ pub struct SymplecticEuler<R = f64> {
 }
 
 impl<R: Real> Integrator<R> for SymplecticEuler<R> {
-    type Workspace = ();
+    /// The contacts that were low in the step before: where to look for them first.
+    type Workspace = Run;
 
     #[inline]
     fn step<D: Dynamics<R>>(
@@ -30,13 +32,14 @@ impl<R: Real> Integrator<R> for SymplecticEuler<R> {
         scene: &D,
         state: &mut State<R>,
         limit: R,
-        _workspace: &mut (),
+        near: &mut Run,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
         let mass = scene.mass_properties();
         let rotation = state.rotation();
         let motion = scene.motion_along(state, rotation.axes());
-        let load = scene.load(&motion);
+        *near = contacts_near(scene, *near, motion.position, &motion.axes);
+        let load = scene.load_on(*near, &motion);
 
         // Position and turn use the new velocities: with the old ones each step would add energy to a spring.
         state.linear_velocity += (load.force * mass.inverse_mass() + scene.gravity()) * dt;

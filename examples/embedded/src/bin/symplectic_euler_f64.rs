@@ -2,5 +2,6 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use tumble::SymplecticEuler;
+use tumble::body::Run;
 
-coin_firmware::firmware!(f64, SymplecticEuler, ());
+coin_firmware::firmware!(f64, SymplecticEuler, Run::NONE);
