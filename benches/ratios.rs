@@ -5,21 +5,21 @@
 //!
 //! # What remains
 //!
-//! A step of `SymplecticEuler` of the coin with 120 points, upright, where 4 of them touch, takes 1190 instructions (`.ci/instructions`):
+//! A step of `SymplecticEuler` of the coin with 120 points, upright, where 4 of them touch, takes 1130 instructions (`.ci/instructions`):
 //!
-//! * 430 for the body, as many as a step in flight: the rotation matrix, the angular velocity, the turn by two quaternion products, two normalisations, the finite check,
+//! * 440 for the body, as many as a step in flight: the rotation matrix, the angular velocity, the turn by two quaternion products, two normalisations, the finite check,
 //!   and the state from and to memory. A third of it is arithmetic; most of the rest are moves, because SSE2's operations overwrite an operand and a state with its
 //!   matrix does not fit into 16 registers.
-//! * 200 to find the arc: the plane's normal in body axes, an angle by one division, and 9 for each of the 6 points walked over.
+//! * 130 to find the arc: the plane's normal in body axes, and the heights of the points on both sides of the two ends that it had a step ago.
 //! * 560 for the contacts: what they share, the velocity for each metre along the body's three axes and the torque from the sums (`scene/level.rs`), and what each takes.
 //!
 //! Few contacts go one by one: stages over arrays cost more than they save below some twenty. So a body with a single contact pays for what nobody shares: a coin of
-//! 12 points takes 830 instructions, 110 more than if its contact were worked out alone. On a tilted plane, or with a radius, a contact takes some 130.
+//! 12 points takes 815 instructions, 110 more than if its contact were worked out alone. On a tilted plane, or with a radius, a contact takes some 130.
 //!
 //! At rest all 120 go abreast, 24 at a time, two in a register: 64 instructions each, and half of their time is the root and the division, which one unit does for
 //! all, 3.1 ns a pair. That is the floor for any program with the report's law.
 //!
-//! `Rk4` takes 4170 instructions, 970 above its aim: 1220 in flight, which are four matrices, four sums of states, and moves of them, and four searches for the arc.
+//! `Rk4` takes 4000 instructions, 800 above its aim: 1260 in flight, which are four matrices, four sums of states, and moves of them, and four searches for the arc.
 //!
 //! Memory: the state, the scene and the points walked over, under 1 kB, are in the first cache; at rest 4 kB of points are. Branches: whether the arc ends here is
 //! mispredicted when the number of touching points changes; the others go with the phase. Time: each contact's root and division wait for all before them;
@@ -356,6 +356,9 @@ impl RigidPointBody for UserRing {
     fn contacts_below(&self, normal: DVec3, offset: f64) -> Run {
         self.ring.contacts_below(normal, offset)
     }
+    fn contacts_below_near(&self, normal: DVec3, offset: f64, near: Run) -> Run {
+        self.ring.contacts_below_near(normal, offset, near)
+    }
 }
 
 /// SymplecticEuler of the coin in plain f64, as somebody would write it who needs nothing else: the same model and the same arc, with the library's
@@ -365,9 +368,9 @@ struct ByHand {
 }
 
 impl Advance for ByHand {
-    type Workspace = ();
+    type Workspace = Run;
 
-    fn advance(&self, state: &mut State, (): &mut ()) {
+    fn advance(&self, state: &mut State, near: &mut Run) {
         let (dt, gravity) = (TIME_STEP, DVec3::new(0.0, 0.0, -9.8));
         let (stiffness, damping, coefficient, slip_speed) = (1000.0, 0.5, 0.3, 1e-10);
         let (across, about) = (1.0 / 0.125, 1.0 / 0.25 - 1.0 / 0.125);
@@ -380,8 +383,8 @@ impl Advance for ByHand {
         let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);
         if state.position.z < 0.5 {
             let upwards = DVec3::new(axes.x_axis.z, axes.y_axis.z, axes.z_axis.z);
-            let run = self.coin.contacts_below(upwards, -state.position.z);
-            for point in run.parts(self.coin.contacts()).into_iter().flatten() {
+            *near = (self.coin).contacts_below_near(upwards, -state.position.z, *near);
+            for point in near.parts(self.coin.contacts()).into_iter().flatten() {
                 let arm = axes * point.position;
                 let depth = -(state.position.z + arm.z);
                 if depth > 0.0 {

@@ -44,13 +44,13 @@ use crate::state::State;
 ///
 /// | upright, 4 rad/s | vertical acceleration, rms, over g | energy lost in 1 s with dampers and friction, J | instructions of a step of `SymplecticEuler`, start of trial 1 |
 /// |---|---|---|---|
-/// | 12 points | 2.4e0 | 0.2936 | 860 |
-/// | 120 points | 7.0e-3 | 0.0430 | 1224 |
-/// | 1200 points | 2.1e-4 | 0.0431 | 4583 |
-/// | round | 7.3e-14 | 0.0431 | 1580 |
+/// | 12 points | 2.4e0 | 0.2936 | 815 |
+/// | 120 points | 7.0e-3 | 0.0430 | 1130 |
+/// | 1200 points | 2.1e-4 | 0.0431 | 4024 |
+/// | round | 7.3e-14 | 0.0431 | 1573 |
 ///
-/// In time an explicit step on the round rim costs 1.4 to 1.6 times that of 120 points at the start of trial 1, and no more in flight; where it rolls steadily, so that friction turns round twice on the arc, 2.7 to 3.5 times.
-/// One of [`EnergyMomentum`](crate::EnergyMomentum) costs 4.5 times as much, and up to 10 times where it rolls.
+/// In time an explicit step on the round rim costs 1.7 to 2.2 times that of 120 points at the start of trial 1, and no more in flight; where it rolls steadily, so that friction turns round twice on the arc, 3.3 to 4.9 times.
+/// One of [`EnergyMomentum`](crate::EnergyMomentum) costs 5.3 and 4.2 times as much (`cargo bench --bench ratios`).
 ///
 /// How far the place of the round coin is off after a second of trial 1:
 ///

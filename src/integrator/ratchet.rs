@@ -113,11 +113,16 @@ fn fallen<R: Real, D: Dynamics<R>>(
 }
 
 /// Whether the contacts bear at least half of the body's weight.
+// Asked seldom and in two places: one loop over contacts is enough, and none of its parts need go abreast.
+#[inline(never)]
 fn is_borne<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> bool {
     let gravity = scene.gravity();
-    let force = scene.load(&scene.motion(state)).force;
+    let mut lift = R::ZERO;
+    scene.visit_contacts(&scene.motion(state), |contact| {
+        lift -= contact.force(scene.ground(), scene.friction()).dot(gravity);
+    });
     let weight = gravity.length_squared() * scene.mass_properties().mass();
-    -force.dot(gravity) >= weight * R::HALF
+    lift >= weight * R::HALF
 }
 
 /// The end with its velocities scaled down, or without any, if its energy is then at most the ceiling.
