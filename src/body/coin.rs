@@ -14,6 +14,24 @@ use crate::state::State;
 /// and r = 0.5 m; with few points it rattles from corner to corner. [`Disc`](super::Disc) is round, and says when which of them is better.
 ///
 /// `P` is where the points are: an array, a borrowed slice, or a `Vec`.
+///
+/// ```
+/// use tumble::glam::DVec3;
+/// use tumble::{Coin, Coulomb, Face, FlatGround, State, Stepper, UniformGravity};
+///
+/// let coin = Coin::ring(1.0, 0.5); // kg, m
+/// let stepper = Stepper::new(coin)?
+///     .with_ground(FlatGround::level(1000.0, 0.5))? // N/m and N s/m a point
+///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })? // m/s
+///     .with_gravity(UniformGravity::down(9.8))?; // m/s²
+/// // Dropped from 0.7 m, heads up and leaning, with a spin of 6 rad/s about its normal.
+/// let state = State::at(DVec3::new(0.0, 0.0, 0.7)).turned_by(DVec3::new(0.0, -1.2, 0.0));
+/// let mut state = stepper.spinning(state, state.orientation * DVec3::X * 6.0);
+/// assert_eq!(coin.face_up(&state), Face::Heads);
+/// stepper.advance(&mut state, 0.5)?; // s
+/// println!("{:.2} rad from flat, {} of 120 points touch", coin.tilt(&state), stepper.touching(&state));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coin<R: Real = f64, P = [ContactPoint<R>; 120]> {
     mass: R,
@@ -67,7 +85,7 @@ impl<R: Real, P> Coin<R, P> {
         tilt(state)
     }
 
-    /// The face that looks up.
+    /// The face that looks up; [`Face::Edge`] where neither does, upright to rounding: a ring has no edge to stand on, as [`SolidCoin`](super::SolidCoin) has.
     #[must_use]
     pub fn face_up(&self, state: &State<R>) -> Face {
         Face::up(state.rotation().axes().x.z())

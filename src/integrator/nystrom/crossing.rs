@@ -3,7 +3,7 @@
 use super::{END, SECOND, Stage};
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::friction::SlidingFriction;
-use crate::integrator::passage::{Path, Side, Sight, arm, push};
+use crate::integrator::passage::{Path, Side, Sight, arm, push, slip};
 use crate::integrator::rk4::Point;
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
@@ -128,9 +128,8 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
     #[inline(always)]
     fn direction(&self, point: &ContactPoint<R>, motion: &Motion<R>, load: R) -> [R::Vec3; 2] {
         let (arm, normal) = arm(self.scene, motion, point);
-        let velocity = motion.velocity_at(arm);
-        let slip = velocity - normal * velocity.dot(normal);
-        let rub = self.scene.friction().force(load, slip);
+        let along = slip(motion, (arm, normal));
+        let rub = self.scene.friction().force(load, along);
         let push = normal + rub * (R::ONE / load);
         [push, arm.cross(push)]
     }
