@@ -21,7 +21,8 @@ use crate::state::State;
 /// A body on a ground, as an integrator sees it.
 ///
 /// *To the author of an integrator:* [`motion`](Self::motion) turns a state into what forces depend on, [`load`](Self::load) gives the contacts' force and
-/// torque there, [`visit_contacts`](Self::visit_contacts) each contact by itself. Gravity stands apart, because it needs no contact.
+/// torque there, [`visit_contacts`](Self::visit_contacts) each contact by itself. Gravity stands apart, because it needs no contact. A method that keeps the contacts of its last look in its workspace
+/// finds them sooner by [`contacts_near`](Self::contacts_near), and takes their load by [`load_on`](Self::load_on).
 pub trait Dynamics<R: Real = f64> {
     /// The body's type.
     type Body: RigidPointBody<R>;
@@ -76,6 +77,14 @@ pub trait Dynamics<R: Real = f64> {
         })
     }
 
+    /// The contacts that may touch, as of [`contacts_within`](Self::contacts_within) with no margin, found sooner by a caller who knows those of a moment ago. Whatever `near` is, the answer is the same.
+    #[inline]
+    fn contacts_near(&self, near: Run, position: R::Vec3, axes: &Axes<R>) -> Run {
+        low_contacts(self, R::ZERO, position, axes, |normal, offset| {
+            self.body().contacts_below_near(normal, offset, near)
+        })
+    }
+
     /// Calls `visit` with each contact that touches, in the order of their run round the body.
     #[inline(always)]
     fn visit_contacts(&self, motion: &Motion<R>, visit: impl FnMut(&Contact<R>)) {
@@ -120,19 +129,6 @@ pub trait Dynamics<R: Real = f64> {
     fn load_on(&self, run: Run, motion: &Motion<R>) -> Load<R> {
         load_with_arms(self, run, motion, &motion.axes)
     }
-}
-
-/// As [`Dynamics::contacts_within`] with no margin, for a caller who knows those of a moment not far from this one.
-#[inline]
-pub(crate) fn contacts_near<R: Real, D: Dynamics<R> + ?Sized>(
-    scene: &D,
-    near: Run,
-    position: R::Vec3,
-    axes: &Axes<R>,
-) -> Run {
-    low_contacts(scene, R::ZERO, position, axes, |normal, offset| {
-        scene.body().contacts_below_near(normal, offset, near)
-    })
 }
 
 #[inline]

@@ -5,7 +5,7 @@ use crate::body::Run;
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
 use crate::rotation::Rotation;
-use crate::scene::{Dynamics, contacts_near, load_with_arms};
+use crate::scene::{Dynamics, load_with_arms};
 use crate::state::State;
 
 /// The report's order of operations on a plain state: forward Euler, with the body turned exactly about its angular velocity.
@@ -43,7 +43,7 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
         let motion = scene.motion_along(state, old_rotation.axes());
         let turn = Rotation::from_rotation_vector(motion.angular_velocity * dt);
         let rotation = turn.after(old_rotation).normalised();
-        *near = contacts_near(scene, *near, motion.position, &motion.axes);
+        *near = scene.contacts_near(*near, motion.position, &motion.axes);
         let load = load_with_arms(scene, *near, &motion, &rotation.axes());
 
         state.position += state.linear_velocity * dt;

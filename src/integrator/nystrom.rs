@@ -8,7 +8,7 @@ use crate::body::Run;
 use crate::error::{self, SceneError, StepError};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
-use crate::scene::{Dynamics, Motion, contacts_near};
+use crate::scene::{Dynamics, Motion};
 use crate::state::State;
 
 /// Nyström's method: that of Runge and Kutta for equations which say how velocities change, with the contacts that touch down or let go within a step set right.
@@ -138,7 +138,7 @@ impl<R: Real> Stage<R> {
     #[inline(never)]
     fn at<D: Dynamics<R>>(scene: &D, point: Point<R>, near: Run) -> Self {
         let motion = point.motion(scene);
-        let run = contacts_near(scene, near, motion.position, &motion.axes);
+        let run = scene.contacts_near(near, motion.position, &motion.axes);
         let load = scene.load_on(run, &motion);
         let mass = scene.mass_properties();
         let spin = motion.angular_velocity;

@@ -5,7 +5,7 @@ use crate::body::Run;
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
 use crate::rotation::{Axes, Rotation};
-use crate::scene::{Dynamics, Load, Motion, contacts_near};
+use crate::scene::{Dynamics, Load, Motion};
 use crate::state::State;
 
 /// The classical Runge-Kutta method on position, velocity, quaternion and angular momentum, with the quaternion scaled to length 1 after each step.
@@ -120,7 +120,7 @@ impl<R: Real> Point<R> {
     #[inline(always)]
     fn slope_near(&self, scene: &impl Dynamics<R>, run: &mut Run) -> Self {
         let motion = self.motion(scene);
-        *run = contacts_near(scene, *run, motion.position, &motion.axes);
+        *run = scene.contacts_near(*run, motion.position, &motion.axes);
         self.slope_under(scene, &motion, &scene.load_on(*run, &motion))
     }
 

@@ -5,7 +5,7 @@ use crate::body::Run;
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
 use crate::rotation::{Axes, Rotation};
-use crate::scene::{Dynamics, Load, contacts_near};
+use crate::scene::{Dynamics, Load};
 use crate::state::State;
 
 /// Strang's splitting: half a step of exact flight, a kick by the contacts at the middle, half a step of exact flight.
@@ -91,7 +91,7 @@ fn kick<R: Real>(
     near: &mut Run,
 ) -> u32 {
     // The place stays, so the contacts that touch do too.
-    *near = contacts_near(scene, *near, state.position, &axes);
+    *near = scene.contacts_near(*near, state.position, &axes);
     let load = scene.load_on(*near, &scene.motion_along(state, axes));
     if load.touching == 0 {
         state.linear_velocity += scene.gravity() * seconds;

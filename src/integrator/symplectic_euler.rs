@@ -4,7 +4,7 @@ use super::{Integrator, Step, step_length};
 use crate::body::Run;
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
-use crate::scene::{Dynamics, contacts_near};
+use crate::scene::Dynamics;
 use crate::state::State;
 
 /// Semi-implicit (symplectic) Euler with the exact torque-free turn: a kick by the forces, then a drift with the new velocities.
@@ -38,7 +38,7 @@ impl<R: Real> Integrator<R> for SymplecticEuler<R> {
         let mass = scene.mass_properties();
         let rotation = state.rotation();
         let motion = scene.motion_along(state, rotation.axes());
-        *near = contacts_near(scene, *near, motion.position, &motion.axes);
+        *near = scene.contacts_near(*near, motion.position, &motion.axes);
         let load = scene.load_on(*near, &motion);
 
         // Position and turn use the new velocities: with the old ones each step would add energy to a spring.
