@@ -372,13 +372,18 @@ impl Run {
     #[inline]
     #[must_use]
     pub fn parts<T>(self, contacts: &[T]) -> [&[T]; 2] {
-        let count = self.count.min(contacts.len());
+        let end = self.first.checked_add(self.count);
+        match end.and_then(|end| contacts.get(self.first..end)) {
+            Some(head) => [head, &[]],
+            None => self.parts_across_the_end(contacts),
+        }
+    }
+
+    #[cold]
+    fn parts_across_the_end<T>(self, contacts: &[T]) -> [&[T]; 2] {
         let to_end = contacts.get(self.first..).unwrap_or_default();
-        let (head, wrapped) = match to_end.get(..count) {
-            Some(head) => (head, 0),
-            None => (to_end, count - to_end.len()),
-        };
-        [head, contacts.get(..wrapped).unwrap_or_default()]
+        let wrapped = self.count.min(contacts.len()) - to_end.len();
+        [to_end, contacts.get(..wrapped).unwrap_or_default()]
     }
 }
 

@@ -246,6 +246,12 @@ impl<R: Real> Plane<R> {
         }
     }
 
+    /// Whether the plane is horizontal.
+    #[inline]
+    pub(crate) fn is_level(&self) -> bool {
+        self.normal == Self::level(self.height).normal
+    }
+
     /// Height of `point` (m, world axes) above the plane, m; negative below it.
     #[inline]
     #[must_use]

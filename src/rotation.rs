@@ -194,18 +194,19 @@ impl<R: Real> Rotation<R> {
         self.axes_scaled(R::TWO / self.length_squared())
     }
 
+    /// With the products first, which need not wait for a division.
     #[inline]
     fn axes_scaled(self, two: R) -> Axes<R> {
-        let (x, y, z) = (self.v.x(), self.v.y(), self.v.z());
-        let (tx, ty, tz) = (x * two, y * two, z * two);
-        let (wx, wy, wz) = (self.w * tx, self.w * ty, self.w * tz);
-        let (xx, xy, xz) = (x * tx, x * ty, x * tz);
-        let (yy, yz, zz) = (y * ty, y * tz, z * tz);
-        let one = R::ONE;
+        let (w, x, y, z) = (self.w, self.v.x(), self.v.y(), self.v.z());
+        let (xx, yy, zz) = (x * x, y * y, z * z);
+        let (wx, wy, wz) = (w * x, w * y, w * z);
+        let (xy, xz, yz) = (x * y, x * z, y * z);
+        let along = |sum: R| R::ONE - sum * two;
+        let across = |sum: R| sum * two;
         Axes {
-            x: R::Vec3::new(one - (yy + zz), xy + wz, xz - wy),
-            y: R::Vec3::new(xy - wz, one - (xx + zz), yz + wx),
-            z: R::Vec3::new(xz + wy, yz - wx, one - (xx + yy)),
+            x: R::Vec3::new(along(yy + zz), across(xy + wz), across(xz - wy)),
+            y: R::Vec3::new(across(xy - wz), along(xx + zz), across(yz + wx)),
+            z: R::Vec3::new(across(xz + wy), across(yz - wx), along(xx + yy)),
         }
     }
 
@@ -292,6 +293,12 @@ impl<R: Real> Axes<R> {
     #[must_use]
     pub fn to_world(&self, body: R::Vec3) -> R::Vec3 {
         self.x * body.x() + self.y * body.y() + self.z * body.z()
+    }
+
+    /// The world's z axis in body axes: how far each axis rises.
+    #[inline]
+    pub(crate) fn rise(&self) -> R::Vec3 {
+        R::Vec3::new(self.x.z(), self.y.z(), self.z.z())
     }
 
     /// A world vector in body axes.

@@ -10,7 +10,7 @@ use crate::body::{ContactPoint, MassProperties, RigidPointBody, Run};
 use crate::error::SceneError;
 use crate::friction::SlidingFriction;
 use crate::gravity::Gravity;
-use crate::ground::{Extent, Plane, SpringDamperGround};
+use crate::ground::{Extent, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::State;
@@ -78,7 +78,7 @@ pub trait Dynamics<R: Real = f64> {
     }
 
     /// The contacts that may touch, as of [`contacts_within`](Self::contacts_within) with no margin, found sooner by a caller who knows those of a moment ago. Whatever `near` is, the answer is the same.
-    #[inline]
+    #[inline(always)]
     fn contacts_near(&self, near: Run, position: R::Vec3, axes: &Axes<R>) -> Run {
         low_contacts(self, R::ZERO, position, axes, |normal, offset| {
             self.body().contacts_below_near(normal, offset, near)
@@ -127,11 +127,11 @@ pub trait Dynamics<R: Real = f64> {
     /// As [`load`](Self::load), looking at the contacts of `run` alone: for a second look at the same place with other velocities.
     #[inline(always)]
     fn load_on(&self, run: Run, motion: &Motion<R>) -> Load<R> {
-        load_with_arms(self, run, motion, &motion.axes)
+        load_with_arms(self, run, motion, None)
     }
 }
 
-#[inline]
+#[inline(always)]
 fn low_contacts<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
     margin: R,
@@ -143,7 +143,11 @@ fn low_contacts<R: Real, D: Dynamics<R> + ?Sized>(
         Extent::Nowhere => Run::NONE,
         Extent::Everywhere => Run::all(scene.body().contacts().len()),
         Extent::Plane(plane) | Extent::Below(plane) => {
-            let gap = plane.gap(position);
+            let (gap, normal) = if plane.is_level() {
+                (position.z() - plane.height, axes.rise())
+            } else {
+                (plane.gap(position), axes.to_body(plane.normal))
+            };
             // What rounding may hide of a gap; far more than the body's own arithmetic loses.
             let rounding =
                 (gap.abs() + plane.height.abs() + scene.reach()) * (R::EPSILON * R::from_f64(8.0));
@@ -151,7 +155,7 @@ fn low_contacts<R: Real, D: Dynamics<R> + ?Sized>(
             if offset < -scene.reach() {
                 Run::NONE
             } else {
-                below(axes.to_body(plane.normal), offset)
+                below(normal, offset)
             }
         }
     }
@@ -219,18 +223,18 @@ pub(crate) fn rims_energy<R: Real, D: Dynamics<R> + ?Sized>(
     (energy, touching)
 }
 
-/// As [`Dynamics::load_on`], with the torque that the same forces have on a body with other axes.
+/// As [`Dynamics::load_on`]; with other `arm_axes`, the torque that the same forces have on a body with those.
 #[inline(always)]
 pub(crate) fn load_with_arms<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
     run: Run,
     motion: &Motion<R>,
-    axes: &Axes<R>,
+    arm_axes: Option<&Axes<R>>,
 ) -> Load<R> {
     if run.count == 0 && (scene.body().rims().is_empty() || is_aloft(scene, motion)) {
         return Load::default();
     }
-    let mut load = load_of_forces(scene, run, motion, axes);
+    let mut load = load_of_forces(scene, run, motion, arm_axes);
     if let Some(torque) = turning_torque(scene, run, motion) {
         load.torque += torque;
     }
@@ -252,13 +256,14 @@ fn load_of_forces<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
     run: Run,
     motion: &Motion<R>,
-    axes: &Axes<R>,
+    arm_axes: Option<&Axes<R>>,
 ) -> Load<R> {
     let laws = (scene.ground(), scene.friction());
+    let axes = arm_axes.unwrap_or(&motion.axes);
     let mut load = Load::default();
     if let Some(height) = height_under_bare_points(scene) {
         let parts = run.parts(scene.body().contacts());
-        load = level::load(laws, height, parts, motion, axes);
+        load = level::load(laws, height, parts, motion, arm_axes);
         for rim in scene.body().rims() {
             match Touching::of(scene, rim, motion) {
                 Touching::Nothing => {}
@@ -280,9 +285,7 @@ fn load_of_forces<R: Real, D: Dynamics<R> + ?Sized>(
 #[inline(always)]
 fn height_under_bare_points<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> Option<R> {
     match scene.ground().extent() {
-        Extent::Plane(plane) if !scene.has_radii() && plane == Plane::level(plane.height) => {
-            Some(plane.height)
-        }
+        Extent::Plane(plane) if !scene.has_radii() && plane.is_level() => Some(plane.height),
         _ => None,
     }
 }

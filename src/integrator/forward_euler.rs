@@ -44,7 +44,7 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
         let turn = Rotation::from_rotation_vector(motion.angular_velocity * dt);
         let rotation = turn.after(old_rotation).normalised();
         *near = scene.contacts_near(*near, motion.position, &motion.axes);
-        let load = load_with_arms(scene, *near, &motion, &rotation.axes());
+        let load = load_with_arms(scene, *near, &motion, Some(&rotation.axes()));
 
         state.position += state.linear_velocity * dt;
         state.linear_velocity += (load.force * mass.inverse_mass() + scene.gravity()) * dt;

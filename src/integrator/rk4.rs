@@ -37,12 +37,13 @@ impl<R: Real> Integrator<R> for Rk4<R> {
         let dt = step_length(self.time_step, limit);
         let half = dt * R::HALF;
         let start = Point::of(state);
-        let k1 = start.slope_near(scene, near);
+        let k1 = start.slope_along(scene, start.orientation.axes(), near);
         let k2 = start.plus(&k1, half).slope_near(scene, near);
         let k3 = start.plus(&k2, half).slope_near(scene, near);
         let k4 = start.plus(&k3, dt).slope_near(scene, near);
 
-        let sum = k1.plus(&k2, R::TWO).plus(&k3, R::TWO).plus(&k4, R::ONE);
+        let middle = k2.plus(&k3, R::ONE);
+        let sum = k1.plus(&k4, R::ONE).plus(&middle, R::TWO);
         *state = start.plus(&sum, dt * R::from_f64(1.0 / 6.0)).to_state();
         Ok(Step::new(dt, 4))
     }
@@ -119,7 +120,13 @@ impl<R: Real> Point<R> {
     /// As [`slope`](Self::slope), with the contacts that touch, known of a point not far from here or not at all.
     #[inline(always)]
     fn slope_near(&self, scene: &impl Dynamics<R>, run: &mut Run) -> Self {
-        let motion = self.motion(scene);
+        self.slope_along(scene, self.orientation.axes_of_any_length(), run)
+    }
+
+    /// As [`slope_near`](Self::slope_near), with axes that are known.
+    #[inline(always)]
+    fn slope_along(&self, scene: &impl Dynamics<R>, axes: Axes<R>, run: &mut Run) -> Self {
+        let motion = self.motion_along(scene, axes);
         *run = scene.contacts_near(*run, motion.position, &motion.axes);
         self.slope_under(scene, &motion, &scene.load_on(*run, &motion))
     }

@@ -1,19 +1,11 @@
 //! Bare points on a level plane: what most scenes are, and the short way to their load.
 //!
-//! There, depth and velocity of a contact are linear in its place `p` in the body. With the body's axes `a_j`, place `x` and velocity `v` of its centre,
-//! angular velocity `ω`, and a plane at the height `h`:
+//! There, the depth of a contact with the arm `r` (from the centre of mass, world axes) is what the arm leaves of the centre's own, the ground pushes along z, and the slip
+//! has no z component. With the plane at the height `h`, and place, velocity and angular velocity `x`, `v` and `ω` of the body:
 //!
 //! ```text
-//! depth = (h - x.z) - Σ_j a_j.z p_j        velocity = v + Σ_j (ω × a_j) p_j        slip = (velocity.x, velocity.y, 0)
+//! depth = (h - x.z) - r.z        velocity = v + ω × r        slip = (velocity.x, velocity.y, 0)
 //! ```
-//! A force `f` at `p` has the torque `(Σ_j a_j p_j) × f`. So all contacts together need no arms, but the sums `F = Σ f` and `M_j = Σ p_j f`:
-//!
-//! ```text
-//! force = F        torque = Σ_j a_j × M_j
-//! ```
-//! The same sums have the torque on a body with other axes.
-
-use core::array;
 
 use super::{Load, Motion};
 use crate::body::ContactPoint;
@@ -26,92 +18,71 @@ use crate::rotation::Axes;
 /// the processor has; a shorter one it would unroll first, and then find no lanes. A divisor of the coin's 120.
 const ABREAST: usize = 24;
 
-/// The load of the contacts of `parts` on a body above the plane z = `height` (m), with the torque that it has with these `arm_axes`.
+/// The load of the contacts of `parts` on a body above the plane z = `height` (m); with other `arm_axes`, the torque that it has with those.
 #[inline(always)]
 pub(super) fn load<R: Real, G, F>(
     laws: (&G, &F),
     height: R,
     parts: [&[ContactPoint<R>]; 2],
     motion: &Motion<R>,
-    arm_axes: &Axes<R>,
+    arm_axes: Option<&Axes<R>>,
 ) -> Load<R>
 where
     G: SpringDamperGround<R>,
     F: SlidingFriction<R>,
 {
-    let level = Level::<R>::new(motion, height);
-    let mut moments = Moments::NONE;
+    let depth = height - motion.position.z();
+    let level = Level { depth, motion };
+    let mut load = Load::default();
     for contacts in parts {
-        let rest = if contacts.len() < ABREAST {
-            contacts
-        } else {
-            level.add_blocks(&mut moments, laws, contacts)
-        };
-        level.add_each(&mut moments, laws, rest);
-    }
-    moments.load(arm_axes)
-}
-
-/// Depth and velocity of every point of a body above a level plane.
-struct Level<R: Real> {
-    /// Depth of the centre of mass, m.
-    depth: R,
-    /// Rise for each metre along a body axis.
-    rise: [R; 3],
-    /// Velocity of the centre of mass, m/s.
-    velocity: R::Vec3,
-    /// Velocity about the centre for each metre along a body axis, 1/s.
-    turning: [R::Vec3; 3],
-}
-
-impl<R: Real> Level<R> {
-    #[inline(always)]
-    fn new(motion: &Motion<R>, height: R) -> Self {
-        let axes = columns(&motion.axes);
-        Self {
-            depth: height - motion.position.z(),
-            rise: axes.map(|axis| axis.z()),
-            velocity: motion.linear_velocity,
-            turning: axes.map(|axis| motion.angular_velocity.cross(axis)),
+        let mut rest = contacts;
+        if contacts.len() >= ABREAST {
+            // A copy, so that the few contacts of most steps find it in registers.
+            let motion = &{ *motion };
+            let level = Level { depth, motion };
+            (load, rest) = level.add_blocks(load, laws, contacts, arm_axes);
+        }
+        for contact in rest {
+            let arm = motion.axes.to_world(contact.position);
+            let depth = level.depth(arm);
+            if depth > R::ZERO {
+                let force = level.force(laws, arm, depth);
+                let arm = arm_axes.map_or(arm, |axes| axes.to_world(contact.position));
+                load.force += force;
+                load.torque += arm.cross(force);
+                load.touching += 1;
+            }
         }
     }
+    load
+}
 
-    /// Depth of a place, m.
+/// A body above a level plane.
+struct Level<'a, R: Real> {
+    /// Depth of the centre of mass, m.
+    depth: R,
+    motion: &'a Motion<R>,
+}
+
+impl<R: Real> Level<'_, R> {
+    /// Depth at an arm, m.
     #[inline(always)]
-    fn depth(&self, place: [R; 3]) -> R {
-        let ([x, y, z], rise) = (place, self.rise);
-        self.depth - rise[0] * x - rise[1] * y - rise[2] * z
+    fn depth(&self, arm: R::Vec3) -> R {
+        self.depth - arm.z()
     }
 
-    /// Force of the ground on a contact at a place and depth (m), N.
+    /// Force of the ground on a contact at an arm and a depth (m) above 0, N.
     #[inline(always)]
-    fn force<G, F>(&self, (ground, friction): (&G, &F), place: [R; 3], depth: R) -> R::Vec3
+    fn force<G, F>(&self, (ground, friction): (&G, &F), arm: R::Vec3, depth: R) -> R::Vec3
     where
         G: SpringDamperGround<R>,
         F: SlidingFriction<R>,
     {
-        let ([x, y, z], turning) = (place, self.turning);
-        let velocity = self.velocity + turning[0] * x + turning[1] * y + turning[2] * z;
+        let velocity = self.motion.velocity_at(arm);
         let normal_force = ground.normal_force(depth, -velocity.z());
         let slip = R::Vec3::new(velocity.x(), velocity.y(), R::ZERO);
         let rub = friction.force(normal_force, slip);
         R::Vec3::new(rub.x(), rub.y(), rub.z() + normal_force)
-    }
-
-    /// Adds the contacts that touch, one after the other.
-    #[inline(always)]
-    fn add_each<G, F>(&self, moments: &mut Moments<R>, laws: (&G, &F), contacts: &[ContactPoint<R>])
-    where
-        G: SpringDamperGround<R>,
-        F: SlidingFriction<R>,
-    {
-        for contact in contacts {
-            let place = place(contact);
-            let depth = self.depth(place);
-            if depth > R::ZERO {
-                moments.add(place, self.force(laws, place, depth));
-            }
-        }
     }
 
     /// Adds whole blocks abreast up to the first that does not touch all over, and returns the rest: a law is asked of contacts alone that touch.
@@ -121,158 +92,103 @@ impl<R: Real> Level<R> {
     #[inline(never)]
     fn add_blocks<'a, G, F>(
         &self,
-        moments: &mut Moments<R>,
+        mut load: Load<R>,
         laws: (&G, &F),
         mut contacts: &'a [ContactPoint<R>],
-    ) -> &'a [ContactPoint<R>]
+        arm_axes: Option<&Axes<R>>,
+    ) -> (Load<R>, &'a [ContactPoint<R>])
     where
         G: SpringDamperGround<R>,
         F: SlidingFriction<R>,
     {
-        let mut abreast = Abreast::NONE;
-        let mut places = [[R::ZERO; ABREAST]; 3];
+        let (mut arms, mut forces) = (Block::<R>::ZERO, Block::<R>::ZERO);
+        let (mut force, mut torque) = (Pairs::<R>::ZERO, Pairs::<R>::ZERO);
         let mut depths = [R::ZERO; ABREAST];
-        let mut forces = [[R::ZERO; ABREAST]; 3];
-        while let Some((block, rest)) = contacts.split_first_chunk() {
-            if self.sink(block, &mut places, &mut depths) < ABREAST {
+        while let Some((block, rest)) = contacts.split_first_chunk::<ABREAST>() {
+            arms.put(|i| self.motion.axes.to_world(block[i].position));
+            let mut touching = 0;
+            for (i, depth) in depths.iter_mut().enumerate() {
+                *depth = self.depth(arms.get(i));
+                touching += usize::from(*depth > R::ZERO);
+            }
+            if touching < ABREAST {
                 break;
             }
             contacts = rest;
-            for (i, &depth) in depths.iter().enumerate() {
-                let force = self.force(laws, array::from_fn(|axis| places[axis][i]), depth);
-                forces[0][i] = force.x();
-                forces[1][i] = force.y();
-                forces[2][i] = force.z();
+            forces.put(|i| self.force(laws, arms.get(i), depths[i]));
+            if let Some(axes) = arm_axes {
+                arms.put(|i| axes.to_world(block[i].position));
             }
-            abreast.add(&places, &forces);
-            moments.touching += ABREAST;
+            arms.cross(&forces);
+            force.add(&forces);
+            torque.add(&arms);
+            load.touching += ABREAST;
         }
-        moments.add_abreast(&abreast);
-        contacts
-    }
-
-    /// Places of a block's contacts, axis by axis, and their depths (m). Returns how many touch.
-    #[inline(always)]
-    fn sink(
-        &self,
-        block: &[ContactPoint<R>; ABREAST],
-        places: &mut [[R; ABREAST]; 3],
-        depths: &mut [R; ABREAST],
-    ) -> usize {
-        let mut touching = 0;
-        for (i, contact) in block.iter().enumerate() {
-            let place = place(contact);
-            let depth = self.depth(place);
-            for (places, p) in places.iter_mut().zip(place) {
-                places[i] = p;
-            }
-            depths[i] = depth;
-            touching += usize::from(depth > R::ZERO);
-        }
-        touching
+        load.force += force.sum();
+        load.torque += torque.sum();
+        (load, contacts)
     }
 }
 
-/// The sums that force and torque are made of.
-struct Moments<R: Real> {
-    /// Σ f, N.
-    force: R::Vec3,
-    /// Σ p_j f for each axis of the body, N m.
-    along: [R::Vec3; 3],
-    /// Number of contacts that touch.
-    touching: usize,
-}
+/// A vector of each contact of a block, axis by axis.
+#[derive(Clone, Copy)]
+struct Block<R>([[R; ABREAST]; 3]);
 
-impl<R: Real> Moments<R> {
-    const NONE: Self = Self {
-        force: R::Vec3::ZERO,
-        along: [R::Vec3::ZERO; 3],
-        touching: 0,
-    };
+impl<R: Real> Block<R> {
+    const ZERO: Self = Self([[R::ZERO; ABREAST]; 3]);
 
-    /// One more contact that touches.
     #[inline(always)]
-    fn add(&mut self, place: [R; 3], force: R::Vec3) {
-        self.force += force;
-        let [x, y, z] = place;
-        self.along[0] += force * x;
-        self.along[1] += force * y;
-        self.along[2] += force * z;
-        self.touching += 1;
+    fn get(&self, i: usize) -> R::Vec3 {
+        let [x, y, z] = &self.0;
+        R::Vec3::new(x[i], y[i], z[i])
     }
 
-    /// The sums of contacts that went abreast.
+    /// Its vector product with another one, in its own place: a block is a tenth of a small device's stack.
     #[inline(always)]
-    fn add_abreast(&mut self, sums: &Abreast<R>) {
-        let [x, y, z] = sums.force.map(joined);
-        self.force += R::Vec3::new(x, y, z);
-        for (axis, along) in self.along.iter_mut().enumerate() {
-            let [x, y, z] = sums.along.map(|moments| joined(moments[axis]));
-            *along += R::Vec3::new(x, y, z);
+    fn cross(&mut self, other: &Self) {
+        for i in 0..ABREAST {
+            self.set(i, self.get(i).cross(other.get(i)));
         }
     }
 
     #[inline(always)]
-    fn load(&self, axes: &Axes<R>) -> Load<R> {
-        let terms = columns::<R>(axes).into_iter().zip(self.along);
-        Load {
-            force: self.force,
-            torque: terms.fold(R::Vec3::ZERO, |torque, (axis, along)| {
-                torque + axis.cross(along)
-            }),
-            touching: self.touching,
+    fn set(&mut self, i: usize, vector: R::Vec3) {
+        let [x, y, z] = &mut self.0;
+        x[i] = vector.x();
+        y[i] = vector.y();
+        z[i] = vector.z();
+    }
+
+    #[inline(always)]
+    fn put(&mut self, vector: impl Fn(usize) -> R::Vec3) {
+        for i in 0..ABREAST {
+            self.set(i, vector(i));
         }
     }
 }
 
-/// Sums over contacts at even and at odd places of their blocks: two each, so that they go abreast, and no more, so that their order is everywhere the same.
-struct Abreast<R: Real> {
-    /// Σ f, N, by world axis.
-    force: [[R; 2]; 3],
-    /// Σ p_j f, N m, by world axis and axis of the body.
-    along: [[[R; 2]; 3]; 3],
-}
+/// Sums over contacts at even and at odd places of their blocks, axis by axis: two each, so that they go abreast, and no more, so that their order is everywhere the same.
+#[derive(Clone, Copy)]
+struct Pairs<R>([[R; 2]; 3]);
 
-impl<R: Real> Abreast<R> {
-    const NONE: Self = Self {
-        force: [[R::ZERO; 2]; 3],
-        along: [[[R::ZERO; 2]; 3]; 3],
-    };
+impl<R: Real> Pairs<R> {
+    const ZERO: Self = Self([[R::ZERO; 2]; 3]);
 
-    /// The contacts of one more block.
     #[inline(always)]
-    fn add(&mut self, places: &[[R; ABREAST]; 3], forces: &[[R; ABREAST]; 3]) {
-        let sums = self.force.iter_mut().zip(&mut self.along);
-        for ((force, along), forces) in sums.zip(forces) {
-            for (pair, f) in forces.chunks_exact(2).enumerate() {
-                for lane in 0..2 {
-                    force[lane] += f[lane];
-                    for (sum, p) in along.iter_mut().zip(places) {
-                        sum[lane] += f[lane] * p[2 * pair + lane];
-                    }
-                }
+    fn add(&mut self, block: &Block<R>) {
+        for (sum, values) in self.0.iter_mut().zip(&block.0) {
+            for pair in values.chunks_exact(2) {
+                sum[0] += pair[0];
+                sum[1] += pair[1];
             }
         }
     }
-}
 
-/// The sum of both lanes.
-#[inline(always)]
-fn joined<R: Real>([even, odd]: [R; 2]) -> R {
-    even + odd
-}
-
-/// A contact's place along the body's axes, m.
-#[inline(always)]
-fn place<R: Real>(contact: &ContactPoint<R>) -> [R; 3] {
-    let p = contact.position;
-    [p.x(), p.y(), p.z()]
-}
-
-/// The body's axes.
-#[inline(always)]
-fn columns<R: Real>(axes: &Axes<R>) -> [R::Vec3; 3] {
-    [axes.x, axes.y, axes.z]
+    #[inline(always)]
+    fn sum(self) -> R::Vec3 {
+        let [x, y, z] = self.0.map(|[even, odd]| even + odd);
+        R::Vec3::new(x, y, z)
+    }
 }
 
 #[cfg(test)]
@@ -351,7 +267,7 @@ mod tests {
                     .rotation()
                     .axes();
                 let run = scene.contacts_within(0.0, motion.position, &motion.axes);
-                let load = load_with_arms(&scene, run, &motion, &arm_axes);
+                let load = load_with_arms(&scene, run, &motion, Some(&arm_axes));
 
                 let (mut force, mut torque, mut touching) = (DVec3::ZERO, DVec3::ZERO, 0);
                 let (mut forces, mut gaps) = (0.0, f64::MAX);
