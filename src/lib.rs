@@ -81,7 +81,7 @@
 //! | [`StrangSplitting`] | 2 | 2 in contact, 1 in flight | energy without drift; flight exactly | O(dt²) | `dt < 2/ω` for weak damping, `dt < 2 m/C` where dampers rule |
 //! | [`SymplecticEuler`] | 1 | 1 | energy without drift; turns in flight exactly | O(dt) | `dt < 2 (√(1+ζ²) - ζ)/ω` |
 //! | [`Rk4`] | 4 | 4 | nothing more | O(dt⁵) a step | `dt < 2.83/ω` without dampers, `dt < 2.79 m/C` where they rule |
-//! | [`Nystrom`] | 4, and 2 through touch-downs | 4 | nothing more | O(dt⁶) a step | `dt < 3.1/ω` and `ζ > 2.8e-4 (ω dt)⁵` for weak damping, `dt < 2.79 m/C` where dampers rule |
+//! | [`Nystrom`] | 4, and 2 through touch-downs | 4 | nothing more | O(dt⁶) a step | `dt < 3.08/ω` and `ζ > 2.1e-4 (ω dt)⁵` for weak damping, `dt < 2.79 m/C` where dampers rule |
 //! | [`BogackiShampine32`] | 3 | 3 | nothing more | by its error | chooses its steps for a tolerance |
 //! | [`DormandPrince54`] | 5 | 6 | nothing more | by its error | chooses its steps for a tolerance |
 //! | [`ForwardEuler`] | 1 | 1 | nothing more | in every step | `dt < C/K`, and `ζ < 1` |

@@ -82,11 +82,7 @@ fn the_error_of_a_conserved_energy_shrinks_with_the_step_at_the_order_of_the_met
             let [early, late] = energy_error_of_the_table(finer, 2.0);
             f64::max(early, late)
         });
-        let p = match method {
-            // A swing of order 4 and a growth of order 5, of opposite sign and of one size at these steps: 3.2, 3.3 and 3.7 measured, of an error of 5.7e-9 J.
-            "Nystrom" => 3.3,
-            _ => f64::from(Integrator::<f64>::order(&integrator)),
-        };
+        let p = f64::from(Integrator::<f64>::order(&integrator));
         for pair in errors.windows(2) {
             let measured = order(pair[0], pair[1]);
             assert!(
@@ -305,12 +301,12 @@ proptest! {
         stable_up_to(2.785 / (2.0 * ratio * frequency), 0.003, [mass, frequency, ratio], |time_step| Rk4 { time_step })?;
     }
 
-    /// Where the spectral radius of its matrix passes 1: at `ω dt = 3.133` for `ζ = 0.1`, above the 3.1 that is stated.
+    /// Where the spectral radius of its matrix passes 1: at `ω dt = 3.082` for `ζ = 0.1`, to the digits stated.
     #[test]
-    fn nystroms_method_with_weak_dampers_is_stable_up_to_3_1_over_the_frequency(
+    fn nystroms_method_with_weak_dampers_is_stable_up_to_3_08_over_the_frequency(
         mass in log_uniform(1e-3, 1e3), frequency in log_uniform(0.1, 1e4),
     ) {
-        stable_up_to(3.133 / frequency, 0.005, [mass, frequency, 0.1], |time_step| Nystrom { time_step })?;
+        stable_up_to(3.082 / frequency, 0.005, [mass, frequency, 0.1], |time_step| Nystrom { time_step })?;
     }
 
     /// Its velocities are a Runge-Kutta method of order 4 in four stages, which have one stability function: as of `Rk4`.
@@ -321,12 +317,12 @@ proptest! {
         stable_up_to(2.785 / (2.0 * ratio * frequency), 0.006, [mass, frequency, ratio], |time_step| Nystrom { time_step })?;
     }
 
-    /// `|λ| = 1 + 2.8e-4 y⁶ - ζ y` with `y = ω dt`, to leading order: calm and wild on both sides of `ζ = 2.8e-4 y⁵`.
+    /// `|λ| = 1 + 2.1e-4 y⁶ - ζ y` with `y = ω dt`, to leading order: calm and wild on both sides of `ζ = 2.1e-4 y⁵`.
     #[test]
     fn nystroms_method_whips_up_a_swing_that_is_next_to_undamped(
         mass in log_uniform(1e-3, 1e3), frequency in log_uniform(0.1, 1e4), y in 0.3..0.6_f64,
     ) {
-        let ratio = 2.8e-4 * y.powi(5);
+        let ratio = 2.1e-4 * y.powi(5);
         let method = Nystrom { time_step: y / frequency };
         // The next term of the series is 3 % at y = 0.5.
         let growth = [1.2, 0.8].map(|share| growth(method, mass, frequency, share * ratio));

@@ -294,17 +294,17 @@ fn touch_downs_that_are_set_right_cost_nystroms_method_next_to_nothing() {
         let logs = (0..7).map(|k| error(name, steps + k * steps / 33).ln());
         (logs.sum::<f64>() / 7.0).exp()
     };
-    // Measured: 1.1e-6 against 6.9e-5 m with 4 ms, 6.9e-8 against 1.8e-5 m with 1 ms.
+    // Measured: 1.1e-6 against 6.9e-5 m with 4 ms, 6.2e-8 against 1.8e-5 m with 1 ms.
     for (steps, gain) in [(250, 30.0), (1000, 100.0)] {
         let [ours, plain] = ["Nystrom", "Rk4"].map(|name| mean(name, steps));
         assert!(plain > gain * ours, "{steps}: {ours:e} m, Rk4 {plain:e} m");
     }
-    // Order 4 where steps are long, 2 for each touch-down where they are short: 2.2 measured, with chance in it; order 1 were it not for the correction.
+    // Order 4 where steps are long, 2 for each touch-down where they are short: 2.4 measured, with chance in it; order 1 were it not for the correction.
     let errors =
         [100, 250, 1000, 4000].map(|steps| (1.0 / f64::from(steps), mean("Nystrom", steps)));
     assert!(convergence(&errors) > 2.0, "{errors:?}");
-    // A tenth of a millimetre, for 272 evaluations and up.
-    for steps in 68..=110 {
+    // A tenth of a millimetre, for 248 evaluations and up.
+    for steps in 62..=110 {
         let error = error("Nystrom", steps);
         assert!(error < 1e-4, "{steps}: {error:e} m");
     }
@@ -318,8 +318,12 @@ fn in_trial_1_the_state_converges_at_the_methods_order_as_far_as_touch_downs_let
     let setup = Setup::trial(1, 1e-3);
     let truths = truths(1, 1e-3, 1.0);
     for method in METHODS {
+        // `Nystrom` sees the jumps: with the shortest of these steps it is down to the rounding of the path, 1e-11 m.
+        let sees_jumps = method.name == "Nystrom";
+        let coarser = if sees_jumps { 8.0 } else { 1.0 };
         let errors: Vec<_> = (HALVED_STEPS.iter())
             .map(|&time_step| {
+                let time_step = coarser * time_step;
                 // The geometric mean over the rows, so that each counts alike.
                 let records = method.records(&setup, time_step, &times(&truths));
                 let logs: Vec<f64> = (records.iter().zip(&truths))
@@ -332,8 +336,8 @@ fn in_trial_1_the_state_converges_at_the_methods_order_as_far_as_touch_downs_let
         let measured = convergence(&errors);
         let expected = if method.order == 1 {
             0.95..1.05
-        } else if method.name == "Nystrom" {
-            // It sees the jump: order 2 for each touch-down, which come at times without a pattern.
+        } else if sees_jumps {
+            // Order 2 for each touch-down, which come at times without a pattern.
             2.0..3.2
         } else {
             // The damper's force jumps at touch-down: order 1 with a small constant and chance in it, in front of what is

@@ -3,7 +3,7 @@
 //! For the methods that look at contacts which begin or cease to push within a step.
 
 use crate::body::{ContactPoint, RigidPointBody};
-use crate::ground::{Extent, SpringDamperGround};
+use crate::ground::{Extent, Plane, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion, facing_ground};
 
@@ -108,16 +108,37 @@ struct AbovePlane<R: Real> {
     rising: R::Vec3,
 }
 
+impl<R: Real> AbovePlane<R> {
+    #[inline(always)]
+    fn of(plane: &Plane<R>, motion: &Motion<R>) -> Self {
+        let (axes, spin) = (&motion.axes, motion.angular_velocity);
+        if plane.is_level() {
+            // Most planes are, and there most of the products are with 0.
+            let turning = [axes.x, axes.y, axes.z].map(|axis| spin.cross(axis).z());
+            return Self {
+                depth: plane.height - motion.position.z(),
+                closing_speed: -motion.linear_velocity.z(),
+                rise: axes.rise(),
+                rising: R::Vec3::new(turning[0], turning[1], turning[2]),
+            };
+        }
+        let normal = plane.normal;
+        Self {
+            depth: -plane.gap(motion.position),
+            closing_speed: -normal.dot(motion.linear_velocity),
+            rise: axes.to_body(normal),
+            rising: axes.to_body(normal.cross(spin)),
+        }
+    }
+}
+
 impl<'a, R: Real, D: Dynamics<R>> Sight<'a, R, D> {
     #[inline(always)]
     pub(super) fn of(scene: &'a D, motion: &'a Motion<R>) -> Self {
         let plane = match scene.ground().extent() {
-            Extent::Plane(plane) if !scene.body().is_smooth() => Some(AbovePlane {
-                depth: -plane.gap(motion.position),
-                closing_speed: -plane.normal.dot(motion.linear_velocity),
-                rise: motion.axes.to_body(plane.normal),
-                rising: (motion.axes).to_body(plane.normal.cross(motion.angular_velocity)),
-            }),
+            Extent::Plane(plane) if !scene.body().is_smooth() => {
+                Some(AbovePlane::of(&plane, motion))
+            }
             _ => None,
         };
         Self {
@@ -177,31 +198,42 @@ impl<R: Real> Path<R> {
         (depth, slope)
     }
 
-    /// Where the path goes through the surface, if its ends lie on both sides of it: by Newton's method, or by halving where that leads astray.
+    /// Where the path goes through the surface, if its ends lie on both sides of it: by Newton's method from the chord's crossing on, or by halving where that leads astray.
     #[inline(always)]
     pub(super) fn surface(&self) -> Option<R> {
-        let starts_below = self.start > R::ZERO;
-        if starts_below == (self.end > R::ZERO) {
+        if (self.start > R::ZERO) == (self.end > R::ZERO) {
             return None;
         }
-        let (mut low, mut high) = (R::ZERO, R::ONE);
-        let mut share = self.start / (self.start - self.end);
-        for _ in 0..NEWTON {
+        let nearer = |share: R| {
             let (depth, slope) = self.at(share);
-            if (depth > R::ZERO) == starts_below {
-                low = share;
-            } else {
-                high = share;
-            }
-            let next = share - depth / slope;
-            // Where it has converged, it stays.
-            share = if next >= low && next <= high {
-                next
-            } else {
-                (low + high) * R::HALF
-            };
+            share - depth / slope
+        };
+        let first = nearer(self.start / (self.start - self.end));
+        let share = nearer(first);
+        let found =
+            share >= R::ZERO && share <= R::ONE && (share - first).abs() < R::from_f64(CONVERGED);
+        Some(if found {
+            share
+        } else {
+            self.surface_by_halving()
+        })
+    }
+
+    #[cold]
+    fn surface_by_halving(&self) -> R {
+        let (mut below, mut above) = (R::ZERO, R::ONE);
+        if self.start <= R::ZERO {
+            core::mem::swap(&mut below, &mut above);
         }
-        Some(share)
+        for _ in 0..HALVINGS {
+            let middle = (below + above) * R::HALF;
+            if self.at(middle).0 > R::ZERO {
+                below = middle;
+            } else {
+                above = middle;
+            }
+        }
+        (below + above) * R::HALF
     }
 
     /// Where a path that goes down and comes up again is deepest, about.
@@ -219,5 +251,8 @@ impl<R: Real> Path<R> {
     }
 }
 
-/// Newton's iterations from the chord's crossing on, which is some percent of the step off: to 1e-5 of it.
-const NEWTON: u32 = 2;
+/// How much of the step the second of Newton's iterations may still move: what is left then is some square of it, 1e-3 of the step at most.
+const CONVERGED: f64 = 0.03;
+
+/// To a 2000th of the step.
+const HALVINGS: u32 = 10;

@@ -56,6 +56,7 @@ fn missed<R: Real, D: Dynamics<R>>(
             Sight::of(scene, &last.motion),
         ],
         seconds,
+        per_second: R::ONE / seconds,
     };
     let contacts = scene.body().contacts();
     // The last stage stands at the end but for an order of the step; a contact that only one of them touches does so with next to no time.
@@ -77,6 +78,7 @@ struct Taken<'a, R: Real, D> {
     /// The third stage and the last one.
     late: [Sight<'a, R, D>; 2],
     seconds: R,
+    per_second: R,
 }
 
 impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
@@ -93,7 +95,7 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
     #[inline(never)]
     fn weigh(&self, point: &ContactPoint<R>, [start, end]: [Side<R>; 2], missed: &mut Missed<R>) {
         let path = Path::between(&start, &end, self.seconds);
-        let per_second = R::ONE / self.seconds;
+        let per_second = self.per_second;
         let force = |share: R| {
             let (depth, slope) = path.at(share);
             push(self.scene, depth, slope * per_second)
