@@ -44,22 +44,22 @@ use crate::state::State;
 ///
 /// | upright, 4 rad/s | vertical acceleration, rms, over g | energy lost in 1 s with dampers and friction, J | instructions of a step of `SymplecticEuler`, start of trial 1 |
 /// |---|---|---|---|
-/// | 12 points | 2.4e0 | 0.2936 | 815 |
-/// | 120 points | 7.0e-3 | 0.0430 | 1130 |
-/// | 1200 points | 2.1e-4 | 0.0431 | 4024 |
-/// | round | 7.3e-14 | 0.0431 | 1573 |
+/// | 12 points | 2.4e0 | 0.2936 | 678 |
+/// | 120 points | 7.0e-3 | 0.0430 | 990 |
+/// | 1200 points | 2.1e-4 | 0.0431 | 4012 |
+/// | round | 7.3e-14 | 0.0431 | 1538 |
 ///
-/// In time an explicit step on the round rim costs 1.7 to 2.2 times that of 120 points at the start of trial 1, and no more in flight; where it rolls steadily, so that friction turns round twice on the arc, 3.3 to 4.9 times.
-/// One of [`EnergyMomentum`](crate::EnergyMomentum) costs 5.3 and 4.2 times as much (`cargo bench --bench ratios`).
+/// In time an explicit step on the round rim costs 1.6 to 2.5 times that of 120 points at the start of trial 1, and no more in flight; where it rolls steadily, so that friction turns round twice on the arc, 3.4 to 5.7 times.
+/// One of [`EnergyMomentum`](crate::EnergyMomentum) costs 5.1 and 4.0 times as much (`cargo bench --bench ratios`).
 ///
 /// How far the place of the round coin is off after a second of trial 1:
 ///
 /// | steps of | [`Rk4`](crate::Rk4) | [`Nystrom`](crate::Nystrom) | [`StrangSplitting`](crate::StrangSplitting) | [`EnergyMomentum`](crate::EnergyMomentum) |
 /// |---|---|---|---|---|
 /// | 10 ms | 1e-4 m | 1e-5 m | 1e-3 m | 8e-4 m |
-/// | 5 ms | 4e-6 m | 5e-7 m | 2e-4 m | 2e-4 m |
+/// | 5 ms | 4e-6 m | 4e-7 m | 2e-4 m | 2e-4 m |
 /// | 2 ms | 4e-8 m | 1e-8 m | 3e-5 m | 4e-5 m |
-/// | 1 ms | 3e-9 m | 8e-10 m | 8e-6 m | 2e-5 m |
+/// | 1 ms | 3e-9 m | 7e-10 m | 8e-6 m | 2e-5 m |
 /// | 0.2 ms | 6e-12 m | 1e-12 m | 3e-7 m | 5e-6 m |
 ///
 /// # Limits
