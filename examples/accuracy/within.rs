@@ -30,16 +30,20 @@ fn steps() -> Vec<f64> {
 const TOLERANCES: [f64; 12] = [
     3e-3, 2e-3, 1e-3, 5e-4, 3e-4, 2e-4, 1e-4, 5e-5, 3e-5, 2e-5, 1e-5, 5e-6,
 ];
-/// The price is the least of so many runs.
-const RUNS: usize = 200;
-/// Steps of the report's loop in one of them.
-const REPORT_STEPS: u32 = 100;
+/// The price is the least of so many turns, in which each program runs so often in a row: what else the machine does only adds to it, and its clock is the same for all.
+const TURNS: usize = 50;
+const IN_A_ROW: usize = 20;
+/// Steps of the report's loop in a run of it.
+const REPORT_STEPS: u32 = 60;
 
-/// What can be run with a step (s) or a tolerance (m): the end of the trial, and the time that it took, s.
-type Run = Box<dyn Fn(f64) -> Result<(State, f64), Box<dyn Error>>>;
+/// The trial once more: its end, and the time that it took, s.
+type Program = Box<dyn Fn() -> Result<(State, f64), Box<dyn Error>>>;
 
-/// Its name, the knobs to try, how they are written, and a run.
-type Method<'a> = (&'a str, &'a [f64], fn(f64) -> String, Run);
+/// A program with its step (s) or tolerance (m).
+type With = Box<dyn Fn(f64) -> Result<Program, Box<dyn Error>>>;
+
+/// Its name, the knobs to try, how they are written, and the program.
+type Method<'a> = (&'a str, &'a [f64], fn(f64) -> String, With);
 
 /// Prints a row a method: its longest step or largest tolerance that is within `error` (m), *and every shorter or smaller one that is tried with it*, so that no chance hit counts.
 pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
@@ -52,96 +56,126 @@ pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
         "of the plain Rk4's",
         "in steps of the report's loop",
     ];
-    let mut rows = vec![table::cells(head)];
-    let steps = steps();
-    let yardstick = report_step()?;
-    let methods: [Method; 7] = [
-        (
-            "an Rk4 as anyone would write it",
-            &steps,
-            milliseconds,
-            Box::new(plain),
-        ),
-        (
-            "`Rk4`",
-            &steps,
-            milliseconds,
-            run(|time_step| Rk4 { time_step }),
-        ),
-        (
-            "`StrangSplitting`",
-            &steps,
-            milliseconds,
-            run(|time_step| StrangSplitting { time_step }),
-        ),
-        (
-            "`EnergyMomentum`",
-            &steps,
-            milliseconds,
-            run(|time_step| EnergyMomentum { time_step }),
-        ),
-        (
-            "`BogackiShampine32`",
-            &TOLERANCES,
-            metres,
-            run(BogackiShampine32::new),
-        ),
-        (
-            "`DormandPrince54`",
-            &TOLERANCES,
-            metres,
-            run(DormandPrince54::new),
-        ),
-        (
-            "`Nystrom`",
-            &steps,
-            milliseconds,
-            run(|time_step| Nystrom { time_step }),
-        ),
-    ];
-    let mut plain_price = None;
-    for (name, knobs, show, run) in methods {
-        let mut longest = None;
-        for &knob in knobs.iter().rev() {
-            if distance(&run(knob)?.0, truth) > error {
-                break;
-            }
-            longest = Some(knob);
-        }
-        let Some(knob) = longest else {
+    let (mut rows, mut programs) = (vec![table::cells(head)], Vec::new());
+    for (name, knobs, show, with) in methods(&steps()) {
+        let Some(knob) = largest_within(error, truth, knobs, &with)? else {
             rows.push(table::cells([name, "none that is tried", "", "", "", ""]));
             continue;
         };
-        let (end, mut price) = run(knob)?;
-        for _ in 0..RUNS {
-            price = price.min(run(knob)?.1);
-        }
-        let whole = *plain_price.get_or_insert(price);
+        let program = with(knob)?;
+        let error = distance(&program()?.0, truth);
         rows.push(table::cells([
             name.to_owned(),
             show(knob),
-            format!("{:.1e} m", distance(&end, truth)),
-            format!("{:.0} µs", price * 1e6),
-            format!("{:.2}", price / whole),
-            format!("{:.0}", price / yardstick),
+            format!("{error:.1e} m"),
         ]));
+        programs.push((rows.len() - 1, program));
+    }
+    let (prices, yardstick) = prices(programs.iter().map(|(_, program)| program))?;
+    for (&(row, _), price) in programs.iter().zip(&prices) {
+        rows[row].extend([
+            format!("{:.0} µs", price * 1e6),
+            format!("{:.2}", price / prices[0]),
+            format!("{:.0}", price / yardstick),
+        ]);
     }
     table::print(&rows);
     Ok(())
 }
 
-/// Price of a step of the report's loop at the start of the trial, s: with it, prices on two machines can be compared.
-fn report_step() -> Result<f64, &'static str> {
-    let start = ReportLoop::new(ReportTrial::numbered(1).ok_or("the report has a trial 1")?);
-    let once = || {
-        let (mut report, clock) = (start.clone(), Instant::now());
-        for _ in 0..REPORT_STEPS {
-            report.step();
+/// The plain Rk4 first: the others are measured by it.
+fn methods(steps: &[f64]) -> [Method<'_>; 7] {
+    [
+        (
+            "an Rk4 as anyone would write it",
+            steps,
+            milliseconds,
+            Box::new(plain),
+        ),
+        (
+            "`Rk4`",
+            steps,
+            milliseconds,
+            with(|time_step| Rk4 { time_step }),
+        ),
+        (
+            "`StrangSplitting`",
+            steps,
+            milliseconds,
+            with(|time_step| StrangSplitting { time_step }),
+        ),
+        (
+            "`EnergyMomentum`",
+            steps,
+            milliseconds,
+            with(|time_step| EnergyMomentum { time_step }),
+        ),
+        (
+            "`BogackiShampine32`",
+            &TOLERANCES,
+            metres,
+            with(BogackiShampine32::new),
+        ),
+        (
+            "`DormandPrince54`",
+            &TOLERANCES,
+            metres,
+            with(DormandPrince54::new),
+        ),
+        (
+            "`Nystrom`",
+            steps,
+            milliseconds,
+            with(|time_step| Nystrom { time_step }),
+        ),
+    ]
+}
+
+fn largest_within(
+    error: f64,
+    truth: &State,
+    knobs: &[f64],
+    with: &With,
+) -> Result<Option<f64>, Box<dyn Error>> {
+    let mut largest = None;
+    for &knob in knobs.iter().rev() {
+        let (end, _) = with(knob)?()?;
+        if distance(&end, truth) > error {
+            break;
         }
-        black_box(report);
-        clock.elapsed().as_secs_f64() / f64::from(REPORT_STEPS)
-    };
-    Ok((0..RUNS).map(|_| once()).fold(f64::MAX, f64::min))
+        largest = Some(knob);
+    }
+    Ok(largest)
+}
+
+/// Of the programs, and of a step of the report's loop: with it, prices on two machines can be compared. s
+fn prices<'a>(
+    programs: impl Iterator<Item = &'a Program> + Clone,
+) -> Result<(Vec<f64>, f64), Box<dyn Error>> {
+    let start = ReportLoop::new(ReportTrial::numbered(1).ok_or("the report has a trial 1")?);
+    let mut prices = vec![f64::INFINITY; programs.clone().count()];
+    let mut yardstick = f64::INFINITY;
+    for _ in 0..TURNS {
+        for (price, program) in prices.iter_mut().zip(programs.clone()) {
+            for _ in 0..IN_A_ROW {
+                *price = price.min(program()?.1);
+            }
+        }
+        for _ in 0..IN_A_ROW {
+            yardstick = yardstick.min(report_step(&start));
+        }
+    }
+    Ok((prices, yardstick))
+}
+
+/// Price of a step of the report's loop at the start of the trial, s.
+fn report_step(start: &ReportLoop) -> f64 {
+    let (mut report, clock) = (start.clone(), Instant::now());
+    for _ in 0..REPORT_STEPS {
+        report.step();
+    }
+    black_box(report);
+    clock.elapsed().as_secs_f64() / f64::from(REPORT_STEPS)
 }
 
 /// A tenth of a millisecond tells any two of the steps apart.
@@ -153,17 +187,19 @@ fn metres(tolerance: f64) -> String {
     format!("{tolerance:e} m")
 }
 
-fn run<I: Integrator + 'static>(with: impl Fn(f64) -> I + 'static) -> Run {
+fn with<I: Integrator + 'static>(integrator: impl Fn(f64) -> I + 'static) -> With {
     Box::new(move |knob| {
         let trial = trial()?;
-        let stepper = trial.stepper(with(knob))?;
-        let (mut state, clock) = (trial.state(), Instant::now());
-        stepper.advance(&mut state, DURATION)?;
-        Ok((state, clock.elapsed().as_secs_f64()))
+        let stepper = trial.stepper(integrator(knob))?;
+        Ok(Box::new(move || {
+            let (mut state, clock) = (trial.state(), Instant::now());
+            stepper.advance(&mut state, DURATION)?;
+            Ok((state, clock.elapsed().as_secs_f64()))
+        }))
     })
 }
 
-fn plain(time_step: f64) -> Result<(State, f64), Box<dyn Error>> {
+fn plain(time_step: f64) -> Result<Program, Box<dyn Error>> {
     let trial = trial()?;
     let law = Law {
         mass: 1.0,
@@ -175,9 +211,11 @@ fn plain(time_step: f64) -> Result<(State, f64), Box<dyn Error>> {
         slip_speed: trial.slip_speed,
         gravity: 9.8,
     };
-    let (mut state, clock) = (trial.state(), Instant::now());
-    for _ in 0..(DURATION / time_step).round() as u32 {
-        state = plain_rk4::step(&law, &state, time_step);
-    }
-    Ok((state, clock.elapsed().as_secs_f64()))
+    Ok(Box::new(move || {
+        let (mut state, clock) = (trial.state(), Instant::now());
+        for _ in 0..(DURATION / time_step).round() as u32 {
+            state = plain_rk4::step(&law, &state, time_step);
+        }
+        Ok((state, clock.elapsed().as_secs_f64()))
+    }))
 }
