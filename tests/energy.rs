@@ -324,7 +324,7 @@ proptest! {
     ) {
         let ratio = 2.1e-4 * y.powi(5);
         let method = Nystrom { time_step: y / frequency };
-        // The next term of the series is 3 % at y = 0.5.
+        // The next term of the series is 3 % at y = 0.6.
         let growth = [1.2, 0.8].map(|share| growth(method, mass, frequency, share * ratio));
         prop_assert!(growth[0] < 0.0 && growth[1] > 0.0, "{growth:?} at {y}");
     }
