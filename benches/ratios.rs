@@ -5,24 +5,26 @@
 //!
 //! # What remains
 //!
-//! A step of `SymplecticEuler` of the coin with 120 points, upright, where 4 of them touch, takes 990 instructions (`.ci/instructions`):
+//! A step of `SymplecticEuler` of the coin with 120 points, upright, where 4 of them touch, takes 969 instructions (`.ci/instructions`):
 //!
-//! * 435 for the body, as many as a step in flight: the rotation matrix, the angular velocity, the turn by two quaternion products, two normalisations, the finite check,
+//! * 445 for the body, as many as a step in flight: the rotation matrix, the angular velocity, the turn by two quaternion products, two normalisations, the finite check,
 //!   and the state from and to memory. A third of it is arithmetic; most of the rest are moves, because SSE2's operations overwrite an operand and a state with its
 //!   matrix does not fit into 16 registers.
 //! * 110 to find the arc: how far the body's axes rise, and the heights of the points on both sides of the two ends that it had a step ago.
-//! * 90 to begin and end the sum of the contacts, and 85 for each: its arm, velocity, force and torque. Sums of force times place in the body, from which the torque of all follows, save
-//!   nothing with a few contacts: the velocity for each metre along three axes and the torque at the end cost as much as seven arms, and their 28 numbers go through memory.
+//! * 60 to put what all contacts share into both lanes, 120 for each pair of contacts with their sums, 110 for one that is left over: its arm, velocity, force and torque. Sums of force times place in
+//!   the body, from which the torque of all follows, save nothing with a few contacts: the velocity for each metre along three axes and the torque at the end cost as much as seven arms, and their 28
+//!   numbers go through memory.
 //!
 //! On a tilted plane, or with a radius, a contact takes some 130.
 //!
 //! At rest all 120 go abreast, 24 at a time, two in a register: 67 instructions each, and half of their time is the root and the division, which one unit does for
 //! all, 3.1 ns a pair. That is the floor for any program with the report's law.
 //!
-//! `Rk4` takes 3100 instructions: 1020 in flight, which are four matrices, four sums of states, and moves of them, and four times the contacts and the search for their arc.
+//! `Rk4` takes 3060 instructions: 1000 in flight, which are four matrices, four sums of states, and moves of them, and four times the contacts and the search for their arc.
 //!
 //! Memory: the state, the scene and the points walked over, under 1 kB, are in the first cache; at rest 4 kB of points are. Branches: whether the arc ends here is
-//! mispredicted when the number of touching points changes; the others go with the phase. Time: each contact's root and division wait for all before them;
+//! mispredicted when the number of touching points changes; the others go with the phase. Time: roots and divisions wait for all before them, which is why they come for all contacts before the first
+//! sum; a load of two numbers that were stored one by one waits until both stores have ended;
 //! instruction counts alone mislead.
 
 // A bench that cannot go on ends.

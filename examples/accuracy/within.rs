@@ -31,7 +31,7 @@ const TOLERANCES: [f64; 12] = [
     3e-3, 2e-3, 1e-3, 5e-4, 3e-4, 2e-4, 1e-4, 5e-5, 3e-5, 2e-5, 1e-5, 5e-6,
 ];
 /// The price is the least of so many turns, in which each program runs so often in a row: what else the machine does only adds to it, and its clock is the same for all.
-const TURNS: usize = 50;
+const TURNS: usize = 200;
 const IN_A_ROW: usize = 20;
 /// Steps of the report's loop in a run of it.
 const REPORT_STEPS: u32 = 60;

@@ -49,8 +49,8 @@ use crate::state::State;
 /// | 1200 points | 2.1e-4 | 0.0431 | 4012 |
 /// | round | 7.3e-14 | 0.0431 | 1538 |
 ///
-/// In time an explicit step on the round rim costs 1.6 to 2.5 times that of 120 points at the start of trial 1, and no more in flight; where it rolls steadily, so that friction turns round twice on the arc, 3.4 to 5.7 times.
-/// One of [`EnergyMomentum`](crate::EnergyMomentum) costs 5.1 and 4.0 times as much (`cargo bench --bench ratios`).
+/// In time an explicit step on the round rim costs 2.1 to 3.0 times that of 120 points at the start of trial 1, and no more in flight; where it rolls steadily, so that friction turns round twice on the arc, 4.2 to 7.0 times.
+/// One of [`EnergyMomentum`](crate::EnergyMomentum) costs 5.5 and 4.4 times as much (`cargo bench --bench ratios`).
 ///
 /// How far the place of the round coin is off after a second of trial 1:
 ///
