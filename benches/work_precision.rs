@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench work_precision` prints the tables (some minutes) and draws them into `target/work_precision`; a word after `--` picks the scenes whose names hold it.
 //! `cargo bench --bench work_precision -- --all` turns all knobs together: every integrator and step or tolerance, `f64` and `f32`, 12, 120 and 1200 points, both laws of friction, three slip speeds, on the six
-//! scenes (a quarter to half an hour; a word picks here, too: `-- --all trial1`). It prints the cheapest setting for an error, a line a combination, and writes every row into `target/work_precision/rows.csv`.
+//! scenes (ten to twenty minutes; a word picks here, too: `-- --all trial1`). It prints the cheapest setting for an error, a line a combination, and writes every row into `target/work_precision/rows.csv`.
 //! `cargo bench --bench work_precision -- --readme` measures trial 1 alone and draws the README's picture, assets/trade.svg.
 //! The times are the shortest of three runs: compare rows, not machines.
 
