@@ -180,7 +180,8 @@ fn measure(name: &str, start: &Start, single: bool, whole: bool) {
     }
     if whole {
         let file = name.replace(' ', "_");
-        picture::write(&trade, name, &folder(), &file).unwrap();
+        let title = format!("{name}: error after {} s over price", start.seconds);
+        picture::write(&trade, &title, &folder(), &file).unwrap();
     }
 }
 
