@@ -5,7 +5,7 @@
 //!
 //! # What remains
 //!
-//! A step of `SymplecticEuler` of the coin with 120 points, upright, where 4 of them touch, takes 969 instructions (`.ci/instructions`):
+//! A step of `SymplecticEuler` of the coin with 120 points, upright, where 4 of them touch, takes 969 instructions (`.ci/instructions`; its parts by `callgrind --dump-instr=yes` on the bench `instructions`):
 //!
 //! * 445 for the body, as many as a step in flight: the rotation matrix, the angular velocity, the turn by two quaternion products, two normalisations, the finite check,
 //!   and the state from and to memory. A third of it is arithmetic; most of the rest are moves, because SSE2's operations overwrite an operand and a state with its

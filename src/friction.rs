@@ -17,7 +17,7 @@ use crate::real::{Real, Vector};
 
 /// A law of sliding friction, applied at each contact.
 ///
-/// *To the implementer:* the force must lie in the plane of `slip`, oppose it (`force · slip <= 0`, so that friction never adds energy), and be finite at zero
+/// *To the implementer:* the force must lie in the plane of `slip` (of bare points on level ground nothing else of it counts), oppose it (`force · slip <= 0`, so that friction never adds energy), and be finite at zero
 /// slip. [`contract::check_friction`](crate::contract::check_friction) tests an implementation.
 ///
 /// # Which law when

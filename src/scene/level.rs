@@ -18,8 +18,8 @@ use crate::rotation::Axes;
 /// the processor has; a shorter one it would unroll first, and then find no lanes. A divisor of the coin's 120.
 const ABREAST: usize = 24;
 
-/// Whether the processor computes on two numbers at once. There a step with few contacts takes a seventh less time if they go in pairs; a Cortex-M would take a quarter more
-/// instructions. No bit depends on it.
+/// Whether the processor computes on two numbers at once. There a step with few contacts takes less time if they go in pairs; elsewhere it would take more instructions.
+/// No bit depends on it.
 const HAS_LANES: bool = cfg!(any(
     target_feature = "sse2",
     target_feature = "neon",
@@ -166,6 +166,7 @@ impl<R: Real> Level<'_, R> {
                 let arms = to_world(&self.motion.axes);
                 let depths = [self.depth(arms[0]), self.depth(arms[1])];
                 let touch = depths[0] > R::ZERO && depths[1] > R::ZERO;
+                // Both at once: a block that is full looks at the next pair in vain, but with a branch for itself steps with fewer contacts take more instructions.
                 if !touch || count + 1 >= FEW {
                     break;
                 }
