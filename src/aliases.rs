@@ -92,6 +92,8 @@ macro_rules! names_for {
             pub type LimitedDamper = crate::LimitedDamper<$real>;
             /// Force and torque of the ground.
             pub type Load = crate::Load<$real>;
+            /// Coulomb friction whose coefficient falls with the load.
+            pub type LoadDependentCoulomb = crate::LoadDependentCoulomb<$real>;
             /// The lowest point of a body.
             pub type LowestPoint = crate::LowestPoint<$real>;
             /// Mass and inertia as a step needs them.

@@ -2,12 +2,14 @@
 
 mod anisotropic;
 mod coulomb;
+mod load_dependent;
 mod resistance;
 mod stribeck;
 mod viscous;
 
 pub use anisotropic::AnisotropicCoulomb;
 pub use coulomb::{Coulomb, SmoothCoulomb};
+pub use load_dependent::LoadDependentCoulomb;
 pub use resistance::{TurningResistance, WithResistance};
 pub use stribeck::Stribeck;
 pub use viscous::Viscous;
@@ -27,6 +29,7 @@ use crate::real::{Real, Vector};
 /// | [`Coulomb`] | `μ N u/(u + ε)` | the report's; dry friction with one coefficient |
 /// | [`SmoothCoulomb`] | `μ N u/√(u² + ε²)` | the same, with less creep at the same ε, and all derivatives |
 /// | [`Stribeck`] | `N u (μ(u)/(u + ε) + v)`, μ falling from static to kinetic | stick and slip, squeal, greased contacts |
+/// | [`LoadDependentCoulomb`] | `μ N (1 + N/N₀)^(-1/3) u/(u + ε)` | plastics and rubber, which slide with less under impacts |
 /// | [`AnisotropicCoulomb`] | on an ellipse of half axes `μ₁ N`, `μ₂ N` | grain: wood, brushed metal |
 /// | [`Viscous`] | `c N u` | wet ground |
 /// | any of them in [`WithResistance`] | and torques against rolling and drilling | balls that roll out, tops that spin down |

@@ -38,8 +38,8 @@
 //!   always right, and exact in flight for a body with two equal moments.
 //! - A ground of springs and dampers under each contact, that never pulls. [`FlatGround`] is a plane at any height and tilt. [`Ground`] joins a choice of laws ([`ContactLaw`]) and a choice of shapes
 //!   ([`Shape`]), among them hills and valleys ([`Terrain`]). Or take your own.
-//! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), with a static and a kinetic coefficient ([`Stribeck`]) or two directions
-//!   ([`AnisotropicCoulomb`]); [`Viscous`]; or your own. Beside any of them, resistance to rolling and drilling ([`WithResistance`]).
+//! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), with a static and a kinetic coefficient ([`Stribeck`]), a coefficient
+//!   that falls with the load ([`LoadDependentCoulomb`]), or two directions ([`AnisotropicCoulomb`]); [`Viscous`]; or your own. Beside any of them, resistance to rolling and drilling ([`WithResistance`]).
 //! - Bodies: rings of points ([`Coin`]), solids ([bodies](body#bodies)), and anything put together from solids and points ([`Solid`], [`MassDistribution`], [`PointCloud`]).
 //! - The energy by kind ([`Energy`]) and the books of a run ([`Ledger`]).
 //!
@@ -152,8 +152,8 @@ pub use body::{
 pub use energy::{Account, Dissipation, Energy};
 pub use error::{SceneError, StepError};
 pub use friction::{
-    AnisotropicCoulomb, Coulomb, Drag, Frictionless, SlidingFriction, SmoothCoulomb, Stribeck,
-    TurningResistance, Viscous, WithResistance,
+    AnisotropicCoulomb, Coulomb, Drag, Frictionless, LoadDependentCoulomb, SlidingFriction,
+    SmoothCoulomb, Stribeck, TurningResistance, Viscous, WithResistance,
 };
 pub use gravity::{Gravity, NoGravity, UniformGravity};
 pub use ground::{

@@ -15,10 +15,10 @@ use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Carried, Coin, Cone, ContactLaw,
     ContactPoint, Coulomb, Cuboid, Disc, Dissipation, DormandPrince54, Ellipsoid, EnergyMomentum,
     FlatGround, ForwardEuler, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper,
-    MassDistribution, Plane, PointCloud, PointMass, Ramp, Real, Relief, RigidPointBody, Rim, Rk4,
-    Rod, SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
-    SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck, Surface,
-    SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves, WithResistance,
+    LoadDependentCoulomb, MassDistribution, Plane, PointCloud, PointMass, Ramp, Real, Relief,
+    RigidPointBody, Rim, Rk4, Rod, SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin,
+    Sphere, SpringDamper, SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck,
+    Surface, SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves, WithResistance,
 };
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -922,6 +922,35 @@ fn the_coefficient_of_friction_is_at_least_zero() {
             })
         },
     );
+}
+
+#[test]
+fn the_numbers_of_friction_that_falls_with_the_load_are_in_their_ranges() {
+    let law = LoadDependentCoulomb {
+        coefficient: 0.3,
+        transition_load: 50.0,
+        slip_speed: 1e-4,
+    };
+    let with = |law: LoadDependentCoulomb| Stepper::new(point_mass(1.0))?.with_friction(law);
+    refuses("coefficient of friction", AT_LEAST_ZERO, "", |number| {
+        with(LoadDependentCoulomb {
+            coefficient: number,
+            ..law
+        })
+    });
+    let load = "transition load of the friction";
+    refuses(load, ABOVE_ZERO, " N", |number| {
+        with(LoadDependentCoulomb {
+            transition_load: number,
+            ..law
+        })
+    });
+    refuses("slip speed of the friction", ABOVE_ZERO, " m/s", |number| {
+        with(LoadDependentCoulomb {
+            slip_speed: number,
+            ..law
+        })
+    });
 }
 
 #[test]

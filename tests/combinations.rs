@@ -11,10 +11,10 @@ use tumble::glam::DVec3;
 use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Coin, Cone, Coulomb, Cuboid, Disc,
     DormandPrince54, Ellipsoid, EnergyMomentum, Flight, ForwardEuler, Frictionless, Ground,
-    HuntCrossley, Integrator, LimitedDamper, MassDistribution, Nystrom, Plane, PointCloud,
-    PointMass, Ramp, RigidPointBody, Rk4, Rod, Sample, SlidingFriction, SmoothCoulomb, Solid,
-    SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, StepError, Stepper,
-    StrangSplitting, Stribeck, SymplecticEuler, Terrain, UniformGravity, Viscous, Waves,
+    HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MassDistribution, Nystrom,
+    Plane, PointCloud, PointMass, Ramp, RigidPointBody, Rk4, Rod, Sample, SlidingFriction,
+    SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, StepError,
+    Stepper, StrangSplitting, Stribeck, SymplecticEuler, Terrain, UniformGravity, Viscous, Waves,
     WithResistance,
 };
 
@@ -134,6 +134,14 @@ fn frictions(strength: f64, slip_speed: f64) -> Named<dyn SlidingFriction> {
                 kinetic_coefficient: coefficient,
                 stribeck_speed: 0.3,
                 viscous: 0.01,
+                slip_speed,
+            }),
+        ),
+        (
+            "LoadDependentCoulomb",
+            Box::new(LoadDependentCoulomb {
+                coefficient,
+                transition_load: 30.0,
                 slip_speed,
             }),
         ),

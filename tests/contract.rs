@@ -16,10 +16,11 @@ use tumble::integrator::step_length;
 use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Coin, ContactPoint, Coulomb, DormandPrince54,
     Drag, Dynamics, Elevation, EnergyMomentum, Extent, FlatGround, ForwardEuler, Frictionless,
-    Ground, HuntCrossley, Integrator, LimitedDamper, MeanForce, NoGround, Nystrom, Plane,
-    PointCloud, Ramp, Real, RigidPointBody, Rk4, SceneError, SlidingFriction, SmoothCoulomb,
-    SpringDamper, SpringDamperGround, State, Step, StepError, StrangSplitting, Stribeck, Surface,
-    SymplecticEuler, Terrain, TurningResistance, Viscous, Waves, WithResistance, error,
+    Ground, HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MeanForce, NoGround,
+    Nystrom, Plane, PointCloud, Ramp, Real, RigidPointBody, Rk4, SceneError, SlidingFriction,
+    SmoothCoulomb, SpringDamper, SpringDamperGround, State, Step, StepError, StrangSplitting,
+    Stribeck, Surface, SymplecticEuler, Terrain, TurningResistance, Viscous, Waves, WithResistance,
+    error,
 };
 
 /// Ten batteries of other numbers.
@@ -177,6 +178,14 @@ fn every_built_in_friction_passes() {
                     turn_speed: slip_speed,
                 };
                 check_friction(&resisting, &SLIDES, battery).unwrap();
+                for transition_load in [1e-9, 1.0, 1e9] {
+                    let weakening = LoadDependentCoulomb {
+                        coefficient,
+                        transition_load,
+                        slip_speed,
+                    };
+                    check_friction(&weakening, &SLIDES, battery).unwrap();
+                }
                 for (kinetic, viscous) in [(0.5, 0.0), (1.0, 0.1), (2.0, 10.0), (0.0, 0.0)] {
                     let stribeck = Stribeck {
                         static_coefficient: coefficient,
@@ -201,6 +210,12 @@ fn every_built_in_friction_passes() {
         let coefficients = [0.3_f32, 0.1];
         let anisotropic = AnisotropicCoulomb::on(slides_32.normal, Vec3::X, coefficients, 1e-6);
         check_friction(&anisotropic, &slides_32, battery).unwrap();
+        let weakening = LoadDependentCoulomb {
+            coefficient: 0.4_f32,
+            transition_load: 10.0,
+            slip_speed: 1e-5,
+        };
+        check_friction(&weakening, &slides_32, battery).unwrap();
         let stribeck = Stribeck {
             static_coefficient: 0.4_f32,
             kinetic_coefficient: 0.3,

@@ -20,9 +20,10 @@ use tumble::real::{Quaternion, Vector};
 use tumble::{
     AnisotropicCoulomb, Coin, Cone, ContactPoint, Coulomb, Cuboid, Disc, Dynamics, Ellipsoid,
     Energy, EnergyMomentum, Extent, FlatGround, Frictionless, Ground, HuntCrossley, Integrator,
-    LimitedDamper, MassDistribution, Plane, PointCloud, Real, RigidPointBody, SlidingFriction,
-    SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Step,
-    Stepper, Stribeck, Surface, Terrain, UniformGravity, Viscous, Waves, WithResistance,
+    LimitedDamper, LoadDependentCoulomb, MassDistribution, Plane, PointCloud, Real, RigidPointBody,
+    SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround,
+    State, Step, Stepper, Stribeck, Surface, Terrain, UniformGravity, Viscous, Waves,
+    WithResistance,
 };
 
 /// Evaluations of the contacts that a step may take: a step that cannot be taken whole is halved down to sixteenths (1 + 2 + 4 + 8 + 16 attempts), and an
@@ -171,6 +172,7 @@ enum FrictionKind {
     Smooth,
     Stribeck,
     Viscous,
+    LoadDependent,
     Anisotropic,
     /// Coulomb's, with resistance to rolling and drilling.
     Resisting,
@@ -343,6 +345,7 @@ fn cases(ranges: Ranges, laws: Laws) -> impl Strategy<Value = Case> {
             FrictionKind::Smooth,
             FrictionKind::Stribeck,
             FrictionKind::Viscous,
+            FrictionKind::LoadDependent,
             FrictionKind::Anisotropic,
             FrictionKind::Resisting,
         ],
@@ -571,6 +574,12 @@ impl Case {
                 slip_speed,
             }),
             FrictionKind::Viscous => Box::new(Viscous { coefficient }),
+            // From far above to far below the loads of a scene, as the coefficient is drawn.
+            FrictionKind::LoadDependent => Box::new(LoadDependentCoulomb {
+                coefficient,
+                transition_load: (coefficient * coefficient).at_least(R::from_f64(1e-6)),
+                slip_speed,
+            }),
             FrictionKind::Anisotropic => {
                 let normal = vector::<R>(self.normal);
                 let grain = vector::<R>(self.normal.any_orthogonal_vector() + self.normal);

@@ -9,8 +9,8 @@ use kit::{directions, log_uniform, point_mass};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
-    AnisotropicCoulomb, Coulomb, EnergyMomentum, FlatGround, Plane, SlidingFriction, State,
-    Stepper, Stribeck, UniformGravity, Viscous,
+    AnisotropicCoulomb, Coulomb, EnergyMomentum, FlatGround, LoadDependentCoulomb, Plane,
+    PointCloud, RigidPointBody, SlidingFriction, State, Stepper, Stribeck, UniformGravity, Viscous,
 };
 
 const G: f64 = 9.8;
@@ -20,12 +20,29 @@ fn slide(
     friction: impl SlidingFriction,
     angle: f64,
     velocity: DVec3,
+    duration_and_step: [f64; 2],
+) -> State {
+    slide_on(
+        point_mass(1.0),
+        friction,
+        angle,
+        velocity,
+        duration_and_step,
+    )
+}
+
+/// The same for a body of 1 kg whose contacts all lie in the plane of its centre of mass.
+fn slide_on(
+    body: impl RigidPointBody,
+    friction: impl SlidingFriction,
+    angle: f64,
+    velocity: DVec3,
     [seconds, time_step]: [f64; 2],
 ) -> State {
     let normal = DVec3::new(-angle.sin(), 0.0, angle.cos());
     let stiffness = 1e4;
-    let depth = G * angle.cos() / stiffness;
-    let stepper = Stepper::new(point_mass(1.0))
+    let depth = G * angle.cos() / stiffness / body.contacts().len() as f64;
+    let stepper = Stepper::new(body)
         .unwrap()
         .with_gravity(UniformGravity::down(G))
         .unwrap()
@@ -98,6 +115,79 @@ fn on_a_slope_between_the_two_coefficients_stribeck_friction_holds_what_rests_an
     }
 }
 
+/// A square of 1 kg with a contact at each of its corners.
+fn square() -> impl RigidPointBody {
+    let corner = |x: f64, y: f64| DVec3::new(0.05 * x, 0.05 * y, 0.0);
+    let corners = [
+        corner(1.0, 1.0),
+        corner(-1.0, 1.0),
+        corner(-1.0, -1.0),
+        corner(1.0, -1.0),
+    ];
+    PointCloud::new(corners, [0.25; 4]).unwrap()
+}
+
+#[test]
+fn friction_that_falls_with_the_load_stops_a_body_in_the_closed_distance_of_its_load_a_contact() {
+    // With the weight m g on n contacts, μ = μ₀ (1 + m g/(n N₀))^(-1/3) and the distance is v²/(2 μ g).
+    let (v, time_step) = (2.0, 1e-3);
+    for transition_load in [1e-3, 1.0, 20.0, 1e5] {
+        let law = LoadDependentCoulomb {
+            coefficient: 0.8,
+            transition_load,
+            slip_speed: 1e-9,
+        };
+        let stops = |contacts: f64, end: State| {
+            let coefficient = 0.8 / (1.0 + G / (contacts * transition_load)).cbrt();
+            let seconds = v / (coefficient * G);
+            if seconds > 8.0 {
+                // Not yet at rest: the distance until then is v t - μ g t²/2.
+                let far = v * 8.0 - 0.5 * coefficient * G * 64.0;
+                return (end.position.x, far, coefficient);
+            }
+            (end.position.x, 0.5 * v * seconds, coefficient)
+        };
+        let point = slide(law, 0.0, DVec3::X * v, [8.0, time_step]);
+        let four = slide_on(square(), law, 0.0, DVec3::X * v, [8.0, time_step]);
+        for (far, expected, coefficient) in [stops(1.0, point), stops(4.0, four)] {
+            // A constant deceleration is integrated exactly, but for the step in which the body
+            // stops: μ g dt²/2 at most. The slip speed adds ε v/(μ g), here 1e-8 m at most, and
+            // rounding of 8000 steps 1e-12 m.
+            let tolerance = 0.5 * coefficient * G * time_step * time_step + 2e-8;
+            assert!(
+                (far - expected).abs() <= tolerance,
+                "{far} m, not {expected}, at N₀ = {transition_load} N"
+            );
+        }
+    }
+}
+
+#[test]
+fn friction_that_falls_with_the_load_has_the_limits_of_coulomb_and_of_hertz() {
+    let law = LoadDependentCoulomb {
+        coefficient: 0.4,
+        transition_load: 1.0,
+        slip_speed: 1e-3,
+    };
+    let along = |load: f64| -law.force(load, DVec3::X * 1e3).x;
+    let coulomb = Coulomb {
+        coefficient: 0.4,
+        slip_speed: 1e-3,
+    };
+    // (1 + x)^(-1/3) = 1 - x/3 + …
+    let full = -SlidingFriction::<f64>::force(&coulomb, 1e-9, DVec3::X * 1e3).x;
+    assert!((along(1e-9) / full - 1.0).abs() < 1e-9);
+    // Eight times the load has four times the force, but for (7/8)/(3 x) of it.
+    assert!((along(8e9) / along(1e9) / 4.0 - 1.0).abs() < 1e-9);
+    // An overflow of the quotient leaves no friction, not NaN.
+    let tiny = LoadDependentCoulomb {
+        transition_load: 1e-300,
+        ..law
+    };
+    let drag = tiny.drag(1e10, DVec3::X);
+    assert!(tiny.force(1e10, DVec3::X).is_finite() && drag.per_load.is_finite());
+}
+
 proptest! {
     #![proptest_config(kit::cases(30))]
 
@@ -150,6 +240,27 @@ proptest! {
         let (drag, expected) = (even.drag(2.0, slip), coulomb.drag(2.0, slip));
         prop_assert!((drag.coefficient / expected.coefficient - 1.0).abs() < 1e-12);
         prop_assert!((drag.width / expected.width - 1.0).abs() < 1e-12);
+    }
+
+    /// Both derivatives that a step uses, along the slip and with the load, against central
+    /// differences. Those have an error of nudge² of the value and of rounding over nudge, 1e-10 each.
+    #[test]
+    fn the_drag_of_friction_that_falls_with_the_load_is_the_slope_of_its_force(
+        load in log_uniform(1e-6, 1e6), speed in log_uniform(1e-6, 1e2), transition_load in log_uniform(1e-3, 1e3),
+    ) {
+        let law = LoadDependentCoulomb { coefficient: 0.3, transition_load, slip_speed: 1e-3 };
+        let along = |load: f64, speed: f64| -law.force(load, DVec3::Y * speed).y;
+        let nudge = 1e-5;
+        let slope = |of: &dyn Fn(f64) -> f64| (of(1.0 + nudge) - of(1.0 - nudge)) / (2.0 * nudge);
+        let drag = law.drag(load, DVec3::Y * speed);
+        let by_load = slope(&|factor| along(load * factor, speed)) / (load * speed);
+        prop_assert!((drag.per_load / by_load - 1.0).abs() < 1e-9, "{} and {by_load}", drag.per_load);
+        // Along the slip the slope is c ε/(|u| + ε): where it is small beside c, so are its digits.
+        let by_slip = slope(&|factor| along(load, speed * factor)) / speed;
+        let told = drag.coefficient * (1.0 - drag.growth * speed / drag.width);
+        prop_assert!((told - by_slip).abs() < 1e-9 * drag.coefficient, "{told} and {by_slip}");
+        // More load never means less friction.
+        prop_assert!(drag.per_load >= 0.0);
     }
 
     /// Newton's iteration is told the slope of the force along the slip, `c (1 - growth |slip|/width)`, or 0 where the force falls.

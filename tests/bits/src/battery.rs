@@ -13,10 +13,11 @@ use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Coin, Cone, ContactPoint, Coulomb,
     Cuboid, Disc, DormandPrince54, Ellipsoid, EnergyMomentum, FlatGround, Flight, ForwardEuler,
     Frictionless, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper,
-    MassDistribution, NoGravity, NoGround, Nystrom, Plane, PointCloud, PointMass, Ramp, Real,
-    RigidPointBody, Rk4, Rod, Rotation, Sample, SceneError, SlidingFriction, SmoothCoulomb,
-    SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Stepper, StrangSplitting, Stribeck,
-    SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves, WithResistance,
+    LoadDependentCoulomb, MassDistribution, NoGravity, NoGround, Nystrom, Plane, PointCloud,
+    PointMass, Ramp, Real, RigidPointBody, Rk4, Rod, Rotation, Sample, SceneError, SlidingFriction,
+    SmoothCoulomb, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Stepper,
+    StrangSplitting, Stribeck, SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves,
+    WithResistance,
 };
 
 /// What a scene has come to.
@@ -379,6 +380,11 @@ fn scenes<R: Bits, I: Integrator<R>>(
         drilling: real(5e-3),
         turn_speed: real(1e-2),
     };
+    let weakening = LoadDependentCoulomb::<R> {
+        coefficient: real(0.5),
+        transition_load: real(20.0),
+        slip_speed: real(1e-3),
+    };
     // The square of its slip speed is below f32's normal numbers.
     let steep = SmoothCoulomb::<R> {
         coefficient: real(0.2),
@@ -452,6 +458,7 @@ fn scenes<R: Bits, I: Integrator<R>>(
         play("Hertz", (&lopsided, &hertzian(1.5), &smooth, &falls), thrown, 1e-3, 0.5003)?;
         play("power of the depth", (&lopsided, &hertzian(1.3), &smooth, &falls), thrown, 1e-3, 0.5003)?;
         play("Stribeck's friction", (&lopsided, &slope(4000.0, 6.0), &stribeck, &falls), thrown, 1e-3, 0.5003)?;
+        play("friction that falls with the load", (&lopsided, &slope(4000.0, 6.0), &weakening, &falls), thrown, 1e-3, 0.5003)?;
         play("friction with a grain", (&lopsided, &slope(4000.0, 6.0), &grained, &falls), thrown, 1e-3, 0.5003)?;
         play("viscous friction", (&lopsided, &slope(4000.0, 6.0), &viscous, &falls), thrown, 1e-3, 0.5003)?;
         play("waves", (&lopsided, &waves, &coulomb, &falls), thrown, 1e-3, 0.5003)?;
