@@ -12,6 +12,7 @@ use crate::integrator::{EnergyMomentum, Integrator, Step};
 use crate::observer::{Observer, Probe, Sample};
 use crate::real::Real;
 use crate::scene::{Dynamics, LowestPoint, Scene};
+use crate::stability;
 use crate::state::State;
 
 /// Moves the states of one body in one scene on in time.
@@ -215,6 +216,41 @@ where
     A: Gravity<R>,
     I: Integrator<R>,
 {
+    /// Largest step (s) for which the integrator is stable on the contacts that touch at a state. `None` if there is no
+    /// bound: an implicit or adaptive integrator, a body in flight, or a state that is not finite.
+    ///
+    /// It follows from the stiffness, the damping and the friction of all contacts together, with their arms and the body's
+    /// inertia. Every shorter step is stable too. A step above it makes small errors grow until the energy does. 0 if
+    /// no step is stable, as for [`ForwardEuler`](crate::ForwardEuler) on springs without dampers. The integrator's own step size
+    /// does not matter.
+    ///
+    /// *Limits:* the bound belongs to this state. It falls when more contacts touch, when the body leans, when a slip ends (a
+    /// contact that sticks is a damper of `μ N/slip_speed`), and with the depth if the contact law stiffens. For a run, take
+    /// the least value along it, as below; a body in flight has none. Rotation is not part of it: in contact a step should
+    /// turn the body by much less than 1 rad. It is proven for contacts that stick or slide, not for a slip near the slip speed. It costs about as much as twenty steps.
+    ///
+    /// ```
+    /// use core::ops::ControlFlow;
+    /// use tumble::f64::{Rk4, Sample, Trial};
+    ///
+    /// let trial = Trial { slip_speed: 1e-2, ..Trial::report(1).ok_or("no such trial")? };
+    /// let stepper = trial.stepper(Rk4 { time_step: 1e-3 })?;
+    /// let (mut state, mut least) = (trial.state(), f64::MAX);
+    /// stepper.run(&mut state, 0.5, &mut |sample: &Sample<'_>| {
+    ///     let limit = stepper.largest_stable_step(sample.state);
+    ///     least = least.min(limit.unwrap_or(f64::MAX));
+    ///     ControlFlow::Continue(())
+    /// })?;
+    /// assert!(least > 1e-3, "the step of 1 ms is too long for a limit of {least} s");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn largest_stable_step(&self, state: &State<R>) -> Option<R> {
+        stability::largest_stable_step(&self.scene, state, |stiffness, damping| {
+            self.integrator.largest_stable_step(stiffness, damping)
+        })
+    }
+
     /// One step of the integrator's own length.
     ///
     /// # Errors

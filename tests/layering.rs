@@ -15,7 +15,7 @@ const LAYERS: &[&[&str]] = &[
     &["state"],
     &["body", "ground", "friction", "gravity"],
     &["scene"],
-    &["energy"],
+    &["energy", "stability"],
     &["integrator"],
     &["observer"],
     &["stepper"],

@@ -83,6 +83,11 @@ impl<R: Real, I: Integrator<R>> Integrator<R> for Flight<I> {
         self.0.fixed_step()
     }
 
+    #[inline]
+    fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
+        self.0.largest_stable_step(stiffness, damping)
+    }
+
     fn check(&self) -> Result<(), SceneError> {
         self.0.check()
     }

@@ -1,0 +1,442 @@
+//! How stiff and how damped the contacts of a state are, and the longest step for which a method is stable there.
+//!
+//! # Derivation
+//!
+//! Let `y` be a small displacement of the body (translation and rotation), `M` its mass matrix. A
+//! contact at arm `r` with normal `n` penetrates less by `g · y`, where `g = (n, r × n)`. With
+//! stiffness `k`, damping `c` and friction force `F` the contacts answer by
+//!
+//! ```text
+//! M y'' + C y' + K y = 0
+//! K = Σ k (g + f) gᵀ      f = (t, r × t), t = ∂F/∂N: friction grows with the load
+//! C = Σ c (g + f) gᵀ + Σ d (e, r × e) (e, r × e)ᵀ      e: both directions along the surface
+//! ```
+//!
+//! `d` is the derivative of friction with respect to the slip, `μ N/slip speed` in stick. The arm and
+//! the inertia enter through `M⁻¹`: one contact alone has `ω² = k (1/m + (r × n) · J⁻¹ (r × (n + t)))`.
+//!
+//! Every solution `e^(λ t) x` obeys `λ² + δ λ + κ = 0` with the Rayleigh quotients `κ = x* K x` and
+//! `δ = x* C x` (in coordinates where M = 1). So where K and C are symmetric the pairs (κ, δ) lie in
+//! the joint numerical range of K and C, which is convex, and each λ is that of a scalar oscillator
+//! `y'' + δ y' + κ y = 0` of the range. A Runge-Kutta method is stable if it is stable for all of these.
+//! The same holds of semi-implicit Euler, whose step is a quadratic pencil in its own factor, and
+//! of Strang's splitting, whose pencil has the mass `(1 - h C/2)⁻¹` and the quotient of that is at
+//! least `1/(1 - h δ/2)`.
+//!
+//! The range is enclosed by its supporting lines: the largest eigenvalue of `p K + q C` bounds
+//! `p κ + q δ`. The limit is the least of the scalar limits along the outline of that polygon.
+//!
+//! Friction's growth with the load, `f`, makes K and the first part of C non-symmetric by the same
+//! factors. While the body slides both have the same eigenvectors, and the spectral radius takes the
+//! place of the largest eigenvalue. Where friction's own damping is strong it holds the contact along
+//! the surface, and the normal stiffness is at most that without `f`. So the limit is the lesser of
+//! both. Not proven is what lies between, a slip near the slip speed: there the motion itself can flutter.
+//! Left out: the rotation of arms and normals under load (of the size of depth/arm), and
+//! the gyroscopic torque.
+
+use crate::friction::{Drag, SlidingFriction};
+use crate::ground::SpringDamperGround;
+use crate::real::{Real, Vector};
+use crate::scene::{Contact, Dynamics, Motion, size};
+use crate::state::State;
+
+/// The longest step of a method at a state, s, from its scalar `limit(κ, δ)`, s. `None` without a bound.
+pub(crate) fn largest_stable_step<R: Real>(
+    scene: &impl Dynamics<R>,
+    state: &State<R>,
+    limit: impl Fn(R, R) -> Option<R>,
+) -> Option<R> {
+    // A method without a limit needs no look at the contacts.
+    limit(R::ONE, R::ONE)?;
+    let response = Response::at(scene, state, Friction::GrowsWithLoad);
+    let mut least = least_along(&response.outline(), &limit)?;
+    if response.is_coupled {
+        let response = Response::at(scene, state, Friction::HasNoLoad);
+        least = least.at_most(least_along(&response.outline(), &limit)?);
+    }
+    (least < R::MAX).then_some(least)
+}
+
+/// Whether the response includes that friction grows with the load.
+#[derive(Clone, Copy, PartialEq)]
+enum Friction {
+    GrowsWithLoad,
+    HasNoLoad,
+}
+
+/// The least limit along the outline, s: `R::MAX` for an outline of nothing.
+fn least_along<R: Real>(outline: &[[R; 2]], limit: &impl Fn(R, R) -> Option<R>) -> Option<R> {
+    let mut least = R::MAX;
+    for (start, end) in outline.iter().zip(outline.iter().skip(1)) {
+        for part in 0..=PARTS {
+            let [stiffness, damping] = between(start, end, part);
+            if stiffness > R::ZERO || damping > R::ZERO {
+                least = least.at_most(limit(stiffness, damping)?);
+            }
+        }
+    }
+    Some(least)
+}
+
+/// Into how many parts an edge of the outline is cut: the stable region of a method need not be convex.
+const PARTS: usize = 3;
+
+fn between<R: Real>(start: &[R; 2], end: &[R; 2], part: usize) -> [R; 2] {
+    let along = R::from_usize(part) / R::from_usize(PARTS);
+    let [from, to] = [R::ONE - along, along];
+    [start[0] * from + end[0] * to, start[1] * from + end[1] * to]
+}
+
+/// How the contacts of a state respond to a small displacement and a small velocity, as accelerations.
+struct Response<R> {
+    /// `M⁻¹ K`, 1/s².
+    stiffness: Matrix<R>,
+    /// `M⁻¹ C`, 1/s.
+    damping: Matrix<R>,
+    /// The part of the damping that is friction's, 1/s.
+    friction: Matrix<R>,
+    /// Damping over stiffness: of all contacts together, and the largest of one, s.
+    mean_ratio: R,
+    largest_ratio: R,
+    load: Friction,
+    /// Whether a contact slides under a friction that grows with its load.
+    is_coupled: bool,
+}
+
+impl<R: Real> Response<R> {
+    fn at<D: Dynamics<R>>(scene: &D, state: &State<R>, load: Friction) -> Self {
+        let motion = scene.motion(state);
+        let frame = Frame {
+            scene,
+            motion: &motion,
+            length: size(scene),
+        };
+        let mut response = Self {
+            stiffness: Matrix::ZERO,
+            damping: Matrix::ZERO,
+            friction: Matrix::ZERO,
+            mean_ratio: R::ZERO,
+            largest_ratio: R::ZERO,
+            load,
+            is_coupled: false,
+        };
+        let (mut stiffness, mut damping) = (R::ZERO, R::ZERO);
+        scene.visit_contacts(&motion, |contact| {
+            let [k, c] = response.add(&frame, contact);
+            stiffness += k;
+            damping += c;
+            response.largest_ratio = response.largest_ratio.at_least(ratio(c, k));
+        });
+        response.damping.add(&response.friction);
+        response.mean_ratio = ratio(damping, stiffness);
+        response
+    }
+
+    /// Adds a contact. Returns its stiffness and its damping along the normal.
+    fn add<D: Dynamics<R>>(&mut self, frame: &Frame<'_, R, D>, contact: &Contact<R>) -> [R; 2] {
+        let (ground, normal) = (frame.scene.ground(), contact.normal);
+        let load = ground.normal_force(contact.depth, contact.closing_speed);
+        let drag = drag_at(frame.scene.friction(), load, contact);
+        let by_load = contact.slip * -drag.per_load;
+        self.is_coupled |= by_load != R::Vec3::ZERO;
+        let pushed = match self.load {
+            Friction::GrowsWithLoad => normal + by_load,
+            Friction::HasNoLoad => normal,
+        };
+        let answer = frame.acceleration(pushed, contact.arm.cross(pushed));
+        let row = frame.row(normal, contact.arm.cross(normal));
+        let [k, c] =
+            slopes(ground, contact, dot(&answer, &row)).map(|slope| slope * contact.weight);
+        self.stiffness.add_outer(k, &answer, &row);
+        self.damping.add_outer(c, &answer, &row);
+
+        let speed = contact.slip.length();
+        let [along, across] = tangents(normal, contact.slip, speed);
+        let sliding = (R::ONE - drag.growth * speed / drag.width).at_least(R::ZERO);
+        let friction = drag.coefficient * contact.weight;
+        self.add_damper(frame, along, contact.arm.cross(along), friction * sliding);
+        self.add_damper(frame, across, contact.arm.cross(across), friction);
+        self.add_turning(frame, contact, load, [along, across]);
+        [k, c]
+    }
+
+    /// Adds a damper of friction along a direction with this moment about the centre of mass.
+    fn add_damper<D: Dynamics<R>>(
+        &mut self,
+        frame: &Frame<'_, R, D>,
+        direction: R::Vec3,
+        moment: R::Vec3,
+        damping: R,
+    ) {
+        let answer = frame.acceleration(direction, moment);
+        (self.friction).add_outer(damping, &answer, &frame.row(direction, moment));
+    }
+
+    /// Adds the resistance to rolling and to spinning on the spot, where the law has it.
+    fn add_turning<D: Dynamics<R>>(
+        &mut self,
+        frame: &Frame<'_, R, D>,
+        contact: &Contact<R>,
+        load: R,
+        tangents: [R::Vec3; 2],
+    ) {
+        let Some(resistance) = frame.scene.friction().turning(load) else {
+            return;
+        };
+        let spin = frame.motion.angular_velocity;
+        let about = spin.dot(contact.normal);
+        let rolling = (spin - contact.normal * about).length();
+        let [roll, drill] = resistance.per_turn(rolling, about.abs());
+        self.add_damper(frame, R::Vec3::ZERO, contact.normal, drill * contact.weight);
+        for axis in tangents {
+            self.add_damper(frame, R::Vec3::ZERO, axis, roll * contact.weight);
+        }
+    }
+
+    /// Corners (κ, δ) of a polygon around the joint numerical range, from the least damping of the stiffest motion to the motions without stiffness.
+    fn outline(&self) -> [[R; 2]; 7] {
+        let (zero, one, two) = (R::ZERO, R::ONE, R::TWO);
+        let stiffest = self.stiffness.spectral_radius();
+        let most_damped = self.damping.spectral_radius();
+        let per = |value: R| if value > zero { one / value } else { zero };
+        let [k, c] = [per(stiffest), per(most_damped)];
+        // Supporting lines p X + q Y = s of X = κ/stiffest and Y = δ/most_damped, of which each is at most 1.
+        let support = |p: R, q: R| {
+            let sum = self.stiffness.combined(p * k, &self.damping, q * c);
+            sum.spectral_radius()
+        };
+        let [flat, even, steep] = [support(two, one), support(one, one), support(one, two)];
+        let within = |value: R| value.at_least(zero).at_most(one);
+        let low = self.least_damping(stiffest, most_damped) * c;
+        // No motion has less damping for its stiffness than the stiffest one; the lines of non-symmetric matrices may cross below.
+        let crossing = |x: R, y: R| [within(x), within(y).at_least(low * within(x))];
+        let resting = within(self.friction.spectral_radius() * c);
+        let top = within(steep - two);
+        let ratio = self.largest_ratio * stiffest * c;
+        let corners = [
+            [one, low],
+            crossing(one, flat - two),
+            crossing(flat - even, two * even - flat),
+            crossing(two * even - steep, steep - even),
+            [top, one],
+            [((one - resting) / ratio).at_most(top), one],
+            [zero, resting],
+        ];
+        corners.map(|[x, y]| [x * stiffest, y * most_damped])
+    }
+
+    /// Lower bound for the damping of the stiffest motion, 1/s: from lines `δ >= t κ - s` below the range of stiffness and normal damping. Friction only adds to that.
+    fn least_damping(&self, stiffest: R, most_damped: R) -> R {
+        let normal = self.damping.combined(R::ONE, &self.friction, -R::ONE);
+        let mut least = R::ZERO;
+        let mut slope = self.mean_ratio;
+        for _ in 0..3 {
+            // All eigenvalues of t K - C + most_damped are at least 0, so that the largest is the spectral radius.
+            let mut shifted = self.stiffness.combined(slope, &normal, -R::ONE);
+            shifted.add_identity(most_damped);
+            let offset = (shifted.spectral_radius() - most_damped).at_least(R::ZERO);
+            least = least.at_least(slope * stiffest - offset);
+            slope = slope * R::HALF;
+        }
+        least.at_most(most_damped)
+    }
+}
+
+fn ratio<R: Real>(damping: R, stiffness: R) -> R {
+    if stiffness > R::ZERO {
+        damping / stiffness
+    } else {
+        R::ZERO
+    }
+}
+
+/// Coordinates of a small displacement: translation, and rotation times a length, both in m.
+struct Frame<'a, R: Real, D> {
+    scene: &'a D,
+    motion: &'a Motion<R>,
+    length: R,
+}
+
+impl<R: Real, D: Dynamics<R>> Frame<'_, R, D> {
+    /// Displacement along a direction, with this moment about the centre of mass.
+    fn row(&self, direction: R::Vec3, moment: R::Vec3) -> [R; 6] {
+        let per_length = if self.length > R::ZERO {
+            R::ONE / self.length
+        } else {
+            R::ZERO
+        };
+        joined(direction, moment * per_length)
+    }
+
+    /// Acceleration under a force and a torque.
+    fn acceleration(&self, force: R::Vec3, torque: R::Vec3) -> [R; 6] {
+        let mass = self.scene.mass_properties();
+        let spin = mass.angular_velocity(&self.motion.axes, torque);
+        joined(force * mass.inverse_mass(), spin * self.length)
+    }
+}
+
+fn joined<R: Real>(a: R::Vec3, b: R::Vec3) -> [R; 6] {
+    [a.x(), a.y(), a.z(), b.x(), b.y(), b.z()]
+}
+
+fn dot<R: Real>(a: &[R; 6], b: &[R; 6]) -> R {
+    (a.iter().zip(b)).fold(R::ZERO, |sum, (&a, &b)| sum + a * b)
+}
+
+/// Derivatives of a contact's normal force with respect to depth (N/m) and closing speed (N s/m), by central differences.
+///
+/// Their width is `ε^(3/8)` of the depth, 1.4e-6 in f64 and 2.5e-3 in f32: what rounding leaves of a
+/// derivative is `ε^(5/8)` of it, and what curvature adds `ε^(3/4)`. The unit of speed is the depth times the
+/// contact's own frequency, where spring and damper weigh alike.
+fn slopes<R: Real, G: SpringDamperGround<R>>(
+    ground: &G,
+    contact: &Contact<R>,
+    inverse_mass: R,
+) -> [R; 2] {
+    let root = R::EPSILON.sqrt();
+    let nudge = (root * root.sqrt()).sqrt();
+    let (depth, speed) = (contact.depth, contact.closing_speed);
+    let slope = |low: R, high: R, width: R| {
+        if width > R::ZERO {
+            ((high - low) / (width + width)).at_least(R::ZERO)
+        } else {
+            R::ZERO
+        }
+    };
+    let width = depth * nudge;
+    let at_depth = |depth| ground.normal_force(depth, speed);
+    let stiffness = slope(at_depth(depth - width), at_depth(depth + width), width);
+    let natural = depth * (stiffness * inverse_mass).at_least(R::ZERO).sqrt();
+    let width = (speed.abs() + natural) * nudge;
+    let at_speed = |speed| ground.normal_force(depth, speed);
+    let damping = slope(at_speed(speed - width), at_speed(speed + width), width);
+    [stiffness, damping]
+}
+
+/// The friction law's response at a contact. Where a law states none at zero slip, that at 1e-12 m/s.
+fn drag_at<R: Real, F: SlidingFriction<R>>(friction: &F, load: R, contact: &Contact<R>) -> Drag<R> {
+    let drag = friction.drag(load, contact.slip);
+    if drag.coefficient > R::ZERO || contact.slip != R::Vec3::ZERO {
+        return drag;
+    }
+    let [direction, _] = tangents(contact.normal, contact.slip, R::ZERO);
+    friction.drag(load, direction * R::from_f64(1e-12))
+}
+
+/// Two unit vectors along the surface, the first along the slip if there is one.
+fn tangents<R: Real>(normal: R::Vec3, slip: R::Vec3, speed: R) -> [R::Vec3; 2] {
+    let along = if speed > R::ZERO {
+        slip * (R::ONE / speed)
+    } else {
+        let (o, one) = (R::ZERO, R::ONE);
+        let steep = normal.z().abs() > R::HALF;
+        let other = if steep {
+            R::Vec3::new(one, o, o)
+        } else {
+            R::Vec3::new(o, o, one)
+        };
+        let along = normal.cross(other);
+        along * (R::ONE / along.length())
+    };
+    [along, normal.cross(along)]
+}
+
+/// A 6 by 6 matrix, by rows.
+#[derive(Clone, Copy)]
+struct Matrix<R>([[R; 6]; 6]);
+
+/// Squarings for a spectral radius: the 2²⁰th power leaves a factor of `condition^(1/2²⁰)`.
+const SQUARINGS: usize = 20;
+
+impl<R: Real> Matrix<R> {
+    const ZERO: Self = Self([[R::ZERO; 6]; 6]);
+
+    fn add(&mut self, other: &Self) {
+        *self = self.combined(R::ONE, other, R::ONE);
+    }
+
+    /// `p self + q other`.
+    fn combined(&self, p: R, other: &Self, q: R) -> Self {
+        let mut sum = *self;
+        for (row, others) in sum.0.iter_mut().zip(&other.0) {
+            for (value, &other) in row.iter_mut().zip(others) {
+                *value = *value * p + other * q;
+            }
+        }
+        sum
+    }
+
+    fn add_identity(&mut self, factor: R) {
+        for (i, row) in self.0.iter_mut().enumerate() {
+            if let Some(value) = row.get_mut(i) {
+                *value += factor;
+            }
+        }
+    }
+
+    /// Adds `factor column rowᵀ`.
+    fn add_outer(&mut self, factor: R, column: &[R; 6], row: &[R; 6]) {
+        for (values, &left) in self.0.iter_mut().zip(column) {
+            for (value, &right) in values.iter_mut().zip(row) {
+                *value += factor * left * right;
+            }
+        }
+    }
+
+    fn largest(&self) -> R {
+        (self.0.iter().flatten()).fold(R::ZERO, |largest, value| value.abs().at_least(largest))
+    }
+
+    fn squared(&self, scale: R) -> Self {
+        let mut square = Self::ZERO;
+        for (row, left) in square.0.iter_mut().zip(&self.0) {
+            for (&factor, right) in left.iter().zip(&self.0) {
+                for (value, &other) in row.iter_mut().zip(right) {
+                    *value += (factor * scale) * (other * scale);
+                }
+            }
+        }
+        square
+    }
+
+    /// Largest magnitude of an eigenvalue, by repeated squaring: `ρ(A) = s₀ √(s₁ √(s₂ …))` with the scales of the powers.
+    fn spectral_radius(&self) -> R {
+        let mut scales = [R::ONE; SQUARINGS];
+        let mut power = *self;
+        for scale in &mut scales {
+            *scale = power.largest();
+            if !(*scale > R::ZERO && scale.is_finite()) {
+                return R::ZERO;
+            }
+            power = power.squared(R::ONE / *scale);
+        }
+        let radius = |inner: R, &scale: &R| scale * inner.sqrt();
+        scales.iter().rev().fold(R::ONE, radius)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn the_spectral_radius_is_that_of_symmetric_skew_and_defective_matrices() {
+        let mut matrix = Matrix::<f64>::ZERO;
+        assert_relative_eq!(matrix.spectral_radius(), 0.0);
+        // A block of rotation by a right angle times 3, a diagonal of 2, and a coupling of 1e3 between equal eigenvalues.
+        matrix.0[0][1] = 3.0;
+        matrix.0[1][0] = -3.0;
+        matrix.0[2][2] = 2.0;
+        matrix.0[3][3] = 2.0;
+        matrix.0[2][3] = 1e3;
+        assert_relative_eq!(matrix.spectral_radius(), 3.0, max_relative = 1e-5);
+        // Defective and dominant: the 2²⁰th power is 2²⁰ times as large, and its root off by 20 ln 2/2²⁰ = 1.3e-5, with the coupling 2e-5.
+        matrix.0[0][1] = 1.0;
+        assert_relative_eq!(matrix.spectral_radius(), 2.0, max_relative = 3e-5);
+        // Scales far from 1.
+        let small = matrix.combined(1e-200, &matrix, 0.0);
+        assert_relative_eq!(small.spectral_radius(), 2e-200, max_relative = 3e-5);
+    }
+}
