@@ -10,6 +10,7 @@ use proptest::prelude::{Strategy, TestCaseError};
 use proptest::test_runner::TestRunner;
 
 use crate::kit;
+use crate::kit::statistics::{FractionTest, failing_at_most};
 
 /// A result of the literature: its place in the catalogue, its formula, where it stands, and the numbers that the model gets for it.
 pub(crate) struct Case {
@@ -43,6 +44,27 @@ pub(crate) fn figure(what: impl Into<String>, expected: f64, got: f64, tolerance
         got,
         tolerance,
     }
+}
+
+/// A fraction among random cases, with the alternative that the test is there to reject.
+pub(crate) fn fraction(
+    what: &str,
+    test: &FractionTest,
+    count: u32,
+    (name, alternative): (&str, f64),
+) -> Figure {
+    let power = test.power(alternative);
+    assert!(
+        power >= 0.99,
+        "{what}: {} cases reject {name} with {:.0} % only",
+        test.cases,
+        100.0 * power
+    );
+    let cases = f64::from(test.cases);
+    let [low, high] = test.accepted.map(|count| f64::from(count) / cases);
+    let what = format!("{} random {what}, rejects {name} with 99 %", test.cases);
+    let tolerance = (test.null - low).max(high - test.null);
+    figure(what, test.null, f64::from(count) / cases, tolerance)
 }
 
 impl Case {
@@ -171,8 +193,9 @@ impl Random {
             format!("at most {share} of it")
         };
         format!(
-            "|  | any {} |  | {draws} random | the formula's | {worst} | of each |  |\n",
-            self.what
+            "|  | any {} |  | {draws} random, {} % | the formula's | {worst} | of each |  |\n",
+            self.what,
+            in_percent(failing_at_most(*draws)),
         )
     }
 }
@@ -244,6 +267,13 @@ fn in_digits(number: f64, places: usize) -> String {
     } else {
         text.replace('-', "")
     }
+}
+
+/// A fraction in percent, to two digits.
+fn in_percent(fraction: f64) -> String {
+    let percent = 100.0 * fraction;
+    let places = if percent < 9.95 { 1 } else { 0 };
+    format!("{percent:.places$}")
 }
 
 /// An error to one digit. What rounding alone makes is not told to the digit: the test's own sines are the machine's.
