@@ -5,48 +5,46 @@ use argmin::solver::neldermead::NelderMead;
 use indicatif::ProgressBar;
 
 use crate::common::Outcome;
-use crate::model::{Corrections, Model, Parameters, Score, WIDTH, scores};
+use crate::model::{Corrections, Model, Parameters, Score, Start, WIDTH, scores};
 use crate::tosses::Toss;
 
 /// Which of the parameters are free.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Free {
-    /// Stiffness, damping, friction, slip speed.
+    /// Stiffness, damping, friction with its transition load if it has one, slip speed.
     Ground,
     /// These, inertia and corner radius.
     GroundAndBody,
 }
 
-/// A simplex moves in steps of about 1: each parameter is multiplied by the exponential of its coordinate times this.
-const STEPS: [f64; 6] = [0.3, 0.3, 0.3, 0.5, 0.05, 0.5];
-
-impl Free {
-    fn count(self) -> usize {
-        match self {
-            Self::Ground => 4,
-            Self::GroundAndBody => 6,
-        }
+/// The numbers that are free, each with its step: a simplex moves in steps of about 1, and each
+/// number is multiplied by the exponential of its coordinate times the step.
+fn numbers(parameters: &mut Parameters, free: Free) -> Vec<(&mut f64, f64)> {
+    let mut numbers = vec![
+        (&mut parameters.stiffness, 0.3),
+        (&mut parameters.damping, 0.3),
+        (&mut parameters.coefficient, 0.3),
+        (&mut parameters.slip_speed, 0.5),
+    ];
+    numbers.extend(parameters.transition_load.as_mut().map(|load| (load, 0.7)));
+    if free == Free::GroundAndBody {
+        let Corrections {
+            inertia,
+            corner_radius,
+            ..
+        } = &mut parameters.body;
+        numbers.extend([(inertia, 0.05), (corner_radius, 0.5)]);
     }
+    numbers
+}
 
-    /// The parameters at some coordinates from a first guess.
-    fn at(self, guess: &Parameters, coordinates: &[f64]) -> Parameters {
-        let mut moved = [0.0; 6];
-        for (moved, (coordinate, step)) in moved.iter_mut().zip(coordinates.iter().zip(STEPS)) {
-            *moved = coordinate * step;
-        }
-        let factor = moved.map(f64::exp);
-        Parameters {
-            stiffness: guess.stiffness * factor[0],
-            damping: guess.damping * factor[1],
-            coefficient: guess.coefficient * factor[2],
-            slip_speed: guess.slip_speed * factor[3],
-            body: Corrections {
-                inertia: guess.body.inertia * factor[4],
-                corner_radius: (guess.body.corner_radius * factor[5]).min(0.4 * WIDTH),
-                ..guess.body
-            },
-        }
+/// The parameters at some coordinates from a first guess.
+fn at(mut guess: Parameters, free: Free, coordinates: &[f64]) -> Parameters {
+    for ((number, step), coordinate) in numbers(&mut guess, free).into_iter().zip(coordinates) {
+        *number *= (coordinate * step).exp();
     }
+    guess.body.corner_radius = guess.body.corner_radius.min(0.4 * WIDTH);
+    guess
 }
 
 /// What the simplex asks: the error at a place.
@@ -54,6 +52,7 @@ struct Cost<'a> {
     tosses: &'a [Toss],
     guess: Parameters,
     free: Free,
+    start: Start,
     steps: u32,
     bar: &'a ProgressBar,
 }
@@ -63,12 +62,12 @@ impl CostFunction for Cost<'_> {
     type Output = f64;
 
     fn cost(&self, coordinates: &Self::Param) -> Result<f64, Error> {
-        let parameters = self.free.at(&self.guess, coordinates);
+        let parameters = at(self.guess, self.free, coordinates);
         self.bar.inc(1);
         let Ok(model) = Model::new(&parameters, self.steps) else {
             return Ok(f64::MAX);
         };
-        let score = Score::mean(scores(&model, self.tosses).iter());
+        let score = Score::mean(scores(&model, self.tosses, self.start).iter());
         // A percent of the width counts like a degree.
         Ok(score.position + score.rotation)
     }
@@ -78,14 +77,15 @@ impl CostFunction for Cost<'_> {
 pub(crate) fn fit(
     tosses: &[Toss],
     guess: Parameters,
-    free: Free,
+    (free, start): (Free, Start),
     steps: u32,
     iterations: u64,
     bar: &ProgressBar,
 ) -> Outcome<Parameters> {
-    let mut simplex = vec![vec![0.0; free.count()]];
-    for k in 0..free.count() {
-        let mut corner = vec![0.0; free.count()];
+    let count = numbers(&mut guess.clone(), free).len();
+    let mut simplex = vec![vec![0.0; count]];
+    for k in 0..count {
+        let mut corner = vec![0.0; count];
         corner[k] = 1.0;
         simplex.push(corner);
     }
@@ -93,6 +93,7 @@ pub(crate) fn fit(
         tosses,
         guess,
         free,
+        start,
         steps,
         bar,
     };
@@ -103,5 +104,5 @@ pub(crate) fn fit(
         .state()
         .get_best_param()
         .ok_or("the fit tried nothing")?;
-    Ok(free.at(&guess, best))
+    Ok(at(guess, free, best))
 }

@@ -3,13 +3,17 @@
 use tumble::glam::{DMat4, DQuat, DVec3, DVec4};
 
 use crate::common::Outcome;
-use crate::model::{Corrections, GRAVITY, WIDTH};
+use crate::model::{Corrections, GRAVITY, Start, WIDTH};
+use crate::statistics;
 use crate::tosses::{RATE, Sample, Toss};
 
 /// Gap that a sample in flight has at least, m: above the tracker's error.
 const CLEAR: f64 = 0.005;
 /// Samples of a flight that a start is taken from at most: 0.1 s. Over longer ones a turn is not steady enough.
 const LONGEST_START: usize = 15;
+
+/// Samples of a flight that is long enough for the test of [`spin_change`].
+const TESTABLE: usize = 6;
 
 /// What the flights say, each with its standard error.
 pub(crate) struct Weighed {
@@ -26,58 +30,106 @@ pub(crate) struct Weighed {
 /// The centre of mass flies along a parabola, and the middle that is tracked turns about it: `middle = x + v t - g t²/2 - R c`, in tracked lengths, with the measured turn R. All flights
 /// together give c and g by least squares, each with a place x and a velocity v of its own, which are taken out first: what is left of every term is what a straight line in time
 /// does not explain. That g is 9.81 m/s² gives the scale.
-pub(crate) fn weigh(tosses: &[Toss]) -> Outcome<Weighed> {
-    let (mut normal, mut right) = ([[0.0; 4]; 4], [0.0; 4]);
-    let (mut squares, mut freedom) = (0.0, -4.0);
-    for toss in tosses {
-        // Close enough to know what is in flight.
-        let flight = flight(toss, 1.0);
-        if flight.len() < 3 {
-            continue;
-        }
-        let bent = |of: &dyn Fn(f64, &Sample) -> DVec3| bent(flight, of);
-        let terms = [
-            bent(&|_, sample| -(sample.orientation * DVec3::X)),
-            bent(&|_, sample| -(sample.orientation * DVec3::Y)),
-            bent(&|_, sample| -(sample.orientation * DVec3::Z)),
-            bent(&|t, _| DVec3::NEG_Z * (0.5 * t * t)),
-        ];
-        let path = bent(&|_, sample| sample.position);
-        for (row, term) in terms.iter().enumerate() {
-            for (column, other) in terms.iter().enumerate() {
-                normal[row][column] += product(term, other);
-            }
-            right[row] += product(term, &path);
-        }
-        squares += product(&path, &path);
-        freedom += 3.0 * (flight.len() as f64 - 2.0);
-    }
-    let inverse = DMat4::from_cols_array_2d(&normal).inverse();
-    let right = DVec4::from_array(right);
-    let found = inverse * right;
-    if !(found.is_finite() && found.w > 0.0 && freedom > 0.0) {
-        return Err("the flights before the first touch are too short, or turn too little, to weigh the cube by".into());
-    }
-    let variance = (squares - found.dot(right)).max(0.0) / freedom;
-    let error = DVec4::from_array([0, 1, 2, 3].map(|k| (variance * inverse.col(k)[k]).sqrt()));
-    let scale = GRAVITY / found.w;
+///
+/// The residuals of one flight are not independent: the tracker's error drifts within it. So the
+/// standard errors are those of a bootstrap over whole motions.
+pub(crate) fn weigh(motions: &[Vec<Toss>], seed: u64) -> Outcome<Weighed> {
+    let sums: Vec<Sums> = motions.iter().map(|motion| Sums::of(motion)).collect();
+    let (centre_of_mass, scale) = Sums::solution(sums.iter()).ok_or(
+        "the flights before the first touch are too short, or turn too little, to weigh the cube by",
+    )?;
+    let drawn: Vec<(DVec3, f64)> = statistics::drawings(sums.len(), seed)
+        .filter_map(|drawing| Sums::solution(drawing.iter().map(|&motion| &sums[motion])))
+        .collect();
+    let error = |of: &dyn Fn(&(DVec3, f64)) -> f64| statistics::deviation(drawn.iter().map(of));
     Ok(Weighed {
-        centre_of_mass: found.truncate() * scale,
-        centre_error: error.truncate() * scale,
+        centre_of_mass,
+        centre_error: DVec3::new(
+            error(&|(centre, _)| centre.x),
+            error(&|(centre, _)| centre.y),
+            error(&|(centre, _)| centre.z),
+        ),
         scale,
-        scale_error: scale * error.w / found.w,
+        scale_error: error(&|&(_, scale)| scale),
     })
 }
 
-/// The first sample as the whole flight says, in true lengths and of the centre of mass: a parabola and a steady turn (the cube's moments are equal) through all samples before the first
-/// touch, by least squares. It evens the tracker's noise out, and a backward difference's lag.
-pub(crate) fn start(toss: &Toss, body: &Corrections) -> Sample {
+/// The normal equations of one motion for c and g.
+struct Sums {
+    normal: DMat4,
+    right: DVec4,
+}
+
+impl Sums {
+    fn of(motion: &[Toss]) -> Self {
+        let (mut normal, mut right) = ([[0.0; 4]; 4], [0.0; 4]);
+        for toss in motion {
+            // Close enough to know what is in flight.
+            let flight = flight(toss, 1.0);
+            if flight.len() < 3 {
+                continue;
+            }
+            let bent = |of: &dyn Fn(f64, &Sample) -> DVec3| bent(flight, of);
+            let terms = [
+                bent(&|_, sample| -(sample.orientation * DVec3::X)),
+                bent(&|_, sample| -(sample.orientation * DVec3::Y)),
+                bent(&|_, sample| -(sample.orientation * DVec3::Z)),
+                bent(&|t, _| DVec3::NEG_Z * (0.5 * t * t)),
+            ];
+            let path = bent(&|_, sample| sample.position);
+            for (row, term) in terms.iter().enumerate() {
+                for (column, other) in terms.iter().enumerate() {
+                    normal[row][column] += product(term, other);
+                }
+                right[row] += product(term, &path);
+            }
+        }
+        Self {
+            normal: DMat4::from_cols_array_2d(&normal),
+            right: DVec4::from_array(right),
+        }
+    }
+
+    /// Centre of mass in true lengths, and true lengths over tracked ones.
+    fn solution<'a>(sums: impl Iterator<Item = &'a Self>) -> Option<(DVec3, f64)> {
+        let (mut normal, mut right) = (DMat4::ZERO, DVec4::ZERO);
+        for sum in sums {
+            normal += sum.normal;
+            right += sum.right;
+        }
+        let found = normal.inverse() * right;
+        let scale = GRAVITY / found.w;
+        (found.is_finite() && found.w > 0.0).then(|| (found.truncate() * scale, scale))
+    }
+}
+
+/// Change of the angular velocity from the first half of the flight to the second, rad/s.
+///
+/// The cube's three moments of inertia are equal to some per cent, so that its angular momentum and
+/// with it its angular velocity are constant in free flight. A hand that still holds it changes
+/// them. Returns `None` for a flight of fewer than six samples.
+pub(crate) fn spin_change(toss: &Toss) -> Option<f64> {
+    let flight = flight(toss, 1.0);
+    let last = flight.len().checked_sub(1)?;
+    let middle = last / 2;
+    let spin = |from: usize, to: usize| {
+        let turn = flight[to].orientation * flight[from].orientation.inverse();
+        let turn = if turn.w < 0.0 { -turn } else { turn };
+        turn.to_scaled_axis() * (RATE / (to - from) as f64)
+    };
+    (flight.len() >= TESTABLE).then(|| (spin(middle, last) - spin(0, middle)).length())
+}
+
+/// Returns the first state, in true lengths and of the centre of mass: that of the first sample
+/// alone, or that of a parabola and a steady rotation (the moments of inertia are equal) through the
+/// samples before the first touch, by least squares.
+pub(crate) fn start(toss: &Toss, body: &Corrections, start: Start) -> Sample {
     let first = &toss.samples[0];
     let centre =
         |sample: &Sample| sample.position * body.scale + sample.orientation * body.centre_of_mass;
     let flight = flight(toss, body.scale);
     let flight = &flight[..flight.len().min(LONGEST_START)];
-    if !body.start_from_flight || flight.len() < 3 {
+    if start == Start::FirstSample || flight.len() < 3 {
         let arm = first.orientation * body.centre_of_mass;
         let spin = first.orientation * first.spin;
         return Sample {

@@ -3,7 +3,7 @@
 use tumble::glam::{DQuat, DVec3};
 
 use crate::common::{Outcome, Random};
-use crate::model::{Corrections, Model, Parameters, STEPS};
+use crate::model::{Corrections, Model, Parameters, STEPS_OF_SYNTHETIC, Start};
 use crate::tosses::{Sample, Toss};
 
 /// What made the tosses.
@@ -12,6 +12,7 @@ pub(crate) const TRUTH: Parameters = Parameters {
     damping: 80.0,
     coefficient: 0.25,
     slip_speed: 0.02,
+    transition_load: Some(20.0),
     body: Corrections {
         centre_of_mass: DVec3::new(0.0, 0.0, 0.004),
         ..Corrections::NONE
@@ -24,6 +25,7 @@ pub(crate) const GUESS: Parameters = Parameters {
     damping: 60.0,
     coefficient: 0.2,
     slip_speed: 0.03,
+    transition_load: Some(40.0),
     body: Corrections::NONE,
 };
 
@@ -33,7 +35,7 @@ const SAMPLES: usize = 60;
 const NOISE: f64 = 1e-4;
 
 pub(crate) fn tosses(count: u32, seed: u64) -> Outcome<Vec<Toss>> {
-    let model = Model::new(&TRUTH, STEPS)?;
+    let model = Model::new(&TRUTH, STEPS_OF_SYNTHETIC)?;
     let mut random = Random(seed);
     let mut tosses = Vec::new();
     for number in 0..count {
@@ -42,7 +44,9 @@ pub(crate) fn tosses(count: u32, seed: u64) -> Outcome<Vec<Toss>> {
             number,
             samples: vec![start; SAMPLES],
         };
-        let states = model.predict(&toss).ok_or("the model cannot go on")?;
+        let states = model
+            .predict(&toss, Start::FirstSample)
+            .ok_or("the model cannot go on")?;
         for (sample, state) in toss.samples.iter_mut().zip(states).skip(1) {
             let turn = DQuat::from_scaled_axis(any(&mut random, NOISE));
             sample.position = state.position + any(&mut random, NOISE);
