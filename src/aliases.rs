@@ -178,7 +178,7 @@ mod tests {
                 let trial = Trial::report(1).unwrap();
                 assert!(trial.tilt.abs() > 0.2);
                 let mut ledger = Ledger::new();
-                assert!(ledger.residue().abs() < 1e-30);
+                assert!(ledger.energy_error().abs() < 1e-30);
 
                 let masses = [0.1; 2];
                 let body = PointCloud::new([Vector::X, -Vector::X], masses).unwrap();

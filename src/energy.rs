@@ -1,5 +1,6 @@
 //! Energy by kind, and the rate at which contacts take it away.
 
+use crate::body::RigidPointBody;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
@@ -159,6 +160,8 @@ pub struct Account<R: Real = f64> {
     pub dissipation: Dissipation<R>,
     /// How fast the state changes.
     pub rates: Rates<R>,
+    /// Checksum of the contacts that touch, and of those that push.
+    pub(crate) contacts: u64,
 }
 
 impl<R: Real> Account<R> {
@@ -167,8 +170,12 @@ impl<R: Real> Account<R> {
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Self {
         let motion = scene.motion(state);
         let (mut load, mut dissipation) = (Load::default(), Dissipation::default());
-        let mut enter = |contact: &Contact<R>| {
+        let (mut contacts, smooth) = (0_u64, scene.body().is_smooth());
+        let mut enter = |contact: &Contact<R>, number: u64| {
             let (force, power) = force_and_power(scene, contact, motion.angular_velocity);
+            // A contact that touches counts once, and one that pushes a second time.
+            let pushes = force.dot(contact.normal) > R::ZERO;
+            contacts = contacts.wrapping_add(number << u32::from(pushes));
             load.add(contact, force);
             if let Some(torque) = torque_on(scene, contact, motion.angular_velocity) {
                 load.torque += torque;
@@ -178,15 +185,28 @@ impl<R: Real> Account<R> {
         let run = scene.contacts_within(R::ZERO, motion.position, &motion.axes);
         let mut springs = R::ZERO;
         visit_points(scene, run, &motion, &mut |contact: &Contact<R>| {
-            enter(contact);
+            enter(contact, if smooth { 1 } else { checksum(contact) });
             springs += scene.ground().spring_energy(contact.depth);
         });
-        scene.visit_rims(&motion, enter);
+        // The points of a circular edge touch one after the other, without a jump of the force.
+        scene.visit_rims(&motion, |contact| enter(contact, 0));
         let (of_rims, _) = rims_energy(scene, &motion);
         Self {
             energy: Energy::moving(scene, state, &motion, springs + of_rims),
             dissipation,
             rates: Rates::under(&load, scene, &motion),
+            contacts,
         }
     }
+}
+
+/// Checksum of the position of a contact in the body, which is another one for each contact.
+fn checksum<R: Real>(contact: &Contact<R>) -> u64 {
+    let position = contact.point.position;
+    let mut sum = 0_u64;
+    for number in [position.x(), position.y(), position.z()] {
+        sum = (sum ^ number.to_f64().to_bits()).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        sum ^= sum >> 32;
+    }
+    sum | 1
 }

@@ -14,6 +14,9 @@ mod rk4;
 mod strang_splitting;
 mod symplectic_euler;
 
+pub(crate) use dormand_prince_54::PAIR as DORMAND_PRINCE;
+pub(crate) use rk4::Point;
+
 pub use bogacki_shampine_32::BogackiShampine32;
 pub use dormand_prince_54::DormandPrince54;
 pub use embedded_pair::Workspace as EmbeddedPairWorkspace;

@@ -41,7 +41,7 @@
 //! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), with a static and a kinetic coefficient ([`Stribeck`]), a coefficient
 //!   that falls with the load ([`LoadDependentCoulomb`]), or two directions ([`AnisotropicCoulomb`]); [`Viscous`]; or your own. Beside any of them, resistance to rolling and drilling ([`WithResistance`]).
 //! - Bodies: rings of points ([`Coin`]), solids ([bodies](body#bodies)), and anything put together from solids and points ([`Solid`], [`MassDistribution`], [`PointCloud`]).
-//! - The energy by kind ([`Energy`]) and the books of a run ([`Ledger`]).
+//! - The energy by kind ([`Energy`]) and the energy audit of a run ([`Ledger`]).
 //!
 //! # What is not
 //!
@@ -64,7 +64,7 @@
 //! |---|---|---|
 //! | G1 | With [`EnergyMomentum`] the computed energy never rises, by no unit in the last place, at any time step, stiffness, damping, friction, spin, size, shape and precision. | `tests/contract.rs` (random scenes), `tests/extremes.rs` (a sweep of the extremes), [derivation](guide::energy) |
 //! | G2 | The body stays rigid: distances and the orientation's length stay at rounding, however long the run. | `tests/rigidity.rs`, up to 10⁷ steps |
-//! | G3 | The books balance: energy now is energy at the start less what friction, dampers and clamp took, plus a residue that falls at the integrator's order. | `tests/truth.rs` against true works |
+//! | G3 | The energy audit adds up: energy now is energy at the start less what friction, dampers and separation took, plus the energy error. The energy error is the integrator's own. It falls at the integrator's order, through touch-downs too, and with the tolerance of an adaptive method. | `tests/truth.rs`, against the true works of all eight trials |
 //! | G4 | Accuracy is a number: each integrator states order, price, stability limit, and when it can add energy. | `tests/truth.rs`, `tests/energy.rs` (both sides of each limit), `examples/accuracy`, [tables](guide::accuracy); `tests/validation`, [closed forms and printed numbers](guide::validation) |
 //! | G5 | A scene pays for what it names: no ground, friction or gravity costs nothing, flight visits no contact, rest costs a comparison. | `benches/` |
 //! | G6 | No standard library, no allocation, no panic. | `.ci/no_std.sh` (linked with nothing to panic with), `.ci/embedded.sh` (no panic in the image of a microcontroller), `tests/downstream/tests/no_allocation.rs` |

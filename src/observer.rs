@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ledger_looks_at_the_contacts_twice_a_step() {
+    fn a_ledger_evaluates_the_contacts_seven_times_in_a_smooth_step() {
         let ground = Counting(Cell::new(0));
         let stepper = Stepper::new(Coin::ring(1.0, 0.5))
             .unwrap()
@@ -279,8 +279,8 @@ mod tests {
         let watched = visits_of(10.0, &mut |sample| {
             let _ = ledger.observe(sample);
         });
-        // One look opens the books.
-        assert_eq!(watched - unwatched, 1 + 2 * 10);
+        // The first sample; then the end of each step and the six further stages of the motion from its start.
+        assert_eq!(watched - unwatched, 1 + 7 * 10);
     }
 
     #[test]

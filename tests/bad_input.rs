@@ -1745,7 +1745,7 @@ impl Anything {
             Err(_) => assert!(state.not_finite().is_none() || before.not_finite().is_some()),
         }
         let _ = (
-            books.residue(),
+            books.energy_error(),
             stepper.energy(&state),
             stepper.lowest_point(&state),
             stepper.touching(&state),

@@ -155,9 +155,9 @@ fn the_books_hold_what_resistance_takes() {
         ledger.work().friction
     );
     assert!(
-        ledger.residue().abs() < slack,
+        ledger.energy_error().abs() < slack,
         "{} J of {lost}",
-        ledger.residue()
+        ledger.energy_error()
     );
 }
 

@@ -37,7 +37,7 @@ pub(crate) fn tables() -> Result<(), Box<dyn Error>> {
         distance(&end.state, &truth)
     });
     println!();
-    table("residue in f32 (f64), J", &measured, |end| {
+    table("energy error in f32 (f64), J", &measured, |end| {
         end.residue.abs()
     });
     println!();
@@ -161,7 +161,7 @@ fn run<R: Widen, I: Integrator<R>>(integrator: I, away: f64) -> Option<End> {
     end.position -= DVec3::X * away;
     Some(End {
         state: end,
-        residue: ledger.residue().to_f64(),
+        residue: ledger.energy_error().to_f64(),
     })
 }
 

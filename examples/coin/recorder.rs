@@ -50,7 +50,7 @@ impl<'a> Recorder<'a> {
     pub(crate) fn finish(self) -> (Vec<Moment>, Option<Books>) {
         let books = self.ledger.map(|ledger| Books {
             work: ledger.work(),
-            residue: ledger.residue(),
+            residue: ledger.energy_error(),
         });
         (self.moments, books)
     }

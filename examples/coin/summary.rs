@@ -75,8 +75,8 @@ fn write_books(out: &mut fmt::Formatter<'_>, books: Books) -> fmt::Result {
     write_line(out, "  by friction", joules(books.work.friction))?;
     write_line(out, "  by the dampers", joules(books.work.damper))?;
     write_line(out, "  by springs let go", joules(books.work.clamp))?;
-    let residue = format!("{}, the error of the method", joules(books.residue));
-    write_line(out, "  residue", residue)
+    let error = format!("{}, of the method", joules(books.residue));
+    write_line(out, "  energy error", error)
 }
 
 /// Of an implicit method.

@@ -43,7 +43,7 @@ impl<R: Real> DormandPrince54<R> {
     }
 }
 
-const PAIR: Pair<7> = Pair {
+pub(crate) const PAIR: Pair<7> = Pair {
     stages: [
         [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0, 0.0],

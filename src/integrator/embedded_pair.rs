@@ -22,11 +22,11 @@ use crate::state::State;
 use control::{Control, Errors};
 
 /// Coefficients of a pair whose last stage is the first of the next step.
-pub(super) struct Pair<const STAGES: usize> {
+pub(crate) struct Pair<const STAGES: usize> {
     /// Row i weighs the slopes 0 to i for the place of slope i + 1; the last but one gives the result, the last is idle.
-    pub(super) stages: [[f64; STAGES]; STAGES],
+    pub(crate) stages: [[f64; STAGES]; STAGES],
     /// Weights of the slopes in the estimate: those of the result less those of the lower order.
-    pub(super) error: [f64; STAGES],
+    pub(crate) error: [f64; STAGES],
     /// What counts of an estimated error of the velocities: how much larger it is than what the result, of a higher order, errs and contacts leave of that.
     pub(super) trust: f64,
     /// The controller works with the 2^roots-th root of the error: next below the estimate's order in the step.

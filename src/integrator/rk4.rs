@@ -97,16 +97,16 @@ fn grows<R: Real>(real: R, imaginary: R) -> bool {
 
 /// The thirteen numbers as the method adds them: a state, or its slope in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Point<R: Real> {
-    pub(super) position: R::Vec3,
-    pub(super) linear_velocity: R::Vec3,
-    pub(super) orientation: Rotation<R>,
-    pub(super) angular_momentum: R::Vec3,
+pub(crate) struct Point<R: Real> {
+    pub(crate) position: R::Vec3,
+    pub(crate) linear_velocity: R::Vec3,
+    pub(crate) orientation: Rotation<R>,
+    pub(crate) angular_momentum: R::Vec3,
 }
 
 impl<R: Real> Point<R> {
     #[inline]
-    pub(super) fn of(state: &State<R>) -> Self {
+    pub(crate) fn of(state: &State<R>) -> Self {
         Self {
             position: state.position,
             linear_velocity: state.linear_velocity,
@@ -116,7 +116,7 @@ impl<R: Real> Point<R> {
     }
 
     #[inline]
-    pub(super) fn to_state(self) -> State<R> {
+    pub(crate) fn to_state(self) -> State<R> {
         State {
             position: self.position,
             linear_velocity: self.linear_velocity,
@@ -127,7 +127,7 @@ impl<R: Real> Point<R> {
 
     /// The same with a quaternion of length 1.
     #[inline]
-    pub(super) fn normalised(self) -> Self {
+    pub(crate) fn normalised(self) -> Self {
         Self {
             orientation: self.orientation.normalised(),
             ..self
@@ -135,7 +135,7 @@ impl<R: Real> Point<R> {
     }
 
     #[inline]
-    pub(super) fn plus(&self, slope: &Self, seconds: R) -> Self {
+    pub(crate) fn plus(&self, slope: &Self, seconds: R) -> Self {
         Self {
             position: self.position + slope.position * seconds,
             linear_velocity: self.linear_velocity + slope.linear_velocity * seconds,

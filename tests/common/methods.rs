@@ -175,7 +175,7 @@ impl Observer for Recorder<'_> {
                 state: *sample.state,
                 energy: sample.energy(),
                 work: self.ledger.work(),
-                residue: self.ledger.residue(),
+                residue: self.ledger.energy_error(),
             });
         }
         flow

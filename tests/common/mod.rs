@@ -5,6 +5,7 @@
 // A test helper that cannot go on ends its test.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+pub(crate) mod continuous;
 pub(crate) mod methods;
 pub(crate) mod report_loop;
 
@@ -67,6 +68,11 @@ pub(crate) fn trace(trial: usize) -> Table {
 /// The continuous model in trials 1, 3, 5 and 8, as `tests/data/README.md` describes it.
 pub(crate) fn truth_table() -> Table {
     Table::parse(include_str!("../data/truth_table.csv"))
+}
+
+/// The works of the continuous model in all eight trials, as `tests/data/README.md` describes them.
+pub(crate) fn works_table() -> Table {
+    Table::parse(include_str!("../data/works.csv"))
 }
 
 /// Largest difference of two vectors in a component.

@@ -241,7 +241,7 @@ fn follow<R: Bits, I: Integrator<R>>(
     };
     let mut observers = (Ledger::new(), fold);
     let end = stepper.run(&mut state, real(seconds), &mut observers);
-    let residue = observers.0.residue();
+    let residue = observers.0.energy_error();
     hash.number(residue);
     hash.state(&state);
     (hash.0, end.is_err())

@@ -86,7 +86,7 @@ fn live<I: Integrator>(
         .run(&mut state, 0.2, &mut observers)
         .expect("the steps are good");
     black_box((
-        observers.0.residue(),
+        observers.0.energy_error(),
         stepper.energy(&state).total(),
         stepper.lowest_point(&state),
     ));

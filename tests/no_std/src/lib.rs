@@ -85,7 +85,7 @@ fn run<R: Real>(
     stepper.run(state, seconds, &mut observers).ok()?;
     *state = stepper.spinning(*state, stepper.angular_velocity(state));
     let lowest = stepper.lowest_point(state)?;
-    Some(observers.0.residue() + stepper.energy(state).total() + lowest.gap)
+    Some(observers.0.energy_error() + stepper.energy(state).total() + lowest.gap)
 }
 
 /// A coin of as many points as there is room for.
