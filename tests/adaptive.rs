@@ -9,9 +9,9 @@ use common::methods::{Record, Setup, apart, convergence, method, truths};
 use tumble::glam::{DMat3, DVec3};
 use tumble::integrator::EmbeddedPairWorkspace;
 use tumble::{
-    BogackiShampine32, Coin, ContactPoint, Coulomb, DormandPrince54, Ellipsoid, FlatGround,
-    Integrator, PointCloud, RigidPointBody, Rk4, SpringDamperGround, State, StepError, Stepper,
-    Surface, Trial, UniformGravity,
+    BogackiShampine32, Coin, ContactPoint, Coulomb, DormandPrince54, Ellipsoid, EnergyMomentum,
+    FlatGround, Integrator, Nystrom, PointCloud, RigidPointBody, Rk4, Sphere, SpringDamperGround,
+    State, StepError, Stepper, Surface, Trial, UniformGravity,
 };
 
 /// 1e-3 to 1e-9 m, three a decade, so that none is met by luck.
@@ -108,6 +108,133 @@ fn in_trials_that_no_constant_was_chosen_on_the_error_is_ten_tolerances_at_most(
     for (name, (least, largest)) in ["BogackiShampine32", "DormandPrince54"].iter().zip(pairs) {
         println!("{name}: errors of {least:.2} to {largest:.1} tolerances");
     }
+}
+
+/// How far the truth moves after 1 s for errors of one tolerance then: of the position, of the velocity by 1 a second, and of the spin, each in its worst direction, added up.
+fn growth_after_a_second(number: usize, truths: &[Record], size: f64) -> Vec<f64> {
+    let start = truths.iter().find(|truth| (truth.time - 1.0).abs() < 1e-9);
+    let start = start.unwrap().state;
+    let fine = Nystrom { time_step: 1e-4 };
+    let stepper = trial(number).stepper(fine).unwrap();
+    let times = || (truths.iter().map(|truth| truth.time)).filter(|time| *time > 1.0 + 1e-9);
+    let later = |mut state: State| -> Vec<State> {
+        let mut now = 1.0;
+        times()
+            .map(|time| {
+                stepper.advance(&mut state, time - now).unwrap();
+                now = time;
+                state
+            })
+            .collect()
+    };
+    let straight = later(start);
+    // The spin is an angular momentum over the least moment, 1/8 kg m², at the radius of 0.5 m.
+    let pushes: [fn(&mut State, DVec3); 3] = [
+        |state, push| state.position += push,
+        |state, push| state.linear_velocity += push,
+        |state, push| state.angular_momentum += push * 0.25,
+    ];
+    let mut growth = vec![0.0; straight.len()];
+    for push in pushes {
+        let mut worst = vec![0.0_f64; straight.len()];
+        for axis in DVec3::AXES {
+            let mut pushed = start;
+            push(&mut pushed, axis * size);
+            for ((worst, a), b) in worst.iter_mut().zip(&later(pushed)).zip(&straight) {
+                *worst = worst.max(apart(a, b).place / size);
+            }
+        }
+        growth
+            .iter_mut()
+            .zip(worst)
+            .for_each(|(sum, worst)| *sum += worst);
+    }
+    growth
+}
+
+/// After the first second the error is what the motion makes of it: of up to ten tolerances at 1 s, and of as many that are added on the way and grow no further.
+#[test]
+fn after_a_second_the_error_grows_as_the_motion_makes_disturbances_grow() {
+    fn check<I: Integrator>(name: &str, of: fn(f64) -> I) {
+        let mut largest = [0.0_f64; 2];
+        for number in [1, 3, 5, 8] {
+            let truths = truths(number, 1e-3, 4.0);
+            for tolerance in [1e-4, 1e-5, 1e-7] {
+                let growth = growth_after_a_second(number, &truths, tolerance);
+                let stepper = trial(number).stepper(of(tolerance)).unwrap();
+                let (mut state, mut time) = (trial(number).state(), 0.0);
+                let mut growth = growth.iter();
+                for truth in &truths {
+                    stepper.advance(&mut state, truth.time - time).unwrap();
+                    time = truth.time;
+                    if time < 1.0 + 1e-9 {
+                        continue;
+                    }
+                    let ratio = apart(&state, &truth.state).place / tolerance;
+                    let late = usize::from(time > 2.0 + 1e-9);
+                    largest[late] = largest[late].max(ratio);
+                    let bound = 10.0 * growth.next().unwrap() + 10.0;
+                    assert!(
+                        ratio < bound,
+                        "trial {number}, {time} s: {ratio} of {bound}"
+                    );
+                }
+            }
+        }
+        println!(
+            "{name}: up to {:.0} tolerances at 2 s, {:.0} at 4 s",
+            largest[0], largest[1]
+        );
+    }
+    check("BogackiShampine32", BogackiShampine32::new);
+    check("DormandPrince54", DormandPrince54::new);
+}
+
+#[test]
+fn a_rolling_ball_that_sticks_is_told_to_take_an_implicit_step() {
+    // A billiard ball that rolls without sliding: nothing happens, but stability bounds each step to 2.79 slip_speed/(3.5 μ g) = 0.41 µs, or 2.4 million steps a second.
+    let slip_speed = 1e-6;
+    let scene = Stepper::new(Sphere::solid(0.17, 0.0286))
+        .and_then(|stepper| stepper.with_ground(FlatGround::level(1e5, 10.0)))
+        .and_then(|stepper| {
+            stepper.with_friction(Coulomb {
+                coefficient: 0.2,
+                slip_speed,
+            })
+        })
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
+        .unwrap();
+    let start = scene.spinning(
+        State::at(DVec3::Z * (0.0286 - 0.17 * 9.8 / 1e5)).with_linear_velocity(DVec3::X),
+        DVec3::Y / 0.0286,
+    );
+    let explicit = scene.with_integrator(Rk4 { time_step: 1e-3 }).unwrap();
+    let limit = explicit.largest_stable_step(&start).unwrap();
+    let expected = 2.785 * slip_speed / (3.5 * 0.2 * 9.8);
+    assert!(
+        (limit / expected - 1.0).abs() < 1e-3,
+        "{limit:e} s, not {expected:e} s"
+    );
+
+    let method = DormandPrince54 {
+        budget: 20_000,
+        ..DormandPrince54::new(1e-9)
+    };
+    let adaptive = scene.with_integrator(method).unwrap();
+    let error = adaptive.advance(&mut start.clone(), 1.0).unwrap_err();
+    let StepError::BudgetSpent { time, .. } = error else {
+        panic!("{error}");
+    };
+    // The steps are near the limit: of order 5 with a limit of 3.3 on the real axis, and some refused.
+    assert!(time < 20_000.0 * 2.0 * limit, "{time} s");
+    assert!(error.to_string().contains("take EnergyMomentum"), "{error}");
+
+    let mut state = start;
+    let implicit = scene
+        .with_integrator(EnergyMomentum { time_step: 1e-2 })
+        .unwrap();
+    implicit.advance(&mut state, 1.0).unwrap();
+    assert!((state.position.x - 1.0).abs() < 1e-3, "{state:?}");
 }
 
 /// Evaluations of the forces for a quarter of a second.

@@ -11,10 +11,10 @@ use kit::{Solid, each_explicit, log_uniform, order, point_mass};
 use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    Coin, ContactPoint, Coulomb, Cuboid, DormandPrince54, Drag, Dynamics, EnergyMomentum,
-    FlatGround, Flight, ForwardEuler, Integrator, Nystrom, Plane, Real, RigidPointBody, Rk4,
-    SlidingFriction, Solid as Hull, Sphere, SpringDamperGround, State, Stepper, StrangSplitting,
-    Surface, SymplecticEuler, Trial, UniformGravity,
+    Bowl, Coin, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Drag, Dynamics,
+    EnergyMomentum, FlatGround, Flight, ForwardEuler, Ground, Integrator, Nystrom, Plane, Real,
+    RigidPointBody, Rk4, SlidingFriction, Solid as Hull, Sphere, SpringDamper, SpringDamperGround,
+    State, Stepper, StrangSplitting, Surface, SymplecticEuler, Terrain, Trial, UniformGravity,
 };
 
 /// A table on four soft springs without friction and damping: nothing can take energy. It presses them down by 0.245 m and never leaves one: smooth motion.
@@ -712,4 +712,58 @@ fn the_limit_of_one_contact_is_that_of_its_effective_mass_and_of_its_friction_in
         .with_integrator(ForwardEuler { time_step: 1e-3 })
         .unwrap();
     assert_eq!(euler.largest_stable_step(&at(-1e-3)), Some(0.0));
+}
+
+#[test]
+fn a_round_rim_and_a_terrain_have_the_limits_of_their_polygon_and_plane() {
+    // A disc of 240 points leans at 1 rad and penetrates so far that its arc is 40 points long, sliding. The polygon of as many points differs by the share of a point, twice.
+    let state = State::at(DVec3::Z * (0.5 * 1.0_f64.cos() - 0.02))
+        .turned_by(DVec3::Y)
+        .with_linear_velocity(DVec3::X);
+    let friction = Coulomb {
+        coefficient: 0.3,
+        slip_speed: 1e-3,
+    };
+    fn limit<B: RigidPointBody>(body: B, friction: Coulomb, state: &State) -> Option<f64> {
+        Stepper::new(body)
+            .and_then(|stepper| stepper.with_ground(FlatGround::level(500.0, 0.25)))
+            .and_then(|stepper| stepper.with_friction(friction))
+            .and_then(|stepper| stepper.with_integrator(Rk4 { time_step: 1e-3 }))
+            .unwrap()
+            .largest_stable_step(state)
+    }
+    let round = limit(Disc::ring(1.0, 0.5, 240), friction, &state).unwrap();
+    let points = vec![ContactPoint::default(); 240];
+    let polygon = limit(Coin::ring_in(points, 1.0, 0.5), friction, &state).unwrap();
+    assert!(
+        (round / polygon - 1.0).abs() < 0.03,
+        "{round:e} and {polygon:e} s"
+    );
+    // On the side of a bowl a ball has the limit that it has on the tangent plane: 2/ω, or in stick that of its friction.
+    let law = SpringDamper {
+        stiffness: 1e4,
+        damping: 0.0,
+    };
+    let bowl = Ground {
+        law,
+        shape: Terrain::of(Bowl {
+            curvatures: [1.0, 0.5],
+        }),
+    };
+    let place = DVec3::new(0.3, 0.2, 0.3 * 0.3 / 2.0 + 0.5 * 0.2 * 0.2 / 2.0);
+    let normal = DVec3::new(-0.3, -0.1, 1.0).normalize();
+    let resting = State::at(place + normal * (0.05 - 1e-3));
+    let ball = Stepper::new(Sphere::solid(1.0, 0.05)).and_then(|stepper| stepper.with_ground(bowl));
+    let slides = ball
+        .and_then(|s| s.with_integrator(SymplecticEuler { time_step: 1e-3 }))
+        .unwrap();
+    let free = slides.largest_stable_step(&resting).unwrap();
+    assert!((free / 0.02 - 1.0).abs() < 1e-6, "{free}");
+    let sticks = slides.with_friction(friction).unwrap();
+    let expected = 2.0 / (3.5 * 0.3 * 10.0 / 1e-3);
+    let stuck = sticks.largest_stable_step(&resting).unwrap();
+    assert!(
+        (stuck / expected - 1.0).abs() < 0.02,
+        "{stuck:e} s, not {expected:e} s"
+    );
 }

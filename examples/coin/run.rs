@@ -6,7 +6,7 @@ use std::time::Instant;
 use indicatif::ProgressBar;
 use tumble::{
     Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Nystrom,
-    Rk4, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
+    Observer, Rk4, Sample, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
 };
 
 use crate::options::UsageError;
@@ -80,8 +80,44 @@ fn by_library<I: Integrator<f64>>(
     recorder: &mut Recorder<'_>,
 ) -> Result<(), Box<dyn Error>> {
     let mut state: State = setup.trial.state();
-    stepper
-        .run(&mut state, setup.duration, recorder)
-        .map_err(|error| format!("after {:.2} s: {error}", recorder.time()))?;
+    let mut limit = StepLimit::default();
+    let result = stepper.run(&mut state, setup.duration, &mut |sample: &Sample<'_>| {
+        limit.sample(stepper, sample);
+        recorder.observe(sample)
+    });
+    limit.warn(setup.time_step);
+    result.map_err(|error| format!("after {:.2} s: {error}", recorder.time()))?;
     Ok(())
+}
+
+/// The first state of a run, looked for every 10 ms, at which the step is too long to be stable.
+#[derive(Default)]
+struct StepLimit {
+    /// s: when to look again.
+    next: f64,
+    /// Least limit so far and its time, s.
+    least: Option<(f64, f64)>,
+}
+
+impl StepLimit {
+    fn sample<I: Integrator<f64>>(&mut self, stepper: &CoinStepper<I>, sample: &Sample<'_>) {
+        if sample.time < self.next {
+            return;
+        }
+        self.next = sample.time + 0.01;
+        if let Some(limit) = stepper.largest_stable_step(sample.state) {
+            if self.least.is_none_or(|(least, _)| limit < least) {
+                self.least = Some((limit, sample.time));
+            }
+        }
+    }
+
+    /// Says so if a contact was stiffer than the step allows, in its springs or in the friction of a stuck slip.
+    fn warn(&self, time_step: f64) {
+        if let Some((least, time)) = self.least.filter(|(least, _)| *least < time_step) {
+            eprintln!(
+                "warning: the step of {time_step:e} s is longer than {least:.1e} s, the largest stable one at {time:.2} s"
+            );
+        }
+    }
 }

@@ -61,6 +61,10 @@ impl<I: Integrator<f64>> Integrator<f64> for Tallied<I> {
         self.integrator.order()
     }
 
+    fn largest_stable_step(&self, stiffness: f64, damping: f64) -> Option<f64> {
+        self.integrator.largest_stable_step(stiffness, damping)
+    }
+
     fn check(&self) -> Result<(), SceneError> {
         self.integrator.check()
     }

@@ -25,7 +25,7 @@ use crate::state::State;
 ///   limit reaches 3.06/ω). [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes it at a state.
 /// - Order 1 through touch-downs. The damper's force jumps there by `c u`, with `u` the closing speed, and the kick sees it or
 ///   not: an error of up to `dt c u/2m` of the velocity, of either sign. The measured order on the eight trials is 0.9 to 2.7. On
-///   a law without that jump ([`LimitedDamper`](crate::LimitedDamper)) it is 1.9 to 3.1
+///   a law without that jump ([`LimitedDamper`](crate::LimitedDamper)) it is 1.7 to 3.4
 ///   ([accuracy](crate::guide::accuracy)). [`EnergyMomentum`](crate::EnergyMomentum), which averages the force over the step, keeps 2.
 /// - Sticks for `dt < 2 slip_speed/(3 μ g)` (the 3 is `1 + m r²/I`, of a ring): in a longer step the kick turns a stuck slip round instead of ending it, friction does next to
 ///   no work, and a body comes to rest too late. A coin of the report with μ = 0.8 and a slip speed of 1e-10 m/s, which settles after 78 s, does so after 108 s with dt = 1 ms
