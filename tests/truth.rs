@@ -386,7 +386,8 @@ fn in_trial_1_the_residue_of_the_books_falls_with_the_step() {
     }
 }
 
-/// The audit on all eight trials of the report, through their touch-downs, against `tests/data/works.csv`.
+/// The audit on all eight trials of the report, through their touch-downs, against
+/// `tests/data/works.csv`.
 mod audit {
     use super::common::methods::{METHODS, Method, Setup, convergence};
     use super::common::{continuous, works_table};
@@ -546,8 +547,8 @@ mod audit {
             let order = |part: fn(&Audit) -> f64| {
                 convergence(&means.map(|(time_step, mean)| (time_step, part(&mean))))
             };
-            // Through touch-downs: order 2 where the method integrates the jump of the force, else order 1. Sixteen rows,
-            // each with chance in it: where in the steps the contacts close.
+            // Through touch-downs: order 2 where the method integrates the jump of the force, else
+            // order 1. Sixteen rows, each with chance in it: where in the steps the contacts close.
             let least = match method.name {
                 "EnergyMomentum" | "Nystrom" => 1.8,
                 _ => 0.8,
@@ -577,9 +578,9 @@ mod audit {
     #[test]
     fn works_and_energy_error_of_adaptive_methods_keep_to_the_tolerance_in_all_eight_trials() {
         for row in rows(0.5) {
-            // A tolerance (m) becomes an error of the velocity (m/s) of up to ten times its size, see
-            // `guide::accuracy`; a velocity error costs its product with the momentum of the rim, M |L|/I of 0.125 kg m^2
-            // times the radius (kg m/s). Three such works.
+            // A tolerance (m) becomes an error of the velocity (m/s) of up to ten times its size,
+            // see `guide::accuracy`; a velocity error costs its product with the momentum of the
+            // rim, M |L|/I of 0.125 kg m^2 times the radius (kg m/s). Three such works.
             let rim = trial(row.trial).state().angular_momentum.length() / 0.125 * 0.5;
             let bound = |tolerance: f64| 3.0 * 10.0 * tolerance * rim;
             let check = |audit: Audit, tolerance: f64| {
@@ -608,7 +609,8 @@ mod audit {
 
     #[test]
     fn a_tight_tolerance_is_not_blamed_for_energy_that_the_audit_has_lost() {
-        // 4e-5 J stated by a quadrature that did not see the contacts close and open; the true error is 7e-11 J.
+        // 4e-5 J stated by a quadrature that did not see the contacts close and open; the true
+        // error is 7e-11 J.
         let rows = rows(1.0);
         let row = rows
             .iter()
@@ -621,8 +623,8 @@ mod audit {
 
     #[test]
     fn an_error_at_touch_downs_is_stated() {
-        // 7.7e-9 J stated by a quadrature with the nodes of the method, which misses at each touch-down what the method misses; the true
-        // error is 1.5e-5 J.
+        // 7.7e-9 J stated by a quadrature with the nodes of the method, which misses at each
+        // touch-down what the method misses; the true error is 1.5e-5 J.
         let rows = rows(1.0);
         let row = rows
             .iter()

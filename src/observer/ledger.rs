@@ -11,31 +11,40 @@ use crate::rotation::Rotation;
 use crate::state::State;
 use reference::{Node, Works};
 
-/// Energy audit of a run: what friction, dampers and separation took, and the energy error of the integrator.
+/// Energy audit of a run: what friction, dampers and separation took, and the energy error of the
+/// integrator.
 ///
 /// ```text
 /// energy now = energy at start + work of friction + work of dampers + work of the clamp
 ///            + handed in + energy error                                   (each work at most 0)
 /// ```
-/// - *Works.* In each step they are those of the exact motion from the start of the step. The ledger integrates that motion
-///   with an error control of its own. It locates contacts that open or close, so the works are as accurate as the states.
-/// - *Energy error.* What is left over is the sum of the energy errors that the integrator makes in its steps. It falls at
-///   the order of the integrator, through touch-downs too, and with the tolerance of an adaptive method. It shows whether a
-///   step is short enough. It is not the difference from the energy of the true motion: an error of one step also changes
-///   what friction and dampers take in later steps.
-/// - *Cost.* Seven evaluations of the contacts a step where the motion is smooth and the integrator less accurate than
-///   order 5. A contact that opens or closes takes some tens more, up to a few hundred for a tight tolerance. A run without
-///   a ledger pays nothing.
-/// - *Limits.* Where a step does not resolve the contact, as with a slip speed far below `mu g` times the step under
-///   [`EnergyMomentum`](crate::EnergyMomentum), the exact motion takes too many substeps. The works then follow from the
-///   powers at both ends of the step and between, and the energy error counts what these miss. A contact that closes and
-///   opens between two substeps is missed. The ledger must see every step: it is not meant for [`Every`](crate::Every).
+/// - *Works.* In each step they are those of the exact motion from the start of the step. The
+///   ledger integrates that motion with an error control of its own. It locates contacts that open
+///   or close, so the works are as accurate as the states.
+/// - *Energy error.* What is left over is the sum of the energy errors that the integrator makes in
+///   its steps. It falls at the order of the integrator, through touch-downs too, and with the
+///   tolerance of an adaptive method. It shows whether a step is short enough. It is not the
+///   difference from the energy of the true motion: an error of one step also changes what friction
+///   and dampers take in later steps.
+/// - *Cost.* Seven evaluations of the contacts a step where the motion is smooth and the integrator
+///   less accurate than order 5. A contact that opens or closes takes some tens more, up to a few
+///   hundred for a tight tolerance. A run without a ledger pays nothing.
+/// - *Limits.* Where a step does not resolve the contact, as with a slip speed far below `mu g`
+///   times the step under [`EnergyMomentum`](crate::EnergyMomentum), the exact motion takes too
+///   many substeps. The works then follow from the powers at both ends of the step and between, and
+///   the energy error counts what these miss. A contact that closes and opens between two substeps
+///   is missed. The ledger must see every step: it is not meant for [`Every`](crate::Every).
+/// - [`EnergyMomentum`](crate::EnergyMomentum) is accurate in the mean velocity of a step. The velocity
+///   at the end of the step swings about it, and the exact motion starts there. The energy error that
+///   the audit states is up to some tens of times the difference from the energy of the true motion.
 ///
-/// One ledger may watch several runs. The audit goes on over the pause. What the state gained between two runs, by a push of
-/// the user for example, is *handed in*. Use `tumble::f64::Ledger::new()` where nothing else fixes the precision.
+/// One ledger may watch several runs. The audit goes on over the pause. What the state gained
+/// between two runs, by a push of the user for example, is *handed in*. Use
+/// `tumble::f64::Ledger::new()` where nothing else fixes the precision.
 ///
 /// ```
-/// use tumble::{DormandPrince54, Ledger, Trial};
+/// use tumble::f64::Ledger;
+/// use tumble::{DormandPrince54, Trial};
 ///
 /// let trial = Trial { slip_speed: 1e-3, ..Trial::report(1).ok_or("no such trial")? };
 /// let mut ledger = Ledger::new();
@@ -96,13 +105,15 @@ impl<R: Real> Ledger<R> {
             .map_or(nothing(), |moment| moment.node.account.energy)
     }
 
-    /// Energy that the state has gained between the runs that were watched, J; 0 where each run went on from the end of the one before.
+    /// Energy that the state has gained between the runs that were watched, J; 0 where each run
+    /// went on from the end of the one before.
     #[must_use]
     pub fn handed_in(&self) -> R {
         self.handed_in
     }
 
-    /// Energy error of the integrator, J: `now - start - work - handed_in`. Above 0 if the integrator has added energy.
+    /// Energy error of the integrator, J: `now - start - work - handed_in`. Above 0 if the
+    /// integrator has added energy.
     #[must_use]
     pub fn energy_error(&self) -> R {
         self.now().total() - self.start().total() - self.work.total() - self.handed_in
@@ -129,7 +140,8 @@ impl<R: Real> Ledger<R> {
 
     /// Returns the more accurate of two works of a step that the substeps could not follow.
     ///
-    /// Such steps come in series. So after the chord some steps take it at once, twice as many as the last time.
+    /// Such steps come in series. So after the chord some steps take it at once, twice as many as
+    /// the last time.
     fn fall_back(&mut self, followed: Works<R>, chord: Works<R>) -> Works<R> {
         if followed.error <= chord.error {
             return followed;
@@ -169,7 +181,8 @@ impl<R: Real> Observer<R> for Ledger<R> {
 /// Most steps that take the chord after one that could not be followed.
 const MOST_SKIPPED: u32 = 64;
 
-/// Works of a step that does not resolve its contacts, by Simpson's rule along the straight line between its ends.
+/// Works of a step that does not resolve its contacts, by Simpson's rule along the straight line
+/// between its ends.
 fn chord<R: Real>(scene: &dyn Probe<R>, [start, end]: [&Node<R>; 2], seconds: R) -> Works<R> {
     let (a, b) = (&start.state, &end.state);
     let middle = State {

@@ -1,8 +1,10 @@
-//! The continuous model of the report's coin, integrated independently of the library: where `tests/data/works.csv` comes from.
+//! The continuous model of the report's coin, integrated independently of the library: where
+//! `tests/data/works.csv` comes from.
 //!
-//! Dormand and Prince's method of order 5 in steps of 5 us. A point is off the ground, pushes, or touches without a push.
-//! Which of the three holds is kept through a step, and a step in which it changes for a point ends there, located by
-//! halving to the last bit. So the equations are smooth within each step. The works are three more unknowns.
+//! Dormand and Prince's method of order 5 in steps of 5 us. A point is off the ground, pushes, or
+//! touches without a push. Which of the three holds is kept through a step, and a step in which it
+//! changes for a point ends there, located by halving to the last bit. So the equations are smooth
+//! within each step. The works are three more unknowns.
 
 use tumble::glam::{DMat3, DQuat, DVec3};
 

@@ -1,8 +1,9 @@
 //! Works along the exact motion from the start of a step.
 //!
-//! A quadrature along the method's own stages would err as the method does: at a jump of the force both miss the same
-//! impulse, and the energy error cancels out of the balance. So the motion is integrated once more from the start of the
-//! step, by substeps of the method of Dormand and Prince with the works as further unknowns, `W' = P(state)`:
+//! A quadrature along the method's own stages would err as the method does: at a jump of the force
+//! both miss the same impulse, and the energy error cancels out of the balance. So the motion is
+//! integrated once more from the start of the step, by substeps of the method of Dormand and Prince
+//! with the works as further unknowns, `W' = P(state)`:
 //!
 //! 1. `attempt` takes a substep and bounds the error of its works;
 //! 2. `march` puts substeps together, shorter ones where forces jump or bend;
@@ -55,18 +56,20 @@ const FRACTION: f64 = 1.0 / 8.0;
 const PER_SUBSTEP: f64 = 1.0 / 64.0;
 /// Least fraction of the last error of the works to which a pass goes.
 const PER_PASS: f64 = 1.0 / 4096.0;
-/// Most substeps of a pass, rejected ones included. A jump takes one for each bit of its time, up to 50.
+/// Most substeps of a pass, rejected ones included. A jump takes one for each bit of its time, up
+/// to 50.
 const MOST_SUBSTEPS: u32 = 256;
-/// Most substeps in a row that are short without a jump near: friction that sticks is stiff, and would need too many.
+/// Most substeps in a row that are short without a jump near: friction that sticks is stiff, and
+/// would need too many.
 const MOST_STUCK: u32 = 32;
 /// Fraction of the step below which a substep is short.
 const SHORT: f64 = 1.0 / 64.0;
 
-/// Returns the works of the step between two nodes. If the substeps cannot follow the motion, returns the best works
-/// found as an error.
+/// Returns the works of the step between two nodes. If the substeps cannot follow the motion,
+/// returns the best works found as an error.
 ///
-/// The energy error of the step is the change of the energy less these works. An error of the works matters only beside
-/// it, so it sets the tolerance, down to the rounding of the energies.
+/// The energy error of the step is the change of the energy less these works. An error of the works
+/// matters only beside it, so it sets the tolerance, down to the rounding of the energies.
 pub(super) fn works<R: Real>(
     scene: &dyn Probe<R>,
     [start, end]: [&Node<R>; 2],
@@ -79,7 +82,8 @@ pub(super) fn works<R: Real>(
     loop {
         let unaccounted = (change - found.work.total()).abs();
         let suffices = (unaccounted * R::from_f64(FRACTION)).at_least(rounding);
-        // The energy error may be small by chance, so the error of the works limits how far one pass goes.
+        // The energy error may be small by chance, so the error of the works limits how far one
+        // pass goes.
         let next = (unaccounted * R::from_f64(PER_SUBSTEP))
             .at_least(found.error * R::from_f64(PER_PASS))
             .at_least(rounding);
@@ -105,7 +109,8 @@ fn rounding<R: Real>(nodes: [&Node<R>; 2]) -> R {
     (sizes[0] + sizes[1]) * (R::EPSILON * R::from_f64(8.0))
 }
 
-/// Works of a step by substeps whose errors keep to a tolerance (J) each; `None` if there would be too many.
+/// Works of a step by substeps whose errors keep to a tolerance (J) each; `None` if there would be
+/// too many.
 fn march<R: Real>(
     scene: &dyn Probe<R>,
     start: &Node<R>,
@@ -194,7 +199,8 @@ fn error<R: Real>(powers: &[Dissipation<R>; 7], jumps: bool, unaccounted: R, sec
         return R::ZERO;
     }
     let estimate = sizes(&weighted(powers, &DORMAND_PRINCE.error, seconds));
-    // The estimate does not see a jump between two stages for sure, but no jump is larger than the spread of the powers.
+    // The estimate does not see a jump between two stages for sure, but no jump is larger than the
+    // spread of the powers.
     let jump = if jumps {
         spread(powers) * seconds
     } else {
