@@ -190,7 +190,7 @@ fn thrown(die: &Die, random: &mut Random) -> State {
 /// The face that one throw shows, and when the die lies.
 fn throw(die: &Die, mut state: State) -> Outcome<(u8, f64)> {
     // Not a hundredth of a millimetre in 50 ms.
-    let mut rest = UntilRest::new(die.body(), 1e-5, 0.05);
+    let mut rest = UntilRest::new(die.body(), 1e-5, 0.05)?;
     let time = die.run(&mut state, PATIENCE, &mut rest)?;
     if !rest.is_reached() {
         return Err(format!("a die does not lie after {PATIENCE} s").into());

@@ -32,6 +32,8 @@ pub enum Rule {
     Even,
     /// A surface without a hole or an edge.
     Closed,
+    /// So large that its inverse is finite.
+    FiniteInverse,
 }
 
 impl core::fmt::Display for Rule {
@@ -50,11 +52,12 @@ impl core::fmt::Display for Rule {
             Self::Symmetric => "must be symmetric",
             Self::Even => "must be even",
             Self::Closed => "must be closed",
+            Self::FiniteInverse => "must not be so small that its inverse overflows",
         })
     }
 }
 
-/// A scene that cannot be: raised once, when it is composed, so that a step need not check.
+/// An invalid parameter of a scene or of an observer: raised once, when that is composed, so that a step need not check.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{quantity} {rule}, got {value}{unit}")]
 #[non_exhaustive]
@@ -130,6 +133,19 @@ pub fn finite<R: Real>(
     obey(value.is_finite(), Rule::Finite, quantity, value, unit)
 }
 
+/// Checks that the inverse of a quantity above 0 is finite.
+///
+/// # Errors
+/// Returns [`SceneError`] if it overflows. The error names the quantity, the rule and the value.
+pub(crate) fn finite_inverse<R: Real>(
+    quantity: &'static str,
+    value: R,
+    unit: &'static str,
+) -> Result<(), SceneError> {
+    let is_finite = (R::ONE / value).is_finite();
+    obey(is_finite, Rule::FiniteInverse, quantity, value, unit)
+}
+
 fn obey<R: Real>(
     holds: bool,
     rule: Rule,
@@ -182,12 +198,63 @@ pub enum StepError {
         /// Since the workspace was new, which is the start of a run, s.
         time: f64,
     },
-    /// The integrator said that its step took no time, so that a run would never end.
-    #[error("a step must take more than 0 s")]
+    /// The sum of the energies' sizes before the step is NaN, or so large that it overflows in the step.
+    #[error(
+        "the energy before the step must be finite and far from overflow, got {joules:e} J: look at the velocities, the depth in the ground and its laws"
+    )]
+    BadEnergy {
+        /// Sum of the sizes of all kinds of energy, J.
+        joules: f64,
+    },
+    /// The step is so long that numbers cannot hold where the body would be.
+    #[error(
+        "the step must be short enough for position and orientation to be resolved, got {seconds:e} s: shorten the time step"
+    )]
+    StepTooLong {
+        /// Length of the step, s.
+        seconds: f64,
+    },
+    /// The integrator's step took no time, or less than the clock of the run resolves, so that the
+    /// run would never end.
+    #[error("a step must take more than 0 s, and enough for the clock of the run to go on")]
     Stalled,
-    /// The time to advance by is not a finite number of seconds, at least 0; or the limit of a step is not at least 0 s.
-    #[error("the time to advance by must be finite and at least 0 s")]
-    BadDuration,
+    /// The time to advance by is negative or not finite.
+    #[error("the time to advance by must be finite and at least 0 s, got {seconds} s")]
+    BadDuration {
+        /// The time that was asked for, s.
+        seconds: f64,
+    },
+    /// The limit of a step is negative or NaN.
+    #[error("the limit of a step must be at least 0 s, got {seconds} s")]
+    BadLimit {
+        /// The limit, s.
+        seconds: f64,
+    },
+    /// A run has more steps than its clock can count. Raised before the first of them, or after a
+    /// closed-form flight has ended.
+    #[error(
+        "a run of {seconds:e} s must have at most {most:.1e} steps, got a step size of {time_step:e} s: lengthen the steps or shorten the run"
+    )]
+    TooManySteps {
+        /// What is left of the run, s.
+        seconds: f64,
+        /// The integrator's step size, s.
+        time_step: f64,
+        /// The largest number of steps.
+        most: f64,
+    },
+    /// A run has more samples at equal intervals than can be told apart. Raised before its first step.
+    #[error(
+        "a run of {seconds:e} s must have at most {most:.1e} samples, got an interval of {interval:e} s: lengthen the interval or shorten the run"
+    )]
+    TooManySamples {
+        /// The time to advance by, s.
+        seconds: f64,
+        /// The interval between the samples, s.
+        interval: f64,
+        /// The largest number of samples.
+        most: f64,
+    },
 }
 
 /// A part of a state.

@@ -54,6 +54,11 @@ pub trait Integrator<R: Real = f64> {
     /// Whether the method chooses the length of its steps, and carries its choice of the next one in the workspace.
     const CHOOSES_STEPS: bool = false;
 
+    /// Whether one step may span several of the [fixed steps](Self::fixed_step), as closed-form flight
+    /// does. Default: false. A run of more fixed steps than its clock counts is then refused only
+    /// after a step that spans none.
+    const SPANS_STEPS: bool = false;
+
     /// One step of the method's own length, or of `limit` seconds where that is less.
     ///
     /// # Errors
@@ -145,16 +150,13 @@ fn last_before<R: Real>(bracket: [R; 2], holds: impl Fn(R) -> bool) -> R {
     low
 }
 
-/// The length of the next step of a method with a fixed `time_step`: what is left where that is less, so that a run ends exactly at the asked time.
+/// Returns the length of the next step of a method with a fixed `time_step`: `limit` if that is less.
 ///
-/// A rest that differs from a whole step by rounding alone (1e-9 of it in f64, 1e-4 in f32) is a whole step: ten steps of 0.1 s and an advance by 1 s have the same bits.
+/// A step is never longer than its limit. A run passes the whole step as the limit if what is left
+/// differs from it by rounding alone, so that ten steps of 0.1 s and an advance by 1 s have the same
+/// bits.
 #[inline]
 #[must_use]
 pub fn step_length<R: Real>(time_step: R, limit: R) -> R {
-    let near = time_step * (R::EPSILON * R::from_f64(4.0e6)).at_most(R::from_f64(1e-4));
-    if limit < time_step - near {
-        limit
-    } else {
-        time_step
-    }
+    if limit < time_step { limit } else { time_step }
 }

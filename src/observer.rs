@@ -26,7 +26,7 @@ use crate::state::State;
 /// use tumble::{Coin, FlatGround, Ledger, State, Stepper, UniformGravity, UntilRest};
 ///
 /// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?.with_gravity(UniformGravity::down(9.8))?.with_ground(FlatGround::level(1e3, 2.0))?;
-/// let mut both = (Ledger::new(), UntilRest::new(stepper.body(), 1e-3, 0.1));
+/// let mut both = (Ledger::new(), UntilRest::new(stepper.body(), 1e-3, 0.1)?);
 /// let mut state = State::at(DVec3::Z).turned_by(DVec3::Y * 1.2);
 /// let seconds = stepper.run(&mut state, 100.0, &mut both)?;
 /// let (books, rest) = both;
@@ -67,6 +67,15 @@ pub trait Observer<R: Real = f64> {
         None
     }
 
+    /// Returns the interval of the times that it asks for, s, if they are equally spaced. Default: `None`.
+    ///
+    /// A run with too short an interval is refused at once, with
+    /// [`TooManySamples`](crate::StepError::TooManySamples).
+    #[inline]
+    fn interval(&self) -> Option<R> {
+        None
+    }
+
     /// Called with the state at the time that it has [asked for](Self::asks_for), and must then ask for a later one. The run goes on as if nobody had looked.
     #[inline]
     fn observe_asked(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
@@ -100,10 +109,12 @@ impl<R: Real, A: Observer<R>, B: Observer<R>> Observer<R> for (A, B) {
 
     #[inline]
     fn asks_for(&self) -> Option<R> {
-        match (self.0.asks_for(), self.1.asks_for()) {
-            (Some(first), Some(second)) => Some(first.at_most(second)),
-            (first, second) => first.or(second),
-        }
+        smaller(self.0.asks_for(), self.1.asks_for())
+    }
+
+    #[inline]
+    fn interval(&self) -> Option<R> {
+        smaller(self.0.interval(), self.1.interval())
     }
 
     fn observe_asked(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
@@ -116,6 +127,15 @@ impl<R: Real, A: Observer<R>, B: Observer<R>> Observer<R> for (A, B) {
             flow = if flow.is_break() { flow } else { second };
         }
         flow
+    }
+}
+
+/// The smaller of two numbers, of those that there are.
+#[inline]
+fn smaller<R: Real>(first: Option<R>, second: Option<R>) -> Option<R> {
+    match (first, second) {
+        (Some(first), Some(second)) => Some(first.at_most(second)),
+        (first, second) => first.or(second),
     }
 }
 

@@ -7,7 +7,7 @@ use rims::Touching;
 pub(crate) use rims::{Kinks, Velocities, arc_below, kinks};
 
 use crate::body::{ContactPoint, MassProperties, RigidPointBody, Run};
-use crate::error::SceneError;
+use crate::error::{self, SceneError};
 use crate::friction::SlidingFriction;
 use crate::gravity::Gravity;
 use crate::ground::{Extent, SpringDamperGround};
@@ -603,7 +603,9 @@ where
     /// Composes a scene.
     ///
     /// # Errors
-    /// Where body, ground, friction or gravity cannot be; names quantity, rule and value.
+    /// Returns [`SceneError`] if body, ground, friction or gravity is invalid, or if the weight, the
+    /// reach, or the inverse of the mass or of a moment of inertia overflows. The error names the
+    /// quantity, the rule and the value.
     pub fn new(body: B, ground: G, friction: F, gravity: A) -> Result<Self, SceneError> {
         body.check()?;
         ground.check()?;
@@ -611,9 +613,15 @@ where
         gravity.check()?;
         crate::body::check_contacts(body.contacts())?;
         crate::body::check_rims(&body)?;
+        let reach = body.reach();
+        error::finite("reach of the body", reach, " m")?;
+        error::at_least_zero("reach of the body", reach, " m")?;
+        let mass_properties = MassProperties::new(body.mass(), body.inertia())?;
+        let weight = mass_properties.mass() * gravity.acceleration().length();
+        error::finite("weight (mass times gravity)", weight, " N")?;
         Ok(Self {
-            mass_properties: MassProperties::new(body.mass(), body.inertia())?,
-            reach: body.reach(),
+            mass_properties,
+            reach,
             has_radii: body.is_smooth()
                 || (body.contacts().iter()).any(|contact| contact.radius > R::ZERO),
             body,

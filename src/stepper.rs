@@ -262,8 +262,11 @@ where
 
     /// One step of the integrator's own length, or of `limit` seconds where that is less, with a workspace that the caller keeps from step to step.
     ///
+    /// A limit of 0 s returns a step of 0 s and leaves the state at its time. Any other step takes
+    /// more than 0 s.
+    ///
     /// # Errors
-    /// As [`step`](Self::step), and where `limit` is below 0 or NaN.
+    /// As [`step`](Self::step), and [`StepError::BadLimit`] if `limit` is below 0 or NaN.
     #[inline]
     pub fn step_within(
         &self,
@@ -274,7 +277,9 @@ where
         if limit >= R::ZERO {
             self.move_on(state, limit, workspace)
         } else {
-            Err(StepError::BadDuration)
+            Err(StepError::BadLimit {
+                seconds: limit.to_f64(),
+            })
         }
     }
 
@@ -289,9 +294,11 @@ where
         let before = *state;
         let step = self.integrator.step(&self.scene, state, limit, workspace);
         let error = match (step, state.not_finite()) {
-            (Ok(step), None) => return Ok(step),
+            (Ok(step), None) if step.elapsed > R::ZERO || limit <= R::ZERO => return Ok(step),
+            (Ok(_), None) => StepError::Stalled,
             (Ok(_), Some(quantity)) => blame(&before, quantity),
-            (Err(error), _) => error,
+            // What is wrong with a state shows in its energy, too.
+            (Err(error), _) => before.not_finite().map_or(error, StepError::BadState),
         };
         *state = before;
         Err(error)
@@ -299,8 +306,15 @@ where
 
     /// Moves a state on by exactly `seconds`, at least 0.
     ///
+    /// The time that has passed differs from `seconds` by at most one unit in its last place. It
+    /// differs only where a whole number of steps is kept whole: ten steps of 0.1 s and an advance
+    /// by 1 s have the same bits. In `f32` this holds up to 2²⁶ steps; beyond that the clock may be
+    /// wrong by one more unit for each 2²⁶ steps.
+    ///
     /// # Errors
-    /// As [`step`](Self::step), and where `seconds` is negative or not finite. The state is that after the last good step.
+    /// As [`step`](Self::step). Returns [`StepError::BadDuration`] if `seconds` is negative or not
+    /// finite, and [`StepError::TooManySteps`] if steps of the integrator's length would be more
+    /// than 2⁵³ (2⁴⁰ in `f32`). The state is that after the last good step.
     pub fn advance(&self, state: &mut State<R>, seconds: R) -> Result<(), StepError> {
         self.run(state, seconds, &mut ())?;
         Ok(())
@@ -310,7 +324,9 @@ where
     /// than `seconds` where the observer ended it.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance), and where a foreign integrator takes no time for a step.
+    /// As [`advance`](Self::advance). Returns [`StepError::TooManySamples`] if the observer's
+    /// [interval](Observer::interval) asks for more than 4·10⁹ samples (2²⁴ in `f32`, whose numbers
+    /// tell no more apart), and [`StepError::Stalled`] if an integrator takes no time for a step.
     pub fn run(
         &self,
         state: &mut State<R>,
@@ -318,24 +334,32 @@ where
         observer: &mut (impl Observer<R> + ?Sized),
     ) -> Result<R, StepError> {
         if !(seconds >= R::ZERO && seconds.is_finite()) {
-            return Err(StepError::BadDuration);
+            return Err(StepError::BadDuration {
+                seconds: seconds.to_f64(),
+            });
         }
+        check_samples(seconds, observer.interval())?;
+        let end = self.end_at(seconds);
         let mut workspace = I::Workspace::default();
         let mut clock = Clock::new();
+        if !I::SPANS_STEPS {
+            end.check_steps(&clock)?;
+        }
         let mut flow = self.show(observer, state, &clock);
-        // What rounding leaves of the time when the last whole step has been taken.
-        let rounding = rounding_of(seconds);
-        while flow.is_continue() && clock.left(seconds) > rounding {
+        while flow.is_continue() && !end.is_reached(&clock) {
             // Whoever asks for times between the steps is led there from the step's start.
             let before = observer.asks_for().map(|_| Before {
                 clock,
                 state: *state,
                 workspace: I::CHOOSES_STEPS.then(|| workspace.clone()),
             });
-            let step = self.move_on(state, clock.left(seconds), &mut workspace)?;
+            let step = self.move_on(state, end.limit(&clock), &mut workspace)?;
             clock.tick(&step)?;
+            if I::SPANS_STEPS && end.time_step.is_some_and(|own| step.elapsed <= own) {
+                end.check_steps(&clock)?;
+            }
             if let Some(before) = before {
-                flow = self.show_between(observer, &before, state, &clock)?;
+                flow = self.show_between(observer, &end, &before, state, &clock)?;
             }
             if flow.is_continue() {
                 flow = self.show(observer, state, &clock);
@@ -348,22 +372,23 @@ where
     fn show_between(
         &self,
         observer: &mut (impl Observer<R> + ?Sized),
+        end_of_run: &End<R>,
         before: &Before<R, I::Workspace>,
         end: &State<R>,
         clock: &Clock<R>,
     ) -> Result<ControlFlow<()>, StepError> {
         let mut last = None;
         while let Some(time) = observer.asks_for() {
+            let asked = self.end_at(end_of_run.or_at(time));
             // A time that is asked for twice would be so for ever.
-            let is_due = time - clock.time <= rounding_of(time);
-            if !is_due || last == Some(time) {
+            if !asked.is_reached(clock) || last == Some(time) {
                 break;
             }
             last = Some(time);
-            let state = if (clock.time - time).abs() <= rounding_of(time) {
+            let state = if clock.left(asked.seconds).abs() <= asked.slack {
                 *end
             } else {
-                self.state_at(time, before)?
+                self.state_at(&asked, before)?
             };
             let sample = Sample {
                 time,
@@ -377,14 +402,23 @@ where
     }
 
     /// The state at a time after the start of a step, by steps of its own.
-    fn state_at(&self, time: R, before: &Before<R, I::Workspace>) -> Result<State<R>, StepError> {
+    fn state_at(
+        &self,
+        asked: &End<R>,
+        before: &Before<R, I::Workspace>,
+    ) -> Result<State<R>, StepError> {
         let (mut state, mut clock) = (before.state, before.clock);
         let mut workspace = before.workspace.clone().unwrap_or_default();
-        while clock.left(time) > rounding_of(time) {
-            let step = self.move_on(&mut state, clock.left(time), &mut workspace)?;
+        while !asked.is_reached(&clock) {
+            let step = self.move_on(&mut state, asked.limit(&clock), &mut workspace)?;
             clock.tick(&step)?;
         }
         Ok(state)
+    }
+
+    #[inline]
+    fn end_at(&self, seconds: R) -> End<R> {
+        End::new(seconds, self.integrator.fixed_step())
     }
 
     #[inline]
@@ -423,10 +457,105 @@ fn blame<R: Real>(before: &State<R>, after: Quantity) -> StepError {
     }
 }
 
-/// What rounding leaves of a time when the last whole step has been taken, s.
+/// The most steps of one length in a run: 2⁵³ in `f64`, 2⁴⁰ in `f32`.
+///
+/// [`Clock`] rounds each step by at most an eighth of the square of `EPSILON` of the time, which is
+/// a 512th of a step after `1/(64 EPSILON²)` steps. That number is 2⁴⁰ in `f32` and 2⁹⁸ in `f64`,
+/// where 2⁵³ steps take more than a hundred days at a nanosecond each.
+fn most_steps<R: Real>() -> R {
+    let resolved = R::ONE / (R::EPSILON * R::EPSILON * R::from_f64(64.0));
+    resolved.at_most(R::from_f64(9_007_199_254_740_992.0))
+}
+
+/// Refuses samples at an interval so short that their times are not distinct numbers, or so short
+/// that a run has more than 4·10⁹ of them.
+fn check_samples<R: Real>(seconds: R, interval: Option<R>) -> Result<(), StepError> {
+    let most = (R::TWO / R::EPSILON).at_most(R::from_f64(4.0e9));
+    match interval {
+        Some(interval) if seconds > interval * most => Err(StepError::TooManySamples {
+            seconds: seconds.to_f64(),
+            interval: interval.to_f64(),
+            most: most.to_f64(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// The end of a run, and when it is reached.
+///
+/// `N` steps of the number next to `dt` and the number next to `N dt` differ by rounding: by at
+/// most half a unit in the last place of the step, which is less than one unit of the sum, and half
+/// a unit of the duration. So a rest of up to one and a half units is none, and a rest that differs
+/// by as much from a whole step is a whole step. The clock, rounded to a number, then differs from
+/// the duration by at most one unit. Where a unit is more than the step, as in `f32` after 2²⁴
+/// steps, the run ends at the nearest whole number of steps.
+#[derive(Clone, Copy)]
+struct End<R> {
+    /// Since the start of the run, s.
+    seconds: R,
+    /// s.
+    slack: R,
+    /// Of a method whose steps are all alike, s.
+    time_step: Option<R>,
+}
+
+impl<R: Real> End<R> {
+    #[inline]
+    fn new(seconds: R, time_step: Option<R>) -> Self {
+        let slack = last_place(seconds) * R::from_f64(1.5);
+        Self {
+            seconds,
+            slack: time_step.map_or(slack, |step| slack.at_most(step * R::HALF)),
+            time_step,
+        }
+    }
+
+    /// Refuses a run that would not end: one whose rest takes more than [`most_steps`].
+    fn check_steps(&self, clock: &Clock<R>) -> Result<(), StepError> {
+        let left = clock.left(self.seconds);
+        match self.time_step {
+            Some(time_step) if left > time_step * most_steps() => Err(StepError::TooManySteps {
+                seconds: left.to_f64(),
+                time_step: time_step.to_f64(),
+                most: most_steps::<R>().to_f64(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    #[inline]
+    fn is_reached(&self, clock: &Clock<R>) -> bool {
+        clock.left(self.seconds) <= self.slack
+    }
+
+    /// The limit of the next step, s.
+    #[inline]
+    fn limit(&self, clock: &Clock<R>) -> R {
+        let left = clock.left(self.seconds);
+        match self.time_step {
+            Some(step) if (left - step).abs() <= self.slack => step,
+            _ => left,
+        }
+    }
+
+    /// The end itself in place of a time that differs from it by a unit in the last place: the last
+    /// of the samples at equal intervals.
+    #[inline]
+    fn or_at(&self, time: R) -> R {
+        if (time - self.seconds).abs() <= last_place(self.seconds) {
+            self.seconds
+        } else {
+            time
+        }
+    }
+}
+
+/// One unit in the last place of a number that is at least 0: the distance to the next larger one.
 #[inline]
-fn rounding_of<R: Real>(seconds: R) -> R {
-    seconds * (R::EPSILON * R::from_f64(8.0))
+fn last_place<R: Real>(number: R) -> R {
+    // More than half a unit, and at most one but for rounding: the sum rounds to the next number.
+    let share = R::EPSILON * R::HALF * (R::ONE + R::EPSILON);
+    (number + number * share) - number
 }
 
 /// The start of a step, for a look between it and the end.
@@ -463,13 +592,14 @@ impl<R: Real> Clock<R> {
         (seconds - self.time) + self.lost
     }
 
+    /// One more step. A step that the clock does not resolve would repeat for ever.
     #[inline]
     fn tick(&mut self, step: &Step<R>) -> Result<(), StepError> {
-        let takes_time = step.elapsed > R::ZERO;
+        let corrected = step.elapsed - self.lost;
+        let takes_time = corrected > -self.lost;
         if !takes_time {
             return Err(StepError::Stalled);
         }
-        let corrected = step.elapsed - self.lost;
         let next = self.time + corrected;
         self.lost = (next - self.time) - corrected;
         self.time = next;

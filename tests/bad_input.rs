@@ -5,6 +5,7 @@
 
 mod kit;
 
+use core::ops::ControlFlow;
 use kit::{Solid as AnySolid, each_explicit, each_method, point_mass};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -20,6 +21,7 @@ use tumble::{
     Sphere, SpringDamper, SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck,
     Surface, SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves, WithResistance,
 };
+use tumble::{Dynamics, Every, Flight, Sample, Step, Timed, UntilRest};
 
 // ---------------------------------------------------------------------------------------------------------------------
 // One test a parameter
@@ -83,7 +85,7 @@ fn the_message_of_a_refusal_reads_as_a_sentence() {
 fn a_coin_needs_a_mass_above_zero() {
     let (rule, bad, _) = ABOVE_ZERO;
     // Up to where m r² overflows.
-    let limits = (rule, bad, &[5e-324, 1.0, 1e308][..]);
+    let limits = (rule, bad, &[1e-300, 1.0, 1e308][..]);
     refuses("mass of the coin", limits, " kg", |mass| {
         Stepper::new(Coin::ring(mass, 0.5))
     });
@@ -98,8 +100,8 @@ fn a_coin_needs_a_radius_above_zero() {
     });
 }
 
-/// Up to where `m r²` overflows.
-const MASS: (Rule, &[f64], &[f64]) = (ABOVE_ZERO.0, ABOVE_ZERO.1, &[5e-324, 1e-100, 1.0, 1e300]);
+/// From where the inverse moment overflows up to where `m r²` does.
+const MASS: (Rule, &[f64], &[f64]) = (ABOVE_ZERO.0, ABOVE_ZERO.1, &[1e-300, 1e-100, 1.0, 1e300]);
 const LENGTH: (Rule, &[f64], &[f64]) = (ABOVE_ZERO.0, ABOVE_ZERO.1, &[5e-324, 1e-100, 1.0, 1e150]);
 
 #[test]
@@ -542,7 +544,8 @@ fn solid(mass: f64, inertia: DMat3) -> AnySolid {
 
 #[test]
 fn the_mass_of_a_users_body_is_above_zero() {
-    refuses("mass", ABOVE_ZERO, " kg", |mass| {
+    let limits = (MASS.0, MASS.1, &[1e-300, 1.0, f64::MAX][..]);
+    refuses("mass", limits, " kg", |mass| {
         Stepper::new(solid(mass, DMat3::IDENTITY))
     });
 }
@@ -1125,12 +1128,77 @@ fn the_slip_speed_of_friction_is_above_zero() {
 #[test]
 fn each_component_of_gravity_is_finite() {
     for axis in 0..3 {
-        refuses("a component of gravity", FINITE, " m/s²", |g| {
+        let limits = (Rule::Finite, &[][..], &[0.0, -1.0, 1e100, -1e153][..]);
+        refuses("a component of gravity", limits, " m/s²", |g| {
             let mut acceleration = DVec3::new(1.0, 2.0, 3.0);
             acceleration[axis] = g;
             Stepper::new(point_mass(1.0))?.with_gravity(UniformGravity { acceleration })
         });
     }
+}
+
+/// A mass or a moment of a body of kilograms and metres, with its other numbers, that is so small
+/// that the body would be moved by an infinity; and a force of gravity that is one.
+#[test]
+fn a_scene_whose_inverse_mass_or_weight_overflows_is_refused() {
+    let message = |error: SceneError| error.to_string();
+    for mass in [5e-324, 1e-320, 5e-309] {
+        let body = AnySolid {
+            mass,
+            ..AnySolid::with_moments(DVec3::ZERO)
+        };
+        assert_eq!(
+            message(Stepper::new(body).unwrap_err()),
+            format!("mass must not be so small that its inverse overflows, got {mass} kg")
+        );
+    }
+    for moment in [5e-324, 1e-320] {
+        let error = Stepper::new(AnySolid::with_moments(DVec3::splat(moment))).unwrap_err();
+        let rule = "must not be so small that its inverse overflows";
+        assert_eq!(
+            message(error),
+            format!("a principal moment of inertia {rule}, got {moment} kg m²")
+        );
+    }
+    for (mass, g) in [(1e200, 1e200), (f64::MAX, 1.1), (1.0, 1e155)] {
+        let stepper = Stepper::new(PointMass::new(mass)).unwrap();
+        let error = stepper.with_gravity(UniformGravity::down(g)).unwrap_err();
+        assert_eq!(
+            message(error),
+            "weight (mass times gravity) must be finite, got inf N"
+        );
+    }
+    let single = Stepper::new(PointMass::new(1e30_f32)).unwrap();
+    assert!(single.with_gravity(UniformGravity::down(1e9)).is_err());
+    let far = AnySolid {
+        contacts: vec![ContactPoint::bare(DVec3::splat(1e155))],
+        ..AnySolid::with_moments(DVec3::ONE)
+    };
+    assert_eq!(
+        message(Stepper::new(far).unwrap_err()),
+        "reach of the body must be finite, got inf m"
+    );
+}
+
+#[test]
+fn the_parameters_of_an_observer_are_in_their_ranges() {
+    let point = point_mass(1.0);
+    let nothing = || |_: &Sample<'_>| ControlFlow::<()>::Continue(());
+    refuses("interval of the samples", ABOVE_ZERO, " s", |seconds| {
+        Timed::every(seconds, nothing())
+    });
+    refuses("time of a body at rest", ABOVE_ZERO, " s", |seconds| {
+        UntilRest::new(&point, 1e-4, seconds)
+    });
+    refuses("distance of a body at rest", AT_LEAST_ZERO, " m", |d| {
+        UntilRest::new(&point, d, 0.25)
+    });
+    let error = Every::steps(0, nothing()).err().unwrap();
+    assert_eq!(
+        error.to_string(),
+        "number of steps between samples must be at least 1, got 0"
+    );
+    assert!(Every::steps(1, nothing()).is_ok());
 }
 
 #[test]
@@ -1394,7 +1462,10 @@ fn the_limit_of_a_step_is_at_least_zero() {
         let mut state = start;
         for limit in [f64::NAN, f64::NEG_INFINITY, -1.0, -5e-324] {
             let answer = stepper.step_within(&mut state, limit, &mut Default::default());
-            assert_eq!(answer, Err(StepError::BadDuration), "{method}, {limit}");
+            let Err(StepError::BadLimit { seconds }) = answer else {
+                panic!("{method}, {limit}: {answer:?}");
+            };
+            assert_eq!(seconds.to_bits(), limit.to_bits(), "{method}");
             assert_eq!(bits(&state), bits(&start), "{method}, {limit}");
         }
         let step = stepper
@@ -1482,16 +1553,18 @@ fn a_duration_below_zero_or_no_number_is_refused_before_anything_moves() {
         let stepper = trial.stepper(integrator).unwrap();
         for seconds in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, -5e-324] {
             let (mut state, mut seen) = (start, 0);
-            assert_eq!(
-                stepper.advance(&mut state, seconds),
-                Err(StepError::BadDuration),
-                "{method}"
-            );
+            let refused = |answer: Result<_, StepError>| match answer {
+                Err(StepError::BadDuration { seconds: got }) => {
+                    assert_eq!(got.to_bits(), seconds.to_bits(), "{method}");
+                }
+                answer => panic!("{method}: {answer:?}"),
+            };
+            refused(stepper.advance(&mut state, seconds).map(|()| 0.0));
             let run = stepper.run(&mut state, seconds, &mut |_: &tumble::Sample<'_>| {
                 seen += 1;
                 core::ops::ControlFlow::Continue(())
             });
-            assert_eq!(run, Err(StepError::BadDuration), "{method}");
+            refused(run);
             assert_eq!((state, seen), (start, 0), "{method}");
         }
         for seconds in [0.0, -0.0] {
@@ -1501,9 +1574,195 @@ fn a_duration_below_zero_or_no_number_is_refused_before_anything_moves() {
         }
     });
     assert_eq!(
-        StepError::BadDuration.to_string(),
-        "the time to advance by must be finite and at least 0 s"
+        StepError::BadDuration { seconds: -1.5 }.to_string(),
+        "the time to advance by must be finite and at least 0 s, got -1.5 s"
     );
+    assert_eq!(
+        StepError::BadLimit { seconds: -1.5 }.to_string(),
+        "the limit of a step must be at least 0 s, got -1.5 s"
+    );
+}
+
+/// A run that would not end is refused before anything moves or is shown; a flight in closed form of
+/// the same duration is one step.
+#[test]
+fn a_run_of_more_steps_than_its_clock_counts_is_refused() {
+    let start = State::default().with_linear_velocity(DVec3::X);
+    for (time_step, duration) in [(1e-320, 1.0), (1e-3, 1e308), (5e-324, 1e-300), (1e-9, 1e8)] {
+        each_method!(time_step, |integrator, method| {
+            let stepper = Stepper::new(point_mass(1.0)).unwrap();
+            let stepper = stepper.with_integrator(integrator).unwrap();
+            let (mut state, mut shown) = (start, 0);
+            let answer = stepper.run(&mut state, duration, &mut |_: &Sample<'_>| {
+                shown += 1;
+                ControlFlow::Continue(())
+            });
+            let Err(StepError::TooManySteps {
+                seconds,
+                time_step: step,
+                most,
+            }) = answer
+            else {
+                panic!("{method}: {answer:?}");
+            };
+            assert_eq!(
+                (seconds, step, most),
+                (duration, time_step, 2.0_f64.powi(53))
+            );
+            assert_eq!((state, shown), (start, 0), "{method}");
+        });
+    }
+    let time_step = 1e-3_f32;
+    let single = Stepper::new(PointMass::new(1.0_f32)).unwrap();
+    let single = single.with_integrator(Rk4 { time_step }).unwrap();
+    let answer = single.advance(&mut State::default(), 2e9);
+    assert!(
+        matches!(answer, Err(StepError::TooManySteps { .. })),
+        "{answer:?}"
+    );
+
+    let free = Stepper::new(point_mass(1.0)).unwrap();
+    let free = free
+        .with_integrator(Flight(Rk4 { time_step: 1e-3 }))
+        .unwrap();
+    let mut state = start;
+    free.advance(&mut state, 1e100).unwrap();
+    assert_eq!(state.position, DVec3::X * 1e100);
+    // On the ground it takes its own steps.
+    let table = free.with_ground(FlatGround::level(1e3, 1.0)).unwrap();
+    let mut state = State::at(DVec3::Z * -0.01);
+    let answer = table.advance(&mut state, 1e100);
+    assert!(
+        matches!(answer, Err(StepError::TooManySteps { .. })),
+        "{answer:?}"
+    );
+    assert_eq!(
+        answer.unwrap_err().to_string(),
+        "a run of 1e100 s must have at most 9.0e15 steps, got a step size of 1e-3 s: lengthen the steps or shorten the run"
+    );
+}
+
+#[test]
+fn a_run_of_more_samples_than_can_be_told_apart_is_refused() {
+    let stepper = Stepper::new(point_mass(1.0)).unwrap();
+    for interval in [1e-12, 1e-320] {
+        let mut shown = 0;
+        let film = Timed::every(interval, |_: &Sample<'_>| {
+            shown += 1;
+            ControlFlow::Continue(())
+        });
+        // Beside another, it is refused as well.
+        let mut both = (Ledger::new(), film.unwrap());
+        let answer = stepper.run(&mut State::default(), 1.0, &mut both);
+        let Err(error @ StepError::TooManySamples { .. }) = answer else {
+            panic!("{answer:?}");
+        };
+        drop(both);
+        assert_eq!(shown, 0);
+        assert_eq!(
+            error.to_string(),
+            format!(
+                "a run of 1e0 s must have at most 4.0e9 samples, got an interval of {interval:e} s: lengthen the interval or shorten the run"
+            )
+        );
+    }
+    // Beyond 2²⁴ intervals the next time is no other number of f32.
+    let single = Stepper::new(PointMass::new(1.0_f32)).unwrap();
+    let mut film = Timed::every(
+        1e-4,
+        |_: &tumble::f32::Sample<'_>| ControlFlow::Continue(()),
+    )
+    .unwrap();
+    let answer = single.run(&mut State::default(), 1e4, &mut film);
+    assert!(
+        matches!(answer, Err(StepError::TooManySamples { .. })),
+        "{answer:?}"
+    );
+}
+
+/// A coin of a kilogram on springs of 1 kN/m, with numbers so large that a step cannot tell where it
+/// goes. Each method says so, or keeps what nothing changes: in flight the angular momentum.
+#[test]
+fn a_step_beyond_what_numbers_hold_is_refused_or_right() {
+    let coin = Stepper::new(Coin::ring(1.0, 0.5))
+        .and_then(|it| it.with_gravity(UniformGravity::down(9.8)))
+        .and_then(|it| it.with_ground(FlatGround::level(1e3, 0.5)))
+        .unwrap();
+    let spin = DVec3::new(0.3, 1.0, 0.2);
+    for size in [1e17, 1e20, 1e70, 1e140, 1e153, 1e154, 1e155, 1e200, 1e300] {
+        for height in [10.0, 0.45] {
+            let start = State::at(DVec3::Z * height).with_angular_momentum(spin * size);
+            each_method!(1e-3, |integrator, method| {
+                let stepper = coin.with_integrator(integrator).unwrap();
+                let mut state = start;
+                match stepper.step(&mut state) {
+                    Ok(_) if height > 1.0 => {
+                        let apart = (state.angular_momentum - start.angular_momentum) / size;
+                        // The limiter of the energy scales by its rounding.
+                        assert!(apart.length() < 1e-9, "{method}, {size:e}: {apart}");
+                    }
+                    Ok(_) => assert_eq!(state.not_finite(), None, "{method}, {size:e}"),
+                    Err(_) => assert_eq!(bits(&state), bits(&start), "{method}, {size:e}"),
+                }
+            });
+        }
+    }
+    let start = State::at(DVec3::Z).with_angular_momentum(spin * 1e155);
+    let stepper = coin
+        .with_integrator(EnergyMomentum { time_step: 1e-3 })
+        .unwrap();
+    assert_eq!(
+        stepper.step(&mut start.clone()).unwrap_err().to_string(),
+        "the energy before the step must be finite and far from overflow, got inf J: look at the velocities, the depth in the ground and its laws"
+    );
+    for time_step in [1e15, 1e30, 1e50, 1e60, 1e75, 1e100, 1e200, 1e300] {
+        let stepper = coin.with_integrator(EnergyMomentum { time_step }).unwrap();
+        // The same by another factor, from other heights.
+        for (spin, height) in [(DVec3::ZERO, 10.0), (spin, 10.0), (spin * 7.0, 3.1)] {
+            for lean in [0.0, 0.7, 1.3] {
+                let start = State::at(DVec3::Z * height)
+                    .turned_by(DVec3::Y * lean)
+                    .with_angular_momentum(spin);
+                let mut state = start;
+                match stepper.step(&mut state) {
+                    // Nothing holds it in the air.
+                    Ok(_) => assert!(stepper.touching(&state) > 0, "{time_step:e}: {state:?}"),
+                    Err(error) => {
+                        assert!(matches!(error, StepError::StepTooLong { .. }), "{error}");
+                        assert_eq!(bits(&state), bits(&start));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// An integrator of a user's whose steps are lost in the clock of the run would repeat them for ever.
+#[test]
+fn a_step_that_the_clock_does_not_resolve_ends_the_run() {
+    struct Crumbs;
+    impl Integrator for Crumbs {
+        type Workspace = ();
+        fn step<D: Dynamics>(
+            &self,
+            _scene: &D,
+            _state: &mut State,
+            limit: f64,
+            _workspace: &mut (),
+        ) -> Result<Step, StepError> {
+            Ok(Step::new(if limit > 0.5 { 0.5 } else { 1e-300 }, 0))
+        }
+        fn order(&self) -> u32 {
+            1
+        }
+        fn check(&self) -> Result<(), SceneError> {
+            Ok(())
+        }
+    }
+    let stepper = Stepper::new(point_mass(1.0)).unwrap();
+    let stepper = stepper.with_integrator(Crumbs).unwrap();
+    let answer = stepper.advance(&mut State::default(), 1.0);
+    assert_eq!(answer, Err(StepError::Stalled));
 }
 
 #[test]

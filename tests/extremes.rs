@@ -998,3 +998,69 @@ fn a_coin_of_ten_thousand_points_keeps_its_promises() {
     tally.borrow().tell("ten thousand points, f64");
     assert!(result.is_ok(), "{}", result.unwrap_err());
 }
+
+/// A scene of the sweep with one of its numbers, or the step, so large that squares of it overflow: each
+/// step is refused and leaves the state, or is finite and does not lift the energy.
+fn is_refused_or_keeps_its_promises<R: Real>(case: &Case) -> TestCaseResult {
+    let time_step = R::from_f64(case.time_step);
+    let (body, ground, friction) = (case.body::<R>(), case.ground::<R>(), case.friction::<R>());
+    let gravity = UniformGravity::<R> {
+        acceleration: vector::<R>(case.gravity),
+    };
+    let stepper = Stepper::new(&*body)
+        .and_then(|stepper| stepper.with_ground(&*ground))
+        .and_then(|stepper| stepper.with_friction(&*friction))
+        .and_then(|stepper| stepper.with_gravity(gravity))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+        .unwrap();
+    let mut state = case.state(stepper.scene());
+    let mut before = stepper.energy(&state).total();
+    for number in 0..4 {
+        let start = state;
+        match stepper.step(&mut state) {
+            Ok(step) => {
+                let after = stepper.energy(&state).total();
+                prop_assert!(state.not_finite().is_none(), "step {number}: {state:?}");
+                prop_assert!(after <= before, "step {number}: from {before} to {after}");
+                prop_assert!(step.elapsed == time_step, "step {number}: {step:?}");
+                before = after;
+            }
+            Err(error) => {
+                let kept = format!("{state:?}") == format!("{start:?}");
+                prop_assert!(kept, "step {number}: {error} moves the body to {state:?}");
+                break;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Spins, speeds, places and steps beyond those of [`WIDE`] and [`SINGLE`] by up to `decades`.
+fn sweep_of_overflow<R: Real>(name: &str, ranges: Ranges, laws: Laws, decades: f64) {
+    let larger = (0..4_usize, 1.0..decades);
+    let scenes = (cases(ranges, laws), larger).prop_map(|(mut case, (which, decades))| {
+        let factor = 10.0_f64.powf(decades);
+        match which {
+            0 => case.spin *= factor,
+            1 => case.velocity *= factor,
+            2 => case.position *= factor,
+            _ => case.time_step *= factor,
+        }
+        case
+    });
+    let result = TestRunner::new(kit::cases(500))
+        .run(&scenes, |case| is_refused_or_keeps_its_promises::<R>(&case));
+    assert!(result.is_ok(), "{name}: {}", result.unwrap_err());
+}
+
+#[test]
+fn every_step_beyond_what_numbers_hold_is_refused_or_keeps_its_promises() {
+    sweep_of_overflow::<f64>("overflow, f64", WIDE, Laws::Report, 290.0);
+    sweep_of_overflow::<f64>(
+        "overflow with built-in laws, f64",
+        WIDE,
+        Laws::BuiltIn,
+        290.0,
+    );
+    sweep_of_overflow::<f32>("overflow, f32", SINGLE, Laws::Report, 30.0);
+}

@@ -51,7 +51,8 @@ fn film<B: RigidPointBody, I: Integrator>(
     let film = Timed::every(0.05, |sample: &Sample<'_>| {
         states.push(*sample.state);
         ControlFlow::Continue(())
-    });
+    })
+    .unwrap();
     let mut count = |sample: &Sample<'_>| {
         steps = sample.step;
         ControlFlow::Continue(())

@@ -3,14 +3,21 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 // The bits of times are compared, and few looks counted.
-#![allow(clippy::float_cmp, clippy::cast_possible_truncation)]
+#![allow(
+    clippy::float_cmp,
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss
+)]
 
 mod kit;
 
 use core::ops::ControlFlow;
+use tumble::glam::DVec3;
+use tumble::real::Vector;
 use tumble::{
-    BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, Integrator, Ledger, Observer, Rk4,
-    Sample, State, Timed, Trial,
+    BogackiShampine32, Cuboid, DormandPrince54, EnergyMomentum, FlatGround, Flight, ForwardEuler,
+    Integrator, Ledger, Nystrom, Observer, PointMass, Real, RigidPointBody, Rk4, Sample, Sphere,
+    State, Stepper, StrangSplitting, SymplecticEuler, Timed, Trial, UniformGravity,
 };
 
 fn trial() -> Trial {
@@ -51,7 +58,7 @@ fn nobodys_looking_changes_the_path<I: Integrator>(name: &str, tolerance: f64, i
         let (mut looks, mut seen, mut ledger) = (Vec::new(), Vec::new(), Ledger::new());
         let mut state = trial().state();
         let mut observers = (
-            Timed::every(interval, watch(&mut looks)),
+            Timed::every(interval, watch(&mut looks)).unwrap(),
             (watch(&mut seen), &mut |sample: &Sample<'_>| {
                 ledger.observe(sample)
             }),
@@ -135,8 +142,8 @@ fn two_who_look_at_other_times_see_their_own() {
     let stepper = trial().stepper(DormandPrince54::new(1e-5)).unwrap();
     let (mut thirds, mut halves) = (Vec::new(), Vec::new());
     let mut both = (
-        Timed::every(0.03, watch(&mut thirds)),
-        Timed::every(0.02, watch(&mut halves)),
+        Timed::every(0.03, watch(&mut thirds)).unwrap(),
+        Timed::every(0.02, watch(&mut halves)).unwrap(),
     );
     stepper.run(&mut trial().state(), 0.12, &mut both).unwrap();
     drop(both);
@@ -156,7 +163,8 @@ fn a_look_that_ends_the_run_leaves_the_state_after_its_step() {
         } else {
             ControlFlow::Continue(())
         }
-    });
+    })
+    .unwrap();
     let mut state = trial().state();
     let time = stepper.run(&mut state, 1.0, &mut film).unwrap();
     assert!((time - 0.011).abs() < 1e-15, "{time}");
@@ -165,14 +173,269 @@ fn a_look_that_ends_the_run_leaves_the_state_after_its_step() {
     assert_eq!(state, same);
 }
 
-#[test]
-fn an_interval_that_is_none_asks_for_the_start_alone() {
-    let stepper = trial().stepper(EnergyMomentum { time_step: 1e-3 }).unwrap();
-    for interval in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let mut seen = Vec::new();
-        let mut film = Timed::every(interval, watch(&mut seen));
-        stepper.run(&mut trial().state(), 0.01, &mut film).unwrap();
-        drop(film);
-        assert_eq!(seen.len(), 1);
+/// A free point in steps of one length: the time of the run, its steps, and their true sum.
+fn run_of_steps<R: Real>(time_step: R, seconds: R) -> (R, u64, f64) {
+    let stepper = Stepper::new(PointMass::new(R::ONE))
+        .unwrap()
+        .with_integrator(StrangSplitting { time_step })
+        .unwrap();
+    let (mut steps, mut whole, mut last) = (0, 0.0, R::ZERO);
+    let mut state = State::<R>::default();
+    // Every step but the last is a whole one.
+    let time = stepper
+        .run(&mut state, seconds, &mut |sample: &Sample<'_, R>| {
+            (steps, whole) = (sample.step, last.to_f64());
+            last = sample.time;
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    let last_step = time.to_f64() - whole;
+    let sum = time_step.to_f64() * (steps.max(1) - 1) as f64 + last_step;
+    (time, steps, sum)
+}
+
+/// Whether two positive numbers are the same or next to each other.
+fn are_neighbours<R: Real>(a: R, b: R) -> bool {
+    let apart = (a.to_f64() - b.to_f64()).abs();
+    // A unit in the last place is less than `EPSILON` of the number, and half of that below a power of 2.
+    let middle = R::from_f64(0.5 * (a.to_f64() + b.to_f64()));
+    apart <= b.to_f64() * R::EPSILON.to_f64() && (middle == a || middle == b)
+}
+
+/// Promise: the time of a run is what was asked for, to one unit in the last place, in both
+/// precisions, and a whole number of steps is kept whole. Durations and steps are drawn, as decimals
+/// that a person types and as any numbers, over ranges that no constant was chosen on.
+fn a_run_ends_at_any_time<R: Real>(draws: u32) {
+    let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut draw = |below: u64| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (seed >> 33) % below
+    };
+    for _ in 0..draws {
+        let scale = 10.0_f64.powi(draw(7) as i32);
+        let (units, count) = (1 + draw(9999), 1 + draw(300));
+        let step = R::from_f64(units as f64 / scale);
+        let seconds = R::from_f64((units * count) as f64 / scale);
+        let (time, steps, _) = run_of_steps(step, seconds);
+        assert_eq!(steps, count, "{seconds} s in steps of {step} s");
+        assert!(are_neighbours(time, seconds), "{time} for {seconds} s");
+
+        let seconds = R::from_f64(step.to_f64() * draw(1 << 30) as f64 / f64::from(1 << 23));
+        let (time, _, _) = run_of_steps(step, seconds);
+        assert!(
+            are_neighbours(time, seconds),
+            "{time} for {seconds} s in steps of {step} s"
+        );
     }
+}
+
+#[test]
+fn a_run_ends_at_any_time_to_one_unit_in_the_last_place() {
+    a_run_ends_at_any_time::<f64>(3000);
+    a_run_ends_at_any_time::<f32>(3000);
+    // Rests that are no rounding are taken: 1e-12 and 1e-6 of a step beyond ten of them, or short of them.
+    for rest in [-1e-12, 1e-12] {
+        let seconds = 0.01 * (1.0 + rest);
+        let (time, steps, _) = run_of_steps(1e-3, seconds);
+        assert_eq!((time, steps), (seconds, if rest > 0.0 { 11 } else { 10 }));
+    }
+    for rest in [-1e-6_f32, 1e-6] {
+        let seconds = 0.01 * (1.0 + rest);
+        let (time, steps, _) = run_of_steps(1e-3_f32, seconds);
+        assert!(are_neighbours(time, seconds), "{time}");
+        assert_eq!(steps, if rest > 0.0 { 11 } else { 10 });
+    }
+}
+
+/// In `f32`, a unit in the last place of ten thousand seconds is a whole step of 1 ms. The sum of the
+/// steps counts, not only the number that it is rounded to.
+#[test]
+fn ten_million_steps_in_single_precision_are_ten_million() {
+    let (time, steps, sum) = run_of_steps(1e-3_f32, 1e4);
+    assert_eq!((time, steps), (1e4, 10_000_000));
+    // A unit in the last place of 1e4 in f32: 2⁻¹⁰.
+    assert!((sum - 1e4).abs() <= 2.0_f64.powi(-10), "{sum}");
+}
+
+/// A sample at the end of a run is shown, although its time is another sum than the run's.
+fn samples_come_to_the_end<R: Real>() {
+    for count in 1..400_u32 {
+        for seconds in [1.0, 0.3, 7.7, 1e-3, 123.4] {
+            let interval = R::from_f64(seconds / f64::from(count));
+            let stepper = Stepper::new(PointMass::new(R::ONE))
+                .unwrap()
+                .with_integrator(StrangSplitting {
+                    time_step: R::from_f64(seconds * 0.37),
+                })
+                .unwrap();
+            let mut times = Vec::new();
+            let film = |sample: &Sample<'_, R>| {
+                times.push(sample.time);
+                // A velocity of 1 m/s says how far the state has come: to two units of the end's time,
+                // and another rounding in each of the position's sums.
+                let way = sample.state.position.x().to_f64();
+                let off = (way - sample.time.to_f64()).abs();
+                assert!(off <= 4.0 * R::EPSILON.to_f64() * seconds, "{off:e}");
+                ControlFlow::Continue(())
+            };
+            let mut film = Timed::every(interval, film).unwrap();
+            let start = State::<R>::default();
+            let mut state = start.with_linear_velocity(Vector::new(R::ONE, R::ZERO, R::ZERO));
+            let seconds = R::from_f64(seconds);
+            stepper.run(&mut state, seconds, &mut film).unwrap();
+            drop(film);
+            assert_eq!(
+                times.len(),
+                count as usize + 1,
+                "{seconds} s by {interval} s"
+            );
+        }
+    }
+}
+
+#[test]
+fn samples_at_equal_intervals_come_to_the_end_of_a_run() {
+    samples_come_to_the_end::<f64>();
+    samples_come_to_the_end::<f32>();
+}
+
+/// Where a step may take no time: at the event itself, above and below it by rounding, pressed in, at
+/// the top of a path, on the way up, and without gravity.
+fn starts<R: Real>() -> Vec<State<R>> {
+    let at = |height: f64, speed: f64, spin: f64| {
+        let vector = |x: f64, z: f64| R::Vec3::new(R::from_f64(x), R::ZERO, R::from_f64(z));
+        State::<R> {
+            position: vector(0.0, height),
+            linear_velocity: vector(0.1, speed),
+            angular_momentum: vector(spin, 0.0),
+            ..State::default()
+        }
+    };
+    let mut starts = Vec::new();
+    for height in [
+        0.0,
+        0.1,
+        0.1 + 1e-16,
+        0.1 - 1e-16,
+        0.1 + 1e-12,
+        0.1 + 1e-7,
+        0.05,
+        0.14,
+        1.0,
+        1e3,
+    ] {
+        for (speed, spin) in [
+            (0.0, 0.0),
+            (-1.0, 0.0),
+            (1.0, 0.0),
+            (-1e-9, 1e-3),
+            (0.0, 1e-3),
+            (-30.0, 0.05),
+        ] {
+            starts.push(at(height, speed, spin));
+        }
+        starts.push(State {
+            linear_velocity: R::Vec3::ZERO,
+            ..at(height, 0.0, 0.0)
+        });
+    }
+    starts
+}
+
+/// Promise: no step takes no time, and none is longer than its limit. Limits from one that is 0 in
+/// `f32` to one beyond every flight.
+fn every_step_takes_time<R: Real, I: Integrator<R> + Copy>(
+    name: &str,
+    body: &dyn RigidPointBody<R>,
+    integrator: I,
+) {
+    let number = R::from_f64;
+    for gravity in [0.0, 1e-3, 9.8] {
+        let stepper = Stepper::new(body)
+            .and_then(|it| it.with_ground(FlatGround::level(number(1e4), number(10.0))))
+            .and_then(|it| it.with_gravity(UniformGravity::down(number(gravity))))
+            .and_then(|it| it.with_integrator(integrator))
+            .unwrap();
+        for start in starts::<R>() {
+            for limit in [
+                1e-320,
+                1e-40,
+                1e-20,
+                1e-12,
+                1e-6,
+                1e-3,
+                1.0,
+                1e9,
+                f64::INFINITY,
+            ] {
+                let (mut state, limit) = (start, number(limit));
+                let step = stepper.step_within(&mut state, limit, &mut Default::default());
+                let step = step.unwrap_or_else(|error| panic!("{name}: {error}, {start:?}"));
+                assert!(
+                    limit == R::ZERO || (step.elapsed > R::ZERO && step.elapsed <= limit),
+                    "{name}: {} s of {limit} s from {start:?}",
+                    step.elapsed
+                );
+            }
+            let time = stepper.run(&mut start.clone(), number(0.005), &mut ());
+            assert!(time.is_ok(), "{name}: {time:?} from {start:?}");
+        }
+    }
+}
+
+/// Every method by itself and within closed-form flight.
+fn every_method_takes_time<R: Real>(body: &dyn RigidPointBody<R>, tolerance: f64) {
+    let (time_step, tolerance) = (R::from_f64(1e-4), R::from_f64(tolerance));
+    macro_rules! check {
+        ($($integrator:expr),*) => {$(
+            every_step_takes_time(stringify!($integrator), body, $integrator);
+            every_step_takes_time(stringify!(Flight($integrator)), body, Flight($integrator));
+        )*};
+    }
+    check!(
+        ForwardEuler { time_step },
+        SymplecticEuler { time_step },
+        StrangSplitting { time_step },
+        Rk4 { time_step },
+        Nystrom { time_step },
+        EnergyMomentum { time_step },
+        BogackiShampine32::new(tolerance),
+        DormandPrince54::new(tolerance)
+    );
+}
+
+/// All of these bodies are 0.1 m high above their centre of mass, or a point.
+fn every_body_takes_time<R: Real>(tolerance: f64) {
+    let number = R::from_f64;
+    every_method_takes_time(&PointMass::new(number(1.0)), tolerance);
+    every_method_takes_time(&Sphere::solid(number(1.0), number(0.1)), tolerance);
+    let edges = Vector::new(number(0.3), number(0.25), number(0.2));
+    every_method_takes_time(&Cuboid::solid(number(1.0), edges), tolerance);
+}
+
+#[test]
+fn no_step_of_any_method_takes_no_time() {
+    every_body_takes_time::<f64>(1e-6);
+    every_body_takes_time::<f32>(1e-3);
+}
+
+/// Scenes that ended in `Stalled` once: a point that touches, and a weightless ball that is pressed in.
+#[test]
+fn a_closed_form_flight_around_an_adaptive_method_goes_on_in_contact() {
+    let ground = FlatGround::level(1e4, 10.0);
+    let flight = Flight(DormandPrince54::new(1e-6));
+    let point = Stepper::new(PointMass::new(1.0))
+        .and_then(|it| it.with_gravity(UniformGravity::down(9.8)))
+        .and_then(|it| it.with_ground(ground))
+        .and_then(|it| it.with_integrator(flight))
+        .unwrap();
+    assert_eq!(point.advance(&mut State::at(DVec3::Z), 1.0), Ok(()));
+    let ball = Stepper::new(Sphere::solid(1.0, 0.1))
+        .and_then(|it| it.with_ground(ground))
+        .and_then(|it| it.with_integrator(flight))
+        .unwrap();
+    let mut state = State::at(DVec3::Z * 0.05);
+    assert_eq!(ball.advance(&mut state, 1.0), Ok(()));
+    // It has left upwards.
+    assert!(state.position.z > 0.1, "{state:?}");
 }

@@ -109,12 +109,17 @@ impl<R: Real> MassProperties<R> {
     ///
     /// # Errors
     /// Where the mass is not above 0, the tensor is not symmetric or not finite, a principal moment is negative, or one exceeds the sum of the other two.
+    /// Also where the inverse of the mass or of a moment overflows.
     pub fn new(mass: R, inertia: R::Mat3) -> Result<Self, SceneError> {
         error::above_zero("mass", mass, " kg")?;
+        error::finite_inverse("mass", mass, " kg")?;
         let (moments, principal) = principal_axes(check_tensor::<R>(inertia)?);
         let largest = moments[0].at_least(moments[1]).at_least(moments[2]);
         let rounding = largest * (R::EPSILON * R::from_f64(64.0));
         check_moments(moments, rounding)?;
+        for moment in moments.into_iter().filter(|&moment| moment > rounding) {
+            error::finite_inverse("a principal moment of inertia", moment, " kg m²")?;
+        }
         let inverse = moments.map(|moment| {
             if moment > rounding {
                 R::ONE / moment

@@ -12,8 +12,7 @@ use crate::state::State;
 
 /// Checks an integrator, on scenes scaled to its own step: a box in free flight, one that slides on its springs, one that falls on a corner.
 ///
-/// A step succeeds and is finite; takes more than 0 s, at most its limit (but for what [`step_length`](crate::integrator::step_length) counts as
-/// rounding), and just the time that it tells; steps towards a moment land on it. The same input gives the same bits, whatever was done with the workspace before (where the
+/// A step succeeds and is finite; takes more than 0 s, at most its limit, and just the time that it tells; steps towards a moment land on it. The same input gives the same bits, whatever was done with the workspace before (where the
 /// method [chooses its steps](Integrator::CHOOSES_STEPS): with a new workspace, or a copy of the one that was used). The orientation
 /// has length 1. The error falls with the step at least at the stated order less 0.3, by halving the limit while the box slides (not asked where it is
 /// rounding already, or where the method chooses shorter steps).
@@ -164,8 +163,7 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
         demand(whole, Clause::Finite, step.elapsed, R::MAX, input)?;
         let takes = step.elapsed > R::ZERO;
         demand(takes, Clause::TakesTime, step.elapsed, R::ZERO, input)?;
-        let most = limit + limit * rounding_of_time();
-        demand_at_most(step.elapsed, most, Clause::KeepsToLimit, input)?;
+        demand_at_most(step.elapsed, limit, Clause::KeepsToLimit, input)?;
         let [x, y, z, w] = state.orientation.xyzw();
         let off = (x * x + y * y + z * z + w * w - R::ONE).abs();
         demand_at_most(off, ulps(16.0), Clause::UnitOrientation, input)?;
@@ -299,7 +297,7 @@ fn distance<R: Real>(a: &State<R>, b: &State<R>, seconds: R) -> R {
         + (a.angular_momentum - b.angular_momentum).length() * seconds
 }
 
-/// What counts as rounding of a time, as a share of it: as [`step_length`](crate::integrator::step_length) has it.
+/// What counts as rounding of a time that is left after steps were subtracted one by one, as a share of it.
 fn rounding_of_time<R: Real>() -> R {
     ulps::<R>(4.0e6).at_most(R::from_f64(1e-4)) * R::TWO
 }

@@ -178,6 +178,10 @@ pub(super) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
     loop {
         control.spend(settings)?;
         let seconds = trial.seconds(limit);
+        if seconds <= R::ZERO {
+            // A proposal that has underflowed.
+            return Err(control.too_short(settings, Quantity::Position));
+        }
         let to_kink = trial.is_to_kink(seconds);
         let attempt = attempt(pair, scene, &start, seconds, to_kink);
         report.evaluations += u32::try_from(STAGES).unwrap_or(u32::MAX) - 1;

@@ -64,7 +64,8 @@ use problem::Problem;
 ///
 /// - *Order* 2, also where contacts begin: the mean force over the step integrates the damper's jump.
 /// - *Conserves* the energy where nothing takes it, to the rounding of each step.
-/// - *Stable* at any step.
+/// - *Stable* at any step. A step in which free motion would go beyond the numbers' digits, about 1e15
+///   sizes of the body or turns, may return [`StepTooLong`](crate::StepError::StepTooLong).
 /// - *Accurate* where the step resolves the contact: `dt < 1/ω`, with `ω = √(K/m)` and `K` the stiffness of all contacts that touch. Beyond it a bounce without dampers still
 ///   keeps its energy, but not its timing, and one with dampers not its restitution; friction that stops a body within a step stops it at the step's end. [`guide::accuracy`](crate::guide::accuracy) goes through the extremes.
 /// - *Cost:* in contact two to five iterations a step, each about as dear as two evaluations of all contacts. Flight of a body with two equal moments is exact and costs no iteration. A body at rest costs a
@@ -146,7 +147,7 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
         if !is_a_turn {
             return Err(StepError::BadState(Quantity::Orientation));
         }
-        Ok(move_on(scene, state, dt, workspace))
+        move_on(scene, state, dt, workspace)
     }
 
     fn order(&self) -> u32 {
@@ -167,16 +168,34 @@ const PARTS: u32 = 16;
 /// So many sixteenths of a step may go without a solution until the search for others ends.
 const MOST_LOST: u32 = 2;
 
+/// A step in contact that is longer may converge to where rounding takes it, s. In this time a body
+/// falls by 5e12 m on earth.
+const LONG: f64 = 1e6;
+
+/// Refuses an energy that says nothing: a step compares sums of several such energies.
+#[inline]
+fn check_energy<R: Real>(energy: &Energy<R>) -> Result<(), StepError> {
+    let sizes = energy.translation + energy.rotation + energy.gravity.abs() + energy.springs.abs();
+    if (sizes * R::from_f64(16.0)).is_finite() {
+        Ok(())
+    } else {
+        Err(StepError::BadEnergy {
+            joules: sizes.to_f64(),
+        })
+    }
+}
+
 fn move_on<R: Real, D: Dynamics<R>>(
     scene: &D,
     state: &mut State<R>,
     dt: R,
     workspace: &mut Workspace<R>,
-) -> Step<R> {
+) -> Result<Step<R>, StepError> {
     let start = *state;
     let before = workspace
         .energy(scene, &start)
         .unwrap_or_else(|| Energy::of(scene, &start));
+    check_energy(&before)?;
     let mut energy = before;
     let mut step = Step::new(dt, 0);
     turning::resisted(scene, state, &mut energy, dt * R::HALF);
@@ -198,11 +217,19 @@ fn move_on<R: Real, D: Dynamics<R>>(
                 length = PARTS - done;
             }
             let seconds = sixteenths(dt, length);
+            let from = *state;
             if let Some(lower) = descent::step(scene, state, energy.total(), seconds, &mut step) {
                 (*state, energy) = lower;
             }
+            if descent::is_left_in_the_air(scene, [&from, state], seconds) {
+                return Err(too_long(dt));
+            }
             done += length;
         }
+    }
+    let is_suspect = step.fallback || (step.iterations > 0 && dt > R::from_f64(LONG));
+    if is_suspect && descent::is_unresolved(scene, &start, dt) {
+        return Err(too_long(dt));
     }
     turning::resisted(scene, state, &mut energy, dt * R::HALF);
     if energy.springs > R::ZERO
@@ -216,7 +243,14 @@ fn move_on<R: Real, D: Dynamics<R>>(
     }
     workspace.known = Some((*state, energy, Likeness::of(scene, state)));
     workspace.rest = (*state == start).then_some(dt);
-    step
+    Ok(step)
+}
+
+#[cold]
+fn too_long<R: Real>(dt: R) -> StepError {
+    StepError::StepTooLong {
+        seconds: dt.to_f64(),
+    }
 }
 
 /// As [`Dynamics::motion`], but compiled once, for the stages that a step seldom needs.

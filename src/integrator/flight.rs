@@ -54,6 +54,7 @@ impl<R: Real, I: Integrator<R>> Integrator<R> for Flight<I> {
     type Workspace = I::Workspace;
 
     const CHOOSES_STEPS: bool = I::CHOOSES_STEPS;
+    const SPANS_STEPS: bool = true;
 
     #[inline]
     fn step<D: Dynamics<R>>(
@@ -157,6 +158,8 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
     /// How long to fly; `None` where that is not worth a step.
     #[inline]
     fn seconds(&self, fixed_step: Option<R>, limit: R) -> Option<R> {
+        // An infinite limit is none.
+        let limit = limit.at_most(R::MAX);
         let turn = (self.scene.mass_properties()).longest_turn(self.state.angular_momentum);
         let Some(plane) = &self.plane else {
             let limit = limit.at_most(turn);
@@ -165,32 +168,42 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         };
         let worth = match fixed_step {
             Some(step) => step * R::TWO,
-            None => self.resolution(),
+            None => self.resolution(plane),
         };
         let free = self.free(plane, worth, limit).at_most(turn);
         if free >= limit {
             // For ever up, and no limit: there is no end.
             return (limit < R::MAX && limit > R::ZERO).then_some(limit);
         }
-        (free >= worth).then(|| match fixed_step {
-            Some(step) => whole_steps(free, step),
+        // A body in contact has no time to fly, and one that nothing moves is not worth less than that.
+        let is_worth = free >= worth && free > R::ZERO;
+        is_worth.then(|| match fixed_step {
+            Some(step) => whole_steps(free, step).at_most(limit),
             None => free,
         })
     }
 
-    /// A fiftieth of the time in which the body moves by its reach, s.
-    fn resolution(&self) -> R {
+    /// The time in which the body moves by a fiftieth of its reach, s; of a point, by the rounding of its height.
+    fn resolution(&self, plane: &Plane<R>) -> R {
         let reach = self.scene.reach();
+        let length = (reach * R::from_f64(0.02)).at_least(self.rounding(plane));
         let spin =
             self.state.angular_momentum * self.scene.mass_properties().largest_inverse_moment();
         let speed = self.state.linear_velocity.length()
             + spin.length() * reach
-            + (self.scene.gravity().length() * reach).sqrt();
+            + (self.scene.gravity().length() * reach.at_least(length)).sqrt();
         if speed > R::ZERO {
-            reach * R::from_f64(0.02) / speed
+            length / speed
         } else {
             R::ZERO
         }
+    }
+
+    /// What rounding may hide of the height above the plane, m.
+    #[inline]
+    fn rounding(&self, plane: &Plane<R>) -> R {
+        let gap = plane.gap(self.state.position);
+        (gap.abs() + plane.height.abs() + self.scene.reach()) * (R::EPSILON * R::from_f64(16.0))
     }
 
     /// A time up to which nothing touches, s: up to the first touch but for `worth`, or at least `limit`.
@@ -204,7 +217,7 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
             self.state.linear_velocity.dot(plane.normal),
         );
         // The ball around the body falls along a parabola.
-        let rounding = (gap.abs() + plane.height.abs() + reach) * (R::EPSILON * R::from_f64(16.0));
+        let rounding = self.rounding(plane);
         let mut time = safe(gap - reach - rounding, rising, fall).at_least(R::ZERO);
         if mass.is_asymmetric() || time >= limit {
             return time;

@@ -3,6 +3,7 @@
 use core::ops::ControlFlow;
 
 use super::{Observer, Sample};
+use crate::error::{Rule, SceneError};
 use crate::real::Real;
 
 /// Shows another observer only each `steps`-th sample, from the first one on.
@@ -13,13 +14,16 @@ pub struct Every<O> {
 }
 
 impl<O> Every<O> {
-    /// Each `steps`-th sample; 0 counts as 1.
-    #[must_use]
-    pub fn steps(steps: u64, observer: O) -> Self {
-        Self {
-            steps: steps.max(1),
-            observer,
+    /// Each `steps`-th sample, at least 1.
+    ///
+    /// # Errors
+    /// Returns [`SceneError`] if `steps` is 0. The error names the quantity, the rule and the value.
+    pub fn steps(steps: u64, observer: O) -> Result<Self, SceneError> {
+        if steps == 0 {
+            let quantity = "number of steps between samples";
+            return Err(SceneError::new(quantity, Rule::AtLeast(1), 0.0, ""));
         }
+        Ok(Self { steps, observer })
     }
 
     /// The observer again.

@@ -3,6 +3,7 @@
 use core::ops::ControlFlow;
 
 use super::{Observer, Sample};
+use crate::error::{self, SceneError};
 use crate::real::Real;
 
 /// Shows another observer the states at the start and at whole multiples of a time, instead of those after each step.
@@ -20,7 +21,7 @@ use crate::real::Real;
 /// let mut film = Timed::every(1.0 / 60.0, |sample: &Sample<'_>| {
 ///     heights.push(sample.state.position.z);
 ///     ControlFlow::Continue(())
-/// });
+/// })?;
 /// stepper.run(&mut trial.state(), 1.0, &mut film)?;
 /// assert_eq!(heights.len(), 61);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -33,14 +34,19 @@ pub struct Timed<O, R = f64> {
 }
 
 impl<O, R: Real> Timed<O, R> {
-    /// At 0, `seconds`, twice that and so on; an interval that is not above 0 asks for the start alone.
-    #[must_use]
-    pub fn every(seconds: R, observer: O) -> Self {
-        Self {
+    /// Samples at 0, `seconds`, twice that and so on.
+    ///
+    /// # Errors
+    /// Returns [`SceneError`] if `seconds` is not above 0 or not finite. The error names the
+    /// quantity, the rule and the value. An interval that is too short for a run is refused by
+    /// [`run`](crate::Stepper::run).
+    pub fn every(seconds: R, observer: O) -> Result<Self, SceneError> {
+        error::above_zero("interval of the samples", seconds, " s")?;
+        Ok(Self {
             interval: seconds,
             looks: 0,
             observer,
-        }
+        })
     }
 
     /// The observer again.
@@ -71,7 +77,11 @@ impl<R: Real, O: Observer<R>> Observer<R> for Timed<O, R> {
 
     fn asks_for(&self) -> Option<R> {
         let next = self.interval * R::from_usize(self.looks as usize);
-        (self.interval > R::ZERO && next.is_finite()).then_some(next)
+        next.is_finite().then_some(next)
+    }
+
+    fn interval(&self) -> Option<R> {
+        Some(self.interval)
     }
 
     fn observe_asked(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {

@@ -4,6 +4,7 @@ use core::ops::ControlFlow;
 
 use super::{Observer, Sample};
 use crate::body::RigidPointBody;
+use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 use crate::state::State;
 
@@ -25,7 +26,7 @@ use crate::state::State;
 ///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?;
 /// let mut state = stepper.spinning(State::at(DVec3::Z * 0.2), DVec3::new(20.0, 35.0, 5.0)); // m, rad/s
 /// // Not a tenth of a millimetre in a quarter of a second.
-/// let mut rest = UntilRest::new(stepper.body(), 1e-4, 0.25);
+/// let mut rest = UntilRest::new(stepper.body(), 1e-4, 0.25)?;
 /// let seconds = stepper.run(&mut state, 60.0, &mut rest)?;
 /// assert!(rest.is_reached() && seconds < 5.0);
 /// println!("{:?} after {seconds:.2} s", stepper.body().side_up(&state));
@@ -33,7 +34,8 @@ use crate::state::State;
 /// ```
 ///
 /// *Limits:* it sees the body at the ends of steps. A body that creeps, as every body does on a slope, lies still where it creeps by less than `distance` in the time. So does one that
-/// stands on an edge.
+/// stands on an edge. At the top of its path a thrown body stays within `distance` for up to
+/// `2 √(2 distance/g)`, which is 9 ms for 1e-4 m on earth: `seconds` must be longer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UntilRest<R: Real = f64> {
     reach: R,
@@ -56,16 +58,27 @@ struct Seen<R: Real> {
 impl<R: Real> UntilRest<R> {
     /// Waits until no place of `body` has moved by more than `distance` (m) for `seconds`.
     ///
-    /// Of a body of some centimetres, 1e-4 m in a quarter of a second is below what the eye sees. A distance that is not at least 0 is kept by no body, and the run goes on to its end.
-    #[must_use]
-    pub fn new<B: RigidPointBody<R> + ?Sized>(body: &B, distance: R, seconds: R) -> Self {
-        Self {
+    /// Of a body of some centimetres, 1e-4 m in a quarter of a second is below what the eye sees.
+    ///
+    /// # Errors
+    /// Returns [`SceneError`] if `distance` is below 0, if `seconds` is not above 0, or if one of
+    /// them or the reach of the body is not finite. The error names the quantity, the rule and the
+    /// value.
+    pub fn new<B: RigidPointBody<R> + ?Sized>(
+        body: &B,
+        distance: R,
+        seconds: R,
+    ) -> Result<Self, SceneError> {
+        error::at_least_zero("distance of a body at rest", distance, " m")?;
+        error::above_zero("time of a body at rest", seconds, " s")?;
+        error::at_least_zero("reach of the body", body.reach(), " m")?;
+        Ok(Self {
             reach: body.reach(),
             distance,
             seconds,
             seen: None,
             still: R::ZERO,
-        }
+        })
     }
 
     /// Whether the body lies still.

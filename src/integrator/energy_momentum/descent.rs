@@ -61,6 +61,46 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     None
 }
 
+/// A motion by so many sizes of the body is not resolved: f64 has no digit left for the body itself.
+/// In f32 it has none after 1e7, but steps of up to 1e11 sizes still end where the energy is lower;
+/// `tests/extremes.rs` goes so far.
+const FARTHEST: f64 = 4.5e15;
+
+/// Whether free motion for so long goes so far, or rotates by so many turns, that rounding hides where it ends.
+#[cold]
+pub(super) fn is_unresolved<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    start: &State<R>,
+    seconds: R,
+) -> bool {
+    let reach = scene.reach();
+    let size = if reach > R::ZERO { reach } else { R::ONE };
+    let spin = motion_of(scene, start).angular_velocity.length();
+    let shift = free_shift(scene, start, seconds).length();
+    let is_resolved =
+        shift <= size * R::from_f64(FARTHEST) && spin * seconds * R::EPSILON <= R::ONE;
+    // What overflows is not resolved.
+    !is_resolved
+}
+
+/// Whether a search downhill has left a body in mid-air that free motion would have taken so far that
+/// rounding is more than it has moved.
+#[cold]
+pub(super) fn is_left_in_the_air<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    [start, end]: [&State<R>; 2],
+    seconds: R,
+) -> bool {
+    let shift = free_shift(scene, start, seconds).length();
+    let moved = (end.position - start.position).length();
+    shift > scene.reach() && moved < shift * R::EPSILON && Energy::with_touching(scene, end).1 == 0
+}
+
+/// How far a body shifts that nothing turns aside, by an Euler step, m.
+fn free_shift<R: Real, D: Dynamics<R>>(scene: &D, start: &State<R>, seconds: R) -> R::Vec3 {
+    (start.linear_velocity + scene.gravity() * seconds) * seconds
+}
+
 /// How a search finds its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -117,7 +157,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             inertia: Block { x, y, z },
             reach: if reach > R::ZERO { reach } else { R::ONE },
             free: Way {
-                shift: (start.linear_velocity + scene.gravity() * seconds) * seconds,
+                shift: free_shift(scene, start, seconds),
                 turn: motion.angular_velocity * seconds,
             },
             kind,

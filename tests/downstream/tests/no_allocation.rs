@@ -80,7 +80,7 @@ fn live<I: Integrator>(
         touched = touched.max(sample.touching());
         ControlFlow::Continue(())
     };
-    let rest = UntilRest::new(stepper.body(), 1e-4, 1.0);
+    let rest = UntilRest::new(stepper.body(), 1e-4, 1.0).expect("the limits are good");
     let mut observers = (Ledger::new(), (watch, rest));
     stepper
         .run(&mut state, 0.2, &mut observers)

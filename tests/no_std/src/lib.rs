@@ -80,7 +80,7 @@ fn run<R: Real>(
             ControlFlow::Continue(())
         }
     };
-    let rest = UntilRest::new(stepper.body(), knobs.radius, seconds);
+    let rest = UntilRest::new(stepper.body(), knobs.radius, seconds).ok()?;
     let mut observers = (Ledger::new(), (stop_in_flight, rest));
     stepper.run(state, seconds, &mut observers).ok()?;
     *state = stepper.spinning(*state, stepper.angular_velocity(state));
