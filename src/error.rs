@@ -187,8 +187,9 @@ pub enum StepError {
     },
     /// A method that chooses its steps has tried as many as its budget has.
     ///
-    /// Often because a contact sticks or rolls: stability then bounds each step by about `2 slip_speed/(3 μ g)`, whatever the
-    /// tolerance, which no explicit method can exceed. [`EnergyMomentum`](crate::EnergyMomentum) has no such bound.
+    /// Often because a contact sticks or rolls: stability then bounds each step by about
+    /// `2 slip_speed/(3 μ g)`, whatever the tolerance, which no explicit method can exceed.
+    /// [`EnergyMomentum`](crate::EnergyMomentum) has no such bound.
     #[error(
         "the budget of {attempts} steps is spent at {time:.6} s: loosen the tolerance or raise the budget; where contacts stick at a small slip speed take EnergyMomentum, or a larger slip speed"
     )]

@@ -79,15 +79,19 @@ pub trait Integrator<R: Real = f64> {
         None
     }
 
-    /// Largest stable step (s) for the oscillator `y'' + damping y' + stiffness y = 0`, with `stiffness` in 1/s² and
-    /// `damping` in 1/s, both at least 0: every shorter step is stable too. `None` if the method is stable at any step.
+    /// Largest stable step (s) for the oscillator `y'' + damping y' + stiffness y = 0`, with
+    /// `stiffness` in 1/s² and `damping` in 1/s, both at least 0: every shorter step is stable too.
+    /// `None` if the method is stable at any step.
     ///
-    /// 0 if no step is stable, as for an explicit Euler step without damping. A contact that acts on an effective mass `m` has
-    /// the stiffness `k/m` and the damping `c/m`. The value depends on the method alone, not on its own step size.
-    /// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) evaluates it for the contacts of a state.
+    /// 0 if no step is stable, as for an explicit Euler step without damping. A contact that acts
+    /// on an effective mass `m` has the stiffness `k/m` and the damping `c/m`. The value depends on
+    /// the method alone, not on its own step size.
+    /// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) evaluates it for the
+    /// contacts of a state.
     ///
-    /// The provided method returns `None`. An explicit method should override it with the limit of its stability region: for
-    /// a Runge-Kutta method, the `h` at which `h λ` leaves the region for a root of `λ² + damping λ + stiffness = 0`.
+    /// The provided method returns `None`. An explicit method should override it with the limit of
+    /// its stability region: for a Runge-Kutta method, the `h` at which `h λ` leaves the region for
+    /// a root of `λ² + damping λ + stiffness = 0`.
     #[inline]
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         let _ = (stiffness, damping);
@@ -135,10 +139,12 @@ impl<R: Real> Step<R> {
     }
 }
 
-/// The last number before a condition begins to hold, by bisection between one where it does not hold and one where it does.
+/// The last number before a condition begins to hold, by bisection between one where it does not
+/// hold and one where it does.
 fn last_before<R: Real>(bracket: [R; 2], holds: impl Fn(R) -> bool) -> R {
     let [mut low, mut high] = bracket;
-    // The bracket is at most as wide as its start, or a 64th of the result: this resolves f32 and is 6e-8 of the result in f64.
+    // The bracket is at most as wide as its start, or a 64th of the result: this resolves f32 and
+    // is 6e-8 of the result in f64.
     for _ in 0..24 {
         let middle = (low + high) * R::HALF;
         if holds(middle) {

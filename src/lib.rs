@@ -86,12 +86,15 @@
 //! | [`DormandPrince54`] | 5 | 6 | nothing more | by its error | chooses its steps for a tolerance |
 //! | [`ForwardEuler`] | 1 | 1 | nothing more | in every step | `dt < 2 ζ/ω`, and `ζ < 1` |
 //!
-//! `ω` (rad/s) and `δ` (1/s) are the highest frequency and the highest rate of damping that the contacts give the body, and
-//! `ζ = δ/2ω`. A contact at arm `r` with normal `n` feels the mass `M`, with `1/M = 1/m + (r × n) · J⁻¹ (r × n)`. One contact has
-//! `ω² = k/M` and `δ = c/M`. Contacts that act together add up. In stick, friction is a damper of `μ N/slip_speed` along the surface.
-//! [`Stepper::largest_stable_step`] computes the limit at a state. All keep the angular momentum in flight.
+//! `ω` (rad/s) and `δ` (1/s) are the highest frequency and the highest rate of damping that the
+//! contacts give the body, and `ζ = δ/2ω`. A contact at arm `r` with normal `n` feels the mass `M`,
+//! with `1/M = 1/m + (r × n) · J⁻¹ (r × n)`. One contact has `ω² = k/M` and `δ = c/M`. Contacts
+//! that act together add up. In stick, friction is a damper of `μ N/slip_speed` along the surface.
+//! [`Stepper::largest_stable_step`] computes the limit at a state. All keep the angular momentum in
+//! flight.
 //!
-//! The order holds in smooth motion. Through touch-downs it is what [`guide::accuracy`] measures on all eight trials.
+//! The order holds in smooth motion. Through touch-downs it is what [`guide::accuracy`] measures on
+//! all eight trials.
 //!
 //! - `EnergyMomentum` where a body must come to rest, at long steps and for stiff ground;
 //! - `StrangSplitting` where sliding and flight are to be cheap;

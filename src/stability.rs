@@ -1,4 +1,5 @@
-//! How stiff and how damped the contacts of a state are, and the longest step for which a method is stable there.
+//! How stiff and how damped the contacts of a state are, and the longest step for which a method is
+//! stable there.
 //!
 //! # Derivation
 //!
@@ -12,27 +13,28 @@
 //! C = Σ c (g + f) gᵀ + Σ d (e, r × e) (e, r × e)ᵀ      e: both directions along the surface
 //! ```
 //!
-//! `d` is the derivative of friction with respect to the slip, `μ N/slip speed` in stick. The arm and
-//! the inertia enter through `M⁻¹`: one contact alone has `ω² = k (1/m + (r × n) · J⁻¹ (r × (n + t)))`.
+//! `d` is the derivative of friction with respect to the slip, `μ N/slip speed` in stick. The arm
+//! and the inertia enter through `M⁻¹`: one contact alone has
+//! `ω² = k (1/m + (r × n) · J⁻¹ (r × (n + t)))`.
 //!
 //! Every solution `e^(λ t) x` obeys `λ² + δ λ + κ = 0` with the Rayleigh quotients `κ = x* K x` and
-//! `δ = x* C x` (in coordinates where M = 1). So where K and C are symmetric the pairs (κ, δ) lie in
-//! the joint numerical range of K and C, which is convex, and each λ is that of a scalar oscillator
-//! `y'' + δ y' + κ y = 0` of the range. A Runge-Kutta method is stable if it is stable for all of these.
-//! The same holds of semi-implicit Euler, whose step is a quadratic pencil in its own factor, and
-//! of Strang's splitting, whose pencil has the mass `(1 - h C/2)⁻¹` and the quotient of that is at
-//! least `1/(1 - h δ/2)`.
+//! `δ = x* C x` (in coordinates where M = 1). So where K and C are symmetric the pairs (κ, δ) lie
+//! in the joint numerical range of K and C, which is convex, and each λ is that of a scalar
+//! oscillator `y'' + δ y' + κ y = 0` of the range. A Runge-Kutta method is stable if it is stable
+//! for all of these. The same holds of semi-implicit Euler, whose step is a quadratic pencil in its
+//! own factor, and of Strang's splitting, whose pencil has the mass `(1 - h C/2)⁻¹` and the
+//! quotient of that is at least `1/(1 - h δ/2)`.
 //!
 //! The range is enclosed by its supporting lines: the largest eigenvalue of `p K + q C` bounds
 //! `p κ + q δ`. The limit is the least of the scalar limits along the outline of that polygon.
 //!
 //! Friction's growth with the load, `f`, makes K and the first part of C non-symmetric by the same
-//! factors. While the body slides both have the same eigenvectors, and the spectral radius takes the
-//! place of the largest eigenvalue. Where friction's own damping is strong it holds the contact along
-//! the surface, and the normal stiffness is at most that without `f`. So the limit is the lesser of
-//! both. Not proven is what lies between, a slip near the slip speed: there the motion itself can flutter.
-//! Left out: the rotation of arms and normals under load (of the size of depth/arm), and
-//! the gyroscopic torque.
+//! factors. While the body slides both have the same eigenvectors, and the spectral radius takes
+//! the place of the largest eigenvalue. Where friction's own damping is strong it holds the contact
+//! along the surface, and the normal stiffness is at most that without `f`. So the limit is the
+//! lesser of both. Not proven is what lies between, a slip near the slip speed: there the motion
+//! itself can flutter. Left out: the rotation of arms and normals under load (of the size of
+//! depth/arm), and the gyroscopic torque.
 
 use crate::friction::{Drag, SlidingFriction};
 use crate::ground::SpringDamperGround;
@@ -40,7 +42,8 @@ use crate::real::{Real, Vector};
 use crate::scene::{Contact, Dynamics, Motion, size};
 use crate::state::State;
 
-/// The longest step of a method at a state, s, from its scalar `limit(κ, δ)`, s. `None` without a bound.
+/// The longest step of a method at a state, s, from its scalar `limit(κ, δ)`, s. `None` without a
+/// bound.
 pub(crate) fn largest_stable_step<R: Real>(
     scene: &impl Dynamics<R>,
     state: &State<R>,
@@ -78,7 +81,8 @@ fn least_along<R: Real>(outline: &[[R; 2]], limit: &impl Fn(R, R) -> Option<R>) 
     Some(least)
 }
 
-/// Into how many parts an edge of the outline is cut: the stable region of a method need not be convex.
+/// Into how many parts an edge of the outline is cut: the stable region of a method need not be
+/// convex.
 const PARTS: usize = 3;
 
 fn between<R: Real>(start: &[R; 2], end: &[R; 2], part: usize) -> [R; 2] {
@@ -87,7 +91,8 @@ fn between<R: Real>(start: &[R; 2], end: &[R; 2], part: usize) -> [R; 2] {
     [start[0] * from + end[0] * to, start[1] * from + end[1] * to]
 }
 
-/// How the contacts of a state respond to a small displacement and a small velocity, as accelerations.
+/// How the contacts of a state respond to a small displacement and a small velocity, as
+/// accelerations.
 struct Response<R> {
     /// `M⁻¹ K`, 1/s².
     stiffness: Matrix<R>,
@@ -193,14 +198,16 @@ impl<R: Real> Response<R> {
         }
     }
 
-    /// Corners (κ, δ) of a polygon around the joint numerical range, from the least damping of the stiffest motion to the motions without stiffness.
+    /// Corners (κ, δ) of a polygon around the joint numerical range, from the least damping of the
+    /// stiffest motion to the motions without stiffness.
     fn outline(&self) -> [[R; 2]; 7] {
         let (zero, one, two) = (R::ZERO, R::ONE, R::TWO);
         let stiffest = self.stiffness.spectral_radius();
         let most_damped = self.damping.spectral_radius();
         let per = |value: R| if value > zero { one / value } else { zero };
         let [k, c] = [per(stiffest), per(most_damped)];
-        // Supporting lines p X + q Y = s of X = κ/stiffest and Y = δ/most_damped, of which each is at most 1.
+        // Supporting lines p X + q Y = s of X = κ/stiffest and Y = δ/most_damped, of which each is
+        // at most 1.
         let support = |p: R, q: R| {
             let sum = self.stiffness.combined(p * k, &self.damping, q * c);
             sum.spectral_radius()
@@ -208,7 +215,8 @@ impl<R: Real> Response<R> {
         let [flat, even, steep] = [support(two, one), support(one, one), support(one, two)];
         let within = |value: R| value.at_least(zero).at_most(one);
         let low = self.least_damping(stiffest, most_damped) * c;
-        // No motion has less damping for its stiffness than the stiffest one; the lines of non-symmetric matrices may cross below.
+        // No motion has less damping for its stiffness than the stiffest one; the lines of
+        // non-symmetric matrices may cross below.
         let crossing = |x: R, y: R| [within(x), within(y).at_least(low * within(x))];
         let resting = within(self.friction.spectral_radius() * c);
         let top = within(steep - two);
@@ -225,18 +233,20 @@ impl<R: Real> Response<R> {
         corners.map(|[x, y]| [x * stiffest, y * most_damped])
     }
 
-    /// Lower bound for the damping of the stiffest motion, 1/s: from lines `δ >= t κ - s` below the range of stiffness and normal damping. Friction only adds to that.
+    /// Lower bound for the damping of the stiffest motion, 1/s: from lines `δ >= t κ - s` below the
+    /// range of stiffness and normal damping. Friction only adds to that.
     fn least_damping(&self, stiffest: R, most_damped: R) -> R {
         let normal = self.damping.combined(R::ONE, &self.friction, -R::ONE);
         let mut least = R::ZERO;
         let mut slope = self.mean_ratio;
         for _ in 0..3 {
-            // All eigenvalues of t K - C + most_damped are at least 0, so that the largest is the spectral radius.
+            // All eigenvalues of t K - C + most_damped are at least 0, so that the largest is the
+            // spectral radius.
             let mut shifted = self.stiffness.combined(slope, &normal, -R::ONE);
             shifted.add_identity(most_damped);
             let offset = (shifted.spectral_radius() - most_damped).at_least(R::ZERO);
             least = least.at_least(slope * stiffest - offset);
-            slope = slope * R::HALF;
+            slope *= R::HALF;
         }
         least.at_most(most_damped)
     }
@@ -284,11 +294,12 @@ fn dot<R: Real>(a: &[R; 6], b: &[R; 6]) -> R {
     (a.iter().zip(b)).fold(R::ZERO, |sum, (&a, &b)| sum + a * b)
 }
 
-/// Derivatives of a contact's normal force with respect to depth (N/m) and closing speed (N s/m), by central differences.
+/// Derivatives of a contact's normal force with respect to depth (N/m) and closing speed (N s/m),
+/// by central differences.
 ///
-/// Their width is `ε^(3/8)` of the depth, 1.4e-6 in f64 and 2.5e-3 in f32: what rounding leaves of a
-/// derivative is `ε^(5/8)` of it, and what curvature adds `ε^(3/4)`. The unit of speed is the depth times the
-/// contact's own frequency, where spring and damper weigh alike.
+/// Their width is `ε^(3/8)` of the depth, 1.4e-6 in f64 and 2.5e-3 in f32: what rounding leaves of
+/// a derivative is `ε^(5/8)` of it, and what curvature adds `ε^(3/4)`. The unit of speed is the
+/// depth times the contact's own frequency, where spring and damper weigh alike.
 fn slopes<R: Real, G: SpringDamperGround<R>>(
     ground: &G,
     contact: &Contact<R>,
@@ -314,7 +325,8 @@ fn slopes<R: Real, G: SpringDamperGround<R>>(
     [stiffness, damping]
 }
 
-/// The friction law's response at a contact. Where a law states none at zero slip, that at 1e-12 m/s.
+/// The friction law's response at a contact. Where a law states none at zero slip, that at 1e-12
+/// m/s.
 fn drag_at<R: Real, F: SlidingFriction<R>>(friction: &F, load: R, contact: &Contact<R>) -> Drag<R> {
     let drag = friction.drag(load, contact.slip);
     if drag.coefficient > R::ZERO || contact.slip != R::Vec3::ZERO {
@@ -400,7 +412,8 @@ impl<R: Real> Matrix<R> {
         square
     }
 
-    /// Largest magnitude of an eigenvalue, by repeated squaring: `ρ(A) = s₀ √(s₁ √(s₂ …))` with the scales of the powers.
+    /// Largest magnitude of an eigenvalue, by repeated squaring: `ρ(A) = s₀ √(s₁ √(s₂ …))` with the
+    /// scales of the powers.
     fn spectral_radius(&self) -> R {
         let mut scales = [R::ONE; SQUARINGS];
         let mut power = *self;
@@ -425,14 +438,16 @@ mod tests {
     fn the_spectral_radius_is_that_of_symmetric_skew_and_defective_matrices() {
         let mut matrix = Matrix::<f64>::ZERO;
         assert_relative_eq!(matrix.spectral_radius(), 0.0);
-        // A block of rotation by a right angle times 3, a diagonal of 2, and a coupling of 1e3 between equal eigenvalues.
+        // A block of rotation by a right angle times 3, a diagonal of 2, and a coupling of 1e3
+        // between equal eigenvalues.
         matrix.0[0][1] = 3.0;
         matrix.0[1][0] = -3.0;
         matrix.0[2][2] = 2.0;
         matrix.0[3][3] = 2.0;
         matrix.0[2][3] = 1e3;
         assert_relative_eq!(matrix.spectral_radius(), 3.0, max_relative = 1e-5);
-        // Defective and dominant: the 2²⁰th power is 2²⁰ times as large, and its root off by 20 ln 2/2²⁰ = 1.3e-5, with the coupling 2e-5.
+        // Defective and dominant: the 2²⁰th power is 2²⁰ times as large, and its root off by 20 ln
+        // 2/2²⁰ = 1.3e-5, with the coupling 2e-5.
         matrix.0[0][1] = 1.0;
         assert_relative_eq!(matrix.spectral_radius(), 2.0, max_relative = 3e-5);
         // Scales far from 1.

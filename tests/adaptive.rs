@@ -110,7 +110,8 @@ fn in_trials_that_no_constant_was_chosen_on_the_error_is_ten_tolerances_at_most(
     }
 }
 
-/// How far the truth moves after 1 s for errors of one tolerance then: of the position, of the velocity by 1 a second, and of the spin, each in its worst direction, added up.
+/// How far the truth moves after 1 s for errors of one tolerance then: of the position, of the
+/// velocity by 1 a second, and of the spin, each in its worst direction, added up.
 fn growth_after_a_second(number: usize, truths: &[Record], size: f64) -> Vec<f64> {
     let start = truths.iter().find(|truth| (truth.time - 1.0).abs() < 1e-9);
     let start = start.unwrap().state;
@@ -152,7 +153,8 @@ fn growth_after_a_second(number: usize, truths: &[Record], size: f64) -> Vec<f64
     growth
 }
 
-/// After the first second the error is what the motion makes of it: of up to ten tolerances at 1 s, and of as many that are added on the way and grow no further.
+/// After the first second the error is what the motion makes of it: of up to ten tolerances at 1 s,
+/// and of as many that are added on the way and grow no further.
 #[test]
 fn after_a_second_the_error_grows_as_the_motion_makes_disturbances_grow() {
     fn check<I: Integrator>(name: &str, of: fn(f64) -> I) {
@@ -192,7 +194,8 @@ fn after_a_second_the_error_grows_as_the_motion_makes_disturbances_grow() {
 
 #[test]
 fn a_rolling_ball_that_sticks_is_told_to_take_an_implicit_step() {
-    // A billiard ball that rolls without sliding: nothing happens, but stability bounds each step to 2.79 slip_speed/(3.5 μ g) = 0.41 µs, or 2.4 million steps a second.
+    // A billiard ball that rolls without sliding: nothing happens, but stability bounds each step
+    // to 2.79 slip_speed/(3.5 μ g) = 0.41 µs, or 2.4 million steps a second.
     let slip_speed = 1e-6;
     let scene = Stepper::new(Sphere::solid(0.17, 0.0286))
         .and_then(|stepper| stepper.with_ground(FlatGround::level(1e5, 10.0)))
@@ -225,7 +228,8 @@ fn a_rolling_ball_that_sticks_is_told_to_take_an_implicit_step() {
     let StepError::BudgetSpent { time, .. } = error else {
         panic!("{error}");
     };
-    // The steps are near the limit: of order 5 with a limit of 3.3 on the real axis, and some refused.
+    // The steps are near the limit: of order 5 with a limit of 3.3 on the real axis, and some
+    // refused.
     assert!(time < 20_000.0 * 2.0 * limit, "{time} s");
     assert!(error.to_string().contains("take EnergyMomentum"), "{error}");
 

@@ -332,7 +332,8 @@ proptest! {
     }
 }
 
-/// A plane under a layer that does not push, so deep that a body reaches into it and down to the springs by a little: linear contacts, whatever the pose.
+/// A plane under a layer that does not push, so deep that a body reaches into it and down to the
+/// springs by a little: linear contacts, whatever the pose.
 #[derive(Clone, Copy)]
 struct Layered {
     stiffness: f64,
@@ -406,7 +407,8 @@ enum Balance {
     Coulomb,
 }
 
-/// A body on its lowest contacts, in balance: friction turns the ground's force towards the centre of mass, and gravity is against it.
+/// A body on its lowest contacts, in balance: friction turns the ground's force towards the centre
+/// of mass, and gravity is against it.
 #[allow(clippy::type_complexity, reason = "a stepper names all of its parts")]
 fn balanced<B: RigidPointBody>(
     body: B,
@@ -455,9 +457,11 @@ fn balanced<B: RigidPointBody>(
     (stepper, state)
 }
 
-/// The largest factor by which a step takes a small disturbance with it: spectral radius of the step's derivative by central differences.
+/// The largest factor by which a step takes a small disturbance with it: spectral radius of the
+/// step's derivative by central differences.
 fn factor_of_a_step(step: impl Fn(&mut State), start: &State, dt: f64) -> f64 {
-    // Lengths of the size of the body, times of the step, and a mass of 1 kg: all of order 1 m but for the disturbance.
+    // Lengths of the size of the body, times of the step, and a mass of 1 kg: all of order 1 m but
+    // for the disturbance.
     let small = 1e-10;
     let moved = |i: usize, by: f64| {
         let (mut state, push) = (*start, DVec3::AXES[i % 3] * by);
@@ -491,7 +495,8 @@ fn factor_of_a_step(step: impl Fn(&mut State), start: &State, dt: f64) -> f64 {
     spectral_radius(columns)
 }
 
-/// By the 2^16th power: what stays as it is, or goes on evenly (a factor of 1, twice), comes out below 1 + 16 ln 2/2^16 = 1.0002.
+/// By the 2^16th power: what stays as it is, or goes on evenly (a factor of 1, twice), comes out
+/// below 1 + 16 ln 2/2^16 = 1.0002.
 fn spectral_radius(mut matrix: Vec<Vec<f64>>) -> f64 {
     let mut logarithm = 0.0;
     for squaring in 0..16 {
@@ -525,8 +530,9 @@ fn leaning_body(kind: usize) -> Box<dyn RigidPointBody> {
 proptest! {
     #![proptest_config(kit::cases(40))]
 
-    /// A body on one contact or on several, upright or leaning, on a tilted plane, with and without the drag of a film. What grows by less than 2 % a
-    /// step is its fall from the balance: at most `h √(a/r)`, with `h` below 4 ms, `a` of 0.4 m/s² and `r` above 0.05 m, which is 1.1 %.
+    /// A body on one contact or on several, upright or leaning, on a tilted plane, with and without
+    /// the drag of a film. What grows by less than 2 % a step is its fall from the balance: at most
+    /// `h √(a/r)`, with `h` below 4 ms, `a` of 0.4 m/s² and `r` above 0.05 m, which is 1.1 %.
     #[test]
     fn a_step_is_stable_below_the_limit_of_a_pose_and_grows_above_it(
         kind in 0..4_usize,
@@ -542,7 +548,8 @@ proptest! {
         // ω = 1000 1/s for 1 kg.
         let ground = Layered { stiffness: 1e6, damping: 2e3 * ratio, plane };
         let (mut stepper, mut state) = balanced(&*body, turn, ground, leaning, drag);
-        // A contact that slides under Coulomb's friction while a film holds it flutters by itself, and no friction has a coefficient of 5.
+        // A contact that slides under Coulomb's friction while a film holds it flutters by itself,
+        // and no friction has a coefficient of 5.
         if drag > 0.0 || stepper.scene().friction().coefficient > 1.0 {
             (stepper, state) = balanced(&*body, turn, ground, Balance::Steady, drag);
         }
@@ -557,7 +564,8 @@ proptest! {
                 let stepper = stepper.with_integrator(exact).unwrap();
                 factor_of_a_step(|state| { stepper.step(state).unwrap(); }, &state, limit)
             };
-            // Friction and springs have no motions in common, and the step of `Nystrom` is not made of their quotients: up to 10 % too long.
+            // Friction and springs have no motions in common, and the step of `Nystrom` is not made
+            // of their quotients: up to 10 % too long.
             let below = factor(if method == "Nystrom" && drag > 0.0 { 0.9 } else { 0.98 });
             prop_assert!(below < 1.02, "{method}: grows by {below} below {limit:e} s");
             // Where the limit is exact, and the method does not grow slowly.
@@ -569,8 +577,9 @@ proptest! {
     }
 }
 
-/// Energy after so many steps over that of a small disturbance: a plate of 40 x 30 x 2 cm that rests on the springs of its four lower corners. It rocks about
-/// its edges at up to √3 of the frequency at which it moves up and down.
+/// Energy after so many steps over that of a small disturbance: a plate of 40 x 30 x 2 cm that
+/// rests on the springs of its four lower corners. It rocks about its edges at up to √3 of the
+/// frequency at which it moves up and down.
 fn growth_of_a_rocking_plate<R: Real, I: Integrator<R>>(
     steps: u32,
     of: impl Fn(R) -> I,
@@ -602,7 +611,8 @@ fn growth_of_a_rocking_plate<R: Real, I: Integrator<R>>(
 
 #[test]
 fn a_plate_at_rest_rocks_itself_up_in_steps_that_its_mass_alone_allows() {
-    // In a thousand steps a disturbance of 1e-7 J dies out below the limit and is in the air beyond. What a mass on all four springs allows is beyond.
+    // In a thousand steps a disturbance of 1e-7 J dies out below the limit and is in the air
+    // beyond. What a mass on all four springs allows is beyond.
     let old = [2.0, 2.83, 3.08];
     fn check(name: &str, growth: impl Fn(f64, f64) -> f64, old: f64) {
         let [below, above, by_mass] = [growth(0.97, 0.0), growth(1.03, 0.0), growth(0.0, old)];
@@ -623,7 +633,8 @@ fn a_plate_at_rest_rocks_itself_up_in_steps_that_its_mass_alone_allows() {
         )*};
     }
     check!(SymplecticEuler: old[0], StrangSplitting: old[0], Rk4: old[1], Nystrom: old[2]);
-    // In single precision rounding disturbs the plate by itself, by 1e-7 of its energy of 0.1 J: what stays below a tenth is 1e-7 J and more.
+    // In single precision rounding disturbs the plate by itself, by 1e-7 of its energy of 0.1 J:
+    // what stays below a tenth is 1e-7 J and more.
     let single = |part: f32| {
         let of = |time_step| Rk4 { time_step };
         growth_of_a_rocking_plate(1000, of, |limit: f32, _| limit * part)
@@ -634,7 +645,8 @@ fn a_plate_at_rest_rocks_itself_up_in_steps_that_its_mass_alone_allows() {
 
 #[test]
 fn the_coin_of_the_report_gains_no_energy_in_steps_below_the_least_limit_of_its_run() {
-    // Rolling at 15 degrees, then falling over (trials 1 and 8): the least limit is that of a fine run.
+    // Rolling at 15 degrees, then falling over (trials 1 and 8): the least limit is that of a fine
+    // run.
     for number in [1, 8] {
         let trial = Trial {
             slip_speed: 1e-2,
@@ -664,7 +676,8 @@ fn the_coin_of_the_report_gains_no_energy_in_steps_below_the_least_limit_of_its_
 
 #[test]
 fn the_limit_of_one_contact_is_that_of_its_effective_mass_and_of_its_friction_in_stick() {
-    // A ball on its springs: 2/ω without dampers. In stick its contact moves as if it had 1/(1/m + r²/J) = 2/7 of the mass.
+    // A ball on its springs: 2/ω without dampers. In stick its contact moves as if it had 1/(1/m +
+    // r²/J) = 2/7 of the mass.
     let ball = Sphere::solid(0.1, 0.02);
     let at = |gap: f64| State::at(DVec3::Z * (0.02 + gap));
     let scene = Stepper::new(ball)
@@ -694,7 +707,8 @@ fn the_limit_of_one_contact_is_that_of_its_effective_mass_and_of_its_friction_in
     }
     let own = scene.with_friction(Own(sticky)).unwrap();
     assert!(near(own.largest_stable_step(&at(-1e-3)), expected));
-    // Nothing bounds the step in flight, of a state that is no state, or of a method that is stable at any step.
+    // Nothing bounds the step in flight, of a state that is no state, or of a method that is stable
+    // at any step.
     assert_eq!(scene.largest_stable_step(&at(1e-3)), None);
     assert_eq!(scene.largest_stable_step(&at(f64::NAN)), None);
     let flying = sticks
@@ -716,7 +730,8 @@ fn the_limit_of_one_contact_is_that_of_its_effective_mass_and_of_its_friction_in
 
 #[test]
 fn a_round_rim_and_a_terrain_have_the_limits_of_their_polygon_and_plane() {
-    // A disc of 240 points leans at 1 rad and penetrates so far that its arc is 40 points long, sliding. The polygon of as many points differs by the share of a point, twice.
+    // A disc of 240 points leans at 1 rad and penetrates so far that its arc is 40 points long,
+    // sliding. The polygon of as many points differs by the share of a point, twice.
     let state = State::at(DVec3::Z * (0.5 * 1.0_f64.cos() - 0.02))
         .turned_by(DVec3::Y)
         .with_linear_velocity(DVec3::X);
@@ -739,7 +754,8 @@ fn a_round_rim_and_a_terrain_have_the_limits_of_their_polygon_and_plane() {
         (round / polygon - 1.0).abs() < 0.03,
         "{round:e} and {polygon:e} s"
     );
-    // On the side of a bowl a ball has the limit that it has on the tangent plane: 2/ω, or in stick that of its friction.
+    // On the side of a bowl a ball has the limit that it has on the tangent plane: 2/ω, or in stick
+    // that of its friction.
     let law = SpringDamper {
         stiffness: 1e4,
         damping: 0.0,
@@ -766,4 +782,46 @@ fn a_round_rim_and_a_terrain_have_the_limits_of_their_polygon_and_plane() {
         (stuck / expected - 1.0).abs() < 0.02,
         "{stuck:e} s, not {expected:e} s"
     );
+}
+
+proptest! {
+    #![proptest_config(kit::cases(200))]
+
+    /// What the guide states for any pose, with the stiffness and damping of the contacts that
+    /// touch together.
+    #[test]
+    fn no_pose_of_a_sliding_coin_has_a_shorter_limit_than_the_bound_for_all_poses(
+        turn in kit::orientations(),
+        depth in log_uniform(1e-4, 0.1),
+        slide in (-2.0..2.0_f64, -2.0..2.0_f64),
+        spin in (-1.0..1.0_f64, -1.0..1.0_f64, -1.0..1.0_f64),
+        coefficient in 0.0..1.0_f64,
+    ) {
+        let (stiffness, damping, slip_speed) = (1000.0, 0.5, 1e-2);
+        let coin = Coin::ring(1.0, 0.5);
+        let low = coin.support(turn.inverse() * DVec3::NEG_Z);
+        let state = State::at(DVec3::Z * (low - depth))
+            .with_orientation(turn)
+            .with_linear_velocity(DVec3::new(slide.0, slide.1, 0.0))
+            .with_angular_momentum(DVec3::from(spin));
+        let stepper = Stepper::new(coin)
+            .and_then(|stepper| stepper.with_ground(FlatGround::level(stiffness, damping)))
+            .and_then(|stepper| stepper.with_friction(Coulomb { coefficient, slip_speed }))
+            .and_then(|stepper| stepper.with_integrator(StrangSplitting { time_step: 1e-3 }))
+            .unwrap();
+        let mut load = 0.0;
+        let scene = stepper.scene();
+        scene.visit_contacts(&scene.motion(&state), |contact| {
+            load += scene.ground().normal_force(contact.depth, contact.closing_speed);
+        });
+        let touching = stepper.touching(&state) as f64;
+        // m r²/I = 2 for the least moment of a ring.
+        let factor = 3.0 * (1.0 + coefficient * coefficient).sqrt();
+        let frequency = (factor * stiffness * touching).sqrt();
+        let rate = factor * (damping * touching + coefficient * load / slip_speed);
+        if let Some(limit) = stepper.largest_stable_step(&state) {
+            let bound = f64::min(2.0 / frequency, 2.0 / rate);
+            prop_assert!(limit > bound * (1.0 - 1e-6), "{limit:e} s, not above {bound:e} s");
+        }
+    }
 }

@@ -649,8 +649,9 @@ fn end_of(trial: &Trial, ground: impl SpringDamperGround, integrator: impl Integ
     state
 }
 
-/// The measured order of a method in the eight trials of the report, from 1 ms to 0.125 ms. Each error is the geometric mean over three steps, since it is chance
-/// where touch-downs fall within a step.
+/// The measured order of a method in the eight trials of the report, from 1 ms to 0.125 ms. Each
+/// error is the geometric mean over three steps, since it is chance where touch-downs fall within a
+/// step.
 fn orders<G, I>(ground: G, ends: &[(Trial, State)], of: impl Fn(f64) -> I) -> Vec<f64>
 where
     G: SpringDamperGround + Copy,
@@ -672,7 +673,8 @@ where
     orders
 }
 
-/// The trials of the report with a slip speed of 1e-3 m/s, and where they are after a second: steps of 10 µs, good to 4e-10 m (5e-8 m in trial 7 on the limited damper).
+/// The trials of the report with a slip speed of 1e-3 m/s, and where they are after a second: steps
+/// of 10 µs, good to 4e-10 m (5e-8 m in trial 7 on the limited damper).
 fn eight_trials(ground: impl SpringDamperGround + Copy) -> Vec<(Trial, State)> {
     let trial = |number| Trial {
         slip_speed: 1e-3,
@@ -727,11 +729,13 @@ fn the_orders_through_touch_downs_are_those_of_the_guide_on_all_eight_trials() {
         measured!(StrangSplitting, "limited damper", smooth, &ends),
         measured!(Rk4, "limited damper", smooth, &ends),
     ];
-    // A tenth for the next term of the error, at steps that are no longer than the shortest decay of a slip.
+    // A tenth for the next term of the error, at steps that are no longer than the shortest decay
+    // of a slip.
     assert!(first.iter().all(|[least, _]| *least > 0.9), "{first:?}");
     assert!(second[0] > 1.7, "{second:?}");
-    // Where a touch-down falls within a step is chance: errors scatter by a factor of 3, a mean over three by 1.8, and a slope through four of them by 0.37. That is
-    // 0.16 for a median of eight trials. The least of eight is up to 2.5 times 0.37 too low.
+    // Where a touch-down falls within a step is chance: errors scatter by a factor of 3, a mean
+    // over three by 1.8, and a slope through four of them by 0.37. That is 0.16 for a median of
+    // eight trials. The least of eight is up to 2.5 times 0.37 too low.
     let chance = 0.37;
     assert!(
         jumped.iter().all(|[least, _]| *least > 1.0 - 2.5 * chance),

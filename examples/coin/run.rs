@@ -112,7 +112,8 @@ impl StepLimit {
         }
     }
 
-    /// Says so if a contact was stiffer than the step allows, in its springs or in the friction of a stuck slip.
+    /// Says so if a contact was stiffer than the step allows, in its springs or in the friction of
+    /// a stuck slip.
     fn warn(&self, time_step: f64) {
         if let Some((least, time)) = self.least.filter(|(least, _)| *least < time_step) {
             eprintln!(

@@ -9,13 +9,17 @@ use crate::state::State;
 
 /// Runge-Kutta of order 5 that chooses its steps for a tolerance (Dormand & Prince, Journal of Computational and Applied Mathematics 6(1), 1980): six evaluations a step.
 ///
-/// [`guide::choosing`](crate::guide::choosing) says what the tolerance bounds and what error a run has for it. The method for tight tolerances: each tenfold tighter one costs
-/// `10^(1/5)`, 1.6 times as much in smooth motion. In trials 1, 3, 5 and 8 of the report (slip speed 1e-3 m/s, up to 1 s, tolerances of 1e-3 to 1e-9 m) the error is 0.18 to 9.9
-/// tolerances (`tests/adaptive.rs` prints it); later it is what the motion makes of it, see there. *May add energy* by the size of its error.
+/// [`guide::choosing`](crate::guide::choosing) says what the tolerance bounds and what error a run
+/// has for it. The method for tight tolerances: each tenfold tighter one costs `10^(1/5)`, 1.6
+/// times as much in smooth motion. In trials 1, 3, 5 and 8 of the report (slip speed 1e-3 m/s, up
+/// to 1 s, tolerances of 1e-3 to 1e-9 m) the error is 0.18 to 9.9 tolerances (`tests/adaptive.rs`
+/// prints it); later it is what the motion makes of it, see there. *May add energy* by the size of
+/// its error.
 ///
-/// *Not for contacts that stick or roll at a small slip speed:* stability bounds each step by about `2 slip_speed/(3 μ g)`,
-/// whatever the tolerance, and a run ends with [`BudgetSpent`](crate::StepError::BudgetSpent). With a slip speed of 1e-6 m/s a
-/// rolling ball takes a million steps in half a second. Take [`EnergyMomentum`](crate::EnergyMomentum) there.
+/// *Not for contacts that stick or roll at a small slip speed:* stability bounds each step by about
+/// `2 slip_speed/(3 μ g)`, whatever the tolerance, and a run ends with
+/// [`BudgetSpent`](crate::StepError::BudgetSpent). With a slip speed of 1e-6 m/s a rolling ball
+/// takes a million steps in half a second. Take [`EnergyMomentum`](crate::EnergyMomentum) there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DormandPrince54<R = f64> {

@@ -16,8 +16,10 @@ use crate::state::State;
 /// with the forces at the old positions and velocities, and the torque by the *new* arms r' and those old forces. (The report's own loop takes the slip
 /// velocity from the angular velocity of the step before, which a plain state does not hold: the two differ by O(dt).)
 ///
-/// Order 1, one evaluation a step. *Adds energy:* free flight gains `m g² dt²/2` a step, and a contact loses `stiffness · dt` of its damping, so that it is
-/// stable only for `dt < damping/stiffness` of each contact while underdamped, in any pose. Kept as the baseline; use [`SymplecticEuler`](crate::SymplecticEuler) for the same price.
+/// Order 1, one evaluation a step. *Adds energy:* free flight gains `m g² dt²/2` a step, and a
+/// contact loses `stiffness · dt` of its damping, so that it is stable only for
+/// `dt < damping/stiffness` of each contact while underdamped, in any pose. Kept as the baseline;
+/// use [`SymplecticEuler`](crate::SymplecticEuler) for the same price.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ForwardEuler<R = f64> {
@@ -61,8 +63,8 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
         Some(self.time_step)
     }
 
-    /// The factor of a step obeys `(z - 1)² + (z - 1) Y + X = 0` with `X = stiffness h²`, `Y = damping h`: `|z| < 1` for
-    /// `X < Y` and `2 Y - X < 4`.
+    /// The factor of a step obeys `(z - 1)² + (z - 1) Y + X = 0` with `X = stiffness h²`,
+    /// `Y = damping h`: `|z| < 1` for `X < Y` and `2 Y - X < 4`.
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         let by_spring = damping / stiffness;
         let discriminant = damping * damping - stiffness * R::from_f64(4.0);

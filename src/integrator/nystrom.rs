@@ -37,11 +37,13 @@ use crate::state::State;
 /// touch-downs. In trial 1 of the report, with 150 of them in a second, the error is 8.6e-5 m with a step of 16.1 ms, 1.1e-6 m with 4 ms and 6e-8 m with 1 ms
 /// (`tests/truth.rs`): there a 290th of [`Rk4`](crate::Rk4)'s.
 ///
-/// *Limits* (ω and δ are the highest frequency and damping rate that the contacts give the body at their arms, see
-/// [integrators](crate#integrators); `ζ = δ/2ω`):
-/// - Stable for `dt < 2.36/ω` and `dt < 2.78/δ`, and up to `3.08/ω` with `ζ = 0.1`, as long as damping takes what the next line
-///   says. [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes the limit at a state: exact for a
-///   body that slides, up to 10 % too long where friction damps some motions and not others.
+/// *Limits* (ω and δ are the highest frequency and damping rate that the contacts give the body at
+/// their arms, see [integrators](crate#integrators); `ζ = δ/2ω`):
+/// - Stable for `dt < 2.36/ω` and `dt < 2.78/δ`, and up to `3.08/ω` with `ζ = 0.1`, as long as
+///   damping takes what the next line says.
+///   [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes the limit at a
+///   state: exact for a body that slides, up to 10 % too long where friction damps some motions and
+///   not others.
 /// - *May add energy*: a swing without dampers grows by 2.1e-4 (ω dt)⁶ of itself a step. Damping of `ζ > 2.1e-4 (ω dt)⁵` takes more than that.
 /// - A contact that dips into the ground and out of it within one step is seen by the stages alone; torques that [resist turning](crate::WithResistance) are not set right.
 ///
@@ -90,7 +92,8 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
         Some(self.time_step)
     }
 
-    /// Where a factor of a step on the oscillator passes 1, which is no function of `h λ`: found among 64 steps and between two of them.
+    /// Where a factor of a step on the oscillator passes 1, which is no function of `h λ`: found
+    /// among 64 steps and between two of them.
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         // Without damping every step grows.
         if damping <= R::ZERO {

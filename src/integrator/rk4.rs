@@ -10,13 +10,17 @@ use crate::state::State;
 
 /// The classical Runge-Kutta method on position, velocity, quaternion and angular momentum, with the quaternion scaled to length 1 after each step.
 ///
-/// Order 4 in smooth motion, four evaluations a step; order 1 to 2 through contact entries, where the damper's force jumps. *May add energy* by O(dt⁵) a step in
-/// smooth motion. Stable for `dt < 2.62/ω` and `dt < 2.78/δ`, and up to `2.83/ω` without dampers. ω and δ are the highest
-/// frequency and damping rate that the contacts give the body at their arms: see [integrators](crate#integrators).
-/// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes the limit at a state.
-/// The spin has its limit too: where nutation, at `I₃/I₁` times the spin about the axis of symmetry (twice the spin of a coin), turns by more than `2.83/(1 - I₁/2I₃)` rad a step (3.77 of a coin),
-/// a lean grows; and at any step where `I₃ < I₁`, as the method takes energy from the spin. A coin that spins flat on the ground at 50 rad/s tips over with dt = 0.15 s.
-/// For smooth spells and as a reference.
+/// Order 4 in smooth motion, four evaluations a step; order 1 to 2 through contact entries, where
+/// the damper's force jumps. *May add energy* by O(dt⁵) a step in smooth motion. Stable for
+/// `dt < 2.62/ω` and `dt < 2.78/δ`, and up to `2.83/ω` without dampers. ω and δ are the highest
+/// frequency and damping rate that the contacts give the body at their arms: see
+/// [integrators](crate#integrators).
+/// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes the limit at a
+/// state. The spin has its limit too: where nutation, at `I₃/I₁` times the spin about the axis of
+/// symmetry (twice the spin of a coin), turns by more than `2.83/(1 - I₁/2I₃)` rad a step (3.77 of
+/// a coin), a lean grows; and at any step where `I₃ < I₁`, as the method takes energy from the
+/// spin. A coin that spins flat on the ground at 50 rad/s tips over with dt = 0.15 s. For smooth
+/// spells and as a reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rk4<R = f64> {
@@ -58,14 +62,16 @@ impl<R: Real> Integrator<R> for Rk4<R> {
         Some(self.time_step)
     }
 
-    /// Where `|1 + z + z²/2 + z³/6 + z⁴/24|` passes 1 for `z = h λ`, `λ² + damping λ + stiffness = 0`.
+    /// Where `|1 + z + z²/2 + z³/6 + z⁴/24|` passes 1 for `z = h λ`,
+    /// `λ² + damping λ + stiffness = 0`.
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         let half = damping * R::HALF;
         let discriminant = half * half - stiffness;
         if discriminant >= R::ZERO {
             return Some(R::from_f64(ON_REAL_AXIS) / (half + discriminant.sqrt()));
         }
-        // A pair of complex roots. All of the half disc |z| < 2.6 is stable, and nothing of the left half plane beyond 2.97.
+        // A pair of complex roots. All of the half disc |z| < 2.6 is stable, and nothing of the
+        // left half plane beyond 2.97.
         let frequency = stiffness.sqrt();
         let [real, imaginary] = [-half / frequency, (-discriminant).sqrt() / frequency];
         let [low, high] = [R::from_f64(2.6), R::from_f64(3.0)];

@@ -15,18 +15,23 @@ use crate::state::State;
 /// kick dt:     (v, L) += dt (F/m + g, T)(v*, L*)   with   (v*, L*) = (v, L) + dt/2 (F/m + g, T)(v, L)
 /// drift dt/2
 /// ```
-/// The kick is the explicit midpoint rule in the velocities, because dampers and friction depend on them. Order 2 in smooth motion; two evaluations a step in contact, and
-/// none of friction and springs in flight, which is exact for a symmetric body at any step. Best accuracy for its price with a fixed step, in flight and in contact that slides.
-/// *May add energy* by O(dt²).
+/// The kick is the explicit midpoint rule in the velocities, because dampers and friction depend on
+/// them. Order 2 in smooth motion; two evaluations a step in contact, and none of friction and
+/// springs in flight, which is exact for a symmetric body at any step. Best accuracy for its price
+/// with a fixed step, in flight and in contact that slides. *May add energy* by O(dt²).
 ///
-/// *Limits* (ω and δ are the highest frequency and damping rate that the contacts give the body at their arms, see
-/// [integrators](crate#integrators); μ and g are coefficient of friction and gravity):
-/// - Stable for `dt < min(2/ω, 2/δ)`: exact for weak damping and where dampers rule, on the safe side between (there the true
-///   limit reaches 3.06/ω). [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes it at a state.
-/// - Order 1 through touch-downs. The damper's force jumps there by `c u`, with `u` the closing speed, and the kick sees it or
-///   not: an error of up to `dt c u/2m` of the velocity, of either sign. The measured order on the eight trials is 0.9 to 2.7. On
-///   a law without that jump ([`LimitedDamper`](crate::LimitedDamper)) it is 1.7 to 3.4
-///   ([accuracy](crate::guide::accuracy)). [`EnergyMomentum`](crate::EnergyMomentum), which averages the force over the step, keeps 2.
+/// *Limits* (ω and δ are the highest frequency and damping rate that the contacts give the body at
+/// their arms, see [integrators](crate#integrators); μ and g are coefficient of friction and
+/// gravity):
+/// - Stable for `dt < min(2/ω, 2/δ)`: exact for weak damping and where dampers rule, on the safe
+///   side between (there the true limit reaches 3.06/ω).
+///   [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes it at a state.
+/// - Order 1 through touch-downs. The damper's force jumps there by `c u`, with `u` the closing
+///   speed, and the kick sees it or not: an error of up to `dt c u/2m` of the velocity, of either
+///   sign. The measured order on the eight trials is 0.9 to 2.7. On a law without that jump
+///   ([`LimitedDamper`](crate::LimitedDamper)) it is 1.7 to 3.4
+///   ([accuracy](crate::guide::accuracy)). [`EnergyMomentum`](crate::EnergyMomentum), which
+///   averages the force over the step, keeps 2.
 /// - Sticks for `dt < 2 slip_speed/(3 μ g)` (the 3 is `1 + m r²/I`, of a ring): in a longer step the kick turns a stuck slip round instead of ending it, friction does next to
 ///   no work, and a body comes to rest too late. A coin of the report with μ = 0.8 and a slip speed of 1e-10 m/s, which settles after 78 s, does so after 108 s with dt = 1 ms
 ///   and 84 s with 0.2 ms. For stick take [`EnergyMomentum`](crate::EnergyMomentum).
@@ -68,8 +73,9 @@ impl<R: Real> Integrator<R> for StrangSplitting<R> {
         Some(self.time_step)
     }
 
-    /// `X < 4` and `Y < 2` with `X = stiffness h²`, `Y = damping h`. The exact region, `Y < 2` and `X + 2 Y < 4/(1 - Y/2)`, is
-    /// wider where both count: up to 1.5 times the step at a damping ratio of 0.33.
+    /// `X < 4` and `Y < 2` with `X = stiffness h²`, `Y = damping h`. The exact region, `Y < 2` and
+    /// `X + 2 Y < 4/(1 - Y/2)`, is wider where both count: up to 1.5 times the step at a damping
+    /// ratio of 0.33.
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         let by_springs = R::TWO / stiffness.sqrt();
         Some((R::TWO / damping).at_most(by_springs))

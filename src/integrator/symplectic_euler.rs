@@ -12,10 +12,12 @@ use crate::state::State;
 /// ```text
 /// (v', L') = (v, L) + dt (F/m + g, T)(x, q, v, L);   x' = x + dt v';   q' = free turn of q under L' in dt
 /// ```
-/// Order 1, one evaluation a step: the cheapest, for games and microcontrollers. Without dampers and friction its energy swings by O(dt) and does not grow.
-/// *May add energy* by that much. Stable for `dt < 2 (√(1+ζ²) - ζ)/ω` with the highest frequency ω and damping rate δ that
-/// the contacts give the body at their arms, `ζ = δ/2ω`: see [integrators](crate#integrators) and
-/// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step). Exact in the turn of a symmetric body in flight.
+/// Order 1, one evaluation a step: the cheapest, for games and microcontrollers. Without dampers
+/// and friction its energy swings by O(dt) and does not grow. *May add energy* by that much. Stable
+/// for `dt < 2 (√(1+ζ²) - ζ)/ω` with the highest frequency ω and damping rate δ that the contacts
+/// give the body at their arms, `ζ = δ/2ω`: see [integrators](crate#integrators) and
+/// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step). Exact in the turn of a
+/// symmetric body in flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SymplecticEuler<R = f64> {
@@ -60,8 +62,8 @@ impl<R: Real> Integrator<R> for SymplecticEuler<R> {
         Some(self.time_step)
     }
 
-    /// The factor of a step obeys `(z - 1)² + (z - 1) Y + z X = 0` with `X = stiffness h²`, `Y = damping h`: `|z| < 1` for
-    /// `X + 2 Y < 4`, where `z = -1`.
+    /// The factor of a step obeys `(z - 1)² + (z - 1) Y + z X = 0` with `X = stiffness h²`,
+    /// `Y = damping h`: `|z| < 1` for `X + 2 Y < 4`, where `z = -1`.
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         let four = R::from_f64(4.0);
         let root = (damping * damping + stiffness * four).sqrt();
