@@ -26,6 +26,7 @@ mod cone;
 mod cuboid;
 mod disc;
 mod ellipsoid;
+mod energy_level;
 mod hull;
 mod jacobi;
 mod mass_distribution;

@@ -1,5 +1,6 @@
 //! How a state moves on in time: one file a method.
 
+mod aloft;
 mod bogacki_shampine_32;
 mod dormand_prince_54;
 mod embedded_pair;

@@ -98,6 +98,10 @@ pub trait Real:
     /// Largest whole number not above `self`, as an index up to 2³² - 1: 0 for whatever is not above 0, NaN included.
     #[must_use]
     fn floor_index(self) -> usize;
+    /// The last 32 bits of the number as it is stored.
+    #[doc(hidden)]
+    #[must_use]
+    fn low_bits(self) -> u32;
 
     /// The larger of the two; `other` where `self` is NaN.
     #[inline]
@@ -292,6 +296,15 @@ macro_rules! implement_real {
             )]
             fn floor_index(self) -> usize {
                 self as u32 as usize
+            }
+            #[inline]
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::unnecessary_cast,
+                reason = "the last bits are what is wanted"
+            )]
+            fn low_bits(self) -> u32 {
+                self.to_bits() as u32
             }
         }
 

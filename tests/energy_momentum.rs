@@ -1,7 +1,11 @@
 //! The default integrator where the answer is known: the truth of the report's equations, closed forms, and rest. What it does beyond them is in `extremes.rs`.
 
 // Helpers of these tests fail by panicking, like the tests.
-#![allow(clippy::unwrap_used, clippy::float_cmp)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    clippy::cast_possible_truncation
+)]
 
 mod common;
 mod kit;
@@ -13,9 +17,10 @@ use tumble::glam::{DQuat, DVec3};
 use tumble::integrator::EnergyMomentumWorkspace;
 use tumble::real::{Matrix, Vector};
 use tumble::{
-    Coin, ContactPoint, Coulomb, Disc, EnergyMomentum, FlatGround, Frictionless, Integrator,
-    MassProperties, Plane, PointCloud, Real, RigidPointBody, SlidingFriction, SmoothCoulomb,
-    Sphere, SpringDamperGround, State, Stepper, Trial, UniformGravity, Viscous,
+    Capsule, Coin, ContactPoint, Coulomb, Cuboid, Disc, Ellipsoid, EnergyMomentum, FlatGround,
+    Frictionless, Integrator, MassProperties, Plane, PointCloud, Real, RigidPointBody, Rod,
+    SlidingFriction, SmoothCoulomb, SolidCoin, Sphere, SpringDamperGround, State, Stepper, Trial,
+    UniformGravity, Viscous,
 };
 
 const GRAVITY: f64 = 9.8;
@@ -770,6 +775,225 @@ fn the_middle_axis_flips_with_energy_and_momentum_kept() {
     assert!((0.0..1e5 * 4.4e-16).contains(&lost), "{lost:e}");
 }
 
+/// Bodies of about a kilogram: three different moments, two and one equal, sharp, round and thin.
+fn nine_bodies() -> [(&'static str, Box<dyn RigidPointBody<f32>>); 9] {
+    let size = |x: f64, y: f64, z: f64| <f32 as Real>::Vec3::new(x as f32, y as f32, z as f32);
+    [
+        ("book", Box::new(Cuboid::solid(1.0, size(0.3, 0.2, 0.05)))),
+        (
+            "brick",
+            Box::new(Cuboid::solid(2.5, size(0.21, 0.1, 0.065))),
+        ),
+        ("cube", Box::new(Cuboid::solid(0.7, size(0.1, 0.1, 0.1)))),
+        ("ring", Box::new(Coin::ring(1.0, 0.2))),
+        ("coin", Box::new(SolidCoin::new(0.9, 0.15, 0.02))),
+        ("ball", Box::new(Sphere::solid(0.5, 0.11))),
+        (
+            "egg",
+            Box::new(Ellipsoid::solid(0.8, size(0.15, 0.11, 0.08))),
+        ),
+        ("rod", Box::new(Rod::new(0.3, 0.5))),
+        ("capsule", Box::new(Capsule::solid(0.7, 0.05, 0.3))),
+    ]
+}
+
+#[test]
+fn free_flight_in_single_precision_keeps_both_momenta_without_an_iteration() {
+    // The reproducer's book among them, which had 1.54 times its angular momentum after 5 s. Steady and unsteady rotation, the middle axis too.
+    let axes = [
+        (9.0, 24.0, 15.0),
+        (1e-3, 1.0, 0.0),
+        (0.02, 0.01, 1.0),
+        (1.0, 1e-4, 1e-4),
+    ];
+    let velocity = <f32 as Real>::Vec3::new(10.0, -3.0, 0.01);
+    for (name, body) in nine_bodies() {
+        for (time_step, seconds) in [(1.0 / 60.0, 5.0), (4e-3, 2.0), (1e-3, 1.0), (1e-4, 0.2)] {
+            let stepper = Stepper::new(&*body)
+                .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+                .unwrap();
+            for (spin, (x, y, z)) in [0.3_f32, 30.0, 300.0]
+                .into_iter()
+                .flat_map(|spin| axes.map(|axis| (spin, axis)))
+            {
+                let axis = <f32 as Real>::Vec3::new(x, y, z).normalize();
+                let start = tumble::State::<f32>::default().with_linear_velocity(velocity);
+                let start = stepper.spinning(start, axis * spin);
+                let mut state = start;
+                let before = stepper.energy(&start).rotation;
+                let mut elapsed = 0.0;
+                while elapsed < seconds {
+                    let step = stepper.step(&mut state).unwrap();
+                    assert_eq!(step.iterations, 0, "{name}");
+                    elapsed += time_step;
+                }
+                let turned = (state.angular_momentum - start.angular_momentum).length()
+                    / start.angular_momentum.length();
+                let slowed = (state.linear_velocity - velocity).length() / velocity.length();
+                let lost = (stepper.energy(&state).rotation / before - 1.0).abs();
+                let case = format!("{name}, {time_step} s, {spin} rad/s about {axis}");
+                // 1e-5 a second is asked, and a unit or two may go at once.
+                let most = 1e-5 * seconds + 2.4e-7;
+                assert!(turned <= most, "{case}: L is off by {turned:e}");
+                assert!(slowed <= most, "{case}: v is off by {slowed:e}");
+                // A unit of the energy a step at most.
+                let steps = seconds / time_step;
+                assert!(
+                    lost <= 2.4e-7 + steps * 1.2e-7,
+                    "{case}: the energy by {lost:e}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_bounce_that_nothing_damps_keeps_its_energy_in_single_precision() {
+    // 1e-3 after 100 s is asked. The reproducer's ring at 1/60 s had lost 69 % by then; what is lost is linear in the steps, so that 20 s have a fifth.
+    for (name, body) in nine_bodies() {
+        // A contact that wanders over a smooth body: its mean force is not a gradient's at steps this long.
+        let steps: &[f32] = if name == "egg" {
+            &[1e-3]
+        } else {
+            &[1.0 / 60.0, 4e-3, 1e-3]
+        };
+        for &time_step in steps {
+            let stepper = Stepper::new(&*body)
+                .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
+                .and_then(|stepper| stepper.with_ground(FlatGround::level(1e5, 0.0)))
+                .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+                .unwrap();
+            let start = tumble::State::<f32>::at(<f32 as Real>::Vec3::new(0.0, 0.0, 1.0));
+            let spin = <f32 as Real>::Vec3::new(3.0, 8.0, 5.0);
+            let mut state = stepper.spinning(start, spin);
+            let before = stepper.energy(&state).total();
+            stepper.advance(&mut state, 20.0).unwrap();
+            let lost = 1.0 - stepper.energy(&state).total() / before;
+            assert!(
+                (0.0..=2e-4).contains(&lost),
+                "{name}, {time_step} s: {lost:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn rounding_of_the_height_is_not_taken_from_the_motion() {
+    // 100 m up, 1 cm/s across: 2.3 % of it went a second in f32. 10 km, 24 %. In f64 at 1e6 m 1e-5.
+    fn across<R: Real>(height: f64) -> f64 {
+        let number = R::from_f64;
+        let body = Coin::ring(R::ONE, R::HALF);
+        let stepper = Stepper::new(body)
+            .and_then(|stepper| stepper.with_gravity(UniformGravity::down(number(GRAVITY))))
+            .and_then(|stepper| {
+                stepper.with_integrator(EnergyMomentum {
+                    time_step: number(1e-3),
+                })
+            })
+            .unwrap();
+        let start = tumble::State::<R>::at(R::Vec3::new(R::ZERO, R::ZERO, number(height)))
+            .with_linear_velocity(R::Vec3::new(number(0.01), R::ZERO, R::ZERO))
+            .with_angular_momentum(R::Vec3::new(number(0.1), R::ZERO, number(0.2)));
+        let mut state = start;
+        stepper.advance(&mut state, R::ONE).unwrap();
+        let off = |now: R::Vec3, then: R::Vec3| ((now - then).length() / then.length()).to_f64();
+        let turned = off(state.angular_momentum, start.angular_momentum);
+        let slowed = (state.linear_velocity.x().to_f64() / 0.01 - 1.0).abs();
+        turned.max(slowed)
+    }
+    for height in [100.0, 1e4] {
+        let off = across::<f32>(height);
+        assert!(off < 1e-5, "f32, {height} m: {off:e}");
+    }
+    let off = across::<f64>(1e6);
+    assert!(off < 1e-13, "f64: {off:e}");
+}
+
+#[test]
+fn bodies_fall_right_in_single_precision() {
+    // Released from rest in any direction of gravity.
+    for (time_step, steps) in [(0.1_f32, 100), (1e-2, 1000), (1e-3, 10_000)] {
+        for size in [9.81_f32, 100.0] {
+            for (x, y, z) in [(0.0, 0.0, -1.0), (0.3, 0.2, -0.9)] {
+                for place in [(30.0, 70.0, 100.0), (0.0, 0.0, 1000.0), (0.0, 0.0, 1.0)] {
+                    let vector = <f32 as Real>::Vec3::new;
+                    let acceleration = vector(x, y, z).normalize() * size;
+                    let point = [ContactPoint::bare(vector(0.0, 0.0, 0.0))];
+                    let stepper = Stepper::new(PointCloud::in_storage(point, &[1.0]).unwrap())
+                        .and_then(|stepper| stepper.with_gravity(UniformGravity { acceleration }))
+                        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+                        .unwrap();
+                    let from = vector(place.0, place.1, place.2);
+                    let mut state = tumble::State::<f32>::at(from);
+                    let mut workspace = Default::default();
+                    for _ in 0..steps {
+                        stepper
+                            .step_within(&mut state, f32::MAX, &mut workspace)
+                            .unwrap();
+                    }
+                    let seconds = f64::from(time_step) * f64::from(steps);
+                    let fallen = acceleration.as_dvec3() * (seconds * seconds / 2.0);
+                    let off = (state.position.as_dvec3() - from.as_dvec3() - fallen).length();
+                    let share = off / fallen.length();
+                    // The time step's own rounding is in `seconds`.
+                    assert!(
+                        share < 1e-3,
+                        "{time_step} s, {acceleration} m/s², from {from}: off by {share:e}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_spring_energy_that_rounds_below_zero_lets_no_energy_in() {
+    /// The textbook energy `k (e^x - 1 - x)`, which rounds below 0.
+    struct Exponential {
+        stiffness: f32,
+    }
+    impl SpringDamperGround<f32> for Exponential {
+        fn surface(&self, point: tumble::glam::Vec3) -> tumble::Surface<f32> {
+            tumble::Surface {
+                gap: point.z,
+                normal: tumble::glam::Vec3::Z,
+            }
+        }
+        fn spring_force(&self, depth: f32) -> f32 {
+            self.stiffness * (libm::expf(depth) - 1.0)
+        }
+        fn spring_energy(&self, depth: f32) -> f32 {
+            self.stiffness * (libm::expf(depth) - 1.0 - depth)
+        }
+        fn normal_force(&self, depth: f32, _: f32) -> f32 {
+            self.spring_force(depth)
+        }
+    }
+    for number in 0..100_u8 {
+        let stiffness = 1e5 + 1e4 * f32::from(number);
+        let time_step = 0.015;
+        let point = [ContactPoint::bare(tumble::glam::Vec3::ZERO)];
+        let stepper = Stepper::new(PointCloud::in_storage(point, &[0.04]).unwrap())
+            .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
+            .and_then(|stepper| stepper.with_ground(Exponential { stiffness }))
+            .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }));
+        // A ground whose energy is negative beyond rounding may be refused.
+        let Ok(stepper) = stepper else { continue };
+        let mut state = tumble::State::<f32>::at(tumble::glam::Vec3::Z * 1e-3);
+        for _ in 0..50 {
+            let before = stepper.energy(&state).total();
+            if stepper.step(&mut state).is_err() {
+                break;
+            }
+            let after = stepper.energy(&state).total();
+            assert!(
+                after <= before,
+                "{stiffness} N/m: {before:e} to {after:e} J"
+            );
+        }
+    }
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 // What a step tells, keeps and bears
 // ---------------------------------------------------------------------------------------------------------------------
@@ -858,8 +1082,8 @@ fn the_report_of_a_step_tells_what_it_took() {
 // ---------------------------------------------------------------------------------------------------------------------
 
 #[test]
-fn a_turn_in_a_step_is_short_by_one_percent_at_a_third_of_a_radian_and_never_above_half_a_turn() {
-    // Three different moments, spun about the axis of the largest: the closed form of free flight does not apply, the spin is steady.
+fn a_steady_rotation_about_a_principal_axis_is_exact_in_flight_at_any_step() {
+    // Three different moments, spun about the axis of the largest: the parts of the composition are rotations about that axis.
     let body = Solid::with_moments(DVec3::new(1.0, 2.0, 2.5));
     let integrator = EnergyMomentum { time_step: 0.01 };
     let stepper = Stepper::new(body)
@@ -869,17 +1093,13 @@ fn a_turn_in_a_step_is_short_by_one_percent_at_a_third_of_a_radian_and_never_abo
         let spin = DVec3::Z * (angle / integrator.time_step);
         let mut state = State::default().with_angular_momentum(spin * 2.5);
         stepper.step(&mut state).unwrap();
-        let turned = kit::angle_between(DQuat::IDENTITY, state.orientation);
-        // Near half a turn the arcsine loses three digits.
-        assert!((turned - 2.0 * (angle / 2.0).atan()).abs() < 1e-12);
-        let short = 1.0 - turned / angle;
-        assert_eq!(short > 0.01, angle > 0.35, "{angle}: short by {short}");
-        if angle < 0.5 {
-            // (hΩ)²/12 - (hΩ)⁴/80 + ...
-            let series = angle * angle / 12.0;
-            assert!(short > series * (1.0 - angle * angle * 0.15) - 1e-14);
-            assert!(short < series + 1e-14);
-        }
+        let expected = DQuat::from_rotation_z(angle);
+        // The angle itself is rounded, and sums of it are.
+        let off = kit::angle_between(expected, state.orientation);
+        assert!(
+            off < 1e-13 * (1.0 + angle) + 3e-8 * f64::from(angle > 100.0),
+            "{angle}: {off:e}"
+        );
     }
 }
 

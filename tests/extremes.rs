@@ -960,6 +960,19 @@ fn sweep_of_solids<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64) 
     sweep_over::<R>(name, scenes, share);
 }
 
+/// A part of the sweep in single precision over bodies with three different moments, in scenes without losses.
+fn sweep_aloft(name: &str, share: f64, change: impl Fn(Case) -> Case) {
+    use SolidKind::{Egg, Hull, RoundDie};
+    let kinds = prop::sample::select(vec![Egg, Hull, RoundDie]);
+    let scenes = (cases(EVERYDAY_SINGLE, Laws::Report), kinds).prop_map(move |(case, kind)| {
+        change(Case {
+            body: BodyKind::Solid(kind),
+            ..case
+        })
+    });
+    sweep_over::<f32>(name, scenes, share);
+}
+
 #[test]
 fn solids_keep_their_promises() {
     sweep_of_solids::<f64>("solids at the extremes, f64", WIDE, Laws::Report, 0.05);
@@ -977,6 +990,17 @@ fn solids_keep_their_promises() {
         0.05,
     );
     sweep_of_solids::<f64>("solids on a terrain, f64", EVERYDAY, Laws::Terrain, 0.01);
+    sweep_aloft("asymmetric flight, f32", 0.03, |case| Case {
+        // Far above the ground.
+        position: case.position + case.normal * 1e3,
+        ..case
+    });
+    sweep_aloft("conservative bounces, f32", 0.03, |case| Case {
+        damping: 0.0,
+        friction: FrictionKind::None,
+        ground: GroundKind::Flat,
+        ..case
+    });
     sweep_of_solids::<f32>(
         "solids in the workshop, f32",
         EVERYDAY_SINGLE,

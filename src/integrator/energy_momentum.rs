@@ -6,7 +6,8 @@
 //! 2. `newton`, `stiffness`, `linear`: their solution (`block`, `level`: its arithmetic). What it leaves over is all that could lift the energy;
 //! 3. `settle`, `resist`: at the end of a step too long for friction or dampers they resist the end velocity, by impulses that only take energy;
 //!    (`turning`: resistance to rolling and drilling, where the friction law has it, half before and half after the step;)
-//! 4. `ratchet`: where the computed energy is above the one before, both velocities are scaled down until it is not. A body whose motion is below
+//! 4. `ratchet`: where the computed energy is above the one before, rounding of a flight is put back into the last places of the orientation, the height or the speed (`aloft`), and
+//!    in contact both velocities are scaled down until it is not. A body whose motion is below
 //!    the rounding of its energy has come to rest;
 //! 5. where 2 or 4 fails, `split`: dissipation, conservative motion, dissipation; else halves, down to sixteenths; else `descent`: downhill, as far as the energy allows; else time
 //!    passes and the body stays. Each end goes through 4, so that the induction from step to step needs no assumption on convergence.
@@ -26,7 +27,7 @@ mod touch;
 mod turning;
 
 use super::likeness::Likeness;
-use super::{Integrator, Step, ratchet, step_length};
+use super::{Integrator, Step, aloft, ratchet, step_length};
 use crate::body::{RigidPointBody, Rim, Run};
 use crate::energy::Energy;
 use crate::error::{self, Quantity, SceneError, StepError};
@@ -68,7 +69,7 @@ use problem::Problem;
 ///   sizes of the body or turns, may return [`StepTooLong`](crate::StepError::StepTooLong).
 /// - *Accurate* where the step resolves the contact: `dt < 1/ω`, with `ω = √(K/m)` and `K` the stiffness of all contacts that touch. Beyond it a bounce without dampers still
 ///   keeps its energy, but not its timing, and one with dampers not its restitution; friction that stops a body within a step stops it at the step's end. [`guide::accuracy`](crate::guide::accuracy) goes through the extremes.
-/// - *Cost:* in contact two to five iterations a step, each about as dear as two evaluations of all contacts. Flight of a body with two equal moments is exact and costs no iteration. A body at rest costs a
+/// - *Cost:* in contact two to five iterations a step, each about as dear as two evaluations of all contacts. Flight costs no iteration: it is exact for a body with two equal moments, and of order 2 with energy and angular momentum kept for three different ones. A body at rest costs a
 ///   comparison, once a step with the same workspace has found it so.
 /// - *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each, and beside them at most 4 searches downhill of at most 3 × 31 × 4 evaluations. Each end costs an energy, and one more for each doubling
 ///   of the ratchet, which scales both velocities down where the solver's error would lift the energy.
@@ -311,7 +312,7 @@ fn attempt<R: Real, D: Dynamics<R>>(
     let mut end = *state;
     for wide in [false, true] {
         gather(&problem, contacts, wide);
-        if contacts.is_empty() && !scene.mass_properties().is_asymmetric() {
+        if contacts.is_empty() {
             end = fly(&problem);
         } else if !whole(&problem, contacts, &mut end, step) {
             break;
@@ -335,27 +336,34 @@ fn attempt<R: Real, D: Dynamics<R>>(
     ratchet::hold(scene, (state, energy), (&end, &end_energy), touching, step)
 }
 
-/// Free flight of a symmetric body, exact. Not inlined: what it can be prepared with would be worked out for steps in contact too.
+/// Free flight, without an iteration: exact for a body with two equal moments, else of order 2 with the energy and the angular momentum of the start. Not inlined: what it can be
+/// prepared with would be computed for steps in contact too.
 #[inline(never)]
 fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
     let (start, seconds) = (&problem.start, problem.seconds);
     let gravity = problem.scene.gravity();
     let mean_velocity = start.linear_velocity + gravity * (seconds * R::HALF);
-    State {
+    let (axes, momentum) = (&problem.motion.axes, start.angular_momentum);
+    let properties = problem.scene.mass_properties();
+    let rotation = if properties.is_asymmetric() {
+        properties.rotated_at_constant_energy(problem.rotation, axes, momentum, seconds)
+    } else {
+        (properties.turn_symmetric(problem.rotation, axes, momentum, seconds)).normalised()
+    };
+    let plain = State {
         position: start.position + mean_velocity * seconds,
         linear_velocity: start.linear_velocity + gravity * seconds,
-        orientation: problem
-            .scene
-            .mass_properties()
-            .turn_symmetric(
-                problem.rotation,
-                &problem.motion.axes,
-                start.angular_momentum,
-                seconds,
-            )
-            .normalised()
-            .to_quat(),
-        angular_momentum: start.angular_momentum,
+        orientation: rotation.to_quat(),
+        angular_momentum: momentum,
+    };
+    if !aloft::holds_both_ways::<R>() {
+        return plain;
+    }
+    let mut seed = aloft::seed_of(start);
+    State {
+        position: aloft::advanced::<R>(start.position, mean_velocity * seconds, &mut seed),
+        linear_velocity: aloft::advanced::<R>(start.linear_velocity, gravity * seconds, &mut seed),
+        ..plain
     }
 }
 

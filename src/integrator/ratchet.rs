@@ -1,7 +1,7 @@
 //! The last word on a step: the computed energy is not above the one before, or the step does not happen.
 
-use super::Step;
-use crate::energy::Energy;
+use super::{Step, aloft};
+use crate::energy::{Dissipation, Energy};
 use crate::ground::SpringDamperGround;
 use crate::real::{Quaternion, Real, Vector};
 use crate::scene::Dynamics;
@@ -24,11 +24,35 @@ pub(super) fn hold<R: Real, D: Dynamics<R>>(
 ) -> bool {
     let ceiling = energy.total();
     let excess = after.total() - ceiling;
+    let is_kept = excess == R::ZERO || (excess < R::ZERO && !aloft::holds_both_ways::<R>());
+    if !is_kept && excess.abs() <= rounding_of(energy, after) {
+        if let Some(rounded) = without_rounding(scene, (state, energy), (end, after), touching) {
+            (*state, *energy) = rounded;
+            return true;
+        }
+    }
     if excess <= R::ZERO {
         (*state, *energy) = (*end, *after);
         return true;
     }
     hold_down(scene, (state, energy), (end, after), touching, step)
+}
+
+/// An end without the rounding of its energy, where nothing else has changed the energy of the step.
+fn without_rounding<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    (start, before): (&State<R>, &Energy<R>),
+    (end, after): (&State<R>, &Energy<R>),
+    touching: usize,
+) -> Option<(State<R>, Energy<R>)> {
+    if touching == 0 && before.springs == R::ZERO {
+        return aloft::rounded(scene, before, (end, after));
+    }
+    let is_conservative =
+        || [start, end].map(|state| Dissipation::of(scene, state).total()) == [R::ZERO; 2];
+    (aloft::holds_both_ways::<R>() && is_conservative())
+        .then(|| aloft::rounded_in_contact(scene, before, (end, after)))
+        .flatten()
 }
 
 /// The same for an end whose energy is above the one before.
@@ -213,9 +237,9 @@ pub(super) fn rounding_of<R: Real>(before: &Energy<R>, after: &Energy<R>) -> R {
     let terms = after.translation
         + after.rotation
         + after.gravity.abs()
-        + after.springs
+        + after.springs.abs()
         + before.gravity.abs()
-        + before.springs;
+        + before.springs.abs();
     terms * (R::EPSILON * R::from_f64(ROUNDING))
 }
 

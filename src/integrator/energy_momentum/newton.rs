@@ -21,10 +21,12 @@ use crate::scene::Dynamics;
 
 /// Full steps of Newton's, after which the iteration goes on carefully from the best trial.
 const BOLD: u32 = 30;
-/// So many tolerances are rounding (2e-16 of the momentum in f64).
-const EXACT: f64 = 1e-4;
-/// So many tolerances from the solution (2e-8 of the momentum in f64), Newton's step is the last one.
-const CLOSE: f64 = 1e4;
+/// So many fourth roots of the precision's unit, times the tolerance, are rounding: 1e-4 tolerances or 2e-16 of the momentum in f64, 1.5e-2 tolerances or 1e-7 of it in f32.
+///
+/// Its inverse, 1.2 square roots of that unit, is so near to the solution that Newton's step is the last one: it squares what is lacking.
+const EXACT: f64 = 0.8192;
+/// Of the distance from which one step is enough, an iteration without progress may end at this fraction.
+const STALLED: f64 = 0.1;
 /// Evaluations after which the step is given up.
 const LIMIT: u32 = 60;
 
@@ -92,6 +94,8 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
     let mut best: Option<Place<R>> = None;
     let mut share = R::ONE;
     let scale = Scale::of(problem);
+    let exact = R::EPSILON.sqrt().sqrt() * R::from_f64(EXACT);
+    let close = R::ONE / exact;
     for iteration in 0..LIMIT {
         let mut sum = Sum::NONE;
         contacts.respond(problem, trial, |push| sum.add(push));
@@ -103,12 +107,13 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
             size: norm(problem, force_lack, torque_lack),
         };
         let tolerance = scale.at(problem, trial, &sum) * tolerance::<R>();
-        if here.size <= tolerance * R::from_f64(EXACT) {
+        if here.size <= tolerance * exact {
             return Some(Strain::at(problem, contacts, trial));
         }
         let progress = best.is_none_or(|best| here.size < best.size * R::HALF);
-        // No further progress near the end: rounding is reached.
-        if !progress && here.size <= tolerance * R::from_f64(1e3) {
+        // No further progress near the end: rounding is reached. In f32 the end is so far from there that a slow progress counts.
+        let stalls = !progress && best.is_none_or(|best| here.size > best.size * slowest::<R>());
+        if stalls && here.size <= tolerance * close * R::from_f64(STALLED) {
             return Some(Strain::at(problem, contacts, trial));
         }
         if let Some(base) = &base {
@@ -136,8 +141,10 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
         step.iterations += 1;
         // What would be lacking after one more step with the last derivatives, if it takes off as large a share again.
         let once_more = base.map_or(R::MAX, |base| here.size * (here.size / base.place.size));
-        let enough = once_more <= tolerance * R::from_f64(EXACT);
-        let last = enough || (progress && here.size <= tolerance * R::from_f64(CLOSE));
+        let enough = once_more <= tolerance * exact;
+        let is_close = here.size <= tolerance * close
+            && (!is_single::<R>() || scale.turns_closely(problem, torque_lack, here.size));
+        let last = enough || (progress && is_close);
         if enough {
             // A step that is resolved is so here too; how far another one is not, is asked where it ends.
             if !strain.of_step(problem).is_resolved() {
@@ -168,6 +175,18 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
         base = Some(Base { place, shift, turn });
     }
     None
+}
+
+/// Whether one Newton's step from the distance that is close leaves errors that add up to something within thousands of steps.
+#[inline(always)]
+fn is_single<R: Real>() -> bool {
+    R::EPSILON > R::from_f64(1e-10)
+}
+
+/// The largest part of what was lacking that may be lacking after an iteration which counts as progress near the end.
+#[inline(always)]
+fn slowest<R: Real>() -> R {
+    R::from_f64(if is_single::<R>() { 0.95 } else { 0.5 })
 }
 
 /// Of the momentum's size: 1.8e-12 in f64, 6e-6 in f32.
@@ -237,6 +256,19 @@ impl<R: Real> Scale<R> {
             weight: problem.mass * problem.scene.gravity().length(),
             root_of_mass: problem.mass.sqrt(),
         }
+    }
+
+    /// Whether one more step leaves no more than rounding of the angular momentum as well, where the linear one is the larger: the square of what is lacking of their sum is to be small against
+    /// the angular one alone.
+    fn turns_closely<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        torque_lack: R::Vec3,
+        size: R,
+    ) -> bool {
+        let angular = norm(problem, R::Vec3::ZERO, problem.angular_momentum);
+        let lack = norm(problem, R::Vec3::ZERO, torque_lack);
+        angular == R::ZERO || lack * size <= angular * self.own * R::EPSILON * R::from_f64(4.0)
     }
 
     #[inline]
