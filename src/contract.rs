@@ -62,8 +62,7 @@ use crate::error::{Rule, SceneError, StepError};
 use crate::real::{Real, Vector};
 
 /// A clause of a trait's contract that an implementation breaks, and the input that shows it.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("{clause}: got {value:e}, the bound is {bound:e}; {input}")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Breach {
     /// What is broken.
@@ -74,6 +73,30 @@ pub struct Breach {
     pub value: f64,
     /// What the clause allows there, rounding included.
     pub bound: f64,
+}
+
+impl core::error::Error for Breach {}
+
+impl fmt::Display for Breach {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            clause,
+            input,
+            value,
+            bound,
+        } = self;
+        write!(f, "{clause}: got {value:e}")?;
+        // A rule of scenes names its own bound, but for a sum that only the body knows; what is not a number has none.
+        let names_bound = match clause {
+            Clause::Composes { rule, .. } => *rule != Rule::TriangleInequality,
+            Clause::Finite | Clause::Steps(_) => true,
+            _ => false,
+        };
+        if !names_bound {
+            write!(f, ", the bound is {bound:e}")?;
+        }
+        write!(f, "; {input}")
+    }
 }
 
 /// What a contract asks.
@@ -178,12 +201,12 @@ impl fmt::Display for Clause {
                 "the gap must change by normal · path, as a distance does; a height z = h(x, y) makes a Terrain"
             }
             Self::Extent => "the extent must be true of the surface",
-            Self::SpringPushes => "the spring force must be at least 0",
+            Self::SpringPushes => "the spring force must be at least 0, rounding included",
             Self::SpringEnergyRises => "the springs' energy must be at least 0 and rise with depth",
             Self::EnergyIsIntegral => {
                 "the springs' energy must be the integral of the spring force"
             }
-            Self::NeverPulls => "the ground must not pull",
+            Self::NeverPulls => "the ground must not pull, not even by rounding",
             Self::DamperTakes => "the damper must take energy",
             Self::MeanForceSigns => "the mean force and its slopes must be at least 0",
             Self::MeanForceAbove => "the mean force must be 0 above the ground",
@@ -396,7 +419,13 @@ fn cannot_be(error: SceneError) -> Breach {
         },
         input: Input::AsItIs,
         value: error.value,
-        bound: 0.0,
+        bound: match error.rule {
+            Rule::AboveZeroToOne | Rule::UnitLength => 1.0,
+            Rule::AtLeast(least) => f64::from(least),
+            Rule::AtMost(count) | Rule::Exactly(count) => f64::from_usize(count),
+            Rule::Finite => f64::MAX,
+            _ => 0.0,
+        },
     }
 }
 

@@ -14,6 +14,10 @@ pub enum Rule {
     AboveZeroToOne,
     /// 0, to rounding.
     Zero,
+    /// At most 0.
+    AtMostZero,
+    /// A number, which may be infinite.
+    NotNan,
     /// Neither infinite nor NaN.
     Finite,
     /// At least this many.
@@ -46,6 +50,8 @@ impl core::fmt::Display for Rule {
             Self::AtLeastZero => "must be at least 0",
             Self::AboveZeroToOne => "must be above 0 and at most 1",
             Self::Zero => "must be 0",
+            Self::AtMostZero => "must be at most 0",
+            Self::NotNan => "must not be NaN",
             Self::Finite => "must be finite",
             Self::UnitLength => "must have length 1",
             Self::TriangleInequality => "must not exceed the sum of the other two moments",
@@ -165,13 +171,25 @@ fn obey<R: Real>(
 #[non_exhaustive]
 pub enum StepError {
     /// The state that was handed in holds a NaN or an infinity, or an orientation of length 0 (or so near to 0 or infinity that its square is).
-    #[error("the {0} before the step must be finite, and the orientation must not be zero")]
+    #[error("the {0} before the step must be finite{nor_zero}", nor_zero = if_orientation(*.0))]
     BadState(Quantity),
     /// The step's result is not finite: the time step is beyond the integrator's stability limit, or a number has overflowed.
     #[error(
         "the {0} is no longer finite after the step: shorten the time step or choose an integrator that is stable for it"
     )]
     Diverged(Quantity),
+    /// A ground or a friction law has returned a value that its contract rules out.
+    #[error(
+        "the {quantity} {}, got {value:e}{}; `contract::check_ground` and `contract::check_friction` find such values before a run",
+        .quantity.rule(),
+        .quantity.unit()
+    )]
+    BrokenLaw {
+        /// The value's name; it tells the law as well.
+        quantity: LawQuantity,
+        /// The offending value, in the SI unit of the quantity.
+        value: f64,
+    },
     /// A method that chooses its steps cannot keep its tolerance with any step that the clock resolves: the tolerance is below what rounding leaves, or a force is
     /// not what the method takes it for.
     #[error(
@@ -258,6 +276,14 @@ pub enum StepError {
     },
 }
 
+/// What an orientation must be, beyond finite.
+const fn if_orientation(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Orientation => ", with a length that is not zero",
+        _ => "",
+    }
+}
+
 /// A part of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
@@ -279,5 +305,108 @@ impl core::fmt::Display for Quantity {
             Self::Orientation => "orientation",
             Self::AngularMomentum => "angular momentum",
         })
+    }
+}
+
+/// A part of a scene that an author can supply.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Role {
+    /// The surface of the ground: a [`Shape`](crate::Shape), or the part of a ground that is one.
+    GroundShape,
+    /// The springs and dampers of the ground: a [`ContactLaw`](crate::ContactLaw), or the part of a ground that is one.
+    GroundLaw,
+    /// A [`SlidingFriction`](crate::SlidingFriction).
+    FrictionLaw,
+}
+
+impl core::fmt::Display for Role {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::GroundShape => "shape of the ground",
+            Self::GroundLaw => "law of the ground",
+            Self::FrictionLaw => "friction law",
+        })
+    }
+}
+
+/// A value that a ground or a friction law returns during a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LawQuantity {
+    /// Height of a point above the surface, m.
+    Gap,
+    /// Length of the surface's normal.
+    Normal,
+    /// Elastic force of a contact, N.
+    SpringForce,
+    /// Energy in the springs under a contact, J.
+    SpringEnergy,
+    /// Force of spring and damper on a contact, N.
+    NormalForce,
+    /// Mean of the normal force over a path, N.
+    MeanForce,
+    /// Size of the force along the surface, N.
+    FrictionForce,
+    /// Power of the friction force, `force · slip`, W.
+    FrictionPower,
+    /// A torque or the turn speed of a [`TurningResistance`](crate::TurningResistance).
+    TurningResistance,
+}
+
+impl LawQuantity {
+    /// The part of the scene that has returned the value.
+    #[must_use]
+    pub const fn role(self) -> Role {
+        match self {
+            Self::Gap | Self::Normal => Role::GroundShape,
+            Self::SpringForce | Self::SpringEnergy | Self::NormalForce | Self::MeanForce => {
+                Role::GroundLaw
+            }
+            Self::FrictionForce | Self::FrictionPower | Self::TurningResistance => {
+                Role::FrictionLaw
+            }
+        }
+    }
+
+    /// The rule that the value must obey.
+    #[must_use]
+    pub const fn rule(self) -> Rule {
+        match self {
+            Self::Gap | Self::SpringForce | Self::NormalForce | Self::MeanForce => Rule::NotNan,
+            Self::Normal => Rule::UnitLength,
+            Self::SpringEnergy | Self::TurningResistance => Rule::AtLeastZero,
+            Self::FrictionForce => Rule::Finite,
+            Self::FrictionPower => Rule::AtMostZero,
+        }
+    }
+
+    /// The unit of the value with a space before it, or nothing: " J".
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Gap => " m",
+            Self::Normal | Self::TurningResistance => "",
+            Self::SpringEnergy => " J",
+            Self::FrictionPower => " W",
+            _ => " N",
+        }
+    }
+}
+
+impl core::fmt::Display for LawQuantity {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Gap => "gap",
+            Self::Normal => "normal",
+            Self::SpringForce => "spring force",
+            Self::SpringEnergy => "spring energy",
+            Self::NormalForce => "normal force",
+            Self::MeanForce => "mean force",
+            Self::FrictionForce => "friction force",
+            Self::FrictionPower => "power of the friction force",
+            Self::TurningResistance => "resistance to turning",
+        })?;
+        write!(f, " of the {}", self.role())
     }
 }

@@ -21,6 +21,7 @@ use crate::real::{Real, Vector};
 ///
 /// *To the implementer:* the force must lie in the plane of `slip` (of bare points on level ground nothing else of it counts), oppose it (`force · slip <= 0`, so that friction never adds energy), and be finite at zero
 /// slip. [`contract::check_friction`](crate::contract::check_friction) tests an implementation.
+/// A step returns [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) for a law that pushes (`force · slip > 0`) or is not finite. Drives are no friction.
 ///
 /// # Which law when
 ///
@@ -83,6 +84,18 @@ pub trait SlidingFriction<R: Real = f64> {
     fn check(&self) -> Result<(), SceneError> {
         Ok(())
     }
+
+    /// Returns true if the values of the law need no check while a step evaluates them. Default: false.
+    ///
+    /// A step checks the values of a law that is not trusted, and returns
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
+    /// Override it if the law keeps its contract for every finite input, and
+    /// [`check_friction`](crate::contract::check_friction) finds nothing: the checks then cost nothing.
+    /// A trusted law that breaks its contract goes unnoticed.
+    #[inline]
+    fn is_trusted(&self) -> bool {
+        false
+    }
 }
 
 /// Behind a pointer, also as `dyn`.
@@ -104,6 +117,10 @@ macro_rules! forward {
             #[inline]
             fn check(&self) -> Result<(), SceneError> {
                 (**self).check()
+            }
+            #[inline]
+            fn is_trusted(&self) -> bool {
+                (**self).is_trusted()
             }
         }
     };
@@ -181,5 +198,9 @@ impl<R: Real> SlidingFriction<R> for Frictionless {
     #[inline]
     fn drag(&self, _normal_force: R, _slip: R::Vec3) -> Drag<R> {
         Drag::NONE
+    }
+    #[inline]
+    fn is_trusted(&self) -> bool {
+        true
     }
 }

@@ -31,6 +31,8 @@ use crate::real::{Real, Vector};
 ///
 /// *To the implementer:* [`spring_energy`](Self::spring_energy) must be the integral of [`spring_force`](Self::spring_force) from depth 0, and
 /// the damper must take energy: `(normal_force - spring_force) * closing_speed >= 0` whatever the depth and speed. Nothing is asked at or above the surface.
+/// No value is NaN, at any depth above 0: a step evaluates trial states that the motion never reaches.
+/// A step returns [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) for a NaN, a negative spring energy, and a normal whose length is not 1.
 /// [`contract::check_ground`](crate::contract::check_ground) tests an implementation.
 ///
 /// ```
@@ -105,6 +107,18 @@ pub trait SpringDamperGround<R: Real = f64> {
     fn check(&self) -> Result<(), SceneError> {
         Ok(())
     }
+
+    /// Returns true if the values of the ground need no check while a step evaluates them. Default: false.
+    ///
+    /// A step checks the values of a law that is not trusted, and returns
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
+    /// Override it if the law keeps its contract for every finite input, and
+    /// [`check_ground`](crate::contract::check_ground) finds nothing: the checks then cost nothing.
+    /// A trusted law that breaks its contract goes unnoticed.
+    #[inline]
+    fn is_trusted(&self) -> bool {
+        false
+    }
 }
 
 /// Behind a pointer, also as `dyn`.
@@ -138,6 +152,10 @@ macro_rules! forward {
             #[inline]
             fn check(&self) -> Result<(), SceneError> {
                 (**self).check()
+            }
+            #[inline]
+            fn is_trusted(&self) -> bool {
+                (**self).is_trusted()
             }
         }
     };
@@ -311,5 +329,9 @@ impl<R: Real> SpringDamperGround<R> for NoGround {
     #[inline]
     fn extent(&self) -> Extent<R> {
         Extent::Nowhere
+    }
+    #[inline]
+    fn is_trusted(&self) -> bool {
+        true
     }
 }

@@ -69,7 +69,7 @@
 //! | G5 | A scene pays for what it names: no ground, friction or gravity costs nothing, flight visits no contact, rest costs a comparison. | `benches/` |
 //! | G6 | No standard library, no allocation, no panic. | `.ci/no_std.sh` (linked with nothing to panic with), `.ci/embedded.sh` (no panic in the image of a microcontroller), `tests/downstream/tests/no_allocation.rs` |
 //! | G7 | Same input, same bits, on every machine that follows IEEE 754: `+ - * /` and square root in one order, all else from `libm` or, for `f32`, from the crate, no fused operations. | [`real`], by construction; `tests/bits.rs`, stored hashes of every integrator and law, on any machine and profile; `.ci/targets.sh`, the same hashes on other processors; `tests/symmetry.rs` |
-//! | G8 | Bad input is answered, not simulated: a typed error that names quantity, rule and value, once; a step that cannot go on leaves the last good state. | `tests/bad_input.rs`, a test a parameter |
+//! | G8 | Bad input is answered, not simulated: a typed error that names quantity, rule and value, once; a step that cannot go on, or a law that breaks its contract, leaves the last good state. | `tests/bad_input.rs`, a test a parameter |
 //! | G9 | [`State`] is plain data: saved, loaded or sent elsewhere, a run goes on with the same bits. | `tests/symmetry.rs` |
 //! | G10 | Your own body, ground, friction law or integrator is as good as a built-in one, and can be checked. | `tests/downstream`, `tests/contract.rs` |
 //!

@@ -1,8 +1,10 @@
 //! Body, ground, friction and gravity together: which contacts touch, and with what force and torque.
 
+mod checked;
 mod level;
 mod rims;
 
+pub(crate) use checked::{CheckedScene, Record};
 use rims::Touching;
 pub(crate) use rims::{Kinks, Velocities, arc_below, kinks};
 
@@ -48,6 +50,13 @@ pub trait Dynamics<R: Real = f64> {
     fn has_radii(&self) -> bool {
         let mut contacts = self.body().contacts().iter();
         self.body().is_smooth() || contacts.any(|contact| contact.radius > R::ZERO)
+    }
+
+    /// Evaluates laws where the motion does not: a value that breaks a contract there is no error of the step.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn probe<T>(&self, evaluate: impl FnOnce() -> T) -> T {
+        evaluate()
     }
 
     /// Where everything of the body is and how it moves.
@@ -619,6 +628,9 @@ where
         let mass_properties = MassProperties::new(body.mass(), body.inertia())?;
         let weight = mass_properties.mass() * gravity.acceleration().length();
         error::finite("weight (mass times gravity)", weight, " N")?;
+        if let Extent::Plane(plane) | Extent::Below(plane) = ground.extent() {
+            plane.check()?;
+        }
         Ok(Self {
             mass_properties,
             reach,
@@ -636,6 +648,19 @@ impl<R: Real, B, G, F, A> Scene<R, B, G, F, A> {
     /// The four parts again.
     pub(crate) fn into_parts(self) -> (B, G, F, A) {
         (self.body, self.ground, self.friction, self.gravity)
+    }
+}
+
+impl<R, B, G, F, A> Scene<R, B, G, F, A>
+where
+    R: Real,
+    G: SpringDamperGround<R>,
+    F: SlidingFriction<R>,
+{
+    /// Whether a step need not check what the laws return.
+    #[inline(always)]
+    pub(crate) fn is_trusted(&self) -> bool {
+        self.ground.is_trusted() && self.friction.is_trusted()
     }
 }
 

@@ -11,7 +11,7 @@ use crate::ground::{NoGround, SpringDamperGround};
 use crate::integrator::{EnergyMomentum, Integrator, Step};
 use crate::observer::{Observer, Probe, Sample};
 use crate::real::Real;
-use crate::scene::{Dynamics, LowestPoint, Scene};
+use crate::scene::{CheckedScene, Dynamics, LowestPoint, Record, Scene};
 use crate::stability;
 use crate::state::State;
 
@@ -296,6 +296,9 @@ where
         limit: R,
         workspace: &mut I::Workspace,
     ) -> Result<Step<R>, StepError> {
+        if !self.scene.is_trusted() {
+            return self.move_on_checked(state, limit, workspace);
+        }
         let before = *state;
         let step = self.integrator.step(&self.scene, state, limit, workspace);
         let error = match (step, state.not_finite()) {
@@ -306,6 +309,59 @@ where
             (Err(error), _) => before.not_finite().map_or(error, StepError::BadState),
         };
         *state = before;
+        Err(error)
+    }
+
+    /// As [`move_on`](Self::move_on), with a check of every value that a law returns.
+    // A function of its own: where the laws are trusted, nothing of it is left in the program.
+    #[inline(never)]
+    fn move_on_checked(
+        &self,
+        state: &mut State<R>,
+        limit: R,
+        workspace: &mut I::Workspace,
+    ) -> Result<Step<R>, StepError> {
+        let before = *state;
+        let record = Record::new();
+        let scene = CheckedScene::of(&self.scene, &record);
+        match self.integrator.step(&scene, state, limit, workspace) {
+            Ok(step)
+                if record.is_empty()
+                    && state.not_finite().is_none()
+                    && (step.elapsed > R::ZERO || limit <= R::ZERO) =>
+            {
+                Ok(step)
+            }
+            outcome => self.examined(outcome, limit, (&before, state), &record, workspace),
+        }
+    }
+
+    /// What a step leads to that has failed, or during which a value broke a contract: its outcome where rounding explains the value, else an error and the state from before.
+    #[cold]
+    #[inline(never)]
+    fn examined(
+        &self,
+        outcome: Result<Step<R>, StepError>,
+        limit: R,
+        (before, state): (&State<R>, &mut State<R>),
+        record: &Record<R>,
+        workspace: &mut I::Workspace,
+    ) -> Result<Step<R>, StepError> {
+        let broken_law = broken_law(&self.scene, before, record);
+        let error = match (broken_law, outcome, state.not_finite()) {
+            (None, Ok(step), None) if step.elapsed > R::ZERO || limit <= R::ZERO => {
+                return Ok(step);
+            }
+            (None, Ok(_), None) => StepError::Stalled,
+            (Some(error), _, _) => {
+                // It may know of a state that no longer holds.
+                *workspace = I::Workspace::default();
+                error
+            }
+            (None, Ok(_), Some(quantity)) => blame(before, quantity),
+            (None, Err(error), _) => before.not_finite().map_or(error, StepError::BadState),
+        };
+        *state = *before;
         Err(error)
     }
 
@@ -460,6 +516,48 @@ fn blame<R: Real>(before: &State<R>, after: Quantity) -> StepError {
     } else {
         StepError::BadState(Quantity::Orientation)
     }
+}
+
+/// The value that has broken the contract of a law during a step from the state `before`.
+///
+/// A spring energy below 0 may be rounding: of the body's energy, which hides it, or of the terms of the law's own formula. `e^x - 1 - x` is off by some rounding of 1 at every x.
+/// Those terms are taken to be as large as the energy at a depth of 1 m.
+fn broken_law<R: Real>(
+    scene: &impl Dynamics<R>,
+    before: &State<R>,
+    record: &Record<R>,
+) -> Option<StepError> {
+    if record.is_empty() {
+        return None;
+    }
+    let energy = Energy::of(scene, before);
+    let terms = energy.translation
+        + energy.rotation
+        + energy.gravity.abs()
+        + energy.springs.abs()
+        + energy_at_a_metre(scene.ground());
+    let rounding = terms * (R::EPSILON * R::from_f64(LAW_ROUNDING));
+    let (quantity, value) = record.breach(rounding)?;
+    Some(StepError::BrokenLaw {
+        quantity,
+        value: value.to_f64(),
+    })
+}
+
+/// Units in the last place of all terms below which a negative spring energy counts as rounding.
+const LAW_ROUNDING: f64 = 8.0;
+
+/// Energy in the springs under a contact at a depth of 1 m, J; at the largest binary fraction of it where the energy is finite. At least 0.
+fn energy_at_a_metre<R: Real>(ground: &impl SpringDamperGround<R>) -> R {
+    let mut depth = R::ONE;
+    for _ in 0..64 {
+        let energy = ground.spring_energy(depth);
+        if energy.is_finite() {
+            return energy.at_least(R::ZERO);
+        }
+        depth *= R::HALF;
+    }
+    R::ZERO
 }
 
 /// The most steps of one length in a run: 2⁵³ in `f64`, 2⁴⁰ in `f32`.

@@ -14,13 +14,13 @@ use tumble::contract::{
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::integrator::step_length;
 use tumble::{
-    AnisotropicCoulomb, BogackiShampine32, Bowl, Coin, ContactPoint, Coulomb, DormandPrince54,
-    Drag, Dynamics, Elevation, EnergyMomentum, Extent, FlatGround, ForwardEuler, Frictionless,
-    Ground, HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MeanForce, NoGround,
-    Nystrom, Plane, PointCloud, Ramp, Real, RigidPointBody, Rk4, SceneError, SlidingFriction,
-    SmoothCoulomb, SpringDamper, SpringDamperGround, State, Step, StepError, StrangSplitting,
-    Stribeck, Surface, SymplecticEuler, Terrain, TurningResistance, Viscous, Waves, WithResistance,
-    error,
+    AnisotropicCoulomb, BogackiShampine32, Bowl, Coin, ContactLaw, ContactPoint, Coulomb,
+    DormandPrince54, Drag, Dynamics, Elevation, EnergyMomentum, Extent, FlatGround, ForwardEuler,
+    Frictionless, Ground, HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MeanForce,
+    NoGround, Nystrom, Plane, PointCloud, Ramp, Real, RigidPointBody, Rk4, SceneError,
+    SlidingFriction, SmoothCoulomb, SpringDamper, SpringDamperGround, State, Step, StepError,
+    Stepper, StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, TurningResistance,
+    Viscous, Waves, WithResistance, error,
 };
 
 /// Ten batteries of other numbers.
@@ -1111,5 +1111,239 @@ fn a_breach_says_rule_values_and_input() {
     let message = fault_of_ground(&glue).to_string();
     for part in ["must not pull", "got -", "bound is 0", "at depth", "m/s"] {
         assert!(message.contains(part), "{message}");
+    }
+}
+
+#[test]
+fn a_run_that_may_hold_more_is_no_panic_but_passes() {
+    struct Whole([ContactPoint; 1], Run);
+    impl RigidPointBody for Whole {
+        fn mass(&self) -> f64 {
+            1.0
+        }
+        fn inertia(&self) -> DMat3 {
+            DMat3::IDENTITY
+        }
+        fn contacts(&self) -> &[ContactPoint] {
+            &self.0
+        }
+        fn contacts_below(&self, _normal: DVec3, _offset: f64) -> Run {
+            self.1
+        }
+    }
+    for first in [0, 1, usize::MAX] {
+        let run = Run {
+            first,
+            count: usize::MAX,
+        };
+        let body = Whole([ContactPoint::bare(DVec3::X)], run);
+        check_body(&body, Battery::default()).unwrap();
+    }
+}
+
+/// A part that returns a number drawn from its input: any bits, or a plausible one.
+struct Noise {
+    seed: u64,
+    contacts: Vec<ContactPoint>,
+}
+
+impl Noise {
+    /// A number for an input, the same each time.
+    fn bits(&self, input: &[f64]) -> u64 {
+        let mix = |hash: u64, number: &f64| {
+            (hash ^ number.to_bits())
+                .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+                .rotate_left(23)
+        };
+        input.iter().fold(self.seed, mix)
+    }
+
+    fn number(&self, input: &[f64], plausible: f64) -> f64 {
+        let bits = self.bits(input);
+        match bits % 97 {
+            0 => f64::from_bits(bits),
+            1 => f64::NAN,
+            2 => f64::MAX,
+            3 => -plausible,
+            _ => plausible,
+        }
+    }
+
+    fn vector(&self, input: &[f64], plausible: DVec3) -> DVec3 {
+        let part = |salt: f64, value: f64| self.number(&[input, &[salt]].concat(), value);
+        DVec3::new(
+            part(1.0, plausible.x),
+            part(2.0, plausible.y),
+            part(3.0, plausible.z),
+        )
+    }
+}
+
+impl RigidPointBody for Noise {
+    fn mass(&self) -> f64 {
+        self.number(&[0.5], 1.0)
+    }
+    fn inertia(&self) -> DMat3 {
+        DMat3::from_diagonal(self.vector(&[0.25], DVec3::ONE))
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        &self.contacts
+    }
+    fn reach(&self) -> f64 {
+        self.number(&[0.75], 2.0)
+    }
+    fn contacts_below(&self, normal: DVec3, offset: f64) -> Run {
+        let bits = self.bits(&[normal.x, normal.y, normal.z, offset]);
+        let one = |bits: u64| match bits % 5 {
+            0 => usize::MAX,
+            1 => usize::MAX - 1,
+            _ => usize::try_from(bits % 9).unwrap(),
+        };
+        match bits % 3 {
+            0 => Run {
+                first: one(bits >> 8),
+                count: one(bits >> 16),
+            },
+            _ => Run::all(usize::MAX),
+        }
+    }
+}
+
+impl SpringDamperGround for Noise {
+    fn surface(&self, p: DVec3) -> Surface {
+        Surface {
+            gap: self.number(&[p.x, p.y, p.z], p.z),
+            normal: self.vector(&[p.x, p.y, p.z], DVec3::Z),
+        }
+    }
+    fn spring_force(&self, depth: f64) -> f64 {
+        self.number(&[depth, 1.0], 1e3 * depth)
+    }
+    fn spring_energy(&self, depth: f64) -> f64 {
+        self.number(&[depth, 2.0], 5e2 * depth * depth)
+    }
+    fn normal_force(&self, depth: f64, speed: f64) -> f64 {
+        self.number(&[depth, speed], 1e3 * depth)
+    }
+}
+
+impl SlidingFriction for Noise {
+    fn force(&self, load: f64, slip: DVec3) -> DVec3 {
+        self.vector(&[load, slip.x, slip.y, slip.z], -slip * load)
+    }
+}
+
+#[test]
+fn no_number_that_a_part_returns_makes_a_check_or_a_step_panic() {
+    let battery = Battery { seed: 3, cases: 5 };
+    let mut broken = 0;
+    for seed in 0..400 {
+        let corner = |i: u32| {
+            let (sin, cos) = f64::from(i).sin_cos();
+            ContactPoint::bare(DVec3::new(sin, cos, 0.3))
+        };
+        let noise = Noise {
+            seed,
+            contacts: (0..u32::try_from(seed % 7).unwrap()).map(corner).collect(),
+        };
+        // Every answer is right but a panic, an overflow, or a loop without an end.
+        let _ = check_body(&noise, battery);
+        let _ = check_ground(&noise, &RANGE, battery);
+        let _ = check_friction(&noise, &SLIDES, battery);
+        let wild = noise.number(&[4.0], f64::MAX);
+        let range = GroundRange {
+            size: wild,
+            depth: noise.number(&[5.0], 5e-324),
+            ..RANGE
+        };
+        let _ = check_ground(&RIGHT, &range, battery);
+        let slides = FrictionRange {
+            normal: DVec3::splat(wild),
+            slip: wild,
+            ..SLIDES
+        };
+        let _ = check_friction(
+            &Differences(Coulomb::as_in_the_report(0.3)),
+            &slides,
+            battery,
+        );
+        let Ok(stepper) = Stepper::new(&noise)
+            .and_then(|stepper| stepper.with_ground(&noise))
+            .and_then(|stepper| stepper.with_friction(&noise))
+        else {
+            continue;
+        };
+        let start = State::at(DVec3::Z * 0.2).with_linear_velocity(DVec3::X);
+        let mut state = start;
+        broken += usize::from(stepper.advance(&mut state, 0.02).is_err());
+        let nystrom = stepper
+            .with_integrator(Nystrom { time_step: 1e-3 })
+            .unwrap();
+        let _ = nystrom.advance(&mut { start }, 0.02);
+    }
+    // Not only scenes that cannot be composed.
+    assert!(broken > 20, "{broken}");
+}
+
+#[test]
+fn the_message_of_a_wrong_inertia_has_the_bound_of_its_moment() {
+    struct Heavy(DVec3);
+    impl RigidPointBody for Heavy {
+        fn mass(&self) -> f64 {
+            1.0
+        }
+        fn inertia(&self) -> DMat3 {
+            DMat3::from_diagonal(self.0)
+        }
+        fn contacts(&self) -> &[ContactPoint] {
+            &[]
+        }
+    }
+    let said = |x, y, z| fault_of_body(&Heavy(DVec3::new(x, y, z)));
+    let breach = said(0.5, 0.4, 1.0);
+    assert!((breach.bound - 0.9).abs() < 1e-15, "{breach}");
+    let breach = said(0.5, 0.25, 1.0);
+    assert!(
+        breach.to_string().contains("got 1e0, the bound is 7.5e-1"),
+        "{breach}"
+    );
+    // What is no number, or negative, has its rule in words.
+    for (breach, rule) in [
+        (said(f64::NAN, 1.0, 1.0), "must be finite: got NaN;"),
+        (said(1.0, 1.0, -1.0), "must be at least 0: got -1e0;"),
+    ] {
+        let message = breach.to_string();
+        assert!(message.contains(rule), "{message}");
+        assert!(!message.contains("the bound is"), "{message}");
+    }
+}
+
+#[test]
+fn a_friction_law_that_pushes_is_shown_where_it_pushes_hard() {
+    let motor = Rub(|load: f64, slip: DVec3| slip * (0.3 * load / (slip.length() + 1e-3)));
+    let breach = fault_of_friction(&motor);
+    // At the largest load, 1 kN, and the largest slip, 10 m/s: 3 kW.
+    assert!((breach.value - 3e3).abs() < 1.0, "{breach}");
+}
+
+#[test]
+fn a_law_in_the_textbooks_form_passes_for_all_its_rounding() {
+    // Off by some rounding of 1e5 J at every depth, and below 0 at the smallest.
+    struct Textbook;
+    impl ContactLaw for Textbook {
+        fn spring_force(&self, d: f64) -> f64 {
+            1e5 * (d.exp() - 1.0)
+        }
+        fn spring_energy(&self, d: f64) -> f64 {
+            1e5 * (d.exp() - 1.0 - d)
+        }
+        fn normal_force(&self, d: f64, _closing_speed: f64) -> f64 {
+            self.spring_force(d)
+        }
+    }
+    let ground = Ground::level(Textbook);
+    assert!((1..100).any(|i| Textbook.spring_energy(1e-13 * f64::from(i)) < 0.0));
+    for battery in batteries() {
+        check_ground(&ground, &RANGE, battery).unwrap();
     }
 }

@@ -359,3 +359,45 @@ fn a_ball_that_sticks_and_rolls_round_a_wall_does_so_at_order_two() {
     // A third of the last change is left.
     assert!(changes[1] < 2e-6, "{changes:?}");
 }
+
+/// A groove along y: the nearest of two planes that rise to both sides at 45 degrees.
+struct Groove;
+
+impl Shape for Groove {
+    fn surface(&self, point: DVec3) -> tumble::Surface {
+        let side = if point.x > 0.0 { -1.0 } else { 1.0 };
+        let normal = DVec3::new(side, 0.0, 1.0) / 2.0_f64.sqrt();
+        tumble::Surface {
+            gap: normal.dot(point),
+            normal,
+        }
+    }
+}
+
+#[test]
+fn a_ball_in_a_groove_rests_on_one_of_its_planes_and_twice_as_deep() {
+    // Two contacts of k = W/(√2 · 0.98 mm) would rest at 0.98 mm, with `2 k d cos 45° = W`. One contact has `k d cos 45° = W` on average: 1.96 mm.
+    let (radius, k) = (0.1, G / (2.0_f64.sqrt() * 0.98e-3));
+    let stepper = Stepper::new(tumble::Sphere::solid(1.0, radius))
+        .unwrap()
+        .with_gravity(UniformGravity::down(G))
+        .unwrap()
+        .with_ground(Ground {
+            law: SpringDamper {
+                stiffness: k,
+                damping: 50.0,
+            },
+            shape: Groove,
+        })
+        .unwrap();
+    let mut state = State::at(DVec3::Z * (radius * 2.0_f64.sqrt()));
+    stepper.advance(&mut state, 2.0).unwrap();
+    let (mut sum, count) = (0.0, 1000);
+    for _ in 0..count {
+        stepper.step(&mut state).unwrap();
+        sum += radius - Groove.surface(state.position).gap;
+    }
+    let depth = sum / f64::from(count);
+    // It moves to and fro below the edge, by some hundredths of the depth.
+    assert!((1.8e-3..=2.0e-3).contains(&depth), "{depth:e}");
+}

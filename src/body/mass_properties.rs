@@ -461,10 +461,11 @@ fn check_tensor<R: Real>(inertia: R::Mat3) -> Result<[[R; 3]; 3], SceneError> {
 }
 
 fn check_moments<R: Real>(moments: [R; 3], rounding: R) -> Result<(), SceneError> {
+    // A negative one first: it also makes another exceed the sum.
+    if let Some(moment) = moments.into_iter().find(|&moment| moment < -rounding) {
+        return error::at_least_zero("a principal moment of inertia", moment, " kg m²");
+    }
     for (i, moment) in moments.into_iter().enumerate() {
-        if moment < -rounding {
-            return error::at_least_zero("a principal moment of inertia", moment, " kg m²");
-        }
         let others = nth(moments, (i + 1) % 3) + nth(moments, (i + 2) % 3);
         if moment > others + rounding {
             return Err(SceneError::new(
@@ -604,7 +605,9 @@ mod tests {
             of(1.0, 1.0, 2.5).unwrap_err().rule,
             Rule::TriangleInequality
         );
-        assert_eq!(of(-1.0, 1.0, 1.0).unwrap_err().rule, Rule::AtLeastZero);
+        for negative in [of(-1.0, 1.0, 1.0), of(1.0, -1.0, 1.0), of(1.0, 1.0, -1.0)] {
+            assert_eq!(negative.unwrap_err().rule, Rule::AtLeastZero);
+        }
         assert_eq!(of(f64::NAN, 1.0, 1.0).unwrap_err().rule, Rule::Finite);
         let lopsided = DMat3::from_cols(
             DVec3::new(1.0, 0.5, 0.0),

@@ -8,7 +8,8 @@ use super::{
 use crate::body::{
     ContactPoint, MassProperties, RigidPointBody, Rim, Run, check_contacts, check_rims,
 };
-use crate::real::{Real, Vector};
+use crate::error::{Rule, SceneError};
+use crate::real::{Matrix, Real, Vector};
 
 /// Checks a body.
 ///
@@ -33,7 +34,7 @@ pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
     body.check().map_err(cannot_be)?;
     check_contacts(body.contacts()).map_err(cannot_be)?;
     check_rims(body).map_err(cannot_be)?;
-    MassProperties::new(body.mass(), body.inertia()).map_err(cannot_be)?;
+    MassProperties::new(body.mass(), body.inertia()).map_err(|error| cannot_have(body, error))?;
     check_reach(body)?;
 
     let first = Portrait::of(body);
@@ -52,6 +53,20 @@ pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
         first.check(&Portrait::of(body))?;
     }
     Ok(())
+}
+
+/// The breach of mass or inertia. A moment's bound is the sum of the other two: the trace less that moment.
+fn cannot_have<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B, error: SceneError) -> Breach {
+    let breach = cannot_be(error);
+    if error.rule != Rule::TriangleInequality {
+        return breach;
+    }
+    let [x, y, z] = body.inertia().columns();
+    let trace = x.x() + y.y() + z.z();
+    Breach {
+        bound: trace.to_f64() - error.value,
+        ..breach
+    }
 }
 
 fn check_reach<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B) -> Result<(), Breach> {
@@ -214,7 +229,7 @@ fn runs_like(run: Run, contacts: usize) -> [Run; 6] {
     [
         run,
         Run {
-            count: count + 1,
+            count: count.saturating_add(1),
             ..run
         },
         Run {
@@ -222,7 +237,7 @@ fn runs_like(run: Run, contacts: usize) -> [Run; 6] {
             ..run
         },
         Run {
-            first: first + 1,
+            first: first.saturating_add(1),
             count: count.saturating_sub(1),
         },
         Run::NONE,

@@ -62,8 +62,8 @@ pub fn check_friction<R: Real, F: SlidingFriction<R> + ?Sized>(
     Ok(())
 }
 
-/// Parts of the largest load and slip that are tried with each other.
-const SHARES: [f64; 7] = [0.0, 1e-12, 1e-8, 1e-4, 1e-2, 0.3, 1.0];
+/// Parts of the largest load and slip that are tried with each other: the largest first, so that a breach shows in large numbers.
+const SHARES: [f64; 7] = [1.0, 0.3, 1e-2, 1e-4, 1e-8, 1e-12, 0.0];
 
 struct Check<'a, R: Real, F: ?Sized> {
     friction: &'a F,

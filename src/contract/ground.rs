@@ -32,7 +32,19 @@ pub struct GroundRange<R: Real = f64> {
 /// *The mean force*, on paths into, in, out of and above the ground: no number is negative; its work `force · path` is at least what the springs store (at
 /// most what they give back); and it is the mean of the normal force along the path, to 5 % of the largest force there (the provided method's three points err as much where a clamp cuts).
 ///
+/// *Limits:* it samples, and may miss what is narrow. In a range of 1 m, 5 cm and 5 m/s, of 100 seeds:
+///
+/// | fault | found with 200 cases (default) | 1000 | 5000 |
+/// |---|---|---|---|
+/// | a ridge across the region, 0.2 mm wide and 1 mm high | 2 % | 10 % | 54 % |
+/// | a spike of the spring force, 0.2 mm of depth wide and twice as high | 21 % | 74 % | 100 % |
+///
+/// A needle of that width on the surface is not found with 100,000 cases, nor a cliff of 2 cm reliably.
+/// Make the range as small as the fault that you look for, or raise [`Battery::cases`].
+///
 /// Tolerances: some units in the last place of the terms; for integrals also four times what other partitions change.
+/// The springs' energy may be off by 1024 units in the last place of the energy at the largest depth: a formula such as `e^x - 1 - x`
+/// is so far off at small depths. `exp_m1` is more accurate there. Forces must be at least 0 without tolerance.
 ///
 /// ```
 /// use tumble::contract::{Battery, GroundRange, check_ground};
@@ -264,7 +276,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         demand_finite(end, input)?;
         // A formula's terms may be as large as the largest force makes them.
         let terms = self.ground.spring_force(self.range.depth) * to * ulps(8.0);
-        let slack = (start + end) * ulps(256.0) + terms + self.least_energy();
+        let slack = (start + end) * ulps(256.0) + terms + self.rounding_of_energy();
         demand_at_least(end, -slack, Clause::SpringEnergyRises, input)?;
         let stored = end - start;
         demand_at_least(stored, -slack, Clause::SpringEnergyRises, input)?;
@@ -280,6 +292,11 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         } else {
             R::ZERO
         }
+    }
+
+    /// What the terms of a formula may leave of a small energy, J: of `e^x - 1 - x` at a small x, some rounding of 1.
+    fn rounding_of_energy(&self) -> R {
+        self.energy(self.range.depth).abs() * ulps(1024.0)
     }
 
     /// What underflow may leave of a small energy.
@@ -334,13 +351,16 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         }
         let (before, after) = (self.energy(start), self.energy(end));
         let work = mean.force * path;
-        let slack = (before + after + work.abs()) * ulps(256.0) + self.least_energy();
+        let slack = (before + after + work.abs()) * ulps(256.0) + self.rounding_of_energy();
         let least = (after - before) - slack;
         demand_at_least(work, least, Clause::MeanForceTakes, input)?;
 
         let (expected, largest) = self.mean_by_definition(start, end, seconds);
         let off = (mean.force - expected).abs();
-        let slack = largest * R::from_f64(0.05) + self.least_energy() / self.range.depth;
+        let mut slack = largest * R::from_f64(0.05) + self.least_energy() / self.range.depth;
+        if !still {
+            slack += self.rounding_of_energy() / path.abs();
+        }
         demand_at_most(off, slack, Clause::MeanForceIsMean, input)
     }
 

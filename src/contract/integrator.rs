@@ -243,7 +243,8 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
     fn converges(&self) -> Result<(), Breach> {
         // 2 to the power of order - 0.3.
         let mut least = R::from_f64(0.812_252_396);
-        for _ in 0..self.integrator.order() {
+        // No power of 2 beyond is a number.
+        for _ in 0..self.integrator.order().min(2048) {
             least *= R::TWO;
         }
         let noise = ulps::<R>(4096.0);

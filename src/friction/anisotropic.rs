@@ -55,6 +55,11 @@ impl<R: Real> AnisotropicCoulomb<R> {
 
 impl<R: Real> SlidingFriction<R> for AnisotropicCoulomb<R> {
     #[inline]
+    fn is_trusted(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
         let [along, across] = self.coefficients;
         let (p, q) = (along * self.along.dot(slip), across * self.across.dot(slip));

@@ -37,6 +37,11 @@ impl<R: Real> Coulomb<R> {
 
 impl<R: Real> SlidingFriction<R> for Coulomb<R> {
     #[inline]
+    fn is_trusted(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
         slip * (-self.coefficient * normal_force / (slip.length() + self.slip_speed))
     }
@@ -86,6 +91,11 @@ impl<R: Real> SmoothCoulomb<R> {
 }
 
 impl<R: Real> SlidingFriction<R> for SmoothCoulomb<R> {
+    #[inline]
+    fn is_trusted(&self) -> bool {
+        true
+    }
+
     #[inline]
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
         slip * -(self.coefficient * normal_force / self.width(slip))

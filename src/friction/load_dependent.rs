@@ -80,6 +80,11 @@ impl<R: Real> LoadDependentCoulomb<R> {
 
 impl<R: Real> SlidingFriction<R> for LoadDependentCoulomb<R> {
     #[inline]
+    fn is_trusted(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
         self.under(normal_force).force(normal_force, slip)
     }

@@ -72,6 +72,11 @@ pub struct WithResistance<F, R = f64> {
 
 impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for WithResistance<F, R> {
     #[inline]
+    fn is_trusted(&self) -> bool {
+        self.friction.is_trusted()
+    }
+
+    #[inline]
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
         self.friction.force(normal_force, slip)
     }

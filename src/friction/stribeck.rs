@@ -41,6 +41,11 @@ impl<R: Real> Stribeck<R> {
 
 impl<R: Real> SlidingFriction<R> for Stribeck<R> {
     #[inline]
+    fn is_trusted(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
         let speed = slip.length();
         let [coefficient, _] = self.coefficient(speed);

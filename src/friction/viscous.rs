@@ -18,6 +18,11 @@ pub struct Viscous<R = f64> {
 
 impl<R: Real> SlidingFriction<R> for Viscous<R> {
     #[inline]
+    fn is_trusted(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
         slip * -(self.coefficient * normal_force)
     }

@@ -75,4 +75,8 @@ impl<R: Real, L: ContactLaw<R>, S: Shape<R>> SpringDamperGround<R> for Ground<L,
         self.law.check()?;
         self.shape.check()
     }
+    #[inline]
+    fn is_trusted(&self) -> bool {
+        self.law.is_trusted() && self.shape.is_trusted()
+    }
 }

@@ -59,6 +59,11 @@ impl<R: Real> FlatGround<R> {
 
 impl<R: Real> SpringDamperGround<R> for FlatGround<R> {
     #[inline]
+    fn is_trusted(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn surface(&self, point: R::Vec3) -> Surface<R> {
         Surface {
             gap: self.plane.gap(point),

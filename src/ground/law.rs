@@ -80,6 +80,18 @@ pub trait ContactLaw<R: Real = f64> {
     fn check(&self) -> Result<(), SceneError> {
         Ok(())
     }
+
+    /// Returns true if the values of the law need no check while a step evaluates them. Default: false.
+    ///
+    /// A step checks the values of a law that is not trusted, and returns
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
+    /// Override it if the law keeps its contract for every finite input, and
+    /// [`check_ground`](crate::contract::check_ground) finds nothing: the checks then cost nothing.
+    /// A trusted law that breaks its contract goes unnoticed.
+    #[inline]
+    fn is_trusted(&self) -> bool {
+        false
+    }
 }
 
 /// Behind a pointer, also as `dyn`.
@@ -105,6 +117,10 @@ macro_rules! forward {
             #[inline]
             fn check(&self) -> Result<(), SceneError> {
                 (**self).check()
+            }
+            #[inline]
+            fn is_trusted(&self) -> bool {
+                (**self).is_trusted()
             }
         }
     };
@@ -137,11 +153,16 @@ pub(super) fn mean_force_by_quadrature<R: Real, L: ContactLaw<R> + ?Sized>(
         }
     };
     MeanForce {
-        force: (spring + damper).at_least(R::ZERO),
+        force: not_below_zero(spring + damper),
         slope: slope_of(spring_beyond + damper_beyond, spring + damper),
         stiffness: slope_of(spring_beyond, spring),
         damping: slope_of(damper_beyond, damper) * seconds,
     }
+}
+
+/// The larger of a force and 0; NaN for NaN, so that a step finds a law that returns it.
+fn not_below_zero<R: Real>(force: R) -> R {
+    if force <= R::ZERO { R::ZERO } else { force }
 }
 
 /// Mean force of the springs, and of what the law has beyond them.

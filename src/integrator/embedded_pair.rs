@@ -148,9 +148,10 @@ impl<R: Real> Answers<R> {
         let friction = scene.friction();
         Self {
             likeness: Likeness::of(scene, state),
-            normal_force: scene.ground().normal_force(scene.reach(), R::ONE),
-            friction: friction.force(R::ONE, R::Vec3::new(R::ONE, R::ZERO, R::ZERO)),
-            turning: friction.turning(R::ONE),
+            normal_force: scene.probe(|| scene.ground().normal_force(scene.reach(), R::ONE)),
+            friction: scene
+                .probe(|| friction.force(R::ONE, R::Vec3::new(R::ONE, R::ZERO, R::ZERO))),
+            turning: scene.probe(|| friction.turning(R::ONE)),
         }
     }
 }

@@ -28,8 +28,8 @@ impl<R: Real> Likeness<R> {
             contacts: scene.body().contacts().len(),
             rim: (scene.body().rims().first()).map_or(R::ZERO, |rim| rim.points()),
             gravity: scene.gravity(),
-            surface: ground.surface(state.position),
-            spring: [ground.spring_force(reach), ground.spring_energy(reach)],
+            surface: scene.probe(|| ground.surface(state.position)),
+            spring: scene.probe(|| [ground.spring_force(reach), ground.spring_energy(reach)]),
         }
     }
 }

@@ -232,6 +232,11 @@ fn mean_of_hertz<R: Real>(from: R, to: R) -> [R; 2] {
 
 impl<R: Real> ContactLaw<R> for HuntCrossley<R> {
     #[inline]
+    fn is_trusted(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn spring_force(&self, depth: R) -> R {
         self.stiffness * self.power(depth)
     }

@@ -117,6 +117,11 @@ impl<R: Real> LimitedDamper<R> {
 
 impl<R: Real> ContactLaw<R> for LimitedDamper<R> {
     #[inline]
+    fn is_trusted(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn spring_force(&self, depth: R) -> R {
         self.stiffness * depth
     }

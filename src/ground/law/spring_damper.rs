@@ -116,6 +116,11 @@ impl<R: Real> SpringDamper<R> {
 
 impl<R: Real> ContactLaw<R> for SpringDamper<R> {
     #[inline]
+    fn is_trusted(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn spring_force(&self, depth: R) -> R {
         self.stiffness * depth
     }

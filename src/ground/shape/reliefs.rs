@@ -14,6 +14,11 @@ pub struct Bowl<R = f64> {
 
 impl<R: Real> Relief<R> for Bowl<R> {
     #[inline]
+    fn is_trusted(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn elevation(&self, x: R, y: R) -> Elevation<R> {
         let [along_x, along_y] = self.curvatures;
         let slope = [along_x * x, along_y * y];
@@ -48,6 +53,11 @@ pub struct Ramp<R = f64> {
 
 impl<R: Real> Relief<R> for Ramp<R> {
     #[inline]
+    fn is_trusted(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn elevation(&self, x: R, _y: R) -> Elevation<R> {
         let half = self.slope * R::HALF;
         let root = (x * x + self.width * self.width).sqrt();
@@ -81,6 +91,11 @@ pub struct Waves<R = f64> {
 }
 
 impl<R: Real> Relief<R> for Waves<R> {
+    #[inline]
+    fn is_trusted(&self) -> bool {
+        true
+    }
+
     #[inline]
     fn elevation(&self, x: R, _y: R) -> Elevation<R> {
         let per_metre = R::from_f64(core::f64::consts::TAU) / self.length;

@@ -40,6 +40,18 @@ pub trait Relief<R: Real = f64> {
     fn check(&self) -> Result<(), SceneError> {
         Ok(())
     }
+
+    /// Returns true if the values of the relief need no check while a step evaluates them. Default: false.
+    ///
+    /// A step checks the values of a law that is not trusted, and returns
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
+    /// Override it if the law keeps its contract for every finite input, and
+    /// [`check_ground`](crate::contract::check_ground) finds nothing: the checks then cost nothing.
+    /// A trusted law that breaks its contract goes unnoticed.
+    #[inline]
+    fn is_trusted(&self) -> bool {
+        false
+    }
 }
 
 impl<R: Real, F: Fn(R, R) -> Elevation<R>> Relief<R> for F {
@@ -123,6 +135,10 @@ impl<R: Real, H: Relief<R>> Shape<R> for Terrain<H> {
 
     fn check(&self) -> Result<(), SceneError> {
         self.relief.check()
+    }
+    #[inline]
+    fn is_trusted(&self) -> bool {
+        self.relief.is_trusted()
     }
 }
 

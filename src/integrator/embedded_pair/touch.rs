@@ -58,7 +58,7 @@ pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
     let [before, after] = places
         .map(|place| scene.contacts_within(margin, place.motion.position, &place.motion.axes));
     // A step that is too long anyhow, and long enough to have many contacts near the ground, is not worth the look.
-    if smooth > allowed && before.count + after.count > MANY {
+    if smooth > allowed && before.count.saturating_add(after.count) > MANY {
         return kinks;
     }
     for run in [before]

@@ -256,8 +256,10 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
     ) -> Touch<R> {
         let contacts = problem.scene.body().contacts();
-        let along_run = self.run.first + self.seen + (index - self.remembered);
-        let Some(point) = contacts.get(along_run % contacts.len().max(1)) else {
+        // As the parts of a run: one that begins behind the last contact begins at the first.
+        let [head, tail] = self.run.parts(contacts);
+        let Some(point) = (head.iter().chain(tail)).nth(self.seen + (index - self.remembered))
+        else {
             return Touch::NONE;
         };
         let mut touch = Touch::of(problem, point);

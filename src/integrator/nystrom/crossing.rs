@@ -18,7 +18,7 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>>(
     seconds: R,
 ) -> Point<R> {
     let [first, .., last] = stages;
-    if first.run.count + last.run.count == 0 {
+    if first.run.count == 0 && last.run.count == 0 {
         return end;
     }
     let motion = end.motion(scene);

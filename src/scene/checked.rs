@@ -1,0 +1,373 @@
+//! A scene whose laws are checked while a step evaluates them.
+//!
+//! A comparison with NaN is false, so that a contact with a NaN gap would not touch, and a NaN force would be lost in the next maximum. An implicit method would take the push of an active
+//! friction law for an error of its own. So the integrator is given this scene in place of the stepper's: it forwards everything, and records the first value that breaks a contract,
+//! wherever the method evaluates it. The stepper turns the record into an error.
+//!
+//! A scene whose laws are trusted ([`SpringDamperGround::is_trusted`]), as all built-in ones are, never comes here. The others pay for calls through pointers and for a comparison or two for each value.
+
+use core::cell::Cell;
+
+use super::Dynamics;
+use crate::body::{MassProperties, RigidPointBody};
+use crate::error::LawQuantity;
+use crate::friction::{Drag, SlidingFriction, TurningResistance};
+use crate::ground::{Extent, MeanForce, SpringDamperGround, Surface};
+use crate::real::{Real, Vector};
+
+/// Units in the last place by which the square of a normal's length may differ from 1: twice what `check_ground` allows.
+const NORMAL: f64 = 128.0;
+/// Units in the last place of `|force| |slip|` by which the power of friction may exceed 0: 16 times what `check_friction` allows.
+const POWER: f64 = 64.0;
+
+/// Values that break a contract.
+#[derive(Clone, Copy, Debug)]
+struct Findings<R> {
+    /// The first that no rounding explains, and its value.
+    certain: Option<(LawQuantity, R)>,
+    /// The least spring energy, J, 0 where none is negative. Rounding of the law's terms may explain it.
+    least_energy: R,
+}
+
+/// Record of the values that break a contract during a step.
+pub(crate) struct Record<R>(Cell<Findings<R>>);
+
+impl<R: Real> Record<R> {
+    pub(crate) const fn new() -> Self {
+        Self(Cell::new(Findings {
+            certain: None,
+            least_energy: R::ZERO,
+        }))
+    }
+
+    #[inline]
+    pub(crate) fn is_empty(&self) -> bool {
+        let findings = self.0.get();
+        findings.certain.is_none() && findings.least_energy >= R::ZERO
+    }
+
+    /// The first value that breaks a contract by more than rounding of the energy (J).
+    pub(crate) fn breach(&self, rounding: R) -> Option<(LawQuantity, R)> {
+        let findings = self.0.get();
+        let negative = -findings.least_energy > rounding;
+        let energy = negative.then_some((LawQuantity::SpringEnergy, findings.least_energy));
+        findings.certain.or(energy)
+    }
+
+    fn note(&self, quantity: LawQuantity, value: R) {
+        let findings = self.0.get();
+        self.0.set(Findings {
+            certain: findings.certain.or(Some((quantity, value))),
+            ..findings
+        });
+    }
+
+    fn note_energy(&self, energy: R) {
+        let findings = self.0.get();
+        self.0.set(Findings {
+            least_energy: findings.least_energy.at_most(energy),
+            ..findings
+        });
+    }
+}
+
+/// A scene with its laws checked.
+///
+/// Its parts are behind pointers, so that an integrator is compiled once for all scenes with checks, and not once more for each.
+pub(crate) struct CheckedScene<'a, R: Real> {
+    body: &'a dyn RigidPointBody<R>,
+    ground: CheckedGround<'a, R>,
+    friction: CheckedFriction<'a, R>,
+    gravity: R::Vec3,
+    mass_properties: &'a MassProperties<R>,
+    has_radii: bool,
+}
+
+impl<'a, R: Real> CheckedScene<'a, R> {
+    pub(crate) fn of<D: Dynamics<R>>(scene: &'a D, record: &'a Record<R>) -> Self
+    where
+        D::Body: Sized,
+        D::Ground: Sized,
+        D::Friction: Sized,
+    {
+        Self {
+            body: scene.body(),
+            ground: CheckedGround {
+                ground: scene.ground(),
+                reach: scene.reach(),
+                record,
+            },
+            friction: CheckedFriction {
+                friction: scene.friction(),
+                record,
+            },
+            gravity: scene.gravity(),
+            mass_properties: scene.mass_properties(),
+            has_radii: scene.has_radii(),
+        }
+    }
+}
+
+impl<'a, R: Real> Dynamics<R> for CheckedScene<'a, R> {
+    type Body = &'a dyn RigidPointBody<R>;
+    type Ground = CheckedGround<'a, R>;
+    type Friction = CheckedFriction<'a, R>;
+
+    #[inline]
+    fn body(&self) -> &Self::Body {
+        &self.body
+    }
+    #[inline]
+    fn ground(&self) -> &Self::Ground {
+        &self.ground
+    }
+    #[inline]
+    fn friction(&self) -> &Self::Friction {
+        &self.friction
+    }
+    #[inline]
+    fn gravity(&self) -> R::Vec3 {
+        self.gravity
+    }
+    #[inline]
+    fn mass_properties(&self) -> &MassProperties<R> {
+        self.mass_properties
+    }
+    #[inline]
+    fn reach(&self) -> R {
+        self.ground.reach
+    }
+    #[inline]
+    fn has_radii(&self) -> bool {
+        self.has_radii
+    }
+
+    #[inline]
+    fn probe<T>(&self, evaluate: impl FnOnce() -> T) -> T {
+        if self.ground.is_trusted() && self.friction.is_trusted() {
+            return evaluate();
+        }
+        let record = self.ground.record;
+        let known = record.0.get();
+        let value = evaluate();
+        record.0.set(known);
+        value
+    }
+}
+
+/// A ground whose values are checked.
+pub(crate) struct CheckedGround<'a, R: Real> {
+    ground: &'a dyn SpringDamperGround<R>,
+    /// Of the body, m: no contact has a larger radius.
+    reach: R,
+    record: &'a Record<R>,
+}
+
+impl<R: Real> CheckedGround<'_, R> {
+    /// Checks a force (N) that the law returns for two numbers.
+    #[inline]
+    fn check_force(&self, quantity: LawQuantity, force: R, input: [R; 2]) {
+        let sound = force.abs() <= R::MAX;
+        if !sound && !self.ground.is_trusted() {
+            self.blame(quantity, force, input);
+        }
+    }
+
+    /// Notes a NaN. Infinity is an overflow, and input that has overflowed excuses every value.
+    #[cold]
+    #[inline(never)]
+    fn blame(&self, quantity: LawQuantity, value: R, [a, b]: [R; 2]) {
+        if is_nan(value) && a.is_finite() && b.is_finite() {
+            self.record.note(quantity, value);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn blame_energy(&self, energy: R, depth: R) {
+        self.blame(LawQuantity::SpringEnergy, energy, [depth; 2]);
+        if depth.is_finite() && energy < R::ZERO {
+            self.record.note_energy(energy);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn blame_surface(&self, point: R::Vec3, surface: &Surface<R>) {
+        if !point.length_squared().is_finite() {
+            return;
+        }
+        if is_nan(surface.gap) {
+            self.record.note(LawQuantity::Gap, surface.gap);
+        } else if surface.gap <= self.reach {
+            // Farther away nothing touches, and the normal is never used.
+            let length = surface.normal.length();
+            let sound = (length - R::ONE).abs() <= R::EPSILON * R::from_f64(NORMAL);
+            if !sound {
+                self.record.note(LawQuantity::Normal, length);
+            }
+        }
+    }
+
+    /// The values that a mean force is made of come first: where one of them is infinite, the mean has overflowed.
+    #[cold]
+    #[inline(never)]
+    fn blame_mean(&self, mean: R, [start, end]: [R; 2], seconds: R) {
+        let speed = (end - start) / seconds;
+        let mut overflows = !(start.is_finite() && end.is_finite() && speed.is_finite());
+        for depth in [start, end] {
+            if depth > R::ZERO && !overflows {
+                let values = [
+                    self.spring_energy(depth),
+                    self.spring_force(depth),
+                    self.normal_force(depth, speed),
+                ];
+                overflows = values.iter().any(|value| value.abs() > R::MAX);
+            }
+        }
+        if !overflows {
+            self.blame(LawQuantity::MeanForce, mean, [start, end]);
+        }
+    }
+}
+
+impl<R: Real> SpringDamperGround<R> for CheckedGround<'_, R> {
+    #[inline]
+    fn surface(&self, point: R::Vec3) -> Surface<R> {
+        let surface = self.ground.surface(point);
+        let off = (surface.normal.length_squared() - R::ONE).abs();
+        let sound = off <= R::EPSILON * R::from_f64(NORMAL) && surface.gap.abs() <= R::MAX;
+        if !sound && !self.ground.is_trusted() {
+            self.blame_surface(point, &surface);
+        }
+        surface
+    }
+
+    #[inline]
+    fn spring_force(&self, depth: R) -> R {
+        let force = self.ground.spring_force(depth);
+        self.check_force(LawQuantity::SpringForce, force, [depth; 2]);
+        force
+    }
+
+    #[inline]
+    fn spring_energy(&self, depth: R) -> R {
+        let energy = self.ground.spring_energy(depth);
+        let sound = energy >= R::ZERO;
+        if !sound && !self.ground.is_trusted() {
+            self.blame_energy(energy, depth);
+        }
+        energy
+    }
+
+    #[inline]
+    fn normal_force(&self, depth: R, closing_speed: R) -> R {
+        let force = self.ground.normal_force(depth, closing_speed);
+        self.check_force(LawQuantity::NormalForce, force, [depth, closing_speed]);
+        if !self.ground.is_trusted() {
+            // An explicit method evaluates neither, but the energy of its states does.
+            self.spring_force(depth);
+            self.spring_energy(depth);
+        }
+        force
+    }
+
+    #[inline]
+    fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
+        let mean = self.ground.mean_force(start, end, seconds);
+        let sound = mean.force.abs() <= R::MAX;
+        if !sound && !self.ground.is_trusted() {
+            self.blame_mean(mean.force, [start, end], seconds);
+        }
+        mean
+    }
+
+    #[inline]
+    fn extent(&self) -> Extent<R> {
+        self.ground.extent()
+    }
+
+    #[inline]
+    fn is_trusted(&self) -> bool {
+        self.ground.is_trusted()
+    }
+}
+
+/// A friction law whose values are checked.
+pub(crate) struct CheckedFriction<'a, R: Real> {
+    friction: &'a dyn SlidingFriction<R>,
+    record: &'a Record<R>,
+}
+
+impl<R: Real> CheckedFriction<'_, R> {
+    #[cold]
+    #[inline(never)]
+    fn blame(&self, force: R::Vec3, normal_force: R, slip: R::Vec3) {
+        let is_load = normal_force >= R::ZERO && normal_force.is_finite();
+        if !(is_load && slip.length_squared().is_finite()) {
+            return;
+        }
+        let (size, power) = (force.length(), force.dot(slip));
+        let rounding = size * slip.length() * (R::EPSILON * R::from_f64(POWER));
+        if !force.is_finite() {
+            self.record.note(LawQuantity::FrictionForce, size);
+        } else if power > rounding {
+            self.record.note(LawQuantity::FrictionPower, power);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn blame_turning(&self, turning: &TurningResistance<R>, normal_force: R) {
+        let values = [turning.rolling, turning.drilling, turning.turn_speed];
+        let broken = values.into_iter().find(|&value| {
+            let sound = value >= R::ZERO;
+            !sound
+        });
+        if let Some(value) = broken.filter(|_| normal_force >= R::ZERO && normal_force.is_finite())
+        {
+            self.record.note(LawQuantity::TurningResistance, value);
+        }
+    }
+}
+
+impl<R: Real> SlidingFriction<R> for CheckedFriction<'_, R> {
+    #[inline]
+    fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        let force = self.friction.force(normal_force, slip);
+        let power = force.dot(slip);
+        let sound = power <= R::ZERO && power >= -R::MAX;
+        if !sound && !self.friction.is_trusted() {
+            self.blame(force, normal_force, slip);
+        }
+        force
+    }
+
+    #[inline]
+    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
+        self.friction.drag(normal_force, slip)
+    }
+
+    #[inline]
+    fn turning(&self, normal_force: R) -> Option<TurningResistance<R>> {
+        let turning = self.friction.turning(normal_force);
+        if let Some(values) = &turning {
+            let sound = values.rolling >= R::ZERO
+                && values.drilling >= R::ZERO
+                && values.turn_speed >= R::ZERO;
+            if !sound && !self.friction.is_trusted() {
+                self.blame_turning(values, normal_force);
+            }
+        }
+        turning
+    }
+
+    #[inline]
+    fn is_trusted(&self) -> bool {
+        self.friction.is_trusted()
+    }
+}
+
+fn is_nan<R: Real>(value: R) -> bool {
+    !(value >= R::ZERO || value <= R::ZERO)
+}
