@@ -168,6 +168,9 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         };
         let worth = match fixed_step {
             Some(step) => step * R::TWO,
+            // A rest of a run is more than half of `EPSILON` of its time, and its clock resolves an eighth
+            // of the square of that: it resolves `EPSILON` of the rest.
+            None if limit < R::MAX => self.resolution(plane).at_least(limit * R::EPSILON),
             None => self.resolution(plane),
         };
         let free = self.free(plane, worth, limit).at_most(turn);
