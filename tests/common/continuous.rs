@@ -66,9 +66,10 @@ impl Coin {
         ];
         let (mut moments, mut begin) = (Vec::new(), 0.0);
         for &end in times {
-            let count = ((end - begin) / STEP).round();
-            for _ in 0..count as usize {
+            let mut left = ((end - begin) / STEP).round();
+            while left > 0.0 {
                 self.advance(&mut y, STEP);
+                left -= 1.0;
             }
             begin = end;
             moments.push(Moment {
