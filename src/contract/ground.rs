@@ -38,8 +38,9 @@ pub struct GroundRange<R: Real = f64> {
 /// |---|---|---|---|
 /// | a ridge across the region, 0.2 mm wide and 1 mm high | 2 % | 10 % | 54 % |
 /// | a spike of the spring force, 0.2 mm of depth wide and twice as high | 21 % | 74 % | 100 % |
+/// | a cliff of 2 cm in the gap | 1 % | 2 % | 16 % |
 ///
-/// A needle of that width on the surface is not found with 100,000 cases, nor a cliff of 2 cm reliably.
+/// A needle of that width on the surface was not found with 100,000 cases by any of 20 seeds.
 /// Make the range as small as the fault that you look for, or raise [`Battery::cases`].
 ///
 /// Tolerances: some units in the last place of the terms; for integrals also four times what other partitions change.
