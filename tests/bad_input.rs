@@ -1748,7 +1748,8 @@ fn a_spring_energy_below_zero_is_named_with_its_value_but_not_for_its_rounding()
         ..SOUND
     };
     let negative = (1..1000).filter(|&i| (textbook.spring_energy)(1e-10 * f64::from(i)) < 0.0);
-    assert!(negative.count() > 100);
+    // Rounding of up to 1.1e-16 hides d²/2 below 1.5e-8 m, at 150 of these depths; it is negative at half of them.
+    assert!(negative.count() > 30);
     each_method!(1e-4, |integrator, method| {
         assert_eq!(thrown(&textbook, integrator, |_| {}), Ok(()), "{method}");
     });
