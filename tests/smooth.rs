@@ -10,8 +10,8 @@ use core::f64::consts::TAU;
 use kit::{GRAVITY, cases, difference, directions, end, log_uniform, order};
 use proptest::prelude::*;
 use tumble::contract::{Battery, Clause, check_body};
-use tumble::f64::{Ellipsoid, MassDistribution, Sphere};
-use tumble::glam::{DMat3, DVec3};
+use tumble::f64::{Capsule, Coin, Cone, Cuboid, Disc, Ellipsoid, MassDistribution, Sphere};
+use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
     ContactPoint, Coulomb, EnergyMomentum, FlatGround, Frictionless, RigidPointBody, Rk4,
     SmoothCoulomb, State, Stepper, StrangSplitting, UniformGravity,
@@ -246,4 +246,209 @@ fn a_smooth_body_of_a_user_may_be_a_ball() {
     let rounding = rounding.fold(0.0, f64::max);
     assert!(apart < 10.0 * rounding, "{apart:e}, {rounding:e}");
     assert!(rounding < 1e-11, "{rounding:e}");
+}
+
+/// A hoop with a smooth rim, whose one contact moves along it: a user's body.
+struct Hoop([ContactPoint; 1], f64);
+
+impl RigidPointBody for Hoop {
+    fn mass(&self) -> f64 {
+        1.0
+    }
+    fn inertia(&self) -> DMat3 {
+        DMat3::from_diagonal(DVec3::new(1.0, 0.5, 0.5) * (self.1 * self.1))
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        &self.0
+    }
+    fn reach(&self) -> f64 {
+        self.1
+    }
+    fn is_smooth(&self) -> bool {
+        true
+    }
+    fn support_point(&self, towards: DVec3) -> DVec3 {
+        DVec3::new(0.0, towards.y, towards.z).normalize_or_zero() * self.1
+    }
+}
+
+/// A body that rolls, spins or leans, and the stiffness of the ground at each of its contacts, N/m.
+struct Sticking {
+    name: &'static str,
+    body: Box<dyn RigidPointBody>,
+    stiffness: f64,
+    /// Iterations of a step on average, at most.
+    iterations: f64,
+    start: State,
+}
+
+/// A state that touches, turned by an angle (rad) about y, with this angular velocity (rad/s), in which the lowest point stands still.
+fn rolling(body: &dyn RigidPointBody, lean: f64, spin: DVec3) -> State {
+    let orientation = DQuat::from_rotation_y(lean);
+    let down = orientation.inverse() * -DVec3::Z;
+    let lowest = if body.is_smooth() {
+        body.support_point(down)
+    } else if let [rim, ..] = body.rims() {
+        rim.support_point(down)
+    } else {
+        let depth = |contact: &&ContactPoint| contact.position.dot(down) + contact.radius;
+        let lowest = (body.contacts().iter()).max_by(|a, b| depth(a).total_cmp(&depth(b)));
+        lowest.map_or(DVec3::ZERO, |contact| {
+            contact.position + down * contact.radius
+        })
+    };
+    let arm = orientation * lowest;
+    let axes = DMat3::from_quat(orientation);
+    let inertia = axes * body.inertia() * axes.transpose();
+    State::at(DVec3::Z * -arm.z)
+        .with_orientation(orientation)
+        .with_linear_velocity(-spin.cross(arm))
+        .with_angular_momentum(inertia * spin)
+}
+
+fn sticking() -> Vec<Sticking> {
+    let mut scenes: Vec<Sticking> = Vec::new();
+    let mut add = |name, body: Box<dyn RigidPointBody>, stiffness, lean, spin: [f64; 3]| {
+        let start = rolling(&*body, lean, DVec3::from(spin));
+        // Two contacts at once pull against each other as the line between them tilts: one slides
+        // while the other sticks, which takes two iterations more to find.
+        let several = body.contacts().len() > 1;
+        scenes.push(Sticking {
+            name,
+            body,
+            stiffness,
+            iterations: if several { 8.0 } else { 5.0 },
+            start,
+        });
+    };
+    let hoop = || Box::new(Hoop([ContactPoint::default()], 0.3));
+    let egg = || Box::new(Ellipsoid::solid(0.4, DVec3::new(0.12, 0.09, 0.07)));
+    add("hoop, rolls", hoop(), 8e3, 0.1, [5.0, 0.0, 0.0]);
+    add("hoop, spins", hoop(), 8e3, 0.2, [0.0, 0.0, 7.0]);
+    add("hoop, leans", hoop(), 8e3, 0.4, [0.0, 0.0, 0.0]);
+    add("egg, rolls", egg(), 5e3, 0.2, [0.0, 3.0, 0.0]);
+    add("egg, spins", egg(), 5e3, 0.05, [0.2, 0.0, 9.0]);
+    add("egg, leans", egg(), 5e3, 0.7, [0.0, 0.0, 0.0]);
+    let ball = || Box::new(Sphere::solid(0.7, 0.06));
+    add("ball, rolls", ball(), 5e3, 0.0, [4.0, 9.0, 0.0]);
+    add("ball, spins", ball(), 5e3, 0.0, [4.0, 9.0, 30.0]);
+    add(
+        "coin, rolls",
+        Box::new(Coin::ring(0.5, 0.3)),
+        1e3,
+        0.05,
+        [4.0, 0.0, 0.0],
+    );
+    let disc = || Box::new(Disc::ring(0.5, 0.3, 120));
+    add("disc, rolls", disc(), 1e3, 0.0, [4.0, 0.0, 0.0]);
+    add("disc, spins", disc(), 1e3, 0.1, [0.2, 0.0, 5.0]);
+    add(
+        "cuboid, leans",
+        Box::new(Cuboid::solid(0.8, DVec3::new(0.1, 0.15, 0.2))),
+        8e3,
+        0.3,
+        [0.0, 0.0, 0.5],
+    );
+    add(
+        "capsule, rolls",
+        Box::new(Capsule::solid(0.8, 0.05, 0.2)),
+        8e3,
+        1.5,
+        [8.0, 0.0, 0.0],
+    );
+    add(
+        "cone, leans",
+        Box::new(Cone::solid(0.8, 0.1, 0.2)),
+        1e3,
+        1.0,
+        [0.0, 0.5, 1.0],
+    );
+    scenes
+}
+
+/// Position after 0.2 s, and the iterations of a step on average.
+fn stuck(scene: &Sticking, slip_speed: f64, time_step: f64) -> (DVec3, f64) {
+    let friction = Coulomb {
+        coefficient: 0.7,
+        slip_speed,
+    };
+    let ground = FlatGround::level(scene.stiffness, scene.stiffness * 5e-4);
+    let stepper = Stepper::new(&*scene.body)
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
+        .and_then(|stepper| stepper.with_ground(ground))
+        .and_then(|stepper| stepper.with_friction(friction))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+        .unwrap();
+    let (mut state, mut iterations, mut fallbacks) = (scene.start, 0, 0);
+    let steps = kit::whole(0.2 / time_step);
+    for _ in 0..steps {
+        let report = stepper.step(&mut state).unwrap();
+        iterations += report.iterations;
+        fallbacks += usize::from(report.fallback);
+    }
+    // On a rim the reversals of friction begin, end and join in single steps.
+    let most = if scene.body.rims().is_empty() {
+        0
+    } else {
+        steps / 100
+    };
+    let name = scene.name;
+    assert!(
+        fallbacks <= most,
+        "{name}, {slip_speed:e} m/s: {fallbacks} of {steps} divided"
+    );
+    (state.position, f64::from(iterations) / steps as f64)
+}
+
+#[test]
+fn stick_is_of_order_two_at_any_slip_speed_and_takes_few_iterations() {
+    for scene in sticking() {
+        for slip_speed in [1e-6, 1e-8, 1e-10, 1e-12] {
+            let steps = [1e-3, 5e-4, 1.25e-4];
+            let [coarse, fine, truth] = steps.map(|step| stuck(&scene, slip_speed, step));
+            let Sticking {
+                name,
+                iterations: most,
+                ..
+            } = scene;
+            let iterations = coarse.1.max(fine.1);
+            assert!(
+                iterations <= most,
+                "{name}, {slip_speed:e} m/s: {iterations} iterations"
+            );
+            let error = |end: DVec3| (end - truth.0).length();
+            // With the truth at an eighth of the step, order 2 gives (64 - 1)/(16 - 1): 2.07. Terms
+            // of the next order are worth up to a quarter at these steps.
+            let found = order(error(coarse.0), error(fine.0));
+            assert!(found > 1.75, "{name}, {slip_speed:e} m/s: order {found}");
+        }
+    }
+}
+
+#[test]
+fn a_block_on_a_slope_sticks_at_any_slip_speed() {
+    let (sin, cos) = 20_f64.to_radians().sin_cos();
+    let gravity = UniformGravity {
+        acceleration: DVec3::new(sin, 0.0, -cos) * GRAVITY,
+    };
+    for slip_speed in [1e-10, 1e-12, 1e-14, 1e-16] {
+        let friction = Coulomb {
+            coefficient: 0.8,
+            slip_speed,
+        };
+        let stepper = Stepper::new(Cuboid::solid(1.0, DVec3::splat(0.1)))
+            .and_then(|stepper| stepper.with_gravity(gravity))
+            .and_then(|stepper| stepper.with_ground(FlatGround::level(1e5, 50.0)))
+            .and_then(|stepper| stepper.with_friction(friction))
+            .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step: 1e-2 }))
+            .unwrap();
+        let mut state = State::at(DVec3::Z * 0.05);
+        stepper.advance(&mut state, 0.5).unwrap();
+        let settled = state.position;
+        stepper.advance(&mut state, 0.5).unwrap();
+        // What is left after half a second is the rocking of the block on its springs: a fall of
+        // 0.1 mm at first, damped within 0.1 s. A block that slides goes 5 mm and more.
+        let moved = (state.position - settled).length();
+        assert!(moved < 1e-6, "{slip_speed:e} m/s: {moved:e} m");
+    }
 }

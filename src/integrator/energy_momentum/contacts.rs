@@ -1,16 +1,20 @@
 //! The contacts of an implicit step: gathered once, then asked for their mean force at each iteration.
 
+use super::block::Block;
 use super::problem::{Problem, Trial};
-use super::touch::{Answer, Push, Touch};
+use super::touch::{Answer, Increment, Lever, Push, Reversal, Touch};
 use crate::body::{Arc, ContactPoint, Panels, RigidPointBody, Rim, Run};
 use crate::friction::Drag;
 use crate::ground::SpringDamperGround;
-use crate::real::Real;
+use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Kinks, Velocities, arc_below, kinks};
 
 /// How many contacts a step remembers from iteration to iteration. Of further ones it forgets the direction of slip, so that
 /// sticking takes more iterations; every promise holds for them too.
 pub(super) const CAPACITY: usize = 128;
+
+/// Most panels of a rim: those that its points are laid on, and some to spare.
+const MOST_PANELS: usize = 16;
 
 /// The contacts that may touch during a step.
 #[derive(Clone, Debug)]
@@ -24,6 +28,13 @@ pub(super) struct Contacts<R: Real> {
     fixed: usize,
     /// Whether a rim may touch in the step.
     with_rim: bool,
+    /// Where the points of each panel of the rim end among the contacts.
+    panel_ends: [usize; MOST_PANELS],
+    panels: usize,
+    /// Correction of a smooth body's torque at the last trial.
+    pub(super) lever: Lever<R>,
+    /// Derivative of a smooth body's path along the ground with respect to a turn of the step's end, where the matrix was last made, m.
+    path_by_turn: Block<R>,
 }
 
 impl<R: Real> Contacts<R> {
@@ -34,6 +45,14 @@ impl<R: Real> Contacts<R> {
         seen: 0,
         fixed: 0,
         with_rim: false,
+        panel_ends: [0; MOST_PANELS],
+        panels: 0,
+        lever: Lever::NONE,
+        path_by_turn: Block {
+            x: R::Vec3::ZERO,
+            y: R::Vec3::ZERO,
+            z: R::Vec3::ZERO,
+        },
     };
 
     /// Collects the contacts of `run` that `keep` (depth at the start, arm) accepts.
@@ -51,6 +70,7 @@ impl<R: Real> Contacts<R> {
             ..run
         };
         self.fixed = 0;
+        self.lever = Lever::NONE;
         self.with_rim = problem.scene.body().rims().iter().any(may_touch);
         let (mut remembered, mut seen) = (0, 0);
         'all: for part in run.parts(contacts) {
@@ -131,11 +151,45 @@ impl<R: Real> Contacts<R> {
                 let Some(touch) = self.touches.get_mut(index) else {
                     break;
                 };
-                touch.respond(problem, trial);
+                self.lever = touch.respond(problem, trial);
                 touch
             } else {
                 forgotten = self.forgotten(index, problem, trial);
                 &mut forgotten
+            };
+            if touch.push.is_felt() {
+                feel(&touch.push);
+            }
+        }
+    }
+
+    /// The same as [`respond`](Self::respond), with slips that continue from the last ones by increments.
+    ///
+    /// Points of a rim are laid anew for each trial and have no last slip.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn respond_by_increment<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        by: &Increment<R>,
+        feel: &mut dyn FnMut(&Push<R>),
+    ) {
+        if self.with_rim {
+            self.respond(problem, trial, feel);
+            return;
+        }
+        for index in 0..self.len() {
+            let mut forgotten;
+            let touch = match self.touches.get_mut(index) {
+                Some(touch) if index < self.remembered => {
+                    self.lever = touch.respond_by_increment(problem, trial, by, &self.path_by_turn);
+                    touch
+                }
+                _ => {
+                    forgotten = self.forgotten(index, problem, trial);
+                    &mut forgotten
+                }
             };
             if touch.push.is_felt() {
                 feel(&touch.push);
@@ -152,6 +206,7 @@ impl<R: Real> Contacts<R> {
         let motion = &problem.motion;
         let (end, end_axes) = problem.place_at_end(trial);
         let mut count = self.fixed;
+        self.panels = 0;
         for rim in body.rims() {
             let arcs = [
                 arc_below(rim, ground, motion.position, &motion.axes),
@@ -164,25 +219,83 @@ impl<R: Real> Contacts<R> {
                 }
                 None => Panels::of_both(arcs, core::iter::empty()),
             };
-            for (place, weight) in panels.iter().flat_map(|panel| rim.nodes(panel)) {
-                let Some(touch) = self.touches.get_mut(count) else {
-                    break;
-                };
-                let laid = Touch::of(problem, &ContactPoint::bare(place));
-                (touch.arm, touch.push) = (
-                    laid.arm,
-                    Push {
-                        weight,
-                        ..laid.push
-                    },
-                );
-                if count >= self.remembered {
-                    touch.dual = None;
+            for panel in panels.iter() {
+                for (place, weight) in rim.nodes(panel) {
+                    let Some(touch) = self.touches.get_mut(count) else {
+                        break;
+                    };
+                    let laid = Touch::of(problem, &ContactPoint::bare(place));
+                    (touch.arm, touch.push) = (
+                        laid.arm,
+                        Push {
+                            weight,
+                            ..laid.push
+                        },
+                    );
+                    if count >= self.remembered {
+                        touch.dual = None;
+                    }
+                    count += 1;
                 }
-                count += 1;
+                if let Some(end) = self.panel_ends.get_mut(self.panels) {
+                    *end = count;
+                    self.panels += 1;
+                }
             }
         }
         self.remembered = count;
+    }
+
+    /// Calls `feel` with each place where friction reverses between two panels of a rim.
+    #[inline(never)]
+    pub(super) fn visit_reversals<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        mut feel: impl FnMut(&Reversal<R>),
+    ) {
+        let Some(rim) = problem.scene.body().rims().first() else {
+            return;
+        };
+        let per_metre = rim.points() / (rim.radius() * R::from_f64(core::f64::consts::TAU));
+        let ends = self.panel_ends.get(..self.panels).unwrap_or_default();
+        let touch = |index: Option<usize>| self.touches.get(index?);
+        for (left, right) in ends.iter().zip(ends.iter().skip(1)) {
+            // The outermost points of a panel are its last two, the one farther along the rim first.
+            let [left, right] = [left.checked_sub(2), right.checked_sub(1)].map(touch);
+            if let (Some(left), Some(right)) = (left, right) {
+                if let Some(reversal) = Reversal::between(problem, [left, right], per_metre) {
+                    feel(&reversal);
+                }
+            }
+        }
+    }
+
+    /// Force (N) and torque (N m) by which friction's dual forces exceed the laws' at the trial where the matrix was last made.
+    pub(super) fn dual_excess<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+    ) -> (R::Vec3, R::Vec3) {
+        let (mut force, mut torque) = (R::Vec3::ZERO, R::Vec3::ZERO);
+        for touch in self.touches.iter().take(self.remembered) {
+            if touch.push.is_felt() {
+                let excess = touch.dual_excess(problem);
+                force += excess;
+                torque += touch.push.arm.cross(excess);
+            }
+        }
+        (force, torque)
+    }
+
+    /// Computes and keeps the derivative of a smooth body's path along the ground with respect to a turn.
+    pub(super) fn differentiate_path<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        argument: &Block<R>,
+    ) -> Block<R> {
+        let [touch, ..] = &self.touches;
+        self.path_by_turn = touch.path_by_turn(problem, trial, argument);
+        self.path_by_turn
     }
 
     /// As [`answer`](Self::answer), for what they keep of it alone.

@@ -8,13 +8,28 @@
 //!
 //! A small change of the trial shifts the end of the step by `ξ` and turns it by `ϑ`: a contact's path changes by `ξ + ϑ × r'`, its mean arm by `ϑ × r'/2`, and
 //! the Cayley argument by `(ϑ - a × ϑ + a (a·ϑ))/2`. In these unknowns the derivatives need neither inverses nor the map's own.
+//!
+//! # Stick
+//!
+//! A contact that sticks has the slip `u = ε d/(1 - |d|)`, where `d` is its friction over `μ N` and
+//! `ε` the slip speed of the law. The slip is a difference of velocities v, known to `2e-16 v`.
+//! The law makes `μ N/ε` times that of it: at `ε = 1e-10 m/s` a millionth of the friction, at
+//! 1e-16 m/s all of it. The balance with the law's force cannot be better, although the
+//! velocities are right to rounding. Two things follow:
+//!
+//! - The iteration is close where the momenta balance with the *dual* forces `-μ N d`, which lie
+//!   within the law's limit, and where Newton's step is small ([`is_close_by_dual`]). That step is the last one.
+//! - Where the slip begins within its own rounding, so that the dual unknown cannot be had from
+//!   it, the slip is carried along as an unknown: each of Newton's steps adds its increment, which
+//!   is known to 2e-16 of itself ([`Increment`]). It stays within the rounding of the difference.
 
 use super::contacts::Contacts;
 use super::linear::Factored;
 use super::problem::{Problem, Trial};
 use super::settle::Strain;
 use super::stiffness;
-use super::touch::Push;
+use super::touch::{Increment, Push};
+use crate::body::RigidPointBody;
 use crate::integrator::Step;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
@@ -27,6 +42,8 @@ const BOLD: u32 = 30;
 const EXACT: f64 = 0.8192;
 /// Of the distance from which one step is enough, an iteration without progress may end at this fraction.
 const STALLED: f64 = 0.1;
+/// A momentum at a contact is at most so many times larger in the norm of the kinetic energy than at the centre of mass: for a rod of ten points at its end, twice; more need not be looked for.
+const MOST_LEVERAGE: f64 = 8.0;
 /// Evaluations after which the step is given up.
 const LIMIT: u32 = 60;
 
@@ -93,12 +110,22 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
     let mut base: Option<Base<R>> = None;
     let mut best: Option<Place<R>> = None;
     let mut share = R::ONE;
+    let mut increment = None;
+    let mut with_increments = false;
     let scale = Scale::of(problem);
     let exact = R::EPSILON.sqrt().sqrt() * R::from_f64(EXACT);
     let close = R::ONE / exact;
+    // Of the body's own motion alone, so that a slow creep is found to rounding of itself.
+    let close_of_own = scale.own * tolerance::<R>() * close;
     for iteration in 0..LIMIT {
         let mut sum = Sum::NONE;
-        contacts.respond(problem, trial, |push| sum.add(push));
+        match increment.take() {
+            None => contacts.respond(problem, trial, |push| sum.add(push)),
+            Some(by) => {
+                contacts.respond_by_increment(problem, trial, &by, &mut |push| sum.add(push));
+            }
+        }
+        sum.torque += contacts.lever.torque * sum.normal;
         step.evaluations += 1;
         let (force_lack, torque_lack) = lack(problem, trial, &sum);
         let here = Place {
@@ -107,14 +134,19 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
             size: norm(problem, force_lack, torque_lack),
         };
         let tolerance = scale.at(problem, trial, &sum) * tolerance::<R>();
-        if here.size <= tolerance * exact {
+        let rounding = rounding_of_lever(problem, contacts, sum.normal);
+        if here.size <= tolerance * exact + rounding {
             return Some(Strain::at(problem, contacts, trial));
         }
         let progress = best.is_none_or(|best| here.size < best.size * R::HALF);
         // No further progress near the end: rounding is reached. In f32 the end is so far from there that a slow progress counts.
         let stalls = !progress && best.is_none_or(|best| here.size > best.size * slowest::<R>());
-        if stalls && here.size <= tolerance * close * R::from_f64(STALLED) {
+        if stalls && here.size <= tolerance * close * R::from_f64(STALLED) + rounding {
             return Some(Strain::at(problem, contacts, trial));
+        }
+        if !(with_increments || strain.of_step(problem).is_resolved()) {
+            let of_slips = scale.rounding_of_slips(problem, trial, &strain);
+            with_increments = here.size <= of_slips && of_slips > tolerance * close;
         }
         if let Some(base) = &base {
             let worse =
@@ -155,7 +187,20 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
             matrix.factor(problem.reach);
         }
         let (shift, turn) = matrix.solve(-force_lack, -torque_lack, problem.reach);
+        let last = last
+            || base.is_some()
+                && !strain.of_step(problem).is_resolved()
+                && size_of_motion(problem, shift, turn) <= close_of_own
+                && is_close_by_dual(
+                    problem,
+                    contacts,
+                    [force_lack, torque_lack],
+                    tolerance * close,
+                );
         change(problem, trial, &here, shift, turn);
+        if with_increments && iteration < BOLD {
+            increment = Some(Increment::of(shift, turn, here.spin));
+        }
         // Newton's next step squares what is lacking: nothing is left to look at.
         if last {
             return Some(strain);
@@ -239,6 +284,49 @@ fn norm<R: Real, D: Dynamics<R>>(
     (linear.length_squared() * properties.inverse_mass() + turning).sqrt()
 }
 
+/// Whether the momenta balance with the dual forces in place of the laws'.
+///
+/// The duals are those of the matrix, from the step before: within the laws' limits, and right to second order.
+#[cold]
+#[inline(never)]
+fn is_close_by_dual<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &Contacts<R>,
+    [force_lack, torque_lack]: [R::Vec3; 2],
+    close: R,
+) -> bool {
+    let half = problem.seconds * R::HALF;
+    let (force, torque) = contacts.dual_excess(problem);
+    norm(
+        problem,
+        force_lack - force * half,
+        torque_lack - torque * half,
+    ) <= close
+}
+
+/// What rounding of a smooth body's surface makes of the balance, √J; 0 of other bodies.
+#[inline]
+fn rounding_of_lever<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &Contacts<R>,
+    normal_force: R,
+) -> R {
+    if problem.scene.body().is_smooth() {
+        let impulse = problem.seconds * R::HALF * normal_force;
+        norm(problem, R::Vec3::ZERO, contacts.lever.rounding * impulse)
+    } else {
+        R::ZERO
+    }
+}
+
+/// Size of a shift and a turn over the step in the norm of the kinetic energy, √J.
+#[cold]
+#[inline(never)]
+fn size_of_motion<R: Real, D>(problem: &Problem<'_, R, D>, shift: R::Vec3, turn: R::Vec3) -> R {
+    let turning = turn.dot(problem.inertia.times(turn));
+    (shift.length_squared() * problem.mass + turning).sqrt() * problem.per_second
+}
+
 /// Size of the momenta that balance, √J: the body's own, gravity's, the contacts', and what rounding of places makes of
 /// stiff springs and rounding of paths of strong dampers.
 #[derive(Clone, Copy, Debug)]
@@ -269,6 +357,19 @@ impl<R: Real> Scale<R> {
         let angular = norm(problem, R::Vec3::ZERO, problem.angular_momentum);
         let lack = norm(problem, R::Vec3::ZERO, torque_lack);
         angular == R::ZERO || lack * size <= angular * self.own * R::EPSILON * R::from_f64(4.0)
+    }
+
+    /// What rounding of the slips makes of friction, √J, at most.
+    #[cold]
+    #[inline(never)]
+    fn rounding_of_slips<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        strain: &Strain<R>,
+    ) -> R {
+        let impulse = strain.friction_over(problem.rounding_of_path(trial)) * R::HALF;
+        impulse * R::from_f64(MOST_LEVERAGE) / self.root_of_mass
     }
 
     #[inline]

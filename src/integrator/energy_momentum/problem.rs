@@ -192,6 +192,13 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         trial.end_angular_momentum = turned + swing.times(turned);
     }
 
+    /// Rounding of a contact's path over a trial, m: some units in the last place of the two paths that it is the sum of.
+    #[inline]
+    pub(super) fn rounding_of_path(&self, trial: &Trial<R>) -> R {
+        let paths = trial.shift.length() + trial.spin.length() * (R::TWO * self.reach);
+        paths * (R::EPSILON * R::from_f64(8.0))
+    }
+
     /// Where the body is at the end of a trial, and its axes there.
     #[inline]
     pub(super) fn place_at_end(&self, trial: &Trial<R>) -> (R::Vec3, Axes<R>) {

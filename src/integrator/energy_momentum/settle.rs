@@ -65,6 +65,12 @@ impl<R: Real> Strain<R> {
         strain
     }
 
+    /// Impulse of friction (N s) over a path (m) along the ground, where its slope is that of stick.
+    #[inline]
+    pub(super) fn friction_over(&self, path: R) -> R {
+        self.friction * path
+    }
+
     /// How strongly a step strains them: `z = h Σc/m`, unresolved above 2.
     #[inline]
     pub(super) fn of_step<D>(&self, problem: &Problem<'_, R, D>) -> Self {

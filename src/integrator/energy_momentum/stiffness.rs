@@ -9,6 +9,7 @@ use super::linear::SixBySix;
 use super::problem::{Problem, Trial};
 use super::settle::Strain;
 use super::touch::{Answer, Push};
+use crate::body::RigidPointBody;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
@@ -35,10 +36,25 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
         level.equations(mass, &inertia, share, equations);
     } else {
         *equations = SixBySix::of_body(mass, &inertia);
+        let is_smooth = problem.scene.body().is_smooth();
+        let by_turn = is_smooth.then(|| contacts.differentiate_path(problem, trial, &argument));
         contacts.answer(problem, trial, |push, answer| {
             strain.add(push, &answer.drag);
-            add_anywhere(problem, push, answer, &argument, equations);
+            add_anywhere(
+                problem,
+                push,
+                answer,
+                [&argument, by_turn.as_ref().unwrap_or(&argument)],
+                equations,
+            );
             equations.add_swing(push.end_arm, push.force * share);
+        });
+    }
+    if !problem.scene.body().rims().is_empty() {
+        contacts.visit_reversals(problem, |reversal| {
+            let resistance = reversal.direction * (reversal.coefficient * R::HALF);
+            let block = Block::outer(resistance, reversal.direction);
+            equations.add_at(&block, reversal.arm, reversal.end_arm);
         });
     }
     strain
@@ -46,11 +62,11 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
 
 /// Adds a contact of any kind on any ground.
 #[inline(never)]
-fn add_anywhere<R: Real, D>(
+fn add_anywhere<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     push: &Push<R>,
     answer: &Answer<R>,
-    argument: &Block<R>,
+    [argument, path_by_turn]: [&Block<R>; 2],
     equations: &mut SixBySix<R>,
 ) {
     let path = of_path(problem, push, answer);
@@ -62,7 +78,25 @@ fn add_anywhere<R: Real, D>(
             *turn += R::Vec3::new(carried.x.dot(row), carried.y.dot(row), carried.z.dot(row));
         }
     }
+    if problem.scene.body().is_smooth() {
+        move_over_surface(push, path_by_turn, &path, &mut turn);
+    }
     equations.add(path, turn, push.arm);
+}
+
+/// Corrects the rows of a smooth body, whose contact at the end is another point of its surface: a turn changes its path along the ground by `path_by_turn`.
+fn move_over_surface<R: Real>(
+    push: &Push<R>,
+    path_by_turn: &Block<R>,
+    path: &[R::Vec3; 3],
+    turn: &mut [R::Vec3; 3],
+) {
+    let n = push.normal;
+    let more = path_by_turn.plus(&Block::hat(push.end_arm));
+    for (turn, row) in turn.iter_mut().zip(path) {
+        let along = *row - n * n.dot(*row);
+        *turn += R::Vec3::new(more.x.dot(along), more.y.dot(along), more.z.dot(along));
+    }
 }
 
 /// `1 - â + a aᵀ`: twice the change of the Cayley argument by a turn of the step's end.

@@ -1,5 +1,6 @@
 //! One contact of an implicit step: its path over a trial step, and the force that goes with it.
 
+use super::block::Block;
 use super::problem::{Problem, Trial};
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::friction::Drag;
@@ -63,6 +64,28 @@ pub(super) struct Answer<R: Real> {
     pub(super) slip_direction: R::Vec3,
 }
 
+/// What a step of Newton's adds to the path of every contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Increment<R: Real> {
+    /// Shift of the step's end, m.
+    shift: R::Vec3,
+    /// Turn of the step's end, rad.
+    turn: R::Vec3,
+    /// Twice the change of the Cayley argument.
+    twist: R::Vec3,
+}
+
+impl<R: Real> Increment<R> {
+    /// Creates it from a shift and a turn of the step's end, for a trial with this spin.
+    pub(super) fn of(shift: R::Vec3, turn: R::Vec3, spin: R::Vec3) -> Self {
+        Self {
+            shift,
+            turn,
+            twist: turn - spin.cross(turn) + spin * spin.dot(turn),
+        }
+    }
+}
+
 impl<R: Real> Push<R> {
     /// All zeros, so that a workspace in a `static` takes no place in a program's image.
     const NONE: Self = Self {
@@ -114,6 +137,13 @@ impl<R: Real> Push<R> {
             Some([weight, each]) => problem.friction(self.mean.force * each, slip) * weight,
             None => problem.friction(self.mean.force, slip),
         }
+    }
+
+    /// Derivative of one point's friction with respect to the size of the slip, N s/m.
+    fn friction_slope<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> R {
+        let drag = self.drag(problem, self.slip);
+        let steepness = R::ONE - drag.growth * (self.slip.length() / drag.width);
+        drag.coefficient * steepness.at_least(R::ZERO) / self.weight
     }
 
     #[inline]
@@ -196,7 +226,7 @@ impl<R: Real> Touch<R> {
         &mut self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-    ) {
+    ) -> Lever<R> {
         let is_smooth = problem.scene.body().is_smooth();
         let swung = if is_smooth {
             wandered(problem, trial) - self.arm
@@ -209,14 +239,15 @@ impl<R: Real> Touch<R> {
         self.push.end_depth = end_depth;
         self.push.mean = self.push.mean_force(problem, end_depth);
         if !self.push.is_felt() {
-            return;
+            return Lever::NONE;
         }
         let end_arm = self.arm + swung;
         let mut arm = (self.arm + end_arm) * R::HALF;
+        let mut lever = Lever::NONE;
         let mut along = moved - normal * normal.dot(moved);
         let radius = self.push.radius;
         if is_smooth {
-            arm = carried::<R>(arm, normal, swung, trial.spin);
+            lever = Lever::new(arm, normal, swung, trial.spin);
             let path = trial.shift + trial.spin.cross(arm) * R::TWO;
             along = path - normal * normal.dot(path);
         } else if radius > R::ZERO {
@@ -226,6 +257,38 @@ impl<R: Real> Touch<R> {
         }
         let friction = self.slide(problem, along, arm, end_arm);
         self.push.force = normal * self.push.mean.force + friction;
+        lever
+    }
+
+    /// The same, with a slip that continues from the last one by what Newton's step adds to it.
+    ///
+    /// It is kept where it agrees with the difference of velocities to rounding: it has the same error
+    /// in each iteration, so that the friction of a slip far below that rounding is found.
+    pub(super) fn respond_by_increment<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        by: &Increment<R>,
+        path_by_turn: &Block<R>,
+    ) -> Lever<R> {
+        let last = self.push;
+        let lever = self.respond(problem, trial);
+        if !(last.is_felt() && self.push.is_felt()) {
+            return lever;
+        }
+        let n = self.push.normal;
+        let path = if problem.scene.body().is_smooth() {
+            by.shift + path_by_turn.times(by.turn)
+        } else {
+            by.shift + by.turn.cross(last.end_arm) - by.twist.cross(n * last.radius)
+        };
+        let slip = last.slip + (path - n * n.dot(path)) * problem.per_second;
+        let rounding = problem.rounding_of_path(trial) * problem.per_second;
+        if (slip - self.push.slip).length() <= rounding {
+            self.push.slip = slip;
+            self.push.force = n * self.push.mean.force + self.push.friction(problem, slip);
+        }
+        lever
     }
 
     /// Friction (N) over a path along the ground.
@@ -264,6 +327,35 @@ impl<R: Real> Touch<R> {
         }
     }
 
+    /// Derivative of a smooth body's path along the ground with respect to a turn of the step's end, m.
+    ///
+    /// The path is `2a × (r + r')/2`. A turn ϑ changes 2a by `argument ϑ`, carries the point r' along
+    /// (`ϑ × r'`) and moves it over the surface, which is told by points in two nearby directions.
+    pub(super) fn path_by_turn<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        argument: &Block<R>,
+    ) -> Block<R> {
+        let (push, a) = (&self.push, trial.spin);
+        let n = push.normal;
+        let (_, axes) = problem.place_at_end(trial);
+        let point = |towards: R::Vec3| {
+            let body = problem.scene.body();
+            axes.to_world(body.support_point(axes.to_body(towards)))
+        };
+        let nudge = R::EPSILON.sqrt();
+        let first = any_across::<R>(n);
+        let here = point(-n);
+        let over = [first, n.cross(first)].map(|along| {
+            let moved = (point(along * nudge - n) - here) * (R::ONE / nudge);
+            Block::outer(a.cross(moved), n.cross(along))
+        });
+        let carried = argument.crossed_by(-push.arm);
+        let turned = Block::hat(-push.end_arm).crossed_by(a);
+        carried.plus(&turned).plus(&over[0]).plus(&over[1])
+    }
+
     /// How friction answers at the last trial step.
     #[inline(always)]
     pub(super) fn answer<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Answer<R> {
@@ -274,6 +366,16 @@ impl<R: Real> Touch<R> {
             dual: self.next_dual(problem, &drag),
             slip_direction: direction::<R>(slip),
         }
+    }
+
+    /// Friction's dual force minus the law's at the last trial, N.
+    pub(super) fn dual_excess<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> R::Vec3 {
+        let push = &self.push;
+        let Some(dual) = &self.dual else {
+            return R::Vec3::ZERO;
+        };
+        let drag = push.drag(problem, push.slip);
+        (push.slip - dual.direction * drag.width) * drag.coefficient
     }
 
     /// Keeps what the next answer is found from.
@@ -320,21 +422,101 @@ fn wandered<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<
     axes.to_world(facing.position)
 }
 
-/// The arm of a force along `normal` that does the springs' work on a smooth body: with the step's turn `2a`, `normal · (2a × arm) = normal · swung`.
+/// Torque that a smooth body's normal force needs beside that of the mean arm, over the force, m.
 ///
-/// The mean of the arms at start and end does so but for terms of third order in the turn, because at its own place the surface moves like the body's material; what
-/// lacks is added along `normal × 2a`, where that is not too small to divide by.
-#[inline]
-fn carried<R: Real>(mean: R::Vec3, normal: R::Vec3, swung: R::Vec3, spin: R::Vec3) -> R::Vec3 {
-    let lever = normal.cross(spin) * R::TWO;
-    let lack = normal.dot(swung) - lever.dot(mean);
-    let square = lever.length_squared();
-    let most = mean.length_squared() * square * spin.length_squared();
-    if square > R::ZERO && lack * lack <= most {
-        mean + lever * (lack / square)
-    } else {
-        mean
+/// With the step's turn `2a` the force does the springs' work if `normal · (2a × arm) = normal · swung`.
+/// The mean of the arms at start and end does so but for terms of third order in the turn, because
+/// at its own point the surface moves like the body's material. The missing work is done by a
+/// torque along the part of the turn across the normal, where that is not too small to divide by.
+///
+/// Friction acts at the mean arm, where its slip is measured. An arm that is corrected in place of
+/// the torque would add the rounding of the division to the slip, which stick multiplies by `μ N/ε`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lever<R: Real> {
+    pub(super) torque: R::Vec3,
+    /// The part of it that is rounding of the surface's points.
+    pub(super) rounding: R::Vec3,
+}
+
+impl<R: Real> Lever<R> {
+    pub(super) const NONE: Self = Self {
+        torque: R::Vec3::ZERO,
+        rounding: R::Vec3::ZERO,
+    };
+
+    #[inline]
+    fn new(mean: R::Vec3, normal: R::Vec3, swung: R::Vec3, spin: R::Vec3) -> Self {
+        let across = (spin - normal * normal.dot(spin)) * R::TWO;
+        let square = across.length_squared();
+        let lack = normal.dot(swung) - normal.cross(spin).dot(mean) * R::TWO;
+        let most = mean.length() * (square * spin.length_squared()).sqrt();
+        let rounding = mean.length() * (R::EPSILON * R::from_f64(4.0));
+        let is_known = lack.abs() > rounding && lack.abs() <= most;
+        if !(square > R::ZERO && is_known) {
+            return Self::NONE;
+        }
+        let per_lack = across * (R::ONE / square);
+        Self {
+            torque: per_lack * lack,
+            rounding: per_lack * rounding,
+        }
     }
+}
+
+/// A place of a rim where friction reverses, between the points on either side.
+///
+/// A shift `δ` of the slip moves that place by `δ/u'`, where `u'` is the slope of the slip along the rim.
+/// The points move with it and keep their friction, which is far from its reversal: their own
+/// derivatives know nothing of it. The friction that changes sides is `2 μ p δ/u'`, with `p` the load per
+/// length. The difference of the frictions on both sides over that of the slips gives it for any law.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reversal<R: Real> {
+    /// From the centre of mass, mean over the step, m.
+    pub(super) arm: R::Vec3,
+    /// At the end of the step, m.
+    pub(super) end_arm: R::Vec3,
+    /// Direction in which the slip changes along the rim, unit vector.
+    pub(super) direction: R::Vec3,
+    /// Resistance to a slip in that direction, without that of the points themselves, N s/m.
+    pub(super) coefficient: R,
+}
+
+impl<R: Real> Reversal<R> {
+    /// Creates it for two neighbouring points, if their slips are opposite.
+    pub(super) fn between<D: Dynamics<R>>(
+        problem: &Problem<'_, R, D>,
+        [left, right]: [&Touch<R>; 2],
+        points_per_metre: R,
+    ) -> Option<Self> {
+        let (a, b) = (&left.push, &right.push);
+        if !(a.is_felt() && b.is_felt() && a.slip.dot(b.slip) < R::ZERO) {
+            return None;
+        }
+        let change = b.slip - a.slip;
+        let direction = direction::<R>(change);
+        let braking = |push: &Push<R>| -push.force.dot(direction) / push.weight;
+        let slope = (braking(b) - braking(a)) / change.length();
+        let of_points = (a.friction_slope(problem) + b.friction_slope(problem)) * R::HALF;
+        let points = (right.arm - left.arm).length() * points_per_metre;
+        let coefficient = (slope - of_points) * points;
+        (coefficient > R::ZERO).then(|| Self {
+            arm: (a.arm + b.arm) * R::HALF,
+            end_arm: (a.end_arm + b.end_arm) * R::HALF,
+            direction,
+            coefficient,
+        })
+    }
+}
+
+/// A unit vector at right angles to one.
+fn any_across<R: Real>(normal: R::Vec3) -> R::Vec3 {
+    let o = R::ZERO;
+    let other = if normal.x().abs() < R::HALF {
+        R::Vec3::new(R::ONE, o, o)
+    } else {
+        R::Vec3::new(o, R::ONE, o)
+    };
+    direction::<R>(normal.cross(other))
 }
 
 /// The unit vector along `slip`, or 0.
