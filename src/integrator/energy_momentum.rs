@@ -71,8 +71,9 @@ use problem::Problem;
 ///   keeps its energy, but not its timing, and one with dampers not its restitution; friction that stops a body within a step stops it at the step's end. [`guide::accuracy`](crate::guide::accuracy) goes through the extremes.
 /// - *Cost:* in contact two to five iterations a step, each about as dear as two evaluations of all contacts. Flight costs no iteration: it is exact for a body with two equal moments, and of order 2 with energy and angular momentum kept for three different ones. A body at rest costs a
 ///   comparison, once a step with the same workspace has found it so.
-/// - *Stick* costs the same at any slip speed of the friction law down to 1e-12 m/s: in `f64` at most
-///   five iterations a step on average at one contact, up to eight where several contacts stick.
+/// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s: in `f64` up
+///   to five iterations a step on average at one contact, five to twelve where several contacts or a
+///   round rim stick.
 /// - *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each, and beside them at most 4 searches downhill of at most 3 × 31 × 4 evaluations. Each end costs an energy, and one more for each doubling
 ///   of the ratchet, which scales both velocities down where the solver's error would lift the energy in contact. In flight the last places of the orientation, the height or the speed take it.
 /// - *Too long a step shows:* [`Step`] tells the iterations, whether the step had to be divided (`fallback`), and the energy that the solver's error would have added (`ratcheted`).
