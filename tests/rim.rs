@@ -9,12 +9,15 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use kit::{GRAVITY, cases, difference, end, log_uniform, order, orientations};
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
 use tumble::contract::{Battery, check_body};
 use tumble::f64::{Coin, Disc, Rim, State, Trial};
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
-    ContactPoint, Coulomb, DormandPrince54, EnergyMomentum, FlatGround, Frictionless, Plane, Probe,
-    RigidPointBody, Rk4, SmoothCoulomb, Stepper, StrangSplitting, UniformGravity,
+    ContactPoint, Coulomb, DormandPrince54, Dynamics, EnergyMomentum, FlatGround, Frictionless,
+    Motion, Plane, Probe, RigidPointBody, Rk4, SlidingFriction, SmoothCoulomb, SpringDamperGround,
+    Stepper, StrangSplitting, UniformGravity,
 };
 
 const RADIUS: f64 = 0.5;
@@ -103,7 +106,7 @@ proptest! {
 proptest! {
     #![proptest_config(cases(256))]
 
-    /// On a level plane a short arc goes a way of its own; a plane that is tilted by 1e-14 goes the other one. With viscous friction and without a clamp all is smooth, and they differ by what the short way's rules leave on arcs of a quarter of the circle: 3e-8 where friction turns round.
+    /// On a level plane a short arc goes a way of its own; a plane that is tilted by 1e-14 goes the other one. With viscous friction and without a clamp all is smooth, and they differ by what the short way's rules leave on arcs of a quarter of the circle.
     #[test]
     fn a_level_plane_loads_a_rim_as_a_plane_that_is_nearly_level(
         lean in -1.5..1.5_f64, share in 0.75..1.1_f64, about in (-3.0..3.0_f64, -3.0..3.0_f64, -3.0..3.0_f64),
@@ -125,6 +128,153 @@ proptest! {
         prop_assert!((level.acceleration - other.acceleration).length() < 1e-7 * load, "{level:?} {other:?}");
         prop_assert!((level.torque - other.torque).length() < 1e-7 * load * RADIUS, "{level:?} {other:?}");
     }
+}
+
+/// Force and torque of a rim with its middle at the centre of mass, from the laws alone: by bisection of so small pieces of the circle that a kink beyond the last points counts for little, until 6 and 10 points of Gauss agree to 1e-14.
+fn integrated(
+    ground: &impl SpringDamperGround,
+    friction: &impl SlidingFriction,
+    motion: &Motion,
+    points: f64,
+) -> [DVec3; 2] {
+    let at = |angle: f64| {
+        let (sin, cos) = angle.sin_cos();
+        let arm = motion.axes.to_world(DVec3::new(0.0, cos, sin) * RADIUS);
+        let surface = ground.surface(motion.position + arm);
+        if surface.gap >= 0.0 {
+            return [DVec3::ZERO; 2];
+        }
+        let velocity = motion.velocity_at(arm);
+        let rising = velocity.dot(surface.normal);
+        let load = ground.normal_force(-surface.gap, -rising);
+        let slip = velocity - surface.normal * rising;
+        let force = surface.normal * load + friction.force(load, slip);
+        [force, arm.cross(force)].map(|part| part * (points / TAU))
+    };
+    let piece = |i: i32| TAU * f64::from(i) / f64::from(PIECES);
+    (0..PIECES).fold([DVec3::ZERO; 2], |sum, i| {
+        let ends = [piece(i), piece(i + 1)];
+        if ends.map(|angle| at(angle)[0]) == [DVec3::ZERO; 2] {
+            return sum;
+        }
+        let part = bisected(&at, ends, 40);
+        [sum[0] + part[0], sum[1] + part[1]]
+    })
+}
+
+/// Pieces of 3e-4 rad: much shorter than the arcs of the tests.
+const PIECES: i32 = 20_000;
+
+fn bisected(at: &impl Fn(f64) -> [DVec3; 2], [a, b]: [f64; 2], depth: u32) -> [DVec3; 2] {
+    // Places above 0 and weights of Gauss's rules.
+    const SIX: [[f64; 2]; 3] = [
+        [0.238_619_186_083_196_93, 0.467_913_934_572_691_26],
+        [0.661_209_386_466_264_6, 0.360_761_573_048_138_6],
+        [0.932_469_514_203_152, 0.171_324_492_379_170_5],
+    ];
+    const TEN: [[f64; 2]; 5] = [
+        [0.148_874_338_981_631_22, 0.295_524_224_714_752_87],
+        [0.433_395_394_129_247_2, 0.269_266_719_309_996_35],
+        [0.679_409_568_299_024_4, 0.219_086_362_515_982_04],
+        [0.865_063_366_688_984_5, 0.149_451_349_150_580_6],
+        [0.973_906_528_517_171_7, 0.066_671_344_308_688_14],
+    ];
+    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+    let by = |rule: &[[f64; 2]]| {
+        let mut sums = [DVec3::ZERO; 2];
+        for &[place, weight] in rule {
+            for side in [place, -place] {
+                let [force, torque] = at(middle + half * side);
+                sums[0] += force * (weight * half);
+                sums[1] += torque * (weight * half);
+            }
+        }
+        sums
+    };
+    let (coarse, fine) = (by(&SIX), by(&TEN));
+    let apart = (fine[0] - coarse[0]).length() + (fine[1] - coarse[1]).length();
+    // An end of the arc, where a damper's force jumps, is enclosed to the last bit.
+    let ends_within = (at(a)[0] == DVec3::ZERO) != (at(b)[0] == DVec3::ZERO);
+    if apart < 1e-14 && !ends_within || depth == 0 {
+        return fine;
+    }
+    let [left, right] = [[a, middle], [middle, b]].map(|ends| bisected(at, ends, depth - 1));
+    [left[0] + right[0], left[1] + right[1]]
+}
+
+/// Lean, rising speed and a place along the arc; height over the rim's extent; slip there, by size and direction; direction and speed of the spin; slip speed; damping; slope.
+type Drawn = (
+    (f64, f64, f64),
+    f64,
+    (f64, f64),
+    (f64, f64, f64),
+    f64,
+    f64,
+    f64,
+    f64,
+);
+
+/// How far a load is from the integral of the laws over the rim, of the force: on a short arc, a long one or a whole rim, on a level or a tilted plane, with and without dampers, where
+/// friction reverses on the arc, beside it and far from it, for slip speeds from 1e-10 m/s up.
+fn load_errors(states: usize) -> Vec<f64> {
+    let strategy = (
+        (-1.5..1.5_f64, -0.5..0.5_f64, -1.5..1.5_f64),
+        prop_oneof![3 => log_uniform(1e-4, 0.1).prop_map(|x| 1.0 - x), 1 => -1.3..0.9_f64],
+        (log_uniform(1e-8, 10.0), 0.0..TAU),
+        (-3.0..3.0_f64, -3.0..3.0_f64, -3.0..3.0_f64),
+        log_uniform(0.1, 10.0),
+        prop_oneof![Just(1e-3), log_uniform(1e-10, 0.1)],
+        prop_oneof![Just(0.0), Just(0.5)],
+        prop_oneof![Just(0.0), -0.3..0.3_f64],
+    );
+    let mut runner = TestRunner::deterministic();
+    let draw = |_| strategy.new_tree(&mut runner).unwrap().current();
+    let one = |drawn: Drawn| {
+        let (pose, share, slip, spin, speed, slip_speed, damping, slope): Drawn = drawn;
+        let (lean, rising, along) = pose;
+        let normal = DVec3::new(slope, 0.0, 1.0).normalize();
+        let ground = FlatGround::level(1000.0, damping).on(Plane::through(DVec3::ZERO, normal));
+        let friction = Coulomb {
+            coefficient: 0.3,
+            slip_speed,
+        };
+        let stepper = scene!(
+            Disc::ring(1.0, RADIUS, 120),
+            ground,
+            friction,
+            Rk4 { time_step: 1e-3 }
+        );
+        let extent = RADIUS * (lean - slope.atan()).cos();
+        let state = State::at(normal * (share * extent)).turned_by(DVec3::Y * lean);
+        let spin = DVec3::from(spin) * speed;
+        // A place on the arc, or beside it, that slips by so much.
+        let angle = along * share.clamp(-1.0, 1.0).acos();
+        let arm = state.orientation * (DVec3::new(0.0, angle.sin(), -angle.cos()) * RADIUS);
+        let there = DVec3::new(slip.0 * slip.1.cos(), slip.0 * slip.1.sin(), rising);
+        let velocity = DQuat::from_rotation_y(slope.atan()) * there - spin.cross(arm);
+        let state = stepper.spinning(state.with_linear_velocity(velocity), spin);
+        let motion = stepper.scene().motion(&state);
+        let load = stepper.scene().load(&motion);
+        let [force, torque] = integrated(&ground, &friction, &motion, 120.0);
+        let apart = (load.force - force).length() + (load.torque - torque).length() / RADIUS;
+        apart / (force.length() + 1e-6)
+    };
+    let drawn: Vec<_> = (0..states).map(draw).collect();
+    drawn.into_iter().map(one).collect()
+}
+
+/// The load is the integral of the laws over the circle. The rules leave 1e-9 of the load on their piece, 2e-8 where the piece is 1e5 times as long as the reversal; reversals of two
+/// scales, or two that meet, some times as much. The exceptions are states in which dampers hold back the lowest place and both ends, so that only a part of the arc pushes.
+#[test]
+fn the_load_is_the_integral_of_the_laws_over_the_rim() {
+    let mut errors = load_errors(400);
+    errors.sort_by(f64::total_cmp);
+    println!(
+        "half: {:.0e}, 98 of 100: {:.0e}, all: {:.0e}",
+        errors[200], errors[392], errors[399]
+    );
+    assert!(errors[200] < 1e-9, "{:e}", errors[200]);
+    assert!(errors[392] < 2e-7, "{:e}", errors[392]);
 }
 
 /// Friction turns round at the lowest place of a rim that spins there, also where that stands still to the last bit: the torque does not jump with a slip far below the slip speed.
@@ -154,31 +304,46 @@ fn a_rim_that_spins_on_the_spot_is_braked_as_one_that_just_does_not() {
     }
 }
 
-#[test]
-fn points_come_near_to_the_rim_as_they_grow_many() {
+/// How far a ring of so many points ends from the round rim after half a second of a trial without dampers, m: root mean square over starts that differ by a part of the distance between two points.
+fn apart(number: usize, points: usize, phases: &[f64]) -> f64 {
     let trial = Trial {
         slip_speed: 1e-3,
-        ..Trial::report(1).unwrap()
+        damping: 0.0,
+        ..Trial::report(number).unwrap()
     };
-    let by = Rk4 { time_step: 5e-4 };
-    let laws = |points: f64| {
-        let share = 120.0 / points;
-        (
-            FlatGround::level(1000.0 * share, 0.5 * share),
-            trial.friction(),
-        )
+    let by = Rk4 { time_step: 2e-4 };
+    let place = |body: &dyn RigidPointBody, count: f64, phase: f64| {
+        let mut start = trial.state();
+        start.orientation *= DQuat::from_rotation_x(phase * TAU / count);
+        let laws = (FlatGround::level(120e3 / count, 0.0), trial.friction());
+        end(body, laws, by, &start, 0.5).position
     };
-    let start = trial.state();
-    let rim = end(Disc::ring(1.0, RADIUS, 120), laws(120.0), by, &start, 0.5);
-    let apart = |points: usize| {
-        let coin = Coin::ring_in(vec![ContactPoint::default(); points], 1.0, RADIUS);
-        let points = end(coin, laws(points as f64), by, &start, 0.5);
-        (points.position - rim.position).length()
-    };
-    let (few, many) = (apart(120), apart(12000));
-    // 9 points of 120 touch, 900 of 12000: the trapezoid's sums differ by a jump of the damper at an end, 1/n of them.
-    assert!(few > 1e-6, "{few:e}");
-    assert!(many < 0.05 * few, "{few:e} {many:e}");
+    let rim = place(&Disc::ring(1.0, RADIUS, 120), 120.0, 0.0);
+    let coin = Coin::ring_in(vec![ContactPoint::default(); points], 1.0, RADIUS);
+    let squares = phases.iter().map(|&phase| {
+        let place = place(&coin, points as f64, phase);
+        place.distance_squared(rim)
+    });
+    (squares.sum::<f64>() / phases.len() as f64).sqrt()
+}
+
+/// The sum over equally spaced points is the trapezoidal rule for the rim's integral. On an arc whose ends are kinks its error is of second order in the distance of the points, with a
+/// factor that depends on where between two points the ends lie: hence the mean over starts.
+///
+/// In trials 4 and 6 the coin spins upright about its lowest place, where friction jumps from one side to the other, and the same points stay about that place for good: the sum is off by
+/// first order, in proportion to how far from a point or from the middle between two it stands. From the report's own start, with a point at the bottom, that part is 0.
+#[test]
+fn points_tend_to_the_rim_with_the_square_of_their_distance_in_all_trials() {
+    for number in 1..=8 {
+        let phases: &[f64] = match number {
+            4 | 6 => &[0.0],
+            _ => &[0.1, 0.35, 0.6, 0.85],
+        };
+        let (few, many) = (apart(number, 300, phases), apart(number, 2400, phases));
+        println!("trial {number}: {few:.1e} m, {many:.1e} m");
+        // A factor of 64, of which the scatter of the factors above may take a third.
+        assert!(many < few / 40.0, "trial {number}: {few:e} {many:e}");
+    }
 }
 
 #[test]

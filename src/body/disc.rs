@@ -39,17 +39,18 @@ use crate::state::State;
 /// | distance from the round rim, m | trial 1, 1 s | 5 s | trial 5, 1 s | 5 s | trial 8, 1 s | 5 s |
 /// |---|---|---|---|---|---|---|
 /// | 12 points | 1.6e-1 | 7.8e-1 | 1.5e-1 | 8.7e-1 | 2.9e-1 | 7.9e-1 |
-/// | 120 points | 6.5e-5 | 2.2e-3 | 2.3e-3 | 2.9e-2 | 2.4e-3 | 5.5e-2 |
-/// | 1200 points | 5.8e-7 | 4.3e-4 | 2.8e-5 | 2.6e-4 | 9.9e-6 | 5.1e-4 |
+/// | 120 points | 6.5e-5 | 1.8e-3 | 2.3e-3 | 2.9e-2 | 2.4e-3 | 5.5e-2 |
+/// | 1200 points | 5.8e-7 | 6.8e-6 | 1.1e-5 | 4.7e-5 | 4.2e-6 | 4.7e-4 |
 ///
 /// | upright, 4 rad/s | vertical acceleration, rms, over g | energy lost in 1 s with dampers and friction, J | instructions of a step of `SymplecticEuler`, start of trial 1 |
 /// |---|---|---|---|
 /// | 12 points | 2.4e0 | 0.2936 | 678 |
 /// | 120 points | 7.0e-3 | 0.0430 | 990 |
 /// | 1200 points | 2.1e-4 | 0.0431 | 4012 |
-/// | round | 7.3e-14 | 0.0431 | 1538 |
+/// | round | 4.8e-14 | 0.0431 | 1614 |
 ///
-/// In time an explicit step on the round rim costs 2.1 to 3.0 times that of 120 points at the start of trial 1, and no more in flight; where it rolls steadily, so that friction turns round twice on the arc, 4.2 to 7.0 times.
+/// In instructions a step of `SymplecticEuler` on the round rim costs 1.6 times that of 120 points at the start of trial 1, and no more in flight; where the coin tumbles, so that friction
+/// reverses on the arc and twice as many points and more are needed there, 5.4 times.
 /// One of [`EnergyMomentum`](crate::EnergyMomentum) costs 5.5 and 4.4 times as much (`cargo bench --bench ratios`).
 ///
 /// How far the place of the round coin is off after a second of trial 1:
@@ -66,7 +67,17 @@ use crate::state::State;
 ///
 /// - The arc is that below a plane. On [`Terrain`](crate::Terrain) it is the one that touches the ground under the lowest place: good while half an arc is short beside the ground's radius of curvature, and one arc
 ///   alone. There the springs' energy is not quite their work, and the ratchet of `EnergyMomentum` holds what is lacking.
-/// - The forces' kinks are cut out of the quadrature at first order. Places after 1 s differ from those of 12 000 points by 1e-7 m where a coin slides, and by 1e-4 m where it spins on its rim with a slip speed of 1 mm/s.
+/// - With explicit methods forces are the integral of the laws over the arc to 2e-7 of themselves, and
+///   mostly to 1e-9. They are less accurate where dampers hold back the lowest place and both ends, so
+///   that only a short part between them pushes. `EnergyMomentum` has eight points between kinks: where friction reverses on the
+///   arc, that leaves up to 1e-3 of the load, and 6e-3 for a slip speed of 1e-10 m/s. So it does not tend to
+///   the same limit as its steps get shorter.
+/// - The limit of many points is reached with the square of their number, if the points' contacts are
+///   resolved in time. A ring that spins upright on the spot is an exception: the same points stay
+///   about the lowest place, where friction reverses, and the limit is reached in proportion to the
+///   number of points until their distance times the spin is below the slip speed.
+/// - Each point that touches down is a jump of its damper's force. A fixed step adds an error in
+///   proportion to the step size to the place of a ring of points, not to that of the round rim.
 /// - `EnergyMomentum` is of order 2 on it without dampers; with those of the report it is of order 1 below steps of 2 ms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc<R: Real = f64> {

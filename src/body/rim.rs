@@ -19,12 +19,12 @@
 //! cos θ = 1 - 2 κ² u²     sin θ = 2 κ u √(1 - κ² u²)     dθ = 2 κ du/√(1 - κ² u²)     d = 2 r s κ² (1 - u²)
 //! ```
 //! without a sine or an arc cosine, and without cancellation in a small depth. Gauss's rule in `u`, with six points on short arcs and eight on longer ones, integrates what is smooth on an arc of up to a quarter of the circle (`κ <= 0.38`) to 2e-10 of itself, and to rounding on
-//! the arcs of less than 0.2 rad on which a body rolls; longer arcs are cut into quarters. Forces on a level plane make do with fewer points, to 4e-11, and to 3e-8 of a long arc on which friction turns round.
+//! the arcs of less than 0.2 rad on which a body rolls; longer arcs are cut into quarters. Forces on a level plane make do with fewer points, to 4e-11. Where friction reverses on the arc, they have rules of their own (`scene::rims::turning_rules`).
 
 mod panels;
 
-pub(crate) use panels::{CUTS, MOST_NODES, Panels, sink_last};
-use panels::{Panel, half_turn};
+use panels::half_turn;
+pub(crate) use panels::{CUTS, MOST_NODES, Panel, Panels, sink_last};
 
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
@@ -183,6 +183,14 @@ impl<R: Real> Rim<R> {
     fn place(&self, [along, across]: Direction<R>) -> R::Vec3 {
         let [first, second] = self.axes;
         self.centre + (first * along + second * across) * self.radius
+    }
+
+    /// The place of a panel with `s = sin(θ/2)`, counted from its middle.
+    #[inline]
+    pub(crate) fn place_on(&self, panel: Panel<R>, s: R) -> R::Vec3 {
+        let root = (R::ONE - s * s).sqrt();
+        let (cos, sin) = (R::ONE - R::TWO * s * s, R::TWO * s * root);
+        self.place(turned(panel.middle, [cos, sin]))
     }
 
     /// The places of a panel, each with the number of points that it stands for.

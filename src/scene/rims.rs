@@ -1,17 +1,19 @@
 //! Rims on the ground: the arc that touches.
 //!
-//! A Gauss rule is good for what is smooth. So the arc is cut where its forces have a kink ([`kinks`](mod@kinks)).
+//! A Gauss rule is good for what is smooth. So the arc is cut where its forces have a kink ([`kinks`](mod@kinks)), and has points that crowd towards where friction reverses ([`turning_rules`]).
 //!
 //! On a level plane depth and velocity are linear in sine and cosine along the arc, and a short one goes the short way of a [`Sweep`]; any other arc goes place by place ([`visit_any`]).
 
 mod kinks;
 mod sweep;
+mod turning_rules;
 
+use kinks::kinks_over;
 pub(crate) use kinks::{Kinks, Velocities, kinks};
-use sweep::Sweep;
+use sweep::{Sweep, visit_between};
 
 use super::{Contact, Dynamics, Motion};
-use crate::body::{Arc, ContactPoint, Panels, QUARTER, Rim};
+use crate::body::{Arc, ContactPoint, Panel, Panels, QUARTER, Rim, SHORT};
 use crate::ground::{Extent, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
@@ -126,26 +128,27 @@ pub(super) fn spring_energy<R: Real, D: Dynamics<R> + ?Sized>(
     (energy, touching)
 }
 
-/// The arc of a rim below ground, cut where its forces have a kink: of any length and on any ground.
-fn panels<R: Real, D: Dynamics<R> + ?Sized>(
+/// Where the forces on a panel have a kink: as on the plane under its middle, with the depths of the ground itself.
+fn kinks_of<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
     rim: &Rim<R>,
     motion: &Motion<R>,
-) -> Panels<R> {
-    let arc = arc_below(rim, scene.ground(), motion.position, &motion.axes);
-    if arc.lowest().is_none() {
-        return Panels::of(arc, core::iter::empty());
-    }
-    let axes = &motion.axes;
-    let centre = axes.to_world(rim.centre());
-    let normal = scene.ground().surface(motion.position + centre).normal;
-    let turning = rim.axes().map(|axis| {
-        let spoke = axes.to_world(axis) * rim.radius();
-        motion.angular_velocity.cross(spoke)
-    });
-    let velocities = Velocities::along(&arc, motion.velocity_at(centre), turning);
-    let kinks = kinks(scene, &arc, normal, &velocities);
-    Panels::of(arc, kinks.places())
+    panel: Panel<R>,
+) -> Kinks<R> {
+    let (ground, axes) = (scene.ground(), &motion.axes);
+    let under = |s: R| ground.surface(motion.position + axes.to_world(rim.place_on(panel, s)));
+    let spokes = rim.spokes(rim.axes().map(|axis| axes.to_world(axis)), panel.middle());
+    let velocities = Velocities::of_slopes(
+        motion.velocity_at(axes.to_world(rim.centre())),
+        spokes.map(|spoke| motion.angular_velocity.cross(spoke)),
+    );
+    let chord = panel.chord();
+    let normal = under(R::ZERO).normal;
+    let depth = |u: R| -under(u * chord).gap;
+    let mut kinks = kinks_over(scene, chord, normal, &velocities, depth);
+    // Energies need as many.
+    kinks.add_points(if chord <= R::from_f64(SHORT) { 6 } else { 8 });
+    kinks
 }
 
 /// Calls `visit` with each place that stands for a rim: the way that is always right.
@@ -156,11 +159,17 @@ pub(super) fn visit_any<R: Real, D: Dynamics<R> + ?Sized>(
     motion: &Motion<R>,
     visit: &mut dyn FnMut(&Contact<R>),
 ) {
-    let panels = panels(scene, rim, motion);
-    for (place, weight) in panels.iter().flat_map(|panel| rim.nodes(panel)) {
-        let point = ContactPoint::bare(place);
-        if let Some(contact) = Contact::of(scene.ground(), motion, &point, weight) {
-            visit(&contact);
-        }
+    let arc = arc_below(rim, scene.ground(), motion.position, &motion.axes);
+    let density = rim.points() * R::from_f64(core::f64::consts::FRAC_1_PI);
+    for panel in Panels::of(arc, core::iter::empty()).iter() {
+        let kinks = kinks_of(scene, rim, motion, panel);
+        visit_between(&kinks, panel.chord(), [-R::ONE, R::ONE], |s, length| {
+            let point = ContactPoint::bare(rim.place_on(panel, s));
+            // dθ = 2 ds/√(1 - s²)
+            let weight = density * length / ((R::ONE - s) * (R::ONE + s)).sqrt();
+            if let Some(contact) = Contact::of(scene.ground(), motion, &point, weight) {
+                visit(&contact);
+            }
+        });
     }
 }

@@ -10,6 +10,18 @@ pub(crate) struct Panel<R> {
     pub(super) chord: R,
 }
 
+impl<R: Real> Panel<R> {
+    #[inline]
+    pub(crate) fn middle(&self) -> Direction<R> {
+        self.middle
+    }
+
+    #[inline]
+    pub(crate) fn chord(&self) -> R {
+        self.chord
+    }
+}
+
 /// Most panels that two arcs make: their four ends, the four cuts into quarters and what else cuts them.
 const MOST: usize = 8 + CUTS;
 /// Most further cuts.

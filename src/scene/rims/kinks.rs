@@ -1,6 +1,9 @@
 //! Where the forces on an arc have a kink.
 //!
-//! Two things are not smooth along it: Coulomb friction turns round where the slip passes 0, and the ground lets go where a place leaves faster than its spring expands.
+//! Two things are not smooth along it: friction reverses where the slip is least, within a width that
+//! the least slip and the law's slip speed set, and the ground lets go where a place leaves faster than
+//! its spring expands. Both are found without an error on a plane, for laws that are linear in depth
+//! and speed: times `1 + tan²(θ/2)` slip and force are polynomials of degree 2 in `tan(θ/2)`.
 
 use crate::body::{Arc, CUTS, sink_last};
 use crate::friction::SlidingFriction;
@@ -8,7 +11,7 @@ use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion};
 
-/// Velocities of the material along an arc: `lowest + across t - down t²/2` at `t = 2 κ u`, but for a share t²/8 of the second term.
+/// Velocities of the material along an arc: `lowest + across sin θ - down (1 - cos θ)`.
 pub(crate) struct Velocities<R: Real> {
     lowest: R::Vec3,
     across: R::Vec3,
@@ -19,7 +22,12 @@ impl<R: Real> Velocities<R> {
     /// By that of the rim's middle, and by what its own two axes add.
     #[inline]
     pub(crate) fn along(arc: &Arc<R>, middle: R::Vec3, turning: [R::Vec3; 2]) -> Self {
-        let [down, across] = arc.slopes(turning);
+        Self::of_slopes(middle, arc.slopes(turning))
+    }
+
+    /// By that of the rim's middle, and by what is added at the place that angles are counted from, and a quarter of a turn on.
+    #[inline]
+    pub(super) fn of_slopes(middle: R::Vec3, [down, across]: [R::Vec3; 2]) -> Self {
         Self {
             lowest: middle + down,
             across,
@@ -42,14 +50,13 @@ impl<R: Real> Velocities<R> {
         }
     }
 
-    /// Along a normal, and along the ground.
+    /// Along a normal, and along two tangents of the ground.
     #[inline]
-    fn over(&self, normal: R::Vec3) -> ([R; 3], [R::Vec3; 3]) {
+    fn over(&self, normal: R::Vec3, [first, second]: [R::Vec3; 2]) -> ([R; 3], [Complex<R>; 3]) {
         let each = [self.lowest, self.across, self.down];
-        let rising = each.map(|velocity| velocity.dot(normal));
         (
-            rising,
-            each.map(|velocity| velocity - normal * velocity.dot(normal)),
+            each.map(|velocity| velocity.dot(normal)),
+            each.map(|velocity| Complex(velocity.dot(first), velocity.dot(second))),
         )
     }
 
@@ -70,11 +77,44 @@ pub(crate) fn kinks<R: Real, D: Dynamics<R> + ?Sized>(
     normal: R::Vec3,
     velocities: &Velocities<R>,
 ) -> Kinks<R> {
-    let (rising, slips) = velocities.over(normal);
-    kinks_along(scene, [arc.chord(), arc.extent()], rising, slips)
+    let chord = arc.chord();
+    let deepest = arc.extent() * (chord * chord) * R::TWO;
+    let depth = |u: R| deepest * ((R::ONE - u) * (R::ONE + u));
+    kinks_over(scene, chord, normal, velocities, depth)
 }
 
-/// The same by the velocities along the normal and along the ground.
+/// The same on any piece of arc, by the depth (m) along it.
+#[inline]
+pub(super) fn kinks_over<R: Real, D: Dynamics<R> + ?Sized>(
+    scene: &D,
+    chord: R,
+    normal: R::Vec3,
+    velocities: &Velocities<R>,
+    depth: impl Fn(R) -> R,
+) -> Kinks<R> {
+    let [first, second] = tangents::<R>(normal);
+    let (rising, slips) = velocities.over(normal, [first, second]);
+    let friction = |slip: Complex<R>| {
+        let slip = first * slip.0 + second * slip.1;
+        scene.friction().force(R::ONE, slip).length()
+    };
+    kinks_by(scene.ground(), friction, chord, rising, slips, depth)
+}
+
+/// Two unit vectors at right angles to a third and to each other.
+fn tangents<R: Real>(normal: R::Vec3) -> [R::Vec3; 2] {
+    let (o, one) = (R::ZERO, R::ONE);
+    let beside = if normal.x().abs() < R::HALF {
+        R::Vec3::new(one, o, o)
+    } else {
+        R::Vec3::new(o, one, o)
+    };
+    let across = normal.cross(beside);
+    let first = across * (R::ONE / across.length());
+    [first, normal.cross(first)]
+}
+
+/// The same of a short arc below a level plane, by the velocities along the normal and along the ground.
 #[inline(always)]
 pub(super) fn kinks_along<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -82,117 +122,266 @@ pub(super) fn kinks_along<R: Real, D: Dynamics<R> + ?Sized>(
     rising: [R; 3],
     slips: [R::Vec3; 3],
 ) -> Kinks<R> {
+    let deepest = extent * (chord * chord) * R::TWO;
+    let depth = |u: R| deepest * ((R::ONE - u) * (R::ONE + u));
+    let friction = |slip: Complex<R>| {
+        let slip = R::Vec3::new(slip.0, slip.1, R::ZERO);
+        scene.friction().force(R::ONE, slip).length()
+    };
+    let slips = slips.map(|slip| Complex(slip.x(), slip.y()));
+    kinks_by(scene.ground(), friction, chord, rising, slips, depth)
+}
+
+/// By what friction (N) a slip has under a load of 1 N, and the depth along the arc.
+#[inline(always)]
+fn kinks_by<R: Real, G: SpringDamperGround<R>>(
+    ground: &G,
+    friction: impl Fn(Complex<R>) -> R,
+    chord: R,
+    [lowest, across, down]: [R; 3],
+    slips: [Complex<R>; 3],
+    depth: impl Fn(R) -> R,
+) -> Kinks<R> {
     let mut kinks = Kinks::none();
-    if may_turn(slips, chord) && rubs(scene.friction(), slips) {
-        for place in slowest(slips, chord).into_iter().flatten() {
-            kinks.add(Kink {
-                u: place,
-                turns: true,
-            });
-        }
-    }
-    let [lowest, across, down] = rising;
     let edges = Edges {
-        ground: scene.ground(),
-        deepest: extent * (chord * chord) * R::TWO,
+        ground,
+        depth,
         chord,
         speeds: [-lowest, -across, down],
     };
     edges.let_go(&mut kinks);
+    if may_turn(slips, chord) {
+        Slips::along(slips, chord).add_reversals(&friction, &mut kinks);
+    }
     kinks
 }
 
-/// Whether a law has friction at all. It is asked at more than the first slip, which is 0 where the lowest place stands still.
-#[inline]
-fn rubs<R: Real, F: SlidingFriction<R>>(friction: &F, slips: [R::Vec3; 3]) -> bool {
-    (slips.into_iter()).any(|slip| friction.force(R::ONE, slip) != R::Vec3::ZERO)
-}
-
-/// Whether the slip may come near to 0 on an arc: where it varies by no more than a seventh of itself, an arc is smooth to 1e-9 without a cut.
+/// Whether the slip may come near to 0 on an arc: where it varies by no more than a twelfth of itself, an arc is smooth to 1e-10 without a cut.
 #[inline(always)]
-fn may_turn<R: Real>([a, b, k]: [R::Vec3; 3], chord: R) -> bool {
+fn may_turn<R: Real>([a, b, k]: [Complex<R>; 3], chord: R) -> bool {
     let square = R::from_f64(4.0) * (chord * chord);
-    let varies = square * (b.length_squared() + square * k.length_squared());
-    varies * R::from_f64(49.0) > a.length_squared()
+    let varies = square * (b.square() + square * k.square());
+    varies * R::from_f64(SMOOTH * SMOOTH) > a.square()
 }
 
-/// Where on an arc the slip is least, as `u = sin(θ/2)/κ`: at most two places.
+/// The slip along an arc as a polynomial.
 ///
-/// With `t = 2 κ u` a place lies at `(1 - t²/2)` times the lowest and `t √(1 - t²/4)` across, so that the slip is `a + b t - k t²/2` but for a share t²/8 of the second term. Its square is least where
+/// With `w = tan(θ/2)`, `sin θ = 2 w/(1 + w²)` and `1 - cos θ = 2 w²/(1 + w²)`, so that the slip
+/// `a + b sin θ - k (1 - cos θ)` times `1 + w²` is `a + 2 b w + (a - 2 k) w²`, exactly. With `w = W ω`
+/// and `W = tan(α/2)` the arc is that of ω from -1 to 1.
 ///
-/// ```text
-/// g(t) = (a + b t - k t²/2)·(b - k t) = 0
-/// ```
-/// with `g` rising: the first such place from the left, by Newton's steps from the end, and the last one, by the quadratic that is left without the first; or the other way round.
-#[inline]
-fn slowest<R: Real>([a, b, k]: [R::Vec3; 3], chord: R) -> [Option<R>; 2] {
-    let scale = R::TWO * chord;
-    let (b, k) = (b * scale, k * (scale * scale));
-    let three = R::TWO + R::ONE;
-    let (c0, c1) = (a.dot(b), b.dot(b) - a.dot(k));
-    let (c2, c3) = (-(three * R::HALF * b.dot(k)), R::HALF * k.dot(k));
-    let root = |end: R| {
-        let mut u = end;
-        for _ in 0..STEPS {
-            let slope = c1 + u * (R::TWO * c2 + u * (three * c3));
-            if slope <= R::ZERO {
-                return None;
+/// The two components of the slip along the ground are taken as one complex number, so that this
+/// polynomial `Q(ω) = A + B ω + C ω²` has two complex zeros. Since `|Q|² = Q(ω) Q*(ω)` for real ω,
+/// they and their conjugates are the singularities of the slip's size, and so of friction: at the
+/// real part of a zero friction reverses, and its imaginary part is the width of the reversal.
+struct Slips<R: Real> {
+    /// m/s.
+    powers: [Complex<R>; 3],
+    /// `W²`.
+    square: R,
+}
+
+impl<R: Real> Slips<R> {
+    #[inline(always)]
+    fn along([a, b, k]: [Complex<R>; 3], chord: R) -> Self {
+        let square = chord * chord / ((R::ONE - chord) * (R::ONE + chord));
+        let scale = square.sqrt();
+        Self {
+            powers: [
+                a,
+                b.scaled(scale + scale),
+                Complex(a.0 - k.0 - k.0, a.1 - k.1 - k.1).scaled(square),
+            ],
+            square,
+        }
+    }
+
+    /// Adds the points, at most two, at which friction reverses on the part of the arc that the ground pushes.
+    #[inline]
+    fn add_reversals(&self, friction: &impl Fn(Complex<R>) -> R, kinks: &mut Kinks<R>) {
+        let pushed = kinks.pushed;
+        let [first, last] = pushed.map(|u| self.tangent_at(u));
+        let zeros = self.zeros();
+        for zero in zeros {
+            let place = zero.0.at_least(first).at_most(last);
+            let distance_of = |zero: Complex<R>| zero.minus(Complex(place, R::ZERO)).length();
+            let distance = distance_of(zero);
+            // Far from the arc, at infinity, or not a number where nothing slips.
+            if !(distance < R::from_f64(SMOOTH)) {
+                continue;
             }
-            let step = (c0 + u * (c1 + u * (c2 + u * c3))) / slope;
-            u -= step;
-            if step.abs() < R::from_f64(1e-9) {
-                break;
+            kinks.add_points(if distance < R::from_f64(4.0) { 8 } else { 6 });
+            if distance < R::TWO {
+                let distance = (zeros.map(distance_of).into_iter())
+                    .fold(distance, |least, one| if one < least { one } else { least });
+                let width = distance + self.slip_speed_width(friction, place);
+                let u = if place <= first {
+                    pushed[0]
+                } else if place >= last {
+                    pushed[1]
+                } else {
+                    self.sine_at(place)
+                };
+                if width < R::TWO {
+                    kinks.add(Kink { u, width });
+                }
             }
         }
-        Some(u)
-    };
-    let on_arc = |u: R| (u > -R::ONE && u < R::ONE).then_some(u);
-    let (first, side) = match root(-R::ONE) {
-        Some(first) => (first, R::ONE),
-        None => match root(R::ONE) {
-            Some(last) => (last, -R::ONE),
-            None => return [None; 2],
-        },
-    };
-    // g/(u - first) = c3 u² + d1 u + d0
-    let d1 = c2 + c3 * first;
-    let d0 = c1 + d1 * first;
-    let square = d1 * d1 - R::from_f64(4.0) * c3 * d0;
-    let other = if square > R::ZERO {
-        on_arc((square.sqrt() * side - d1) / (R::TWO * c3))
-    } else {
-        None
-    };
-    [on_arc(first), other]
+    }
+
+    /// `u = sin(θ/2)/κ` by ω.
+    #[inline]
+    fn sine_at(&self, place: R) -> R {
+        place * ((R::ONE + self.square) / (R::ONE + self.square * place * place)).sqrt()
+    }
+
+    /// ω by `u = sin(θ/2)/κ`.
+    #[inline]
+    fn tangent_at(&self, u: R) -> R {
+        u / (R::ONE + self.square * ((R::ONE - u) * (R::ONE + u))).sqrt()
+    }
+
+    /// The zeros of Q; infinite, or not a number, where its degree is lower.
+    #[inline]
+    fn zeros(&self) -> [Complex<R>; 2] {
+        let [a, b, c] = self.powers;
+        let half = b.scaled(-R::HALF);
+        let root = half.times(half).minus(a.times(c)).sqrt();
+        // The sum in which nothing cancels.
+        let sum = if half.0 * root.0 + half.1 * root.1 < R::ZERO {
+            half.minus(root)
+        } else {
+            Complex(half.0 + root.0, half.1 + root.1)
+        };
+        [a.over(sum), sum.over(c)]
+    }
+
+    /// Q and its slope at a real place.
+    #[inline]
+    fn at(&self, place: R) -> [Complex<R>; 2] {
+        let [a, b, c] = self.powers;
+        let line = Complex(b.0 + c.0 * place, b.1 + c.1 * place);
+        [
+            Complex(a.0 + line.0 * place, a.1 + line.1 * place),
+            Complex(line.0 + c.0 * place, line.1 + c.1 * place),
+        ]
+    }
+
+    /// Over which part of the arc, in ω, the slip grows by the law's own slip speed.
+    ///
+    /// Friction per slip falls as `1/(slip + slip_speed)`. So its values at a point of least slip and where
+    /// the arc slips most give the slip speed of any law: 0 for Coulomb's own, infinite for a viscous one.
+    #[inline]
+    fn slip_speed_width(&self, friction: &impl Fn(Complex<R>) -> R, place: R) -> R {
+        let [near, slope] = self.at(place);
+        let [far, middle, other] = [-R::ONE, R::ZERO, R::ONE].map(|place| self.at(place)[0]);
+        let larger = |a: Complex<R>, b: Complex<R>| if a.square() < b.square() { b } else { a };
+        let far = larger(larger(far, other), middle);
+        let tiny = R::EPSILON * R::from_f64(1e4);
+        let near = Complex(near.0 + far.0 * tiny, near.1 + far.1 * tiny);
+        let per_slip = |slip: Complex<R>| friction(slip) / slip.length();
+        let ratio = per_slip(far) / per_slip(near);
+        // Not a number without friction.
+        if !(ratio < R::ONE) {
+            return R::MAX;
+        }
+        let slip_speed = (ratio * far.length() - near.length()) / (R::ONE - ratio);
+        if slip_speed <= R::ZERO {
+            return R::ZERO;
+        }
+        // β σ + γ σ² = slip speed.
+        let (slope, bend) = (slope.length(), self.powers[2].length());
+        let root = (slope * slope + R::from_f64(4.0) * bend * slip_speed).sqrt();
+        R::TWO * slip_speed / (slope + root)
+    }
 }
 
-/// Newton's steps to a least slip: so many that what is left of a turning point is small beside a Gauss point's distance from the end.
-const STEPS: u32 = 5;
+/// The distance of a singularity from an arc, in half arcs, from which on it does not count: with
+/// `ρ = 24` four points leave `ρ⁻⁸ = 1e-11`. From 4 on six points leave as much, from 2 on eight 1e-10.
+const SMOOTH: f64 = 12.0;
+
+/// A complex number.
+#[derive(Clone, Copy)]
+pub(super) struct Complex<R>(R, R);
+
+impl<R: Real> Complex<R> {
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        Self(self.0 - other.0, self.1 - other.1)
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        Self(
+            self.0 * other.0 - self.1 * other.1,
+            self.0 * other.1 + self.1 * other.0,
+        )
+    }
+
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        let per = R::ONE / other.square();
+        self.times(Self(other.0 * per, -other.1 * per))
+    }
+
+    #[inline(always)]
+    fn scaled(self, factor: R) -> Self {
+        Self(self.0 * factor, self.1 * factor)
+    }
+
+    #[inline(always)]
+    fn square(self) -> R {
+        self.0 * self.0 + self.1 * self.1
+    }
+
+    #[inline(always)]
+    fn length(self) -> R {
+        self.square().sqrt()
+    }
+
+    /// The root whose real part is not negative.
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let larger = ((self.length() + self.0.abs()) * R::HALF).sqrt();
+        if larger == R::ZERO {
+            return Self(R::ZERO, R::ZERO);
+        }
+        let smaller = self.1 * R::HALF / larger;
+        if self.0 < R::ZERO {
+            Self(
+                smaller.abs(),
+                if self.1 < R::ZERO { -larger } else { larger },
+            )
+        } else {
+            Self(larger, smaller)
+        }
+    }
+}
 
 /// The ends of an arc, of which one may leave the ground.
-struct Edges<'a, R, G> {
+struct Edges<'a, R, G, F> {
     ground: &'a G,
-    /// Of the lowest place, m.
-    deepest: R,
+    /// By u, m.
+    depth: F,
     chord: R,
     /// At which the lowest place closes, and what sine and fall add, m/s.
     speeds: [R; 3],
 }
 
-impl<R: Real, G: SpringDamperGround<R>> Edges<'_, R, G> {
+impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
     /// Closing speed at `sin(θ/2) = κ u`, m/s.
     #[inline(always)]
     fn closing_speed(&self, u: R) -> R {
         let [lowest, across, down] = self.speeds;
         let s = self.chord * u;
-        // √(1 - s²) to s⁴/8.
-        lowest + (across + across) * (s * (R::ONE - s * s * R::HALF)) + (down + down) * (s * s)
+        let root = ((R::ONE - s) * (R::ONE + s)).sqrt();
+        lowest + (across + across) * (s * root) + (down + down) * (s * s)
     }
 
     /// The normal force of a point there, N.
     #[inline(always)]
     fn force(&self, u: R) -> R {
-        let depth = self.deepest * ((R::ONE - u) * (R::ONE + u));
+        let depth = (self.depth)(u);
         if depth > R::ZERO {
             self.ground.normal_force(depth, self.closing_speed(u))
         } else {
@@ -202,30 +391,40 @@ impl<R: Real, G: SpringDamperGround<R>> Edges<'_, R, G> {
 
     /// Adds where the ground lets go, if an end leaves so fast that the normal force falls to 0 before the depth does.
     ///
-    /// For a law that is linear in depth and speed the force is `a + b u - c u²` along the arc, but for κ² of the speed's part: three places tell its roots. They serve others too, as far as the force is 0 beyond.
+    /// For a law that is linear in depth and speed the force times `1 + w²` is `a + b ω - c ω²` along the arc: three places tell its roots. They serve others too, as far as the force is 0 beyond.
     #[inline(always)]
     fn let_go(&self, kinks: &mut Kinks<R>) {
         let leaves = [-R::ONE, R::ONE].map(|end| self.closing_speed(end) < R::ZERO);
         if leaves == [false; 2] {
             return;
         }
+        // By ω as in `Slips`: the force times 1 + w² is a polynomial.
+        let square = self.chord * self.chord / ((R::ONE - self.chord) * (R::ONE + self.chord));
+        let (all, beside) = (R::ONE + square, R::ONE + square * R::from_f64(0.25));
+        let half = R::HALF * (all / beside).sqrt();
         let (a, left, right) = (
             self.force(R::ZERO),
-            self.force(-R::HALF),
-            self.force(R::HALF),
+            self.force(-half) * beside,
+            self.force(half) * beside,
         );
         if left <= R::ZERO || right <= R::ZERO || a <= R::ZERO {
             self.seek(leaves, kinks);
             return;
         }
         let (b, c) = (right - left, R::TWO * (a + a - left - right));
-        if c <= R::ZERO {
-            return;
-        }
-        let (root, per) = ((b * b + R::from_f64(4.0) * a * c).sqrt(), R::HALF / c);
-        for (side, ends) in [(b - root) * per, (b + root) * per].into_iter().enumerate() {
-            if leaves[side] && ends.abs() < R::from_f64(1.0 - 1e-5) {
-                self.add(kinks, side, ends);
+        let square_root = (b * b + R::from_f64(4.0) * a * c).sqrt();
+        let roots = if c > R::ZERO {
+            let per = R::HALF / c;
+            [(b - square_root) * per, (b + square_root) * per]
+        } else {
+            // On a piece of a long arc: the nearer one of two at the same side, if there is one.
+            let near = R::TWO * a;
+            [-near / (b + square_root), near / (square_root - b)]
+        };
+        for (side, root) in roots.into_iter().enumerate() {
+            let u = root * (all / (R::ONE + square * root * root)).sqrt();
+            if leaves[side] && u.abs() < R::from_f64(1.0 - 1e-5) && (u > R::ZERO) == (side == 1) {
+                self.add(kinks, side, u);
             }
         }
     }
@@ -233,7 +432,7 @@ impl<R: Real, G: SpringDamperGround<R>> Edges<'_, R, G> {
     /// Cuts at a place that a side lets go at.
     #[inline(always)]
     fn add(&self, kinks: &mut Kinks<R>, side: usize, u: R) {
-        kinks.add(Kink { u, turns: false });
+        kinks.add(Kink { u, width: R::MAX });
         let end = if side == 0 { -R::ONE } else { R::ONE };
         if self.force((u + end) * R::HALF) <= R::ZERO {
             kinks.pushed[side] = u;
@@ -276,6 +475,8 @@ pub(crate) struct Kinks<R> {
     count: usize,
     /// Between which of them, or the ends, the ground pushes.
     pub(super) pushed: [R; 2],
+    /// How many points a piece needs at least.
+    pub(super) points: usize,
 }
 
 /// Where a force has a kink.
@@ -283,8 +484,8 @@ pub(crate) struct Kinks<R> {
 pub(super) struct Kink<R> {
     /// `sin(θ/2)/κ`
     pub(super) u: R,
-    /// Whether the slip is least there, so that friction turns round within a slip speed of it.
-    pub(super) turns: bool,
+    /// How far from there friction has turned round, in half arcs; [`Real::MAX`] where it does not.
+    pub(super) width: R,
 }
 
 impl<R: Real> Kinks<R> {
@@ -294,11 +495,24 @@ impl<R: Real> Kinks<R> {
             places: [Kink::end(); CUTS],
             count: 0,
             pushed: [-R::ONE, R::ONE],
+            points: 0,
         }
     }
 
     #[inline]
+    pub(super) fn add_points(&mut self, points: usize) {
+        self.points = self.points.max(points);
+    }
+
+    #[inline]
     fn add(&mut self, kink: Kink<R>) {
+        // Friction may be least at once where the ground lets go, or twice at the same end.
+        for place in self.places.iter_mut().take(self.count) {
+            if place.u == kink.u {
+                place.width = place.width.at_most(kink.width);
+                return;
+            }
+        }
         let Some(place) = self.places.get_mut(self.count) else {
             return;
         };
@@ -327,7 +541,7 @@ impl<R: Real> Kink<R> {
     pub(super) fn end() -> Self {
         Self {
             u: R::ONE,
-            turns: false,
+            width: R::MAX,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! A short arc below a level plane, and Gauss's rules for it.
 
 use super::kinks::{Kink, Kinks, Velocities, kinks_along};
+use super::turning_rules::{Rule, turning_rule};
 use crate::body::{ContactPoint, Rim, SHORT};
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
@@ -34,26 +35,19 @@ pub(in crate::scene) struct Sweep<R: Real> {
 /// Gauss's rule for a piece of a sweep with this half length in s, of an arc with this chord: places from -1 to 1, and weights.
 ///
 /// The springs' force goes with `(κ² - s²)/√(1 - s²)`, of which m points on the whole arc leave `3.6e-3 κ⁶`, `8e-4 κ⁸`, `1.8e-4 κ¹⁰` for m = 4, 5, 6 by the rule's error term; two points leave `0.07 (half/κ)⁵ κ²` of it. So each is
-/// good to 4e-11, as eight are at the longest arc.
-///
-/// At an end where friction turns round, within a slip speed of it, places stand closer: with `x = y²` from there, or `x = (3y - y³)/2` between two such ends. There a rule is as good as one of half as many points: to 3e-8 on a quarter of the circle.
+/// good to 4e-11, as eight are at the longest arc. `least` says how many points friction needs.
 #[inline(always)]
-fn gauss_rule<R: Real>(half: R, chord: R, turns: [bool; 2]) -> &'static [[f64; 2]] {
-    if half <= R::from_f64(1e-3) && half * R::from_f64(16.0) <= chord {
-        return &GAUSS_2;
-    }
-    let is_short = half <= R::from_f64(0.12);
-    match turns {
-        [false, false] if half <= R::from_f64(0.04) => &GAUSS_4,
-        [false, false] if is_short => &GAUSS_5,
-        [false, false] if half <= R::from_f64(0.2) => &GAUSS_6,
-        [false, false] => &GAUSS_8,
-        [true, false] if is_short => &FROM_5,
-        [true, false] => &FROM_8,
-        [false, true] if is_short => &UP_TO_5,
-        [false, true] => &UP_TO_8,
-        [true, true] if is_short => &BETWEEN_5,
-        [true, true] => &BETWEEN_8,
+fn gauss_rule<R: Real>(half: R, chord: R, least: usize) -> Rule {
+    if half > R::from_f64(0.2) || least > 6 {
+        &GAUSS_8
+    } else if half > R::from_f64(0.12) || least > 5 {
+        &GAUSS_6
+    } else if half > R::from_f64(0.04) {
+        &GAUSS_5
+    } else if half <= R::from_f64(1e-3) && half * R::from_f64(16.0) <= chord {
+        &GAUSS_2
+    } else {
+        &GAUSS_4
     }
 }
 
@@ -71,13 +65,6 @@ const GAUSS_5: [[f64; 2]; 5] = [
 ];
 const GAUSS_6: [[f64; 2]; 6] = both(crate::body::GAUSS_6);
 const GAUSS_8: [[f64; 2]; 8] = both(crate::body::GAUSS_8);
-const FROM_5: [[f64; 2]; 5] = from_left(GAUSS_5, 1.0);
-const FROM_8: [[f64; 2]; 8] = from_left(GAUSS_8, 1.0);
-const UP_TO_5: [[f64; 2]; 5] = from_left(GAUSS_5, -1.0);
-const UP_TO_8: [[f64; 2]; 8] = from_left(GAUSS_8, -1.0);
-const BETWEEN_5: [[f64; 2]; 5] = between(GAUSS_5);
-const BETWEEN_8: [[f64; 2]; 8] = between(GAUSS_8);
-
 /// The places above 0, and those below.
 const fn both<const HALF: usize, const ALL: usize>(half: [[f64; 2]; HALF]) -> [[f64; 2]; ALL] {
     let mut all = [[0.0; 2]; ALL];
@@ -88,29 +75,6 @@ const fn both<const HALF: usize, const ALL: usize>(half: [[f64; 2]; HALF]) -> [[
         i += 1;
     }
     all
-}
-
-/// Closer towards -1, or towards 1 where the side is -1: `x = 2y² - 1` with y from 0 to 1.
-const fn from_left<const N: usize>(mut rule: [[f64; 2]; N], side: f64) -> [[f64; 2]; N] {
-    let mut i = 0;
-    while i < N {
-        let [place, weight] = rule[i];
-        let y = 0.5 + 0.5 * place;
-        rule[i] = [side * (2.0 * y * y - 1.0), 2.0 * y * weight];
-        i += 1;
-    }
-    rule
-}
-
-/// Closer towards both ends.
-const fn between<const N: usize>(mut rule: [[f64; 2]; N]) -> [[f64; 2]; N] {
-    let mut i = 0;
-    while i < N {
-        let [y, weight] = rule[i];
-        rule[i] = [0.5 * y * (3.0 - y * y), 1.5 * (1.0 - y * y) * weight];
-        i += 1;
-    }
-    rule
 }
 
 /// A place of a sweep.
@@ -124,6 +88,76 @@ pub(in crate::scene) struct Node<R: Real> {
     slip: R::Vec3,
     weight: R,
 }
+
+/// Calls `visit` with each point `s = sin(θ/2)` of a rule for a part of an arc, and the length in s that it stands for: piece by piece between kinks, of which none cuts the part short.
+#[inline(always)]
+pub(super) fn visit_between<R: Real>(
+    kinks: &Kinks<R>,
+    chord: R,
+    [first, last]: [R; 2],
+    mut visit: impl FnMut(R, R),
+) {
+    let mut from = Kink {
+        u: -R::ONE,
+        width: R::MAX,
+    };
+    for to in kinks.iter().chain([Kink::end()]) {
+        if from.u >= first && to.u <= last && to.u - from.u > R::EPSILON {
+            for piece in pieces(from, to) {
+                visit_piece(piece, chord, kinks.points, &mut visit);
+            }
+        }
+        from = to;
+    }
+}
+
+/// Two kinks or ends with nothing between them: as one piece from the end where friction reverses, if it does at one of them; else as two that meet in the middle.
+#[inline(always)]
+fn pieces<R: Real>(from: Kink<R>, to: Kink<R>) -> [Piece<R>; 2] {
+    let none = R::MAX;
+    let meet = if to.width >= none {
+        to.u
+    } else if from.width >= none {
+        from.u
+    } else {
+        (from.u + to.u) * R::HALF
+    };
+    [from, to].map(|kink| Piece { kink, meet })
+}
+
+/// From a kink to where the next piece begins, in either direction.
+struct Piece<R> {
+    kink: Kink<R>,
+    meet: R,
+}
+
+#[inline(always)]
+fn visit_piece<R: Real>(
+    Piece { kink, meet }: Piece<R>,
+    chord: R,
+    least: usize,
+    visit: &mut impl FnMut(R, R),
+) {
+    let reach = meet - kink.u;
+    if reach == R::ZERO {
+        return;
+    }
+    // Negative where the rule runs from the right to the left.
+    let half = reach * chord * R::HALF;
+    let middle = (kink.u + meet) * chord * R::HALF;
+    let length = half.abs();
+    let rule = turning_rule(reach.abs() / kink.width * R::from_f64(SAFETY))
+        .unwrap_or_else(|| gauss_rule(length, chord, least));
+    for &[place, weight] in rule {
+        visit(
+            middle + half * R::from_f64(place),
+            length * R::from_f64(weight),
+        );
+    }
+}
+
+/// The width of a reversal is the sum of those of its two reasons, of which each may have a singularity of its own: nearer to it by a half at most.
+const SAFETY: f64 = 1.5;
 
 impl<R: Real> Sweep<R> {
     /// With this chord, and an extent in m, to both sides of the lowest place.
@@ -155,29 +189,13 @@ impl<R: Real> Sweep<R> {
 
     /// The same within a part of the arc that no kink cuts short.
     #[inline(always)]
-    fn visit_within(&self, [first, last]: [R; 2], visit: &mut impl FnMut(&Node<R>)) {
-        let mut from = Kink {
-            u: -R::ONE,
-            turns: false,
-        };
-        for to in self.kinks.iter().chain([Kink::end()]) {
-            let is_within = from.u >= first && to.u <= last;
-            let (begin, end) = (from.u * self.chord, to.u * self.chord);
-            let turns = [from.turns, to.turns];
-            from = to;
-            let (middle, half) = ((begin + end) * R::HALF, (end - begin) * R::HALF);
-            if !is_within || half <= self.chord * R::EPSILON {
-                continue;
+    fn visit_within(&self, part: [R; 2], visit: &mut impl FnMut(&Node<R>)) {
+        visit_between(&self.kinks, self.chord, part, |s, length| {
+            let node = self.node(s, length * self.density);
+            if node.depth > R::ZERO {
+                visit(&node);
             }
-            let density = half * self.density;
-            for &[place, weight] in gauss_rule(half, self.chord, turns) {
-                let s = middle + half * R::from_f64(place);
-                let node = self.node(s, density * R::from_f64(weight));
-                if node.depth > R::ZERO {
-                    visit(&node);
-                }
-            }
-        }
+        });
     }
 
     /// The energy needs a finer rule than forces do: a symmetric one, of which half is enough.
