@@ -3,18 +3,30 @@
 //! `cargo bench --bench work_precision` prints the tables (some minutes) and draws them into `target/work_precision`; a word after `--` picks the scenes whose names hold it.
 //! `cargo bench --bench work_precision -- --all` turns all knobs together: every integrator and step or tolerance, `f64` and `f32`, 12, 120 and 1200 points, both laws of friction, three slip speeds, on the six
 //! scenes (ten to twenty minutes; a word picks here, too: `-- --all trial1`). It prints the cheapest setting for an error, a line a combination, and writes every row into `target/work_precision/rows.csv`.
+//! `cargo bench --bench work_precision -- --robust` finds for eight trials and eight tosses the largest setting that every smaller one of a grid keeps within an error, and its cost beside a Rk4
+//! written by hand (some minutes; a word picks). With `--write` it writes the tables of README and guide.
 //! `cargo bench --bench work_precision -- --readme` measures trial 1 alone and draws the README's picture, assets/trade.svg.
 //! The times are the shortest of three runs: compare rows, not machines.
 
 // A bench that cannot go on ends.
 #![allow(clippy::unwrap_used)]
 // The numbers of the scenes are small.
-#![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
+#![allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss
+)]
 
 #[path = "work_precision/grid.rs"]
 mod grid;
 #[path = "../examples/choose_accuracy/picture.rs"]
 mod picture;
+#[path = "../examples/common/plain_rk4.rs"]
+mod plain_rk4;
+#[path = "work_precision/robust.rs"]
+mod robust;
+#[path = "work_precision/robust_scenes.rs"]
+mod robust_scenes;
 #[path = "../examples/choose_accuracy/scenes.rs"]
 mod scenes;
 
@@ -37,6 +49,12 @@ fn main() {
     if arguments.iter().any(|argument| argument == "--all") {
         let wanted = wanted.map_or("", String::as_str);
         grid::run(wanted, &folder()).unwrap();
+        return;
+    }
+    if arguments.iter().any(|argument| argument == "--robust") {
+        let write = arguments.iter().any(|argument| argument == "--write");
+        let wanted = wanted.map_or("", String::as_str);
+        robust::run(wanted, write, &folder()).unwrap();
         return;
     }
     if arguments.iter().any(|argument| argument == "--readme") {

@@ -8,15 +8,22 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// What was compared: the programs' versions.
 pub(crate) fn versions() -> String {
     format!(
-        "rapier3d {}, rapier3d-f64 {}, ode_solvers {}",
+        "rapier3d {}, rapier3d-f64 {}, ode_solvers {}, diffsol {}",
         rapier3d::VERSION,
         rapier3d_f64::VERSION,
-        version_in_lock("ode_solvers")
+        version_in_lock("ode_solvers"),
+        version_in_lock("diffsol")
     )
 }
 
-/// Writes all tables into RESULTS.md, and the summary and the prices of an error into the guide's page.
-pub(crate) fn write(all: &str, summary: &str, within: &str) -> Result<(), String> {
+/// Writes all tables into RESULTS.md, the summary and the costs of an error into the guide's page,
+/// and the part for the project's first page into the README.
+pub(crate) fn write(
+    all: &str,
+    summary: &str,
+    within: &str,
+    first_page: &str,
+) -> Result<(), String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let measured = format!(
         "{}, tumble {}, {}, {}; one core of a busy machine: compare rows, not machines.",
@@ -30,20 +37,22 @@ pub(crate) fn write(all: &str, summary: &str, within: &str) -> Result<(), String
         all.trim_end()
     );
     store(&folder.join("RESULTS.md"), &results)?;
-    let page = folder.join("../../src/guide/peers.md");
-    let text = fs::read_to_string(&page).map_err(|error| format!("{}: {error}", page.display()))?;
+    let sections = within.replace("## ", "### ").replace("####", "###");
+    put_between_marks(
+        &folder.join("../../src/guide/peers.md"),
+        &format!("{measured}\n\n{summary}{sections}"),
+    )?;
+    put_between_marks(&folder.join("../../README.md"), first_page)
+}
+
+/// Replaces what stands between the marks of a page.
+fn put_between_marks(page: &Path, table: &str) -> Result<(), String> {
+    let text = fs::read_to_string(page).map_err(|error| format!("{}: {error}", page.display()))?;
     let [begin, end] = ["<!-- peers: begin -->", "<!-- peers: end -->"];
     let marks = text.find(begin).zip(text.find(end));
-    let (first, last) = marks.ok_or("the guide's page has lost its marks")?;
+    let (first, last) = marks.ok_or("the page has lost its marks")?;
     let before = &text[..first + begin.len()];
-    store(
-        &page,
-        &format!(
-            "{before}\n\n{measured}\n\n{summary}{}{}",
-            within.replacen("## ", "### ", 1),
-            &text[last..]
-        ),
-    )
+    store(page, &format!("{before}\n\n{table}{}", &text[last..]))
 }
 
 fn store(path: &Path, text: &str) -> Result<(), String> {

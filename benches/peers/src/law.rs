@@ -1,5 +1,6 @@
 //! The point law in plain numbers: what every program but rapier integrates, and what the energies are computed by.
 
+pub(crate) mod euler;
 #[path = "../../../examples/common/plain_rk4.rs"]
 mod plain_rk4;
 

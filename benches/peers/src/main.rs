@@ -11,7 +11,7 @@ mod table;
 use std::process::ExitCode;
 
 const HELP: &str = "\
-The same scenes by tumble, rapier3d, rapier3d-f64, a plain Rk4 and ode_solvers: error against a known answer,
+The same scenes by tumble, rapier3d, rapier3d-f64, a plain Rk4, ode_solvers and diffsol: error against a known answer,
 worst rise of the energy, ns a step, CPU time for a simulated second, and ratios.
 
     cargo run --release -- [OPTIONS]
@@ -94,16 +94,18 @@ fn run(options: &Options) -> Result<(), String> {
         .map(|(scene, rows)| table::within(1e-4, scene, rows, markdown))
         .collect();
     let summary = table::summary(&measured, markdown);
+    let better = table::where_a_peer_is_better(&measured, markdown);
     if options.write {
         let heading = |title: &str, text: &str| format!("## {title}\n\n{text}");
         kept::write(
-            &(tables + &within + &heading("Summary", &summary)),
+            &(tables + &within + &better + &heading("Summary", &summary)),
             &summary,
-            &within,
+            &(better.clone() + &within),
+            &table::first_page(&measured),
         )
     } else {
         println!(
-            "{}\n\n{tables}{within}Summary\n\n{summary}",
+            "{}\n\n{tables}{within}{better}Summary\n\n{summary}",
             kept::versions()
         );
         Ok(())

@@ -4,14 +4,16 @@ use cpu_time::ThreadTime;
 use tumble::State;
 
 use crate::programs::rapier::{Rapier, Tuning};
-use crate::programs::{Program, ode, ours, plain};
-use crate::scene::{Case, Scene};
+use crate::programs::{Program, ode, ours, plain, stiff};
+use crate::scene::{Case, Scene, Shape};
 
 /// What is known of one program on one scene.
 pub(crate) struct Row {
     pub(crate) name: String,
     pub(crate) settings: String,
     pub(crate) is_ours: bool,
+    /// Whether its state is read 240 times a second.
+    pub(crate) is_sampled: bool,
     /// Or why the program could not go on.
     pub(crate) outcome: Result<Outcome, String>,
 }
@@ -58,6 +60,7 @@ pub(crate) fn rows(scene: &Scene, turns: usize) -> Result<Vec<Row>, String> {
             name: program.name(),
             settings: program.settings(),
             is_ours: program.is_ours(),
+            is_sampled: program.is_sampled(),
             outcome: accuracy(scene, &**program, &energy),
         });
     }
@@ -73,6 +76,19 @@ pub(crate) fn rows(scene: &Scene, turns: usize) -> Result<Vec<Row>, String> {
 
 /// Everything but the library.
 fn peers(scene: &Scene) -> Vec<Box<dyn Program + '_>> {
+    let mut all = plain(scene);
+    for is_sampled in [false, true] {
+        all.extend(explicit(scene, is_sampled));
+        if scene.shape != Shape::Free {
+            all.extend(implicit(scene, is_sampled));
+        }
+    }
+    all.extend(rapier(scene));
+    all
+}
+
+/// A Rk4 written by hand; in free flight on Euler's equations in body axes, too.
+fn plain(scene: &Scene) -> Vec<Box<dyn Program + '_>> {
     let (law, start, seconds) = (&scene.law, scene.soft.start, scene.seconds);
     let mut all: Vec<Box<dyn Program>> = Vec::new();
     for &time_step in &scene.plain_steps {
@@ -83,21 +99,66 @@ fn peers(scene: &Scene) -> Vec<Box<dyn Program + '_>> {
             time_step,
         }));
     }
-    for (method, tolerance) in [
-        (ode::Method::Dopri5, 1e-4),
-        (ode::Method::Dopri5, 1e-6),
-        (ode::Method::Dopri5, 1e-8),
-        (ode::Method::Dop853, 1e-10),
-    ] {
-        all.push(Box::new(ode::OdeSolvers {
-            law,
-            start,
-            seconds,
+    if scene.shape == Shape::Free {
+        for &time_step in &scene.plain_steps {
+            all.push(Box::new(plain::PlainEuler {
+                law,
+                start,
+                seconds,
+                time_step,
+            }));
+        }
+    }
+    all
+}
+
+/// Relative tolerances of each method, down to where rounding ends what it can do.
+const DOPRI5: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11];
+const DOP853: [f64; 10] = [
+    1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13,
+];
+const BDF: [f64; 8] = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11];
+
+fn explicit(scene: &Scene, is_sampled: bool) -> Vec<Box<dyn Program + '_>> {
+    let methods = (DOPRI5
+        .map(|tolerance| (ode::Method::Dopri5, tolerance))
+        .into_iter())
+    .chain(DOP853.map(|tolerance| (ode::Method::Dop853, tolerance)));
+    let form = match scene.shape {
+        Shape::Free => ode::Form::Body,
+        _ => ode::Form::World,
+    };
+    let boxed = |(method, tolerance)| -> Box<dyn Program + '_> {
+        Box::new(ode::OdeSolvers {
+            law: &scene.law,
+            start: scene.soft.start,
+            seconds: scene.seconds,
             method,
+            form,
             tolerance,
             scale: scene.scale,
-        }));
-    }
+            is_sampled,
+        })
+    };
+    methods.map(boxed).collect()
+}
+
+fn implicit(scene: &Scene, is_sampled: bool) -> Vec<Box<dyn Program + '_>> {
+    let boxed = |tolerance| -> Box<dyn Program + '_> {
+        Box::new(stiff::Bdf {
+            law: &scene.law,
+            start: scene.soft.start,
+            seconds: scene.seconds,
+            tolerance,
+            scale: scene.scale,
+            is_sampled,
+        })
+    };
+    BDF.into_iter().map(boxed).collect()
+}
+
+fn rapier(scene: &Scene) -> Vec<Box<dyn Program + '_>> {
+    let mut all: Vec<Box<dyn Program>> = Vec::new();
     all.push(Box::new(Rapier::<f32>::new(scene, Tuning::Default)));
     for &time_step in &scene.rapier_steps {
         all.push(best(scene, time_step, Rapier::<f32>::new));
@@ -211,11 +272,15 @@ const AS_ACCURATE: f64 = 1.1;
 
 /// Price of each row over that of our cheapest that is as accurate.
 fn compare(scene: &Scene, rows: &mut [Row]) {
-    let ours: Vec<Outcome> = (rows.iter())
-        .filter(|row| row.is_ours)
-        .filter_map(|row| row.outcome.as_ref().ok().copied())
-        .collect();
+    let ours = |is_sampled: bool| -> Vec<Outcome> {
+        (rows.iter())
+            .filter(|row| row.is_ours && row.is_sampled == is_sampled)
+            .filter_map(|row| row.outcome.as_ref().ok().copied())
+            .collect()
+    };
+    let ours = [ours(false), ours(true)];
     for row in rows {
+        let ours = &ours[usize::from(row.is_sampled)];
         if let Ok(outcome) = &mut row.outcome {
             let enough = ours
                 .iter()

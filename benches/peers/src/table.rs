@@ -45,7 +45,9 @@ pub(crate) fn of_scene(scene: &Scene, rows: &[Row], markdown: bool) -> String {
 /// What an error of so much costs each program on a scene: the longest step or the loosest tolerance that keeps it, as every shorter and tighter one that was tried does; beside the plain Rk4.
 pub(crate) fn within(error: f64, scene: &Scene, rows: &[Row], markdown: bool) -> String {
     let cheapest = |name: &str| -> Option<(&Row, Outcome)> {
-        (rows.iter().filter(|row| row.name == name).rev())
+        (rows.iter())
+            .filter(|row| row.name == name && !row.is_sampled)
+            .rev()
             .map_while(|row| {
                 let outcome = row.outcome.as_ref().ok()?;
                 (outcome.error <= error).then_some((row, *outcome))
@@ -83,36 +85,132 @@ pub(crate) fn within(error: f64, scene: &Scene, rows: &[Row], markdown: bool) ->
     above + &table(&head, lines.collect(), markdown)
 }
 
-/// A row a scene: for each peer its least error, and the row of it that is cheapest against ours of the same accuracy.
+/// A column of the summary: its heading, how the names of its programs begin, and whether they are sampled.
+const PEERS: [(&str, &str, bool); 6] = [
+    ("plain Rk4", "plain Rk4", false),
+    ("ode_solvers", "ode_solvers", false),
+    ("ode_solvers, 240 Hz", "ode_solvers", true),
+    ("diffsol BDF", "diffsol", false),
+    ("rapier3d", "rapier3d ", false),
+    ("rapier3d-f64", "rapier3d-f64 ", false),
+];
+
+/// The scenes and the columns that the project's first page shows.
+const FIRST_PAGE: ([&str; 7], [usize; 4]) = (
+    [
+        "ball slides, then rolls",
+        "elastic bounces",
+        "coin in flight",
+        "middle axis",
+        "hoop rolls round a circle",
+        "trial 1",
+        "trial 3, sticks and rolls",
+    ],
+    [0, 1, 3, 5],
+);
+
+/// The part of the summary for the project's first page: the ranges of the costs alone.
+pub(crate) fn first_page(measured: &[(Scene, Vec<Row>)]) -> String {
+    let (scenes, columns) = FIRST_PAGE;
+    let peers = columns.map(|column| PEERS[column]);
+    let mut head = vec!["scene".to_string()];
+    head.extend(peers.iter().map(|(heading, ..)| heading.to_string()));
+    let shown = (measured.iter()).filter(|(scene, _)| scenes.contains(&scene.name));
+    let lines = shown.map(|(scene, rows)| {
+        let mut line = vec![scene.name.to_string()];
+        line.extend(peers.iter().map(|(_, name, is_sampled)| {
+            let found = outcomes(rows, name, *is_sampled);
+            if found.is_empty() { "-".into() } else { range(&found) }
+        }));
+        line
+    });
+    table(&head, lines.collect(), true)
+}
+
+/// A row a scene: for each peer its least error, and the range of its costs over ours at the same accuracy.
 pub(crate) fn summary(measured: &[(Scene, Vec<Row>)], markdown: bool) -> String {
-    let peers = ["plain Rk4", "ode_solvers", "rapier3d ", "rapier3d-f64 "];
     let mut head = vec!["scene".to_string(), "tumble, least error".into()];
-    head.extend(peers.iter().map(|peer| peer.trim().to_string()));
+    head.extend(PEERS.iter().map(|(heading, ..)| heading.to_string()));
     let mut lines = Vec::new();
     for (scene, rows) in measured {
-        let of = |name: &str| -> Vec<Outcome> {
-            (rows.iter())
-                .filter(|row| row.name.starts_with(name))
-                .filter_map(|row| row.outcome.as_ref().ok().copied())
-                .collect()
-        };
-        let least = |outcomes: &[Outcome]| {
-            outcomes
-                .iter()
-                .map(|outcome| outcome.error)
-                .fold(f64::INFINITY, f64::min)
-        };
         let mut line = vec![
             scene.name.to_string(),
-            format!("{:.0e} {}", least(&of("tumble")), scene.unit.1),
+            format!(
+                "{:.0e} {}",
+                least(&outcomes(rows, "tumble", false)),
+                scene.unit.1
+            ),
         ];
-        for peer in peers {
-            let outcomes = of(peer);
-            line.push(format!("{:.0e}, {}", least(&outcomes), range(&outcomes)));
+        for (_, name, is_sampled) in PEERS {
+            let found = outcomes(rows, name, is_sampled);
+            line.push(if found.is_empty() {
+                "-".into()
+            } else {
+                format!("{:.0e}, {}", least(&found), range(&found))
+            });
         }
         lines.push(line);
     }
     table(&head, lines, markdown)
+}
+
+/// Where a peer is cheaper or more accurate: its best setting on a scene, a row a program.
+pub(crate) fn where_a_peer_is_better(measured: &[(Scene, Vec<Row>)], markdown: bool) -> String {
+    let head = ["scene", "program", "settings", "error", "against tumble"].map(String::from);
+    let mut lines = Vec::new();
+    for (scene, rows) in measured {
+        let mut best: Vec<(&Row, Outcome)> = Vec::new();
+        for row in rows.iter().filter(|row| !row.is_ours) {
+            let Ok(outcome) = &row.outcome else { continue };
+            let Some(now) = advantage(outcome) else {
+                continue;
+            };
+            let same = |(other, _): &&mut (&Row, Outcome)| {
+                other.name == row.name && other.is_sampled == row.is_sampled
+            };
+            match best.iter_mut().find(same) {
+                Some(known) if advantage(&known.1).is_some_and(|known| known <= now) => {}
+                Some(known) => *known = (row, *outcome),
+                None => best.push((row, *outcome)),
+            }
+        }
+        lines.extend(best.into_iter().map(|(row, outcome)| {
+            [
+                scene.name.to_string(),
+                row.name.clone(),
+                row.settings.clone(),
+                format!("{:.0e} {}", outcome.error, scene.unit.1),
+                ratio(outcome.ratio),
+            ]
+        }));
+    }
+    let title = if markdown { "### " } else { "" };
+    format!(
+        "{title}Where a peer is better\n\n{}",
+        table(&head, lines, markdown)
+    )
+}
+
+/// What a peer costs over tumble, where that is less than 1; 0 where tumble does not reach its accuracy.
+fn advantage(outcome: &Outcome) -> Option<f64> {
+    match outcome.ratio {
+        Ratio::Times(times) if times < 1.0 => Some(times),
+        Ratio::NotReached => Some(0.0),
+        _ => None,
+    }
+}
+
+fn outcomes(rows: &[Row], name: &str, is_sampled: bool) -> Vec<Outcome> {
+    (rows.iter())
+        .filter(|row| row.name.starts_with(name) && row.is_sampled == is_sampled)
+        .filter_map(|row| row.outcome.as_ref().ok().copied())
+        .collect()
+}
+
+fn least(outcomes: &[Outcome]) -> f64 {
+    (outcomes.iter())
+        .map(|outcome| outcome.error)
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// The least and the largest ratio of a program's rows that are an answer.

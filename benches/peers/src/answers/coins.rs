@@ -161,6 +161,7 @@ pub(crate) fn trial(number: usize, size: f64) -> Result<Scene, String> {
         (_, true, _) => "trial 1, coin of 1 mm",
         (_, _, true) => "trial 1, coin of 1 km",
         (1, ..) => "trial 1",
+        (3, ..) => "trial 3, sticks and rolls",
         _ => "trial 8",
     };
     let apart = (rigid.position - soft.position).length();

@@ -33,7 +33,7 @@ fn scene(name: &'static str, about: String, law: Law, seconds: f64, case: Case) 
         unit: (1.0, "m"),
         useful: 0.1,
         steps: vec![1e-1, 3e-2, 1e-2, 3e-3, 1e-3],
-        plain_steps: vec![1e-2, 1e-3],
+        plain_steps: vec![3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4],
         rapier_steps: vec![1e-2, 1e-3, 1e-4],
         scale: (1.0, 1.0),
     }
@@ -52,7 +52,7 @@ pub(crate) fn fast_coin() -> Scene {
     let about = "the same at 10⁴ rad/s; its turn after 1 s, closed form".into();
     Scene {
         steps: vec![1e-2, 1e-3, 1e-4, 1e-5],
-        plain_steps: vec![1e-5, 1e-6],
+        plain_steps: vec![3e-5, 1e-5, 3e-6, 1e-6],
         rapier_steps: vec![1e-4, 1e-5],
         scale: (1.0, 1e-4),
         ..scene(

@@ -14,8 +14,9 @@ const GRAVITY: f64 = 9.8;
 /// All scenes, in the order of the table.
 pub(crate) fn all() -> Result<Vec<Scene>, String> {
     Ok(vec![
-        rolling_ball::slides_then_rolls(1e6),
-        rolling_ball::slides_then_rolls(1e9),
+        rolling_ball::slides_then_rolls(1e6, 1e-4),
+        rolling_ball::slides_then_rolls(1e6, 1e-6),
+        rolling_ball::slides_then_rolls(1e9, 1e-4),
         bounces::elastic(1e5),
         bounces::elastic(1e9),
         free::coin(),
@@ -23,6 +24,7 @@ pub(crate) fn all() -> Result<Vec<Scene>, String> {
         free::middle_axis(),
         coins::rolling_hoop()?,
         coins::trial(1, 1.0)?,
+        coins::trial(3, 1.0)?,
         coins::trial(8, 1.0)?,
         coins::trial(1, 0.002)?,
         coins::trial(1, 2000.0)?,

@@ -8,7 +8,7 @@ use tumble::State;
 use tumble::glam::{DMat3, DQuat, DVec3};
 
 use super::GRAVITY;
-use crate::programs::ode::{Method, Vector, solve};
+use crate::programs::ode::{Method, Span, Vector, solve};
 
 /// A hoop of 1 kg and 0.5 m.
 struct RigidHoop {
@@ -28,7 +28,11 @@ pub(super) fn after(start: &State, coefficient: f64, seconds: f64) -> Result<Sta
         // Small against the slips of some cm/s: a tenth of it moves the answer of trial 1 by 1e-5 m.
         slip_speed: 1e-4,
     };
-    let (y, _) = solve(hoop, Method::Dop853, seconds, pack(start), 1e-10)?;
+    let span = Span {
+        end: seconds,
+        sample: None,
+    };
+    let (y, _) = solve(hoop, Method::Dop853, span, pack(start), 1e-10)?;
     Ok(unpack(&y))
 }
 

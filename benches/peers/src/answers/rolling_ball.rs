@@ -7,14 +7,11 @@ use super::GRAVITY;
 use crate::law::Law;
 use crate::scene::{Case, Measure, Scene, Shape};
 
-/// m/s
-const SLIP_SPEED: f64 = 1e-4;
-
 /// A ball set down sliding at `v` without a spin slides until it rolls at `(5/7) v`, whatever the friction.
 ///
 /// Its slip s begins at v and falls as `s' = -a s/(s + ε)`, `a = (7/2) μ g`, and each metre a second of it is 2/7 of the centre's speed. So the way is
 /// `(5/7) v t + (2/7) ∫ s dt` with `∫ s dt = (v²/2 + ε v)/a` once it rolls; Coulomb's own friction has ε = 0.
-pub(crate) fn slides_then_rolls(stiffness: f64) -> Scene {
+pub(crate) fn slides_then_rolls(stiffness: f64, slip_speed: f64) -> Scene {
     let (mass, radius, speed, coefficient, seconds): (f64, f64, f64, f64, f64) =
         (1.0, 0.1, 2.0, 0.3, 1.0);
     let far = |slip_speed: f64| {
@@ -32,7 +29,7 @@ pub(crate) fn slides_then_rolls(stiffness: f64) -> Scene {
         // A fifth of what stops every swing; nothing swings, for the ball starts at its height of rest.
         damping: 0.4 * (stiffness * mass).sqrt(),
         coefficient,
-        slip_speed: SLIP_SPEED,
+        slip_speed,
         gravity: GRAVITY,
     };
     let case = |height: f64, slip_speed: f64| Case {
@@ -41,19 +38,19 @@ pub(crate) fn slides_then_rolls(stiffness: f64) -> Scene {
     };
     let sag = mass * GRAVITY / stiffness;
     Scene {
-        name: if stiffness < 1e8 {
-            "ball slides, then rolls"
-        } else {
-            "the same, S = 1e9 N/m"
+        name: match (stiffness < 1e8, slip_speed < 1e-5) {
+            (true, false) => "ball slides, then rolls",
+            (true, true) => "the same, slip speed 1e-6 m/s",
+            _ => "the same, S = 1e9 N/m",
         },
         about: format!(
-            "radius {radius} m, {speed} m/s, μ = {coefficient}, S = {stiffness:.0e} N/m, v_ε = {SLIP_SPEED:.0e} m/s; the place after {seconds} s, closed form"
+            "radius {radius} m, {speed} m/s, μ = {coefficient}, S = {stiffness:.0e} N/m, v_ε = {slip_speed:.0e} m/s; the place after {seconds} s, closed form"
         ),
         law,
         shape: Shape::Ball(radius),
         restitution: 0.0,
         seconds,
-        soft: case(radius - sag, SLIP_SPEED),
+        soft: case(radius - sag, slip_speed),
         rigid: case(radius, 0.0),
         measure: Measure::Centre,
         unit: (1.0, "m"),

@@ -4,6 +4,7 @@ pub(crate) mod ode;
 pub(crate) mod ours;
 pub(crate) mod plain;
 pub(crate) mod rapier;
+pub(crate) mod stiff;
 
 use tumble::State;
 
@@ -23,6 +24,10 @@ pub(crate) trait Program {
     fn run(&self, watch: Option<Watch<'_>>) -> Result<End, String>;
     /// Whether its contacts are rigid, so that the rigid answer is its own.
     fn is_rigid(&self) -> bool {
+        false
+    }
+    /// Whether its state is read 240 times a second, and not at the end alone.
+    fn is_sampled(&self) -> bool {
         false
     }
     /// Whether it is this library.
@@ -51,4 +56,18 @@ fn name_of_step(time_step: f64) -> String {
     } else {
         format!("{time_step:.2e} s")
     }
+}
+
+/// `tol 1e-6`, with the samples where there are any.
+fn name_of_tolerance(tolerance: f64, is_sampled: bool) -> String {
+    let samples = if is_sampled { ", 240 Hz" } else { "" };
+    format!("tol {tolerance:.0e}{samples}")
+}
+
+/// Samples a second of a program that is sampled: four for each picture of a film.
+const SAMPLES_A_SECOND: f64 = 240.0;
+
+/// Time between two samples of a run, s: a whole number of them fills it.
+fn sample_interval(seconds: f64) -> f64 {
+    seconds / (seconds * SAMPLES_A_SECOND).round().max(1.0)
 }

@@ -1,4 +1,7 @@
 //! The point law by `ode_solvers`: Dormand and Prince's methods of orders 5 and 8 with error control.
+//!
+//! A body in free flight is given to them as Euler's equations in body axes, seven numbers, which is
+//! how a user would write free rotation.
 
 use std::cell::RefCell;
 
@@ -7,10 +10,14 @@ use tumble::State;
 use tumble::glam::{DQuat, DVec3};
 
 use super::{End, Program, Watch};
+use crate::law::euler::Free;
 use crate::law::{Law, rates};
 
 /// Thirteen numbers: position, velocity, orientation, angular momentum.
 pub(crate) type Vector = SVector<f64, 13>;
+
+/// Seven numbers: orientation, angular velocity in body axes.
+type FreeVector = SVector<f64, 7>;
 
 /// Which of its methods.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,27 +26,47 @@ pub(crate) enum Method {
     Dop853,
 }
 
+/// In which form the equations are given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Form {
+    /// The point law in world axes.
+    World,
+    /// Euler's equations in body axes, for a body in free flight.
+    Body,
+}
+
 pub(crate) struct OdeSolvers<'a> {
     pub(crate) law: &'a Law,
     pub(crate) start: State,
     pub(crate) seconds: f64,
     pub(crate) method: Method,
+    pub(crate) form: Form,
     /// Relative, and absolute in the scene's own units.
     pub(crate) tolerance: f64,
-    /// Length (m) and time (s) of those units: the crate has one absolute tolerance for all thirteen numbers.
+    /// Length (m) and time (s) of those units: the crate has one absolute tolerance for all numbers.
     pub(crate) scale: (f64, f64),
+    /// Whether its dense output is read 240 times a second.
+    pub(crate) is_sampled: bool,
 }
 
 /// Length, time and mass by which the numbers are made about 1.
 #[derive(Clone, Copy)]
-struct Units {
-    length: f64,
-    time: f64,
+pub(crate) struct Units {
+    pub(crate) length: f64,
+    pub(crate) time: f64,
     mass: f64,
 }
 
 impl Units {
-    fn speed(self) -> f64 {
+    pub(crate) fn of(law: &Law, (length, time): (f64, f64)) -> Self {
+        Self {
+            length,
+            time,
+            mass: law.mass,
+        }
+    }
+
+    pub(crate) fn speed(self) -> f64 {
         self.length / self.time
     }
 
@@ -47,7 +74,7 @@ impl Units {
         self.mass * self.length * self.speed()
     }
 
-    fn pack(self, state: &State) -> Vector {
+    pub(crate) fn pack(self, state: &State) -> Vector {
         let (x, v) = (
             state.position / self.length,
             state.linear_velocity / self.speed(),
@@ -58,7 +85,7 @@ impl Units {
         ])
     }
 
-    fn unpack(self, y: &Vector) -> State {
+    pub(crate) fn unpack(self, y: &Vector) -> State {
         let vector = |i: usize| DVec3::new(y[i], y[i + 1], y[i + 2]);
         State {
             position: vector(0) * self.length,
@@ -66,6 +93,17 @@ impl Units {
             orientation: DQuat::from_xyzw(y[6], y[7], y[8], y[9]),
             angular_momentum: vector(10) * self.momentum(),
         }
+    }
+
+    /// Rates of change of the thirteen numbers.
+    pub(crate) fn rates(self, law: &Law, y: &Vector) -> Vector {
+        let rates = rates(law, &self.unpack(y));
+        self.pack(&State {
+            position: rates.position * self.time,
+            linear_velocity: rates.velocity * self.time,
+            orientation: rates.orientation * self.time,
+            angular_momentum: rates.angular_momentum * self.time,
+        })
     }
 }
 
@@ -78,15 +116,7 @@ struct Equations<'a, 'w> {
 
 impl System<f64, Vector> for Equations<'_, '_> {
     fn system(&self, _: f64, y: &Vector, dy: &mut Vector) {
-        let rates = rates(self.law, &self.units.unpack(y));
-        let time = self.units.time;
-        let rates = State {
-            position: rates.position * time,
-            linear_velocity: rates.velocity * time,
-            orientation: rates.orientation * time,
-            angular_momentum: rates.angular_momentum * time,
-        };
-        *dy = self.units.pack(&rates);
+        *dy = self.units.rates(self.law, y);
     }
 
     fn solout(&mut self, _: f64, y: &Vector, _: &Vector) -> bool {
@@ -97,33 +127,72 @@ impl System<f64, Vector> for Equations<'_, '_> {
     }
 }
 
+/// Euler's equations as the crate wants them.
+struct FreeEquations<'a, 'w> {
+    law: &'a Law,
+    start: State,
+    units: Units,
+    watch: RefCell<Option<Watch<'w>>>,
+}
+
+impl FreeEquations<'_, '_> {
+    fn pack(&self, free: &Free) -> FreeVector {
+        let (q, w) = (free.orientation, free.spin * self.units.time);
+        FreeVector::from([q.x, q.y, q.z, q.w, w.x, w.y, w.z])
+    }
+
+    fn unpack(&self, y: &FreeVector) -> Free {
+        Free {
+            orientation: DQuat::from_xyzw(y[0], y[1], y[2], y[3]),
+            spin: DVec3::new(y[4], y[5], y[6]) / self.units.time,
+        }
+    }
+}
+
+impl System<f64, FreeVector> for FreeEquations<'_, '_> {
+    fn system(&self, _: f64, y: &FreeVector, dy: &mut FreeVector) {
+        let rates = self.unpack(y).rates(self.law.inertia);
+        *dy = self.pack(&Free {
+            orientation: rates.orientation * self.units.time,
+            spin: rates.spin * self.units.time,
+        });
+    }
+
+    fn solout(&mut self, time: f64, y: &FreeVector, _: &FreeVector) -> bool {
+        if let Some(watch) = self.watch.borrow_mut().as_mut() {
+            let seconds = time * self.units.time;
+            watch(&self.unpack(y).state(self.law, &self.start, seconds));
+        }
+        false
+    }
+}
+
 /// More steps than any scene should take.
-const MOST_STEPS: u32 = 3_000_000;
+const MOST_STEPS: u32 = 500_000;
 
 impl Program for OdeSolvers<'_> {
     fn name(&self) -> String {
-        format!("ode_solvers {:?}", self.method)
+        let axes = match self.form {
+            Form::World => "",
+            Form::Body => ", body axes",
+        };
+        format!("ode_solvers {:?}{axes}", self.method)
     }
 
     fn settings(&self) -> String {
-        format!("tol {:.0e}", self.tolerance)
+        super::name_of_tolerance(self.tolerance, self.is_sampled)
+    }
+
+    fn is_sampled(&self) -> bool {
+        self.is_sampled
     }
 
     fn run(&self, watch: Option<Watch<'_>>) -> Result<End, String> {
-        let units = Units {
-            length: self.scale.0,
-            time: self.scale.1,
-            mass: self.law.mass,
+        let units = Units::of(self.law, self.scale);
+        let (state, steps) = match self.form {
+            Form::World => self.run_in_world_axes(units, watch)?,
+            Form::Body => self.run_in_body_axes(units, watch)?,
         };
-        let equations = Equations {
-            law: self.law,
-            units,
-            watch: RefCell::new(watch),
-        };
-        let end = self.seconds / units.time;
-        let start = units.pack(&self.start);
-        let (y, steps) = solve(equations, self.method, end, start, self.tolerance)?;
-        let state = units.unpack(&y);
         if state.not_finite().is_some() {
             return Err("diverged".into());
         }
@@ -135,14 +204,75 @@ impl Program for OdeSolvers<'_> {
     }
 }
 
+impl OdeSolvers<'_> {
+    fn run_in_world_axes(
+        &self,
+        units: Units,
+        watch: Option<Watch<'_>>,
+    ) -> Result<(State, u64), String> {
+        let equations = Equations {
+            law: self.law,
+            units,
+            watch: RefCell::new(watch),
+        };
+        let start = units.pack(&self.start);
+        let (y, steps) = solve(
+            equations,
+            self.method,
+            self.span(units),
+            start,
+            self.tolerance,
+        )?;
+        Ok((units.unpack(&y), steps))
+    }
+
+    fn run_in_body_axes(
+        &self,
+        units: Units,
+        watch: Option<Watch<'_>>,
+    ) -> Result<(State, u64), String> {
+        let (law, start) = (self.law, self.start);
+        let equations = |watch| FreeEquations {
+            law,
+            start,
+            units,
+            watch: RefCell::new(watch),
+        };
+        let packed = equations(None).pack(&Free::of(law, &start));
+        let (method, span) = (self.method, self.span(units));
+        let (y, steps) = solve(equations(watch), method, span, packed, self.tolerance)?;
+        let end = equations(None).unpack(&y);
+        Ok((end.state(law, &start, self.seconds), steps))
+    }
+
+    fn span(&self, units: Units) -> Span {
+        Span {
+            end: self.seconds / units.time,
+            sample: (self.is_sampled).then(|| super::sample_interval(self.seconds) / units.time),
+        }
+    }
+}
+
+/// From time 0 to the end, and the interval of the samples, in the scene's units.
+#[derive(Clone, Copy)]
+pub(crate) struct Span {
+    pub(crate) end: f64,
+    pub(crate) sample: Option<f64>,
+}
+
 /// The end of a run from time 0, and how many steps it took, with the rejected ones.
-pub(crate) fn solve(
-    equations: impl System<f64, Vector>,
+pub(crate) fn solve<const N: usize>(
+    equations: impl System<f64, SVector<f64, N>>,
     method: Method,
-    end: f64,
-    start: Vector,
+    span: Span,
+    start: SVector<f64, N>,
     tolerance: f64,
-) -> Result<(Vector, u64), String> {
+) -> Result<(SVector<f64, N>, u64), String> {
+    let end = span.end;
+    let (output, interval) = match span.sample {
+        Some(interval) => (OutputType::Dense, interval),
+        None => (OutputType::Sparse, end),
+    };
     // The crate's defaults but for the number of steps, and for its test of stiffness, which would end runs that go through.
     macro_rules! run {
         ($solver:ident, $beta:expr, $least:expr, $most:expr) => {{
@@ -150,7 +280,7 @@ pub(crate) fn solve(
                 equations,
                 0.0,
                 end,
-                end,
+                interval,
                 start,
                 tolerance,
                 tolerance,
@@ -162,7 +292,7 @@ pub(crate) fn solve(
                 0.0,
                 MOST_STEPS,
                 u32::MAX,
-                OutputType::Sparse,
+                output,
             );
             let stats = solver.integrate().map_err(|error| error.to_string())?;
             let y = *solver.y_out().last().ok_or("no output")?;

@@ -4,7 +4,7 @@ use tumble::glam::{DMat3, DVec3};
 use tumble::{
     BogackiShampine32, Coin, ContactPoint, Coulomb, DormandPrince54, EnergyMomentum, FlatGround,
     Flight, Gravity, Integrator, Nystrom, RigidPointBody, Rk4, Sample, SlidingFriction,
-    SpringDamperGround, State, Stepper, StrangSplitting, UniformGravity,
+    SpringDamperGround, State, Stepper, StrangSplitting, Timed, UniformGravity,
 };
 
 use core::ops::ControlFlow;
@@ -19,6 +19,7 @@ struct Ours<S> {
     settings: String,
     start: State,
     seconds: f64,
+    is_sampled: bool,
 }
 
 /// A body whose mass, inertia and contacts are given.
@@ -66,7 +67,51 @@ where
         true
     }
 
-    fn run(&self, mut watch: Option<Watch<'_>>) -> Result<End, String> {
+    fn is_sampled(&self) -> bool {
+        self.is_sampled
+    }
+
+    fn run(&self, watch: Option<Watch<'_>>) -> Result<End, String> {
+        if self.is_sampled {
+            self.run_sampled(watch)
+        } else {
+            self.run_in_one_call(watch)
+        }
+    }
+}
+
+impl<B, G, F, A, I> Ours<Stepper<f64, B, G, F, A, I>>
+where
+    B: RigidPointBody,
+    G: SpringDamperGround,
+    F: SlidingFriction,
+    A: Gravity,
+    I: Integrator,
+{
+    fn run_sampled(&self, mut watch: Option<Watch<'_>>) -> Result<End, String> {
+        let (mut state, mut steps) = (self.start, 0);
+        let observer = |sample: &Sample<'_>| {
+            steps = sample.step;
+            match &mut watch {
+                Some(watch) => watch(sample.state),
+                None => {
+                    core::hint::black_box(sample.state);
+                }
+            }
+            ControlFlow::Continue(())
+        };
+        let mut samples = Timed::every(super::sample_interval(self.seconds), observer)
+            .map_err(|error| error.to_string())?;
+        let run = self.stepper.run(&mut state, self.seconds, &mut samples);
+        run.map_err(|error| error.to_string())?;
+        Ok(End {
+            state,
+            steps,
+            preparation: 0.0,
+        })
+    }
+
+    fn run_in_one_call(&self, mut watch: Option<Watch<'_>>) -> Result<End, String> {
         let (mut state, mut steps) = (self.start, 0);
         let mut observer = |sample: &Sample<'_>| {
             steps = sample.step;
@@ -89,7 +134,29 @@ where
 const TOLERANCES: [f64; 8] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
 
 /// The library on a scene: each integrator at each of the scene's steps, and with each tolerance.
+/// The methods with a tolerance are sampled at 240 Hz as well.
 pub(crate) fn programs(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, String> {
+    let mut all = with_steps(scene)?;
+    all.extend(with_tolerances(scene, false)?);
+    all.extend(with_tolerances(scene, true)?);
+    if scene.shape == Shape::Free {
+        let time_step = 0.1;
+        for is_sampled in [false, true] {
+            let settings = if is_sampled { "240 Hz" } else { "one step" };
+            let flight = Flight(Rk4 { time_step });
+            all.push(composed(
+                scene,
+                "Flight",
+                settings.into(),
+                flight,
+                is_sampled,
+            )?);
+        }
+    }
+    Ok(all)
+}
+
+fn with_steps(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, String> {
     let mut all: Vec<Box<dyn Program>> = Vec::new();
     let step = super::name_of_step;
     for &time_step in &scene.steps {
@@ -98,6 +165,7 @@ pub(crate) fn programs(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, Stri
             "EnergyMomentum",
             step(time_step),
             EnergyMomentum { time_step },
+            false,
         )?);
     }
     for &time_step in &scene.steps {
@@ -106,10 +174,12 @@ pub(crate) fn programs(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, Stri
             "StrangSplitting",
             step(time_step),
             StrangSplitting { time_step },
+            false,
         )?);
     }
     for &time_step in &scene.steps {
-        all.push(composed(scene, "Rk4", step(time_step), Rk4 { time_step })?);
+        let rk4 = Rk4 { time_step };
+        all.push(composed(scene, "Rk4", step(time_step), rk4, false)?);
     }
     for &time_step in &scene.steps {
         all.push(composed(
@@ -117,12 +187,18 @@ pub(crate) fn programs(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, Stri
             "Nystrom",
             step(time_step),
             Nystrom { time_step },
+            false,
         )?);
     }
+    Ok(all)
+}
+
+fn with_tolerances(scene: &Scene, is_sampled: bool) -> Result<Vec<Box<dyn Program + '_>>, String> {
+    let mut all: Vec<Box<dyn Program>> = Vec::new();
     let (length, time) = scene.scale;
     let longest_step = 0.1 * time;
     for tolerance in TOLERANCES {
-        let settings = format!("tol {tolerance:.0e}");
+        let settings = super::name_of_tolerance(tolerance, is_sampled);
         let tolerance = tolerance * length;
         let low = BogackiShampine32 {
             tolerance,
@@ -134,22 +210,29 @@ pub(crate) fn programs(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, Stri
             longest_step,
             budget: BUDGET,
         };
-        all.extend(match scene.shape {
-            Shape::Free => vec![composed(scene, "DormandPrince54", settings, high)?],
-            _ => vec![
-                composed(scene, "BogackiShampine32", settings.clone(), Flight(low))?,
-                composed(scene, "DormandPrince54", settings, Flight(high))?,
-            ],
-        });
-    }
-    if scene.shape == Shape::Free {
-        let time_step = 0.1;
-        all.push(composed(
-            scene,
-            "Flight",
-            "one step".into(),
-            Flight(Rk4 { time_step }),
-        )?);
+        match scene.shape {
+            Shape::Free => {
+                all.push(composed(
+                    scene,
+                    "DormandPrince54",
+                    settings,
+                    high,
+                    is_sampled,
+                )?);
+            }
+            _ => {
+                let (low, high) = (Flight(low), Flight(high));
+                let (name, label) = ("BogackiShampine32", settings.clone());
+                all.push(composed(scene, name, label, low, is_sampled)?);
+                all.push(composed(
+                    scene,
+                    "DormandPrince54",
+                    settings,
+                    high,
+                    is_sampled,
+                )?);
+            }
+        }
     }
     // The rows of one method stand together.
     all.sort_by_key(|program| program.name().contains("DormandPrince54"));
@@ -157,7 +240,7 @@ pub(crate) fn programs(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, Stri
 }
 
 /// More steps than any scene should take.
-const BUDGET: u32 = 3_000_000;
+const BUDGET: u32 = 500_000;
 
 /// The energy of a state by the library's own books, J.
 pub(crate) fn energy(scene: &Scene) -> Result<impl Fn(&State) -> f64 + use<>, String> {
@@ -173,16 +256,17 @@ fn composed<'a, I: Integrator + 'a>(
     name: &'static str,
     settings: String,
     integrator: I,
+    is_sampled: bool,
 ) -> Result<Box<dyn Program + 'a>, String> {
     let boxed = move || -> Result<Box<dyn Program + 'a>, tumble::SceneError> {
         Ok(match scene.shape {
             Shape::Free => {
                 let stepper = Stepper::new(given(scene))?.with_integrator(integrator)?;
-                Box::new(ours_of(stepper, name, settings, scene))
+                Box::new(ours_of(stepper, name, settings, scene, is_sampled))
             }
             Shape::Ball(_) => {
                 let stepper = composed_of(scene, given(scene), integrator)?;
-                Box::new(ours_of(stepper, name, settings, scene))
+                Box::new(ours_of(stepper, name, settings, scene, is_sampled))
             }
             Shape::Coin(radius) => {
                 let points = vec![ContactPoint::default(); scene.law.contacts.len()];
@@ -192,6 +276,7 @@ fn composed<'a, I: Integrator + 'a>(
                     name,
                     settings,
                     scene,
+                    is_sampled,
                 ))
             }
         })
@@ -199,13 +284,20 @@ fn composed<'a, I: Integrator + 'a>(
     boxed().map_err(|error| error.to_string())
 }
 
-fn ours_of<S>(stepper: S, name: &'static str, settings: String, scene: &Scene) -> Ours<S> {
+fn ours_of<S>(
+    stepper: S,
+    name: &'static str,
+    settings: String,
+    scene: &Scene,
+    is_sampled: bool,
+) -> Ours<S> {
     Ours {
         stepper,
         name,
         settings,
         start: scene.soft.start,
         seconds: scene.seconds,
+        is_sampled,
     }
 }
 

@@ -1,0 +1,319 @@
+//! The robust protocol: the cheapest setting for an error that every smaller setting keeps as well.
+//!
+//! A step size counts only if each smaller one of the grid holds the error, so that no lucky step is
+//! reported: multiples of 0.05 ms up to 5 ms, above that 1 % from one to the next, and below it
+//! halves down to 6.25 µs. A tolerance counts only if each smaller one holds, ten a decade. No
+//! constant of the crate was chosen with this grid.
+//!
+//! The cost of a setting is its time over that of a plain Rk4 at the Rk4's own robust step, in turns
+//! in one run.
+
+use core::error::Error;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use tumble::State;
+use tumble::trade::{Method, Setting};
+
+use crate::robust_scenes::{Case, Family, cases};
+
+/// m
+const ERRORS: [f64; 3] = [1e-2, 1e-4, 1e-6];
+/// m; the error of the tables in README and guide.
+const HEADLINE: f64 = 1e-4;
+/// s
+const GRID: f64 = 5e-5;
+/// s; below this the grid is even, above it grows by 1 %.
+const EVEN_UP_TO: f64 = 5e-3;
+/// s
+const LONGEST_STEP: f64 = 5e-2;
+/// Each cost is the least of so many turns.
+const TURNS: usize = 15;
+
+/// What is compared: a method of the crate, or a Rk4 as one would write it by hand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Program {
+    Plain,
+    Ours(Method),
+}
+
+impl Program {
+    const ALL: [Self; 7] = [
+        Self::Plain,
+        Self::Ours(Method::Rk4),
+        Self::Ours(Method::StrangSplitting),
+        Self::Ours(Method::EnergyMomentum),
+        Self::Ours(Method::Nystrom),
+        Self::Ours(Method::BogackiShampine32),
+        Self::Ours(Method::DormandPrince54),
+    ];
+
+    fn name(self) -> String {
+        match self {
+            Self::Plain => "a Rk4 written by hand".into(),
+            Self::Ours(method) => format!("`{}`", method.name()),
+        }
+    }
+
+    fn has_tolerance(self) -> bool {
+        matches!(self, Self::Ours(method) if method.has_tolerance())
+    }
+
+    /// The grid, from the smallest setting on.
+    fn grid(self) -> Vec<f64> {
+        if self.has_tolerance() {
+            return (-100..=-10)
+                .map(|tenth| 10_f64.powf(f64::from(tenth) / 10.0))
+                .collect();
+        }
+        let halves = (1..=3).rev().map(|k| GRID / f64::from(1_u32 << k));
+        let even = (1_u32..)
+            .map(|k| GRID * f64::from(k))
+            .take_while(|&step| step <= EVEN_UP_TO);
+        let growing = core::iter::successors(Some(EVEN_UP_TO * 1.01), |step| Some(step * 1.01));
+        halves
+            .chain(even)
+            .chain(growing.take_while(|&step| step <= LONGEST_STEP))
+            .collect()
+    }
+
+    /// The end of a run with this setting, and its time, s; nothing if the run failed.
+    fn run(self, case: &Case, value: f64) -> Option<(State, f64)> {
+        match self {
+            Self::Plain => Some(case.plain(value)),
+            Self::Ours(method) => case.run(Setting {
+                method,
+                knob: value,
+                flight: method.has_tolerance(),
+            }),
+        }
+    }
+}
+
+/// The largest robust setting of a program on a scene for each of [`ERRORS`].
+struct Found {
+    program: Program,
+    settings: [Option<f64>; ERRORS.len()],
+    /// Over the plain Rk4's, for each of [`ERRORS`].
+    costs: [Option<f64>; ERRORS.len()],
+}
+
+/// Measures the cases whose names hold `wanted`; prints a table, writes `robust.csv`, and with `write` the tables of README and guide.
+pub(crate) fn run(wanted: &str, write: bool, folder: &Path) -> Result<(), Box<dyn Error>> {
+    fs::create_dir_all(folder)?;
+    let cases: Vec<Case> = (cases()?.into_iter())
+        .filter(|case| case.name.contains(wanted))
+        .collect();
+    let bar = ProgressBar::new((cases.len() * Program::ALL.len()) as u64).with_style(
+        ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} of about {duration}  {msg}")?,
+    );
+    let mut measured = Vec::new();
+    for case in &cases {
+        let mut found: Vec<Found> = Vec::new();
+        for program in Program::ALL {
+            bar.set_message(format!("{}, {}", case.name, program.name()));
+            found.push(largest_robust(case, program));
+            bar.inc(1);
+        }
+        add_costs(case, &mut found);
+        measured.push((case, found));
+    }
+    bar.finish_and_clear();
+    fs::write(folder.join("robust.csv"), csv(&measured))?;
+    let tables = tables(&measured);
+    println!("{tables}");
+    if write {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        put_between_marks(&root.join("README.md"), &summary(&measured))?;
+        put_between_marks(&root.join("src/guide/choosing.md"), &tables)?;
+    }
+    Ok(())
+}
+
+/// From the smallest setting on, until one misses the error.
+fn largest_robust(case: &Case, program: Program) -> Found {
+    let mut settings = [None; ERRORS.len()];
+    let mut holds = ERRORS.map(|error| error >= 3.0 * case.resolution);
+    for value in program.grid() {
+        let error = program
+            .run(case, value)
+            .map_or(f64::INFINITY, |(end, _)| case.error(&end));
+        for (i, wanted) in ERRORS.into_iter().enumerate() {
+            holds[i] &= error <= wanted;
+            if holds[i] {
+                settings[i] = Some(value);
+            }
+        }
+        if !holds.contains(&true) {
+            break;
+        }
+    }
+    Found {
+        program,
+        settings,
+        costs: [None; ERRORS.len()],
+    }
+}
+
+/// Times the robust settings in turns and compares them with the plain Rk4's.
+fn add_costs(case: &Case, found: &mut [Found]) {
+    for i in 0..ERRORS.len() {
+        let mut least = vec![f64::INFINITY; found.len()];
+        for _ in 0..TURNS {
+            for (least, found) in least.iter_mut().zip(found.iter()) {
+                let run = found.settings[i].and_then(|value| found.program.run(case, value));
+                *least = least.min(run.map_or(f64::INFINITY, |(_, seconds)| seconds));
+            }
+        }
+        let plain = least[0];
+        for (found, least) in found.iter_mut().zip(least) {
+            found.costs[i] = (least.is_finite() && plain.is_finite()).then_some(least / plain);
+        }
+    }
+}
+
+type Measured<'a> = [(&'a Case, Vec<Found>)];
+
+fn csv(measured: &Measured<'_>) -> String {
+    let mut text = "scene,program,error_m,setting,cost_of_plain_rk4\n".to_owned();
+    let cell = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:e}"));
+    for (case, all) in measured {
+        for found in all {
+            for (i, error) in ERRORS.iter().enumerate() {
+                let (setting, cost) = (cell(found.settings[i]), cell(found.costs[i]));
+                let name = found.program.name().replace('`', "");
+                let _ = writeln!(text, "{},{name},{error:e},{setting},{cost}", case.name);
+            }
+        }
+    }
+    text
+}
+
+/// The summary, and a table with a row a scene.
+fn tables(measured: &Measured<'_>) -> String {
+    let mut text = summary(measured);
+    let _ = write!(
+        text,
+        "\nThe same scene by scene, setting and cost:\n\n| within {HEADLINE:e} m |"
+    );
+    for program in Program::ALL {
+        let _ = write!(text, " {} |", program.name());
+    }
+    let _ = writeln!(text, "\n|---|{}", "---|".repeat(Program::ALL.len()));
+    let i = headline();
+    for (case, all) in measured {
+        let _ = write!(text, "| {} |", case.name);
+        for found in all {
+            let cell = match (found.settings[i], found.costs[i]) {
+                (Some(value), Some(cost)) => {
+                    format!("{}, {cost:.2}", setting(found.program, value))
+                }
+                (Some(value), None) => setting(found.program, value),
+                _ => "none".into(),
+            };
+            let _ = write!(text, " {cell} |");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Best, median and worst over the scenes of a family, for [`HEADLINE`].
+fn summary(measured: &Measured<'_>) -> String {
+    let mut text = format!(
+        "| within {HEADLINE:e} m | setting: best, median, worst | cost of the hand-written Rk4: best, median, worst |\n|---|---|---|\n"
+    );
+    for (family, title) in [
+        (Family::Trial, "eight trials"),
+        (Family::Toss, "eight tosses"),
+    ] {
+        for program in Program::ALL {
+            let of_family = || {
+                (measured.iter())
+                    .filter(move |(case, _)| case.family == family)
+                    .flat_map(|(_, all)| all)
+                    .filter(move |found| found.program == program)
+            };
+            let i = headline();
+            let settings = spread(of_family().map(|found| found.settings[i]), f64::total_cmp);
+            let costs = spread(of_family().map(|found| found.costs[i]), |a, b| {
+                b.total_cmp(a)
+            });
+            let settings =
+                settings.map(|value| value.map_or("none".into(), |v| setting(program, v)));
+            let costs = costs.map(|value| value.map_or("-".into(), |cost| format!("{cost:.2}")));
+            let _ = writeln!(
+                text,
+                "| {title}, {} | {} | {} |",
+                program.name(),
+                settings.join(", "),
+                costs.join(", ")
+            );
+        }
+    }
+    text
+}
+
+/// Best, median (of an even number, the worse of the two) and worst, where `order` sorts from worst to best and nothing is worst.
+fn spread(
+    values: impl Iterator<Item = Option<f64>>,
+    order: impl Fn(&f64, &f64) -> core::cmp::Ordering,
+) -> [Option<f64>; 3] {
+    let mut all: Vec<Option<f64>> = values.collect();
+    all.sort_by(|a, b| match (a, b) {
+        (Some(a), Some(b)) => order(a, b),
+        _ => a.is_some().cmp(&b.is_some()),
+    });
+    let at = |index: usize| all.get(index).copied().flatten();
+    [
+        at(all.len().wrapping_sub(1)),
+        at((all.len().max(1) - 1) / 2),
+        at(0),
+    ]
+}
+
+fn headline() -> usize {
+    ERRORS
+        .iter()
+        .position(|&error| error.to_bits() == HEADLINE.to_bits())
+        .unwrap_or(0)
+}
+
+/// `9.9 ms`, or `3.2e-5 m` for a tolerance; rounded down, so that what is shown holds too.
+fn setting(program: Program, value: f64) -> String {
+    if program.has_tolerance() {
+        return format!("{value:.1e} m");
+    }
+    let milliseconds = value * 1e3;
+    let digits = if milliseconds >= EVEN_UP_TO * 1e3 {
+        10.0
+    } else {
+        1e4
+    };
+    format!("{} ms", (milliseconds * digits + 1e-6).floor() / digits)
+}
+
+/// Replaces what stands between the marks of this table.
+fn put_between_marks(path: &Path, table: &str) -> Result<(), Box<dyn Error>> {
+    let text = fs::read_to_string(path)?;
+    let [begin, end] = ["<!-- robust: begin", "<!-- robust: end -->"];
+    let first = text.find(begin).ok_or("the page has lost its mark")?;
+    let body = first + text[first..].find("-->").ok_or("the mark has no end")? + 3;
+    let last = text.find(end).ok_or("the page has lost its end mark")?;
+    fs::write(
+        path,
+        format!("{}\n\n{table}\n{}", &text[..body], &text[last..]),
+    )?;
+    println!("written: {}", path.display());
+    Ok(())
+}
+
+/// Seconds that a closure takes, and its result.
+pub(crate) fn timed<T>(program: impl FnOnce() -> T) -> (T, f64) {
+    let clock = Instant::now();
+    let result = program();
+    (result, clock.elapsed().as_secs_f64())
+}
