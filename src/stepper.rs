@@ -699,7 +699,9 @@ impl<R: Real> Clock<R> {
     #[inline]
     fn tick(&mut self, step: &Step<R>) -> Result<(), StepError> {
         let corrected = step.elapsed - self.lost;
-        let takes_time = corrected > -self.lost;
+        // Below ε² of the time Kahan's sum holds no further digits.
+        let resolution = self.time * (R::EPSILON * R::EPSILON);
+        let takes_time = corrected > -self.lost && step.elapsed > resolution;
         if !takes_time {
             return Err(StepError::Stalled);
         }
