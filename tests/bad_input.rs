@@ -2036,7 +2036,6 @@ fn a_run_of_more_samples_than_can_be_told_apart_is_refused() {
         let Err(error @ StepError::TooManySamples { .. }) = answer else {
             panic!("{answer:?}");
         };
-        drop(both);
         assert_eq!(shown, 0);
         assert_eq!(
             error.to_string(),

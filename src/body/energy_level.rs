@@ -43,7 +43,8 @@ impl<R: Real> MassProperties<R> {
         let shift = R::Vec3::new(shift_x, shift_y, shift_z);
         // The rotation from there to here, by the half angle's tangent: (d × p)/(p·p + p·(p + d)).
         let scale = here.length_squared() * R::TWO + here.dot(shift);
-        if !(scale > R::ZERO) {
+        let is_less_than_a_turn = scale > R::ZERO;
+        if !is_less_than_a_turn {
             return rotated;
         }
         let argument = self
@@ -124,7 +125,8 @@ impl<R: Real> MassProperties<R> {
     /// By how much an angular momentum must change to lie on the curve, principal axes.
     fn shift_onto(&self, level: EnergyLevel<R>, momentum: [R; 3]) -> [R; 3] {
         let (distance, beside) = self.distance(level.pole, momentum);
-        if !(distance > R::ZERO) {
+        let is_off_the_pole = distance > R::ZERO;
+        if !is_off_the_pole {
             return [R::ZERO; 3];
         }
         // σ² - 1 and σ - 1, small where the error is, so that nothing cancels.

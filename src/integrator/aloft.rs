@@ -137,7 +137,9 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
         };
         let ceiling = self.ceiling;
         let mut excess = excess_of(after.rotation, ceiling);
-        if excess == R::ZERO || !(excess.abs() <= before * (R::EPSILON * R::from_f64(UNITS))) {
+        // False for a NaN, too.
+        let is_rounding = excess.abs() <= before * (R::EPSILON * R::from_f64(UNITS));
+        if excess == R::ZERO || !is_rounding {
             return;
         }
         let (end, momentum) = (self.end, self.end.angular_momentum);
@@ -150,7 +152,8 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
         for trial in 0..TURNS {
             angle += excess;
             let mut turn = slope * -(angle * per_square);
-            if trial >= SLOPES || !(turn.length_squared() <= few * few) {
+            let is_small = turn.length_squared() <= few * few;
+            if trial >= SLOPES || !is_small {
                 turn = last_places::<R>(trial);
             }
             let turned = (Rotation::from_half_vector(turn * R::HALF).after(rotation)).normalised();

@@ -207,7 +207,8 @@ impl<R: Real> Slips<R> {
             let distance_of = |zero: Complex<R>| zero.minus(Complex(place, R::ZERO)).length();
             let distance = distance_of(zero);
             // Far from the arc, at infinity, or not a number where nothing slips.
-            if !(distance < R::from_f64(SMOOTH)) {
+            let is_near = distance < R::from_f64(SMOOTH);
+            if !is_near {
                 continue;
             }
             kinks.add_points(if distance < R::from_f64(4.0) { 8 } else { 6 });
@@ -282,7 +283,8 @@ impl<R: Real> Slips<R> {
         let per_slip = |slip: Complex<R>| friction(slip) / slip.length();
         let ratio = per_slip(far) / per_slip(near);
         // Not a number without friction.
-        if !(ratio < R::ONE) {
+        let falls = ratio < R::ONE;
+        if !falls {
             return R::MAX;
         }
         let slip_speed = (ratio * far.length() - near.length()) / (R::ONE - ratio);
