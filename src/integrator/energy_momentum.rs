@@ -411,7 +411,8 @@ fn gather<R: Real, D: Dynamics<R>>(
     let bend = bend.at_most(R::TWO * problem.reach + dt * dt * scene.gravity().length());
     let fall = dt * -motion.linear_velocity.dot(plane.normal);
     let tilt = spin.cross(plane.normal);
-    let swing = dt * tilt.length() * problem.reach;
+    // However many turns it makes, a contact stays within the reach.
+    let swing = (dt * tilt.length() * problem.reach).at_most(R::TWO * problem.reach);
     let margin = (fall + swing).at_least(R::ZERO) + bend;
     let run = scene.contacts_within(margin, motion.position, &motion.axes);
     // -n · (ω × r) = (ω × n) · r

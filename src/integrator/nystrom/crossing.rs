@@ -21,6 +21,10 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>>(
     if first.run.count == 0 && last.run.count == 0 {
         return end;
     }
+    // So short a step moves nothing, and rounding of a depth would be an infinite speed.
+    if !(R::ONE / seconds).is_finite() {
+        return end;
+    }
     let motion = end.motion(scene);
     let missed = missed(scene, stages, &motion, seconds);
     if missed.speeds.touching == 0 {
