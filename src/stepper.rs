@@ -699,8 +699,8 @@ impl<R: Real> Clock<R> {
     #[inline]
     fn tick(&mut self, step: &Step<R>) -> Result<(), StepError> {
         let corrected = step.elapsed - self.lost;
-        // Below ε² of the time Kahan's sum holds no further digits.
-        let resolution = self.time * (R::EPSILON * R::EPSILON);
+        // Far below ε² of the time the sum holds no further digits.
+        let resolution = self.time * (R::EPSILON * R::EPSILON * R::from_f64(0.25));
         let takes_time = corrected > -self.lost && step.elapsed > resolution;
         if !takes_time {
             return Err(StepError::Stalled);
