@@ -36,7 +36,7 @@ use reference::{Node, Works};
 ///   is missed. The ledger must see every step: it is not meant for [`Every`](crate::Every).
 /// - *Mean velocities.* [`EnergyMomentum`](crate::EnergyMomentum) is accurate in the mean velocity
 ///   of a step, and the exact motion starts from the velocity at its end. The stated energy error
-///   is up to some tens of times the difference from the true energy, and of order 2 as that is.
+///   is up to about 200 times the difference from the true energy, and of order 2 as that is.
 ///
 /// One ledger may watch several runs. The audit goes on over the pause. What the state gained
 /// between two runs, by a push of the user for example, is *handed in*. Use

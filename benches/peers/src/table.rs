@@ -120,7 +120,11 @@ pub(crate) fn first_page(measured: &[(Scene, Vec<Row>)]) -> String {
         let mut line = vec![scene.name.to_string()];
         line.extend(peers.iter().map(|(_, name, is_sampled)| {
             let found = outcomes(rows, name, *is_sampled);
-            if found.is_empty() { "-".into() } else { range(&found) }
+            if found.is_empty() {
+                "-".into()
+            } else {
+                range(&found)
+            }
         }));
         line
     });

@@ -31,6 +31,7 @@ pub(super) fn after(start: &State, coefficient: f64, seconds: f64) -> Result<Sta
     let span = Span {
         end: seconds,
         sample: None,
+        most_steps: 500_000,
     };
     let (y, _) = solve(hoop, Method::Dop853, span, pack(start), 1e-10)?;
     Ok(unpack(&y))

@@ -8,6 +8,8 @@ pub(crate) mod stiff;
 
 use tumble::State;
 
+use crate::law::Law;
+
 /// Sees the states of a run, the first and that after each step.
 pub(crate) type Watch<'a> = &'a mut dyn FnMut(&State);
 
@@ -62,6 +64,15 @@ fn name_of_step(time_step: f64) -> String {
 fn name_of_tolerance(tolerance: f64, is_sampled: bool) -> String {
     let samples = if is_sampled { ", 240 Hz" } else { "" };
     format!("tol {tolerance:.0e}{samples}")
+}
+
+/// Most steps of an adaptive method in a run. What takes more is no choice for the scene.
+fn most_steps(law: &Law) -> u32 {
+    if law.contacts.is_empty() {
+        500_000
+    } else {
+        100_000
+    }
 }
 
 /// Samples a second of a program that is sampled: four for each picture of a film.

@@ -167,9 +167,6 @@ impl System<f64, FreeVector> for FreeEquations<'_, '_> {
     }
 }
 
-/// More steps than any scene should take.
-const MOST_STEPS: u32 = 500_000;
-
 impl Program for OdeSolvers<'_> {
     fn name(&self) -> String {
         let axes = match self.form {
@@ -248,6 +245,7 @@ impl OdeSolvers<'_> {
     fn span(&self, units: Units) -> Span {
         Span {
             end: self.seconds / units.time,
+            most_steps: super::most_steps(self.law),
             sample: (self.is_sampled).then(|| super::sample_interval(self.seconds) / units.time),
         }
     }
@@ -258,6 +256,7 @@ impl OdeSolvers<'_> {
 pub(crate) struct Span {
     pub(crate) end: f64,
     pub(crate) sample: Option<f64>,
+    pub(crate) most_steps: u32,
 }
 
 /// The end of a run from time 0, and how many steps it took, with the rejected ones.
@@ -290,7 +289,7 @@ pub(crate) fn solve<const N: usize>(
                 $most,
                 end,
                 0.0,
-                MOST_STEPS,
+                span.most_steps,
                 u32::MAX,
                 output,
             );

@@ -203,12 +203,12 @@ fn with_tolerances(scene: &Scene, is_sampled: bool) -> Result<Vec<Box<dyn Progra
         let low = BogackiShampine32 {
             tolerance,
             longest_step,
-            budget: BUDGET,
+            budget: super::most_steps(&scene.law),
         };
         let high = DormandPrince54 {
             tolerance,
             longest_step,
-            budget: BUDGET,
+            budget: super::most_steps(&scene.law),
         };
         match scene.shape {
             Shape::Free => {
@@ -238,9 +238,6 @@ fn with_tolerances(scene: &Scene, is_sampled: bool) -> Result<Vec<Box<dyn Progra
     all.sort_by_key(|program| program.name().contains("DormandPrince54"));
     Ok(all)
 }
-
-/// More steps than any scene should take.
-const BUDGET: u32 = 500_000;
 
 /// The energy of a state by the library's own books, J.
 pub(crate) fn energy(scene: &Scene) -> Result<impl Fn(&State) -> f64 + use<>, String> {

@@ -23,9 +23,6 @@ pub(crate) struct Bdf<'a> {
     pub(crate) is_sampled: bool,
 }
 
-/// More steps than any scene should take.
-const MOST_STEPS: u64 = 300_000;
-
 type Matrix = NalgebraMat<f64>;
 
 impl Program for Bdf<'_> {
@@ -81,7 +78,9 @@ impl Program for Bdf<'_> {
             }
             match reason {
                 OdeSolverStopReason::TstopReached => break,
-                _ if steps >= MOST_STEPS => return Err("too many steps".into()),
+                _ if steps >= u64::from(super::most_steps(self.law)) => {
+                    return Err("too many steps".into());
+                }
                 _ => {}
             }
         }
