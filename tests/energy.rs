@@ -396,6 +396,10 @@ impl SlidingFriction for Film {
             growth: 1.0 - self.drag / coefficient,
         }
     }
+    /// The film moves along with the body and pushes it where the body falls behind: no check of it.
+    fn is_trusted(&self) -> bool {
+        true
+    }
 }
 
 /// How a leaning body is kept in balance, beside gravity.

@@ -241,6 +241,10 @@ mod copies {
         fn order(&self) -> u32 {
             1
         }
+        // By this a run knows that its last step is a whole one.
+        fn fixed_step(&self) -> Option<f64> {
+            Some(self.0)
+        }
         fn check(&self) -> Result<(), SceneError> {
             error::above_zero("time step", self.0, " s")
         }
