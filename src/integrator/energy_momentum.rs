@@ -225,7 +225,8 @@ fn move_on<R: Real, D: Dynamics<R>>(
             if let Some(lower) = descent::step(scene, state, energy.total(), seconds, &mut step) {
                 (*state, energy) = lower;
             }
-            if descent::is_left_in_the_air(scene, [&from, state], seconds) {
+            let is_stuck = descent::is_left_in_the_air(scene, [&from, state], seconds);
+            if is_stuck && descent::is_unresolved(scene, &from, seconds) {
                 return Err(too_long(dt));
             }
             done += length;
