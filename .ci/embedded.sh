@@ -12,10 +12,10 @@ cross_tools "$work"
 
 # Bytes of code and constants, and of stack, that a program may take on the Cortex-M4F.
 programs=(
-  'symplectic_euler_f32 24576 4096'
-  'symplectic_euler_f64 49152 6144'
-  'energy_momentum_f32 57344 4096'
-  'energy_momentum_f64 110592 8192'
+  'symplectic_euler_f32 25600 4096'
+  'symplectic_euler_f64 51200 6144'
+  'energy_momentum_f32 73728 4352'
+  'energy_momentum_f64 126976 8192'
 )
 build() { cargo build -q --release --locked --manifest-path examples/embedded/Cargo.toml "$@"; }
 build --bins
