@@ -30,7 +30,7 @@ use crate::real::Real;
 /// use tumble::{LoadDependentCoulomb, SlidingFriction};
 ///
 /// let acrylic = LoadDependentCoulomb {
-///     coefficient: 0.25,
+///     coefficient: 0.25_f64,
 ///     transition_load: 50.0,
 ///     slip_speed: 1e-3,
 /// };
