@@ -65,7 +65,7 @@ use problem::Problem;
 ///
 /// - *Order* 2, also where contacts begin: the mean force over the step integrates the damper's jump.
 /// - *Conserves* the energy where nothing takes it, to the rounding of each step.
-/// - *Stable* at any step. A step in which free motion would go beyond 4.5e15 sizes of the body may
+/// - *Stable* at any step. A step in which free motion would go beyond 1e25 sizes of the body may
 ///   return [`StepTooLong`](crate::StepError::StepTooLong).
 /// - *Accurate* where the step resolves the contact: `dt < 1/ω`, with `ω = √(K/m)` and `K` the stiffness of all contacts that touch. Beyond it a bounce without dampers still
 ///   keeps its energy, but not its timing, and one with dampers not its restitution; friction that stops a body within a step stops it at the step's end. [`guide::accuracy`](crate::guide::accuracy) goes through the extremes.

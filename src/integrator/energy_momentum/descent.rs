@@ -61,10 +61,10 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     None
 }
 
-/// A motion by so many sizes of the body is not resolved: f64 has no digit left for the body itself.
-/// In f32 it has none after 1e7, but steps of up to 1e11 sizes still end where the energy is lower;
-/// `tests/extremes.rs` goes so far.
-const FARTHEST: f64 = 4.5e15;
+/// A step whose free motion goes beyond so many sizes of the body may be refused. Rounding hides the
+/// body long before, from 4.5e15 sizes on in f64 and 1e7 in f32. Up to here such steps still end
+/// where the energy is lower, as `tests/extremes.rs` shows.
+const FARTHEST: f64 = 1e25;
 
 /// Whether free motion for so long goes so far that rounding hides where it ends.
 #[cold]
