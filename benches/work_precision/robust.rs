@@ -9,7 +9,7 @@
 //! in one run.
 
 use core::error::Error;
-use std::fmt::Write as _;
+use core::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
