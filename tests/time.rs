@@ -1,7 +1,7 @@
 //! Time: a run ends at the asked time, samples come at the times that are asked for, and nobody's looking changes the path.
 
 // Helpers of these tests fail by panicking, like the tests.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 // The bits of times are compared, and few looks counted.
 #![allow(
     clippy::float_cmp,
@@ -283,7 +283,6 @@ fn samples_come_to_the_end<R: Real>() {
             let mut state = start.with_linear_velocity(Vector::new(R::ONE, R::ZERO, R::ZERO));
             let seconds = R::from_f64(seconds);
             stepper.run(&mut state, seconds, &mut film).unwrap();
-            drop(film);
             assert_eq!(
                 times.len(),
                 count as usize + 1,
