@@ -11,7 +11,7 @@ use kit::{cases, directions, log_uniform, orientations};
 use proptest::prelude::*;
 use tumble::contract::{Battery, check_body};
 use tumble::f64::{Capsule, Cone, MassDistribution, Rotation};
-use tumble::glam::{DMat3, DQuat, DVec3};
+use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::{
     ContactPoint, Cuboid, Ellipsoid, Face, FlatGround, MassProperties, PointCloud, PointMass,
     RigidPointBody, Rod, Side, Solid, SolidCoin, Sphere, State, Stepper, UniformGravity,
@@ -469,4 +469,15 @@ fn a_capsule_that_slides_across_its_axis_comes_to_roll_at_the_speed_of_its_momen
         "{} {expected}",
         state.linear_velocity.y
     );
+}
+
+#[test]
+fn an_energy_of_rotation_that_overflows_is_not_finite() {
+    // |L|² overflows, and the part along the symmetry axis takes infinity from it again.
+    let coin = Stepper::new(tumble::f32::Coin::ring(1.0, 0.5)).unwrap();
+    for direction in [Vec3::X, Vec3::Z, Vec3::new(0.3, -0.2, 0.9)] {
+        let state = tumble::f32::State::at(Vec3::ZERO).with_angular_momentum(direction * 1e30);
+        let rotation = coin.energy(&state).rotation;
+        assert!(!rotation.is_finite(), "{direction}: {rotation} J");
+    }
 }

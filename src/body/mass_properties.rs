@@ -263,7 +263,9 @@ impl<R: Real> MassProperties<R> {
         if self.is_asymmetric() {
             add(&self.asymmetry);
         }
-        ((square * common + rest) * R::HALF).at_least(R::ZERO)
+        let energy = (square * common + rest) * R::HALF;
+        // Written so that the NaN of squares that overflow stays one.
+        if energy < R::ZERO { R::ZERO } else { energy }
     }
 
     /// The angular momentum without what the body cannot have: what an implicit step's regular inertia lets rounding leave about an axis without a moment.
