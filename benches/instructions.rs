@@ -1,6 +1,7 @@
 //! A fixed number of steps and nothing else, for `callgrind` to count: see `.ci/instructions`.
 //!
-//! `instructions INTEGRATOR PHASE POINTS STEPS`, with `round` for a rim without points; the instructions of a step are the difference of two counts over the difference of their steps.
+//! `instructions INTEGRATOR PHASE POINTS STEPS`, with `round` for a rim without points; the
+//! instructions of a step are the difference of two counts over the difference of their steps.
 
 // A count that cannot be taken ends.
 #![allow(clippy::unwrap_used, clippy::panic)]

@@ -1,31 +1,42 @@
-//! Ratios of speed, each of two programs that take turns in one run: what a busy machine can still tell.
+//! Ratios of speed, each of two programs that take turns in one run: what a busy machine can still
+//! tell.
 //!
-//! Prints the ns a step of both (the fastest turn) and their ratio: the median over the turns, with its quartiles. The report's loop is the yardstick of
-//! the first rows.
+//! Prints the ns a step of both (the fastest turn) and their ratio: the median over the turns, with
+//! its quartiles. The report's loop is the yardstick of the first rows.
 //!
 //! # What remains
 //!
-//! A step of `SymplecticEuler` of the coin with 120 points, upright, where 4 of them touch, takes 969 instructions (`.ci/instructions`; its parts by `callgrind --dump-instr=yes` on the bench `instructions`):
+//! A step of `SymplecticEuler` of the coin with 120 points, upright, where 4 of them touch, takes
+//! 969 instructions (`.ci/instructions`; its parts by `callgrind --dump-instr=yes` on the bench
+//! `instructions`):
 //!
-//! * 445 for the body, as many as a step in flight: the rotation matrix, the angular velocity, the turn by two quaternion products, two normalisations, the finite check,
-//!   and the state from and to memory. A third of it is arithmetic; most of the rest are moves, because SSE2's operations overwrite an operand and a state with its
-//!   matrix does not fit into 16 registers.
-//! * 110 to find the arc: how far the body's axes rise, and the heights of the points on both sides of the two ends that it had a step ago.
-//! * 60 to put what all contacts share into both lanes, 120 for each pair of contacts with their sums, 110 for one that is left over: its arm, velocity, force and torque. Sums of force times place in
-//!   the body, from which the torque of all follows, save nothing with a few contacts: the velocity for each metre along three axes and the torque at the end cost as much as seven arms, and their 28
-//!   numbers go through memory.
+//! * 445 for the body, as many as a step in flight: the rotation matrix, the angular velocity, the
+//!   turn by two quaternion products, two normalisations, the finite check, and the state from and
+//!   to memory. A third of it is arithmetic; most of the rest are moves, because SSE2's operations
+//!   overwrite an operand and a state with its matrix does not fit into 16 registers.
+//! * 110 to find the arc: how far the body's axes rise, and the heights of the points on both sides
+//!   of the two ends that it had a step ago.
+//! * 60 to put what all contacts share into both lanes, 120 for each pair of contacts with their
+//!   sums, 110 for one that is left over: its arm, velocity, force and torque. Sums of force times
+//!   place in the body, from which the torque of all follows, save nothing with a few contacts: the
+//!   velocity for each metre along three axes and the torque at the end cost as much as seven arms,
+//!   and their 28 numbers go through memory.
 //!
 //! On a tilted plane, or with a radius, a contact takes some 130.
 //!
-//! At rest all 120 go abreast, 24 at a time, two in a register: 67 instructions each, and half of their time is the root and the division, which one unit does for
-//! all, 3.1 ns a pair. That is the floor for any program with the report's law.
+//! At rest all 120 go abreast, 24 at a time, two in a register: 67 instructions each, and half of
+//! their time is the root and the division, which one unit does for all, 3.1 ns a pair. That is the
+//! floor for any program with the report's law.
 //!
-//! `Rk4` takes 3060 instructions: 1000 in flight, which are four matrices, four sums of states, and moves of them, and four times the contacts and the search for their arc.
+//! `Rk4` takes 3060 instructions: 1000 in flight, which are four matrices, four sums of states, and
+//! moves of them, and four times the contacts and the search for their arc.
 //!
-//! Memory: the state, the scene and the points walked over, under 1 kB, are in the first cache; at rest 4 kB of points are. Branches: whether the arc ends here is
-//! mispredicted when the number of touching points changes; the others go with the phase. Time: roots and divisions wait for all before them, which is why they come for all contacts before the first
-//! sum; a load of two numbers that were stored one by one waits until both stores have ended;
-//! instruction counts alone mislead.
+//! Memory: the state, the scene and the points walked over, under 1 kB, are in the first cache; at
+//! rest 4 kB of points are. Branches: whether the arc ends here is mispredicted when the number of
+//! touching points changes; the others go with the phase. Time: roots and divisions wait for all
+//! before them, which is why they come for all contacts before the first sum; a load of two numbers
+//! that were stored one by one waits until both stores have ended; instruction counts alone
+//! mislead.
 
 // A bench that cannot go on ends.
 #![allow(clippy::unwrap_used)]
@@ -70,7 +81,8 @@ fn main() {
     whole_trial_1(turns);
 }
 
-/// A round rim against 120 points: in the upright phase of trial 1, and rolling upright at 4 rad/s, where friction turns round twice on the arc.
+/// A round rim against 120 points: in the upright phase of trial 1, and rolling upright at 4 rad/s,
+/// where friction turns round twice on the arc.
 fn against_a_round_rim(turns: usize) {
     let rolls = State::at(DVec3::Z * 0.4999)
         .with_linear_velocity(-DVec3::Y * 2.0)
@@ -277,8 +289,9 @@ fn of_the_phases(turns: usize) {
     );
 }
 
-/// Trial 1 at the report's step by the report's loop and by the library: until the coin lies flat, at some 30 s, and to the report's end at 160 s, of which it spends
-/// 130 s with all of its 120 points on the ground.
+/// Trial 1 at the report's step by the report's loop and by the library: until the coin lies flat,
+/// at some 30 s, and to the report's end at 160 s, of which it spends 130 s with all of its 120
+/// points on the ground.
 fn whole_trial_1(turns: usize) {
     for seconds in [30, 160] {
         let steps = if turns > 1 { seconds * 10_000 } else { 1000 };
@@ -363,8 +376,8 @@ impl RigidPointBody for UserRing {
     }
 }
 
-/// SymplecticEuler of the coin in plain f64, as somebody would write it who needs nothing else: the same model and the same arc, with the library's
-/// vectors but without its traits.
+/// SymplecticEuler of the coin in plain f64, as somebody would write it who needs nothing else: the
+/// same model and the same arc, with the library's vectors but without its traits.
 struct ByHand {
     coin: Ring,
 }

@@ -14,7 +14,8 @@ use tumble::{
 /// The report's time step, s.
 pub(crate) const TIME_STEP: f64 = 1e-4;
 
-/// Steps that a phase lasts. A measurement takes these and starts again, so that the phase stays what its name says.
+/// Steps that a phase lasts. A measurement takes these and starts again, so that the phase stays
+/// what its name says.
 pub(crate) const STEPS: u32 = 1000;
 
 /// What the coin does.
@@ -22,7 +23,8 @@ pub(crate) const STEPS: u32 = 1000;
 pub(crate) enum Phase {
     /// Three metres up and spinning: nothing touches.
     Flight,
-    /// The start of trial 1: it rolls on its rim, 15 degrees from upright; 3 to 6 of 120 points touch.
+    /// The start of trial 1: it rolls on its rim, 15 degrees from upright; 3 to 6 of 120 points
+    /// touch.
     Upright,
     /// Trial 1 at t = 15 s: it tumbles, 16 degrees from flat; 5 to 7 of 120 points touch.
     Tumbling,

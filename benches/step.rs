@@ -1,6 +1,8 @@
-//! ns a step of each integrator in four phases of trial 1, with 12, 120 and 1200 points. `ratios` compares programs, `.ci/instructions` counts instructions.
+//! ns a step of each integrator in four phases of trial 1, with 12, 120 and 1200 points. `ratios`
+//! compares programs, `.ci/instructions` counts instructions.
 //!
-//! Each sample takes 1000 steps from the start of the phase, so that the phase stays what it is: criterion's "µs" are ns a step.
+//! Each sample takes 1000 steps from the start of the phase, so that the phase stays what it is:
+//! criterion's "µs" are ns a step.
 
 mod scenes;
 

@@ -1,12 +1,18 @@
-//! Error against processor time: every integrator over a ladder of steps and tolerances, on six scenes, and on trial 1 with one knob turned at a time.
+//! Error against processor time: every integrator over a ladder of steps and tolerances, on six
+//! scenes, and on trial 1 with one knob turned at a time.
 //!
-//! `cargo bench --bench work_precision` prints the tables (some minutes) and draws them into `target/work_precision`; a word after `--` picks the scenes whose names hold it.
-//! `cargo bench --bench work_precision -- --all` turns all knobs together: every integrator and step or tolerance, `f64` and `f32`, 12, 120 and 1200 points, both laws of friction, three slip speeds, on the six
-//! scenes (ten to twenty minutes; a word picks here, too: `-- --all trial1`). It prints the cheapest setting for an error, a line a combination, and writes every row into `target/work_precision/rows.csv`.
-//! `cargo bench --bench work_precision -- --robust` finds for eight trials and eight tosses the largest setting that every smaller one of a grid keeps within an error, and its cost beside a Rk4
-//! written by hand (some minutes; a word picks). With `--write` it writes the tables of README and guide.
-//! `cargo bench --bench work_precision -- --readme` measures trial 1 alone and draws the README's picture, assets/trade.svg.
-//! The times are the shortest of three runs: compare rows, not machines.
+//! `cargo bench --bench work_precision` prints the tables (some minutes) and draws them into
+//! `target/work_precision`; a word after `--` picks the scenes whose names hold it.
+//! `cargo bench --bench work_precision -- --all` turns all knobs together: every integrator and
+//! step or tolerance, `f64` and `f32`, 12, 120 and 1200 points, both laws of friction, three slip
+//! speeds, on the six scenes (ten to twenty minutes; a word picks here, too: `-- --all trial1`). It
+//! prints the cheapest setting for an error, a line a combination, and writes every row into
+//! `target/work_precision/rows.csv`. `cargo bench --bench work_precision -- --robust` finds for
+//! eight trials and eight tosses the largest setting that every smaller one of a grid keeps within
+//! an error, and its cost beside a Rk4 written by hand (some minutes; a word picks). With `--write`
+//! it writes the tables of README and guide. `cargo bench --bench work_precision -- --readme`
+//! measures trial 1 alone and draws the README's picture, assets/trade.svg. The times are the
+//! shortest of three runs: compare rows, not machines.
 
 // A bench that cannot go on ends.
 #![allow(clippy::unwrap_used)]
@@ -73,7 +79,8 @@ fn main() {
     }
 }
 
-/// What a whole flight costs in closed form and step by step, and what the look for it costs on the ground.
+/// What a whole flight costs in closed form and step by step, and what the look for it costs on the
+/// ground.
 fn flight(turns: u32) {
     let toss = State::at(DVec3::Z)
         .with_linear_velocity(DVec3::new(0.4, -0.2, 6.0))

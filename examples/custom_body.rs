@@ -1,4 +1,5 @@
-//! A body of one's own: a rattleback, which spins one way and not the other. `cargo run --release --example custom_body -- --help`.
+//! A body of one's own: a rattleback, which spins one way and not the other.
+//! `cargo run --release --example custom_body -- --help`.
 
 // A program has std; these lints guard the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
@@ -23,7 +24,8 @@ const ABOUT: &str = "\
 Spins a stone of this file's own, a boat whose mass lies askew to its keel: a rattleback, or celt. Against
 its sense it rattles, stops, and turns back. Its mirror image does the same the other way round, bit by bit.";
 
-// The stone of Garcia & Hubbard (Proc. R. Soc. Lond. A 418, 165, 1988) in size: an ellipsoid of half axes 0.2, 0.03 and 0.02 m has these radii at its bottom, 0.2²/0.02 and 0.03²/0.02.
+// The stone of Garcia & Hubbard (Proc. R. Soc. Lond. A 418, 165, 1988) in size: an ellipsoid of
+// half axes 0.2, 0.03 and 0.02 m has these radii at its bottom, 0.2²/0.02 and 0.03²/0.02.
 /// Radius of the keel, m.
 const KEEL: f64 = 2.0;
 /// Radius across the keel, m.
@@ -34,10 +36,12 @@ const HEIGHT: f64 = 0.02;
 const ARC: f64 = 0.1;
 /// kg
 const MASS: f64 = 1.0;
-/// About the long axis, the broad one and the upright one, kg m²: those of the ellipsoid, `m (b² + c²)/5` and so on.
+/// About the long axis, the broad one and the upright one, kg m²: those of the ellipsoid,
+/// `m (b² + c²)/5` and so on.
 const MOMENTS: DVec3 = DVec3::new(2.6e-4, 8.08e-3, 8.18e-3);
 const GRAVITY: f64 = 9.8;
-/// Of each ball. The stone sinks in by some micrometres: less would be beyond what the gaps between balls round off, more would rub like a plank.
+/// Of each ball. The stone sinks in by some micrometres: less would be beyond what the gaps between
+/// balls round off, more would rub like a plank.
 const STIFFNESS: f64 = 5e5;
 /// rad/s
 const SPIN: f64 = 4.0;
@@ -46,11 +50,12 @@ fn main() -> ExitCode {
     common::main("custom_body", ABOUT, work)
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // The body
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// A boat: balls along an arc under its centre of mass, in the xz plane, so close that they are a smooth keel; and a mass that lies askew to it.
+/// A boat: balls along an arc under its centre of mass, in the xz plane, so close that they are a
+/// smooth keel; and a mass that lies askew to it.
 ///
 /// Body axes: x along the keel, z up.
 #[derive(Debug)]
@@ -103,9 +108,10 @@ impl RigidPointBody for Celt {
         &self.balls
     }
 
-    /// The balls lie on an arc, so those that are low lie beside each other: `ARM |n| cos(φ - φ₀) > CENTRE n_z - BEAM - offset` with φ₀ the lowest place
-    /// (of a stone on its back it may be both ends: then all). One more to each side covers rounding.
-    /// Optional, like `check`: without it each step looks at all balls.
+    /// The balls lie on an arc, so those that are low lie beside each other:
+    /// `ARM |n| cos(φ - φ₀) > CENTRE n_z - BEAM - offset` with φ₀ the lowest place (of a stone on
+    /// its back it may be both ends: then all). One more to each side covers rounding. Optional,
+    /// like `check`: without it each step looks at all balls.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "both numbers are clamped to those of the balls"
@@ -131,9 +137,9 @@ impl RigidPointBody for Celt {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // The runs
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 fn work(options: &Options) -> Outcome<Page> {
     let duration = if options.quick { 2.0 } else { 8.0 };
@@ -186,7 +192,8 @@ fn start(spin: f64) -> State {
         .with_angular_momentum(DVec3::Z * (MOMENTS.z * spin))
 }
 
-/// The image of a state in the xz plane. Angular momentum and the quaternion's vector are axial: of them the mirror keeps what is along y.
+/// The image of a state in the xz plane. Angular momentum and the quaternion's vector are axial: of
+/// them the mirror keeps what is along y.
 fn mirrored(state: &State) -> State {
     let image = |v: DVec3| DVec3::new(v.x, -v.y, v.z);
     let axial = |v: DVec3| DVec3::new(-v.x, v.y, -v.z);
@@ -231,7 +238,8 @@ fn largest(moments: &[Moment], sign: f64) -> f64 {
         .fold(0.0, |most, moment| f64::max(most, sign * moment.spin))
 }
 
-/// Time between the keel's passages of level, of a stone without skew that is let go with a small pitch, s.
+/// Time between the keel's passages of level, of a stone without skew that is let go with a small
+/// pitch, s.
 fn period_of_pitch() -> Outcome<f64> {
     let state = State::at(DVec3::Z * HEIGHT).turned_by(DVec3::Y * 0.005);
     let moments = run(0.0, state, 1.0)?;
@@ -248,9 +256,9 @@ fn period_of_pitch() -> Outcome<f64> {
     Ok((last - first) / (passages.len() - 1) as f64)
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // The pictures
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// One quantity of both runs over time, every fourth step.
 fn picture(

@@ -1,4 +1,5 @@
-//! A ground of the user's own: a valley in which every swing takes as long. `cargo run --release --example custom_ground -- --help`.
+//! A ground of the user's own: a valley in which every swing takes as long.
+//! `cargo run --release --example custom_ground -- --help`.
 
 // A program has std; these lints guard the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
@@ -25,7 +26,8 @@ Lets beads go in a valley whose profile is a cycloid, a terrain that is written 
 /// The circle that makes the cycloid, m.
 const CIRCLE: f64 = 0.1;
 const GRAVITY: f64 = 9.8;
-/// N/m under a bead of 1 kg: it sinks by 20 µm at most, 1e-4 of the smallest radius of curvature on its way.
+/// N/m under a bead of 1 kg: it sinks by 20 µm at most, 1e-4 of the smallest radius of curvature on
+/// its way.
 const STIFFNESS: f64 = 1e6;
 /// Where the beads begin: angles of the circle, rad.
 const STARTS: [f64; 3] = [0.4, 0.9, 1.5];

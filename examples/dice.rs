@@ -1,4 +1,5 @@
-//! Throws dice until they lie: a fair one shows each face alike, by the chi-square test; a loaded one does not. `cargo run --release --example dice -- --help`.
+//! Throws dice until they lie: a fair one shows each face alike, by the chi-square test; a loaded
+//! one does not. `cargo run --release --example dice -- --help`.
 
 // A program has std; these lints guard the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]

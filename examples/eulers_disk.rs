@@ -1,4 +1,5 @@
-//! Euler's disk: a coin that spins down on its rim, ever flatter and ever faster. `cargo run --release --example eulers_disk -- --help`.
+//! Euler's disk: a coin that spins down on its rim, ever flatter and ever faster.
+//! `cargo run --release --example eulers_disk -- --help`.
 
 // A program has std; these lints guard the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
@@ -29,10 +30,12 @@ const STIFFNESS: f64 = 1000.0;
 const DAMPING: f64 = 0.5;
 /// rad.
 const FIRST: f64 = 0.2;
-/// The part of the fall that is compared, rad: above it the start still shows, below it the patch that touches is no small part of the rim.
+/// The part of the fall that is compared, rad: above it the start still shows, below it the patch
+/// that touches is no small part of the rim.
 const WINDOW: [f64; 2] = [0.05, 0.16];
 
-/// What the formulas of a small patch may be off by: the square of its half-angle, which is `∛(3π M g/(n S r α))` = 0.25 rad in the middle of the window.
+/// What the formulas of a small patch may be off by: the square of its half-angle, which is
+/// `∛(3π M g/(n S r α))` = 0.25 rad in the middle of the window.
 const PATCH: f64 = 0.06;
 
 /// Time (s) and angle (rad).
@@ -52,7 +55,8 @@ fn work(options: &Options) -> Outcome<Page> {
         .filter(|&(_, angle)| (WINDOW[0]..=WINDOW[1]).contains(&angle))
         .collect();
     let fit = Fit::of(&fallen);
-    // Power lost: the dampers under the patch take τ M g r α Ω², of the energy (3/2) M g r α, with Ω² α = g/(k r) and k = 1/2 for a ring.
+    // Power lost: the dampers under the patch take τ M g r α Ω², of the energy (3/2) M g r α, with
+    // Ω² α = g/(k r) and k = 1/2 for a ring.
     let rate = 4.0 / 3.0 * DAMPING / STIFFNESS * GRAVITY / RADIUS;
     let slope = rate_of(&fallen);
     let log = |(time, angle): (f64, f64)| ((fit.end - time).log10(), angle.log10());
@@ -131,7 +135,8 @@ fn run(time_step: f64) -> Outcome<(Curve, Vec<Shot>)> {
     let turned =
         State::at(DVec3::ZERO).turned_by(DVec3::Y * (FIRST - core::f64::consts::FRAC_PI_2));
     let axes = turned.rotation().axes();
-    // Depth of the lowest point under the weight, spread along the rim: M g = (n S/2π) (2/3) r sin α φ³ with the half-angle φ of the patch, depth r sin α φ²/2.
+    // Depth of the lowest point under the weight, spread along the rim: M g = (n S/2π) (2/3) r sin
+    // α φ³ with the half-angle φ of the patch, depth r sin α φ²/2.
     let steep = FIRST.sin();
     let patch = (3.0 * core::f64::consts::PI * MASS * GRAVITY
         / (120.0 * STIFFNESS * RADIUS * steep))

@@ -1,4 +1,5 @@
-//! A boiled egg, spun on its side, rises onto its end. `cargo run --release --example rising_egg -- --help`.
+//! A boiled egg, spun on its side, rises onto its end.
+//! `cargo run --release --example rising_egg -- --help`.
 
 // A program has std; these lints guard the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
@@ -143,7 +144,8 @@ fn work(options: &Options) -> Outcome<Page> {
     })
 }
 
-/// The approximation leaves out terms of the relative size `g/(Ω² a)`: 0.032 with the long half-axis a and the 101 rad/s about the vertical that are left at the end.
+/// The approximation leaves out terms of the relative size `g/(Ω² a)`: 0.032 with the long
+/// half-axis a and the 101 rad/s about the vertical that are left at the end.
 const APPROXIMATE: f64 = 0.032;
 
 fn run(duration: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {

@@ -1,6 +1,8 @@
-//! When a round rim, and when points: `Disc` beside rings of 12, 120 and 1200 points with the same stiffness of the whole rim.
+//! When a round rim, and when points: `Disc` beside rings of 12, 120 and 1200 points with the same
+//! stiffness of the whole rim.
 //!
-//! `cargo run --release --example round_rim -- --help`; prints the tables of `Disc`'s documentation; its prices are counted by `.ci/instructions`.
+//! `cargo run --release --example round_rim -- --help`; prints the tables of `Disc`'s
+//! documentation; its prices are counted by `.ci/instructions`.
 
 #[path = "common/table.rs"]
 mod table;
@@ -73,7 +75,8 @@ struct Scene<F, I> {
     seconds: f64,
 }
 
-/// Where it ends, its energy at both ends, and the variation of its vertical acceleration over gravity.
+/// Where it ends, its energy at both ends, and the variation of its vertical acceleration over
+/// gravity.
 struct Ride {
     place: DVec3,
     energy: [f64; 2],
@@ -257,7 +260,8 @@ fn rolling() -> Outcome<()> {
     Ok(())
 }
 
-/// Half of the arc on which the round rim bears its weight upright: `n S r (sin α - α cos α)/π = m g`.
+/// Half of the arc on which the round rim bears its weight upright:
+/// `n S r (sin α - α cos α)/π = m g`.
 fn half_arc() -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..60 {

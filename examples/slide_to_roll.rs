@@ -1,4 +1,5 @@
-//! A ball is set sliding and comes to roll, at five sevenths of its speed. `cargo run --release --example slide_to_roll -- --help`.
+//! A ball is set sliding and comes to roll, at five sevenths of its speed.
+//! `cargo run --release --example slide_to_roll -- --help`.
 
 // A program has std; these lints guard the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
@@ -29,7 +30,8 @@ const SPEED: f64 = 2.0; // m/s
 /// m/s: at a slip of a thousandth of the speed the force is short of Coulomb's by 5e-4.
 const SLIP_SPEED: f64 = 1e-6;
 
-/// What a ball does now and then: time (s), speed (m/s), speed of its rim by the spin (m/s), place (m), energy (J).
+/// What a ball does now and then: time (s), speed (m/s), speed of its rim by the spin (m/s), place
+/// (m), energy (J).
 #[derive(Clone, Copy, Debug)]
 struct Moment {
     time: f64,
@@ -129,7 +131,8 @@ fn figures(name: &str, moments: &[Moment], beta: f64, time_step: f64) -> Vec<Che
     let share = beta / (1.0 + beta);
     let (first, last) = (moments[0], moments[moments.len() - 1]);
     let when = share * SPEED / (COEFFICIENT * GRAVITY);
-    // Until a thousandth of the slip is left, and a step of the time. A moment before the end the force is short by `SLIP_SPEED/slip`.
+    // Until a thousandth of the slip is left, and a step of the time. A moment before the end the
+    // force is short by `SLIP_SPEED/slip`.
     let slack = 1e-3 * when + time_step;
     let rolls = moments.iter().find(|m| m.speed - m.rim < 1e-3 * SPEED);
     let rolls = rolls.copied().unwrap_or(last);

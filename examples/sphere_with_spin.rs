@@ -1,4 +1,5 @@
-//! A tennis ball bounces with topspin, without spin and with backspin; how fast is the court? `cargo run --release --example sphere_with_spin -- --help`.
+//! A tennis ball bounces with topspin, without spin and with backspin; how fast is the court?
+//! `cargo run --release --example sphere_with_spin -- --help`.
 
 // A program has std; these lints guard the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
@@ -33,7 +34,8 @@ const BETA: f64 = 2.0 / 3.0;
 const SPEED: f64 = 30.0;
 const ANGLE: f64 = 16.0;
 const RESTITUTION: f64 = 0.81;
-/// s. A real ball takes 5 ms; a short touch leaves gravity no time to change the bounce: `g · time/speed down`, 1.2e-3.
+/// s. A real ball takes 5 ms; a short touch leaves gravity no time to change the bounce:
+/// `g · time/speed down`, 1.2e-3.
 const CONTACT_TIME: f64 = 1e-3;
 
 /// Places (m) along the court and over it.
@@ -174,7 +176,8 @@ fn film(films: &[Vec<Shot>]) -> Film {
 }
 
 fn near(what: &str, got: f64, expected: f64) -> Check {
-    // Gravity during the touch, and the slip speed over the slip while it grips, of the speed of the ball.
+    // Gravity during the touch, and the slip speed over the slip while it grips, of the speed of
+    // the ball.
     Check::near(
         what,
         "rigid ball: Brody, Phys. Teach. 22, 494 (1984)",
@@ -189,7 +192,8 @@ fn down() -> f64 {
     SPEED * ANGLE.to_radians().sin()
 }
 
-/// The apparent coefficient: what the ball has lost along the court over what it has gained upwards.
+/// The apparent coefficient: what the ball has lost along the court over what it has gained
+/// upwards.
 fn apparent(after: Bounced) -> f64 {
     (SPEED * ANGLE.to_radians().cos() - after.on) / (down() + after.up)
 }

@@ -1,4 +1,5 @@
-//! A tippe top turns upside down, and Jellett's integral says how fast it spins then. `cargo run --release --example tippe_top -- --help`.
+//! A tippe top turns upside down, and Jellett's integral says how fast it spins then.
+//! `cargo run --release --example tippe_top -- --help`.
 
 // A program has std; these lints guard the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
@@ -23,7 +24,8 @@ const ABOUT: &str = "\
 Spins a sphere whose centre of mass is below its middle. Friction at the slipping contact turns it
 upside down, while Jellett's integral -L·a (a from the centre of mass to the contact) stays.";
 
-// The top of Rauch-Wojciechowski, Skoldstam & Glad (Regul. Chaotic Dyn. 10, 333, 2005) and of the papers after it, in SI units.
+// The top of Rauch-Wojciechowski, Skoldstam & Glad (Regul. Chaotic Dyn. 10, 333, 2005) and of the
+// papers after it, in SI units.
 const MASS: f64 = 0.02;
 const RADIUS: f64 = 0.02;
 /// Distance of the centre of mass from the middle, in radii.
@@ -66,7 +68,8 @@ fn work(options: &Options) -> Outcome<Page> {
         .windows(2)
         .map(|pair| pair[1].energy - pair[0].energy);
     let rise = rise.fold(f64::NEG_INFINITY, f64::max);
-    // Upright on its head the arm is R (1 + offset) long and the spin is all about the axis: J = R (1 + offset) I₃ ω.
+    // Upright on its head the arm is R (1 + offset) long and the spin is all about the axis: J = R
+    // (1 + offset) I₃ ω.
     let inverted = first.jellett / (RADIUS * (1.0 + OFFSET) * ALONG * MASS * RADIUS * RADIUS);
     let halves = (drift(&coarse) / drift(&moments)).log2();
     let curve = |value: fn(&Moment) -> f64| moments.iter().map(|m| (m.time, value(m))).collect();
@@ -126,7 +129,8 @@ fn work(options: &Options) -> Outcome<Page> {
     })
 }
 
-/// Of the relative drift: a step turns the top by `ω dt` = 0.0155 rad, whose square 2.4e-4 is what a method of order 2 may be off by in a radian.
+/// Of the relative drift: a step turns the top by `ω dt` = 0.0155 rad, whose square 2.4e-4 is what
+/// a method of order 2 may be off by in a radian.
 const JELLETT: f64 = 2.4e-4;
 
 fn run(duration: f64, time_step: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {

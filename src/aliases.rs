@@ -5,8 +5,9 @@ macro_rules! names_for {
     ($real:ident, $summary:literal) => {
         #[doc = $summary]
         ///
-        /// `use` all of it where the compiler cannot see the precision: a state or a ledger that stands alone, or a struct of the user's.
-        /// The traits are those of the crate: for `f32` say `RigidPointBody<f32>`.
+        /// `use` all of it where the compiler cannot see the precision: a state or a ledger that
+        /// stands alone, or a struct of the user's. The traits are those of the crate: for `f32`
+        /// say `RigidPointBody<f32>`.
         pub mod $real {
             #[doc(no_inline)]
             pub use crate::{
@@ -167,7 +168,8 @@ names_for!(f64, "Every name of the crate in double precision.");
 
 #[cfg(test)]
 mod tests {
-    /// What a user writes: no annotation of a type beyond the one import, and methods of the numbers right away.
+    /// What a user writes: no annotation of a type beyond the one import, and methods of the
+    /// numbers right away.
     macro_rules! a_short_throw {
         ($name:ident, $real:ident, $vector:ident) => {
             #[test]

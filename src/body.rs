@@ -18,7 +18,8 @@
 //! | [`Solid`] | any, apart from where the mass is | the user's | |
 //! | [`PointCloud`] | the user's points, each with a mass | the user's | |
 //!
-//! Mass, centre of mass and inertia of solids, points and what is joined from them: [`MassDistribution`].
+//! Mass, centre of mass and inertia of solids, points and what is joined from them:
+//! [`MassDistribution`].
 
 mod capsule;
 mod coin;
@@ -60,11 +61,14 @@ use crate::real::{Real, Vector};
 
 /// A rigid body made of points.
 ///
-/// *To the caller:* everything is in body axes with the centre of mass at the origin, in SI units, and constant.
+/// *To the caller:* everything is in body axes with the centre of mass at the origin, in SI units,
+/// and constant.
 ///
-/// *To the implementer:* [`mass`](Self::mass), [`inertia`](Self::inertia) and [`contacts`](Self::contacts) are enough. A sphere has one contact, at its
-/// centre, with its radius; a box has eight, with radius 0. Override [`contacts_below`](Self::contacts_below) where the shape tells which
-/// few of many contacts are low: it is asked in each step. [`contract::check_body`](crate::contract::check_body) tests an implementation.
+/// *To the implementer:* [`mass`](Self::mass), [`inertia`](Self::inertia) and
+/// [`contacts`](Self::contacts) are enough. A sphere has one contact, at its centre, with its
+/// radius; a box has eight, with radius 0. Override [`contacts_below`](Self::contacts_below) where
+/// the shape tells which few of many contacts are low: it is asked in each step.
+/// [`contract::check_body`](crate::contract::check_body) tests an implementation.
 ///
 /// ```
 /// use tumble::glam::{DMat3, DVec3};
@@ -99,13 +103,16 @@ pub trait RigidPointBody<R: Real = f64> {
     /// Mass, kg, above 0.
     fn mass(&self) -> R;
 
-    /// Inertia tensor about the centre of mass, kg m², body axes. Zero for a single point; of rank 2 for points on a line.
+    /// Inertia tensor about the centre of mass, kg m², body axes. Zero for a single point; of rank
+    /// 2 for points on a line.
     fn inertia(&self) -> R::Mat3;
 
     /// The places that can touch the ground. A contact's number is its place in this slice.
     fn contacts(&self) -> &[ContactPoint<R>];
 
-    /// The circle of the body all of whose places can touch, beside [`contacts`](Self::contacts): none where nothing else is said, one at most, and at most 32 contacts beside it. A [smooth](Self::is_smooth) body has none.
+    /// The circle of the body all of whose places can touch, beside [`contacts`](Self::contacts):
+    /// none where nothing else is said, one at most, and at most 32 contacts beside it. A
+    /// [smooth](Self::is_smooth) body has none.
     #[inline]
     fn rims(&self) -> &[Rim<R>] {
         &[]
@@ -120,8 +127,9 @@ pub trait RigidPointBody<R: Real = f64> {
             .fold(R::ZERO, R::at_least)
     }
 
-    /// A cyclic run of contact numbers that holds every contact whose surface reaches below the plane `normal · p = offset` (body axes, `normal`
-    /// of length 1): every contact with `normal · position - radius < offset`.
+    /// A cyclic run of contact numbers that holds every contact whose surface reaches below the
+    /// plane `normal · p = offset` (body axes, `normal` of length 1): every contact with
+    /// `normal · position - radius < offset`.
     ///
     /// The run may hold more, and by default holds all; it must not miss one.
     #[inline]
@@ -130,17 +138,21 @@ pub trait RigidPointBody<R: Real = f64> {
         Run::all(self.contacts().len())
     }
 
-    /// As [`contacts_below`](Self::contacts_below), for a caller who knows the run under a plane that is not far from this one, as that of a moment ago: the same run, found sooner.
+    /// As [`contacts_below`](Self::contacts_below), for a caller who knows the run under a plane
+    /// that is not far from this one, as that of a moment ago: the same run, found sooner.
     ///
-    /// Whatever `near` is, the answer must be that of [`contacts_below`](Self::contacts_below): a run of contacts that depends on what is known would sum forces in another order.
+    /// Whatever `near` is, the answer must be that of [`contacts_below`](Self::contacts_below): a
+    /// run of contacts that depends on what is known would sum forces in another order.
     #[inline]
     fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: Run) -> Run {
         let _ = near;
         self.contacts_below(normal, offset)
     }
 
-    /// How far the surface reaches in a `direction` (unit vector, body axes), m from the centre of mass: the body's support function. Never less than the greatest
-    /// `direction · position + radius` of a contact; a little more does no harm. It is what a closed-form [`Flight`](crate::Flight) asks for.
+    /// How far the surface reaches in a `direction` (unit vector, body axes), m from the centre of
+    /// mass: the body's support function. Never less than the greatest
+    /// `direction · position + radius` of a contact; a little more does no harm. It is what a
+    /// closed-form [`Flight`](crate::Flight) asks for.
     fn support(&self, direction: R::Vec3) -> R {
         if self.is_smooth() {
             return direction.dot(self.support_point(direction));
@@ -152,26 +164,31 @@ pub trait RigidPointBody<R: Real = f64> {
             .fold(-self.reach(), R::at_least)
     }
 
-    /// Whether the body has one contact that wanders over its surface as it turns: the place that [`support_point`](Self::support_point) tells. An egg does, and no body of fixed contacts.
+    /// Whether the body has one contact that wanders over its surface as it turns: the place that
+    /// [`support_point`](Self::support_point) tells. An egg does, and no body of fixed contacts.
     ///
-    /// Such a body gives in [`contacts`](Self::contacts) one contact that stands for it, with a radius above 0 (a ball within it will do), and tells its own
-    /// [`reach`](Self::reach).
+    /// Such a body gives in [`contacts`](Self::contacts) one contact that stands for it, with a
+    /// radius above 0 (a ball within it will do), and tells its own [`reach`](Self::reach).
     #[inline]
     fn is_smooth(&self) -> bool {
         false
     }
 
-    /// Of a smooth body: the place of its surface that is farthest in the direction `towards` (body axes, length 1), from the centre of mass, m, body axes. Not asked of others.
+    /// Of a smooth body: the place of its surface that is farthest in the direction `towards` (body
+    /// axes, length 1), from the centre of mass, m, body axes. Not asked of others.
     ///
-    /// The surface must be convex. On a plane, force and energy then belong together: as the body turns, depth changes as if the place were fixed in the body.
+    /// The surface must be convex. On a plane, force and energy then belong together: as the body
+    /// turns, depth changes as if the place were fixed in the body.
     #[inline]
     fn support_point(&self, towards: R::Vec3) -> R::Vec3 {
         towards * self.reach()
     }
 
-    /// Whether the body can be: called once, when a scene is composed, before anything else is asked.
+    /// Whether the body can be: called once, when a scene is composed, before anything else is
+    /// asked.
     ///
-    /// Mass and inertia are checked in any case; an implementer adds the rules of his own parameters.
+    /// Mass and inertia are checked in any case; an implementer adds the rules of his own
+    /// parameters.
     ///
     /// # Errors
     /// Names the quantity, the rule that it breaks, and its value.
@@ -235,9 +252,11 @@ forward!(&B);
 #[cfg(feature = "std")]
 forward!(alloc::boxed::Box<B>);
 
-/// A place of the body that can touch the ground: a small ball fixed in the body, or a bare point where the radius is 0.
+/// A place of the body that can touch the ground: a small ball fixed in the body, or a bare point
+/// where the radius is 0.
 ///
-/// Its depth is `radius - gap(position)`, and the ground's force acts at `position - radius * normal`.
+/// Its depth is `radius - gap(position)`, and the ground's force acts at
+/// `position - radius * normal`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -279,7 +298,8 @@ pub fn check_contacts<R: Real>(contacts: &[ContactPoint<R>]) -> Result<(), Scene
     Ok(())
 }
 
-/// That the rim of a body can be, that there is no more than one, not on a smooth body, and that few enough contacts stand beside it.
+/// That the rim of a body can be, that there is no more than one, not on a smooth body, and that
+/// few enough contacts stand beside it.
 ///
 /// # Errors
 /// Names the first quantity that breaks a rule.
@@ -308,7 +328,8 @@ pub fn check_rims<R: Real>(body: &(impl RigidPointBody<R> + ?Sized)) -> Result<(
 /// An implicit step remembers 128 contacts, and keeps 96 of these places for a rim.
 const BESIDE_A_RIM: usize = 128 - MOST_NODES;
 
-/// A cyclic run of contact numbers: `first`, `first + 1`, ..., beginning again at 0 after the last contact.
+/// A cyclic run of contact numbers: `first`, `first + 1`, ..., beginning again at 0 after the last
+/// contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Run {
     /// Number of the first contact of the run.
@@ -344,7 +365,8 @@ impl Run {
                 place - contacts
             }
         };
-        // Places counted from the start of this run, round the body: `other` covers [start, start + its count), and that again one round earlier.
+        // Places counted from the start of this run, round the body: `other` covers [start, start +
+        // its count), and that again one round earlier.
         let start = once_round(other.first + contacts - run.first);
         let end = start + other.count;
         let wrapped = end.saturating_sub(contacts);
@@ -360,7 +382,8 @@ impl Run {
         [head, tail]
     }
 
-    /// The same contacts of a body that has so many, as [`parts`](Self::parts) takes them: from one of its contacts on, and at most once round.
+    /// The same contacts of a body that has so many, as [`parts`](Self::parts) takes them: from one
+    /// of its contacts on, and at most once round.
     #[inline]
     fn within(self, contacts: usize) -> Self {
         Self {

@@ -1,8 +1,10 @@
-//! Checks that an author runs on his own body, ground, friction law or integrator, in his own tests.
+//! Checks that an author runs on his own body, ground, friction law or integrator, in his own
+//! tests.
 //!
-//! The traits say what they ask of an implementer in words; these functions ask it in numbers. Each tries a fixed battery of inputs, extremes first, and
-//! then as many random ones as a [`Battery`] says, and returns the first [`Breach`]: the [`Clause`] that is broken, the input that breaks it, and both numbers.
-//! Nothing is allocated and nothing panics, so that they also run on the target.
+//! The traits say what they ask of an implementer in words; these functions ask it in numbers. Each
+//! tries a fixed battery of inputs, extremes first, and then as many random ones as a [`Battery`]
+//! says, and returns the first [`Breach`]: the [`Clause`] that is broken, the input that breaks it,
+//! and both numbers. Nothing is allocated and nothing panics, so that they also run on the target.
 //!
 //! ```
 //! use tumble::contract::{Battery, Clause, GroundRange, check_ground};
@@ -86,7 +88,8 @@ impl fmt::Display for Breach {
             bound,
         } = self;
         write!(f, "{clause}: got {value:e}")?;
-        // A rule of scenes names its own bound, but for a sum that only the body knows; what is not a number has none.
+        // A rule of scenes names its own bound, but for a sum that only the body knows; what is not
+        // a number has none.
         let names_bound = match clause {
             Clause::Composes { rule, .. } => *rule != Rule::TriangleInequality,
             Clause::Finite | Clause::Steps(_) => true,
@@ -113,13 +116,16 @@ pub enum Clause {
     /// Every number is finite.
     Finite,
 
-    /// Body: mass, inertia, contacts, reach and `contacts_below` are the same whenever they are asked for.
+    /// Body: mass, inertia, contacts, reach and `contacts_below` are the same whenever they are
+    /// asked for.
     Rigid,
     /// Body: no contact's surface lies beyond the reach.
     Reach,
-    /// Body: `contacts_below` misses no contact, and `contacts_below_near` answers alike whatever is known.
+    /// Body: `contacts_below` misses no contact, and `contacts_below_near` answers alike whatever
+    /// is known.
     ContactsBelow,
-    /// Smooth body: it has one contact; `support_point` is a place within reach, and none other that it tells is farther in that direction.
+    /// Smooth body: it has one contact; `support_point` is a place within reach, and none other
+    /// that it tells is farther in that direction.
     Support,
 
     /// Ground: the normal has length 1.
@@ -142,7 +148,8 @@ pub enum Clause {
     MeanForceSigns,
     /// Ground: the mean force is 0 on a path above the ground.
     MeanForceAbove,
-    /// Ground: the mean force takes at least what the springs store, and gives at most what they stored.
+    /// Ground: the mean force takes at least what the springs store, and gives at most what they
+    /// stored.
     MeanForceTakes,
     /// Ground: the mean force is the mean of the normal force along the path.
     MeanForceIsMean,
@@ -155,9 +162,11 @@ pub enum Clause {
     NoLoadNoForce,
     /// Friction: without slip there is no force.
     NoSlipNoForce,
-    /// Friction: `turning` is always there or never, with torques of at least 0 and a turn speed above 0.
+    /// Friction: `turning` is always there or never, with torques of at least 0 and a turn speed
+    /// above 0.
     TurningOpposes,
-    /// Friction: `drag` has a coefficient of `|force|/|slip|`, a width above 0, and a growth between 0 and 1.
+    /// Friction: `drag` has a coefficient of `|force|/|slip|`, a width above 0, and a growth
+    /// between 0 and 1.
     DragFits,
 
     /// Integrator: a step of a tame scene succeeds.

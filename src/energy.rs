@@ -19,7 +19,8 @@ pub struct Energy<R = f64> {
     pub rotation: R,
     /// `-m g · x`: 0 with the centre of mass at the origin.
     pub gravity: R,
-    /// In the springs under every contact below the ground, also under one whose force the clamp cuts to 0.
+    /// In the springs under every contact below the ground, also under one whose force the clamp
+    /// cuts to 0.
     pub springs: R,
 }
 
@@ -61,10 +62,13 @@ impl<R: Real> Energy<R> {
     }
 }
 
-/// Power of the contacts on the body beyond what the springs store, by cause, W. Each is at most 0 for a ground and a friction that keep their contracts.
+/// Power of the contacts on the body beyond what the springs store, by cause, W. Each is at most 0
+/// for a ground and a friction that keep their contracts.
 ///
-/// The energy falls at their sum: `dE/dt = friction + damper + clamp`. With `N` the normal force, `S` the spring's share of it, and `c` the closing speed, a
-/// contact gives `force · slip` to friction (and `torque · ω`, where it resists turning), and `(S - N) c` to the damper; where the clamp has cut the whole force (`N = 0`), `S c` goes to the clamp instead.
+/// The energy falls at their sum: `dE/dt = friction + damper + clamp`. With `N` the normal force,
+/// `S` the spring's share of it, and `c` the closing speed, a contact gives `force · slip` to
+/// friction (and `torque · ω`, where it resists turning), and `(S - N) c` to the damper; where the
+/// clamp has cut the whole force (`N = 0`), `S c` goes to the clamp instead.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Dissipation<R = f64> {
@@ -139,7 +143,8 @@ fn force_and_power<R: Real>(
     )
 }
 
-/// Torque on the body at a contact beyond that of its force, N m, where the friction law resists turning.
+/// Torque on the body at a contact beyond that of its force, N m, where the friction law resists
+/// turning.
 #[inline]
 fn torque_on<R: Real>(
     scene: &impl Dynamics<R>,

@@ -1,4 +1,5 @@
-//! What can be wrong: with a scene while it is composed ([`SceneError`]), with a step while it is taken ([`StepError`]).
+//! What can be wrong: with a scene while it is composed ([`SceneError`]), with a step while it is
+//! taken ([`StepError`]).
 
 use crate::real::Real;
 
@@ -63,7 +64,8 @@ impl core::fmt::Display for Rule {
     }
 }
 
-/// An invalid parameter of a scene or of an observer: raised once, when that is composed, so that a step need not check.
+/// An invalid parameter of a scene or of an observer: raised once, when that is composed, so that a
+/// step need not check.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{quantity} {rule}, got {value}{unit}")]
 #[non_exhaustive]
@@ -170,10 +172,12 @@ fn obey<R: Real>(
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError {
-    /// The state that was handed in holds a NaN or an infinity, or an orientation of length 0 (or so near to 0 or infinity that its square is).
+    /// The state that was handed in holds a NaN or an infinity, or an orientation of length 0 (or
+    /// so near to 0 or infinity that its square is).
     #[error("the {0} before the step must be finite{nor_zero}", nor_zero = if_orientation(*.0))]
     BadState(Quantity),
-    /// The step's result is not finite: the time step is beyond the integrator's stability limit, or a number has overflowed.
+    /// The step's result is not finite: the time step is beyond the integrator's stability limit,
+    /// or a number has overflowed.
     #[error(
         "the {0} is no longer finite after the step: shorten the time step or choose an integrator that is stable for it"
     )]
@@ -190,8 +194,9 @@ pub enum StepError {
         /// The offending value, in the SI unit of the quantity.
         value: f64,
     },
-    /// A method that chooses its steps cannot keep its tolerance with any step that the clock resolves: the tolerance is below what rounding leaves, or a force is
-    /// not what the method takes it for.
+    /// A method that chooses its steps cannot keep its tolerance with any step that the clock
+    /// resolves: the tolerance is below what rounding leaves, or a force is not what the method
+    /// takes it for.
     #[error(
         "the tolerance needs steps below {length:.1e} s at {time:.6} s, because of the {quantity}: loosen it, or look at the forces there"
     )]
@@ -217,7 +222,8 @@ pub enum StepError {
         /// Since the workspace was new, which is the start of a run, s.
         time: f64,
     },
-    /// The sum of the energies' sizes before the step is NaN, or so large that it overflows in the step.
+    /// The sum of the energies' sizes before the step is NaN, or so large that it overflows in the
+    /// step.
     #[error(
         "the energy before the step must be finite and far from overflow, got {joules:e} J: look at the velocities, the depth in the ground and its laws"
     )]
@@ -262,7 +268,8 @@ pub enum StepError {
         /// The largest number of steps.
         most: f64,
     },
-    /// A run has more samples at equal intervals than can be told apart. Raised before its first step.
+    /// A run has more samples at equal intervals than can be told apart. Raised before its first
+    /// step.
     #[error(
         "a run of {seconds:e} s must have at most {most:.1e} samples, got an interval of {interval:e} s: lengthen the interval or shorten the run"
     )]
@@ -314,7 +321,8 @@ impl core::fmt::Display for Quantity {
 pub enum Role {
     /// The surface of the ground: a [`Shape`](crate::Shape), or the part of a ground that is one.
     GroundShape,
-    /// The springs and dampers of the ground: a [`ContactLaw`](crate::ContactLaw), or the part of a ground that is one.
+    /// The springs and dampers of the ground: a [`ContactLaw`](crate::ContactLaw), or the part of a
+    /// ground that is one.
     GroundLaw,
     /// A [`SlidingFriction`](crate::SlidingFriction).
     FrictionLaw,

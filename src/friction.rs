@@ -19,9 +19,11 @@ use crate::real::{Real, Vector};
 
 /// A law of sliding friction, applied at each contact.
 ///
-/// *To the implementer:* the force must lie in the plane of `slip` (of bare points on level ground nothing else of it counts), oppose it (`force · slip <= 0`, so that friction never adds energy), and be finite at zero
-/// slip. [`contract::check_friction`](crate::contract::check_friction) tests an implementation.
-/// A step returns [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) for a law that pushes (`force · slip > 0`) or is not finite. Drives are no friction.
+/// *To the implementer:* the force must lie in the plane of `slip` (of bare points on level ground
+/// nothing else of it counts), oppose it (`force · slip <= 0`, so that friction never adds energy),
+/// and be finite at zero slip. [`contract::check_friction`](crate::contract::check_friction) tests
+/// an implementation. A step returns [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) for a
+/// law that pushes (`force · slip > 0`) or is not finite. Drives are no friction.
 ///
 /// # Which law when
 ///
@@ -57,19 +59,21 @@ use crate::real::{Real, Vector};
     note = "implement `force`; the precision `{R}` of body, ground, friction and gravity must be the same"
 )]
 pub trait SlidingFriction<R: Real = f64> {
-    /// Force on the body at one contact (N, world axes) that presses with `normal_force` (N, at least 0) and slides at `slip` (m/s, world axes, in the
-    /// surface).
+    /// Force on the body at one contact (N, world axes) that presses with `normal_force` (N, at
+    /// least 0) and slides at `slip` (m/s, world axes, in the surface).
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3;
 
     /// How the force answers to slip and load, for an implicit step: see [`Drag`].
     ///
-    /// The provided method takes differences of [`force`](Self::force). It steers Newton's iteration only: an error in it costs iterations, not accuracy.
+    /// The provided method takes differences of [`force`](Self::force). It steers Newton's
+    /// iteration only: an error in it costs iterations, not accuracy.
     #[inline]
     fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
         drag_by_differences(self, normal_force, slip)
     }
 
-    /// How a contact that presses with `normal_force` (N) resists the body's rolling and drilling, if the law does at all: always, or never.
+    /// How a contact that presses with `normal_force` (N) resists the body's rolling and drilling,
+    /// if the law does at all: always, or never.
     ///
     /// The provided method says never, which costs nothing. [`WithResistance`] adds it to any law.
     #[inline]
@@ -85,13 +89,14 @@ pub trait SlidingFriction<R: Real = f64> {
         Ok(())
     }
 
-    /// Returns true if the values of the law need no check while a step evaluates them. Default: false.
+    /// Returns true if the values of the law need no check while a step evaluates them. Default:
+    /// false.
     ///
     /// A step checks the values of a law that is not trusted, and returns
-    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
-    /// Override it if the law keeps its contract for every finite input, and
-    /// [`check_friction`](crate::contract::check_friction) finds nothing: the checks then cost nothing.
-    /// A trusted law that breaks its contract goes unnoticed.
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract. Override
+    /// it if the law keeps its contract for every finite input, and
+    /// [`check_friction`](crate::contract::check_friction) finds nothing: the checks then cost
+    /// nothing. A trusted law that breaks its contract goes unnoticed.
     #[inline]
     fn is_trusted(&self) -> bool {
         false
@@ -129,10 +134,12 @@ forward!(&F);
 #[cfg(feature = "std")]
 forward!(alloc::boxed::Box<F>);
 
-/// The local shape of a friction law: `force = -coefficient · slip`, with the coefficient falling as the slip grows.
+/// The local shape of a friction law: `force = -coefficient · slip`, with the coefficient falling
+/// as the slip grows.
 ///
-/// The derivative along the slip is taken as `coefficient (1 - growth · |slip|/width)` where `width` is proportional to `|slip|/|force|`: for
-/// [`Coulomb`] the width is `|slip| + slip_speed` and grows by 1 m/s for each m/s of slip.
+/// The derivative along the slip is taken as `coefficient (1 - growth · |slip|/width)` where
+/// `width` is proportional to `|slip|/|force|`: for [`Coulomb`] the width is `|slip| + slip_speed`
+/// and grows by 1 m/s for each m/s of slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drag<R: Real = f64> {
     /// `|force|/|slip|`, N s/m, at least 0; the limit for slip to 0 where there is none.

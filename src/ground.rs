@@ -26,14 +26,17 @@ use crate::real::{Real, Vector};
 
 /// A ground of springs and dampers.
 ///
-/// *To the caller:* a contact whose `depth` (m, `radius - gap`) is above 0 is pushed along the surface's outward normal by
-/// [`normal_force`](Self::normal_force) (N, never below 0).
+/// *To the caller:* a contact whose `depth` (m, `radius - gap`) is above 0 is pushed along the
+/// surface's outward normal by [`normal_force`](Self::normal_force) (N, never below 0).
 ///
-/// *To the implementer:* [`spring_energy`](Self::spring_energy) must be the integral of [`spring_force`](Self::spring_force) from depth 0, and
-/// the damper must take energy: `(normal_force - spring_force) * closing_speed >= 0` whatever the depth and speed. Nothing is asked at or above the surface.
-/// No value is NaN, at any depth above 0: a step evaluates trial states that the motion never reaches.
-/// A step returns [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) for a NaN, a negative spring energy, and a normal whose length is not 1.
-/// [`contract::check_ground`](crate::contract::check_ground) tests an implementation.
+/// *To the implementer:* [`spring_energy`](Self::spring_energy) must be the integral of
+/// [`spring_force`](Self::spring_force) from depth 0, and the damper must take energy:
+/// `(normal_force - spring_force) * closing_speed >= 0` whatever the depth and speed. Nothing is
+/// asked at or above the surface. No value is NaN, at any depth above 0: a step evaluates trial
+/// states that the motion never reaches. A step returns
+/// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) for a NaN, a negative spring energy, and a
+/// normal whose length is not 1. [`contract::check_ground`](crate::contract::check_ground) tests an
+/// implementation.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -70,31 +73,38 @@ use crate::real::{Real, Vector};
     note = "implement `surface`, `spring_force`, `spring_energy` and `normal_force`; the precision `{R}` of body, ground, friction and gravity must be the same"
 )]
 pub trait SpringDamperGround<R: Real = f64> {
-    /// The surface as seen from `point` (m, world axes): how far below it lies, and which way out is.
+    /// The surface as seen from `point` (m, world axes): how far below it lies, and which way out
+    /// is.
     fn surface(&self, point: R::Vec3) -> Surface<R>;
 
     /// Elastic force of one contact at a depth (m) above 0: N, at least 0.
     fn spring_force(&self, depth: R) -> R;
 
-    /// Energy in the springs under one contact at a depth (m) above 0: J, the integral of [`spring_force`](Self::spring_force) from 0.
+    /// Energy in the springs under one contact at a depth (m) above 0: J, the integral of
+    /// [`spring_force`](Self::spring_force) from 0.
     fn spring_energy(&self, depth: R) -> R;
 
-    /// Spring and damper together: force (N) on one contact at a depth (m) above 0 that goes deeper at `closing_speed` (m/s; negative while it leaves).
+    /// Spring and damper together: force (N) on one contact at a depth (m) above 0 that goes deeper
+    /// at `closing_speed` (m/s; negative while it leaves).
     ///
     /// Never below 0: the ground does not pull.
     fn normal_force(&self, depth: R, closing_speed: R) -> R;
 
-    /// Mean force on one contact while its depth goes evenly from `start` to `end` (m; below 0 is above ground) in `seconds`, with its derivatives.
+    /// Mean force on one contact while its depth goes evenly from `start` to `end` (m; below 0 is
+    /// above ground) in `seconds`, with its derivatives.
     ///
-    /// This is what an implicit step needs of a ground. The provided method takes the spring's share from [`spring_energy`](Self::spring_energy),
-    /// `ΔV/Δd`, so that the springs give back what they took, and the rest of [`normal_force`](Self::normal_force) by Gauss's rule with three points, each of
-    /// which takes energy. A law with a closed form should override it: the provided method costs some twenty evaluations.
+    /// This is what an implicit step needs of a ground. The provided method takes the spring's
+    /// share from [`spring_energy`](Self::spring_energy), `ΔV/Δd`, so that the springs give back
+    /// what they took, and the rest of [`normal_force`](Self::normal_force) by Gauss's rule with
+    /// three points, each of which takes energy. A law with a closed form should override it: the
+    /// provided method costs some twenty evaluations.
     #[inline]
     fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
         mean_force_by_quadrature(&LawOf(self), start, end, seconds)
     }
 
-    /// Where the ground can be at all. The default is everywhere; a ground that names a plane lets a body high above it move without a look at its contacts.
+    /// Where the ground can be at all. The default is everywhere; a ground that names a plane lets
+    /// a body high above it move without a look at its contacts.
     #[inline]
     fn extent(&self) -> Extent<R> {
         Extent::Everywhere
@@ -108,7 +118,8 @@ pub trait SpringDamperGround<R: Real = f64> {
         Ok(())
     }
 
-    /// Returns true if the values of the ground need no check while a step evaluates them. Default: false.
+    /// Returns true if the values of the ground need no check while a step evaluates them. Default:
+    /// false.
     ///
     /// A step checks the values of a law that is not trusted, and returns
     /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
@@ -219,7 +230,8 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> ContactLaw<R> for LawOf<'_, G> 
 pub enum Extent<R: Real = f64> {
     /// Nowhere: nothing ever touches.
     Nowhere,
-    /// The ground's surface is this plane: `gap` and `normal` of [`surface`](SpringDamperGround::surface) are the plane's.
+    /// The ground's surface is this plane: `gap` and `normal` of
+    /// [`surface`](SpringDamperGround::surface) are the plane's.
     Plane(Plane<R>),
     /// Nothing that lies above this plane touches.
     Below(Plane<R>),
@@ -254,7 +266,8 @@ impl<R: Real> Plane<R> {
         }
     }
 
-    /// The plane through `point` (m) at right angles to `normal` (any length above 0; not finite for 0).
+    /// The plane through `point` (m) at right angles to `normal` (any length above 0; not finite
+    /// for 0).
     #[must_use]
     pub fn through(point: R::Vec3, normal: R::Vec3) -> Self {
         let normal = normal * (R::ONE / normal.length());

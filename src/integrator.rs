@@ -38,9 +38,12 @@ use crate::state::State;
 
 /// A method that moves a state on in time.
 ///
-/// Its accuracy (a time step, a tolerance) is its own field. *To the implementer:* [`step`](Self::step) must advance by at most `limit`, must be a
-/// function of scene, state and limit alone (a workspace may save work, never change a result), and keep the orientation's length at 1. A method that chooses its steps says so
-/// by [`CHOOSES_STEPS`](Self::CHOOSES_STEPS): its step is a function of scene, state, limit and the proposal that the workspace holds, and a new workspace proposes from the state alone.
+/// Its accuracy (a time step, a tolerance) is its own field. *To the implementer:*
+/// [`step`](Self::step) must advance by at most `limit`, must be a function of scene, state and
+/// limit alone (a workspace may save work, never change a result), and keep the orientation's
+/// length at 1. A method that chooses its steps says so by [`CHOOSES_STEPS`](Self::CHOOSES_STEPS):
+/// its step is a function of scene, state, limit and the proposal that the workspace holds, and a
+/// new workspace proposes from the state alone.
 /// [`contract::check_integrator`](crate::contract::check_integrator) tests an implementation.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not an integrator: it does not implement `Integrator<{R}>`",
@@ -48,16 +51,18 @@ use crate::state::State;
     note = "implement `step`, `order` and `check`; the precision `{R}` of scene and integrator must be the same"
 )]
 pub trait Integrator<R: Real = f64> {
-    /// What the method may keep from step to step to save work: its results must not depend on it, but for a length of the next step where the method
-    /// [chooses its steps](Self::CHOOSES_STEPS). A copy must do as well.
+    /// What the method may keep from step to step to save work: its results must not depend on it,
+    /// but for a length of the next step where the method [chooses its steps](Self::CHOOSES_STEPS).
+    /// A copy must do as well.
     type Workspace: Default + Clone + Debug;
 
-    /// Whether the method chooses the length of its steps, and carries its choice of the next one in the workspace.
+    /// Whether the method chooses the length of its steps, and carries its choice of the next one
+    /// in the workspace.
     const CHOOSES_STEPS: bool = false;
 
-    /// Whether one step may span several of the [fixed steps](Self::fixed_step), as closed-form flight
-    /// does. Default: false. A run of more fixed steps than its clock counts is then refused only
-    /// after a step that spans none.
+    /// Whether one step may span several of the [fixed steps](Self::fixed_step), as closed-form
+    /// flight does. Default: false. A run of more fixed steps than its clock counts is then refused
+    /// only after a step that spans none.
     const SPANS_STEPS: bool = false;
 
     /// One step of the method's own length, or of `limit` seconds where that is less.
@@ -120,7 +125,8 @@ pub struct Step<R = f64> {
     pub iterations: u32,
     /// Whether an implicit method could not take the step whole: it was too long to be accurate.
     pub fallback: bool,
-    /// Energy that was removed so that the total does not rise, J: what the solver's error would have added.
+    /// Energy that was removed so that the total does not rise, J: what the solver's error would
+    /// have added.
     pub ratcheted: R,
 }
 
@@ -157,11 +163,12 @@ fn last_before<R: Real>(bracket: [R; 2], holds: impl Fn(R) -> bool) -> R {
     low
 }
 
-/// Returns the length of the next step of a method with a fixed `time_step`: `limit` if that is less.
+/// Returns the length of the next step of a method with a fixed `time_step`: `limit` if that is
+/// less.
 ///
 /// A step is never longer than its limit. A run passes the whole step as the limit if what is left
-/// differs from it by rounding alone, so that ten steps of 0.1 s and an advance by 1 s have the same
-/// bits.
+/// differs from it by rounding alone, so that ten steps of 0.1 s and an advance by 1 s have the
+/// same bits.
 #[inline]
 #[must_use]
 pub fn step_length<R: Real>(time_step: R, limit: R) -> R {

@@ -1,8 +1,10 @@
 #![no_std]
 #![cfg_attr(docsrs, feature(doc_cfg))]
-//! One rigid body made of points that spins, slides, rolls, bounces and tumbles on a spring-damper ground with sliding friction.
+//! One rigid body made of points that spins, slides, rolls, bounces and tumbles on a spring-damper
+//! ground with sliding friction.
 //!
-//! Compose a [`Stepper`] from a body, a ground, a friction law, gravity and an integrator, and move a [`State`] on in time:
+//! Compose a [`Stepper`] from a body, a ground, a friction law, gravity and an integrator, and move
+//! a [`State`] on in time:
 //!
 //! ```
 //! use tumble::glam::DVec3;
@@ -20,42 +22,61 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The integrator is [`EnergyMomentum`] with steps of 1 ms unless another is named. What a scene does not name costs nothing.
+//! The integrator is [`EnergyMomentum`] with steps of 1 ms unless another is named. What a scene
+//! does not name costs nothing.
 //!
 //! # Start here
 //!
-//! - To look at something first: `cargo run --release --example coin` in the repository; the [gallery](guide::gallery) has the others.
-//! - To study a motion: [`guide::choosing`] names integrator and step for an error, [`Ledger`] says what became of the energy, [`trade`](mod@trade) measures the error on your scene, [`Timed`] samples it.
+//! - To look at something first: `cargo run --release --example coin` in the repository; the
+//!   [gallery](guide::gallery) has the others.
+//! - To study a motion: [`guide::choosing`] names integrator and step for an error, [`Ledger`] says
+//!   what became of the energy, [`trade`](mod@trade) measures the error on your scene, [`Timed`]
+//!   samples it.
 //! - To throw dice and coins in a game: [`guide::game`] goes from the throw to the face that is up.
 //! - To add a body, a ground, a friction law or an integrator: [`guide::extending`].
-//! - Where the compiler cannot tell `f64` from `f32`, as in `Ledger::new()` alone, take the names from [`mod@f64`]: `use tumble::f64::*;`.
+//! - Where the compiler cannot tell `f64` from `f32`, as in `Ledger::new()` alone, take the names
+//!   from [`mod@f64`]: `use tumble::f64::*;`.
 //!
-//! *The report* of which these pages speak is the text that the crate began with: a ring of 120 points on a springy floor, set rolling or spinning in eight ways. They are [`Trial`]s 1 to 8.
+//! *The report* of which these pages speak is the text that the crate began with: a ring of 120
+//! points on a springy floor, set rolling or spinning in eight ways. They are [`Trial`]s 1 to 8.
 //!
 //! # What is modelled
 //!
-//! - One rigid body with its full inertia tensor, from a single point to ten thousand; a contact is a point of it, or a small ball ([`ContactPoint`]). Gyroscopic motion is
-//!   always right, and exact in flight for a body with two equal moments.
-//! - A ground of springs and dampers under each contact, that never pulls. [`FlatGround`] is a plane at any height and tilt. [`Ground`] joins a choice of laws ([`ContactLaw`]) and a choice of shapes
-//!   ([`Shape`]), among them hills and valleys ([`Terrain`]). Or take your own.
-//! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]), with a static and a kinetic coefficient ([`Stribeck`]), a coefficient
-//!   that falls with the load ([`LoadDependentCoulomb`]), or two directions ([`AnisotropicCoulomb`]); [`Viscous`]; or your own. Beside any of them, resistance to rolling and drilling ([`WithResistance`]).
-//! - Bodies: rings of points ([`Coin`]), solids ([bodies](body#bodies)), and anything put together from solids and points ([`Solid`], [`MassDistribution`], [`PointCloud`]).
+//! - One rigid body with its full inertia tensor, from a single point to ten thousand; a contact is
+//!   a point of it, or a small ball ([`ContactPoint`]). Gyroscopic motion is always right, and
+//!   exact in flight for a body with two equal moments.
+//! - A ground of springs and dampers under each contact, that never pulls. [`FlatGround`] is a
+//!   plane at any height and tilt. [`Ground`] joins a choice of laws ([`ContactLaw`]) and a choice
+//!   of shapes ([`Shape`]), among them hills and valleys ([`Terrain`]). Or take your own.
+//! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`],
+//!   [`SmoothCoulomb`]), with a static and a kinetic coefficient ([`Stribeck`]), a coefficient that
+//!   falls with the load ([`LoadDependentCoulomb`]), or two directions ([`AnisotropicCoulomb`]);
+//!   [`Viscous`]; or your own. Beside any of them, resistance to rolling and drilling
+//!   ([`WithResistance`]).
+//! - Bodies: rings of points ([`Coin`]), solids ([bodies](body#bodies)), and anything put together
+//!   from solids and points ([`Solid`], [`MassDistribution`], [`PointCloud`]).
 //! - The energy by kind ([`Energy`]) and the energy audit of a run ([`Ledger`]).
 //!
 //! # What is not
 //!
 //! - Several bodies, joints, motors, air, a ground that moves or keeps a dent.
-//! - Sticking: on a slope of angle θ a body creeps at `slip_speed · tan θ/(coefficient - tan θ)`. With 1e-10 m/s that is a millimetre in four months.
-//! - A coefficient of restitution: bounces follow from spring and damper. Laws can be made for a bounce ([`SpringDamper::from_bounce`], [`HuntCrossley::from_bounce`]).
-//! - Two round rims on one body. A [`Coin`] of n points is a polygon, out of round by `r (1 - cos(π/n))`, 0.17 mm for 120 points on 0.5 m; a [`Disc`] is round, as spheres, capsules and [`Ellipsoid`]s are.
+//! - Sticking: on a slope of angle θ a body creeps at `slip_speed · tan θ/(coefficient - tan θ)`.
+//!   With 1e-10 m/s that is a millimetre in four months.
+//! - A coefficient of restitution: bounces follow from spring and damper. Laws can be made for a
+//!   bounce ([`SpringDamper::from_bounce`], [`HuntCrossley::from_bounce`]).
+//! - Two round rims on one body. A [`Coin`] of n points is a polygon, out of round by
+//!   `r (1 - cos(π/n))`, 0.17 mm for 120 points on 0.5 m; a [`Disc`] is round, as spheres, capsules
+//!   and [`Ellipsoid`]s are.
 //!
 //! # Units, frames, signs
 //!
 //! - SI units, angles in radians.
-//! - World axes are right-handed with z up. Velocity, angular momentum (about the centre of mass), forces and torques are in world axes.
-//! - Body axes have the centre of mass as their origin and need not be principal axes. `orientation` turns body axes to world axes.
-//! - A *gap* is above 0 outside the ground, a *depth* inside it. A *closing speed* is above 0 while the depth grows. A ground's normal points out of it.
+//! - World axes are right-handed with z up. Velocity, angular momentum (about the centre of mass),
+//!   forces and torques are in world axes.
+//! - Body axes have the centre of mass as their origin and need not be principal axes.
+//!   `orientation` turns body axes to world axes.
+//! - A *gap* is above 0 outside the ground, a *depth* inside it. A *closing speed* is above 0 while
+//!   the depth grows. A ground's normal points out of it.
 //! - Work on the body is above 0 where it gains energy, so friction's is below.
 //!
 //! # Promises
@@ -108,12 +129,17 @@
 //!
 //! - [a body](guide::extending::body): [`RigidPointBody`], [`contract::check_body`]
 //! - [a ground](guide::extending::ground): [`SpringDamperGround`], [`contract::check_ground`]
-//! - [a friction law](guide::extending::friction): [`SlidingFriction`], [`contract::check_friction`]
-//! - [an integrator](guide::extending::integrator): [`Integrator`], [`contract::check_integrator`], [`contract::check_energy_never_rises`]
+//! - [a friction law](guide::extending::friction): [`SlidingFriction`],
+//!   [`contract::check_friction`]
+//! - [an integrator](guide::extending::integrator): [`Integrator`], [`contract::check_integrator`],
+//!   [`contract::check_energy_never_rises`]
 //! - [an observer](guide::extending::observer): [`Observer`]; a closure is one
 //!
-//! [`guide::extending`] has a page for each: what to implement, what is provided, what the check tests, and a whole example; `tests/downstream` in the repository is a crate with one of each. Parts are taken by value, by reference, behind `&dyn` or in a `Box<dyn …>`.
-//! Every type has the number as a parameter ([`Real`]: `f64` where nothing else is said, or `f32`); the modules [`mod@f64`] and [`mod@f32`] name everything for one of them.
+//! [`guide::extending`] has a page for each: what to implement, what is provided, what the check
+//! tests, and a whole example; `tests/downstream` in the repository is a crate with one of each.
+//! Parts are taken by value, by reference, behind `&dyn` or in a `Box<dyn …>`. Every type has the
+//! number as a parameter ([`Real`]: `f64` where nothing else is said, or `f32`); the modules
+//! [`mod@f64`] and [`mod@f32`] name everything for one of them.
 //!
 //! # Features
 //!
@@ -186,10 +212,13 @@ pub use trial::{Start, Trial};
 ///
 /// - Which integrator, which step? [`choosing`](guide::choosing)
 /// - How do I throw dice and coins in a game? [`game`](guide::game)
-/// - How accurate is a run at the extremes, and where is it only stable? [`accuracy`](guide::accuracy)
-/// - How do I add a body, a ground, a friction law, an integrator, an observer? [`extending`](guide::extending)
+/// - How accurate is a run at the extremes, and where is it only stable?
+///   [`accuracy`](guide::accuracy)
+/// - How do I add a body, a ground, a friction law, an integrator, an observer?
+///   [`extending`](guide::extending)
 /// - Why can the energy not rise? [`energy`](guide::energy)
-/// - Does the model get right what is known? [`validation`](guide::validation), and beside a real cube: [`measured`](guide::measured)
+/// - Does the model get right what is known? [`validation`](guide::validation), and beside a real
+///   cube: [`measured`](guide::measured)
 /// - What do other libraries do with the same scenes? [`peers`](guide::peers)
 /// - Which examples are there, and what do they show? [`gallery`](guide::gallery)
 pub mod guide {

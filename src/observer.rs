@@ -19,7 +19,8 @@ use crate::state::State;
 
 /// Something that watches a run.
 ///
-/// Closures are observers, and so are pairs of observers and `()`, which watches nothing and costs nothing. A run takes `&mut dyn Observer` as well. A pair has its observers by value:
+/// Closures are observers, and so are pairs of observers and `()`, which watches nothing and costs
+/// nothing. A run takes `&mut dyn Observer` as well. A pair has its observers by value:
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -61,13 +62,15 @@ pub trait Observer<R: Real = f64> {
     /// Called with the state at the start of a run and after each step. `Break` ends the run.
     fn observe(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()>;
 
-    /// The next time at which it asks for a sample, s since the start of the run, besides those after each step; none where nothing else is said.
+    /// The next time at which it asks for a sample, s since the start of the run, besides those
+    /// after each step; none where nothing else is said.
     #[inline]
     fn asks_for(&self) -> Option<R> {
         None
     }
 
-    /// Returns the interval of the times that it asks for, s, if they are equally spaced. Default: `None`.
+    /// Returns the interval of the times that it asks for, s, if they are equally spaced. Default:
+    /// `None`.
     ///
     /// A run with too short an interval is refused at once, with
     /// [`TooManySamples`](crate::StepError::TooManySamples).
@@ -76,7 +79,8 @@ pub trait Observer<R: Real = f64> {
         None
     }
 
-    /// Called with the state at the time that it has [asked for](Self::asks_for), and must then ask for a later one. The run goes on as if nobody had looked.
+    /// Called with the state at the time that it has [asked for](Self::asks_for), and must then ask
+    /// for a later one. The run goes on as if nobody had looked.
     #[inline]
     fn observe_asked(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
         let _ = sample;
@@ -299,7 +303,8 @@ mod tests {
         let watched = visits_of(10.0, &mut |sample| {
             let _ = ledger.observe(sample);
         });
-        // The first sample; then the end of each step and the six further stages of the motion from its start.
+        // The first sample; then the end of each step and the six further stages of the motion from
+        // its start.
         assert_eq!(watched - unwatched, 1 + 7 * 10);
     }
 
@@ -314,7 +319,8 @@ mod tests {
             assert_eq!(account.energy, scene.energy(&state));
             assert_eq!(account.dissipation, scene.dissipation(&state));
             assert_eq!(account.rates, scene.rates(&state));
-            // An integrator's load is the same sum in another order: 8 contacts at most, of some 20 N with an arm of 0.5 m, in 6 products and sums each.
+            // An integrator's load is the same sum in another order: 8 contacts at most, of some
+            // 20 N with an arm of 0.5 m, in 6 products and sums each.
             let load = scene.load(&scene.motion(&state));
             let rounding = 8.0 * 6.0 * 20.0 * 0.5 * f64::EPSILON;
             let apart: DVec3 = account.rates.torque - load.torque;

@@ -1,12 +1,15 @@
-//! The number types that the crate computes with: [`f32`](primitive@f32) and [`f64`](primitive@f64).
+//! The number types that the crate computes with: [`f32`](primitive@f32) and
+//! [`f64`](primitive@f64).
 //!
-//! [`Real`] names glam's vector, quaternion and matrix of one precision, and the few operations that the core uses. All of them
-//! are `+ - * /` and square root in one fixed order, which IEEE 754 rounds alike on every processor; sine and cosine come
-//! from the `libm` crate, which has one answer everywhere (the standard library's differ between targets), or in `f32` from arithmetic of this crate
-//! that needs no double precision.
+//! [`Real`] names glam's vector, quaternion and matrix of one precision, and the few operations
+//! that the core uses. All of them are `+ - * /` and square root in one fixed order, which IEEE 754
+//! rounds alike on every processor; sine and cosine come from the `libm` crate, which has one
+//! answer everywhere (the standard library's differ between targets), or in `f32` from arithmetic
+//! of this crate that needs no double precision.
 //!
-//! `Real`, [`Vector`], [`Quaternion`] and [`Matrix`] are sealed: they are public so that a body, ground or friction can be written once
-//! for both precisions. Code for one precision needs none of them: `R::Vec3` *is* `glam::DVec3` when `R` is `f64`.
+//! `Real`, [`Vector`], [`Quaternion`] and [`Matrix`] are sealed: they are public so that a body,
+//! ground or friction can be written once for both precisions. Code for one precision needs none of
+//! them: `R::Vec3` *is* `glam::DVec3` when `R` is `f64`.
 
 use core::fmt::{Debug, Display, LowerExp};
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -95,7 +98,8 @@ pub trait Real:
     /// `self` to any power, from the `libm` crate; NaN below 0 but for whole powers.
     #[must_use]
     fn powf(self, exponent: Self) -> Self;
-    /// Largest whole number not above `self`, as an index up to 2³² - 1: 0 for whatever is not above 0, NaN included.
+    /// Largest whole number not above `self`, as an index up to 2³² - 1: 0 for whatever is not
+    /// above 0, NaN included.
     #[must_use]
     fn floor_index(self) -> usize;
     /// The last 32 bits of the number as it is stored.
@@ -186,7 +190,8 @@ pub trait Vector<R: Real>:
     }
 }
 
-/// Four numbers x, y, z, w; glam's `Quat` or `DQuat`. Only stored, never multiplied as such: see [`Real`] on bits.
+/// Four numbers x, y, z, w; glam's `Quat` or `DQuat`. Only stored, never multiplied as such: see
+/// [`Real`] on bits.
 pub trait Quaternion<R: Real>:
     Sealed + Copy + PartialEq + Default + Debug + Display + Send + Sync + 'static
 {
@@ -222,7 +227,8 @@ pub trait Matrix<R: Real>:
     }
 }
 
-/// The square root is rounded correctly by IEEE 754, so that the processor's and libm's have the same bits.
+/// The square root is rounded correctly by IEEE 754, so that the processor's and libm's have the
+/// same bits.
 macro_rules! square_root {
     ($value:expr, $libm:path) => {{
         #[cfg(feature = "std")]

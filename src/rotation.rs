@@ -1,7 +1,7 @@
 //! Turning bodies: the unit quaternion as four plain numbers, and the body's axes in the world.
 //!
-//! glam's single-precision quaternion multiplies by SIMD, with other last bits on other processors. So the core stores glam's type and
-//! computes with [`Rotation`].
+//! glam's single-precision quaternion multiplies by SIMD, with other last bits on other processors.
+//! So the core stores glam's type and computes with [`Rotation`].
 
 use crate::real::{Quaternion, Real, Vector};
 
@@ -19,7 +19,8 @@ impl<R: Real> Rotation<R> {
         v: R::Vec3::ZERO,
     };
 
-    /// The turn that glam's quaternion stores, scaled to length 1. Not finite for a quaternion of length 0.
+    /// The turn that glam's quaternion stores, scaled to length 1. Not finite for a quaternion of
+    /// length 0.
     #[inline]
     #[must_use]
     pub fn from_quat(quaternion: R::Quat) -> Self {
@@ -43,7 +44,8 @@ impl<R: Real> Rotation<R> {
         R::Quat::new(self.v.x(), self.v.y(), self.v.z(), self.w)
     }
 
-    /// The turn by `|vector|` radians about `vector`, right-handed: `cos(|h|) + h sin(|h|)/|h|` with `h = vector/2`.
+    /// The turn by `|vector|` radians about `vector`, right-handed: `cos(|h|) + h sin(|h|)/|h|`
+    /// with `h = vector/2`.
     #[inline]
     #[must_use]
     pub fn from_rotation_vector(vector: R::Vec3) -> Self {
@@ -60,7 +62,8 @@ impl<R: Real> Rotation<R> {
         }
     }
 
-    /// The Cayley map of `a`: the turn about `a` by `2 atan(|a|)`, without sine or cosine. `r' = (1 - â)⁻¹ (1 + â) r`.
+    /// The Cayley map of `a`: the turn about `a` by `2 atan(|a|)`, without sine or cosine.
+    /// `r' = (1 - â)⁻¹ (1 + â) r`.
     #[inline]
     #[must_use]
     pub fn cayley(a: R::Vec3) -> Self {
@@ -77,7 +80,8 @@ impl<R: Real> Rotation<R> {
         Self { w: R::ONE, v: a }
     }
 
-    /// The quaternion product `self other`: first turned by `other`, then by `self` (both about world axes).
+    /// The quaternion product `self other`: first turned by `other`, then by `self` (both about
+    /// world axes).
     #[inline]
     #[must_use]
     pub fn after(self, other: Self) -> Self {
@@ -87,7 +91,8 @@ impl<R: Real> Rotation<R> {
         }
     }
 
-    /// The body turned further by `2 half` radians about its own `axis`: `q (cos + a sin) = q cos + q a sin`.
+    /// The body turned further by `2 half` radians about its own `axis`:
+    /// `q (cos + a sin) = q cos + q a sin`.
     #[inline(always)]
     pub(crate) fn spun(self, axis: BodyAxis<R>, half: R) -> Self {
         let (cos, sinc) = cos_and_sinc(half * half);
@@ -130,7 +135,8 @@ impl<R: Real> Rotation<R> {
         }
     }
 
-    /// Time derivative of the quaternion of a body that turns at `angular_velocity` (rad/s, world axes): `(0, ω) q / 2`.
+    /// Time derivative of the quaternion of a body that turns at `angular_velocity` (rad/s, world
+    /// axes): `(0, ω) q / 2`.
     #[inline]
     pub(crate) fn rate(self, angular_velocity: R::Vec3) -> Self {
         let half = angular_velocity * R::HALF;
@@ -153,22 +159,26 @@ impl<R: Real> Rotation<R> {
         self.w * self.w + self.v.length_squared()
     }
 
-    /// Whether the length is 1 within half: not so for a quaternion whose square is 0 or infinite, which cannot be scaled.
+    /// Whether the length is 1 within half: not so for a quaternion whose square is 0 or infinite,
+    /// which cannot be scaled.
     #[inline]
     pub(crate) fn is_a_turn(self) -> bool {
         (self.length_squared() - R::ONE).abs() < R::HALF
     }
 
-    /// The same turn with length 1 again, to a unit in the last place; unchanged where it has that already.
+    /// The same turn with length 1 again, to a unit in the last place; unchanged where it has that
+    /// already.
     #[inline]
     #[must_use]
     pub fn normalised(self) -> Self {
         let excess = self.length_squared() - R::ONE;
-        // A factor that differs from 1 by its last place takes as much from one component and nothing from another, which tilts the turn, step after step the same way.
+        // A factor that differs from 1 by its last place takes as much from one component and
+        // nothing from another, which tilts the turn, step after step the same way.
         let scale = if excess.abs() < R::EPSILON * R::TWO {
             R::ONE
         } else if excess * excess < R::EPSILON * R::HALF {
-            // After a step the length is 1 to rounding: there, one term of 1/sqrt(1 + e) = 1 - e/2 + 3e²/8 is exact to the last place.
+            // After a step the length is 1 to rounding: there, one term of 1/sqrt(1 + e) = 1 - e/2 +
+            // 3e²/8 is exact to the last place.
             R::ONE - excess * R::HALF
         } else {
             // A length that has overflowed makes NaNs, which are seen, and not a turn of length 0.
@@ -220,8 +230,9 @@ impl<R: Real> Rotation<R> {
 
 /// `cos h` and `sin(h)/h` from `h²`.
 ///
-/// The shortest of three of Taylor's series that is exact to the last place of f64 (next term below 1e-17), else the `libm` crate. A step seldom turns a
-/// body by more than a radian, and the series need neither square root nor division.
+/// The shortest of three of Taylor's series that is exact to the last place of f64 (next term below
+/// 1e-17), else the `libm` crate. A step seldom turns a body by more than a radian, and the series
+/// need neither square root nor division.
 #[inline]
 fn cos_and_sinc<R: Real>(square: R) -> (R, R) {
     let s = square;
@@ -309,7 +320,8 @@ impl<R: Real> Axes<R> {
     }
 }
 
-/// A direction fixed in the body. Most bodies are given in axes along their principal ones, which need no arithmetic.
+/// A direction fixed in the body. Most bodies are given in axes along their principal ones, which
+/// need no arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum BodyAxis<R: Real> {
     X,

@@ -1,4 +1,5 @@
-//! Body, ground, friction and gravity together: which contacts touch, and with what force and torque.
+//! Body, ground, friction and gravity together: which contacts touch, and with what force and
+//! torque.
 
 mod checked;
 mod level;
@@ -17,14 +18,18 @@ use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::State;
 
-// On the hints below: a step is compiled as one piece, so that it need not go through memory from stage to stage. The loop over contacts as a function of its
-// own took 8 % fewer instructions and 1.2 to 1.8 times as long.
+// On the hints below: a step is compiled as one piece, so that it need not go through memory from
+// stage to stage. The loop over contacts as a function of its own took 8 % fewer instructions and
+// 1.2 to 1.8 times as long.
 
 /// A body on a ground, as an integrator sees it.
 ///
-/// *To the author of an integrator:* [`motion`](Self::motion) turns a state into what forces depend on, [`load`](Self::load) gives the contacts' force and
-/// torque there, [`visit_contacts`](Self::visit_contacts) each contact by itself. Gravity stands apart, because it needs no contact. A method that keeps the contacts of its last look in its workspace
-/// finds them sooner by [`contacts_near`](Self::contacts_near), and takes their load by [`load_on`](Self::load_on).
+/// *To the author of an integrator:* [`motion`](Self::motion) turns a state into what forces depend
+/// on, [`load`](Self::load) gives the contacts' force and torque there,
+/// [`visit_contacts`](Self::visit_contacts) each contact by itself. Gravity stands apart, because
+/// it needs no contact. A method that keeps the contacts of its last look in its workspace finds
+/// them sooner by [`contacts_near`](Self::contacts_near), and takes their load by
+/// [`load_on`](Self::load_on).
 pub trait Dynamics<R: Real = f64> {
     /// The body's type.
     type Body: RigidPointBody<R>;
@@ -46,13 +51,15 @@ pub trait Dynamics<R: Real = f64> {
     /// Distance from the centre of mass to the farthest place of the body's surface, m.
     fn reach(&self) -> R;
 
-    /// Whether any contact of the body has a radius or wanders over a smooth surface: whether the force acts elsewhere than at the contact's own position.
+    /// Whether any contact of the body has a radius or wanders over a smooth surface: whether the
+    /// force acts elsewhere than at the contact's own position.
     fn has_radii(&self) -> bool {
         let mut contacts = self.body().contacts().iter();
         self.body().is_smooth() || contacts.any(|contact| contact.radius > R::ZERO)
     }
 
-    /// Evaluates laws where the motion does not: a value that breaks a contract there is no error of the step.
+    /// Evaluates laws where the motion does not: a value that breaks a contract there is no error
+    /// of the step.
     #[doc(hidden)]
     #[inline(always)]
     fn probe<T>(&self, evaluate: impl FnOnce() -> T) -> T {
@@ -78,7 +85,8 @@ pub trait Dynamics<R: Real = f64> {
         }
     }
 
-    /// The contacts that may lie less than `margin` (m) above the ground: none that does is missing, and in flight none is visited to find out.
+    /// The contacts that may lie less than `margin` (m) above the ground: none that does is
+    /// missing, and in flight none is visited to find out.
     #[inline]
     fn contacts_within(&self, margin: R, position: R::Vec3, axes: &Axes<R>) -> Run {
         low_contacts(self, margin, position, axes, |normal, offset| {
@@ -86,7 +94,9 @@ pub trait Dynamics<R: Real = f64> {
         })
     }
 
-    /// The contacts that may touch, as of [`contacts_within`](Self::contacts_within) with no margin, found sooner by a caller who knows those of a moment ago. Whatever `near` is, the answer is the same.
+    /// The contacts that may touch, as of [`contacts_within`](Self::contacts_within) with no
+    /// margin, found sooner by a caller who knows those of a moment ago. Whatever `near` is, the
+    /// answer is the same.
     #[inline(always)]
     fn contacts_near(&self, near: Run, position: R::Vec3, axes: &Axes<R>) -> Run {
         low_contacts(self, R::ZERO, position, axes, |normal, offset| {
@@ -126,14 +136,16 @@ pub trait Dynamics<R: Real = f64> {
 
     /// Force and torque of all contacts; gravity not included.
     ///
-    /// The sums are those of [`visit_contacts`](Self::visit_contacts) but for rounding: the torque of bare points on a level plane comes from other sums, in another fixed order.
+    /// The sums are those of [`visit_contacts`](Self::visit_contacts) but for rounding: the torque
+    /// of bare points on a level plane comes from other sums, in another fixed order.
     #[inline(always)]
     fn load(&self, motion: &Motion<R>) -> Load<R> {
         let run = self.contacts_within(R::ZERO, motion.position, &motion.axes);
         self.load_on(run, motion)
     }
 
-    /// As [`load`](Self::load), looking at the contacts of `run` alone: for a second look at the same place with other velocities.
+    /// As [`load`](Self::load), looking at the contacts of `run` alone: for a second look at the
+    /// same place with other velocities.
     #[inline(always)]
     fn load_on(&self, run: Run, motion: &Motion<R>) -> Load<R> {
         load_with_arms(self, run, motion, None)
@@ -170,7 +182,8 @@ fn low_contacts<R: Real, D: Dynamics<R> + ?Sized>(
     }
 }
 
-/// As [`Dynamics::visit_run`], of the contacts of the body alone, without those that stand for a rim.
+/// As [`Dynamics::visit_run`], of the contacts of the body alone, without those that stand for a
+/// rim.
 #[inline(always)]
 pub(crate) fn visit_points<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -179,7 +192,8 @@ pub(crate) fn visit_points<R: Real, D: Dynamics<R> + ?Sized>(
     visit: &mut impl FnMut(&Contact<R>),
 ) {
     let contacts = scene.body().contacts();
-    // One loop for both parts of a run that begins again at the first contact, so that `visit` is compiled once.
+    // One loop for both parts of a run that begins again at the first contact, so that `visit` is
+    // compiled once.
     let mut ahead = contacts.get(run.first..).unwrap_or_default().iter();
     for _ in 0..run.count.min(contacts.len()) {
         let Some(point) = ahead.next().or_else(|| {
@@ -212,7 +226,8 @@ pub(crate) fn spring_energy<R: Real, D: Dynamics<R> + ?Sized>(
 
 /// The energy in the springs under the rims, J, and how many places stand for what touches of them.
 ///
-/// It is that of a body at rest in the same place: where the quadrature of a rim is cut for its forces depends on its velocities, and an energy of places must not.
+/// It is that of a body at rest in the same place: where the quadrature of a rim is cut for its
+/// forces depends on its velocities, and an energy of places must not.
 #[inline]
 pub(crate) fn rims_energy<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -232,7 +247,8 @@ pub(crate) fn rims_energy<R: Real, D: Dynamics<R> + ?Sized>(
     (energy, touching)
 }
 
-/// As [`Dynamics::load_on`]; with other `arm_axes`, the torque that the same forces have on a body with those.
+/// As [`Dynamics::load_on`]; with other `arm_axes`, the torque that the same forces have on a body
+/// with those.
 #[inline(always)]
 pub(crate) fn load_with_arms<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -299,7 +315,8 @@ fn height_under_bare_points<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> Opti
     }
 }
 
-/// Torque of the contacts of `run` against the body's turning, N m, where the friction law resists it.
+/// Torque of the contacts of `run` against the body's turning, N m, where the friction law resists
+/// it.
 #[inline(always)]
 pub(crate) fn turning_torque<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -314,7 +331,8 @@ pub(crate) fn turning_torque<R: Real, D: Dynamics<R> + ?Sized>(
     Some(sum)
 }
 
-/// How far the body reaches from its centre of mass, m, for whoever turns an angle into a way: its reach, or the radius of gyration `√(largest moment/mass)` where that is more.
+/// How far the body reaches from its centre of mass, m, for whoever turns an angle into a way: its
+/// reach, or the radius of gyration `√(largest moment/mass)` where that is more.
 ///
 /// A body without contacts has no reach of its own. But it has mass at that radius or beyond.
 #[inline]
@@ -338,7 +356,8 @@ pub struct Motion<R: Real = f64> {
 }
 
 impl<R: Real> Motion<R> {
-    /// Velocity (m/s) of the body's material at `arm` (m, world axes, from the centre of mass): `v + ω × r`.
+    /// Velocity (m/s) of the body's material at `arm` (m, world axes, from the centre of mass):
+    /// `v + ω × r`.
     #[inline]
     #[must_use]
     pub fn velocity_at(&self, arm: R::Vec3) -> R::Vec3 {
@@ -430,7 +449,8 @@ impl<R: Real> Contact<R> {
         (self.normal * normal_force + friction.force(normal_force, self.slip)) * self.weight
     }
 
-    /// The ground's torque on a body that turns (rad/s), beyond that of the force, N m: 0 but for a law that resists turning.
+    /// The ground's torque on a body that turns (rad/s), beyond that of the force, N m: 0 but for a
+    /// law that resists turning.
     #[inline]
     pub fn turning_torque<G, F>(
         &self,
@@ -450,7 +470,8 @@ impl<R: Real> Contact<R> {
     }
 }
 
-/// The place of a smooth body that faces the ground, as a bare contact of the body as it is turned now: for the normal under the contact that stands for it.
+/// The place of a smooth body that faces the ground, as a bare contact of the body as it is turned
+/// now: for the normal under the contact that stands for it.
 #[inline]
 pub(crate) fn facing_ground<R: Real, B: RigidPointBody<R>, G: SpringDamperGround<R>>(
     body: &B,
@@ -463,7 +484,8 @@ pub(crate) fn facing_ground<R: Real, B: RigidPointBody<R>, G: SpringDamperGround
     ContactPoint::bare(body.support_point(axes.to_body(-surface.normal)))
 }
 
-/// From the centre of mass to the place of a contact's surface that faces the ground, m, world axes.
+/// From the centre of mass to the place of a contact's surface that faces the ground, m, world
+/// axes.
 #[inline]
 fn surface_arm<R: Real>(point: &ContactPoint<R>, centre_arm: R::Vec3, normal: R::Vec3) -> R::Vec3 {
     // A bare point, as most are, needs no arithmetic.
@@ -552,7 +574,8 @@ pub struct LowestPoint<R: Real = f64> {
 }
 
 impl<R: Real> LowestPoint<R> {
-    /// The point of the body's surface that lies lowest above the ground, or deepest in it; `None` for a body without contacts.
+    /// The point of the body's surface that lies lowest above the ground, or deepest in it; `None`
+    /// for a body without contacts.
     #[must_use]
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Option<Self> {
         let motion = scene.motion(state);
@@ -612,9 +635,9 @@ where
     /// Composes a scene.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if body, ground, friction or gravity is invalid, or if the weight, the
-    /// reach, or the inverse of the mass or of a moment of inertia overflows. The error names the
-    /// quantity, the rule and the value.
+    /// Returns [`SceneError`] if body, ground, friction or gravity is invalid, or if the weight,
+    /// the reach, or the inverse of the mass or of a moment of inertia overflows. The error names
+    /// the quantity, the rule and the value.
     pub fn new(body: B, ground: G, friction: F, gravity: A) -> Result<Self, SceneError> {
         body.check()?;
         ground.check()?;

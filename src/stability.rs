@@ -446,8 +446,8 @@ mod tests {
         matrix.0[3][3] = 2.0;
         matrix.0[2][3] = 1e3;
         assert_relative_eq!(matrix.spectral_radius(), 3.0, max_relative = 1e-5);
-        // Defective and dominant: the last scale is that of the power n = 2¹⁹, whose largest entry is
-        // 1e3 n 2ⁿ⁻¹. Its root is off by ln(500 n)/n = 3.7e-5.
+        // Defective and dominant: the last scale is that of the power n = 2¹⁹, whose largest entry
+        // is 1e3 n 2ⁿ⁻¹. Its root is off by ln(500 n)/n = 3.7e-5.
         matrix.0[0][1] = 1.0;
         assert_relative_eq!(matrix.spectral_radius(), 2.0, max_relative = 4e-5);
         // Scales far from 1.

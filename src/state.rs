@@ -6,11 +6,12 @@ use crate::rotation::Rotation;
 
 /// Everything that changes while a body moves. SI units; the world's z axis points up.
 ///
-/// Plain data with nothing hidden: save it, load it, and the run goes on with the same bits. A state belongs to no stepper; one
-/// stepper serves a million states.
+/// Plain data with nothing hidden: save it, load it, and the run goes on with the same bits. A
+/// state belongs to no stepper; one stepper serves a million states.
 ///
-/// The feature `serde` writes and reads the numbers as they are. A text format may round them: `serde_json` keeps each bit only with its feature
-/// `float_roundtrip` (without it one f64 in five comes back beside itself).
+/// The feature `serde` writes and reads the numbers as they are. A text format may round them:
+/// `serde_json` keeps each bit only with its feature `float_roundtrip` (without it one f64 in five
+/// comes back beside itself).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -25,16 +26,19 @@ pub struct State<R: Real = f64> {
     pub position: R::Vec3,
     /// Velocity of the centre of mass, m/s, world axes.
     pub linear_velocity: R::Vec3,
-    /// The turn from body axes to world axes; a unit quaternion. One that is longer or shorter is scaled to 1 by the first step, unless its square is 0 or
-    /// infinite: then the step answers [`BadState`](crate::StepError::BadState).
+    /// The turn from body axes to world axes; a unit quaternion. One that is longer or shorter is
+    /// scaled to 1 by the first step, unless its square is 0 or infinite: then the step answers
+    /// [`BadState`](crate::StepError::BadState).
     pub orientation: R::Quat,
     /// Angular momentum about the centre of mass, kg m²/s, world axes.
     pub angular_momentum: R::Vec3,
 }
 
 impl<R: Real> State<R> {
-    /// At rest at `position` (m), body axes along the world's. The position's type, `DVec3` or `Vec3`, is the precision.
-    // `V` is `R::Vec3`. As a type of its own it tells the compiler the precision, which a projection does not.
+    /// At rest at `position` (m), body axes along the world's. The position's type, `DVec3` or
+    /// `Vec3`, is the precision.
+    // `V` is `R::Vec3`. As a type of its own it tells the compiler the precision, which a
+    // projection does not.
     #[must_use]
     pub fn at<V: Vector<R>>(position: V) -> Self
     where
@@ -66,7 +70,8 @@ impl<R: Real> State<R> {
         }
     }
 
-    /// The same, turned by `|vector|` radians about `vector` (world axes) from body axes along the world's.
+    /// The same, turned by `|vector|` radians about `vector` (world axes) from body axes along the
+    /// world's.
     #[must_use]
     pub fn turned_by(self, vector: R::Vec3) -> Self {
         self.with_orientation(Rotation::<R>::from_rotation_vector(vector).to_quat())
@@ -88,7 +93,8 @@ impl<R: Real> State<R> {
         Rotation::from_quat(self.orientation)
     }
 
-    /// A place fixed in the body (m, body axes, from the centre of mass) in the world (m, world axes).
+    /// A place fixed in the body (m, body axes, from the centre of mass) in the world (m, world
+    /// axes).
     #[must_use]
     pub fn place(&self, body_point: R::Vec3) -> R::Vec3 {
         self.position + self.rotation().apply(body_point)
@@ -98,7 +104,8 @@ impl<R: Real> State<R> {
     #[inline]
     #[must_use]
     pub fn not_finite(&self) -> Option<Quantity> {
-        // An infinity or a NaN stays in every sum. A sum that overflows by itself only costs the longer look.
+        // An infinity or a NaN stays in every sum. A sum that overflows by itself only costs the
+        // longer look.
         let [x, y, z, w] = self.orientation.xyzw();
         let sum = self.position + self.linear_velocity + self.angular_momentum;
         let is_finite = (sum.x() + sum.y() + sum.z() + (x + y + z + w)).is_finite();
@@ -133,7 +140,8 @@ impl<R: Real> Default for State<R> {
     }
 }
 
-/// Comparison by the largest difference of any component; a turn and its negative quaternion are the same turn.
+/// Comparison by the largest difference of any component; a turn and its negative quaternion are
+/// the same turn.
 #[cfg(feature = "approx-05")]
 mod approximate {
     use super::{Quaternion, Real, State, Vector};

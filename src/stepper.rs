@@ -17,10 +17,13 @@ use crate::state::State;
 
 /// Moves the states of one body in one scene on in time.
 ///
-/// [`new`](Self::new) starts in empty space; each `with_*` names one thing that the scene has, and what is not named costs nothing. The state is the
-/// caller's, so one stepper serves any number of states, also from several threads.
+/// [`new`](Self::new) starts in empty space; each `with_*` names one thing that the scene has, and
+/// what is not named costs nothing. The state is the caller's, so one stepper serves any number of
+/// states, also from several threads.
 ///
-/// Its type names precision, body, ground, friction, gravity and integrator. In a struct of your own, take it from [`mod@crate::f64`] or [`mod@crate::f32`], and name what differs from empty space and from
+/// Its type names precision, body, ground, friction, gravity and integrator. In a struct of your
+/// own, take it from [`mod@crate::f64`] or [`mod@crate::f32`], and name what differs from empty
+/// space and from
 /// [`EnergyMomentum`]: `tumble::f64::Stepper<Coin, FlatGround, Coulomb, UniformGravity>`.
 ///
 /// ```
@@ -46,7 +49,8 @@ pub struct Stepper<R: Real, B, G = NoGround, F = Frictionless, A = NoGravity, I 
 }
 
 impl<R: Real, B: RigidPointBody<R>> Stepper<R, B> {
-    /// A body in empty space, without gravity, moved on by [`EnergyMomentum`] with a time step of 1 ms.
+    /// A body in empty space, without gravity, moved on by [`EnergyMomentum`] with a time step of
+    /// 1 ms.
     ///
     /// # Errors
     /// Where the body cannot be; names quantity, rule and value.
@@ -153,10 +157,12 @@ where
         &self.integrator
     }
 
-    /// The same state, with the angular momentum that the body, turned as it is there, has at this angular velocity (rad/s, world axes): `L = J ω`.
+    /// The same state, with the angular momentum that the body, turned as it is there, has at this
+    /// angular velocity (rad/s, world axes): `L = J ω`.
     ///
-    /// A [`State`] holds the angular momentum, which is what stays in flight; what is known of a throw is mostly how fast it turns. `state.orientation * vector` takes a vector
-    /// of body axes to world axes.
+    /// A [`State`] holds the angular momentum, which is what stays in flight; what is known of a
+    /// throw is mostly how fast it turns. `state.orientation * vector` takes a vector of body axes
+    /// to world axes.
     ///
     /// ```
     /// use tumble::glam::DVec3;
@@ -194,7 +200,8 @@ where
         self.scene.lowest_point(state)
     }
 
-    /// Velocity of the body's material at its lowest point, along the ground, m/s, world axes; `None` for a body without contacts.
+    /// Velocity of the body's material at its lowest point, along the ground, m/s, world axes;
+    /// `None` for a body without contacts.
     #[must_use]
     pub fn slip_velocity(&self, state: &State<R>) -> Option<R::Vec3> {
         Some(self.lowest_point(state)?.slip)
@@ -227,12 +234,12 @@ where
     /// size does not matter.
     ///
     /// *Limits:* the bound belongs to this state. It falls when more contacts touch, when the body
-    /// leans, when a slip ends (a contact that sticks is a damper of `μ N/slip_speed`), and with the
-    /// depth if the contact law stiffens. For a run, take the least value along it, as below; a body
-    /// in flight has none. Rotation is not part of it: in contact a step should turn the body by
-    /// much less than 1 rad. It is proven for contacts that stick or slide, not for a slip near the
-    /// slip speed. With [`Nystrom`](crate::Nystrom), friction can make it up to 10 % too long. It
-    /// costs some ten thousand multiplications, so that it is not for each step.
+    /// leans, when a slip ends (a contact that sticks is a damper of `μ N/slip_speed`), and with
+    /// the depth if the contact law stiffens. For a run, take the least value along it, as below; a
+    /// body in flight has none. Rotation is not part of it: in contact a step should turn the body
+    /// by much less than 1 rad. It is proven for contacts that stick or slide, not for a slip near
+    /// the slip speed. With [`Nystrom`](crate::Nystrom), friction can make it up to 10 % too long.
+    /// It costs some ten thousand multiplications, so that it is not for each step.
     ///
     /// ```
     /// use core::ops::ControlFlow;
@@ -265,7 +272,8 @@ where
         self.move_on(state, R::MAX, &mut I::Workspace::default())
     }
 
-    /// One step of the integrator's own length, or of `limit` seconds where that is less, with a workspace that the caller keeps from step to step.
+    /// One step of the integrator's own length, or of `limit` seconds where that is less, with a
+    /// workspace that the caller keeps from step to step.
     ///
     /// A limit of 0 s returns a step of 0 s and leaves the state at its time. Any other step takes
     /// more than 0 s.
@@ -336,7 +344,8 @@ where
         }
     }
 
-    /// What a step leads to that has failed, or during which a value broke a contract: its outcome where rounding explains the value, else an error and the state from before.
+    /// What a step leads to that has failed, or during which a value broke a contract: its outcome
+    /// where rounding explains the value, else an error and the state from before.
     #[cold]
     #[inline(never)]
     fn examined(
@@ -381,8 +390,9 @@ where
         Ok(())
     }
 
-    /// Moves a state on by exactly `seconds` and shows it to `observer` at the start and after each step. Returns the time that the run has covered, s: less
-    /// than `seconds` where the observer ended it.
+    /// Moves a state on by exactly `seconds` and shows it to `observer` at the start and after each
+    /// step. Returns the time that the run has covered, s: less than `seconds` where the observer
+    /// ended it.
     ///
     /// # Errors
     /// As [`advance`](Self::advance). Returns [`StepError::TooManySamples`] if the observer's
@@ -520,8 +530,9 @@ fn blame<R: Real>(before: &State<R>, after: Quantity) -> StepError {
 
 /// The value that has broken the contract of a law during a step from the state `before`.
 ///
-/// A spring energy below 0 may be rounding: of the body's energy, which hides it, or of the terms of the law's own formula. `e^x - 1 - x` is off by some rounding of 1 at every x.
-/// Those terms are taken to be as large as the energy at a depth of 1 m.
+/// A spring energy below 0 may be rounding: of the body's energy, which hides it, or of the terms
+/// of the law's own formula. `e^x - 1 - x` is off by some rounding of 1 at every x. Those terms are
+/// taken to be as large as the energy at a depth of 1 m.
 fn broken_law<R: Real>(
     scene: &impl Dynamics<R>,
     before: &State<R>,
@@ -547,7 +558,8 @@ fn broken_law<R: Real>(
 /// Units in the last place of all terms below which a negative spring energy counts as rounding.
 const LAW_ROUNDING: f64 = 8.0;
 
-/// Energy in the springs under a contact at a depth of 1 m, J; at the largest binary fraction of it where the energy is finite. At least 0.
+/// Energy in the springs under a contact at a depth of 1 m, J; at the largest binary fraction of it
+/// where the energy is finite. At least 0.
 fn energy_at_a_metre<R: Real>(ground: &impl SpringDamperGround<R>) -> R {
     let mut depth = R::ONE;
     for _ in 0..64 {
@@ -669,7 +681,8 @@ struct Before<R: Real, W> {
     workspace: Option<W>,
 }
 
-/// Time since the start of a run, by Kahan's sum: a million steps of 1e-4 s are 100 s to the last place. And what it has cost.
+/// Time since the start of a run, by Kahan's sum: a million steps of 1e-4 s are 100 s to the last
+/// place. And what it has cost.
 #[derive(Clone, Copy)]
 struct Clock<R> {
     time: R,

@@ -1,8 +1,12 @@
 //! Error against price of every integrator on a scene of one's own (feature `std`).
 //!
-//! [`trade()`] runs the scene with each [`Setting`] and compares the ends with that of a far finer run. It returns a table that can be printed, asked for its [cheapest](Trade::cheapest) row within an error, and for
-//! its [front](Trade::front): the rows that no other beats. The error is a length, in m: of the place, and of the turn by way of the body's reach. The price is the time on this machine, in a program that was built with
-//! `--release`; compare rows, not machines. The evaluations of the forces are the same everywhere. [`Setting::ladder`] has 58 settings, which together take about a second for a second of trial 1.
+//! [`trade()`] runs the scene with each [`Setting`] and compares the ends with that of a far finer
+//! run. It returns a table that can be printed, asked for its [cheapest](Trade::cheapest) row
+//! within an error, and for its [front](Trade::front): the rows that no other beats. The error is a
+//! length, in m: of the place, and of the turn by way of the body's reach. The price is the time on
+//! this machine, in a program that was built with `--release`; compare rows, not machines. The
+//! evaluations of the forces are the same everywhere. [`Setting::ladder`] has 58 settings, which
+//! together take about a second for a second of trial 1.
 //!
 //! ```
 //! use tumble::trade::{Setting, trade};
@@ -106,7 +110,8 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Each method with seven or eight knobs: time steps from 10 ms to 0.1 ms, tolerances from 1e-2 to 1e-9 m; flight step by step.
+    /// Each method with seven or eight knobs: time steps from 10 ms to 0.1 ms, tolerances from 1e-2
+    /// to 1e-9 m; flight step by step.
     #[must_use]
     pub fn ladder() -> Vec<Self> {
         const TIME_STEPS: [f64; 7] = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4];
@@ -146,9 +151,11 @@ impl fmt::Display for Setting {
 pub struct Row {
     /// Which one.
     pub setting: Setting,
-    /// At the end of the run, m: of the place and, by the reach (or the radius of gyration, where that is more), of the turn. Infinite where the run failed.
+    /// At the end of the run, m: of the place and, by the reach (or the radius of gyration, where
+    /// that is more), of the turn. Infinite where the run failed.
     pub error: f64,
-    /// What the run took on this machine: the shortest of three, or the only one where that took above 0.1 s.
+    /// What the run took on this machine: the shortest of three, or the only one where that took
+    /// above 0.1 s.
     pub time: Duration,
     /// How often the forces were evaluated.
     pub evaluations: u64,
@@ -179,7 +186,8 @@ pub enum Failure {
 pub struct Trade {
     /// In the order of the settings that were asked for.
     pub rows: Vec<Row>,
-    /// How far the reference is from one ten times less accurate, m: below this the errors mean nothing.
+    /// How far the reference is from one ten times less accurate, m: below this the errors mean
+    /// nothing.
     pub resolution: f64,
 }
 
@@ -234,9 +242,11 @@ impl fmt::Display for Trade {
     }
 }
 
-/// Runs a scene from `start` for `seconds` with each setting and compares the ends with that of its [`reference()`].
+/// Runs a scene from `start` for `seconds` with each setting and compares the ends with that of its
+/// [`reference()`].
 ///
-/// The scene may be any [`Dynamics`], with the user's own body, ground and friction. A setting that fails gets a row with its error.
+/// The scene may be any [`Dynamics`], with the user's own body, ground and friction. A setting that
+/// fails gets a row with its error.
 ///
 /// # Errors
 /// Where the reference fails.
@@ -250,7 +260,8 @@ pub fn trade<R: Real, D: Dynamics<R>>(
     Ok(trade_against(scene, start, seconds, settings, &reference))
 }
 
-/// As [`trade`], against an end that is known: a closed form, say, or the end in double precision for a scene in single.
+/// As [`trade`], against an end that is known: a closed form, say, or the end in double precision
+/// for a scene in single.
 pub fn trade_against<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &State<R>,
@@ -281,7 +292,8 @@ pub struct Reference<R: Real = f64> {
     pub resolution: f64,
 }
 
-/// The end of a run by [`DormandPrince54`] with a tolerance of 1e-11 of the reach (or the radius of gyration, where that is more).
+/// The end of a run by [`DormandPrince54`] with a tolerance of 1e-11 of the reach (or the radius of
+/// gyration, where that is more).
 ///
 /// # Errors
 /// Where the run fails: in stick with a tiny slip speed its 20 million steps may be spent.

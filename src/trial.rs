@@ -21,11 +21,14 @@ pub enum Start {
     Spinning,
 }
 
-/// A start of the report, with its five knobs: direction and size of the angular momentum, tilt, friction, damping.
+/// A start of the report, with its five knobs: direction and size of the angular momentum, tilt,
+/// friction, damping.
 ///
-/// Nothing in `Trial::report(1)` says in which precision: where no later line does, the compiler asks for an annotation. Say `tumble::f64::Trial`.
+/// Nothing in `Trial::report(1)` says in which precision: where no later line does, the compiler
+/// asks for an annotation. Say `tumble::f64::Trial`.
 ///
-/// A coin of 1 kg and 0.5 m radius with its lowest point on the plane z = 0, under gravity of 9.8 m/s², on springs of 1000 N/m a point.
+/// A coin of 1 kg and 0.5 m radius with its lowest point on the plane z = 0, under gravity of
+/// 9.8 m/s², on springs of 1000 N/m a point.
 ///
 /// ```
 /// use tumble::f64::{SymplecticEuler, Trial};
@@ -121,7 +124,8 @@ impl<R: Real> Trial<R> {
         UniformGravity::down(R::from_f64(Self::GRAVITY))
     }
 
-    /// The first state: leaning, at rest but for its angular momentum, with the lowest point of the rim on z = 0.
+    /// The first state: leaning, at rest but for its angular momentum, with the lowest point of the
+    /// rim on z = 0.
     #[must_use]
     pub fn state(&self) -> State<R> {
         let (o, one) = (R::ZERO, R::ONE);

@@ -1,4 +1,5 @@
-//! The integrators that choose their steps: the error follows the tolerance, nothing is missed, nothing goes on for ever.
+//! The integrators that choose their steps: the error follows the tolerance, nothing is missed,
+//! nothing goes on for ever.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -48,8 +49,11 @@ fn errors<I: Integrator>(number: usize, truths: &[Record], of: fn(f64) -> I) -> 
 
 /// The error is the tolerance, within a factor of ten to either side.
 ///
-/// The tolerance bounds what a step does wrong. How many steps there are, and how the motion makes errors grow or takes them back, is not the method's choice: a velocity that is wrong by 1 mm/s makes a way of 1 mm
-/// in a second where nothing takes it back, of 0.05 mm where the coin sticks (trial 3), and more where it falls over (trial 8). So the shares of the tolerance that a step may take are chosen for what comes between.
+/// The tolerance bounds what a step does wrong. How many steps there are, and how the motion makes
+/// errors grow or takes them back, is not the method's choice: a velocity that is wrong by 1 mm/s
+/// makes a way of 1 mm in a second where nothing takes it back, of 0.05 mm where the coin sticks
+/// (trial 3), and more where it falls over (trial 8). So the shares of the tolerance that a step
+/// may take are chosen for what comes between.
 fn assert_errors_follow<I: Integrator>(of: fn(f64) -> I) {
     let (mut least, mut largest) = (f64::MAX, 0.0);
     for number in [1, 3, 5, 8] {
@@ -81,10 +85,12 @@ fn the_error_of_dormand_and_prince_follows_the_tolerance_over_six_decades() {
     assert_errors_follow(DormandPrince54::new);
 }
 
-/// The same in the other trials of the report, on which no constant of the pairs was chosen, against a run with steps of 10 µs, which is good to 2e-10 m.
+/// The same in the other trials of the report, on which no constant of the pairs was chosen,
+/// against a run with steps of 10 µs, which is good to 2e-10 m.
 ///
-/// The error is nowhere more than ten tolerances. It may be far less than one: where a coin spins upright on the spot (trials 4 and 6),
-/// single contacts that touch down and slip to and fro bound the steps, and not the estimate.
+/// The error is nowhere more than ten tolerances. It may be far less than one: where a coin spins
+/// upright on the spot (trials 4 and 6), single contacts that touch down and slip to and fro bound
+/// the steps, and not the estimate.
 #[test]
 fn in_trials_that_no_constant_was_chosen_on_the_error_is_ten_tolerances_at_most() {
     let (mut pairs, times) = ([(f64::MAX, 0.0); 2], [0.1, 0.25, 0.5, 1.0]);
@@ -260,8 +266,10 @@ fn price<I: Integrator>(
 
 #[test]
 fn a_thousandfold_tighter_tolerance_costs_what_the_order_says_in_smooth_motion() {
-    // A coin that lies on all of its points, slides and rocks: no contact comes or goes, and none sticks. The error of a step goes as its power q of the estimate, so the price goes as
-    // tolerance^(-1/q): 10^(3/5) = 4.0 and 10^(3/3) = 10. The first steps, and lengths that grow in spurts, cost a share on top.
+    // A coin that lies on all of its points, slides and rocks: no contact comes or goes, and none
+    // sticks. The error of a step goes as its power q of the estimate, so the price goes as
+    // tolerance^(-1/q): 10^(3/5) = 4.0 and 10^(3/3) = 10. The first steps, and lengths that grow in
+    // spurts, cost a share on top.
     let trial = trial(1);
     let start = State::at(DVec3::new(0.0, 0.0, -9.8 / 1200.0))
         .with_linear_velocity(DVec3::X)
@@ -315,7 +323,8 @@ fn a_spent_budget_is_an_error_with_its_time_and_leaves_the_last_good_state() {
     assert!((state.position - same.position).length() < 1e-5);
 }
 
-/// A ground with a force that jumps by 1e12 N at a depth of 1 cm, which no contact's beginning or end tells of.
+/// A ground with a force that jumps by 1e12 N at a depth of 1 cm, which no contact's beginning or
+/// end tells of.
 struct Trapdoor;
 
 impl SpringDamperGround for Trapdoor {
@@ -356,14 +365,16 @@ fn a_tolerance_that_no_step_keeps_is_an_error_with_its_cause_and_time() {
 
 #[test]
 fn a_bounce_within_a_long_step_is_not_missed() {
-    // Steps of 0.1 s are exact in the fall; the contact lasts pi sqrt(m/S) = 0.1 ms, and is left with the speed that it was met with.
+    // Steps of 0.1 s are exact in the fall; the contact lasts pi sqrt(m/S) = 0.1 ms, and is left
+    // with the speed that it was met with.
     let stepper = Stepper::new(PointCloud::new([DVec3::ZERO], [1.0]).unwrap())
         .and_then(|stepper| stepper.with_ground(FlatGround::level(1e9, 0.0)))
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
         .unwrap();
     let start = State::at(DVec3::Z);
     let fall = (2.0_f64 / 9.8).sqrt();
-    // The deepest point, where S d²/2 = m g (h + d), and the time of half a swing about the balance.
+    // The deepest point, where S d²/2 = m g (h + d), and the time of half a swing about the
+    // balance.
     let omega = 1e9_f64.sqrt();
     let swing = core::f64::consts::PI + 2.0 * (9.8 / (omega * 9.8 * fall)).atan();
     let back = 2.0 * fall + swing / omega;
@@ -380,7 +391,8 @@ fn a_bounce_within_a_long_step_is_not_missed() {
 
 #[test]
 fn a_corner_that_dips_into_the_ground_and_out_of_it_within_a_step_is_seen() {
-    // A bar spins above the ground without gravity; its ends dip 1 mm deep, for 7 ms each, in every half turn.
+    // A bar spins above the ground without gravity; its ends dip 1 mm deep, for 7 ms each, in every
+    // half turn.
     let bar = PointCloud::new([DVec3::X * 0.5, DVec3::X * -0.5], [0.5, 0.5]).unwrap();
     let stepper = Stepper::new(bar)
         .and_then(|stepper| stepper.with_ground(FlatGround::level(1e4, 5.0)))
@@ -418,7 +430,8 @@ fn a_body_without_contacts_turns_as_truly_as_its_tolerance_says() {
             &[]
         }
     }
-    // It turns over about its middle axis, at 30 rad/s: by 3 rad in the longest step, which is what a method would take that does not see a turn.
+    // It turns over about its middle axis, at 30 rad/s: by 3 rad in the longest step, which is what
+    // a method would take that does not see a turn.
     let start = State::at(DVec3::ZERO).with_angular_momentum(DVec3::new(0.1, 6.0, 0.2));
     fn end<I: Integrator>(start: State, by: I) -> State {
         let mut state = start;

@@ -1,4 +1,5 @@
-//! Bad input is answered, not simulated (promise G8): one test a parameter, what a step does that cannot go on, and any bits anywhere without a panic.
+//! Bad input is answered, not simulated (promise G8): one test a parameter, what a step does that
+//! cannot go on, and any bits anywhere without a panic.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used, clippy::panic)]
@@ -24,13 +25,14 @@ use tumble::{
 };
 use tumble::{Dynamics, Every, Flight, Sample, Step, Timed, UntilRest};
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // One test a parameter
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 
-/// That a scene is refused for each bad value, with its quantity, rule, value and unit, and accepted for each good one.
+/// That a scene is refused for each bad value, with its quantity, rule, value and unit, and
+/// accepted for each good one.
 fn refuses<T>(
     quantity: &str,
     (rule, bad, good): (Rule, &[f64], &[f64]),
@@ -1339,9 +1341,9 @@ fn a_knob_of_a_trials_first_state_that_cannot_be_is_answered_by_the_first_step()
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Steps that cannot go on
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// The bits of all thirteen numbers: NaN is not equal to itself.
 fn bits(state: &State) -> [u64; 13] {
@@ -1483,7 +1485,8 @@ fn the_limit_of_a_step_is_at_least_zero() {
     });
 }
 
-/// A bath of thick oil: drag in proportion to the speed up and down, everywhere. An explicit step of more than twice `1 kg/drag` seconds overshoots, more each time.
+/// A bath of thick oil: drag in proportion to the speed up and down, everywhere. An explicit step
+/// of more than twice `1 kg/drag` seconds overshoots, more each time.
 struct OilBath {
     /// N s/m.
     drag: f64,
@@ -1550,9 +1553,9 @@ fn a_step_that_diverges_says_so_and_leaves_the_last_good_state() {
     assert_eq!(message, expected);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Laws that break their contract
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// Springs of 1000 N/m and dampers of 2 N s/m in level ground, with one value changed.
 #[derive(Clone, Copy)]
@@ -1598,7 +1601,8 @@ impl SlidingFriction for Spoilt {
     }
 }
 
-/// A solid ball of 1 kg that falls from 5 cm above the ground and slides at 1 m/s, for half a second.
+/// A solid ball of 1 kg that falls from 5 cm above the ground and slides at 1 m/s, for half a
+/// second.
 fn thrown(
     laws: &Spoilt,
     integrator: impl Integrator,
@@ -1740,7 +1744,8 @@ fn a_spring_energy_below_zero_is_named_with_its_value_but_not_for_its_rounding()
         };
         names_the_value(&laws, LawQuantity::SpringEnergy, |value| value < 0.0);
     }
-    // The textbook's form, off by some rounding of 1e5 J at every depth: below 0 at the first millionth of a metre.
+    // The textbook's form, off by some rounding of 1e5 J at every depth: below 0 at the first
+    // millionth of a metre.
     let textbook = Spoilt {
         spring_force: |d| 1e5 * d.exp_m1(),
         spring_energy: |d| 1e5 * (d.exp() - 1.0 - d),
@@ -1748,7 +1753,8 @@ fn a_spring_energy_below_zero_is_named_with_its_value_but_not_for_its_rounding()
         ..SOUND
     };
     let negative = (1..1000).filter(|&i| (textbook.spring_energy)(1e-10 * f64::from(i)) < 0.0);
-    // Rounding of up to 1.1e-16 hides d²/2 below 1.5e-8 m, at 150 of these depths; it is negative at half of them.
+    // Rounding of up to 1.1e-16 hides d²/2 below 1.5e-8 m, at 150 of these depths; it is negative
+    // at half of them.
     assert!(negative.count() > 30);
     each_method!(1e-4, |integrator, method| {
         assert_eq!(thrown(&textbook, integrator, |_| {}), Ok(()), "{method}");
@@ -1962,8 +1968,8 @@ fn a_duration_below_zero_or_no_number_is_refused_before_anything_moves() {
     );
 }
 
-/// A run that would not end is refused before anything moves or is shown; a flight in closed form of
-/// the same duration is one step.
+/// A run that would not end is refused before anything moves or is shown; a flight in closed form
+/// of the same duration is one step.
 #[test]
 fn a_run_of_more_steps_than_its_clock_counts_is_refused() {
     let start = State::default().with_linear_velocity(DVec3::X);
@@ -2058,8 +2064,8 @@ fn a_run_of_more_samples_than_can_be_told_apart_is_refused() {
     );
 }
 
-/// A coin of a kilogram on springs of 1 kN/m, with numbers so large that a step cannot tell where it
-/// goes. Each method says so, or keeps what nothing changes: in flight the angular momentum.
+/// A coin of a kilogram on springs of 1 kN/m, with numbers so large that a step cannot tell where
+/// it goes. Each method says so, or keeps what nothing changes: in flight the angular momentum.
 #[test]
 fn a_step_beyond_what_numbers_hold_is_refused_or_right() {
     let coin = Stepper::new(Coin::ring(1.0, 0.5))
@@ -2115,7 +2121,8 @@ fn a_step_beyond_what_numbers_hold_is_refused_or_right() {
     }
 }
 
-/// An integrator of a user's whose steps are lost in the clock of the run would repeat them for ever.
+/// An integrator of a user's whose steps are lost in the clock of the run would repeat them for
+/// ever.
 #[test]
 fn a_step_that_the_clock_does_not_resolve_ends_the_run() {
     struct Crumbs;
@@ -2154,9 +2161,9 @@ fn a_duration_far_below_the_time_step_moves_the_body_a_little() {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Any bits anywhere
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// Any 64 bits: NaN with any payload, infinities, denormal numbers, either zero.
 fn any_bits() -> impl Strategy<Value = f64> {
@@ -2258,7 +2265,8 @@ impl Anything {
         }
     }
 
-    /// Everything that can be asked of a scene and done with a state in it. Says whether the scene could be composed.
+    /// Everything that can be asked of a scene and done with a state in it. Says whether the scene
+    /// could be composed.
     fn live<R: Real>(&self) -> Result<(), SceneError> {
         let [mass, radius] = self.body.map(R::from_f64);
         let coin = Coin::ring_in(vec![ContactPoint::default(); self.count], mass, radius);
@@ -2355,7 +2363,8 @@ impl Anything {
         Ok(())
     }
 
-    /// A few steps: each leads from a finite state to a finite one, or says why not and leaves the state. And every question about the state where they end.
+    /// A few steps: each leads from a finite state to a finite one, or says why not and leaves the
+    /// state. And every question about the state where they end.
     fn steps<R, B, G, F, A, I>(&self, stepper: &Stepper<R, B, G, F, A, I>)
     where
         R: Real,
@@ -2394,7 +2403,8 @@ impl Anything {
 proptest! {
     #![proptest_config(kit::cases(2000))]
 
-    /// Numbers of every size that a scene and a state may have, and now and then any bits: an answer, never a panic, and never a state that is no number.
+    /// Numbers of every size that a scene and a state may have, and now and then any bits: an
+    /// answer, never a panic, and never a state that is no number.
     #[test]
     fn no_number_in_a_scene_or_a_state_makes_a_panic_in_double_precision(anything in anything()) {
         let _ = anything.live::<f64>();

@@ -1,7 +1,10 @@
-//! The same input has the same bits: a battery of scenes is hashed, and the hashes are compared with the stored ones.
+//! The same input has the same bits: a battery of scenes is hashed, and the hashes are compared
+//! with the stored ones.
 //!
-//! The stored hashes are those of every machine and every profile: `cargo test --release` compares with the same file, and `.ci/targets.sh` lets other
-//! processors do so. A change of the arithmetic, however small, fails here. If it is meant, store the new hashes, and let `.ci/targets.sh` confirm them:
+//! The stored hashes are those of every machine and every profile: `cargo test --release` compares
+//! with the same file, and `.ci/targets.sh` lets other processors do so. A change of the
+//! arithmetic, however small, fails here. If it is meant, store the new hashes, and let
+//! `.ci/targets.sh` confirm them:
 //!
 //! ```text
 //! UPDATE=1 cargo test --test bits

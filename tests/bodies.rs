@@ -1,4 +1,5 @@
-//! Mass properties by two routes that share no formula, and what the bodies of the library answer about themselves.
+//! Mass properties by two routes that share no formula, and what the bodies of the library answer
+//! about themselves.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -17,7 +18,8 @@ use tumble::{
     RigidPointBody, Rod, Side, Solid, SolidCoin, Sphere, State, Stepper, UniformGravity,
 };
 
-/// Both within so many units in the last place of the largest entry, centre of mass and size; a dozen operations lie between them.
+/// Both within so many units in the last place of the largest entry, centre of mass and size; a
+/// dozen operations lie between them.
 fn agree(a: &MassDistribution, b: &MassDistribution, size: f64) -> Result<(), String> {
     let near = |x: f64, y: f64, scale: f64| (x - y).abs() <= 64.0 * f64::EPSILON * scale;
     let moment = a.mass.abs().max(b.mass.abs()) * size * size;
@@ -72,7 +74,8 @@ proptest! {
         let place = |p: DVec3| turn * (p + way);
         let points = MassDistribution::points(&eight_points(edges).map(place), &[mass / 8.0; 8]).unwrap();
         agree(&whole, &points, 2.0).map_err(TestCaseError::fail)?;
-        // A thin box has the volume of a hundredth of its size cubed, which its sums of tetrahedra are rounded by.
+        // A thin box has the volume of a hundredth of its size cubed, which its sums of tetrahedra
+        // are rounded by.
         let size = 2.0 * 10.0;
         let vertices = corners(edges).map(place);
         let hull = MassDistribution::hull(mass, &vertices).unwrap();
@@ -123,8 +126,9 @@ proptest! {
         prop_assert!(difference.iter().all(|entry| entry.abs() < 1e-14), "{difference:?}");
     }
 
-    /// The hull of a prism's corners is the prism, whatever lies inside or twice on it; its moments follow from those of n triangles about the axis:
-    /// `m r² (1 - (2/3) sin²(π/n))/2`, and half of that and `m h²/12` across.
+    /// The hull of a prism's corners is the prism, whatever lies inside or twice on it; its moments
+    /// follow from those of n triangles about the axis: `m r² (1 - (2/3) sin²(π/n))/2`, and half of
+    /// that and `m h²/12` across.
     #[test]
     fn the_hull_of_a_prism_is_the_prism(n in 3_usize..24, height in 0.1..2.0_f64, seed in prop::collection::vec(directions(), 6), turn in orientations()) {
         let rim = |k: usize, z: f64| {
@@ -145,12 +149,15 @@ proptest! {
             centre_of_mass: DVec3::ZERO,
             inertia: DMat3::from_diagonal(DVec3::new(across, across, along)),
         };
-        // Points within 256 units in the last place of the hull's size from a facet belong to it, which shifts a thin prism's volume by a share of that.
+        // Points within 256 units in the last place of the hull's size from a facet belong to it,
+        // which shifts a thin prism's volume by a share of that.
         agree(&turned(prism, turn), &hull, 10.0).map_err(TestCaseError::fail)?;
     }
 
-    /// Of all orientations, a coin's normal is as level as needed to fall back on the edge in a share of `h/√(4r² + h²)` (Archimedes: heights on a sphere are
-    /// evenly shared), which for a US nickel is 9 in 100 (Murray & Teare, Phys. Rev. E 48, 2547, 1993, find 1 in 6000 after bounces).
+    /// Of all orientations, a coin's normal is as level as needed to fall back on the edge in a
+    /// share of `h/√(4r² + h²)` (Archimedes: heights on a sphere are evenly shared), which for a US
+    /// nickel is 9 in 100 (Murray & Teare, Phys. Rev. E 48, 2547, 1993, find 1 in 6000 after
+    /// bounces).
     #[test]
     fn a_coin_whose_weight_is_over_its_edge_stands(turn in orientations()) {
         let coin = SolidCoin::new(0.005, 10.605e-3, 1.95e-3);
@@ -216,7 +223,8 @@ fn a_ball_has_the_moments_of_six_points_on_its_axes() {
 
 #[test]
 fn a_shell_is_what_a_thinner_ball_leaves_of_a_ball() {
-    // m(r) = r³, so that the difference of two balls is homogeneous; its moment is 2 (r⁵ - s⁵)/5 and its mass r³ - s³: 2/3 m r² as s goes to r, with an error of first order.
+    // m(r) = r³, so that the difference of two balls is homogeneous; its moment is 2 (r⁵ - s⁵)/5
+    // and its mass r³ - s³: 2/3 m r² as s goes to r, with an error of first order.
     let error = |gap: f64| {
         let hole = 1.0 - gap;
         let ball = MassDistribution::ball(1.0, 1.0);
@@ -232,7 +240,8 @@ fn a_capsule_is_a_cylinder_between_half_balls() {
     let (radius, length, density): (f64, f64, f64) = (0.3, 0.8, 7.0);
     let tube = density * PI * radius * radius * length;
     let cap = density * 2.0 / 3.0 * PI * radius.powi(3);
-    // About the centre of its flat side a half-ball has a ball's moments for its mass; its centre of mass is 3r/8 above.
+    // About the centre of its flat side a half-ball has a ball's moments for its mass; its centre
+    // of mass is 3r/8 above.
     let lift = 0.375 * radius;
     let moment = 0.4 * cap * radius * radius;
     let across = moment - cap * lift * lift;
@@ -420,7 +429,8 @@ fn a_solid_coin_looks_at_the_points_under_the_plane_and_few_others() {
     }
 }
 
-/// A rod and a disc of points as one body, with the contacts of neither: mass points and contact points stand apart.
+/// A rod and a disc of points as one body, with the contacts of neither: mass points and contact
+/// points stand apart.
 #[test]
 fn a_composite_falls_like_the_cloud_of_its_points() {
     let points = eight_points(DVec3::new(0.3, 0.2, 0.5)).map(|p| p + DVec3::new(0.1, 0.0, -0.4));
@@ -444,8 +454,9 @@ fn a_composite_falls_like_the_cloud_of_its_points() {
 
 #[test]
 fn a_capsule_that_slides_across_its_axis_comes_to_roll_at_the_speed_of_its_moment() {
-    // From a slide at v it rolls at v/(1 + I/(m r²)) (validation case C2), whatever its length. The force's arm is the radius, however deep it sinks, so that
-    // only the slip that friction needs is left of the difference.
+    // From a slide at v it rolls at v/(1 + I/(m r²)) (validation case C2), whatever its length. The
+    // force's arm is the radius, however deep it sinks, so that only the slip that friction needs
+    // is left of the difference.
     let body = Capsule::solid(1.0, 0.1, 0.3);
     let ratio = body.inertia().z_axis.z / 0.01;
     let stepper = Stepper::new(body)

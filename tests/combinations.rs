@@ -1,6 +1,8 @@
-//! Every built-in body on every ground with every friction law, moved by every integrator: all of them go together.
+//! Every built-in body on every ground with every friction law, moved by every integrator: all of
+//! them go together.
 //!
-//! In tame scenes the integrators, which share no formula, have to agree on where the body is; at the extremes each has to end a step or to say why not.
+//! In tame scenes the integrators, which share no formula, have to agree on where the body is; at
+//! the extremes each has to end a step or to say why not.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -71,7 +73,8 @@ fn bodies() -> Named<dyn RigidPointBody> {
     ]
 }
 
-/// Each law on each shape, with a stiffness of some thousands of newtons a metre times `stiffness`, and dampers that take a tenth of a bounce times `damping`.
+/// Each law on each shape, with a stiffness of some thousands of newtons a metre times `stiffness`,
+/// and dampers that take a tenth of a bounce times `damping`.
 fn grounds(stiffness: f64, damping: f64) -> Named<dyn SpringDamperGround> {
     let mut grounds: Named<dyn SpringDamperGround> = Vec::new();
     macro_rules! on_each_shape {
@@ -216,7 +219,8 @@ fn apart(a: &State, b: &State, reach: f64) -> f64 {
     (a.position - b.position).length() + reach * 2.0 * turn.xyz().length()
 }
 
-/// Calls `check` with every body on every ground with every friction law, their names, and a number that goes round all methods with any two of the parts.
+/// Calls `check` with every body on every ground with every friction law, their names, and a number
+/// that goes round all methods with any two of the parts.
 fn each(
     grounds: &Named<dyn SpringDamperGround>,
     frictions: &Named<dyn SlidingFriction>,
@@ -235,11 +239,14 @@ fn each(
     count
 }
 
-/// How far the methods may be from the truth after 0.2 s, m: two to three times what they are. One that missed a force would be off by 0.1 m and more: the ground turns 2 m/s round.
+/// How far the methods may be from the truth after 0.2 s, m: two to three times what they are. One
+/// that missed a force would be off by 0.1 m and more: the ground turns 2 m/s round.
 ///
-/// A body that hits with u = 3 m/s on springs of ω = 45 to 170 rad/s is pushed by u ω, up to 500 m/s². A method of order 1 is off by some half a step of that for the rest of the run, 0.2 s · u ω dt/2 = 10 mm
-/// for 0.2 ms; `ForwardEuler` gains energy besides, ω² dt a second, threefold in the stiffest bounce. Order 2 is off by 0.2 s · u (ω dt)²/12 = 1.5 mm for 1 ms, and by some times that where
-/// the tip of a cone or rod, six times lighter than the whole, takes the push.
+/// A body that hits with u = 3 m/s on springs of ω = 45 to 170 rad/s is pushed by u ω, up to
+/// 500 m/s². A method of order 1 is off by some half a step of that for the rest of the run, 0.2 s
+/// · u ω dt/2 = 10 mm for 0.2 ms; `ForwardEuler` gains energy besides, ω² dt a second, threefold in
+/// the stiffest bounce. Order 2 is off by 0.2 s · u (ω dt)²/12 = 1.5 mm for 1 ms, and by some times
+/// that where the tip of a cone or rod, six times lighter than the whole, takes the push.
 const BOUNDS: [(&str, f64); 8] = [
     ("ForwardEuler", 0.15),
     ("SymplecticEuler", 2e-2),
@@ -258,8 +265,8 @@ fn in_tame_scenes_all_integrators_agree() {
         &grounds(1.0, 1.0),
         &frictions(1.0, 0.5),
         |name, parts, turn| {
-            // A tenth of the tolerance of the finest method that is compared: its own error is up to some
-            // tens of its tolerance.
+            // A tenth of the tolerance of the finest method that is compared: its own error is up
+            // to some tens of its tolerance.
             let (truth, time, _) = run(parts, DormandPrince54::new(1e-6), 0.2);
             assert!(covers(&time, 0.2), "{name}: {time:?}");
             // Two of the others in turn.

@@ -1,5 +1,5 @@
-//! The checks that an author runs on his own implementation: everything that is built in passes them, and broken implementations are caught, each by the
-//! clause that it breaks.
+//! The checks that an author runs on his own implementation: everything that is built in passes
+//! them, and broken implementations are caught, each by the clause that it breaks.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -100,7 +100,8 @@ fn every_built_in_ground_passes() {
             check_ground(&limited, &RANGE, battery).unwrap();
             check_ground(&Ground::level(ground.law()), &RANGE, battery).unwrap();
         }
-        // Depths, and half of the region's size, below the radii of curvature: 1 m, 2.5 m and 2.2 m at least, in a region of 1 m.
+        // Depths, and half of the region's size, below the radii of curvature: 1 m, 2.5 m and 2.2 m
+        // at least, in a region of 1 m.
         let law = SpringDamper {
             stiffness: 1e3,
             damping: 0.5,

@@ -1,4 +1,5 @@
-//! What the explicit integrators do to the energy: they may raise it, by an amount that belongs to the method and shrinks with the step at its order.
+//! What the explicit integrators do to the energy: they may raise it, by an amount that belongs to
+//! the method and shrinks with the step at its order.
 //!
 //! And the step at which they stop being stable, from both sides.
 
@@ -17,9 +18,11 @@ use tumble::{
     State, Stepper, StrangSplitting, Surface, SymplecticEuler, Terrain, Trial, UniformGravity,
 };
 
-/// A table on four soft springs without friction and damping: nothing can take energy. It presses them down by 0.245 m and never leaves one: smooth motion.
+/// A table on four soft springs without friction and damping: nothing can take energy. It presses
+/// them down by 0.245 m and never leaves one: smooth motion.
 ///
-/// Three different moments, lopsided legs, and swings of a fifth of a radian: nothing about it is linear.
+/// Three different moments, lopsided legs, and swings of a fifth of a radian: nothing about it is
+/// linear.
 fn table() -> (Solid, FlatGround, UniformGravity, State) {
     let leg = |x, y| ContactPoint::bare(DVec3::new(x, y, -0.1));
     let body = Solid {
@@ -43,7 +46,8 @@ fn table() -> (Solid, FlatGround, UniformGravity, State) {
     )
 }
 
-/// Largest distance from the first energy in two parts of a run of the table: its first tenth and its last.
+/// Largest distance from the first energy in two parts of a run of the table: its first tenth and
+/// its last.
 fn energy_error_of_the_table(integrator: impl Integrator, seconds: f64) -> [f64; 2] {
     let (body, ground, gravity, mut state) = table();
     let stepper = Stepper::new(body)
@@ -73,9 +77,10 @@ fn energy_error_of_the_table(integrator: impl Integrator, seconds: f64) -> [f64;
 
 #[test]
 fn the_error_of_a_conserved_energy_shrinks_with_the_step_at_the_order_of_the_method() {
-    // Three halvings, each of which must show the order to 0.15; the coarsest step resolves the fastest swing (13 rad/s) by 20 steps or more. Forward
-    // Euler starts with shorter ones, or it throws the table off its springs. The energy is some 0.2 J, and its rounding, 1e-15 J a step, is far below the
-    // smallest error.
+    // Three halvings, each of which must show the order to 0.15; the coarsest step resolves the
+    // fastest swing (13 rad/s) by 20 steps or more. Forward Euler starts with shorter ones, or it
+    // throws the table off its springs. The energy is some 0.2 J, and its rounding, 1e-15 J a step,
+    // is far below the smallest error.
     each_explicit!(0.02, |integrator, method| {
         let coarsest = if method == "ForwardEuler" { 1e-3 } else { 0.02 };
         let errors = [1.0, 0.5, 0.25, 0.125].map(|share| {
@@ -97,7 +102,8 @@ fn the_error_of_a_conserved_energy_shrinks_with_the_step_at_the_order_of_the_met
 
 #[test]
 fn the_energy_of_symplectic_methods_swings_and_does_not_drift() {
-    // 500 s, some 500 swings of the table. A drift of one part in a thousand of the swing each time would show as half of it.
+    // 500 s, some 500 swings of the table. A drift of one part in a thousand of the swing each time
+    // would show as half of it.
     for [early, late] in [
         energy_error_of_the_table(SymplecticEuler { time_step: 0.005 }, 500.0),
         energy_error_of_the_table(StrangSplitting { time_step: 0.005 }, 500.0),
@@ -116,7 +122,8 @@ fn the_energy_of_an_undamped_contact_grows_without_end_under_forward_euler() {
 proptest! {
     #![proptest_config(kit::cases(200))]
 
-    /// `z' = z + v dt`, `v' = v - g dt`: the parabola's half step is missing, and the energy of translation rises by `M g² dt²/2` in each step.
+    /// `z' = z + v dt`, `v' = v - g dt`: the parabola's half step is missing, and the energy of
+    /// translation rises by `M g² dt²/2` in each step.
     #[test]
     fn forward_euler_gains_half_of_m_g2_dt2_in_every_step_of_flight(
         mass in log_uniform(1e-6, 1e6),
@@ -143,9 +150,11 @@ proptest! {
         prop_assert!((gain - expected).abs() <= rounding, "{gain:e}, not {expected:e} to {rounding:e}");
     }
 
-    /// Semi-implicit Euler leaves `v² + ω² z² - ω² dt z v` as it is while on a spring, and meets the surface at a part f of a step. So the speed after an
-    /// elastic bounce obeys `v₁² (1 - f₁(1 - f₁) (ω dt)²) = v₀² (1 - f₀(1 - f₀) (ω dt)²)` exactly, and the energies differ by at most `(ω dt)²/4`.
-    /// Strang's splitting without dampers makes the same sequence, half a step apart.
+    /// Semi-implicit Euler leaves `v² + ω² z² - ω² dt z v` as it is while on a spring, and meets
+    /// the surface at a part f of a step. So the speed after an elastic bounce obeys
+    /// `v₁² (1 - f₁(1 - f₁) (ω dt)²) = v₀² (1 - f₀(1 - f₀) (ω dt)²)` exactly, and the energies
+    /// differ by at most `(ω dt)²/4`. Strang's splitting without dampers makes the same sequence,
+    /// half a step apart.
     #[test]
     fn a_bounce_on_springs_changes_the_energy_by_at_most_a_quarter_of_the_step_squared(
         mass in log_uniform(1e-6, 1e6),
@@ -187,9 +196,11 @@ proptest! {
     }
 }
 
-/// Growth of a small swing about rest in one step, on average: a single point on its spring and damper under gravity, so near to rest that it never leaves.
+/// Growth of a small swing about rest in one step, on average: a single point on its spring and
+/// damper under gravity, so near to rest that it never leaves.
 ///
-/// The swing's size is `√(z² + (v/ω)²)` from rest. Stops early where it has grown a hundredfold, or shrunk to what rounding leaves of it.
+/// The swing's size is `√(z² + (v/ω)²)` from rest. Stops early where it has grown a hundredfold, or
+/// shrunk to what rounding leaves of it.
 fn growth(integrator: impl Integrator, mass: f64, frequency: f64, ratio: f64) -> f64 {
     let stiffness = mass * frequency * frequency;
     let damping = 2.0 * ratio * frequency * mass;
@@ -238,8 +249,9 @@ fn stable_up_to<I: Integrator>(
     Ok(())
 }
 
-/// The damping ratio and the step beyond which Strang's splitting grows: where `|λ| = 1` for the product of its three matrices,
-/// `4 - 4ζy + (4ζ² - 1) y² + ζ y³ = 0` or `ζy = 1` (determinant `1 - 2ζy + 2ζ²y²` of 1), with `y = ω dt`.
+/// The damping ratio and the step beyond which Strang's splitting grows: where `|λ| = 1` for the
+/// product of its three matrices, `4 - 4ζy + (4ζ² - 1) y² + ζ y³ = 0` or `ζy = 1` (determinant
+/// `1 - 2ζy + 2ζ²y²` of 1), with `y = ω dt`.
 fn limit_of_strang_splitting(ratio: f64) -> f64 {
     let oscillates = |y: f64| {
         4.0 - 4.0 * ratio * y + (4.0 * ratio * ratio - 1.0) * y * y + ratio * y * y * y > 0.0
@@ -273,8 +285,9 @@ proptest! {
         stable_up_to(limit, 0.01, [mass, frequency, ratio], |time_step| SymplecticEuler { time_step })?;
     }
 
-    /// `dt < 2/ω` for weak damping and `dt < 2 m/C` where dampers rule, says its documentation: the lesser of the two is never beyond the limit, and close to
-    /// it at both ends. (In between, damping helps: up to 3.06/ω at ζ = 0.327.)
+    /// `dt < 2/ω` for weak damping and `dt < 2 m/C` where dampers rule, says its documentation: the
+    /// lesser of the two is never beyond the limit, and close to it at both ends. (In between,
+    /// damping helps: up to 3.06/ω at ζ = 0.327.)
     #[test]
     fn strang_splitting_is_stable_up_to_the_limit_of_its_matrix(
         mass in log_uniform(1e-3, 1e3), frequency in log_uniform(0.1, 1e4), ratio in log_uniform(0.01, 100.0),
@@ -303,7 +316,8 @@ proptest! {
         stable_up_to(2.785 / (2.0 * ratio * frequency), 0.003, [mass, frequency, ratio], |time_step| Rk4 { time_step })?;
     }
 
-    /// Where the spectral radius of its matrix passes 1: at `ω dt = 3.082` for `ζ = 0.1`, to the digits stated.
+    /// Where the spectral radius of its matrix passes 1: at `ω dt = 3.082` for `ζ = 0.1`, to the
+    /// digits stated.
     #[test]
     fn nystroms_method_with_weak_dampers_is_stable_up_to_3_08_over_the_frequency(
         mass in log_uniform(1e-3, 1e3), frequency in log_uniform(0.1, 1e4),
@@ -311,7 +325,8 @@ proptest! {
         stable_up_to(3.082 / frequency, 0.005, [mass, frequency, 0.1], |time_step| Nystrom { time_step })?;
     }
 
-    /// Its velocities are a Runge-Kutta method of order 4 in four stages, which have one stability function: as of `Rk4`.
+    /// Its velocities are a Runge-Kutta method of order 4 in four stages, which have one stability
+    /// function: as of `Rk4`.
     #[test]
     fn nystroms_method_with_dampers_alone_is_stable_up_to_2_79_m_over_c(
         mass in log_uniform(1e-3, 1e3), frequency in log_uniform(0.1, 1e4), ratio in log_uniform(20.0, 60.0),
@@ -319,7 +334,8 @@ proptest! {
         stable_up_to(2.785 / (2.0 * ratio * frequency), 0.006, [mass, frequency, ratio], |time_step| Nystrom { time_step })?;
     }
 
-    /// `|λ| = 1 + 2.1e-4 y⁶ - ζ y` with `y = ω dt`, to leading order: calm and wild on both sides of `ζ = 2.1e-4 y⁵`.
+    /// `|λ| = 1 + 2.1e-4 y⁶ - ζ y` with `y = ω dt`, to leading order: calm and wild on both sides
+    /// of `ζ = 2.1e-4 y⁵`.
     #[test]
     fn nystroms_method_whips_up_a_swing_that_is_next_to_undamped(
         mass in log_uniform(1e-3, 1e3), frequency in log_uniform(0.1, 1e4), y in 0.3..0.6_f64,
@@ -396,7 +412,8 @@ impl SlidingFriction for Film {
             growth: 1.0 - self.drag / coefficient,
         }
     }
-    /// The film moves along with the body and pushes it where the body falls behind: no check of it.
+    /// The film moves along with the body and pushes it where the body falls behind: no check of
+    /// it.
     fn is_trusted(&self) -> bool {
         true
     }

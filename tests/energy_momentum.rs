@@ -1,4 +1,5 @@
-//! The default integrator where the answer is known: the truth of the report's equations, closed forms, and rest. What it does beyond them is in `extremes.rs`.
+//! The default integrator where the answer is known: the truth of the report's equations, closed
+//! forms, and rest. What it does beyond them is in `extremes.rs`.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(
@@ -53,9 +54,9 @@ fn lying(height: f64) -> State {
     State::at(DVec3::Z * height).with_orientation(DQuat::from_rotation_y(FRAC_PI_2))
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Accuracy
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// Errors of place (m) in trial 1 at the times of the truth table up to 1 s, for each step.
 fn errors_in_trial_1(slip_speed: f64, steps: &[f64]) -> Vec<Vec<f64>> {
@@ -100,8 +101,9 @@ fn trial_1_converges_at_order_two_through_its_touch_downs() {
 
 #[test]
 fn trial_3_sticks_and_rolls_at_order_two_though_its_steps_do_not_resolve_the_slip() {
-    // A slip ends in ε/(3 μ g) = 4e-8 s for the slip speed 1e-6 m/s: a thousandth of the shortest of these steps. Where what settles a stick braked its beginning and end too, the error
-    // was 2.9e-6 m at 0.1 ms, of order 1.2; without anything that settles it, 3.7e-7.
+    // A slip ends in ε/(3 μ g) = 4e-8 s for the slip speed 1e-6 m/s: a thousandth of the shortest
+    // of these steps. Where what settles a stick braked its beginning and end too, the error was
+    // 2.9e-6 m at 0.1 ms, of order 1.2; without anything that settles it, 3.7e-7.
     let steps = [2e-4, 1e-4, 5e-5, 2.5e-5];
     let (setup, truths) = (Setup::trial(3, 1e-6), truths(3, 1e-6, 1.0));
     let times: Vec<_> = truths.iter().map(|truth| truth.time).collect();
@@ -141,13 +143,14 @@ fn smooth_contact_converges_at_order_two() {
     assert!((order - 2.0).abs() < 0.05, "{order}, {errors:?}");
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Energy that nothing takes, and energy that is taken
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 #[test]
 fn what_nothing_takes_is_there_after_a_million_steps() {
-    // A coin rolls on springs without dampers and friction, as trial 1 but with four times the spin.
+    // A coin rolls on springs without dampers and friction, as trial 1 but with four times the
+    // spin.
     for time_step in [1e-3, 1e-4] {
         let report = Trial::report(1).unwrap();
         let rolling = Trial {
@@ -179,7 +182,8 @@ fn what_nothing_takes_is_there_after_a_million_steps() {
         // M g r cos(15 degrees) + L^2/(2 I).
         let expected = GRAVITY * 0.5 * (core::f64::consts::PI / 12.0).cos() + 32.0;
         assert!((start - expected).abs() < 1e-13, "{start}");
-        // Each step is free to lose its rounding, a few units of 1.1e-16 (measured: one), and none to gain it: at most linear in the steps.
+        // Each step is free to lose its rounding, a few units of 1.1e-16 (measured: one), and none
+        // to gain it: at most linear in the steps.
         let lost = (start - end) / start;
         assert!(
             lost >= 0.0 && lost <= f64::from(steps) * 4.4e-16,
@@ -219,9 +223,9 @@ fn the_energy_curves_of_the_eight_trials_have_no_rise_at_any_step() {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Rest
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 #[test]
 fn the_eight_trials_come_to_rest_exactly_and_stay_there() {
@@ -250,7 +254,8 @@ fn the_eight_trials_come_to_rest_exactly_and_stay_there() {
             assert_eq!(state.linear_velocity, DVec3::ZERO);
             assert_eq!(state.angular_momentum, DVec3::ZERO);
             assert_eq!(touching, 120, "trial {number}");
-            // The energy's rounding, 1e-19 J of 8e-4 J, hides an offset of sqrt(2 * 64 * 1e-19/(n S)) = 1e-11 m.
+            // The energy's rounding, 1e-19 J of 8e-4 J, hides an offset of sqrt(2 * 64 * 1e-19/(n
+            // S)) = 1e-11 m.
             assert!((z - sag).abs() < 1e-11, "trial {number}: {z:e}");
             let resting = state;
             for _ in 0..1000 {
@@ -329,7 +334,8 @@ fn a_workspace_that_comes_from_a_coin_with_fewer_points_brings_no_energy_from_it
         let friction = Coulomb::as_in_the_report(0.3);
         scene(body, FlatGround::level(1000.0, 0.5), friction, 1e-3)
     }
-    /// Lying on the springs of one body until it sleeps; then on those of the other, which throw it up.
+    /// Lying on the springs of one body until it sleeps; then on those of the other, which throw it
+    /// up.
     fn wakes(few: impl RigidPointBody, points: f64, many: impl RigidPointBody) {
         let (few, many) = (on_ground(few), on_ground(many));
         let mut workspace = EnergyMomentumWorkspace::default();
@@ -352,7 +358,8 @@ fn a_workspace_that_comes_from_a_coin_with_fewer_points_brings_no_energy_from_it
 
 #[test]
 fn a_body_that_creeps_does_not_sleep() {
-    // On a slope of 10 degrees at a slip speed of 1e-9 m/s: it creeps by 1.4e-9 m/s, and after 1000 s with steps of 1 ms has come 1.4e-6 m.
+    // On a slope of 10 degrees at a slip speed of 1e-9 m/s: it creeps by 1.4e-9 m/s, and after
+    // 1000 s with steps of 1 ms has come 1.4e-6 m.
     let slope = 10.0_f64.to_radians();
     let normal = DVec3::new(slope.sin(), 0.0, slope.cos());
     let ground = FlatGround::level(1e4, 10.0).on(Plane::through(DVec3::ZERO, normal));
@@ -444,7 +451,8 @@ fn a_body_that_is_thrown_up_in_single_precision_comes_down_again() {
 
 #[test]
 fn a_rocking_coin_does_not_stop_at_a_turning_point() {
-    // At 1e-2 s the step turns the swing by 2π/3: every third step ends at a turning point. The energy of the swing, 7.5e-9 J, is 1e8 roundings of the whole.
+    // At 1e-2 s the step turns the swing by 2π/3: every third step ends at a turning point. The
+    // energy of the swing, 7.5e-9 J, is 1e8 roundings of the whole.
     let (ground, step) = (FlatGround::level(1000.0, 0.0), 1e-2);
     let stepper = scene(Coin::ring(1.0, 0.5), ground, Frictionless, step);
     let tilt = DQuat::from_rotation_y(FRAC_PI_2 + 1e-6);
@@ -457,7 +465,8 @@ fn a_rocking_coin_does_not_stop_at_a_turning_point() {
 
 #[test]
 fn a_coin_that_hardly_rocks_does_not_sleep() {
-    // Without dampers and friction a coin on its springs rocks for ever; by 1e-6 rad its energy is n S r^2/4 a^2 = 7.5e-9 J, far above rounding.
+    // Without dampers and friction a coin on its springs rocks for ever; by 1e-6 rad its energy is
+    // n S r^2/4 a^2 = 7.5e-9 J, far above rounding.
     let stepper = scene(
         Coin::ring(1.0, 0.5),
         FlatGround::level(1000.0, 0.0),
@@ -477,13 +486,14 @@ fn a_coin_that_hardly_rocks_does_not_sleep() {
         swings += u32::from(turning * last < 0.0);
         last = turning;
     }
-    // The springs' n S r^2/2 over the moment m r^2/2: 346 rad/s, slowed by the step to (2/dt) atan(w dt/2) = 342.97 rad/s: 100 s hold 10,917 half swings.
+    // The springs' n S r^2/2 over the moment m r^2/2: 346 rad/s, slowed by the step to (2/dt)
+    // atan(w dt/2) = 342.97 rad/s: 100 s hold 10,917 half swings.
     assert!((10_915..10_920).contains(&swings), "{swings}");
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Closed forms of contact
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 #[test]
 fn a_coin_that_slides_flat_stops_after_the_printed_way_and_stays_there() {
@@ -505,8 +515,9 @@ fn a_coin_that_slides_flat_stops_after_the_printed_way_and_stays_there() {
         stepper.advance(&mut state, 1.0).unwrap();
         let way = 4.0 / (2.0 * mu * GRAVITY);
         let miss = state.position.x - way;
-        // It slides exactly as the formula says up to the step in which it stops, where less than mu g dt is left of the speed: at most mu g dt^2/8 off, or
-        // mu g dt^2/2 where that step ends too early or too late by itself.
+        // It slides exactly as the formula says up to the step in which it stops, where less than
+        // mu g dt is left of the speed: at most mu g dt^2/8 off, or mu g dt^2/2 where that step
+        // ends too early or too late by itself.
         assert!(
             miss.abs() <= 0.5 * mu * GRAVITY * time_step * time_step + 1e-9,
             "{miss:e}"
@@ -519,7 +530,8 @@ fn a_coin_that_slides_flat_stops_after_the_printed_way_and_stays_there() {
     }
 }
 
-/// `exp(-2 ζ arccos(ζ)/√(1-ζ²))`, with the hyperbolic form beyond ζ = 1: the share of the speed that a clamped spring and damper give back.
+/// `exp(-2 ζ arccos(ζ)/√(1-ζ²))`, with the hyperbolic form beyond ζ = 1: the share of the speed
+/// that a clamped spring and damper give back.
 fn restitution(zeta: f64) -> f64 {
     let root = (1.0 - zeta * zeta).abs().sqrt();
     let angle = if zeta < 1.0 {
@@ -530,7 +542,8 @@ fn restitution(zeta: f64) -> f64 {
     (-2.0 * zeta * angle).exp()
 }
 
-/// Bounces a point of 1 kg off a ground of 1e6 N/m without gravity: the share of the speed that is left.
+/// Bounces a point of 1 kg off a ground of 1e6 N/m without gravity: the share of the speed that is
+/// left.
 fn bounce(zeta: f64, time_step: f64) -> f64 {
     let stiffness = 1e6_f64;
     let ground = FlatGround::level(stiffness, 2.0 * zeta * stiffness.sqrt());
@@ -582,7 +595,8 @@ fn an_overdamped_floor_throws_nothing_back_at_any_step() {
             lowest = lowest.min(state.position.z);
             rise = rise.max(state.position.z - lowest);
         }
-        // An impulse at the end of the step stops what the mean force has thrown back, all but a few hundredths; without it 0.98 of the speed came back.
+        // An impulse at the end of the step stops what the mean force has thrown back, all but a
+        // few hundredths; without it 0.98 of the speed came back.
         assert!(fastest < 0.03, "{time_step} s: up at {fastest} m/s");
         assert!(rise < 1e-5, "{time_step} s: up by {rise} m");
         assert!(
@@ -595,7 +609,8 @@ fn an_overdamped_floor_throws_nothing_back_at_any_step() {
 
 #[test]
 fn a_body_on_a_slope_creeps_as_the_closed_forms_say() {
-    // Case C9: on 10 degrees with a coefficient of 0.3 in slip speeds: 1.4258 (report's law) and 0.7265 (smooth law); 15 degrees: 8.36 and 1.986.
+    // Case C9: on 10 degrees with a coefficient of 0.3 in slip speeds: 1.4258 (report's law) and
+    // 0.7265 (smooth law); 15 degrees: 8.36 and 1.986.
     fn creep(friction: impl SlidingFriction, degrees: f64, seconds: f64) -> f64 {
         let slope = degrees.to_radians();
         let normal = DVec3::new(slope.sin(), 0.0, slope.cos());
@@ -615,7 +630,8 @@ fn a_body_on_a_slope_creeps_as_the_closed_forms_say() {
             let t = degrees.to_radians().tan();
             let (first, second) = (t / (0.3 - t), t / (0.09 - t * t).sqrt());
             assert!((first / report - 1.0).abs() < 1e-3 && (second / smooth - 1.0).abs() < 1e-3);
-            // The speed settles at the rate a (1 - t/mu)^2/eps with a = mu g cos; 25 of its times leave e^-25.
+            // The speed settles at the rate a (1 - t/mu)^2/eps with a = mu g cos; 25 of its times
+            // leave e^-25.
             let settling = eps / (0.3 * GRAVITY * degrees.to_radians().cos());
             let seconds = 0.5 + 25.0 * settling / (1.0 - t / 0.3).powi(2);
             let found = [
@@ -648,8 +664,10 @@ fn a_body_on_a_slope_creeps_as_the_closed_forms_say() {
 
 #[test]
 fn a_body_creeps_as_fast_at_steps_that_do_not_resolve_its_slip() {
-    // The step is 1e-3 to 1e8 times as long as the slip takes to settle, ε/(μ g). The end slip is the mean one, and friction at that bears the weight: the creep is the law's. (Drawn to 0 instead
-    // of to the mean slip, it was low by 2 (ε + u)²/(μ g h ε): 3.8 % at 1e-6 m/s, 1e-4 s and 10 degrees.)
+    // The step is 1e-3 to 1e8 times as long as the slip takes to settle, ε/(μ g). The end slip is
+    // the mean one, and friction at that bears the weight: the creep is the law's. (Drawn to 0
+    // instead of to the mean slip, it was low by 2 (ε + u)²/(μ g h ε): 3.8 % at 1e-6 m/s, 1e-4 s
+    // and 10 degrees.)
     let mut worst = 0.0_f64;
     for slip_speed in [1e-2, 1e-4, 1e-6, 1e-8, 1e-10] {
         for time_step in [1e-4, 1e-2] {
@@ -664,7 +682,8 @@ fn a_body_creeps_as_fast_at_steps_that_do_not_resolve_its_slip() {
                 };
                 let stepper = scene(point_mass(1.0), ground, friction, time_step);
                 let mut state = State::at(DVec3::new(sin, 0.0, cos) * (-GRAVITY * cos / 1e4));
-                // 25 of the times in which the speed settles, see above, and 100 steps for what they do not resolve.
+                // 25 of the times in which the speed settles, see above, and 100 steps for what
+                // they do not resolve.
                 let rate = (1.0 - slope.tan() / 0.3).powi(2) * 0.3 * GRAVITY * cos / slip_speed;
                 let seconds = 100.0 * time_step;
                 stepper.advance(&mut state, seconds + 25.0 / rate).unwrap();
@@ -672,7 +691,8 @@ fn a_body_creeps_as_fast_at_steps_that_do_not_resolve_its_slip() {
                 stepper.advance(&mut state, seconds).unwrap();
                 let way = (state.position - from).dot(DVec3::new(cos, 0.0, -sin));
                 let expected = slip_speed * slope.tan() / (0.3 - slope.tan()) * seconds;
-                // Each step rounds the place, of a millimetre, to 2e-19 m at most; and Newton's solution is one to 1.8e-12 of the weight's impulse.
+                // Each step rounds the place, of a millimetre, to 2e-19 m at most; and Newton's
+                // solution is one to 1.8e-12 of the weight's impulse.
                 let rounding = 100.0 * 2.2e-19 / expected;
                 let off = (way / expected - 1.0).abs();
                 assert!(
@@ -688,8 +708,9 @@ fn a_body_creeps_as_fast_at_steps_that_do_not_resolve_its_slip() {
 
 #[test]
 fn what_a_step_does_not_resolve_does_not_flip() {
-    // On wet ground, where friction is in proportion to slip, a body of 1 kg comes down a slope at g sin/(c N): here in 1e-4 s, a hundredth of a step. Mean forces alone would make the
-    // end velocity twice that and 0 by turns.
+    // On wet ground, where friction is in proportion to slip, a body of 1 kg comes down a slope at
+    // g sin/(c N): here in 1e-4 s, a hundredth of a step. Mean forces alone would make the end
+    // velocity twice that and 0 by turns.
     let slope = 0.3_f64;
     let normal = DVec3::new(slope.sin(), 0.0, slope.cos());
     let ground = FlatGround::level(1e4, 100.0).on(Plane::through(DVec3::ZERO, normal));
@@ -700,7 +721,8 @@ fn what_a_step_does_not_resolve_does_not_flip() {
     for step in 0..5 {
         stepper.step(&mut state).unwrap();
         let speed = state.linear_velocity.dot(downhill);
-        // The impulse at the end leaves nothing of what is linear, to Newton's 1.8e-12; the normal force is 1e-12 from the weight's.
+        // The impulse at the end leaves nothing of what is linear, to Newton's 1.8e-12; the normal
+        // force is 1e-12 from the weight's.
         let off = speed / (slope.tan() / 1e3) - 1.0;
         // From rest the first mean slip lags by 2/(2 + z) of itself, z = h c N = 94.
         let lag = if step == 0 { 2.0 / 96.0 } else { 1e-9 };
@@ -708,9 +730,9 @@ fn what_a_step_does_not_resolve_does_not_flip() {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Flight
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 #[test]
 fn a_body_with_two_equal_moments_flies_exactly_and_without_an_iteration() {
@@ -799,7 +821,8 @@ fn nine_bodies() -> [(&'static str, Box<dyn RigidPointBody<f32>>); 9] {
 
 #[test]
 fn free_flight_in_single_precision_keeps_both_momenta_without_an_iteration() {
-    // The reproducer's book among them, which had 1.54 times its angular momentum after 5 s. Steady and unsteady rotation, the middle axis too.
+    // The reproducer's book among them, which had 1.54 times its angular momentum after 5 s. Steady
+    // and unsteady rotation, the middle axis too.
     let axes = [
         (9.0, 24.0, 15.0),
         (1e-3, 1.0, 0.0),
@@ -849,9 +872,11 @@ fn free_flight_in_single_precision_keeps_both_momenta_without_an_iteration() {
 
 #[test]
 fn a_bounce_that_nothing_damps_keeps_its_energy_in_single_precision() {
-    // 1e-3 after 100 s is asked. The reproducer's ring at 1/60 s had lost 69 % by then; what is lost is linear in the steps, so that 20 s have a fifth.
+    // 1e-3 after 100 s is asked. The reproducer's ring at 1/60 s had lost 69 % by then; what is
+    // lost is linear in the steps, so that 20 s have a fifth.
     for (name, body) in nine_bodies() {
-        // A contact that wanders over a smooth body: its mean force is not a gradient's at steps this long.
+        // A contact that wanders over a smooth body: its mean force is not a gradient's at steps
+        // this long.
         let steps: &[f32] = if name == "egg" {
             &[1e-3]
         } else {
@@ -994,9 +1019,9 @@ fn a_spring_energy_that_rounds_below_zero_lets_no_energy_in() {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // What a step tells, keeps and bears
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 #[test]
 fn a_workspace_that_is_used_again_changes_no_bit() {
@@ -1064,7 +1089,8 @@ fn the_report_of_a_step_tells_what_it_took() {
         .step_within(&mut state, 2.5e-4, &mut EnergyMomentumWorkspace::default())
         .unwrap();
     assert_eq!(step.elapsed, 2.5e-4);
-    // The ratchet removes what the solver's error would have added: a part in 1e11 of the energy at most, all steps of a second together.
+    // The ratchet removes what the solver's error would have added: a part in 1e11 of the energy at
+    // most, all steps of a second together.
     let (mut ratcheted, mut workspace) = (0.0, EnergyMomentumWorkspace::default());
     for _ in 0..1000 {
         let step = stepper
@@ -1077,13 +1103,14 @@ fn the_report_of_a_step_tells_what_it_took() {
     assert_eq!(Integrator::<f64>::order(stepper.integrator()), 2);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Where the lines of the guide's table of extremes change
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 #[test]
 fn a_steady_rotation_about_a_principal_axis_is_exact_in_flight_at_any_step() {
-    // Three different moments, spun about the axis of the largest: the parts of the composition are rotations about that axis.
+    // Three different moments, spun about the axis of the largest: the parts of the composition are
+    // rotations about that axis.
     let body = Solid::with_moments(DVec3::new(1.0, 2.0, 2.5));
     let integrator = EnergyMomentum { time_step: 0.01 };
     let stepper = Stepper::new(body)
@@ -1147,7 +1174,8 @@ fn far_from_the_origin_rest_is_where_the_energy_is_lowest_to_its_rounding() {
         let depth = (number(height) - state.position.z()).to_f64();
         (depth - GRAVITY / 1e3).abs()
     }
-    // At x from the lowest place the energy is K x²/2 higher; 64 units in the last place of the energies' sizes count as its rounding.
+    // At x from the lowest place the energy is K x²/2 higher; 64 units in the last place of the
+    // energies' sizes count as its rounding.
     let depth = GRAVITY / 1e3;
     let lost = |height: f64, epsilon: f64| (128.0 * epsilon * (height + depth) / depth).sqrt();
     for height in [0.0, 1.0, 1e3, 1e6, 1e9] {
@@ -1165,7 +1193,8 @@ fn far_from_the_origin_rest_is_where_the_energy_is_lowest_to_its_rounding() {
 
 #[test]
 fn a_bounce_within_a_step_keeps_its_energy_and_loses_its_timing() {
-    /// Error of the time that a bounce lasts, over that time π/ω, for a step of so many 1/ω; no damper, no gravity.
+    /// Error of the time that a bounce lasts, over that time π/ω, for a step of so many 1/ω; no
+    /// damper, no gravity.
     fn mistimed(step: f64) -> f64 {
         let time_step = step * 1e-3;
         let stepper = Stepper::new(point_mass(1.0))

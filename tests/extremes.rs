@@ -1,10 +1,14 @@
-//! What [`EnergyMomentum`] promises, at the extremes of everything that a scene can hold: for every step, the computed energy does not rise, with no tolerance;
-//! the body is rigid; the whole step's time passes; the work is bounded; no step is refused, but for one in which free motion goes beyond 1e25 sizes of the body; and none
-//! leaves the body where it is while forces could move it. A law that breaks its contract is named, or has not been asked.
+//! What [`EnergyMomentum`] promises, at the extremes of everything that a scene can hold: for every
+//! step, the computed energy does not rise, with no tolerance; the body is rigid; the whole step's
+//! time passes; the work is bounded; no step is refused, but for one in which free motion goes
+//! beyond 1e25 sizes of the body; and none leaves the body where it is while forces could move it.
+//! A law that breaks its contract is named, or has not been asked.
 //!
-//! The sweep draws bodies, grounds, frictions, gravities, states and time steps at random, the same ones in every run, and takes 40 steps with each.
-//! A plain `cargo test` takes 200,000 steps. `TUMBLE_SWEEP_STEPS=1200000 cargo test --test extremes -- --nocapture` takes more, as `.ci/run` does in a check of its own, and
-//! shows how many of them could be taken whole, by the length of the step, and how many the ratchet has held. `PROPTEST_RNG_SEED` draws others.
+//! The sweep draws bodies, grounds, frictions, gravities, states and time steps at random, the same
+//! ones in every run, and takes 40 steps with each. A plain `cargo test` takes 200,000 steps.
+//! `TUMBLE_SWEEP_STEPS=1200000 cargo test --test extremes -- --nocapture` takes more, as `.ci/run`
+//! does in a check of its own, and shows how many of them could be taken whole, by the length of
+//! the step, and how many the ratchet has held. `PROPTEST_RNG_SEED` draws others.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -28,9 +32,11 @@ use tumble::{
     UniformGravity, Viscous, Waves, WithResistance,
 };
 
-/// Evaluations of the contacts that a step may take: a step that cannot be taken whole is halved down to sixteenths (1 + 2 + 4 + 8 + 16 attempts), and an
-/// attempt is at most three solutions (with the contacts that it foresees, with all, without friction and dampers) of at most 60 evaluations. Beside them, at most four
-/// searches downhill, of four steps of Newton's over 31 lengths each, three times on curved ground.
+/// Evaluations of the contacts that a step may take: a step that cannot be taken whole is halved
+/// down to sixteenths (1 + 2 + 4 + 8 + 16 attempts), and an attempt is at most three solutions
+/// (with the contacts that it foresees, with all, without friction and dampers) of at most 60
+/// evaluations. Beside them, at most four searches downhill, of four steps of Newton's over 31
+/// lengths each, three times on curved ground.
 const MOST_EVALUATIONS: u32 = 31 * 3 * 60 + 4 * 3 * 31 * 4;
 
 /// Steps that a scene is followed for.
@@ -42,11 +48,12 @@ fn sweep_steps() -> u32 {
     asked.map_or(200_000, |steps| steps.parse().unwrap())
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Laws of a user
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// A ground that stiffens, `k (d + d³/l²)`, with a damper that grows with the spring's force, on a plane or on hills. Its mean force is the provided one.
+/// A ground that stiffens, `k (d + d³/l²)`, with a damper that grows with the spring's force, on a
+/// plane or on hills. Its mean force is the provided one.
 #[derive(Debug)]
 struct Turf<R: Real> {
     stiffness: R,
@@ -123,9 +130,9 @@ impl<R: Real> SlidingFriction<R> for Oil<R> {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Scenes
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum BodyKind {
@@ -143,7 +150,8 @@ enum BodyKind {
     Solid(SolidKind),
 }
 
-/// Solids of the library whose contacts are many or round, or that have their centre of mass beside their middle.
+/// Solids of the library whose contacts are many or round, or that have their centre of mass beside
+/// their middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum SolidKind {
     Coin,
@@ -250,8 +258,10 @@ const WIDE: Ranges = Ranges {
     least: 5e-324,
 };
 
-/// What f32 can hold of them. Its largest number is 3e38, and the solver squares impulses: `(S d dt)²` with d up to ten sizes is 1e34 at most here, the energies
-/// `S d²`, `m r² ω²` and `m v²` are 1e19. Steps shorter than 1e-6 s, or places beyond 1e4 m, would be below the last of its seven digits.
+/// What f32 can hold of them. Its largest number is 3e38, and the solver squares impulses:
+/// `(S d dt)²` with d up to ten sizes is 1e34 at most here, the energies `S d²`, `m r² ω²` and
+/// `m v²` are 1e19. Steps shorter than 1e-6 s, or places beyond 1e4 m, would be below the last of
+/// its seven digits.
 const SINGLE: Ranges = Ranges {
     time_step: (1e-6, 1e3),
     size: (1e-3, 1e3),
@@ -500,7 +510,8 @@ impl Case {
         }
     }
 
-    /// Of a damper that grows with the spring: the same force as the damping's at a depth of one size and a speed of 1 m/s, or less. s/m.
+    /// Of a damper that grows with the spring: the same force as the damping's at a depth of one
+    /// size and a speed of 1 m/s, or less. s/m.
     fn relative_damping(&self) -> f64 {
         (self.damping / (self.stiffness * self.size).max(1.0)).min(1e6)
     }
@@ -627,11 +638,12 @@ impl Case {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // The promises
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Steps by decade of the time step from 1e-9 s: how many, and how many of them could not be taken whole.
+/// Steps by decade of the time step from 1e-9 s: how many, and how many of them could not be taken
+/// whole.
 #[derive(Debug, Default)]
 struct Tally {
     steps: [u64; 13],
@@ -695,13 +707,17 @@ fn hypotenuse<R: Real>(a: R, b: R) -> R {
 
 /// Why a body that a step has left as it was should have moved, if it should.
 ///
-/// One that moves by more than a few units in the last place in the time must not be where it was. One at rest is asked where its forces lead: over a step of
-/// length h a shift x along or across the ground, or a turn about the torque, meets mass, springs and resistances, `K = m/h² + Σ (k + c/h)`, so that backward
-/// Euler goes by `f/K`. Where that place differs by more than rounding, and its energy is lower by more than the rounding of the sum, it must have moved.
+/// One that moves by more than a few units in the last place in the time must not be where it was.
+/// One at rest is asked where its forces lead: over a step of length h a shift x along or across
+/// the ground, or a turn about the torque, meets mass, springs and resistances,
+/// `K = m/h² + Σ (k + c/h)`, so that backward Euler goes by `f/K`. Where that place differs by more
+/// than rounding, and its energy is lower by more than the rounding of the sum, it must have moved.
 ///
-/// A contact's depth is rounded on its own: by a turn, to a unit in the last place of the reach; on a ground that is not level also by a shift, to one of the body's place. The
-/// springs' energy is rough there, by what such units change in each contact's, added as independent: a ring 27 m from the origin, on hills of 1e-5 m, met steps of 1e-4 J, up
-/// and down, where a force could have won 1.4e-5 J; a needle of 222 m in f32 stood on one end of it by a depth of a twentieth of a unit.
+/// A contact's depth is rounded on its own: by a turn, to a unit in the last place of the reach; on
+/// a ground that is not level also by a shift, to one of the body's place. The springs' energy is
+/// rough there, by what such units change in each contact's, added as independent: a ring 27 m from
+/// the origin, on hills of 1e-5 m, met steps of 1e-4 J, up and down, where a force could have won
+/// 1.4e-5 J; a needle of 222 m in f32 stood on one end of it by a depth of a twentieth of a unit.
 fn frozen<R: Real>(scene: &impl Dynamics<R>, state: &State<R>, seconds: R) -> Option<&'static str> {
     let motion = scene.motion(state);
     let energy = Energy::of(scene, state);
@@ -786,7 +802,8 @@ fn frozen<R: Real>(scene: &impl Dynamics<R>, state: &State<R>, seconds: R) -> Op
     (moves && drop(&turned) > rounding + rough_by_turn).then_some("it is turned")
 }
 
-/// Whether free motion for a step goes beyond 1e25 sizes of the body, where the documentation allows `StepTooLong`.
+/// Whether free motion for a step goes beyond 1e25 sizes of the body, where the documentation
+/// allows `StepTooLong`.
 fn goes_too_far<R: Real>(scene: &impl Dynamics<R>, start: &State<R>, seconds: R) -> bool {
     let size = scene.reach();
     let size = if size > R::ZERO { size } else { R::ONE };
@@ -985,7 +1002,8 @@ fn sweep_of_solids<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64) 
     sweep_over::<R>(name, scenes, share);
 }
 
-/// A part of the sweep in single precision over bodies with three different moments, in scenes without losses.
+/// A part of the sweep in single precision over bodies with three different moments, in scenes
+/// without losses.
 fn sweep_aloft(name: &str, share: f64, change: impl Fn(Case) -> Case) {
     use SolidKind::{Egg, Hull, RoundDie};
     let kinds = prop::sample::select(vec![Egg, Hull, RoundDie]);
@@ -1048,8 +1066,8 @@ fn a_coin_of_ten_thousand_points_keeps_its_promises() {
     assert!(result.is_ok(), "{}", result.unwrap_err());
 }
 
-/// A scene of the sweep with one of its numbers, or the step, so large that squares of it overflow: each
-/// step is refused and leaves the state, or is finite and does not lift the energy.
+/// A scene of the sweep with one of its numbers, or the step, so large that squares of it overflow:
+/// each step is refused and leaves the state, or is finite and does not lift the energy.
 fn is_refused_or_keeps_its_promises<R: Real>(case: &Case) -> TestCaseResult {
     let time_step = R::from_f64(case.time_step);
     let (body, ground, friction) = (case.body::<R>(), case.ground::<R>(), case.friction::<R>());
@@ -1114,9 +1132,9 @@ fn every_step_beyond_what_numbers_hold_is_refused_or_keeps_its_promises() {
     sweep_of_overflow::<f32>("overflow, f32", SINGLE, Laws::Report, 30.0);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Laws that break their contract
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// What a broken law does wrong, where a contact is deeper than its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -1159,7 +1177,8 @@ impl Breach {
     }
 }
 
-/// A sound law that breaks where it is deeper than `from` (m), or loaded by more than that times 1 N/m.
+/// A sound law that breaks where it is deeper than `from` (m), or loaded by more than that times
+/// 1 N/m.
 struct Broken<'a, R: Real> {
     ground: &'a dyn SpringDamperGround<R>,
     friction: &'a dyn SlidingFriction<R>,
@@ -1251,7 +1270,8 @@ impl<R: Real> SlidingFriction<R> for Broken<'_, R> {
     }
 }
 
-/// Takes a scene with a broken law through its steps: until one of them names what is broken and leaves the state, each is finite and does not lift the energy. Whether one did.
+/// Takes a scene with a broken law through its steps: until one of them names what is broken and
+/// leaves the state, each is finite and does not lift the energy. Whether one did.
 fn is_named_or_keeps_its_promises<R: Real>(
     case: &Case,
     breach: Breach,

@@ -1,5 +1,7 @@
-//! The guide's tables of extremes (`guide::accuracy`), line by line: the number at which a run is no longer accurate, found from both sides. Other lines stand elsewhere: long steps, free spin, small
-//! moments and places far from the origin in `energy_momentum.rs`, stability limits of the explicit integrators in `energy.rs`.
+//! The guide's tables of extremes (`guide::accuracy`), line by line: the number at which a run is
+//! no longer accurate, found from both sides. Other lines stand elsewhere: long steps, free spin,
+//! small moments and places far from the origin in `energy_momentum.rs`, stability limits of the
+//! explicit integrators in `energy.rs`.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -38,13 +40,14 @@ fn scene<B: RigidPointBody, F: SlidingFriction, I: Integrator>(
         .unwrap()
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // EnergyMomentum
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 #[test]
 fn a_damper_stops_an_impact_at_the_right_depth_up_to_two_of_its_times_and_at_most_twice_as_deep() {
-    // A damper alone stops 1 kg that comes at 1 m/s at the depth m v/C; a step takes the speed by (1 - z/2)/(1 + z/2), z = h C/m, for e^-z.
+    // A damper alone stops 1 kg that comes at 1 m/s at the depth m v/C; a step takes the speed by
+    // (1 - z/2)/(1 + z/2), z = h C/m, for e^-z.
     for strain in [0.1, 1.0, 1.9, 2.0, 4.0, 100.0_f64] {
         let time_step = 1e-3;
         let damping = strain / time_step;
@@ -74,7 +77,8 @@ fn a_damper_stops_an_impact_at_the_right_depth_up_to_two_of_its_times_and_at_mos
 
 #[test]
 fn an_overdamped_floor_takes_its_load_in_its_own_time_at_steps_that_do_not_resolve_its_dampers() {
-    // d = m g/S (1 - e^(-S t/D)); S = 1e3 N/m, D = 1e4 N s/m, 1 kg: h D/m is 10 to 1e4. Next to it the inertia counts as m S/D² = 1e-5.
+    // d = m g/S (1 - e^(-S t/D)); S = 1e3 N/m, D = 1e4 N s/m, 1 kg: h D/m is 10 to 1e4. Next to it
+    // the inertia counts as m S/D² = 1e-5.
     let load = |time_step: f64| {
         let ground = FlatGround::level(1e3, 1e4);
         let stepper = scene(
@@ -89,7 +93,8 @@ fn an_overdamped_floor_takes_its_load_in_its_own_time_at_steps_that_do_not_resol
     };
     for time_step in [1e-3, 1e-2, 0.1, 1.0] {
         let off = load(time_step).abs();
-        // Order 2 in h S/D, (h S/D)²/12 of the exponent; the first step starts from rest, and its lag of 2 m/(h D) of one step is 2e-4 s of 10 s.
+        // Order 2 in h S/D, (h S/D)²/12 of the exponent; the first step starts from rest, and its
+        // lag of 2 m/(h D) of one step is 2e-4 s of 10 s.
         let slow = time_step * 0.1;
         assert!(off < slow * slow / 12.0 + 1e-4, "{time_step} s: {off:e}");
     }
@@ -130,13 +135,15 @@ fn a_slide_is_exact_until_the_step_in_which_it_ends() {
         let way = start * start / (2.0 * mu * G);
         worst = worst.max((state.position.x - way).abs() / (slows * time_step));
     }
-    // In units of μ g h²: half of one at most, and an eighth where it would have stopped in the middle of a step.
+    // In units of μ g h²: half of one at most, and an eighth where it would have stopped in the
+    // middle of a step.
     assert!((0.12..0.5).contains(&worst), "{worst}");
 }
 
 #[test]
 fn a_fast_spin_in_contact_is_braked_along_the_chord_of_its_turn() {
-    // A ring that lies on all of its points and spins: the torque is μ m g r, the mean arm over a step r cos(atan(h Ω/2)).
+    // A ring that lies on all of its points and spins: the torque is μ m g r, the mean arm over a
+    // step r cos(atan(h Ω/2)).
     for angle in [0.01, 0.1, 0.28, 0.29, 1.0, 10.0, 100.0_f64] {
         let time_step = 1e-3;
         let stepper = scene(
@@ -152,7 +159,8 @@ fn a_fast_spin_in_contact_is_braked_along_the_chord_of_its_turn() {
         stepper.step(&mut state).unwrap();
         let braked = (before - state.angular_momentum.z) / (0.3 * G * 0.5 * time_step);
         let expected = 1.0 / (1.0 + angle * angle / 4.0).sqrt();
-        // The spin falls by 0.006 rad/s in the step, of 10 rad/s at least; half of that is the mean spin's. Rounding of the momentum, of 2.5e4 kg m²/s at most, is 4e-12 of 1.5e-3.
+        // The spin falls by 0.006 rad/s in the step, of 10 rad/s at least; half of that is the mean
+        // spin's. Rounding of the momentum, of 2.5e4 kg m²/s at most, is 4e-12 of 1.5e-3.
         let slack = 2e-4 * angle * angle.min(1.0) + 1e-8;
         assert!(
             (braked - expected).abs() < slack,
@@ -207,7 +215,8 @@ fn a_start_deep_in_the_ground_is_thrown_out_with_the_energy_of_the_springs() {
 
 #[test]
 fn a_slow_slide_goes_on_while_its_energy_is_above_the_rounding_of_the_energies() {
-    // A coin that lies: gravity's 8e-4 J and the springs' 4e-4 J before and after a step, times 64 ε, are 3.4e-17 J: 8e-9 m/s. One unit in the last place of them is 1.1e-19 J, 4.7e-10 m/s:
+    // A coin that lies: gravity's 8e-4 J and the springs' 4e-4 J before and after a step, times 64
+    // ε, are 3.4e-17 J: 8e-9 m/s. One unit in the last place of them is 1.1e-19 J, 4.7e-10 m/s:
     // below it, rounding may lift the energy by more than there is to take.
     let after = |speed: f64| {
         let stepper = scene(
@@ -230,7 +239,8 @@ fn a_slow_slide_goes_on_while_its_energy_is_above_the_rounding_of_the_energies()
 
 #[test]
 fn a_ball_that_rolls_out_has_the_speed_of_half_a_step_before_and_the_right_way() {
-    // A solid ball rolls out at 5/7 ℓ/r g. The last half a step of the torque has turned the ball alone: friction passes it on in the next step.
+    // A solid ball rolls out at 5/7 ℓ/r g. The last half a step of the torque has turned the ball
+    // alone: friction passes it on in the next step.
     let (rolling, radius, speed) = (3e-3, 0.03, 0.7);
     let off = |time_step: f64| {
         let friction = WithResistance {
@@ -269,7 +279,8 @@ fn a_ball_that_rolls_out_has_the_speed_of_half_a_step_before_and_the_right_way()
     }
 }
 
-/// A ring that lies on all of so many points, slides and comes to stick on a slope of 6 degrees: its place after 0.3 s, and the iterations of the last step.
+/// A ring that lies on all of so many points, slides and comes to stick on a slope of 6 degrees:
+/// its place after 0.3 s, and the iterations of the last step.
 fn sticks_on(points: usize) -> (DVec3, u32) {
     // Together as stiff as the report's 120 points.
     let share = 120.0 / points as f64;
@@ -304,7 +315,8 @@ fn sticks_on(points: usize) -> (DVec3, u32) {
 #[test]
 fn contacts_beyond_those_that_are_remembered_cost_iterations_and_beyond_a_third_more_the_stick() {
     let (truth, remembered) = sticks_on(128);
-    // A ring of 100 points stands elsewhere: while it rocks into its bed, friction differs by a little. Of the 4e-4 m of its way, 1e-7 m.
+    // A ring of 100 points stands elsewhere: while it rocks into its bed, friction differs by a
+    // little. Of the 4e-4 m of its way, 1e-7 m.
     let (fewer, few) = sticks_on(100);
     println!("{few}, {remembered}: {:e} m", fewer.distance(truth));
     assert!(few.abs_diff(remembered) <= 1 && fewer.distance(truth) < 1e-7);
@@ -312,7 +324,8 @@ fn contacts_beyond_those_that_are_remembered_cost_iterations_and_beyond_a_third_
     println!("{remembered}, {more}: {:e} m", some.distance(truth));
     assert!(more > remembered && more < 2 * remembered);
     assert!(some.distance(truth) < 1e-7);
-    // Newton's method no longer ends: what it has after its last iteration is taken, or the fallback. It only creeps, by a millimetre in a second at most.
+    // Newton's method no longer ends: what it has after its last iteration is taken, or the
+    // fallback. It only creeps, by a millimetre in a second at most.
     for points in [200, 256, 400] {
         let (place, most) = sticks_on(points);
         println!("{points}: {most}, {:e} m", place.distance(truth));
@@ -324,9 +337,9 @@ fn contacts_beyond_those_that_are_remembered_cost_iterations_and_beyond_a_third_
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // The explicit integrators
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// A body with three moments, without contacts.
 struct Flyer(DVec3);
@@ -343,7 +356,8 @@ impl RigidPointBody for Flyer {
     }
 }
 
-/// Share of the first lean that a body has after 400 steps of flight by `Rk4`, which turns with `y` rad of nutation a step about the axis of the moment `I₃ = flatness I₁`.
+/// Share of the first lean that a body has after 400 steps of flight by `Rk4`, which turns with `y`
+/// rad of nutation a step about the axis of the moment `I₃ = flatness I₁`.
 fn lean_after_400_steps(flatness: f64, y: f64) -> f64 {
     let stepper = Stepper::new(Flyer(DVec3::new(1.0, 1.0, flatness)))
         .and_then(|stepper| stepper.with_integrator(Rk4 { time_step: 1.0 }))
@@ -359,8 +373,9 @@ fn lean_after_400_steps(flatness: f64, y: f64) -> f64 {
 
 #[test]
 fn runge_kutta_bears_so_much_nutation_of_a_flat_body_and_tips_a_long_one_over() {
-    // The quaternion of a spin about the axis turns at b = y/(2 I₃/I₁) rad a step, a small lean in it at a = y - b. Each step multiplies what turns at x by a number of the square 1 - x⁶/72 + x⁸/576, and scales the
-    // whole to length 1: the lean grows where its number is the larger one.
+    // The quaternion of a spin about the axis turns at b = y/(2 I₃/I₁) rad a step, a small lean in
+    // it at a = y - b. Each step multiplies what turns at x by a number of the square 1 - x⁶/72 +
+    // x⁸/576, and scales the whole to length 1: the lean grows where its number is the larger one.
     let square = |x: f64| 1.0 - x.powi(6) / 72.0 + x.powi(8) / 576.0;
     let growth = |flatness: f64, y: f64| {
         let b = y / (2.0 * flatness);
@@ -373,7 +388,8 @@ fn runge_kutta_bears_so_much_nutation_of_a_flat_body_and_tips_a_long_one_over() 
         let lean = [0.97, 1.03].map(|share| lean_after_400_steps(flatness, share * limit));
         assert!(lean[0] < 1.0 && lean[1] > 1.0, "{flatness}: {lean:?}");
     }
-    // Rods, cigars: whatever takes energy from a spin about the axis of the least moment tips it over.
+    // Rods, cigars: whatever takes energy from a spin about the axis of the least moment tips it
+    // over.
     for flatness in [0.5, 0.8] {
         for y in [0.3, 0.6] {
             let lean = lean_after_400_steps(flatness, y);
@@ -386,7 +402,8 @@ fn runge_kutta_bears_so_much_nutation_of_a_flat_body_and_tips_a_long_one_over() 
     }
 }
 
-/// Steps and error of the place (m) of a ball that bounces for a second, against its path by a tolerance of 1e-12 m.
+/// Steps and error of the place (m) of a ball that bounces for a second, against its path by a
+/// tolerance of 1e-12 m.
 fn bounces<R: Real, I: Integrator<R>>(by: I) -> (u64, f64) {
     let number = R::from_f64;
     let end = |steps: &mut u64| {
@@ -421,7 +438,8 @@ fn a_tolerance_counts_down_to_the_rounding_of_the_state_and_below_it_as_that() {
         single.map(|run| run.0),
         third.map(|run| run.0),
     ] {
-        // A hundredth of the tolerance in f64, a tenth in f32: more steps. Below the rounding: the same.
+        // A hundredth of the tolerance in f64, a tenth in f32: more steps. Below the rounding: the
+        // same.
         assert!(steps[1] as f64 > 1.1 * steps[0] as f64, "{steps:?}");
         assert_eq!(steps[2].abs_diff(steps[3]) * 50 / steps[3], 0, "{steps:?}");
     }
@@ -433,7 +451,8 @@ fn a_tolerance_counts_down_to_the_rounding_of_the_state_and_below_it_as_that() {
     }
 }
 
-/// A ground whose force jumps by so many newtons at a depth of 1 cm, which no contact's beginning or end tells of.
+/// A ground whose force jumps by so many newtons at a depth of 1 cm, which no contact's beginning
+/// or end tells of.
 struct Shelf(f64);
 
 impl SpringDamperGround for Shelf {
@@ -456,7 +475,8 @@ impl SpringDamperGround for Shelf {
 
 #[test]
 fn a_jump_of_the_force_inside_the_ground_is_passed_by_a_step_that_makes_it_harmless_or_refused() {
-    // The shortest step is 2.2e-17 s; a jump of F in a step h makes the velocity of 1 kg wrong by up to F h, which counts by the way in a second.
+    // The shortest step is 2.2e-17 s; a jump of F in a step h makes the velocity of 1 kg wrong by
+    // up to F h, which counts by the way in a second.
     let passes = |jump: f64, tolerance: f64| {
         let stepper = Stepper::new(point_mass(1.0))
             .and_then(|stepper| stepper.with_ground(Shelf(jump)))
@@ -519,9 +539,9 @@ fn a_stick_chatters_with_explicit_steps_above_its_limit() {
     assert!(above[4] < 1e-9, "{above:?}");
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Single precision
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// Error of place (m) in trial 1 after a second.
 fn error_in_trial_1<R: Real, I: Integrator<R>>(by: I) -> f64 {
@@ -542,7 +562,8 @@ fn error_in_trial_1<R: Real, I: Integrator<R>>(by: I) -> f64 {
     apart(&state, &truths(1, 1e-6, 1.0).last().unwrap().state).place
 }
 
-/// Single precision is as good as double at the first step (s), and loses to rounding at the second by so many times the truth's error there.
+/// Single precision is as good as double at the first step (s), and loses to rounding at the second
+/// by so many times the truth's error there.
 fn has_a_best_step<S: Integrator<f32>, D: Integrator<f64>>(
     name: &str,
     single: impl Fn(f32) -> S,
@@ -588,7 +609,8 @@ fn single_precision_is_as_accurate_down_to_a_millisecond_and_loses_below_its_bes
     best!(ForwardEuler, [1e-4, 1e-6], 20.0);
 }
 
-/// Least and greatest of the restitutions that bounces have without gravity on springs made for `wanted`, of a step of `resolution = h ω`, over the phases of the first touch.
+/// Least and greatest of the restitutions that bounces have without gravity on springs made for
+/// `wanted`, of a step of `resolution = h ω`, over the phases of the first touch.
 fn restitutions(wanted: f64, resolution: f64) -> [f64; 2] {
     let carried = Carried {
         mass: 1.0,
@@ -612,12 +634,14 @@ fn restitutions(wanted: f64, resolution: f64) -> [f64; 2] {
     range
 }
 
-/// What a step that does not resolve a bounce makes of its restitution: none where no damper takes energy, and less and less of what was meant where one does.
+/// What a step that does not resolve a bounce makes of its restitution: none where no damper takes
+/// energy, and less and less of what was meant where one does.
 #[test]
 fn a_restitution_is_kept_while_the_step_resolves_the_bounce() {
     for resolution in [0.1, 1.0, 10.0, 50.0] {
         let [least, greatest] = restitutions(1.0, resolution);
-        // Up to a few hundred steps in the ground, each right to a unit in the last place of the energy.
+        // Up to a few hundred steps in the ground, each right to a unit in the last place of the
+        // energy.
         assert!(least > 1.0 - 1e-13 && greatest <= 1.0, "{resolution}");
     }
     for wanted in [0.2, 0.5, 0.8] {

@@ -1,4 +1,5 @@
-//! Flight in closed form: the same states as step by step, never into the ground, however the body turns.
+//! Flight in closed form: the same states as step by step, never into the ground, however the body
+//! turns.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -73,7 +74,8 @@ fn apart(a: &State, b: &State) -> f64 {
 
 #[test]
 fn a_toss_with_bounces_has_the_same_states_to_rounding() {
-    // 1500 steps of numbers near 10 round by 2e-15 each in the flight; the contact makes it grow, by what a push grows there (100 in a second).
+    // 1500 steps of numbers near 10 round by 2e-15 each in the flight; the contact makes it grow,
+    // by what a push grows there (100 in a second).
     fn compare<I: Integrator + Copy>(integrator: I) {
         let (plain, many) = film(&table(Coin::ring(1.0, 0.5), level(), integrator), 2.0);
         let (flown, few) = film(
@@ -140,7 +142,8 @@ fn around_energy_momentum_the_energy_never_rises_in_flight_either() {
         [0.4, 0.3, 0.2, 0.6],
     )
     .unwrap();
-    // What is taken, as a share of the energy: the rounding of a parabola and a turn, or the composed turn's, which swings by some hundredths of 0.02⁴.
+    // What is taken, as a share of the energy: the rounding of a parabola and a turn, or the
+    // composed turn's, which swings by some hundredths of 0.02⁴.
     fn watch<B: RigidPointBody>(body: B, share: f64, decades: f64) -> u32 {
         let stepper = table(body, level(), Flight(EnergyMomentum { time_step: 1e-3 }));
         let (mut random, mut flights) = (Random(11), 0);
@@ -182,7 +185,8 @@ impl Random {
     }
 }
 
-/// That nothing touches within the first step of random tosses, and that it ends near the first touch.
+/// That nothing touches within the first step of random tosses, and that it ends near the first
+/// touch.
 fn assert_flights_end_above_ground<B: RigidPointBody + Copy>(body: B, size: f64) {
     let mut random = Random(7);
     let mut flights = 0;

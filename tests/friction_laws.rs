@@ -1,4 +1,5 @@
-//! Friction laws beyond Coulomb's, against closed forms: stopping, sliding down a slope, and the ellipse of a grain.
+//! Friction laws beyond Coulomb's, against closed forms: stopping, sliding down a slope, and the
+//! ellipse of a grain.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -15,7 +16,8 @@ use tumble::{
 
 const G: f64 = 9.8;
 
-/// A point of 1 kg that slides on a slope of this angle (rad) at its depth of rest, from `velocity` for `seconds`.
+/// A point of 1 kg that slides on a slope of this angle (rad) at its depth of rest, from `velocity`
+/// for `seconds`.
 fn slide(
     friction: impl SlidingFriction,
     angle: f64,
@@ -69,7 +71,8 @@ fn stribeck(slip_speed: f64) -> Stribeck {
 
 #[test]
 fn a_block_with_stribeck_friction_stops_where_the_curve_says() {
-    // v dv/dx = -g μ(v) with μ = k + (s - k)/(1 + v²/w²): x = (v²/k - (s - k) w²/k² ln(1 + k v²/(s w²)))/(2g).
+    // v dv/dx = -g μ(v) with μ = k + (s - k)/(1 + v²/w²): x = (v²/k - (s - k) w²/k² ln(1 + k v²/(s
+    // w²)))/(2g).
     let (law, v) = (stribeck(1e-7), 2.0_f64);
     let [s, k, w] = [
         law.static_coefficient,
@@ -91,16 +94,19 @@ fn a_block_with_stribeck_friction_stops_where_the_curve_says() {
 #[test]
 fn on_a_slope_between_the_two_coefficients_stribeck_friction_holds_what_rests_and_not_what_slides()
 {
-    // tan 22° = 0.404: between 0.3 and 0.5. What rests creeps at ε t/(s - t) = 4.2 ε (as of Coulomb); what slides faster than 0.5 m/s · √((s-t)/(t-k)) = 0.48 m/s gains speed.
+    // tan 22° = 0.404: between 0.3 and 0.5. What rests creeps at ε t/(s - t) = 4.2 ε (as of
+    // Coulomb); what slides faster than 0.5 m/s · √((s-t)/(t-k)) = 0.48 m/s gains speed.
     let angle = 22_f64.to_radians();
     let downhill = DVec3::new(-angle.cos(), 0.0, -angle.sin());
     let law = stribeck(1e-7);
     let rests = slide(law, angle, DVec3::ZERO, [1.0, 1e-2]);
     let t = angle.tan();
     let creep = law.slip_speed * t / (law.static_coefficient - t);
-    // Over the second that it took: at the end of a step that is too long for the friction, the velocity itself is 0.
+    // Over the second that it took: at the end of a step that is too long for the friction, the
+    // velocity itself is 0.
     let speed = rests.position.dot(downhill);
-    // Each step begins at rest, for which 2 creep/dt of g sin θ are taken off the force: 2e-5 of it, and s/(s-t) = 5 times as much off the creep.
+    // Each step begins at rest, for which 2 creep/dt of g sin θ are taken off the force: 2e-5 of
+    // it, and s/(s-t) = 5 times as much off the creep.
     assert!(
         (speed / creep - 1.0).abs() < 1e-3,
         "{speed} m/s, not {creep}"
@@ -129,7 +135,8 @@ fn square() -> impl RigidPointBody {
 
 #[test]
 fn friction_that_falls_with_the_load_stops_a_body_in_the_closed_distance_of_its_load_a_contact() {
-    // With the weight m g on n contacts, μ = μ₀ (1 + m g/(n N₀))^(-1/3) and the distance is v²/(2 μ g).
+    // With the weight m g on n contacts, μ = μ₀ (1 + m g/(n N₀))^(-1/3) and the distance is v²/(2 μ
+    // g).
     let (v, time_step) = (2.0, 1e-3);
     for transition_load in [1e-3, 1.0, 20.0, 1e5] {
         let law = LoadDependentCoulomb {
@@ -235,7 +242,8 @@ proptest! {
         let coulomb = Coulomb { coefficient, slip_speed };
         let slip = (slip - normal * normal.dot(slip)).normalize() * speed;
         let (force, expected) = (even.force(2.0, slip), coulomb.force(2.0, slip));
-        // Directions are orthonormal to some units in the last place, and up to a thousandth from parallel.
+        // Directions are orthonormal to some units in the last place, and up to a thousandth from
+        // parallel.
         prop_assert!((force - expected).length() <= 1e-12 * expected.length());
         let (drag, expected) = (even.drag(2.0, slip), coulomb.drag(2.0, slip));
         prop_assert!((drag.coefficient / expected.coefficient - 1.0).abs() < 1e-12);
@@ -243,7 +251,8 @@ proptest! {
     }
 
     /// Both derivatives that a step uses, along the slip and with the load, against central
-    /// differences. Those have an error of nudge² of the value and of rounding over nudge, 1e-10 each.
+    /// differences. Those have an error of nudge² of the value and of rounding over nudge, 1e-10
+    /// each.
     #[test]
     fn the_drag_of_friction_that_falls_with_the_load_is_the_slope_of_its_force(
         load in log_uniform(1e-6, 1e6), speed in log_uniform(1e-6, 1e2), transition_load in log_uniform(1e-3, 1e3),
@@ -263,7 +272,8 @@ proptest! {
         prop_assert!(drag.per_load >= 0.0);
     }
 
-    /// Newton's iteration is told the slope of the force along the slip, `c (1 - growth |slip|/width)`, or 0 where the force falls.
+    /// Newton's iteration is told the slope of the force along the slip,
+    /// `c (1 - growth |slip|/width)`, or 0 where the force falls.
     #[test]
     fn the_drag_of_stribeck_friction_is_the_slope_of_its_force(speed in log_uniform(1e-5, 10.0), viscous in prop_oneof![Just(0.0), log_uniform(1e-3, 10.0)], kinetic in 0.0..1.0_f64) {
         let law = Stribeck { viscous, kinetic_coefficient: kinetic, ..stribeck(1e-3) };

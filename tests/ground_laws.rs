@@ -1,4 +1,5 @@
-//! The laws of contact: bounces as they were asked for, against closed forms; force without a jump; the same ground by other names.
+//! The laws of contact: bounces as they were asked for, against closed forms; force without a jump;
+//! the same ground by other names.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -13,14 +14,16 @@ use tumble::{
     SpringDamper, SpringDamperGround, State, Stepper,
 };
 
-/// A bounce: the part of the speed that is left, how long the ground pushed (s), and the greatest depth (m).
+/// A bounce: the part of the speed that is left, how long the ground pushed (s), and the greatest
+/// depth (m).
 struct Bounce {
     restitution: f64,
     seconds: f64,
     depth: f64,
 }
 
-/// Drops a body of this mass on as many feet at the same height, with `speed` and without gravity; Runge-Kutta in steps of `time_step`.
+/// Drops a body of this mass on as many feet at the same height, with `speed` and without gravity;
+/// Runge-Kutta in steps of `time_step`.
 fn bounce(law: impl ContactLaw, carried: Carried, speed: f64, time_step: f64) -> Bounce {
     let feet = (0..carried.contacts).map(|i| DVec3::new(f64::from(i), f64::from(i % 2), 0.0));
     let places: Vec<_> = feet.collect();
@@ -69,8 +72,10 @@ fn carried() -> impl Strategy<Value = Carried> {
 proptest! {
     #![proptest_config(kit::cases(60))]
 
-    /// Both laws whose restitution is the same at every speed. The step is 1/4000 of the bounce; where the law has a kink within a step of dt, Runge-Kutta misses `(slope of the force) dt²/2`:
-    /// with `ω dt` of at most π/4000 and damping ratios up to 2.2 (e = 0.03), below 1e-5 of the speed. The end is seen to a step.
+    /// Both laws whose restitution is the same at every speed. The step is 1/4000 of the bounce;
+    /// where the law has a kink within a step of dt, Runge-Kutta misses
+    /// `(slope of the force) dt²/2`: with `ω dt` of at most π/4000 and damping ratios up to 2.2 (e =
+    /// 0.03), below 1e-5 of the speed. The end is seen to a step.
     #[test]
     fn a_law_made_for_a_bounce_bounces_so(
         carried in carried(), restitution in 0.03..1.0_f64, seconds in log_uniform(1e-6, 1.0), speed in log_uniform(1e-3, 1e3),
@@ -86,7 +91,8 @@ proptest! {
         prop_assert!((found.seconds - seconds).abs() < 2.0 * dt, "limited: {} s for {seconds}", found.seconds);
     }
 
-    /// The force is smooth but for the first and last touch, where it goes as `d^n`. A step of 1/4000 of the time to the greatest depth; the last step is late by less than its length.
+    /// The force is smooth but for the first and last touch, where it goes as `d^n`. A step of
+    /// 1/4000 of the time to the greatest depth; the last step is late by less than its length.
     #[test]
     fn a_hunt_crossley_law_made_for_a_bounce_bounces_so(
         carried in carried(), restitution in 0.1..1.0_f64, depth in log_uniform(1e-6, 1e-1), speed in log_uniform(1e-3, 1e3),
@@ -139,7 +145,8 @@ proptest! {
         prop_assert_eq!(flat.extent(), ground.extent());
     }
 
-    /// At a depth of a billionth of the unit, the force is a billionth of the spring's there, or a few of them, at any speed: it does not jump at first touch.
+    /// At a depth of a billionth of the unit, the force is a billionth of the spring's there, or a
+    /// few of them, at any speed: it does not jump at first touch.
     #[test]
     fn limited_dampers_and_hunt_crossley_touch_softly(
         stiffness in log_uniform(1.0, 1e9), damping in log_uniform(1e-3, 1e3), speed in -100.0..100.0_f64,
@@ -151,7 +158,8 @@ proptest! {
         prop_assert!(soft.normal_force(1e-9, speed) <= most * (1.0 + 1e-14));
     }
 
-    /// The closed forms of the mean force against the midpoint rule on 400 parts of what is in the ground, and of its slope against differences.
+    /// The closed forms of the mean force against the midpoint rule on 400 parts of what is in the
+    /// ground, and of its slope against differences.
     #[test]
     fn mean_forces_are_means(
         start in -1.0..1.0_f64, end in -1.0..1.0_f64, seconds in log_uniform(1e-3, 1e3),
@@ -176,7 +184,8 @@ proptest! {
             let mean = law.mean_force(start, end, seconds);
             // The midpoint of one part of 400 may lie on the wrong side of a jump.
             prop_assert!((mean.force - sum).abs() <= 1.0 / 400.0 * largest + 1e-12, "law {number}: {} for {sum}", mean.force);
-            // The mean force bends upwards nowhere or everywhere within 1e-6, but for kinks: its slope lies between the differences to both sides, to their rounding of 1e-15/1e-6.
+            // The mean force bends upwards nowhere or everywhere within 1e-6, but for kinks: its
+            // slope lies between the differences to both sides, to their rounding of 1e-15/1e-6.
             let [less, more] = [-1e-6, 1e-6].map(|aside| law.mean_force(start, end + aside, seconds));
             let slopes = [(mean.force - less.force) / 1e-6, (more.force - mean.force) / 1e-6];
             let slack = (slopes[0] - slopes[1]).abs() + 1e-14 * largest / 1e-6;
@@ -188,7 +197,8 @@ proptest! {
 
 #[test]
 fn hunt_crossley_gives_back_the_printed_part_at_any_exponent() {
-    // Case B6 of the validation catalogue (Hunt & Crossley, J. Appl. Mech. 42, 440, 1975), printed to 5e-9; Runge-Kutta's error as above.
+    // Case B6 of the validation catalogue (Hunt & Crossley, J. Appl. Mech. 42, 440, 1975), printed
+    // to 5e-9; Runge-Kutta's error as above.
     for (damping, restitution) in [
         (0.1, 0.937_475_58),
         (0.3, 0.832_869_79),

@@ -1,4 +1,5 @@
-//! Imports point one way: a file of `src` uses only the layers below its own, so that each can be read without those above it.
+//! Imports point one way: a file of `src` uses only the layers below its own, so that each can be
+//! read without those above it.
 
 #![allow(
     clippy::expect_used,
@@ -114,7 +115,8 @@ fn layer(module: &str) -> Option<usize> {
     LAYERS.iter().position(|modules| modules.contains(&module))
 }
 
-/// The source up to its tests, without comments; each line stays in its place. (Tests of a lower layer may use all that is above it.)
+/// The source up to its tests, without comments; each line stays in its place. (Tests of a lower
+/// layer may use all that is above it.)
 fn code(source: &str) -> String {
     let library = source
         .split("\n#[cfg(test)]\nmod ")

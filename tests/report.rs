@@ -1,8 +1,10 @@
-//! What the report "Special Topics: Coin Project" says of its eight trials, and the library reproduces with every integrator.
+//! What the report "Special Topics: Coin Project" says of its eight trials, and the library
+//! reproduces with every integrator.
 //!
-//! Two of its claims are not physics and not asked for: that the coin rocks in the end (its lowest point runs round the rim, ever
-//! faster), and when an exactly upright spinning coin falls (in exact arithmetic never: trials 4 and 6 get a nudge here). That
-//! trial 6 strays farther than trial 4 hangs on rounding.
+//! Two of its claims are not physics and not asked for: that the coin rocks in the end (its lowest
+//! point runs round the rim, ever faster), and when an exactly upright spinning coin falls (in
+//! exact arithmetic never: trials 4 and 6 get a nudge here). That trial 6 strays farther than trial
+//! 4 hangs on rounding.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used, clippy::panic)]
@@ -135,7 +137,8 @@ impl Film {
     }
 }
 
-/// Within 10 mJ of rest: for the flat coin that rolls on its rim, `3/2 M g r lean`, a lean of 0.08 degrees.
+/// Within 10 mJ of rest: for the flat coin that rolls on its rim, `3/2 M g r lean`, a lean of 0.08
+/// degrees.
 fn has_settled(frame: &Frame) -> bool {
     frame.energy < ENERGY_AT_REST + 0.01
 }
@@ -172,8 +175,9 @@ fn a_rolling_coin_starts_with_the_slip_of_its_spin_and_loses_it() {
             let first = film.frames[0].slip;
             // The centre rests: the lowest point moves at r w. Rounding only.
             assert!((first - RADIUS * spin).abs() < 1e-12, "{}", film.name());
-            // "The tangent velocity oscillates but at a much lower range": 0.15 m/s where trial 1 began with 2. (Trial 2
-            // skids once more, at 0.6 m/s, when it tips; so it is asked before.)
+            // "The tangent velocity oscillates but at a much lower range": 0.15 m/s where trial 1
+            // began with 2. (Trial 2 skids once more, at 0.6 m/s, when it tips; so it is asked
+            // before.)
             let until = if trial == 2 { 15.0 } else { 160.0 };
             let later = largest(film.between(2.0, until).map(|frame| frame.slip));
             assert!(later < 0.1 * first, "{}: {later}", film.name());
@@ -183,7 +187,8 @@ fn a_rolling_coin_starts_with_the_slip_of_its_spin_and_loses_it() {
 
 #[test]
 fn an_upright_rolling_coin_skids_for_v_over_two_mu_g_and_then_rolls() {
-    // A hoop at rest that spins at v/r rolls after `v/(2 mu g)`. (Trial 1 tips over while it still skids.)
+    // A hoop at rest that spins at v/r rolls after `v/(2 mu g)`. (Trial 1 tips over while it still
+    // skids.)
     for trial in [2, 3] {
         let Trial {
             angular_momentum,
@@ -194,8 +199,9 @@ fn an_upright_rolling_coin_skids_for_v_over_two_mu_g_and_then_rolls() {
         let closed_form = speed / (2.0 * coefficient * GRAVITY);
         for film in films(trial) {
             let rolls = film.first(|frame| frame.slip < 0.05 * speed).unwrap().time;
-            // The coin leans by 15 to 20 degrees and sinks while it skids: its weight on the table is M g less M times the
-            // acceleration of the fall, by up to a fifth. Measured: 12 % and 10 % longer, frame by frame of 10 ms.
+            // The coin leans by 15 to 20 degrees and sinks while it skids: its weight on the table
+            // is M g less M times the acceleration of the fall, by up to a fifth. Measured: 12 %
+            // and 10 % longer, frame by frame of 10 ms.
             let ratio = rolls / closed_form;
             assert!((0.9..1.25).contains(&ratio), "{}: {ratio}", film.name());
             // Then it rolls: the slip that is left is that of points that touch down.
@@ -218,9 +224,11 @@ fn trial_1_slips_again_and_again_where_trial_3_does_not() {
 #[test]
 fn trial_1_tips_at_once_and_trial_2_travels_before_it_tips() {
     for (slow, fast) in pairs(1, 2) {
-        // 0.49 s in the truth and in the report's scheme; a frame more or less, and the first order's error.
+        // 0.49 s in the truth and in the report's scheme; a frame more or less, and the first
+        // order's error.
         assert!((slow.tips() - 0.49).abs() < 0.02, "{}", slow.name());
-        // The report's scheme: 23.0 s; by dt -> 0: 20 s. The long roll is sensitive: 19 to 27 s by the methods here.
+        // The report's scheme: 23.0 s; by dt -> 0: 20 s. The long roll is sensitive: 19 to 27 s by
+        // the methods here.
         assert!((15.0..30.0).contains(&fast.tips()), "{}", fast.name());
         // Less than its radius, against more than four of its diameters.
         let way = |film: &Film| largest(film.between(0.0, film.tips()).map(strays));
@@ -232,9 +240,9 @@ fn trial_1_tips_at_once_and_trial_2_travels_before_it_tips() {
 #[test]
 fn more_friction_lets_trial_3_roll_longer_than_trial_1() {
     for (slippery, rough) in pairs(1, 3) {
-        // 78 s against 30.5 s, as dt -> 0. In stick the methods get there by different ways: at the steps here SymplecticEuler
-        // rolls for 69 s, Rk4 for 77 s, and StrangSplitting, whose midpoint kick turns a stuck point's slip round instead of
-        // stopping it, for 108 s.
+        // 78 s against 30.5 s, as dt -> 0. In stick the methods get there by different ways: at the
+        // steps here SymplecticEuler rolls for 69 s, Rk4 for 77 s, and StrangSplitting, whose
+        // midpoint kick turns a stuck point's slip round instead of stopping it, for 108 s.
         assert!(
             rough.settles() > 2.0 * slippery.settles(),
             "{}",
@@ -250,8 +258,9 @@ fn trials_4_and_6_spin_on_the_spot_and_then_fall() {
         for film in films(trial) {
             let leans = film.first(|frame| frame.lean > 0.01).unwrap().time;
             assert!(leans > at_least, "{} leans at {leans} s", film.name());
-            // On the spot: a lean of 0.01 moves the centre of a coin by 5 mm from its lowest point, and that point wanders as far again to either side. Which way
-            // it goes is up to rounding: 4.6 to 11.9 mm over 15 starts that differ by 1e-12 rad, by four methods.
+            // On the spot: a lean of 0.01 moves the centre of a coin by 5 mm from its lowest point,
+            // and that point wanders as far again to either side. Which way it goes is up to
+            // rounding: 4.6 to 11.9 mm over 15 starts that differ by 1e-12 rad, by four methods.
             let strayed = largest(film.between(0.0, leans - FRAME).map(strays));
             assert!(strayed < 4.0 * RADIUS * 0.01, "{}: {strayed}", film.name());
             // Then it falls: not farther than its radius from where it spun.
@@ -264,8 +273,8 @@ fn trials_4_and_6_spin_on_the_spot_and_then_fall() {
 #[test]
 fn trial_7_jumps() {
     for film in films(7) {
-        // The centre reaches 0.622 m in an independent run, where a coin that stands has it at 0.5 m. ForwardEuler jumps 8 mm
-        // higher, because its step takes 40 % off the dampers.
+        // The centre reaches 0.622 m in an independent run, where a coin that stands has it at
+        // 0.5 m. ForwardEuler jumps 8 mm higher, because its step takes 40 % off the dampers.
         let height = largest(film.frames.iter().map(|frame| frame.centre.z));
         assert!((height - 0.622).abs() < 0.01, "{}: {height}", film.name());
         let gap = largest(film.frames.iter().map(|frame| frame.gap));
@@ -317,8 +326,8 @@ fn every_trial_settles_flat_with_the_energy_of_the_sag() {
             let above = last.energy - ENERGY_AT_REST;
             // The lowest energy there is, to rounding of M g z and n S z^2/2.
             assert!(above > -1e-15, "{}: {above:e}", film.name());
-            // What an explicit method leaves: at a slip speed of 1e-10 m/s friction flips the velocity by mu g dt from step to
-            // step, and the spin by as much at the rim.
+            // What an explicit method leaves: at a slip speed of 1e-10 m/s friction flips the
+            // velocity by mu g dt from step to step, and the spin by as much at the rim.
             let chatter = coefficient * GRAVITY * film.method.time_step;
             assert!(
                 above < MASS * chatter * chatter,
@@ -332,8 +341,9 @@ fn every_trial_settles_flat_with_the_energy_of_the_sag() {
 
 #[test]
 fn the_trials_settle_in_their_order() {
-    // In the report's scheme at 35, 46, 57, 82 and 91 s for trials 1, 8, 2, 5 and 3, some 13 % sooner as dt -> 0. Trials 4, 6 and 7
-    // hang on rounding, but for this: five times the spin lasts longer.
+    // In the report's scheme at 35, 46, 57, 82 and 91 s for trials 1, 8, 2, 5 and 3, some 13 %
+    // sooner as dt -> 0. Trials 4, 6 and 7 hang on rounding, but for this: five times the spin
+    // lasts longer.
     for (sooner, later) in [(1, 8), (8, 2), (2, 5), (2, 3), (4, 6), (8, 7)] {
         for (sooner, later) in pairs(sooner, later) {
             let (a, b) = (sooner.settles(), later.settles());
@@ -349,7 +359,8 @@ fn the_trials_settle_in_their_order() {
 
 #[test]
 fn with_all_of_their_damping_the_trials_settle_a_tenth_sooner_than_in_the_report() {
-    // The report's scheme, at its step, takes a fifth off the dampers; it settles at these times, s.
+    // The report's scheme, at its step, takes a fifth off the dampers; it settles at these times,
+    // s.
     for (trial, reports) in [(1, 35.2), (2, 56.6), (3, 90.6), (5, 82.1), (8, 46.1)] {
         let rk4 = films(trial).iter().find(|film| film.method.name == "Rk4");
         // 10 to 14 % sooner as dt -> 0; here, where points stick for long (trial 3), 15 %.
@@ -379,7 +390,8 @@ fn at_the_scale_of_a_plot_the_energy_only_falls() {
     }
 }
 
-/// Middle of a track in the plane, and the roots of the mean squares along its longest direction and across it, m.
+/// Middle of a track in the plane, and the roots of the mean squares along its longest direction
+/// and across it, m.
 fn spread(track: impl Iterator<Item = DVec3> + Clone) -> (DVec2, f64, f64) {
     let track = track.map(DVec3::truncate);
     let count = track.clone().count() as f64;
@@ -417,7 +429,8 @@ fn forward_euler_from_the_loop(trial: &Trial, report: ReportTrial) -> f64 {
 
 #[test]
 fn forward_euler_differs_from_the_reports_loop_by_one_order_of_the_step() {
-    // The loop takes its velocities of points from the angular velocity of the step before, which a plain state does not hold.
+    // The loop takes its velocities of points from the angular velocity of the step before, which a
+    // plain state does not hold.
     for number in [1, 5, 8] {
         let differences = [4e-4, 2e-4, 1e-4, 5e-5].map(|time_step| {
             let report = ReportTrial {
@@ -451,7 +464,8 @@ fn forward_euler_is_the_reports_loop_where_no_force_depends_on_a_velocity() {
             damping: 0.0,
             ..ReportTrial::numbered(number).unwrap()
         };
-        // Rounding: 5000 steps, and the growth of what it leaves. Measured: 1e-13 m. A change of the order of operations shows at 5e-4 m.
+        // Rounding: 5000 steps, and the growth of what it leaves. Measured: 1e-13 m. A change of
+        // the order of operations shows at 5e-4 m.
         let difference = forward_euler_from_the_loop(&trial, report);
         assert!(difference < 1e-10, "trial {number}: {difference:e}");
     }

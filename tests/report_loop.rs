@@ -1,4 +1,5 @@
-//! The report's loop in `common/report_loop.rs` is the report's: it reproduces the traces in `tests/data`.
+//! The report's loop in `common/report_loop.rs` is the report's: it reproduces the traces in
+//! `tests/data`.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -12,7 +13,8 @@ const CENTRE: [&str; 3] = ["x", "y", "z"];
 const VELOCITY: [&str; 3] = ["ux", "uy", "uz"];
 const ANGULAR_MOMENTUM: [&str; 3] = ["Lx", "Ly", "Lz"];
 
-/// Runs the loop of `trial` beside its trace and hands every row to `compare`, with the largest slip speed since the row before.
+/// Runs the loop of `trial` beside its trace and hands every row to `compare`, with the largest
+/// slip speed since the row before.
 fn beside_trace(trial: usize, mut compare: impl FnMut(&ReportLoop, Row<'_>, f64)) {
     let mut report = ReportLoop::new(ReportTrial::numbered(trial).unwrap());
     let trace = trace(trial);
@@ -32,8 +34,8 @@ fn beside_trace(trial: usize, mut compare: impl FnMut(&ReportLoop, Row<'_>, f64)
     assert!(rows >= 10, "the trace of trial {trial} has {rows} rows");
 }
 
-/// Largest difference in a component of state, arms and lowest point; and that of slip and the two energies, relative to
-/// their size where they exceed 1.
+/// Largest difference in a component of state, arms and lowest point; and that of slip and the two
+/// energies, relative to their size where they exceed 1.
 fn difference(report: &ReportLoop, row: Row<'_>, slip: f64) -> f64 {
     let (_, [x_lowest, y_lowest, _]) = report.lowest_point();
     let scalars = [
@@ -54,8 +56,8 @@ fn difference(report: &ReportLoop, row: Row<'_>, slip: f64) -> f64 {
     (scalars.into_iter().chain(vectors)).fold(0.0, f64::max)
 }
 
-// The traces are printed to nine significant digits: half a unit of the last is 5e-9 for numbers from 1 to 10, and 5e-9 of
-// itself for a larger one. Measured: 4.9e-9.
+// The traces are printed to nine significant digits: half a unit of the last is 5e-9 for numbers
+// from 1 to 10, and 5e-9 of itself for a larger one. Measured: 4.9e-9.
 const PRINTED: f64 = 1e-8;
 
 #[test]
@@ -85,8 +87,9 @@ fn the_loop_agrees_with_the_report_in_every_printed_digit_of_trial_3_until_a_poi
     });
 }
 
-/// Where points stick, their friction of up to `mu M g` flips sign from step to step, and rounding decides which of two runs
-/// is a step ahead. Then velocities differ by what friction does in a step, angular momenta by `r` times that (`r < 1 m`).
+/// Where points stick, their friction of up to `mu M g` flips sign from step to step, and rounding
+/// decides which of two runs is a step ahead. Then velocities differ by what friction does in a
+/// step, angular momenta by `r` times that (`r < 1 m`).
 fn assert_within_one_step_of_friction(trial: usize) {
     beside_trace(trial, |report, row, _| {
         let ReportTrial {
@@ -97,7 +100,8 @@ fn assert_within_one_step_of_friction(trial: usize) {
         let one_step = coefficient * GRAVITY * time_step;
         let velocity = distance(report.velocity(), row.vector(VELOCITY));
         let angular_momentum = distance(report.angular_momentum(), row.vector(ANGULAR_MOMENTUM));
-        // Positions are integrals of velocities that differ by turns up and down: far less than `one_step` times a second.
+        // Positions are integrals of velocities that differ by turns up and down: far less than
+        // `one_step` times a second.
         let centre = distance(report.centre(), row.vector(CENTRE));
         for difference in [velocity, angular_momentum / MASS, centre] {
             assert!(difference < one_step, "{difference:e} at {}", report.time());
@@ -113,14 +117,16 @@ fn the_loop_stays_within_one_step_of_friction_of_the_report_for_six_seconds_of_t
 
 #[test]
 fn the_loop_stays_within_one_step_of_friction_of_the_report_for_one_second_of_trial_8() {
-    // Measured: 2.1e-5 of 2.9e-4 m/s. Later the motion itself amplifies the difference: 1e-3 at 5 s.
+    // Measured: 2.1e-5 of 2.9e-4 m/s. Later the motion itself amplifies the difference: 1e-3 at
+    // 5 s.
     assert_within_one_step_of_friction(8);
 }
 
 #[test]
 fn the_loop_settles_when_the_report_does() {
-    // First row with less than 0.01 J above rest in the report's traces (tests/data/README.md), a row every 0.1 s. Measured
-    // here: 35.12, 90.50, 81.99, 46.02 s; they move by up to 0.05 s when the tilt changes by a part in 1e13.
+    // First row with less than 0.01 J above rest in the report's traces (tests/data/README.md), a
+    // row every 0.1 s. Measured here: 35.12, 90.50, 81.99, 46.02 s; they move by up to 0.05 s when
+    // the tilt changes by a part in 1e13.
     for (trial, settled) in [(1, 35.2), (3, 90.5), (5, 82.0), (8, 46.0)] {
         let trial_data = ReportTrial::numbered(trial).unwrap();
         let mut report = ReportLoop::new(trial_data);
@@ -151,7 +157,8 @@ fn the_loop_has_no_answer_without_spin() {
 
 #[test]
 fn the_loop_gains_half_of_m_g2_dt2_in_every_step_of_flight() {
-    // Old velocity moves the centre: dE = M g (-g dt^2 / 2) for the parabola's lag, with the sign of a gain.
+    // Old velocity moves the centre: dE = M g (-g dt^2 / 2) for the parabola's lag, with the sign
+    // of a gain.
     let trial = ReportTrial {
         stiffness: 0.0,
         damping: 0.0,

@@ -1,7 +1,8 @@
-//! The body stays rigid (promise G2): distances between its points and the length of its quaternion stay at rounding, however long the run.
+//! The body stays rigid (promise G2): distances between its points and the length of its quaternion
+//! stay at rounding, however long the run.
 //!
-//! Everything is measured on the stored quaternion as it is, with glam's product, which does not scale it to length 1 first: a length
-//! that drifts would stretch the body.
+//! Everything is measured on the stored quaternion as it is, with glam's product, which does not
+//! scale it to length 1 first: a length that drifts would stretch the body.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -13,17 +14,21 @@ use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{Coulomb, FlatGround, RigidPointBody, State, StepError, Stepper, UniformGravity};
 
-/// The length of a quaternion after a step: a square that differs from 1 by less than 4.4e-16 is left as it is, and the square is known to the rounding of four
-/// squares and three sums (at most 4 units of 1.1e-16); half of both is the length's. So 4.4e-16; measured: 3.3e-16.
+/// The length of a quaternion after a step: a square that differs from 1 by less than 4.4e-16 is
+/// left as it is, and the square is known to the rounding of four squares and three sums (at most 4
+/// units of 1.1e-16); half of both is the length's. So 4.4e-16; measured: 3.3e-16.
 const LENGTH: f64 = 4.5e-16;
 
-/// Relative change of a distance: twice the quaternion's, and the rounding of the two turned points, a few units of 1.1e-16 each.
-/// The design promises 4e-15; measured: 2.1e-15 over all tests of this file.
+/// Relative change of a distance: twice the quaternion's, and the rounding of the two turned
+/// points, a few units of 1.1e-16 each. The design promises 4e-15; measured: 2.1e-15 over all tests
+/// of this file.
 const DISTANCE: f64 = 4e-15;
 
-/// Distance of the quaternion's length from 1, and largest change of a distance between two of `points`, relative to the larger of the two arms.
+/// Distance of the quaternion's length from 1, and largest change of a distance between two of
+/// `points`, relative to the larger of the two arms.
 ///
-/// (A pair much closer together than its arms is long loses digits to subtraction in this measurement, not in the body.)
+/// (A pair much closer together than its arms is long loses digits to subtraction in this
+/// measurement, not in the body.)
 fn deformation(points: &[DVec3], orientation: DQuat) -> (f64, f64) {
     let turned: Vec<_> = points.iter().map(|&point| orientation * point).collect();
     // Each point with a few others: neighbours, and across the body.
@@ -38,13 +43,15 @@ fn deformation(points: &[DVec3], orientation: DQuat) -> (f64, f64) {
             0.0
         }
     });
-    // The sum is rounded a few times itself, so the length is measured by its excess, without a square root.
+    // The sum is rounded a few times itself, so the length is measured by its excess, without a
+    // square root.
     let [x, y, z, w] = orientation.to_array();
     let excess = ((w - 1.0) * (w + 1.0) + x * x + (y * y + z * z)) / 2.0;
     (excess.abs(), stretch.fold(0.0, f64::max))
 }
 
-/// An angular momentum that turns the body at about `spin` rad/s, or as good as it can: a rod does not spin about itself, a point not at all.
+/// An angular momentum that turns the body at about `spin` rad/s, or as good as it can: a rod does
+/// not spin about itself, a point not at all.
 fn momentum_for(body: &AnyBody, spin: DVec3) -> DVec3 {
     body.inertia() * spin
 }
@@ -52,7 +59,8 @@ fn momentum_for(body: &AnyBody, spin: DVec3) -> DVec3 {
 proptest! {
     #![proptest_config(kit::cases(200))]
 
-    /// From no spin to 1e4 rad/s, with steps from 1 µs to 1 s: up to a thousand turns a step, where Runge-Kutta's answer is nonsense but still a body.
+    /// From no spin to 1e4 rad/s, with steps from 1 µs to 1 s: up to a thousand turns a step, where
+    /// Runge-Kutta's answer is nonsense but still a body.
     #[test]
     fn a_body_in_flight_keeps_its_shape_at_any_spin_and_step(
         body in bodies(),
@@ -75,7 +83,8 @@ proptest! {
         });
     }
 
-    /// Also under steps that are far too long for the ground: until numbers overflow, what is left is a body.
+    /// Also under steps that are far too long for the ground: until numbers overflow, what is left
+    /// is a body.
     #[test]
     fn a_body_on_the_ground_keeps_its_shape_also_where_the_step_is_unstable(
         body in bodies(),
@@ -123,7 +132,8 @@ fn worst_of_a_window(
     })
 }
 
-/// `steps` steps of a body with three different moments that tumbles freely: no worse at the end than at the beginning.
+/// `steps` steps of a body with three different moments that tumbles freely: no worse at the end
+/// than at the beginning.
 fn tumbles_without_stretching(integrator: impl tumble::Integrator, steps: u32) {
     let points = [
         DVec3::new(0.5, 0.0, 0.1),
@@ -152,12 +162,14 @@ fn tumbles_without_stretching(integrator: impl tumble::Integrator, steps: u32) {
         last.1 <= DISTANCE && first.1 <= DISTANCE,
         "{first:?} {last:?}"
     );
-    // The worst of 10,000 rounding errors differs from window to window by a unit or two (2.22e-16 each); a drift over millions of steps would not stop there.
+    // The worst of 10,000 rounding errors differs from window to window by a unit or two (2.22e-16
+    // each); a drift over millions of steps would not stop there.
     assert!(last.0 <= first.0 + 2.2e-16, "{first:?} {last:?}");
     assert!(last.1 <= first.1 + 4.45e-16, "{first:?} {last:?}");
 }
 
-// At 0.01 s and some 10 rad/s a step turns the body by a tenth of a radian: nothing is too small to round.
+// At 0.01 s and some 10 rad/s a step turns the body by a tenth of a radian: nothing is too small to
+// round.
 #[test]
 fn five_million_steps_of_forward_euler_stretch_no_distance() {
     tumbles_without_stretching(tumble::ForwardEuler { time_step: 0.01 }, 5_000_000);
@@ -184,7 +196,8 @@ fn five_million_steps_of_runge_kutta_stretch_no_distance() {
     tumbles_without_stretching(tumble::Rk4 { time_step: 0.01 }, 5_000_000);
 }
 
-/// The report turned its points a little further in each step; they drifted apart. Here a coin rolls and spins down for half a million steps.
+/// The report turned its points a little further in each step; they drifted apart. Here a coin
+/// rolls and spins down for half a million steps.
 #[test]
 fn half_a_million_steps_on_the_ground_stretch_no_distance() {
     let trial = tumble::Trial::<f64>::report(1).unwrap();

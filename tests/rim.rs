@@ -49,7 +49,8 @@ fn moved(state: &State, shift: DVec3, turn: DVec3) -> State {
 proptest! {
     #![proptest_config(cases(256))]
 
-    /// `E = n/(2π) ∫ S d²/2 dθ` over `d = r s (cos θ - cos α)` is `n S (r s)² (α (1/2 + cos²α) - 3/2 sin α cos α)/(2π)`.
+    /// `E = n/(2π) ∫ S d²/2 dθ` over `d = r s (cos θ - cos α)` is
+    /// `n S (r s)² (α (1/2 + cos²α) - 3/2 sin α cos α)/(2π)`.
     #[test]
     fn the_energy_is_the_integral_over_the_arc(
         orientation in orientations(),
@@ -69,20 +70,23 @@ proptest! {
             // Mean of (h + e cos θ)².
             120.0 * 500.0 * (height * height + extent * extent / 2.0)
         } else if 1.0 - cos < 1e-3 {
-            // 2 α⁵/15 and its next term, where the closed form cancels: 1 - cos θ... to α⁴/21 of itself.
+            // 2 α⁵/15 and its next term, where the closed form cancels: 1 - cos θ... to α⁴/21 of
+            // itself.
             let chord = 2.0 * (1.0 - cos);
             let five = chord * chord * chord.sqrt();
             120_000.0 / TAU * extent * extent * (2.0 / 15.0) * five * (1.0 + chord / 56.0)
         } else {
             120_000.0 / TAU * extent * extent * (alpha * (0.5 + cos * cos) - 1.5 * alpha.sin() * cos)
         };
-        // The rule's 2e-10; heights are rounded by 1e-16 of 0.5 m beside the depth; the closed form cancels to α⁵ of its terms; the series leaves the square of its last term.
+        // The rule's 2e-10; heights are rounded by 1e-16 of 0.5 m beside the depth; the closed form
+        // cancels to α⁵ of its terms; the series leaves the square of its last term.
         let depth = (extent - height).max(0.0);
         let rounding = 1e-15 / depth.max(1e-300) + 1e-15 / alpha.max(1e-9).powi(5).min(1.0) * f64::from(u8::from(1.0 - cos >= 1e-3)) + (depth / extent).powi(2).min(1e-6) * f64::from(u8::from(1.0 - cos < 1e-3));
         prop_assert!((springs - expected).abs() <= (2e-10 + 4.0 * rounding) * expected, "{} {} {:e}", springs, expected, springs / expected - 1.0);
     }
 
-    /// The load does the work that the energy loses: along any motion, `dE/dt` of the springs is minus the power of the force and the torque.
+    /// The load does the work that the energy loses: along any motion, `dE/dt` of the springs is
+    /// minus the power of the force and the torque.
     #[test]
     fn the_force_is_the_gradient_of_the_energy(
         orientation in orientations(), share in -1.2..1.0_f64,
@@ -97,7 +101,8 @@ proptest! {
         let h = 1e-5;
         let slope = (stepper.energy(&moved(&state, shift * h, turn * h)).springs
             - stepper.energy(&moved(&state, shift * -h, turn * -h)).springs) / (2.0 * h);
-        // Central differences: h²/6 of a third derivative of at most n S r²/depth-free 120 kN/m times m, a few times over; and rounding of the energy over h.
+        // Central differences: h²/6 of a third derivative of at most n S r²/depth-free 120 kN/m
+        // times m, a few times over; and rounding of the energy over h.
         let scale = 120_000.0 * RADIUS * RADIUS;
         prop_assert!((slope + power).abs() < 1e-6 * scale, "{} {}", slope, power);
     }
@@ -106,7 +111,9 @@ proptest! {
 proptest! {
     #![proptest_config(cases(256))]
 
-    /// On a level plane a short arc goes a way of its own; a plane that is tilted by 1e-14 goes the other one. With viscous friction and without a clamp all is smooth, and they differ by what the short way's rules leave on arcs of a quarter of the circle.
+    /// On a level plane a short arc goes a way of its own; a plane that is tilted by 1e-14 goes the
+    /// other one. With viscous friction and without a clamp all is smooth, and they differ by what
+    /// the short way's rules leave on arcs of a quarter of the circle.
     #[test]
     fn a_level_plane_loads_a_rim_as_a_plane_that_is_nearly_level(
         lean in -1.5..1.5_f64, share in 0.75..1.1_f64, about in (-3.0..3.0_f64, -3.0..3.0_f64, -3.0..3.0_f64),
@@ -130,7 +137,9 @@ proptest! {
     }
 }
 
-/// Force and torque of a rim with its middle at the centre of mass, from the laws alone: by bisection of so small pieces of the circle that a kink beyond the last points counts for little, until 6 and 10 points of Gauss agree to 1e-14.
+/// Force and torque of a rim with its middle at the centre of mass, from the laws alone: by
+/// bisection of so small pieces of the circle that a kink beyond the last points counts for little,
+/// until 6 and 10 points of Gauss agree to 1e-14.
 fn integrated(
     ground: &impl SpringDamperGround,
     friction: &impl SlidingFriction,
@@ -202,7 +211,8 @@ fn bisected(at: &impl Fn(f64) -> [DVec3; 2], [a, b]: [f64; 2], depth: u32) -> [D
     [left[0] + right[0], left[1] + right[1]]
 }
 
-/// Lean, rising speed and a place along the arc; height over the rim's extent; slip there, by size and direction; direction and speed of the spin; slip speed; damping; slope.
+/// Lean, rising speed and a place along the arc; height over the rim's extent; slip there, by size
+/// and direction; direction and speed of the spin; slip speed; damping; slope.
 type Drawn = (
     (f64, f64, f64),
     f64,
@@ -214,8 +224,9 @@ type Drawn = (
     f64,
 );
 
-/// How far a load is from the integral of the laws over the rim, of the force: on a short arc, a long one or a whole rim, on a level or a tilted plane, with and without dampers, where
-/// friction reverses on the arc, beside it and far from it, for slip speeds from 1e-10 m/s up.
+/// How far a load is from the integral of the laws over the rim, of the force: on a short arc, a
+/// long one or a whole rim, on a level or a tilted plane, with and without dampers, where friction
+/// reverses on the arc, beside it and far from it, for slip speeds from 1e-10 m/s up.
 fn load_errors(states: usize) -> Vec<f64> {
     let strategy = (
         (-1.5..1.5_f64, -0.5..0.5_f64, -1.5..1.5_f64),
@@ -263,8 +274,10 @@ fn load_errors(states: usize) -> Vec<f64> {
     drawn.into_iter().map(one).collect()
 }
 
-/// The load is the integral of the laws over the circle. The rules leave 1e-9 of the load on their piece, 2e-8 where the piece is 1e5 times as long as the reversal; reversals of two
-/// scales, or two that meet, some times as much. The exceptions are states in which dampers hold back the lowest place and both ends, so that only a part of the arc pushes.
+/// The load is the integral of the laws over the circle. The rules leave 1e-9 of the load on their
+/// piece, 2e-8 where the piece is 1e5 times as long as the reversal; reversals of two scales, or
+/// two that meet, some times as much. The exceptions are states in which dampers hold back the
+/// lowest place and both ends, so that only a part of the arc pushes.
 #[test]
 fn the_load_is_the_integral_of_the_laws_over_the_rim() {
     let mut errors = load_errors(400);
@@ -277,7 +290,8 @@ fn the_load_is_the_integral_of_the_laws_over_the_rim() {
     assert!(errors[392] < 2e-7, "{:e}", errors[392]);
 }
 
-/// Friction turns round at the lowest place of a rim that spins there, also where that stands still to the last bit: the torque does not jump with a slip far below the slip speed.
+/// Friction turns round at the lowest place of a rim that spins there, also where that stands still
+/// to the last bit: the torque does not jump with a slip far below the slip speed.
 #[test]
 fn a_rim_that_spins_on_the_spot_is_braked_as_one_that_just_does_not() {
     let level = FlatGround::level(1000.0, 0.5);
@@ -304,7 +318,9 @@ fn a_rim_that_spins_on_the_spot_is_braked_as_one_that_just_does_not() {
     }
 }
 
-/// How far a ring of so many points ends from the round rim after half a second of a trial without dampers, m: root mean square over starts that differ by a part of the distance between two points.
+/// How far a ring of so many points ends from the round rim after half a second of a trial without
+/// dampers, m: root mean square over starts that differ by a part of the distance between two
+/// points.
 fn apart(number: usize, points: usize, phases: &[f64]) -> f64 {
     let trial = Trial {
         slip_speed: 1e-3,
@@ -327,11 +343,14 @@ fn apart(number: usize, points: usize, phases: &[f64]) -> f64 {
     (squares.sum::<f64>() / phases.len() as f64).sqrt()
 }
 
-/// The sum over equally spaced points is the trapezoidal rule for the rim's integral. On an arc whose ends are kinks its error is of second order in the distance of the points, with a
-/// factor that depends on where between two points the ends lie: hence the mean over starts.
+/// The sum over equally spaced points is the trapezoidal rule for the rim's integral. On an arc
+/// whose ends are kinks its error is of second order in the distance of the points, with a factor
+/// that depends on where between two points the ends lie: hence the mean over starts.
 ///
-/// In trials 4 and 6 the coin spins upright about its lowest place, where friction jumps from one side to the other, and the same points stay about that place for good: the sum is off by
-/// first order, in proportion to how far from a point or from the middle between two it stands. From the report's own start, with a point at the bottom, that part is 0.
+/// In trials 4 and 6 the coin spins upright about its lowest place, where friction jumps from one
+/// side to the other, and the same points stay about that place for good: the sum is off by first
+/// order, in proportion to how far from a point or from the middle between two it stands. From the
+/// report's own start, with a point at the bottom, that part is 0.
 #[test]
 fn points_tend_to_the_rim_with_the_square_of_their_distance_in_all_trials() {
     for number in 1..=8 {
@@ -394,7 +413,8 @@ fn energy_momentum_keeps_its_order_on_a_rim() {
     );
 }
 
-/// The ratchet must not be a brake: what it takes of a body that rolls and swings without friction and dampers is rounding.
+/// The ratchet must not be a brake: what it takes of a body that rolls and swings without friction
+/// and dampers is rounding.
 #[test]
 fn a_rim_without_friction_keeps_its_energy_for_a_hundred_thousand_steps() {
     let stepper = scene!(
@@ -445,7 +465,8 @@ fn a_flat_rim_rests_on_all_of_itself() {
     );
 }
 
-/// A hoop upright on an arc sinks until `n S r (sin α - α cos α)/π` bears it, and rolls on as it is.
+/// A hoop upright on an arc sinks until `n S r (sin α - α cos α)/π` bears it, and rolls on as it
+/// is.
 #[test]
 fn an_upright_rim_rolls_steadily_and_does_not_rattle() {
     let weight = GRAVITY;

@@ -20,7 +20,8 @@ use tumble::{
 proptest! {
     #![proptest_config(cases(128))]
 
-    /// The tangent plane at the place that is farthest in a direction has the whole surface behind it, and touches it.
+    /// The tangent plane at the place that is farthest in a direction has the whole surface behind
+    /// it, and touches it.
     #[test]
     fn the_support_is_the_farthest_place_of_the_surface(
         axes in (log_uniform(1e-3, 1e3), log_uniform(1e-3, 1e3), log_uniform(1e-3, 1e3)),
@@ -73,8 +74,9 @@ fn an_ellipsoid_with_equal_axes_is_a_sphere() {
     assert!(implicit < 1e-7, "{implicit:e}");
 }
 
-/// At rest on its side a body with radius of curvature ρ below and its centre of mass at height c rocks at `ω² = m g (ρ - c)/I` where it slides, and at
-/// `m g (ρ - c)/(I + m c²)` where it rolls; an ellipse has `ρ = a²/c` at the end of its semi-axis c.
+/// At rest on its side a body with radius of curvature ρ below and its centre of mass at height c
+/// rocks at `ω² = m g (ρ - c)/I` where it slides, and at `m g (ρ - c)/(I + m c²)` where it rolls;
+/// an ellipse has `ρ = a²/c` at the end of its semi-axis c.
 #[test]
 fn an_ellipsoid_rocks_at_the_rate_of_its_curvature() {
     let (mass, a, c) = (0.5, 0.15, 0.1);
@@ -89,7 +91,8 @@ fn an_ellipsoid_rocks_at_the_rate_of_its_curvature() {
     let by = EnergyMomentum { time_step: 1e-4 };
     let period = |moment: f64| TAU / (push / moment).sqrt();
     let slides = end(egg, (ground, Frictionless), by, &start, period(moment));
-    // The depth takes sink/(ρ - c) = 6e-4 of the lever arm; the turn is of second order in the amplitude and in the phase of one period.
+    // The depth takes sink/(ρ - c) = 6e-4 of the lever arm; the turn is of second order in the
+    // amplitude and in the phase of one period.
     assert!((rocked(&slides) - 1.0).abs() < 1e-4, "{}", rocked(&slides));
     let slides = end(
         egg,
@@ -235,7 +238,8 @@ fn a_smooth_body_of_a_user_may_be_a_ball() {
         &end(&ball as &dyn RigidPointBody, laws, by, &start, 1.0),
         &end(Sphere::solid(0.5, 0.1), laws, by, &start, 1.0),
     );
-    // Both round otherwise at each look at a contact, and bounces magnify it: so is a start that is moved by a few units in its last place. Ten times that, for 4000 looks.
+    // Both round otherwise at each look at a contact, and bounces magnify it: so is a start that is
+    // moved by a few units in its last place. Ten times that, for 4000 looks.
     let rounding = (1..=8).map(|units| {
         let height = 0.2 * (1.0 + f64::from(units) * f64::EPSILON);
         let moved = State::at(DVec3::Z * height).with_linear_velocity(DVec3::X);
@@ -282,7 +286,8 @@ struct Sticking {
     start: State,
 }
 
-/// A state that touches, turned by an angle (rad) about y, with this angular velocity (rad/s), in which the lowest point stands still.
+/// A state that touches, turned by an angle (rad) about y, with this angular velocity (rad/s), in
+/// which the lowest point stands still.
 fn rolling(body: &dyn RigidPointBody, lean: f64, spin: DVec3) -> State {
     let orientation = DQuat::from_rotation_y(lean);
     let down = orientation.inverse() * -DVec3::Z;

@@ -1,4 +1,5 @@
-//! What must not matter: left and right, east and west, here and there, stopping and going on, the number type.
+//! What must not matter: left and right, east and west, here and there, stopping and going on, the
+//! number type.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -16,9 +17,9 @@ use tumble::{
     UniformGravity,
 };
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // A scene whose every part can be mirrored, turned and moved
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// Points with masses on a tilted ground, thrown: everything that has a direction.
 #[derive(Clone, Debug)]
@@ -151,9 +152,9 @@ fn throws() -> impl Strategy<Value = Throw> {
     )
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Mirrors
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// The image of a place, velocity or force in the coordinate plane at right angles to an axis.
 fn mirrored(axis: usize, vector: DVec3) -> DVec3 {
@@ -162,7 +163,8 @@ fn mirrored(axis: usize, vector: DVec3) -> DVec3 {
     image
 }
 
-/// The image of a state. Angular momentum and the quaternion's vector part are axial: of them the mirror keeps the one along the axis and turns the others.
+/// The image of a state. Angular momentum and the quaternion's vector part are axial: of them the
+/// mirror keeps the one along the axis and turns the others.
 fn mirrored_state(axis: usize, state: &State) -> State {
     let axial = |vector: DVec3| -mirrored(axis, vector);
     let turn = axial(state.orientation.xyz());
@@ -201,11 +203,12 @@ fn on_a_line(points: &[DVec3]) -> bool {
 proptest! {
     #![proptest_config(kit::cases(150))]
 
-    /// Bit by bit, for every method but `EnergyMomentum`: a mirror in a coordinate plane only changes
-    /// signs, and rounding to the nearest does not look at signs.
+    /// Bit by bit, for every method but `EnergyMomentum`: a mirror in a coordinate plane only
+    /// changes signs, and rounding to the nearest does not look at signs.
     #[test]
     fn the_mirror_image_of_a_throw_takes_the_mirror_image_of_the_path(throw in throws(), axis in 0..3_usize) {
-        // The principal axes across a rod are any two: which ones are found depends on the sign of a rounding.
+        // The principal axes across a rod are any two: which ones are found depends on the sign of
+        // a rounding.
         prop_assume!(throw.points.len() == 1 || !on_a_line(&throw.points));
         // A level ground is summed without what is 0 there, its image, a ceiling, with it.
         prop_assume!(axis != 2 || throw.normal.z.abs() < 1.0);
@@ -214,8 +217,9 @@ proptest! {
             let path = throw.path(integrator, 500);
             let of_image = image.path(integrator, 500);
             let expected = path.map(|path| path.iter().map(|state| mirrored_state(axis, state)).collect::<Vec<_>>());
-            // In flight its energy limiter tries last places of the orientation in directions of the
-            // axes, which are not mirrored: the paths differ by such places, which contacts amplify.
+            // In flight its energy limiter tries last places of the orientation in directions of
+            // the axes, which are not mirrored: the paths differ by such places, which contacts
+            // amplify.
             if !method.contains("EnergyMomentum") {
                 prop_assert_eq!(of_image, expected, "{}", method);
             }
@@ -225,7 +229,8 @@ proptest! {
 
 #[test]
 fn a_coin_that_leans_left_rolls_like_one_that_leans_right() {
-    // The coin's points change order in a mirror, so the sums round differently: 1e-16 a step, which the motion amplifies. How much is measured on the way.
+    // The coin's points change order in a mirror, so the sums round differently: 1e-16 a step,
+    // which the motion amplifies. How much is measured on the way.
     let trial = Trial {
         slip_speed: 1e-3,
         ..Trial::report(1).unwrap()
@@ -243,16 +248,17 @@ fn a_coin_that_leans_left_rolls_like_one_that_leans_right() {
     let nudged = after(start.with_angular_momentum(start.angular_momentum * (1.0 + nudge)));
     let growth = difference(&end, &nudged) / nudge;
     let miss = difference(&mirrored_state(1, &end), &image);
-    // A thousand steps, each of some 1e-15 (sums over ten contacts), amplified at most as the nudge was.
+    // A thousand steps, each of some 1e-15 (sums over ten contacts), amplified at most as the nudge
+    // was.
     assert!(
         miss <= 1e-15 * 1000.0 * growth.max(1.0),
         "{miss:e}, growth {growth}"
     );
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Turns about the vertical, and moves along the ground
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// A state turned about the origin.
 fn turned(turn: DQuat, state: &State) -> State {
@@ -267,12 +273,14 @@ fn turned(turn: DQuat, state: &State) -> State {
 proptest! {
     #![proptest_config(kit::cases(100))]
 
-    /// The world has no north: everything turned about any axis, the ground and gravity as well, is the same motion turned.
+    /// The world has no north: everything turned about any axis, the ground and gravity as well, is
+    /// the same motion turned.
     #[test]
     fn a_throw_in_a_turned_world_takes_the_turned_path(
         throw in throws(), axis in directions(), angle in -3.2..3.2_f64,
     ) {
-        // Soft springs and nearly viscous friction: where an explicit step chatters, it amplifies rounding at its own whim.
+        // Soft springs and nearly viscous friction: where an explicit step chatters, it amplifies
+        // rounding at its own whim.
         let friction = SmoothCoulomb { coefficient: throw.friction.coefficient.min(0.3), slip_speed: 1.0 };
         let throw = Throw { friction, stiffness: throw.stiffness.min(100.0), ..throw };
         let turn = DQuat::from_axis_angle(axis, angle);
@@ -282,7 +290,8 @@ proptest! {
             state: turned(turn, &throw.state),
             ..throw.clone()
         };
-        // What 1e-15 in the turned start becomes is measured beside it, with a nudge of 1e-9 that stands clear of rounding.
+        // What 1e-15 in the turned start becomes is measured beside it, with a nudge of 1e-9 that
+        // stands clear of rounding.
         let nudge = 1e-9;
         let nudged = Throw {
             state: State { angular_momentum: throw.state.angular_momentum + DVec3::ONE * nudge, position: throw.state.position + DVec3::ONE * nudge, ..throw.state },
@@ -295,12 +304,14 @@ proptest! {
                 for ((here, there), beside) in path.iter().zip(there).zip(beside) {
                     growth = growth.max(difference(here, &beside) / nudge);
                     if growth > 1e4 {
-                        // From here on the nudge measures no growth but a difference as large as the motion.
+                        // From here on the nudge measures no growth but a difference as large as
+                        // the motion.
                         break;
                     }
                     let miss = difference(&turned(turn, here), &there);
-                    // 200 steps, each of a few roundings of numbers up to 10; a nudge in one direction may miss the fastest growth tenfold.
-                    // An implicit step is solved to 1.8e-12 of its momentum.
+                    // 200 steps, each of a few roundings of numbers up to 10; a nudge in one
+                    // direction may miss the fastest growth tenfold. An implicit step is solved to
+                    // 1.8e-12 of its momentum.
                     let each = if method == "EnergyMomentum" { 2e-12 } else { 2e-15 };
                     let allowed = 10.0 * growth * 200.0 * each;
                     prop_assert!(miss <= allowed, "{method}: {miss:e}, growth {growth}");
@@ -309,7 +320,8 @@ proptest! {
         });
     }
 
-    /// Level ground is the same everywhere. Only the height enters the forces, so not a bit of velocity, turn and angular momentum changes.
+    /// Level ground is the same everywhere. Only the height enters the forces, so not a bit of
+    /// velocity, turn and angular momentum changes.
     #[test]
     fn a_throw_that_begins_elsewhere_on_level_ground_is_the_same_throw(
         throw in throws(), x in -1e6..1e6_f64, y in -1e6..1e6_f64,
@@ -324,7 +336,8 @@ proptest! {
                     prop_assert_eq!(here.orientation, there.orientation, "{}", method);
                     prop_assert_eq!(here.angular_momentum, there.angular_momentum, "{}", method);
                     prop_assert_eq!(here.position.z.to_bits(), there.position.z.to_bits(), "{}", method);
-                    // The place itself is known to its own last digit, 1.2e-10 m at 1e6 m, once or twice a step.
+                    // The place itself is known to its own last digit, 1.2e-10 m at 1e6 m, once or
+                    // twice a step.
                     let miss = (there.position - here.position - shift).length();
                     prop_assert!(miss <= 1000.0 * f64::EPSILON * (shift.length() + 10.0), "{method}: {miss:e} m");
                 }
@@ -333,14 +346,15 @@ proptest! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Stop and go on (promise G9)
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 proptest! {
     #![proptest_config(kit::cases(60))]
 
-    /// `State` has nothing hidden: a copy taken anywhere goes on like the original, in another stepper of the same scene as well.
+    /// `State` has nothing hidden: a copy taken anywhere goes on like the original, in another
+    /// stepper of the same scene as well.
     #[test]
     fn a_run_that_is_stopped_anywhere_and_copied_goes_on_with_the_same_bits(throw in throws(), stop in 0..500_u32) {
         each_method!(1e-3, |integrator, method| {
@@ -357,7 +371,8 @@ proptest! {
 proptest! {
     #![proptest_config(kit::cases(60))]
 
-    /// Through JSON: sixteen or seventeen digits are all there are (and serde_json's `float_roundtrip` reads each of them).
+    /// Through JSON: sixteen or seventeen digits are all there are (and serde_json's
+    /// `float_roundtrip` reads each of them).
     #[test]
     fn a_run_that_is_saved_to_json_and_loaded_goes_on_with_the_same_bits(throw in throws(), stop in 0..500_u32) {
         each_method!(1e-3, |integrator, method| {
@@ -374,7 +389,8 @@ proptest! {
 proptest! {
     #![proptest_config(kit::cases(100))]
 
-    /// A run of 1 s is its single steps, whatever they are: also those like 1/60 and 1/3 s that are a rounding short of it.
+    /// A run of 1 s is its single steps, whatever they are: also those like 1/60 and 1/3 s that are
+    /// a rounding short of it.
     #[test]
     fn a_run_of_a_second_has_the_bits_of_its_single_steps(throw in throws(), count in prop_oneof![1..10_u32, 10..2000_u32]) {
         let throw = Throw { stiffness: throw.stiffness.min(f64::from(count * count) * 0.1), damping: 0.0, ..throw };
@@ -391,9 +407,9 @@ proptest! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // f32 and f64
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 fn single(vector: DVec3) -> Vec3 {
     vector.as_vec3()
@@ -443,7 +459,8 @@ fn f32_and_f64_agree_to_single_precision_in_every_trial_of_the_report() {
         let nudge = 1e-6;
         let growth = difference(&truth, &trial_after::<f64>(number, 0.25, nudge)) / nudge;
         let miss = difference(&truth, &widened(&trial_after::<f32>(number, 0.25, 0.0)));
-        // 250 steps of some 6e-8 in numbers up to 5 (velocities and angular momenta of trials 6 and 7), of random sign but for the worst; the motion amplifies them as it does the nudge.
+        // 250 steps of some 6e-8 in numbers up to 5 (velocities and angular momenta of trials 6 and
+        // 7), of random sign but for the worst; the motion amplifies them as it does the nudge.
         let allowed = 5.0 * 250.0 * 6e-8 * growth.max(1.0);
         assert!(
             miss < allowed,
@@ -478,9 +495,11 @@ proptest! {
             }
             let single = single_flight(method, &start, 200);
             let moved = (state.position - single.position).length();
-            // 200 steps, half a last place (6e-8) of a number up to `speed` and of one up to a way of 0.2 `speed` each; the fall of 0.2 m likewise.
+            // 200 steps, half a last place (6e-8) of a number up to `speed` and of one up to a way
+            // of 0.2 `speed` each; the fall of 0.2 m likewise.
             prop_assert!(moved < 200.0 * 6e-8 * (1.0 + speed), "{method}: {moved:e} m");
-            // The angle: half a last place of the start and of each of its few numbers, and of four sums in each step.
+            // The angle: half a last place of the start and of each of its few numbers, and of four
+            // sums in each step.
             let angle = angle_between(state.orientation.normalize(), single.orientation.normalize());
             prop_assert!(angle < 6e-8 * (200.0 * 8.0 + 10.0 * size), "{method}: {angle:e} rad");
         });

@@ -1,4 +1,5 @@
-//! Hills and valleys: the gap is a distance, springs under them do no work round a closed path, and what slides and rolls there does so by closed forms.
+//! Hills and valleys: the gap is a distance, springs under them do no work round a closed path, and
+//! what slides and rolls there does so by closed forms.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -56,7 +57,8 @@ fn each_relief(mut test: impl FnMut(&str, &dyn Shape)) {
     );
 }
 
-/// The work of a spring of 1 N/m round a circle of radius 0.1 m about a place, J: `∮ k d n · ds`, by the trapezoid rule, which is exact for what is smooth and periodic.
+/// The work of a spring of 1 N/m round a circle of radius 0.1 m about a place, J: `∮ k d n · ds`,
+/// by the trapezoid rule, which is exact for what is smooth and periodic.
 fn work_round(surface: impl Fn(DVec3) -> (f64, DVec3), centre: DVec3, axes: [DVec3; 2]) -> f64 {
     let count = 400;
     let mut work = 0.0;
@@ -94,7 +96,8 @@ fn springs_under_a_terrain_do_no_work_round_a_closed_path() {
 
 #[test]
 fn a_vertical_depth_along_the_normal_would_do_work_round_a_closed_path() {
-    // What the crate does not do: depth (h - z)/√(1 + |∇h|²) along the normal of the place right above. The test above would see it: a bowl of radius of curvature 1 m.
+    // What the crate does not do: depth (h - z)/√(1 + |∇h|²) along the normal of the place right
+    // above. The test above would see it: a bowl of radius of curvature 1 m.
     let law = |p: DVec3| {
         let upright = DVec3::new(-p.x, -p.y, 1.0);
         let height = (p.x * p.x + p.y * p.y) / 2.0;
@@ -107,7 +110,8 @@ fn a_vertical_depth_along_the_normal_would_do_work_round_a_closed_path() {
 proptest! {
     #![proptest_config(kit::cases(300))]
 
-    /// A place is made from its nearest point: along the normal, as far as less than the radius of curvature.
+    /// A place is made from its nearest point: along the normal, as far as less than the radius of
+    /// curvature.
     #[test]
     fn the_gap_is_the_distance_to_the_nearest_point(x in -2.0..2.0_f64, y in -2.0..2.0_f64, gap in -0.5..0.5_f64, curvatures in [-1.0..1.0_f64, -1.0..1.0_f64]) {
         for with_bend in [true, false] {
@@ -120,7 +124,8 @@ proptest! {
             let normal = DVec3::new(-hx, -hy, 1.0).normalize();
             let foot = DVec3::new(x, y, relief(x, y).height);
             let surface = Terrain::of(relief).surface(foot + normal * gap);
-            // Without the bend each look gains a factor of 2, and the gap's error is the square of the place's: 2^-46. The normal's is the place's.
+            // Without the bend each look gains a factor of 2, and the gap's error is the square of
+            // the place's: 2^-46. The normal's is the place's.
             let (of_gap, of_normal) = if with_bend { (1e-14, 1e-13) } else { (1e-13, 1e-6) };
             prop_assert!((surface.gap - gap).abs() < of_gap * 10.0, "{} for {gap}", surface.gap);
             prop_assert!((surface.normal - normal).length() < of_normal * 10.0, "{} for {normal}", surface.normal);
@@ -146,7 +151,8 @@ proptest! {
     }
 }
 
-/// The cycloid valley with the generating radius a: `x = a (φ + sin φ)`, `z = a (1 - cos φ)`, |φ| < π.
+/// The cycloid valley with the generating radius a: `x = a (φ + sin φ)`, `z = a (1 - cos φ)`, |φ| <
+/// π.
 struct Cycloid {
     radius: f64,
 }
@@ -169,7 +175,8 @@ impl Relief for Cycloid {
     }
 }
 
-/// A point of 1 kg on a terrain of springs of 1e6 N/m that carry it 1e-5 m deep, with enough damping to follow the terrain.
+/// A point of 1 kg on a terrain of springs of 1e6 N/m that carry it 1e-5 m deep, with enough
+/// damping to follow the terrain.
 fn stepper_on<H: Relief, F: SlidingFriction>(
     relief: H,
     friction: F,
@@ -224,7 +231,8 @@ fn a_bead_in_a_cycloid_valley_swings_as_long_at_any_height() {
             before = here;
         }
         let found = passages[2] - passages[0];
-        // It sinks by N/k, 2e-5 m at most, of the radii of curvature of 4a cos(φ/2) = 0.29 m at least: 1e-4 of them. Order 2: (2π/4000)²/12.
+        // It sinks by N/k, 2e-5 m at most, of the radii of curvature of 4a cos(φ/2) = 0.29 m at
+        // least: 1e-4 of them. Order 2: (2π/4000)²/12.
         assert!(
             (found / period - 1.0).abs() < 1e-4,
             "{found} s from {angle}"
@@ -235,7 +243,8 @@ fn a_bead_in_a_cycloid_valley_swings_as_long_at_any_height() {
 proptest! {
     #![proptest_config(kit::cases(8))]
 
-    /// Case I5: what comes to rest in the paraboloid z = x²/2 does so where the slope, x, is at most the coefficient.
+    /// Case I5: what comes to rest in the paraboloid z = x²/2 does so where the slope, x, is at
+    /// most the coefficient.
     #[test]
     fn what_slides_in_a_bowl_comes_to_rest_where_the_slope_is_below_the_coefficient(coefficient in 0.1..0.8_f64, start in 0.9..1.5_f64, speed in log_uniform(0.01, 1.0)) {
         let stepper = stepper_on(Bowl { curvatures: [1.0, 1.0] }, Coulomb { coefficient, slip_speed: 1e-7 }, 1e-3);
@@ -252,7 +261,8 @@ proptest! {
 
 #[test]
 fn a_ball_in_a_bowl_swings_as_on_the_parallel_surface() {
-    // Without friction the centre of a ball of radius r slides on the surface that lies r inside, a bowl of the curvature 1/(R - r): ω² = g/(R - r).
+    // Without friction the centre of a ball of radius r slides on the surface that lies r inside, a
+    // bowl of the curvature 1/(R - r): ω² = g/(R - r).
     let (bowl, radius) = (1.0, 0.25);
     let ball = tumble::PointCloud::in_storage(
         [tumble::ContactPoint {
@@ -286,7 +296,8 @@ fn a_ball_in_a_bowl_swings_as_on_the_parallel_surface() {
     let z = radius + amplitude * amplitude / 2.0 / (bowl - radius);
     let mut state = State::at(DVec3::new(amplitude, 0.0, z - 1e-5));
     stepper.advance(&mut state, period).unwrap();
-    // The terms that the law of small swings leaves out are (amplitude/length)², 1.6e-5, and it sinks by 1e-5 of its length; 2π of both make the phase.
+    // The terms that the law of small swings leaves out are (amplitude/length)², 1.6e-5, and it
+    // sinks by 1e-5 of its length; 2π of both make the phase.
     assert!(
         (state.position.x / amplitude - 1.0).abs() < 1e-4,
         "{}",
@@ -317,8 +328,10 @@ impl Shape for Hole {
 
 #[test]
 fn a_ball_that_sticks_and_rolls_round_a_wall_does_so_at_order_two() {
-    // A solid ball rolls round in a hole at 10 rad/s (case I2). Its slip settles in ε/(μ R Ω²) = 1e-9 s: no step resolves it. What settles a stick looked at the end velocity along the mean
-    // normal, half a step's turn beside the wall's own at the end, and was of order 1: 1.2e-3 m off at 0.1 ms.
+    // A solid ball rolls round in a hole at 10 rad/s (case I2). Its slip settles in ε/(μ R Ω²) =
+    // 1e-9 s: no step resolves it. What settles a stick looked at the end velocity along the mean
+    // normal, half a step's turn beside the wall's own at the end, and was of order 1: 1.2e-3 m off
+    // at 0.1 ms.
     let (hole, radius, rate) = (0.5, 0.1, 10.0);
     let (arm, law) = (
         hole - radius,
@@ -376,7 +389,8 @@ impl Shape for Groove {
 
 #[test]
 fn a_ball_in_a_groove_rests_on_one_of_its_planes_and_twice_as_deep() {
-    // Two contacts of k = W/(√2 · 0.98 mm) would rest at 0.98 mm, with `2 k d cos 45° = W`. One contact has `k d cos 45° = W` on average: 1.96 mm.
+    // Two contacts of k = W/(√2 · 0.98 mm) would rest at 0.98 mm, with `2 k d cos 45° = W`. One
+    // contact has `k d cos 45° = W` on average: 1.96 mm.
     let (radius, k) = (0.1, G / (2.0_f64.sqrt() * 0.98e-3));
     let stepper = Stepper::new(tumble::Sphere::solid(1.0, radius))
         .unwrap()

@@ -1,4 +1,5 @@
-//! Time: a run ends at the asked time, samples come at the times that are asked for, and nobody's looking changes the path.
+//! Time: a run ends at the asked time, samples come at the times that are asked for, and nobody's
+//! looking changes the path.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used, clippy::panic)]
@@ -35,7 +36,8 @@ fn watch(seen: &mut Vec<(f64, State)>) -> impl Observer {
     }
 }
 
-/// A look is up to `tolerance` (m) from a run to its time: 0 where the method has its steps from nobody's end.
+/// A look is up to `tolerance` (m) from a run to its time: 0 where the method has its steps from
+/// nobody's end.
 fn nobodys_looking_changes_the_path<I: Integrator>(name: &str, tolerance: f64, integrator: I) {
     let stepper = trial().stepper(integrator).unwrap();
     let seconds = 0.211;
@@ -197,14 +199,15 @@ fn run_of_steps<R: Real>(time_step: R, seconds: R) -> (R, u64, f64) {
 /// Whether two positive numbers are the same or next to each other.
 fn are_neighbours<R: Real>(a: R, b: R) -> bool {
     let apart = (a.to_f64() - b.to_f64()).abs();
-    // A unit in the last place is less than `EPSILON` of the number, and half of that below a power of 2.
+    // A unit in the last place is less than `EPSILON` of the number, and half of that below a power
+    // of 2.
     let middle = R::from_f64(0.5 * (a.to_f64() + b.to_f64()));
     apart <= b.to_f64() * R::EPSILON.to_f64() && (middle == a || middle == b)
 }
 
 /// Promise: the time of a run is what was asked for, to one unit in the last place, in both
-/// precisions, and a whole number of steps is kept whole. Durations and steps are drawn, as decimals
-/// that a person types and as any numbers, over ranges that no constant was chosen on.
+/// precisions, and a whole number of steps is kept whole. Durations and steps are drawn, as
+/// decimals that a person types and as any numbers, over ranges that no constant was chosen on.
 fn a_run_ends_at_any_time<R: Real>(draws: u32) {
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
     let mut draw = |below: u64| {
@@ -233,7 +236,8 @@ fn a_run_ends_at_any_time<R: Real>(draws: u32) {
 fn a_run_ends_at_any_time_to_one_unit_in_the_last_place() {
     a_run_ends_at_any_time::<f64>(3000);
     a_run_ends_at_any_time::<f32>(3000);
-    // Rests that are no rounding are taken: 1e-12 and 1e-6 of a step beyond ten of them, or short of them.
+    // Rests that are no rounding are taken: 1e-12 and 1e-6 of a step beyond ten of them, or short
+    // of them.
     for rest in [-1e-12, 1e-12] {
         let seconds = 0.01 * (1.0 + rest);
         let (time, steps, _) = run_of_steps(1e-3, seconds);
@@ -247,8 +251,8 @@ fn a_run_ends_at_any_time_to_one_unit_in_the_last_place() {
     }
 }
 
-/// In `f32`, a unit in the last place of ten thousand seconds is a whole step of 1 ms. The sum of the
-/// steps counts, not only the number that it is rounded to.
+/// In `f32`, a unit in the last place of ten thousand seconds is a whole step of 1 ms. The sum of
+/// the steps counts, not only the number that it is rounded to.
 #[test]
 fn ten_million_steps_in_single_precision_are_ten_million() {
     let (time, steps, sum) = run_of_steps(1e-3_f32, 1e4);
@@ -271,8 +275,8 @@ fn samples_come_to_the_end<R: Real>() {
             let mut times = Vec::new();
             let film = |sample: &Sample<'_, R>| {
                 times.push(sample.time);
-                // A velocity of 1 m/s says how far the state has come: to two units of the end's time,
-                // and another rounding in each of the position's sums.
+                // A velocity of 1 m/s says how far the state has come: to two units of the end's
+                // time, and another rounding in each of the position's sums.
                 let way = sample.state.position.x().to_f64();
                 let off = (way - sample.time.to_f64()).abs();
                 assert!(off <= 4.0 * R::EPSILON.to_f64() * seconds, "{off:e}");
@@ -298,8 +302,8 @@ fn samples_at_equal_intervals_come_to_the_end_of_a_run() {
     samples_come_to_the_end::<f32>();
 }
 
-/// Where a step may take no time: at the event itself, above and below it by rounding, pressed in, at
-/// the top of a path, on the way up, and without gravity.
+/// Where a step may take no time: at the event itself, above and below it by rounding, pressed in,
+/// at the top of a path, on the way up, and without gravity.
 fn starts<R: Real>() -> Vec<State<R>> {
     let at = |height: f64, speed: f64, spin: f64| {
         let vector = |x: f64, z: f64| R::Vec3::new(R::from_f64(x), R::ZERO, R::from_f64(z));
@@ -367,7 +371,8 @@ fn every_step_takes_time<R: Real, I: Integrator<R> + Copy>(
                 1e3,
                 f64::INFINITY,
             ] {
-                // Without gravity, a body of three moments that rotates would fly for a million parts of a turn.
+                // Without gravity, a body of three moments that rotates would fly for a million
+                // parts of a turn.
                 if gravity == 0.0 && limit > 1.0 && start.angular_momentum != R::Vec3::ZERO {
                     continue;
                 }
@@ -422,7 +427,8 @@ fn no_step_of_any_method_takes_no_time() {
     every_body_takes_time::<f32>(1e-3);
 }
 
-/// Scenes that ended in `Stalled` once: a point that touches, and a weightless ball that is pressed in.
+/// Scenes that ended in `Stalled` once: a point that touches, and a weightless ball that is pressed
+/// in.
 #[test]
 fn a_closed_form_flight_around_an_adaptive_method_goes_on_in_contact() {
     let ground = FlatGround::level(1e4, 10.0);

@@ -1,12 +1,13 @@
-//! Accuracy: every integrator against the truth of the report's equations (`tests/data/truth_table.csv`), its order of
-//! convergence, and the books.
+//! Accuracy: every integrator against the truth of the report's equations
+//! (`tests/data/truth_table.csv`), its order of convergence, and the books.
 //!
 //! # Where the bounds come from
 //!
-//! A method makes an error in the velocity, at a rate of `rate * dt`. By the time `t` these add up to `rate * dt * t` and
-//! have become an error of the state of up to `G(t)` times that, where `G`, the sensitivity of the motion, is how far the
-//! truth itself moves when it is pushed by 1 m/s at the start. `G` is measured here, by pushing. As errors are made
-//! at all times, and half a step of them at once (a kick that comes before the drift), the bound is
+//! A method makes an error in the velocity, at a rate of `rate * dt`. By the time `t` these add up
+//! to `rate * dt * t` and have become an error of the state of up to `G(t)` times that, where `G`,
+//! the sensitivity of the motion, is how far the truth itself moves when it is pushed by 1 m/s at
+//! the start. `G` is measured here, by pushing. As errors are made at all times, and half a step of
+//! them at once (a kick that comes before the drift), the bound is
 //!
 //! ```text
 //! error(t) <= rate * dt * (1 s + t) * G(t)        in metres, and with the sensitivity of the velocities in m/s
@@ -32,15 +33,18 @@ const GRAVITY: f64 = 9.8;
 const RADIUS: f64 = 0.5;
 /// Slip speeds of the truth table, m/s.
 const SLIP_SPEEDS: [f64; 2] = [1e-3, 1e-6];
-/// A step (s) of which every time of the truth table is a multiple; below the 5e-4 s that `ForwardEuler` bears.
+/// A step (s) of which every time of the truth table is a multiple; below the 5e-4 s that
+/// `ForwardEuler` bears.
 const TIME_STEP: f64 = 1.25e-4;
 
-/// m/s^2: the acceleration that a method's error in the velocity comes from, see the head of the file.
+/// m/s^2: the acceleration that a method's error in the velocity comes from, see the head of the
+/// file.
 fn rate(method: &Method, setup: &Setup) -> f64 {
     match method.name {
-        // Everything at the start of the step: the fall, and the rim's r w^2 because the turn takes the old axis, with
-        // w = L/I the spin about a diameter, which all trials come to. Twice, because it also takes dt S off every
-        // damper (a quarter, at this step) and bounces end too fast.
+        // Everything at the start of the step: the fall, and the rim's r w^2 because the turn takes
+        // the old axis, with w = L/I the spin about a diameter, which all trials come to. Twice,
+        // because it also takes dt S off every damper (a quarter, at this step) and bounces end too
+        // fast.
         "ForwardEuler" => {
             let moment = 0.5 * RADIUS * RADIUS;
             let spin = setup.state.angular_momentum.length() / moment;
@@ -48,17 +52,19 @@ fn rate(method: &Method, setup: &Setup) -> f64 {
         }
         // Velocities before positions: half a step of the fall at once, another half in the forces.
         "SymplecticEuler" => GRAVITY,
-        // What spoils a higher order is the damper's force, which jumps where a point touches down somewhere within the step, by
-        // D u = 0.5 N s/m * 0.2 m/s = 0.1 N, ten to thirty times in 0.1 s (the table's contact events), with any sign.
+        // What spoils a higher order is the damper's force, which jumps where a point touches down
+        // somewhere within the step, by D u = 0.5 N s/m * 0.2 m/s = 0.1 N, ten to thirty times in
+        // 0.1 s (the table's contact events), with any sign.
         _ if slipping_is_resolved(setup) => 0.1 * GRAVITY,
-        // Where a point sticks, and the step is too long for that, friction also flips from step to step.
+        // Where a point sticks, and the step is too long for that, friction also flips from step to
+        // step.
         _ => (0.1 + setup.friction.coefficient) * GRAVITY,
     }
 }
 
-/// Whether an explicit method is stable where points stick: friction there is a damper of `mu m g/v_eps`, against a point that
-/// weighs `m/3` (the coin gives way by `1/m` and by turning about a diameter, `r^2/I = 2/m`), which asks for
-/// `dt < 2 v_eps/(3 mu g)`.
+/// Whether an explicit method is stable where points stick: friction there is a damper of
+/// `mu m g/v_eps`, against a point that weighs `m/3` (the coin gives way by `1/m` and by turning
+/// about a diameter, `r^2/I = 2/m`), which asks for `dt < 2 v_eps/(3 mu g)`.
 fn slipping_is_resolved(setup: &Setup) -> bool {
     let Coulomb {
         coefficient,
@@ -67,9 +73,11 @@ fn slipping_is_resolved(setup: &Setup) -> bool {
     TIME_STEP < 2.0 * slip_speed / (3.0 * coefficient * GRAVITY)
 }
 
-/// How far the truth moves at `times` for a push of 1 m/s (or a change of L by r times as much) in any direction at the start.
+/// How far the truth moves at `times` for a push of 1 m/s (or a change of L by r times as much) in
+/// any direction at the start.
 fn sensitivity(setup: &Setup, times: &[f64]) -> Vec<Distance> {
-    // As large as the errors whose growth is asked for: a smaller push would ask for the growth of chatter.
+    // As large as the errors whose growth is asked for: a smaller push would ask for the growth of
+    // chatter.
     let push = 1e-5;
     let fine = method("Rk4");
     let run = |state| fine.records(&Setup { state, ..*setup }, 1e-4, times);
@@ -167,12 +175,13 @@ fn the_energy_of_a_true_state_is_the_truth_by_kind() {
                     (energy.rotation, truth.energy.rotation),
                     (energy.gravity, truth.energy.gravity),
                     (energy.springs, truth.energy.springs),
-                    // The table's own books: the library's first energy and the three works give the energy now.
+                    // The table's own books: the library's first energy and the three works give
+                    // the energy now.
                     (energy.total(), start + truth.work.total()),
                 ];
                 for (ours, theirs) in kinds {
-                    // The states are given to 1e-16, and the springs multiply that by a force of some 10 N; the table is right
-                    // to 1e-13 (1e-12 after t = 2).
+                    // The states are given to 1e-16, and the springs multiply that by a force of
+                    // some 10 N; the table is right to 1e-13 (1e-12 after t = 2).
                     let error = (ours - theirs).abs();
                     assert!(error < 2e-12, "trial {trial}, {} s: {error:e}", truth.time);
                 }
@@ -190,8 +199,9 @@ fn every_methods_books_keep_to_the_true_works_of_friction_dampers_and_clamp() {
             for method in METHODS {
                 let records = method.records(&setup, TIME_STEP, &times(&truths));
                 for (record, truth) in records.iter().zip(&truths) {
-                    // An error of the velocity is one of the momentum (1 kg), and costs that times the speed at which the
-                    // force works: at most the slip at the start, r L/I = 2 m/s in the trials that slide most.
+                    // An error of the velocity is one of the momentum (1 kg), and costs that times
+                    // the speed at which the force works: at most the slip at the start, r L/I =
+                    // 2 m/s in the trials that slide most.
                     let velocity_error = rate(&method, &setup) * TIME_STEP * (1.0 + truth.time);
                     let bound = velocity_error * 2.0;
                     let works = [
@@ -215,9 +225,10 @@ fn every_methods_books_keep_to_the_true_works_of_friction_dampers_and_clamp() {
 
 #[test]
 fn a_higher_order_pays_fiftyfold_while_trial_1_slides() {
-    // Errors of an independent program at dt = 1e-4 s, after 0.25, 0.5 and 1 s: 0.89, 2.1, 3.8e-4 m for SymplecticEuler, 4.4,
-    // 13, 47e-7 m for StrangSplitting, 2.5, 7.3, 38e-7 m for Rk4: 80 times less or better. Where in a step a point touches
-    // down is chance, and may double one error.
+    // Errors of an independent program at dt = 1e-4 s, after 0.25, 0.5 and 1 s: 0.89, 2.1, 3.8e-4 m
+    // for SymplecticEuler, 4.4, 13, 47e-7 m for StrangSplitting, 2.5, 7.3, 38e-7 m for Rk4: 80
+    // times less or better. Where in a step a point touches down is chance, and may double one
+    // error.
     let setup = Setup::trial(1, 1e-3);
     let truths = truths(1, 1e-3, 1.0);
     let errors = |method: &Method| -> Vec<f64> {
@@ -235,10 +246,11 @@ fn a_higher_order_pays_fiftyfold_while_trial_1_slides() {
     }
 }
 
-/// A coin that lies on a soft bed with all its points, slides, spins and rocks: contact without a touch-down.
+/// A coin that lies on a soft bed with all its points, slides, spins and rocks: contact without a
+/// touch-down.
 ///
-/// It sags by `M g/(n S) = 8.2 mm`, rocks by `r 0.004 = 2 mm`, and slides at 1.4 to 2.7 m/s, of which friction takes 0.7 m/s in the
-/// time of the test: no point leaves the bed, and none sticks.
+/// It sags by `M g/(n S) = 8.2 mm`, rocks by `r 0.004 = 2 mm`, and slides at 1.4 to 2.7 m/s, of
+/// which friction takes 0.7 m/s in the time of the test: no point leaves the bed, and none sticks.
 fn sliding_flat() -> Setup {
     let turn =
         DQuat::from_rotation_z(0.3) * DQuat::from_rotation_y(core::f64::consts::FRAC_PI_2 + 0.004);
@@ -257,7 +269,8 @@ fn sliding_flat() -> Setup {
 fn in_smooth_contact_state_and_books_converge_at_the_methods_order() {
     let setup = sliding_flat();
     let end = [0.24];
-    // Two methods of different orders agree on the truth: Rk4 with a step five times shorter errs by 1e-16.
+    // Two methods of different orders agree on the truth: Rk4 with a step five times shorter errs
+    // by 1e-16.
     let truth = method("Rk4").records(&setup, 1e-4, &end)[0].state;
     for method in METHODS {
         let (mut errors, mut residues) = (Vec::new(), Vec::new());
@@ -268,14 +281,15 @@ fn in_smooth_contact_state_and_books_converge_at_the_methods_order() {
         }
         let (name, order) = (method.name, f64::from(method.order));
         let measured = convergence(&errors);
-        // The next term of the error is of the size of the step times the springs' 35 rad/s: 14 % at the longest step, 2 % at
-        // the shortest, which tilts the line by log2(1.14/1.02)/3 = 0.05. Measured: 1.00, 1.00, 2.06, 4.03.
+        // The next term of the error is of the size of the step times the springs' 35 rad/s: 14 %
+        // at the longest step, 2 % at the shortest, which tilts the line by log2(1.14/1.02)/3 =
+        // 0.05. Measured: 1.00, 1.00, 2.06, 4.03.
         assert!(
             (measured - order).abs() < 0.1,
             "{name}: order {measured}, {errors:?}"
         );
-        // The ledger's own quadrature is of order 4, so what is left is the method's. It may fall faster, where two
-        // terms of opposite sign make it up.
+        // The ledger's own quadrature is of order 4, so what is left is the method's. It may fall
+        // faster, where two terms of opposite sign make it up.
         let measured = convergence(&residues);
         assert!(
             measured > order - 0.1,
@@ -286,7 +300,8 @@ fn in_smooth_contact_state_and_books_converge_at_the_methods_order() {
 
 #[test]
 fn touch_downs_that_are_set_right_cost_nystroms_method_next_to_nothing() {
-    // Trial 1 at 1 s, with 150 touch-downs. Where they fall within the steps is chance, so each figure is the geometric mean over seven steps.
+    // Trial 1 at 1 s, with 150 touch-downs. Where they fall within the steps is chance, so each
+    // figure is the geometric mean over seven steps.
     let setup = Setup::trial(1, 1e-3);
     let truth = truths(1, 1e-3, 1.0).last().unwrap().state;
     let error = |name: &str, steps: i32| {
@@ -302,7 +317,8 @@ fn touch_downs_that_are_set_right_cost_nystroms_method_next_to_nothing() {
         let [ours, plain] = ["Nystrom", "Rk4"].map(|name| mean(name, steps));
         assert!(plain > gain * ours, "{steps}: {ours:e} m, Rk4 {plain:e} m");
     }
-    // Order 4 where steps are long, 2 for each touch-down where they are short: 2.4 measured, with chance in it; order 1 were it not for the correction.
+    // Order 4 where steps are long, 2 for each touch-down where they are short: 2.4 measured, with
+    // chance in it; order 1 were it not for the correction.
     let errors =
         [100, 250, 1000, 4000].map(|steps| (1.0 / f64::from(steps), mean("Nystrom", steps)));
     assert!(convergence(&errors) > 2.0, "{errors:?}");
@@ -321,7 +337,8 @@ fn in_trial_1_the_state_converges_at_the_methods_order_as_far_as_touch_downs_let
     let setup = Setup::trial(1, 1e-3);
     let truths = truths(1, 1e-3, 1.0);
     for method in METHODS {
-        // `Nystrom` sees the jumps: with the shortest of these steps it is down to the rounding of the path, 1e-11 m.
+        // `Nystrom` sees the jumps: with the shortest of these steps it is down to the rounding of
+        // the path, 1e-11 m.
         let sees_jumps = method.name == "Nystrom";
         let coarser = if sees_jumps { 8.0 } else { 1.0 };
         let errors: Vec<_> = (HALVED_STEPS.iter())
@@ -343,8 +360,9 @@ fn in_trial_1_the_state_converges_at_the_methods_order_as_far_as_touch_downs_let
             // Order 2 for each touch-down, which come at times without a pattern.
             2.0..3.2
         } else {
-            // The damper's force jumps at touch-down: order 1 with a small constant and chance in it, in front of what is
-            // left of the method's own order at these steps. (An integrator that sees the jump keeps order 2.)
+            // The damper's force jumps at touch-down: order 1 with a small constant and chance in
+            // it, in front of what is left of the method's own order at these steps. (An integrator
+            // that sees the jump keeps order 2.)
             0.9..2.5
         };
         assert!(
@@ -370,7 +388,8 @@ fn in_trial_1_the_residue_of_the_books_falls_with_the_step() {
             .map(|&time_step| (time_step, residue(&method, time_step)))
             .collect();
         let measured = convergence(&residues);
-        // Order 1 at touch-downs for every method, see above; with chance in it for the higher orders (1.0 and 3.0 measured).
+        // Order 1 at touch-downs for every method, see above; with chance in it for the higher
+        // orders (1.0 and 3.0 measured).
         let lowest = if method.order == 1 { 0.95 } else { 0.8 };
         assert!(
             measured > lowest,
@@ -378,7 +397,8 @@ fn in_trial_1_the_residue_of_the_books_falls_with_the_step() {
             method.name
         );
     }
-    // And it is small where the order is high: the rates at the head of this file differ by ten, with chance in it.
+    // And it is small where the order is high: the rates at the head of this file differ by ten,
+    // with chance in it.
     let first_order = residue(&method("SymplecticEuler"), TIME_STEP);
     for method in METHODS.iter().filter(|method| method.order > 1) {
         let gain = first_order / residue(method, TIME_STEP);

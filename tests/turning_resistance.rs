@@ -1,4 +1,5 @@
-//! Resistance to rolling and drilling: balls roll out and spin down by closed forms, with every kind of integrator; the books know of it; nothing else does.
+//! Resistance to rolling and drilling: balls roll out and spin down by closed forms, with every
+//! kind of integrator; the books know of it; nothing else does.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -53,15 +54,18 @@ fn moving<I: Integrator>(scene: &Scene<I>, velocity: DVec3, spin: DVec3) -> Stat
     state.with_angular_momentum(momentum)
 }
 
-/// Case: a ball that rolls without slip under the torque `ℓ m g` slows down by `5/7 ℓ/r g` (e.g. Mathavan, Jackson & Parkin, Am. J. Phys. 77, 788, 2009, for billiard balls).
+/// Case: a ball that rolls without slip under the torque `ℓ m g` slows down by `5/7 ℓ/r g` (e.g.
+/// Mathavan, Jackson & Parkin, Am. J. Phys. 77, 788, 2009, for billiard balls).
 fn rolls_out(by: impl Integrator, name: &str) {
     let (rolling, speed) = (1e-3, 0.7);
     let scene = ball([rolling, 0.0, 1e-4], by);
     let mut state = moving(&scene, DVec3::X * speed, DVec3::Y * (speed / RADIUS));
     let slowing = 5.0 / 7.0 * rolling / RADIUS * G;
     scene.advance(&mut state, 1.0).unwrap();
-    // EnergyMomentum is seen right after half a step of the torque on the ball alone, `ℓ m g h/2 · r/I` = 4.1e-4 m/s of slip, of which 2/7 are the ball's; the friction that slows it, 5 % of
-    // the largest, needs a slip of 5e-5 m/s. Turn speed over turning: 1e-5 of the torque.
+    // EnergyMomentum is seen right after half a step of the torque on the ball alone,
+    // `ℓ m g h/2 · r/I` = 4.1e-4 m/s of slip, of which 2/7 are the ball's; the friction that slows
+    // it, 5 % of the largest, needs a slip of 5e-5 m/s. Turn speed over turning: 1e-5 of the
+    // torque.
     let slack = 2.0 / 7.0 * (4.1e-4 + 5e-5) + 1e-5 * slowing;
     let left = speed - slowing;
     assert!(
@@ -147,7 +151,9 @@ fn the_books_hold_what_resistance_takes() {
     scene.run(&mut state, 0.5, &mut ledger).unwrap();
     let lost = before - scene.energy(&state).total();
     assert!(lost > 0.1, "{lost} J");
-    // The torque is steady. The books look at the ball right after half a step of it, when it slips by `ℓ m g h/2 · r/I` = s = 8.2e-4 m/s, which friction would take at `μ m g s²/(s + 1e-3)`, 1.8e-3 W.
+    // The torque is steady. The books look at the ball right after half a step of it, when it slips
+    // by `ℓ m g h/2 · r/I` = s = 8.2e-4 m/s, which friction would take at `μ m g s²/(s + 1e-3)`,
+    // 1.8e-3 W.
     let slack = 1.8e-3 * 0.5;
     assert!(
         (ledger.work().friction + lost).abs() < slack,

@@ -60,7 +60,8 @@ fn moved(reach: f64, from: &State, to: &State) -> f64 {
 
 const DISTANCE: f64 = 1e-4;
 
-/// Each throw ends, and what has come to rest stays there: within the distance, in twice the time again.
+/// Each throw ends, and what has come to rest stays there: within the distance, in twice the time
+/// again.
 fn rest_lasts<B: tumble::RigidPointBody, I: Integrator>(stepper: &Thrown<B, I>) {
     for number in 0..12 {
         let mut state = thrown(stepper, number);
@@ -88,7 +89,8 @@ fn a_coin_that_rests_stays_where_it_is() {
     rest_lasts(&coin(EnergyMomentum { time_step: 1e-3 }));
 }
 
-/// A ball on springs without a damper bounces for ever between the same two places; in closed form, a flight begins and ends in one.
+/// A ball on springs without a damper bounces for ever between the same two places; in closed form,
+/// a flight begins and ends in one.
 #[test]
 fn a_bounce_is_no_rest() {
     let stepper = Stepper::new(PointMass::new(0.1))

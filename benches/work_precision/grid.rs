@@ -1,4 +1,5 @@
-//! The whole grid: each scene in both precisions, with few and many points, both laws of friction, and three slip speeds.
+//! The whole grid: each scene in both precisions, with few and many points, both laws of friction,
+//! and three slip speeds.
 
 use core::error::Error;
 use core::time::Duration;
@@ -26,7 +27,8 @@ struct Combination {
     start: Start,
 }
 
-/// Measures the combinations whose names hold `wanted`; writes every row into `rows.csv` and the cheapest settings into `cheapest.csv`, as they come, and prints these, a table a scene.
+/// Measures the combinations whose names hold `wanted`; writes every row into `rows.csv` and the
+/// cheapest settings into `cheapest.csv`, as they come, and prints these, a table a scene.
 pub(crate) fn run(wanted: &str, folder: &Path) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     let mut rows = csv_file(&folder.join("rows.csv"), ROWS)?;

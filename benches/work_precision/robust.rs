@@ -1,12 +1,12 @@
 //! The robust protocol: the cheapest setting for an error that every smaller setting keeps as well.
 //!
-//! A step size counts only if each smaller one of the grid holds the error, so that no lucky step is
-//! reported: multiples of 0.05 ms up to 5 ms, above that 1 % from one to the next, and below it
+//! A step size counts only if each smaller one of the grid holds the error, so that no lucky step
+//! is reported: multiples of 0.05 ms up to 5 ms, above that 1 % from one to the next, and below it
 //! halves down to 6.25 µs. A tolerance counts only if each smaller one holds, ten a decade. No
 //! constant of the crate was chosen with this grid.
 //!
-//! The cost of a setting is its time over that of a plain Rk4 at the Rk4's own robust step, in turns
-//! in one run.
+//! The cost of a setting is its time over that of a plain Rk4 at the Rk4's own robust step, in
+//! turns in one run.
 
 use core::error::Error;
 use core::fmt::Write as _;
@@ -101,7 +101,8 @@ struct Found {
     costs: [Option<f64>; ERRORS.len()],
 }
 
-/// Measures the cases whose names hold `wanted`; prints a table, writes `robust.csv`, and with `write` the tables of README and guide.
+/// Measures the cases whose names hold `wanted`; prints a table, writes `robust.csv`, and with
+/// `write` the tables of README and guide.
 pub(crate) fn run(wanted: &str, write: bool, folder: &Path) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     let cases: Vec<Case> = (cases()?.into_iter())
@@ -257,7 +258,8 @@ fn summary(measured: &Measured<'_>) -> String {
     text
 }
 
-/// Best, median (of an even number, the worse of the two) and worst, where `order` sorts from worst to best and nothing is worst.
+/// Best, median (of an even number, the worse of the two) and worst, where `order` sorts from worst
+/// to best and nothing is worst.
 fn spread(
     values: impl Iterator<Item = Option<f64>>,
     order: impl Fn(&f64, &f64) -> core::cmp::Ordering,

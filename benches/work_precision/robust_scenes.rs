@@ -47,7 +47,8 @@ pub(crate) struct Case {
 type Run = dyn Fn(&State, f64, Setting) -> Option<(State, f64)>;
 
 impl Case {
-    /// Distance of the centres and, in quadrature, how far the farthest point is moved by the rotation between the two, m.
+    /// Distance of the centres and, in quadrature, how far the farthest point is moved by the
+    /// rotation between the two, m.
     pub(crate) fn error(&self, end: &State) -> f64 {
         let between = end.orientation * self.end.orientation.conjugate();
         let angle = 2.0 * between.xyz().length().atan2(between.w.abs());
@@ -56,7 +57,8 @@ impl Case {
             .hypot(self.reach * angle)
     }
 
-    /// The end with an integrator of the crate, and the time that it took, s; nothing if the run failed.
+    /// The end with an integrator of the crate, and the time that it took, s; nothing if the run
+    /// failed.
     pub(crate) fn run(&self, setting: Setting) -> Option<(State, f64)> {
         (self.program)(&self.start, self.seconds, setting)
     }
@@ -81,7 +83,8 @@ pub(crate) fn cases() -> Result<Vec<Case>, Box<dyn Error>> {
     for number in 1..=8 {
         all.push(trial(number)?);
     }
-    // Heights (m), velocities (m/s) and angular velocities (rad/s) without a system; chosen before anything was run.
+    // Heights (m), velocities (m/s) and angular velocities (rad/s) without a system; chosen before
+    // anything was run.
     let throws = [
         (
             0.12,
@@ -143,7 +146,8 @@ fn trial(number: usize) -> Result<Case, Box<dyn Error>> {
     case(name, Family::Trial, trial.coin(), law, trial.state(), 1.0)
 }
 
-/// A body thrown from a height (m) with velocity, angular velocity and a first rotation about y (rad); `carrying` contacts support it at rest.
+/// A body thrown from a height (m) with velocity, angular velocity and a first rotation about y
+/// (rad); `carrying` contacts support it at rest.
 fn toss<B: RigidPointBody + 'static>(
     name: String,
     body: B,

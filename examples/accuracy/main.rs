@@ -1,8 +1,10 @@
-//! Error against price: each integrator on trial 1 of the report, against the truth of its equations. Prints the README's table, and the cheapest settings for an error of 1e-4 m,
-//! beside an Rk4 as anyone would write it.
+//! Error against price: each integrator on trial 1 of the report, against the truth of its
+//! equations. Prints the README's table, and the cheapest settings for an error of 1e-4 m, beside
+//! an Rk4 as anyone would write it.
 //!
-//! `cargo run --release --example accuracy`, on a machine with nothing else to do. With `-- --f32` it prints the tables of single precision in
-//! `src/guide/accuracy.md`: errors of the numbers alone, which no other work on the machine changes.
+//! `cargo run --release --example accuracy`, on a machine with nothing else to do. With `-- --f32`
+//! it prints the tables of single precision in `src/guide/accuracy.md`: errors of the numbers
+//! alone, which no other work on the machine changes.
 
 #[path = "../common/plain_rk4.rs"]
 mod plain_rk4;

@@ -1,4 +1,5 @@
-//! Single precision: what it adds to the error of each integrator at each step, and what a compensated sum would save.
+//! Single precision: what it adds to the error of each integrator at each step, and what a
+//! compensated sum would save.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -143,7 +144,8 @@ impl Widen for f32 {
     }
 }
 
-/// Trial 1, begun so many metres away along x and brought back at the end; nothing where it cannot go on.
+/// Trial 1, begun so many metres away along x and brought back at the end; nothing where it cannot
+/// go on.
 fn run<R: Widen, I: Integrator<R>>(
     integrator: I,
     away: f64,
@@ -175,7 +177,8 @@ fn audited<R: Widen, I: Integrator<R>>(integrator: I) -> Option<End> {
     })
 }
 
-/// [`SymplecticEuler`] whose sums over the steps keep what rounding takes from them (Kahan 1965): of the position, or also of velocity and angular momentum.
+/// [`SymplecticEuler`] whose sums over the steps keep what rounding takes from them (Kahan 1965):
+/// of the position, or also of velocity and angular momentum.
 struct Compensated<const ALL: bool> {
     time_step: f32,
 }

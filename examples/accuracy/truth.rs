@@ -18,7 +18,8 @@ pub(crate) fn trial() -> Result<Trial<f64>, &'static str> {
     })
 }
 
-/// How far apart two states of the coin are, m: the centres' distance, and how far the turn between them moves the rim.
+/// How far apart two states of the coin are, m: the centres' distance, and how far the turn between
+/// them moves the rim.
 pub(crate) fn distance(a: &State, b: &State) -> f64 {
     // The arc cosine of the product, as glam has it, would tell no angles below 2e-8 from 0.
     let between = a.orientation * b.orientation.conjugate();

@@ -18,7 +18,8 @@ use super::report_loop::{ReportLoop, ReportTrial};
 use super::table;
 use super::truth::{DURATION, distance, trial};
 
-/// Steps in a second: every number to 100, and then 1 to 2 % more from one to the next, so that a step which hits the truth by chance has neighbours that do not.
+/// Steps in a second: every number to 100, and then 1 to 2 % more from one to the next, so that a
+/// step which hits the truth by chance has neighbours that do not.
 fn steps() -> Vec<f64> {
     core::iter::successors(Some(60_u32), |count| Some(count + count / 50))
         .take_while(|&count| count <= 4000)
@@ -30,7 +31,8 @@ fn steps() -> Vec<f64> {
 const TOLERANCES: [f64; 12] = [
     3e-3, 2e-3, 1e-3, 5e-4, 3e-4, 2e-4, 1e-4, 5e-5, 3e-5, 2e-5, 1e-5, 5e-6,
 ];
-/// The price is the least of so many turns, in which each program runs so often in a row: what else the machine does only adds to it, and its clock is the same for all.
+/// The price is the least of so many turns, in which each program runs so often in a row: what else
+/// the machine does only adds to it, and its clock is the same for all.
 const TURNS: usize = 200;
 const IN_A_ROW: usize = 20;
 /// Steps of the report's loop in a run of it.
@@ -45,7 +47,8 @@ type With = Box<dyn Fn(f64) -> Result<Program, Box<dyn Error>>>;
 /// Its name, the knobs to try, how they are written, and the program.
 type Method<'a> = (&'a str, &'a [f64], fn(f64) -> String, With);
 
-/// Prints a row a method: its longest step or largest tolerance that is within `error` (m), *and every shorter or smaller one that is tried with it*, so that no chance hit counts.
+/// Prints a row a method: its longest step or largest tolerance that is within `error` (m), *and
+/// every shorter or smaller one that is tried with it*, so that no chance hit counts.
 pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
     let within = format!("within {error:e} m");
     let head = [
@@ -148,7 +151,8 @@ fn largest_within(
     Ok(largest)
 }
 
-/// Of the programs, and of a step of the report's loop: with it, prices on two machines can be compared. s
+/// Of the programs, and of a step of the report's loop: with it, prices on two machines can be
+/// compared. s
 fn prices<'a>(
     programs: impl Iterator<Item = &'a Program> + Clone,
 ) -> Result<(Vec<f64>, f64), Box<dyn Error>> {

@@ -1,6 +1,8 @@
-//! Error against price of every integrator on a scene of one's choice, and the cheapest setting for an error asked for.
+//! Error against price of every integrator on a scene of one's choice, and the cheapest setting for
+//! an error asked for.
 //!
-//! `cargo run --release --example choose_accuracy -- --help`. For a scene of your own body, ground and friction call `tumble::trade::trade` as `measure` does here.
+//! `cargo run --release --example choose_accuracy -- --help`. For a scene of your own body, ground
+//! and friction call `tumble::trade::trade` as `measure` does here.
 
 // The numbers of the scenes are small.
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]

@@ -28,7 +28,8 @@ pub(crate) enum Friction {
 pub(crate) struct Start {
     pub(crate) name: String,
     pub(crate) points: usize,
-    /// N/m of a point of a coin with 120; a coin with more has softer points, so that all together are the same.
+    /// N/m of a point of a coin with 120; a coin with more has softer points, so that all together
+    /// are the same.
     pub(crate) stiffness: f64,
     /// N s/m, likewise.
     pub(crate) damping: f64,

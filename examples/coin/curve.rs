@@ -8,7 +8,8 @@ pub(crate) type Curve = Vec<(f64, f64)>;
 /// More strips of time than a picture has pixels across are not seen.
 const STRIPS: usize = 1000;
 
-/// A curve over time, with the first, lowest, highest and last point of each of a thousand strips of time.
+/// A curve over time, with the first, lowest, highest and last point of each of a thousand strips
+/// of time.
 pub(crate) fn thinned(curve: Curve) -> Curve {
     let strip = curve.len().div_ceil(STRIPS);
     if strip <= 4 {
@@ -45,7 +46,8 @@ pub(crate) fn simplified(track: impl Iterator<Item = (f64, f64)>) -> Curve {
     kept
 }
 
-/// From one moment to the next, the lowest point leaps this far across the coin rather than runs along its rim, m.
+/// From one moment to the next, the lowest point leaps this far across the coin rather than runs
+/// along its rim, m.
 const LEAP: f64 = 0.6 * RADIUS;
 
 /// A track cut where it leaps.

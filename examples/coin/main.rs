@@ -1,4 +1,5 @@
-//! The coin of the report, run, summed up, drawn and played: `cargo run --release --example coin -- --help`.
+//! The coin of the report, run, summed up, drawn and played:
+//! `cargo run --release --example coin -- --help`.
 
 // A program has std; these lints guard the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]

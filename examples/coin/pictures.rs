@@ -67,7 +67,8 @@ impl Sketch {
         Self { curves, layout }
     }
 
-    /// With time across. What is positive stands on the axis, also where it ends a hair below zero, as the energy does.
+    /// With time across. What is positive stands on the axis, also where it ends a hair below zero,
+    /// as the energy does.
     fn over_time(curves: Vec<LinePlot>, y_label: &str, size: Size) -> Self {
         let values = || {
             curves

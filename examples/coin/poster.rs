@@ -1,4 +1,5 @@
-//! The picture of the README: an SVG in which the coin tumbles, over its own traces and the curve of its energy.
+//! The picture of the README: an SVG in which the coin tumbles, over its own traces and the curve
+//! of its energy.
 
 use std::fmt::Write;
 use std::fs;
@@ -73,7 +74,8 @@ impl<'a> Film<'a> {
         self.moments[self.moments.len() - 1].time
     }
 
-    /// Simulated time at a time of the film: `t + c t²`, true to life at the start; evenly fast where the run is short.
+    /// Simulated time at a time of the film: `t + c t²`, true to life at the start; evenly fast
+    /// where the run is short.
     fn time(&self, film: f64) -> f64 {
         let even = (self.length() / FILM).min(1.0);
         let faster = (self.length() - even * FILM) / (FILM * FILM);
@@ -145,7 +147,8 @@ impl Eye {
         self.scale * DVec2::new(way.dot(self.right), -way.dot(self.up))
     }
 
-    /// The transform that carries a disc of radius 1 to one with this centre and these radii at right angles, as SVG and CSS write it.
+    /// The transform that carries a disc of radius 1 to one with this centre and these radii at
+    /// right angles, as SVG and CSS write it.
     fn disc(&self, centre: DVec3, radii: [DVec3; 2]) -> String {
         let [u, v] = radii.map(|radius| self.see_way(radius));
         let c = self.see(centre);

@@ -55,7 +55,8 @@ impl<'a> Recorder<'a> {
         (self.moments, books)
     }
 
-    /// Whether the next moment is there, or the end of the run. Times are sums of steps, so they may miss by a rounding.
+    /// Whether the next moment is there, or the end of the run. Times are sums of steps, so they
+    /// may miss by a rounding.
     fn is_due(&self, time: f64) -> bool {
         let next = self.moments.len() as f64 * self.interval;
         time >= next - 1e-6 * self.interval || time >= self.duration

@@ -83,7 +83,8 @@ fn state(report: &ReportLoop, points: usize) -> State {
 
 /// The turn that carries the ring as it was made to the ring as it is.
 ///
-/// The arm of point k was `r (y cos φ + z sin φ)` with `φ = 2πk/n`, so `2/(n r) Σ arm cos φ` is where y is now, and the same with sines z.
+/// The arm of point k was `r (y cos φ + z sin φ)` with `φ = 2πk/n`, so `2/(n r) Σ arm cos φ` is
+/// where y is now, and the same with sines z.
 fn orientation(report: &ReportLoop, points: usize) -> DQuat {
     let (mut y, mut z) = (DVec3::ZERO, DVec3::ZERO);
     for point in 1..=points {

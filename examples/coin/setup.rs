@@ -85,7 +85,8 @@ impl Setup {
         )
     }
 
-    /// Energy of the coin lying still: the springs carry its weight, so it lies a little below the floor.
+    /// Energy of the coin lying still: the springs carry its weight, so it lies a little below the
+    /// floor.
     ///
     /// `−(M g)² / (2 n S)`, joules.
     pub(crate) fn energy_at_rest(&self) -> f64 {
@@ -110,7 +111,8 @@ impl Method {
     /// The step that is taken where none is asked for, s.
     pub(crate) fn usual_step(self) -> f64 {
         match self {
-            // Trial 1 after 1 s: 0.06 mm and 0.1 µm from the truth; symplectic Euler is 0.38 mm from it with 1e-4 s.
+            // Trial 1 after 1 s: 0.06 mm and 0.1 µm from the truth; symplectic Euler is 0.38 mm
+            // from it with 1e-4 s.
             Self::EnergyMomentum | Self::Nystrom => 1e-3,
             // The report's own; its loop is stable below 5e-4 s.
             _ => 1e-4,

@@ -1,4 +1,5 @@
-//! A page that plays a run in three dimensions: `film.html` with the run written into it as whole numbers. It needs no other file.
+//! A page that plays a run in three dimensions: `film.html` with the run written into it as whole
+//! numbers. It needs no other file.
 
 use std::fs;
 use std::path::Path;
@@ -269,7 +270,8 @@ impl Film {
     }
 }
 
-/// A shot may be left out where the line between its neighbours is this near, in sizes and in each part of the quaternion (half of an angle in radians).
+/// A shot may be left out where the line between its neighbours is this near, in sizes and in each
+/// part of the quaternion (half of an angle in radians).
 const NEAR: f64 = 1e-3;
 /// The same for the track on the floor, in sizes ...
 const NEAR_ON_FLOOR: f64 = 0.02;

@@ -42,7 +42,8 @@ impl Mesh {
         self.0.iter().map(face).collect()
     }
 
-    /// A coin about its x axis: gold with a star, silver with rings, and a red mark at the rim of both, towards y. The rim has so many corners.
+    /// A coin about its x axis: gold with a star, silver with rings, and a red mark at the rim of
+    /// both, towards y. The rim has so many corners.
     pub(crate) fn coin(radius: f64, corners: usize) -> Self {
         // Drawn a little thick so that the edge is seen.
         let half = 0.032 * radius;
@@ -89,7 +90,8 @@ impl Mesh {
         mesh
     }
 
-    /// A ball or an egg about a middle, with half axes, in sectors of two colours about z and caps of a third around its poles.
+    /// A ball or an egg about a middle, with half axes, in sectors of two colours about z and caps
+    /// of a third around its poles.
     pub(crate) fn ellipsoid(
         middle: DVec3,
         half: DVec3,

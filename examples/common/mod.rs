@@ -1,4 +1,5 @@
-//! What the examples share: options, figures that are checked, pictures, films, and a page that shows them.
+//! What the examples share: options, figures that are checked, pictures, films, and a page that
+//! shows them.
 
 // Each example uses its part of this.
 #![allow(dead_code, unused_imports)]
@@ -31,7 +32,8 @@ pub(crate) struct Options {
     pub(crate) quick: bool,
 }
 
-/// Runs an example: reads the options, works, and says by the exit code whether every figure is what it should be.
+/// Runs an example: reads the options, works, and says by the exit code whether every figure is
+/// what it should be.
 ///
 /// 0 where all are, 1 where one is not or the run fails, 2 where the command line is to blame.
 pub(crate) fn main(
@@ -265,7 +267,8 @@ impl Random {
         least + (most - least) * share
     }
 
-    /// Four numbers of a unit quaternion, any turn as likely as any other (Shoemake, Graphics Gems III, 1992).
+    /// Four numbers of a unit quaternion, any turn as likely as any other (Shoemake, Graphics Gems
+    /// III, 1992).
     pub(crate) fn turn(&mut self) -> [f64; 4] {
         let (share, first, second) = (
             self.between(0.0, 1.0),

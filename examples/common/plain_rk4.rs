@@ -1,9 +1,11 @@
-//! A fixed-step Rk4 on the point law, as anyone would write it in an hour: all points in each evaluation, a quaternion as four more numbers. What the library is compared with.
+//! A fixed-step Rk4 on the point law, as anyone would write it in an hour: all points in each
+//! evaluation, a quaternion as four more numbers. What the library is compared with.
 
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{ContactPoint, State};
 
-/// One body of contact points on a level spring-damper ground at z = 0, with Coulomb's friction made finite at zero slip. SI units.
+/// One body of contact points on a level spring-damper ground at z = 0, with Coulomb's friction
+/// made finite at zero slip. SI units.
 #[derive(Clone, Debug)]
 pub(crate) struct Law {
     pub(crate) mass: f64,

@@ -1,4 +1,5 @@
-//! Hands the memory map and the start-up crate's linker script to the linker, on targets without a system.
+//! Hands the memory map and the start-up crate's linker script to the linker, on targets without a
+//! system.
 
 use std::error::Error;
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! What the flights before the first touch say of cube and tracker, whatever the ground: where the centre of mass is, and how long a tracked metre is.
+//! What the flights before the first touch say of cube and tracker, whatever the ground: where the
+//! centre of mass is, and how long a tracked metre is.
 
 use tumble::glam::{DMat4, DQuat, DVec3, DVec4};
 
@@ -9,7 +10,8 @@ use crate::tosses::{RATE, Sample, Toss};
 
 /// Gap that a sample in flight has at least, m: above the tracker's error.
 const CLEAR: f64 = 0.005;
-/// Samples of a flight that a start is taken from at most: 0.1 s. Over longer ones a turn is not steady enough.
+/// Samples of a flight that a start is taken from at most: 0.1 s. Over longer ones a turn is not
+/// steady enough.
 const LONGEST_START: usize = 15;
 
 /// Samples of a flight that is long enough for the test of [`spin_change`].
@@ -27,9 +29,11 @@ pub(crate) struct Weighed {
 
 /// Weighs the cube by its flights.
 ///
-/// The centre of mass flies along a parabola, and the middle that is tracked turns about it: `middle = x + v t - g t²/2 - R c`, in tracked lengths, with the measured turn R. All flights
-/// together give c and g by least squares, each with a place x and a velocity v of its own, which are taken out first: what is left of every term is what a straight line in time
-/// does not explain. That g is 9.81 m/s² gives the scale.
+/// The centre of mass flies along a parabola, and the middle that is tracked turns about it:
+/// `middle = x + v t - g t²/2 - R c`, in tracked lengths, with the measured turn R. All flights
+/// together give c and g by least squares, each with a place x and a velocity v of its own, which
+/// are taken out first: what is left of every term is what a straight line in time does not
+/// explain. That g is 9.81 m/s² gives the scale.
 ///
 /// The residuals of one flight are not independent: the tracker's error drifts within it. So the
 /// standard errors are those of a bootstrap over whole motions.
@@ -121,8 +125,8 @@ pub(crate) fn spin_change(toss: &Toss) -> Option<f64> {
 }
 
 /// Returns the first state, in true lengths and of the centre of mass: that of the first sample
-/// alone, or that of a parabola and a steady rotation (the moments of inertia are equal) through the
-/// samples before the first touch, by least squares.
+/// alone, or that of a parabola and a steady rotation (the moments of inertia are equal) through
+/// the samples before the first touch, by least squares.
 pub(crate) fn start(toss: &Toss, body: &Corrections, start: Start) -> Sample {
     let first = &toss.samples[0];
     let centre =
@@ -181,7 +185,8 @@ fn product(a: &[DVec3], b: &[DVec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
 
-/// Value at time 0 and rate of the straight line through some values at some times, by least squares.
+/// Value at time 0 and rate of the straight line through some values at some times, by least
+/// squares.
 fn straight(values: impl Iterator<Item = (f64, DVec3)> + Clone) -> (DVec3, DVec3) {
     let (mut count, mut time, mut value) = (0.0, 0.0, DVec3::ZERO);
     for (t, v) in values.clone() {

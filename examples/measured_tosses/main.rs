@@ -183,7 +183,8 @@ fn checks(models: &[Fitted; 3], seed: u64) -> Vec<Check> {
     checks
 }
 
-/// Height and one way along the table of the held-out toss whose errors are in the middle, predicted and measured.
+/// Height and one way along the table of the held-out toss whose errors are in the middle,
+/// predicted and measured.
 fn one_toss(fitted: &Fitted, held: &[Vec<Toss>]) -> Outcome<Picture> {
     let scores = fitted.held[1].iter().flatten();
     let mut ranked: Vec<(&Toss, &Score)> = held.iter().flatten().zip(scores).collect();

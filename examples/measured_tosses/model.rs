@@ -126,7 +126,8 @@ impl RigidPointBody for Cube {
     }
 }
 
-/// Steps between two samples, for the figures and for the fit. The run prints what twice as many change.
+/// Steps between two samples, for the figures and for the fit. The run prints what twice as many
+/// change.
 pub(crate) const STEPS: u32 = 32;
 pub(crate) const STEPS_OF_FIT: u32 = 8;
 /// The same for synthetic tosses, which are made and fitted with one step.
@@ -174,8 +175,8 @@ impl Model {
             .with_angular_momentum(momentum)
     }
 
-    /// Returns the states at the times of a toss's samples, with the cube's middle as their position,
-    /// or `None` if the model cannot go on.
+    /// Returns the states at the times of a toss's samples, with the cube's middle as their
+    /// position, or `None` if the model cannot go on.
     pub(crate) fn predict(&self, toss: &Toss, start: Start) -> Option<Vec<State>> {
         let mut state = self.start(toss, start);
         let mut states = vec![state];

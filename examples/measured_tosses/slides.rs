@@ -6,7 +6,8 @@ use tumble::glam::{DMat3, DVec3};
 use crate::model::{GRAVITY, WIDTH};
 use crate::tosses::{RATE, Sample, Toss};
 
-/// Samples of a slide that is long enough for its deceleration: its standard error is then some 0.02.
+/// Samples of a slide that is long enough for its deceleration: its standard error is then some
+/// 0.02.
 const SHORTEST: usize = 6;
 
 /// Coefficients of friction of the slides of a toss: deceleration over g, both in tracked lengths.
@@ -32,7 +33,8 @@ fn slides(sample: &Sample, scale: f64) -> bool {
         && sample.spin.length() < 0.5
 }
 
-/// Position, velocity and acceleration along the table at the first of some samples, by least squares.
+/// Position, velocity and acceleration along the table at the first of some samples, by least
+/// squares.
 fn parabola(samples: &[Sample]) -> [DVec3; 3] {
     let (mut normal, mut right) = (DMat3::ZERO, [DVec3::ZERO; 3]);
     for (number, sample) in samples.iter().enumerate() {

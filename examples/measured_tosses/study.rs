@@ -24,7 +24,8 @@ const GUESS: Parameters = Parameters {
 const SHARP: f64 = 0.002;
 const TRANSITION_LOAD: f64 = 30.0;
 
-/// A spin that changes by more than this many medians of the fitted half is not that of free flight.
+/// A spin that changes by more than this many medians of the fitted half is not that of free
+/// flight.
 const MEDIANS: f64 = 10.0;
 
 pub(crate) const STARTS: [(Start, &str); 2] = [
@@ -36,7 +37,8 @@ pub(crate) const STARTS: [(Start, &str); 2] = [
 pub(crate) struct Halves {
     pub(crate) fitted: Vec<Vec<Toss>>,
     pub(crate) held: Vec<Vec<Toss>>,
-    /// Numbers of the tosses that are left out, and the change of spin beyond which they are, rad/s.
+    /// Numbers of the tosses that are left out, and the change of spin beyond which they are,
+    /// rad/s.
     pub(crate) left_out: Vec<u32>,
     pub(crate) limit: f64,
 }

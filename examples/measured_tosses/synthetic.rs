@@ -1,4 +1,5 @@
-//! Tosses made by the model itself, with the noise of a tracker: a fit must find the parameters that made them.
+//! Tosses made by the model itself, with the noise of a tracker: a fit must find the parameters
+//! that made them.
 
 use tumble::glam::{DQuat, DVec3};
 

@@ -79,7 +79,8 @@ fn parse(text: impl Read) -> Result<Vec<Toss>, Box<dyn Error>> {
         .collect())
 }
 
-/// The tosses in groups of one motion each: some are another turned about the vertical, and one of them in the fit would tell the answer of the other in the hold-out.
+/// The tosses in groups of one motion each: some are another turned about the vertical, and one of
+/// them in the fit would tell the answer of the other in the hold-out.
 ///
 /// Heights do not change with such a turn.
 pub(crate) fn motions(tosses: Vec<Toss>) -> Vec<Vec<Toss>> {
@@ -93,7 +94,8 @@ pub(crate) fn motions(tosses: Vec<Toss>) -> Vec<Vec<Toss>> {
     motions
 }
 
-/// Whether two tosses have one course of heights, to a tenth of a millimetre: rounding of the table is 1e-7 m, and two tosses of a hand differ by centimetres.
+/// Whether two tosses have one course of heights, to a tenth of a millimetre: rounding of the table
+/// is 1e-7 m, and two tosses of a hand differ by centimetres.
 fn is_same(a: &Toss, b: &Toss) -> bool {
     let heights = |toss: &Toss| -> Vec<f64> {
         (toss.samples.iter())

@@ -4,7 +4,8 @@ use super::{ContactPoint, MassDistribution, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
-/// A cylinder between two half-balls, along body z: two contacts with its radius. On flat ground they are the whole of it.
+/// A cylinder between two half-balls, along body z: two contacts with its radius. On flat ground
+/// they are the whole of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule<R: Real = f64> {
     mass: R,
@@ -13,7 +14,8 @@ pub struct Capsule<R: Real = f64> {
 }
 
 impl<R: Real> Capsule<R> {
-    /// A homogeneous capsule: mass in kg, radius in m, length between the centres of its ends in m (0 makes a ball).
+    /// A homogeneous capsule: mass in kg, radius in m, length between the centres of its ends in m
+    /// (0 makes a ball).
     #[must_use]
     pub fn solid(mass: R, radius: R, length: R) -> Self {
         let end = |z: R| ContactPoint {

@@ -7,11 +7,13 @@ use crate::state::State;
 
 /// A coin whose mass and contacts lie on its rim: `n` equal points on a circle, as in the report.
 ///
-/// Body axes: the coin's normal is x, the rim lies in the yz plane, point k = 1 ... n at `(0, r cos(2πk/n), r sin(2πk/n))`; contact number `k - 1`.
-/// For any n of at least 3 the moments are exactly `m r²` about the normal and `m r²/2` about a diameter.
+/// Body axes: the coin's normal is x, the rim lies in the yz plane, point k = 1 ... n at
+/// `(0, r cos(2πk/n), r sin(2πk/n))`; contact number `k - 1`. For any n of at least 3 the moments
+/// are exactly `m r²` about the normal and `m r²/2` about a diameter.
 ///
-/// *Limit:* the rim is a polygon. Upright, its centre rises and falls by `r (1 - cos(π/n))` as it rolls: 1.7e-4 m for the report's 120 points
-/// and r = 0.5 m; with few points it rattles from corner to corner. [`Disc`](super::Disc) is round, and says when which of them is better.
+/// *Limit:* the rim is a polygon. Upright, its centre rises and falls by `r (1 - cos(π/n))` as it
+/// rolls: 1.7e-4 m for the report's 120 points and r = 0.5 m; with few points it rattles from
+/// corner to corner. [`Disc`](super::Disc) is round, and says when which of them is better.
 ///
 /// `P` is where the points are: an array, a borrowed slice, or a `Vec`.
 ///
@@ -85,7 +87,8 @@ impl<R: Real, P> Coin<R, P> {
         tilt(state)
     }
 
-    /// The face that looks up; [`Face::Edge`] where neither does, upright to rounding: a ring has no edge to stand on, as [`SolidCoin`](super::SolidCoin) has.
+    /// The face that looks up; [`Face::Edge`] where neither does, upright to rounding: a ring has
+    /// no edge to stand on, as [`SolidCoin`](super::SolidCoin) has.
     #[must_use]
     pub fn face_up(&self, state: &State<R>) -> Face {
         Face::up(state.rotation().axes().x.z())
@@ -174,7 +177,8 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
     }
 }
 
-/// The arc of a ring under a plane, by walking: from a guess at the lowest point outwards to both sides while under the plane.
+/// The arc of a ring under a plane, by walking: from a guess at the lowest point outwards to both
+/// sides while under the plane.
 ///
 /// Heights round a ring have one minimum, so no other point is visited and no arc is missed.
 #[inline]
@@ -190,7 +194,8 @@ fn arc_below<R: Real>(points: &[ContactPoint<R>], normal: R::Vec3, offset: R) ->
     arc_around(points, lowest, |point| height(point, normal) < offset)
 }
 
-/// The arc of a ring under a plane, by walking from both ends of one that is known: none where they part for good, or where the ring's first point is in the way.
+/// The arc of a ring under a plane, by walking from both ends of one that is known: none where they
+/// part for good, or where the ring's first point is in the way.
 #[inline]
 fn arc_near<R: Real>(
     points: &[ContactPoint<R>],
@@ -231,7 +236,8 @@ fn height<R: Real>(point: &ContactPoint<R>, normal: R::Vec3) -> R {
     point.position.y() * normal.y() + point.position.z() * normal.z()
 }
 
-/// The longest run of points around `middle` that are all `below`; none where the middle itself is not.
+/// The longest run of points around `middle` that are all `below`; none where the middle itself is
+/// not.
 #[inline]
 fn arc_around<T>(points: &[T], middle: usize, below: impl Fn(&T) -> bool) -> Run {
     let (before, after) = points.split_at_checked(middle).unwrap_or_default();
@@ -277,8 +283,9 @@ pub(super) fn walk_down<R: Real>(count: usize, start: usize, height: impl Fn(usi
 
 /// The number of the ring's point that lies nearest to the direction (`y`, `z`), or one beside it.
 ///
-/// The angle is `atan t ≈ t (π/4 + 0.273 (1 - t))` in an eighth of a turn, good to 0.0038 rad (Rajan et al., IEEE Signal Processing Magazine 23(3), 2006),
-/// which is a tenth of the way between two of 120 points; from there the caller walks.
+/// The angle is `atan t ≈ t (π/4 + 0.273 (1 - t))` in an eighth of a turn, good to 0.0038 rad
+/// (Rajan et al., IEEE Signal Processing Magazine 23(3), 2006), which is a tenth of the way between
+/// two of 120 points; from there the caller walks.
 #[inline]
 pub(super) fn lowest_guess<R: Real>(count: usize, y: R, z: R) -> usize {
     let c = R::from_f64;
@@ -345,7 +352,8 @@ mod tests {
         Coin::ring_in([ContactPoint::default(); N], 1.0, 0.5)
     }
 
-    /// Each contact under the plane is in the run; each in the run but the two ends' neighbours is under it.
+    /// Each contact under the plane is in the run; each in the run but the two ends' neighbours is
+    /// under it.
     fn the_arc_is_right<const N: usize>() {
         let coin = ring::<N>();
         for step in 0..1000 {
@@ -384,7 +392,8 @@ mod tests {
         let coin = ring::<120>();
         let (mut near, mut sooner) = (Run::NONE, 0);
         for step in 0..10_000 {
-            // Rolling by a third of the way between two points, deeper and less deep, leaning to and fro.
+            // Rolling by a third of the way between two points, deeper and less deep, leaning to
+            // and fro.
             let step = f64::from(step);
             let turn = DQuat::from_rotation_x(0.0175 * step)
                 * DQuat::from_rotation_y(0.05 * (0.01 * step).sin());

@@ -6,11 +6,13 @@ use super::{ContactPoint, MassDistribution, RigidPointBody, check_contacts};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
 
-/// A homogeneous cone along body z: contact 0 is its tip, the others are points on the rim of its base. The centre of mass is a quarter of the height above the base.
+/// A homogeneous cone along body z: contact 0 is its tip, the others are points on the rim of its
+/// base. The centre of mass is a quarter of the height above the base.
 ///
 /// `P` is where the contacts are: an array, a borrowed slice, or a `Vec`.
 ///
-/// *Limit:* the rim is a polygon, as that of a [`Coin`](super::Coin): out of round by `r (1 - cos(π/n))`.
+/// *Limit:* the rim is a polygon, as that of a [`Coin`](super::Coin): out of round by
+/// `r (1 - cos(π/n))`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone<R: Real = f64, P = [ContactPoint<R>; 121]> {
     distribution: MassDistribution<R>,
@@ -28,7 +30,8 @@ impl<R: Real> Cone<R> {
 }
 
 impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Cone<R, P> {
-    /// A cone with as many contacts as `storage` holds, at least 4: its tip and the points of its rim.
+    /// A cone with as many contacts as `storage` holds, at least 4: its tip and the points of its
+    /// rim.
     #[must_use]
     pub fn solid_in(mut storage: P, mass: R, radius: R, height: R) -> Self {
         let distribution = MassDistribution::cone(mass, radius, height);

@@ -5,10 +5,11 @@ use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 use crate::state::State;
 
-/// A box: a contact at each of its eight corners, sharp, or round where they have a radius. Edges along the body axes.
+/// A box: a contact at each of its eight corners, sharp, or round where they have a radius. Edges
+/// along the body axes.
 ///
-/// On flat ground eight round corners are the whole rounded box, because nothing of it reaches below the lowest of them. On curved ground a contact in the
-/// middle of a face is not felt.
+/// On flat ground eight round corners are the whole rounded box, because nothing of it reaches
+/// below the lowest of them. On curved ground a contact in the middle of a face is not felt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid<R: Real = f64> {
     distribution: MassDistribution<R>,
@@ -17,7 +18,8 @@ pub struct Cuboid<R: Real = f64> {
     corners: [ContactPoint<R>; 8],
 }
 
-// Where a method has a parameter `V`, it is `R::Vec3`. As a type of its own it tells the compiler the precision, which a projection does not.
+// Where a method has a parameter `V`, it is `R::Vec3`. As a type of its own it tells the compiler
+// the precision, which a projection does not.
 impl<R: Real> Cuboid<R> {
     /// A homogeneous box: moments `m (b² + c²)/12` and so on. Mass in kg, edges in m.
     #[must_use]
@@ -34,7 +36,8 @@ impl<R: Real> Cuboid<R> {
         Self::solid(mass, R::Vec3::new(edge, edge, edge))
     }
 
-    /// A box with these edges (m) and its middle at the origin, with any mass distribution within: a loaded die.
+    /// A box with these edges (m) and its middle at the origin, with any mass distribution within:
+    /// a loaded die.
     #[must_use]
     pub fn loaded<V: Vector<R>>(edges: V, distribution: MassDistribution<R>) -> Self
     where
@@ -49,10 +52,12 @@ impl<R: Real> Cuboid<R> {
         .rounded(R::ZERO)
     }
 
-    /// The same with corners and edges rounded to this radius, m: at most half of the shortest edge.
+    /// The same with corners and edges rounded to this radius, m: at most half of the shortest
+    /// edge.
     ///
-    /// The mass distribution stays that of the sharp box. For a homogeneous cube with a radius of a tenth of its edge the moments are 2.9 % too large, for
-    /// a twentieth 0.8 %; where that matters, give it to [`loaded`](Self::loaded).
+    /// The mass distribution stays that of the sharp box. For a homogeneous cube with a radius of a
+    /// tenth of its edge the moments are 2.9 % too large, for a twentieth 0.8 %; where that
+    /// matters, give it to [`loaded`](Self::loaded).
     #[must_use]
     pub fn rounded(mut self, radius: R) -> Self {
         self.corner_radius = radius;
@@ -133,7 +138,8 @@ impl Side {
         [Self::MinusZ, Self::Z],
     ];
 
-    /// The number on this side of a die: opposite sides make 7, and 1, 2, 3 lie counter-clockwise about their corner, as on Western dice.
+    /// The number on this side of a die: opposite sides make 7, and 1, 2, 3 lie counter-clockwise
+    /// about their corner, as on Western dice.
     #[must_use]
     pub fn pips(self) -> u8 {
         match self {

@@ -6,9 +6,11 @@ use crate::error::{self, SceneError};
 use crate::real::{Matrix, Real, Vector};
 use crate::state::State;
 
-/// A thin coin whose contact is the whole circle of its rim: [`Coin`](super::Coin) in the limit of many points.
+/// A thin coin whose contact is the whole circle of its rim: [`Coin`](super::Coin) in the limit of
+/// many points.
 ///
-/// Body axes: the normal is x, the rim lies in the yz plane. Mass properties are those of the constructor, and do not depend on the number of points that the rim [stands for](Rim).
+/// Body axes: the normal is x, the rim lies in the yz plane. Mass properties are those of the
+/// constructor, and do not depend on the number of points that the rim [stands for](Rim).
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -30,11 +32,15 @@ use crate::state::State;
 ///
 /// # Points or a round rim
 ///
-/// - Points are the report's coin, and the cheaper one. Take [`Coin`](super::Coin) to repeat the report, for pictures, and where 0.1 mm or a few hundredths of g do not matter.
-/// - The round rim has no corners to enter. It rolls without a rattle, methods of high order keep their order, and one that chooses its steps has no touch-downs to find.
+/// - Points are the report's coin, and the cheaper one. Take [`Coin`](super::Coin) to repeat the
+///   report, for pictures, and where 0.1 mm or a few hundredths of g do not matter.
+/// - The round rim has no corners to enter. It rolls without a rattle, methods of high order keep
+///   their order, and one that chooses its steps has no touch-downs to find.
 ///
-/// The tables compare a `Disc` that stands for 120 points of 1000 N/m and 0.5 N s/m, with 1 kg on 0.5 m, with rings of n points that have as much stiffness and damping on the whole rim: where they come to in the report's
-/// trials (slip speed 1 mm/s), and how they roll upright at 4 rad/s. `cargo run --release --example round_rim` prints them, `.ci/instructions` the counts.
+/// The tables compare a `Disc` that stands for 120 points of 1000 N/m and 0.5 N s/m, with 1 kg on
+/// 0.5 m, with rings of n points that have as much stiffness and damping on the whole rim: where
+/// they come to in the report's trials (slip speed 1 mm/s), and how they roll upright at 4 rad/s.
+/// `cargo run --release --example round_rim` prints them, `.ci/instructions` the counts.
 ///
 /// | distance from the round rim, m | trial 1, 1 s | 5 s | trial 5, 1 s | 5 s | trial 8, 1 s | 5 s |
 /// |---|---|---|---|---|---|---|
@@ -49,9 +55,11 @@ use crate::state::State;
 /// | 1200 points | 2.1e-4 | 0.0431 | 4012 |
 /// | round | 4.8e-14 | 0.0431 | 1614 |
 ///
-/// In instructions a step of `SymplecticEuler` on the round rim costs 1.6 times that of 120 points at the start of trial 1, and no more in flight; where the coin tumbles, so that friction
-/// reverses on the arc and twice as many points and more are needed there, 5.4 times.
-/// One of [`EnergyMomentum`](crate::EnergyMomentum) costs 5.5 and 4.4 times as much (`cargo bench --bench ratios`).
+/// In instructions a step of `SymplecticEuler` on the round rim costs 1.6 times that of 120 points
+/// at the start of trial 1, and no more in flight; where the coin tumbles, so that friction
+/// reverses on the arc and twice as many points and more are needed there, 5.4 times. One of
+/// [`EnergyMomentum`](crate::EnergyMomentum) costs 5.5 and 4.4 times as much
+/// (`cargo bench --bench ratios`).
 ///
 /// How far the place of the round coin is off after a second of trial 1:
 ///
@@ -65,20 +73,23 @@ use crate::state::State;
 ///
 /// # Limits
 ///
-/// - The arc is that below a plane. On [`Terrain`](crate::Terrain) it is the one that touches the ground under the lowest place: good while half an arc is short beside the ground's radius of curvature, and one arc
-///   alone. There the springs' energy is not quite their work, and the ratchet of `EnergyMomentum` holds what is lacking.
-/// - With explicit methods forces are the integral of the laws over the arc to 2e-7 of themselves, and
-///   mostly to 1e-9. They are less accurate where dampers hold back the lowest place and both ends, so
-///   that only a short part between them pushes. `EnergyMomentum` has eight points between kinks: where friction reverses on the
-///   arc, that leaves up to 1e-3 of the load, and 6e-3 for a slip speed of 1e-10 m/s. So it does not tend to
-///   the same limit as its steps get shorter.
-/// - The limit of many points is reached with the square of their number, if the points' contacts are
-///   resolved in time. A ring that spins upright on the spot is an exception: the same points stay
-///   about the lowest place, where friction reverses, and the limit is reached in proportion to the
-///   number of points until their distance times the spin is below the slip speed.
+/// - The arc is that below a plane. On [`Terrain`](crate::Terrain) it is the one that touches the
+///   ground under the lowest place: good while half an arc is short beside the ground's radius of
+///   curvature, and one arc alone. There the springs' energy is not quite their work, and the
+///   ratchet of `EnergyMomentum` holds what is lacking.
+/// - With explicit methods forces are the integral of the laws over the arc to 2e-7 of themselves,
+///   and mostly to 1e-9. They are less accurate where dampers hold back the lowest place and both
+///   ends, so that only a short part between them pushes. `EnergyMomentum` has eight points between
+///   kinks: where friction reverses on the arc, that leaves up to 1e-3 of the load, and 6e-3 for a
+///   slip speed of 1e-10 m/s. So it does not tend to the same limit as its steps get shorter.
+/// - The limit of many points is reached with the square of their number, if the points' contacts
+///   are resolved in time. A ring that spins upright on the spot is an exception: the same points
+///   stay about the lowest place, where friction reverses, and the limit is reached in proportion
+///   to the number of points until their distance times the spin is below the slip speed.
 /// - Each point that touches down is a jump of its damper's force. A fixed step adds an error in
 ///   proportion to the step size to the place of a ring of points, not to that of the round rim.
-/// - `EnergyMomentum` is of order 2 on it without dampers; with those of the report it is of order 1 below steps of 2 ms.
+/// - `EnergyMomentum` is of order 2 on it without dampers; with those of the report it is of order
+///   1 below steps of 2 ms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc<R: Real = f64> {
     mass: R,
@@ -88,7 +99,8 @@ pub struct Disc<R: Real = f64> {
 }
 
 impl<R: Real> Disc<R> {
-    /// A thin ring: moments `m r²` about the normal and `m r²/2` about a diameter. Mass in kg, radius in m; its rim stands for so many points on the ground.
+    /// A thin ring: moments `m r²` about the normal and `m r²/2` about a diameter. Mass in kg,
+    /// radius in m; its rim stands for so many points on the ground.
     ///
     /// It is [`Coin::ring`](super::Coin::ring) with a round rim, on the same ground.
     #[must_use]
@@ -96,7 +108,8 @@ impl<R: Real> Disc<R> {
         Self::with_shape(mass, radius, points, R::ONE)
     }
 
-    /// A homogeneous disc, much thinner than wide: moments `m r²/2` about the normal and `m r²/4` about a diameter. Mass in kg, radius in m; its rim stands for so many points on the ground.
+    /// A homogeneous disc, much thinner than wide: moments `m r²/2` about the normal and `m r²/4`
+    /// about a diameter. Mass in kg, radius in m; its rim stands for so many points on the ground.
     #[must_use]
     pub fn solid(mass: R, radius: R, points: usize) -> Self {
         Self::with_shape(mass, radius, points, R::HALF)

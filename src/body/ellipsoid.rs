@@ -4,14 +4,18 @@ use super::{ContactPoint, MassDistribution, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
-/// An ellipsoid with its semi-axes along the body axes: its one contact wanders over its surface to the place that faces the ground.
+/// An ellipsoid with its semi-axes along the body axes: its one contact wanders over its surface to
+/// the place that faces the ground.
 ///
-/// That place is `s = (a² d_x, b² d_y, c² d_z)/h` for the direction d to the ground, with the distance `h = √(a² d_x² + b² d_y² + c² d_z²)` of the tangent plane from
-/// the middle (Goldman, *Pyramid Algorithms*, 2003, or any book on quadrics: the gradient of the support function h). The force acts there, and what slips is the body's
-/// material there, `v + ω × s`.
+/// That place is `s = (a² d_x, b² d_y, c² d_z)/h` for the direction d to the ground, with the
+/// distance `h = √(a² d_x² + b² d_y² + c² d_z²)` of the tangent plane from the middle (Goldman,
+/// *Pyramid Algorithms*, 2003, or any book on quadrics: the gradient of the support function h).
+/// The force acts there, and what slips is the body's material there, `v + ω × s`.
 ///
-/// *Limits:* on a plane depth and force are exact; on a curved ground the place is that for the normal under the middle, good while the ground's radius of curvature is
-/// large against the body. One contact carries no moment about itself, so that the ellipsoid spins on a pivot without drilling friction.
+/// *Limits:* on a plane depth and force are exact; on a curved ground the place is that for the
+/// normal under the middle, good while the ground's radius of curvature is large against the body.
+/// One contact carries no moment about itself, so that the ellipsoid spins on a pivot without
+/// drilling friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid<R: Real = f64> {
     distribution: MassDistribution<R>,
@@ -20,7 +24,8 @@ pub struct Ellipsoid<R: Real = f64> {
     within: [ContactPoint<R>; 1],
 }
 
-// Where a method has a parameter `V`, it is `R::Vec3`. As a type of its own it tells the compiler the precision, which a projection does not.
+// Where a method has a parameter `V`, it is `R::Vec3`. As a type of its own it tells the compiler
+// the precision, which a projection does not.
 impl<R: Real> Ellipsoid<R> {
     /// A homogeneous ellipsoid: moments `m (b² + c²)/5` and so on. Mass in kg, semi-axes in m.
     #[must_use]
@@ -31,7 +36,8 @@ impl<R: Real> Ellipsoid<R> {
         Self::loaded(semi_axes, MassDistribution::ellipsoid(mass, semi_axes))
     }
 
-    /// An ellipsoid with these semi-axes (m) and its middle at the origin, with any mass distribution within.
+    /// An ellipsoid with these semi-axes (m) and its middle at the origin, with any mass
+    /// distribution within.
     #[must_use]
     pub fn loaded<V: Vector<R>>(semi_axes: V, distribution: MassDistribution<R>) -> Self
     where
@@ -78,7 +84,8 @@ impl<R: Real> RigidPointBody<R> for Ellipsoid<R> {
     fn contacts(&self) -> &[ContactPoint<R>] {
         &self.within
     }
-    /// That of a ball around it: not less than the farthest place, and no more than that and the middle's offset.
+    /// That of a ball around it: not less than the farthest place, and no more than that and the
+    /// middle's offset.
     #[inline]
     fn reach(&self) -> R {
         let (a, b, c) = (self.semi_axes.x(), self.semi_axes.y(), self.semi_axes.z());

@@ -1,14 +1,18 @@
 //! Free rotation about three different moments that keeps its energy.
 //!
-//! In principal axes the angular momentum `p` moves on a sphere, along the curve on which its energy is constant. A composition of rotations keeps the sphere to rounding and
-//! leaves the curve by its error of third order. The two squares beside one axis `k`, scaled by `M/M'`, lead back onto it, with
+//! In principal axes the angular momentum `p` moves on a sphere, along the curve on which its
+//! energy is constant. A composition of rotations keeps the sphere to rounding and leaves the curve
+//! by its error of third order. The two squares beside one axis `k`, scaled by `M/M'`, lead back
+//! onto it, with
 //!
 //! ```text
 //! M = Σ p_i² |1/I_i - 1/I_k|        i != k
 //! ```
 //!
-//! and `p_k²` as what is left of `|p|²`. For an energy below that of the middle axis `k` is the axis of the largest moment, else that of the smallest: then the scaled squares never exceed
-//! `|p|²`, and `M` has no cancellation however steady the rotation is. It is a closed form, for any step.
+//! and `p_k²` as what is left of `|p|²`. For an energy below that of the middle axis `k` is the
+//! axis of the largest moment, else that of the smallest: then the scaled squares never exceed
+//! `|p|²`, and `M` has no cancellation however steady the rotation is. It is a closed form, for any
+//! step.
 
 use super::mass_properties::MassProperties;
 use crate::real::{Real, Vector};
@@ -24,9 +28,11 @@ struct EnergyLevel<R> {
 }
 
 impl<R: Real> MassProperties<R> {
-    /// Returns the orientation after `seconds` without torque, from `rotation` with these `axes`, for three different moments.
+    /// Returns the orientation after `seconds` without torque, from `rotation` with these `axes`,
+    /// for three different moments.
     ///
-    /// The rotational energy is that of the start to rounding, whatever the time; of order 2. The angular momentum is a constant of the world.
+    /// The rotational energy is that of the start to rounding, whatever the time; of order 2. The
+    /// angular momentum is a constant of the world.
     #[inline(never)]
     pub(crate) fn rotated_at_constant_energy(
         &self,
@@ -91,8 +97,10 @@ impl<R: Real> MassProperties<R> {
         }
     }
 
-    /// By how much twice the energy at `here` is below that at the start. About the axis that most of the momentum lies along, where the squares that count are small and their rounding with them:
-    /// near the middle axis rounding of the whole energy would be worth a thousand times as much of an angle.
+    /// By how much twice the energy at `here` is below that at the start. About the axis that most
+    /// of the momentum lies along, where the squares that count are small and their rounding with
+    /// them: near the middle axis rounding of the whole energy would be worth a thousand times as
+    /// much of an angle.
     fn lost(&self, level: EnergyLevel<R>, here: [R; 3]) -> R {
         let inverse = self.inverse_moments();
         let (mut about, mut longest) = (R::ZERO, -R::ONE);

@@ -6,13 +6,16 @@ use crate::error::SceneError;
 use crate::real::{Real, Vector};
 
 impl<R: Real> MassDistribution<R> {
-    /// The homogeneous solid within the convex hull of points. Mass in kg, points in m, in any order; those inside and doubles do not matter.
+    /// The homogeneous solid within the convex hull of points. Mass in kg, points in m, in any
+    /// order; those inside and doubles do not matter.
     ///
-    /// Facets are found by wrapping a plane round each edge and summed as those of a [`mesh`](Self::mesh): about `n³` operations for n points and no
-    /// memory, once. Points within 256 units in the last place of the hull's size from a facet's plane belong to the facet.
+    /// Facets are found by wrapping a plane round each edge and summed as those of a
+    /// [`mesh`](Self::mesh): about `n³` operations for n points and no memory, once. Points within
+    /// 256 units in the last place of the hull's size from a facet's plane belong to the facet.
     ///
     /// # Errors
-    /// Where a coordinate is not finite, or the points lie in a plane, so that the hull has no volume.
+    /// Where a coordinate is not finite, or the points lie in a plane, so that the hull has no
+    /// volume.
     pub fn hull<V: Vector<R>>(mass: R, points: &[V]) -> Result<Self, SceneError>
     where
         R: Real<Vec3 = V>,
@@ -30,7 +33,8 @@ impl<R: Real> MassDistribution<R> {
 }
 
 impl<R: Real, const N: usize> Solid<R, [ContactPoint<R>; N]> {
-    /// The homogeneous convex hull of points (m): it touches with each of them, bare, and has the hull's mass distribution. Mass in kg.
+    /// The homogeneous convex hull of points (m): it touches with each of them, bare, and has the
+    /// hull's mass distribution. Mass in kg.
     ///
     /// ```
     /// use tumble::glam::DVec3;
@@ -45,7 +49,8 @@ impl<R: Real, const N: usize> Solid<R, [ContactPoint<R>; N]> {
     ///
     /// # Errors
     /// Where the mass is not above 0, a coordinate is not finite, or the points lie in a plane.
-    // `V` is `R::Vec3`. As a type of its own it tells the compiler the precision, which a projection does not.
+    // `V` is `R::Vec3`. As a type of its own it tells the compiler the precision, which a
+    // projection does not.
     pub fn hull<V: Vector<R>>(mass: R, points: [V; N]) -> Result<Self, SceneError>
     where
         R: Real<Vec3 = V>,
@@ -84,8 +89,9 @@ impl<'a, R: Real> Hull<'a, R> {
         self.points.get(index).copied().unwrap_or_default()
     }
 
-    /// Triangles of the facet, counter-clockwise from outside, that lies to the left of the edge from `first` to `second`, if that is its edge and `first` is the
-    /// least number of a point on it: so each facet comes once.
+    /// Triangles of the facet, counter-clockwise from outside, that lies to the left of the edge
+    /// from `first` to `second`, if that is its edge and `first` is the least number of a point on
+    /// it: so each facet comes once.
     fn each_triangle(&self, first: usize, second: usize, mut see: impl FnMut([R::Vec3; 3])) {
         let Some(plane) = self.wrap(first, second) else {
             return;
@@ -108,7 +114,8 @@ impl<'a, R: Real> Hull<'a, R> {
         }
     }
 
-    /// The plane through two points that has no point before it, with its normal to their left; `None` where the two are no edge of the hull.
+    /// The plane through two points that has no point before it, with its normal to their left;
+    /// `None` where the two are no edge of the hull.
     fn wrap(&self, first: usize, second: usize) -> Option<FacetPlane<R>> {
         let place = self.point(first);
         let along = self.point(second) - place;
@@ -138,7 +145,8 @@ impl<'a, R: Real> Hull<'a, R> {
         height.abs() <= self.thickness
     }
 
-    /// Whether the facet in this plane lies to the left of the line, and no other point goes farther along it (or as far, with a lesser number).
+    /// Whether the facet in this plane lies to the left of the line, and no other point goes
+    /// farther along it (or as far, with a lesser number).
     fn is_edge(&self, plane: &FacetPlane<R>, first: usize, second: usize) -> bool {
         let start = self.point(first);
         let length = (self.point(second) - start).length();
@@ -154,7 +162,8 @@ impl<'a, R: Real> Hull<'a, R> {
         })
     }
 
-    /// The facet's corner after this one, counter-clockwise: it has no point of the facet to its right, and none beyond it on the same line.
+    /// The facet's corner after this one, counter-clockwise: it has no point of the facet to its
+    /// right, and none beyond it on the same line.
     fn next_corner(&self, plane: &FacetPlane<R>, corner: R::Vec3) -> R::Vec3 {
         let mut next = corner;
         for (index, &point) in self.points.iter().enumerate() {

@@ -2,7 +2,8 @@
 
 use crate::real::{Real, Vector};
 
-/// Jacobi's method: moments and unit axes (right-handed) of a symmetric matrix, by `+ - * /` and square root only. A diagonal one is left as it is.
+/// Jacobi's method: moments and unit axes (right-handed) of a symmetric matrix, by `+ - * /` and
+/// square root only. A diagonal one is left as it is.
 pub(super) fn principal_axes<R: Real>(mut a: [[R; 3]; 3]) -> ([R; 3], [R::Vec3; 3]) {
     let (o, one) = (R::ZERO, R::ONE);
     let mut axes = [
@@ -45,7 +46,8 @@ fn annihilate<R: Real, const P: usize, const Q: usize>(
     axes[Q] = axis_p * s + axis_q * c;
 }
 
-/// Cosine and sine of the smaller turn in the plane of two axes that takes their off-diagonal entry to 0 (Golub & Van Loan, section 8.5).
+/// Cosine and sine of the smaller turn in the plane of two axes that takes their off-diagonal entry
+/// to 0 (Golub & Van Loan, section 8.5).
 fn annihilating_turn<R: Real>(app: R, aqq: R, apq: R) -> (R, R) {
     let tau = (aqq - app) / (R::TWO * apq);
     let root = (R::ONE + tau * tau).sqrt();

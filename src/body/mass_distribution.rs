@@ -7,12 +7,14 @@ use crate::rotation::Rotation;
 
 /// How the mass of a body, or of a part of one, is distributed: as much as matters to a rigid body.
 ///
-/// Homogeneous solids stand about the origin with their axis of symmetry, where they have one, along z. [`at`](Self::at) and [`turned`](Self::turned) move
-/// them, [`with`](Self::with) joins them by the parallel-axis theorem. A part of negative mass is a hole.
+/// Homogeneous solids stand about the origin with their axis of symmetry, where they have one,
+/// along z. [`at`](Self::at) and [`turned`](Self::turned) move them, [`with`](Self::with) joins
+/// them by the parallel-axis theorem. A part of negative mass is a hole.
 ///
 /// Vectors are glam's `DVec3` or `Vec3`, which tells the precision.
 ///
-/// Nothing is checked here: mass and inertia are when a scene is composed, and [`Solid::new`](super::Solid::new) checks the rest.
+/// Nothing is checked here: mass and inertia are when a scene is composed, and
+/// [`Solid::new`](super::Solid::new) checks the rest.
 ///
 /// ```
 /// use tumble::MassDistribution;
@@ -34,7 +36,8 @@ pub struct MassDistribution<R: Real = f64> {
     pub inertia: R::Mat3,
 }
 
-// Where a method has a parameter `V`, it is `R::Vec3`. As a type of its own it tells the compiler the precision, which a projection does not.
+// Where a method has a parameter `V`, it is `R::Vec3`. As a type of its own it tells the compiler
+// the precision, which a projection does not.
 impl<R: Real> MassDistribution<R> {
     /// Of a homogeneous body about the origin with these principal moments, kg m².
     fn about_origin(mass: R, x: R, y: R, z: R) -> Self {
@@ -54,7 +57,8 @@ impl<R: Real> MassDistribution<R> {
     /// Points of mass: places (m) with their masses (kg, at least 0, not all 0).
     ///
     /// # Errors
-    /// Where there is no point, the numbers of places and masses differ, a coordinate is not finite, a mass is negative, or all are 0.
+    /// Where there is no point, the numbers of places and masses differ, a coordinate is not
+    /// finite, a mass is negative, or all are 0.
     pub fn points<V: Vector<R>>(places: &[V], masses: &[R]) -> Result<Self, SceneError>
     where
         R: Real<Vec3 = V>,
@@ -98,7 +102,8 @@ impl<R: Real> MassDistribution<R> {
         Self::about_origin(mass, moment, moment, moment)
     }
 
-    /// An ellipsoid with these semi-axes (m): `m (b² + c²)/5` about the first, and so on. Mass in kg.
+    /// An ellipsoid with these semi-axes (m): `m (b² + c²)/5` about the first, and so on. Mass in
+    /// kg.
     #[must_use]
     pub fn ellipsoid<V: Vector<R>>(mass: R, semi_axes: V) -> Self
     where
@@ -123,7 +128,8 @@ impl<R: Real> MassDistribution<R> {
         Self::about_origin(mass, b + c, c + a, a + b)
     }
 
-    /// A cylinder along z: `m r²/2` about its axis, `m (3 r² + h²)/12` across. Mass in kg, radius and height in m.
+    /// A cylinder along z: `m r²/2` about its axis, `m (3 r² + h²)/12` across. Mass in kg, radius
+    /// and height in m.
     #[must_use]
     pub fn cylinder(mass: R, radius: R, height: R) -> Self {
         let square = radius * radius;
@@ -131,10 +137,12 @@ impl<R: Real> MassDistribution<R> {
         Self::about_origin(mass, across, across, mass * square * R::HALF)
     }
 
-    /// A cylinder along z between half-balls whose centres are `length` apart. Mass in kg, radius and length in m.
+    /// A cylinder along z between half-balls whose centres are `length` apart. Mass in kg, radius
+    /// and length in m.
     ///
-    /// With the cylinder's share of the mass `c = l/(l + 4r/3)` and the balls' `b = 1 - c`: `m (c r²/2 + 2 b r²/5)` about the axis,
-    /// `m (c (r²/4 + l²/12) + b (2r²/5 + l²/4 + 3 l r/8))` across, as a half-ball's centre of mass is 3r/8 beyond its flat side.
+    /// With the cylinder's share of the mass `c = l/(l + 4r/3)` and the balls' `b = 1 - c`:
+    /// `m (c r²/2 + 2 b r²/5)` about the axis, `m (c (r²/4 + l²/12) + b (2r²/5 + l²/4 + 3 l r/8))`
+    /// across, as a half-ball's centre of mass is 3r/8 beyond its flat side.
     #[must_use]
     pub fn capsule(mass: R, radius: R, length: R) -> Self {
         let c = R::from_f64;
@@ -148,8 +156,9 @@ impl<R: Real> MassDistribution<R> {
         Self::about_origin(mass, across, across, along)
     }
 
-    /// A cone along z with its base on z = 0 and its tip at z = `height`: the centre of mass lies a quarter of the height above the base;
-    /// `3 m r²/10` about the axis, `3 m (4 r² + h²)/80` across. Mass in kg, radius and height in m.
+    /// A cone along z with its base on z = 0 and its tip at z = `height`: the centre of mass lies a
+    /// quarter of the height above the base; `3 m r²/10` about the axis, `3 m (4 r² + h²)/80`
+    /// across. Mass in kg, radius and height in m.
     #[must_use]
     pub fn cone(mass: R, radius: R, height: R) -> Self {
         let c = R::from_f64;
@@ -187,8 +196,9 @@ impl<R: Real> MassDistribution<R> {
 
     /// This and another part as one rigid body.
     ///
-    /// `J = J₁ + J₂ + μ (|d|² 1 - d dᵀ)` with `d` from one centre of mass to the other and `μ = m₁ m₂/(m₁ + m₂)`: the parallel-axis theorem of both, without
-    /// the difference of large numbers that a detour by the origin has.
+    /// `J = J₁ + J₂ + μ (|d|² 1 - d dᵀ)` with `d` from one centre of mass to the other and
+    /// `μ = m₁ m₂/(m₁ + m₂)`: the parallel-axis theorem of both, without the difference of large
+    /// numbers that a detour by the origin has.
     #[must_use]
     pub fn with(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
@@ -212,7 +222,8 @@ impl<R: Real> MassDistribution<R> {
         R::Mat3::from_columns([own[0] + shift[0], own[1] + shift[1], own[2] + shift[2]])
     }
 
-    /// That the mass is above 0 and place and inertia are finite; whether the moments are those of a solid is seen when a scene is composed.
+    /// That the mass is above 0 and place and inertia are finite; whether the moments are those of
+    /// a solid is seen when a scene is composed.
     ///
     /// # Errors
     /// Names the first quantity that is not.
@@ -230,14 +241,17 @@ impl<R: Real> MassDistribution<R> {
         Ok(())
     }
 
-    /// The homogeneous solid inside a closed surface of triangles, each counter-clockwise as seen from outside. Mass in kg, vertices in m.
+    /// The homogeneous solid inside a closed surface of triangles, each counter-clockwise as seen
+    /// from outside. Mass in kg, vertices in m.
     ///
-    /// Exact for any such surface, hollows included: sums over the tetrahedra between the first vertex and each triangle, of volume `v`, first moment
-    /// `v (a + b + c)/4` and second moments `v (a aᵀ + b bᵀ + c cᵀ + s sᵀ)/20` with `s = a + b + c`.
+    /// Exact for any such surface, hollows included: sums over the tetrahedra between the first
+    /// vertex and each triangle, of volume `v`, first moment `v (a + b + c)/4` and second moments
+    /// `v (a aᵀ + b bᵀ + c cᵀ + s sᵀ)/20` with `s = a + b + c`.
     ///
     /// # Errors
-    /// Where a coordinate is not finite, a triangle names a vertex that is not there, the surface is not closed (its triangles' areas as vectors do not
-    /// add up to 0 within `√ε` of their sizes), or the volume is not above 0 (all turned inside out).
+    /// Where a coordinate is not finite, a triangle names a vertex that is not there, the surface
+    /// is not closed (its triangles' areas as vectors do not add up to 0 within `√ε` of their
+    /// sizes), or the volume is not above 0 (all turned inside out).
     pub fn mesh<V: Vector<R>>(
         mass: R,
         vertices: &[V],
@@ -285,7 +299,8 @@ pub(super) struct Volume<R: Real> {
     first: R::Vec3,
     /// `∫ p pᵀ dV` from the tip.
     second: [R::Vec3; 3],
-    /// Sum of the triangles' areas as vectors, m², which is 0 for a closed surface, and of their sizes.
+    /// Sum of the triangles' areas as vectors, m², which is 0 for a closed surface, and of their
+    /// sizes.
     area: R::Vec3,
     area_size: R,
 }

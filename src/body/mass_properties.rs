@@ -1,4 +1,5 @@
-//! Mass and inertia as a step needs them: principal axes, inverse moments, and the torque-free turn.
+//! Mass and inertia as a step needs them: principal axes, inverse moments, and the torque-free
+//! turn.
 
 use super::jacobi::principal_axes;
 use crate::error::{self, Rule, SceneError};
@@ -7,10 +8,12 @@ use crate::rotation::{Axes, BodyAxis, Rotation};
 
 /// Mass and inertia of a body, worked out once when a scene is composed.
 ///
-/// The inverse inertia tensor is kept as `t 1 + s a aᵀ + d b bᵀ`: the same inverse moment `t` about every axis, what the axis `a` of
-/// (nearly) symmetric bodies has beyond it, and what a second principal axis `b` has beyond it. `d` is 0 for a body with two equal moments; `s` and `d`
-/// are 0 for one with three. A moment of 0 (a point; a line, about itself) has the inverse 0 here: the body does not turn that way. So does a
-/// moment below 64 units in the last place of the largest one (1.4e-14 of it in f64, 7.6e-6 in f32), which is what rounding leaves of 0.
+/// The inverse inertia tensor is kept as `t 1 + s a aᵀ + d b bᵀ`: the same inverse moment `t` about
+/// every axis, what the axis `a` of (nearly) symmetric bodies has beyond it, and what a second
+/// principal axis `b` has beyond it. `d` is 0 for a body with two equal moments; `s` and `d` are 0
+/// for one with three. A moment of 0 (a point; a line, about itself) has the inverse 0 here: the
+/// body does not turn that way. So does a moment below 64 units in the last place of the largest
+/// one (1.4e-14 of it in f64, 7.6e-6 in f32), which is what rounding leaves of 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassProperties<R: Real = f64> {
     mass: R,
@@ -23,8 +26,9 @@ pub struct MassProperties<R: Real = f64> {
     solving: Solving<R>,
 }
 
-/// The tensor for equations that need it to be regular: `c 1 + s a aᵀ + d b bᵀ` with the axes of the inverse one. A moment of 0 stands as the
-/// largest one (as 1 m² times the mass for a point), and goes with an angular momentum of 0: what does not turn has no energy in its turning.
+/// The tensor for equations that need it to be regular: `c 1 + s a aᵀ + d b bᵀ` with the axes of
+/// the inverse one. A moment of 0 stands as the largest one (as 1 m² times the mass for a point),
+/// and goes with an angular momentum of 0: what does not turn has no energy in its turning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Solving<R: Real> {
     common: R,
@@ -86,7 +90,8 @@ impl<R: Real> Excess<R> {
         axis * (self.inverse * axis.dot(angular_momentum))
     }
 
-    /// `rotation` turned further about the body's own axis, as this share of the spin turns it in `seconds`.
+    /// `rotation` turned further about the body's own axis, as this share of the spin turns it in
+    /// `seconds`.
     #[inline(always)]
     fn turn(
         &self,
@@ -108,8 +113,9 @@ impl<R: Real> MassProperties<R> {
     /// Mass (kg) and inertia tensor about the centre of mass (kg m², body axes).
     ///
     /// # Errors
-    /// Where the mass is not above 0, the tensor is not symmetric or not finite, a principal moment is negative, or one exceeds the sum of the other two.
-    /// Also where the inverse of the mass or of a moment overflows.
+    /// Where the mass is not above 0, the tensor is not symmetric or not finite, a principal moment
+    /// is negative, or one exceeds the sum of the other two. Also where the inverse of the mass or
+    /// of a moment overflows.
     pub fn new(mass: R, inertia: R::Mat3) -> Result<Self, SceneError> {
         error::above_zero("mass", mass, " kg")?;
         error::finite_inverse("mass", mass, " kg")?;
@@ -180,7 +186,8 @@ impl<R: Real> MassProperties<R> {
         &self.principal
     }
 
-    /// Whether all three moments differ: then the torque-free turn is approximate, see [`turn_freely`](Self::turn_freely).
+    /// Whether all three moments differ: then the torque-free turn is approximate, see
+    /// [`turn_freely`](Self::turn_freely).
     #[inline]
     #[must_use]
     pub fn is_asymmetric(&self) -> bool {
@@ -194,7 +201,8 @@ impl<R: Real> MassProperties<R> {
         (x.at_least(y).at_least(z) * self.inverse_mass).sqrt()
     }
 
-    /// Angular velocity (rad/s, world axes) of a body with these axes and angular momentum (kg m²/s, world axes): `ω = J⁻¹ L`.
+    /// Angular velocity (rad/s, world axes) of a body with these axes and angular momentum (kg
+    /// m²/s, world axes): `ω = J⁻¹ L`.
     #[inline(always)]
     #[must_use]
     pub fn angular_velocity(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R::Vec3 {
@@ -205,7 +213,8 @@ impl<R: Real> MassProperties<R> {
         spin
     }
 
-    /// Angular momentum (kg m²/s, world axes) of a body with these axes that turns at `angular_velocity` (rad/s, world axes): `L = J ω`.
+    /// Angular momentum (kg m²/s, world axes) of a body with these axes that turns at
+    /// `angular_velocity` (rad/s, world axes): `L = J ω`.
     #[inline]
     #[must_use]
     pub fn angular_momentum(&self, axes: &Axes<R>, angular_velocity: R::Vec3) -> R::Vec3 {
@@ -218,9 +227,11 @@ impl<R: Real> MassProperties<R> {
         axes.to_world(self.principal.to_world(momentum))
     }
 
-    /// Energy of the rotation (J) of a body with these axes and angular momentum (kg m²/s, world axes): `L · J⁻¹ L/2`.
+    /// Energy of the rotation (J) of a body with these axes and angular momentum (kg m²/s, world
+    /// axes): `L · J⁻¹ L/2`.
     ///
-    /// A sum of squares along and across the axes, so that it is never below 0: for a rod, `L · ω` would be what rounding leaves of two huge numbers.
+    /// A sum of squares along and across the axes, so that it is never below 0: for a rod, `L · ω`
+    /// would be what rounding leaves of two huge numbers.
     #[inline]
     #[must_use]
     pub fn rotational_energy(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R {
@@ -243,8 +254,9 @@ impl<R: Real> MassProperties<R> {
         (doubled + across.length_squared() * self.common) * R::HALF
     }
 
-    /// The same for f32, where the squares' rounding would be seen: `|L|²` with the inverse moment of the axis that most of it lies along, and what small components differ by. So a steady rotation
-    /// has a steady energy; rounding of the axes comes in with those components alone.
+    /// The same for f32, where the squares' rounding would be seen: `|L|²` with the inverse moment
+    /// of the axis that most of it lies along, and what small components differ by. So a steady
+    /// rotation has a steady energy; rounding of the axes comes in with those components alone.
     fn steady_energy(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R {
         let square = angular_momentum.length_squared();
         let (mut common, mut rest) = (self.common, R::ZERO);
@@ -268,7 +280,8 @@ impl<R: Real> MassProperties<R> {
         if energy < R::ZERO { R::ZERO } else { energy }
     }
 
-    /// The angular momentum without what the body cannot have: what an implicit step's regular inertia lets rounding leave about an axis without a moment.
+    /// The angular momentum without what the body cannot have: what an implicit step's regular
+    /// inertia lets rounding leave about an axis without a moment.
     #[inline]
     pub(crate) fn without_dead_spin(
         &self,
@@ -293,7 +306,8 @@ impl<R: Real> MassProperties<R> {
         }
     }
 
-    /// A regular inertia tensor (columns, world axes) of a body with these axes, and the angular momentum without what the body cannot have.
+    /// A regular inertia tensor (columns, world axes) of a body with these axes, and the angular
+    /// momentum without what the body cannot have.
     #[inline]
     pub(crate) fn inertia_for_solving(
         &self,
@@ -322,10 +336,12 @@ impl<R: Real> MassProperties<R> {
         (tensor, momentum)
     }
 
-    /// The turn after `seconds` without torque, from `rotation` with these `axes`. The angular momentum is a constant of the world and is not touched.
+    /// The turn after `seconds` without torque, from `rotation` with these `axes`. The angular
+    /// momentum is a constant of the world and is not touched.
     ///
-    /// Exact for a body with two equal moments, for any time and spin: `exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)`.
-    /// For three different moments it is Strang's composition of the symmetric body's turn with the rest's: of order 2, with the energy error
+    /// Exact for a body with two equal moments, for any time and spin:
+    /// `exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)`. For three different moments it is Strang's
+    /// composition of the symmetric body's turn with the rest's: of order 2, with the energy error
     /// bounded for all times, and `|L|` exact (Touma & Wisdom 1994; McLachlan & Zanna 2005).
     #[inline(always)]
     #[must_use]
@@ -344,9 +360,12 @@ impl<R: Real> MassProperties<R> {
         }
     }
 
-    /// The turn after `seconds` without torque, however far: [`turn_freely`](Self::turn_freely) for a body with two equal moments.
+    /// The turn after `seconds` without torque, however far: [`turn_freely`](Self::turn_freely) for
+    /// a body with two equal moments.
     ///
-    /// For three different ones it is composed of steps of at most 0.02 rad (beyond 20 000 rad, of a million longer ones), each by the triple jump of Yoshida (Physics Letters A 150, 1990), of order 4.
+    /// For three different ones it is composed of steps of at most 0.02 rad (beyond 20 000 rad, of
+    /// a million longer ones), each by the triple jump of Yoshida (Physics Letters A 150, 1990), of
+    /// order 4.
     #[inline]
     #[must_use]
     pub fn turn_far(
@@ -385,7 +404,8 @@ impl<R: Real> MassProperties<R> {
         turned
     }
 
-    /// The time in which [`turn_far`](Self::turn_far) keeps its parts small, s: for ever with two equal moments.
+    /// The time in which [`turn_far`](Self::turn_far) keeps its parts small, s: for ever with two
+    /// equal moments.
     #[inline]
     pub(crate) fn longest_turn(&self, angular_momentum: R::Vec3) -> R {
         let spin = angular_momentum.length() * self.largest_inverse_moment();
@@ -396,7 +416,8 @@ impl<R: Real> MassProperties<R> {
         }
     }
 
-    /// The spin (rad/s) that an angular momentum of 1 kg m²/s gives about the axis that is turned most easily, 1/(kg m²); 0 for a point.
+    /// The spin (rad/s) that an angular momentum of 1 kg m²/s gives about the axis that is turned
+    /// most easily, 1/(kg m²); 0 for a point.
     #[inline]
     #[must_use]
     pub fn largest_inverse_moment(&self) -> R {
@@ -405,7 +426,8 @@ impl<R: Real> MassProperties<R> {
             .at_least(self.common + self.asymmetry.inverse)
     }
 
-    /// As [`turn_freely`](Self::turn_freely) for a body with two equal moments, not scaled to length 1.
+    /// As [`turn_freely`](Self::turn_freely) for a body with two equal moments, not scaled to
+    /// length 1.
     #[inline(always)]
     pub(crate) fn turn_symmetric(
         &self,
@@ -493,10 +515,12 @@ fn nth<T>([x, y, z]: [T; 3], index: usize) -> T {
 
 const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
-/// The principal axes' numbers: the one unlike the two others, then those two, the one with the larger moment first.
+/// The principal axes' numbers: the one unlike the two others, then those two, the one with the
+/// larger moment first.
 ///
-/// The two that are alike share most of their inverse moment, so that what is left over for [`MassProperties::turn_freely`] to compose is least. All is chosen by
-/// moment, so that a body moves alike in whichever axes it is described.
+/// The two that are alike share most of their inverse moment, so that what is left over for
+/// [`MassProperties::turn_freely`] to compose is least. All is chosen by moment, so that a body
+/// moves alike in whichever axes it is described.
 fn by_likeness<R: Real>(moments: [R; 3]) -> [usize; 3] {
     let [x, y, z] = moments;
     let [large, middle, small] = match (x >= y, y >= z, x >= z) {

@@ -6,8 +6,9 @@ use crate::real::{Matrix, Real, Vector};
 
 /// A body made of the user's own points, each with a mass.
 ///
-/// The centre of mass and the whole inertia tensor are computed; points may be given about any origin and in any axes. One point is a
-/// body that does not turn; points on a line are one that does not spin about the line. A mass of 0 is a contact without weight.
+/// The centre of mass and the whole inertia tensor are computed; points may be given about any
+/// origin and in any axes. One point is a body that does not turn; points on a line are one that
+/// does not spin about the line. A mass of 0 is a contact without weight.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -31,11 +32,13 @@ pub struct PointCloud<R: Real, P> {
 }
 
 impl<R: Real, const N: usize> PointCloud<R, [ContactPoint<R>; N]> {
-    /// Points (m, in the user's own axes, about his own origin) with their masses (kg, at least 0, not all 0). The points' type, `DVec3` or `Vec3`, is the precision.
+    /// Points (m, in the user's own axes, about his own origin) with their masses (kg, at least 0,
+    /// not all 0). The points' type, `DVec3` or `Vec3`, is the precision.
     ///
     /// # Errors
     /// Where there is no point, a coordinate is not finite, a mass is negative, or all are 0.
-    // `V` is `R::Vec3`. As a type of its own it tells the compiler the precision, which a projection does not.
+    // `V` is `R::Vec3`. As a type of its own it tells the compiler the precision, which a
+    // projection does not.
     pub fn new<V: Vector<R>>(points: [V; N], masses: [R; N]) -> Result<Self, SceneError>
     where
         R: Real<Vec3 = V>,
@@ -45,11 +48,13 @@ impl<R: Real, const N: usize> PointCloud<R, [ContactPoint<R>; N]> {
 }
 
 impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> PointCloud<R, P> {
-    /// As [`new`](PointCloud::new), with as many points as `points` holds, in place: an array, a borrowed slice, or a `Vec`. Each may have a radius.
-    /// They are moved so that the centre of mass is their origin.
+    /// As [`new`](PointCloud::new), with as many points as `points` holds, in place: an array, a
+    /// borrowed slice, or a `Vec`. Each may have a radius. They are moved so that the centre of
+    /// mass is their origin.
     ///
     /// # Errors
-    /// Where there is no point, the numbers of points and masses differ, a coordinate is not finite, a mass or radius is negative, or all masses are 0.
+    /// Where there is no point, the numbers of points and masses differ, a coordinate is not
+    /// finite, a mass or radius is negative, or all masses are 0.
     pub fn in_storage(mut points: P, masses: &[R]) -> Result<Self, SceneError> {
         check_masses(points.as_ref().len(), masses)?;
         check_contacts(points.as_ref())?;
@@ -72,7 +77,8 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> PointCloud
 }
 
 impl<R: Real, P> PointCloud<R, P> {
-    /// Where the centre of mass lies from the origin about which the points were given, m, body axes.
+    /// Where the centre of mass lies from the origin about which the points were given, m, body
+    /// axes.
     #[must_use]
     pub fn centre_of_mass(&self) -> R::Vec3 {
         self.centre
@@ -156,7 +162,8 @@ pub(super) fn sum_of_vectors<R: Real, I: Iterator<Item = (R::Vec3, R)>>(
     )
 }
 
-/// Kahan's sum: its rounding does not grow with the number of terms, so that ten thousand points on a line are still a line.
+/// Kahan's sum: its rounding does not grow with the number of terms, so that ten thousand points on
+/// a line are still a line.
 pub(super) fn sum<R: Real>(terms: impl Iterator<Item = R>) -> R {
     let (mut total, mut lost) = (R::ZERO, R::ZERO);
     for term in terms {

@@ -1,25 +1,34 @@
-//! The continuous rim: a circle all of whose places can touch, and the rule by which its contact is integrated.
+//! The continuous rim: a circle all of whose places can touch, and the rule by which its contact is
+//! integrated.
 //!
-//! A ring of `n` points on springs `S` each has, in the limit of many points with `n S` the same, on every piece of arc `dφ` the contacts `n dφ/(2π)`. With the unit vectors `e(θ)` of the rim's plane, counted from the
-//! lowest place, and `s` the length of the ground's normal in that plane, a place lies in the ground by
+//! A ring of `n` points on springs `S` each has, in the limit of many points with `n S` the same,
+//! on every piece of arc `dφ` the contacts `n dφ/(2π)`. With the unit vectors `e(θ)` of the rim's
+//! plane, counted from the lowest place, and `s` the length of the ground's normal in that plane, a
+//! place lies in the ground by
 //!
 //! ```text
 //! d(θ) = r s cos θ - g = r s (cos θ - cos α)          cos α = g/(r s)
 //! ```
-//! where `g` is the gap of the rim's middle. So the arc `-α ... α` touches: none of the rim where `g >= r s`, all of it where `g <= -r s`. Force and energy are integrals over that arc,
+//! where `g` is the gap of the rim's middle. So the arc `-α ... α` touches: none of the rim where
+//! `g >= r s`, all of it where `g <= -r s`. Force and energy are integrals over that arc,
 //!
 //! ```text
 //! E = ∫ V(d(θ)) n dθ/(2π)          F = ∫ N(d(θ), ...) n dθ/(2π)
 //! ```
-//! and since `d = 0` at its ends, `dE` has no share of the ends' wandering: the springs are a true potential, and nothing jumps as the rim rolls on.
+//! and since `d = 0` at its ends, `dE` has no share of the ends' wandering: the springs are a true
+//! potential, and nothing jumps as the rim rolls on.
 //!
 //! **Quadrature.** With `κ = sin(α/2)` and `sin(θ/2) = κ u`, `u` from -1 to 1:
 //!
 //! ```text
 //! cos θ = 1 - 2 κ² u²     sin θ = 2 κ u √(1 - κ² u²)     dθ = 2 κ du/√(1 - κ² u²)     d = 2 r s κ² (1 - u²)
 //! ```
-//! without a sine or an arc cosine, and without cancellation in a small depth. Gauss's rule in `u`, with six points on short arcs and eight on longer ones, integrates what is smooth on an arc of up to a quarter of the circle (`κ <= 0.38`) to 2e-10 of itself, and to rounding on
-//! the arcs of less than 0.2 rad on which a body rolls; longer arcs are cut into quarters. Forces on a level plane make do with fewer points, to 4e-11. Where friction reverses on the arc, they have rules of their own (`scene::rims::turning_rules`).
+//! without a sine or an arc cosine, and without cancellation in a small depth. Gauss's rule in `u`,
+//! with six points on short arcs and eight on longer ones, integrates what is smooth on an arc of
+//! up to a quarter of the circle (`κ <= 0.38`) to 2e-10 of itself, and to rounding on the arcs of
+//! less than 0.2 rad on which a body rolls; longer arcs are cut into quarters. Forces on a level
+//! plane make do with fewer points, to 4e-11. Where friction reverses on the arc, they have rules
+//! of their own (`scene::rims::turning_rules`).
 
 mod panels;
 
@@ -31,8 +40,9 @@ use crate::real::{Real, Vector};
 
 /// A circle fixed in a body, all of whose places can touch the ground.
 ///
-/// It stands for a ring of so many `points`, each with the ground's law, in the limit of many more points of as much less stiffness: forces and energies are integrals over the arc below
-/// ground. `points` is what the ground's numbers, which are given for each contact, are multiplied by.
+/// It stands for a ring of so many `points`, each with the ground's law, in the limit of many more
+/// points of as much less stiffness: forces and energies are integrals over the arc below ground.
+/// `points` is what the ground's numbers, which are given for each contact, are multiplied by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rim<R: Real = f64> {
     centre: R::Vec3,
@@ -43,7 +53,8 @@ pub struct Rim<R: Real = f64> {
 }
 
 impl<R: Real> Rim<R> {
-    /// The circle around `centre` (m, body axes, from the centre of mass) at right angles to `normal` (any length above 0) with a radius in m, which stands for so many points.
+    /// The circle around `centre` (m, body axes, from the centre of mass) at right angles to
+    /// `normal` (any length above 0) with a radius in m, which stands for so many points.
     #[must_use]
     pub fn new<V: Vector<R>>(centre: V, normal: V, radius: R, points: usize) -> Self
     where
@@ -90,7 +101,8 @@ impl<R: Real> Rim<R> {
         self.points
     }
 
-    /// Distance of its farthest place from the centre of mass, and a little more where it is not around it, m.
+    /// Distance of its farthest place from the centre of mass, and a little more where it is not
+    /// around it, m.
     #[inline]
     #[must_use]
     pub fn reach(&self) -> R {
@@ -107,7 +119,8 @@ impl<R: Real> Rim<R> {
         direction.dot(self.centre) + extent * (R::ONE + R::EPSILON * R::from_f64(8.0))
     }
 
-    /// Its farthest place in a direction (unit vector, body axes), m, body axes, from the centre of mass; any where all are as far.
+    /// Its farthest place in a direction (unit vector, body axes), m, body axes, from the centre of
+    /// mass; any where all are as far.
     #[inline]
     #[must_use]
     pub fn support_point(&self, direction: R::Vec3) -> R::Vec3 {
@@ -120,7 +133,8 @@ impl<R: Real> Rim<R> {
         }
     }
 
-    /// The arc that lies below a plane with this unit normal (body axes), above which the rim's middle has this gap (m).
+    /// The arc that lies below a plane with this unit normal (body axes), above which the rim's
+    /// middle has this gap (m).
     #[inline]
     pub(crate) fn arc_below(&self, normal: R::Vec3, gap: R) -> Arc<R> {
         self.arc_of(self.in_plane(normal), gap)
@@ -144,7 +158,8 @@ impl<R: Real> Rim<R> {
         }
     }
 
-    /// From its middle to the place in a direction, and to the one a quarter of a turn on, m, where its own axes are these.
+    /// From its middle to the place in a direction, and to the one a quarter of a turn on, m, where
+    /// its own axes are these.
     #[inline]
     pub(crate) fn spokes(
         &self,
@@ -249,7 +264,8 @@ pub(crate) const GAUSS_6: [[f64; 2]; 3] = [
     [0.6612093864662646, 0.3607615730481386],
     [0.932469514203152, 0.1713244923791705],
 ];
-/// The chord of a panel on which six points are as exact as numbers: what is left of the springs' energy is `2e-4 κ⁸` of it, 1e-14.
+/// The chord of a panel on which six points are as exact as numbers: what is left of the springs'
+/// energy is `2e-4 κ⁸` of it, 1e-14.
 pub(crate) const SHORT: f64 = 0.05;
 
 /// Cosine and sine in the rim's plane.
@@ -339,7 +355,8 @@ impl<R: Real> Arc<R> {
         }
     }
 
-    /// What is linear in a place, by its values for the rim's own axes, for the lowest place and across.
+    /// What is linear in a place, by its values for the rim's own axes, for the lowest place and
+    /// across.
     #[inline]
     pub(crate) fn slopes<V: Vector<R>>(&self, [first, second]: [V; 2]) -> [V; 2] {
         let [x, y] = self.lowest().unwrap_or([R::ONE, R::ZERO]);

@@ -4,7 +4,8 @@ use super::{ContactPoint, MassDistribution, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::real::{Matrix, Real, Vector};
 
-/// A thin straight rod along body z: a bare contact at each end. It has no moment about itself and does not spin that way.
+/// A thin straight rod along body z: a bare contact at each end. It has no moment about itself and
+/// does not spin that way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rod<R: Real = f64> {
     mass: R,

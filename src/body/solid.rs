@@ -4,8 +4,8 @@ use super::{ContactPoint, MassDistribution, RigidPointBody, check_contacts};
 use crate::error::{Rule, SceneError};
 use crate::real::Real;
 
-/// A body whose mass distribution and whose contacts are given apart from each other: a composite, a solid with the contacts of its hull, or mass and inertia
-/// from a data sheet.
+/// A body whose mass distribution and whose contacts are given apart from each other: a composite,
+/// a solid with the contacts of its hull, or mass and inertia from a data sheet.
 ///
 /// `P` is where the contacts are: an array, a borrowed slice, or a `Vec`.
 ///
@@ -34,10 +34,12 @@ pub struct Solid<R: Real, P> {
 }
 
 impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Solid<R, P> {
-    /// A mass distribution with contacts in the same axes and about the same origin. The contacts are moved so that the centre of mass is their origin.
+    /// A mass distribution with contacts in the same axes and about the same origin. The contacts
+    /// are moved so that the centre of mass is their origin.
     ///
     /// # Errors
-    /// Where mass, centre of mass or inertia cannot be, there is no contact, or a contact is not finite or has a radius below 0.
+    /// Where mass, centre of mass or inertia cannot be, there is no contact, or a contact is not
+    /// finite or has a radius below 0.
     pub fn new(distribution: MassDistribution<R>, mut contacts: P) -> Result<Self, SceneError> {
         distribution.check()?;
         check_contacts(contacts.as_ref())?;

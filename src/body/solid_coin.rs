@@ -6,10 +6,12 @@ use crate::error::{self, Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
 use crate::state::State;
 
-/// A coin with a thickness: a homogeneous cylinder that touches with the points of its two rims, so that it can lie on a face, roll on an edge, and stand on both.
+/// A coin with a thickness: a homogeneous cylinder that touches with the points of its two rims, so
+/// that it can lie on a face, roll on an edge, and stand on both.
 ///
-/// Body axes as those of [`Coin`](super::Coin): the coin's normal is x. The rims lie at `x = ±thickness/2`; contact `2 k` is a point of the one at -x, contact
-/// `2 k + 1` the one opposite to it at +x. Moments: `m r²/2` about the normal, `m (3 r² + h²)/12` about a diameter.
+/// Body axes as those of [`Coin`](super::Coin): the coin's normal is x. The rims lie at
+/// `x = ±thickness/2`; contact `2 k` is a point of the one at -x, contact `2 k + 1` the one
+/// opposite to it at +x. Moments: `m r²/2` about the normal, `m (3 r² + h²)/12` about a diameter.
 ///
 /// *Limit:* each rim is a polygon, out of round by `r (1 - cos(π/n))` for n points on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +31,8 @@ impl<R: Real> SolidCoin<R> {
 }
 
 impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> SolidCoin<R, P> {
-    /// A coin with as many points as `storage` holds, an even number of at least 6, half of them on each rim.
+    /// A coin with as many points as `storage` holds, an even number of at least 6, half of them on
+    /// each rim.
     #[must_use]
     pub fn new_in(mut storage: P, mass: R, radius: R, thickness: R) -> Self {
         let points = storage.as_mut();
@@ -71,8 +74,9 @@ impl<R: Real, P> SolidCoin<R, P> {
         super::coin::tilt(state)
     }
 
-    /// The face on which it would come to rest from here, if it were let go and did not bounce: the one that looks up; [`Face::Edge`] where its weight is over the edge,
-    /// which is where `r |n_z| < (h/2) √(1 - n_z²)` with the normal n.
+    /// The face on which it would come to rest from here, if it were let go and did not bounce: the
+    /// one that looks up; [`Face::Edge`] where its weight is over the edge, which is where
+    /// `r |n_z| < (h/2) √(1 - n_z²)` with the normal n.
     ///
     /// Of all orientations a share of `h/√(4 r² + h²)` is such.
     #[must_use]
@@ -108,7 +112,8 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for SolidCoin<R, P>
 
     #[inline]
     fn contacts_below(&self, normal: R::Vec3, offset: R) -> Run {
-        // Of the lower rim, whose arc under the plane is the longer one; opposite points are neighbours.
+        // Of the lower rim, whose arc under the plane is the longer one; opposite points are
+        // neighbours.
         let offset = offset + normal.x().abs() * self.thickness * R::HALF;
         let (y, z) = (normal.y() * self.radius, normal.z() * self.radius);
         if offset * offset > y * y + z * z {
@@ -145,7 +150,8 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for SolidCoin<R, P>
 }
 
 impl<R: Real, P: AsRef<[ContactPoint<R>]>> SolidCoin<R, P> {
-    /// The run of pairs of opposite points whose distance from the normal's own axis puts them under a plane: from the lowest one outwards to both sides.
+    /// The run of pairs of opposite points whose distance from the normal's own axis puts them
+    /// under a plane: from the lowest one outwards to both sides.
     #[inline]
     fn pairs_below(&self, normal: R::Vec3, offset: R) -> Run {
         let points = self.points.as_ref();

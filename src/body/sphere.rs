@@ -4,10 +4,11 @@ use super::{ContactPoint, MassDistribution, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
-/// A ball: one contact at the centre with the ball's radius, so that it rolls without a rattle and costs one contact.
+/// A ball: one contact at the centre with the ball's radius, so that it rolls without a rattle and
+/// costs one contact.
 ///
-/// Any distribution of mass will do: [`solid`](Self::solid) and [`shell`](Self::shell) have their centre of mass in the middle, [`loaded`](Self::loaded) has
-/// it anywhere, as a tippe top has.
+/// Any distribution of mass will do: [`solid`](Self::solid) and [`shell`](Self::shell) have their
+/// centre of mass in the middle, [`loaded`](Self::loaded) has it anywhere, as a tippe top has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere<R: Real = f64> {
     distribution: MassDistribution<R>,
@@ -27,7 +28,8 @@ impl<R: Real> Sphere<R> {
         Self::loaded(radius, MassDistribution::shell(mass, radius))
     }
 
-    /// A ball of this radius (m) about the origin with any mass distribution within. Body axes are those of the distribution, moved to its centre of mass.
+    /// A ball of this radius (m) about the origin with any mass distribution within. Body axes are
+    /// those of the distribution, moved to its centre of mass.
     ///
     /// ```
     /// use tumble::glam::DVec3;

@@ -13,11 +13,15 @@ use crate::real::{Matrix, Real, Vector};
 
 /// Checks a body.
 ///
-/// Its mass is above 0, its inertia symmetric and that of a solid; its contacts are finite, with radii of at least 0, and neither they nor its rim lie beyond its reach, nor beyond its `support` in a direction; `contacts_below`
-/// misses none and `contacts_below_near` answers alike, for planes in directions of a cube's faces, edges and corners, towards its contacts, and random ones, at offsets through its contacts,
-/// at the reach and far away; the place that a smooth body tells as the farthest in a direction is; and all of it is the same whenever it is asked for.
+/// Its mass is above 0, its inertia symmetric and that of a solid; its contacts are finite, with
+/// radii of at least 0, and neither they nor its rim lie beyond its reach, nor beyond its `support`
+/// in a direction; `contacts_below` misses none and `contacts_below_near` answers alike, for planes
+/// in directions of a cube's faces, edges and corners, towards its contacts, and random ones, at
+/// offsets through its contacts, at the reach and far away; the place that a smooth body tells as
+/// the farthest in a direction is; and all of it is the same whenever it is asked for.
 ///
-/// Of contacts that lie nearer to a plane than 8 units in the last place of the reach either answer is right: so much is allowed for where `contacts_below` is asked.
+/// Of contacts that lie nearer to a plane than 8 units in the last place of the reach either answer
+/// is right: so much is allowed for where `contacts_below` is asked.
 ///
 /// ```
 /// use tumble::contract::{Battery, check_body};
@@ -55,7 +59,8 @@ pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
     Ok(())
 }
 
-/// The breach of mass or inertia. A moment's bound is the sum of the other two: the trace less that moment.
+/// The breach of mass or inertia. A moment's bound is the sum of the other two: the trace less that
+/// moment.
 fn cannot_have<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B, error: SceneError) -> Breach {
     let breach = cannot_be(error);
     if error.rule != Rule::TriangleInequality {
@@ -103,7 +108,8 @@ fn check_support<R: Real, B: RigidPointBody<R> + ?Sized>(
     Ok(())
 }
 
-/// A smooth body has one contact, and in each of these directions no other place that it tells is farther.
+/// A smooth body has one contact, and in each of these directions no other place that it tells is
+/// farther.
 fn check_support_point<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     draw: &mut Draw,
@@ -173,7 +179,8 @@ fn check_offsets<R: Real, B: RigidPointBody<R> + ?Sized>(
     Ok(())
 }
 
-/// Asks below one plane, and again by who knows a run of nearly the same, or of another one: none may be missed, and all answers must be the same.
+/// Asks below one plane, and again by who knows a run of nearly the same, or of another one: none
+/// may be missed, and all answers must be the same.
 fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     first: &Portrait<R>,
@@ -223,7 +230,8 @@ fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
     Ok(())
 }
 
-/// What a caller may know who asks for a run of so many contacts: it, others that end beside its ends, none, and all.
+/// What a caller may know who asks for a run of so many contacts: it, others that end beside its
+/// ends, none, and all.
 fn runs_like(run: Run, contacts: usize) -> [Run; 6] {
     let Run { first, count } = run;
     [

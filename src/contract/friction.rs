@@ -8,7 +8,8 @@ use super::{
 use crate::friction::SlidingFriction;
 use crate::real::{Real, Vector};
 
-/// How hard and how fast a friction law is meant to be used, and on what surface: it is asked nothing beyond.
+/// How hard and how fast a friction law is meant to be used, and on what surface: it is asked
+/// nothing beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionRange<R: Real = f64> {
     /// Normal of the surface, any length above 0: slips lie in it.
@@ -19,10 +20,14 @@ pub struct FrictionRange<R: Real = f64> {
     pub slip: R,
 }
 
-/// Checks a friction law, at loads and slips from 10⁻¹² of the largest to the largest, at 0, and in all directions of the surface.
+/// Checks a friction law, at loads and slips from 10⁻¹² of the largest to the largest, at 0, and in
+/// all directions of the surface.
 ///
-/// The force is finite and lies in the surface; it opposes the slip (`force · slip <= 0`); it is 0 without load, and 0 without slip, where there is nothing to
-/// oppose. Of `turning`: it is always there or never, its torques are at least 0, and 0 without load, and its turn speed is above 0. Of `drag`: no number is negative, the width is above 0, the growth at most 1, and the coefficient is `-force · slip/slip²` to the root of the rounding (it steers an iteration).
+/// The force is finite and lies in the surface; it opposes the slip (`force · slip <= 0`); it is 0
+/// without load, and 0 without slip, where there is nothing to oppose. Of `turning`: it is always
+/// there or never, its torques are at least 0, and 0 without load, and its turn speed is above 0.
+/// Of `drag`: no number is negative, the width is above 0, the growth at most 1, and the
+/// coefficient is `-force · slip/slip²` to the root of the rounding (it steers an iteration).
 ///
 /// ```
 /// use tumble::contract::{Battery, FrictionRange, check_friction};
@@ -62,7 +67,8 @@ pub fn check_friction<R: Real, F: SlidingFriction<R> + ?Sized>(
     Ok(())
 }
 
-/// Parts of the largest load and slip that are tried with each other: the largest first, so that a breach shows in large numbers.
+/// Parts of the largest load and slip that are tried with each other: the largest first, so that a
+/// breach shows in large numbers.
 const SHARES: [f64; 7] = [1.0, 0.3, 1e-2, 1e-4, 1e-8, 1e-12, 0.0];
 
 struct Check<'a, R: Real, F: ?Sized> {

@@ -12,7 +12,8 @@ use crate::real::{Real, Vector};
 pub struct GroundRange<R: Real = f64> {
     /// Middle of the region, m, world axes; best on the surface.
     pub centre: R::Vec3,
-    /// The region reaches as far to each side, m, above 0. Hills and edges should be some hundredths of it wide, or wider.
+    /// The region reaches as far to each side, m, above 0. Hills and edges should be some
+    /// hundredths of it wide, or wider.
     pub size: R,
     /// Largest depth of a contact, m, above 0.
     pub depth: R,
@@ -22,17 +23,22 @@ pub struct GroundRange<R: Real = f64> {
 
 /// Checks a ground.
 ///
-/// *The surface*, at places of the region and near the surface: the normal has length 1, the gap changes from place to place as `normal · path` says (else
-/// springs make energy as a contact moves along), and `extent` is true. So the gap is a distance: a height field's `(z - h(x, y)) cos θ` is one at the surface only,
-/// and fails by depth times curvature.
+/// *The surface*, at places of the region and near the surface: the normal has length 1, the gap
+/// changes from place to place as `normal · path` says (else springs make energy as a contact moves
+/// along), and `extent` is true. So the gap is a distance: a height field's `(z - h(x, y)) cos θ`
+/// is one at the surface only, and fails by depth times curvature.
 ///
-/// *The law*, from 10⁻¹² of the depth to the depth, at speeds of both signs and 0: springs push, never pull; their energy rises and is the
-/// integral of the force, by Gauss's rule on 64 parts; the normal force is at least 0; and beyond the springs it only takes energy.
+/// *The law*, from 10⁻¹² of the depth to the depth, at speeds of both signs and 0: springs push,
+/// never pull; their energy rises and is the integral of the force, by Gauss's rule on 64 parts;
+/// the normal force is at least 0; and beyond the springs it only takes energy.
 ///
-/// *The mean force*, on paths into, in, out of and above the ground: no number is negative; its work `force · path` is at least what the springs store (at
-/// most what they give back); and it is the mean of the normal force along the path, to 5 % of the largest force there (the provided method's three points err as much where a clamp cuts).
+/// *The mean force*, on paths into, in, out of and above the ground: no number is negative; its
+/// work `force · path` is at least what the springs store (at most what they give back); and it is
+/// the mean of the normal force along the path, to 5 % of the largest force there (the provided
+/// method's three points err as much where a clamp cuts).
 ///
-/// *Limits:* it samples, and may miss what is narrow. In a range of 1 m, 5 cm and 5 m/s, of 100 seeds:
+/// *Limits:* it samples, and may miss what is narrow. In a range of 1 m, 5 cm and 5 m/s, of 100
+/// seeds:
 ///
 /// | fault | found with 200 cases (default) | 1000 | 5000 |
 /// |---|---|---|---|
@@ -43,9 +49,10 @@ pub struct GroundRange<R: Real = f64> {
 /// A needle of that width on the surface was not found with 100,000 cases by any of 20 seeds.
 /// Make the range as small as the fault that you look for, or raise [`Battery::cases`].
 ///
-/// Tolerances: some units in the last place of the terms; for integrals also four times what other partitions change.
-/// The springs' energy may be off by 1024 units in the last place of the energy at the largest depth: a formula such as `e^x - 1 - x`
-/// is so far off at small depths. `exp_m1` is more accurate there. Forces must be at least 0 without tolerance.
+/// Tolerances: some units in the last place of the terms; for integrals also four times what other
+/// partitions change. The springs' energy may be off by 1024 units in the last place of the energy
+/// at the largest depth: a formula such as `e^x - 1 - x` is so far off at small depths. `exp_m1` is
+/// more accurate there. Forces must be at least 0 without tolerance.
 ///
 /// ```
 /// use tumble::contract::{Battery, GroundRange, check_ground};
@@ -137,7 +144,8 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
 
     /// The gap's change over a short way against `∫ normal · ds` by Simpson's rule.
     ///
-    /// The mean of the normal lies between those that are met: where they differ, at a curve or an edge, so much is allowed.
+    /// The mean of the normal lies between those that are met: where they differ, at a curve or an
+    /// edge, so much is allowed.
     fn gap_along(&self, place: R::Vec3, way: R::Vec3) -> Result<(), Breach> {
         let length = self.range.size * R::EPSILON.sqrt().sqrt();
         let half = way * (length * R::HALF);
@@ -295,7 +303,8 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         }
     }
 
-    /// What the terms of a formula may leave of a small energy, J: of `e^x - 1 - x` at a small x, some rounding of 1.
+    /// What the terms of a formula may leave of a small energy, J: of `e^x - 1 - x` at a small x,
+    /// some rounding of 1.
     fn rounding_of_energy(&self) -> R {
         self.energy(self.range.depth).abs() * ulps(1024.0)
     }
@@ -389,9 +398,11 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
     }
 }
 
-/// `∫ f` over `from ... to`, and a bound of its error: four times what other partitions change, and what the outermost points do not see.
+/// `∫ f` over `from ... to`, and a bound of its error: four times what other partitions change, and
+/// what the outermost points do not see.
 ///
-/// The partitions share no inner border, so that a kink of `f` cannot hide at the same distance from one in all of them.
+/// The partitions share no inner border, so that a kink of `f` cannot hide at the same distance
+/// from one in all of them.
 fn integral<R: Real>(from: R, to: R, mut f: impl FnMut(R) -> R) -> (R, R) {
     let mut by_gauss = |parts: usize| {
         let width = (to - from) / R::from_usize(parts);
@@ -411,7 +422,8 @@ fn integral<R: Real>(from: R, to: R, mut f: impl FnMut(R) -> R) -> (R, R) {
     (d, doubt * R::from_f64(4.0) + ends)
 }
 
-/// What may lie between the border of an integral and the point next to it: where `f` at the border is off the line through the two points next to it.
+/// What may lie between the border of an integral and the point next to it: where `f` at the border
+/// is off the line through the two points next to it.
 fn unseen<R: Real>(f: &mut impl FnMut(R) -> R, border: R, width: R) -> R {
     let [near, middle] = [GAUSS[0].0, 0.5].map(|place| f(border + width * R::from_f64(place)));
     let share = R::from_f64(GAUSS[0].0);

@@ -10,12 +10,15 @@ use crate::integrator::{Integrator, Step};
 use crate::real::{Quaternion, Real, Vector};
 use crate::state::State;
 
-/// Checks an integrator, on scenes scaled to its own step: a box in free flight, one that slides on its springs, one that falls on a corner.
+/// Checks an integrator, on scenes scaled to its own step: a box in free flight, one that slides on
+/// its springs, one that falls on a corner.
 ///
-/// A step succeeds and is finite; takes more than 0 s, at most its limit, and just the time that it tells; steps towards a moment land on it. The same input gives the same bits, whatever was done with the workspace before (where the
-/// method [chooses its steps](Integrator::CHOOSES_STEPS): with a new workspace, or a copy of the one that was used). The orientation
-/// has length 1. The error falls with the step at least at the stated order less 0.3, by halving the limit while the box slides (not asked where it is
-/// rounding already, or where the method chooses shorter steps).
+/// A step succeeds and is finite; takes more than 0 s, at most its limit, and just the time that it
+/// tells; steps towards a moment land on it. The same input gives the same bits, whatever was done
+/// with the workspace before (where the method [chooses its steps](Integrator::CHOOSES_STEPS): with
+/// a new workspace, or a copy of the one that was used). The orientation has length 1. The error
+/// falls with the step at least at the stated order less 0.3, by halving the limit while the box
+/// slides (not asked where it is rounding already, or where the method chooses shorter steps).
 ///
 /// ```
 /// use tumble::contract::{Battery, check_integrator};
@@ -63,10 +66,12 @@ pub fn check_integrator<R: Real, I: Integrator<R>>(
     slide.converges()
 }
 
-/// Checks that the computed energy never rises, by no unit in the last place: in as many random scenes as the battery has cases, with 50 steps of
-/// random length in each. Most of them are far too stiff, too fast or too slippery for the step.
+/// Checks that the computed energy never rises, by no unit in the last place: in as many random
+/// scenes as the battery has cases, with 50 steps of random length in each. Most of them are far
+/// too stiff, too fast or too slippery for the step.
 ///
-/// It is not in the contract of [`Integrator`]: explicit methods need not pass, and do not. [`EnergyMomentum`](crate::EnergyMomentum) does.
+/// It is not in the contract of [`Integrator`]: explicit methods need not pass, and do not.
+/// [`EnergyMomentum`](crate::EnergyMomentum) does.
 ///
 /// ```
 /// use tumble::contract::{Battery, Clause, check_energy_never_rises};
@@ -79,7 +84,8 @@ pub fn check_integrator<R: Real, I: Integrator<R>>(
 /// ```
 ///
 /// # Errors
-/// The first step in which the energy rises (the energies after and before are the breach's value and bound), is not finite, or is refused.
+/// The first step in which the energy rises (the energies after and before are the breach's value
+/// and bound), is not finite, or is refused.
 pub fn check_energy_never_rises<R: Real, I: Integrator<R>>(
     integrator: &I,
     battery: Battery,
@@ -184,8 +190,9 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
         Ok(())
     }
 
-    /// The same steps four times: twice with a fresh workspace, once with one that is used for everything, once with a copy of that. A method that chooses its steps may
-    /// take another one with a used workspace.
+    /// The same steps four times: twice with a fresh workspace, once with one that is used for
+    /// everything, once with a copy of that. A method that chooses its steps may take another one
+    /// with a used workspace.
     fn alike(&self, shares: [R; 4], steps: u32) -> Result<(), Breach> {
         let mut state = self.setup.start;
         let mut used = I::Workspace::default();
@@ -239,7 +246,8 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
         Ok(())
     }
 
-    /// Differences of runs with a whole, a half, a quarter ... of the step must shrink at the stated order.
+    /// Differences of runs with a whole, a half, a quarter ... of the step must shrink at the
+    /// stated order.
     fn converges(&self) -> Result<(), Breach> {
         // 2 to the power of order - 0.3.
         let mut least = R::from_f64(0.812_252_396);
@@ -287,7 +295,8 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
     }
 }
 
-/// How far apart two states are: places, turns as they move a point 1 m away, velocities times a time. m.
+/// How far apart two states are: places, turns as they move a point 1 m away, velocities times a
+/// time. m.
 fn distance<R: Real>(a: &State<R>, b: &State<R>, seconds: R) -> R {
     let (o, one) = (R::ZERO, R::ONE);
     let [x, y] = [R::Vec3::new(one, o, o), R::Vec3::new(o, one, o)];
@@ -298,7 +307,8 @@ fn distance<R: Real>(a: &State<R>, b: &State<R>, seconds: R) -> R {
         + (a.angular_momentum - b.angular_momentum).length() * seconds
 }
 
-/// What counts as rounding of a time that is left after steps were subtracted one by one, as a share of it.
+/// What counts as rounding of a time that is left after steps were subtracted one by one, as a
+/// share of it.
 fn rounding_of_time<R: Real>() -> R {
     ulps::<R>(4.0e6).at_most(R::from_f64(1e-4)) * R::TWO
 }

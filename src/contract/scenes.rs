@@ -133,8 +133,9 @@ impl<R: Real> Setup<R> {
 }
 
 impl<R: Real> Knobs<R> {
-    /// Of a scene that every method resolves: a swing takes 31 steps, friction stops a slip in 10 or more, and the springs are pressed by half of the box's
-    /// half height, so that small swings leave none.
+    /// Of a scene that every method resolves: a swing takes 31 steps, friction stops a slip in 10
+    /// or more, and the springs are pressed by half of the box's half height, so that small swings
+    /// leave none.
     fn tame() -> Self {
         let c = R::from_f64;
         Self {

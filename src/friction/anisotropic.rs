@@ -4,14 +4,20 @@ use super::{Drag, SlidingFriction};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
 
-/// Coulomb friction with two coefficients, along and across a grain of the ground: planks, brushed metal, a court's lines.
+/// Coulomb friction with two coefficients, along and across a grain of the ground: planks, brushed
+/// metal, a court's lines.
 ///
-/// With p and q the slip's components along and across, each times its coefficient: `force = -normal_force (μ₁ p a + μ₂ q b)/(√(p² + q²) + max(μ₁, μ₂) · slip_speed)`, in newtons, for the unit vectors a and b, world axes.
-/// A large slip meets a force on the ellipse with the half axes `μ₁ N` and `μ₂ N`, in the direction that takes most energy (the associated law; e.g. Michałowski & Mróz, Arch. Mech. 30, 259, 1978). Never adds energy: `force · slip <= 0`.
-/// With both coefficients the same it is [`Coulomb`](crate::Coulomb).
+/// With p and q the slip's components along and across, each times its coefficient:
+/// `force = -normal_force (μ₁ p a + μ₂ q b)/(√(p² + q²) + max(μ₁, μ₂) · slip_speed)`, in newtons,
+/// for the unit vectors a and b, world axes. A large slip meets a force on the ellipse with the
+/// half axes `μ₁ N` and `μ₂ N`, in the direction that takes most energy (the associated law; e.g.
+/// Michałowski & Mróz, Arch. Mech. 30, 259, 1978). Never adds energy: `force · slip <= 0`. With
+/// both coefficients the same it is [`Coulomb`](crate::Coulomb).
 ///
-/// *Limits:* one plane: on another surface the force leaves it (and takes energy all the same). Across the slip it pushes towards the easier direction by up to `|μ₁² - μ₂²|/(μ₁² + μ₂²)` of itself. It does not stick: as of `Coulomb`,
-/// with the creep speed `slip_speed · max(μ₁, μ₂)/μ` times that of the direction's own coefficient μ.
+/// *Limits:* one plane: on another surface the force leaves it (and takes energy all the same).
+/// Across the slip it pushes towards the easier direction by up to `|μ₁² - μ₂²|/(μ₁² + μ₂²)` of
+/// itself. It does not stick: as of `Coulomb`, with the creep speed `slip_speed · max(μ₁, μ₂)/μ`
+/// times that of the direction's own coefficient μ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -28,12 +34,14 @@ pub struct AnisotropicCoulomb<R: Real = f64> {
     pub across: R::Vec3,
     /// Along and across the grain, dimensionless, at least 0.
     pub coefficients: [R; 2],
-    /// m/s, above 0. The slip at which half of the full force is reached, in the direction of the larger coefficient.
+    /// m/s, above 0. The slip at which half of the full force is reached, in the direction of the
+    /// larger coefficient.
     pub slip_speed: R,
 }
 
 impl<R: Real> AnisotropicCoulomb<R> {
-    /// On the plane with this normal, with a grain in this direction (both of any length above 0; of the direction, what lies in the plane counts).
+    /// On the plane with this normal, with a grain in this direction (both of any length above 0;
+    /// of the direction, what lies in the plane counts).
     #[must_use]
     pub fn on(normal: R::Vec3, direction: R::Vec3, coefficients: [R; 2], slip_speed: R) -> Self {
         let unit = |v: R::Vec3| v * (R::ONE / v.length());

@@ -9,9 +9,10 @@ use crate::real::{Real, Vector};
 /// `force = -coefficient · normal_force · slip / (|slip| + slip_speed)`, in newtons, world axes.
 /// Never adds energy: `force · slip <= 0`. Finite at zero slip.
 ///
-/// *Limits:* it does not stick. On a slope of angle θ a body creeps at `slip_speed · tan θ / (coefficient - tan θ)`. At a slip of 100 slip speeds the
-/// force is still 1 % short of Coulomb's. Small slip speeds make the equations stiff: explicit methods chatter in stick, with flips of about
-/// `coefficient · g · time step`.
+/// *Limits:* it does not stick. On a slope of angle θ a body creeps at
+/// `slip_speed · tan θ / (coefficient - tan θ)`. At a slip of 100 slip speeds the force is still 1
+/// % short of Coulomb's. Small slip speeds make the equations stiff: explicit methods chatter in
+/// stick, with flips of about `coefficient · g · time step`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coulomb<R = f64> {
@@ -22,7 +23,8 @@ pub struct Coulomb<R = f64> {
 }
 
 impl<R: Real> Coulomb<R> {
-    /// The slip speed of the report, m/s: small enough to be Coulomb's law for every slip that matters.
+    /// The slip speed of the report, m/s: small enough to be Coulomb's law for every slip that
+    /// matters.
     pub const REPORT_SLIP_SPEED: f64 = 1e-10;
 
     /// The report's law: a slip speed of 1e-10 m/s.
@@ -68,8 +70,9 @@ impl<R: Real> SlidingFriction<R> for Coulomb<R> {
 /// `force = -coefficient · normal_force · slip / √(slip² + slip_speed²)`, in newtons, world axes.
 /// Never adds energy: `force · slip <= 0`. Finite, with all its derivatives, at zero slip.
 ///
-/// *Limits:* as of [`Coulomb`], with less creep and a quicker approach: on a slope of angle θ a body creeps at
-/// `slip_speed · tan θ / √(coefficient² - tan² θ)`, and the force is 1 % short of Coulomb's at 7 slip speeds.
+/// *Limits:* as of [`Coulomb`], with less creep and a quicker approach: on a slope of angle θ a
+/// body creeps at `slip_speed · tan θ / √(coefficient² - tan² θ)`, and the force is 1 % short of
+/// Coulomb's at 7 slip speeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SmoothCoulomb<R = f64> {
@@ -83,7 +86,8 @@ impl<R: Real> SmoothCoulomb<R> {
     /// `√(slip² + slip_speed²)`.
     #[inline]
     fn width(&self, slip: R::Vec3) -> R {
-        // The square of a tiny slip speed may underflow; the root is never below the slip speed itself.
+        // The square of a tiny slip speed may underflow; the root is never below the slip speed
+        // itself.
         (slip.length_squared() + self.slip_speed * self.slip_speed)
             .sqrt()
             .at_least(self.slip_speed)

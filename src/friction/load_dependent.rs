@@ -15,9 +15,9 @@ use crate::real::Real;
 ///
 /// The force along the ground is proportional to the true area of contact. Under small loads that
 /// area is the sum of many asperities and proportional to N, which gives Coulomb's law. Under large
-/// loads the asperities have merged into one elastic contact, whose area grows as `N^(2/3)` (Hertz),
-/// so that the coefficient falls as `N^(-1/3)`. The transition between the two limits is this
-/// crate's choice: it has both limits, and all its derivatives are finite.
+/// loads the asperities have merged into one elastic contact, whose area grows as `N^(2/3)`
+/// (Hertz), so that the coefficient falls as `N^(-1/3)`. The transition between the two limits is
+/// this crate's choice: it has both limits, and all its derivatives are finite.
 ///
 /// The force never adds energy (`force · slip <= 0`), is finite at zero slip, and increases with N.
 ///
@@ -92,8 +92,8 @@ impl<R: Real> SlidingFriction<R> for LoadDependentCoulomb<R> {
     #[inline]
     fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
         let drag = self.under(normal_force).drag(normal_force, slip);
-        // With x = N/N₀, c = (1 + x)^(-1/3): d(N c)/dN = c (1 - x/(3 (1 + x))) = c (2 + 1/(1 + x))/3.
-        // The last form has no quotient of two infinite numbers where x overflows.
+        // With x = N/N₀, c = (1 + x)^(-1/3): d(N c)/dN = c (1 - x/(3 (1 + x))) = c (2 + 1/(1 +
+        // x))/3. The last form has no quotient of two infinite numbers where x overflows.
         let per_one = R::ONE / (R::ONE + normal_force / self.transition_load);
         let rises = (R::TWO + per_one) * R::from_f64(1.0 / 3.0);
         Drag {

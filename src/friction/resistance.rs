@@ -4,7 +4,8 @@ use super::{Drag, SlidingFriction};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
-/// How one contact resists the body's turning: with ω's parts along the ground (rolling) and along its normal (drilling, spin on the spot),
+/// How one contact resists the body's turning: with ω's parts along the ground (rolling) and along
+/// its normal (drilling, spin on the spot),
 /// `torque = -rolling ωₜ/(|ωₜ| + turn_speed) - drilling ωₙ/(|ωₙ| + turn_speed)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurningResistance<R = f64> {
@@ -17,7 +18,8 @@ pub struct TurningResistance<R = f64> {
 }
 
 impl<R: Real> TurningResistance<R> {
-    /// Torque on a body (N m, world axes) that turns with this angular velocity (rad/s) on a ground with this normal.
+    /// Torque on a body (N m, world axes) that turns with this angular velocity (rad/s) on a ground
+    /// with this normal.
     ///
     /// Never adds energy: `torque · angular_velocity <= 0`.
     #[inline]
@@ -41,8 +43,11 @@ impl<R: Real> TurningResistance<R> {
 
 /// A friction law with resistance to rolling and to drilling beside it.
 ///
-/// Each contact that presses with N resists with torques of up to `rolling · N` and `drilling · N`: see [`TurningResistance`]. The lengths are those of the field: a wheel that takes the force f N to be kept
-/// rolling has `rolling = f · radius`; a ball of radius r sunk by d has a patch of the radius a = √(2 r d), and by Coulomb's law under Hertz's pressure `drilling = 3π/16 μ a` (Johnson, Contact Mechanics, 1985).
+/// Each contact that presses with N resists with torques of up to `rolling · N` and `drilling · N`:
+/// see [`TurningResistance`]. The lengths are those of the field: a wheel that takes the force f N
+/// to be kept rolling has `rolling = f · radius`; a ball of radius r sunk by d has a patch of the
+/// radius a = √(2 r d), and by Coulomb's law under Hertz's pressure `drilling = 3π/16 μ a`
+/// (Johnson, Contact Mechanics, 1985).
 ///
 /// ```
 /// use tumble::{Coulomb, WithResistance};
@@ -54,9 +59,13 @@ impl<R: Real> TurningResistance<R> {
 /// # Ok::<(), tumble::SceneError>(())
 /// ```
 ///
-/// *Limits:* it does not hold: a ball on a slope of angle θ, with `tan θ < rolling/radius`, creeps at the turning `turn_speed · t/(1 - t)`, `t = tan θ · radius/rolling`. Bodies on many contacts feel it at each. [`EnergyMomentum`](crate::EnergyMomentum) takes it in two halves, before and after each step
-/// (its energy never rises), under the load at those moments: a bounce that is shorter than the step feels none. The way of a ball that rolls out is of order 2; the speed that is seen after a step is that
-/// of half a step before, off by `h/2 · 5/7 · rolling/radius · g` of a solid ball: friction passes the last half of the torque on in the next step.
+/// *Limits:* it does not hold: a ball on a slope of angle θ, with `tan θ < rolling/radius`, creeps
+/// at the turning `turn_speed · t/(1 - t)`, `t = tan θ · radius/rolling`. Bodies on many contacts
+/// feel it at each. [`EnergyMomentum`](crate::EnergyMomentum) takes it in two halves, before and
+/// after each step (its energy never rises), under the load at those moments: a bounce that is
+/// shorter than the step feels none. The way of a ball that rolls out is of order 2; the speed that
+/// is seen after a step is that of half a step before, off by `h/2 · 5/7 · rolling/radius · g` of a
+/// solid ball: friction passes the last half of the torque on in the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WithResistance<F, R = f64> {

@@ -4,13 +4,19 @@ use super::{Drag, SlidingFriction};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
-/// Friction with a static and a kinetic coefficient, joined by Stribeck's curve, and a viscous part.
+/// Friction with a static and a kinetic coefficient, joined by Stribeck's curve, and a viscous
+/// part.
 ///
-/// With the slip's size u: `force = -normal_force · slip · (μ(u)/(u + slip_speed) + viscous)`, in newtons, world axes, with `μ(u) = kinetic + (static - kinetic)/(1 + (u/stribeck_speed)²)` (Stribeck, Z. VDI 46,
-/// 1341, 1902, for the curve; Hess & Soom, J. Tribol. 112, 147, 1990, for the form, which needs no power of e). Never adds energy: `force · slip <= 0`. Finite at zero slip.
+/// With the slip's size u: `force = -normal_force · slip · (μ(u)/(u + slip_speed) + viscous)`, in
+/// newtons, world axes, with `μ(u) = kinetic + (static - kinetic)/(1 + (u/stribeck_speed)²)`
+/// (Stribeck, Z. VDI 46, 1341, 1902, for the curve; Hess & Soom, J. Tribol. 112, 147, 1990, for the
+/// form, which needs no power of e). Never adds energy: `force · slip <= 0`. Finite at zero slip.
 ///
-/// *Limits:* it does not stick; it creeps as [`Coulomb`](crate::Coulomb) does with the static coefficient. The static coefficient is nearly reached, where `slip_speed` is far below `stribeck_speed`: at most, at the slip
-/// `(μₛ ε vₛ²/(2 (μₛ - μₖ)))^(1/3) = u`, with ε and vₛ the two speeds, the force is short of it by `1.5 ε/u`: 1.5 % for μₛ = 2 μₖ and ε = vₛ/1000. Where μ falls, sliding is unstable (squeal, stick and slip), with growth rates up to
+/// *Limits:* it does not stick; it creeps as [`Coulomb`](crate::Coulomb) does with the static
+/// coefficient. The static coefficient is nearly reached, where `slip_speed` is far below
+/// `stribeck_speed`: at most, at the slip `(μₛ ε vₛ²/(2 (μₛ - μₖ)))^(1/3) = u`, with ε and vₛ the
+/// two speeds, the force is short of it by `1.5 ε/u`: 1.5 % for μₛ = 2 μₖ and ε = vₛ/1000. Where μ
+/// falls, sliding is unstable (squeal, stick and slip), with growth rates up to
 /// `0.65 (μₛ - μₖ) g/vₛ`: a time step has to resolve it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -52,7 +58,8 @@ impl<R: Real> SlidingFriction<R> for Stribeck<R> {
         slip * -((coefficient / (speed + self.slip_speed) + self.viscous) * normal_force)
     }
 
-    /// Where the force falls with the slip, the growth is the largest that there is, 1: the iteration takes the force as steady.
+    /// Where the force falls with the slip, the growth is the largest that there is, 1: the
+    /// iteration takes the force as steady.
     #[inline]
     fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
         let speed = slip.length();

@@ -6,9 +6,11 @@ use crate::real::Real;
 
 /// Friction in proportion to load and slip: a wet or greased ground.
 ///
-/// `force = -coefficient · normal_force · slip`, in newtons, world axes. Never adds energy: `force · slip <= 0`.
+/// `force = -coefficient · normal_force · slip`, in newtons, world axes. Never adds energy:
+/// `force · slip <= 0`.
 ///
-/// *Limits:* it does not stick at all: on a slope of angle θ a body comes to slide at `tan θ/coefficient`. A film that drags without load is not modelled.
+/// *Limits:* it does not stick at all: on a slope of angle θ a body comes to slide at
+/// `tan θ/coefficient`. A film that drags without load is not modelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Viscous<R = f64> {

@@ -16,15 +16,21 @@ use crate::real::Real;
 /// # Ok::<(), tumble::SceneError>(())
 /// ```
 ///
-/// [`FlatGround`](crate::FlatGround) is the same as a [`SpringDamper`](crate::SpringDamper) on a [`Plane`], bit by bit.
+/// [`FlatGround`](crate::FlatGround) is the same as a [`SpringDamper`](crate::SpringDamper) on a
+/// [`Plane`], bit by bit.
 ///
 /// # One law everywhere
 ///
-/// There are no softer and stiffer regions. With a stiffness k(x, y) the springs' energy `k d²/2` has a slope along the surface, and its force is not normal alone: `-(d²/2) ∇k` pushes a loaded
-/// contact towards the soft side. Left out, a contact that slides at the depth d from k₁ to k₂ would be given `(k₂ - k₁) d²/2` by nobody, at each bounce anew; sliding slowly under the
-/// weight W it would be raised by `W²/2 (1/k₁ - 1/k₂)`: 0.024 J for 1 kg from 1000 to 2000 N/m. Put in, it would be a force along the ground that is no friction. So a law is told the depth, not the place.
+/// There are no softer and stiffer regions. With a stiffness k(x, y) the springs' energy `k d²/2`
+/// has a slope along the surface, and its force is not normal alone: `-(d²/2) ∇k` pushes a loaded
+/// contact towards the soft side. Left out, a contact that slides at the depth d from k₁ to k₂
+/// would be given `(k₂ - k₁) d²/2` by nobody, at each bounce anew; sliding slowly under the weight
+/// W it would be raised by `W²/2 (1/k₁ - 1/k₂)`: 0.024 J for 1 kg from 1000 to 2000 N/m. Put in, it
+/// would be a force along the ground that is no friction. So a law is told the depth, not the
+/// place.
 ///
-/// Damping and friction store nothing, so that both may differ from region to region: move the state by one stepper or another, whichever region it is in
+/// Damping and friction store nothing, so that both may differ from region to region: move the
+/// state by one stepper or another, whichever region it is in
 /// ([an example](crate::guide::extending::friction)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -4,13 +4,17 @@ use super::{ContactLaw, Extent, MeanForce, Plane, SpringDamper, SpringDamperGrou
 use crate::error::SceneError;
 use crate::real::Real;
 
-/// A plane, level or tilted, with a spring and a damper under each contact (Kelvin-Voigt, never pulling): the ground of the report.
+/// A plane, level or tilted, with a spring and a damper under each contact (Kelvin-Voigt, never
+/// pulling): the ground of the report.
 ///
-/// `normal force = max(0, stiffness · depth + damping · closing_speed)` in newtons where `depth > 0`, else 0. Energy in the springs: `stiffness · depth²/2`
-/// for every contact below the plane, also one that leaves so fast that its force is 0.
+/// `normal force = max(0, stiffness · depth + damping · closing_speed)` in newtons where
+/// `depth > 0`, else 0. Energy in the springs: `stiffness · depth²/2` for every contact below the
+/// plane, also one that leaves so fast that its force is 0.
 ///
-/// *Limits:* the damper's force jumps from 0 to `damping · closing_speed` at first touch, which spoils an explicit method's order above 1.
-/// A point of mass m bounces with restitution `exp(-2ζ arccos(ζ)/√(1-ζ²))`, `ζ = damping/(2 √(stiffness m))`, at every speed: real balls bounce less the faster they are.
+/// *Limits:* the damper's force jumps from 0 to `damping · closing_speed` at first touch, which
+/// spoils an explicit method's order above 1. A point of mass m bounces with restitution
+/// `exp(-2ζ arccos(ζ)/√(1-ζ²))`, `ζ = damping/(2 √(stiffness m))`, at every speed: real balls
+/// bounce less the faster they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",

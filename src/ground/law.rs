@@ -14,10 +14,13 @@ use super::MeanForce;
 use crate::error::SceneError;
 use crate::real::Real;
 
-/// The law of one contact's force: what it is at a depth (m) and a closing speed (m/s). A [`Ground`](crate::Ground) joins it with a shape.
+/// The law of one contact's force: what it is at a depth (m) and a closing speed (m/s). A
+/// [`Ground`](crate::Ground) joins it with a shape.
 ///
-/// The methods are those of [`SpringDamperGround`](crate::SpringDamperGround) of the same names, with the same duties: the energy is the integral of the spring's force from depth 0, the rest of the force takes
-/// energy, and the ground never pulls. [`contract::check_ground`](crate::contract::check_ground) tests a law on any shape.
+/// The methods are those of [`SpringDamperGround`](crate::SpringDamperGround) of the same names,
+/// with the same duties: the energy is the integral of the spring's force from depth 0, the rest of
+/// the force takes energy, and the ground never pulls.
+/// [`contract::check_ground`](crate::contract::check_ground) tests a law on any shape.
 ///
 /// # Which law when
 ///
@@ -61,13 +64,16 @@ pub trait ContactLaw<R: Real = f64> {
     /// Elastic force at a depth (m) above 0: N, at least 0.
     fn spring_force(&self, depth: R) -> R;
 
-    /// Energy in the springs at a depth (m) above 0: J, the integral of [`spring_force`](Self::spring_force) from 0.
+    /// Energy in the springs at a depth (m) above 0: J, the integral of
+    /// [`spring_force`](Self::spring_force) from 0.
     fn spring_energy(&self, depth: R) -> R;
 
-    /// Spring and damper together at a depth (m) above 0 that grows at `closing_speed` (m/s): N, at least 0.
+    /// Spring and damper together at a depth (m) above 0 that grows at `closing_speed` (m/s): N, at
+    /// least 0.
     fn normal_force(&self, depth: R, closing_speed: R) -> R;
 
-    /// Mean force while the depth goes evenly from `start` to `end` (m; below 0 is above ground) in `seconds`: see [`SpringDamperGround::mean_force`](crate::SpringDamperGround::mean_force).
+    /// Mean force while the depth goes evenly from `start` to `end` (m; below 0 is above ground) in
+    /// `seconds`: see [`SpringDamperGround::mean_force`](crate::SpringDamperGround::mean_force).
     #[inline]
     fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
         mean_force_by_quadrature(self, start, end, seconds)
@@ -81,7 +87,8 @@ pub trait ContactLaw<R: Real = f64> {
         Ok(())
     }
 
-    /// Returns true if the values of the law need no check while a step evaluates them. Default: false.
+    /// Returns true if the values of the law need no check while a step evaluates them. Default:
+    /// false.
     ///
     /// A step checks the values of a law that is not trusted, and returns
     /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
@@ -141,7 +148,8 @@ pub(super) fn mean_force_by_quadrature<R: Real, L: ContactLaw<R> + ?Sized>(
     if !(start > R::ZERO || end > R::ZERO) {
         return MeanForce::NONE;
     }
-    // A one-sided difference over a thousandth of the path, or of the depth where the contact hardly moves.
+    // A one-sided difference over a thousandth of the path, or of the depth where the contact
+    // hardly moves.
     let path = (end - start).abs() + (start.abs() + end.abs()) * R::from_f64(1e-3);
     let nudge = path * R::from_f64(1e-3);
     let (spring_beyond, damper_beyond) = force(end + nudge);
@@ -184,7 +192,8 @@ fn mean_parts<R: Real, L: ContactLaw<R> + ?Sized>(law: &L, start: R, end: R, sec
             zero
         }
     };
-    // Where the path is so short that the difference of energies is rounding, the force in its middle is exact to rounding.
+    // Where the path is so short that the difference of energies is rounding, the force in its
+    // middle is exact to rounding.
     let spring = if submerged.abs() > (from + to) * R::EPSILON.sqrt() {
         (energy(to) - energy(from)) / path
     } else {

@@ -10,14 +10,17 @@ use super::{Extent, Plane, Surface};
 use crate::error::SceneError;
 use crate::real::Real;
 
-/// The shape of a ground: how far a point lies above its surface, and which way out is. A [`Ground`](crate::Ground) joins it with a law.
+/// The shape of a ground: how far a point lies above its surface, and which way out is. A
+/// [`Ground`](crate::Ground) joins it with a law.
 ///
-/// A [`Plane`] is one, and a [`Terrain`] of any height. The methods are those of [`SpringDamperGround`](crate::SpringDamperGround) of the same names, with the same duties: the gap changes by `normal · path`, so
-/// that it is a distance.
+/// A [`Plane`] is one, and a [`Terrain`] of any height. The methods are those of
+/// [`SpringDamperGround`](crate::SpringDamperGround) of the same names, with the same duties: the
+/// gap changes by `normal · path`, so that it is a distance.
 ///
-/// *Limit:* one contact touches one surface. In a groove where the gap is that to the nearest of two planes at a right angle, the
-/// ground pushes a ball along one normal at a time. Two surfaces would push with `k d` each and lift with `√2 k d`; one lifts with
-/// `k d/√2`. So the ball penetrates twice as deep: 1.9 mm instead of 0.98 mm for 1 kg on 7071 N/m.
+/// *Limit:* one contact touches one surface. In a groove where the gap is that to the nearest of
+/// two planes at a right angle, the ground pushes a ball along one normal at a time. Two surfaces
+/// would push with `k d` each and lift with `√2 k d`; one lifts with `k d/√2`. So the ball
+/// penetrates twice as deep: 1.9 mm instead of 0.98 mm for 1 kg on 7071 N/m.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -57,7 +60,8 @@ pub trait Shape<R: Real = f64> {
         Ok(())
     }
 
-    /// Returns true if the values of the shape need no check while a step evaluates them. Default: false.
+    /// Returns true if the values of the shape need no check while a step evaluates them. Default:
+    /// false.
     ///
     /// A step checks the values of a law that is not trusted, and returns
     /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.

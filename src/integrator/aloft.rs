@@ -1,9 +1,12 @@
 //! Rounding of a step in flight, put back where it arose.
 //!
-//! The step conserves the energy; the computed energy of its end is off by some units in the last place of its largest term. That error belongs to the number whose last place it is: to the
-//! orientation, to the height, or to both velocities. Each is moved by some of its own last places until the computed energy is the one before.
+//! The step conserves the energy; the computed energy of its end is off by some units in the last
+//! place of its largest term. That error belongs to the number whose last place it is: to the
+//! orientation, to the height, or to both velocities. Each is moved by some of its own last places
+//! until the computed energy is the one before.
 //!
-//! What only ever takes energy away drifts: a unit a step is 1e-16 of the energy in f64, which nobody sees, and 1e-7 in f32, a percent in 1e5 steps. So in f32 an energy that has fallen is put
+//! What only ever takes energy away drifts: a unit a step is 1e-16 of the energy in f64, which
+//! nobody sees, and 1e-7 in f32, a percent in 1e5 steps. So in f32 an energy that has fallen is put
 //! back as well, never beyond the one before.
 
 use crate::energy::Energy;
@@ -14,7 +17,8 @@ use crate::state::State;
 
 /// Changes of a number beyond so many units in its last place are not its rounding.
 const UNITS: f64 = 16.0;
-/// The same in contact, where the springs' energy is rounded and the velocities take it: 1 % in f32.
+/// The same in contact, where the springs' energy is rounded and the velocities take it: 1 % in
+/// f32.
 const UNITS_IN_CONTACT: f64 = 1e5;
 /// Trials for the height, and for the velocities.
 const TRIALS: u32 = 5;
@@ -28,7 +32,8 @@ pub(super) fn holds_both_ways<R: Real>() -> bool {
     R::EPSILON > R::from_f64(1e-10)
 }
 
-/// Returns the end of a flight without the rounding of its energy: as near to the energy before from below as the last places allow. `None` where none of them brings it down so far.
+/// Returns the end of a flight without the rounding of its energy: as near to the energy before
+/// from below as the last places allow. `None` where none of them brings it down so far.
 #[inline(never)]
 pub(super) fn rounded<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -124,8 +129,9 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
         (energy.total() <= self.ceiling).then_some((state, energy))
     }
 
-    /// Moves the orientation until the rotational energy is that of the start, or until the total is, where rotation has most of it: along the slope `dE = ϑ · (ω × L)`, and where that is flat by
-    /// last places.
+    /// Moves the orientation until the rotational energy is that of the start, or until the total
+    /// is, where rotation has most of it: along the slope `dE = ϑ · (ω × L)`, and where that is
+    /// flat by last places.
     fn orientation(&mut self, before: R, by_total: bool) {
         let after = self.after;
         let excess_of = |rotation: R, ceiling: R| {
@@ -211,7 +217,8 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
     fn spin(&mut self, size: R) {
         let properties = self.scene.mass_properties();
         let axes = self.end.rotation().axes();
-        // Two units more, so that the next step finds the energy in the middle of its rounding again.
+        // Two units more, so that the next step finds the energy in the middle of its rounding
+        // again.
         let margin = if self.excess > R::ZERO {
             size * (R::EPSILON * R::TWO)
         } else {
@@ -270,10 +277,12 @@ fn last_places<R: Real>(trial: u32) -> R::Vec3 {
     R::Vec3::new(unit(0), unit(1), unit(2))
 }
 
-/// Returns `sum + term`, rounded up or down with the probability that makes the rounding 0 on average, in single precision.
+/// Returns `sum + term`, rounded up or down with the probability that makes the rounding 0 on
+/// average, in single precision.
 ///
-/// A step that adds less than some hundred last places is rounded alike step after step: a body at 10 m/s that falls for 0.1 ms at a time gains 0.5 % too little or too much. The choice
-/// depends on `seed` alone, which is made of the state: the same state takes the same step.
+/// A step that adds less than some hundred last places is rounded alike step after step: a body at
+/// 10 m/s that falls for 0.1 ms at a time gains 0.5 % too little or too much. The choice depends on
+/// `seed` alone, which is made of the state: the same state takes the same step.
 pub(super) fn advanced<R: Real>(sum: R::Vec3, term: R::Vec3, seed: &mut u32) -> R::Vec3 {
     R::Vec3::new(
         added(sum.x(), term.x(), seed),

@@ -7,7 +7,8 @@ use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// Runge-Kutta of order 3 that chooses its steps for a tolerance (Bogacki & Shampine, Applied Mathematics Letters 2(4), 1989): three evaluations a step.
+/// Runge-Kutta of order 3 that chooses its steps for a tolerance (Bogacki & Shampine, Applied
+/// Mathematics Letters 2(4), 1989): three evaluations a step.
 ///
 /// [`guide::choosing`](crate::guide::choosing) says what the tolerance bounds and what error a run
 /// has for it. Of the two methods that choose their steps, the one for loose tolerances and for
@@ -23,7 +24,8 @@ use crate::state::State;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BogackiShampine32<R = f64> {
-    /// m, above 0: what a step may add to the error, see [`guide::choosing`](crate::guide::choosing).
+    /// m, above 0: what a step may add to the error, see
+    /// [`guide::choosing`](crate::guide::choosing).
     pub tolerance: R,
     /// s, above 0: no step is longer.
     pub longest_step: R,
@@ -65,7 +67,8 @@ const PAIR: Pair<4> = Pair {
         4.0 / 9.0 - 1.0 / 3.0,
         -1.0 / 8.0,
     ],
-    // The result's local error is 0.1 to 1.6 of the estimate (medians, trials 8 and 3 of the report).
+    // The result's local error is 0.1 to 1.6 of the estimate (medians, trials 8 and 3 of the
+    // report).
     trust: 1.0,
     roots: 2,
 };

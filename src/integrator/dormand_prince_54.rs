@@ -7,7 +7,8 @@ use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// Runge-Kutta of order 5 that chooses its steps for a tolerance (Dormand & Prince, Journal of Computational and Applied Mathematics 6(1), 1980): six evaluations a step.
+/// Runge-Kutta of order 5 that chooses its steps for a tolerance (Dormand & Prince, Journal of
+/// Computational and Applied Mathematics 6(1), 1980): six evaluations a step.
 ///
 /// [`guide::choosing`](crate::guide::choosing) says what the tolerance bounds and what error a run
 /// has for it. The method for tight tolerances: each tenfold tighter one costs `10^(1/5)`, 1.6
@@ -23,7 +24,8 @@ use crate::state::State;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DormandPrince54<R = f64> {
-    /// m, above 0: what a step may add to the error, see [`guide::choosing`](crate::guide::choosing).
+    /// m, above 0: what a step may add to the error, see
+    /// [`guide::choosing`](crate::guide::choosing).
     pub tolerance: R,
     /// s, above 0: no step is longer.
     pub longest_step: R,
@@ -95,7 +97,8 @@ pub(crate) const PAIR: Pair<7> = Pair {
         22.0 / 525.0,
         -1.0 / 40.0,
     ],
-    // In trials 3 and 8 of the report the local error of the result is 0.1 to 0.8 of the estimate (medians, tolerances of 1e-5 and 1e-7 m), and less for tighter ones.
+    // In trials 3 and 8 of the report the local error of the result is 0.1 to 0.8 of the estimate
+    // (medians, tolerances of 1e-5 and 1e-7 m), and less for tighter ones.
     trust: 1.0 / 3.0,
     roots: 3,
 };

@@ -1,10 +1,14 @@
-//! Runge-Kutta pairs that choose their steps: attempt, estimate, control. The pairs' files hold their coefficients.
+//! Runge-Kutta pairs that choose their steps: attempt, estimate, control. The pairs' files hold
+//! their coefficients.
 //!
 //! The stages of a step:
 //!
-//! 1. `attempt`: a step of the proposed length, or to the limit; the pair's difference is an estimate of its error;
-//! 2. `touch` and `slip`: contacts that begin or cease to push in it, or whose friction turns round, whose kink no such estimate sees for sure, with a bound of what they spoil;
-//! 3. `control`: both below the tolerance: done. Else again, to the first kink that matters, or shorter.
+//! 1. `attempt`: a step of the proposed length, or to the limit; the pair's difference is an
+//!    estimate of its error;
+//! 2. `touch` and `slip`: contacts that begin or cease to push in it, or whose friction turns
+//!    round, whose kink no such estimate sees for sure, with a bound of what they spoil;
+//! 3. `control`: both below the tolerance: done. Else again, to the first kink that matters, or
+//!    shorter.
 
 mod control;
 mod slip;
@@ -23,13 +27,16 @@ use control::{Control, Errors};
 
 /// Coefficients of a pair whose last stage is the first of the next step.
 pub(crate) struct Pair<const STAGES: usize> {
-    /// Row i weighs the slopes 0 to i for the place of slope i + 1; the last but one gives the result, the last is idle.
+    /// Row i weighs the slopes 0 to i for the place of slope i + 1; the last but one gives the
+    /// result, the last is idle.
     pub(crate) stages: [[f64; STAGES]; STAGES],
     /// Weights of the slopes in the estimate: those of the result less those of the lower order.
     pub(crate) error: [f64; STAGES],
-    /// What counts of an estimated error of the velocities: how much larger it is than what the result, of a higher order, errs and contacts leave of that.
+    /// What counts of an estimated error of the velocities: how much larger it is than what the
+    /// result, of a higher order, errs and contacts leave of that.
     pub(super) trust: f64,
-    /// The controller works with the 2^roots-th root of the error: next below the estimate's order in the step.
+    /// The controller works with the 2^roots-th root of the error: next below the estimate's order
+    /// in the step.
     pub(super) roots: u32,
 }
 
@@ -68,11 +75,14 @@ impl<R: Real> Settings<R> {
     }
 }
 
-/// What a method that chooses its steps carries from one to the next: the length that it proposes, the last error, and how much of the budget is spent. It also keeps the
-/// last slope, which saves work.
+/// What a method that chooses its steps carries from one to the next: the length that it proposes,
+/// the last error, and how much of the budget is spent. It also keeps the last slope, which saves
+/// work.
 ///
-/// A new one chooses the first step from the state alone. To go on after a pause as if there had been none, keep it with the state: it is plain data.
-/// Its slope counts only for the same state in a scene that answers alike (mass, moments, reach, number of contacts and of the rim's points, gravity, surface, and the laws at one depth and slip).
+/// A new one chooses the first step from the state alone. To go on after a pause as if there had
+/// been none, keep it with the state: it is plain data. Its slope counts only for the same state in
+/// a scene that answers alike (mass, moments, reach, number of contacts and of the rim's points,
+/// gravity, surface, and the laws at one depth and slip).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Workspace<R: Real = f64> {
     control: Control<R>,
@@ -88,7 +98,8 @@ struct Known<R: Real> {
 }
 
 impl<R: Real> Known<R> {
-    /// Of the end of a step. One to a kink has left out what begins to push there: its slope is evaluated anew.
+    /// Of the end of a step. One to a kink has left out what begins to push there: its slope is
+    /// evaluated anew.
     #[inline(always)]
     fn of<D: Dynamics<R>>(scene: &D, state: &State<R>, end: &Place<R>, to_kink: bool) -> Self {
         let place = if to_kink {
@@ -133,7 +144,8 @@ impl<R: Real> Place<R> {
     }
 }
 
-/// What tells the slopes of one scene from another's: what tells the energies, and the answers of damper and friction.
+/// What tells the slopes of one scene from another's: what tells the energies, and the answers of
+/// damper and friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Answers<R: Real> {
     likeness: Likeness<R>,

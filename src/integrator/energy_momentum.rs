@@ -1,16 +1,23 @@
 //! Implicit, of order 2, with an energy that cannot rise.
 //!
-//! Why it cannot is derived in [`guide::energy`](crate::guide::energy). The stages of a step, one module each:
+//! Why it cannot is derived in [`guide::energy`](crate::guide::energy). The stages of a step, one
+//! module each:
 //!
-//! 1. `problem`, `contacts`, `touch`: the two momentum equations of the step, and the contacts' mean forces along its path;
-//! 2. `newton`, `stiffness`, `linear`: their solution (`block`, `level`: its arithmetic). What it leaves over is all that could lift the energy;
-//! 3. `settle`, `resist`: at the end of a step too long for friction or dampers they resist the end velocity, by impulses that only take energy;
-//!    (`turning`: resistance to rolling and drilling, where the friction law has it, half before and half after the step;)
-//! 4. `ratchet`: where the computed energy is above the one before, rounding of a flight is put back into the last places of the orientation, the height or the speed (`aloft`), and
-//!    in contact both velocities are scaled down until it is not. A body whose motion is below
-//!    the rounding of its energy has come to rest;
-//! 5. where 2 or 4 fails, `split`: dissipation, conservative motion, dissipation; else halves, down to sixteenths; else `descent`: downhill, as far as the energy allows; else time
-//!    passes and the body stays. Each end goes through 4, so that the induction from step to step needs no assumption on convergence.
+//! 1. `problem`, `contacts`, `touch`: the two momentum equations of the step, and the contacts'
+//!    mean forces along its path;
+//! 2. `newton`, `stiffness`, `linear`: their solution (`block`, `level`: its arithmetic). What it
+//!    leaves over is all that could lift the energy;
+//! 3. `settle`, `resist`: at the end of a step too long for friction or dampers they resist the end
+//!    velocity, by impulses that only take energy; (`turning`: resistance to rolling and drilling,
+//!    where the friction law has it, half before and half after the step;)
+//! 4. `ratchet`: where the computed energy is above the one before, rounding of a flight is put
+//!    back into the last places of the orientation, the height or the speed (`aloft`), and in
+//!    contact both velocities are scaled down until it is not. A body whose motion is below the
+//!    rounding of its energy has come to rest;
+//! 5. where 2 or 4 fails, `split`: dissipation, conservative motion, dissipation; else halves, down
+//!    to sixteenths; else `descent`: downhill, as far as the energy allows; else time passes and
+//!    the body stays. Each end goes through 4, so that the induction from step to step needs no
+//!    assumption on convergence.
 
 mod block;
 mod contacts;
@@ -39,10 +46,12 @@ use crate::state::State;
 use contacts::Contacts;
 use problem::Problem;
 
-/// The energy-momentum method: implicit, of order 2, and **the computed energy never rises**. The crate's default.
+/// The energy-momentum method: implicit, of order 2, and **the computed energy never rises**. The
+/// crate's default.
 ///
-/// `stepper.energy(&after).total() <= stepper.energy(&before).total()` holds for every step, with no tolerance, in every scene that composes: whatever the time step, stiffness, damping, friction, spin, size
-/// and shape. [`guide::energy`](crate::guide::energy) derives why.
+/// `stepper.energy(&after).total() <= stepper.energy(&before).total()` holds for every step, with
+/// no tolerance, in every scene that composes: whatever the time step, stiffness, damping,
+/// friction, spin, size and shape. [`guide::energy`](crate::guide::energy) derives why.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -63,21 +72,32 @@ use problem::Problem;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// - *Order* 2, also where contacts begin: the mean force over the step integrates the damper's jump.
+/// - *Order* 2, also where contacts begin: the mean force over the step integrates the damper's
+///   jump.
 /// - *Conserves* the energy where nothing takes it, to the rounding of each step.
 /// - *Stable* at any step. A step in which free motion would go beyond 1e25 sizes of the body may
 ///   return [`StepTooLong`](crate::StepError::StepTooLong).
-/// - *Accurate* where the step resolves the contact: `dt < 1/ω`, with `ω = √(K/m)` and `K` the stiffness of all contacts that touch. Beyond it a bounce without dampers still
-///   keeps its energy, but not its timing, and one with dampers not its restitution; friction that stops a body within a step stops it at the step's end. [`guide::accuracy`](crate::guide::accuracy) goes through the extremes.
-/// - *Cost:* in contact two to five iterations a step, each about as dear as two evaluations of all contacts. Flight costs no iteration: it is exact for a body with two equal moments, and of order 2 with energy and angular momentum kept for three different ones. A body at rest costs a
+/// - *Accurate* where the step resolves the contact: `dt < 1/ω`, with `ω = √(K/m)` and `K` the
+///   stiffness of all contacts that touch. Beyond it a bounce without dampers still keeps its
+///   energy, but not its timing, and one with dampers not its restitution; friction that stops a
+///   body within a step stops it at the step's end. [`guide::accuracy`](crate::guide::accuracy)
+///   goes through the extremes.
+/// - *Cost:* in contact two to five iterations a step, each about as dear as two evaluations of all
+///   contacts. Flight costs no iteration: it is exact for a body with two equal moments, and of
+///   order 2 with energy and angular momentum kept for three different ones. A body at rest costs a
 ///   comparison, once a step with the same workspace has found it so.
-/// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s: in `f64` up
-///   to five iterations a step on average at one contact, five to twelve where several contacts or a
-///   round rim stick.
-/// - *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each, and beside them at most 4 searches downhill of at most 3 × 31 × 4 evaluations. Each end costs an energy, and one more for each doubling
-///   of the ratchet, which scales both velocities down where the solver's error would lift the energy in contact. In flight the last places of the orientation, the height or the speed take it.
-/// - *Too long a step shows:* [`Step`] tells the iterations, whether the step had to be divided (`fallback`), and the energy that the solver's error would have added (`ratcheted`).
-/// - *Contacts:* up to 128 are remembered from iteration to iteration. Further ones take part without memory, with more iterations where they stick. Nothing is allocated.
+/// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s: in `f64`
+///   up to five iterations a step on average at one contact, five to twelve where several contacts
+///   or a round rim stick.
+/// - *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each, and beside them at
+///   most 4 searches downhill of at most 3 × 31 × 4 evaluations. Each end costs an energy, and one
+///   more for each doubling of the ratchet, which scales both velocities down where the solver's
+///   error would lift the energy in contact. In flight the last places of the orientation, the
+///   height or the speed take it.
+/// - *Too long a step shows:* [`Step`] tells the iterations, whether the step had to be divided
+///   (`fallback`), and the energy that the solver's error would have added (`ratcheted`).
+/// - *Contacts:* up to 128 are remembered from iteration to iteration. Further ones take part
+///   without memory, with more iterations where they stick. Nothing is allocated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyMomentum<R = f64> {
@@ -85,15 +105,19 @@ pub struct EnergyMomentum<R = f64> {
     pub time_step: R,
 }
 
-/// What [`EnergyMomentum`] keeps from step to step to save work: the contacts' places, the last energy, and the state that a step has left as it was.
+/// What [`EnergyMomentum`] keeps from step to step to save work: the contacts' places, the last
+/// energy, and the state that a step has left as it was.
 ///
-/// Nothing of it changes a result: a new one gives the same bits. It may go from one stepper to another: what it knows counts only for the same state in a scene
-/// with the same mass, moments, reach, number of contacts and of the rim's points, gravity and surface, and with springs that answer alike at a depth of the reach. Scenes that differ in nothing of this, but in springs at
+/// Nothing of it changes a result: a new one gives the same bits. It may go from one stepper to
+/// another: what it knows counts only for the same state in a scene with the same mass, moments,
+/// reach, number of contacts and of the rim's points, gravity and surface, and with springs that
+/// answer alike at a depth of the reach. Scenes that differ in nothing of this, but in springs at
 /// other depths or in places of contacts, want a workspace each.
 #[derive(Clone, Debug)]
 pub struct Workspace<R: Real = f64> {
     contacts: Contacts<R>,
-    /// The state after the last step, its energy, and the scene that they belong to: friction and dampers do nothing to a body without motion.
+    /// The state after the last step, its energy, and the scene that they belong to: friction and
+    /// dampers do nothing to a body without motion.
     known: Option<(State<R>, Energy<R>, Likeness<R>)>,
     /// The length of a step that has left that state as it was, s.
     rest: Option<R>,
@@ -106,7 +130,8 @@ impl<R: Real> Default for Workspace<R> {
 }
 
 impl<R: Real> Workspace<R> {
-    /// One that remembers nothing. It can be made at compile time, to lie in a `static` where the stack is small.
+    /// One that remembers nothing. It can be made at compile time, to lie in a `static` where the
+    /// stack is small.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -145,7 +170,8 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
         if dt <= R::ZERO || workspace.rests(scene, state, dt) {
             return Ok(Step::new(dt, 0));
         }
-        // An orientation that no scaling makes a turn: every attempt would fail, and the body stay where it is.
+        // An orientation that no scaling makes a turn: every attempt would fail, and the body stay
+        // where it is.
         let is_a_turn =
             Rotation::<R>::unscaled(state.orientation).is_a_turn() || state.rotation().is_a_turn();
         if !is_a_turn {
@@ -278,8 +304,9 @@ fn sixteenths<R: Real>(dt: R, count: u32) -> R {
     dt * (R::from_usize(count as usize) / R::from_usize(PARTS as usize))
 }
 
-/// A body that a step has left as it was may still hang on a spring whose swing is far too quick for the step: where another motion lowers the energy, it
-/// takes that one. A fall by rounding is none: the body would never sleep.
+/// A body that a step has left as it was may still hang on a spring whose swing is far too quick
+/// for the step: where another motion lowers the energy, it takes that one. A fall by rounding is
+/// none: the body would never sleep.
 fn fall<R: Real, D: Dynamics<R>>(
     scene: &D,
     state: &mut State<R>,
@@ -293,7 +320,8 @@ fn fall<R: Real, D: Dynamics<R>>(
     }
 }
 
-/// The longest part of a step that begins at `done` sixteenths: the largest power of 2 that divides it.
+/// The longest part of a step that begins at `done` sixteenths: the largest power of 2 that divides
+/// it.
 fn longest_part(done: u32) -> u32 {
     if done == 0 {
         PARTS
@@ -302,7 +330,8 @@ fn longest_part(done: u32) -> u32 {
     }
 }
 
-/// One attempt at a step: whole by Newton's method, else split. Whether one of them ends with an energy that is no higher; if not, state and energy stay.
+/// One attempt at a step: whole by Newton's method, else split. Whether one of them ends with an
+/// energy that is no higher; if not, state and energy stay.
 fn attempt<R: Real, D: Dynamics<R>>(
     scene: &D,
     state: &mut State<R>,
@@ -340,8 +369,9 @@ fn attempt<R: Real, D: Dynamics<R>>(
     ratchet::hold(scene, (state, energy), (&end, &end_energy), touching, step)
 }
 
-/// Free flight, without an iteration: exact for a body with two equal moments, else of order 2 with the energy and the angular momentum of the start. Not inlined: what it can be
-/// prepared with would be computed for steps in contact too.
+/// Free flight, without an iteration: exact for a body with two equal moments, else of order 2 with
+/// the energy and the angular momentum of the start. Not inlined: what it can be prepared with
+/// would be computed for steps in contact too.
 #[inline(never)]
 fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
     let (start, seconds) = (&problem.start, problem.seconds);
@@ -371,7 +401,8 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
     }
 }
 
-/// The whole step at once: Newton's method, then what friction and dampers still must stop. Whether its `end` could be had.
+/// The whole step at once: Newton's method, then what friction and dampers still must stop. Whether
+/// its `end` could be had.
 fn whole<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
@@ -390,7 +421,8 @@ fn whole<R: Real, D: Dynamics<R>>(
     end.not_finite().is_none()
 }
 
-/// Collects the contacts that may touch in the step: those below ground, and those that its first motion brings near; all where `wide`.
+/// Collects the contacts that may touch in the step: those below ground, and those that its first
+/// motion brings near; all where `wide`.
 fn gather<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,

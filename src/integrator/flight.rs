@@ -10,25 +10,34 @@ use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// Another integrator, with flight in closed form: while nothing can touch, one step is exact, however long.
+/// Another integrator, with flight in closed form: while nothing can touch, one step is exact,
+/// however long.
 ///
 /// ```text
 /// x(t) = x + v t + g t²/2      v(t) = v + g t      q(t) = exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)
 /// ```
-/// The step ends before the first touch, which is found from above ground: with `m` the gap of the lowest place, no place of the body is lower than
-/// `m + (n·v - |n × ω| r) s + (n·g - ω² r) s²/2` after `s` more seconds (`n` the ground's normal, `r` the reach; in torque-free motion |ω| of a body with two equal moments does not change), so that up to the root of this nothing
-/// touches; and so on from there, until what is gained is not worth a step. From there the other integrator goes on.
+/// The step ends before the first touch, which is found from above ground: with `m` the gap of the
+/// lowest place, no place of the body is lower than `m + (n·v - |n × ω| r) s + (n·g - ω² r) s²/2`
+/// after `s` more seconds (`n` the ground's normal, `r` the reach; in torque-free motion |ω| of a
+/// body with two equal moments does not change), so that up to the root of this nothing touches;
+/// and so on from there, until what is gained is not worth a step. From there the other integrator
+/// goes on.
 ///
-/// A method with a [fixed step](Integrator::fixed_step) flies whole steps, so that it meets the ground at the same places of its grid as without: the states that one sees are the same
-/// to rounding, for a method that is exact in flight, and else to that method's error in flight. What is seen less is steps: an observer that wants to see a flight asks for times
+/// A method with a [fixed step](Integrator::fixed_step) flies whole steps, so that it meets the
+/// ground at the same places of its grid as without: the states that one sees are the same to
+/// rounding, for a method that is exact in flight, and else to that method's error in flight. What
+/// is seen less is steps: an observer that wants to see a flight asks for times
 /// ([`Timed`](crate::Timed)).
 ///
-/// *Energy:* never rises in a flight, by the same last word as in [`EnergyMomentum`](crate::EnergyMomentum): what rounding has lifted is taken from the velocities, a factor of 1 to rounding. Around `EnergyMomentum` it never rises at all.
+/// *Energy:* never rises in a flight, by the same last word as in
+/// [`EnergyMomentum`](crate::EnergyMomentum): what rounding has lifted is taken from the
+/// velocities, a factor of 1 to rounding. Around `EnergyMomentum` it never rises at all.
 ///
-/// *Body:* exact for two equal moments. With three different ones the turn is composed of steps of at most 0.02 rad, of order 4: it is off by less than 1e-9 rad for each radian of the flight's turn, and after 20 000 rad
-/// a step of the flight ends.
-/// *Ground:* needs to know where the ground is ([`Extent`]): over a ground that may be everywhere nothing is gained. Where the body is on the ground a step costs a look at its
-/// lowest place more.
+/// *Body:* exact for two equal moments. With three different ones the turn is composed of steps of
+/// at most 0.02 rad, of order 4: it is off by less than 1e-9 rad for each radian of the flight's
+/// turn, and after 20 000 rad a step of the flight ends. *Ground:* needs to know where the ground
+/// is ([`Extent`]): over a ground that may be everywhere nothing is gained. Where the body is on
+/// the ground a step costs a look at its lowest place more.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -94,7 +103,8 @@ impl<R: Real, I: Integrator<R>> Integrator<R> for Flight<I> {
     }
 }
 
-/// A flight whose computed energy is not above the one before: what its rounding lifts is taken from the velocities. `None` where that cannot be had.
+/// A flight whose computed energy is not above the one before: what its rounding lifts is taken
+/// from the velocities. `None` where that cannot be had.
 #[inline]
 fn fly_without_rise<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -168,8 +178,8 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         };
         let worth = match fixed_step {
             Some(step) => step * R::TWO,
-            // A rest of a run is more than half of `EPSILON` of its time, and its clock resolves an eighth
-            // of the square of that: it resolves `EPSILON` of the rest.
+            // A rest of a run is more than half of `EPSILON` of its time, and its clock resolves an
+            // eighth of the square of that: it resolves `EPSILON` of the rest.
             None if limit < R::MAX => self.resolution(plane).at_least(limit * R::EPSILON),
             None => self.resolution(plane),
         };
@@ -178,7 +188,8 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
             // For ever up, and no limit: there is no end.
             return (limit < R::MAX && limit > R::ZERO).then_some(limit);
         }
-        // A body in contact has no time to fly, and one that nothing moves is not worth less than that.
+        // A body in contact has no time to fly, and one that nothing moves is not worth less than
+        // that.
         let is_worth = free >= worth && free > R::ZERO;
         is_worth.then(|| match fixed_step {
             Some(step) => whole_steps(free, step).at_most(limit),
@@ -186,7 +197,8 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         })
     }
 
-    /// The time in which the body moves by a fiftieth of its reach, s; of a point, by the rounding of its height.
+    /// The time in which the body moves by a fiftieth of its reach, s; of a point, by the rounding
+    /// of its height.
     fn resolution(&self, plane: &Plane<R>) -> R {
         let reach = self.scene.reach();
         let length = (reach * R::from_f64(0.02)).at_least(self.rounding(plane));
@@ -209,7 +221,8 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         (gap.abs() + plane.height.abs() + self.scene.reach()) * (R::EPSILON * R::from_f64(16.0))
     }
 
-    /// A time up to which nothing touches, s: up to the first touch but for `worth`, or at least `limit`.
+    /// A time up to which nothing touches, s: up to the first touch but for `worth`, or at least
+    /// `limit`.
     #[inline]
     fn free(&self, plane: &Plane<R>, worth: R, limit: R) -> R {
         let mass = self.scene.mass_properties();
@@ -253,7 +266,8 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
 /// Looks at the body's turn on the way to the ground.
 const LOOKS: u32 = 16;
 
-/// Up to when `height + rising s - bend s²/2` stays above 0, s; `R::MAX` for ever, 0 where it is not now.
+/// Up to when `height + rising s - bend s²/2` stays above 0, s; `R::MAX` for ever, 0 where it is
+/// not now.
 #[inline]
 fn safe<R: Real>(height: R, rising: R, bend: R) -> R {
     if height <= R::ZERO {

@@ -8,13 +8,15 @@ use crate::rotation::Rotation;
 use crate::scene::{Dynamics, load_with_arms};
 use crate::state::State;
 
-/// The report's order of operations on a plain state: forward Euler, with the body turned exactly about its angular velocity.
+/// The report's order of operations on a plain state: forward Euler, with the body turned exactly
+/// about its angular velocity.
 ///
 /// ```text
 /// ω = J⁻¹ L;   q' = exp(dt ω) q;   x' = x + dt v;   v' = v + dt (F/m + g);   L' = L + dt Σ r' × F
 /// ```
-/// with the forces at the old positions and velocities, and the torque by the *new* arms r' and those old forces. (The report's own loop takes the slip
-/// velocity from the angular velocity of the step before, which a plain state does not hold: the two differ by O(dt).)
+/// with the forces at the old positions and velocities, and the torque by the *new* arms r' and
+/// those old forces. (The report's own loop takes the slip velocity from the angular velocity of
+/// the step before, which a plain state does not hold: the two differ by O(dt).)
 ///
 /// Order 1, one evaluation a step. *Adds energy:* free flight gains `m g² dt²/2` a step, and a
 /// contact loses `stiffness · dt` of its damping, so that it is stable only for

@@ -6,7 +6,9 @@ use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// What tells the energies of one scene from another's: mass, moments, reach, how many contacts and how many points its rim stands for, gravity, the surface as seen from the body, and the springs at a depth of its reach.
+/// What tells the energies of one scene from another's: mass, moments, reach, how many contacts and
+/// how many points its rim stands for, gravity, the surface as seen from the body, and the springs
+/// at a depth of its reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Likeness<R: Real> {
     body: [R; 2],

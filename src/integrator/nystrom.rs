@@ -12,29 +12,40 @@ use crate::rotation::Rotation;
 use crate::scene::{Dynamics, Motion};
 use crate::state::State;
 
-/// Nyström's method: that of Runge and Kutta for equations which say how velocities change, with the contacts that touch down or let go within a step set right.
+/// Nyström's method: that of Runge and Kutta for equations which say how velocities change, with
+/// the contacts that touch down or let go within a step set right.
 ///
-/// Place and quaternion `y = (x, q)` follow from their second derivatives, velocity and angular momentum `p = (v, L)` from the same loads:
+/// Place and quaternion `y = (x, q)` follow from their second derivatives, velocity and angular
+/// momentum `p = (v, L)` from the same loads:
 ///
 /// ```text
 /// y_i = y + c_i h y' + h² Σ_j A_ij y''_j     p_i = p + h Σ_j a_ij p'_j     x'' = F/m + g     q'' = (0, J⁻¹ (T - ω × L)) q/2 - ω² q/4
 /// ```
-/// Four evaluations a step. Order 4 in smooth motion, 5 on linear springs. The conditions of these orders (Hairer, Nørsett & Wanner I, section II.14), `B_i = b_i (1 - c_i)`, which the touch-downs ask
-/// for, and `c_4 = 1` leave three numbers free; the choice of Nyström (1925) has order 5 wherever forces depend on the place alone. Here two nodes are `1/4` and `5/8`, and
-/// `Σ_ij B_i A_ij c_j = 1/120 - 1/1440`: at `ω dt = 1` the phase of a swing on springs then errs by 9.9e-5 of itself and its size grows by 1.9e-4 a step, where Nyström's do by 1.45e-4
-/// and 2.4e-4. `a` is the one matrix that makes the velocities a method of order 4 with these nodes and weights, by `Σ_i b_i a_ij = b_j (1 - c_j)` and `b_4 a_43 a_32 c_2 = 1/24`.
+/// Four evaluations a step. Order 4 in smooth motion, 5 on linear springs. The conditions of these
+/// orders (Hairer, Nørsett & Wanner I, section II.14), `B_i = b_i (1 - c_i)`, which the touch-downs
+/// ask for, and `c_4 = 1` leave three numbers free; the choice of Nyström (1925) has order 5
+/// wherever forces depend on the place alone. Here two nodes are `1/4` and `5/8`, and
+/// `Σ_ij B_i A_ij c_j = 1/120 - 1/1440`: at `ω dt = 1` the phase of a swing on springs then errs by
+/// 9.9e-5 of itself and its size grows by 1.9e-4 a step, where Nyström's do by 1.45e-4 and 2.4e-4.
+/// `a` is the one matrix that makes the velocities a method of order 4 with these nodes and
+/// weights, by `Σ_i b_i a_ij = b_j (1 - c_j)` and `b_4 a_43 a_32 c_2 = 1/24`.
 ///
-/// *Touch-downs.* Where a contact touches down, its force jumps (the damper's) and bends (the spring's). The weighted sum over the stages makes an error of `h Δf` of that, whatever
-/// the order, and every method of high order falls to order 1 (Gear & Østerby, ACM Transactions on Mathematical Software 10, 23, 1984; Hairer, Nørsett & Wanner I, section
-/// II.6). But the path of the contact between both ends of the step is known, and with it the leading term of that error. For each contact that pushes at one end of the step and not at the
-/// other, the end is moved by
+/// *Touch-downs.* Where a contact touches down, its force jumps (the damper's) and bends (the
+/// spring's). The weighted sum over the stages makes an error of `h Δf` of that, whatever the
+/// order, and every method of high order falls to order 1 (Gear & Østerby, ACM Transactions on
+/// Mathematical Software 10, 23, 1984; Hairer, Nørsett & Wanner I, section II.6). But the path of
+/// the contact between both ends of the step is known, and with it the leading term of that error.
+/// For each contact that pushes at one end of the step and not at the other, the end is moved by
 ///
 /// ```text
 /// Δp = h (∫ f ds - Σ b_i f(c_i))     and the place that follows from     h² (∫ (1 - s) f ds - Σ B_i f(c_i))
 /// ```
-/// with `f(s)` its force where the depth goes by Hermite's cubic from end to end, and `f(c_i)` what the stages have seen of it. Arm and direction of the force are those at both ends,
-/// `Δp = Δp_B D(0) + (Δp - Δp_B) D(1)`, because `B_i = b_i (1 - c_i)`: with the share `Δp_B` that the place takes and the rest. What is left is what the stages did to each other by it, a power of the step smaller: order 2 through
-/// touch-downs. In trial 1 of the report, with 150 of them in a second, the error is 8.6e-5 m with a step of 16.1 ms, 1.1e-6 m with 4 ms and 6e-8 m with 1 ms
+/// with `f(s)` its force where the depth goes by Hermite's cubic from end to end, and `f(c_i)` what
+/// the stages have seen of it. Arm and direction of the force are those at both ends,
+/// `Δp = Δp_B D(0) + (Δp - Δp_B) D(1)`, because `B_i = b_i (1 - c_i)`: with the share `Δp_B` that
+/// the place takes and the rest. What is left is what the stages did to each other by it, a power
+/// of the step smaller: order 2 through touch-downs. In trial 1 of the report, with 150 of them in
+/// a second, the error is 8.6e-5 m with a step of 16.1 ms, 1.1e-6 m with 4 ms and 6e-8 m with 1 ms
 /// (`tests/truth.rs`): there a 290th of [`Rk4`](crate::Rk4)'s.
 ///
 /// *Limits* (ω and δ are the highest frequency and damping rate that the contacts give the body at
@@ -44,8 +55,10 @@ use crate::state::State;
 ///   [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes the limit at a
 ///   state: exact for a body that slides, up to 10 % too long where friction damps some motions and
 ///   not others.
-/// - *May add energy*: a swing without dampers grows by 2.1e-4 (ω dt)⁶ of itself a step. Damping of `ζ > 2.1e-4 (ω dt)⁵` takes more than that.
-/// - A contact that dips into the ground and out of it within one step is seen by the stages alone; torques that [resist turning](crate::WithResistance) are not set right.
+/// - *May add energy*: a swing without dampers grows by 2.1e-4 (ω dt)⁶ of itself a step. Damping of
+///   `ζ > 2.1e-4 (ω dt)⁵` takes more than that.
+/// - A contact that dips into the ground and out of it within one step is seen by the stages alone;
+///   torques that [resist turning](crate::WithResistance) are not set right.
 ///
 /// The least price for an error between 1e-4 and 1e-6 m where a body rolls and slides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,7 +129,8 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
     }
 }
 
-/// Where a stage stands, and what the stages before it weigh for its place (`A`) and for its velocities (`a`).
+/// Where a stage stands, and what the stages before it weigh for its place (`A`) and for its
+/// velocities (`a`).
 struct Row<const N: usize> {
     /// Share of the step.
     time: f64,
@@ -211,7 +225,8 @@ impl<R: Real> Start<R> {
     fn ahead<const N: usize>(&self, row: &Row<N>, stages: [&Stage<R>; N]) -> Point<R> {
         let h = self.seconds;
         let mut point = self.point;
-        // Place and turn by their mean rates up to here: a term of h² by itself would be lost in the rounding of the place.
+        // Place and turn by their mean rates up to here: a term of h² by itself would be lost in
+        // the rounding of the place.
         let (mut velocity, mut turning) = (self.point.linear_velocity, self.turning);
         for ((stage, &place), &speed) in stages.into_iter().zip(&row.places).zip(&row.speeds) {
             let speed = h * R::from_f64(speed);
@@ -307,7 +322,8 @@ mod tests {
         }
     }
 
-    /// Of a swing `y'' = -ω² y` in a step of `ω dt = angle`: by what share the angle by which it goes on is late, and what the factor by which it grows has above 1.
+    /// Of a swing `y'' = -ω² y` in a step of `ω dt = angle`: by what share the angle by which it
+    /// goes on is late, and what the factor by which it grows has above 1.
     fn swing(
         angle: f64,
         matrix: Matrix,

@@ -1,4 +1,5 @@
-//! How one contact passes through a step: where it is at both ends, how hard it pushes there, and its path between.
+//! How one contact passes through a step: where it is at both ends, how hard it pushes there, and
+//! its path between.
 //!
 //! For the methods that look at contacts which begin or cease to push within a step.
 
@@ -67,7 +68,8 @@ pub(super) fn push<R: Real, D: Dynamics<R>>(scene: &D, depth: R, closing_speed: 
     }
 }
 
-/// From the centre of mass to where the force acts on a contact (m), and the ground's normal there; world axes.
+/// From the centre of mass to where the force acts on a contact (m), and the ground's normal there;
+/// world axes.
 #[inline(always)]
 pub(super) fn arm<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -89,7 +91,8 @@ pub(super) fn slip<R: Real>(motion: &Motion<R>, (arm, normal): (R::Vec3, R::Vec3
 
 /// A moment of the step, from which depth and closing speed of each contact are seen.
 ///
-/// Above a plane `n · p = height` both are linear in the contact's place `b` in the body, as `(ω × r) · n = (n × ω) · r`:
+/// Above a plane `n · p = height` both are linear in the contact's place `b` in the body, as
+/// `(ω × r) · n = (n × ω) · r`:
 ///
 /// ```text
 /// depth = radius + (height - n · x) - Qᵀn · b        closing speed = -n · v - Qᵀ(n × ω) · b
@@ -100,7 +103,8 @@ pub(super) struct Sight<'a, R: Real, D> {
     plane: Option<AbovePlane<R>>,
 }
 
-/// Depth and closing speed of the centre of mass, and what they lose for each metre along the body's axes.
+/// Depth and closing speed of the centre of mass, and what they lose for each metre along the
+/// body's axes.
 struct AbovePlane<R: Real> {
     depth: R,
     closing_speed: R,
@@ -163,7 +167,8 @@ impl<'a, R: Real, D: Dynamics<R>> Sight<'a, R, D> {
     }
 }
 
-/// The path of a contact through the step: its depth by Hermite's cubic, over the share of the step.
+/// The path of a contact through the step: its depth by Hermite's cubic, over the share of the
+/// step.
 pub(super) struct Path<R: Real> {
     start: R,
     end: R,
@@ -188,7 +193,8 @@ impl<R: Real> Path<R> {
         }
     }
 
-    /// Depth, and how it grows with the share: `d(s) = d₀ + m₀ s + (3Δ - 2m₀ - m₁) s² + (m₀ + m₁ - 2Δ) s³`.
+    /// Depth, and how it grows with the share:
+    /// `d(s) = d₀ + m₀ s + (3Δ - 2m₀ - m₁) s² + (m₀ + m₁ - 2Δ) s³`.
     #[inline]
     pub(super) fn at(&self, share: R) -> (R, R) {
         let (square, cube) = (self.square, self.cube);
@@ -198,7 +204,8 @@ impl<R: Real> Path<R> {
         (depth, slope)
     }
 
-    /// Where the path goes through the surface, if its ends lie on both sides of it: by Newton's method from the chord's crossing on, or by halving where that leads astray.
+    /// Where the path goes through the surface, if its ends lie on both sides of it: by Newton's
+    /// method from the chord's crossing on, or by halving where that leads astray.
     #[inline(always)]
     pub(super) fn surface(&self) -> Option<R> {
         if (self.start > R::ZERO) == (self.end > R::ZERO) {
@@ -251,7 +258,8 @@ impl<R: Real> Path<R> {
     }
 }
 
-/// How much of the step the second of Newton's iterations may still move: what is left then is some square of it, 1e-3 of the step at most.
+/// How much of the step the second of Newton's iterations may still move: what is left then is some
+/// square of it, 1e-3 of the step at most.
 const CONVERGED: f64 = 0.03;
 
 /// To a 2000th of the step.

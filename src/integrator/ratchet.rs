@@ -1,4 +1,5 @@
-//! The last word on a step: the computed energy is not above the one before, or the step does not happen.
+//! The last word on a step: the computed energy is not above the one before, or the step does not
+//! happen.
 
 use super::{Step, aloft};
 use crate::energy::{Dissipation, Energy};
@@ -10,11 +11,14 @@ use crate::state::State;
 /// Units in the last place of the sum of all energies' sizes that count as its rounding.
 const ROUNDING: f64 = 64.0;
 
-/// Moves a state with its energy on to the end of a step, with its velocities scaled down until its computed energy is no higher; `false` where that cannot be had.
+/// Moves a state with its energy on to the end of a step, with its velocities scaled down until its
+/// computed energy is no higher; `false` where that cannot be had.
 ///
-/// The solver's residual is all that can lift the energy, so that the factor is 1 to rounding; what was removed is in the step's report. A body in
-/// contact that has less kinetic energy than the rounding of the total, before and after, has come to rest, and stops where it was; in flight it keeps its old velocity. One that falls by less than its
-/// place's rounding falls by that: else it would hang for ever.
+/// The solver's residual is all that can lift the energy, so that the factor is 1 to rounding; what
+/// was removed is in the step's report. A body in contact that has less kinetic energy than the
+/// rounding of the total, before and after, has come to rest, and stops where it was; in flight it
+/// keeps its old velocity. One that falls by less than its place's rounding falls by that: else it
+/// would hang for ever.
 pub(super) fn hold<R: Real, D: Dynamics<R>>(
     scene: &D,
     (state, energy): (&mut State<R>, &mut Energy<R>),
@@ -38,7 +42,8 @@ pub(super) fn hold<R: Real, D: Dynamics<R>>(
     hold_down(scene, (state, energy), (end, after), touching, step)
 }
 
-/// An end without the rounding of its energy, where nothing else has changed the energy of the step.
+/// An end without the rounding of its energy, where nothing else has changed the energy of the
+/// step.
 fn without_rounding<R: Real, D: Dynamics<R>>(
     scene: &D,
     (start, before): (&State<R>, &Energy<R>),
@@ -97,7 +102,8 @@ fn hold_down<R: Real, D: Dynamics<R>>(
     true
 }
 
-/// Where a step may end that would gain no more than rounding: stopped in contact; in flight with the old velocity, or, at the top of its path, turned round where it is.
+/// Where a step may end that would gain no more than rounding: stopped in contact; in flight with
+/// the old velocity, or, at the top of its path, turned round where it is.
 fn without_gain<R: Real>(start: &State<R>, end: &State<R>, touching: usize) -> [State<R>; 2] {
     if touching > 0 {
         return [stopped(start); 2];
@@ -114,8 +120,9 @@ fn without_gain<R: Real>(start: &State<R>, end: &State<R>, touching: usize) -> [
     [coasting, turning]
 }
 
-/// Of a step from start to end that has not changed the height of a body which nothing bears: its end, lower by two units in the last place of the height. That takes one unit or more from the computed
-/// energy of gravity; what the body has gained of speed is worth less.
+/// Of a step from start to end that has not changed the height of a body which nothing bears: its
+/// end, lower by two units in the last place of the height. That takes one unit or more from the
+/// computed energy of gravity; what the body has gained of speed is worth less.
 fn fallen<R: Real, D: Dynamics<R>>(
     scene: &D,
     [start, end]: [&State<R>; 2],
@@ -137,7 +144,8 @@ fn fallen<R: Real, D: Dynamics<R>>(
 }
 
 /// Whether the contacts bear at least half of the body's weight.
-// Asked seldom and in two places: one loop over contacts is enough, and none of its parts need go abreast.
+// Asked seldom and in two places: one loop over contacts is enough, and none of its parts need go
+// abreast.
 #[inline(never)]
 fn is_borne<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> bool {
     let gravity = scene.gravity();
@@ -149,7 +157,8 @@ fn is_borne<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> bool {
     lift >= weight * R::HALF
 }
 
-/// The end with its velocities scaled down, or without any, if its energy is then at most the ceiling.
+/// The end with its velocities scaled down, or without any, if its energy is then at most the
+/// ceiling.
 pub(super) fn lowered<R: Real, D: Dynamics<R>>(
     scene: &D,
     ceiling: R,
@@ -170,7 +179,8 @@ pub(super) fn lowered<R: Real, D: Dynamics<R>>(
     })
 }
 
-/// The end with its velocities scaled, by the smallest doubling of the excess that brings the computed energy to the ceiling.
+/// The end with its velocities scaled, by the smallest doubling of the excess that brings the
+/// computed energy to the ceiling.
 pub(super) fn scaled_down<R: Real, D: Dynamics<R>>(
     scene: &D,
     ceiling: R,
@@ -193,8 +203,10 @@ pub(super) fn scaled_down<R: Real, D: Dynamics<R>>(
     }
 }
 
-/// Whether a step has shown a body in contact to be at rest: it moves by less than numbers can hold, with less kinetic energy than the rounding of the total, and what
-/// velocity it has is dying out or is what rounding leaves of balanced forces; and that its contacts bear it. A body that a force sets going gains more velocity than that, however short the step.
+/// Whether a step has shown a body in contact to be at rest: it moves by less than numbers can
+/// hold, with less kinetic energy than the rounding of the total, and what velocity it has is dying
+/// out or is what rounding leaves of balanced forces; and that its contacts bear it. A body that a
+/// force sets going gains more velocity than that, however short the step.
 pub(super) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     scene: &D,
     [start, end]: [&State<R>; 2],
@@ -220,7 +232,9 @@ pub(super) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     if turned.into_iter().any(|(a, b)| (a - b).abs() > R::EPSILON) {
         return false;
     }
-    // Springs that bear the weight W with the energy V have the stiffness W²/(2 V); a depth is rounded to some last places of the numbers that make it. Of springs that do not, that says nothing.
+    // Springs that bear the weight W with the energy V have the stiffness W²/(2 V); a depth is
+    // rounded to some last places of the numbers that make it. Of springs that do not, that says
+    // nothing.
     let mass = scene.mass_properties().mass();
     let weight = mass * scene.gravity().length();
     let depth = scene.ground().surface(start.position).gap.abs() + reach;

@@ -8,7 +8,8 @@ use crate::rotation::{Axes, Rotation};
 use crate::scene::{Dynamics, Load, Motion};
 use crate::state::State;
 
-/// The classical Runge-Kutta method on position, velocity, quaternion and angular momentum, with the quaternion scaled to length 1 after each step.
+/// The classical Runge-Kutta method on position, velocity, quaternion and angular momentum, with
+/// the quaternion scaled to length 1 after each step.
 ///
 /// Order 4 in smooth motion, four evaluations a step; order 1 to 2 through contact entries, where
 /// the damper's force jumps. *May add energy* by O(dt⁵) a step in smooth motion. Stable for
@@ -157,7 +158,8 @@ impl<R: Real> Point<R> {
         self.slope_near(scene, &mut run)
     }
 
-    /// As [`slope`](Self::slope), with the contacts that touch, known of a point not far from here or not at all.
+    /// As [`slope`](Self::slope), with the contacts that touch, known of a point not far from here
+    /// or not at all.
     #[inline(always)]
     fn slope_near(&self, scene: &impl Dynamics<R>, run: &mut Run) -> Self {
         self.slope_along(scene, self.orientation.axes_of_any_length(), run)

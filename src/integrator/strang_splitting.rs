@@ -8,7 +8,8 @@ use crate::rotation::{Axes, Rotation};
 use crate::scene::{Dynamics, Load};
 use crate::state::State;
 
-/// Strang's splitting: half a step of exact flight, a kick by the contacts at the middle, half a step of exact flight.
+/// Strang's splitting: half a step of exact flight, a kick by the contacts at the middle, half a
+/// step of exact flight.
 ///
 /// ```text
 /// drift dt/2:  x += dt/2 v;  q = free turn under L
@@ -32,9 +33,11 @@ use crate::state::State;
 ///   ([`LimitedDamper`](crate::LimitedDamper)) it is 1.7 to 3.4
 ///   ([accuracy](crate::guide::accuracy)). [`EnergyMomentum`](crate::EnergyMomentum), which
 ///   averages the force over the step, keeps 2.
-/// - Sticks for `dt < 2 slip_speed/(3 μ g)` (the 3 is `1 + m r²/I`, of a ring): in a longer step the kick turns a stuck slip round instead of ending it, friction does next to
-///   no work, and a body comes to rest too late. A coin of the report with μ = 0.8 and a slip speed of 1e-10 m/s, which settles after 78 s, does so after 108 s with dt = 1 ms
-///   and 84 s with 0.2 ms. For stick take [`EnergyMomentum`](crate::EnergyMomentum).
+/// - Sticks for `dt < 2 slip_speed/(3 μ g)` (the 3 is `1 + m r²/I`, of a ring): in a longer step
+///   the kick turns a stuck slip round instead of ending it, friction does next to no work, and a
+///   body comes to rest too late. A coin of the report with μ = 0.8 and a slip speed of 1e-10 m/s,
+///   which settles after 78 s, does so after 108 s with dt = 1 ms and 84 s with 0.2 ms. For stick
+///   take [`EnergyMomentum`](crate::EnergyMomentum).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StrangSplitting<R = f64> {
@@ -100,7 +103,8 @@ fn drift<R: Real>(
     mass.turn_freely(rotation, axes, state.angular_momentum, seconds)
 }
 
-/// Velocities moved on by the forces at a place that stands still. Returns how often the contacts were evaluated.
+/// Velocities moved on by the forces at a place that stands still. Returns how often the contacts
+/// were evaluated.
 #[inline]
 fn kick<R: Real>(
     scene: &impl Dynamics<R>,

@@ -7,7 +7,8 @@ use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// Semi-implicit (symplectic) Euler with the exact torque-free turn: a kick by the forces, then a drift with the new velocities.
+/// Semi-implicit (symplectic) Euler with the exact torque-free turn: a kick by the forces, then a
+/// drift with the new velocities.
 ///
 /// ```text
 /// (v', L') = (v, L) + dt (F/m + g, T)(x, q, v, L);   x' = x + dt v';   q' = free turn of q under L' in dt
@@ -44,7 +45,8 @@ impl<R: Real> Integrator<R> for SymplecticEuler<R> {
         *near = scene.contacts_near(*near, motion.position, &motion.axes);
         let load = scene.load_on(*near, &motion);
 
-        // Position and turn use the new velocities: with the old ones each step would add energy to a spring.
+        // Position and turn use the new velocities: with the old ones each step would add energy to
+        // a spring.
         state.linear_velocity += (load.force * mass.inverse_mass() + scene.gravity()) * dt;
         state.angular_momentum += load.torque * dt;
         state.position += state.linear_velocity * dt;

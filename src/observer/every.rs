@@ -17,7 +17,8 @@ impl<O> Every<O> {
     /// Each `steps`-th sample, at least 1.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if `steps` is 0. The error names the quantity, the rule and the value.
+    /// Returns [`SceneError`] if `steps` is 0. The error names the quantity, the rule and the
+    /// value.
     pub fn steps(steps: u64, observer: O) -> Result<Self, SceneError> {
         if steps == 0 {
             let quantity = "number of steps between samples";

@@ -6,10 +6,13 @@ use super::{Observer, Sample};
 use crate::error::{self, SceneError};
 use crate::real::Real;
 
-/// Shows another observer the states at the start and at whole multiples of a time, instead of those after each step.
+/// Shows another observer the states at the start and at whole multiples of a time, instead of
+/// those after each step.
 ///
-/// A state between two steps is that at the end of a shorter step from the first of them, made on the side, and the run itself goes on as if nobody looked. With a fixed step it has the bits of an
-/// [`advance`](crate::Stepper::advance) to that time; a method that chooses its steps keeps its tolerance. A look costs a step.
+/// A state between two steps is that at the end of a shorter step from the first of them, made on
+/// the side, and the run itself goes on as if nobody looked. With a fixed step it has the bits of
+/// an [`advance`](crate::Stepper::advance) to that time; a method that chooses its steps keeps its
+/// tolerance. A look costs a step.
 ///
 /// ```
 /// use core::ops::ControlFlow;

@@ -8,13 +8,16 @@ use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 use crate::state::State;
 
-/// Ends a run when the body lies still: when no place of it has moved by more than a distance for a time.
+/// Ends a run when the body lies still: when no place of it has moved by more than a distance for a
+/// time.
 ///
-/// A single look at a state cannot tell: in the middle of a bounce, and where a rocking coin turns back, a body is slow as well. So this one remembers where the body was when
-/// it last moved. It compares places and asks for no force, so a look costs next to nothing.
+/// A single look at a state cannot tell: in the middle of a bounce, and where a rocking coin turns
+/// back, a body is slow as well. So this one remembers where the body was when it last moved. It
+/// compares places and asks for no force, so a look costs next to nothing.
 ///
-/// One observer may watch run after run, as a game does frame by frame. It then goes on counting, and begins anew when the state was changed between two runs: a body that is pushed wakes up. A run of a body that
-/// lies ends before its first step.
+/// One observer may watch run after run, as a game does frame by frame. It then goes on counting,
+/// and begins anew when the state was changed between two runs: a body that is pushed wakes up. A
+/// run of a body that lies ends before its first step.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -33,8 +36,9 @@ use crate::state::State;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// *Limits:* it sees the body at the ends of steps. A body that creeps, as every body does on a slope, lies still where it creeps by less than `distance` in the time. So does one that
-/// stands on an edge. At the top of its path a thrown body stays within `distance` for up to
+/// *Limits:* it sees the body at the ends of steps. A body that creeps, as every body does on a
+/// slope, lies still where it creeps by less than `distance` in the time. So does one that stands
+/// on an edge. At the top of its path a thrown body stays within `distance` for up to
 /// `2 √(2 distance/g)`, which is 9 ms for 1e-4 m on earth: `seconds` must be longer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UntilRest<R: Real = f64> {
@@ -87,7 +91,8 @@ impl<R: Real> UntilRest<R> {
         self.seen.is_some() && self.still >= self.seconds
     }
 
-    /// Whether the body has stayed where it was from `seen` to now, `elapsed` seconds after the last look.
+    /// Whether the body has stayed where it was from `seen` to now, `elapsed` seconds after the
+    /// last look.
     fn stays(&self, seen: &Seen<R>, now: &State<R>, elapsed: R) -> bool {
         let shift = (now.position - seen.moved.position).length();
         // A turn by φ takes a place at the distance r along a chord of 2 r sin(φ/2).

@@ -1,6 +1,8 @@
-//! Sine and cosine of single precision without double precision: `libm`'s own go through f64, which a processor with single precision alone has to emulate.
+//! Sine and cosine of single precision without double precision: `libm`'s own go through f64, which
+//! a processor with single precision alone has to emulate.
 //!
-//! Integers reduce the angle, exactly for every f32; then `+ - *` in one order. Both results are within a unit in the last place.
+//! Integers reduce the angle, exactly for every f32; then `+ - *` in one order. Both results are
+//! within a unit in the last place.
 
 /// The bits of 1/2π, from 2³¹ down.
 const TURNS_PER_RADIAN: [u32; 8] = [
@@ -30,14 +32,16 @@ pub(super) fn sin_cos(angle: f32) -> (f32, f32) {
     (if angle < 0.0 { -sin } else { sin }, cos)
 }
 
-/// Quarter turns, 0 to 3, and what is left over, at most an eighth of a turn to either side, rad; with what rounding has taken from it.
+/// Quarter turns, 0 to 3, and what is left over, at most an eighth of a turn to either side, rad;
+/// with what rounding has taken from it.
 #[allow(clippy::cast_possible_wrap, reason = "above 2⁶³ it is a turn back")]
 fn reduce(angle: f32) -> (u64, [f32; 2]) {
     if angle <= core::f32::consts::FRAC_PI_4 {
         return (0, [angle, 0.0]);
     }
-    // angle = m 2^e. Of m 2^e/2π the whole turns do not matter, so m is multiplied by 96 bits of 1/2π from 2^(-e-1) on: the error is below 2⁻⁷² turns,
-    // and no f32 is nearer than 2⁻³⁶ turns to a quarter.
+    // angle = m 2^e. Of m 2^e/2π the whole turns do not matter, so m is multiplied by 96 bits of
+    // 1/2π from 2^(-e-1) on: the error is below 2⁻⁷² turns, and no f32 is nearer than 2⁻³⁶ turns to
+    // a quarter.
     let bits = angle.to_bits();
     let m = u64::from(bits & 0x007f_ffff | 0x0080_0000);
     let from = (bits >> 23) + 32 - 150;
@@ -80,7 +84,8 @@ fn radians(turns: u64) -> [f32; 2] {
     [rounded * unit, lost as f32 * unit]
 }
 
-/// Of `x + lost`, by Taylor's series for up to π/4, to terms below 2⁻²⁶ of the sum; of `lost`, which is below a unit in the last place of `x`, by its first term.
+/// Of `x + lost`, by Taylor's series for up to π/4, to terms below 2⁻²⁶ of the sum; of `lost`,
+/// which is below a unit in the last place of `x`, by its first term.
 fn sin_cos_to_an_eighth(x: f32, lost: f32) -> (f32, f32) {
     let s = x * x;
     let sin = (((1.0 / 362_880.0 * s - 1.0 / 5040.0) * s + 1.0 / 120.0) * s - 1.0 / 6.0) * s;
@@ -112,7 +117,8 @@ mod tests {
 
     #[test]
     fn sine_and_cosine_are_within_a_unit_in_the_last_place_at_all_sizes() {
-        // A prime step through the bits of all finite numbers meets every exponent some ten thousand times.
+        // A prime step through the bits of all finite numbers meets every exponent some ten
+        // thousand times.
         let mut worst: f64 = 0.0;
         for bits in (0..0x7f80_0000).step_by(9973) {
             let angle = f32::from_bits(bits);

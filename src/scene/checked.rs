@@ -1,10 +1,14 @@
 //! A scene whose laws are checked while a step evaluates them.
 //!
-//! A comparison with NaN is false, so that a contact with a NaN gap would not touch, and a NaN force would be lost in the next maximum. An implicit method would take the push of an active
-//! friction law for an error of its own. So the integrator is given this scene in place of the stepper's: it forwards everything, and records the first value that breaks a contract,
-//! wherever the method evaluates it. The stepper turns the record into an error.
+//! A comparison with NaN is false, so that a contact with a NaN gap would not touch, and a NaN
+//! force would be lost in the next maximum. An implicit method would take the push of an active
+//! friction law for an error of its own. So the integrator is given this scene in place of the
+//! stepper's: it forwards everything, and records the first value that breaks a contract, wherever
+//! the method evaluates it. The stepper turns the record into an error.
 //!
-//! A scene whose laws are trusted ([`SpringDamperGround::is_trusted`]), as all built-in ones are, never comes here. The others pay for calls through pointers and for a comparison or two for each value.
+//! A scene whose laws are trusted ([`SpringDamperGround::is_trusted`]), as all built-in ones are,
+//! never comes here. The others pay for calls through pointers and for a comparison or two for each
+//! value.
 
 use core::cell::Cell;
 
@@ -15,9 +19,11 @@ use crate::friction::{Drag, SlidingFriction, TurningResistance};
 use crate::ground::{Extent, MeanForce, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 
-/// Units in the last place by which the square of a normal's length may differ from 1: twice what `check_ground` allows.
+/// Units in the last place by which the square of a normal's length may differ from 1: twice what
+/// `check_ground` allows.
 const NORMAL: f64 = 128.0;
-/// Units in the last place of `|force| |slip|` by which the power of friction may exceed 0: 16 times what `check_friction` allows.
+/// Units in the last place of `|force| |slip|` by which the power of friction may exceed 0: 16
+/// times what `check_friction` allows.
 const POWER: f64 = 64.0;
 
 /// Values that break a contract.
@@ -25,7 +31,8 @@ const POWER: f64 = 64.0;
 struct Findings<R> {
     /// The first that no rounding explains, and its value.
     certain: Option<(LawQuantity, R)>,
-    /// The least spring energy, J, 0 where none is negative. Rounding of the law's terms may explain it.
+    /// The least spring energy, J, 0 where none is negative. Rounding of the law's terms may
+    /// explain it.
     least_energy: R,
 }
 
@@ -73,7 +80,8 @@ impl<R: Real> Record<R> {
 
 /// A scene with its laws checked.
 ///
-/// Its parts are behind pointers, so that an integrator is compiled once for all scenes with checks, and not once more for each.
+/// Its parts are behind pointers, so that an integrator is compiled once for all scenes with
+/// checks, and not once more for each.
 pub(crate) struct CheckedScene<'a, R: Real> {
     body: &'a dyn RigidPointBody<R>,
     ground: CheckedGround<'a, R>,
@@ -209,7 +217,8 @@ impl<R: Real> CheckedGround<'_, R> {
         }
     }
 
-    /// The values that a mean force is made of come first: where one of them is infinite, the mean has overflowed.
+    /// The values that a mean force is made of come first: where one of them is infinite, the mean
+    /// has overflowed.
     #[cold]
     #[inline(never)]
     fn blame_mean(&self, mean: R, [start, end]: [R; 2], seconds: R) {

@@ -1,7 +1,9 @@
 //! Bare points on a level plane: what most scenes are, and the short way to their load.
 //!
-//! There, the depth of a contact with the arm `r` (from the centre of mass, world axes) is what the arm leaves of the centre's own, the ground pushes along z, and the slip
-//! has no z component. With the plane at the height `h`, and place, velocity and angular velocity `x`, `v` and `ω` of the body:
+//! There, the depth of a contact with the arm `r` (from the centre of mass, world axes) is what the
+//! arm leaves of the centre's own, the ground pushes along z, and the slip has no z component. With
+//! the plane at the height `h`, and place, velocity and angular velocity `x`, `v` and `ω` of the
+//! body:
 //!
 //! ```text
 //! depth = (h - x.z) - r.z        velocity = v + ω × r        slip = (velocity.x, velocity.y, 0)
@@ -14,22 +16,25 @@ use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 
-/// Number of contacts of a block, which go abreast. Each stage of a block is a loop of this length over arrays, which the compiler makes operations on as many lanes as
-/// the processor has; a shorter one it would unroll first, and then find no lanes. A divisor of the coin's 120.
+/// Number of contacts of a block, which go abreast. Each stage of a block is a loop of this length
+/// over arrays, which the compiler makes operations on as many lanes as the processor has; a
+/// shorter one it would unroll first, and then find no lanes. A divisor of the coin's 120.
 const ABREAST: usize = 24;
 
-/// Whether the processor computes on two numbers at once. There a step with few contacts takes less time if they go in pairs; elsewhere it would take more instructions.
-/// No bit depends on it.
+/// Whether the processor computes on two numbers at once. There a step with few contacts takes less
+/// time if they go in pairs; elsewhere it would take more instructions. No bit depends on it.
 const HAS_LANES: bool = cfg!(any(
     target_feature = "sse2",
     target_feature = "neon",
     target_feature = "simd128"
 ));
 
-/// Number of contacts whose forces are all worked out, in pairs, before the first of them is added: even, and a rolling body seldom touches with more.
+/// Number of contacts whose forces are all worked out, in pairs, before the first of them is added:
+/// even, and a rolling body seldom touches with more.
 const FEW: usize = 6;
 
-/// The load of the contacts of `parts` on a body above the plane z = `height` (m); with other `arm_axes`, the torque that it has with those.
+/// The load of the contacts of `parts` on a body above the plane z = `height` (m); with other
+/// `arm_axes`, the torque that it has with those.
 #[inline(always)]
 pub(super) fn load<R: Real, G, F>(
     laws: (&G, &F),
@@ -46,7 +51,8 @@ where
     let [head, tail] = parts;
     let mut load = Level { depth, motion }.with(Load::default(), laws, head, arm_axes);
     if !tail.is_empty() {
-        // What is handed to a function stays in memory. So a copy is, and the load is taken back part by part.
+        // What is handed to a function stays in memory. So a copy is, and the load is taken back
+        // part by part.
         let motion = &{ *motion };
         let whole = Level { depth, motion }.with_tail(load, laws, tail, arm_axes);
         load.force = whole.force;
@@ -121,7 +127,8 @@ impl<R: Real> Level<'_, R> {
         load
     }
 
-    /// As [`with`](Self::with), for the contacts behind the body's contact 0, to which a run seldom comes round.
+    /// As [`with`](Self::with), for the contacts behind the body's contact 0, to which a run seldom
+    /// comes round.
     #[cold]
     #[inline(never)]
     fn with_tail<G, F>(
@@ -140,7 +147,8 @@ impl<R: Real> Level<'_, R> {
 
     /// Adds contacts in pairs up to the first that does not touch, and returns the rest.
     ///
-    /// What a pair needs is written out twice and stored side by side: only so compilers see two lanes.
+    /// What a pair needs is written out twice and stored side by side: only so compilers see two
+    /// lanes.
     #[inline(always)]
     fn add_pairs<'a, G, F>(
         &self,
@@ -166,7 +174,8 @@ impl<R: Real> Level<'_, R> {
                 let arms = to_world(&self.motion.axes);
                 let depths = [self.depth(arms[0]), self.depth(arms[1])];
                 let touch = depths[0] > R::ZERO && depths[1] > R::ZERO;
-                // Both at once: a block that is full looks at the next pair in vain, but with a branch for itself steps with fewer contacts take more instructions.
+                // Both at once: a block that is full looks at the next pair in vain, but with a
+                // branch for itself steps with fewer contacts take more instructions.
                 if !touch || count + 1 >= FEW {
                     break;
                 }
@@ -194,10 +203,11 @@ impl<R: Real> Level<'_, R> {
         contacts
     }
 
-    /// The load with whole blocks abreast up to the first that does not touch all over, and the rest: a law is asked of contacts alone that touch.
+    /// The load with whole blocks abreast up to the first that does not touch all over, and the
+    /// rest: a law is asked of contacts alone that touch.
     ///
-    /// A run is as good as exact where a body can tell it, so that only its ends are left; where it cannot, one copy more of the laws here would be a tenth of a small
-    /// device's program.
+    /// A run is as good as exact where a body can tell it, so that only its ends are left; where it
+    /// cannot, one copy more of the laws here would be a tenth of a small device's program.
     #[inline(never)]
     fn with_blocks<'a, G, F>(
         &self,
@@ -252,7 +262,8 @@ impl<R: Real, const N: usize> Block<R, N> {
         R::Vec3::new(x[i], y[i], z[i])
     }
 
-    /// Its vector product with another one, in its own place: a block is a tenth of a small device's stack.
+    /// Its vector product with another one, in its own place: a block is a tenth of a small
+    /// device's stack.
     #[inline(always)]
     fn cross(&mut self, other: &Self) {
         for i in 0..N {
@@ -284,7 +295,8 @@ impl<R: Real, const N: usize> Block<R, N> {
     }
 }
 
-/// Sums over contacts at even and at odd places of their blocks, axis by axis: two each, so that they go abreast, and no more, so that their order is everywhere the same.
+/// Sums over contacts at even and at odd places of their blocks, axis by axis: two each, so that
+/// they go abreast, and no more, so that their order is everywhere the same.
 #[derive(Clone, Copy)]
 struct Pairs<R>([[R; 2]; 3]);
 
@@ -323,7 +335,8 @@ mod tests {
         }
     }
 
-    /// A ring, or with `depth` above 0 two rings of `depth` on both sides of the yz plane: any number of bare contacts.
+    /// A ring, or with `depth` above 0 two rings of `depth` on both sides of the yz plane: any
+    /// number of bare contacts.
     struct Rings {
         contacts: [ContactPoint; 120],
         count: usize,
@@ -401,7 +414,8 @@ mod tests {
                     forces += push.length();
                     gaps = f64::min(gaps, contact.depth);
                 });
-                // Each depth, of some 0.5 m, is rounded a few times in either way, by which a spring of 100 N/m feels it; then the sums.
+                // Each depth, of some 0.5 m, is rounded a few times in either way, by which a
+                // spring of 100 N/m feels it; then the sums.
                 let rounding = (8.0 * 0.5 * 100.0 + forces) * count as f64 * f64::EPSILON;
                 assert!(
                     (load.force - force).length() <= rounding,
@@ -440,7 +454,8 @@ mod tests {
                 (scene.load(&motion), tail)
             };
             let (middle, none) = load(0.0);
-            // Of each depth, 0.5 m at most, by some roundings of place and turn; twice, as they bear on two loads, and once more for the rub.
+            // Of each depth, 0.5 m at most, by some roundings of place and turn; twice, as they
+            // bear on two loads, and once more for the rub.
             let rounding = 3.0 * 8.0 * 0.5 * 100.0 * middle.touching as f64 * f64::EPSILON;
             for points in 80..100 {
                 let (turned, tail) = load(f64::from(points));

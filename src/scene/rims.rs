@@ -1,8 +1,11 @@
 //! Rims on the ground: the arc that touches.
 //!
-//! A Gauss rule is good for what is smooth. So the arc is cut where its forces have a kink ([`kinks`](mod@kinks)), and has points that crowd towards where friction reverses ([`turning_rules`]).
+//! A Gauss rule is good for what is smooth. So the arc is cut where its forces have a kink
+//! ([`kinks`](mod@kinks)), and has points that crowd towards where friction reverses
+//! ([`turning_rules`]).
 //!
-//! On a level plane depth and velocity are linear in sine and cosine along the arc, and a short one goes the short way of a [`Sweep`]; any other arc goes place by place ([`visit_any`]).
+//! On a level plane depth and velocity are linear in sine and cosine along the arc, and a short one
+//! goes the short way of a [`Sweep`]; any other arc goes place by place ([`visit_any`]).
 
 mod kinks;
 mod sweep;
@@ -18,7 +21,8 @@ use crate::ground::{Extent, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 
-/// What of a rim lies below ground: below the plane that touches the ground under the rim's lowest place.
+/// What of a rim lies below ground: below the plane that touches the ground under the rim's lowest
+/// place.
 #[inline]
 pub(crate) fn arc_below<R: Real, G: SpringDamperGround<R>>(
     rim: &Rim<R>,
@@ -43,7 +47,8 @@ pub(crate) fn arc_below<R: Real, G: SpringDamperGround<R>>(
     }
 }
 
-/// The lowest place of a rim (body axes), and the surface under it: by a few looks along the normal under the last one, exact on a plane.
+/// The lowest place of a rim (body axes), and the surface under it: by a few looks along the normal
+/// under the last one, exact on a plane.
 pub(super) fn lowest<R: Real, G: SpringDamperGround<R>>(
     rim: &Rim<R>,
     ground: &G,
@@ -60,7 +65,8 @@ pub(super) fn lowest<R: Real, G: SpringDamperGround<R>>(
     (surface, place)
 }
 
-/// Each takes the angle that is lacking to its ratio of the rim's radius to the ground's radius of curvature.
+/// Each takes the angle that is lacking to its ratio of the rim's radius to the ground's radius of
+/// curvature.
 const LOOKS: u32 = 3;
 
 /// What of a rim touches.
@@ -128,7 +134,8 @@ pub(super) fn spring_energy<R: Real, D: Dynamics<R> + ?Sized>(
     (energy, touching)
 }
 
-/// Where the forces on a panel have a kink: as on the plane under its middle, with the depths of the ground itself.
+/// Where the forces on a panel have a kink: as on the plane under its middle, with the depths of
+/// the ground itself.
 fn kinks_of<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
     rim: &Rim<R>,

@@ -1,4 +1,5 @@
-//! Every integrator of the library on the report's coin: one list, from which the tests of accuracy and of physics take them.
+//! Every integrator of the library on the report's coin: one list, from which the tests of accuracy
+//! and of physics take them.
 
 use core::ops::ControlFlow;
 use tumble::glam::{DQuat, DVec3};
@@ -107,7 +108,8 @@ impl Method {
         (self.compose)(setup, time_step)
     }
 
-    /// The records of a run in steps of `time_step` (s) at `times` (s, multiples of the step, rising).
+    /// The records of a run in steps of `time_step` (s) at `times` (s, multiples of the step,
+    /// rising).
     pub(crate) fn records(&self, setup: &Setup, time_step: f64, times: &[f64]) -> Vec<Record> {
         let mut recorder = Recorder {
             ledger: Ledger::new(),
@@ -185,7 +187,8 @@ impl Observer for Recorder<'_> {
 /// How far apart two states of the report's coin (1 kg, 0.5 m) are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Distance {
-    /// Of the centres, and of the rim by the angle between the turns: `sqrt(|dx|^2 + (r angle)^2)`, m.
+    /// Of the centres, and of the rim by the angle between the turns: `sqrt(|dx|^2 + (r angle)^2)`,
+    /// m.
     pub(crate) place: f64,
     /// Of the velocities, and of the rim by the angular momenta: `|dv| + |dL|/(m r)`, m/s.
     pub(crate) motion: f64,

@@ -1,13 +1,16 @@
 //! The time loop of the report "Special Topics: Coin Project", line by line.
 //!
-//! A yardstick for the library, and on purpose not part of it: arrays of points `X` and `U`, the inertia summed over the
-//! points in every step and solved as a 3x3 system, the arms turned by Rodrigues' formula, the forces taken from the
-//! points as they stood after the step before (so the slip velocity lags by one step; in the first step it is zero,
-//! whatever the spin). Every quantity is updated in the order of the listing. Nothing here is tuned and nothing is
-//! repaired: the loop gains energy in flight, divides by zero at rest and lets the points drift apart, as the report's
-//! does. The comments in quotation marks are lines of the report's listing, whose names the variables keep.
+//! A yardstick for the library, and on purpose not part of it: arrays of points `X` and `U`, the
+//! inertia summed over the points in every step and solved as a 3x3 system, the arms turned by
+//! Rodrigues' formula, the forces taken from the points as they stood after the step before (so the
+//! slip velocity lags by one step; in the first step it is zero, whatever the spin). Every quantity
+//! is updated in the order of the listing. Nothing here is tuned and nothing is repaired: the loop
+//! gains energy in flight, divides by zero at rest and lets the points drift apart, as the report's
+//! does. The comments in quotation marks are lines of the report's listing, whose names the
+//! variables keep.
 //!
-//! Tests, benches and the example share the file by `#[path]`; it depends on nothing but `std`. SI units throughout.
+//! Tests, benches and the example share the file by `#[path]`; it depends on nothing but `std`. SI
+//! units throughout.
 
 // Each user of the file calls another part of it.
 #![allow(dead_code)]
@@ -203,8 +206,10 @@ impl ReportLoop {
         inertia
     }
 
-    /// Rodrigues' formula: "Xrel = ( P_Omega*(Xrel') + cos(norm(Omega)*dt).*(eye(3) - P_Omega)*(Xrel')
-    /// + sin(norm(Omega)*dt).*(Omega_cross*(Xrel'))./norm(Omega) )'". Not a number without spin, as in the report.
+    /// Rodrigues' formula: "Xrel = ( P_Omega*(Xrel') + cos(norm(Omega)*dt).*(eye(3) -
+    /// P_Omega)*(Xrel')
+    /// + sin(norm(Omega)*dt).*(Omega_cross*(Xrel'))./norm(Omega) )'". Not a number without spin, as
+    ///   in the report.
     fn turn_arms(&mut self) {
         let rate = norm(self.omega);
         let (sin, cos) = (rate * self.trial.time_step).sin_cos();
@@ -245,7 +250,8 @@ impl ReportLoop {
             };
             // "F_normal_point = (F_normal_point > 0).*F_normal_point"
             self.normal_force[i] = if pressed > 0.0 { pressed } else { 0.0 };
-            // "Utan = [U(:,1),U(:,2),zeros(num_points,1)]", "Utan_norm = (vecnorm(Utan')' + 10^-10)*[1,1,1]"
+            // "Utan = [U(:,1),U(:,2),zeros(num_points,1)]", "Utan_norm = (vecnorm(Utan')' +
+            // 10^-10)*[1,1,1]"
             self.utan[i] = [u[0], u[1], 0.0];
             let utan_norm = norm(self.utan[i]) + SLIP_SPEED;
             // "Utan_unit = Utan./Utan_norm", "F_friction = - mu*F_normal_point.*Utan_unit"
@@ -298,8 +304,8 @@ impl ReportLoop {
         self.xrel[num - 1]
     }
 
-    /// `Esave`, J: the report's energy, which mixes the rotation at the start of the step with the rest at its end, and
-    /// counts the springs of those points only that pushed in the step.
+    /// `Esave`, J: the report's energy, which mixes the rotation at the start of the step with the
+    /// rest at its end, and counts the springs of those points only that pushed in the step.
     pub(crate) fn energy(&self) -> f64 {
         // "energy_ground = energy_ground + 0.5*S*X(i,3)^2" where "F_normal_point(i) > 0"
         let energy_ground = (self.x.iter().zip(&self.normal_force))
@@ -307,12 +313,14 @@ impl ReportLoop {
             .fold(0.0, |sum, (x, _)| {
                 sum + 0.5 * self.trial.stiffness * x[2] * x[2]
             });
-        // "Esave(clock)= M_total*g*Xcm(3) + 0.5*M_total*norm(Ucm)^2 + 0.5*Omega'*I*Omega + energy_ground"
+        // "Esave(clock)= M_total*g*Xcm(3) + 0.5*M_total*norm(Ucm)^2 + 0.5*Omega'*I*Omega +
+        // energy_ground"
         let rotation = 0.5 * dot(self.omega, times(&self.inertia, self.omega));
         self.energy_of_centre() + rotation + energy_ground
     }
 
-    /// Energy of the state as it stands, J: the rotation of now, and the springs of all points below the ground.
+    /// Energy of the state as it stands, J: the rotation of now, and the springs of all points
+    /// below the ground.
     pub(crate) fn full_energy(&self) -> f64 {
         let springs = (self.x.iter().filter(|x| x[2] < 0.0))
             .fold(0.0, |sum, x| sum + 0.5 * self.trial.stiffness * x[2] * x[2]);
@@ -324,7 +332,8 @@ impl ReportLoop {
         MASS * GRAVITY * self.xcm[2] + 0.5 * MASS * dot(self.ucm, self.ucm)
     }
 
-    /// "[values,index] = min(X)": number (from 1) and place of the lowest point, the first of them if there are more.
+    /// "[values,index] = min(X)": number (from 1) and place of the lowest point, the first of them
+    /// if there are more.
     pub(crate) fn lowest_point(&self) -> (usize, [f64; 3]) {
         let mut lowest = 0;
         for i in 1..self.x.len() {
@@ -335,7 +344,8 @@ impl ReportLoop {
         (lowest + 1, self.x[lowest])
     }
 
-    /// `UtanSave`, m/s: the slip that the last step's friction of the now lowest point was computed from.
+    /// `UtanSave`, m/s: the slip that the last step's friction of the now lowest point was computed
+    /// from.
     pub(crate) fn slip(&self) -> [f64; 3] {
         self.utan[self.lowest_point().0 - 1]
     }

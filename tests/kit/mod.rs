@@ -1,4 +1,5 @@
-//! What the property tests share: ranges of input, bodies of several kinds, the integrators one after another.
+//! What the property tests share: ranges of input, bodies of several kinds, the integrators one
+//! after another.
 
 // Each test file uses another part of it.
 #![allow(dead_code, unused_imports, unused_macros)]
@@ -15,7 +16,8 @@ use tumble::{
     Stepper, UniformGravity,
 };
 
-/// `cases` random inputs, the same in every run of the tests. `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask for more and for others.
+/// `cases` random inputs, the same in every run of the tests. `PROPTEST_CASES` and
+/// `PROPTEST_RNG_SEED` ask for more and for others.
 ///
 /// A property that holds for all of them fails for at most
 /// [`failing_at_most`](statistics::failing_at_most) of the inputs that are drawn from, with 95 %
@@ -226,7 +228,8 @@ pub(crate) fn point_mass(mass: f64) -> PointCloud<f64, [ContactPoint; 1]> {
 
 /// Angle of the turn between two orientations, rad.
 pub(crate) fn angle_between(a: DQuat, b: DQuat) -> f64 {
-    // The arcsine of the vector part keeps the digits that the arccosine of the scalar part loses at small angles.
+    // The arcsine of the vector part keeps the digits that the arccosine of the scalar part loses
+    // at small angles.
     let turn = a.conjugate() * b;
     2.0 * turn.xyz().length().min(1.0).asin()
 }

@@ -1,7 +1,8 @@
 //! How much a number of random cases can show: the power of a test, computed.
 //!
-//! A test that counts among `n` random cases states its null, and an alternative that it rejects with
-//! 99 %. A property that held in all of `n` cases bounds the fraction of cases in which it fails.
+//! A test that counts among `n` random cases states its null, and an alternative that it rejects
+//! with 99 %. A property that held in all of `n` cases bounds the fraction of cases in which it
+//! fails.
 
 /// Upper bound, with 95 % confidence, on the fraction of failing cases after `cases` without one:
 /// the p of `(1 - p)^cases = 0.05`, some 3/`cases` (the rule of three).

@@ -31,9 +31,9 @@ fn body_rates(moments: DVec3, state: &State) -> DVec3 {
     (state.orientation.conjugate() * state.angular_momentum) / moments
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // A1: the centre of mass
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 static TOSS: Case = Case::new("A1", "`u²/2g`, `2u/g`", "Galileo, Discorsi (1638)", || {
     let stepper = Stepper::new(Coin::ring(1.0, 0.5))
@@ -68,8 +68,9 @@ fn a_toss_at_2_4_m_per_s_reaches_0_29388_m_and_returns_after_0_48980_s() {
 }
 
 random! {
-    /// `x0 + v0 t - g t²/2`, whatever the body is and however it spins. Methods of order 2 and more are exact; forward Euler lags behind by `g t dt/2`, and
-    /// semi-implicit Euler is as much ahead.
+    /// `x0 + v0 t - g t²/2`, whatever the body is and however it spins. Methods of order 2 and more
+    /// are exact; forward Euler lags behind by `g t dt/2`, and semi-implicit Euler is as much
+    /// ahead.
     ANY_TOSS = of_rounding(100, "body, spin, velocity and pull, by each explicit method");
     fn the_centre_of_mass_of_any_spinning_body_flies_along_a_parabola(
         body in bodies(),
@@ -102,7 +103,8 @@ random! {
             };
             let expected = velocity * seconds + gravity.acceleration * (0.5 * seconds * (seconds - lag));
             let (miss, size) = ((state.position - expected).length(), speed * seconds + g * seconds * seconds);
-            // Each of 200 steps rounds position and velocity, by a unit of 1.1e-16 in each of three components at most; the velocity's add up to half as much again.
+            // Each of 200 steps rounds position and velocity, by a unit of 1.1e-16 in each of three
+            // components at most; the velocity's add up to half as much again.
             let rounding = f64::from(steps) * 4e-16 * size;
             misses.within(method, miss, rounding)?;
             let faster = (state.linear_velocity - velocity - gravity.acceleration * seconds).length();
@@ -114,7 +116,8 @@ random! {
 proptest! {
     #![proptest_config(kit::cases(100))]
 
-    /// Without torque the angular momentum is the same number, bit by bit, in every method and for every body: its direction and length alike.
+    /// Without torque the angular momentum is the same number, bit by bit, in every method and for
+    /// every body: its direction and length alike.
     #[test]
     fn angular_momentum_in_flight_does_not_change_by_a_single_bit(
         body in bodies(),
@@ -137,12 +140,13 @@ proptest! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // A2: the symmetric top
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// A symmetric top after `seconds` (Euler; Landau & Lifshitz, Mechanics, section 33): its axis goes round the angular momentum at `L/I₁`, and in the frame that
-/// goes round with it the body turns about its axis at `(1/I₃ - 1/I₁) L cos θ`.
+/// A symmetric top after `seconds` (Euler; Landau & Lifshitz, Mechanics, section 33): its axis goes
+/// round the angular momentum at `L/I₁`, and in the frame that goes round with it the body turns
+/// about its axis at `(1/I₃ - 1/I₁) L cos θ`.
 fn symmetric_top(axial: f64, transverse: f64, axis: DVec3, start: &State, seconds: f64) -> DQuat {
     let momentum = start.angular_momentum;
     let along = (start.orientation * axis).dot(momentum);
@@ -155,7 +159,8 @@ fn symmetric_top(axial: f64, transverse: f64, axis: DVec3, start: &State, second
     round * start.orientation * DQuat::from_axis_angle(axis, own)
 }
 
-/// The ring of the catalogue: r = 0.5 m, M = 1 kg, its angular momentum of 1 kg m²/s 15 degrees from its normal.
+/// The ring of the catalogue: r = 0.5 m, M = 1 kg, its angular momentum of 1 kg m²/s 15 degrees
+/// from its normal.
 fn wobbling_ring() -> (Coin, State) {
     let coin = Coin::ring(1.0, 0.5);
     let lean = 15.0_f64.to_radians();
@@ -179,7 +184,8 @@ static WOBBLE: Case = Case::new(
             .with_integrator(SymplecticEuler { time_step: 1e-3 })
             .unwrap();
         let axis = |state: &State| state.orientation * DVec3::X;
-        // A quarter of a period: the axis has gone round the angular momentum by a right angle, right-handed about x: what leaned to +z leans to -y.
+        // A quarter of a period: the axis has gone round the angular momentum by a right angle,
+        // right-handed about x: what leaned to +z leans to -y.
         let mut state = start;
         stepper.advance(&mut state, period / 4.0).unwrap();
         let (before, after) = (axis(&start), axis(&state));
@@ -216,7 +222,8 @@ fn a_wobbling_ring_precesses_by_feynmans_plate_to_the_printed_digits() {
 }
 
 random! {
-    /// A symmetric body's turn is exact at any step: one long step or a hundred short ones, thin as a disc, long as a rod, or a ball.
+    /// A symmetric body's turn is exact at any step: one long step or a hundred short ones, thin as
+    /// a disc, long as a rod, or a ball.
     ANY_WOBBLE = of_rounding(100, "disc, ball or rod, rate and step");
     fn symmetric_bodies_turn_by_the_closed_form_at_any_step(
         ratio in prop_oneof![Just(1.0), Just(2.0), log_uniform(1e-3, 2.0)],
@@ -234,7 +241,9 @@ random! {
         let axis = DVec3::AXES[number];
         let start = State::default().with_orientation(orientation).with_angular_momentum(direction * (rate * transverse));
         let expected = symmetric_top(axial, transverse, axis, &start, seconds);
-        // Each angle is a product of rounded numbers, and the spin's share of L a sum of three: nine units of 1.1e-16 of the angle, in the test and in the library. Each step rounds the turn.
+        // Each angle is a product of rounded numbers, and the spin's share of L a sum of three:
+        // nine units of 1.1e-16 of the angle, in the test and in the library. Each step rounds the
+        // turn.
         let angle = (rate * seconds) * (1.0 + (1.0 / ratio - 1.0).abs());
         let rounding = 1e-15 * (2.0 * angle + f64::from(steps) + 1.0);
         let dt = seconds / f64::from(steps);
@@ -283,10 +292,12 @@ fn the_other_methods_approach_the_closed_form_of_precession_at_their_order() {
     }
 }
 
-/// Largest turn from the closed form after 10³, 10⁴, 10⁵ and 10⁶ turns, with the number of steps taken.
+/// Largest turn from the closed form after 10³, 10⁴, 10⁵ and 10⁶ turns, with the number of steps
+/// taken.
 ///
-/// The angular momentum has length 1 to the last place and the moments are 1/4 and 1/8, so that a step of 1/16 s turns by 1/2 rad, a product of dyadic numbers: the
-/// closed form knows the angle after n steps, n/2 rad, to its last place.
+/// The angular momentum has length 1 to the last place and the moments are 1/4 and 1/8, so that a
+/// step of 1/16 s turns by 1/2 rad, a product of dyadic numbers: the closed form knows the angle
+/// after n steps, n/2 rad, to its last place.
 fn phase_errors(moments: DVec3) -> [(f64, f64); 4] {
     let dt = 1.0 / 16.0;
     let stepper = Stepper::new(Solid::with_moments(moments))
@@ -314,8 +325,9 @@ fn phase_errors(moments: DVec3) -> [(f64, f64); 4] {
 
 #[test]
 fn a_million_turns_of_a_ball_add_up_no_more_than_the_rounding_of_each_step() {
-    // In each step the turn's angle, its sine and cosine and the product round: some 4e-16 rad if all went the same way. Measured: 6.2e-17 rad a step, in
-    // proportion to the number of steps to 1 % from a thousand turns to a million.
+    // In each step the turn's angle, its sine and cosine and the product round: some 4e-16 rad if
+    // all went the same way. Measured: 6.2e-17 rad a step, in proportion to the number of steps to
+    // 1 % from a thousand turns to a million.
     for (steps, miss) in phase_errors(DVec3::splat(0.125)) {
         assert!(miss < 4e-16 * steps, "{miss:e} rad off after {steps} steps");
     }
@@ -323,9 +335,12 @@ fn a_million_turns_of_a_ball_add_up_no_more_than_the_rounding_of_each_step() {
 
 #[test]
 fn a_million_turns_of_a_coin_leave_its_phase_right_to_a_ten_thousandth_of_a_radian() {
-    // In each step, as of the ball; besides, rounding tilts the axis against the angular momentum a little, and a tilted axis has another rate: a tilt of e rad a
-    // step is e n²/2 times the coin's own 1/8 rad a step after n steps. Measured: e = 4e-19 (a 300th of a unit of the last place, with the sign of the bias that rounding has
-    // on this path), 4e-6 rad after a million turns. (Where each step scaled a quaternion whose length was 1 already, e was three to five times that.)
+    // In each step, as of the ball; besides, rounding tilts the axis against the angular momentum a
+    // little, and a tilted axis has another rate: a tilt of e rad a step is e n²/2 times the coin's
+    // own 1/8 rad a step after n steps. Measured: e = 4e-19 (a 300th of a unit of the last place,
+    // with the sign of the bias that rounding has on this path), 4e-6 rad after a million turns.
+    // (Where each step scaled a quaternion whose length was 1 already, e was three to five times
+    // that.)
     for (steps, miss) in phase_errors(DVec3::new(0.25, 0.125, 0.125)) {
         let allowed = 4e-16 * steps + 3e-18 * steps * steps / 16.0;
         assert!(
@@ -335,11 +350,12 @@ fn a_million_turns_of_a_coin_leave_its_phase_right_to_a_ten_thousandth_of_a_radi
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // A3, A4: three different moments
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Jacobi's sn, cn and dn of `u` for the parameter `m` in 0 ... 1, and the quarter period K(m), by the arithmetic-geometric mean (Abramowitz & Stegun 16.4, 17.6).
+/// Jacobi's sn, cn and dn of `u` for the parameter `m` in 0 ... 1, and the quarter period K(m), by
+/// the arithmetic-geometric mean (Abramowitz & Stegun 16.4, 17.6).
 fn jacobi(u: f64, m: f64) -> ([f64; 3], f64) {
     let (mut a, mut b, mut c) = (vec![1.0], (1.0 - m).sqrt(), vec![m.sqrt()]);
     while c[c.len() - 1].abs() > 1e-17 && a.len() < 40 {
@@ -357,7 +373,8 @@ fn jacobi(u: f64, m: f64) -> ([f64; 3], f64) {
     ([sn, cn, (1.0 - m * sn * sn).sqrt()], FRAC_PI_2 / a[n])
 }
 
-/// An asymmetric top, `I₁ < I₂ < I₃`, that starts in the plane of its first and third axis (Landau & Lifshitz, Mechanics, section 37).
+/// An asymmetric top, `I₁ < I₂ < I₃`, that starts in the plane of its first and third axis (Landau
+/// & Lifshitz, Mechanics, section 37).
 struct AsymmetricTop {
     moments: DVec3,
     start: DVec3,
@@ -425,7 +442,8 @@ const BOX: DVec3 = DVec3::new(1.0 / 240.0, 1.0 / 120.0, 13.0 / 1200.0);
 
 #[test]
 fn the_closed_form_of_the_asymmetric_top_has_the_printed_numbers() {
-    // Case A3: rate 3.4641016, m 0.02564103, T = 1.825597025, ω(T/8) = (0.70480714, 0.81914337, 4.96763584). Half a unit of the last place printed.
+    // Case A3: rate 3.4641016, m 0.02564103, T = 1.825597025, ω(T/8) = (0.70480714, 0.81914337,
+    // 4.96763584). Half a unit of the last place printed.
     let top = AsymmetricTop::new(BOX, DVec3::new(1.0, 0.0, 5.0));
     assert!((top.rate - 3.464_101_6).abs() < 5e-8);
     assert!((top.parameter - 0.025_641_03).abs() < 5e-9);
@@ -458,8 +476,9 @@ static ASYMMETRIC_TOP: Case = Case::new(
             advance(&mut state, top.period() / 8.0);
             let expected = top.rates_after(top.period() / 8.0 * f64::from(eighth));
             let miss = (body_rates(BOX, &state) - expected).length();
-            // Runge-Kutta: dt⁴ ω⁵ t/120 with 2.3e-4 s, 5.1 rad/s and 5.5 s is 4e-13 rad of rates of 5 rad/s; measured 1e-13 rad/s. The printed period is right to
-            // 5e-10 s, an eighth of that at up to 17 rad/s².
+            // Runge-Kutta: dt⁴ ω⁵ t/120 with 2.3e-4 s, 5.1 rad/s and 5.5 s is 4e-13 rad of rates of
+            // 5 rad/s; measured 1e-13 rad/s. The printed period is right to 5e-10 s, an eighth of
+            // that at up to 17 rad/s².
             assert!(miss < 1.1e-9, "{miss:e} rad/s off after {eighth} eighths");
         }
         // Half a unit of the last printed place, and the printed period's.
@@ -484,7 +503,8 @@ fn an_asymmetric_box_turns_by_jacobis_functions() {
 
 #[test]
 fn the_free_turn_of_an_asymmetric_body_is_of_order_two() {
-    // The error of the whole orientation after 1 s, against Runge-Kutta at a step that makes it exact to 1e-12.
+    // The error of the whole orientation after 1 s, against Runge-Kutta at a step that makes it
+    // exact to 1e-12.
     let start = AsymmetricTop::new(BOX, DVec3::new(1.0, 0.0, 5.0))
         .state()
         .turned_by(DVec3::new(0.3, 0.2, -0.5));
@@ -546,15 +566,17 @@ random! {
         let moments = DVec3::new(first, second, third) * size;
         let start = DVec3::new(tilt.cos(), 0.0, tilt.sin()) * rate;
         let top = AsymmetricTop::new(moments, start);
-        // Beside the separatrix the period is infinite and rounding is amplified beyond measure: test A4 goes there.
+        // Beside the separatrix the period is infinite and rounding is amplified beyond measure:
+        // test A4 goes there.
         prop_assume!(top.parameter < 0.99);
         let seconds = top.period() * part;
         let advance = free(top.body(), Rk4 { time_step: 1e-3 / rate });
         let mut state = top.state();
         advance(&mut state, seconds);
         let miss = (body_rates(moments, &state) - top.rates_after(seconds)).length() / rate;
-        // Runge-Kutta at 1e-3 rad a step: (1e-3)⁴ times the radians turned (100 at most here), /120, times the moments' ratio (5 at most) a few times over. Rounding:
-        // 1e5 steps of 1e-16. Measured: 1e-12.
+        // Runge-Kutta at 1e-3 rad a step: (1e-3)⁴ times the radians turned (100 at most here),
+        // /120, times the moments' ratio (5 at most) a few times over. Rounding: 1e5 steps of
+        // 1e-16. Measured: 1e-12.
         misses.within("rates", miss, 1e-10)?;
     }
 }
@@ -590,8 +612,9 @@ static WING_NUT: Case = Case::new(
         let start = DVec3::new(0.005, 5.0, 0.0);
         let found = flips(Rk4 { time_step: 1e-3 }, start, 31.0);
         assert_eq!(found.len(), 5);
-        // Printed to 5e-7 s. A relative energy error e moves a flip by about e (ω/ω₁)²/2 /growth rate: Runge-Kutta's is (ω dt)⁵/144 a step, 2e-14 of a million times that;
-        // measured 1e-7 s.
+        // Printed to 5e-7 s. A relative energy error e moves a flip by about e (ω/ω₁)²/2 /growth
+        // rate: Runge-Kutta's is (ω dt)⁵/144 a step, 2e-14 of a million times that; measured
+        // 1e-7 s.
         let allowed = 1.6e-6;
         let intervals = (found[4] - found[0]) / 4.0;
         vec![
@@ -613,7 +636,8 @@ fn a_wing_nut_flips_at_the_times_of_dzhanibekov() {
 
 #[test]
 fn the_flips_of_the_free_turn_approach_dzhanibekovs_at_order_two() {
-    // The splitting knows the middle axis for what it is: a turn about it alone is exact. So a step of 10 ms, 1/20 rad, is already good to a hundredth of a second.
+    // The splitting knows the middle axis for what it is: a turn about it alone is exact. So a step
+    // of 10 ms, 1/20 rad, is already good to a hundredth of a second.
     let start = DVec3::new(0.005, 5.0, 0.0);
     let miss =
         |time_step| (flips(StrangSplitting { time_step }, start, 4.0)[0] - 3.393_201_3).abs();
@@ -630,7 +654,8 @@ fn the_flips_of_the_free_turn_approach_dzhanibekovs_at_order_two() {
 
 #[test]
 fn a_body_turns_steadily_about_its_longest_and_its_shortest_side_and_not_about_the_middle_one() {
-    // The tennis racket theorem (Ashbaugh, Chicone & Cushman 1991): a lean of a thousandth of a radian stays one, or becomes half a turn.
+    // The tennis racket theorem (Ashbaugh, Chicone & Cushman 1991): a lean of a thousandth of a
+    // radian stays one, or becomes half a turn.
     let largest_lean = |axis: DVec3| {
         let stepper = Stepper::new(Solid::with_moments(BOX)).unwrap();
         let slightly = DVec3::new(1.0, 1.0, 1.0) * 0.005;
@@ -644,7 +669,8 @@ fn a_body_turns_steadily_about_its_longest_and_its_shortest_side_and_not_about_t
         }
         lean
     };
-    // On an ellipse about a stable axis a lean grows by the ratio of its half axes at most: √(I₃(I₃-I₁)/(I₂(I₂-I₁)))-like numbers below 3 for this box.
+    // On an ellipse about a stable axis a lean grows by the ratio of its half axes at most:
+    // √(I₃(I₃-I₁)/(I₂(I₂-I₁)))-like numbers below 3 for this box.
     assert!(largest_lean(DVec3::X) < 0.01);
     assert!(largest_lean(DVec3::Z) < 0.01);
     assert!(largest_lean(DVec3::Y) > 3.0);
@@ -652,7 +678,8 @@ fn a_body_turns_steadily_about_its_longest_and_its_shortest_side_and_not_about_t
 
 #[test]
 fn the_energy_of_an_asymmetric_free_turn_swings_at_order_two_and_never_drifts() {
-    // Touma & Wisdom 1994: the composition keeps a modified energy. A million steps of 1/20 rad and more: 10,000 turns.
+    // Touma & Wisdom 1994: the composition keeps a modified energy. A million steps of 1/20 rad and
+    // more: 10,000 turns.
     let worst = |time_step: f64, steps: u32| {
         let stepper = Stepper::new(Solid::with_moments(BOX))
             .unwrap()
@@ -682,9 +709,9 @@ fn the_energy_of_an_asymmetric_free_turn_swings_at_order_two_and_never_drifts() 
     );
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // A6: invariants; metamorphic tests
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 static RING: Case = Case::new(
     "A6",
@@ -718,7 +745,8 @@ fn three_points_have_the_moments_of_a_ring() {
 
 #[test]
 fn equal_points_on_a_circle_have_the_moments_of_a_ring_for_any_number_from_three() {
-    // M r² diag(1, 1/2, 1/2) exactly, says the sum of cos² over a regular polygon; here by the points, to the rounding of up to 200 terms, summed by Kahan: 4 units.
+    // M r² diag(1, 1/2, 1/2) exactly, says the sum of cos² over a regular polygon; here by the
+    // points, to the rounding of up to 200 terms, summed by Kahan: 4 units.
     for count in 3..=200 {
         let ring = Coin::ring_in(vec![ContactPoint::default(); count], 1.0, 0.5);
         let masses = vec![1.0 / count as f64; count];
@@ -746,7 +774,8 @@ fn a_coin_of_three_points_flies_like_one_of_a_hundred_and_twenty() {
 }
 
 random! {
-    /// The same points in other body axes have a full inertia tensor instead of a diagonal one, and fly along the same paths.
+    /// The same points in other body axes have a full inertia tensor instead of a diagonal one, and
+    /// fly along the same paths.
     OTHER_AXES = of_rounding(100, "body in other body axes");
     fn a_body_in_other_body_axes_moves_through_the_same_places(
         body in bodies(),
@@ -760,7 +789,9 @@ random! {
         let momentum = body.inertia() * (axis * spin);
         prop_assume!(momentum.length() > 0.0);
         let dt = 0.01 / spin;
-        // The body may come to turn about an axis of a lesser moment, by so many radians for one that was asked for; and the tensor in other axes is rounded as its largest moment is, a greater share of the least.
+        // The body may come to turn about an axis of a lesser moment, by so many radians for one
+        // that was asked for; and the tensor in other axes is rounded as its largest moment is, a
+        // greater share of the least.
         let properties = MassProperties::new(body.mass(), body.inertia()).unwrap();
         let radians = (momentum.length() * properties.largest_inverse_moment() / spin).max(1.0);
         each_explicit!(dt, |integrator, method| {
@@ -777,7 +808,8 @@ random! {
             let reach = body.reach();
             for (p, q) in straight.contacts.iter().zip(&turned.contacts) {
                 let miss = a.place(p.position).distance(b.place(q.position));
-                // 100 steps of a few roundings, and the tensor's own, a radian. Measured: 1e-14 in a body of equal moments.
+                // 100 steps of a few roundings, and the tensor's own, a radian. Measured: 1e-14 in
+                // a body of equal moments.
                 misses.within(method, miss, 1e-13 * reach * radians)?;
             }
         });

@@ -1,6 +1,7 @@
 //! Group B, normal contact: bounces and damped swings.
 //!
-//! The printed numbers are tested with the printed parameters, the formulas with parameters of any size.
+//! The printed numbers are tested with the printed parameters, the formulas with parameters of any
+//! size.
 
 use core::f64::consts::{PI, TAU};
 
@@ -27,7 +28,8 @@ pub(crate) const CASES: &[&Case] = &[
     &HOPS,
 ];
 
-/// Frictionless motion along z from height `start[0]` at velocity `start[1]`: height and velocity after `seconds`, taken in `steps` steps.
+/// Frictionless motion along z from height `start[0]` at velocity `start[1]`: height and velocity
+/// after `seconds`, taken in `steps` steps.
 fn fall(
     masses: [f64; 2],
     ground: impl SpringDamperGround,
@@ -47,12 +49,13 @@ fn fall(
     [state.position.z, state.linear_velocity.z]
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // B1: an elastic bounce under gravity
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Duration and greatest depth of a bounce at speed v of a mass on a spring of frequency ω under gravity (a harmonic swing about g/ω² under the surface, from the
-/// surface to the surface): `(2/ω)(π - arctan(vω/g))` and `g/ω² + √((g/ω²)² + (v/ω)²)`.
+/// Duration and greatest depth of a bounce at speed v of a mass on a spring of frequency ω under
+/// gravity (a harmonic swing about g/ω² under the surface, from the surface to the surface):
+/// `(2/ω)(π - arctan(vω/g))` and `g/ω² + √((g/ω²)² + (v/ω)²)`.
 fn elastic_bounce(frequency: f64, g: f64, speed: f64) -> [f64; 2] {
     let rest = g / (frequency * frequency);
     let seconds = 2.0 / frequency * (PI - (speed * frequency).atan2(g));
@@ -109,7 +112,8 @@ random! {
         let frequency = (stiffness / mass).sqrt();
         let [seconds, depth] = elastic_bounce(frequency, g, speed);
         let ground = FlatGround::level(stiffness, 0.0);
-        // Runge-Kutta in 500 steps of at most π/250 of a swing's radian: (4π/1000)⁴ 2π/120 = 1.3e-9 of the swing's size; the force has no jump at either end.
+        // Runge-Kutta in 500 steps of at most π/250 of a swing's radian: (4π/1000)⁴ 2π/120 = 1.3e-9
+        // of the swing's size; the force has no jump at either end.
         let swing = depth.max(speed / frequency);
         let [z, v] = fall([mass, g], ground, [0.0, -speed], seconds, 500);
         misses.within("place after it", z.abs(), 2e-9 * swing)?;
@@ -120,11 +124,12 @@ random! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // B2: restitution of a spring and damper
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// A ground that also pulls: a spring and damper that hold a point to the plane z = 0 from both sides, from 1 m above it on.
+/// A ground that also pulls: a spring and damper that hold a point to the plane z = 0 from both
+/// sides, from 1 m above it on.
 #[derive(Clone, Copy)]
 struct Glue {
     stiffness: f64,
@@ -204,7 +209,8 @@ random! {
         // A tenth of a metre deep at most, well within the glue's reach.
         let speed = 0.1 * frequency;
         let [z, v] = fall([mass, 0.0], ground, [0.0, -speed], PI / (frequency * root), 1000);
-        // Runge-Kutta: (ω dt)⁵/120 a step of the swing's size, in each of 1000; and the rounding of a depth that is told from 1 m above.
+        // Runge-Kutta: (ω dt)⁵/120 a step of the swing's size, in each of 1000; and the rounding of
+        // a depth that is told from 1 m above.
         let step = PI / root / 1000.0;
         let miss = 1000.0 * step.powi(5) / 120.0 + 1e-12;
         misses.within("place", z.abs(), miss * 0.1)?;
@@ -212,8 +218,9 @@ random! {
     }
 }
 
-/// Restitution of the ground that never pulls, and the time after which it lets go: where the force, not the depth, has come to 0
-/// (Schwager & Pöschel, Granular Matter 9, 465, 2007): `exp(-2ζ arccos(ζ)/√(1-ζ²))`, for ζ > 1 with arcosh and √(ζ²-1).
+/// Restitution of the ground that never pulls, and the time after which it lets go: where the
+/// force, not the depth, has come to 0 (Schwager & Pöschel, Granular Matter 9, 465, 2007):
+/// `exp(-2ζ arccos(ζ)/√(1-ζ²))`, for ζ > 1 with arcosh and √(ζ²-1).
 pub(crate) fn clamped_restitution(ratio: f64) -> [f64; 2] {
     let angle = if ratio < 0.999_999 {
         ratio.acos() / (1.0 - ratio * ratio).sqrt()
@@ -226,19 +233,22 @@ pub(crate) fn clamped_restitution(ratio: f64) -> [f64; 2] {
     [(-2.0 * ratio * angle).exp(), 2.0 * angle]
 }
 
-/// Speed after a bounce at 1 m/s on the built-in ground without gravity, with some `steps` steps to the moment when it lets go.
+/// Speed after a bounce at 1 m/s on the built-in ground without gravity, with some `steps` steps to
+/// the moment when it lets go.
 fn restitution_of_flat_ground(mass: f64, frequency: f64, ratio: f64, steps: u32) -> f64 {
     let stiffness = mass * frequency * frequency;
     let ground = FlatGround::level(stiffness, 2.0 * ratio * mass * frequency);
     let [_, radians] = clamped_restitution(ratio);
-    // And a while longer: it has let go, and flies at a steady speed, in the ground or above. It starts a little inside, because at the surface the damper's force jumps.
+    // And a while longer: it has let go, and flies at a steady speed, in the ground or above. It
+    // starts a little inside, because at the surface the damper's force jumps.
     let start = [-1e-12 / frequency, -1.0];
     fall(
         [mass, 0.0],
         ground,
         start,
         1.4 * radians / frequency,
-        // Not a whole number of steps to the moment when it lets go, nor a third of one, where Runge-Kutta happens to be right.
+        // Not a whole number of steps to the moment when it lets go, nor a third of one, where
+        // Runge-Kutta happens to be right.
         steps * 7 / 5 - 2,
     )[1]
 }
@@ -248,7 +258,8 @@ static CLAMPED_DASHPOT: Case = Case::new(
     "`exp(-2ζ arccos(ζ)/√(1-ζ²))`",
     "Schwager & Pöschel, Granular Matter 9, 465 (2007)",
     || {
-        // The formula's numbers for the damping ratios of case B2, and at critical damping e^-2. Runge-Kutta is of order 2 at the kink where the force ends: see the property below.
+        // The formula's numbers for the damping ratios of case B2, and at critical damping e^-2.
+        // Runge-Kutta is of order 2 at the kink where the force ends: see the property below.
         let after = |ratio| restitution_of_flat_ground(1.0, 10.0, ratio, 4000);
         vec![
             figure(
@@ -271,7 +282,8 @@ fn a_spring_and_damper_that_never_pulls_gives_back_more() {
 }
 
 random! {
-    /// From a hard ball to a sandbag: at every speed alike, so one speed is enough; every mass and stiffness.
+    /// From a hard ball to a sandbag: at every speed alike, so one speed is enough; every mass and
+    /// stiffness.
     ANY_DAMPING = new(200, "mass, frequency and damping, from none to ζ = 30");
     fn bounces_of_any_damping_give_back_what_the_closed_form_says(
         mass in log_uniform(1e-6, 1e6),
@@ -280,15 +292,18 @@ random! {
     ) |misses| {
         let [restitution, radians] = clamped_restitution(ratio);
         let found = restitution_of_flat_ground(mass, frequency, ratio, 4000);
-        // The kink falls anywhere into a step of dt: the speed misses up to the force's slope there times dt²/2, with 2ζω dt and ω dt of up to `step`; a few times that.
+        // The kink falls anywhere into a step of dt: the speed misses up to the force's slope there
+        // times dt²/2, with 2ζω dt and ω dt of up to `step`; a few times that.
         let step = radians / 4000.0 * f64::max(1.0, 2.0 * ratio);
         misses.near("restitution", [found, restitution], 2.0 * step * step)?;
     }
 }
 
 random! {
-    /// A ball that slides all through its bounce (Brody, Phys. Teach. 22, 494, 1984; Garwin 1969): friction takes `μ (1 + e) v` of the speed along the ground, as the same
-    /// force does upwards, and nothing of the bounce: the height follows the same numbers, bit by bit, with and without it.
+    /// A ball that slides all through its bounce (Brody, Phys. Teach. 22, 494, 1984; Garwin 1969):
+    /// friction takes `μ (1 + e) v` of the speed along the ground, as the same force does upwards,
+    /// and nothing of the bounce: the height follows the same numbers, bit by bit, with and without
+    /// it.
     SKIDDING_BOUNCE = new(100, "ball that slides through its bounce: `μ (1 + e) v` lost");
     fn a_skidding_bounce_loses_the_coefficient_of_what_it_gains_in_height(
         ratio in zero_or(1e-3, 3.0),
@@ -299,7 +314,8 @@ random! {
         let ground = FlatGround::level(frequency * frequency, 2.0 * ratio * frequency);
         let [_, radians] = clamped_restitution(ratio);
         let seconds = 1.5 * radians / frequency;
-        // At least a third of the speed along the ground is left: 3 m/s less twice the half of 1 m/s.
+        // At least a third of the speed along the ground is left: 3 m/s less twice the half of
+        // 1 m/s.
         let forward = DVec3::new(heading.cos(), heading.sin(), 0.0);
         let start = State::at(DVec3::Z * (-1e-12 / frequency)).with_linear_velocity(forward * 3.0 - DVec3::Z);
         let (mut skidding, mut sliding) = (start, start);
@@ -313,11 +329,12 @@ random! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // B4: how far an upright rim sinks
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Half of the arc (rad) on which an upright ring of `count` springs of `stiffness` rests: the springs of the arc carry the weight, `(N S r/π) (sin φ - φ cos φ) = M g`.
+/// Half of the arc (rad) on which an upright ring of `count` springs of `stiffness` rests: the
+/// springs of the arc carry the weight, `(N S r/π) (sin φ - φ cos φ) = M g`.
 pub(crate) fn contact_arc(count: usize, stiffness: f64, radius: f64, weight: f64) -> f64 {
     let load = PI * weight / (count as f64 * stiffness * radius);
     let (mut low, mut high) = (0.0, PI);
@@ -341,7 +358,8 @@ static UPRIGHT_SAG: Case = Case::new(
         let (count, stiffness, radius) = (1200, 1000.0, 0.5);
         let arc = contact_arc(count, stiffness, radius, 9.8);
         let coin = Coin::ring_in(vec![ContactPoint::default(); count], 1.0, radius);
-        // Some twenty contacts: ω = 140 rad/s, ζ = 0.35, so that 0.4 s leave e^-20 of the first swing.
+        // Some twenty contacts: ω = 140 rad/s, ζ = 0.35, so that 0.4 s leave e^-20 of the first
+        // swing.
         let stepper = Stepper::new(coin)
             .unwrap()
             .with_gravity(UniformGravity::down(9.8))
@@ -350,8 +368,9 @@ static UPRIGHT_SAG: Case = Case::new(
             .unwrap();
         let mut state = State::at(DVec3::Z * radius * arc.cos());
         stepper.advance(&mut state, 0.4).unwrap();
-        // The sum over points for the integral: the load misses by up to (h/2φ)², h the points' distance in rad (Euler & Maclaurin, with f' = φ at each end), the arc by a third, the
-        // sag by two thirds of that; a point more or less touches.
+        // The sum over points for the integral: the load misses by up to (h/2φ)², h the points'
+        // distance in rad (Euler & Maclaurin, with f' = φ at each end), the arc by a third, the sag
+        // by two thirds of that; a point more or less touches.
         let miss = (TAU / count as f64 / (2.0 * arc)).powi(2);
         let sag = radius * (1.0 - arc.cos());
         vec![
@@ -373,8 +392,10 @@ static UPRIGHT_SAG: Case = Case::new(
 .and(&[&ANY_SAG]);
 
 random! {
-    /// A polygon of springs for the bed: the load is a sum over points for an integral whose slope is `sin φ` at both ends, which lie anywhere between two points. By Euler & Maclaurin it misses up to
-    /// `h² sin φ/6` of `2 (sin φ - φ cos φ)`, h the points' distance in rad; `φ` that by `2 φ sin φ`, and the sag `r (1 - cos φ)` up to `r h² sin φ/(12 φ)`.
+    /// A polygon of springs for the bed: the load is a sum over points for an integral whose slope
+    /// is `sin φ` at both ends, which lie anywhere between two points. By Euler & Maclaurin it
+    /// misses up to `h² sin φ/6` of `2 (sin φ - φ cos φ)`, h the points' distance in rad; `φ` that
+    /// by `2 φ sin φ`, and the sag `r (1 - cos φ)` up to `r h² sin φ/(12 φ)`.
     ANY_SAG = new(48, "ring of 60 to 3000 points, mass, radius, g and arc up to 0.8 rad, turned anyhow");
     fn rings_of_any_number_of_points_sink_until_their_springs_carry_them(
         points_in_arc in 2.0..30.0_f64,
@@ -387,7 +408,8 @@ random! {
         let count = kit::whole(TAU * points_in_arc / (2.0 * arc)).max(4);
         let n = count as f64;
         let stiffness = PI * mass * g / (n * radius * (arc.sin() - arc * arc.cos()));
-        // The springs of the arc together, N φ/π of them; the dampers let it creep to rest at once, ζ = 1.
+        // The springs of the arc together, N φ/π of them; the dampers let it creep to rest at once,
+        // ζ = 1.
         let frequency = (n * arc / PI * stiffness / mass).sqrt();
         let damping = 2.0 * stiffness / frequency;
         let stepper = Stepper::new(Coin::ring_in(vec![ContactPoint::default(); count], mass, radius)).unwrap()
@@ -409,9 +431,9 @@ fn an_upright_ring_sinks_until_its_springs_carry_it() {
     UPRIGHT_SAG.holds();
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // B5: damped swings about rest of a body on all its points
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// Height above rest of an underdamped swing that starts at rest `first` above it.
 fn damped_swing(frequency: f64, ratio: f64, first: f64, seconds: f64) -> f64 {
@@ -420,7 +442,8 @@ fn damped_swing(frequency: f64, ratio: f64, first: f64, seconds: f64) -> f64 {
     first * (-ratio * frequency * seconds).exp() * (cos + ratio / root * sin)
 }
 
-/// A ring of `count` points, `mass` and 0.5 m that swings flat about its rest: its largest distance from the closed form in three periods, in amplitudes.
+/// A ring of `count` points, `mass` and 0.5 m that swings flat about its rest: its largest distance
+/// from the closed form in three periods, in amplitudes.
 fn miss_of_a_flat_ring(count: usize, mass: f64, stiffness: f64, damping: f64) -> f64 {
     let total = count as f64 * stiffness;
     let frequency = (total / mass).sqrt();
@@ -500,7 +523,8 @@ random! {
         stiffness in log_uniform(1.0, 1e6),
         ratio in prop_oneof![Just(0.0), log_uniform(1e-3, 0.9)],
     ) |misses| {
-        // c = 2ζ√(K m), shared by the points. The swing of 9.8/ω² must stand clear of the rounding of a turned coin, 1e-16 m.
+        // c = 2ζ√(K m), shared by the points. The swing of 9.8/ω² must stand clear of the rounding
+        // of a turned coin, 1e-16 m.
         let total = stiffness * count as f64;
         prop_assume!(0.1 * 9.8 * mass / total > 1e-7);
         let damping = 2.0 * ratio * (total * mass).sqrt() / count as f64;
@@ -509,11 +533,12 @@ random! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // B6: a damper that grows with depth
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Restitution of `F = k dⁿ (1 + λ u)` at `share = λ v`: the e of `share (1 + e) = ln((1 + share)/(1 - e share))`, whatever n and k, by bisection.
+/// Restitution of `F = k dⁿ (1 + λ u)` at `share = λ v`: the e of
+/// `share (1 + e) = ln((1 + share)/(1 - e share))`, whatever n and k, by bisection.
 fn hunt_and_crossley(share: f64) -> f64 {
     let (mut low, mut high) = (0.0, f64::min(1.0, 1.0 / share));
     for _ in 0..60 {
@@ -527,7 +552,8 @@ fn hunt_and_crossley(share: f64) -> f64 {
     low
 }
 
-/// Speed after a bounce at 1 m/s of 1 kg without gravity, in `steps` steps to four times v over the spring's 10 rad/s.
+/// Speed after a bounce at 1 m/s of 1 kg without gravity, in `steps` steps to four times v over the
+/// spring's 10 rad/s.
 fn restitution_of_hunt_crossley(exponent: f64, share: f64, steps: u32) -> f64 {
     let law = HuntCrossley {
         stiffness: 100.0,
@@ -542,7 +568,8 @@ static HUNT_AND_CROSSLEY: Case = Case::new(
     "`λv (1 + e) = ln((1 + λv)/(1 - e λv))`",
     "Hunt & Crossley, J. Appl. Mech. 42, 440 (1975)",
     || {
-        // Half a unit of the last printed place, and Runge-Kutta in 4000 steps of 1e-2 rad, (1e-2)⁴/120 and of order 2.5 where a force d^(3/2) begins and ends.
+        // Half a unit of the last printed place, and Runge-Kutta in 4000 steps of 1e-2 rad,
+        // (1e-2)⁴/120 and of order 2.5 where a force d^(3/2) begins and ends.
         let after = restitution_of_hunt_crossley;
         vec![
             figure(
@@ -581,9 +608,9 @@ random! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // B7, B8: bounces under gravity, until they are too slow
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// Damping ratio of the ground that never pulls for a restitution above e^-2.
 pub(crate) fn ratio_for(restitution: f64) -> f64 {
@@ -599,7 +626,8 @@ pub(crate) fn ratio_for(restitution: f64) -> f64 {
     low
 }
 
-/// Times (s) of the landings and heights (m) of the tops between them of a point dropped from a height under g on a ground of 1 kg ω² and a damping ratio.
+/// Times (s) of the landings and heights (m) of the tops between them of a point dropped from a
+/// height under g on a ground of 1 kg ω² and a damping ratio.
 fn landings_and_tops(
     [height, g]: [f64; 2],
     [frequency, ratio]: [f64; 2],
@@ -646,13 +674,16 @@ static ZENO: Case = Case::new(
     || {
         let (e, frequency) = (0.5, 1e4);
         let ratio = ratio_for(e);
-        // The mean force over a step knows when in the step the point lands: of order 2, (ω dt)²/12 = 8e-5.
+        // The mean force over a step knows when in the step the point lands: of order 2, (ω dt)²/12 =
+        // 8e-5.
         let [landings, tops] = landings_and_tops([1.0, 9.8], [frequency, ratio], 0.03, 1.5);
         let contact = clamped_restitution(ratio)[1] / frequency;
         let speed = 19.6_f64.sqrt();
-        // Gravity changes the speed by at most g t_c in a contact: a share of g t_c/v of what it takes in, and the shares double from bounce to bounce.
+        // Gravity changes the speed by at most g t_c in a contact: a share of g t_c/v of what it
+        // takes in, and the shares double from bounce to bounce.
         let share = |bounce: i32| 9.8 * contact / speed * (f64::powi(2.0, bounce) - 1.0) / e;
-        // What is left after landing n (0 the first): flights 2 t₀ eⁿ⁺¹/(1-e); each contact takes its time as well.
+        // What is left after landing n (0 the first): flights 2 t₀ eⁿ⁺¹/(1-e); each contact takes
+        // its time as well.
         let fall = f64::sqrt(2.0 / 9.8);
         let last = 8;
         let rest = 2.0 * fall * f64::powi(e, last + 1) / (1.0 - e);
@@ -677,8 +708,11 @@ static ZENO: Case = Case::new(
 .and(&[&ANY_ZENO]);
 
 random! {
-    /// As the printed case: in bounce n the rebound, `e v₀ eⁿ`, is off by up to `g t_c`, so that after n bounces the speed is off by `(g t_c/v₀) Σ e^-(k+1) = (g t_c/v₀) (e^-n - 1)/(1 - e)` of itself, and by some
-    /// (ω dt)² a bounce, for its step. A top goes with the square; a flight with the first power, and each contact takes up to two of its times longer until the surface is reached.
+    /// As the printed case: in bounce n the rebound, `e v₀ eⁿ`, is off by up to `g t_c`, so that
+    /// after n bounces the speed is off by `(g t_c/v₀) Σ e^-(k+1) = (g t_c/v₀) (e^-n - 1)/(1 - e)`
+    /// of itself, and by some (ω dt)² a bounce, for its step. A top goes with the square; a flight
+    /// with the first power, and each contact takes up to two of its times longer until the surface
+    /// is reached.
     ANY_ZENO = new(48, "height, g, restitution of 0.2 to 0.95, and vω/g of 1e4 to 1e7");
     fn balls_of_any_restitution_bounce_down_zenos_stairs(
         height in log_uniform(1e-3, 1e3),
@@ -709,7 +743,8 @@ fn a_bouncing_ball_comes_to_an_end_after_zenos_time() {
     ZENO.holds();
 }
 
-/// What is left of the speed (m/s) when a point comes back to the surface, under 9.8 m/s² and with ω = 100 rad/s; 0 where it stays.
+/// What is left of the speed (m/s) when a point comes back to the surface, under 9.8 m/s² and with
+/// ω = 100 rad/s; 0 where it stays.
 fn restitution_under_gravity(ratio: f64, speed: f64) -> f64 {
     let frequency = 100.0;
     let stepper = Stepper::new(kit::point_mass(1.0))
@@ -740,8 +775,10 @@ fn restitution_under_gravity(ratio: f64, speed: f64) -> f64 {
     back / speed
 }
 
-/// Restitution of the ground that never pulls, of damping ratio ζ, at the impact speed v under gravity, with ω = g = 1: `y = z + 1` swings as `y'' + 2ζ y' + y = 0` from 1 at -v, until the force `-z - 2ζ z'` is
-/// 0 again; from there it flies up to the surface, the force below 0 on the whole way (`-z - 2ζ z'` is convex in time, 0 at first and below it at the end).
+/// Restitution of the ground that never pulls, of damping ratio ζ, at the impact speed v under
+/// gravity, with ω = g = 1: `y = z + 1` swings as `y'' + 2ζ y' + y = 0` from 1 at -v, until the
+/// force `-z - 2ζ z'` is 0 again; from there it flies up to the surface, the force below 0 on the
+/// whole way (`-z - 2ζ z'` is convex in time, 0 at first and below it at the end).
 ///
 /// `None` where it does not come up so.
 fn slow_restitution(ratio: f64, speed: f64) -> Option<f64> {
@@ -789,12 +826,15 @@ random! {
         prop_assume!((ratio - 1.0).abs() > 1e-3);
         let found = restitution_under_gravity(ratio, speed * 9.8 / 100.0);
         let Some(expected) = slow_restitution(ratio, speed) else {
-            // It stays; or it comes up after all, when the damper has let go, with less than a tenth of g/ω.
+            // It stays; or it comes up after all, when the damper has let go, with less than a
+            // tenth of g/ω.
             misses.within("speed of what stays", found * speed, 0.1)?;
             return Ok(());
         };
-        // As of B3: the kink falls anywhere into a step, of 1e-3 rad, and moves the speed by up to the force's slope, v + g/ω, times half the step's square, and a few times that. What is left of the speed after
-        // the flight up through the ground knows it by one over its share of it.
+        // As of B3: the kink falls anywhere into a step, of 1e-3 rad, and moves the speed by up to
+        // the force's slope, v + g/ω, times half the step's square, and a few times that. What is
+        // left of the speed after the flight up through the ground knows it by one over its share
+        // of it.
         let step = 1e-3 * f64::max(1.0, 2.0 * ratio);
         let miss = 2.0 * step * step * (1.0 + 1.0 / speed) / expected.min(1.0);
         misses.near("restitution", [found, expected], miss)?;
@@ -834,11 +874,12 @@ fn a_bounce_gives_back_less_the_slower_it_is_and_in_the_end_nothing() {
     assert!(found[5] == 0.0 && found[3] < 0.9 * found[0], "{found:?}");
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // B11: hops down a slope
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Ways (m) along a smooth slope from landing to landing of a point of 1 kg that is dropped from a height over it.
+/// Ways (m) along a smooth slope from landing to landing of a point of 1 kg that is dropped from a
+/// height over it.
 fn hops([height, g]: [f64; 2], slope: f64, [frequency, ratio]: [f64; 2], count: usize) -> Vec<f64> {
     let (sin, cos) = slope.sin_cos();
     let (normal, downhill) = (DVec3::new(sin, 0.0, cos), DVec3::new(cos, 0.0, -sin));
@@ -877,10 +918,14 @@ fn hops([height, g]: [f64; 2], slope: f64, [frequency, ratio]: [f64; 2], count: 
     landings.windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
-/// Dropped from h, it meets the slope at `v = √(2 g h)`: along the slope it is accelerated by g sin θ all the time, across it it bounces with e under g cos θ, for `tₙ = 2 eⁿ v/g`. So hop n is `uₙ tₙ + g sin θ tₙ²/2`
-/// long, with `uₙ₊₁ = uₙ + g sin θ tₙ` from `v sin θ` on; for e = 1, `8 n h sin θ`.
+/// Dropped from h, it meets the slope at `v = √(2 g h)`: along the slope it is accelerated by g sin
+/// θ all the time, across it it bounces with e under g cos θ, for `tₙ = 2 eⁿ v/g`. So hop n is
+/// `uₙ tₙ + g sin θ tₙ²/2` long, with `uₙ₊₁ = uₙ + g sin θ tₙ` from `v sin θ` on; for e = 1,
+/// `8 n h sin θ`.
 ///
-/// And what it may miss: each contact takes t_c, in which it runs on at u, and gains g sin θ t_c; gravity changes the rebound by g t_c at most (as in B7), and its step by 4 (ω dt)² of it; the flight with it.
+/// And what it may miss: each contact takes t_c, in which it runs on at u, and gains g sin θ t_c;
+/// gravity changes the rebound by g t_c at most (as in B7), and its step by 4 (ω dt)² of it; the
+/// flight with it.
 fn hop(
     [height, g]: [f64; 2],
     slope: f64,

@@ -1,6 +1,8 @@
-//! Group C, friction: a block that slides to rest, a ball that comes to roll, creep on a slope, drilling.
+//! Group C, friction: a block that slides to rest, a ball that comes to roll, creep on a slope,
+//! drilling.
 //!
-//! The printed numbers are tested with the printed parameters, the formulas with parameters of any size.
+//! The printed numbers are tested with the printed parameters, the formulas with parameters of any
+//! size.
 
 use core::f64::consts::TAU;
 
@@ -26,12 +28,13 @@ pub(crate) const CASES: &[&Case] = &[
     &PARABOLA,
 ];
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // C1: sliding to rest
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Time and way from speed `v0` to `v` under the report's law: `dv/dt = -a v/(v + ε)` with `a = μ g`, so `t = (v0 - v + ε ln(v0/v))/a` and
-/// `x = ((v0² - v²)/2 + ε (v0 - v))/a`. For ε = 0, a block's v0/μg and v0²/2μg.
+/// Time and way from speed `v0` to `v` under the report's law: `dv/dt = -a v/(v + ε)` with
+/// `a = μ g`, so `t = (v0 - v + ε ln(v0/v))/a` and `x = ((v0² - v²)/2 + ε (v0 - v))/a`. For ε = 0,
+/// a block's v0/μg and v0²/2μg.
 fn slide(deceleration: f64, eps: f64, v0: f64, v: f64) -> [f64; 2] {
     let way = (v0 * v0 - v * v) / 2.0 + eps * (v0 - v);
     [
@@ -51,7 +54,8 @@ fn smooth_slide(deceleration: f64, eps: f64, v0: f64, v: f64) -> [f64; 2] {
 }
 
 static SLIDING_COIN: Case = Case::new("C1", "`v₀/μg`, `v₀²/2μg`", "Coulomb (1785)", || {
-    // v0 = 2 m/s, μ = 0.3. With the report's slip speed of 1e-10 m/s the formula has nothing to add but what an explicit step does at rest: to and fro by μ g dt.
+    // v0 = 2 m/s, μ = 0.3. With the report's slip speed of 1e-10 m/s the formula has nothing to add
+    // but what an explicit step does at rest: to and fro by μ g dt.
     let dt = 1e-4;
     let stepper = Stepper::new(Coin::ring(1.0, 0.5))
         .unwrap()
@@ -74,10 +78,12 @@ static SLIDING_COIN: Case = Case::new("C1", "`v₀/μg`, `v₀²/2μg`", "Coulom
             core::ops::ControlFlow::Continue(())
         })
         .unwrap();
-    // It neither tips nor turns: friction acts in the plane of its centre, but for the 8e-5 m that it has sunk.
+    // It neither tips nor turns: friction acts in the plane of its centre, but for the 8e-5 m that
+    // it has sunk.
     let spin = state.angular_momentum.length();
     assert!(spin < 1e-3, "{spin}");
-    // In the remaining 0.32 s it is at rest but for one step's worth of speed, which has no direction on average.
+    // In the remaining 0.32 s it is at rest but for one step's worth of speed, which has no
+    // direction on average.
     vec![
         figure(
             "flat coin at 2 m/s, μ = 0.3: time to rest, s",
@@ -117,7 +123,8 @@ random! {
             let along = state.linear_velocity.dot(forward);
             let aside = (state.linear_velocity - forward * along).length();
             let gone = (state.position - start.position).dot(forward);
-            // A step changes v by a thousandth of v0, a hundredth of v at most: Runge-Kutta, (1/100)⁵/120 a step. A thousand of them are 1e-9 of v.
+            // A step changes v by a thousandth of v0, a hundredth of v at most: Runge-Kutta,
+            // (1/100)⁵/120 a step. A thousand of them are 1e-9 of v.
             misses.near("speed", [along, v], 1e-8 * v0)?;
             misses.near("way", [gone, way], 1e-8 * way)?;
             misses.within("aside", aside, 1e-12 * v0)?;
@@ -129,12 +136,14 @@ random! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // C2, C3, C12: from sliding to rolling
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Under Coulomb's law the slip u of a ball keeps its direction, and falls at `a = (1 + 1/β) μ g`; in the regularised law, at `a u/(u + ε)`: as a block's speed does. The speed
-/// answers for the share `b = β/(1 + β)` of it: `v = v₀ - b (u₀ - u) û`. So the path is a parabola (Coriolis, Théorie mathématique des effets du jeu de billard, 1835).
+/// Under Coulomb's law the slip u of a ball keeps its direction, and falls at `a = (1 + 1/β) μ g`;
+/// in the regularised law, at `a u/(u + ε)`: as a block's speed does. The speed answers for the
+/// share `b = β/(1 + β)` of it: `v = v₀ - b (u₀ - u) û`. So the path is a parabola (Coriolis,
+/// Théorie mathématique des effets du jeu de billard, 1835).
 struct Skid {
     /// `I/(m r²)`.
     moment: f64,
@@ -233,7 +242,8 @@ static ROLLING_UP: Case = Case::new(
         .flat_map(|(name, moment, speed, way, lost)| {
             let skid = Skid::of(moment, 0.3, eps);
             let rolls = skid.share() * v0 / (0.3 * 9.8);
-            // The friction is stiff below the slip speed: a/ε = 3.5 μ g/ε = 1e5/s, Runge-Kutta to 2.7/(a/ε).
+            // The friction is stiff below the slip speed: a/ε = 3.5 μ g/ε = 1e5/s, Runge-Kutta to
+            // 2.7/(a/ε).
             let start = skid.start(DVec3::X * v0, DVec3::ZERO);
             let end = skid.after(start, [1.2 * rolls, 2e-5]);
             let energy = |state: &State| {
@@ -241,7 +251,8 @@ static ROLLING_UP: Case = Case::new(
                     + moment * (skid.radius * skid.rate(state)).length_squared()
             };
             let slid = end.position.x - end.linear_velocity.x * 0.2 * rolls;
-            // Momentum about the contact is kept: the speed is exact as soon as the slip has died out, within some ε/a. The way is longer by b ε u₀/a.
+            // Momentum about the contact is kept: the speed is exact as soon as the slip has died
+            // out, within some ε/a. The way is longer by b ε u₀/a.
             let longer = skid.share() * eps * v0 / skid.loss() / (v0 * v0 / (0.3 * 9.8));
             [
                 figure(
@@ -309,7 +320,8 @@ static PARABOLA: Case = Case::new(
     "`x = v₀t - μg û t²/2`, then straight at `v₀ - b u₀`",
     "Coriolis (1835); Hopkins & Patterson, Am. J. Phys. 45, 263 (1977)",
     || {
-        // A bowling ball: 8 m/s along x, side spin of 3 m/s at its contact and a drilling spin, μ = 0.1: the slip is (8, 3) m/s, √73.
+        // A bowling ball: 8 m/s along x, side spin of 3 m/s at its contact and a drilling spin, μ =
+        // 0.1: the slip is (8, 3) m/s, √73.
         let eps = 1e-4;
         let skid = Skid::of(0.4, 0.1, eps);
         let start = skid.start(DVec3::X * 8.0, DVec3::new(30.0, 0.0, 11.0));
@@ -319,7 +331,8 @@ static PARABOLA: Case = Case::new(
         let half = skid.after(start, [rolls / 2.0, 1e-4]);
         let end = skid.after(start, [1.2 * rolls, 5e-5]);
         let expected = (curve(rolls / 2.0), DVec3::X * 8.0 - slip * skid.share());
-        // The regularised force is short by ε/u of Coulomb's: half way, a speed of at most b ε ln 2 and as much for the time.
+        // The regularised force is short by ε/u of Coulomb's: half way, a speed of at most b ε ln 2
+        // and as much for the time.
         let short = skid.share() * eps * rolls;
         vec![
             figure(
@@ -363,7 +376,8 @@ random! {
         skid.friction.slip_speed = eps_share * first.length();
         let last = part * first.length();
         let [seconds, slid] = slide(skid.loss(), skid.friction.slip_speed, first.length(), last);
-        // No more than a tenth of a radian a step, or Runge-Kutta turns the ball with an error of its own.
+        // No more than a tenth of a radian a step, or Runge-Kutta turns the ball with an error of
+        // its own.
         let end = skid.after(start, [seconds, seconds / 1000.0]);
         let along = first.normalize();
         let share = skid.share();
@@ -378,11 +392,12 @@ random! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // C4: down a slope
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Acceleration down a slope (m/s²) and slip (m/s) of a ball that has been let go, in the second half of `seconds`.
+/// Acceleration down a slope (m/s²) and slip (m/s) of a ball that has been let go, in the second
+/// half of `seconds`.
 fn down(moment: f64, friction: Coulomb, slope: f64, seconds: f64) -> [f64; 2] {
     let radius = 0.1;
     let (normal, downhill) = (
@@ -434,7 +449,8 @@ static INCLINE: Case = Case::new(
         };
         let ([slides, slip], [rolls, _]) = (down(0.4, 0.1), down(0.4, 0.2));
         let [hoop, _] = down(1.0, 0.25);
-        // Sliding, the force is short by ε/u, u at least half of the last slip; rolling, the slip is steady after some ε/μg.
+        // Sliding, the force is short by ε/u, u at least half of the last slip; rolling, the slip
+        // is steady after some ε/μg.
         vec![
             figure(
                 "sphere, 25°, μ = 0.1: acceleration, m/s²",
@@ -455,7 +471,8 @@ fn a_sphere_slides_down_a_slope_that_is_too_steep_to_roll() {
 }
 
 random! {
-    /// The threshold is sharp: some percent below, the slip stays of the order of the slip speed; above, it grows as the law says.
+    /// The threshold is sharp: some percent below, the slip stays of the order of the slip speed;
+    /// above, it grows as the law says.
     ANY_INCLINE = new(60, "ball, μ and slope on both sides of the threshold");
     fn any_ball_rolls_down_slopes_up_to_the_threshold_and_slides_beyond(
         moment in log_uniform(0.05, 1.0),
@@ -468,7 +485,8 @@ random! {
         let friction = Coulomb { coefficient, slip_speed: 1e-3 };
         let [acceleration, slip] = down(moment, friction, slope, 1.0);
         if share < 1.0 {
-            // u/(u + ε) is the share of the friction that rolling takes. It is reached at a rate of a (1 - share)²/ε, 0.5 m/s² · 0.01/1e-3 at least.
+            // u/(u + ε) is the share of the friction that rolling takes. It is reached at a rate of
+            // a (1 - share)²/ε, 0.5 m/s² · 0.01/1e-3 at least.
             let steady = 1e-3 * share / (1.0 - share);
             misses.near("slip", [slip, steady], 0.05 * steady)?;
             let rolls = 9.8 * slope.sin() / (1.0 + moment);
@@ -481,15 +499,17 @@ random! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // C9: creep on a slope
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Speed (m/s, downhill) of a point of 1 kg after it has been let go on a slope, long enough to be steady.
+/// Speed (m/s, downhill) of a point of 1 kg after it has been let go on a slope, long enough to be
+/// steady.
 fn creep(friction: impl SlidingFriction, coefficient: f64, eps: f64, tangent: f64) -> f64 {
     let slope = tangent.atan();
     let normal = DVec3::new(slope.sin(), 0.0, slope.cos());
-    // The rate at which the speed settles: a (1 - t/μ)²/ε for the report's law, faster for the smooth one, with a = μ g cos θ. 25 of its times leave e^-25 = 1e-11.
+    // The rate at which the speed settles: a (1 - t/μ)²/ε for the report's law, faster for the
+    // smooth one, with a = μ g cos θ. 25 of its times leave e^-25 = 1e-11.
     let a = coefficient * 9.8 * slope.cos();
     let settling = eps / a / (1.0 - tangent / coefficient).powi(2);
     let time_step = 0.2 * eps / a;
@@ -545,7 +565,8 @@ fn a_body_on_a_slope_creeps_at_the_printed_speeds() {
 }
 
 random! {
-    /// `ε t/(μ - t)` and `ε t/√(μ² - t²)` for a slope of t = tan θ below μ: where the two forces balance.
+    /// `ε t/(μ - t)` and `ε t/√(μ² - t²)` for a slope of t = tan θ below μ: where the two forces
+    /// balance.
     ANY_CREEP = new(200, "μ, slip speed and slope up to 0.8 of μ, under both laws");
     fn a_body_creeps_down_any_slope_that_would_hold_it_at_the_speed_of_the_closed_form(
         coefficient in log_uniform(1e-2, 10.0),
@@ -563,11 +584,12 @@ random! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // C10: Painlevé's rod
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// A rod of a mass, a half length and a moment in `m l²` (1/3 of a uniform one), along body x (the built-in one lies along z), that touches with its ends.
+/// A rod of a mass, a half length and a moment in `m l²` (1/3 of a uniform one), along body x (the
+/// built-in one lies along z), that touches with its ends.
 fn rod([mass, half, moment]: [f64; 3]) -> Solid {
     let end = |x| ContactPoint::bare(DVec3::X * x);
     let inertia = moment * mass * half * half;
@@ -581,7 +603,8 @@ fn rod([mass, half, moment]: [f64; 3]) -> Solid {
 /// A uniform rod of 1 kg and 2 m.
 const UNIFORM: [f64; 3] = [1.0, 1.0, 1.0 / 3.0];
 
-/// A rod with its end -x in the ground by `depth`, up by `angle`, sliding with that end ahead at 1 m/s.
+/// A rod with its end -x in the ground by `depth`, up by `angle`, sliding with that end ahead at
+/// 1 m/s.
 fn sliding_rod(half: f64, angle: f64, depth: f64) -> State {
     State::at(DVec3::Z * (half * angle.sin() - depth))
         .turned_by(DVec3::Y * -angle)
@@ -616,7 +639,9 @@ fn lift(coefficient: f64, angle: f64) -> f64 {
 }
 
 random! {
-    /// The end ahead or behind, with a spin of the rod: `N/m (1 + cos θ (cos θ ∓ μ sin θ)/k) + ω² l sin θ` for a moment of `k m l²` (Génot & Brogliato, Eur. J. Mech. A 18, 653, 1999).
+    /// The end ahead or behind, with a spin of the rod:
+    /// `N/m (1 + cos θ (cos θ ∓ μ sin θ)/k) + ω² l sin θ` for a moment of `k m l²` (Génot &
+    /// Brogliato, Eur. J. Mech. A 18, 653, 1999).
     ANY_ROD = new(200, "mass, length, moment, angle, spin, μ and sense of sliding: `1 + cos θ (cos θ ∓ μ sin θ)/k`");
     fn the_ends_of_sliding_rods_of_any_kind_are_pressed_as_painleve_says(
         mass in log_uniform(1e-3, 1e3),
@@ -632,7 +657,8 @@ random! {
         let start = sliding_rod(half, angle, 0.0)
             .with_linear_velocity(DVec3::X * speed)
             .with_angular_momentum(DVec3::Y * (spin * moment * mass * half * half));
-        // The end is at (-cos θ, -sin θ) l: the spin moves it by -ω l sin θ along x. The arm is the same in the ground as above it.
+        // The end is at (-cos θ, -sin θ) l: the spin moves it by -ω l sin θ along x. The arm is the
+        // same in the ground as above it.
         let slip = speed - spin * half * angle.sin();
         prop_assume!(slip.abs() > 0.01);
         // The other end stays above the ground.
@@ -642,7 +668,8 @@ random! {
         let reaction = 1.0 + cos * (cos + coefficient * slip.signum() * sin) / moment;
         let centripetal = spin * spin * half * sin * mass / load;
         let found = lift_of(rod_of, friction, &start, load);
-        // The slip speed's share, 1e-10 m/s of the slip; and the rounding of the depth, which is a difference of heights of up to 10 m, on 1000 N/m.
+        // The slip speed's share, 1e-10 m/s of the slip; and the rounding of the depth, which is a
+        // difference of heights of up to 10 m, on 1000 N/m.
         let size = 1.0 + (1.0 + coefficient) / moment;
         let rounding = 4e-16 * (1.0 + half) * 1000.0 / load + 1e-14;
         misses.near("lift", [found, reaction + centripetal], size * (1e-10 / slip.abs() + rounding) + 1e-14 * centripetal)?;
@@ -665,7 +692,8 @@ static PAINLEVE: Case = Case::new(
             }
             low
         };
-        // Friction is short of Coulomb's by the slip speed, 1e-10 of 1 m/s; half a unit of the last printed place.
+        // Friction is short of Coulomb's by the slip speed, 1e-10 of 1 m/s; half a unit of the last
+        // printed place.
         vec![
             figure(
                 "sliding rod at tan θ = 2: first μ without lift",
@@ -698,8 +726,10 @@ fn the_end_of_a_sliding_rod_is_pressed_down_by_its_own_reaction_from_painleves_c
 
 #[test]
 fn a_rod_in_painleves_paradox_jams_and_is_thrown_without_gaining_energy() {
-    // The depth grows by z'' = λ² z + g, λ² ~ S, until the force has taken the slip: N = c (cosh λt - 1), N's impulse = c (sinh λt - λt)/λ ~ v. So N ~ λ v ~ √S, ten times as high on a
-    // ground a hundred times as stiff, but for (1 + λt)/cosh λt of it: N is 30 g on the softer ground, λt = 4, so a sixth.
+    // The depth grows by z'' = λ² z + g, λ² ~ S, until the force has taken the slip: N = c (cosh λt -
+    // 1), N's impulse = c (sinh λt - λt)/λ ~ v. So N ~ λ v ~ √S, ten times as high on a ground a
+    // hundred times as stiff, but for (1 + λt)/cosh λt of it: N is 30 g on the softer ground, λt =
+    // 4, so a sixth.
     let peak = |stiffness: f64| {
         let stepper = Stepper::new(rod(UNIFORM))
             .unwrap()
@@ -737,11 +767,12 @@ fn a_rod_in_painleves_paradox_jams_and_is_thrown_without_gaining_energy() {
     );
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // C11: drilling
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Rate (rad/s) about the vertical of a body that lies flat (body x down) on its points, each with its share of the weight, after it has drilled for some time.
+/// Rate (rad/s) about the vertical of a body that lies flat (body x down) on its points, each with
+/// its share of the weight, after it has drilled for some time.
 fn drill(
     body: impl RigidPointBody,
     friction: Coulomb,
@@ -809,8 +840,9 @@ fn rings_and_discs_that_drill_slow_down_as_the_closed_form_says() {
     DRILLING.holds();
 }
 
-/// A disc of 20 rings of equal points, of which ring i has as many as its area asks for. It drills by a third quicker than a ring: half the inertia, and a mean arm of 2R/3. The mean
-/// arm misses 2R/3 by 1/(12·20²) of it, the inertia 1/2 by as much twice: within 1e-3, as the catalogue asks.
+/// A disc of 20 rings of equal points, of which ring i has as many as its area asks for. It drills
+/// by a third quicker than a ring: half the inertia, and a mean arm of 2R/3. The mean arm misses
+/// 2R/3 by 1/(12·20²) of it, the inertia 1/2 by as much twice: within 1e-3, as the catalogue asks.
 fn disc_of_points() -> PointCloud<f64, Vec<ContactPoint>> {
     let rings = 20;
     let mut points = Vec::new();
@@ -849,11 +881,13 @@ random! {
         let [seconds, _] = slide(coefficient * 9.8, slip_speed, rim_speed, part * rim_speed);
         let ring = Coin::ring_in(vec![ContactPoint::default(); count], mass, radius);
         let friction = Coulomb { coefficient, slip_speed };
-        // 400 steps for the friction, and steps of a tenth of a radian, or Runge-Kutta makes it nutate.
+        // 400 steps for the friction, and steps of a tenth of a radian, or Runge-Kutta makes it
+        // nutate.
         let rate = rim_speed / radius;
         let time_step = f64::min(seconds / 400.0, 0.1 / rate);
         let after = radius * drill(ring, friction, rate, [seconds, time_step]);
-        // A step changes the rim's speed by a 400th of the first at most, a fortieth of the last: Runge-Kutta, (1/40)⁵/120 a step, 400 times; of a tenth of the first.
+        // A step changes the rim's speed by a 400th of the first at most, a fortieth of the last:
+        // Runge-Kutta, (1/40)⁵/120 a step, 400 times; of a tenth of the first.
         misses.near("rim", [after, part * rim_speed], 1e-8 * rim_speed)?;
     }
 }

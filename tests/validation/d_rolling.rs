@@ -1,10 +1,14 @@
 //! Group D, a hoop or a disc on its rim: steady tumbling and rolling, and small swings about it.
 //!
-//! `α`: between the plane of the disc and the ground, 90 degrees upright. `w`: spin about the normal. `Ω`: rate at which the normal goes round the vertical. `k_a`, `k_d`: moments about the normal and a
-//! diameter, in `M r²` (1 and 1/2 of a hoop, 1/2 and 1/4 of a disc).
+//! `α`: between the plane of the disc and the ground, 90 degrees upright. `w`: spin about the
+//! normal. `Ω`: rate at which the normal goes round the vertical. `k_a`, `k_d`: moments about the
+//! normal and a diameter, in `M r²` (1 and 1/2 of a hoop, 1/2 and 1/4 of a disc).
 //!
-//! **Steady motion** (Routh, Dynamics of a System of Rigid Bodies II, 1905, art. 244; McDonald & McDonald, arXiv physics/0008227). With the normal `n = (sin α, 0, cos α)` and `e = (-cos α, 0, sin α)` up in the disc,
-//! `ω = w n + Ω sin α e` and `L = M r² (k_a w n + k_d Ω sin α e)`. Rolling, the centre moves at `-r w ŷ`, and friction is what keeps it on its circle, `M r w Ω x̂`. `dL/dt = Ω ẑ × L` is the torque of friction and
+//! **Steady motion** (Routh, Dynamics of a System of Rigid Bodies II, 1905, art. 244; McDonald &
+//! McDonald, arXiv physics/0008227). With the normal `n = (sin α, 0, cos α)` and
+//! `e = (-cos α, 0, sin α)` up in the disc, `ω = w n + Ω sin α e` and
+//! `L = M r² (k_a w n + k_d Ω sin α e)`. Rolling, the centre moves at `-r w ŷ`, and friction is
+//! what keeps it on its circle, `M r w Ω x̂`. `dL/dt = Ω ẑ × L` is the torque of friction and
 //! weight at the contact `-r e`:
 //!
 //! `(k_a + 1) w Ω sin α - k_d Ω² sin α cos α + (g/r) cos α = 0`.
@@ -72,7 +76,8 @@ impl RigidPointBody for Disc {
     }
 }
 
-/// Springs that let a rim of 8000 points sink over half an arc of 0.01 rad upright: 25 points, 25 µm.
+/// Springs that let a rim of 8000 points sink over half an arc of 0.01 rad upright: 25 points, 25
+/// µm.
 const STIFFNESS: f64 = 2.32e4;
 
 /// Half of the arc on which the rim rests at `α`.
@@ -111,7 +116,8 @@ fn grip(rate: f64) -> [f64; 2] {
     [1.0, GRAVITY / rate]
 }
 
-/// A disc under gravity, on springs and dampers with `damping` over stiffness (s), under a coefficient and slip speed of friction.
+/// A disc under gravity, on springs and dampers with `damping` over stiffness (s), under a
+/// coefficient and slip speed of friction.
 fn scene(
     moments: [f64; 2],
     [coefficient, slip_speed]: [f64; 2],
@@ -134,10 +140,14 @@ fn scene(
         .unwrap()
 }
 
-/// The longest step up to `limit` (s) that meets the points of a rim in all of their phases, where they pass the contact at this rate (rad/s): a golden share of the time from one to the next, or of that.
+/// The longest step up to `limit` (s) that meets the points of a rim in all of their phases, where
+/// they pass the contact at this rate (rad/s): a golden share of the time from one to the next, or
+/// of that.
 ///
-/// A step that meets them in a few phases only sees a few places of the patch, and one that nearly does so sees a ripple of the force go by slowly, which shakes the disc: steps of 2e-4 s, which 3300 points a second pass two by
-/// three, put the nodding of a disc at 67° off by 1.4e-4 of its rate, and these by 2e-5.
+/// A step that meets them in a few phases only sees a few places of the patch, and one that nearly
+/// does so sees a ripple of the force go by slowly, which shakes the disc: steps of 2e-4 s, which
+/// 3300 points a second pass two by three, put the nodding of a disc at 67° off by 1.4e-4 of its
+/// rate, and these by 2e-5.
 fn golden_step(passing: f64, limit: f64) -> f64 {
     let mut share = 0.618_034;
     let next = TAU / 8000.0 / passing.abs();
@@ -185,7 +195,8 @@ fn mean_rate(path: &[Moment]) -> f64 {
     (last.azimuth - first.azimuth) / (last.time - first.time)
 }
 
-/// Angular frequency (rad/s) of the swings of `α` near `guess`: of the sine that, with a constant and a steady drift, fits best.
+/// Angular frequency (rad/s) of the swings of `α` near `guess`: of the sine that, with a constant
+/// and a steady drift, fits best.
 fn frequency(path: &[Moment], guess: f64) -> f64 {
     let (mut low, mut high) = (0.8 * guess, 1.2 * guess);
     // Golden section.
@@ -201,7 +212,8 @@ fn frequency(path: &[Moment], guess: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// What a constant, a drift and a swing of one frequency leave of the squares of `α`, by the normal equations.
+/// What a constant, a drift and a swing of one frequency leave of the squares of `α`, by the normal
+/// equations.
 fn misfit(path: &[Moment], frequency: f64) -> f64 {
     let last = path[path.len() - 1].time;
     let mut products = DMat4::ZERO;
@@ -240,8 +252,9 @@ static TUMBLE: Case = Case::new(
                 let rate = (GRAVITY / (moments[1] * RADIUS * alpha.sin())).sqrt();
                 let path = path(moments, ICE, start(moments, alpha, 0.0, rate), 2.0);
                 let got = mean_rate(&path) * (mean_alpha(&path).sin() / alpha.sin()).sqrt();
-                // The load on the arc, 1 - (x/φ)², has its centre at 1 - φ²/10 of the radius: so much shorter is the lever, and half as much lower the
-                // rate; a fifth of that for what follows in turn.
+                // The load on the arc, 1 - (x/φ)², has its centre at 1 - φ²/10 of the radius: so
+                // much shorter is the lever, and half as much lower the rate; a fifth of that for
+                // what follows in turn.
                 let share = arc(alpha).powi(2) / 20.0;
                 figures.push(figure(
                     format!("{name}, {degrees}°: rate, rad/s"),
@@ -280,8 +293,9 @@ static STEADY: Case = Case::new(
                 .with_z(0.0)
                 .length();
             let found = chord / (2.0 * (0.5 * turned).sin()).abs();
-            // The friction that holds it on its circle, r w Ω/g of the load, slips at ε r w Ω/(μg) and a little more, outwards: so fast does it lean over, by u/r; Ω goes with
-            // cot α. On average over the run, half of it.
+            // The friction that holds it on its circle, r w Ω/g of the load, slips at ε r w Ω/(μg)
+            // and a little more, outwards: so fast does it lean over, by u/r; Ω goes with cot α. On
+            // average over the run, half of it.
             let share = RADIUS * spin * f64::abs(rate) / GRAVITY;
             let slip = grip(1000.0)[1] * share / (1.0 - share);
             let miss = slip / RADIUS * (alpha.tan() + 1.0 / alpha.tan()) / 2.0;
@@ -303,7 +317,8 @@ static STEADY: Case = Case::new(
 )
 .and(&[&ANY_STEADY]);
 
-/// Rate about the vertical of a disc that rolls steadily at `α` with a spin: the slow root, which friction can hold.
+/// Rate about the vertical of a disc that rolls steadily at `α` with a spin: the slow root, which
+/// friction can hold.
 fn steady_rate([axial, diametral]: [f64; 2], alpha: f64, spin: f64) -> f64 {
     let (sin, cos) = alpha.sin_cos();
     let half = 0.5 * (axial + 1.0) * spin * sin;
@@ -311,8 +326,11 @@ fn steady_rate([axial, diametral]: [f64; 2], alpha: f64, spin: f64) -> f64 {
     -weight / (half + half.signum() * (half * half + diametral * sin * cos * weight).sqrt())
 }
 
-/// How fast (rad/s) a disc that rolls steadily under friction of the rate γ (1/s) leans over. The friction that holds it on its circle, a share of the load, slips outwards at ε share/(1 - share), over the radius; and the
-/// patch resists the turn about the vertical, `Ω + (w - Ω cos α) cos α` there, with a torque of `γ M r² φ²/5` of it, which turns the spin's angular momentum, `(k_a + 1) w M r²` with that of the rolling.
+/// How fast (rad/s) a disc that rolls steadily under friction of the rate γ (1/s) leans over. The
+/// friction that holds it on its circle, a share of the load, slips outwards at ε share/(1 -
+/// share), over the radius; and the patch resists the turn about the vertical,
+/// `Ω + (w - Ω cos α) cos α` there, with a torque of `γ M r² φ²/5` of it, which turns the spin's
+/// angular momentum, `(k_a + 1) w M r²` with that of the rolling.
 fn leans(moments: [f64; 2], alpha: f64, [spin, rate]: [f64; 2], friction: f64) -> f64 {
     let (sin, cos) = alpha.sin_cos();
     let share = (RADIUS * spin * rate / GRAVITY).abs();
@@ -323,7 +341,9 @@ fn leans(moments: [f64; 2], alpha: f64, [spin, rate]: [f64; 2], friction: f64) -
 }
 
 random! {
-    /// As it leans over, Ω goes with `cot α`; on average over the second, half of it. The start, which knows nothing of that, makes it nod besides, by the rate of leaning over the nod's ω. The radius is known by Ω.
+    /// As it leans over, Ω goes with `cot α`; on average over the second, half of it. The start,
+    /// which knows nothing of that, makes it nod besides, by the rate of leaning over the nod's ω.
+    /// The radius is known by Ω.
     ANY_STEADY = new(16, "moments, 40° to 85° and spin whose circle is stable");
     fn discs_of_any_moments_roll_round_the_circle_of_routh(
         diametral in 0.15..0.6_f64,
@@ -346,8 +366,9 @@ random! {
     }
 }
 
-/// By how much (of itself) friction of the rate γ, 1/s, moves the square of a swing's frequency ω. The force that holds the contact slips by 1/γ of its acceleration, out of phase: (ω/γ)². The patch resists the turn about
-/// the vertical: `γ φ²/(5 k_d)` of it a second, a share of ω.
+/// By how much (of itself) friction of the rate γ, 1/s, moves the square of a swing's frequency ω.
+/// The force that holds the contact slips by 1/γ of its acceleration, out of phase: (ω/γ)². The
+/// patch resists the turn about the vertical: `γ φ²/(5 k_d)` of it a second, a share of ω.
 fn softness(moments: [f64; 2], alpha: f64, frequency: f64, friction: f64) -> f64 {
     let drilling = friction * arc(alpha).powi(2) / (5.0 * moments[1]);
     (frequency / friction).powi(2) + drilling / frequency
@@ -393,7 +414,8 @@ random! {
         let square = (axial * (axial + 1.0) / diametral * spin * spin - GRAVITY / RADIUS) / (diametral + 1.0);
         let path = path(moments, grip(300.0), start(moments, FRAC_PI_2 - 0.002, spin, 0.0), 4.0);
         let got = frequency(&path, square.sqrt()).powi(2);
-        // The weight's part of the square is a difference: what moves the spin's part is larger by that.
+        // The weight's part of the square is a difference: what moves the spin's part is larger by
+        // that.
         let spins = square + GRAVITY / (RADIUS * (diametral + 1.0));
         let miss = softness(moments, FRAC_PI_2, square.sqrt(), 300.0) + 1e-5;
         misses.near("square", [got, square], spins * miss)?;
@@ -417,7 +439,8 @@ static NUTATION_ROLLING: Case = Case::new(
             let rolling_start = swinging(moments, alpha, [0.0, rate]);
             let path = path(moments, grip(100.0), rolling_start, 2.0);
             let got = (frequency(&path, rate * square.sqrt()) / mean_rate(&path)).powi(2);
-            // The patch resists the turn about the vertical: in the run it takes γ φ² t/(5 k_d) of it.
+            // The patch resists the turn about the vertical: in the run it takes γ φ² t/(5 k_d) of
+            // it.
             let drilling = 100.0 * arc(alpha).powi(2) * 2.0 / (5.0 * moments[1]);
             figures.push(figure(
                 format!("{name}, {degrees}°: ω²/Ω²"),
@@ -451,22 +474,31 @@ random! {
     }
 }
 
-/// What the bed under the rim adds to `ω²/Ω²` of small swings about tumbling on ice, as a share of it: `φ² (1/45 + X (1 - X)/9 - tan² α k_d/(15 (k_d + cos² α)))` with `X = ω² r sin α/g`.
+/// What the bed under the rim adds to `ω²/Ω²` of small swings about tumbling on ice, as a share of
+/// it: `φ² (1/45 + X (1 - X)/9 - tan² α k_d/(15 (k_d + cos² α)))` with `X = ω² r sin α/g`.
 ///
-/// In units of M and r, with `z = sin α (1 - ψ/2)`, `ψ = φ²`, the springs hold `V = B sin² α ψ^(5/2)` and the energy of the motion is `z'²/2 + k_d α'²/2 + p²/(2 k_d sin² α) + g z + V`. At rest in ψ, `V = g sin α ψ/5`; in α,
-/// `k_d Ω² sin α = g (1 - ψ/10)`, the lever of the load's centre. About that, with s and c for sine and cosine:
+/// In units of M and r, with `z = sin α (1 - ψ/2)`, `ψ = φ²`, the springs hold
+/// `V = B sin² α ψ^(5/2)` and the energy of the motion is
+/// `z'²/2 + k_d α'²/2 + p²/(2 k_d sin² α) + g z + V`. At rest in ψ, `V = g sin α ψ/5`; in α,
+/// `k_d Ω² sin α = g (1 - ψ/10)`, the lever of the load's centre. About that, with s and c for sine
+/// and cosine:
 ///
-/// `W_αα = 3 g c²/s (1 + ψ/30)`, `W_αψ = g c/2`, `W_ψψ = 3 g s/(4ψ)`; `M_αα = k_d + c² (1 - ψ)`, `M_αψ = -s c/2`,
+/// `W_αα = 3 g c²/s (1 + ψ/30)`, `W_αψ = g c/2`, `W_ψψ = 3 g s/(4ψ)`; `M_αα = k_d + c² (1 - ψ)`,
+/// `M_αψ = -s c/2`,
 ///
-/// and without ψ, which follows: `ω² (k_d + c²) = 3 g c²/s (1 + ψ/30) + ω² c² ψ - c² ψ (g + ω² s)²/(3 g s)`. So X is changed by `-7/90 + X/9 - X²/9` of ψ, and `1/Ω²` by 1/10. All that is about
-/// the angle that belongs to p, which is `tan α ψ/30` above the one without a bed: `sin³ α` goes as `1 + ψ/10`.
+/// and without ψ, which follows:
+/// `ω² (k_d + c²) = 3 g c²/s (1 + ψ/30) + ω² c² ψ - c² ψ (g + ω² s)²/(3 g s)`. So X is changed by
+/// `-7/90 + X/9 - X²/9` of ψ, and `1/Ω²` by 1/10. All that is about the angle that belongs to p,
+/// which is `tan α ψ/30` above the one without a bed: `sin³ α` goes as `1 + ψ/10`.
 fn of_bed(diametral: f64, square: f64, alpha: f64) -> f64 {
     let x = square / diametral;
     let steeper = diametral / (diametral + alpha.cos().powi(2)) * alpha.tan().powi(2) / 15.0;
     arc(alpha).powi(2) * (1.0 / 45.0 + x * (1.0 - x) / 9.0 - steeper)
 }
 
-/// What a measured `ω²/Ω²` may miss of itself: Ω swings by 2δ cot α, and the mean over some swings and a part misses up to 2/ωt of that; and what follows in turn of the bed's share, twice its square.
+/// What a measured `ω²/Ω²` may miss of itself: Ω swings by 2δ cot α, and the mean over some swings
+/// and a part misses up to 2/ωt of that; and what follows in turn of the bed's share, twice its
+/// square.
 fn misses_of_swing(aside: f64, alpha: f64, of_bed: f64) -> f64 {
     8.0 * aside / alpha.tan() / (3.2 * TAU) + 2.0 * of_bed * of_bed
 }
@@ -485,7 +517,8 @@ static NUTATION_SLIDING: Case = Case::new(
         ] {
             let alpha = degrees.to_radians();
             let rate = (GRAVITY / (moments[1] * RADIUS * alpha.sin())).sqrt();
-            // The angular momentum about the vertical stays, k_d Ω sin² α: so it swings about α itself.
+            // The angular momentum about the vertical stays, k_d Ω sin² α: so it swings about α
+            // itself.
             let aside = 5e-4;
             let faster = rate * (alpha.sin() / (alpha - aside).sin()).powi(2);
             let sliding_start = start(moments, alpha - aside, 0.0, faster);
@@ -541,7 +574,8 @@ static SLIDING_UPRIGHT: Case = Case::new(
             let start = start(HOOP, FRAC_PI_2 - 1e-3, spin, 0.0);
             let path = path(HOOP, ICE, start, 4.0);
             let (low, _) = extremes(&path);
-            // Not quite linear, by the square of the lean, and the load's centre, φ²/10 up, on g/(k_d r), which is almost all of what the spin must overcome.
+            // Not quite linear, by the square of the lean, and the load's centre, φ²/10 up, on
+            // g/(k_d r), which is almost all of what the spin must overcome.
             let pull = GRAVITY / (HOOP[1] * RADIUS);
             let share = pull / (4.0 * spin * spin - pull);
             let miss = (1e-3_f64 * grown).powi(2) + arc(FRAC_PI_2).powi(2) / 5.0;
@@ -578,29 +612,38 @@ random! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // D9, D10: what the dampers under a rim take
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Springs S and dampers D under a rim whose points pass the contact at σ. A point at θ from the lowest is `r sin α (φ² - θ²)/2` deep and sinks at `r sin α σ θ`: with `x = θ/φ` and `δ = τσ/φ`, τ = D/S, it bears
-/// `(1 - x²)/2 + δx`, from where it comes in, x = 1, to where that is 0, x = -1 + δ. The balance of the load gives φ, as without dampers; the moment of the force, `2δ/3 - δ²/2` for an arc cut at -1 + δ, the power:
+/// Springs S and dampers D under a rim whose points pass the contact at σ. A point at θ from the
+/// lowest is `r sin α (φ² - θ²)/2` deep and sinks at `r sin α σ θ`: with `x = θ/φ` and `δ = τσ/φ`,
+/// τ = D/S, it bears `(1 - x²)/2 + δx`, from where it comes in, x = 1, to where that is 0, x = -1 +
+/// δ. The balance of the load gives φ, as without dampers; the moment of the force, `2δ/3 - δ²/2`
+/// for an arc cut at -1 + δ, the power:
 ///
 /// `P = τ M g r sin α σ² (1 - 3δ/4)`, for any number of points and any springs.
 ///
-/// Steady motion with a spin w and a rate Ω has `σ = w - Ω cos α`: a coin that tumbles (w = 0) loses `τ M g² cos² α/k_d`, and one that rolls upright slows down as `v' = -τ (g/r) v/(1 + k_a)`.
+/// Steady motion with a spin w and a rate Ω has `σ = w - Ω cos α`: a coin that tumbles (w = 0)
+/// loses `τ M g² cos² α/k_d`, and one that rolls upright slows down as `v' = -τ (g/r) v/(1 + k_a)`.
 ///
-/// Those two are for δ to 0. Against them a leaning disc of 45° with τ = 10 µs is 0.45 % short in half a second, at 75° 0.04 to 0.2 %: that is 3δ/4 (δ = 0.0066 and 0.0023), the points that let go before they are out, and
-/// the change of α. With the angle and the rates of each moment, and 3δ/4, 7e-6 and 3e-5 are left at τ = 10 µs, 6e-4 at δ = 0.1.
+/// Those two are for δ to 0. Against them a leaning disc of 45° with τ = 10 µs is 0.45 % short in
+/// half a second, at 75° 0.04 to 0.2 %: that is 3δ/4 (δ = 0.0066 and 0.0023), the points that let
+/// go before they are out, and the change of α. With the angle and the rates of each moment, and
+/// 3δ/4, 7e-6 and 3e-5 are left at τ = 10 µs, 6e-4 at δ = 0.1.
 fn damped_power(alpha: f64, passing: f64, damping: f64) -> [f64; 2] {
     let delta = damping * passing.abs() / arc(alpha);
     let power = damping * GRAVITY * RADIUS * alpha.sin() * passing * passing;
     [power * (1.0 - 0.75 * delta), delta]
 }
 
-/// What a disc loses in half a second, J, and the formula's with the angle and the rates of each moment, with its tolerance.
+/// What a disc loses in half a second, J, and the formula's with the angle and the rates of each
+/// moment, with its tolerance.
 ///
-/// Of the next order in δ, 2δ². The damper's force begins with a jump, at x = 1: as points come in one by one, the sum over h/φ of x differs from the integral by up to δh/2φ of 2δ/3, to and fro, a share of the time between two
-/// points of the run at its end. The heave that is left over from the start, a thousandth of the sag, is an energy of `M g r φ²/2 · 1e-3` at most.
+/// Of the next order in δ, 2δ². The damper's force begins with a jump, at x = 1: as points come in
+/// one by one, the sum over h/φ of x differs from the integral by up to δh/2φ of 2δ/3, to and fro,
+/// a share of the time between two points of the run at its end. The heave that is left over from
+/// the start, a thousandth of the sag, is an energy of `M g r φ²/2 · 1e-3` at most.
 fn loss(moments: [f64; 2], alpha: f64, [spin, rate]: [f64; 2], damping: f64) -> [f64; 3] {
     let friction = if spin == 0.0 { ICE } else { grip(1000.0) };
     let steady = spin - rate * alpha.cos();
@@ -707,13 +750,16 @@ random! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // D11: swings about any steady rolling
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Square of the frequency of small swings about steady rolling. With `(k_a + 1) w' = Ω α' sin α` and `k_d (Ω' sin α + 2 Ω α' cos α) = k_a w α'` in
-/// `(1 + k_d) α'' = -(g/r) cos α + k_d Ω² sin α cos α - (k_a + 1) w Ω sin α`, a small change of α obeys
-/// `(1 + k_d) ω² = k_a (k_a + 1) w²/k_d - (3 k_a + 1) w Ω cos α + Ω² (sin² α + k_d (1 + 2 cos² α)) - (g/r) sin α`. Upright it is D3, without spin D6.
+/// Square of the frequency of small swings about steady rolling. With `(k_a + 1) w' = Ω α' sin α`
+/// and `k_d (Ω' sin α + 2 Ω α' cos α) = k_a w α'` in
+/// `(1 + k_d) α'' = -(g/r) cos α + k_d Ω² sin α cos α - (k_a + 1) w Ω sin α`, a small change of α
+/// obeys
+/// `(1 + k_d) ω² = k_a (k_a + 1) w²/k_d - (3 k_a + 1) w Ω cos α + Ω² (sin² α + k_d (1 + 2 cos² α)) - (g/r) sin α`.
+/// Upright it is D3, without spin D6.
 fn nutation([axial, diametral]: [f64; 2], alpha: f64, [spin, rate]: [f64; 2]) -> f64 {
     let (sin, cos) = alpha.sin_cos();
     let gyroscopic =
@@ -732,8 +778,9 @@ fn swinging(moments: [f64; 2], alpha: f64, [spin, rate]: [f64; 2]) -> State {
     start(moments, alpha + aside, spin + more_spin, rate + more_rate)
 }
 
-/// The square of the frequency of a disc's swings about steady rolling, and the formula's, with its tolerance: the softness of friction, of the spin's part; how α changes meanwhile, half of it on average; and what is not linear,
-/// some squares of 5 mrad.
+/// The square of the frequency of a disc's swings about steady rolling, and the formula's, with its
+/// tolerance: the softness of friction, of the spin's part; how α changes meanwhile, half of it on
+/// average; and what is not linear, some squares of 5 mrad.
 fn swings(moments: [f64; 2], alpha: f64, spin: f64) -> [f64; 3] {
     let (friction, seconds) = (300.0, 2.0);
     let rate = steady_rate(moments, alpha, spin);
@@ -811,7 +858,8 @@ fn largest_lean(spin: f64, friction: [f64; 2]) -> f64 {
 
 #[test]
 fn a_hoop_that_rolls_slower_than_half_the_root_of_gr_falls_over() {
-    // Case D3: v² > gr/4. The swing about the mean lean grows without end on one side of it only; how fast it grows, √|ω²| = 1.3/s, tells within 4 s 5 % below the limit.
+    // Case D3: v² > gr/4. The swing about the mean lean grows without end on one side of it only;
+    // how fast it grows, √|ω²| = 1.3/s, tells within 4 s 5 % below the limit.
     let limit = (GRAVITY / (4.0 * RADIUS)).sqrt();
     assert!(largest_lean(1.1 * limit, grip(1000.0)) < 0.05);
     assert!(largest_lean(0.9 * limit, grip(1000.0)) > 0.2);

@@ -25,7 +25,8 @@ const GRAVITY: f64 = 9.8;
 /// m
 const RADIUS: f64 = 0.1;
 
-/// A ball of 1 kg and 0.1 m whose centre of mass lies `low` (m) under its middle, along -z of the body; moments in `m r²` across the axis and about it.
+/// A ball of 1 kg and 0.1 m whose centre of mass lies `low` (m) under its middle, along -z of the
+/// body; moments in `m r²` across the axis and about it.
 fn eccentric(low: f64, across: f64, about: f64) -> Sphere {
     let moments = DVec3::new(across, across, about) * (RADIUS * RADIUS);
     Sphere::loaded(
@@ -38,12 +39,13 @@ fn eccentric(low: f64, across: f64, about: f64) -> Sphere {
     )
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // F1: Jellett's integral
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// `-L · a`, with `a` from the centre of mass to the contact: whatever force acts there, its moment is across `a`, and `L · a'` is 0 for a body that is symmetric about the axis on which
-/// both centres lie. The contact is at `low e - r ẑ`.
+/// `-L · a`, with `a` from the centre of mass to the contact: whatever force acts there, its moment
+/// is across `a`, and `L · a'` is 0 for a body that is symmetric about the axis on which both
+/// centres lie. The contact is at `low e - r ẑ`.
 fn jellett(low: f64, state: &State) -> f64 {
     let arm = state.orientation * DVec3::Z * low - DVec3::Z * RADIUS;
     -state.angular_momentum.dot(arm)
@@ -90,8 +92,9 @@ static JELLETT: Case = Case::new(
     "`-L · a` stays",
     "Jellett, Theory of Friction (1872); Ueda et al., arXiv physics/0507198",
     || {
-        // 100 rad/s in steps of 50 µs: Runge-Kutta turns by 5e-3 rad a step with (5e-3)⁵/120 of error, 1e5 times: 3e-9 at most; where a contact opens or closes it is of order 1 or 2, but
-        // the force there is small.
+        // 100 rad/s in steps of 50 µs: Runge-Kutta turns by 5e-3 rad a step with (5e-3)⁵/120 of
+        // error, 1e5 times: 3e-9 at most; where a contact opens or closes it is of order 1 or 2,
+        // but the force there is small.
         let drift = drift_of_jellett(spinning_top(0.3, 100.0), 5.0, 5e-5);
         vec![figure(
             "tippe top for 5 s: largest change, share of L r",
@@ -120,17 +123,19 @@ random! {
             .with_orientation(orientation)
             .with_linear_velocity(heading * 2.0)
             .with_angular_momentum(spin * 0.1);
-        // 0.1 kg m²/s over moments of 0.0035 to 0.004 kg m²: 29 rad/s; as above, for 1e4 steps of 3e-3 rad.
+        // 0.1 kg m²/s over moments of 0.0035 to 0.004 kg m²: 29 rad/s; as above, for 1e4 steps of
+        // 3e-3 rad.
         let drift = drift_of_jellett(start, 1.0, 1e-4);
         misses.within("change", drift, 1e-9)?;
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // F4: a rattleback
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// The states, a tenth of a second apart, of a stone that spins (rad/s) on its bottom: an ellipsoid of 0.4 by 0.06 by 0.04 m whose mass lies askew to it by an angle.
+/// The states, a tenth of a second apart, of a stone that spins (rad/s) on its bottom: an ellipsoid
+/// of 0.4 by 0.06 by 0.04 m whose mass lies askew to it by an angle.
 fn rattle(askew: f64, spin: f64, seconds: f64) -> Vec<State> {
     let semi_axes = DVec3::new(0.2, 0.03, 0.02);
     let (sin, cos) = askew.sin_cos();
@@ -167,7 +172,8 @@ fn rattle(askew: f64, spin: f64, seconds: f64) -> Vec<State> {
         .unwrap()
         .with_integrator(EnergyMomentum { time_step: 5e-4 })
         .unwrap();
-    // A nudge that has a mirror image: along the plane y = 0, in which a mirror turns x-moments and z-spins round.
+    // A nudge that has a mirror image: along the plane y = 0, in which a mirror turns x-moments and
+    // z-spins round.
     let mut state = State::at(DVec3::Z * (0.02 - GRAVITY / 1e6)).with_angular_momentum(DVec3::new(
         0.0,
         1e-4,
@@ -181,7 +187,9 @@ fn rattle(askew: f64, spin: f64, seconds: f64) -> Vec<State> {
         .collect()
 }
 
-/// Reversal times need the parameters of a measured stone (Garcia & Hubbard, Proc. R. Soc. Lond. A 418, 165, 1988; Kondo & Nakanishi, arXiv 1704.06717), which nobody here has seen: only the sense of it is held, and the mirror image, exactly.
+/// Reversal times need the parameters of a measured stone (Garcia & Hubbard, Proc. R. Soc. Lond. A
+/// 418, 165, 1988; Kondo & Nakanishi, arXiv 1704.06717), which nobody here has seen: only the sense
+/// of it is held, and the mirror image, exactly.
 static MIRRORED_STONE: Case = Case::new(
     "F4",
     "a mirrored stone with the mirrored spin runs the mirrored way; a stone reverses one spin and not the other",
@@ -195,7 +203,8 @@ static MIRRORED_STONE: Case = Case::new(
             let momentum = other.angular_momentum * DVec3::new(-1.0, 1.0, -1.0);
             (one.position - place).length() + (one.angular_momentum - momentum).length()
         });
-        // Sums whose terms have other signs round apart, by 1e-16 in each of 6000 steps; a rattle that grows makes up to e^10 of it.
+        // Sums whose terms have other signs round apart, by 1e-16 in each of 6000 steps; a rattle
+        // that grows makes up to e^10 of it.
         vec![figure(
             "stone and its mirror image for 3 s: largest distance",
             0.0,
@@ -221,11 +230,12 @@ fn a_rattleback_turns_back_from_one_sense_and_runs_as_its_mirror_image_mirrored(
     );
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // F5: a tumbler doll's swing
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Time of a swing (s) of a body that stands at a height on its lowest place and starts at rest with a lean of `first` rad about y, from its passages upright.
+/// Time of a swing (s) of a body that stands at a height on its lowest place and starts at rest
+/// with a lean of `first` rad about y, from its passages upright.
 fn swing(body: impl RigidPointBody, height: f64, friction: Coulomb, first: f64) -> f64 {
     let stepper = Stepper::new(body)
         .unwrap()
@@ -269,8 +279,11 @@ const ICE: Coulomb = Coulomb {
     slip_speed: 1.0,
 };
 
-/// Period (s) of a body of 1 kg that rocks in a plane with any amplitude: with its centre of mass at the height h(θ) over its lowest place, which is h'(θ) aside, the centre moves at `h' θ'` up and, rolling, `h θ'` along:
-/// `(I + h'² + h²) θ'²/2 + g h = const`, on ice without h². So `T = 4 ∫ √((I + h'² + h²)/(2 g (h(θ₀) - h(θ)))) dθ`, with `θ = θ₀ sin s` a smooth periodic integrand, for which the midpoint rule leaves nothing.
+/// Period (s) of a body of 1 kg that rocks in a plane with any amplitude: with its centre of mass
+/// at the height h(θ) over its lowest place, which is h'(θ) aside, the centre moves at `h' θ'` up
+/// and, rolling, `h θ'` along: `(I + h'² + h²) θ'²/2 + g h = const`, on ice without h². So
+/// `T = 4 ∫ √((I + h'² + h²)/(2 g (h(θ₀) - h(θ)))) dθ`, with `θ = θ₀ sin s` a smooth periodic
+/// integrand, for which the midpoint rule leaves nothing.
 fn period_of(height: impl Fn(f64) -> [f64; 2], inertia: f64, rolls: bool, first: f64) -> f64 {
     let parts = 400;
     let [top, _] = height(first);
@@ -285,10 +298,15 @@ fn period_of(height: impl Fn(f64) -> [f64; 2], inertia: f64, rolls: bool, first:
     4.0 * sum * FRAC_PI_2 / f64::from(parts)
 }
 
-/// The first swing's time (s) of a body that starts at rest at a lean, as in `swing`, on a ground so hard and with a friction so firm that it rolls at any amplitude; and what they and the step may miss of it.
+/// The first swing's time (s) of a body that starts at rest at a lean, as in `swing`, on a ground
+/// so hard and with a friction so firm that it rolls at any amplitude; and what they and the step
+/// may miss of it.
 ///
-/// The ground's springs, 1e6 N/m under 1 kg, take part in the swing ω with the square of ω over their 1000 rad/s; they give way by m g/S, which shortens the arm h, of I + h², by `2 h` of that, and bends the rim's curvature by
-/// its share of the radius of curvature; friction of the rate γ = 1e5/s slips by 1/γ of its acceleration, and takes `ω²/γ` of the energy a radian; the step dt is of order 2, (ω dt)²/12.
+/// The ground's springs, 1e6 N/m under 1 kg, take part in the swing ω with the square of ω over
+/// their 1000 rad/s; they give way by m g/S, which shortens the arm h, of I + h², by `2 h` of that,
+/// and bends the rim's curvature by its share of the radius of curvature; friction of the rate γ =
+/// 1e5/s slips by 1/γ of its acceleration, and takes `ω²/γ` of the energy a radian; the step dt is
+/// of order 2, (ω dt)²/12.
 fn first_swing(
     body: impl RigidPointBody,
     [height, curvature]: [f64; 2],
@@ -361,7 +379,8 @@ static ROLY_POLY: Case = Case::new(
         let (low, moment, first) = (0.02, 0.3, 0.05_f64);
         let inertia = moment * RADIUS * RADIUS;
         let period = |inertia: f64| TAU * (inertia / (GRAVITY * low)).sqrt();
-        // The swing's own (first/4)², and rolling, l r/(I + ..) of it again: a few times that. The slip is out of step by the square of ω/3000.
+        // The swing's own (first/4)², and rolling, l r/(I + ..) of it again: a few times that. The
+        // slip is out of step by the square of ω/3000.
         let share = 4.0 * (first / 4.0).powi(2);
         let [rolling, sliding] = [period(inertia + (RADIUS - low).powi(2)), period(inertia)];
         vec![
@@ -398,12 +417,14 @@ fn a_tumbler_doll_swings_at_the_rate_of_a_pendulum_that_rolls() {
     ROLY_POLY.holds();
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // F6: an ellipsoid's rocking
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 random! {
-    /// Not only small swings: the centre of an ellipse at the lean θ is `h = √(a² sin² θ + c² cos² θ)` high, and `h' = (a² - c²) sin θ cos θ/h` aside of its lowest place, whose radius of curvature is `a² c²/h³`.
+    /// Not only small swings: the centre of an ellipse at the lean θ is
+    /// `h = √(a² sin² θ + c² cos² θ)` high, and `h' = (a² - c²) sin θ cos θ/h` aside of its lowest
+    /// place, whose radius of curvature is `a² c²/h³`.
     ANY_EGG = new(24, "lens, c of 0.35 a to 0.85 a, amplitude of 0.03 to 1 rad: the quadrature of its energy");
     fn lenses_of_any_shape_rock_with_any_amplitude_by_the_quadrature_of_their_energy(
         share in 0.35..0.85_f64,
@@ -459,11 +480,12 @@ fn an_ellipsoid_rocks_on_its_flat_side_by_the_radius_of_curvature() {
     EGG.holds();
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // F7, F8: a heavy symmetric top
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// A top of 1 kg on a sharp tip `length` (m) under its centre of mass, with moments A about an axis across and C about its own (kg m²).
+/// A top of 1 kg on a sharp tip `length` (m) under its centre of mass, with moments A about an axis
+/// across and C about its own (kg m²).
 #[derive(Clone, Copy, Debug)]
 struct Top {
     length: f64,
@@ -483,16 +505,19 @@ impl Top {
         }
     }
 
-    /// The slow rate about the vertical of a steady precession at the lean θ with the spin n about the axis, on ice, where the centre of mass stays: the weight's moment, m g l sin θ, turns the angular momentum,
-    /// `C n Ω - A Ω² cos θ = m g l`.
+    /// The slow rate about the vertical of a steady precession at the lean θ with the spin n about
+    /// the axis, on ice, where the centre of mass stays: the weight's moment, m g l sin θ, turns
+    /// the angular momentum, `C n Ω - A Ω² cos θ = m g l`.
     fn precession(&self, lean: f64, spin: f64) -> Option<f64> {
         let (moment, angular) = (GRAVITY * self.length, self.about * spin);
         let square = angular * angular - 4.0 * self.across * moment * lean.cos();
         (square > 0.0).then(|| 2.0 * moment / (angular + square.sqrt()))
     }
 
-    /// Square of the frequency of small nutations about it: `A Ω sin² θ + C n cos θ` stays, so that `δΩ = (C n - 2 A Ω cos θ)/(A sin θ) δθ`, and `A ω² = A Ω² sin² θ + (C n - 2 A Ω cos θ)²/A`; the centre of mass moves up and down with
-    /// `l sin θ θ'`, which adds `m l² sin² θ` to A on the left.
+    /// Square of the frequency of small nutations about it: `A Ω sin² θ + C n cos θ` stays, so that
+    /// `δΩ = (C n - 2 A Ω cos θ)/(A sin θ) δθ`, and `A ω² = A Ω² sin² θ + (C n - 2 A Ω cos θ)²/A`;
+    /// the centre of mass moves up and down with `l sin θ θ'`, which adds `m l² sin² θ` to A on the
+    /// left.
     fn nutation(&self, lean: f64, spin: f64, rate: f64) -> f64 {
         let (sin, cos) = lean.sin_cos();
         let gyroscopic = self.about * spin / self.across - 2.0 * rate * cos;
@@ -542,7 +567,8 @@ impl Top {
         (last[2] - first[2]) / (last[0] - first[0])
     }
 
-    /// Frequency (rad/s) of small nutations: from the times between passages of the steady lean, the same way, over some swings.
+    /// Frequency (rad/s) of small nutations: from the times between passages of the steady lean,
+    /// the same way, over some swings.
     fn measured_nutation(&self, lean: f64, spin: f64, rate: f64, expected: f64) -> f64 {
         let aside = Self::ASIDE;
         let (sin, cos) = lean.sin_cos();
@@ -569,8 +595,10 @@ impl Top {
         f64::min(1e-4, 0.02 / spin)
     }
 
-    /// Relative error of the rate of precession: steady motion is steady in the model too, the springs at rest. Runge-Kutta, (ω dt)⁴/120 of the spin's angle over the precession's, ω of the spin and of the nutation, C n/A;
-    /// where the two rates of precession nearly meet, they answer to the spin by `C n/√(C² n² - 4 A m g l cos θ)`.
+    /// Relative error of the rate of precession: steady motion is steady in the model too, the
+    /// springs at rest. Runge-Kutta, (ω dt)⁴/120 of the spin's angle over the precession's, ω of
+    /// the spin and of the nutation, C n/A; where the two rates of precession nearly meet, they
+    /// answer to the spin by `C n/√(C² n² - 4 A m g l cos θ)`.
     fn miss_of_precession(&self, lean: f64, spin: f64, rate: f64) -> f64 {
         let turn = (1.0 + self.about / self.across) * spin * Self::step(spin);
         let angular = self.about * spin;
@@ -579,8 +607,9 @@ impl Top {
         answer * (turn.powi(4) / 120.0 * spin / rate + 1e-9)
     }
 
-    /// Relative error of the frequency of nutation: the springs take part with the square of ω over theirs, for the share that the heave has; the swing's own square of δ over the lean, by the mean it is taken about; three swings
-    /// are timed by chords, `(ω dt)²/8` of a radian of them.
+    /// Relative error of the frequency of nutation: the springs take part with the square of ω over
+    /// theirs, for the share that the heave has; the swing's own square of δ over the lean, by the
+    /// mean it is taken about; three swings are timed by chords, `(ω dt)²/8` of a radian of them.
     fn miss_of_nutation(lean: f64, frequency: f64, spin: f64) -> f64 {
         frequency * frequency / Self::STIFFNESS
             + 10.0 * Self::ASIDE / lean.tan().min(1.0 / lean.tan()) / (3.0 * TAU)
@@ -646,7 +675,9 @@ random! {
     }
 }
 
-/// Largest lean over the first, 1 mrad at rest but for the spin, of an upright top: with `A z'' - i C n z' - m g l z = 0` for the axis seen from above, two circles whose sum and difference make `C n/√(C² n² - 4 A m g l)` of it.
+/// Largest lean over the first, 1 mrad at rest but for the spin, of an upright top: with
+/// `A z'' - i C n z' - m g l z = 0` for the axis seen from above, two circles whose sum and
+/// difference make `C n/√(C² n² - 4 A m g l)` of it.
 fn grown(top: Top, spin: f64) -> [f64; 2] {
     let first = 1e-3;
     let square = (top.about * spin).powi(2) - 4.0 * top.across * GRAVITY * top.length;
@@ -663,8 +694,10 @@ fn grown(top: Top, spin: f64) -> [f64; 2] {
     [largest / first, top.about * spin / square.sqrt()]
 }
 
-/// What it may miss: the lean's square, by which the weight's moment is not linear, on a difference of which the weight is `4 A m g l` over what is left; and the largest lean lies between two steps, up to half a step of the beat off:
-/// `(beat dt)²/8`. The springs' part of the heave, the lean's square by `l²/A` of ω² over theirs, is smaller.
+/// What it may miss: the lean's square, by which the weight's moment is not linear, on a difference
+/// of which the weight is `4 A m g l` over what is left; and the largest lean lies between two
+/// steps, up to half a step of the beat off: `(beat dt)²/8`. The springs' part of the heave, the
+/// lean's square by `l²/A` of ω² over theirs, is smaller.
 fn miss_of_grown(top: Top, spin: f64, grown: f64) -> f64 {
     let weight = 4.0 * top.across * GRAVITY * top.length;
     let left = (top.about * spin).powi(2) - weight;

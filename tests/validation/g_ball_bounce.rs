@@ -28,7 +28,8 @@ impl Bounce {
     /// Part of the contact's radian.
     const STEP: f64 = 2e-3;
 
-    /// Speed along x (m/s), speed of the rim `R w` with the way of rolling above 0, and speed upwards after a bounce, from the same before with the last downwards.
+    /// Speed along x (m/s), speed of the rim `R w` with the way of rolling above 0, and speed
+    /// upwards after a bounce, from the same before with the last downwards.
     fn after(&self, [along, rim, down]: [f64; 3]) -> [f64; 3] {
         let ratio = ratio_for(self.restitution);
         let stiffness = Self::FREQUENCY * Self::FREQUENCY;
@@ -86,7 +87,8 @@ fn serve() -> [f64; 3] {
     [30.0 * cos, 0.0, 30.0 * sin]
 }
 
-/// Parts of a speed by which a step of `STEP` misses: (ω dt)²/12 in the restitution, a few times that for first touch and parting.
+/// Parts of a speed by which a step of `STEP` misses: (ω dt)²/12 in the restitution, a few times
+/// that for first touch and parting.
 const MISS: f64 = Bounce::STEP * Bounce::STEP / 3.0;
 
 static BRODY: Case = Case::new(
@@ -103,7 +105,8 @@ static BRODY: Case = Case::new(
             bounce.after(serve())
         };
         let ([slides, spin, _], [grips, rolling, _]) = (after(0.5), after(0.8));
-        // Sliding, the friction passes on what the restitution misses, and is short by ε/u; half a unit of the last printed place.
+        // Sliding, the friction passes on what the restitution misses, and is short by ε/u; half a
+        // unit of the last printed place.
         let miss = MISS * 30.0 + 5e-7;
         vec![
             figure(
@@ -139,7 +142,8 @@ random! {
         let bounce = Bounce { moment, coefficient, restitution };
         let before = [along, rim, down];
         let (got, expected) = (bounce.after(before), rigid(&bounce, before));
-        // A bounce that is just about to grip keeps some slip speeds; and the damping is larger than a tennis ball's: up to four times the miss.
+        // A bounce that is just about to grip keeps some slip speeds; and the damping is larger
+        // than a tennis ball's: up to four times the miss.
         let miss = 4.0 * MISS * (along.abs() + rim.abs() + (1.0 + coefficient) * 2.0 * down) / moment + 1e-4;
         for (got, expected) in got.into_iter().zip(expected) {
             misses.near("speed", [got, expected], miss)?;
@@ -148,8 +152,10 @@ random! {
 }
 
 random! {
-    /// Within the test's rules: 28 to 32 m/s at 14 to 18 degrees, at most 3 turns a second either way. What the restitution misses counts 150 times, and again 100 times through the apparent coefficient, by some `1 + 1/e`; a bounce that
-    /// is about to grip keeps some slip speeds, as there.
+    /// Within the test's rules: 28 to 32 m/s at 14 to 18 degrees, at most 3 turns a second either
+    /// way. What the restitution misses counts 150 times, and again 100 times through the apparent
+    /// coefficient, by some `1 + 1/e`; a bounce that is about to grip keeps some slip speeds, as
+    /// there.
     ANY_PACE = new(48, "court (μ and e), speed, angle and spin that the test allows");
     fn any_court_has_the_pace_that_a_rigid_ball_would_find(
         coefficient in 0.1..1.2_f64,
@@ -167,7 +173,8 @@ random! {
 }
 
 random! {
-    /// The share of the height is the restitution's square, from any height: the speed is the only length or time there is.
+    /// The share of the height is the restitution's square, from any height: the speed is the only
+    /// length or time there is.
     ANY_REBOUND = new(48, "restitution of 0.3 to 0.95, height of 1 cm to 100 m: `e² h`");
     fn balls_of_any_restitution_rebound_to_its_square_of_any_height(
         restitution in 0.3..0.95_f64,
@@ -183,7 +190,8 @@ random! {
 }
 
 random! {
-    /// Where the bounce is long enough to end the slip, `μ (1 + e) v (1 + 1/β) > r w`, by some margin.
+    /// Where the bounce is long enough to end the slip, `μ (1 + e) v (1 + 1/β) > r w`, by some
+    /// margin.
     ANY_GRIP = new(48, "ball, spin and speed that grips: `β/(1 + β)` of the spin is left, **never** the other sense");
     fn any_ball_that_grips_leaves_with_the_rolling_share_of_its_spin(
         moment in 0.3..0.7_f64,
@@ -196,7 +204,8 @@ random! {
         let bounce = Bounce { moment, coefficient, restitution };
         let [along, after, _] = bounce.after([0.0, rim, down]);
         let expected = moment / (1.0 + moment);
-        // Momentum about the contact is kept, and what slip is left dies at μ N/(m ε), a million times in the rest of the bounce: the iteration's tolerance and rounding.
+        // Momentum about the contact is kept, and what slip is left dies at μ N/(m ε), a million
+        // times in the rest of the bounce: the iteration's tolerance and rounding.
         let left = 1e-9;
         misses.near("spin left", [after / rim, expected], left)?;
         misses.near("speed", [along / rim, expected], left)?;
@@ -269,8 +278,10 @@ fn a_tennis_ball_is_approved_with_the_damping_of_the_closed_form() {
     REBOUND.holds();
 }
 
-/// The limit of the model. Real balls grip: they store energy sideways, and a superball that is dropped with a spin leaves with the opposite one (Garwin, Am. J. Phys. 37, 88, 1969;
-/// Cross, Am. J. Phys. 70, 1093, 2002): a solid ball with `-0.428571` of it. This ground has no spring along the surface, and Coulomb's law can only end the slip: `β/(1 + β)` is left, and never turns.
+/// The limit of the model. Real balls grip: they store energy sideways, and a superball that is
+/// dropped with a spin leaves with the opposite one (Garwin, Am. J. Phys. 37, 88, 1969; Cross, Am.
+/// J. Phys. 70, 1093, 2002): a solid ball with `-0.428571` of it. This ground has no spring along
+/// the surface, and Coulomb's law can only end the slip: `β/(1 + β)` is left, and never turns.
 static GRIP: Case = Case::new(
     "G4",
     "`w'/w = β/(1+β)`; **not** a superball's -0.4286",

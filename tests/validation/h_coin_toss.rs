@@ -59,9 +59,9 @@ fn caught(start: State, speed: f64) -> State {
     state
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // H1: a coin that turns about a diameter
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 static KELLER: Case = Case::new(
     "H1",
@@ -76,7 +76,8 @@ static KELLER: Case = Case::new(
         let rate = 38.0 * TAU;
         // 18.612 turns, printed to half a unit of the last place: 3e-3 rad, by a sine of 0.65.
         let turns = 18.0 + 1.0 - height(rate).acos() / TAU;
-        // From edge to edge: the next two rates at which the coin is caught on its edge, by bisection.
+        // From edge to edge: the next two rates at which the coin is caught on its edge, by
+        // bisection.
         let edge = |mut low: f64, mut high: f64| {
             let side = height(low).signum();
             for _ in 0..50 {
@@ -108,7 +109,8 @@ fn a_coin_of_38_turns_a_second_is_caught_on_its_other_face() {
 }
 
 random! {
-    /// Flight is exact at any step, so not one label is wrong that is further from a strip's edge than the rounding of hundreds of turns.
+    /// Flight is exact at any step, so not one label is wrong that is further from a strip's edge
+    /// than the rounding of hundreds of turns.
     ANY_KELLER = of_rounding(1000, "toss: not one face is another");
     fn every_toss_about_a_diameter_is_labelled_as_kellers_map_says(
         speed in log_uniform(0.1, 10.0),
@@ -124,11 +126,12 @@ random! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // H2: a coin that wobbles
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Lowest height of the normal of a coin whose angular momentum makes an angle with its vertical normal.
+/// Lowest height of the normal of a coin whose angular momentum makes an angle with its vertical
+/// normal.
 fn lowest_normal(angle: f64) -> f64 {
     // Total angular momentum for a precession of 20 turns a second.
     let momentum = MOMENTS[0] * 20.0 * TAU;
@@ -199,11 +202,12 @@ fn a_coin_whose_spin_is_within_45_degrees_of_its_normal_only_seems_to_turn_over(
     assert!(lowest_normal(46.0_f64.to_radians()) < 0.0);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // H3: how often the same side comes up
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// A coin thrown upwards at 2.4 m/s heads up, its angular momentum at ψ from the normal: whether it is caught heads up after it has gone round the angular momentum by `phase` (rad).
+/// A coin thrown upwards at 2.4 m/s heads up, its angular momentum at ψ from the normal: whether it
+/// is caught heads up after it has gone round the angular momentum by `phase` (rad).
 fn heads_again(angle: f64, phase: f64) -> bool {
     let speed = 2.4;
     let momentum = MOMENTS[0] * phase * GRAVITY / (2.0 * speed);
@@ -214,13 +218,14 @@ fn heads_again(angle: f64, phase: f64) -> bool {
     coin().face_up(&caught(start, speed)) == Face::Heads
 }
 
-/// Share of tosses at ψ that show the side that was up: `cos² ψ + sin² ψ cos(phase) > 0` for `1/2 + arcsin(cot² ψ)/π` of all phases, and for all of them up to 45°.
+/// Share of tosses at ψ that show the side that was up: `cos² ψ + sin² ψ cos(phase) > 0` for
+/// `1/2 + arcsin(cot² ψ)/π` of all phases, and for all of them up to 45°.
 fn same_side(angle: f64) -> f64 {
     0.5 + (1.0 / angle.tan().powi(2)).min(1.0).asin() / PI
 }
 
-/// Random tosses at ψ with 17 to 20 turns, as many as reject a fair coin with 99 %: with the 1 % that
-/// a right model may fail, some `((2.58 + 2.33) 0.5/0.008)²` of them.
+/// Random tosses at ψ with 17 to 20 turns, as many as reject a fair coin with 99 %: with the 1 %
+/// that a right model may fail, some `((2.58 + 2.33) 0.5/0.008)²` of them.
 fn random_tosses(angle: f64) -> Figure {
     let test = FractionTest::at_level(0.01, 100_000, same_side(angle));
     let config = kit::cases(test.cases);
@@ -235,8 +240,9 @@ fn random_tosses(angle: f64) -> Figure {
     fraction(what, &test, heads, ("a half", 0.5))
 }
 
-/// **The limit of the model**: mechanics has the share for a ψ, not the ψ of a hand. 350,757 tosses of 48 people show the same side in 50.8 % (a standard error of 0.0844 %, 9.5 of them from a half): as of coins that
-/// all wobble at ψ = 81.0°, or of any mixture with the same mean.
+/// **The limit of the model**: mechanics has the share for a ψ, not the ψ of a hand. 350,757 tosses
+/// of 48 people show the same side in 50.8 % (a standard error of 0.0844 %, 9.5 of them from a
+/// half): as of coins that all wobble at ψ = 81.0°, or of any mixture with the same mean.
 static SAME_SIDE: Case = Case::new(
     "H3",
     "share of the same side `1/2 + arcsin(cot² ψ)/π`; **not** the ψ of a hand",
@@ -244,7 +250,8 @@ static SAME_SIDE: Case = Case::new(
     || {
         // cot² ψ = sin(π 0.008).
         let angle = (1.0 / (PI * 0.008).sin()).sqrt().atan();
-        // 36,000 tosses of 17 to 20 turns, evenly spread: the three turns have six ends, each of which counts a toss.
+        // 36,000 tosses of 17 to 20 turns, evenly spread: the three turns have six ends, each of
+        // which counts a toss.
         let count = 36_000_u32;
         let turns = |toss: u32| 17.0 + 3.0 * (f64::from(toss) + 0.5) / f64::from(count);
         let heads = (0..count).filter(|&toss| heads_again(angle, TAU * turns(toss)));
@@ -266,7 +273,8 @@ fn tosses_at_81_degrees_show_the_same_side_as_often_as_peoples() {
 }
 
 random! {
-    /// A sum over phases, without a sampling error. Evenly spread over a turn, 500 phases count a share to 1/500 at either end of it.
+    /// A sum over phases, without a sampling error. Evenly spread over a turn, 500 phases count a
+    /// share to 1/500 at either end of it.
     ANY_SAME_SIDE = new(24, "ψ of 20° to 90°");
     fn tosses_at_any_angle_show_the_same_side_as_often_as_the_closed_form_says(
         degrees in 20.0..90.0_f64,
@@ -278,9 +286,9 @@ random! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // H5: on edge
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// A US nickel: 5 g, 21.21 by 1.95 mm, 24 points on each rim.
 fn nickel() -> SolidCoin<f64, [ContactPoint; 48]> {
@@ -289,7 +297,8 @@ fn nickel() -> SolidCoin<f64, [ContactPoint; 48]> {
 
 /// The side on which a nickel comes to rest, from a start, on a ground of a damping ratio.
 ///
-/// It is known as soon as the energy does not reach the one that it has over its corner, m g √(r² + h²/4), any more: up to there a coin on a face stays on it, and one on its edge there.
+/// It is known as soon as the energy does not reach the one that it has over its corner, m g √(r² +
+/// h²/4), any more: up to there a coin on a face stays on it, and one on its edge there.
 fn comes_to_rest(start: State, damping_ratio: f64) -> Face {
     // Four points carry 0.05 N at 12 µm each.
     let (stiffness, mass) = (1000.0_f64, 5e-3);
@@ -320,16 +329,17 @@ fn comes_to_rest(start: State, damping_ratio: f64) -> Face {
     nickel().face_up(&state)
 }
 
-/// **No claim about nickels that bounce.** The published rate is one on edge in 6000 (Murray & Teare,
-/// Phys. Rev. E 48, 2547, 1993). The model's rate depends on the spin at the start and on whether an
-/// upright coin that still rolls is counted, far more than on the integrator. A few dozen tosses cannot
-/// tell: see `a_count_of_64_tosses_on_edge_rejects_nothing_of_interest`.
+/// **No claim about nickels that bounce.** The published rate is one on edge in 6000 (Murray &
+/// Teare, Phys. Rev. E 48, 2547, 1993). The model's rate depends on the spin at the start and on
+/// whether an upright coin that still rolls is counted, far more than on the integrator. A few
+/// dozen tosses cannot tell: see `a_count_of_64_tosses_on_edge_rejects_nothing_of_interest`.
 static ON_EDGE: Case = Case::new(
     "H5",
     "without bounces `h/√(4r² + h²)` of all orientations; **not** with bounces",
     "Yong & Mahadevan, arXiv 1008.4559",
     || {
-        // The height of a random normal is spread evenly: evenly spaced heights have no sampling error.
+        // The height of a random normal is spread evenly: evenly spaced heights have no sampling
+        // error.
         let count = 20_000;
         let on_edge = (0..count).filter(|&i| {
             let height = (f64::from(i) + 0.5) / f64::from(count);
@@ -374,7 +384,8 @@ fn a_count_of_64_tosses_on_edge_rejects_nothing_of_interest() {
 #[test]
 fn a_nickel_that_does_not_bounce_stands_where_its_weight_is_over_its_edge() {
     ON_EDGE.holds();
-    // Let go at rest, and damped so much that it does not bounce: it stands where its weight is over the edge, and falls over where it is not.
+    // Let go at rest, and damped so much that it does not bounce: it stands where its weight is
+    // over the edge, and falls over where it is not.
     let corner = (0.975_f64 / 10.605).atan();
     for (lean, expected) in [
         (0.7, Face::Edge),
@@ -389,11 +400,12 @@ fn a_nickel_that_does_not_bounce_stands_where_its_weight_is_over_its_edge() {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // H7: basins and bounces
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Faces of `count` coins that fall 5 cm, turning about a diameter at rates from 100 to 140 rad/s, and bounce until they cannot turn over any more.
+/// Faces of `count` coins that fall 5 cm, turning about a diameter at rates from 100 to 140 rad/s,
+/// and bounce until they cannot turn over any more.
 fn faces(count: u32, damping_ratio: f64, time_step: f64) -> Vec<Face> {
     let (stiffness, mass, radius) = (2000.0_f64, 5e-3, 0.012);
     let small = Coin::ring_in([ContactPoint::default(); 8], mass, radius);
@@ -456,8 +468,8 @@ static FINER_BASINS: Case = Case::new(
         assert!(fine.len() < coarse.len(), "{coarse:?}, then {fine:?}");
         let far = |i: usize| borders.iter().all(|&border| border.abs_diff(i) > 3);
         let wrong = fine.into_iter().filter(|&i| far(i)).count() as f64;
-        // Whole labels of evenly spaced starts. Were the starts drawn at random, none of 400 would bound
-        // the fraction of such labels by 0.7 % (the rule of three), and no more is claimed.
+        // Whole labels of evenly spaced starts. Were the starts drawn at random, none of 400 would
+        // bound the fraction of such labels by 0.7 % (the rule of three), and no more is claimed.
         vec![figure(
             "400 coins that bounce, evenly spaced: labels that half the step changes, more than 3 places from a border",
             0.0,
@@ -478,11 +490,13 @@ fn bounces_make_basins_finer_and_half_the_step_changes_their_borders_only() {
     );
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // H8: a spun penny
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// The face that looks up after a thin coin has been spun upright at a rate about the vertical, leaning by a small angle, with its centre of mass off its rim's plane by `offset` (m, towards heads).
+/// The face that looks up after a thin coin has been spun upright at a rate about the vertical,
+/// leaning by a small angle, with its centre of mass off its rim's plane by `offset` (m, towards
+/// heads).
 fn falls(offset: f64, lean: f64, rate: f64) -> Face {
     let (mass, radius) = (5e-3, 0.012);
     let ring = Coin::ring_in([ContactPoint::default(); 24], mass, radius);
@@ -523,8 +537,10 @@ fn falls(offset: f64, lean: f64, rate: f64) -> Face {
     ring.face_up(&state)
 }
 
-/// **The limit of the model**: 80 % tails of spun pennies come from their rims and where their mass lies. A symmetric rim has a mirror image for every start, and so one half; a centre of mass that is off by d falls down on its own side
-/// from all leans up to d/r, and the share is that of the leans of a hand.
+/// **The limit of the model**: 80 % tails of spun pennies come from their rims and where their mass
+/// lies. A symmetric rim has a mirror image for every start, and so one half; a centre of mass that
+/// is off by d falls down on its own side from all leans up to d/r, and the share is that of the
+/// leans of a hand.
 static SPUN: Case = Case::new(
     "H8",
     "symmetric rim: 1/2, by mirror; offset d: the heavy side falls down from leans up to d/r",

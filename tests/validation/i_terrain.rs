@@ -60,9 +60,9 @@ fn swing(
     (passages[swings] - passages[0]) / swings as f64
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // I1: a ball in a spherical bowl
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// The inside of a sphere about the origin.
 struct SphericalBowl {
@@ -99,7 +99,8 @@ fn swing_in_bowl(moment: f64, radius: f64, friction: impl SlidingFriction) -> f6
     swing(ball(moment, radius), bowl, friction, start, FIRM, 6.0)
 }
 
-/// What a swing in a bowl may miss of its period: the swing's own `θ²/16`, the ground's depth `m g/k` of the arm's length by half, and the slip's phase.
+/// What a swing in a bowl may miss of its period: the swing's own `θ²/16`, the ground's depth
+/// `m g/k` of the arm's length by half, and the slip's phase.
 const MISS: f64 = 1.5 * (0.05 * 0.05 / 16.0 + 0.5 * GRAVITY / 1e5);
 
 static SPHERE_IN_BOWL: Case = Case::new(
@@ -146,9 +147,9 @@ random! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // I2: a golf ball in the hole
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// The inside of an upright cylinder about the z axis.
 struct Hole {
@@ -165,7 +166,8 @@ impl Shape for Hole {
     }
 }
 
-/// A ball that rolls round the wall of a hole at Ω, let go without a vertical speed: rolling turns its spin about the radius into a vertical force, `z'' = -g/(1 + β) - k² z` with
+/// A ball that rolls round the wall of a hole at Ω, let go without a vertical speed: rolling turns
+/// its spin about the radius into a vertical force, `z'' = -g/(1 + β) - k² z` with
 /// `k = Ω √(β/(1 + β))`. So it sinks by `2g/(β Ω²)` and comes up again.
 ///
 /// Returns k over Ω, and the depth of the lowest place (m).
@@ -175,7 +177,8 @@ fn dip(moment: f64, [hole, radius]: [f64; 2], rate: f64) -> [f64; 2] {
         stiffness: 1e6,
         damping: 200.0,
     };
-    // The wall carries arm Ω², 40 m/s² in the printed case: 3e4/s of slip, and (1 + 1/β) of that in rolling, which Runge-Kutta follows up to 2.7.
+    // The wall carries arm Ω², 40 m/s² in the printed case: 3e4/s of slip, and (1 + 1/β) of that in
+    // rolling, which Runge-Kutta follows up to 2.7.
     let friction = Coulomb {
         coefficient: 1.0,
         slip_speed: arm * rate * rate / 3e4,
@@ -223,8 +226,10 @@ fn dip(moment: f64, [hole, radius]: [f64; 2], rate: f64) -> [f64; 2] {
 }
 
 random! {
-    /// As the printed case: friction carries the weight, a share `g/(R - r) Ω²` of the wall's load on average, and slips meanwhile by that of ε; a tenth more as the load comes and goes. The wall's depth, arm Ω²/S of the arm,
-    /// makes the speed larger by as much. The time is late as the way is long.
+    /// As the printed case: friction carries the weight, a share `g/(R - r) Ω²` of the wall's load
+    /// on average, and slips meanwhile by that of ε; a tenth more as the load comes and goes. The
+    /// wall's depth, arm Ω²/S of the arm, makes the speed larger by as much. The time is late as
+    /// the way is long.
     ANY_HOLE = new(16, "ball, hole of 0.3 to 1 m, rate whose wall bears 3 to 20 times the weight");
     fn balls_of_any_kind_come_up_again_in_a_hole_of_any_size(
         moment in 0.2..1.0_f64,
@@ -253,7 +258,9 @@ static GOLF_BALL: Case = Case::new(
         let dip = |moment| dip(moment, [0.5, 0.1], 10.0);
         let ([sphere, lowest], [shell, lowest_of_shell]) = (dip(0.4), dip(2.0 / 3.0));
         let depth = |moment: f64| 2.0 * GRAVITY / (moment * 100.0);
-        // Friction carries the weight, g of the wall's 40 m/s² on average: for half a swing it slips by so much of ε, a tenth more as the load comes and goes. The wall's depth is 4e-5 m of 0.4 m.
+        // Friction carries the weight, g of the wall's 40 m/s² on average: for half a swing it
+        // slips by so much of ε, a tenth more as the load comes and goes. The wall's depth is
+        // 4e-5 m of 0.4 m.
         let sunk = |moment: f64| {
             let (share, rate) = (GRAVITY / 40.0, 10.0 * (moment / (1.0 + moment)).sqrt());
             1.1 * 40.0 / 3e4 * share / (1.0 - share) * PI / rate + 1e-4 * depth(moment)
@@ -280,9 +287,9 @@ fn a_ball_that_rolls_round_a_hole_comes_up_again() {
     GOLF_BALL.holds();
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // I3: Huygens' cycloid
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// m
 const WHEEL: f64 = 0.1;
@@ -323,13 +330,15 @@ fn swing_in_cycloid(wheel: f64, angle: f64) -> f64 {
     )
 }
 
-/// The point runs below the curve, by its weight and its centripetal force, 2 m g at most, over the stiffness, of a radius of curvature of `4 a cos(φ/2)`.
+/// The point runs below the curve, by its weight and its centripetal force, 2 m g at most, over the
+/// stiffness, of a radius of curvature of `4 a cos(φ/2)`.
 fn miss_in_cycloid(wheel: f64, angle: f64) -> f64 {
     2.0 * GRAVITY / 1e6 / (4.0 * wheel * (0.5 * angle).cos())
 }
 
 random! {
-    /// As the printed case, and the step's `(ω_c dt)²/24` of the ground's springs, 1000 rad/s, with their share of the swing.
+    /// As the printed case, and the step's `(ω_c dt)²/24` of the ground's springs, 1000 rad/s, with
+    /// their share of the swing.
     ANY_CYCLOID = new(16, "wheel of 0.03 to 0.4 m, amplitude of 0.05 to 2.6 rad");
     fn points_in_any_cycloid_swing_at_one_rate_at_every_amplitude(
         wheel in log_uniform(0.03, 0.4),
@@ -372,9 +381,9 @@ fn a_point_in_a_cycloid_swings_at_one_rate_at_every_amplitude() {
     assert!((period - 1.269_395).abs() < 5e-7);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // I5: rest on a slope
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// The trough `z = x²/2`, in metres: its slope is x.
 const TROUGH: Terrain<Bowl> = Terrain {
@@ -383,7 +392,8 @@ const TROUGH: Terrain<Bowl> = Terrain {
     },
 };
 
-/// Where a point is (x, m) some seconds after it has been let go in the trough at x, moving along it.
+/// Where a point is (x, m) some seconds after it has been let go in the trough at x, moving along
+/// it.
 fn after(x: f64, speed: f64, coefficient: f64, seconds: f64) -> State {
     let law = SpringDamper {
         stiffness: 1e5,
@@ -424,7 +434,8 @@ static REST_IN_A_TROUGH: Case = Case::new(
                 high = middle;
             }
         }
-        // An excess of slope d is 1 mm in a second at d = 2 mm/(g s²) = 2e-4; then what the bisection leaves.
+        // An excess of slope d is 1 mm in a second at d = 2 mm/(g s²) = 2e-4; then what the
+        // bisection leaves.
         vec![figure(
             "trough z = x²/2, μ = 0.3: farthest rest, m",
             0.3,
@@ -455,13 +466,17 @@ random! {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // I6: a spherical pendulum
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Turn about the vertical (rad) of a point on a sphere of radius R, from its highest place, at z₁ over the middle with the level speed v, to its lowest and up to its highest again: `φ' = R₁ v/(R² - z²)` with `R₁² = R² - z₁²`, and
-/// `R² z'² = 2 g (z₁ - z) (R² - z²) + v² (z₁² - z²) = 2 g (z₁ - z) (z - z₂) (z₃ - z)`, where z₂ and z₃ are the roots of `z² - u z - R² - u z₁`, `u = v²/2g`. With
-/// `z = (z₁ + z₂)/2 + (z₁ - z₂)/2 cos s` the integrand of `2 ∫ φ' dz/z'` is smooth and periodic, and the midpoint rule leaves nothing.
+/// Turn about the vertical (rad) of a point on a sphere of radius R, from its highest place, at z₁
+/// over the middle with the level speed v, to its lowest and up to its highest again:
+/// `φ' = R₁ v/(R² - z²)` with `R₁² = R² - z₁²`, and
+/// `R² z'² = 2 g (z₁ - z) (R² - z²) + v² (z₁² - z²) = 2 g (z₁ - z) (z - z₂) (z₃ - z)`, where z₂ and
+/// z₃ are the roots of `z² - u z - R² - u z₁`, `u = v²/2g`. With
+/// `z = (z₁ + z₂)/2 + (z₁ - z₂)/2 cos s` the integrand of `2 ∫ φ' dz/z'` is smooth and periodic,
+/// and the midpoint rule leaves nothing.
 fn apsidal_turn(radius: f64, high: f64, speed: f64) -> f64 {
     let u = speed * speed / (2.0 * GRAVITY);
     let root = (0.25 * u * u + radius * radius + u * high).sqrt();
@@ -479,7 +494,8 @@ fn apsidal_turn(radius: f64, high: f64, speed: f64) -> f64 {
     2.0 * sum * PI / f64::from(parts)
 }
 
-/// The same of the model in a frictionless bowl of 1 m; from rest but for the level speed at θ from the bottom.
+/// The same of the model in a frictionless bowl of 1 m; from rest but for the level speed at θ from
+/// the bottom.
 fn turn_in_bowl(theta: f64, speed: f64) -> f64 {
     let law = SpringDamper {
         stiffness: 1e6,
@@ -519,8 +535,11 @@ fn turn_in_bowl(theta: f64, speed: f64) -> f64 {
     found
 }
 
-/// The bowl gives way by the load over its stiffness, up to `g + 2 g (1 - cos θ) + v²` over 1e6/s²: so much longer is the pendulum, and so much more or less where it is fast; the turn beyond half a turn is of the first order in that. The step of
-/// Runge-Kutta follows the springs, 1000 rad/s, at 0.2 rad: what is left of their swing there, a hundredth of the depth, is not seen. A turning point between two steps is known to the second order of one, 2e-4 s: `(ω dt)²` of a radian.
+/// The bowl gives way by the load over its stiffness, up to `g + 2 g (1 - cos θ) + v²` over 1e6/s²:
+/// so much longer is the pendulum, and so much more or less where it is fast; the turn beyond half
+/// a turn is of the first order in that. The step of Runge-Kutta follows the springs, 1000 rad/s,
+/// at 0.2 rad: what is left of their swing there, a hundredth of the depth, is not seen. A turning
+/// point between two steps is known to the second order of one, 2e-4 s: `(ω dt)²` of a radian.
 fn miss_of_turn(theta: f64, speed: f64) -> f64 {
     let load = GRAVITY * (3.0 - 2.0 * theta.cos()) + speed * speed;
     2.0 * PI * load / 1e6 + (2e-4 * PI).powi(2)

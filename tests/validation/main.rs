@@ -1,7 +1,10 @@
-//! The model against results that nobody here made: closed forms and printed numbers of the literature, one file a group of cases.
+//! The model against results that nobody here made: closed forms and printed numbers of the
+//! literature, one file a group of cases.
 //!
-//! A [`Case`](table::Case) has printed numbers and computes them; its [`Random`](table::Random) versions hold the formula for parameters of any size. All numbers together, and how near the random ones came to their
-//! tolerances, are the table of the documentation's chapter `guide::validation`, and this suite fails where the table is not what it gets:
+//! A [`Case`](table::Case) has printed numbers and computes them; its [`Random`](table::Random)
+//! versions hold the formula for parameters of any size. All numbers together, and how near the
+//! random ones came to their tolerances, are the table of the documentation's chapter
+//! `guide::validation`, and this suite fails where the table is not what it gets:
 //!
 //! ```text
 //! UPDATE=1 cargo test --test validation

@@ -37,12 +37,14 @@ pub(crate) fn flat(height: f64) -> State {
     State::at(DVec3::Z * height).turned_by(DVec3::Y * FRAC_PI_2)
 }
 
-/// A ground whose springs swing `mass` on `count` contacts by 0.3 rad in a step, without dampers: as stiff as Runge-Kutta follows with ease.
+/// A ground whose springs swing `mass` on `count` contacts by 0.3 rad in a step, without dampers:
+/// as stiff as Runge-Kutta follows with ease.
 pub(crate) fn ground_for(time_step: f64, mass: f64, count: usize) -> FlatGround {
     FlatGround::level(mass * (0.3 / time_step).powi(2) / count as f64, 0.0)
 }
 
-/// A ball of 1 kg with `moment` times `m r²` about every axis: 2/5 for a solid ball, 2/3 for a shell, 1/2 and 1 for what rolls as a disc and a hoop do.
+/// A ball of 1 kg with `moment` times `m r²` about every axis: 2/5 for a solid ball, 2/3 for a
+/// shell, 1/2 and 1 for what rolls as a disc and a hoop do.
 pub(crate) fn ball(moment: f64, radius: f64) -> Sphere {
     Sphere::loaded(
         radius,

@@ -12,7 +12,8 @@ use proptest::test_runner::TestRunner;
 use crate::kit;
 use crate::kit::statistics::{FractionTest, failing_at_most};
 
-/// A result of the literature: its place in the catalogue, its formula, where it stands, and the numbers that the model gets for it.
+/// A result of the literature: its place in the catalogue, its formula, where it stands, and the
+/// numbers that the model gets for it.
 pub(crate) struct Case {
     /// Group and number: `C2`.
     pub(crate) id: &'static str,
@@ -276,7 +277,8 @@ fn in_percent(fraction: f64) -> String {
     format!("{percent:.places$}")
 }
 
-/// An error to one digit. What rounding alone makes is not told to the digit: the test's own sines are the machine's.
+/// An error to one digit. What rounding alone makes is not told to the digit: the test's own sines
+/// are the machine's.
 fn in_words(error: f64, size: f64) -> String {
     let rounding = 1e-10 * size.max(1e-2);
     if error < rounding {
@@ -320,7 +322,8 @@ impl Table {
     }
 }
 
-/// A [`Random`] and its test, written as `proptest!` would have it: a constant, its number of draws and what is drawn; then the property.
+/// A [`Random`] and its test, written as `proptest!` would have it: a constant, its number of draws
+/// and what is drawn; then the property.
 macro_rules! random {
     (
         $(#[$doc:meta])*

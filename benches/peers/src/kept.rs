@@ -1,4 +1,5 @@
-//! The tables that are kept: RESULTS.md in this folder, and the part of the guide's page between its marks.
+//! The tables that are kept: RESULTS.md in this folder, and the part of the guide's page between
+//! its marks.
 
 use std::fs;
 use std::path::Path;
@@ -82,7 +83,8 @@ fn compiler() -> String {
     words.split(' ').take(2).collect::<Vec<_>>().join(" ")
 }
 
-/// `2026-11-21`, by the calendar's cycle of 400 years of 146 097 days, counted from the first of March of the year 0.
+/// `2026-11-21`, by the calendar's cycle of 400 years of 146 097 days, counted from the first of
+/// March of the year 0.
 fn today() -> String {
     let days = SystemTime::now()
         .duration_since(UNIX_EPOCH)

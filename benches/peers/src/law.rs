@@ -1,4 +1,5 @@
-//! The point law in plain numbers: what every program but rapier integrates, and what the energies are computed by.
+//! The point law in plain numbers: what every program but rapier integrates, and what the energies
+//! are computed by.
 
 pub(crate) mod euler;
 #[path = "../../../examples/common/plain_rk4.rs"]
@@ -18,7 +19,8 @@ impl Law {
             + self.mass * self.gravity * state.position.z
     }
 
-    /// The height at which the springs carry the weight of a body that is turned so, m, by bisection.
+    /// The height at which the springs carry the weight of a body that is turned so, m, by
+    /// bisection.
     pub(crate) fn height_at_rest(&self, orientation: DQuat) -> f64 {
         let reach = self.reach();
         let (mut low, mut high) = (-reach, reach);

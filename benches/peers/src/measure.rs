@@ -22,7 +22,8 @@ pub(crate) struct Row {
 pub(crate) struct Outcome {
     /// In the scene's unit.
     pub(crate) error: f64,
-    /// The most that the energy rose above any earlier value, over the kinetic energy at the start and the weight's over the scene's length.
+    /// The most that the energy rose above any earlier value, over the kinetic energy at the start
+    /// and the weight's over the scene's length.
     pub(crate) rise: f64,
     pub(crate) steps: u64,
     /// CPU seconds a simulated second: the median of the turns.
@@ -230,7 +231,8 @@ fn accuracy(
 /// CPU seconds that a turn of a program lasts at least, so that the clock's grain does not show.
 const LEAST_TURN: f64 = 2e-3;
 
-/// CPU seconds a simulated second: the programs take turns, and each price is the median of its turns.
+/// CPU seconds a simulated second: the programs take turns, and each price is the median of its
+/// turns.
 fn prices(
     scene: &Scene,
     programs: &[Box<dyn Program + '_>],
@@ -251,7 +253,8 @@ fn prices(
                 preparation += end.map_or(0.0, |end| end.preparation);
             }
             let spent = (clock.elapsed().as_secs_f64() - preparation) / f64::from(repeats[i]);
-            // The turn before the first finds out how often a program has to run, and warms the machine up.
+            // The turn before the first finds out how often a program has to run, and warms the
+            // machine up.
             if turn == 0 {
                 repeats[i] = (LEAST_TURN / spent).ceil().clamp(1.0, 1e5) as u32;
             } else {
@@ -267,7 +270,8 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Ours is as accurate with an error up to a tenth larger: two programs with the same method differ by that much.
+/// Ours is as accurate with an error up to a tenth larger: two programs with the same method differ
+/// by that much.
 const AS_ACCURATE: f64 = 1.1;
 
 /// Price of each row over that of our cheapest that is as accurate.

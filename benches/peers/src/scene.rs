@@ -21,7 +21,8 @@ pub(crate) enum Shape {
 pub(crate) enum Measure {
     /// Distance of the centres.
     Centre,
-    /// Distance of the centres, and how far the turn between the two moves a rim of this radius (m).
+    /// Distance of the centres, and how far the turn between the two moves a rim of this radius
+    /// (m).
     Rim(f64),
     /// Angular velocity in body axes.
     BodySpin,
@@ -82,7 +83,8 @@ impl Scene {
     }
 }
 
-/// The angle of the turn between two states, rad; small ones to rounding, for it is taken from the sine.
+/// The angle of the turn between two states, rad; small ones to rounding, for it is taken from the
+/// sine.
 fn angle_between(a: &State, b: &State) -> f64 {
     let turn = a.orientation.normalize().inverse() * b.orientation.normalize();
     2.0 * turn.xyz().length().atan2(turn.w.abs())

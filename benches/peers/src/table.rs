@@ -42,7 +42,9 @@ pub(crate) fn of_scene(scene: &Scene, rows: &[Row], markdown: bool) -> String {
     above + &table(&head, lines.collect(), markdown)
 }
 
-/// What an error of so much costs each program on a scene: the longest step or the loosest tolerance that keeps it, as every shorter and tighter one that was tried does; beside the plain Rk4.
+/// What an error of so much costs each program on a scene: the longest step or the loosest
+/// tolerance that keeps it, as every shorter and tighter one that was tried does; beside the plain
+/// Rk4.
 pub(crate) fn within(error: f64, scene: &Scene, rows: &[Row], markdown: bool) -> String {
     let cheapest = |name: &str| -> Option<(&Row, Outcome)> {
         (rows.iter())
@@ -85,7 +87,8 @@ pub(crate) fn within(error: f64, scene: &Scene, rows: &[Row], markdown: bool) ->
     above + &table(&head, lines.collect(), markdown)
 }
 
-/// A column of the summary: its heading, how the names of its programs begin, and whether they are sampled.
+/// A column of the summary: its heading, how the names of its programs begin, and whether they are
+/// sampled.
 const PEERS: [(&str, &str, bool); 6] = [
     ("plain Rk4", "plain Rk4", false),
     ("ode_solvers", "ode_solvers", false),
@@ -131,7 +134,8 @@ pub(crate) fn first_page(measured: &[(Scene, Vec<Row>)]) -> String {
     table(&head, lines.collect(), true)
 }
 
-/// A row a scene: for each peer its least error, and the range of its costs over ours at the same accuracy.
+/// A row a scene: for each peer its least error, and the range of its costs over ours at the same
+/// accuracy.
 pub(crate) fn summary(measured: &[(Scene, Vec<Row>)], markdown: bool) -> String {
     let mut head = vec!["scene".to_string(), "tumble, least error".into()];
     head.extend(PEERS.iter().map(|(heading, ..)| heading.to_string()));
@@ -195,7 +199,8 @@ pub(crate) fn where_a_peer_is_better(measured: &[(Scene, Vec<Row>)], markdown: b
     )
 }
 
-/// What a peer costs over tumble, where that is less than 1; 0 where tumble does not reach its accuracy.
+/// What a peer costs over tumble, where that is less than 1; 0 where tumble does not reach its
+/// accuracy.
 fn advantage(outcome: &Outcome) -> Option<f64> {
     match outcome.ratio {
         Ratio::Times(times) if times < 1.0 => Some(times),

@@ -1,6 +1,8 @@
-//! What the program runs on: start, console, clock, stack. All `unsafe` of the program is here, and all that another board has to replace.
+//! What the program runs on: start, console, clock, stack. All `unsafe` of the program is here, and
+//! all that another board has to replace.
 //!
-//! A Cortex-M is started by `cortex-m-rt`, a RISC-V by `riscv-rt`; the console is the debugger's (semihosting). With an operating system, there is `std`.
+//! A Cortex-M is started by `cortex-m-rt`, a RISC-V by `riscv-rt`; the console is the debugger's
+//! (semihosting). With an operating system, there is `std`.
 #![allow(unsafe_code)]
 
 #[cfg(all(target_os = "none", target_arch = "arm"))]
@@ -61,7 +63,8 @@ impl<T> Lent<T> {
     }
 }
 
-/// The program's start: `program!(function, Memory, initial memory)` calls `function(&'static mut Memory) -> exit code` once.
+/// The program's start: `program!(function, Memory, initial memory)` calls
+/// `function(&'static mut Memory) -> exit code` once.
 #[macro_export]
 macro_rules! program {
     ($program:path, $memory:ty, $initial:expr) => {
@@ -83,7 +86,8 @@ macro_rules! program {
             $crate::board::exit($program(memory))
         }
 
-        /// Never linked: nothing panics. With the feature `control` something does, and the image shows it.
+        /// Never linked: nothing panics. With the feature `control` something does, and the image
+        /// shows it.
         #[cfg(target_os = "none")]
         #[panic_handler]
         fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
@@ -122,9 +126,11 @@ impl Cost {
     }
 }
 
-/// Counts the processor's clocks by its SysTick timer, which counts down from 2²⁴. Where there is none, all counts are 0.
+/// Counts the processor's clocks by its SysTick timer, which counts down from 2²⁴. Where there is
+/// none, all counts are 0.
 ///
-/// The timer need not run at the processor's speed: it is compared with a loop of known length. QEMU with `-icount shift=0` counts an instruction as a clock.
+/// The timer need not run at the processor's speed: it is compared with a loop of known length.
+/// QEMU with `-icount shift=0` counts an instruction as a clock.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     /// Of the timer, in [`LOOP`](Self::LOOP) clocks.
@@ -194,7 +200,8 @@ fn start_timer() {
     }
 }
 
-/// How deep the stack has been, bytes: the start-up code has painted it, and what is still painted was never used. `None` where nobody paints.
+/// How deep the stack has been, bytes: the start-up code has painted it, and what is still painted
+/// was never used. `None` where nobody paints.
 #[must_use]
 pub fn stack_used() -> Option<u32> {
     #[cfg(all(target_os = "none", target_arch = "arm"))]
@@ -204,7 +211,8 @@ pub fn stack_used() -> Option<u32> {
             static _stack_end: u32;
         }
         let (top, mut place) = (&raw const _stack_start, &raw const _stack_end);
-        // SAFETY: the linker script puts the stack, and nothing else, between the two; reading it changes nothing.
+        // SAFETY: the linker script puts the stack, and nothing else, between the two; reading it
+        // changes nothing.
         while place < top && unsafe { place.read_volatile() } == cortex_m_rt::STACK_PAINT_VALUE {
             place = place.wrapping_add(1);
         }

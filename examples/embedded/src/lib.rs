@@ -1,7 +1,10 @@
-//! A coin of 120 points is thrown, bounces, tumbles and comes to rest on a microcontroller: no operating system, no allocator, no panic.
+//! A coin of 120 points is thrown, bounces, tumbles and comes to rest on a microcontroller: no
+//! operating system, no allocator, no panic.
 //!
-//! Each program in `src/bin` is this scene with one integrator in one precision, and nothing else: what is linked is what such a scene needs. It prints the
-//! states, the energies and a hash of all bits, and then what the run has cost. For a computer with a system, it prints the same without the cost.
+//! Each program in `src/bin` is this scene with one integrator in one precision, and nothing else:
+//! what is linked is what such a scene needs. It prints the states, the energies and a hash of all
+//! bits, and then what the run has cost. For a computer with a system, it prints the same without
+//! the cost.
 #![no_std]
 #![deny(unsafe_code)]
 
@@ -17,7 +20,8 @@ use tumble::{
     UniformGravity,
 };
 
-/// What a toss keeps outside of the stack: the coin's rim, and what the integrator remembers from step to step.
+/// What a toss keeps outside of the stack: the coin's rim, and what the integrator remembers from
+/// step to step.
 #[derive(Debug)]
 pub struct Memory<R: Number, W> {
     rim: [ContactPoint<R>; 120],
@@ -127,7 +131,8 @@ fn compose<R: Number, I: Integrator<R>>(
         .with_integrator(integrator)
 }
 
-/// Prints what the run has cost, where it can be measured; `fixed` is the size of the memory outside of the stack.
+/// Prints what the run has cost, where it can be measured; `fixed` is the size of the memory
+/// outside of the stack.
 pub fn print_account(account: &Account, fixed: usize) {
     if let Some(stack) = board::stack_used() {
         print_count("clocks a step in flight  ", account.flight.mean());
@@ -138,7 +143,8 @@ pub fn print_account(account: &Account, fixed: usize) {
     }
 }
 
-/// A program that tosses the coin: `firmware!(f32, EnergyMomentum, EnergyMomentumWorkspace::new())`.
+/// A program that tosses the coin:
+/// `firmware!(f32, EnergyMomentum, EnergyMomentumWorkspace::new())`.
 #[macro_export]
 macro_rules! firmware {
     ($real:ident, $integrator:ident, $workspace:expr) => {

@@ -1,4 +1,5 @@
-//! Numbers as text, without the language's own formatting: that alone would be larger than the simulation, and can panic.
+//! Numbers as text, without the language's own formatting: that alone would be larger than the
+//! simulation, and can panic.
 
 use crate::board;
 use tumble::State;

@@ -22,14 +22,16 @@ impl<R: Real> Panel<R> {
     }
 }
 
-/// Most panels that two arcs make: their four ends, the four cuts into quarters and what else cuts them.
+/// Most panels that two arcs make: their four ends, the four cuts into quarters and what else cuts
+/// them.
 const MOST: usize = 8 + CUTS;
 /// Most further cuts.
 pub(crate) const CUTS: usize = 4;
 /// Most nodes of a rim in a step.
 pub(crate) const MOST_NODES: usize = MOST * GAUSS_8.len() * 2;
 
-/// The panels of what lies below ground in one moment or in either of two: no end of an arc lies within one.
+/// The panels of what lies below ground in one moment or in either of two: no end of an arc lies
+/// within one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Panels<R> {
     panels: [Panel<R>; MOST],
@@ -87,7 +89,8 @@ impl<R: Real> Panels<R> {
             return panels;
         }
         let [first, second] = arcs;
-        // The circle is counted from opposite the lowest place, so that no arc of rolling lies across the seam.
+        // The circle is counted from opposite the lowest place, so that no arc of rolling lies
+        // across the seam.
         let middle = first.lowest().or(second.lowest());
         let frame = middle.unwrap_or([R::ONE, R::ZERO]).map(|x| -x);
         let half = R::from_f64(core::f64::consts::FRAC_1_SQRT_2);
@@ -128,7 +131,8 @@ impl<R: Real> Panels<R> {
     }
 }
 
-/// Middle and chord of the shorter arc between two directions; `None` where they are the same to rounding.
+/// Middle and chord of the shorter arc between two directions; `None` where they are the same to
+/// rounding.
 fn between<R: Real>([a, b]: Direction<R>, [c, d]: Direction<R>) -> Option<(Direction<R>, R)> {
     let (x, y) = (a + c, b + d);
     let (across, along) = (c - a, d - b);

@@ -6,7 +6,8 @@ use crate::real::Real;
 
 /// What a ground carries: a body's mass, on the contacts that touch together under its centre.
 ///
-/// A ball or a corner is one contact; a flat coin of 120 points that lies is 120. The laws made for it are those of each contact.
+/// A ball or a corner is one contact; a flat coin of 120 points that lies is 120. The laws made for
+/// it are those of each contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Carried<R = f64> {
@@ -32,7 +33,8 @@ impl<R: Real> Carried<R> {
         Ok(self.mass.to_f64() / f64::from(self.contacts))
     }
 
-    /// The spring and damper of each contact on which the body swings with this frequency (rad/s) and damping ratio.
+    /// The spring and damper of each contact on which the body swings with this frequency (rad/s)
+    /// and damping ratio.
     pub(super) fn on(&self, frequency: f64, ratio: f64) -> Result<SpringDamper<R>, SceneError> {
         let mass = self.by_each()?;
         Ok(SpringDamper {
@@ -66,7 +68,8 @@ fn checked<R: Real>(restitution: R) -> Result<f64, SceneError> {
     }
 }
 
-/// The place between `low` and `high` where a falling function passes from above 0 to below, to the last place.
+/// The place between `low` and `high` where a falling function passes from above 0 to below, to the
+/// last place.
 fn where_it_passes_zero(low: f64, high: f64, falling: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (low, high);
     // 2⁻¹²⁸ of the interval.
@@ -81,9 +84,9 @@ fn where_it_passes_zero(low: f64, high: f64, falling: impl Fn(f64) -> f64) -> f6
     low + (high - low) * 0.5
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Spring and damper that never pull
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
 /// `arccos(ζ)/√(1-ζ²)`: half the time of a bounce, in radians of the undamped swing.
 pub(super) fn release_angle(ratio: f64) -> f64 {
@@ -100,7 +103,8 @@ pub(super) fn release_angle(ratio: f64) -> f64 {
     }
 }
 
-/// The damping ratio with which a spring and damper that never pull give back this part of a speed: `e = exp(-2ζ arccos(ζ)/√(1-ζ²))`, inverted.
+/// The damping ratio with which a spring and damper that never pull give back this part of a speed:
+/// `e = exp(-2ζ arccos(ζ)/√(1-ζ²))`, inverted.
 pub(super) fn spring_damper_ratio<R: Real>(restitution: R) -> Result<f64, SceneError> {
     let aim = libm::log(checked(restitution)?);
     // Far above 1 the restitution is 1/(4ζ²).
@@ -110,15 +114,18 @@ pub(super) fn spring_damper_ratio<R: Real>(restitution: R) -> Result<f64, SceneE
     }))
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Limited damper
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// Logarithm of the restitution, and duration in radians of the undamped swing, of a spring with a limited damper.
+/// Logarithm of the restitution, and duration in radians of the undamped swing, of a spring with a
+/// limited damper.
 ///
-/// With the swing's frequency as unit: limited, `d″ = -2 d` from the surface at the speed 1 until `d = 2ζ d′`, at the time `arctan(√8 ζ)/√2`, with the speed `1/√(1+8ζ²)` left. Then
-/// `d = A exp(-ζ t) sin(φ)`, `φ = θ + t sin β`, whose derivatives are `-A exp(-ζ t) sin(φ - β)` and `A exp(-ζ t) sin(φ - 2β)`: it begins where `2 sin θ = sin(2β - θ)`, and ends
-/// where the force is 0, `φ = 2β`. For ζ > 1 all angles are hyperbolic.
+/// With the swing's frequency as unit: limited, `d″ = -2 d` from the surface at the speed 1 until
+/// `d = 2ζ d′`, at the time `arctan(√8 ζ)/√2`, with the speed `1/√(1+8ζ²)` left. Then
+/// `d = A exp(-ζ t) sin(φ)`, `φ = θ + t sin β`, whose derivatives are `-A exp(-ζ t) sin(φ - β)` and
+/// `A exp(-ζ t) sin(φ - 2β)`: it begins where `2 sin θ = sin(2β - θ)`, and ends where the force is
+/// 0, `φ = 2β`. For ζ > 1 all angles are hyperbolic.
 pub(super) fn limited_damper(ratio: f64) -> [f64; 2] {
     let limited = libm::sqrt(1.0 + 8.0 * ratio * ratio);
     let first = libm::atan(libm::sqrt(8.0) * ratio) / libm::sqrt(2.0);
@@ -156,16 +163,18 @@ pub(super) fn limited_damper_ratio<R: Real>(restitution: R) -> Result<f64, Scene
     }))
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 // Hunt and Crossley
-// ---------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------
 
-/// The number D = λ v with which Hunt and Crossley's law gives back this part e of the speed v: `D (1 + e) = ln((1 + D)/(1 - e D))`.
+/// The number D = λ v with which Hunt and Crossley's law gives back this part e of the speed v:
+/// `D (1 + e) = ln((1 + D)/(1 - e D))`.
 pub(super) fn hunt_crossley_loss<R: Real>(restitution: R) -> Result<f64, SceneError> {
     let e = checked(restitution)?;
     let lost = 1.0 - e;
     if lost < 1e-4 {
-        // Both sides agree to D². e = 1 - 2D/3 + 4D²/9 - ..., so that this misses the restitution by 1e-12 at most.
+        // Both sides agree to D². e = 1 - 2D/3 + 4D²/9 - ..., so that this misses the restitution
+        // by 1e-12 at most.
         return Ok(1.5 * lost * (1.0 + lost));
     }
     let lack = |loss: f64| loss * (1.0 + e) - libm::log1p(loss) + libm::log1p(-e * loss);
@@ -182,14 +191,18 @@ pub(super) fn work_down(loss: f64) -> f64 {
     }
 }
 
-/// Time of a Hunt-Crossley bounce, in units of greatest depth over speed: `A(D) + A(-e D)/e` for the loss D = λ v and the restitution e.
+/// Time of a Hunt-Crossley bounce, in units of greatest depth over speed: `A(D) + A(-e D)/e` for
+/// the loss D = λ v and the restitution e.
 ///
-/// `d″ = -(k/m) dⁿ (1 + λ d′)` gives `d′ dd′/(1 + λ d′) = -(k/m) dⁿ dd`: the depth at each speed, and with it the time `∫ dd′/d″`. The way down from the speed v to 0 takes `A(D)` times depth
+/// `d″ = -(k/m) dⁿ (1 + λ d′)` gives `d′ dd′/(1 + λ d′) = -(k/m) dⁿ dd`: the depth at each speed,
+/// and with it the time `∫ dd′/d″`. The way down from the speed v to 0 takes `A(D)` times depth
 /// over v. The way up, run backwards, is a way down from the speed e v with -λ in the place of λ.
 ///
-/// With `1 + λ d′ = exp(-L (1 - X))`, `L = -ln(1 + D)`, X goes from 0 at the surface to 1 at the bottom, where `(d/depth)^(n+1) = g(X)/g(1)`, `g(X) = L X - exp(-L) (exp(L X) - 1)`.
-/// `X = s^(n+1)` takes the infinite slope at the surface away: `A = g′(0)/g(1) ∫₀¹ (g(X)/(X g(1)))^(-n/(n+1)) ds`, between 1 and `g′(0)/g(1)`.
-/// Without loss that is `B(1/2, 1/(n+1))/(n+1)`: π/2 for n = 1, 1.4716 for Hertz's 3/2.
+/// With `1 + λ d′ = exp(-L (1 - X))`, `L = -ln(1 + D)`, X goes from 0 at the surface to 1 at the
+/// bottom, where `(d/depth)^(n+1) = g(X)/g(1)`, `g(X) = L X - exp(-L) (exp(L X) - 1)`.
+/// `X = s^(n+1)` takes the infinite slope at the surface away:
+/// `A = g′(0)/g(1) ∫₀¹ (g(X)/(X g(1)))^(-n/(n+1)) ds`, between 1 and `g′(0)/g(1)`. Without loss
+/// that is `B(1/2, 1/(n+1))/(n+1)`: π/2 for n = 1, 1.4716 for Hertz's 3/2.
 pub(super) fn hunt_crossley_time(exponent: f64, restitution: f64, loss: f64) -> f64 {
     let down = -libm::log1p(loss);
     // -ln(1 - e D) by the relation of e and D, where e D may be 1 to all its places.
@@ -197,7 +210,8 @@ pub(super) fn hunt_crossley_time(exponent: f64, restitution: f64, loss: f64) -> 
     way_time(exponent, down, PANELS) + way_time(exponent, up, PANELS) / restitution
 }
 
-/// With so many panels of three places the integral is right to 1e-8 for exponents up to 4, to 1e-6 up to 10 (a test compares sixteen times as many).
+/// With so many panels of three places the integral is right to 1e-8 for exponents up to 4, to 1e-6
+/// up to 10 (a test compares sixteen times as many).
 const PANELS: u32 = 64;
 
 /// `A` above.
@@ -220,7 +234,8 @@ fn way_time(exponent: f64, swing: f64, panels: u32) -> f64 {
     start / whole * mean / f64::from(panels)
 }
 
-/// Below this size of L, g is taken by its series over L², whose next term is `L³/24`; above it the difference loses `2⁻⁵²/L²`.
+/// Below this size of L, g is taken by its series over L², whose next term is `L³/24`; above it the
+/// difference loses `2⁻⁵²/L²`.
 const SHORT_SWING: f64 = 1e-3;
 
 /// `g(X)`, over L² where L is small.

@@ -5,17 +5,23 @@ use super::{ContactLaw, MeanForce};
 use crate::error::{self, Rule, SceneError};
 use crate::real::Real;
 
-/// Hunt and Crossley's law (J. Appl. Mech. 42, 440, 1975): a spring that stiffens, and a damper in proportion to the spring's force.
+/// Hunt and Crossley's law (J. Appl. Mech. 42, 440, 1975): a spring that stiffens, and a damper in
+/// proportion to the spring's force.
 ///
-/// `normal force = k dⁿ max(0, 1 + λ u)` in newtons, for stiffness k, depth d, exponent n, damping λ and closing speed u. Energy in the spring: `k d^(n+1)/(n+1)`.
+/// `normal force = k dⁿ max(0, 1 + λ u)` in newtons, for stiffness k, depth d, exponent n, damping
+/// λ and closing speed u. Energy in the spring: `k d^(n+1)/(n+1)`.
 ///
-/// The exponent 3/2 is that of an elastic ball on an elastic plane (Hertz 1881; [`hertz`](Self::hertz)), 1 that of a linear spring, 2 that of a cone. With 1, 3/2 and 2 a
-/// force costs no more than a square root; others take `libm`'s power, some 50 ns.
+/// The exponent 3/2 is that of an elastic ball on an elastic plane (Hertz 1881;
+/// [`hertz`](Self::hertz)), 1 that of a linear spring, 2 that of a cone. With 1, 3/2 and 2 a force
+/// costs no more than a square root; others take `libm`'s power, some 50 ns.
 ///
-/// A point that hits with speed v leaves with restitution e, `λ v (1 + e) = ln((1 + λ v)/(1 - e λ v))`, whatever exponent, stiffness and mass: `1 - 2 λ v/3` for slow
-/// bounces, `1/(λ v)` at most. It never leaves while the ground pushes, and the force is continuous at first touch.
+/// A point that hits with speed v leaves with restitution e,
+/// `λ v (1 + e) = ln((1 + λ v)/(1 - e λ v))`, whatever exponent, stiffness and mass: `1 - 2 λ v/3`
+/// for slow bounces, `1/(λ v)` at most. It never leaves while the ground pushes, and the force is
+/// continuous at first touch.
 ///
-/// *Limits:* a light touch is hardly damped: a body that settles at the depth d swings with the damping ratio `λ g/(2ω)`, `ω² = n g/d`, and takes long to come to rest where `λ v` is small.
+/// *Limits:* a light touch is hardly damped: a body that settles at the depth d swings with the
+/// damping ratio `λ g/(2ω)`, `ω² = n g/d`, and takes long to come to rest where `λ v` is small.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HuntCrossley<R = f64> {
@@ -27,13 +33,16 @@ pub struct HuntCrossley<R = f64> {
     pub damping: R,
 }
 
-/// Where the depths of a path differ by less than this part of their sum, the difference of the energies says less of the mean force than Gauss's rule does.
+/// Where the depths of a path differ by less than this part of their sum, the difference of the
+/// energies says less of the mean force than Gauss's rule does.
 ///
-/// There the rule's error is below 1e-14 of the force for exponents up to 3; the difference's is 50 units in the last place.
+/// There the rule's error is below 1e-14 of the force for exponents up to 3; the difference's is 50
+/// units in the last place.
 const SHORT: f64 = 0.02;
 
 impl<R: Real> HuntCrossley<R> {
-    /// Hertz's contact of an elastic ball of this radius (m) with an elastic plane, without damping: exponent 3/2, stiffness `4/3 E √r`, with `1/E = (1-ν₁²)/E₁ + (1-ν₂²)/E₂` of both
+    /// Hertz's contact of an elastic ball of this radius (m) with an elastic plane, without
+    /// damping: exponent 3/2, stiffness `4/3 E √r`, with `1/E = (1-ν₁²)/E₁ + (1-ν₂²)/E₂` of both
     /// materials (Pa).
     ///
     /// *Limits:* small depths (under a tenth of the radius), no adhesion, slow compared with sound.
@@ -46,10 +55,13 @@ impl<R: Real> HuntCrossley<R> {
         }
     }
 
-    /// The law by which a body that hits with `speed` (m/s) goes down by `depth` (m) and leaves with this restitution (-, above 0, at most 1).
+    /// The law by which a body that hits with `speed` (m/s) goes down by `depth` (m) and leaves
+    /// with this restitution (-, above 0, at most 1).
     ///
-    /// Without gravity during the bounce, and for contacts that touch together under the centre of mass. The damping solves the relation above; with it
-    /// `stiffness = (n + 1) m (v/λ - ln(1 + λ v)/λ²)/depth^(n+1)`. An elastic bounce with exponent 3/2 takes `2.943 depth/speed`.
+    /// Without gravity during the bounce, and for contacts that touch together under the centre of
+    /// mass. The damping solves the relation above; with it
+    /// `stiffness = (n + 1) m (v/λ - ln(1 + λ v)/λ²)/depth^(n+1)`. An elastic bounce with exponent
+    /// 3/2 takes `2.943 depth/speed`.
     ///
     /// # Errors
     /// Where a number is not in its range.
@@ -67,9 +79,12 @@ impl<R: Real> HuntCrossley<R> {
         Self::with_loss(carried, exponent, loss, speed.to_f64(), depth.to_f64())
     }
 
-    /// The law by which a body that hits with `speed` (m/s) leaves with this restitution (-, above 0, at most 1), on and off in `contact_time` (s).
+    /// The law by which a body that hits with `speed` (m/s) leaves with this restitution (-, above
+    /// 0, at most 1), on and off in `contact_time` (s).
     ///
-    /// Its greatest depth is `contact_time · speed/c`, from which [`from_bounce`](Self::from_bounce) goes on. The number c depends on exponent and restitution only:
+    /// Its greatest depth is `contact_time · speed/c`, from which
+    /// [`from_bounce`](Self::from_bounce) goes on. The number c depends on exponent and restitution
+    /// only:
     ///
     /// | exponent | e = 1 | 0.9 | 0.75 | 0.5 | 0.25 |
     /// |---|---|---|---|---|---|
@@ -77,8 +92,10 @@ impl<R: Real> HuntCrossley<R> {
     /// | 3/2 | 2.9433 | 3.1039 | 3.4104 | 4.2495 | 6.4492 |
     /// | 2 | 2.8044 | 2.9577 | 3.2517 | 4.0647 | 6.2315 |
     ///
-    /// Without loss it is `2/(n + 1) B(1/2, 1/(n + 1))`, with Euler's beta function: π for a linear spring, 2.943 for Hertz's; with loss it is an integral, taken by Gauss's rule, which makes this
-    /// constructor cost some 400 powers and exponentials, 40 µs. A faster bounce of the same law is shorter, `speed^(-(n-1)/(n+1))` where the loss is small.
+    /// Without loss it is `2/(n + 1) B(1/2, 1/(n + 1))`, with Euler's beta function: π for a linear
+    /// spring, 2.943 for Hertz's; with loss it is an integral, taken by Gauss's rule, which makes
+    /// this constructor cost some 400 powers and exponentials, 40 µs. A faster bounce of the same
+    /// law is shorter, `speed^(-(n-1)/(n+1))` where the loss is small.
     ///
     /// # Errors
     /// Where a number is not in its range.
@@ -98,7 +115,8 @@ impl<R: Real> HuntCrossley<R> {
         Self::with_loss(carried, exponent, loss, speed.to_f64(), depth)
     }
 
-    /// The law by which a body that hits with this speed (m/s) goes down by this depth (m), with the loss `λ v`.
+    /// The law by which a body that hits with this speed (m/s) goes down by this depth (m), with
+    /// the loss `λ v`.
     fn with_loss(
         carried: Carried<R>,
         exponent: R,
@@ -115,7 +133,8 @@ impl<R: Real> HuntCrossley<R> {
         })
     }
 
-    /// The law on which a body sinks by `sink_depth` (m) at rest under `gravity` (m/s²), and bounces with this restitution (-, above 0, at most 1) where it hits with `speed` (m/s).
+    /// The law on which a body sinks by `sink_depth` (m) at rest under `gravity` (m/s²), and
+    /// bounces with this restitution (-, above 0, at most 1) where it hits with `speed` (m/s).
     ///
     /// `stiffness = m g/depthⁿ`; the damping as of [`from_bounce`](Self::from_bounce).
     ///
@@ -166,7 +185,8 @@ impl<R: Real> HuntCrossley<R> {
         }
     }
 
-    /// Mean force of the spring between two depths of at least 0, `ΔV/Δd`, and its derivative with respect to the second.
+    /// Mean force of the spring between two depths of at least 0, `ΔV/Δd`, and its derivative with
+    /// respect to the second.
     #[inline]
     fn mean_spring(&self, from: R, to: R) -> [R; 2] {
         let k = self.stiffness;
@@ -213,8 +233,9 @@ enum Kind {
     Any,
 }
 
-/// Mean of `d^(3/2)` between two depths, and its derivative with respect to the second: with u and v the roots of the depths,
-/// `2/5 (u⁴ + u³v + u²v² + uv³ + v⁴)/(u + v)` and `1/5 (2u³ + 4u²v + 6uv² + 3v³)/(u + v)²`, without a difference that could cancel.
+/// Mean of `d^(3/2)` between two depths, and its derivative with respect to the second: with u and
+/// v the roots of the depths, `2/5 (u⁴ + u³v + u²v² + uv³ + v⁴)/(u + v)` and
+/// `1/5 (2u³ + 4u²v + 6uv² + 3v³)/(u + v)²`, without a difference that could cancel.
 #[inline]
 fn mean_of_hertz<R: Real>(from: R, to: R) -> [R; 2] {
     let (u, v) = (from.sqrt(), to.sqrt());
@@ -252,7 +273,8 @@ impl<R: Real> ContactLaw<R> for HuntCrossley<R> {
         self.spring_force(depth) * factor.at_least(R::ZERO)
     }
 
-    /// Along an even path the damper's factor is one number, so that the mean is `(1 + λ Δ/h) ΔV/Δ`, with Δ the path and h the time.
+    /// Along an even path the damper's factor is one number, so that the mean is
+    /// `(1 + λ Δ/h) ΔV/Δ`, with Δ the path and h the time.
     #[inline]
     fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
         let (from, to) = (start.at_least(R::ZERO), end.at_least(R::ZERO));

@@ -5,16 +5,21 @@ use super::{ContactLaw, MeanForce, SpringDamper};
 use crate::error::SceneError;
 use crate::real::Real;
 
-/// A spring and a damper side by side, where the damper's force is at most as large as the spring's.
+/// A spring and a damper side by side, where the damper's force is at most as large as the
+/// spring's.
 ///
-/// `normal force = k d + min(k d, max(-k d, c u))` for stiffness k, depth d, damping c and closing speed u, in newtons: between 0 and `2 k d`, so that it is
-/// continuous at first touch, where [`SpringDamper`]'s jumps. A leaving contact feels the same as there: the limit is the clamp.
+/// `normal force = k d + min(k d, max(-k d, c u))` for stiffness k, depth d, damping c and closing
+/// speed u, in newtons: between 0 and `2 k d`, so that it is continuous at first touch, where
+/// [`SpringDamper`]'s jumps. A leaving contact feels the same as there: the limit is the clamp.
 ///
-/// A point of mass m bounces, with `ζ = c/(2 √(k m)) < 1`, `cos β = ζ` and `tan θ = sin 2β/(2 + cos 2β)`, with the restitution
-/// `sin β/sin(β - θ) · exp(-ζ (2β - θ)/sin β)/√(1 + 8ζ²)`: from the surface it swings on a spring of stiffness 2k until the damper is no longer limited, then damped until the force
-/// has come to 0. Hyperbolic functions stand there for ζ > 1.
+/// A point of mass m bounces, with `ζ = c/(2 √(k m)) < 1`, `cos β = ζ` and
+/// `tan θ = sin 2β/(2 + cos 2β)`, with the restitution
+/// `sin β/sin(β - θ) · exp(-ζ (2β - θ)/sin β)/√(1 + 8ζ²)`: from the surface it swings on a spring
+/// of stiffness 2k until the damper is no longer limited, then damped until the force has come to 0.
+/// Hyperbolic functions stand there for ζ > 1.
 ///
-/// *Limits:* the restitution is the same at every speed. The force has kinks, so that explicit methods come to order 2, not 4.
+/// *Limits:* the restitution is the same at every speed. The force has kinks, so that explicit
+/// methods come to order 2, not 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LimitedDamper<R = f64> {
@@ -25,9 +30,11 @@ pub struct LimitedDamper<R = f64> {
 }
 
 impl<R: Real> LimitedDamper<R> {
-    /// The law by which a body bounces with this restitution (-, above 0, at most 1), on and off in `contact_time` (s).
+    /// The law by which a body bounces with this restitution (-, above 0, at most 1), on and off in
+    /// `contact_time` (s).
     ///
-    /// Without gravity during the bounce, and for contacts that touch together under the centre of mass. The time is `(arctan(√8 ζ)/√2 + (2β - θ)/sin β)/ω`, in the letters above.
+    /// Without gravity during the bounce, and for contacts that touch together under the centre of
+    /// mass. The time is `(arctan(√8 ζ)/√2 + (2β - θ)/sin β)/ω`, in the letters above.
     ///
     /// # Errors
     /// Where a number is not in its range.
@@ -42,7 +49,8 @@ impl<R: Real> LimitedDamper<R> {
         Ok(Self::limited(carried.on(frequency, ratio)?))
     }
 
-    /// The law on which a body sinks by `sink_depth` (m) at rest under `gravity` (m/s²), and bounces with this restitution (-, above 0, at most 1).
+    /// The law on which a body sinks by `sink_depth` (m) at rest under `gravity` (m/s²), and
+    /// bounces with this restitution (-, above 0, at most 1).
     ///
     /// # Errors
     /// Where a number is not in its range.
@@ -138,10 +146,13 @@ impl<R: Real> ContactLaw<R> for LimitedDamper<R> {
         spring + damper.at_most(spring).at_least(-spring)
     }
 
-    /// The integral of the whole law along an even path, in closed form (k: stiffness, c: damping, d₀ and d₁: depths, Δ = d₁ - d₀, h: time).
+    /// The integral of the whole law along an even path, in closed form (k: stiffness, c: damping,
+    /// d₀ and d₁: depths, Δ = d₁ - d₀, h: time).
     ///
-    /// Going down, the damper is limited as far as the depth `d* = c Δ/(h k)`: with the integral `G(d) = k d²` there and `k (d²/2 + d* d - d*²/2)` beyond, the mean is
-    /// `(G(d₁) - G(max(0, d₀)))/Δ`, of which the spring's share is `k/2 (d₁² - max(0, d₀)²)/Δ`. Going up, as of [`SpringDamper`].
+    /// Going down, the damper is limited as far as the depth `d* = c Δ/(h k)`: with the integral
+    /// `G(d) = k d²` there and `k (d²/2 + d* d - d*²/2)` beyond, the mean is
+    /// `(G(d₁) - G(max(0, d₀)))/Δ`, of which the spring's share is `k/2 (d₁² - max(0, d₀)²)/Δ`.
+    /// Going up, as of [`SpringDamper`].
     #[inline]
     fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
         if end >= start {

@@ -5,14 +5,17 @@ use super::{ContactLaw, MeanForce};
 use crate::error::{self, SceneError};
 use crate::real::Real;
 
-/// A spring and a damper side by side (Kelvin-Voigt) that never pull: the law of the report, and of [`FlatGround`](crate::FlatGround).
+/// A spring and a damper side by side (Kelvin-Voigt) that never pull: the law of the report, and of
+/// [`FlatGround`](crate::FlatGround).
 ///
-/// `normal force = max(0, stiffness · depth + damping · closing_speed)`, in newtons. Energy in the spring: `stiffness · depth²/2`, also where the contact leaves so fast that its
-/// force is 0.
+/// `normal force = max(0, stiffness · depth + damping · closing_speed)`, in newtons. Energy in the
+/// spring: `stiffness · depth²/2`, also where the contact leaves so fast that its force is 0.
 ///
-/// *Limits:* the damper's force jumps from 0 to `damping · closing_speed` at first touch, which spoils an explicit method's order above 1.
-/// A point of mass m bounces with restitution `exp(-2ζ arccos(ζ)/√(1-ζ²))`, `ζ = damping/(2 √(stiffness m))`, at every speed whose square is far above
-/// `(g/ω)²`, `ω = √(stiffness/m)`: real balls bounce less the faster they are ([`HuntCrossley`](crate::HuntCrossley)).
+/// *Limits:* the damper's force jumps from 0 to `damping · closing_speed` at first touch, which
+/// spoils an explicit method's order above 1. A point of mass m bounces with restitution
+/// `exp(-2ζ arccos(ζ)/√(1-ζ²))`, `ζ = damping/(2 √(stiffness m))`, at every speed whose square is
+/// far above `(g/ω)²`, `ω = √(stiffness/m)`: real balls bounce less the faster they are
+/// ([`HuntCrossley`](crate::HuntCrossley)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpringDamper<R = f64> {
@@ -23,10 +26,13 @@ pub struct SpringDamper<R = f64> {
 }
 
 impl<R: Real> SpringDamper<R> {
-    /// The law by which a body bounces with this restitution (-, above 0, at most 1), on and off in `contact_time` (s).
+    /// The law by which a body bounces with this restitution (-, above 0, at most 1), on and off in
+    /// `contact_time` (s).
     ///
-    /// Without gravity during the bounce, and for contacts that touch together under the centre of mass: `restitution = exp(-2ζ α)`, `contact_time = 2 α/ω`,
-    /// `α = arccos(ζ)/√(1-ζ²)` (Schwager & Pöschel, Granular Matter 9, 465, 2007). Gravity makes a bounce longer and its restitution less where `speed · ω` is not far above g.
+    /// Without gravity during the bounce, and for contacts that touch together under the centre of
+    /// mass: `restitution = exp(-2ζ α)`, `contact_time = 2 α/ω`, `α = arccos(ζ)/√(1-ζ²)` (Schwager
+    /// & Pöschel, Granular Matter 9, 465, 2007). Gravity makes a bounce longer and its restitution
+    /// less where `speed · ω` is not far above g.
     ///
     /// # Errors
     /// Where a number is not in its range.
@@ -40,7 +46,8 @@ impl<R: Real> SpringDamper<R> {
         carried.on(frequency, ratio)
     }
 
-    /// The law on which a body sinks by `sink_depth` (m) at rest under `gravity` (m/s²), and bounces with this restitution (-, above 0, at most 1).
+    /// The law on which a body sinks by `sink_depth` (m) at rest under `gravity` (m/s²), and
+    /// bounces with this restitution (-, above 0, at most 1).
     ///
     /// `stiffness = m g/depth`; the restitution as of [`from_bounce`](Self::from_bounce).
     ///
@@ -135,11 +142,14 @@ impl<R: Real> ContactLaw<R> for SpringDamper<R> {
         (self.stiffness * depth + self.damping * closing_speed).at_least(R::ZERO)
     }
 
-    /// The integral of the whole clamped law along an even path, in closed form (k: stiffness, c: damping, d₀ and d₁: depths, Δ = d₁ - d₀, h: time):
+    /// The integral of the whole clamped law along an even path, in closed form (k: stiffness, c:
+    /// damping, d₀ and d₁: depths, Δ = d₁ - d₀, h: time):
     ///
-    /// - going down from d₀ >= 0: `k (d₀ + d₁)/2 + c Δ/h`; from above ground: `k d₁²/(2Δ) + c d₁/h`;
-    /// - going up: the clamp cuts where `k d + c Δ/h` falls to 0, at the depth `d* = -c Δ/(h k)`; with `eᵢ = dᵢ - d*` the mean is
-    ///   `k (e₀ + e₁)/2` while e₁ >= 0, `k e₀²/(2|Δ|)` while e₀ > 0, then 0.
+    /// - going down from d₀ >= 0: `k (d₀ + d₁)/2 + c Δ/h`; from above ground:
+    ///   `k d₁²/(2Δ) + c d₁/h`;
+    /// - going up: the clamp cuts where `k d + c Δ/h` falls to 0, at the depth `d* = -c Δ/(h k)`;
+    ///   with `eᵢ = dᵢ - d*` the mean is `k (e₀ + e₁)/2` while e₁ >= 0, `k e₀²/(2|Δ|)` while e₀ >
+    ///   0, then 0.
     ///
     /// Continuous, rising with d₁, and without a 0/0 as Δ goes to 0.
     #[inline]

@@ -8,7 +8,8 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bowl<R = f64> {
-    /// c₁ and c₂, 1/m, along x and y: above 0 in a bowl, below on a hill, one of them 0 in a trough. The terrain's radii of curvature at the bottom are their inverses.
+    /// c₁ and c₂, 1/m, along x and y: above 0 in a bowl, below on a hill, one of them 0 in a
+    /// trough. The terrain's radii of curvature at the bottom are their inverses.
     pub curvatures: [R; 2],
 }
 
@@ -41,7 +42,8 @@ impl<R: Real> Relief<R> for Bowl<R> {
 
 /// A level ground that becomes a slope along x: `z = slope (x + √(x² + width²))/2`, m.
 ///
-/// Level to `slope width²/(4 |x|)` before, and as near to the plane `z = slope · x` after. The sharpest bend, at x = 0, is `slope/(2 width)`.
+/// Level to `slope width²/(4 |x|)` before, and as near to the plane `z = slope · x` after. The
+/// sharpest bend, at x = 0, is `slope/(2 width)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ramp<R = f64> {

@@ -6,7 +6,9 @@ use crate::real::{Real, Vector};
 
 /// The height of a terrain, h(x, y), with its slope.
 ///
-/// *To the implementer:* height and slope must be finite and continuous, and the slope be the height's; the bend only makes the search for the nearest point quicker, by a few iterations near the surface. A closure is a relief:
+/// *To the implementer:* height and slope must be finite and continuous, and the slope be the
+/// height's; the bend only makes the search for the nearest point quicker, by a few iterations near
+/// the surface. A closure is a relief:
 ///
 /// ```
 /// use tumble::{Elevation, Ground, SpringDamper, Terrain};
@@ -27,7 +29,8 @@ pub trait Relief<R: Real = f64> {
     /// Height, slope and bend above a place of the level (m, world axes).
     fn elevation(&self, x: R, y: R) -> Elevation<R>;
 
-    /// A height (m) that no place of the terrain exceeds, if there is one: above it nothing is looked at.
+    /// A height (m) that no place of the terrain exceeds, if there is one: above it nothing is
+    /// looked at.
     #[inline]
     fn highest(&self) -> Option<R> {
         None
@@ -41,7 +44,8 @@ pub trait Relief<R: Real = f64> {
         Ok(())
     }
 
-    /// Returns true if the values of the relief need no check while a step evaluates them. Default: false.
+    /// Returns true if the values of the relief need no check while a step evaluates them. Default:
+    /// false.
     ///
     /// A step checks the values of a law that is not trusted, and returns
     /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
@@ -94,14 +98,22 @@ impl<R: Real> Elevation<R> {
 
 /// The surface z = h(x, y) of a [`Relief`], solid below.
 ///
-/// The gap is the *distance* to the nearest point of the surface, found by Newton's method, and negative below it. So its gradient is the unit normal, and a spring's force along the normal is a potential's: round a
-/// closed path the springs do no work. A depth measured otherwise does not have this: the vertical one, h - z, changes by more than the way along the normal, and that one times the cosine of the slope is a distance on the surface only, and
-/// below it fails by depth times curvature. It also holds for contacts with a radius: the centre of a ball rolls on the parallel surface.
+/// The gap is the *distance* to the nearest point of the surface, found by Newton's method, and
+/// negative below it. So its gradient is the unit normal, and a spring's force along the normal is
+/// a potential's: round a closed path the springs do no work. A depth measured otherwise does not
+/// have this: the vertical one, h - z, changes by more than the way along the normal, and that one
+/// times the cosine of the slope is a distance on the surface only, and below it fails by depth
+/// times curvature. It also holds for contacts with a radius: the centre of a ball rolls on the
+/// parallel surface.
 ///
-/// A search costs 2 to 4 elevations near the surface, with the bend; without it, each iteration gains a factor of one over depth (or radius) times curvature.
+/// A search costs 2 to 4 elevations near the surface, with the bend; without it, each iteration
+/// gains a factor of one over depth (or radius) times curvature.
 ///
-/// *Limits:* depth and radius of a contact, and so the radius of a ball in a valley, must be below the terrain's radius of curvature, 1/bend: from there on several places are nearest, the gap has edges, and the search, which begins at the place right below,
-/// may find one that is near, but not nearest. The energy does not rise there either ([`EnergyMomentum`](crate::EnergyMomentum)), but no promise is made on the way.
+/// *Limits:* depth and radius of a contact, and so the radius of a ball in a valley, must be below
+/// the terrain's radius of curvature, 1/bend: from there on several places are nearest, the gap has
+/// edges, and the search, which begins at the place right below, may find one that is near, but not
+/// nearest. The energy does not rise there either ([`EnergyMomentum`](crate::EnergyMomentum)), but
+/// no promise is made on the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Terrain<H> {
@@ -142,7 +154,8 @@ impl<R: Real, H: Relief<R>> Shape<R> for Terrain<H> {
     }
 }
 
-/// Elevations that a search looks at, at most: with the bend a handful is enough; without it, so many halve the way to the nearest point as often.
+/// Elevations that a search looks at, at most: with the bend a handful is enough; without it, so
+/// many halve the way to the nearest point as often.
 const LOOKS: u32 = 24;
 /// A step of so many units in the last place is rounding.
 const ROUNDING: f64 = 16.0;
@@ -201,8 +214,10 @@ impl<R: Real> Foot<R> {
         size * (R::EPSILON * R::from_f64(ROUNDING))
     }
 
-    /// Half the square of the distance, `((x-X)² + (y-Y)² + (h-Z)²)/2`, has the gradient `(x-X + (h-Z) hₓ, ...)` and the second derivatives `1 + hₓ² + (h-Z) hₓₓ`, ... Newton's step goes to where the gradient is 0; where the second derivatives are no
-    /// bowl's, those without the bend are, and the step is to the foot on the tangent plane (Gauss & Newton).
+    /// Half the square of the distance, `((x-X)² + (y-Y)² + (h-Z)²)/2`, has the gradient
+    /// `(x-X + (h-Z) hₓ, ...)` and the second derivatives `1 + hₓ² + (h-Z) hₓₓ`, ... Newton's step
+    /// goes to where the gradient is 0; where the second derivatives are no bowl's, those without
+    /// the bend are, and the step is to the foot on the tangent plane (Gauss & Newton).
     #[inline]
     fn step(&self, point: R::Vec3) -> [R; 2] {
         let Elevation {
@@ -226,7 +241,8 @@ impl<R: Real> Foot<R> {
         [(ay * gx - axy * gy) * per, (ax * gy - axy * gx) * per]
     }
 
-    /// The distance to the tangent plane is that to the terrain to second order in what the foot is off by.
+    /// The distance to the tangent plane is that to the terrain to second order in what the foot is
+    /// off by.
     #[inline]
     fn surface(&self, point: R::Vec3) -> Surface<R> {
         let [hx, hy] = self.elevation.slope;

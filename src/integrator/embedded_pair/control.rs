@@ -10,9 +10,11 @@ use crate::scene::{Dynamics, Motion, size};
 
 /// An error of a velocity counts by the way that it makes in this time, s.
 const HORIZON: f64 = 1.0;
-/// The share of the length that the error would just allow: a step that is turned down costs as much as one that is not.
+/// The share of the length that the error would just allow: a step that is turned down costs as
+/// much as one that is not.
 const SAFETY: f64 = 0.9;
-/// The share of the tolerance that one step may take, chosen so that the error of a second of contact is of the size of the tolerance.
+/// The share of the tolerance that one step may take, chosen so that the error of a second of
+/// contact is of the size of the tolerance.
 const SHARE: f64 = 0.65;
 /// A step is at most so much longer, and after a failure at most so much shorter, than the last.
 const GROWTH: f64 = 5.0;
@@ -43,7 +45,8 @@ impl<R: Real> Errors<R> {
         }
     }
 
-    /// With the errors of the velocities counted by the way that they make in another time, as a share of [`HORIZON`].
+    /// With the errors of the velocities counted by the way that they make in another time, as a
+    /// share of [`HORIZON`].
     #[inline]
     pub(super) fn within(self, share: f64) -> Self {
         let share = R::from_f64(share);
@@ -82,7 +85,8 @@ impl<R: Real> Errors<R> {
     }
 }
 
-/// What the estimate of a step may be, m: a share of the tolerance, as the errors of the steps add up, and what rounding does in any case.
+/// What the estimate of a step may be, m: a share of the tolerance, as the errors of the steps add
+/// up, and what rounding does in any case.
 #[inline]
 pub(super) fn allowed<R: Real, D: Dynamics<R>>(
     settings: &Settings<R>,
@@ -100,7 +104,8 @@ pub(super) fn allowed<R: Real, D: Dynamics<R>>(
 pub(super) struct Control<R: Real> {
     /// Length that the next step is tried with, s.
     next: Option<R>,
-    /// Root of the last step's error as a share of what was allowed; twice as high a root as the present error's in the rule below.
+    /// Root of the last step's error as a share of what was allowed; twice as high a root as the
+    /// present error's in the rule below.
     last: Option<R>,
     /// Steps tried since the workspace was new.
     attempts: u32,
@@ -196,10 +201,13 @@ impl<R: Real> Control<R> {
         }
     }
 
-    /// The next length by the rule of a proportional and integral controller (Gustafsson 1991; Hairer, Nørsett & Wanner, section IV.2):
-    /// `h' = 0.9 h err^-α err_last^(α/2)`, with α = 1/8 for an estimate of order 5 in the step and 1/4 for one of order 3: just below 0.7 over the order.
+    /// The next length by the rule of a proportional and integral controller (Gustafsson 1991;
+    /// Hairer, Nørsett & Wanner, section IV.2): `h' = 0.9 h err^-α err_last^(α/2)`, with α = 1/8
+    /// for an estimate of order 5 in the step and 1/4 for one of order 3: just below 0.7 over the
+    /// order.
     ///
-    /// A step that was cut, by the caller's limit or by a kink, says little about the length of the next: the proposal stays.
+    /// A step that was cut, by the caller's limit or by a kink, says little about the length of the
+    /// next: the proposal stays.
     #[inline]
     pub(super) fn accept(&mut self, roots: u32, trial: &Trial<R>, seconds: R, error: R) {
         self.time += seconds;
@@ -231,8 +239,10 @@ fn root<R: Real>(mut value: R, times: u32) -> R {
 
 /// A length for the first step of all, from the state alone.
 ///
-/// With the acceleration A and its rate of change B (both of the farthest place), the motion's own time is A/B, and a method whose estimate goes as the step's power p makes the error
-/// `HORIZON B (h B/A)^p/(B/A)²` or so: its p-th root gives h (after Hairer, Nørsett & Wanner, section II.4). B comes from a tiny Euler step.
+/// With the acceleration A and its rate of change B (both of the farthest place), the motion's own
+/// time is A/B, and a method whose estimate goes as the step's power p makes the error
+/// `HORIZON B (h B/A)^p/(B/A)²` or so: its p-th root gives h (after Hairer, Nørsett & Wanner,
+/// section II.4). B comes from a tiny Euler step.
 pub(super) fn first_length<R: Real, D: Dynamics<R>>(
     roots: u32,
     settings: &Settings<R>,

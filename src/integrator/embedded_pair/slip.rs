@@ -1,8 +1,12 @@
 //! Contacts whose slip turns round within a step.
 //!
-//! Coulomb's friction changes by `2 μ N` while the slip passes from a few slip speeds on one side of 0 to a few on the other: next to a jump, for a step that is long beside that. The stages of a
-//! Runge-Kutta step weigh such a force by where they lie, and the pair's difference knows little of it: with the jump in the middle of a step of Dormand and Prince, the result is off by up to
-//! 0.24 of the change, and their difference by 0.003. So where the friction of a contact turns round in a step, what the stages have summed of it is compared with the integral along the path of its slip.
+//! Coulomb's friction changes by `2 μ N` while the slip passes from a few slip speeds on one side
+//! of 0 to a few on the other: next to a jump, for a step that is long beside that. The stages of a
+//! Runge-Kutta step weigh such a force by where they lie, and the pair's difference knows little of
+//! it: with the jump in the middle of a step of Dormand and Prince, the result is off by up to 0.24
+//! of the change, and their difference by 0.003. So where the friction of a contact turns round in
+//! a step, what the stages have summed of it is compared with the integral along the path of its
+//! slip.
 
 use super::touch::{Taken, mean};
 use crate::body::ContactPoint;
@@ -11,15 +15,19 @@ use crate::integrator::passage::{Path, Side, arm, push, slip};
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
 
-/// The friction turns round so quickly that a step may miss it where, about the smallest slip, it changes this much more than in proportion to the time. A step sums a steady change well.
+/// The friction turns round so quickly that a step may miss it where, about the smallest slip, it
+/// changes this much more than in proportion to the time. A step sums a steady change well.
 const QUICK: f64 = 2.0;
 /// The share of the step, to both sides of the smallest slip, in which that is asked.
 const ABOUT: f64 = 1.0 / 16.0;
 
 impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
-    /// What the step makes wrong of a contact that pushes at both ends and whose slip turns round: in the velocity of the farthest place, m/s.
+    /// What the step makes wrong of a contact that pushes at both ends and whose slip turns round:
+    /// in the velocity of the farthest place, m/s.
     ///
-    /// The slip is taken as `u(s) = u₀ + s (u₁ - u₀)`, smallest at `s = -u₀ · (u₁ - u₀)/|u₁ - u₀|²`. Where it changes by less than its smallest value, the friction cannot turn by much.
+    /// The slip is taken as `u(s) = u₀ + s (u₁ - u₀)`, smallest at
+    /// `s = -u₀ · (u₁ - u₀)/|u₁ - u₀|²`. Where it changes by less than its smallest value, the
+    /// friction cannot turn by much.
     #[inline]
     pub(super) fn wrong_of_slip(&self, point: &ContactPoint<R>, sides: &[Side<R>; 2]) -> R {
         let [first, last] = self

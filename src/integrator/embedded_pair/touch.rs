@@ -1,8 +1,10 @@
 //! Contacts that begin or cease to push within a step, or turn their slip round.
 //!
-//! The damper's force jumps where a contact touches down, and a contact that leaves so fast that its spring cannot follow ceases to push with a kink. A Runge-Kutta step takes the
-//! force as smooth; how wrong it is depends on where in the step that happens, and its own estimate may be small by chance. So each contact is looked at by itself, at both ends
-//! of the step, with its gap in between by cubic Hermite interpolation.
+//! The damper's force jumps where a contact touches down, and a contact that leaves so fast that
+//! its spring cannot follow ceases to push with a kink. A Runge-Kutta step takes the force as
+//! smooth; how wrong it is depends on where in the step that happens, and its own estimate may be
+//! small by chance. So each contact is looked at by itself, at both ends of the step, with its gap
+//! in between by cubic Hermite interpolation.
 
 use super::{Attempt, Pair, Place};
 use crate::body::{ContactPoint, RigidPointBody};
@@ -31,7 +33,8 @@ impl<R: Real> Kinks<R> {
     }
 }
 
-/// All kinks of a step with a `smooth` error; one that goes to a kink was taken with [`load_before`].
+/// All kinks of a step with a `smooth` error; one that goes to a kink was taken with
+/// [`load_before`].
 #[inline]
 pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
     pair: &Pair<STAGES>,
@@ -57,7 +60,8 @@ pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
     let margin = dip(scene, places, seconds);
     let [before, after] = places
         .map(|place| scene.contacts_within(margin, place.motion.position, &place.motion.axes));
-    // A step that is too long anyhow, and long enough to have many contacts near the ground, is not worth the look.
+    // A step that is too long anyhow, and long enough to have many contacts near the ground, is not
+    // worth the look.
     if smooth > allowed && before.count.saturating_add(after.count) > MANY {
         return kinks;
     }
@@ -74,7 +78,8 @@ pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
 
 /// The load in a step up to a kink at its end: without the contacts that begin to push only there.
 ///
-/// A stage at the end of the step may lie a little beyond the path, so that it would see the jump of a force that the step just does not reach.
+/// A stage at the end of the step may lie a little beyond the path, so that it would see the jump
+/// of a force that the step just does not reach.
 pub(super) fn load_before<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &Motion<R>,
@@ -98,7 +103,8 @@ pub(super) fn load_before<R: Real, D: Dynamics<R>>(
     load
 }
 
-/// How deep a contact may dip between two ends above ground: `a h²/8`, with the accelerations of the body's farthest place, m.
+/// How deep a contact may dip between two ends above ground: `a h²/8`, with the accelerations of
+/// the body's farthest place, m.
 #[inline]
 fn dip<R: Real, D: Dynamics<R>>(scene: &D, places: [&Place<R>; 2], seconds: R) -> R {
     let reach = scene.reach();
@@ -153,14 +159,16 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         self.weigh(point, &path, &[start, end], last, kinks);
     }
 
-    /// Whether a contact ends above ground, but would be under it so soon that a stage, ahead of the path, may have seen it touch.
+    /// Whether a contact ends above ground, but would be under it so soon that a stage, ahead of
+    /// the path, may have seen it touch.
     #[inline]
     fn nears(&self, end: &Side<R>) -> bool {
         let ahead = end.closing_speed * (self.seconds * R::from_f64(AHEAD));
         end.depth <= R::ZERO && end.depth + ahead > R::ZERO
     }
 
-    /// One contact that begins or ceases to push before the share `last` of the step, or that comes near without doing so.
+    /// One contact that begins or ceases to push before the share `last` of the step, or that comes
+    /// near without doing so.
     #[inline(never)]
     fn weigh(
         &self,
@@ -213,9 +221,11 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
             .map(|(motion, weight)| (motion, R::from_f64(*weight)))
     }
 
-    /// A share of the step so little beyond a kink that a force with this acceleration (m/s²) does no harm until there.
+    /// A share of the step so little beyond a kink that a force with this acceleration (m/s²) does
+    /// no harm until there.
     ///
-    /// Not below a fiftieth: what is wrong near the start may be the path, which a shorter step shows.
+    /// Not below a fiftieth: what is wrong near the start may be the path, which a shorter step
+    /// shows.
     fn just_beyond(&self, share: R, acceleration: R) -> R {
         let harmless = self.allowed / (acceleration * self.seconds * R::from_f64(EXACTLY));
         let there = share + harmless.at_most(R::ONE - share);
@@ -223,7 +233,8 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     }
 }
 
-/// The first share of a step at which a force begins to push or ceases to, up to `last`, where it has; a little beyond it.
+/// The first share of a step at which a force begins to push or ceases to, up to `last`, where it
+/// has; a little beyond it.
 fn first_change<R: Real>(force: impl Fn(R) -> R, pushes: bool, last: R) -> R {
     let (mut low, mut high) = (R::ZERO, last);
     for _ in 0..HALVINGS {
@@ -237,12 +248,15 @@ fn first_change<R: Real>(force: impl Fn(R) -> R, pushes: bool, last: R) -> R {
     high
 }
 
-/// The share of what is found of the kinks that counts. They err to either side, and contacts take back most of what a wrong impulse of one of them has done: of the way that such an error of the velocity
-/// would make in a second, 5 % is left in trial 3 of the report, where the coin sticks, and 20 to 100 % in trial 8, where it slides and falls over.
+/// The share of what is found of the kinks that counts. They err to either side, and contacts take
+/// back most of what a wrong impulse of one of them has done: of the way that such an error of the
+/// velocity would make in a second, 5 % is left in trial 3 of the report, where the coin sticks,
+/// and 20 to 100 % in trial 8, where it slides and falls over.
 const WEIGHT: f64 = 1.0 / 3.0;
 /// A kink is found so much more exactly than its own share of the tolerance asks.
 const EXACTLY: f64 = 2.0;
-/// By how much of a step its stages may be ahead of the path: those of Dormand and Prince extrapolate far.
+/// By how much of a step its stages may be ahead of the path: those of Dormand and Prince
+/// extrapolate far.
 const AHEAD: f64 = 0.5;
 /// As many contacts at both ends of a step are dearer to look at than another attempt.
 const MANY: usize = 48;
@@ -260,7 +274,8 @@ where
     ((force(middle - out) + force(middle + out)) * outer + force(middle) * inner) * half
 }
 
-/// How fast the farthest place of the body moves for a normal impulse of 1 N s at a contact, with its friction: 1/kg.
+/// How fast the farthest place of the body moves for a normal impulse of 1 N s at a contact, with
+/// its friction: 1/kg.
 fn mobility<R: Real, D: Dynamics<R>>(scene: &D, point: &ContactPoint<R>, motion: &Motion<R>) -> R {
     let mass = scene.mass_properties();
     let (arm, normal) = arm(scene, motion, point);

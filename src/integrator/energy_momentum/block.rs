@@ -33,7 +33,8 @@ impl<R: Real> Block<R> {
         }
     }
 
-    /// What the Cayley map of `a` adds to a vector: `2 (â + â²)/(1 + |a|²)`, with `â² = a aᵀ - |a|²`.
+    /// What the Cayley map of `a` adds to a vector: `2 (â + â²)/(1 + |a|²)`, with
+    /// `â² = a aᵀ - |a|²`.
     #[inline]
     pub(super) fn swing(a: R::Vec3) -> Self {
         let (x, y, z) = (a.x() * a.x(), a.y() * a.y(), a.z() * a.z());

@@ -1,4 +1,5 @@
-//! The contacts of an implicit step: gathered once, then asked for their mean force at each iteration.
+//! The contacts of an implicit step: gathered once, then asked for their mean force at each
+//! iteration.
 
 use super::block::Block;
 use super::problem::{Problem, Trial};
@@ -9,8 +10,8 @@ use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Kinks, Velocities, arc_below, kinks};
 
-/// How many contacts a step remembers from iteration to iteration. Of further ones it forgets the direction of slip, so that
-/// sticking takes more iterations; every promise holds for them too.
+/// How many contacts a step remembers from iteration to iteration. Of further ones it forgets the
+/// direction of slip, so that sticking takes more iterations; every promise holds for them too.
 pub(super) const CAPACITY: usize = 128;
 
 /// Most panels of a rim: those that its points are laid on, and some to spare.
@@ -33,7 +34,8 @@ pub(super) struct Contacts<R: Real> {
     panels: usize,
     /// Correction of a smooth body's torque at the last trial.
     pub(super) lever: Lever<R>,
-    /// Derivative of a smooth body's path along the ground with respect to a turn of the step's end, where the matrix was last made, m.
+    /// Derivative of a smooth body's path along the ground with respect to a turn of the step's
+    /// end, where the matrix was last made, m.
     path_by_turn: Block<R>,
 }
 
@@ -111,7 +113,8 @@ impl<R: Real> Contacts<R> {
         self.len() == 0 && !self.with_rim
     }
 
-    /// Whether `touching` contacts below ground at the end of the step are no more than the last trial has seen there.
+    /// Whether `touching` contacts below ground at the end of the step are no more than the last
+    /// trial has seen there.
     pub(super) fn foresaw(&self, touching: usize) -> bool {
         let ended_below = |touch: &&Touch<R>| touch.push.end_depth > R::ZERO;
         self.seen < self.run.count
@@ -125,7 +128,8 @@ impl<R: Real> Contacts<R> {
                     .count()
     }
 
-    /// Asks every contact for its force over a trial step, and hands on what those that reach the ground do.
+    /// Asks every contact for its force over a trial step, and hands on what those that reach the
+    /// ground do.
     #[inline(always)]
     pub(super) fn respond<D: Dynamics<R>>(
         &mut self,
@@ -163,7 +167,8 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// The same as [`respond`](Self::respond), with slips that continue from the last ones by increments.
+    /// The same as [`respond`](Self::respond), with slips that continue from the last ones by
+    /// increments.
     ///
     /// Points of a rim are laid anew for each trial and have no last slip.
     #[cold]
@@ -197,10 +202,13 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// The places of a rim over a trial step: on what lies below ground at its start or at its end, cut where an arc of either ends.
+    /// The places of a rim over a trial step: on what lies below ground at its start or at its end,
+    /// cut where an arc of either ends.
     ///
-    /// They are material points of the body, fixed over the step, with the same weights at its start and at its end: what springs give back, and what the others take, is that of such points.
-    /// And since no end of an arc lies within a panel, the sums at start and end are the energies there but for the quadrature's 2e-10 at most.
+    /// They are material points of the body, fixed over the step, with the same weights at its
+    /// start and at its end: what springs give back, and what the others take, is that of such
+    /// points. And since no end of an arc lies within a panel, the sums at start and end are the
+    /// energies there but for the quadrature's 2e-10 at most.
     fn lay_rims<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, trial: &Trial<R>) {
         let (body, ground) = (problem.scene.body(), problem.scene.ground());
         let motion = &problem.motion;
@@ -260,7 +268,8 @@ impl<R: Real> Contacts<R> {
         let ends = self.panel_ends.get(..self.panels).unwrap_or_default();
         let touch = |index: Option<usize>| self.touches.get(index?);
         for (left, right) in ends.iter().zip(ends.iter().skip(1)) {
-            // The outermost points of a panel are its last two, the one farther along the rim first.
+            // The outermost points of a panel are its last two, the one farther along the rim
+            // first.
             let [left, right] = [left.checked_sub(2), right.checked_sub(1)].map(touch);
             if let (Some(left), Some(right)) = (left, right) {
                 if let Some(reversal) = Reversal::between(problem, [left, right], per_metre) {
@@ -270,7 +279,8 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// Force (N) and torque (N m) by which friction's dual forces exceed the laws' at the trial where the matrix was last made.
+    /// Force (N) and torque (N m) by which friction's dual forces exceed the laws' at the trial
+    /// where the matrix was last made.
     pub(super) fn dual_excess<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
@@ -286,7 +296,8 @@ impl<R: Real> Contacts<R> {
         (force, torque)
     }
 
-    /// Computes and keeps the derivative of a smooth body's path along the ground with respect to a turn.
+    /// Computes and keeps the derivative of a smooth body's path along the ground with respect to a
+    /// turn.
     pub(super) fn differentiate_path<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
@@ -309,7 +320,8 @@ impl<R: Real> Contacts<R> {
         self.answer(problem, trial, |_, _| {});
     }
 
-    /// Asks those that reach the ground how friction answers at the last trial step, which was `trial`, and hands that on with what they did.
+    /// Asks those that reach the ground how friction answers at the last trial step, which was
+    /// `trial`, and hands that on with what they did.
     #[inline(always)]
     pub(super) fn answer<D: Dynamics<R>>(
         &mut self,
@@ -336,7 +348,8 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// Hands on what the contacts that reach the ground did over the last trial step, which was `trial`, and the drag of friction there.
+    /// Hands on what the contacts that reach the ground did over the last trial step, which was
+    /// `trial`, and the drag of friction there.
     pub(super) fn recall<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,

@@ -1,14 +1,17 @@
 //! The last resort: a step that always exists, downhill.
 //!
-//! A body that nothing turns aside would shift by `h v + h² g` and turn by `h ω` in the time h. Backward Euler's motion `z` (a shift and a turn) departs from that one, `z₀`,
-//! as far as the potential `U` of gravity and springs asks: it makes
+//! A body that nothing turns aside would shift by `h v + h² g` and turn by `h ω` in the time h.
+//! Backward Euler's motion `z` (a shift and a turn) departs from that one, `z₀`, as far as the
+//! potential `U` of gravity and springs asks: it makes
 //!
 //! ```text
 //! Φ(z) = (z - h y)ᵀ M (z - h y)/(2 h²) + U(z)          y = (v, ω)
 //! ```
 //!
-//! smallest. `Φ(0)` is the energy of the start. So wherever Φ is lower than there, so is `U`, and the body may be there with a velocity along `z`, scaled as the energy allows.
-//! Springs far stiffer than `m/h²` turn the motion along the ground, where an explicit one would be thrown out of it. Dampers and friction only add to what resists.
+//! smallest. `Φ(0)` is the energy of the start. So wherever Φ is lower than there, so is `U`, and
+//! the body may be there with a velocity along `z`, scaled as the energy allows. Springs far
+//! stiffer than `m/h²` turn the motion along the ground, where an explicit one would be thrown out
+//! of it. Dampers and friction only add to what resists.
 
 use super::block::Block;
 use super::linear::SixBySix;
@@ -27,10 +30,12 @@ const LENGTHS: u32 = 31;
 /// Newton's steps on Φ for each of them.
 const NEWTON: u32 = 4;
 
-/// A motion of backward Euler's over `seconds`, a sixteenth of them, ... whose end has an energy of at most `ceiling`. What is left of the time passes all the same: such a
-/// step is stable, not accurate. A body that the ground leaves no such motion stops where it is.
+/// A motion of backward Euler's over `seconds`, a sixteenth of them, ... whose end has an energy of
+/// at most `ceiling`. What is left of the time passes all the same: such a step is stable, not
+/// accurate. A body that the ground leaves no such motion stops where it is.
 ///
-/// `None` where it has stopped already, or where no ground is in the way and only rounding lifts the energy.
+/// `None` where it has stopped already, or where no ground is in the way and only rounding lifts
+/// the energy.
 pub(super) fn step<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &State<R>,
@@ -61,9 +66,9 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     None
 }
 
-/// A step whose free motion goes beyond so many sizes of the body may be refused. Rounding hides the
-/// body long before, from 4.5e15 sizes on in f64 and 1e7 in f32. Up to here such steps still end
-/// where the energy is lower, as `tests/extremes.rs` shows.
+/// A step whose free motion goes beyond so many sizes of the body may be refused. Rounding hides
+/// the body long before, from 4.5e15 sizes on in f64 and 1e7 in f32. Up to here such steps still
+/// end where the energy is lower, as `tests/extremes.rs` shows.
 const FARTHEST: f64 = 1e25;
 
 /// Whether free motion for so long goes so far that rounding hides where it ends.
@@ -81,8 +86,8 @@ pub(super) fn is_unresolved<R: Real, D: Dynamics<R>>(
     !is_resolved
 }
 
-/// Whether a search downhill has left a body in mid-air that free motion would have taken so far that
-/// rounding is more than it has moved.
+/// Whether a search downhill has left a body in mid-air that free motion would have taken so far
+/// that rounding is more than it has moved.
 #[cold]
 pub(super) fn is_left_in_the_air<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -106,7 +111,8 @@ enum Kind {
     ByNormals,
     /// As it is turned: the rounding of a turn may be worth more energy than a small shift is.
     WithoutTurn,
-    /// Along the slope of the springs' energy. Off the surface of a curved ground the normal need not be the gap's gradient.
+    /// Along the slope of the springs' energy. Off the surface of a curved ground the normal need
+    /// not be the gap's gradient.
     ByDifferences,
 }
 
@@ -213,7 +219,8 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         }
     }
 
-    /// Newton's step from the end of a way, with everything times h²: `(M + h² K + h C) Δz = M (z₀ - z) + h² f - h C z`.
+    /// Newton's step from the end of a way, with everything times h²:
+    /// `(M + h² K + h C) Δz = M (z₀ - z) + h² f - h C z`.
     fn newton(&self, end: &State<R>, way: &Way<R>) -> (R::Vec3, R::Vec3) {
         let h = self.seconds;
         let mut equations = SixBySix::of_body(self.mass, &self.inertia);
@@ -249,7 +256,8 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         equations.solve(force, torque, self.reach)
     }
 
-    /// The gradient of the gap at a contact's centre, and where that centre is, from the centre of mass.
+    /// The gradient of the gap at a contact's centre, and where that centre is, from the centre of
+    /// mass.
     fn slope(&self, contact: &Contact<R>) -> (R::Vec3, R::Vec3) {
         let centre = contact.arm + contact.normal * contact.point.radius;
         if self.kind != Kind::ByDifferences {

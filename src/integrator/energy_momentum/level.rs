@@ -1,14 +1,17 @@
-//! The part of the contacts in Newton's matrix for bare contacts on level ground, in half the operations of [`SixBySix::add`].
+//! The part of the contacts in Newton's matrix for bare contacts on level ground, in half the
+//! operations of [`SixBySix::add`].
 //!
-//! There the normal is the third axis and nothing slides along it. A contact's force answers to a path along x, y and z with the columns `(x₀, y₀, 0)`, `(x₁, y₁, 0)` and
-//! `(x₂, y₂, z₂)`; to a turn `ϑ`, which moves its place r' by `ϑ × r'`, with
+//! There the normal is the third axis and nothing slides along it. A contact's force answers to a
+//! path along x, y and z with the columns `(x₀, y₀, 0)`, `(x₁, y₁, 0)` and `(x₂, y₂, z₂)`; to a
+//! turn `ϑ`, which moves its place r' by `ϑ × r'`, with
 //!
 //! ```text
 //! x₃ = r'_y x₂ - r'_z x₁    x₄ = r'_z x₀ - r'_x x₂    x₅ = r'_x x₁ - r'_y x₀    (so for y)
 //! z₃ = r'_y z₂              z₄ = -r'_x z₂             z₅ = 0
 //! ```
 //!
-//! and its torque with `r × (xⱼ, yⱼ, zⱼ)`, r its arm. Numbers stand in pairs that a processor works out together; signs, and what a pair adds up to, are left to the end.
+//! and its torque with `r × (xⱼ, yⱼ, zⱼ)`, r its arm. Numbers stand in pairs that a processor works
+//! out together; signs, and what a pair adds up to, are left to the end.
 
 use super::block::Block;
 use super::linear::SixBySix;
@@ -73,7 +76,8 @@ impl<R: Real> Level<R> {
         swung_up: [R::ZERO; 3],
     };
 
-    /// Adds a force at `arm` that answers so to the path of a place at `place`, and whose arm a turn moves by `ϑ × place`.
+    /// Adds a force at `arm` that answers so to the path of a place at `place`, and whose arm a
+    /// turn moves by `ϑ × place`.
     #[inline(always)]
     #[allow(
         clippy::needless_range_loop,
@@ -115,7 +119,8 @@ impl<R: Real> Level<R> {
         }
     }
 
-    /// The equations of a body of this mass and inertia with these sums, and `share` times the torques `(ϑ × place) × force`.
+    /// The equations of a body of this mass and inertia with these sums, and `share` times the
+    /// torques `(ϑ × place) × force`.
     ///
     /// Not inlined: the pairs would be taken apart again.
     #[inline(never)]

@@ -1,9 +1,11 @@
-//! The six equations of a rigid body in an implicit step, and their solution by Gauss's elimination.
+//! The six equations of a rigid body in an implicit step, and their solution by Gauss's
+//! elimination.
 
 use super::block::Block;
 use crate::real::{Real, Vector};
 
-/// Six linear equations of a rigid body: force and torque, row by row, as they answer to a shift and a turn.
+/// Six linear equations of a rigid body: force and torque, row by row, as they answer to a shift
+/// and a turn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SixBySix<R: Real> {
     pub(super) rows: [[R; 6]; 6],
@@ -27,7 +29,8 @@ impl<R: Real> SixBySix<R> {
         }
     }
 
-    /// Adds what a force at `arm` answers to the path of a place at `place`, which a turn moves by `ϑ × place`: `block (ξ + ϑ × place)`.
+    /// Adds what a force at `arm` answers to the path of a place at `place`, which a turn moves by
+    /// `ϑ × place`: `block (ξ + ϑ × place)`.
     pub(super) fn add_at(&mut self, block: &Block<R>, arm: R::Vec3, place: R::Vec3) {
         let shift = block.rows();
         self.add(shift, shift.map(|row| place.cross(row)), arm);
@@ -112,8 +115,10 @@ impl<R: Real> SixBySix<R> {
         factors.solve(force, torque)
     }
 
-    /// The matrix as a product of triangular ones, by Gauss's elimination. Turns and torques are measured with the length `reach`, so that pivots compare like with like
-    /// whatever the body's size. Inertia and springs make the diagonal strong: rows are exchanged only where a pivot is small beside what is below it.
+    /// The matrix as a product of triangular ones, by Gauss's elimination. Turns and torques are
+    /// measured with the length `reach`, so that pivots compare like with like whatever the body's
+    /// size. Inertia and springs make the diagonal strong: rows are exchanged only where a pivot is
+    /// small beside what is below it.
     #[inline]
     fn factor(&self, reach: R, factors: &mut Factors<R>) {
         self.fill(reach, factors);
@@ -166,8 +171,9 @@ impl<R: Real> Factored<R> {
         self.equations.factor(reach, &mut self.factors);
     }
 
-    /// The shift and turn that a force and a torque make. Where stiffness has swallowed the inertia beyond rounding, so that the matrix is
-    /// singular, those of a body heavier by the root of the rounding: smaller steps, in a direction that can be had.
+    /// The shift and turn that a force and a torque make. Where stiffness has swallowed the inertia
+    /// beyond rounding, so that the matrix is singular, those of a body heavier by the root of the
+    /// rounding: smaller steps, in a direction that can be had.
     #[inline]
     pub(super) fn solve(&self, force: R::Vec3, torque: R::Vec3, reach: R) -> (R::Vec3, R::Vec3) {
         let (shift, turn) = self.factors.solve(force, torque);
@@ -205,7 +211,8 @@ impl<R: Real> Factors<R> {
         per_reach: R::ZERO,
     };
 
-    /// One function a column, so that every index is known at compile time. Whether every pivot will do.
+    /// One function a column, so that every index is known at compile time. Whether every pivot
+    /// will do.
     #[inline(always)]
     fn eliminate(&mut self) -> bool {
         self.eliminate_column::<0>()

@@ -6,8 +6,10 @@
 //! m (v' - v)/2 - dt/2 (F + m g) = 0,     (L' - L)/2 - dt/2 T = 0
 //! ```
 //!
-//! A small change of the trial shifts the end of the step by `ξ` and turns it by `ϑ`: a contact's path changes by `ξ + ϑ × r'`, its mean arm by `ϑ × r'/2`, and
-//! the Cayley argument by `(ϑ - a × ϑ + a (a·ϑ))/2`. In these unknowns the derivatives need neither inverses nor the map's own.
+//! A small change of the trial shifts the end of the step by `ξ` and turns it by `ϑ`: a contact's
+//! path changes by `ξ + ϑ × r'`, its mean arm by `ϑ × r'/2`, and the Cayley argument by
+//! `(ϑ - a × ϑ + a (a·ϑ))/2`. In these unknowns the derivatives need neither inverses nor the map's
+//! own.
 //!
 //! # Stick
 //!
@@ -18,7 +20,8 @@
 //! velocities are right to rounding. Two things follow:
 //!
 //! - The iteration is close where the momenta balance with the *dual* forces `-μ N d`, which lie
-//!   within the law's limit, and where Newton's step is small ([`is_close_by_dual`]). That step is the last one.
+//!   within the law's limit, and where Newton's step is small ([`is_close_by_dual`]). That step is
+//!   the last one.
 //! - Where the slip begins within its own rounding, so that the dual unknown cannot be had from
 //!   it, the slip is carried along as an unknown: each of Newton's steps adds its increment, which
 //!   is known to 2e-16 of itself ([`Increment`]). It stays within the rounding of the difference.
@@ -36,13 +39,17 @@ use crate::scene::Dynamics;
 
 /// Full steps of Newton's, after which the iteration goes on carefully from the best trial.
 const BOLD: u32 = 30;
-/// So many fourth roots of the precision's unit, times the tolerance, are rounding: 1e-4 tolerances or 2e-16 of the momentum in f64, 1.5e-2 tolerances or 1e-7 of it in f32.
+/// So many fourth roots of the precision's unit, times the tolerance, are rounding: 1e-4 tolerances
+/// or 2e-16 of the momentum in f64, 1.5e-2 tolerances or 1e-7 of it in f32.
 ///
-/// Its inverse, 1.2 square roots of that unit, is so near to the solution that Newton's step is the last one: it squares what is lacking.
+/// Its inverse, 1.2 square roots of that unit, is so near to the solution that Newton's step is the
+/// last one: it squares what is lacking.
 const EXACT: f64 = 0.8192;
-/// Of the distance from which one step is enough, an iteration without progress may end at this fraction.
+/// Of the distance from which one step is enough, an iteration without progress may end at this
+/// fraction.
 const STALLED: f64 = 0.1;
-/// A momentum at a contact is at most so many times larger in the norm of the kinetic energy than at the centre of mass: for a rod of ten points at its end, twice; more need not be looked for.
+/// A momentum at a contact is at most so many times larger in the norm of the kinetic energy than
+/// at the centre of mass: for a rod of ten points at its end, twice; more need not be looked for.
 const MOST_LEVERAGE: f64 = 8.0;
 /// Evaluations after which the step is given up.
 const LIMIT: u32 = 60;
@@ -95,10 +102,13 @@ struct Base<R: Real> {
     turn: R::Vec3,
 }
 
-/// Solves the step: the trial, which is left in `trial`, and how it strains friction and dampers, or `None` where the iteration does not converge. Counts its work in `step`.
+/// Solves the step: the trial, which is left in `trial`, and how it strains friction and dampers,
+/// or `None` where the iteration does not converge. Counts its work in `step`.
 ///
-/// Full steps first: with the dual unknown they pass from slip to stick and back, which a search along the line would forbid. Where they run in a circle
-/// (a spring so stiff that the step out of contact overshoots), the iteration goes back to the best trial and takes only steps that reduce what is lacking.
+/// Full steps first: with the dual unknown they pass from slip to stick and back, which a search
+/// along the line would forbid. Where they run in a circle (a spring so stiff that the step out of
+/// contact overshoots), the iteration goes back to the best trial and takes only steps that reduce
+/// what is lacking.
 pub(super) fn solve<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
@@ -139,7 +149,8 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
             return Some(Strain::at(problem, contacts, trial));
         }
         let progress = best.is_none_or(|best| here.size < best.size * R::HALF);
-        // No further progress near the end: rounding is reached. In f32 the end is so far from there that a slow progress counts.
+        // No further progress near the end: rounding is reached. In f32 the end is so far from
+        // there that a slow progress counts.
         let stalls = !progress && best.is_none_or(|best| here.size > best.size * slowest::<R>());
         if stalls && here.size <= tolerance * close * R::from_f64(STALLED) + rounding {
             return Some(Strain::at(problem, contacts, trial));
@@ -171,14 +182,16 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
             return None;
         }
         step.iterations += 1;
-        // What would be lacking after one more step with the last derivatives, if it takes off as large a share again.
+        // What would be lacking after one more step with the last derivatives, if it takes off as
+        // large a share again.
         let once_more = base.map_or(R::MAX, |base| here.size * (here.size / base.place.size));
         let enough = once_more <= tolerance * exact;
         let is_close = here.size <= tolerance * close
             && (!is_single::<R>() || scale.turns_closely(problem, torque_lack, here.size));
         let last = enough || (progress && is_close);
         if enough {
-            // A step that is resolved is so here too; how far another one is not, is asked where it ends.
+            // A step that is resolved is so here too; how far another one is not, is asked where it
+            // ends.
             if !strain.of_step(problem).is_resolved() {
                 strain = Strain::at(problem, contacts, trial);
             }
@@ -222,13 +235,15 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
     None
 }
 
-/// Whether one Newton's step from the distance that is close leaves errors that add up to something within thousands of steps.
+/// Whether one Newton's step from the distance that is close leaves errors that add up to something
+/// within thousands of steps.
 #[inline(always)]
 fn is_single<R: Real>() -> bool {
     R::EPSILON > R::from_f64(1e-10)
 }
 
-/// The largest part of what was lacking that may be lacking after an iteration which counts as progress near the end.
+/// The largest part of what was lacking that may be lacking after an iteration which counts as
+/// progress near the end.
 #[inline(always)]
 fn slowest<R: Real>() -> R {
     R::from_f64(if is_single::<R>() { 0.95 } else { 0.5 })
@@ -286,7 +301,8 @@ fn norm<R: Real, D: Dynamics<R>>(
 
 /// Whether the momenta balance with the dual forces in place of the laws'.
 ///
-/// The duals are those of the matrix, from the step before: within the laws' limits, and right to second order.
+/// The duals are those of the matrix, from the step before: within the laws' limits, and right to
+/// second order.
 #[cold]
 #[inline(never)]
 fn is_close_by_dual<R: Real, D: Dynamics<R>>(
@@ -327,8 +343,8 @@ fn size_of_motion<R: Real, D>(problem: &Problem<'_, R, D>, shift: R::Vec3, turn:
     (shift.length_squared() * problem.mass + turning).sqrt() * problem.per_second
 }
 
-/// Size of the momenta that balance, √J: the body's own, gravity's, the contacts', and what rounding of places makes of
-/// stiff springs and rounding of paths of strong dampers.
+/// Size of the momenta that balance, √J: the body's own, gravity's, the contacts', and what
+/// rounding of places makes of stiff springs and rounding of paths of strong dampers.
 #[derive(Clone, Copy, Debug)]
 struct Scale<R> {
     own: R,
@@ -346,8 +362,9 @@ impl<R: Real> Scale<R> {
         }
     }
 
-    /// Whether one more step leaves no more than rounding of the angular momentum as well, where the linear one is the larger: the square of what is lacking of their sum is to be small against
-    /// the angular one alone.
+    /// Whether one more step leaves no more than rounding of the angular momentum as well, where
+    /// the linear one is the larger: the square of what is lacking of their sum is to be small
+    /// against the angular one alone.
     fn turns_closely<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,

@@ -1,4 +1,5 @@
-//! The equations of one implicit step: what is known at its start, a trial for its end, and the state that a trial means.
+//! The equations of one implicit step: what is known at its start, a trial for its end, and the
+//! state that a trial means.
 
 use super::block::Block;
 use crate::energy::Energy;
@@ -29,7 +30,8 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) seconds: R,
     pub(super) per_second: R,
     pub(super) mass: R,
-    /// Inertia tensor at the start, world axes; a moment of 0 stands as the largest one, with no momentum about it.
+    /// Inertia tensor at the start, world axes; a moment of 0 stands as the largest one, with no
+    /// momentum about it.
     pub(super) inertia: Block<R>,
     /// A length of the body's size, m, above 0.
     pub(super) reach: R,
@@ -39,7 +41,8 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) kinetic_energy: R,
 }
 
-/// Mean velocity and mean spin over a step: the six unknowns, and what follows from them for every contact.
+/// Mean velocity and mean spin over a step: the six unknowns, and what follows from them for every
+/// contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trial<R: Real> {
     /// Mean velocity of the centre, m/s.
@@ -48,7 +51,8 @@ pub(super) struct Trial<R: Real> {
     pub(super) spin: R::Vec3,
     /// Path of the centre, m.
     pub(super) shift: R::Vec3,
-    /// What the step's turn adds to a vector: `(1 - â)⁻¹ (1 + â) - 1 = 2 (â + â²)/(1 + |a|²)`, small where the turn is, so that nothing cancels.
+    /// What the step's turn adds to a vector: `(1 - â)⁻¹ (1 + â) - 1 = 2 (â + â²)/(1 + |a|²)`,
+    /// small where the turn is, so that nothing cancels.
     pub(super) swing: Block<R>,
     /// Velocity at the end, `2 vₘ - v`.
     pub(super) end_velocity: R::Vec3,
@@ -122,7 +126,8 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         }
     }
 
-    /// Whether friction and dampers are left out; never for bare contacts on level ground, which is said here so that their loops need not ask.
+    /// Whether friction and dampers are left out; never for bare contacts on level ground, which is
+    /// said here so that their loops need not ask.
     #[inline(always)]
     fn is_without_loss(&self) -> bool {
         self.is_conservative && !self.is_bare
@@ -192,7 +197,8 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         trial.end_angular_momentum = turned + swing.times(turned);
     }
 
-    /// Rounding of a contact's path over a trial, m: some units in the last place of the two paths that it is the sum of.
+    /// Rounding of a contact's path over a trial, m: some units in the last place of the two paths
+    /// that it is the sum of.
     #[inline]
     pub(super) fn rounding_of_path(&self, trial: &Trial<R>) -> R {
         let paths = trial.shift.length() + trial.spin.length() * (R::TWO * self.reach);

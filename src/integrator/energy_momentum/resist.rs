@@ -1,12 +1,15 @@
-//! Impulses that only ever take energy: friction and dampers acting on a body whose place stands still.
+//! Impulses that only ever take energy: friction and dampers acting on a body whose place stands
+//! still.
 //!
 //! ```text
 //! (M + Σ Jᵢᵀ kᵢ Jᵢ) y' = M y        y = (v, ω),   kᵢ >= 0
 //! ```
 //!
-//! Each contact answers its new velocity `uᵢ' = Jᵢ y'` with the impulse `-kᵢ uᵢ'`: backward Euler, all contacts at once. ([`settle`](super::settle) draws it to another velocity than 0.) Whatever the resistances `kᵢ >= 0` are, the kinetic energy falls:
-//! with `K = Σ Jᵢᵀ kᵢ Jᵢ` it is `yᵀ M y - y'ᵀ M y' = 2 y'ᵀ K y' + (K y')ᵀ M⁻¹ (K y') >= 0`. So they may be fitted to limits of the impulses in a few passes, and the order of the contacts
-//! does not matter.
+//! Each contact answers its new velocity `uᵢ' = Jᵢ y'` with the impulse `-kᵢ uᵢ'`: backward Euler,
+//! all contacts at once. ([`settle`](super::settle) draws it to another velocity than 0.) Whatever
+//! the resistances `kᵢ >= 0` are, the kinetic energy falls: with `K = Σ Jᵢᵀ kᵢ Jᵢ` it is
+//! `yᵀ M y - y'ᵀ M y' = 2 y'ᵀ K y' + (K y')ᵀ M⁻¹ (K y') >= 0`. So they may be fitted to limits of
+//! the impulses in a few passes, and the order of the contacts does not matter.
 
 use super::block::Block;
 use super::linear::SixBySix;
@@ -15,7 +18,8 @@ use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion};
 use crate::state::State;
 
-/// Passes that fit the resistances to their limits. Each keeps the energy from rising; more of them only share an impulse better.
+/// Passes that fit the resistances to their limits. Each keeps the energy from rising; more of them
+/// only share an impulse better.
 const PASSES: u32 = 4;
 
 /// A contact that resists, with the largest impulses that it may give.
@@ -31,7 +35,8 @@ pub(super) struct Resisting<R: Real> {
     pub(super) across: R,
 }
 
-/// The state after the contacts that `visit` hands on have resisted its velocities. `visit` is called once a pass with the motion before.
+/// The state after the contacts that `visit` hands on have resisted its velocities. `visit` is
+/// called once a pass with the motion before.
 pub(super) fn resisted<R: Real, D: Dynamics<R>>(
     scene: &D,
     reach: R,
@@ -101,8 +106,9 @@ impl<R: Real> Resistance<R> {
         }
     }
 
-    /// A place (m from the centre of mass, world axes) that resists what its velocity departs by from the one that it is drawn to (m/s, before the impulses) with `along` and
-    /// `across` the ground (kg, at least 0).
+    /// A place (m from the centre of mass, world axes) that resists what its velocity departs by
+    /// from the one that it is drawn to (m/s, before the impulses) with `along` and `across` the
+    /// ground (kg, at least 0).
     pub(super) fn add(
         &mut self,
         place: R::Vec3,
@@ -121,8 +127,9 @@ impl<R: Real> Resistance<R> {
         self.equations.add_at(&block, place, place);
     }
 
-    /// The state after the impulses, or `None` where there are none or they cannot be had. Solved for the change of the velocities, so that what no contact resists stays as it is
-    /// to the last place.
+    /// The state after the impulses, or `None` where there are none or they cannot be had. Solved
+    /// for the change of the velocities, so that what no contact resists stays as it is to the last
+    /// place.
     pub(super) fn resisted<D: Dynamics<R>>(
         &self,
         scene: &D,
@@ -145,7 +152,8 @@ impl<R: Real> Resistance<R> {
     }
 }
 
-/// Resistance (kg) whose impulse at the speed `after` is `limit`; 0 where nothing moves or nothing may be given.
+/// Resistance (kg) whose impulse at the speed `after` is `limit`; 0 where nothing moves or nothing
+/// may be given.
 fn resistance<R: Real>(limit: R, before: R, after: R) -> R {
     if limit > R::ZERO && before > R::ZERO {
         // One that has stopped the contact keeps what holds it to a millionth of its speed.

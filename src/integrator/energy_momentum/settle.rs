@@ -1,22 +1,32 @@
-//! What a step that is too long for friction or dampers must still do: let them settle its end velocity.
+//! What a step that is too long for friction or dampers must still do: let them settle its end
+//! velocity.
 //!
-//! Where friction or a damper resists a slip `u` with `c u`, the slip that it settles at, `u*`, is approached as `e^-z` in a step, with the strain `z = h c/m`. The step's mean slip is nearer to
-//! `u*` by `1 + z/2`, as it should be; but its end slip follows as `(1 - z/2)/(1 + z/2)`: beyond `z = 2` it turns round, and for `z >> 2` it flips for ever. A sticking contact would never
-//! rest, and an over-damped floor throw a body back. The cure is an impulse at the end of the step, of backward Euler's kind,
+//! Where friction or a damper resists a slip `u` with `c u`, the slip that it settles at, `u*`, is
+//! approached as `e^-z` in a step, with the strain `z = h c/m`. The step's mean slip is nearer to
+//! `u*` by `1 + z/2`, as it should be; but its end slip follows as `(1 - z/2)/(1 + z/2)`: beyond
+//! `z = 2` it turns round, and for `z >> 2` it flips for ever. A sticking contact would never rest,
+//! and an over-damped floor throw a body back. The cure is an impulse at the end of the step, of
+//! backward Euler's kind,
 //!
 //! ```text
 //! p = -k (u' - uₘ),    k = h c θ,    θ = 1/2 - 1/z   (0 up to z = 2)
 //! ```
 //!
-//! with the mean slip `uₘ` and the slip `u'` after all impulses. For one contact and a law that is linear they leave nothing of a departure from `u*`: the factor is
-//! `(1 - z/2 + θ z)/((1 + z/2)(1 + θ z)) = 0`. The impulse is 0 in steady motion, where the end slip is the mean one, so that a creep is the law's at any step; and 0 where the step resolves friction and
-//! dampers, so that the order stays 2.
+//! with the mean slip `uₘ` and the slip `u'` after all impulses. For one contact and a law that is
+//! linear they leave nothing of a departure from `u*`: the factor is
+//! `(1 - z/2 + θ z)/((1 + z/2)(1 + θ z)) = 0`. The impulse is 0 in steady motion, where the end
+//! slip is the mean one, so that a creep is the law's at any step; and 0 where the step resolves
+//! friction and dampers, so that the order stays 2.
 //!
-//! A friction law is not linear: `c` is the chord between the mean slip and the end's. Where the end slip has turned against the mean one, the chord to 0 stands for it, `|F|/|uₘ|`: a slide that friction
-//! would end within the step ends at 0 by it. Elsewhere it is the law's own slope at the mean slip, next to 0 in a slide: one that begins or goes on in spite of friction is left alone.
+//! A friction law is not linear: `c` is the chord between the mean slip and the end's. Where the
+//! end slip has turned against the mean one, the chord to 0 stands for it, `|F|/|uₘ|`: a slide that
+//! friction would end within the step ends at 0 by it. Elsewhere it is the law's own slope at the
+//! mean slip, next to 0 in a slide: one that begins or goes on in spite of friction is left alone.
 //!
-//! *The energy.* With `y` the velocities (v, ω), the impulses change it by `Σ pᵢ·uₘᵢ` and a part below 0 (they draw `y` towards the mean, by factors of 0 to 1 in the metric of the mass). Where
-//! `u'` has not turned, `p·uₘ <= h θ c uₘ²`: less than the half of what friction and dampers have taken in the step.
+//! *The energy.* With `y` the velocities (v, ω), the impulses change it by `Σ pᵢ·uₘᵢ` and a part
+//! below 0 (they draw `y` towards the mean, by factors of 0 to 1 in the metric of the mass). Where
+//! `u'` has not turned, `p·uₘ <= h θ c uₘ²`: less than the half of what friction and dampers have
+//! taken in the step.
 
 use super::contacts::Contacts;
 use super::motion_of;
@@ -65,7 +75,8 @@ impl<R: Real> Strain<R> {
         strain
     }
 
-    /// Impulse of friction (N s) over a path (m) along the ground, where its slope is that of stick.
+    /// Impulse of friction (N s) over a path (m) along the ground, where its slope is that of
+    /// stick.
     #[inline]
     pub(super) fn friction_over(&self, path: R) -> R {
         self.friction * path
@@ -130,7 +141,8 @@ struct Settling<'a, R: Real, D> {
 }
 
 impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
-    /// Adds the resistances of one contact, and tells whether its damper has reached its limit in the motion `after` the last pass.
+    /// Adds the resistances of one contact, and tells whether its damper has reached its limit in
+    /// the motion `after` the last pass.
     fn add(
         &self,
         sum: &mut Resistance<R>,
@@ -158,7 +170,8 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
         is_limited
     }
 
-    /// Out of the ground where the contact is at the end. The mean one would take a ball's way round a curve, and its turn about the normal, for a slip and a rise of order h.
+    /// Out of the ground where the contact is at the end. The mean one would take a ball's way
+    /// round a curve, and its turn about the normal, for a slip and a rise of order h.
     fn end_normal(&self, push: &Push<R>) -> R::Vec3 {
         if self.problem.plane.is_some() {
             return push.normal;
@@ -172,8 +185,9 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
         coefficient * (self.problem.seconds * share)
     }
 
-    /// θ of a contact with the coefficient c (N s/m), as if every other one were strained as much, but no more than all together are: one that slides beside one that sticks is
-    /// resolved as it would be alone.
+    /// θ of a contact with the coefficient c (N s/m), as if every other one were strained as much,
+    /// but no more than all together are: one that slides beside one that sticks is resolved as it
+    /// would be alone.
     fn share(&self, coefficient: R, strain_of_all: R) -> R {
         let own = coefficient * (self.problem.seconds / self.problem.mass);
         let strain = (own * self.strain.contacts).at_most(strain_of_all);
@@ -185,7 +199,8 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
     }
 }
 
-/// `|F|/|u|` of the friction at the mean slip where the slip at the end of the step has turned against it; elsewhere the law's slope there, N s/m.
+/// `|F|/|u|` of the friction at the mean slip where the slip at the end of the step has turned
+/// against it; elsewhere the law's slope there, N s/m.
 fn chord<R: Real>(push: &Push<R>, drag: &Drag<R>, end_slip: R::Vec3) -> R {
     if end_slip.dot(push.slip) <= R::ZERO {
         return drag.coefficient;

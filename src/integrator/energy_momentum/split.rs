@@ -1,8 +1,9 @@
-//! A step in parts, for where Newton's method does not find the whole: friction and dampers for half the step, springs and inertia for the step,
-//! friction and dampers for the other half.
+//! A step in parts, for where Newton's method does not find the whole: friction and dampers for
+//! half the step, springs and inertia for the step, friction and dampers for the other half.
 //!
-//! The first and the last part stand still and only take energy ([`resist`](super::resist)); the middle one is the step's own solver without friction and dampers, whose
-//! equations are those of a gradient.
+//! The first and the last part stand still and only take energy ([`resist`](super::resist)); the
+//! middle one is the step's own solver without friction and dampers, whose equations are those of a
+//! gradient.
 
 use super::contacts::Contacts;
 use super::newton;
@@ -40,7 +41,8 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     end.not_finite().is_none().then_some(end)
 }
 
-/// Friction and dampers on a body that stands still, for a time: each contact resists by what its law gives at its velocity.
+/// Friction and dampers on a body that stands still, for a time: each contact resists by what its
+/// law gives at its velocity.
 fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
     let (ground, friction) = (scene.ground(), scene.friction());
     let reach = scene.reach().at_least(R::EPSILON);

@@ -1,6 +1,8 @@
-//! How the momentum balance of a step answers to a shift `ξ` and a turn `ϑ` of its end: the matrix of Newton's method.
+//! How the momentum balance of a step answers to a shift `ξ` and a turn `ϑ` of its end: the matrix
+//! of Newton's method.
 //!
-//! A contact's path changes by `ξ + ϑ × r'` (r': its arm at the end), its mean arm by `ϑ × r'/2`, and the Cayley argument by `(ϑ - a × ϑ + a (a·ϑ))/2`.
+//! A contact's path changes by `ξ + ϑ × r'` (r': its arm at the end), its mean arm by `ϑ × r'/2`,
+//! and the Cayley argument by `(ϑ - a × ϑ + a (a·ϑ))/2`.
 
 use super::block::Block;
 use super::contacts::Contacts;
@@ -13,7 +15,8 @@ use crate::body::RigidPointBody;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
-/// The matrix at the trial that the contacts have responded to last, and how the step strains them there.
+/// The matrix at the trial that the contacts have responded to last, and how the step strains them
+/// there.
 #[inline(always)]
 pub(super) fn equations<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
@@ -84,7 +87,8 @@ fn add_anywhere<R: Real, D: Dynamics<R>>(
     equations.add(path, turn, push.arm);
 }
 
-/// Corrects the rows of a smooth body, whose contact at the end is another point of its surface: a turn changes its path along the ground by `path_by_turn`.
+/// Corrects the rows of a smooth body, whose contact at the end is another point of its surface: a
+/// turn changes its path along the ground by `path_by_turn`.
 fn move_over_surface<R: Real>(
     push: &Push<R>,
     path_by_turn: &Block<R>,
@@ -122,7 +126,8 @@ fn inertial<R: Real, D>(
     (problem.mass * problem.per_second, mean.plus(&turned))
 }
 
-/// Rows of `-dt/2 dF/dx` of one contact for its path x over the step: of `dt/2 (k (n - uₙ) nᵀ + c/dt (1 - n nᵀ - w' g ûᵀ))`.
+/// Rows of `-dt/2 dF/dx` of one contact for its path x over the step: of
+/// `dt/2 (k (n - uₙ) nᵀ + c/dt (1 - n nᵀ - w' g ûᵀ))`.
 #[inline(always)]
 fn of_path<R: Real, D>(
     problem: &Problem<'_, R, D>,

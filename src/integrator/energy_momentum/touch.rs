@@ -107,7 +107,8 @@ impl<R: Real> Push<R> {
         self.mean.force > R::ZERO || self.mean.slope > R::ZERO
     }
 
-    /// How many contacts it stands for, and how many that is for one: both 1 where the body has no rim.
+    /// How many contacts it stands for, and how many that is for one: both 1 where the body has no
+    /// rim.
     #[inline]
     fn weights<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Option<[R; 2]> {
         (!problem.scene.body().rims().is_empty()).then(|| [self.weight, R::ONE / self.weight])
@@ -195,7 +196,8 @@ impl<R: Real> Touch<R> {
         }
     }
 
-    /// Works out what a bare contact on level ground does over a trial step, and whether that is felt.
+    /// Works out what a bare contact on level ground does over a trial step, and whether that is
+    /// felt.
     #[inline(always)]
     pub(super) fn respond_on_level<D: Dynamics<R>>(
         &mut self,
@@ -262,8 +264,8 @@ impl<R: Real> Touch<R> {
 
     /// The same, with a slip that continues from the last one by what Newton's step adds to it.
     ///
-    /// It is kept where it agrees with the difference of velocities to rounding: it has the same error
-    /// in each iteration, so that the friction of a slip far below that rounding is found.
+    /// It is kept where it agrees with the difference of velocities to rounding: it has the same
+    /// error in each iteration, so that the friction of a slip far below that rounding is found.
     pub(super) fn respond_by_increment<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
@@ -307,13 +309,15 @@ impl<R: Real> Touch<R> {
         self.push.friction(problem, slip)
     }
 
-    /// The normal along which the force does the springs' work, and the depth at the end, for a contact whose centre moves by `moved`.
+    /// The normal along which the force does the springs' work, and the depth at the end, for a
+    /// contact whose centre moves by `moved`.
     #[inline]
     fn fall<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>, moved: R::Vec3) -> (R::Vec3, R) {
         if let Some(plane) = &problem.plane {
             return (plane.normal, self.push.depth - plane.normal.dot(moved));
         }
-        // A curved ground: Gonzalez's discrete gradient, so that force times path is the change of depth.
+        // A curved ground: Gonzalez's discrete gradient, so that force times path is the change of
+        // depth.
         let ground = problem.scene.ground();
         let start = problem.motion.position + self.arm;
         let middle = ground.surface(start + moved * R::HALF).normal;
@@ -327,10 +331,12 @@ impl<R: Real> Touch<R> {
         }
     }
 
-    /// Derivative of a smooth body's path along the ground with respect to a turn of the step's end, m.
+    /// Derivative of a smooth body's path along the ground with respect to a turn of the step's
+    /// end, m.
     ///
-    /// The path is `2a × (r + r')/2`. A turn ϑ changes 2a by `argument ϑ`, carries the point r' along
-    /// (`ϑ × r'`) and moves it over the surface, which is told by points in two nearby directions.
+    /// The path is `2a × (r + r')/2`. A turn ϑ changes 2a by `argument ϑ`, carries the point r'
+    /// along (`ϑ × r'`) and moves it over the surface, which is told by points in two nearby
+    /// directions.
     pub(super) fn path_by_turn<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
@@ -389,12 +395,14 @@ impl<R: Real> Touch<R> {
         });
     }
 
-    /// The dual after Newton's step from the last answer's slip u to this one's u': `(u' - w' g (û·(u' - u)))/w`, on the unit disc (Chan, Golub & Mulet 1999).
+    /// The dual after Newton's step from the last answer's slip u to this one's u':
+    /// `(u' - w' g (û·(u' - u)))/w`, on the unit disc (Chan, Golub & Mulet 1999).
     #[inline]
     fn next_dual<D>(&self, problem: &Problem<'_, R, D>, drag: &Drag<R>) -> R::Vec3 {
         let slip = self.push.slip;
         let Some(last) = &self.dual else {
-            // A slide that the step can hardly brake begins with Newton's own derivative; one that it can stop, with stick.
+            // A slide that the step can hardly brake begins with Newton's own derivative; one that
+            // it can stop, with stick.
             let slides = drag.coefficient * problem.seconds < problem.mass * R::from_f64(0.1);
             return if slides {
                 slip * (R::ONE / drag.width)
@@ -413,7 +421,8 @@ impl<R: Real> Touch<R> {
     }
 }
 
-/// From the centre of mass to the place of a smooth body that faces the ground at the end of a trial step, m, world axes.
+/// From the centre of mass to the place of a smooth body that faces the ground at the end of a
+/// trial step, m, world axes.
 #[inline]
 fn wandered<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<R>) -> R::Vec3 {
     let (position, axes) = problem.place_at_end(trial);
@@ -424,13 +433,15 @@ fn wandered<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<
 
 /// Torque that a smooth body's normal force needs beside that of the mean arm, over the force, m.
 ///
-/// With the step's turn `2a` the force does the springs' work if `normal · (2a × arm) = normal · swung`.
-/// The mean of the arms at start and end does so but for terms of third order in the turn, because
-/// at its own point the surface moves like the body's material. The missing work is done by a
-/// torque along the part of the turn across the normal, where that is not too small to divide by.
+/// With the step's turn `2a` the force does the springs' work if
+/// `normal · (2a × arm) = normal · swung`. The mean of the arms at start and end does so but for
+/// terms of third order in the turn, because at its own point the surface moves like the body's
+/// material. The missing work is done by a torque along the part of the turn across the normal,
+/// where that is not too small to divide by.
 ///
 /// Friction acts at the mean arm, where its slip is measured. An arm that is corrected in place of
-/// the torque would add the rounding of the division to the slip, which stick multiplies by `μ N/ε`.
+/// the torque would add the rounding of the division to the slip, which stick multiplies by
+/// `μ N/ε`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lever<R: Real> {
     pub(super) torque: R::Vec3,
@@ -465,10 +476,11 @@ impl<R: Real> Lever<R> {
 
 /// A place of a rim where friction reverses, between the points on either side.
 ///
-/// A shift `δ` of the slip moves that place by `δ/u'`, where `u'` is the slope of the slip along the rim.
-/// The points move with it and keep their friction, which is far from its reversal: their own
-/// derivatives know nothing of it. The friction that changes sides is `2 μ p δ/u'`, with `p` the load per
-/// length. The difference of the frictions on both sides over that of the slips gives it for any law.
+/// A shift `δ` of the slip moves that place by `δ/u'`, where `u'` is the slope of the slip along
+/// the rim. The points move with it and keep their friction, which is far from its reversal: their
+/// own derivatives know nothing of it. The friction that changes sides is `2 μ p δ/u'`, with `p`
+/// the load per length. The difference of the frictions on both sides over that of the slips gives
+/// it for any law.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reversal<R: Real> {
     /// From the centre of mass, mean over the step, m.

@@ -1,11 +1,14 @@
-//! Resistance to rolling and drilling, on a body that stands still: half of it before a step, half of it after.
+//! Resistance to rolling and drilling, on a body that stands still: half of it before a step, half
+//! of it after.
 //!
 //! ```text
 //! (I + h Σ K) ω' = I ω,     K = k_r (1 - n nᵀ) + k_d n nᵀ,     k_r, k_d >= 0
 //! ```
 //!
-//! Backward Euler, all contacts at once; the resistances `k` fit the law at ω' after a few passes. Whatever they are, the energy of turning falls, by
-//! `h (2 ω'ᵀ Σ K ω' + ...)/2`, as for the impulses of [`resist`](super::resist). Rounding has the last word: where the computed energy is not lower, nothing is done.
+//! Backward Euler, all contacts at once; the resistances `k` fit the law at ω' after a few passes.
+//! Whatever they are, the energy of turning falls, by `h (2 ω'ᵀ Σ K ω' + ...)/2`, as for the
+//! impulses of [`resist`](super::resist). Rounding has the last word: where the computed energy is
+//! not lower, nothing is done.
 
 use super::{motion_of, visit_contacts};
 use crate::energy::Energy;
@@ -18,10 +21,12 @@ use crate::state::State;
 /// Passes that fit the resistances to the law. Each keeps the energy from rising.
 const PASSES: u32 = 6;
 
-/// What one contact's law takes of the angular momentum in a time, h times its torque: the columns of `h K`, and `h K ω`.
+/// What one contact's law takes of the angular momentum in a time, h times its torque: the columns
+/// of `h K`, and `h K ω`.
 type Columns<R> = [<R as Real>::Vec3; 3];
 
-/// The state and its energy after its contacts have resisted its turning for a time (s); as they were for a friction law without resistance.
+/// The state and its energy after its contacts have resisted its turning for a time (s); as they
+/// were for a friction law without resistance.
 #[inline]
 pub(super) fn resisted<R: Real, D: Dynamics<R>>(
     scene: &D,

@@ -1,4 +1,5 @@
-//! Contacts that begin or cease to push within a step, and what the stages have missed of their forces.
+//! Contacts that begin or cease to push within a step, and what the stages have missed of their
+//! forces.
 
 use super::{END, SECOND, Stage};
 use crate::body::{ContactPoint, RigidPointBody};
@@ -63,7 +64,8 @@ fn missed<R: Real, D: Dynamics<R>>(
         per_second: R::ONE / seconds,
     };
     let contacts = scene.body().contacts();
-    // The last stage stands at the end but for an order of the step; a contact that only one of them touches does so with next to no time.
+    // The last stage stands at the end but for an order of the step; a contact that only one of
+    // them touches does so with next to no time.
     let [head, tail] = last.run.without(first.run, contacts.len());
     for run in [first.run, head, tail] {
         for part in run.parts(contacts) {
@@ -106,7 +108,8 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
         };
         let [from, to] = pushing(&path, force, start.pushes());
         let [mut speeds, mut places] = means(force, from, to);
-        // The second stage stands on the path. The later ones do not, and what is to be replaced is what they have seen.
+        // The second stage stands on the path. The later ones do not, and what is to be replaced is
+        // what they have seen.
         let [third, last] = &self.late;
         let taken = [
             start.normal_force,
@@ -130,7 +133,8 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
         missed.add(pushes, [speeds, places]);
     }
 
-    /// Force and torque on the body for each newton of the contact's normal force, in a motion and under a `load` (N).
+    /// Force and torque on the body for each newton of the contact's normal force, in a motion and
+    /// under a `load` (N).
     #[inline(always)]
     fn direction(&self, point: &ContactPoint<R>, motion: &Motion<R>, load: R) -> [R::Vec3; 2] {
         let (arm, normal) = arm(self.scene, motion, point);
@@ -142,7 +146,8 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
 }
 
 impl<R: Real> Missed<R> {
-    /// One contact more, with its directions at both ends: `∫ f D ds` to first order in how `D` changes, as `D(s) = (1 - s) D(0) + s D(1)`.
+    /// One contact more, with its directions at both ends: `∫ f D ds` to first order in how `D`
+    /// changes, as `D(s) = (1 - s) D(0) + s D(1)`.
     #[inline(always)]
     fn add(&mut self, [first, last]: [[R::Vec3; 2]; 2], [speeds, places]: [R; 2]) {
         let rest = speeds - places;
@@ -176,7 +181,8 @@ impl<R: Real> Missed<R> {
     }
 }
 
-/// The shares of the step between which a contact pushes that does so at one of its ends: at the start, or not.
+/// The shares of the step between which a contact pushes that does so at one of its ends: at the
+/// start, or not.
 #[inline(always)]
 fn pushing<R: Real>(path: &Path<R>, force: impl Fn(R) -> R, at_start: bool) -> [R; 2] {
     let surface = path.surface();
@@ -184,13 +190,15 @@ fn pushing<R: Real>(path: &Path<R>, force: impl Fn(R) -> R, at_start: bool) -> [
         // It may let go before it leaves the ground.
         [R::ZERO, edge(force, R::ZERO, surface.unwrap_or(R::ONE))]
     } else {
-        // What goes down through the surface pushes from there on, by spring and damper both; what was in the ground before begins later.
+        // What goes down through the surface pushes from there on, by spring and damper both; what
+        // was in the ground before begins later.
         let from = surface.unwrap_or_else(|| edge(force, R::ONE, R::ZERO));
         [from, R::ONE]
     }
 }
 
-/// Where a force falls to 0 on the way from one share of the step to another, or jumps there: where the chord leads through the force at two places near the end of the way, or half as far.
+/// Where a force falls to 0 on the way from one share of the step to another, or jumps there: where
+/// the chord leads through the force at two places near the end of the way, or half as far.
 #[inline(always)]
 fn edge<R: Real>(force: impl Fn(R) -> R, inside: R, outside: R) -> R {
     let at = |share: f64| {
@@ -219,7 +227,8 @@ fn beyond<R: Real>((first, more): (R, R), (second, less): (R, R), limit: R) -> R
     }
 }
 
-/// By halving, and from the last share where it pushes on along its chord, so that rounding does not decide between two places.
+/// By halving, and from the last share where it pushes on along its chord, so that rounding does
+/// not decide between two places.
 #[inline(never)]
 fn edge_by_halving<R: Real>(force: impl Fn(R) -> R, inside: R, outside: R) -> R {
     let [mut near, mut far] = [inside, outside];
@@ -235,10 +244,12 @@ fn edge_by_halving<R: Real>(force: impl Fn(R) -> R, inside: R, outside: R) -> R 
     beyond((last, force(last)), (near, force(near)), far)
 }
 
-/// To a 64th of the step, and a square of that on the chord; the force is next to 0 there, so that what is missed of its integral goes as the square once more.
+/// To a 64th of the step, and a square of that on the chord; the force is next to 0 there, so that
+/// what is missed of its integral goes as the square once more.
 const HALVINGS: u32 = 6;
 
-/// `∫ f ds` and `∫ (1 - s) f ds` over a part of the step, by Gauss's rule with two points: the spring-damper's force is a cubic there.
+/// `∫ f ds` and `∫ (1 - s) f ds` over a part of the step, by Gauss's rule with two points: the
+/// spring-damper's force is a cubic there.
 #[inline(always)]
 fn means<R: Real>(force: impl Fn(R) -> R, from: R, to: R) -> [R; 2] {
     let (middle, half) = ((from + to) * R::HALF, (to - from) * R::HALF);

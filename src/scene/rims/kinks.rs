@@ -1,9 +1,10 @@
 //! Where the forces on an arc have a kink.
 //!
-//! Two things are not smooth along it: friction reverses where the slip is least, within a width that
-//! the least slip and the law's slip speed set, and the ground lets go where a place leaves faster than
-//! its spring expands. Both are found without an error on a plane, for laws that are linear in depth
-//! and speed: times `1 + tan²(θ/2)` slip and force are polynomials of degree 2 in `tan(θ/2)`.
+//! Two things are not smooth along it: friction reverses where the slip is least, within a width
+//! that the least slip and the law's slip speed set, and the ground lets go where a place leaves
+//! faster than its spring expands. Both are found without an error on a plane, for laws that are
+//! linear in depth and speed: times `1 + tan²(θ/2)` slip and force are polynomials of degree 2 in
+//! `tan(θ/2)`.
 
 use crate::body::{Arc, CUTS, sink_last};
 use crate::friction::SlidingFriction;
@@ -25,7 +26,8 @@ impl<R: Real> Velocities<R> {
         Self::of_slopes(middle, arc.slopes(turning))
     }
 
-    /// By that of the rim's middle, and by what is added at the place that angles are counted from, and a quarter of a turn on.
+    /// By that of the rim's middle, and by what is added at the place that angles are counted from,
+    /// and a quarter of a turn on.
     #[inline]
     pub(super) fn of_slopes(middle: R::Vec3, [down, across]: [R::Vec3; 2]) -> Self {
         Self {
@@ -35,7 +37,8 @@ impl<R: Real> Velocities<R> {
         }
     }
 
-    /// By where the lowest place is from the rim's middle, and the one a quarter of a turn on; the middle from the centre of mass, all m.
+    /// By where the lowest place is from the rim's middle, and the one a quarter of a turn on; the
+    /// middle from the centre of mass, all m.
     #[inline(always)]
     pub(super) fn of_spokes(
         motion: &Motion<R>,
@@ -69,7 +72,8 @@ impl<R: Real> Velocities<R> {
     }
 }
 
-/// Where the forces on an arc have a kink, in order, as `u = sin(θ/2)/κ`, with the ground's unit normal in world axes.
+/// Where the forces on an arc have a kink, in order, as `u = sin(θ/2)/κ`, with the ground's unit
+/// normal in world axes.
 #[inline]
 pub(crate) fn kinks<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -114,7 +118,8 @@ fn tangents<R: Real>(normal: R::Vec3) -> [R::Vec3; 2] {
     [first, normal.cross(first)]
 }
 
-/// The same of a short arc below a level plane, by the velocities along the normal and along the ground.
+/// The same of a short arc below a level plane, by the velocities along the normal and along the
+/// ground.
 #[inline(always)]
 pub(super) fn kinks_along<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -156,7 +161,8 @@ fn kinks_by<R: Real, G: SpringDamperGround<R>>(
     kinks
 }
 
-/// Whether the slip may come near to 0 on an arc: where it varies by no more than a twelfth of itself, an arc is smooth to 1e-10 without a cut.
+/// Whether the slip may come near to 0 on an arc: where it varies by no more than a twelfth of
+/// itself, an arc is smooth to 1e-10 without a cut.
 #[inline(always)]
 fn may_turn<R: Real>([a, b, k]: [Complex<R>; 3], chord: R) -> bool {
     let square = R::from_f64(4.0) * (chord * chord);
@@ -167,8 +173,8 @@ fn may_turn<R: Real>([a, b, k]: [Complex<R>; 3], chord: R) -> bool {
 /// The slip along an arc as a polynomial.
 ///
 /// With `w = tan(θ/2)`, `sin θ = 2 w/(1 + w²)` and `1 - cos θ = 2 w²/(1 + w²)`, so that the slip
-/// `a + b sin θ - k (1 - cos θ)` times `1 + w²` is `a + 2 b w + (a - 2 k) w²`, exactly. With `w = W ω`
-/// and `W = tan(α/2)` the arc is that of ω from -1 to 1.
+/// `a + b sin θ - k (1 - cos θ)` times `1 + w²` is `a + 2 b w + (a - 2 k) w²`, exactly. With
+/// `w = W ω` and `W = tan(α/2)` the arc is that of ω from -1 to 1.
 ///
 /// The two components of the slip along the ground are taken as one complex number, so that this
 /// polynomial `Q(ω) = A + B ω + C ω²` has two complex zeros. Since `|Q|² = Q(ω) Q*(ω)` for real ω,
@@ -196,7 +202,8 @@ impl<R: Real> Slips<R> {
         }
     }
 
-    /// Adds the points, at most two, at which friction reverses on the part of the arc that the ground pushes.
+    /// Adds the points, at most two, at which friction reverses on the part of the arc that the
+    /// ground pushes.
     #[inline]
     fn add_reversals(&self, friction: &impl Fn(Complex<R>) -> R, kinks: &mut Kinks<R>) {
         let pushed = kinks.pushed;
@@ -270,8 +277,9 @@ impl<R: Real> Slips<R> {
 
     /// Over which part of the arc, in ω, the slip grows by the law's own slip speed.
     ///
-    /// Friction per slip falls as `1/(slip + slip_speed)`. So its values at a point of least slip and where
-    /// the arc slips most give the slip speed of any law: 0 for Coulomb's own, infinite for a viscous one.
+    /// Friction per slip falls as `1/(slip + slip_speed)`. So its values at a point of least slip
+    /// and where the arc slips most give the slip speed of any law: 0 for Coulomb's own, infinite
+    /// for a viscous one.
     #[inline]
     fn slip_speed_width(&self, friction: &impl Fn(Complex<R>) -> R, place: R) -> R {
         let [near, slope] = self.at(place);
@@ -299,7 +307,8 @@ impl<R: Real> Slips<R> {
 }
 
 /// The distance of a singularity from an arc, in half arcs, from which on it does not count: with
-/// `ρ = 24` four points leave `ρ⁻⁸ = 1e-11`. From 4 on six points leave as much, from 2 on eight 1e-10.
+/// `ρ = 24` four points leave `ρ⁻⁸ = 1e-11`. From 4 on six points leave as much, from 2 on eight
+/// 1e-10.
 const SMOOTH: f64 = 12.0;
 
 /// A complex number.
@@ -391,9 +400,12 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
         }
     }
 
-    /// Adds where the ground lets go, if an end leaves so fast that the normal force falls to 0 before the depth does.
+    /// Adds where the ground lets go, if an end leaves so fast that the normal force falls to 0
+    /// before the depth does.
     ///
-    /// For a law that is linear in depth and speed the force times `1 + w²` is `a + b ω - c ω²` along the arc: three places tell its roots. They serve others too, as far as the force is 0 beyond.
+    /// For a law that is linear in depth and speed the force times `1 + w²` is `a + b ω - c ω²`
+    /// along the arc: three places tell its roots. They serve others too, as far as the force is 0
+    /// beyond.
     #[inline(always)]
     fn let_go(&self, kinks: &mut Kinks<R>) {
         let leaves = [-R::ONE, R::ONE].map(|end| self.closing_speed(end) < R::ZERO);

@@ -9,15 +9,19 @@ use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::scene::{Contact, Dynamics, Load};
 
-/// A short arc below a level plane, along which everything is linear in 1, the sine of the angle θ from the lowest place, and the fall `1 - cos θ`.
+/// A short arc below a level plane, along which everything is linear in 1, the sine of the angle θ
+/// from the lowest place, and the fall `1 - cos θ`.
 ///
-/// With `s = sin(θ/2)` in place of θ, from `-κ` to `κ`, and the extent `r s` of the rim below its middle,
+/// With `s = sin(θ/2)` in place of θ, from `-κ` to `κ`, and the extent `r s` of the rim below its
+/// middle,
 ///
 /// ```text
 /// sin θ = 2 s √(1 - s²)     1 - cos θ = 2 s²     depth = 2 extent (κ - s)(κ + s)     dθ = 2 ds/√(1 - s²)
 /// velocity = lowest + across sin θ - down (1 - cos θ)
 /// ```
-/// A force f has the torque `(lowest + across sin θ - down (1 - cos θ)) × f` with the places in the same words, so that all of them together need no arms, but the sums of `f`, `f sin θ` and `f (1 - cos θ)`.
+/// A force f has the torque `(lowest + across sin θ - down (1 - cos θ)) × f` with the places in the
+/// same words, so that all of them together need no arms, but the sums of `f`, `f sin θ` and
+/// `f (1 - cos θ)`.
 pub(in crate::scene) struct Sweep<R: Real> {
     chord: R,
     /// m.
@@ -32,10 +36,13 @@ pub(in crate::scene) struct Sweep<R: Real> {
     lowest: [R; 2],
 }
 
-/// Gauss's rule for a piece of a sweep with this half length in s, of an arc with this chord: places from -1 to 1, and weights.
+/// Gauss's rule for a piece of a sweep with this half length in s, of an arc with this chord:
+/// places from -1 to 1, and weights.
 ///
-/// The springs' force goes with `(κ² - s²)/√(1 - s²)`, of which m points on the whole arc leave `3.6e-3 κ⁶`, `8e-4 κ⁸`, `1.8e-4 κ¹⁰` for m = 4, 5, 6 by the rule's error term; two points leave `0.07 (half/κ)⁵ κ²` of it. So each is
-/// good to 4e-11, as eight are at the longest arc. `least` says how many points friction needs.
+/// The springs' force goes with `(κ² - s²)/√(1 - s²)`, of which m points on the whole arc leave
+/// `3.6e-3 κ⁶`, `8e-4 κ⁸`, `1.8e-4 κ¹⁰` for m = 4, 5, 6 by the rule's error term; two points leave
+/// `0.07 (half/κ)⁵ κ²` of it. So each is good to 4e-11, as eight are at the longest arc. `least`
+/// says how many points friction needs.
 #[inline(always)]
 fn gauss_rule<R: Real>(half: R, chord: R, least: usize) -> Rule {
     if half > R::from_f64(0.2) || least > 6 {
@@ -89,7 +96,8 @@ pub(in crate::scene) struct Node<R: Real> {
     weight: R,
 }
 
-/// Calls `visit` with each point `s = sin(θ/2)` of a rule for a part of an arc, and the length in s that it stands for: piece by piece between kinks, of which none cuts the part short.
+/// Calls `visit` with each point `s = sin(θ/2)` of a rule for a part of an arc, and the length in s
+/// that it stands for: piece by piece between kinks, of which none cuts the part short.
 #[inline(always)]
 pub(super) fn visit_between<R: Real>(
     kinks: &Kinks<R>,
@@ -111,7 +119,8 @@ pub(super) fn visit_between<R: Real>(
     }
 }
 
-/// Two kinks or ends with nothing between them: as one piece from the end where friction reverses, if it does at one of them; else as two that meet in the middle.
+/// Two kinks or ends with nothing between them: as one piece from the end where friction reverses,
+/// if it does at one of them; else as two that meet in the middle.
 #[inline(always)]
 fn pieces<R: Real>(from: Kink<R>, to: Kink<R>) -> [Piece<R>; 2] {
     let none = R::MAX;
@@ -156,7 +165,8 @@ fn visit_piece<R: Real>(
     }
 }
 
-/// The width of a reversal is the sum of those of its two reasons, of which each may have a singularity of its own: nearer to it by a half at most.
+/// The width of a reversal is the sum of those of its two reasons, of which each may have a
+/// singularity of its own: nearer to it by a half at most.
 const SAFETY: f64 = 1.5;
 
 impl<R: Real> Sweep<R> {

@@ -1,16 +1,16 @@
 //! Gauss's rules for a piece of arc at whose end friction reverses.
 //!
-//! Close to a point of least slip the slip is `√(δ² + β² x²)`, and friction depends on it and on the
-//! law's slip speed ε. As a function of `x` the force has its singularities at a complex distance of
-//! about `σ = (δ + ε)/β` from that point, so that a rule of Gauss in `x` converges at a rate that
-//! depends on the piece's length over σ. The substitution
+//! Close to a point of least slip the slip is `√(δ² + β² x²)`, and friction depends on it and on
+//! the law's slip speed ε. As a function of `x` the force has its singularities at a complex
+//! distance of about `σ = (δ + ε)/β` from that point, so that a rule of Gauss in `x` converges at a
+//! rate that depends on the piece's length over σ. The substitution
 //!
 //! ```text
 //! x = length sinh(Y y)/sinh(Y)     y from 0 to 1     sinh(Y) = length/σ
 //! ```
 //! moves them to `y = ±iπ/(2Y)`, whatever σ is (Johnston and Elliott, International Journal for
-//! Numerical Methods in Engineering 62, 2005). Y grows with the logarithm of `length/σ` only, and so
-//! does the number of points.
+//! Numerical Methods in Engineering 62, 2005). Y grows with the logarithm of `length/σ` only, and
+//! so does the number of points.
 //!
 //! The rules are made at compile time: [`legendre`] by Newton's steps, and `sinh` by its series.
 
@@ -19,13 +19,13 @@ use crate::real::Real;
 /// Points from -1 to 1, and weights.
 pub(super) type Rule = &'static [[f64; 2]];
 
-/// Rules for a piece that begins at a point of least slip, each with the largest ratio of the piece's
-/// length to the width of the reversal that it serves.
+/// Rules for a piece that begins at a point of least slip, each with the largest ratio of the
+/// piece's length to the width of the reversal that it serves.
 ///
 /// Over lengths from a quarter of that ratio (a 30th in the last two) on, each integrates
-/// `x^k f(x)` with `k <= 3` and `f` one of `x/√(x² + c²)`, `c/√(x² + c²)`, `x/(x + c)`, `c/(x + c)`,
-/// `x/(√(x² + 0.5 c²) + 0.3 c)`, and the first of them shifted by `±0.3 c`, to 1e-9 times the length;
-/// the last one to 2e-8.
+/// `x^k f(x)` with `k <= 3` and `f` one of `x/√(x² + c²)`, `c/√(x² + c²)`, `x/(x + c)`,
+/// `c/(x + c)`, `x/(√(x² + 0.5 c²) + 0.3 c)`, and the first of them shifted by `±0.3 c`, to 1e-9
+/// times the length; the last one to 2e-8.
 const RULES: [(f64, Rule); 10] = [
     (1.0, &legendre::<8>()),
     (1.9, &crowded::<8>(1.4)),

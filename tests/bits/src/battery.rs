@@ -1,9 +1,12 @@
-//! The scenes and their hashes: every integrator, every built-in law and every kind of body, in both precisions.
+//! The scenes and their hashes: every integrator, every built-in law and every kind of body, in
+//! both precisions.
 //!
-//! A hash takes in all bits of the state after each step, and of what is computed from it: energy, works, lowest point.
+//! A hash takes in all bits of the state after each step, and of what is computed from it: energy,
+//! works, lowest point.
 //!
-//! A new part joins by a line: a scene by a `play` at the end of [`scenes`], with the part in it; an integrator by a line in [`each_scene`].
-//! `UPDATE=1 cargo test --test bits` stores the new hashes.
+//! A new part joins by a line: a scene by a `play` at the end of [`scenes`], with the part in it;
+//! an integrator by a line in [`each_scene`]. `UPDATE=1 cargo test --test bits` stores the new
+//! hashes.
 
 use core::fmt;
 use core::ops::ControlFlow;
@@ -32,7 +35,8 @@ pub struct Outcome {
     pub ended_early: bool,
 }
 
-/// Writes a line for each precision and integrator: `f64 EnergyMomentum 0123456789abcdef`; with `scenes`, one for each scene too.
+/// Writes a line for each precision and integrator: `f64 EnergyMomentum 0123456789abcdef`; with
+/// `scenes`, one for each scene too.
 pub fn write(out: &mut dyn fmt::Write, scenes: bool) -> fmt::Result {
     let mut line: Option<(Outcome, Hash)> = None;
     let mut result = Ok(());
@@ -106,7 +110,8 @@ pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// For a method that chooses its steps: a tenth of what a metre a second covers in the time step (s), m. A finer one costs emulated processors minutes.
+/// For a method that chooses its steps: a tenth of what a metre a second covers in the time step
+/// (s), m. A finer one costs emulated processors minutes.
 fn tolerance<R: Real>(time_step: R) -> R {
     time_step * R::from_f64(0.1)
 }
@@ -165,7 +170,8 @@ impl Hash {
     }
 }
 
-/// A smooth ball: one contact with a radius. The only part that is not built in, since no built-in body is one.
+/// A smooth ball: one contact with a radius. The only part that is not built in, since no built-in
+/// body is one.
 struct Ball<R: Real> {
     mass: R,
     moment: R,
@@ -212,7 +218,8 @@ fn cloud<R: Real, const N: usize>(
     PointCloud::in_storage(places, &points.map(|[.., mass]| real(mass)))
 }
 
-/// The hash of a run of so many time steps and a bit, so that the last step is a short one; and whether an error ended it.
+/// The hash of a run of so many time steps and a bit, so that the last step is a short one; and
+/// whether an error ended it.
 fn follow<R: Bits, I: Integrator<R>>(
     stepper: &Stepper<
         R,
@@ -247,7 +254,8 @@ fn follow<R: Bits, I: Integrator<R>>(
     (hash.0, end.is_err())
 }
 
-/// Body, ground, friction and gravity of a scene, behind `dyn`, which has the same bits: so each integrator is compiled for one scene, not for all.
+/// Body, ground, friction and gravity of a scene, behind `dyn`, which has the same bits: so each
+/// integrator is compiled for one scene, not for all.
 type Parts<'a, R> = (
     &'a dyn RigidPointBody<R>,
     &'a dyn SpringDamperGround<R>,
@@ -260,7 +268,8 @@ fn scenes<R: Bits, I: Integrator<R>>(
     method: impl Fn(R) -> I,
     see: &mut dyn FnMut(&'static str, (u64, bool)),
 ) -> Result<(), SceneError> {
-    // The report's own trials: a ring that rolls upright, one that spins, and their steep friction. Their parts are known at compile time.
+    // The report's own trials: a ring that rolls upright, one that spins, and their steep friction.
+    // Their parts are known at compile time.
     for (name, number) in [("coin rolls", 1), ("coin spins", 6), ("coin leans", 7)] {
         if let Some(trial) = Trial::<R>::report(number) {
             let stepper = trial.stepper(method(real(1e-3)))?;
@@ -477,7 +486,8 @@ fn scenes<R: Bits, I: Integrator<R>>(
         play("capsule", (&Capsule::solid(real(1.0), real(0.1), real(0.4)), &level(2000.0, 3.0), &smooth, &falls), thrown, 1e-3, 0.5003)?;
         play("thin rod", (&Rod::new(real(1.0), real(0.8)), &slope(2000.0, 3.0), &smooth, &falls), thrown, 1e-3, 0.5003)?;
         play("point mass", (&PointMass::new(real(0.7)), &slope(1500.0, 2.0), &grained, &falls), thrown, 1e-3, 0.5003)?;
-        // Far beyond the explicit methods' limits: they are thrown off with whatever speed the first touch gives.
+        // Far beyond the explicit methods' limits: they are thrown off with whatever speed the
+        // first touch gives.
         play("stiff", (&lopsided, &level(1e7, 300.0), &coulomb, &NoGravity), falling, 1e-2, 2.003)?;
     };
     Ok(())

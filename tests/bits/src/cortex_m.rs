@@ -1,4 +1,5 @@
-//! A Cortex-M4F without a system: vector table, floating-point unit, and the debugger's console (semihosting).
+//! A Cortex-M4F without a system: vector table, floating-point unit, and the debugger's console
+//! (semihosting).
 
 use core::arch::asm;
 use core::fmt;
@@ -34,9 +35,11 @@ pub(crate) struct Out;
 
 impl fmt::Write for Out {
     fn write_str(&mut self, text: &str) -> fmt::Result {
-        // QEMU has no open file at the start: ":tt", opened to append (4), is its standard output. Opened again, it is the same.
+        // QEMU has no open file at the start: ":tt", opened to append (4), is its standard output.
+        // Opened again, it is the same.
         let open = [c":tt".as_ptr() as usize, 4, 3];
-        // SAFETY: the blocks are those of SYS_OPEN (name, mode, length) and SYS_WRITE (handle, bytes, length).
+        // SAFETY: the blocks are those of SYS_OPEN (name, mode, length) and SYS_WRITE (handle,
+        // bytes, length).
         let left = unsafe {
             let handle = call(OPEN, open.as_ptr());
             call(WRITE, [handle, text.as_ptr() as usize, text.len()].as_ptr())
@@ -55,7 +58,8 @@ pub(crate) fn exit(code: usize) -> ! {
 
 #[unsafe(no_mangle)]
 unsafe extern "C" fn reset() -> ! {
-    // SAFETY: the register of a Cortex-M4 that lets everybody use coprocessors 10 and 11, the floating-point unit.
+    // SAFETY: the register of a Cortex-M4 that lets everybody use coprocessors 10 and 11, the
+    // floating-point unit.
     unsafe {
         let access = 0xE000_ED88 as *mut u32;
         access.write_volatile(access.read_volatile() | 0xF << 20);

@@ -1,4 +1,5 @@
-//! Prints the battery's hashes: with the standard library where there is one, else by what each bare target has.
+//! Prints the battery's hashes: with the standard library where there is one, else by what each
+//! bare target has.
 #![cfg_attr(any(target_os = "none", target_os = "unknown"), no_std, no_main)]
 
 #[cfg(all(target_os = "none", target_arch = "arm"))]

@@ -1,4 +1,5 @@
-//! AArch64 and RISC-V: a program without a library, which asks Linux for two things. QEMU's user mode answers.
+//! AArch64 and RISC-V: a program without a library, which asks Linux for two things. QEMU's user
+//! mode answers.
 
 use core::arch::{asm, global_asm};
 use core::fmt;
@@ -18,7 +19,8 @@ const EXIT: usize = 93;
 /// The arguments are valid for the call.
 unsafe fn call(number: usize, [a, b, c]: [usize; 3]) -> usize {
     let result;
-    // SAFETY: the system changes the first argument's register and what the call writes to, nothing else.
+    // SAFETY: the system changes the first argument's register and what the call writes to, nothing
+    // else.
     unsafe {
         #[cfg(target_arch = "aarch64")]
         asm!("svc #0", in("x8") number, inout("x0") a => result, in("x1") b, in("x2") c, options(nostack));

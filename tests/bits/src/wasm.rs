@@ -1,4 +1,5 @@
-//! WebAssembly: an export that runs the battery, and an import that takes the text. `run.mjs` gives it one.
+//! WebAssembly: an export that runs the battery, and an import that takes the text. `run.mjs` gives
+//! it one.
 
 use core::fmt;
 

@@ -1,7 +1,9 @@
-//! A crate as somebody else writes it: his own body, ground, friction and integrator for `tumble`, through its public traits alone.
+//! A crate as somebody else writes it: his own body, ground, friction and integrator for `tumble`,
+//! through its public traits alone.
 //!
-//! Its tests show that they are first-class citizens: they work in the same stepper with everything that is built in, by value, by reference and
-//! behind `dyn`, in both precisions, with the bits that a built-in of the same law has, and without an allocation.
+//! Its tests show that they are first-class citizens: they work in the same stepper with everything
+//! that is built in, by value, by reference and behind `dyn`, in both precisions, with the bits
+//! that a built-in of the same law has, and without an allocation.
 
 mod ball;
 mod midpoint;

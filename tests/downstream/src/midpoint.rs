@@ -4,7 +4,8 @@ use tumble::integrator::step_length;
 use tumble::rotation::Rotation;
 use tumble::{Dynamics, Integrator, Real, SceneError, State, Step, StepError, error};
 
-/// The explicit midpoint rule, with the body turned exactly by the angular velocity at the middle. Order 2, two evaluations a step.
+/// The explicit midpoint rule, with the body turned exactly by the angular velocity at the middle.
+/// Order 2, two evaluations a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Midpoint<R = f64> {
     /// s, above 0.

@@ -3,7 +3,8 @@
 use tumble::real::Vector;
 use tumble::{Extent, Plane, Real, SpringDamperGround, Surface};
 
-/// The plane z = 0 on springs that stiffen with depth, with a damper that fades out at the surface (so that the force has no jump there).
+/// The plane z = 0 on springs that stiffen with depth, with a damper that fades out at the surface
+/// (so that the force has no jump there).
 ///
 /// `normal force = max(0, (stiffness + stiffening · depth²) · depth + damping · depth · closing_speed)`.
 #[derive(Clone, Copy, Debug, PartialEq)]

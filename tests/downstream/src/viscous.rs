@@ -2,7 +2,8 @@
 
 use tumble::{Real, SlidingFriction};
 
-/// Friction of an oily surface: force in proportion to load and slip, `force = -drag · normal_force · slip`.
+/// Friction of an oily surface: force in proportion to load and slip,
+/// `force = -drag · normal_force · slip`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viscous<R = f64> {
     /// s/m.

@@ -1,4 +1,5 @@
-//! What a user writes is as good as what is built in: it fits everywhere, and a copy of a built-in law has its bits.
+//! What a user writes is as good as what is built in: it fits everywhere, and a copy of a built-in
+//! law has its bits.
 
 use core::ops::ControlFlow;
 
@@ -85,7 +86,8 @@ fn oil<R: Real>() -> Viscous<R> {
     }
 }
 
-/// A user's body, ground and friction, handed over in four ways; all must end in the same state, to the last bit.
+/// A user's body, ground and friction, handed over in four ways; all must end in the same state, to
+/// the last bit.
 fn four_ways<R: Real>(integrator: impl Integrator<R> + Copy) {
     let (body, ground, friction) = (&ball::<R>(), &turf::<R>(), &oil::<R>());
     let by_value = run(*body, *ground, *friction, integrator);
@@ -128,7 +130,8 @@ fn value_reference_dyn_and_box_give_the_same_bits_in_f32() {
     four_ways_with_every_integrator::<f32>();
 }
 
-/// Two precisions of one motion differ by the rounding of f32, 500 steps of it: position below 1, so 500 * 6e-8 m, ten times over for the springs.
+/// Two precisions of one motion differ by the rounding of f32, 500 steps of it: position below 1,
+/// so 500 * 6e-8 m, ten times over for the springs.
 #[test]
 fn a_users_ball_moves_alike_in_f32_and_f64() {
     let fine = run::<f64, _, _, _, _>(ball(), turf(), oil(), StrangSplitting { time_step: 1e-3 });
@@ -283,8 +286,9 @@ fn a_copy_of_a_built_in_law_has_its_bits() {
     );
 }
 
-/// Friction, whatever its law, acts at the lowest point of a ball, so the angular momentum about a line of the ground along y stays: a ball of
-/// radius r that slides at v without spin ends rolling at 5/7 v. The rest is rounding: 4000 steps of it.
+/// Friction, whatever its law, acts at the lowest point of a ball, so the angular momentum about a
+/// line of the ground along y stays: a ball of radius r that slides at v without spin ends rolling
+/// at 5/7 v. The rest is rounding: 4000 steps of it.
 #[test]
 fn a_sliding_ball_ends_rolling_at_five_sevenths_of_its_speed() {
     let (mass, radius, speed) = (0.5, 0.1, 2.0);
@@ -345,7 +349,8 @@ fn the_energy_of_a_users_scene_never_rises_in_f32() {
     energy_never_rises_with_the_users_parts::<f32>();
 }
 
-/// Halving the step of a method of order 2 takes the error to a quarter: here between a half and an eighth, in a contact that never opens.
+/// Halving the step of a method of order 2 takes the error to a quarter: here between a half and an
+/// eighth, in a contact that never opens.
 #[test]
 fn the_users_integrator_has_the_order_that_it_states() {
     let swing = |time_step: f64| {

@@ -1,6 +1,7 @@
 //! What the compiler says of a part that is half done: it names the role and what is missing.
 //!
-//! Each program of `tests/half_done` does not compile; the quoted lines at its top are what the compiler must say. Its version adds more around them, and may change that.
+//! Each program of `tests/half_done` does not compile; the quoted lines at its top are what the
+//! compiler must say. Its version adds more around them, and may change that.
 
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 use std::process::Command;

@@ -1,4 +1,5 @@
-//! A step takes no memory, whatever the integrator, and neither does composing a scene or watching a run.
+//! A step takes no memory, whatever the integrator, and neither does composing a scene or watching
+//! a run.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -24,7 +25,8 @@ fn count() {
     REQUESTS.with(|requests| requests.set(requests.get() + 1));
 }
 
-// SAFETY: every call is handed on to the system's allocator as it is; the count is a plain number of this thread and asks for no memory itself.
+// SAFETY: every call is handed on to the system's allocator as it is; the count is a plain number
+// of this thread and asks for no memory itself.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
@@ -53,7 +55,8 @@ fn requests(work: impl FnOnce()) -> u64 {
     REQUESTS.get() - before
 }
 
-/// Composes a scene, steps, advances and watches a run with closed books; falls at first, then touches and slides.
+/// Composes a scene, steps, advances and watches a run with closed books; falls at first, then
+/// touches and slides.
 fn live<I: Integrator>(
     body: impl RigidPointBody,
     ground: impl SpringDamperGround,

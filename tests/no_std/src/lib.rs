@@ -1,7 +1,8 @@
 //! The core where there is nothing: no standard library, no allocator, and no way to panic.
 //!
-//! Each `probe_*` is a root for the linker. Every number comes from outside, so that no check and no branch can be worked out at compile time. A panic
-//! that is left anywhere below them shows as the undefined symbol `a_panic_remains`; `.ci/no_std.sh` looks for it.
+//! Each `probe_*` is a root for the linker. Every number comes from outside, so that no check and
+//! no branch can be worked out at compile time. A panic that is left anywhere below them shows as
+//! the undefined symbol `a_panic_remains`; `.ci/no_std.sh` looks for it.
 #![no_std]
 
 use core::ops::ControlFlow;

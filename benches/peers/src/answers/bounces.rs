@@ -9,7 +9,8 @@ use crate::scene::{Case, Measure, Scene, Shape};
 
 /// A ball let fall on a spring without a damper comes back to its height each time.
 ///
-/// In flight it is for `2 v/g` between touches at `v = √(2 g h)`; it touches for `(2/ω)(π - arctan(v ω/g))`, `ω = √(S/m)`; a rigid one for no time at all.
+/// In flight it is for `2 v/g` between touches at `v = √(2 g h)`; it touches for
+/// `(2/ω)(π - arctan(v ω/g))`, `ω = √(S/m)`; a rigid one for no time at all.
 pub(crate) fn elastic(stiffness: f64) -> Scene {
     let (mass, radius, height, seconds): (f64, f64, f64, f64) = (1.0, 0.1, 1.0, 10.0);
     let speed = (2.0 * GRAVITY * height).sqrt();

@@ -1,4 +1,5 @@
-//! The coin on its ground: rolling round a circle, the report's trials at three sizes, and drilling.
+//! The coin on its ground: rolling round a circle, the report's trials at three sizes, and
+//! drilling.
 
 use tumble::glam::{DQuat, DVec3};
 use tumble::{Coin, ContactPoint, RigidPointBody, State, Trial};
@@ -49,8 +50,10 @@ fn scene(
     }
 }
 
-/// Lean of the steadily rolling hoop from flat, rad, its spin about its own normal, rad/s, and the rate at which its lean turns about the vertical, rad/s:
-/// a root of `(k_a + 1) ω Ω sin α - k_d Ω² sin α cos α + (g/r) cos α = 0` with `k_a = 1`, `k_d = 1/2` (Routh; McDonald & McDonald).
+/// Lean of the steadily rolling hoop from flat, rad, its spin about its own normal, rad/s, and the
+/// rate at which its lean turns about the vertical, rad/s: a root of
+/// `(k_a + 1) ω Ω sin α - k_d Ω² sin α cos α + (g/r) cos α = 0` with `k_a = 1`, `k_d = 1/2` (Routh;
+/// McDonald & McDonald).
 const LEAN: f64 = 75.0 * core::f64::consts::PI / 180.0;
 const SPIN: f64 = 4.0;
 const RADIUS: f64 = 0.5;
@@ -67,7 +70,8 @@ pub(super) fn circle(seconds: f64) -> (State, State) {
     let omega = turning_rate();
     let at = |time: f64, own: f64| {
         let round = DQuat::from_rotation_z(omega * time);
-        // The normal leans by α from the vertical, in the xz plane; the lowest point lies on the side to which it leans down.
+        // The normal leans by α from the vertical, in the xz plane; the lowest point lies on the
+        // side to which it leans down.
         let lean = DQuat::from_rotation_y(LEAN - core::f64::consts::FRAC_PI_2);
         let turned = round * lean;
         let normal = turned * DVec3::X;
@@ -119,8 +123,8 @@ pub(crate) fn rolling_hoop() -> Result<Scene, String> {
     })
 }
 
-/// A trial of the report with a slip speed of 1e-3 m/s, all lengths multiplied by `size`: with masses by its cube, times by its root and the rest to match,
-/// the motion is the same.
+/// A trial of the report with a slip speed of 1e-3 m/s, all lengths multiplied by `size`: with
+/// masses by its cube, times by its root and the rest to match, the motion is the same.
 pub(crate) fn trial(number: usize, size: f64) -> Result<Scene, String> {
     let trial = Trial {
         slip_speed: 1e-3,

@@ -1,7 +1,8 @@
 //! A rigid hoop on a rigid floor: what the trials are where the ground does not give way.
 //!
-//! The lowest point of a smooth rim stays on the floor, which pushes with whatever force that takes, and Coulomb's friction acts there. It is the limit of the point law for
-//! a stiff ground and many points, and what rapier solves.
+//! The lowest point of a smooth rim stays on the floor, which pushes with whatever force that
+//! takes, and Coulomb's friction acts there. It is the limit of the point law for a stiff ground
+//! and many points, and what rapier solves.
 
 use ode_solvers::System;
 use tumble::State;
@@ -25,7 +26,8 @@ const MOMENTS: (f64, f64) = (0.25, 0.125);
 pub(super) fn after(start: &State, coefficient: f64, seconds: f64) -> Result<State, String> {
     let hoop = RigidHoop {
         coefficient,
-        // Small against the slips of some cm/s: a tenth of it moves the answer of trial 1 by 1e-5 m.
+        // Small against the slips of some cm/s: a tenth of it moves the answer of trial 1 by
+        // 1e-5 m.
         slip_speed: 1e-4,
     };
     let span = Span {
@@ -90,7 +92,8 @@ impl RigidHoop {
         (at_contact + weight, pose.arm.cross(at_contact))
     }
 
-    /// Second time derivative of the lowest point's height `z - r √(1 - n²)`, `n` the vertical part of the normal, for a push.
+    /// Second time derivative of the lowest point's height `z - r √(1 - n²)`, `n` the vertical part
+    /// of the normal, for a push.
     fn lift(&self, state: &State, pose: &Pose, push: f64) -> f64 {
         let (force, torque) = self.load(state, pose, push);
         let (spin, normal) = (pose.spin, pose.axes.x_axis);

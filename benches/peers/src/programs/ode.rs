@@ -1,7 +1,8 @@
-//! The point law by `ode_solvers`: Dormand and Prince's methods of orders 5 and 8 with error control.
+//! The point law by `ode_solvers`: Dormand and Prince's methods of orders 5 and 8 with error
+//! control.
 //!
-//! A body in free flight is given to them as Euler's equations in body axes, seven numbers, which is
-//! how a user would write free rotation.
+//! A body in free flight is given to them as Euler's equations in body axes, seven numbers, which
+//! is how a user would write free rotation.
 
 use std::cell::RefCell;
 
@@ -43,7 +44,8 @@ pub(crate) struct OdeSolvers<'a> {
     pub(crate) form: Form,
     /// Relative, and absolute in the scene's own units.
     pub(crate) tolerance: f64,
-    /// Length (m) and time (s) of those units: the crate has one absolute tolerance for all numbers.
+    /// Length (m) and time (s) of those units: the crate has one absolute tolerance for all
+    /// numbers.
     pub(crate) scale: (f64, f64),
     /// Whether its dense output is read 240 times a second.
     pub(crate) is_sampled: bool,
@@ -272,7 +274,8 @@ pub(crate) fn solve<const N: usize>(
         Some(interval) => (OutputType::Dense, interval),
         None => (OutputType::Sparse, end),
     };
-    // The crate's defaults but for the number of steps, and for its test of stiffness, which would end runs that go through.
+    // The crate's defaults but for the number of steps, and for its test of stiffness, which would
+    // end runs that go through.
     macro_rules! run {
         ($solver:ident, $beta:expr, $least:expr, $most:expr) => {{
             let mut solver = $solver::from_param(

@@ -41,7 +41,8 @@ impl RigidPointBody for Given {
     fn contacts(&self) -> &[ContactPoint] {
         &self.contacts
     }
-    // A body in flight has no contact here, but a tolerance in metres wants to know how large it is.
+    // A body in flight has no contact here, but a tolerance in metres wants to know how large it
+    // is.
     fn reach(&self) -> f64 {
         self.reach
     }

@@ -11,7 +11,8 @@ use crate::scene::{Scene, Shape};
 pub(crate) enum Tuning {
     /// rapier's defaults: 60 steps a second.
     Default,
-    /// Coulomb's friction, fast rotation, no sleep, no caps of speed, no reuse of old contacts, no motion clamping, and these.
+    /// Coulomb's friction, fast rotation, no sleep, no caps of speed, no reuse of old contacts, no
+    /// motion clamping, and these.
     Careful {
         /// s
         time_step: f64,
@@ -28,7 +29,8 @@ impl Tuning {
     /// What a careful user would try at one step: the best of these is the tuned rapier.
     pub(crate) fn all(time_step: f64, scene: &Scene) -> Vec<Self> {
         let mut all = Vec::new();
-        // rapier's own is 60 Hz; the others are as stiff as the step resolves. In flight nothing is there to be tuned but the iterations.
+        // rapier's own is 60 Hz; the others are as stiff as the step resolves. In flight nothing is
+        // there to be tuned but the iterations.
         let own = 60.0 / scene.scale.1;
         let (frequencies, passes) = match scene.shape != Shape::Free {
             true => (
@@ -89,8 +91,8 @@ impl<F> Rapier<F> {
     }
 }
 
-/// A scene in the units that rapier works in. As it comes: m, s, kg. Tuned: those that make the scene's numbers about 1, for a coin of 1 mm in metres does
-/// not feel rapier's friction.
+/// A scene in the units that rapier works in. As it comes: m, s, kg. Tuned: those that make the
+/// scene's numbers about 1, for a coin of 1 mm in metres does not feel rapier's friction.
 struct Work {
     length: f64,
     time: f64,
@@ -172,8 +174,9 @@ impl Work {
 /// Half the thickness of the coin, in radii: rapier has no ring.
 const HALF_THICKNESS: f64 = 3e-3;
 
-/// Corners of the tuned coin. Of prisms with 60 to 1920 sides and half thicknesses of 1e-4 to 1e-2 radii, rings of small balls and rapier's own cylinder (two
-/// points of one line touch: 0.4 m off after 1 s on the circle), this one errs least on circle and trials together.
+/// Corners of the tuned coin. Of prisms with 60 to 1920 sides and half thicknesses of 1e-4 to 1e-2
+/// radii, rings of small balls and rapier's own cylinder (two points of one line touch: 0.4 m off
+/// after 1 s on the circle), this one errs least on circle and trials together.
 const SIDES: u32 = 240;
 
 /// Corners of a coin as a prism, body axes.
@@ -220,7 +223,8 @@ macro_rules! rapier {
                     let preparation = clock.elapsed().as_secs_f64();
                     let whole = f64::from(world.integration_parameters.dt);
                     let steps = (self.work.seconds / whole * (1.0 - 1e-6)).ceil();
-                    // The last step is what is left of the time, so that the run ends with the answer.
+                    // The last step is what is left of the time, so that the run ends with the
+                    // answer.
                     let rest = self.work.seconds - whole * (steps - 1.0);
                     for step in 0..steps as u64 {
                         if let Some(watch) = &mut watch {
