@@ -5,7 +5,7 @@ files=$(cargo package --list -p tumble --allow-dirty)
 for wanted in Cargo.toml README.md CHANGELOG.md LICENSE src/lib.rs; do
   grep -qx "$wanted" <<<"$files" || { echo "the package lacks $wanted"; exit 1; }
 done
-allowed='\.cargo_vcs_info\.json|Cargo\.(lock|toml|toml\.orig)|README\.md|CHANGELOG\.md|LICENSE|(src|examples|benches|tests|assets)/.+'
+allowed='\.cargo_vcs_info\.json|Cargo\.(lock|toml|toml\.orig)|README\.md|ARCHITECTURE\.md|CONTRIBUTING\.md|CHANGELOG\.md|LICENSE|(src|examples|benches|tests|assets)/.+'
 if grep -vxE "$allowed" <<<"$files"; then
   echo "the files above have no place in the package"
   exit 1

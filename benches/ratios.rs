@@ -53,7 +53,8 @@ use scenes::{Advance, Phase, Ring, STEPS, TIME_STEP, ring, round, stepper, trial
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
     ContactPoint, EnergyMomentum, ForwardEuler, Nystrom, RigidPointBody, Rk4, SlidingFriction,
-    Sphere, SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler, body::Run,
+    Sphere, SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler,
+    body::ContactRange,
 };
 
 const EULER: SymplecticEuler = SymplecticEuler {
@@ -368,10 +369,10 @@ impl RigidPointBody for UserRing {
     fn contacts(&self) -> &[ContactPoint] {
         self.ring.contacts()
     }
-    fn contacts_below(&self, normal: DVec3, offset: f64) -> Run {
+    fn contacts_below(&self, normal: DVec3, offset: f64) -> ContactRange {
         self.ring.contacts_below(normal, offset)
     }
-    fn contacts_below_near(&self, normal: DVec3, offset: f64, near: Run) -> Run {
+    fn contacts_below_near(&self, normal: DVec3, offset: f64, near: ContactRange) -> ContactRange {
         self.ring.contacts_below_near(normal, offset, near)
     }
 }
@@ -383,9 +384,9 @@ struct ByHand {
 }
 
 impl Advance for ByHand {
-    type Workspace = Run;
+    type Workspace = ContactRange;
 
-    fn advance(&self, state: &mut State, near: &mut Run) {
+    fn advance(&self, state: &mut State, near: &mut ContactRange) {
         let (dt, gravity) = (TIME_STEP, DVec3::new(0.0, 0.0, -9.8));
         let (stiffness, damping, coefficient, slip_speed) = (1000.0, 0.5, 0.3, 1e-10);
         let (across, about) = (1.0 / 0.125, 1.0 / 0.25 - 1.0 / 0.125);

@@ -74,7 +74,7 @@ impl Phase {
             },
             Self::Rest => {
                 let depth = Trial::<f64>::GRAVITY / (120.0 * Trial::<f64>::STIFFNESS);
-                State::at(DVec3::new(0.0, 0.0, -depth)).turned_by(DVec3::new(
+                State::at(DVec3::new(0.0, 0.0, -depth)).with_rotation_vector(DVec3::new(
                     0.0,
                     core::f64::consts::FRAC_PI_2,
                     0.0,
@@ -94,7 +94,7 @@ pub(crate) type Ring = Coin<f64, Vec<ContactPoint>>;
 /// The coin of the report with `points` points.
 pub(crate) fn ring(points: usize) -> Ring {
     let storage = vec![ContactPoint::default(); points];
-    Coin::ring_in(storage, Trial::<f64>::MASS, Trial::<f64>::RADIUS)
+    Coin::ring_with_storage(storage, Trial::<f64>::MASS, Trial::<f64>::RADIUS)
 }
 
 /// The coin of the report with a round rim.

@@ -1,18 +1,19 @@
 //! Error against processor time: every integrator over a ladder of steps and tolerances, on six
-//! scenes, and on trial 1 with one knob turned at a time.
+//! scenes, and on trial 1 with one parameter turned at a time.
 //!
 //! `cargo bench --bench work_precision` prints the tables (some minutes) and draws them into
 //! `target/work_precision`; a word after `--` picks the scenes whose names hold it.
-//! `cargo bench --bench work_precision -- --all` turns all knobs together: every integrator and
-//! step or tolerance, `f64` and `f32`, 12, 120 and 1200 points, both laws of friction, three slip
-//! speeds, on the six scenes (ten to twenty minutes; a word picks here, too: `-- --all trial1`). It
-//! prints the cheapest setting for an error, a line a combination, and writes every row into
-//! `target/work_precision/rows.csv`. `cargo bench --bench work_precision -- --robust` finds for
-//! eight trials and eight tosses the largest setting that every smaller one of a grid keeps within
-//! an error, and its cost beside a Rk4 written by hand (some minutes; a word picks). With `--write`
-//! it writes the tables of README and guide. `cargo bench --bench work_precision -- --readme`
-//! measures trial 1 alone and draws the README's picture, assets/trade.svg. The times are the
-//! shortest of three runs: compare rows, not machines.
+//! `cargo bench --bench work_precision -- --all` turns all parameters together: every integrator
+//! and step or tolerance, `f64` and `f32`, 12, 120 and 1200 points, both laws of friction, three
+//! slip speeds, on the six scenes (ten to twenty minutes; a word picks here, too:
+//! `-- --all trial1`). It prints the cheapest setting for an error, a line a combination, and
+//! writes every row into `target/work_precision/rows.csv`.
+//! `cargo bench --bench work_precision -- --robust` finds for eight trials and eight tosses the
+//! largest setting that every smaller one of a grid keeps within an error, and its cost beside a
+//! Rk4 written by hand (some minutes; a word picks). With `--write` it writes the tables of README
+//! and guide. `cargo bench --bench work_precision -- --readme` measures trial 1 alone and draws the
+//! README's picture, assets/work_precision.svg. The times are the shortest of three runs: compare
+//! rows, not machines.
 
 // A bench that cannot go on ends.
 #![allow(clippy::unwrap_used)]
@@ -42,7 +43,7 @@ use std::time::Instant;
 
 use scenes::{Friction, Start};
 use tumble::glam::DVec3;
-use tumble::trade::Setting;
+use tumble::work_precision::Setting;
 use tumble::{Flight, State, StrangSplitting, Trial};
 
 fn main() {
@@ -84,7 +85,7 @@ fn main() {
 fn flight(turns: u32) {
     let toss = State::at(DVec3::Z)
         .with_linear_velocity(DVec3::new(0.4, -0.2, 6.0))
-        .turned_by(DVec3::new(0.3, 0.8, -0.2))
+        .with_rotation_vector(DVec3::new(0.3, 0.8, -0.2))
         .with_angular_momentum(DVec3::new(0.4, 1.1, -0.7));
     let trial = Trial::report(1).unwrap();
     let plain = trial.stepper(StrangSplitting { time_step: 1e-3 }).unwrap();
@@ -182,7 +183,7 @@ fn table() -> Vec<(String, Start, bool)> {
 fn measure(name: &str, start: &Start, single: bool, whole: bool) {
     let mut settings = Setting::ladder();
     if !whole {
-        settings.retain(|setting| (setting.knob - 1e-3).abs() < 1e-12);
+        settings.retain(|setting| (setting.parameter - 1e-3).abs() < 1e-12);
     }
     println!(
         "\n## {name}: {} s, {} points\n",
@@ -210,10 +211,10 @@ fn measure(name: &str, start: &Start, single: bool, whole: bool) {
     }
 }
 
-/// Trial 1, as every other scene, into assets/trade.svg.
+/// Trial 1, as every other scene, into assets/work_precision.svg.
 fn draw_for_the_readme() {
     measure("trial1", &Start::named("trial1").unwrap(), false, true);
-    let picture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/trade.svg");
+    let picture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/work_precision.svg");
     std::fs::copy(folder().join("trial1.svg"), &picture).unwrap();
     println!("picture: {}", picture.display());
 }

@@ -12,12 +12,12 @@ use std::process::ExitCode;
 
 use common::{BLUE, Check, ORANGE, Options, Outcome, Page, Picture};
 use kuva::prelude::*;
-use tumble::contract::{Battery, check_body};
+use tumble::contract::{CheckPlan, check_body};
 use tumble::error::{self, SceneError};
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
-    ContactPoint, Coulomb, EnergyMomentum, FlatGround, RigidPointBody, Run, Sample, State, Stepper,
-    UniformGravity,
+    ContactPoint, ContactRange, Coulomb, EnergyMomentum, FlatGround, RigidPointBody, Sample, State,
+    Stepper, UniformGravity,
 };
 
 const ABOUT: &str = "\
@@ -116,17 +116,17 @@ impl RigidPointBody for Celt {
         clippy::cast_possible_truncation,
         reason = "both numbers are clamped to those of the balls"
     )]
-    fn contacts_below(&self, normal: DVec3, offset: f64) -> Run {
+    fn contacts_below(&self, normal: DVec3, offset: f64) -> ContactRange {
         let level =
             (Self::CENTRE * normal.z - BEAM - offset) / (Self::ARM * normal.x.hypot(normal.z));
         if level.is_nan() || level <= -1.0 || normal.z <= 0.0 {
-            return Run::all(self.balls.len());
+            return ContactRange::all(self.balls.len());
         }
         let (lowest, half) = ((-normal.x).atan2(normal.z), level.min(1.0).acos());
         let number = |angle: f64| angle / (ARC / Self::HALF as f64) + Self::HALF as f64;
         let first = (number(lowest - half) - 1.0).max(0.0) as usize;
         let end = (number(lowest + half) + 3.0).clamp(0.0, self.balls.len() as f64) as usize;
-        Run {
+        ContactRange {
             first,
             count: end.saturating_sub(first),
         }
@@ -144,7 +144,7 @@ impl RigidPointBody for Celt {
 fn work(options: &Options) -> Outcome<Page> {
     let duration = if options.quick { 2.0 } else { 8.0 };
     let askew = 8.0_f64.to_radians();
-    check_body(&Celt::new(askew), Battery::default())?;
+    check_body(&Celt::new(askew), CheckPlan::default())?;
     let against = run(askew, start(-SPIN), duration)?;
     let along = run(askew, start(SPIN), duration)?;
     let image = run(-askew, mirrored(&start(-SPIN)), duration)?;
@@ -188,7 +188,7 @@ struct Moment {
 /// Upright, a hair from level, spinning about the vertical.
 fn start(spin: f64) -> State {
     State::at(DVec3::Z * HEIGHT)
-        .turned_by(DVec3::new(0.01, 0.002, 0.0))
+        .with_rotation_vector(DVec3::new(0.01, 0.002, 0.0))
         .with_angular_momentum(DVec3::Z * (MOMENTS.z * spin))
 }
 
@@ -241,7 +241,7 @@ fn largest(moments: &[Moment], sign: f64) -> f64 {
 /// Time between the keel's passages of level, of a stone without skew that is let go with a small
 /// pitch, s.
 fn period_of_pitch() -> Outcome<f64> {
-    let state = State::at(DVec3::Z * HEIGHT).turned_by(DVec3::Y * 0.005);
+    let state = State::at(DVec3::Z * HEIGHT).with_rotation_vector(DVec3::Y * 0.005);
     let moments = run(0.0, state, 1.0)?;
     let passages: Vec<f64> = (moments.windows(2))
         .filter(|pair| pair[0].pitch < 0.0 && pair[1].pitch >= 0.0)

@@ -12,11 +12,11 @@ use std::process::ExitCode;
 
 use common::{BLACK, BLUE, Check, GREEN, ORANGE, Options, Outcome, Page, Picture};
 use kuva::prelude::*;
-use tumble::contract::{Battery, GroundRange, check_ground};
+use tumble::contract::{CheckPlan, GroundRange, check_ground};
 use tumble::glam::DVec3;
 use tumble::{
-    Elevation, EnergyMomentum, Ground, PointCloud, Relief, Sample, SpringDamper, State, Stepper,
-    Terrain, UniformGravity,
+    Elevation, EnergyMomentum, Ground, HeightField, PointCloud, Sample, SpringDamper, State,
+    Stepper, Terrain, UniformGravity,
 };
 
 const ABOUT: &str = "\
@@ -56,13 +56,13 @@ impl Cycloid {
     }
 }
 
-impl Relief for Cycloid {
+impl HeightField for Cycloid {
     fn elevation(&self, x: f64, _y: f64) -> Elevation {
         let angle = Self::angle(x);
         let half = (angle / 2.0).cos();
         let place = Self::place(angle);
         let slope = (angle / 2.0).tan();
-        Elevation::new(place.z + slope * (x - place.x), [slope, 0.0]).with_bend([
+        Elevation::new(place.z + slope * (x - place.x), [slope, 0.0]).with_hessian([
             1.0 / (4.0 * CIRCLE * half.powi(4)),
             0.0,
             0.0,
@@ -85,7 +85,9 @@ fn work(options: &Options) -> Outcome<Page> {
             stiffness: STIFFNESS,
             damping: 2.0 * STIFFNESS.sqrt(),
         },
-        shape: Terrain { relief: Cycloid },
+        shape: Terrain {
+            height_field: Cycloid,
+        },
     };
     let range = GroundRange {
         centre: DVec3::new(0.0, 0.0, 0.05),
@@ -93,7 +95,7 @@ fn work(options: &Options) -> Outcome<Page> {
         depth: 1e-3,
         speed: 1.0,
     };
-    check_ground(&ground, &range, Battery::default())?;
+    check_ground(&ground, &range, CheckPlan::default())?;
     let mut ways = Vec::new();
     let mut checks = Vec::new();
     for start in STARTS {

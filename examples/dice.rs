@@ -17,7 +17,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use kuva::prelude::*;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    Coulomb, Cuboid, EnergyMomentum, FlatGround, MassDistribution, Sample, State, Stepper,
+    Coulomb, Cuboid, EnergyMomentum, FlatGround, MassProperties, Sample, State, Stepper,
     UniformGravity, UntilRest,
 };
 
@@ -140,7 +140,7 @@ fn work(options: &Options) -> Outcome<Page> {
 fn stepper(load: f64) -> Outcome<Die> {
     let edges = DVec3::splat(EDGE);
     // Four is the face at -z.
-    let heavy = MassDistribution::cuboid(MASS, edges).at(DVec3::NEG_Z * load);
+    let heavy = MassProperties::cuboid(MASS, edges).at(DVec3::NEG_Z * load);
     // A corner sinks 12 µm under the whole weight, and bounces back at 0.6 of its speed.
     let ground = FlatGround::level(4000.0, 1.2);
     Ok(Stepper::new(Cuboid::loaded(edges, heavy).rounded(CORNER))?
@@ -185,7 +185,7 @@ fn thrown(die: &Die, random: &mut Random) -> State {
     let state = State::at(DVec3::Z * 0.5)
         .with_orientation(DQuat::from_array(random.turn()))
         .with_linear_velocity(velocity);
-    die.spinning(state, spin)
+    die.with_angular_velocity(state, spin)
 }
 
 /// The face that one throw shows, and when the die lies.
@@ -198,7 +198,7 @@ fn throw(die: &Die, mut state: State) -> Outcome<(u8, f64)> {
     }
     let side = die
         .body()
-        .side_up(&state)
+        .face_up(&state)
         .ok_or("the die stands on an edge")?;
     Ok((side.pips(), time))
 }

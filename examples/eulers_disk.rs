@@ -132,8 +132,8 @@ fn run(time_step: f64) -> Outcome<(Curve, Vec<Shot>)> {
         .with_ground(FlatGround::level(STIFFNESS, DAMPING))?
         .with_integrator(EnergyMomentum { time_step })?;
     // The plane leans by turning about y from upright.
-    let turned =
-        State::at(DVec3::ZERO).turned_by(DVec3::Y * (FIRST - core::f64::consts::FRAC_PI_2));
+    let turned = State::at(DVec3::ZERO)
+        .with_rotation_vector(DVec3::Y * (FIRST - core::f64::consts::FRAC_PI_2));
     let axes = turned.rotation().axes();
     // Depth of the lowest point under the weight, spread along the rim: M g = (n S/2π) (2/3) r sin
     // α φ³ with the half-angle φ of the patch, depth r sin α φ²/2.
@@ -148,7 +148,7 @@ fn run(time_step: f64) -> Outcome<(Curve, Vec<Shot>)> {
     let spin = spin * precession;
     let momentum = stepper
         .scene()
-        .mass_properties()
+        .inertia_properties()
         .angular_momentum(&axes, spin);
     let mut state = State {
         position: DVec3::Z * (RADIUS * steep - sink),

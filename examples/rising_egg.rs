@@ -159,11 +159,12 @@ fn run(duration: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {
             slip_speed: 1e-2,
         })?
         .with_integrator(EnergyMomentum { time_step: 1e-4 })?;
-    let turned = State::at(DVec3::ZERO).turned_by(DVec3::Y * (core::f64::consts::FRAC_PI_2 - LEAN));
+    let turned = State::at(DVec3::ZERO)
+        .with_rotation_vector(DVec3::Y * (core::f64::consts::FRAC_PI_2 - LEAN));
     let axes = turned.rotation().axes();
     // Distance of the tangent plane from the middle.
     let height = (LONG * axes.z.z).hypot(SHORT * (1.0 - axes.z.z * axes.z.z).sqrt());
-    let properties = tumble::Dynamics::mass_properties(stepper.scene());
+    let properties = tumble::Dynamics::inertia_properties(stepper.scene());
     // The gyroscopic balance C n = A Ω cos θ: the angular momentum is along the vertical.
     let across = properties.moments().x;
     let mut state = State {

@@ -15,8 +15,8 @@ use table::cells;
 use tumble::glam::DVec3;
 use tumble::{
     Coin, ContactPoint, Coulomb, Disc, EnergyMomentum, FlatGround, Frictionless, Integrator,
-    Nystrom, Probe, RigidPointBody, Rk4, Sample, SlidingFriction, State, Stepper, StrangSplitting,
-    Trial, UniformGravity,
+    Nystrom, RigidPointBody, Rk4, Sample, SceneQuery, SlidingFriction, State, Stepper,
+    StrangSplitting, Trial, UniformGravity,
 };
 
 const RADIUS: f64 = 0.5;
@@ -39,7 +39,7 @@ impl Body {
     fn all() -> [(String, f64, Self); 4] {
         let ring = |n: u32| {
             let points = vec![ContactPoint::default(); n as usize];
-            let coin = Coin::ring_in(points, 1.0, RADIUS);
+            let coin = Coin::ring_with_storage(points, 1.0, RADIUS);
             (format!("{n} points"), f64::from(n), Self::Ring(coin))
         };
         let round = Self::Round(Disc::ring(1.0, RADIUS, 120));

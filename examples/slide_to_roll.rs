@@ -190,7 +190,7 @@ fn run(ball: Sphere, rim: f64, time_step: f64) -> Outcome<Vec<Moment>> {
     let axes = start.rotation().axes();
     let momentum = stepper
         .scene()
-        .mass_properties()
+        .inertia_properties()
         .angular_momentum(&axes, spin);
     let mut state = start.with_angular_momentum(momentum);
     let mut moments = Vec::new();

@@ -243,7 +243,7 @@ fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Path,
     let spin = DVec3::Y * (rim / RADIUS);
     let momentum = stepper
         .scene()
-        .mass_properties()
+        .inertia_properties()
         .angular_momentum(&axes, spin);
     let mut state = start.with_angular_momentum(momentum);
     let mut path = Vec::new();

@@ -16,8 +16,8 @@ use common::{
 use kuva::prelude::*;
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
-    Coulomb, Dynamics, EnergyMomentum, FlatGround, MassDistribution, Sample, Sphere, State,
-    Stepper, UniformGravity,
+    Coulomb, Dynamics, EnergyMomentum, FlatGround, MassProperties, Sample, Sphere, State, Stepper,
+    UniformGravity,
 };
 
 const ABOUT: &str = "\
@@ -136,7 +136,7 @@ const JELLETT: f64 = 2.4e-4;
 fn run(duration: f64, time_step: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {
     let moment = MASS * RADIUS * RADIUS;
     let inertia = DMat3::from_diagonal(DVec3::new(ACROSS, ACROSS, ALONG) * moment);
-    let distribution = MassDistribution {
+    let distribution = MassProperties {
         mass: MASS,
         centre_of_mass: DVec3::NEG_Z * (OFFSET * RADIUS),
         inertia,
@@ -150,9 +150,9 @@ fn run(duration: f64, time_step: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {
             slip_speed: 1e-3,
         })?
         .with_integrator(EnergyMomentum { time_step })?;
-    let turned = State::at(DVec3::ZERO).turned_by(DVec3::X * LEAN);
-    let middle = turned.place(stepper.body().middle());
-    let axis = turned.place(DVec3::Z);
+    let turned = State::at(DVec3::ZERO).with_rotation_vector(DVec3::X * LEAN);
+    let middle = turned.world_point(stepper.body().middle());
+    let axis = turned.world_point(DVec3::Z);
     let sink = MASS * GRAVITY / 1e4;
     let mut state = State {
         position: DVec3::Z * (RADIUS - sink - middle.z),

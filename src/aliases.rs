@@ -11,13 +11,13 @@ macro_rules! names_for {
         pub mod $real {
             #[doc(no_inline)]
             pub use crate::{
-                ContactLaw, Every, Face, Flight, Frictionless, Gravity, Integrator, NoGravity,
-                NoGround, Observer, Probe, Relief, RigidPointBody, SceneError, Shape, Side,
-                SlidingFriction, SpringDamperGround, Start, StepError, Terrain,
+                CoinFace, ContactLaw, CuboidFace, Every, Flight, Frictionless, Gravity,
+                HeightField, Integrator, NoGravity, NoGround, Observer, RigidPointBody, SceneError,
+                SceneQuery, Shape, SlidingFriction, SpringDamperGround, Start, StepError, Terrain,
             };
 
             /// Energy, dissipation and rates.
-            pub type Account = crate::Account<$real>;
+            pub type EnergyRates = crate::EnergyRates<$real>;
             /// Coulomb friction with a grain.
             pub type AnisotropicCoulomb = crate::AnisotropicCoulomb<$real>;
             /// The body's axes in the world.
@@ -40,7 +40,7 @@ macro_rules! names_for {
             /// A smooth ellipsoid.
             pub type Ellipsoid = crate::Ellipsoid<$real>;
             /// Mass, centre of mass and inertia of a body or a part.
-            pub type MassDistribution = crate::MassDistribution<$real>;
+            pub type MassProperties = crate::MassProperties<$real>;
             /// A point with a mass.
             pub type PointMass = crate::PointMass<$real>;
             /// A thin straight rod.
@@ -66,7 +66,7 @@ macro_rules! names_for {
             /// The error-controlled integrator of order 5.
             pub type DormandPrince54 = crate::DormandPrince54<$real>;
             /// The local shape of a friction law.
-            pub type Drag = crate::Drag<$real>;
+            pub type FrictionJacobian = crate::FrictionJacobian<$real>;
             /// Height, slope and bend of a terrain.
             pub type Elevation = crate::Elevation<$real>;
             /// Energy by kind.
@@ -74,7 +74,7 @@ macro_rules! names_for {
             /// The integrator whose energy never rises.
             pub type EnergyMomentum = crate::EnergyMomentum<$real>;
             /// Where a ground can be.
-            pub type Extent = crate::Extent<$real>;
+            pub type GroundBounds = crate::GroundBounds<$real>;
             /// A plane of springs and dampers.
             pub type FlatGround = crate::FlatGround<$real>;
             /// The report's integrator.
@@ -98,7 +98,7 @@ macro_rules! names_for {
             /// The lowest point of a body.
             pub type LowestPoint = crate::LowestPoint<$real>;
             /// Mass and inertia as a step needs them.
-            pub type MassProperties = crate::MassProperties<$real>;
+            pub type InertiaProperties = crate::InertiaProperties<$real>;
             /// The mean normal force over a step.
             pub type MeanForce = crate::MeanForce<$real>;
             /// Where a body is and how it moves.
@@ -147,11 +147,11 @@ macro_rules! names_for {
             pub type Trial = crate::Trial<$real>;
             /// The stepper of a trial.
             pub type TrialStepper<I> = crate::trial::TrialStepper<$real, I>;
-            /// Torque against rolling and drilling.
-            pub type TurningResistance = crate::TurningResistance<$real>;
+            /// Torque against rolling and spinning.
+            pub type RollingResistance = crate::RollingResistance<$real>;
             /// Gravity, the same everywhere.
             pub type UniformGravity = crate::UniformGravity<$real>;
-            /// A friction law that also resists rolling and drilling.
+            /// A friction law that also resists rolling and spinning.
             pub type WithResistance<F> = crate::WithResistance<F, $real>;
             /// Ends a run when the body lies still.
             pub type UntilRest = crate::UntilRest<$real>;

@@ -8,7 +8,7 @@
 //! | [`Disc`], thin ring or solid | the whole circle of its rim | normal along x | [`tilt`](Disc::tilt), [`face_up`](Disc::face_up) |
 //! | [`SolidCoin`] | the points of two rims | normal along x | [`tilt`](SolidCoin::tilt), [`face_up`](SolidCoin::face_up): heads, tails or edge |
 //! | [`Sphere`], solid, hollow or loaded | one ball | any | |
-//! | [`Cuboid`], sharp or rounded, also loaded | eight corners, bare or balls | along the edges | [`side_up`](Cuboid::side_up), [`pips`](Side::pips) |
+//! | [`Cuboid`], sharp or rounded, also loaded | eight corners, bare or balls | along the edges | [`side_up`](Cuboid::face_up), [`pips`](CuboidFace::pips) |
 //! | [`Ellipsoid`], also loaded: an egg | one, which wanders over its surface | axes along x, y, z | |
 //! | [`Capsule`] | two balls | axis along z | |
 //! | [`Cone`] | its tip and the points of its rim | axis along z | |
@@ -19,7 +19,7 @@
 //! | [`PointCloud`] | the user's points, each with a mass | the user's | |
 //!
 //! Mass, centre of mass and inertia of solids, points and what is joined from them:
-//! [`MassDistribution`].
+//! [`MassProperties`].
 
 mod capsule;
 mod coin;
@@ -29,8 +29,8 @@ mod disc;
 mod ellipsoid;
 mod energy_level;
 mod hull;
+mod inertia_properties;
 mod jacobi;
-mod mass_distribution;
 mod mass_properties;
 mod point_cloud;
 mod rim;
@@ -40,12 +40,12 @@ mod solid_coin;
 mod sphere;
 
 pub use capsule::Capsule;
-pub use coin::{Coin, Face};
+pub use coin::{Coin, CoinFace};
 pub use cone::Cone;
-pub use cuboid::{Cuboid, Side};
+pub use cuboid::{Cuboid, CuboidFace};
 pub use disc::Disc;
 pub use ellipsoid::Ellipsoid;
-pub use mass_distribution::MassDistribution;
+pub use inertia_properties::InertiaProperties;
 pub use mass_properties::MassProperties;
 pub use point_cloud::PointCloud;
 use rim::MOST_NODES;
@@ -92,7 +92,7 @@ use crate::real::{Real, Vector};
 /// }
 /// let ball = |x| ContactPoint { position: DVec3::new(x, 0.0, 0.0), radius: 0.1 };
 /// let bell = DumbBell { contacts: [ball(-0.5), ball(0.5)] };
-/// assert_eq!(bell.reach(), 0.6);
+/// assert_eq!(bell.bounding_radius(), 0.6);
 /// ```
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a body: it does not implement `RigidPointBody<{R}>`",
@@ -119,8 +119,8 @@ pub trait RigidPointBody<R: Real = f64> {
     }
 
     /// Distance from the centre of mass to the farthest place of the surface, m.
-    fn reach(&self) -> R {
-        let rims = self.rims().iter().map(Rim::reach);
+    fn bounding_radius(&self) -> R {
+        let rims = self.rims().iter().map(Rim::bounding_radius);
         let contacts = self.contacts().iter();
         (contacts.map(|contact| contact.position.length() + contact.radius))
             .chain(rims)
@@ -133,9 +133,9 @@ pub trait RigidPointBody<R: Real = f64> {
     ///
     /// The run may hold more, and by default holds all; it must not miss one.
     #[inline]
-    fn contacts_below(&self, normal: R::Vec3, offset: R) -> Run {
+    fn contacts_below(&self, normal: R::Vec3, offset: R) -> ContactRange {
         let _ = (normal, offset);
-        Run::all(self.contacts().len())
+        ContactRange::all(self.contacts().len())
     }
 
     /// As [`contacts_below`](Self::contacts_below), for a caller who knows the run under a plane
@@ -144,7 +144,7 @@ pub trait RigidPointBody<R: Real = f64> {
     /// Whatever `near` is, the answer must be that of [`contacts_below`](Self::contacts_below): a
     /// run of contacts that depends on what is known would sum forces in another order.
     #[inline]
-    fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: Run) -> Run {
+    fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: ContactRange) -> ContactRange {
         let _ = near;
         self.contacts_below(normal, offset)
     }
@@ -161,14 +161,15 @@ pub trait RigidPointBody<R: Real = f64> {
         let contacts = self.contacts().iter();
         (contacts.map(|contact| direction.dot(contact.position) + contact.radius))
             .chain(rims)
-            .fold(-self.reach(), R::at_least)
+            .fold(-self.bounding_radius(), R::at_least)
     }
 
     /// Whether the body has one contact that wanders over its surface as it turns: the place that
     /// [`support_point`](Self::support_point) tells. An egg does, and no body of fixed contacts.
     ///
     /// Such a body gives in [`contacts`](Self::contacts) one contact that stands for it, with a
-    /// radius above 0 (a ball within it will do), and tells its own [`reach`](Self::reach).
+    /// radius above 0 (a ball within it will do), and tells its own
+    /// [`bounding_radius`](Self::bounding_radius).
     #[inline]
     fn is_smooth(&self) -> bool {
         false
@@ -181,7 +182,7 @@ pub trait RigidPointBody<R: Real = f64> {
     /// turns, depth changes as if the place were fixed in the body.
     #[inline]
     fn support_point(&self, towards: R::Vec3) -> R::Vec3 {
-        towards * self.reach()
+        towards * self.bounding_radius()
     }
 
     /// Whether the body can be: called once, when a scene is composed, before anything else is
@@ -218,15 +219,20 @@ macro_rules! forward {
                 (**self).rims()
             }
             #[inline]
-            fn reach(&self) -> R {
-                (**self).reach()
+            fn bounding_radius(&self) -> R {
+                (**self).bounding_radius()
             }
             #[inline]
-            fn contacts_below(&self, normal: R::Vec3, offset: R) -> Run {
+            fn contacts_below(&self, normal: R::Vec3, offset: R) -> ContactRange {
                 (**self).contacts_below(normal, offset)
             }
             #[inline]
-            fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: Run) -> Run {
+            fn contacts_below_near(
+                &self,
+                normal: R::Vec3,
+                offset: R,
+                near: ContactRange,
+            ) -> ContactRange {
                 (**self).contacts_below_near(normal, offset, near)
             }
             #[inline]
@@ -331,14 +337,14 @@ const BESIDE_A_RIM: usize = 128 - MOST_NODES;
 /// A cyclic run of contact numbers: `first`, `first + 1`, ..., beginning again at 0 after the last
 /// contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Run {
+pub struct ContactRange {
     /// Number of the first contact of the run.
     pub first: usize,
     /// How many contacts the run holds.
     pub count: usize,
 }
 
-impl Run {
+impl ContactRange {
     /// No contact.
     pub const NONE: Self = Self { first: 0, count: 0 };
 
@@ -419,15 +425,15 @@ mod tests {
     fn a_run_past_the_last_contact_begins_again_at_the_first() {
         let contacts = [0, 1, 2, 3, 4];
         assert_eq!(
-            Run { first: 3, count: 4 }.parts(&contacts),
+            ContactRange { first: 3, count: 4 }.parts(&contacts),
             [&[3, 4][..], &[0, 1]]
         );
         assert_eq!(
-            Run { first: 1, count: 3 }.parts(&contacts),
+            ContactRange { first: 1, count: 3 }.parts(&contacts),
             [&[1, 2, 3][..], &[]]
         );
-        assert_eq!(Run::all(5).parts(&contacts), [&contacts[..], &[]]);
-        assert_eq!(Run::NONE.parts(&contacts), [&[][..], &[]]);
+        assert_eq!(ContactRange::all(5).parts(&contacts), [&contacts[..], &[]]);
+        assert_eq!(ContactRange::NONE.parts(&contacts), [&[][..], &[]]);
     }
 
     #[test]
@@ -436,13 +442,16 @@ mod tests {
         const COUNTS: [usize; 7] = [0, 1, 2, 3, 4, 5, usize::MAX];
         let contacts = [0, 1, 2, 3, 4];
         let runs = || {
-            FIRSTS
-                .into_iter()
-                .flat_map(|first| COUNTS.into_iter().map(move |count| Run { first, count }))
+            FIRSTS.into_iter().flat_map(|first| {
+                COUNTS
+                    .into_iter()
+                    .map(move |count| ContactRange { first, count })
+            })
         };
         for held in 0..=contacts.len() {
             let contacts = &contacts[..held];
-            let has = |run: Run, contact: &i32| run.parts(contacts).concat().contains(contact);
+            let has =
+                |run: ContactRange, contact: &i32| run.parts(contacts).concat().contains(contact);
             for (run, other) in runs().flat_map(|run| runs().map(move |other| (run, other))) {
                 let rest = run.without(other, held);
                 let mut found = rest.map(|run| run.parts(contacts).concat()).concat();
@@ -462,7 +471,7 @@ mod tests {
     fn a_run_beyond_the_contacts_is_cut_and_never_panics() {
         let contacts = [0, 1];
         assert_eq!(
-            Run { first: 7, count: 9 }.parts(&contacts),
+            ContactRange { first: 7, count: 9 }.parts(&contacts),
             [&[][..], &[0, 1]]
         );
     }

@@ -2,12 +2,13 @@
 //! tests.
 //!
 //! The traits say what they ask of an implementer in words; these functions ask it in numbers. Each
-//! tries a fixed battery of inputs, extremes first, and then as many random ones as a [`Battery`]
-//! says, and returns the first [`Breach`]: the [`Clause`] that is broken, the input that breaks it,
-//! and both numbers. Nothing is allocated and nothing panics, so that they also run on the target.
+//! tries a fixed battery of inputs, extremes first, and then as many random ones as a [`CheckPlan`]
+//! says, and returns the first [`Violation`]: the [`Requirement`] that is broken, the input that
+//! breaks it, and both numbers. Nothing is allocated and nothing panics, so that they also run on
+//! the target.
 //!
 //! ```
-//! use tumble::contract::{Battery, Clause, GroundRange, check_ground};
+//! use tumble::contract::{CheckPlan, Requirement, GroundRange, check_ground};
 //! use tumble::glam::DVec3;
 //! use tumble::{SpringDamperGround, Surface};
 //!
@@ -30,9 +31,9 @@
 //! }
 //!
 //! let range = GroundRange { centre: DVec3::ZERO, size: 1.0, depth: 0.05, speed: 3.0 };
-//! let breach = check_ground(&Glue, &range, Battery::default()).unwrap_err();
-//! assert_eq!(breach.clause, Clause::NeverPulls);
-//! println!("{breach}");
+//! let violation = check_ground(&Glue, &range, CheckPlan::default()).unwrap_err();
+//! assert_eq!(violation.requirement, Requirement::NeverPulls);
+//! println!("{violation}");
 //! ```
 //!
 //! | check | what it asks |
@@ -43,18 +44,18 @@
 //! | [`check_integrator`] | steps that keep to their limit, land on it, have the same bits each time, keep the orientation's length, and converge at the stated order |
 //! | [`check_energy_never_rises`] | that the computed energy never rises: only [`EnergyMomentum`](crate::EnergyMomentum) among the built-in integrators passes |
 
-mod battery;
 mod body;
 mod friction;
 mod ground;
 mod integrator;
+mod plan;
 mod scenes;
 
-pub use battery::Battery;
 pub use body::check_body;
 pub use friction::{FrictionRange, check_friction};
 pub use ground::{GroundRange, check_ground};
 pub use integrator::{check_energy_never_rises, check_integrator};
+pub use plan::CheckPlan;
 
 use core::fmt;
 
@@ -66,9 +67,9 @@ use crate::real::{Real, Vector};
 /// A clause of a trait's contract that an implementation breaks, and the input that shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Breach {
+pub struct Violation {
     /// What is broken.
-    pub clause: Clause,
+    pub requirement: Requirement,
     /// With what input.
     pub input: Input,
     /// The offending value, in the SI unit of what the clause speaks of.
@@ -77,22 +78,22 @@ pub struct Breach {
     pub bound: f64,
 }
 
-impl core::error::Error for Breach {}
+impl core::error::Error for Violation {}
 
-impl fmt::Display for Breach {
+impl fmt::Display for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
-            clause,
+            requirement,
             input,
             value,
             bound,
         } = self;
-        write!(f, "{clause}: got {value:e}")?;
+        write!(f, "{requirement}: got {value:e}")?;
         // A rule of scenes names its own bound, but for a sum that only the body knows; what is not
         // a number has none.
-        let names_bound = match clause {
-            Clause::Composes { rule, .. } => *rule != Rule::TriangleInequality,
-            Clause::Finite | Clause::Steps(_) => true,
+        let names_bound = match requirement {
+            Requirement::Composes { rule, .. } => *rule != Rule::TriangleInequality,
+            Requirement::Finite | Requirement::Steps(_) => true,
             _ => false,
         };
         if !names_bound {
@@ -105,7 +106,7 @@ impl fmt::Display for Breach {
 /// What a contract asks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Clause {
+pub enum Requirement {
     /// The implementation's own check passes, and a scene can be composed with it.
     Composes {
         /// What is wrong, in words: "mass".
@@ -133,7 +134,7 @@ pub enum Clause {
     /// Ground: the gap changes by `normal · path` from place to place.
     GapAlongNormal,
     /// Ground: what `extent` says is so.
-    Extent,
+    GroundBounds,
     /// Ground: the spring force is at least 0.
     SpringPushes,
     /// Ground: the springs' energy is at least 0 and does not fall with depth.
@@ -191,7 +192,7 @@ pub enum Clause {
     EnergyNeverRises,
 }
 
-impl fmt::Display for Clause {
+impl fmt::Display for Requirement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Composes { quantity, rule } => {
@@ -209,7 +210,7 @@ impl fmt::Display for Clause {
             Self::GapAlongNormal => {
                 "the gap must change by normal · path, as a distance does; a height z = h(x, y) makes a Terrain"
             }
-            Self::Extent => "the extent must be true of the surface",
+            Self::GroundBounds => "the extent must be true of the surface",
             Self::SpringPushes => "the spring force must be at least 0, rounding included",
             Self::SpringEnergyRises => "the springs' energy must be at least 0 and rise with depth",
             Self::EnergyIsIntegral => {
@@ -377,16 +378,16 @@ impl fmt::Display for Input {
 /// `Ok` where a clause holds, else its breach.
 fn demand<R: Real>(
     holds: bool,
-    clause: Clause,
+    requirement: Requirement,
     value: R,
     bound: R,
     input: impl FnOnce() -> Input,
-) -> Result<(), Breach> {
+) -> Result<(), Violation> {
     if holds {
         Ok(())
     } else {
-        Err(Breach {
-            clause,
+        Err(Violation {
+            requirement,
             input: input(),
             value: value.to_f64(),
             bound: bound.to_f64(),
@@ -395,34 +396,34 @@ fn demand<R: Real>(
 }
 
 /// That a number is finite.
-fn demand_finite<R: Real>(value: R, input: impl FnOnce() -> Input) -> Result<(), Breach> {
-    demand(value.is_finite(), Clause::Finite, value, R::MAX, input)
+fn demand_finite<R: Real>(value: R, input: impl FnOnce() -> Input) -> Result<(), Violation> {
+    demand(value.is_finite(), Requirement::Finite, value, R::MAX, input)
 }
 
 /// That a number is at least what rounding leaves of 0.
 fn demand_at_least<R: Real>(
     value: R,
     bound: R,
-    clause: Clause,
+    requirement: Requirement,
     input: impl FnOnce() -> Input,
-) -> Result<(), Breach> {
-    demand(value >= bound, clause, value, bound, input)
+) -> Result<(), Violation> {
+    demand(value >= bound, requirement, value, bound, input)
 }
 
 /// That a number is at most a bound.
 fn demand_at_most<R: Real>(
     value: R,
     bound: R,
-    clause: Clause,
+    requirement: Requirement,
     input: impl FnOnce() -> Input,
-) -> Result<(), Breach> {
-    demand(value <= bound, clause, value, bound, input)
+) -> Result<(), Violation> {
+    demand(value <= bound, requirement, value, bound, input)
 }
 
 /// A scene that cannot be composed.
-fn cannot_be(error: SceneError) -> Breach {
-    Breach {
-        clause: Clause::Composes {
+fn cannot_be(error: SceneError) -> Violation {
+    Violation {
+        requirement: Requirement::Composes {
             quantity: error.quantity,
             rule: error.rule,
         },

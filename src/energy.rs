@@ -43,11 +43,11 @@ impl<R: Real> Energy<R> {
     /// The energy of a state that moves so, with this energy in the springs.
     #[inline]
     fn moving(scene: &impl Dynamics<R>, state: &State<R>, motion: &Motion<R>, springs: R) -> Self {
-        let mass = scene.mass_properties().mass();
+        let mass = scene.inertia_properties().mass();
         Self {
             translation: mass * state.linear_velocity.length_squared() * R::HALF,
             rotation: scene
-                .mass_properties()
+                .inertia_properties()
                 .rotational_energy(&motion.axes, state.angular_momentum),
             gravity: -(mass * scene.gravity().dot(state.position)),
             springs,
@@ -152,13 +152,13 @@ fn torque_on<R: Real>(
     angular_velocity: R::Vec3,
 ) -> Option<R::Vec3> {
     let (ground, friction) = (scene.ground(), scene.friction());
-    friction.turning(R::ZERO)?;
+    friction.rolling_resistance(R::ZERO)?;
     Some(contact.turning_torque(ground, friction, angular_velocity))
 }
 
 /// What books of energy ask of a state, from a single look at its contacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Account<R: Real = f64> {
+pub struct EnergyRates<R: Real = f64> {
     /// By kind, J.
     pub energy: Energy<R>,
     /// Power of what takes energy away, by cause, W.
@@ -169,7 +169,7 @@ pub struct Account<R: Real = f64> {
     pub(crate) contacts: u64,
 }
 
-impl<R: Real> Account<R> {
+impl<R: Real> EnergyRates<R> {
     /// The account of a state of a scene.
     #[must_use]
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Self {

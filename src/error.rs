@@ -358,8 +358,8 @@ pub enum LawQuantity {
     FrictionForce,
     /// Power of the friction force, `force · slip`, W.
     FrictionPower,
-    /// A torque or the turn speed of a [`TurningResistance`](crate::TurningResistance).
-    TurningResistance,
+    /// A torque or the turn speed of a [`RollingResistance`](crate::RollingResistance).
+    RollingResistance,
 }
 
 impl LawQuantity {
@@ -371,7 +371,7 @@ impl LawQuantity {
             Self::SpringForce | Self::SpringEnergy | Self::NormalForce | Self::MeanForce => {
                 Role::GroundLaw
             }
-            Self::FrictionForce | Self::FrictionPower | Self::TurningResistance => {
+            Self::FrictionForce | Self::FrictionPower | Self::RollingResistance => {
                 Role::FrictionLaw
             }
         }
@@ -383,7 +383,7 @@ impl LawQuantity {
         match self {
             Self::Gap | Self::SpringForce | Self::NormalForce | Self::MeanForce => Rule::NotNan,
             Self::Normal => Rule::UnitLength,
-            Self::SpringEnergy | Self::TurningResistance => Rule::AtLeastZero,
+            Self::SpringEnergy | Self::RollingResistance => Rule::AtLeastZero,
             Self::FrictionForce => Rule::Finite,
             Self::FrictionPower => Rule::AtMostZero,
         }
@@ -394,7 +394,7 @@ impl LawQuantity {
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Gap => " m",
-            Self::Normal | Self::TurningResistance => "",
+            Self::Normal | Self::RollingResistance => "",
             Self::SpringEnergy => " J",
             Self::FrictionPower => " W",
             _ => " N",
@@ -413,7 +413,7 @@ impl core::fmt::Display for LawQuantity {
             Self::MeanForce => "mean force",
             Self::FrictionForce => "friction force",
             Self::FrictionPower => "power of the friction force",
-            Self::TurningResistance => "resistance to turning",
+            Self::RollingResistance => "resistance to turning",
         })?;
         write!(f, " of the {}", self.role())
     }

@@ -10,7 +10,7 @@ mod viscous;
 pub use anisotropic::AnisotropicCoulomb;
 pub use coulomb::{Coulomb, SmoothCoulomb};
 pub use load_dependent::LoadDependentCoulomb;
-pub use resistance::{TurningResistance, WithResistance};
+pub use resistance::{RollingResistance, WithResistance};
 pub use stribeck::Stribeck;
 pub use viscous::Viscous;
 
@@ -35,7 +35,7 @@ use crate::real::{Real, Vector};
 /// | [`LoadDependentCoulomb`] | `μ N (1 + N/N₀)^(-1/3) u/(u + ε)` | plastics and rubber, which slide with less under impacts |
 /// | [`AnisotropicCoulomb`] | on an ellipse of half axes `μ₁ N`, `μ₂ N` | grain: wood, brushed metal |
 /// | [`Viscous`] | `c N u` | wet ground |
-/// | any of them in [`WithResistance`] | and torques against rolling and drilling | balls that roll out, tops that spin down |
+/// | any of them in [`WithResistance`] | and torques against rolling and spinning | balls that roll out, tops that spin down |
 /// | [`Frictionless`] | 0 | ice, and what is computed without friction |
 ///
 /// ```
@@ -63,21 +63,21 @@ pub trait SlidingFriction<R: Real = f64> {
     /// least 0) and slides at `slip` (m/s, world axes, in the surface).
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3;
 
-    /// How the force answers to slip and load, for an implicit step: see [`Drag`].
+    /// How the force answers to slip and load, for an implicit step: see [`FrictionJacobian`].
     ///
     /// The provided method takes differences of [`force`](Self::force). It steers Newton's
     /// iteration only: an error in it costs iterations, not accuracy.
     #[inline]
-    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
+    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
         drag_by_differences(self, normal_force, slip)
     }
 
-    /// How a contact that presses with `normal_force` (N) resists the body's rolling and drilling,
+    /// How a contact that presses with `normal_force` (N) resists the body's rolling and spinning,
     /// if the law does at all: always, or never.
     ///
     /// The provided method says never, which costs nothing. [`WithResistance`] adds it to any law.
     #[inline]
-    fn turning(&self, _normal_force: R) -> Option<TurningResistance<R>> {
+    fn rolling_resistance(&self, _normal_force: R) -> Option<RollingResistance<R>> {
         None
     }
 
@@ -112,12 +112,12 @@ macro_rules! forward {
                 (**self).force(normal_force, slip)
             }
             #[inline]
-            fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
-                (**self).drag(normal_force, slip)
+            fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
+                (**self).jacobian(normal_force, slip)
             }
             #[inline]
-            fn turning(&self, normal_force: R) -> Option<TurningResistance<R>> {
-                (**self).turning(normal_force)
+            fn rolling_resistance(&self, normal_force: R) -> Option<RollingResistance<R>> {
+                (**self).rolling_resistance(normal_force)
             }
             #[inline]
             fn check(&self) -> Result<(), SceneError> {
@@ -141,7 +141,7 @@ forward!(alloc::boxed::Box<F>);
 /// `width` is proportional to `|slip|/|force|`: for [`Coulomb`] the width is `|slip| + slip_speed`
 /// and grows by 1 m/s for each m/s of slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drag<R: Real = f64> {
+pub struct FrictionJacobian<R: Real = f64> {
     /// `|force|/|slip|`, N s/m, at least 0; the limit for slip to 0 where there is none.
     pub coefficient: R,
     /// Derivative of the coefficient with respect to the normal force, s/m.
@@ -152,7 +152,7 @@ pub struct Drag<R: Real = f64> {
     pub growth: R,
 }
 
-impl<R: Real> Drag<R> {
+impl<R: Real> FrictionJacobian<R> {
     /// No friction.
     pub const NONE: Self = Self {
         coefficient: R::ZERO,
@@ -162,15 +162,15 @@ impl<R: Real> Drag<R> {
     };
 }
 
-/// The provided [`SlidingFriction::drag`].
+/// The provided [`SlidingFriction::jacobian`].
 fn drag_by_differences<R: Real, F: SlidingFriction<R> + ?Sized>(
     friction: &F,
     normal_force: R,
     slip: R::Vec3,
-) -> Drag<R> {
+) -> FrictionJacobian<R> {
     let speed = slip.length();
     if !(speed > R::ZERO && normal_force > R::ZERO) {
-        return Drag::NONE;
+        return FrictionJacobian::NONE;
     }
     let nudged = R::ONE + R::EPSILON.sqrt();
     let nudge = R::EPSILON.sqrt();
@@ -178,11 +178,11 @@ fn drag_by_differences<R: Real, F: SlidingFriction<R> + ?Sized>(
     let force = along(normal_force, R::ONE);
     let coefficient = force / speed;
     if coefficient <= R::ZERO {
-        return Drag::NONE;
+        return FrictionJacobian::NONE;
     }
     let slope = (along(normal_force, nudged) - force) / (speed * nudge);
     let per_load = (along(normal_force * nudged, R::ONE) - force) / (normal_force * nudge * speed);
-    Drag {
+    FrictionJacobian {
         coefficient,
         per_load,
         width: speed,
@@ -203,8 +203,8 @@ impl<R: Real> SlidingFriction<R> for Frictionless {
         R::Vec3::ZERO
     }
     #[inline]
-    fn drag(&self, _normal_force: R, _slip: R::Vec3) -> Drag<R> {
-        Drag::NONE
+    fn jacobian(&self, _normal_force: R, _slip: R::Vec3) -> FrictionJacobian<R> {
+        FrictionJacobian::NONE
     }
     #[inline]
     fn is_trusted(&self) -> bool {

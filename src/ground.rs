@@ -17,7 +17,7 @@ mod shape;
 pub use composed::Ground;
 pub use flat::FlatGround;
 pub use law::{Carried, ContactLaw, HuntCrossley, LimitedDamper, SpringDamper};
-pub use shape::{Bowl, Elevation, Ramp, Relief, Shape, Terrain, Waves};
+pub use shape::{Bowl, Elevation, HeightField, Ramp, Shape, Terrain, Waves};
 
 use law::mean_force_by_quadrature;
 
@@ -40,7 +40,7 @@ use crate::real::{Real, Vector};
 ///
 /// ```
 /// use tumble::glam::DVec3;
-/// use tumble::{Extent, Plane, SpringDamperGround, Surface};
+/// use tumble::{GroundBounds, Plane, SpringDamperGround, Surface};
 ///
 /// /// A level ground that stiffens: force `k d + c d³`.
 /// struct Rubber {
@@ -61,8 +61,8 @@ use crate::real::{Real, Vector};
 ///     fn normal_force(&self, depth: f64, _closing_speed: f64) -> f64 {
 ///         self.spring_force(depth)
 ///     }
-///     fn extent(&self) -> Extent {
-///         Extent::Plane(Plane::level(0.0))
+///     fn bounds(&self) -> GroundBounds {
+///         GroundBounds::Plane(Plane::level(0.0))
 ///     }
 /// }
 /// ```
@@ -106,8 +106,8 @@ pub trait SpringDamperGround<R: Real = f64> {
     /// Where the ground can be at all. The default is everywhere; a ground that names a plane lets
     /// a body high above it move without a look at its contacts.
     #[inline]
-    fn extent(&self) -> Extent<R> {
-        Extent::Everywhere
+    fn bounds(&self) -> GroundBounds<R> {
+        GroundBounds::Everywhere
     }
 
     /// Whether the ground can be: called once, when a scene is composed.
@@ -157,8 +157,8 @@ macro_rules! forward {
                 (**self).mean_force(start, end, seconds)
             }
             #[inline]
-            fn extent(&self) -> Extent<R> {
-                (**self).extent()
+            fn bounds(&self) -> GroundBounds<R> {
+                (**self).bounds()
             }
             #[inline]
             fn check(&self) -> Result<(), SceneError> {
@@ -227,7 +227,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> ContactLaw<R> for LawOf<'_, G> 
 
 /// Where a ground can be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Extent<R: Real = f64> {
+pub enum GroundBounds<R: Real = f64> {
     /// Nowhere: nothing ever touches.
     Nowhere,
     /// The ground's surface is this plane: `gap` and `normal` of
@@ -340,8 +340,8 @@ impl<R: Real> SpringDamperGround<R> for NoGround {
         MeanForce::NONE
     }
     #[inline]
-    fn extent(&self) -> Extent<R> {
-        Extent::Nowhere
+    fn bounds(&self) -> GroundBounds<R> {
+        GroundBounds::Nowhere
     }
     #[inline]
     fn is_trusted(&self) -> bool {

@@ -1,16 +1,16 @@
 //! How a state moves on in time: one file a method.
 
-mod aloft;
 mod bogacki_shampine_32;
+mod contact_path;
 mod dormand_prince_54;
 mod embedded_pair;
+mod energy_limit;
 mod energy_momentum;
+mod fingerprint;
 mod flight;
+mod flight_rounding;
 mod forward_euler;
-mod likeness;
 mod nystrom;
-mod passage;
-mod ratchet;
 mod rk4;
 mod strang_splitting;
 mod symplectic_euler;
@@ -41,7 +41,7 @@ use crate::state::State;
 /// Its accuracy (a time step, a tolerance) is its own field. *To the implementer:*
 /// [`step`](Self::step) must advance by at most `limit`, must be a function of scene, state and
 /// limit alone (a workspace may save work, never change a result), and keep the orientation's
-/// length at 1. A method that chooses its steps says so by [`CHOOSES_STEPS`](Self::CHOOSES_STEPS):
+/// length at 1. A method that chooses its steps says so by [`ADAPTIVE`](Self::ADAPTIVE):
 /// its step is a function of scene, state, limit and the proposal that the workspace holds, and a
 /// new workspace proposes from the state alone.
 /// [`contract::check_integrator`](crate::contract::check_integrator) tests an implementation.
@@ -52,13 +52,13 @@ use crate::state::State;
 )]
 pub trait Integrator<R: Real = f64> {
     /// What the method may keep from step to step to save work: its results must not depend on it,
-    /// but for a length of the next step where the method [chooses its steps](Self::CHOOSES_STEPS).
+    /// but for a length of the next step where the method [chooses its steps](Self::ADAPTIVE).
     /// A copy must do as well.
     type Workspace: Default + Clone + Debug;
 
     /// Whether the method chooses the length of its steps, and carries its choice of the next one
     /// in the workspace.
-    const CHOOSES_STEPS: bool = false;
+    const ADAPTIVE: bool = false;
 
     /// Whether one step may span several of the [fixed steps](Self::fixed_step), as closed-form
     /// flight does. Default: false. A run of more fixed steps than its clock counts is then refused
@@ -127,7 +127,7 @@ pub struct Step<R = f64> {
     pub fallback: bool,
     /// Energy that was removed so that the total does not rise, J: what the solver's error would
     /// have added.
-    pub ratcheted: R,
+    pub energy_removed: R,
 }
 
 impl<R: Real> Step<R> {
@@ -141,7 +141,7 @@ impl<R: Real> Step<R> {
             rejected: 0,
             iterations: 0,
             fallback: false,
-            ratcheted: R::ZERO,
+            energy_removed: R::ZERO,
         }
     }
 }

@@ -30,8 +30,8 @@
 //! - To look at something first: `cargo run --release --example coin` in the repository; the
 //!   [gallery](guide::gallery) has the others.
 //! - To study a motion: [`guide::choosing`] names integrator and step for an error, [`Ledger`] says
-//!   what became of the energy, [`trade`](mod@trade) measures the error on your scene, [`Timed`]
-//!   samples it.
+//!   what became of the energy, [`work_precision`](mod@work_precision) measures the error on your
+//!   scene, [`Timed`] samples it.
 //! - To throw dice and coins in a game: [`guide::game`] goes from the throw to the face that is up.
 //! - To add a body, a ground, a friction law or an integrator: [`guide::extending`].
 //! - Where the compiler cannot tell `f64` from `f32`, as in `Ledger::new()` alone, take the names
@@ -51,10 +51,10 @@
 //! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`],
 //!   [`SmoothCoulomb`]), with a static and a kinetic coefficient ([`Stribeck`]), a coefficient that
 //!   falls with the load ([`LoadDependentCoulomb`]), or two directions ([`AnisotropicCoulomb`]);
-//!   [`Viscous`]; or your own. Beside any of them, resistance to rolling and drilling
+//!   [`Viscous`]; or your own. Beside any of them, resistance to rolling and spinning
 //!   ([`WithResistance`]).
 //! - Bodies: rings of points ([`Coin`]), solids ([bodies](body#bodies)), and anything put together
-//!   from solids and points ([`Solid`], [`MassDistribution`], [`PointCloud`]).
+//!   from solids and points ([`Solid`], [`MassProperties`], [`PointCloud`]).
 //! - The energy by kind ([`Energy`]) and the energy audit of a run ([`Ledger`]).
 //!
 //! # What is not
@@ -145,7 +145,7 @@
 //!
 //! | feature | |
 //! |---|---|
-//! | `std` (default) | the standard library for the dependencies and the square root, parts in boxes, [`trade`](mod@trade); changes no bit of any result |
+//! | `std` (default) | the standard library for the dependencies and the square root, parts in boxes, [`work_precision`](mod@work_precision); changes no bit of any result |
 //! | `approx-05` | comparison of states by `approx` 0.5 |
 //! | `serde` | states and parameters can be saved and loaded |
 //! | `mint` | glam's conversions from and to `mint` |
@@ -174,33 +174,33 @@ pub mod scene;
 mod stability;
 pub mod state;
 pub mod stepper;
-#[cfg(feature = "std")]
-pub mod trade;
 pub mod trial;
+#[cfg(feature = "std")]
+pub mod work_precision;
 
 pub use aliases::{f32, f64};
 pub use body::{
-    Capsule, Coin, Cone, ContactPoint, Cuboid, Disc, Ellipsoid, Face, MassDistribution,
-    MassProperties, PointCloud, PointMass, RigidPointBody, Rim, Rod, Run, Side, Solid, SolidCoin,
-    Sphere,
+    Capsule, Coin, CoinFace, Cone, ContactPoint, ContactRange, Cuboid, CuboidFace, Disc, Ellipsoid,
+    InertiaProperties, MassProperties, PointCloud, PointMass, RigidPointBody, Rim, Rod, Solid,
+    SolidCoin, Sphere,
 };
-pub use energy::{Account, Dissipation, Energy};
+pub use energy::{Dissipation, Energy, EnergyRates};
 pub use error::{SceneError, StepError};
 pub use friction::{
-    AnisotropicCoulomb, Coulomb, Drag, Frictionless, LoadDependentCoulomb, SlidingFriction,
-    SmoothCoulomb, Stribeck, TurningResistance, Viscous, WithResistance,
+    AnisotropicCoulomb, Coulomb, FrictionJacobian, Frictionless, LoadDependentCoulomb,
+    RollingResistance, SlidingFriction, SmoothCoulomb, Stribeck, Viscous, WithResistance,
 };
 pub use gravity::{Gravity, NoGravity, UniformGravity};
 pub use ground::{
-    Bowl, Carried, ContactLaw, Elevation, Extent, FlatGround, Ground, HuntCrossley, LimitedDamper,
-    MeanForce, NoGround, Plane, Ramp, Relief, Shape, SpringDamper, SpringDamperGround, Surface,
-    Terrain, Waves,
+    Bowl, Carried, ContactLaw, Elevation, FlatGround, Ground, GroundBounds, HeightField,
+    HuntCrossley, LimitedDamper, MeanForce, NoGround, Plane, Ramp, Shape, SpringDamper,
+    SpringDamperGround, Surface, Terrain, Waves,
 };
 pub use integrator::{
     BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, ForwardEuler, Integrator, Nystrom,
     Rk4, Step, StrangSplitting, SymplecticEuler,
 };
-pub use observer::{Every, Ledger, Observer, Probe, Sample, Timed, UntilRest};
+pub use observer::{Every, Ledger, Observer, Sample, SceneQuery, Timed, UntilRest};
 pub use real::Real;
 pub use rotation::Rotation;
 pub use scene::{Contact, Dynamics, Load, LowestPoint, Motion, Rates, Scene};
@@ -230,7 +230,7 @@ pub mod guide {
 
     #[doc = include_str!("guide/choosing.md")]
     #[doc = ""]
-    #[doc = include_str!("../assets/trade.svg")]
+    #[doc = include_str!("../assets/work_precision.svg")]
     pub mod choosing {}
 
     #[doc = include_str!("guide/game.md")]

@@ -12,7 +12,7 @@ pub use until_rest::UntilRest;
 
 use core::ops::ControlFlow;
 
-use crate::energy::{Account, Dissipation, Energy};
+use crate::energy::{Dissipation, Energy, EnergyRates};
 use crate::real::Real;
 use crate::scene::{Dynamics, LowestPoint, Rates};
 use crate::state::State;
@@ -28,7 +28,7 @@ use crate::state::State;
 ///
 /// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?.with_gravity(UniformGravity::down(9.8))?.with_ground(FlatGround::level(1e3, 2.0))?;
 /// let mut both = (Ledger::new(), UntilRest::new(stepper.body(), 1e-3, 0.1)?);
-/// let mut state = State::at(DVec3::Z).turned_by(DVec3::Y * 1.2);
+/// let mut state = State::at(DVec3::Z).with_rotation_vector(DVec3::Y * 1.2);
 /// let seconds = stepper.run(&mut state, 100.0, &mut both)?;
 /// let (books, rest) = both;
 /// assert!(rest.is_reached());
@@ -157,7 +157,7 @@ pub struct Sample<'a, R: Real = f64> {
     /// The state now.
     pub state: &'a State<R>,
     /// The scene, for questions about this state or any other.
-    pub scene: &'a dyn Probe<R>,
+    pub scene: &'a dyn SceneQuery<R>,
 }
 
 impl<R: Real> Sample<'_, R> {
@@ -198,14 +198,14 @@ impl<R: Real> Sample<'_, R> {
 ///
 /// ```
 /// use tumble::glam::DVec3;
-/// use tumble::{Coin, Probe, State, Stepper, UniformGravity};
+/// use tumble::{Coin, SceneQuery, State, Stepper, UniformGravity};
 ///
 /// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?.with_gravity(UniformGravity::down(9.8))?;
 /// let state = State::at(DVec3::Z);
 /// assert_eq!(stepper.scene().rates(&state).acceleration, DVec3::new(0.0, 0.0, -9.8));
 /// # Ok::<(), tumble::SceneError>(())
 /// ```
-pub trait Probe<R: Real = f64> {
+pub trait SceneQuery<R: Real = f64> {
     /// Energy by kind, J.
     fn energy(&self, state: &State<R>) -> Energy<R>;
     /// Power of what takes energy away, by cause, W.
@@ -213,14 +213,14 @@ pub trait Probe<R: Real = f64> {
     /// Acceleration, torque and angular velocity.
     fn rates(&self, state: &State<R>) -> Rates<R>;
     /// Energy, dissipation and rates together, for the price of one of them.
-    fn account(&self, state: &State<R>) -> Account<R>;
+    fn account(&self, state: &State<R>) -> EnergyRates<R>;
     /// The lowest point of the body; `None` for a body without contacts.
     fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>>;
     /// How many contacts touch the ground.
     fn touching(&self, state: &State<R>) -> usize;
 }
 
-impl<R: Real, D: Dynamics<R>> Probe<R> for D {
+impl<R: Real, D: Dynamics<R>> SceneQuery<R> for D {
     fn energy(&self, state: &State<R>) -> Energy<R> {
         Energy::of(self, state)
     }
@@ -231,8 +231,8 @@ impl<R: Real, D: Dynamics<R>> Probe<R> for D {
         // From the same sums, so that an account and its parts agree to the last bit.
         self.account(state).rates
     }
-    fn account(&self, state: &State<R>) -> Account<R> {
-        Account::of(self, state)
+    fn account(&self, state: &State<R>) -> EnergyRates<R> {
+        EnergyRates::of(self, state)
     }
     fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>> {
         LowestPoint::of(self, state)
@@ -244,7 +244,7 @@ impl<R: Real, D: Dynamics<R>> Probe<R> for D {
     }
 }
 
-impl<R: Real> core::fmt::Debug for dyn Probe<R> + '_ {
+impl<R: Real> core::fmt::Debug for dyn SceneQuery<R> + '_ {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str("scene")
     }

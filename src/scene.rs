@@ -9,11 +9,11 @@ pub(crate) use checked::{CheckedScene, Record};
 use rims::Touching;
 pub(crate) use rims::{Kinks, Velocities, arc_below, kinks};
 
-use crate::body::{ContactPoint, MassProperties, RigidPointBody, Run};
+use crate::body::{ContactPoint, ContactRange, InertiaProperties, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::friction::SlidingFriction;
 use crate::gravity::Gravity;
-use crate::ground::{Extent, SpringDamperGround};
+use crate::ground::{GroundBounds, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::State;
@@ -47,9 +47,9 @@ pub trait Dynamics<R: Real = f64> {
     /// Acceleration of gravity, m/s², world axes.
     fn gravity(&self) -> R::Vec3;
     /// Mass and inertia of the body.
-    fn mass_properties(&self) -> &MassProperties<R>;
+    fn inertia_properties(&self) -> &InertiaProperties<R>;
     /// Distance from the centre of mass to the farthest place of the body's surface, m.
-    fn reach(&self) -> R;
+    fn bounding_radius(&self) -> R;
 
     /// Whether any contact of the body has a radius or wanders over a smooth surface: whether the
     /// force acts elsewhere than at the contact's own position.
@@ -80,7 +80,7 @@ pub trait Dynamics<R: Real = f64> {
             axes,
             linear_velocity: state.linear_velocity,
             angular_velocity: self
-                .mass_properties()
+                .inertia_properties()
                 .angular_velocity(&axes, state.angular_momentum),
         }
     }
@@ -88,7 +88,7 @@ pub trait Dynamics<R: Real = f64> {
     /// The contacts that may lie less than `margin` (m) above the ground: none that does is
     /// missing, and in flight none is visited to find out.
     #[inline]
-    fn contacts_within(&self, margin: R, position: R::Vec3, axes: &Axes<R>) -> Run {
+    fn contacts_within(&self, margin: R, position: R::Vec3, axes: &Axes<R>) -> ContactRange {
         low_contacts(self, margin, position, axes, |normal, offset| {
             self.body().contacts_below(normal, offset)
         })
@@ -98,7 +98,7 @@ pub trait Dynamics<R: Real = f64> {
     /// margin, found sooner by a caller who knows those of a moment ago. Whatever `near` is, the
     /// answer is the same.
     #[inline(always)]
-    fn contacts_near(&self, near: Run, position: R::Vec3, axes: &Axes<R>) -> Run {
+    fn contacts_near(&self, near: ContactRange, position: R::Vec3, axes: &Axes<R>) -> ContactRange {
         low_contacts(self, R::ZERO, position, axes, |normal, offset| {
             self.body().contacts_below_near(normal, offset, near)
         })
@@ -113,7 +113,7 @@ pub trait Dynamics<R: Real = f64> {
 
     /// As [`visit_contacts`](Self::visit_contacts), looking at the contacts of `run` alone.
     #[inline(always)]
-    fn visit_run(&self, run: Run, motion: &Motion<R>, mut visit: impl FnMut(&Contact<R>)) {
+    fn visit_run(&self, run: ContactRange, motion: &Motion<R>, mut visit: impl FnMut(&Contact<R>)) {
         visit_points(self, run, motion, &mut visit);
         if !self.body().rims().is_empty() {
             self.visit_rims(motion, visit);
@@ -147,7 +147,7 @@ pub trait Dynamics<R: Real = f64> {
     /// As [`load`](Self::load), looking at the contacts of `run` alone: for a second look at the
     /// same place with other velocities.
     #[inline(always)]
-    fn load_on(&self, run: Run, motion: &Motion<R>) -> Load<R> {
+    fn load_on(&self, run: ContactRange, motion: &Motion<R>) -> Load<R> {
         load_with_arms(self, run, motion, None)
     }
 }
@@ -158,23 +158,23 @@ fn low_contacts<R: Real, D: Dynamics<R> + ?Sized>(
     margin: R,
     position: R::Vec3,
     axes: &Axes<R>,
-    below: impl FnOnce(R::Vec3, R) -> Run,
-) -> Run {
-    match scene.ground().extent() {
-        Extent::Nowhere => Run::NONE,
-        Extent::Everywhere => Run::all(scene.body().contacts().len()),
-        Extent::Plane(plane) | Extent::Below(plane) => {
+    below: impl FnOnce(R::Vec3, R) -> ContactRange,
+) -> ContactRange {
+    match scene.ground().bounds() {
+        GroundBounds::Nowhere => ContactRange::NONE,
+        GroundBounds::Everywhere => ContactRange::all(scene.body().contacts().len()),
+        GroundBounds::Plane(plane) | GroundBounds::Below(plane) => {
             let (gap, normal) = if plane.is_level() {
                 (position.z() - plane.height, axes.rise())
             } else {
                 (plane.gap(position), axes.to_body(plane.normal))
             };
             // What rounding may hide of a gap; far more than the body's own arithmetic loses.
-            let rounding =
-                (gap.abs() + plane.height.abs() + scene.reach()) * (R::EPSILON * R::from_f64(8.0));
+            let rounding = (gap.abs() + plane.height.abs() + scene.bounding_radius())
+                * (R::EPSILON * R::from_f64(8.0));
             let offset = margin + rounding - gap;
-            if offset < -scene.reach() {
-                Run::NONE
+            if offset < -scene.bounding_radius() {
+                ContactRange::NONE
             } else {
                 below(normal, offset)
             }
@@ -187,7 +187,7 @@ fn low_contacts<R: Real, D: Dynamics<R> + ?Sized>(
 #[inline(always)]
 pub(crate) fn visit_points<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
-    run: Run,
+    run: ContactRange,
     motion: &Motion<R>,
     visit: &mut impl FnMut(&Contact<R>),
 ) {
@@ -252,7 +252,7 @@ pub(crate) fn rims_energy<R: Real, D: Dynamics<R> + ?Sized>(
 #[inline(always)]
 pub(crate) fn load_with_arms<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
-    run: Run,
+    run: ContactRange,
     motion: &Motion<R>,
     arm_axes: Option<&Axes<R>>,
 ) -> Load<R> {
@@ -269,17 +269,19 @@ pub(crate) fn load_with_arms<R: Real, D: Dynamics<R> + ?Sized>(
 /// Whether a body is so high above a plane that none of it touches.
 #[inline]
 fn is_aloft<R: Real, D: Dynamics<R> + ?Sized>(scene: &D, motion: &Motion<R>) -> bool {
-    match scene.ground().extent() {
-        Extent::Nowhere => true,
-        Extent::Plane(plane) | Extent::Below(plane) => plane.gap(motion.position) > scene.reach(),
-        Extent::Everywhere => false,
+    match scene.ground().bounds() {
+        GroundBounds::Nowhere => true,
+        GroundBounds::Plane(plane) | GroundBounds::Below(plane) => {
+            plane.gap(motion.position) > scene.bounding_radius()
+        }
+        GroundBounds::Everywhere => false,
     }
 }
 
 #[inline(always)]
 fn load_of_forces<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
-    run: Run,
+    run: ContactRange,
     motion: &Motion<R>,
     arm_axes: Option<&Axes<R>>,
 ) -> Load<R> {
@@ -309,8 +311,8 @@ fn load_of_forces<R: Real, D: Dynamics<R> + ?Sized>(
 /// The height of a ground that is a level plane, if all contacts are bare points of the body.
 #[inline(always)]
 fn height_under_bare_points<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> Option<R> {
-    match scene.ground().extent() {
-        Extent::Plane(plane) if !scene.has_radii() && plane.is_level() => Some(plane.height),
+    match scene.ground().bounds() {
+        GroundBounds::Plane(plane) if !scene.has_radii() && plane.is_level() => Some(plane.height),
         _ => None,
     }
 }
@@ -320,10 +322,10 @@ fn height_under_bare_points<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> Opti
 #[inline(always)]
 pub(crate) fn turning_torque<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
-    run: Run,
+    run: ContactRange,
     motion: &Motion<R>,
 ) -> Option<R::Vec3> {
-    scene.friction().turning(R::ZERO)?;
+    scene.friction().rolling_resistance(R::ZERO)?;
     let mut sum = R::Vec3::ZERO;
     scene.visit_run(run, motion, |contact| {
         sum += contact.turning_torque(scene.ground(), scene.friction(), motion.angular_velocity);
@@ -338,8 +340,8 @@ pub(crate) fn turning_torque<R: Real, D: Dynamics<R> + ?Sized>(
 #[inline]
 pub(crate) fn size<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> R {
     scene
-        .reach()
-        .at_least(scene.mass_properties().radius_of_gyration())
+        .bounding_radius()
+        .at_least(scene.inertia_properties().radius_of_gyration())
 }
 
 /// Where everything of a body is and how it moves, in world axes.
@@ -463,7 +465,7 @@ impl<R: Real> Contact<R> {
         F: SlidingFriction<R>,
     {
         let normal_force = ground.normal_force(self.depth, self.closing_speed);
-        match friction.turning(normal_force) {
+        match friction.rolling_resistance(normal_force) {
             Some(resistance) => resistance.torque(self.normal, angular_velocity) * self.weight,
             None => R::Vec3::ZERO,
         }
@@ -553,7 +555,7 @@ impl<R: Real> Rates<R> {
     #[must_use]
     pub fn under(load: &Load<R>, scene: &impl Dynamics<R>, motion: &Motion<R>) -> Self {
         Self {
-            acceleration: load.force * scene.mass_properties().inverse_mass() + scene.gravity(),
+            acceleration: load.force * scene.inertia_properties().inverse_mass() + scene.gravity(),
             torque: load.torque,
             angular_velocity: motion.angular_velocity,
         }
@@ -619,8 +621,8 @@ pub struct Scene<R: Real, B, G, F, A> {
     ground: G,
     friction: F,
     gravity: A,
-    mass_properties: MassProperties<R>,
-    reach: R,
+    inertia_properties: InertiaProperties<R>,
+    bounding_radius: R,
     has_radii: bool,
 }
 
@@ -645,18 +647,18 @@ where
         gravity.check()?;
         crate::body::check_contacts(body.contacts())?;
         crate::body::check_rims(&body)?;
-        let reach = body.reach();
-        error::finite("reach of the body", reach, " m")?;
-        error::at_least_zero("reach of the body", reach, " m")?;
-        let mass_properties = MassProperties::new(body.mass(), body.inertia())?;
-        let weight = mass_properties.mass() * gravity.acceleration().length();
+        let bounding_radius = body.bounding_radius();
+        error::finite("reach of the body", bounding_radius, " m")?;
+        error::at_least_zero("reach of the body", bounding_radius, " m")?;
+        let inertia_properties = InertiaProperties::new(body.mass(), body.inertia())?;
+        let weight = inertia_properties.mass() * gravity.acceleration().length();
         error::finite("weight (mass times gravity)", weight, " N")?;
-        if let Extent::Plane(plane) | Extent::Below(plane) = ground.extent() {
+        if let GroundBounds::Plane(plane) | GroundBounds::Below(plane) = ground.bounds() {
             plane.check()?;
         }
         Ok(Self {
-            mass_properties,
-            reach,
+            inertia_properties,
+            bounding_radius,
             has_radii: body.is_smooth()
                 || (body.contacts().iter()).any(|contact| contact.radius > R::ZERO),
             body,
@@ -716,12 +718,12 @@ where
         self.gravity.acceleration()
     }
     #[inline]
-    fn mass_properties(&self) -> &MassProperties<R> {
-        &self.mass_properties
+    fn inertia_properties(&self) -> &InertiaProperties<R> {
+        &self.inertia_properties
     }
     #[inline]
-    fn reach(&self) -> R {
-        self.reach
+    fn bounding_radius(&self) -> R {
+        self.bounding_radius
     }
     #[inline]
     fn has_radii(&self) -> bool {

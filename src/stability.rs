@@ -36,7 +36,7 @@
 //! itself can flutter. Left out: the rotation of arms and normals under load (of the size of
 //! depth/arm), and the gyroscopic torque.
 
-use crate::friction::{Drag, SlidingFriction};
+use crate::friction::{FrictionJacobian, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::scene::{Contact, Dynamics, Motion, size};
@@ -185,7 +185,7 @@ impl<R: Real> Response<R> {
         load: R,
         tangents: [R::Vec3; 2],
     ) {
-        let Some(resistance) = frame.scene.friction().turning(load) else {
+        let Some(resistance) = frame.scene.friction().rolling_resistance(load) else {
             return;
         };
         let spin = frame.motion.angular_velocity;
@@ -280,7 +280,7 @@ impl<R: Real, D: Dynamics<R>> Frame<'_, R, D> {
 
     /// Acceleration under a force and a torque.
     fn acceleration(&self, force: R::Vec3, torque: R::Vec3) -> [R; 6] {
-        let mass = self.scene.mass_properties();
+        let mass = self.scene.inertia_properties();
         let spin = mass.angular_velocity(&self.motion.axes, torque);
         joined(force * mass.inverse_mass(), spin * self.length)
     }
@@ -327,13 +327,17 @@ fn slopes<R: Real, G: SpringDamperGround<R>>(
 
 /// The friction law's response at a contact. Where a law states none at zero slip, that at 1e-12
 /// m/s.
-fn drag_at<R: Real, F: SlidingFriction<R>>(friction: &F, load: R, contact: &Contact<R>) -> Drag<R> {
-    let drag = friction.drag(load, contact.slip);
+fn drag_at<R: Real, F: SlidingFriction<R>>(
+    friction: &F,
+    load: R,
+    contact: &Contact<R>,
+) -> FrictionJacobian<R> {
+    let drag = friction.jacobian(load, contact.slip);
     if drag.coefficient > R::ZERO || contact.slip != R::Vec3::ZERO {
         return drag;
     }
     let [direction, _] = tangents(contact.normal, contact.slip, R::ZERO);
-    friction.drag(load, direction * R::from_f64(1e-12))
+    friction.jacobian(load, direction * R::from_f64(1e-12))
 }
 
 /// Two unit vectors along the surface, the first along the slip if there is one.

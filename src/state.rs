@@ -73,7 +73,7 @@ impl<R: Real> State<R> {
     /// The same, turned by `|vector|` radians about `vector` (world axes) from body axes along the
     /// world's.
     #[must_use]
-    pub fn turned_by(self, vector: R::Vec3) -> Self {
+    pub fn with_rotation_vector(self, vector: R::Vec3) -> Self {
         self.with_orientation(Rotation::<R>::from_rotation_vector(vector).to_quat())
     }
 
@@ -96,7 +96,7 @@ impl<R: Real> State<R> {
     /// A place fixed in the body (m, body axes, from the centre of mass) in the world (m, world
     /// axes).
     #[must_use]
-    pub fn place(&self, body_point: R::Vec3) -> R::Vec3 {
+    pub fn world_point(&self, body_point: R::Vec3) -> R::Vec3 {
         self.position + self.rotation().apply(body_point)
     }
 

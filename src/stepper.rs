@@ -9,7 +9,7 @@ use crate::friction::{Frictionless, SlidingFriction};
 use crate::gravity::{Gravity, NoGravity};
 use crate::ground::{NoGround, SpringDamperGround};
 use crate::integrator::{EnergyMomentum, Integrator, Step};
-use crate::observer::{Observer, Probe, Sample};
+use crate::observer::{Observer, Sample, SceneQuery};
 use crate::real::Real;
 use crate::scene::{CheckedScene, Dynamics, LowestPoint, Record, Scene};
 use crate::stability;
@@ -169,16 +169,16 @@ where
     /// use tumble::{Coin, State, Stepper};
     ///
     /// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?; // kg, m; its normal is body x
-    /// let state = State::at(DVec3::Z).turned_by(DVec3::Y * 0.3); // rad
-    /// let state = stepper.spinning(state, state.orientation * DVec3::X * 8.0); // rad/s about its normal
+    /// let state = State::at(DVec3::Z).with_rotation_vector(DVec3::Y * 0.3); // rad
+    /// let state = stepper.with_angular_velocity(state, state.orientation * DVec3::X * 8.0); // rad/s about its normal
     /// assert!((state.angular_momentum.length() - 1.0 * 0.5 * 0.5 * 8.0).abs() < 1e-12); // m r² ω
     /// assert!((stepper.angular_velocity(&state).length() - 8.0).abs() < 1e-12);
     /// # Ok::<(), tumble::SceneError>(())
     /// ```
     #[must_use]
-    pub fn spinning(&self, state: State<R>, angular_velocity: R::Vec3) -> State<R> {
+    pub fn with_angular_velocity(&self, state: State<R>, angular_velocity: R::Vec3) -> State<R> {
         let axes = state.rotation().axes();
-        let masses = self.scene.mass_properties();
+        let masses = self.scene.inertia_properties();
         state.with_angular_momentum(masses.angular_momentum(&axes, angular_velocity))
     }
 
@@ -422,7 +422,7 @@ where
             let before = observer.asks_for().map(|_| Before {
                 clock,
                 state: *state,
-                workspace: I::CHOOSES_STEPS.then(|| workspace.clone()),
+                workspace: I::ADAPTIVE.then(|| workspace.clone()),
             });
             let step = self.move_on(state, end.limit(&clock), &mut workspace)?;
             clock.tick(&step)?;
@@ -548,7 +548,7 @@ fn broken_law<R: Real>(
         + energy.springs.abs()
         + energy_at_a_metre(scene.ground());
     let rounding = terms * (R::EPSILON * R::from_f64(LAW_ROUNDING));
-    let (quantity, value) = record.breach(rounding)?;
+    let (quantity, value) = record.violation(rounding)?;
     Some(StepError::BrokenLaw {
         quantity,
         value: value.to_f64(),

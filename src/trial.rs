@@ -21,8 +21,8 @@ pub enum Start {
     Spinning,
 }
 
-/// A start of the report, with its five knobs: direction and size of the angular momentum, tilt,
-/// friction, damping.
+/// A start of the report, with its five parameters: direction and size of the angular momentum,
+/// tilt, friction, damping.
 ///
 /// Nothing in `Trial::report(1)` says in which precision: where no later line does, the compiler
 /// asks for an annotation. Say `tumble::f64::Trial`.
@@ -143,7 +143,7 @@ impl<R: Real> Trial<R> {
     /// Coin, ground, friction and gravity of this trial, moved on by an integrator.
     ///
     /// # Errors
-    /// Where a knob or the integrator's step cannot be; names quantity, rule and value.
+    /// Where a parameter or the integrator's step cannot be; names quantity, rule and value.
     pub fn stepper<I: Integrator<R>>(
         &self,
         integrator: I,

@@ -213,7 +213,7 @@ fn a_rolling_ball_that_sticks_is_told_to_take_an_implicit_step() {
         })
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
         .unwrap();
-    let start = scene.spinning(
+    let start = scene.with_angular_velocity(
         State::at(DVec3::Z * (0.0286 - 0.17 * 9.8 / 1e5)).with_linear_velocity(DVec3::X),
         DVec3::Y / 0.0286,
     );
@@ -273,7 +273,7 @@ fn a_thousandfold_tighter_tolerance_costs_what_the_order_says_in_smooth_motion()
     let trial = trial(1);
     let start = State::at(DVec3::new(0.0, 0.0, -9.8 / 1200.0))
         .with_linear_velocity(DVec3::X)
-        .turned_by(DVec3::new(0.0, core::f64::consts::FRAC_PI_2, 0.0))
+        .with_rotation_vector(DVec3::new(0.0, core::f64::consts::FRAC_PI_2, 0.0))
         .with_angular_momentum(DVec3::new(0.02, 0.0, 0.1));
     fn ratio<I: Integrator>(of: fn(f64) -> I, trial: &Trial, start: State) -> f64 {
         let price = |tolerance| {
@@ -545,7 +545,7 @@ fn the_wandering_contact_of_an_egg_is_seen_to_touch() {
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
         .unwrap();
     let start = State::at(DVec3::new(0.0, 0.0, 0.4))
-        .turned_by(DVec3::new(0.0, 0.6, 0.0))
+        .with_rotation_vector(DVec3::new(0.0, 0.6, 0.0))
         .with_angular_momentum(DVec3::new(0.01, 0.05, 0.02));
     let end = |tolerance: f64| {
         let mut state = start;

@@ -16,11 +16,11 @@ use tumble::real::{Quaternion, Vector};
 use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Carried, Coin, Cone, ContactLaw,
     ContactPoint, Coulomb, Cuboid, Disc, Dissipation, DormandPrince54, Elevation, Ellipsoid,
-    EnergyMomentum, FlatGround, ForwardEuler, Gravity, Ground, HuntCrossley, Integrator, Ledger,
-    LimitedDamper, LoadDependentCoulomb, MassDistribution, Plane, PointCloud, PointMass, Ramp,
-    Real, Relief, RigidPointBody, Rim, Rk4, Rod, SceneError, SlidingFriction, SmoothCoulomb, Solid,
-    SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, StepError, Stepper,
-    StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, Trial, TurningResistance,
+    EnergyMomentum, FlatGround, ForwardEuler, Gravity, Ground, HeightField, HuntCrossley,
+    Integrator, Ledger, LimitedDamper, LoadDependentCoulomb, MassProperties, Plane, PointCloud,
+    PointMass, Ramp, Real, RigidPointBody, Rim, Rk4, Rod, RollingResistance, SceneError,
+    SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround,
+    State, StepError, Stepper, StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, Trial,
     UniformGravity, Viscous, Waves, WithResistance,
 };
 use tumble::{Dynamics, Every, Flight, Sample, Step, Timed, UntilRest};
@@ -216,7 +216,14 @@ fn corners_of_a_box_cannot_be_rounder_than_half_its_shortest_edge() {
 #[test]
 fn rims_need_enough_points_and_opposite_ones() {
     let blank = ContactPoint::default();
-    let coin = |count| Stepper::new(SolidCoin::new_in(vec![blank; count], 1.0, 0.5, 0.1));
+    let coin = |count| {
+        Stepper::new(SolidCoin::new_with_storage(
+            vec![blank; count],
+            1.0,
+            0.5,
+            0.1,
+        ))
+    };
     for count in 0..6 {
         assert_eq!(
             coin(count).unwrap_err().to_string(),
@@ -229,7 +236,7 @@ fn rims_need_enough_points_and_opposite_ones() {
     );
     assert!(coin(6).is_ok());
     for count in 0..4 {
-        let cone = Cone::solid_in(vec![blank; count], 1.0, 0.5, 0.1);
+        let cone = Cone::solid_with_storage(vec![blank; count], 1.0, 0.5, 0.1);
         assert_eq!(
             Stepper::new(cone).unwrap_err().to_string(),
             format!("number of contacts of the cone must be at least 4, got {count}")
@@ -250,8 +257,8 @@ impl RigidPointBody for Banded {
     fn contacts(&self) -> &[ContactPoint] {
         self.0.contacts()
     }
-    fn reach(&self) -> f64 {
-        self.0.reach()
+    fn bounding_radius(&self) -> f64 {
+        self.0.bounding_radius()
     }
     fn is_smooth(&self) -> bool {
         true
@@ -332,7 +339,7 @@ fn a_rim_stands_for_points_around_a_place_and_beside_few_contacts() {
 fn a_composite_needs_a_mass_distribution_that_can_be_and_a_contact() {
     let of = |mass, centre_of_mass, moment| {
         let inertia = DMat3::from_diagonal(DVec3::new(1.0, 1.0, moment));
-        let distribution = MassDistribution {
+        let distribution = MassProperties {
             mass,
             centre_of_mass,
             inertia,
@@ -353,7 +360,7 @@ fn a_composite_needs_a_mass_distribution_that_can_be_and_a_contact() {
     refuses("an entry of the inertia tensor", limits, " kg m²", |z| {
         of(1.0, DVec3::ZERO, z)
     });
-    let ball = MassDistribution::ball(1.0, 0.5);
+    let ball = MassProperties::ball(1.0, 0.5);
     assert_eq!(
         Solid::new(ball, []).unwrap_err().to_string(),
         "number of contacts must be at least 1, got 0"
@@ -361,7 +368,7 @@ fn a_composite_needs_a_mass_distribution_that_can_be_and_a_contact() {
     refuses("radius of a contact point", AT_LEAST_ZERO, " m", |radius| {
         let position = DVec3::X;
         Solid::new(
-            MassDistribution::ball(1.0, 0.5),
+            MassProperties::ball(1.0, 0.5),
             [ContactPoint { position, radius }],
         )
     });
@@ -369,7 +376,7 @@ fn a_composite_needs_a_mass_distribution_that_can_be_and_a_contact() {
 
 #[test]
 fn points_of_mass_are_checked_like_a_cloud() {
-    let points = |places: &[DVec3], masses: &[f64]| MassDistribution::points(places, masses);
+    let points = |places: &[DVec3], masses: &[f64]| MassProperties::points(places, masses);
     assert_eq!(
         points(&[], &[]).unwrap_err().to_string(),
         "number of points must be at least 1, got 0"
@@ -401,7 +408,7 @@ fn points_of_mass_are_checked_like_a_cloud() {
 fn a_surface_must_be_closed_and_turned_outwards() {
     let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
     let outwards = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-    let mesh = |triangles: &[[usize; 3]]| MassDistribution::mesh(1.0, &corners, triangles);
+    let mesh = |triangles: &[[usize; 3]]| MassProperties::mesh(1.0, &corners, triangles);
     assert!(mesh(&outwards).is_ok());
     assert_eq!(
         mesh(&outwards[1..]).unwrap_err().to_string(),
@@ -429,7 +436,7 @@ fn a_surface_must_be_closed_and_turned_outwards() {
             .to_string(),
         "volume within the surface must be above 0, got 0 m³"
     );
-    let none = MassDistribution::<f64>::hull::<DVec3>(1.0, &[]).unwrap_err();
+    let none = MassProperties::<f64>::hull::<DVec3>(1.0, &[]).unwrap_err();
     assert_eq!(
         none.to_string(),
         "number of vertices must be at least 4, got 0"
@@ -458,14 +465,21 @@ fn a_coin_too_large_for_its_moments_to_be_numbers_is_refused() {
 #[test]
 fn a_coin_needs_three_points() {
     for count in 0..3 {
-        let coin = Coin::ring_in(vec![ContactPoint::default(); count], 1.0, 0.5);
+        let coin = Coin::ring_with_storage(vec![ContactPoint::default(); count], 1.0, 0.5);
         let error = Stepper::new(coin).unwrap_err();
         assert_eq!(
             error.to_string(),
             format!("number of points of the coin must be at least 3, got {count}")
         );
     }
-    assert!(Stepper::new(Coin::ring_in([ContactPoint::default(); 3], 1.0, 0.5)).is_ok());
+    assert!(
+        Stepper::new(Coin::ring_with_storage(
+            [ContactPoint::default(); 3],
+            1.0,
+            0.5
+        ))
+        .is_ok()
+    );
 }
 
 #[test]
@@ -515,7 +529,7 @@ fn the_radius_of_a_contact_is_at_least_zero() {
         radius,
     };
     refuses("radius of a contact point", AT_LEAST_ZERO, " m", |radius| {
-        PointCloud::in_storage([contact(radius)], &[1.0])
+        PointCloud::with_storage([contact(radius)], &[1.0])
     });
 }
 
@@ -528,7 +542,7 @@ fn a_cloud_has_a_point_and_as_many_masses_as_points() {
     );
     for masses in [&[][..], &[1.0], &[1.0, 1.0, 1.0]] {
         let points = [ContactPoint::default(); 2];
-        let error = PointCloud::in_storage(points, masses).unwrap_err();
+        let error = PointCloud::with_storage(points, masses).unwrap_err();
         assert_eq!(
             error.to_string(),
             format!("number of masses must be 2, got {}", masses.len())
@@ -723,14 +737,14 @@ fn the_numbers_of_a_law_of_contact_are_in_their_ranges() {
 
 #[test]
 fn the_numbers_of_a_terrain_are_in_their_ranges() {
-    fn on(relief: impl Relief) -> Result<(), SceneError> {
+    fn on(height_field: impl HeightField) -> Result<(), SceneError> {
         let law = SpringDamper {
             stiffness: 1e3,
             damping: 0.5,
         };
         let ground = Ground {
             law,
-            shape: Terrain { relief },
+            shape: Terrain { height_field },
         };
         Stepper::new(point_mass(1.0))?
             .with_ground(ground)
@@ -1024,7 +1038,7 @@ fn the_numbers_of_turning_resistance_are_in_their_ranges() {
     let law = WithResistance {
         friction: Viscous { coefficient: 1.0 },
         rolling: 1e-3,
-        drilling: 1e-3,
+        spinning: 1e-3,
         turn_speed: 1e-3,
     };
     let with = |law: WithResistance<Viscous>| {
@@ -1039,10 +1053,10 @@ fn the_numbers_of_turning_resistance_are_in_their_ranges() {
         |rolling| with(WithResistance { rolling, ..law }),
     );
     refuses(
-        "length of the drilling resistance",
+        "length of the spinning resistance",
         AT_LEAST_ZERO,
         " m",
-        |drilling| with(WithResistance { drilling, ..law }),
+        |spinning| with(WithResistance { spinning, ..law }),
     );
     refuses(
         "turn speed of the resistance",
@@ -1795,10 +1809,10 @@ fn a_resistance_to_turning_below_zero_is_named() {
         fn force(&self, _normal_force: f64, _slip: DVec3) -> DVec3 {
             DVec3::ZERO
         }
-        fn turning(&self, normal_force: f64) -> Option<TurningResistance> {
-            Some(TurningResistance {
+        fn rolling_resistance(&self, normal_force: f64) -> Option<RollingResistance> {
+            Some(RollingResistance {
                 rolling: -1e-3 * normal_force,
-                drilling: 0.0,
+                spinning: 0.0,
                 turn_speed: 1e-2,
             })
         }
@@ -1817,7 +1831,7 @@ fn a_resistance_to_turning_below_zero_is_named() {
         assert!(
             matches!(
                 answer,
-                Err(StepError::BrokenLaw { quantity: LawQuantity::TurningResistance, value }) if value < 0.0
+                Err(StepError::BrokenLaw { quantity: LawQuantity::RollingResistance, value }) if value < 0.0
             ),
             "{method}: {answer:?}"
         );
@@ -1827,7 +1841,7 @@ fn a_resistance_to_turning_below_zero_is_named() {
 #[test]
 fn a_relief_of_nan_does_not_let_a_ball_fall_through() {
     // A hole in a table of heights: NaN for x above 0.1 m. The ball rolls there at 1 m/s.
-    let relief = |x: f64, _y: f64| {
+    let height_field = |x: f64, _y: f64| {
         let height = if x > 0.1 { f64::NAN } else { 0.0 };
         Elevation::new(height, [0.0; 2])
     };
@@ -1836,7 +1850,7 @@ fn a_relief_of_nan_does_not_let_a_ball_fall_through() {
             stiffness: 1e3,
             damping: 2.0,
         },
-        shape: Terrain::of(relief),
+        shape: Terrain::of(height_field),
     };
     each_method!(1e-3, |integrator, method| {
         let stepper = Stepper::new(Sphere::solid(1.0, 0.1))
@@ -1906,7 +1920,7 @@ fn an_extent_that_is_no_plane_is_refused_when_the_scene_is_composed() {
         level: f64,
         is_bound: bool,
     }
-    impl Relief for Sea {
+    impl HeightField for Sea {
         fn elevation(&self, _x: f64, _y: f64) -> Elevation {
             Elevation::new(self.level, [0.0; 2])
         }
@@ -2105,7 +2119,7 @@ fn a_step_beyond_what_numbers_hold_is_refused_or_right() {
         for (spin, height) in [(DVec3::ZERO, 10.0), (spin, 10.0), (spin * 7.0, 3.1)] {
             for lean in [0.0, 0.7, 1.3] {
                 let start = State::at(DVec3::Z * height)
-                    .turned_by(DVec3::Y * lean)
+                    .with_rotation_vector(DVec3::Y * lean)
                     .with_angular_momentum(spin);
                 let mut state = start;
                 match stepper.step(&mut state) {
@@ -2269,7 +2283,7 @@ impl Anything {
     /// could be composed.
     fn live<R: Real>(&self) -> Result<(), SceneError> {
         let [mass, radius] = self.body.map(R::from_f64);
-        let coin = Coin::ring_in(vec![ContactPoint::default(); self.count], mass, radius);
+        let coin = Coin::ring_with_storage(vec![ContactPoint::default(); self.count], mass, radius);
         // Questions that need no scene take anything.
         let _ = (coin.tilt(&self.state()), coin.face_up(&self.state()));
         let plane = self.plane::<R>();
@@ -2280,7 +2294,7 @@ impl Anything {
             radius: R::from_f64(radius),
         });
         let thickness = R::from_f64(self.points.first().map_or(0.1, |&(_, radius, _)| radius));
-        let coin = SolidCoin::new_in(
+        let coin = SolidCoin::new_with_storage(
             vec![ContactPoint::default(); self.count],
             mass,
             radius,
@@ -2290,12 +2304,12 @@ impl Anything {
         let _ = coin.contacts_below(plane.normal, plane.height);
         let _ = self.live_with(&coin);
         let places: Vec<_> = points.clone().map(|point| point.position).collect();
-        let part = MassDistribution::cone(mass, radius, thickness).turned(self.state().rotation());
-        let hull = MassDistribution::hull(mass, &places)
+        let part = MassProperties::cone(mass, radius, thickness).turned(self.state().rotation());
+        let hull = MassProperties::hull(mass, &places)
             .unwrap_or(part)
             .with(&part);
         let die = Cuboid::loaded(plane.normal, hull).rounded(thickness);
-        let _ = die.side_up(&self.state());
+        let _ = die.face_up(&self.state());
         let _ = self.live_with(&die);
         let _ = self.live_with(&Sphere::loaded(radius, hull));
         let _ = self.live_with(&Ellipsoid::loaded(plane.normal, hull));
@@ -2304,7 +2318,7 @@ impl Anything {
             .iter()
             .map(|&(_, _, mass)| R::from_f64(mass))
             .collect();
-        let second = PointCloud::in_storage(points.collect::<Vec<_>>(), &masses)
+        let second = PointCloud::with_storage(points.collect::<Vec<_>>(), &masses)
             .and_then(|cloud| self.live_with(&cloud));
         first.or(second)
     }

@@ -10,17 +10,18 @@ use core::f64::consts::{PI, TAU};
 
 use kit::{cases, directions, log_uniform, orientations};
 use proptest::prelude::*;
-use tumble::contract::{Battery, check_body};
-use tumble::f64::{Capsule, Cone, MassDistribution, Rotation};
+use tumble::contract::{CheckPlan, check_body};
+use tumble::f64::{Capsule, Cone, MassProperties, Rotation};
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::{
-    ContactPoint, Cuboid, Ellipsoid, Face, FlatGround, MassProperties, PointCloud, PointMass,
-    RigidPointBody, Rod, Side, Solid, SolidCoin, Sphere, State, Stepper, UniformGravity,
+    CoinFace, ContactPoint, Cuboid, CuboidFace, Ellipsoid, FlatGround, InertiaProperties,
+    PointCloud, PointMass, RigidPointBody, Rod, Solid, SolidCoin, Sphere, State, Stepper,
+    UniformGravity,
 };
 
 /// Both within so many units in the last place of the largest entry, centre of mass and size; a
 /// dozen operations lie between them.
-fn agree(a: &MassDistribution, b: &MassDistribution, size: f64) -> Result<(), String> {
+fn agree(a: &MassProperties, b: &MassProperties, size: f64) -> Result<(), String> {
     let near = |x: f64, y: f64, scale: f64| (x - y).abs() <= 64.0 * f64::EPSILON * scale;
     let moment = a.mass.abs().max(b.mass.abs()) * size * size;
     let inertia = (a.inertia - b.inertia).to_cols_array();
@@ -49,7 +50,7 @@ fn edges() -> impl Strategy<Value = DVec3> {
     (edge(), edge(), edge()).prop_map(DVec3::from)
 }
 
-fn turned(distribution: MassDistribution, q: DQuat) -> MassDistribution {
+fn turned(distribution: MassProperties, q: DQuat) -> MassProperties {
     distribution.turned(Rotation::from_quat(q))
 }
 
@@ -58,8 +59,8 @@ proptest! {
 
     #[test]
     fn a_box_is_eight_boxes_of_half_its_edges(mass in log_uniform(1e-3, 1e3), edges in edges()) {
-        let whole = MassDistribution::cuboid(mass, edges);
-        let eighth = MassDistribution::cuboid(mass / 8.0, edges / 2.0);
+        let whole = MassProperties::cuboid(mass, edges);
+        let eighth = MassProperties::cuboid(mass / 8.0, edges / 2.0);
         let parts = corners(edges / 2.0).map(|place| eighth.at(place));
         let (first, rest) = parts.split_first().unwrap();
         let built = rest.iter().fold(*first, |body, part| body.with(part));
@@ -70,17 +71,17 @@ proptest! {
     fn a_box_has_the_moments_of_eight_points_of_its_hull_and_of_its_triangles(
         mass in log_uniform(1e-3, 1e3), edges in edges(), turn in orientations(), way in directions(),
     ) {
-        let whole = turned(MassDistribution::cuboid(mass, edges).at(way), turn);
+        let whole = turned(MassProperties::cuboid(mass, edges).at(way), turn);
         let place = |p: DVec3| turn * (p + way);
-        let points = MassDistribution::points(&eight_points(edges).map(place), &[mass / 8.0; 8]).unwrap();
+        let points = MassProperties::points(&eight_points(edges).map(place), &[mass / 8.0; 8]).unwrap();
         agree(&whole, &points, 2.0).map_err(TestCaseError::fail)?;
         // A thin box has the volume of a hundredth of its size cubed, which its sums of tetrahedra
         // are rounded by.
         let size = 2.0 * 10.0;
         let vertices = corners(edges).map(place);
-        let hull = MassDistribution::hull(mass, &vertices).unwrap();
+        let hull = MassProperties::hull(mass, &vertices).unwrap();
         agree(&whole, &hull, size).map_err(TestCaseError::fail)?;
-        let mesh = MassDistribution::mesh(mass, &vertices, &BOX).unwrap();
+        let mesh = MassProperties::mesh(mass, &vertices, &BOX).unwrap();
         agree(&whole, &mesh, size).map_err(TestCaseError::fail)?;
     }
 
@@ -88,10 +89,10 @@ proptest! {
     fn the_moments_do_not_depend_on_the_axes_in_which_a_body_is_given(
         edges in edges(), turn in orientations(), way in directions(),
     ) {
-        let own = MassDistribution::cuboid(1.0, edges).with(&MassDistribution::ball(0.3, 0.2).at(way * 0.5));
+        let own = MassProperties::cuboid(1.0, edges).with(&MassProperties::ball(0.3, 0.2).at(way * 0.5));
         let other = turned(own, turn).at(way * 3.0);
-        let moments = |body: &MassDistribution| {
-            let found = MassProperties::<f64>::new(body.mass, body.inertia).unwrap().moments();
+        let moments = |body: &MassProperties| {
+            let found = InertiaProperties::<f64>::new(body.mass, body.inertia).unwrap().moments();
             let mut moments = found.to_array();
             moments.sort_by(f64::total_cmp);
             DVec3::from(moments)
@@ -102,21 +103,21 @@ proptest! {
 
     #[test]
     fn the_order_in_which_parts_are_joined_does_not_matter(a in edges(), b in edges(), way in directions(), turn in orientations()) {
-        let first = MassDistribution::cuboid(1.0, a);
-        let second = turned(MassDistribution::cuboid(3.0, b), turn).at(way);
-        let third = MassDistribution::rod(0.1, 1.0).at(-way);
+        let first = MassProperties::cuboid(1.0, a);
+        let second = turned(MassProperties::cuboid(3.0, b), turn).at(way);
+        let third = MassProperties::rod(0.1, 1.0).at(-way);
         let one = first.with(&second).with(&third);
         let other = third.with(&first).with(&second);
         agree(&one, &other, 2.0).map_err(TestCaseError::fail)?;
         // And a part that is taken away again leaves the rest.
-        let hole = MassDistribution { mass: -second.mass, inertia: -second.inertia, ..second };
+        let hole = MassProperties { mass: -second.mass, inertia: -second.inertia, ..second };
         agree(&first.with(&third), &one.with(&hole), 8.0).map_err(TestCaseError::fail)?;
     }
 
     #[test]
     fn inertia_about_another_place_is_that_of_the_points_about_it(edges in edges(), place in directions()) {
         let points = eight_points(edges);
-        let body = MassDistribution::points(&points, &[0.25; 8]).unwrap();
+        let body = MassProperties::points(&points, &[0.25; 8]).unwrap();
         let about = points.iter().fold(DMat3::ZERO, |sum, &point| {
             let d = point - place;
             let outer = DMat3::from_cols(d * d.x, d * d.y, d * d.z);
@@ -141,10 +142,10 @@ proptest! {
         points.push(points[1]);
         points.insert(0, (points[0] + points[1]) / 2.0);
         points.insert(3, (rim(0, 0.1 * height) + rim(1, 0.2 * height)) / 2.0);
-        let hull = MassDistribution::hull(2.0, &points).unwrap();
+        let hull = MassProperties::hull(2.0, &points).unwrap();
         let along = 1.0 - 2.0 / 3.0 * (PI / n as f64).sin().powi(2);
         let across = along / 2.0 + height * height / 6.0;
-        let prism = MassDistribution {
+        let prism = MassProperties {
             mass: 2.0,
             centre_of_mass: DVec3::ZERO,
             inertia: DMat3::from_diagonal(DVec3::new(across, across, along)),
@@ -165,7 +166,7 @@ proptest! {
         let share: f64 = 1.95 / (4.0 * 10.605_f64.powi(2) + 1.95_f64.powi(2)).sqrt();
         prop_assert!((share - 0.0916).abs() < 5e-5);
         let up = (turn * DVec3::X).z;
-        let expected = if up.abs() < share { Face::Edge } else if up > 0.0 { Face::Heads } else { Face::Tails };
+        let expected = if up.abs() < share { CoinFace::Edge } else if up > 0.0 { CoinFace::Heads } else { CoinFace::Tails };
         prop_assert_eq!(coin.face_up(&state), expected);
     }
 
@@ -173,12 +174,12 @@ proptest! {
     fn the_side_that_is_up_is_the_one_whose_normal_rises_most(turn in orientations()) {
         let die = Cuboid::cube(0.004, 0.016);
         let sides = [
-            (Side::X, DVec3::X), (Side::MinusX, -DVec3::X), (Side::Y, DVec3::Y),
-            (Side::MinusY, -DVec3::Y), (Side::Z, DVec3::Z), (Side::MinusZ, -DVec3::Z),
+            (CuboidFace::X, DVec3::X), (CuboidFace::MinusX, -DVec3::X), (CuboidFace::Y, DVec3::Y),
+            (CuboidFace::MinusY, -DVec3::Y), (CuboidFace::Z, DVec3::Z), (CuboidFace::MinusZ, -DVec3::Z),
         ];
         let height = |normal: DVec3| (turn * normal).z;
         let highest = sides.into_iter().max_by(|a, b| height(a.1).total_cmp(&height(b.1))).unwrap();
-        prop_assert_eq!(die.side_up(&State::at(DVec3::ZERO).with_orientation(turn)), Some(highest.0));
+        prop_assert_eq!(die.face_up(&State::at(DVec3::ZERO).with_orientation(turn)), Some(highest.0));
     }
 }
 
@@ -211,10 +212,10 @@ fn a_ball_has_the_moments_of_six_points_on_its_axes() {
         -DVec3::Z,
     ]
     .map(|p| p * d);
-    let points = MassDistribution::points(&places, &[0.5; 6]).unwrap();
-    agree(&MassDistribution::ball(3.0, 0.3), &points, 0.3).unwrap();
+    let points = MassProperties::points(&places, &[0.5; 6]).unwrap();
+    agree(&MassProperties::ball(3.0, 0.3), &points, 0.3).unwrap();
     agree(
-        &MassDistribution::ellipsoid(3.0, DVec3::splat(0.3)),
+        &MassProperties::ellipsoid(3.0, DVec3::splat(0.3)),
         &points,
         0.3,
     )
@@ -227,9 +228,9 @@ fn a_shell_is_what_a_thinner_ball_leaves_of_a_ball() {
     // and its mass r³ - s³: 2/3 m r² as s goes to r, with an error of first order.
     let error = |gap: f64| {
         let hole = 1.0 - gap;
-        let ball = MassDistribution::ball(1.0, 1.0);
-        let rest = ball.with(&MassDistribution::ball(-hole.powi(3), hole));
-        rest.inertia.x_axis.x / MassDistribution::shell(rest.mass, 1.0).inertia.x_axis.x - 1.0
+        let ball = MassProperties::ball(1.0, 1.0);
+        let rest = ball.with(&MassProperties::ball(-hole.powi(3), hole));
+        rest.inertia.x_axis.x / MassProperties::shell(rest.mass, 1.0).inertia.x_axis.x - 1.0
     };
     assert!((error(1e-3) / 1e-3 + 1.0).abs() < 1e-2, "{}", error(1e-3));
     assert!((error(1e-4) / 1e-4 + 1.0).abs() < 1e-3, "{}", error(1e-4));
@@ -245,29 +246,29 @@ fn a_capsule_is_a_cylinder_between_half_balls() {
     let lift = 0.375 * radius;
     let moment = 0.4 * cap * radius * radius;
     let across = moment - cap * lift * lift;
-    let half_ball = |side: f64| MassDistribution {
+    let half_ball = |side: f64| MassProperties {
         mass: cap,
         centre_of_mass: DVec3::Z * side * (length / 2.0 + lift),
         inertia: DMat3::from_diagonal(DVec3::new(across, across, moment)),
     };
-    let built = MassDistribution::cylinder(tube, radius, length)
+    let built = MassProperties::cylinder(tube, radius, length)
         .with(&half_ball(1.0))
         .with(&half_ball(-1.0));
     agree(
-        &MassDistribution::capsule(tube + 2.0 * cap, radius, length),
+        &MassProperties::capsule(tube + 2.0 * cap, radius, length),
         &built,
         1.0,
     )
     .unwrap();
     agree(
-        &MassDistribution::capsule(2.0, 0.3, 0.0),
-        &MassDistribution::ball(2.0, 0.3),
+        &MassProperties::capsule(2.0, 0.3, 0.0),
+        &MassProperties::ball(2.0, 0.3),
         0.3,
     )
     .unwrap();
     let body = Capsule::solid(2.0, 0.3, 0.8);
     assert_eq!(
-        (body.radius(), body.length(), body.reach()),
+        (body.radius(), body.length(), body.bounding_radius()),
         (0.3, 0.8, 0.7)
     );
 }
@@ -281,7 +282,7 @@ fn the_hull_of_a_fine_cone_comes_to_the_cone() {
             DVec3::new(0.5 * angle.cos(), 0.5 * angle.sin(), 0.0)
         });
         let points: Vec<DVec3> = rim.chain([DVec3::Z * 0.9]).collect();
-        let hull = MassDistribution::hull(1.0, &points).unwrap();
+        let hull = MassProperties::hull(1.0, &points).unwrap();
         assert!((hull.centre_of_mass - DVec3::Z * 0.225).length() < 1e-15);
         hull.inertia.z_axis.z / cone.inertia().z_axis.z - 1.0
     };
@@ -346,22 +347,22 @@ fn a_rounded_box_reaches_as_far_as_a_sharp_one_along_its_axes_and_less_to_its_co
         (round.edges(), round.corner_radius()),
         (sharp.edges(), 0.05)
     );
-    assert_eq!(sharp.side_up(&State::default()), Some(Side::Z));
+    assert_eq!(sharp.face_up(&State::default()), Some(CuboidFace::Z));
     // On an edge, as nearly as a number can say.
     let turn = DQuat::from_rotation_x(PI / 4.0);
     assert_eq!(
-        sharp.side_up(&State::default().with_orientation(turn)),
+        sharp.face_up(&State::default().with_orientation(turn)),
         None
     );
 }
 
 #[test]
 fn opposite_sides_of_a_die_make_seven_and_each_number_comes_once() {
-    use Side::{MinusX, MinusY, MinusZ, X, Y, Z};
+    use CuboidFace::{MinusX, MinusY, MinusZ, X, Y, Z};
     for (side, opposite) in [(X, MinusX), (Y, MinusY), (Z, MinusZ)] {
         assert_eq!(side.pips() + opposite.pips(), 7);
     }
-    let mut pips = [X, Y, Z, MinusX, MinusY, MinusZ].map(Side::pips);
+    let mut pips = [X, Y, Z, MinusX, MinusY, MinusZ].map(CuboidFace::pips);
     pips.sort_unstable();
     assert_eq!(pips, [1, 2, 3, 4, 5, 6]);
 }
@@ -369,7 +370,7 @@ fn opposite_sides_of_a_die_make_seven_and_each_number_comes_once() {
 #[test]
 fn every_body_passes_its_contract() {
     let blank = ContactPoint::default();
-    let egg = MassDistribution::ball(1.0, 0.3).at(DVec3::new(0.01, -0.02, 0.1));
+    let egg = MassProperties::ball(1.0, 0.3).at(DVec3::new(0.01, -0.02, 0.1));
     let tetrahedron = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO];
     let bodies: [Box<dyn RigidPointBody>; 18] = [
         Box::new(Sphere::solid(1.0, 0.3)),
@@ -383,24 +384,29 @@ fn every_body_passes_its_contract() {
         Box::new(Rod::new(1.0, 0.3)),
         Box::new(PointMass::new(1.0)),
         Box::new(Cone::solid(1.0, 0.3, 2.0)),
-        Box::new(Cone::solid_in([blank; 4], 1.0, 0.3, 0.1)),
+        Box::new(Cone::solid_with_storage([blank; 4], 1.0, 0.3, 0.1)),
         Box::new(SolidCoin::new(1.0, 0.5, 0.1)),
-        Box::new(SolidCoin::new_in(vec![blank; 2002], 1.0, 0.01, 0.1)),
-        Box::new(SolidCoin::new_in([blank; 6], 1.0, 0.5, 1e-6)),
+        Box::new(SolidCoin::new_with_storage(
+            vec![blank; 2002],
+            1.0,
+            0.01,
+            0.1,
+        )),
+        Box::new(SolidCoin::new_with_storage([blank; 6], 1.0, 0.5, 1e-6)),
         Box::new(Solid::hull(1.0, tetrahedron).unwrap()),
         Box::new(Ellipsoid::solid(1.0, DVec3::new(1.0, 1e-3, 20.0))),
         Box::new(Ellipsoid::loaded(DVec3::new(0.3, 0.3, 0.4), egg)),
     ];
     for seed in 0..3 {
-        let battery = Battery { seed, cases: 200 };
+        let plan = CheckPlan { seed, cases: 200 };
         for (number, body) in bodies.iter().enumerate() {
-            let result = check_body(&**body, battery);
+            let result = check_body(&**body, plan);
             assert!(result.is_ok(), "body {number}: {}", result.unwrap_err());
         }
-        check_body(&Sphere::<f32>::solid(1.0, 0.3), battery).unwrap();
-        check_body(&Cuboid::<f32>::cube(1.0, 0.3), battery).unwrap();
-        check_body(&SolidCoin::<f32>::new(1.0, 0.3, 0.1), battery).unwrap();
-        check_body(&tumble::Cone::<f32>::solid(1.0, 0.3, 0.1), battery).unwrap();
+        check_body(&Sphere::<f32>::solid(1.0, 0.3), plan).unwrap();
+        check_body(&Cuboid::<f32>::cube(1.0, 0.3), plan).unwrap();
+        check_body(&SolidCoin::<f32>::new(1.0, 0.3, 0.1), plan).unwrap();
+        check_body(&tumble::Cone::<f32>::solid(1.0, 0.3, 0.1), plan).unwrap();
     }
 }
 
@@ -435,7 +441,7 @@ fn a_solid_coin_looks_at_the_points_under_the_plane_and_few_others() {
 fn a_composite_falls_like_the_cloud_of_its_points() {
     let points = eight_points(DVec3::new(0.3, 0.2, 0.5)).map(|p| p + DVec3::new(0.1, 0.0, -0.4));
     let cloud = PointCloud::new(points, [0.25; 8]).unwrap();
-    let distribution = MassDistribution::points(&points, &[0.25; 8]).unwrap();
+    let distribution = MassProperties::points(&points, &[0.25; 8]).unwrap();
     let composite = Solid::new(distribution, points.map(ContactPoint::bare)).unwrap();
     assert_eq!(composite.centre_of_mass(), cloud.centre_of_mass());
     let start = State::at(DVec3::Z)
@@ -471,7 +477,7 @@ fn a_capsule_that_slides_across_its_axis_comes_to_roll_at_the_speed_of_its_momen
         .unwrap();
     let sink = 9.8 / 2e5;
     let mut state = State::at(DVec3::Z * (0.1 - sink))
-        .turned_by(DVec3::Y * (PI / 2.0))
+        .with_rotation_vector(DVec3::Y * (PI / 2.0))
         .with_linear_velocity(DVec3::Y);
     stepper.advance(&mut state, 1.0).unwrap();
     let expected = 1.0 / (1.0 + ratio);

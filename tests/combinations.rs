@@ -13,10 +13,10 @@ use tumble::glam::DVec3;
 use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Coin, Cone, Coulomb, Cuboid, Disc,
     DormandPrince54, Ellipsoid, EnergyMomentum, Flight, ForwardEuler, Frictionless, Ground,
-    HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MassDistribution, Nystrom,
-    Plane, PointCloud, PointMass, Ramp, RigidPointBody, Rk4, Rod, Sample, SlidingFriction,
-    SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, StepError,
-    Stepper, StrangSplitting, Stribeck, SymplecticEuler, Terrain, UniformGravity, Viscous, Waves,
+    HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MassProperties, Nystrom, Plane,
+    PointCloud, PointMass, Ramp, RigidPointBody, Rk4, Rod, Sample, SlidingFriction, SmoothCoulomb,
+    Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, StepError, Stepper,
+    StrangSplitting, Stribeck, SymplecticEuler, Terrain, UniformGravity, Viscous, Waves,
     WithResistance,
 };
 
@@ -30,7 +30,7 @@ type Parts<'a> = (
 /// Bodies of 1 kg and some 0.3 m.
 fn bodies() -> Named<dyn RigidPointBody> {
     let edges = DVec3::new(0.3, 0.4, 0.5);
-    let ball = |radius: f64| MassDistribution::ball(1.0, radius);
+    let ball = |radius: f64| MassProperties::ball(1.0, radius);
     let corners = [
         DVec3::new(0.3, 0.0, 0.1),
         DVec3::new(-0.2, 0.3, 0.0),
@@ -38,7 +38,7 @@ fn bodies() -> Named<dyn RigidPointBody> {
         DVec3::new(0.1, 0.1, -0.3),
     ];
     let hull = Solid::new(
-        MassDistribution::hull(1.0, &corners).unwrap(),
+        MassProperties::hull(1.0, &corners).unwrap(),
         corners.map(tumble::ContactPoint::bare),
     )
     .unwrap();
@@ -83,12 +83,12 @@ fn grounds(stiffness: f64, damping: f64) -> Named<dyn SpringDamperGround> {
             let law = $law;
             grounds.push((level, Box::new(Ground { law, shape: Plane::level(0.0) })));
             grounds.push((slope, Box::new(Ground { law, shape: Plane::through(DVec3::ZERO, NORMAL) })));
-            let relief = Bowl { curvatures: [0.4, 0.2] };
-            grounds.push((bowl, Box::new(Ground { law, shape: Terrain { relief } })));
-            let relief = Ramp { slope: 0.3, width: 0.5 };
-            grounds.push((ramp, Box::new(Ground { law, shape: Terrain { relief } })));
-            let relief = Waves { amplitude: 0.05, length: 2.0 };
-            grounds.push((waves, Box::new(Ground { law, shape: Terrain { relief } })));
+            let height_field = Bowl { curvatures: [0.4, 0.2] };
+            grounds.push((bowl, Box::new(Ground { law, shape: Terrain { height_field } })));
+            let height_field = Ramp { slope: 0.3, width: 0.5 };
+            grounds.push((ramp, Box::new(Ground { law, shape: Terrain { height_field } })));
+            let height_field = Waves { amplitude: 0.05, length: 2.0 };
+            grounds.push((waves, Box::new(Ground { law, shape: Terrain { height_field } })));
         )*};
     }
     macro_rules! names {
@@ -168,7 +168,7 @@ fn frictions(strength: f64, slip_speed: f64) -> Named<dyn SlidingFriction> {
             Box::new(WithResistance {
                 friction: smooth,
                 rolling: 2e-3 * strength,
-                drilling: 5e-3 * strength,
+                spinning: 5e-3 * strength,
                 turn_speed: 0.1,
             }),
         ),
@@ -180,7 +180,7 @@ fn thrown(body: &dyn RigidPointBody) -> State {
     let spin = DVec3::new(1.0, 3.0, -2.0);
     State::at(DVec3::Z * 0.45)
         .with_linear_velocity(DVec3::new(1.5, -0.8, -2.0))
-        .turned_by(DVec3::new(0.5, 0.9, -0.3))
+        .with_rotation_vector(DVec3::new(0.5, 0.9, -0.3))
         .with_angular_momentum(body.inertia() * spin)
 }
 
@@ -214,9 +214,9 @@ fn covers(run: &Result<f64, StepError>, seconds: f64) -> bool {
 }
 
 /// Of any place of a body with this reach (m), m.
-fn apart(a: &State, b: &State, reach: f64) -> f64 {
+fn apart(a: &State, b: &State, bounding_radius: f64) -> f64 {
     let turn = a.orientation.conjugate() * b.orientation;
-    (a.position - b.position).length() + reach * 2.0 * turn.xyz().length()
+    (a.position - b.position).length() + bounding_radius * 2.0 * turn.xyz().length()
 }
 
 /// Calls `check` with every body on every ground with every friction law, their names, and a number

@@ -6,26 +6,26 @@
 
 use core::cell::Cell;
 
-use tumble::body::Run;
+use tumble::body::ContactRange;
 use tumble::contract::{
-    Battery, Breach, Clause, FrictionRange, GroundRange, Input, check_body,
+    CheckPlan, FrictionRange, GroundRange, Input, Requirement, Violation, check_body,
     check_energy_never_rises, check_friction, check_ground, check_integrator,
 };
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::integrator::step_length;
 use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Coin, ContactLaw, ContactPoint, Coulomb,
-    DormandPrince54, Drag, Dynamics, Elevation, EnergyMomentum, Extent, FlatGround, ForwardEuler,
-    Frictionless, Ground, HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MeanForce,
-    NoGround, Nystrom, Plane, PointCloud, Ramp, Real, RigidPointBody, Rk4, SceneError,
-    SlidingFriction, SmoothCoulomb, SpringDamper, SpringDamperGround, State, Step, StepError,
-    Stepper, StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, TurningResistance,
-    Viscous, Waves, WithResistance, error,
+    DormandPrince54, Dynamics, Elevation, EnergyMomentum, FlatGround, ForwardEuler,
+    FrictionJacobian, Frictionless, Ground, GroundBounds, HuntCrossley, Integrator, LimitedDamper,
+    LoadDependentCoulomb, MeanForce, NoGround, Nystrom, Plane, PointCloud, Ramp, Real,
+    RigidPointBody, Rk4, RollingResistance, SceneError, SlidingFriction, SmoothCoulomb,
+    SpringDamper, SpringDamperGround, State, Step, StepError, Stepper, StrangSplitting, Stribeck,
+    Surface, SymplecticEuler, Terrain, Viscous, Waves, WithResistance, error,
 };
 
 /// Ten batteries of other numbers.
-fn batteries() -> impl Iterator<Item = Battery> {
-    (0..10).map(|seed| Battery { seed, cases: 200 })
+fn batteries() -> impl Iterator<Item = CheckPlan> {
+    (0..10).map(|seed| CheckPlan { seed, cases: 200 })
 }
 
 const RANGE: GroundRange = GroundRange {
@@ -49,20 +49,20 @@ const SLIDES: FrictionRange = FrictionRange {
 };
 
 /// What the default battery finds wrong with a ground.
-fn fault_of_ground(ground: &impl SpringDamperGround) -> Breach {
-    check_ground(ground, &RANGE, Battery::default()).unwrap_err()
+fn fault_of_ground(ground: &impl SpringDamperGround) -> Violation {
+    check_ground(ground, &RANGE, CheckPlan::default()).unwrap_err()
 }
 
-fn fault_of_friction(friction: &impl SlidingFriction) -> Breach {
-    check_friction(friction, &SLIDES, Battery::default()).unwrap_err()
+fn fault_of_friction(friction: &impl SlidingFriction) -> Violation {
+    check_friction(friction, &SLIDES, CheckPlan::default()).unwrap_err()
 }
 
-fn fault_of_body(body: &impl RigidPointBody) -> Breach {
-    check_body(body, Battery::default()).unwrap_err()
+fn fault_of_body(body: &impl RigidPointBody) -> Violation {
+    check_body(body, CheckPlan::default()).unwrap_err()
 }
 
-fn fault_of_integrator(integrator: &impl Integrator) -> Breach {
-    check_integrator(integrator, Battery::default()).unwrap_err()
+fn fault_of_integrator(integrator: &impl Integrator) -> Violation {
+    check_integrator(integrator, CheckPlan::default()).unwrap_err()
 }
 
 // What is built in.
@@ -71,34 +71,34 @@ fn fault_of_integrator(integrator: &impl Integrator) -> Breach {
 fn every_built_in_body_passes() {
     let blank = ContactPoint::default();
     let rod = [-1.0, 0.0, 2.0].map(|x| DVec3::new(x, 2.0 * x, 3.0 * x));
-    for battery in batteries() {
-        check_body(&Coin::ring(1.0, 0.5), battery).unwrap();
-        check_body(&Coin::ring(1e-12, 1e6), battery).unwrap();
-        check_body(&Coin::<f32>::ring(1.0, 0.5), battery).unwrap();
-        check_body(&Coin::ring_in([blank; 3], 2.0, 0.01), battery).unwrap();
-        check_body(&Coin::ring_in(vec![blank; 1001], 2.0, 0.01), battery).unwrap();
-        check_body(&PointCloud::new(rod, [1.0; 3]).unwrap(), battery).unwrap();
-        check_body(&PointCloud::new([DVec3::X], [1.0]).unwrap(), battery).unwrap();
-        check_body(&Coin::ring(1.0, 0.5) as &dyn RigidPointBody, battery).unwrap();
+    for plan in batteries() {
+        check_body(&Coin::ring(1.0, 0.5), plan).unwrap();
+        check_body(&Coin::ring(1e-12, 1e6), plan).unwrap();
+        check_body(&Coin::<f32>::ring(1.0, 0.5), plan).unwrap();
+        check_body(&Coin::ring_with_storage([blank; 3], 2.0, 0.01), plan).unwrap();
+        check_body(&Coin::ring_with_storage(vec![blank; 1001], 2.0, 0.01), plan).unwrap();
+        check_body(&PointCloud::new(rod, [1.0; 3]).unwrap(), plan).unwrap();
+        check_body(&PointCloud::new([DVec3::X], [1.0]).unwrap(), plan).unwrap();
+        check_body(&Coin::ring(1.0, 0.5) as &dyn RigidPointBody, plan).unwrap();
     }
 }
 
 #[test]
 fn every_built_in_ground_passes() {
     let tilted = Plane::through(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.2, -0.1, 1.0));
-    for battery in batteries() {
-        check_ground(&NoGround, &RANGE, battery).unwrap();
-        check_ground(&NoGround, &RANGE_32, battery).unwrap();
-        check_ground(&FlatGround::level(0.0_f32, 2.0), &RANGE_32, battery).unwrap();
-        check_ground(&FlatGround::level(1e3_f32, 0.5), &RANGE_32, battery).unwrap();
+    for plan in batteries() {
+        check_ground(&NoGround, &RANGE, plan).unwrap();
+        check_ground(&NoGround, &RANGE_32, plan).unwrap();
+        check_ground(&FlatGround::level(0.0_f32, 2.0), &RANGE_32, plan).unwrap();
+        check_ground(&FlatGround::level(1e3_f32, 0.5), &RANGE_32, plan).unwrap();
         for (stiffness, damping) in [(1e3, 0.5), (1e3, 0.0), (0.0, 3.0), (1e15, 1e9), (1.0, 1e6)] {
             let ground = FlatGround::level(stiffness, damping).on(tilted);
-            check_ground(&ground, &RANGE, battery).unwrap();
-            check_ground(&Provided(ground), &RANGE, battery).unwrap();
+            check_ground(&ground, &RANGE, plan).unwrap();
+            check_ground(&Provided(ground), &RANGE, plan).unwrap();
             let law = LimitedDamper { stiffness, damping };
             let limited = Ground { law, shape: tilted };
-            check_ground(&limited, &RANGE, battery).unwrap();
-            check_ground(&Ground::level(ground.law()), &RANGE, battery).unwrap();
+            check_ground(&limited, &RANGE, plan).unwrap();
+            check_ground(&Ground::level(ground.law()), &RANGE, plan).unwrap();
         }
         // Depths, and half of the region's size, below the radii of curvature: 1 m, 2.5 m and 2.2 m
         // at least, in a region of 1 m.
@@ -108,26 +108,26 @@ fn every_built_in_ground_passes() {
         };
         let curvatures = [0.4, -0.2];
         let shape = Terrain {
-            relief: Bowl { curvatures },
+            height_field: Bowl { curvatures },
         };
-        check_ground(&Ground { law, shape }, &RANGE, battery).unwrap();
-        let relief = Waves {
+        check_ground(&Ground { law, shape }, &RANGE, plan).unwrap();
+        let height_field = Waves {
             amplitude: 0.1,
             length: 3.0,
         };
-        let shape = Terrain { relief };
-        check_ground(&Ground { law, shape }, &RANGE, battery).unwrap();
-        let relief = Ramp {
+        let shape = Terrain { height_field };
+        check_ground(&Ground { law, shape }, &RANGE, plan).unwrap();
+        let height_field = Ramp {
             slope: 0.5,
             width: 1.0,
         };
-        let shape = Terrain { relief };
-        check_ground(&Ground { law, shape }, &RANGE, battery).unwrap();
+        let shape = Terrain { height_field };
+        check_ground(&Ground { law, shape }, &RANGE, plan).unwrap();
         // Without its bend the search takes longer, to the same place.
         let shape = Terrain::of(|x: f64, y: f64| {
             Elevation::new(0.1 * x * x - 0.05 * x * y, [0.2 * x - 0.05 * y, -0.05 * x])
         });
-        check_ground(&Ground { law, shape }, &RANGE, battery).unwrap();
+        check_ground(&Ground { law, shape }, &RANGE, plan).unwrap();
         for exponent in [1.0, 1.5, 2.0, 1.3, 2.71] {
             for (stiffness, damping) in [(1e3, 0.5), (1e3, 0.0), (0.0, 3.0), (1e12, 1e3)] {
                 let law = HuntCrossley {
@@ -135,14 +135,14 @@ fn every_built_in_ground_passes() {
                     exponent,
                     damping,
                 };
-                check_ground(&Ground::level(law), &RANGE, battery).unwrap();
+                check_ground(&Ground::level(law), &RANGE, plan).unwrap();
                 #[allow(clippy::cast_possible_truncation, reason = "numbers for f32")]
                 let law = HuntCrossley {
                     stiffness: stiffness as f32,
                     exponent: exponent as f32,
                     damping: damping as f32,
                 };
-                check_ground(&Ground::level(law), &RANGE_32, battery).unwrap();
+                check_ground(&Ground::level(law), &RANGE_32, plan).unwrap();
             }
         }
     }
@@ -155,8 +155,8 @@ fn every_built_in_friction_passes() {
         normal_force: 1e3,
         slip: 10.0,
     };
-    for battery in batteries() {
-        check_friction(&Frictionless, &SLIDES, battery).unwrap();
+    for plan in batteries() {
+        check_friction(&Frictionless, &SLIDES, plan).unwrap();
         for slip_speed in [1e-12, 1e-3, 1.0] {
             for coefficient in [0.0, 0.3, 1e6] {
                 let coulomb = Coulomb {
@@ -167,25 +167,25 @@ fn every_built_in_friction_passes() {
                     coefficient,
                     slip_speed,
                 };
-                check_friction(&coulomb, &SLIDES, battery).unwrap();
-                check_friction(&smooth, &SLIDES, battery).unwrap();
-                check_friction(&Differences(coulomb), &SLIDES, battery).unwrap();
+                check_friction(&coulomb, &SLIDES, plan).unwrap();
+                check_friction(&smooth, &SLIDES, plan).unwrap();
+                check_friction(&Differences(coulomb), &SLIDES, plan).unwrap();
                 let viscous = Viscous { coefficient };
-                check_friction(&viscous, &SLIDES, battery).unwrap();
+                check_friction(&viscous, &SLIDES, plan).unwrap();
                 let resisting = WithResistance {
                     friction: coulomb,
                     rolling: coefficient * 1e-3,
-                    drilling: 0.0,
+                    spinning: 0.0,
                     turn_speed: slip_speed,
                 };
-                check_friction(&resisting, &SLIDES, battery).unwrap();
+                check_friction(&resisting, &SLIDES, plan).unwrap();
                 for transition_load in [1e-9, 1.0, 1e9] {
                     let weakening = LoadDependentCoulomb {
                         coefficient,
                         transition_load,
                         slip_speed,
                     };
-                    check_friction(&weakening, &SLIDES, battery).unwrap();
+                    check_friction(&weakening, &SLIDES, plan).unwrap();
                 }
                 for (kinetic, viscous) in [(0.5, 0.0), (1.0, 0.1), (2.0, 10.0), (0.0, 0.0)] {
                     let stribeck = Stribeck {
@@ -195,28 +195,28 @@ fn every_built_in_friction_passes() {
                         viscous,
                         slip_speed,
                     };
-                    check_friction(&stribeck, &SLIDES, battery).unwrap();
+                    check_friction(&stribeck, &SLIDES, plan).unwrap();
                 }
                 for across in [0.0, 0.2, 1.0] {
                     let coefficients = [coefficient, coefficient * across];
                     let grain = DVec3::new(0.3, -0.9, 0.1);
                     let anisotropic =
                         AnisotropicCoulomb::on(SLIDES.normal, grain, coefficients, slip_speed);
-                    check_friction(&anisotropic, &SLIDES, battery).unwrap();
+                    check_friction(&anisotropic, &SLIDES, plan).unwrap();
                 }
             }
         }
         let coulomb = Coulomb::<f32>::as_in_the_report(0.3);
-        check_friction(&coulomb, &slides_32, battery).unwrap();
+        check_friction(&coulomb, &slides_32, plan).unwrap();
         let coefficients = [0.3_f32, 0.1];
         let anisotropic = AnisotropicCoulomb::on(slides_32.normal, Vec3::X, coefficients, 1e-6);
-        check_friction(&anisotropic, &slides_32, battery).unwrap();
+        check_friction(&anisotropic, &slides_32, plan).unwrap();
         let weakening = LoadDependentCoulomb {
             coefficient: 0.4_f32,
             transition_load: 10.0,
             slip_speed: 1e-5,
         };
-        check_friction(&weakening, &slides_32, battery).unwrap();
+        check_friction(&weakening, &slides_32, plan).unwrap();
         let stribeck = Stribeck {
             static_coefficient: 0.4_f32,
             kinetic_coefficient: 0.3,
@@ -224,36 +224,36 @@ fn every_built_in_friction_passes() {
             viscous: 1e-3,
             slip_speed: 1e-5,
         };
-        check_friction(&stribeck, &slides_32, battery).unwrap();
+        check_friction(&stribeck, &slides_32, plan).unwrap();
     }
 }
 
 fn every_built_in_integrator_passes_in<R: Real>(time_step: R) {
-    let battery = Battery::default();
-    check_integrator::<R, _>(&EnergyMomentum { time_step }, battery).unwrap();
-    check_integrator::<R, _>(&ForwardEuler { time_step }, battery).unwrap();
-    check_integrator::<R, _>(&SymplecticEuler { time_step }, battery).unwrap();
-    check_integrator::<R, _>(&StrangSplitting { time_step }, battery).unwrap();
-    check_integrator::<R, _>(&Rk4 { time_step }, battery).unwrap();
-    check_integrator::<R, _>(&Nystrom { time_step }, battery).unwrap();
+    let plan = CheckPlan::default();
+    check_integrator::<R, _>(&EnergyMomentum { time_step }, plan).unwrap();
+    check_integrator::<R, _>(&ForwardEuler { time_step }, plan).unwrap();
+    check_integrator::<R, _>(&SymplecticEuler { time_step }, plan).unwrap();
+    check_integrator::<R, _>(&StrangSplitting { time_step }, plan).unwrap();
+    check_integrator::<R, _>(&Rk4 { time_step }, plan).unwrap();
+    check_integrator::<R, _>(&Nystrom { time_step }, plan).unwrap();
 }
 
 #[test]
 fn every_built_in_integrator_that_chooses_its_steps_passes() {
-    let battery = Battery::default();
+    let plan = CheckPlan::default();
     for tolerance in [1e-9, 1e-5, 1e-2] {
-        check_integrator::<f64, _>(&BogackiShampine32::new(tolerance), battery).unwrap();
-        check_integrator::<f64, _>(&DormandPrince54::new(tolerance), battery).unwrap();
+        check_integrator::<f64, _>(&BogackiShampine32::new(tolerance), plan).unwrap();
+        check_integrator::<f64, _>(&DormandPrince54::new(tolerance), plan).unwrap();
     }
     for tolerance in [1e-5, 1e-2] {
-        check_integrator::<f32, _>(&BogackiShampine32::new(tolerance), battery).unwrap();
-        check_integrator::<f32, _>(&DormandPrince54::new(tolerance), battery).unwrap();
+        check_integrator::<f32, _>(&BogackiShampine32::new(tolerance), plan).unwrap();
+        check_integrator::<f32, _>(&DormandPrince54::new(tolerance), plan).unwrap();
     }
 }
 
 #[test]
 fn a_pair_that_is_given_its_steps_has_its_order() {
-    let battery = Battery::default();
+    let plan = CheckPlan::default();
     for longest_step in [1e-3, 0.7] {
         let bogacki_shampine = BogackiShampine32 {
             longest_step,
@@ -263,8 +263,8 @@ fn a_pair_that_is_given_its_steps_has_its_order() {
             longest_step,
             ..DormandPrince54::new(1e100)
         };
-        check_integrator::<f64, _>(&bogacki_shampine, battery).unwrap();
-        check_integrator::<f64, _>(&dormand_prince, battery).unwrap();
+        check_integrator::<f64, _>(&bogacki_shampine, plan).unwrap();
+        check_integrator::<f64, _>(&dormand_prince, plan).unwrap();
     }
 }
 
@@ -280,21 +280,25 @@ fn every_built_in_integrator_passes() {
 
 #[test]
 fn the_energy_never_rises_with_the_default_integrator_and_does_with_the_others() {
-    for battery in batteries() {
-        check_energy_never_rises::<f64, _>(&EnergyMomentum { time_step: 1e-3 }, battery).unwrap();
-        check_energy_never_rises::<f32, _>(&EnergyMomentum { time_step: 1e-3 }, battery).unwrap();
+    for plan in batteries() {
+        check_energy_never_rises::<f64, _>(&EnergyMomentum { time_step: 1e-3 }, plan).unwrap();
+        check_energy_never_rises::<f32, _>(&EnergyMomentum { time_step: 1e-3 }, plan).unwrap();
     }
     let time_step = 1e-3;
-    let battery = Battery::default();
-    for breach in [
-        check_energy_never_rises::<f64, _>(&ForwardEuler { time_step }, battery),
-        check_energy_never_rises::<f64, _>(&SymplecticEuler { time_step }, battery),
-        check_energy_never_rises::<f64, _>(&StrangSplitting { time_step }, battery),
-        check_energy_never_rises::<f64, _>(&Rk4 { time_step }, battery),
+    let plan = CheckPlan::default();
+    for violation in [
+        check_energy_never_rises::<f64, _>(&ForwardEuler { time_step }, plan),
+        check_energy_never_rises::<f64, _>(&SymplecticEuler { time_step }, plan),
+        check_energy_never_rises::<f64, _>(&StrangSplitting { time_step }, plan),
+        check_energy_never_rises::<f64, _>(&Rk4 { time_step }, plan),
     ] {
-        let breach = breach.unwrap_err();
-        assert_eq!(breach.clause, Clause::EnergyNeverRises, "{breach}");
-        assert!(breach.value > breach.bound, "{breach}");
+        let violation = violation.unwrap_err();
+        assert_eq!(
+            violation.requirement,
+            Requirement::EnergyNeverRises,
+            "{violation}"
+        );
+        assert!(violation.value > violation.bound, "{violation}");
     }
 }
 
@@ -346,55 +350,55 @@ impl<const FAULT: char> RigidPointBody for Spoilt<FAULT> {
             contacts
         }
     }
-    fn reach(&self) -> f64 {
+    fn bounding_radius(&self) -> f64 {
         match FAULT {
             'r' => 0.499_999,
             'i' => f64::INFINITY,
             _ => 0.5,
         }
     }
-    fn contacts_below(&self, normal: DVec3, offset: f64) -> Run {
+    fn contacts_below(&self, normal: DVec3, offset: f64) -> ContactRange {
         let run = self.coin.contacts_below(normal, offset);
         match FAULT {
             // One short at the end.
-            's' if run.count > 1 => Run {
+            's' if run.count > 1 => ContactRange {
                 count: run.count - 1,
                 ..run
             },
             // No wrap from the last contact to the first.
-            'w' => Run {
+            'w' => ContactRange {
                 count: run.count.min(120 - run.first),
                 ..run
             },
             // Upside down.
             'u' => self.coin.contacts_below(-normal, offset),
             // Another answer now and then, though none too small.
-            'o' if self.times_asked() % 50 == 0 => Run::all(120),
+            'o' if self.times_asked() % 50 == 0 => ContactRange::all(120),
             _ => run,
         }
     }
-    fn contacts_below_near(&self, normal: DVec3, offset: f64, near: Run) -> Run {
+    fn contacts_below_near(&self, normal: DVec3, offset: f64, near: ContactRange) -> ContactRange {
         match FAULT {
             // The old answer, as if nothing had moved.
             'e' => near,
             // None missed, but as many more as were known.
-            'l' if near.count > 1 => Run::all(120),
+            'l' if near.count > 1 => ContactRange::all(120),
             _ => self.contacts_below(normal, offset),
         }
     }
     fn check(&self) -> Result<(), SceneError> {
-        error::at_least_zero("knob", if FAULT == 'k' { -1.0 } else { 1.0 }, "")
+        error::at_least_zero("parameter", if FAULT == 'k' { -1.0 } else { 1.0 }, "")
     }
 }
 
 #[test]
 fn a_body_with_impossible_mass_or_inertia_is_caught() {
-    let message = |breach: Breach| match breach.clause {
-        Clause::Composes { quantity, .. } => quantity,
-        _ => panic!("{breach}"),
+    let message = |violation: Violation| match violation.requirement {
+        Requirement::Composes { quantity, .. } => quantity,
+        _ => panic!("{violation}"),
     };
     assert_eq!(message(fault_of_body(&spoilt::<'m'>())), "mass");
-    assert_eq!(message(fault_of_body(&spoilt::<'k'>())), "knob");
+    assert_eq!(message(fault_of_body(&spoilt::<'k'>())), "parameter");
     assert_eq!(
         message(fault_of_body(&spoilt::<'a'>())),
         "the inertia tensor"
@@ -408,53 +412,76 @@ fn a_body_with_impossible_mass_or_inertia_is_caught() {
 
 #[test]
 fn a_body_that_is_not_rigid_is_caught() {
-    assert_eq!(fault_of_body(&spoilt::<'b'>()).clause, Clause::Rigid);
-    assert_eq!(fault_of_body(&spoilt::<'c'>()).clause, Clause::Rigid);
-    assert_eq!(fault_of_body(&spoilt::<'o'>()).clause, Clause::Rigid);
+    assert_eq!(
+        fault_of_body(&spoilt::<'b'>()).requirement,
+        Requirement::Rigid
+    );
+    assert_eq!(
+        fault_of_body(&spoilt::<'c'>()).requirement,
+        Requirement::Rigid
+    );
+    assert_eq!(
+        fault_of_body(&spoilt::<'o'>()).requirement,
+        Requirement::Rigid
+    );
 }
 
 #[test]
 fn a_reach_that_is_too_short_is_caught_at_a_contact_beyond_it() {
-    let breach = fault_of_body(&spoilt::<'r'>());
-    assert_eq!(breach.clause, Clause::Reach);
-    assert!(matches!(breach.input, Input::Contact { .. }), "{breach}");
-    assert_eq!(fault_of_body(&spoilt::<'i'>()).clause, Clause::Finite);
+    let violation = fault_of_body(&spoilt::<'r'>());
+    assert_eq!(violation.requirement, Requirement::Reach);
+    assert!(
+        matches!(violation.input, Input::Contact { .. }),
+        "{violation}"
+    );
+    assert_eq!(
+        fault_of_body(&spoilt::<'i'>()).requirement,
+        Requirement::Finite
+    );
 }
 
 #[test]
 fn contacts_below_near_that_depends_on_what_is_known_is_caught() {
-    let breach = fault_of_body(&spoilt::<'l'>());
-    assert_eq!(breach.clause, Clause::ContactsBelow, "{breach}");
+    let violation = fault_of_body(&spoilt::<'l'>());
+    assert_eq!(
+        violation.requirement,
+        Requirement::ContactsBelow,
+        "{violation}"
+    );
 }
 
 #[test]
 fn contacts_below_that_misses_one_is_caught_with_the_plane_that_shows_it() {
-    for breach in [
+    for violation in [
         fault_of_body(&spoilt::<'s'>()),
         fault_of_body(&spoilt::<'w'>()),
         fault_of_body(&spoilt::<'u'>()),
         fault_of_body(&spoilt::<'e'>()),
     ] {
-        assert_eq!(breach.clause, Clause::ContactsBelow, "{breach}");
+        assert_eq!(
+            violation.requirement,
+            Requirement::ContactsBelow,
+            "{violation}"
+        );
         let Input::Below {
             normal,
             offset,
             index,
-        } = breach.input
+        } = violation.input
         else {
-            panic!("{breach}");
+            panic!("{violation}");
         };
         let coin: Coin = Coin::ring(1.0, 0.5);
         assert!(
             normal.dot(coin.contacts()[index].position) < offset,
-            "{breach}"
+            "{violation}"
         );
     }
 }
 
 #[test]
 fn a_good_body_within_the_spoiling_one_passes() {
-    check_body(&spoilt::<'_'>(), Battery::default()).unwrap();
+    check_body(&spoilt::<'_'>(), CheckPlan::default()).unwrap();
 }
 
 // Grounds.
@@ -475,8 +502,8 @@ impl SpringDamperGround for Provided {
     fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
         self.0.normal_force(depth, closing_speed)
     }
-    fn extent(&self) -> Extent {
-        self.0.extent()
+    fn bounds(&self) -> GroundBounds {
+        self.0.bounds()
     }
 }
 
@@ -486,7 +513,7 @@ struct Any {
     spring_force: fn(f64) -> f64,
     spring_energy: fn(f64) -> f64,
     normal_force: fn(f64, f64) -> f64,
-    extent: Extent,
+    extent: GroundBounds,
     mean_force: Option<fn(f64, f64, f64) -> MeanForce>,
 }
 
@@ -499,7 +526,7 @@ const RIGHT: Any = Any {
     spring_force: |depth| 1e3 * depth,
     spring_energy: |depth| 5e2 * depth * depth,
     normal_force: |depth, speed| (1e3 * depth + 2.0 * speed).max(0.0),
-    extent: Extent::Everywhere,
+    extent: GroundBounds::Everywhere,
     mean_force: None,
 };
 
@@ -516,7 +543,7 @@ impl SpringDamperGround for Any {
     fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
         (self.normal_force)(depth, closing_speed)
     }
-    fn extent(&self) -> Extent {
+    fn bounds(&self) -> GroundBounds {
         self.extent
     }
     fn mean_force(&self, start: f64, end: f64, seconds: f64) -> MeanForce {
@@ -574,21 +601,21 @@ fn grounds_that_are_right_pass_whatever_their_law_and_shape() {
         }
     };
     let level = RIGHT.surface;
-    for battery in batteries() {
+    for plan in batteries() {
         // Hertz.
         let hertz = (|d: f64| 1e5 * d.powf(1.5), |d: f64| 4e4 * d.powf(2.5));
-        check_ground(&Law(level, hertz.0, hertz.1), &RANGE, battery).unwrap();
-        check_ground(&Law(ball, hertz.0, hertz.1), &RANGE, battery).unwrap();
-        check_ground(&Law(gutter, hertz.0, hertz.1), &RANGE, battery).unwrap();
+        check_ground(&Law(level, hertz.0, hertz.1), &RANGE, plan).unwrap();
+        check_ground(&Law(ball, hertz.0, hertz.1), &RANGE, plan).unwrap();
+        check_ground(&Law(gutter, hertz.0, hertz.1), &RANGE, plan).unwrap();
         // A mat of 1 cm on stone.
         let stone = |d: f64| 1e3 * d + 1e6 * (d - 0.01).max(0.0);
         let stored = |d: f64| 5e2 * d * d + 5e5 * (d - 0.01).max(0.0).powi(2);
-        check_ground(&Law(level, stone, stored), &RANGE, battery).unwrap();
+        check_ground(&Law(level, stone, stored), &RANGE, plan).unwrap();
         // A crust with a force that does not depend on the depth, and mud whose force levels off.
-        check_ground(&Law(level, |_| 3.0, |d: f64| 3.0 * d), &RANGE, battery).unwrap();
+        check_ground(&Law(level, |_| 3.0, |d: f64| 3.0 * d), &RANGE, plan).unwrap();
         let mud = |d: f64| 5.0 * d / (0.01 + d);
         let kept = |d: f64| 5.0 * (d - 0.01 * (d / 0.01).ln_1p());
-        check_ground(&Law(level, mud, kept), &RANGE, battery).unwrap();
+        check_ground(&Law(level, mud, kept), &RANGE, plan).unwrap();
     }
 }
 
@@ -602,7 +629,10 @@ fn a_surface_whose_normal_is_not_that_of_its_gap_is_caught() {
         },
         ..RIGHT
     };
-    assert_eq!(fault_of_ground(&steep).clause, Clause::GapAlongNormal);
+    assert_eq!(
+        fault_of_ground(&steep).requirement,
+        Requirement::GapAlongNormal
+    );
     // A dome with a normal that looks up everywhere.
     let dome = Any {
         surface: |p| Surface {
@@ -611,7 +641,10 @@ fn a_surface_whose_normal_is_not_that_of_its_gap_is_caught() {
         },
         ..RIGHT
     };
-    assert_eq!(fault_of_ground(&dome).clause, Clause::GapAlongNormal);
+    assert_eq!(
+        fault_of_ground(&dome).requirement,
+        Requirement::GapAlongNormal
+    );
     // A step of a hair's breadth.
     let step = Any {
         surface: |p| Surface {
@@ -620,10 +653,10 @@ fn a_surface_whose_normal_is_not_that_of_its_gap_is_caught() {
         },
         ..RIGHT
     };
-    let breach = fault_of_ground(&step);
-    assert_eq!(breach.clause, Clause::GapAlongNormal);
-    let Input::Way { from, to } = breach.input else {
-        panic!("{breach}");
+    let violation = fault_of_ground(&step);
+    assert_eq!(violation.requirement, Requirement::GapAlongNormal);
+    let Input::Way { from, to } = violation.input else {
+        panic!("{violation}");
     };
     assert!(from.x.min(to.x) <= 0.0 && from.x.max(to.x) > 0.0);
     let long = Any {
@@ -633,7 +666,7 @@ fn a_surface_whose_normal_is_not_that_of_its_gap_is_caught() {
         },
         ..RIGHT
     };
-    assert_eq!(fault_of_ground(&long).clause, Clause::UnitNormal);
+    assert_eq!(fault_of_ground(&long).requirement, Requirement::UnitNormal);
     let nothing = Any {
         surface: |p| Surface {
             gap: (p.z * 0.0) / 0.0,
@@ -641,40 +674,47 @@ fn a_surface_whose_normal_is_not_that_of_its_gap_is_caught() {
         },
         ..RIGHT
     };
-    assert_eq!(fault_of_ground(&nothing).clause, Clause::Finite);
+    assert_eq!(fault_of_ground(&nothing).requirement, Requirement::Finite);
 }
 
 #[test]
 fn an_extent_that_is_not_true_is_caught() {
     for extent in [
-        Extent::Nowhere,
-        Extent::Plane(Plane::level(1e-6)),
-        Extent::Plane(Plane::through(
+        GroundBounds::Nowhere,
+        GroundBounds::Plane(Plane::level(1e-6)),
+        GroundBounds::Plane(Plane::through(
             DVec3::ZERO,
             DVec3::new(1e-6, 0.0, 1.0).normalize(),
         )),
         // The ground is said to lie lower than it does.
-        Extent::Below(Plane::level(-1e-4)),
+        GroundBounds::Below(Plane::level(-1e-4)),
         // No plane of this tilt has it all below.
-        Extent::Below(Plane::through(DVec3::ZERO, DVec3::new(0.1, 0.0, 1.0))),
+        GroundBounds::Below(Plane::through(DVec3::ZERO, DVec3::new(0.1, 0.0, 1.0))),
     ] {
-        let breach = fault_of_ground(&Any { extent, ..RIGHT });
-        assert_eq!(breach.clause, Clause::Extent, "{breach}");
+        let violation = fault_of_ground(&Any { extent, ..RIGHT });
+        assert_eq!(
+            violation.requirement,
+            Requirement::GroundBounds,
+            "{violation}"
+        );
     }
     let crooked = Plane {
         normal: DVec3::Z * 1.01,
         height: 0.0,
     };
-    let breach = fault_of_ground(&Any {
-        extent: Extent::Below(crooked),
+    let violation = fault_of_ground(&Any {
+        extent: GroundBounds::Below(crooked),
         ..RIGHT
     });
-    assert!(matches!(breach.clause, Clause::Composes { .. }), "{breach}");
+    assert!(
+        matches!(violation.requirement, Requirement::Composes { .. }),
+        "{violation}"
+    );
     let low_enough = Any {
-        extent: Extent::Below(Plane::level(0.2)),
+        extent: GroundBounds::Below(Plane::level(0.2)),
         ..RIGHT
     };
-    check_ground(&low_enough, &RANGE, Battery::default()).unwrap();
+    check_ground(&low_enough, &RANGE, CheckPlan::default()).unwrap();
 }
 
 #[test]
@@ -683,23 +723,29 @@ fn a_potential_that_is_not_the_integral_of_the_force_is_caught() {
         spring_energy: |d| 1e3 * d * d,
         ..RIGHT
     };
-    assert_eq!(fault_of_ground(&twice).clause, Clause::EnergyIsIntegral);
+    assert_eq!(
+        fault_of_ground(&twice).requirement,
+        Requirement::EnergyIsIntegral
+    );
     // A millionth too much.
     let nearly = Any {
         spring_energy: |d| 5e2 * (1.0 + 1e-6) * d * d,
         ..RIGHT
     };
-    assert_eq!(fault_of_ground(&nearly).clause, Clause::EnergyIsIntegral);
+    assert_eq!(
+        fault_of_ground(&nearly).requirement,
+        Requirement::EnergyIsIntegral
+    );
     // Right from place to place, but not 0 at the surface.
     let lifted = Any {
         spring_energy: |d| 5e2 * d * d + 1e-6,
         ..RIGHT
     };
-    let breach = fault_of_ground(&lifted);
-    assert_eq!(breach.clause, Clause::EnergyIsIntegral);
+    let violation = fault_of_ground(&lifted);
+    assert_eq!(violation.requirement, Requirement::EnergyIsIntegral);
     assert!(
-        matches!(breach.input, Input::Depths { from: 0.0, .. }),
-        "{breach}"
+        matches!(violation.input, Input::Depths { from: 0.0, .. }),
+        "{violation}"
     );
     // A force that stiffens in the deep, with the energy of one that does not.
     let stiffening = Any {
@@ -708,14 +754,17 @@ fn a_potential_that_is_not_the_integral_of_the_force_is_caught() {
         ..RIGHT
     };
     assert_eq!(
-        fault_of_ground(&stiffening).clause,
-        Clause::EnergyIsIntegral
+        fault_of_ground(&stiffening).requirement,
+        Requirement::EnergyIsIntegral
     );
     let sinking = Any {
         spring_energy: |d| -5e2 * d * d,
         ..RIGHT
     };
-    assert_eq!(fault_of_ground(&sinking).clause, Clause::SpringEnergyRises);
+    assert_eq!(
+        fault_of_ground(&sinking).requirement,
+        Requirement::SpringEnergyRises
+    );
 }
 
 #[test]
@@ -724,21 +773,24 @@ fn a_ground_that_pulls_is_caught_with_depth_and_speed() {
         normal_force: |d, speed| 1e3 * d + 2.0 * speed,
         ..RIGHT
     };
-    let breach = fault_of_ground(&glue);
-    assert_eq!(breach.clause, Clause::NeverPulls);
+    let violation = fault_of_ground(&glue);
+    assert_eq!(violation.requirement, Requirement::NeverPulls);
     let Input::Press {
         depth,
         closing_speed,
-    } = breach.input
+    } = violation.input
     else {
-        panic!("{breach}");
+        panic!("{violation}");
     };
-    assert!(1e3 * depth + 2.0 * closing_speed < 0.0, "{breach}");
+    assert!(1e3 * depth + 2.0 * closing_speed < 0.0, "{violation}");
     let magnet = Any {
         spring_force: |d| 1e3 * d - 0.1,
         ..RIGHT
     };
-    assert_eq!(fault_of_ground(&magnet).clause, Clause::SpringPushes);
+    assert_eq!(
+        fault_of_ground(&magnet).requirement,
+        Requirement::SpringPushes
+    );
 }
 
 #[test]
@@ -747,13 +799,19 @@ fn dampers_that_give_energy_are_caught() {
         normal_force: |d, speed| (1e3 * d - 2.0 * speed).max(0.0),
         ..RIGHT
     };
-    assert_eq!(fault_of_ground(&backwards).clause, Clause::DamperTakes);
+    assert_eq!(
+        fault_of_ground(&backwards).requirement,
+        Requirement::DamperTakes
+    );
     // A trampoline: a fast contact is thrown back harder.
     let trampoline = Any {
         normal_force: |d, speed| 1e3 * d * if speed < -4.0 { 1.01 } else { 1.0 },
         ..RIGHT
     };
-    assert_eq!(fault_of_ground(&trampoline).clause, Clause::DamperTakes);
+    assert_eq!(
+        fault_of_ground(&trampoline).requirement,
+        Requirement::DamperTakes
+    );
 }
 
 #[test]
@@ -767,7 +825,7 @@ fn a_mean_force_that_is_not_the_laws_is_caught() {
             ..RIGHT
         }
     }
-    check_ground(&with(right), &RANGE, Battery::default()).unwrap();
+    check_ground(&with(right), &RANGE, CheckPlan::default()).unwrap();
     // The force at the end alone takes too much on the way in and gives too much on the way out.
     let at_end = with(|start, end, seconds| MeanForce {
         force: (1e3 * end.max(0.0) + 2.0 * (end - start).min(0.0) / seconds).max(0.0),
@@ -796,18 +854,18 @@ fn a_mean_force_that_is_not_the_laws_is_caught() {
         slope: -1.0,
         ..right(start, end, seconds)
     });
-    let clause = |ground: Any| fault_of_ground(&ground).clause;
-    assert_eq!(clause(pushing_above), Clause::MeanForceAbove);
-    assert_eq!(clause(softening), Clause::MeanForceSigns);
-    assert_eq!(clause(greedy), Clause::MeanForceIsMean);
-    assert_eq!(clause(weak), Clause::MeanForceTakes);
+    let requirement = |ground: Any| fault_of_ground(&ground).requirement;
+    assert_eq!(requirement(pushing_above), Requirement::MeanForceAbove);
+    assert_eq!(requirement(softening), Requirement::MeanForceSigns);
+    assert_eq!(requirement(greedy), Requirement::MeanForceIsMean);
+    assert_eq!(requirement(weak), Requirement::MeanForceTakes);
     assert!(matches!(
-        clause(strong),
-        Clause::MeanForceTakes | Clause::MeanForceIsMean
+        requirement(strong),
+        Requirement::MeanForceTakes | Requirement::MeanForceIsMean
     ));
     assert!(matches!(
-        clause(at_end),
-        Clause::MeanForceTakes | Clause::MeanForceIsMean
+        requirement(at_end),
+        Requirement::MeanForceTakes | Requirement::MeanForceIsMean
     ));
 }
 
@@ -820,10 +878,10 @@ impl SlidingFriction for Pushing {
     fn force(&self, _normal_force: f64, _slip: DVec3) -> DVec3 {
         DVec3::ZERO
     }
-    fn turning(&self, normal_force: f64) -> Option<TurningResistance> {
-        (normal_force > 0.0 || self.0 < 0.0).then_some(TurningResistance {
+    fn rolling_resistance(&self, normal_force: f64) -> Option<RollingResistance> {
+        (normal_force > 0.0 || self.0 < 0.0).then_some(RollingResistance {
             rolling: self.0 * normal_force,
-            drilling: 0.0,
+            spinning: 0.0,
             turn_speed: 1.0,
         })
     }
@@ -832,8 +890,13 @@ impl SlidingFriction for Pushing {
 #[test]
 fn a_resistance_that_drives_or_comes_and_goes_is_found() {
     for factor in [-1.0, 1.0] {
-        let breach = check_friction(&Pushing(factor), &SLIDES, Battery::default()).unwrap_err();
-        assert_eq!(breach.clause, Clause::TurningOpposes, "{breach}");
+        let violation =
+            check_friction(&Pushing(factor), &SLIDES, CheckPlan::default()).unwrap_err();
+        assert_eq!(
+            violation.requirement,
+            Requirement::TurningOpposes,
+            "{violation}"
+        );
     }
 }
 
@@ -868,27 +931,27 @@ fn friction_laws_that_are_right_pass() {
         let grip = DVec3::new(0.01 * slip.x, 0.5 * slip.y, 0.0);
         -grip * (load / (slip.length() + 1e-3))
     });
-    for battery in batteries() {
-        check_friction(&oil, &SLIDES, battery).unwrap();
-        check_friction(&stribeck, &SLIDES, battery).unwrap();
-        check_friction(&skates, &SLIDES, battery).unwrap();
+    for plan in batteries() {
+        check_friction(&oil, &SLIDES, plan).unwrap();
+        check_friction(&stribeck, &SLIDES, plan).unwrap();
+        check_friction(&skates, &SLIDES, plan).unwrap();
     }
     let slope = FrictionRange {
         normal: DVec3::new(0.0, 0.3, 1.0),
         ..SLIDES
     };
-    let breach = check_friction(&skates, &slope, Battery::default()).unwrap_err();
-    assert_eq!(breach.clause, Clause::InSurface);
+    let violation = check_friction(&skates, &slope, CheckPlan::default()).unwrap_err();
+    assert_eq!(violation.requirement, Requirement::InSurface);
 }
 
 #[test]
 fn friction_that_gives_energy_is_caught_with_load_and_slip() {
     let motor = Rub(|load: f64, slip: DVec3| slip * (0.3 * load / (slip.length() + 1e-3)));
-    let breach = fault_of_friction(&motor);
-    assert_eq!(breach.clause, Clause::Opposes);
+    let violation = fault_of_friction(&motor);
+    assert_eq!(violation.requirement, Requirement::Opposes);
     assert!(
-        matches!(breach.input, Input::Slide { normal_force, .. } if normal_force > 0.0),
-        "{breach}"
+        matches!(violation.input, Input::Slide { normal_force, .. } if normal_force > 0.0),
+        "{violation}"
     );
     // A belt that runs at 1 mm/s along x drags slower bodies along.
     let belt = Rub(|load: f64, slip: DVec3| {
@@ -896,70 +959,73 @@ fn friction_that_gives_energy_is_caught_with_load_and_slip() {
         -past * (0.3 * load / (past.length() + 1e-3))
     });
     assert!(matches!(
-        fault_of_friction(&belt).clause,
-        Clause::Opposes | Clause::NoSlipNoForce
+        fault_of_friction(&belt).requirement,
+        Requirement::Opposes | Requirement::NoSlipNoForce
     ));
     // Only sideways to the slip it takes nothing, and lifts.
     let lift = Rub(|load: f64, slip: DVec3| {
         -slip * (0.3 * load / (slip.length() + 1e-3)) + DVec3::Z * (0.1 * load * slip.length())
     });
-    assert_eq!(fault_of_friction(&lift).clause, Clause::InSurface);
+    assert_eq!(fault_of_friction(&lift).requirement, Requirement::InSurface);
 }
 
 #[test]
 fn friction_that_is_no_number_at_zero_slip_is_caught() {
     let naive = Rub(|load: f64, slip: DVec3| -slip.normalize() * (0.3 * load));
-    let breach = fault_of_friction(&naive);
-    assert_eq!(breach.clause, Clause::Finite);
+    let violation = fault_of_friction(&naive);
+    assert_eq!(violation.requirement, Requirement::Finite);
     assert!(
-        matches!(breach.input, Input::Slide { slip, .. } if slip == DVec3::ZERO),
-        "{breach}"
+        matches!(violation.input, Input::Slide { slip, .. } if slip == DVec3::ZERO),
+        "{violation}"
     );
 }
 
 #[test]
 fn friction_without_load_is_caught() {
     let sticky = Rub(|load: f64, slip: DVec3| -slip * (load + 1.0));
-    assert_eq!(fault_of_friction(&sticky).clause, Clause::NoLoadNoForce);
+    assert_eq!(
+        fault_of_friction(&sticky).requirement,
+        Requirement::NoLoadNoForce
+    );
 }
 
 #[test]
 fn a_drag_that_does_not_fit_its_force_is_caught() {
-    struct Misfit(Drag);
+    struct Misfit(FrictionJacobian);
     impl SlidingFriction for Misfit {
         fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
             -slip * (0.3 * normal_force)
         }
-        fn drag(&self, normal_force: f64, _slip: DVec3) -> Drag {
-            Drag {
+        fn jacobian(&self, normal_force: f64, _slip: DVec3) -> FrictionJacobian {
+            FrictionJacobian {
                 coefficient: self.0.coefficient * normal_force,
                 ..self.0
             }
         }
     }
-    let right = Drag {
+    let right = FrictionJacobian {
         coefficient: 0.3,
         per_load: 0.3,
         width: 1.0,
         growth: 0.0,
     };
-    check_friction(&Misfit(right), &SLIDES, Battery::default()).unwrap();
+    check_friction(&Misfit(right), &SLIDES, CheckPlan::default()).unwrap();
     for wrong in [
-        Drag {
+        FrictionJacobian {
             coefficient: 0.31,
             ..right
         },
-        Drag {
+        FrictionJacobian {
             width: 0.0,
             ..right
         },
-        Drag {
+        FrictionJacobian {
             growth: 1.5,
             ..right
         },
     ] {
-        let breach = fault_of_friction(&Misfit(wrong));
-        assert_eq!(breach.clause, Clause::DragFits, "{breach}");
+        let violation = fault_of_friction(&Misfit(wrong));
+        assert_eq!(violation.requirement, Requirement::DragFits, "{violation}");
     }
 }
 
@@ -990,7 +1056,7 @@ impl<const FAULT: char> Integrator for Faulty<FAULT> {
                 _ => dt,
             },
         };
-        inner.step(scene, state, f64::MAX, &mut Run::default())?;
+        inner.step(scene, state, f64::MAX, &mut ContactRange::default())?;
         *workspace += 1;
         let q = start.orientation;
         match FAULT {
@@ -1027,26 +1093,38 @@ impl<const FAULT: char> Integrator for Faulty<FAULT> {
 
 #[test]
 fn integrators_that_break_a_clause_are_caught_by_it() {
-    check_integrator(&Faulty::<'_'>, Battery::default()).unwrap();
+    check_integrator(&Faulty::<'_'>, CheckPlan::default()).unwrap();
     let clauses = [
-        (fault_of_integrator(&Faulty::<'l'>), Clause::KeepsToLimit),
-        (fault_of_integrator(&Faulty::<'t'>), Clause::TellsTime),
-        (fault_of_integrator(&Faulty::<'n'>), Clause::TellsTime),
-        (fault_of_integrator(&Faulty::<'z'>), Clause::TakesTime),
-        (fault_of_integrator(&Faulty::<'s'>), Clause::LandsOnLimit),
-        (fault_of_integrator(&Faulty::<'q'>), Clause::UnitOrientation),
+        (
+            fault_of_integrator(&Faulty::<'l'>),
+            Requirement::KeepsToLimit,
+        ),
+        (fault_of_integrator(&Faulty::<'t'>), Requirement::TellsTime),
+        (fault_of_integrator(&Faulty::<'n'>), Requirement::TellsTime),
+        (fault_of_integrator(&Faulty::<'z'>), Requirement::TakesTime),
+        (
+            fault_of_integrator(&Faulty::<'s'>),
+            Requirement::LandsOnLimit,
+        ),
+        (
+            fault_of_integrator(&Faulty::<'q'>),
+            Requirement::UnitOrientation,
+        ),
         (
             fault_of_integrator(&Faulty::<'w'>),
-            Clause::WorkspaceChangesNothing,
+            Requirement::WorkspaceChangesNothing,
         ),
-        (fault_of_integrator(&Faulty::<'x'>), Clause::Finite),
-        (fault_of_integrator(&Faulty::<'p'>), Clause::Order),
+        (fault_of_integrator(&Faulty::<'x'>), Requirement::Finite),
+        (fault_of_integrator(&Faulty::<'p'>), Requirement::Order),
     ];
-    for (breach, clause) in clauses {
-        assert_eq!(breach.clause, clause, "{breach}");
+    for (violation, requirement) in clauses {
+        assert_eq!(violation.requirement, requirement, "{violation}");
     }
-    let breach = fault_of_integrator(&Faulty::<'c'>);
-    assert!(matches!(breach.clause, Clause::Composes { .. }), "{breach}");
+    let violation = fault_of_integrator(&Faulty::<'c'>);
+    assert!(
+        matches!(violation.requirement, Requirement::Composes { .. }),
+        "{violation}"
+    );
 }
 
 #[test]
@@ -1063,7 +1141,7 @@ fn an_integrator_that_remembers_behind_the_workspaces_back_is_caught() {
         ) -> Result<Step, StepError> {
             self.0.set(self.0.get() + 1);
             state.position.x += 1e-15 * f64::from(self.0.get());
-            Rk4 { time_step: 1e-3 }.step(scene, state, limit, &mut Run::default())
+            Rk4 { time_step: 1e-3 }.step(scene, state, limit, &mut ContactRange::default())
         }
         fn order(&self) -> u32 {
             4
@@ -1072,8 +1150,8 @@ fn an_integrator_that_remembers_behind_the_workspaces_back_is_caught() {
             Ok(())
         }
     }
-    let breach = fault_of_integrator(&Drunk(Cell::new(0)));
-    assert_eq!(breach.clause, Clause::SameBits, "{breach}");
+    let violation = fault_of_integrator(&Drunk(Cell::new(0)));
+    assert_eq!(violation.requirement, Requirement::SameBits, "{violation}");
 }
 
 #[test]
@@ -1097,8 +1175,11 @@ fn an_integrator_that_refuses_a_tame_step_is_caught() {
             Ok(())
         }
     }
-    let breach = fault_of_integrator(&Lazy);
-    assert_eq!(breach.clause, Clause::Steps(StepError::Stalled));
+    let violation = fault_of_integrator(&Lazy);
+    assert_eq!(
+        violation.requirement,
+        Requirement::Steps(StepError::Stalled)
+    );
 }
 
 // Messages.
@@ -1117,7 +1198,7 @@ fn a_breach_says_rule_values_and_input() {
 
 #[test]
 fn a_run_that_may_hold_more_is_no_panic_but_passes() {
-    struct Whole([ContactPoint; 1], Run);
+    struct Whole([ContactPoint; 1], ContactRange);
     impl RigidPointBody for Whole {
         fn mass(&self) -> f64 {
             1.0
@@ -1128,17 +1209,17 @@ fn a_run_that_may_hold_more_is_no_panic_but_passes() {
         fn contacts(&self) -> &[ContactPoint] {
             &self.0
         }
-        fn contacts_below(&self, _normal: DVec3, _offset: f64) -> Run {
+        fn contacts_below(&self, _normal: DVec3, _offset: f64) -> ContactRange {
             self.1
         }
     }
     for first in [0, 1, usize::MAX] {
-        let run = Run {
+        let run = ContactRange {
             first,
             count: usize::MAX,
         };
         let body = Whole([ContactPoint::bare(DVec3::X)], run);
-        check_body(&body, Battery::default()).unwrap();
+        check_body(&body, CheckPlan::default()).unwrap();
     }
 }
 
@@ -1190,10 +1271,10 @@ impl RigidPointBody for Noise {
     fn contacts(&self) -> &[ContactPoint] {
         &self.contacts
     }
-    fn reach(&self) -> f64 {
+    fn bounding_radius(&self) -> f64 {
         self.number(&[0.75], 2.0)
     }
-    fn contacts_below(&self, normal: DVec3, offset: f64) -> Run {
+    fn contacts_below(&self, normal: DVec3, offset: f64) -> ContactRange {
         let bits = self.bits(&[normal.x, normal.y, normal.z, offset]);
         let one = |bits: u64| match bits % 5 {
             0 => usize::MAX,
@@ -1201,11 +1282,11 @@ impl RigidPointBody for Noise {
             _ => usize::try_from(bits % 9).unwrap(),
         };
         match bits % 3 {
-            0 => Run {
+            0 => ContactRange {
                 first: one(bits >> 8),
                 count: one(bits >> 16),
             },
-            _ => Run::all(usize::MAX),
+            _ => ContactRange::all(usize::MAX),
         }
     }
 }
@@ -1236,7 +1317,7 @@ impl SlidingFriction for Noise {
 
 #[test]
 fn no_number_that_a_part_returns_makes_a_check_or_a_step_panic() {
-    let battery = Battery { seed: 3, cases: 5 };
+    let plan = CheckPlan { seed: 3, cases: 5 };
     let mut broken = 0;
     for seed in 0..400 {
         let corner = |i: u32| {
@@ -1248,26 +1329,22 @@ fn no_number_that_a_part_returns_makes_a_check_or_a_step_panic() {
             contacts: (0..u32::try_from(seed % 7).unwrap()).map(corner).collect(),
         };
         // Every answer is right but a panic, an overflow, or a loop without an end.
-        let _ = check_body(&noise, battery);
-        let _ = check_ground(&noise, &RANGE, battery);
-        let _ = check_friction(&noise, &SLIDES, battery);
+        let _ = check_body(&noise, plan);
+        let _ = check_ground(&noise, &RANGE, plan);
+        let _ = check_friction(&noise, &SLIDES, plan);
         let wild = noise.number(&[4.0], f64::MAX);
         let range = GroundRange {
             size: wild,
             depth: noise.number(&[5.0], 5e-324),
             ..RANGE
         };
-        let _ = check_ground(&RIGHT, &range, battery);
+        let _ = check_ground(&RIGHT, &range, plan);
         let slides = FrictionRange {
             normal: DVec3::splat(wild),
             slip: wild,
             ..SLIDES
         };
-        let _ = check_friction(
-            &Differences(Coulomb::as_in_the_report(0.3)),
-            &slides,
-            battery,
-        );
+        let _ = check_friction(&Differences(Coulomb::as_in_the_report(0.3)), &slides, plan);
         let Ok(stepper) = Stepper::new(&noise)
             .and_then(|stepper| stepper.with_ground(&noise))
             .and_then(|stepper| stepper.with_friction(&noise))
@@ -1301,19 +1378,21 @@ fn the_message_of_a_wrong_inertia_has_the_bound_of_its_moment() {
         }
     }
     let said = |x, y, z| fault_of_body(&Heavy(DVec3::new(x, y, z)));
-    let breach = said(0.5, 0.4, 1.0);
-    assert!((breach.bound - 0.9).abs() < 1e-15, "{breach}");
-    let breach = said(0.5, 0.25, 1.0);
+    let violation = said(0.5, 0.4, 1.0);
+    assert!((violation.bound - 0.9).abs() < 1e-15, "{violation}");
+    let violation = said(0.5, 0.25, 1.0);
     assert!(
-        breach.to_string().contains("got 1e0, the bound is 7.5e-1"),
-        "{breach}"
+        violation
+            .to_string()
+            .contains("got 1e0, the bound is 7.5e-1"),
+        "{violation}"
     );
     // What is no number, or negative, has its rule in words.
-    for (breach, rule) in [
+    for (violation, rule) in [
         (said(f64::NAN, 1.0, 1.0), "must be finite: got NaN;"),
         (said(1.0, 1.0, -1.0), "must be at least 0: got -1e0;"),
     ] {
-        let message = breach.to_string();
+        let message = violation.to_string();
         assert!(message.contains(rule), "{message}");
         assert!(!message.contains("the bound is"), "{message}");
     }
@@ -1322,9 +1401,9 @@ fn the_message_of_a_wrong_inertia_has_the_bound_of_its_moment() {
 #[test]
 fn a_friction_law_that_pushes_is_shown_where_it_pushes_hard() {
     let motor = Rub(|load: f64, slip: DVec3| slip * (0.3 * load / (slip.length() + 1e-3)));
-    let breach = fault_of_friction(&motor);
+    let violation = fault_of_friction(&motor);
     // At the largest load, 1 kN, and the largest slip, 10 m/s: 3 kW.
-    assert!((breach.value - 3e3).abs() < 1.0, "{breach}");
+    assert!((violation.value - 3e3).abs() < 1.0, "{violation}");
 }
 
 #[test]
@@ -1344,7 +1423,7 @@ fn a_law_in_the_textbooks_form_passes_for_all_its_rounding() {
     }
     let ground = Ground::level(Textbook);
     assert!((1..100).any(|i| Textbook.spring_energy(1e-13 * f64::from(i)) < 0.0));
-    for battery in batteries() {
-        check_ground(&ground, &RANGE, battery).unwrap();
+    for plan in batteries() {
+        check_ground(&ground, &RANGE, plan).unwrap();
     }
 }

@@ -12,8 +12,8 @@ use kit::{Solid, each_explicit, log_uniform, order, point_mass};
 use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    Bowl, Coin, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Drag, Dynamics,
-    EnergyMomentum, FlatGround, Flight, ForwardEuler, Ground, Integrator, Nystrom, Plane, Real,
+    Bowl, Coin, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Dynamics, EnergyMomentum,
+    FlatGround, Flight, ForwardEuler, FrictionJacobian, Ground, Integrator, Nystrom, Plane, Real,
     RigidPointBody, Rk4, SlidingFriction, Solid as Hull, Sphere, SpringDamper, SpringDamperGround,
     State, Stepper, StrangSplitting, Surface, SymplecticEuler, Terrain, Trial, UniformGravity,
 };
@@ -35,7 +35,7 @@ fn table() -> (Solid, FlatGround, UniformGravity, State) {
         ..Solid::with_moments(DVec3::new(0.1, 0.16, 0.22))
     };
     let start = State::at(DVec3::Z * -0.12)
-        .turned_by(DVec3::new(0.15, 0.1, 0.0))
+        .with_rotation_vector(DVec3::new(0.15, 0.1, 0.0))
         .with_linear_velocity(DVec3::new(0.3, 0.0, 0.2))
         .with_angular_momentum(DVec3::new(0.02, -0.01, 0.2));
     (
@@ -402,10 +402,10 @@ impl SlidingFriction for Film {
         let dry = self.steady + self.coefficient * normal_force;
         -slip.normalize_or_zero() * dry - (slip - self.velocity) * self.drag
     }
-    fn drag(&self, normal_force: f64, slip: DVec3) -> Drag {
+    fn jacobian(&self, normal_force: f64, slip: DVec3) -> FrictionJacobian {
         let speed = slip.length();
         let coefficient = (self.steady + self.coefficient * normal_force) / speed + self.drag;
-        Drag {
+        FrictionJacobian {
             coefficient,
             per_load: self.coefficient / speed,
             width: speed,
@@ -541,7 +541,11 @@ fn spectral_radius(mut matrix: Vec<Vec<f64>>) -> f64 {
 fn leaning_body(kind: usize) -> Box<dyn RigidPointBody> {
     let corners = [DVec3::ZERO, DVec3::X, DVec3::Y * 0.7, DVec3::Z * 0.4];
     match kind {
-        0 => Box::new(Coin::ring_in([ContactPoint::default(); 12], 1.0, 0.5)),
+        0 => Box::new(Coin::ring_with_storage(
+            [ContactPoint::default(); 12],
+            1.0,
+            0.5,
+        )),
         1 => Box::new(Cuboid::solid(1.0, DVec3::new(1.0, 0.8, 0.2))),
         2 => Box::new(Sphere::solid(1.0, 0.5)),
         _ => Box::new(Hull::hull(1.0, corners).unwrap()),
@@ -754,7 +758,7 @@ fn a_round_rim_and_a_terrain_have_the_limits_of_their_polygon_and_plane() {
     // A disc of 240 points leans at 1 rad and penetrates so far that its arc is 40 points long,
     // sliding. The polygon of as many points differs by the share of a point, twice.
     let state = State::at(DVec3::Z * (0.5 * 1.0_f64.cos() - 0.02))
-        .turned_by(DVec3::Y)
+        .with_rotation_vector(DVec3::Y)
         .with_linear_velocity(DVec3::X);
     let friction = Coulomb {
         coefficient: 0.3,
@@ -770,7 +774,7 @@ fn a_round_rim_and_a_terrain_have_the_limits_of_their_polygon_and_plane() {
     }
     let round = limit(Disc::ring(1.0, 0.5, 240), friction, &state).unwrap();
     let points = vec![ContactPoint::default(); 240];
-    let polygon = limit(Coin::ring_in(points, 1.0, 0.5), friction, &state).unwrap();
+    let polygon = limit(Coin::ring_with_storage(points, 1.0, 0.5), friction, &state).unwrap();
     assert!(
         (round / polygon - 1.0).abs() < 0.03,
         "{round:e} and {polygon:e} s"

@@ -19,7 +19,7 @@ use tumble::integrator::EnergyMomentumWorkspace;
 use tumble::real::{Matrix, Vector};
 use tumble::{
     Capsule, Coin, ContactPoint, Coulomb, Cuboid, Disc, Ellipsoid, EnergyMomentum, FlatGround,
-    Frictionless, Integrator, MassProperties, Plane, PointCloud, Real, RigidPointBody, Rod,
+    Frictionless, InertiaProperties, Integrator, Plane, PointCloud, Real, RigidPointBody, Rod,
     SlidingFriction, SmoothCoulomb, SolidCoin, Sphere, SpringDamperGround, State, Stepper, Trial,
     UniformGravity, Viscous,
 };
@@ -163,19 +163,19 @@ fn what_nothing_takes_is_there_after_a_million_steps() {
         let mut state = rolling.state();
         let mut workspace = EnergyMomentumWorkspace::default();
         let start = stepper.energy(&state).total();
-        let (mut ratcheted, mut iterations, mut divided) = (0.0, 0_u64, 0);
+        let (mut energy_removed, mut iterations, mut divided) = (0.0, 0_u64, 0);
         let steps = 500_000;
         for _ in 0..steps {
             let step = stepper
                 .step_within(&mut state, f64::MAX, &mut workspace)
                 .unwrap();
-            ratcheted += step.ratcheted;
+            energy_removed += step.energy_removed;
             iterations += u64::from(step.iterations);
             divided += u32::from(step.fallback);
         }
         let end = stepper.energy(&state).total();
         println!(
-            "dt {time_step}: {start} to {end}: {:e} of it; ratcheted {ratcheted:e} J, {} iterations, {divided} divided",
+            "dt {time_step}: {start} to {end}: {:e} of it; energy_removed {energy_removed:e} J, {} iterations, {divided} divided",
             (start - end) / start,
             iterations
         );
@@ -350,7 +350,7 @@ fn a_workspace_that_comes_from_a_coin_with_fewer_points_brings_no_energy_from_it
             .unwrap();
         assert_ne!(state, asleep, "it sleeps on");
     }
-    let few = Coin::ring_in([ContactPoint::default(); 12], 1.0, 0.5);
+    let few = Coin::ring_with_storage([ContactPoint::default(); 12], 1.0, 0.5);
     wakes(few, 12.0, Coin::ring(1.0, 0.5));
     let rim = |points| Disc::ring(1.0, 0.5, points);
     wakes(rim(60), 60.0, rim(120));
@@ -841,7 +841,7 @@ fn free_flight_in_single_precision_keeps_both_momenta_without_an_iteration() {
             {
                 let axis = <f32 as Real>::Vec3::new(x, y, z).normalize();
                 let start = tumble::State::<f32>::default().with_linear_velocity(velocity);
-                let start = stepper.spinning(start, axis * spin);
+                let start = stepper.with_angular_velocity(start, axis * spin);
                 let mut state = start;
                 let before = stepper.energy(&start).rotation;
                 let mut elapsed = 0.0;
@@ -890,7 +890,7 @@ fn a_bounce_that_nothing_damps_keeps_its_energy_in_single_precision() {
                 .unwrap();
             let start = tumble::State::<f32>::at(<f32 as Real>::Vec3::new(0.0, 0.0, 1.0));
             let spin = <f32 as Real>::Vec3::new(3.0, 8.0, 5.0);
-            let mut state = stepper.spinning(start, spin);
+            let mut state = stepper.with_angular_velocity(start, spin);
             let before = stepper.energy(&state).total();
             stepper.advance(&mut state, 20.0).unwrap();
             let lost = 1.0 - stepper.energy(&state).total() / before;
@@ -944,7 +944,7 @@ fn bodies_fall_right_in_single_precision() {
                     let vector = <f32 as Real>::Vec3::new;
                     let acceleration = vector(x, y, z).normalize() * size;
                     let point = [ContactPoint::bare(vector(0.0, 0.0, 0.0))];
-                    let stepper = Stepper::new(PointCloud::in_storage(point, &[1.0]).unwrap())
+                    let stepper = Stepper::new(PointCloud::with_storage(point, &[1.0]).unwrap())
                         .and_then(|stepper| stepper.with_gravity(UniformGravity { acceleration }))
                         .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
                         .unwrap();
@@ -998,7 +998,7 @@ fn a_spring_energy_that_rounds_below_zero_lets_no_energy_in() {
         let stiffness = 1e5 + 1e4 * f32::from(number);
         let time_step = 0.015;
         let point = [ContactPoint::bare(tumble::glam::Vec3::ZERO)];
-        let stepper = Stepper::new(PointCloud::in_storage(point, &[0.04]).unwrap())
+        let stepper = Stepper::new(PointCloud::with_storage(point, &[0.04]).unwrap())
             .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
             .and_then(|stepper| stepper.with_ground(Exponential { stiffness }))
             .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }));
@@ -1054,7 +1054,7 @@ fn a_workspace_that_is_used_again_changes_no_bit() {
 fn a_coin_of_twelve_hundred_points_keeps_its_promises_beyond_the_contacts_that_a_step_remembers() {
     let points = vec![ContactPoint::default(); 1200];
     let stepper = scene(
-        Coin::ring_in(points, 1.0, 0.5),
+        Coin::ring_with_storage(points, 1.0, 0.5),
         FlatGround::level(100.0, 0.05),
         Coulomb::as_in_the_report(0.3),
         1e-3,
@@ -1089,17 +1089,17 @@ fn the_report_of_a_step_tells_what_it_took() {
         .step_within(&mut state, 2.5e-4, &mut EnergyMomentumWorkspace::default())
         .unwrap();
     assert_eq!(step.elapsed, 2.5e-4);
-    // The ratchet removes what the solver's error would have added: a part in 1e11 of the energy at
-    // most, all steps of a second together.
-    let (mut ratcheted, mut workspace) = (0.0, EnergyMomentumWorkspace::default());
+    // The energy limiter removes what the solver's error would have added: a part in 1e11 of the
+    // energy at most, all steps of a second together.
+    let (mut energy_removed, mut workspace) = (0.0, EnergyMomentumWorkspace::default());
     for _ in 0..1000 {
         let step = stepper
             .step_within(&mut state, f64::MAX, &mut workspace)
             .unwrap();
-        assert!(step.ratcheted >= 0.0);
-        ratcheted += step.ratcheted;
+        assert!(step.energy_removed >= 0.0);
+        energy_removed += step.energy_removed;
     }
-    assert!(ratcheted < 6.7e-11, "{ratcheted:e}");
+    assert!(energy_removed < 6.7e-11, "{energy_removed:e}");
     assert_eq!(Integrator::<f64>::order(stepper.integrator()), 2);
 }
 
@@ -1136,7 +1136,7 @@ fn a_moment_below_64_units_in_the_last_place_of_the_largest_one_counts_as_none()
     fn spin<R: Real>(units: f64) -> f64 {
         let moment = R::EPSILON * R::from_f64(units);
         let tensor = R::Mat3::from_diagonal(R::Vec3::new(R::ONE, R::ONE, moment));
-        let properties = MassProperties::<R>::new(R::ONE, tensor).unwrap();
+        let properties = InertiaProperties::<R>::new(R::ONE, tensor).unwrap();
         let axes = State::<R>::default().rotation().axes();
         let momentum = R::Vec3::new(R::ZERO, R::ZERO, moment);
         properties.angular_velocity(&axes, momentum).z().to_f64()
@@ -1154,7 +1154,7 @@ fn far_from_the_origin_rest_is_where_the_energy_is_lowest_to_its_rounding() {
         let number = R::from_f64;
         let point = [ContactPoint::bare(R::Vec3::ZERO)];
         let ground = FlatGround::level(number(1e3), number(30.0));
-        let stepper = Stepper::new(PointCloud::in_storage(point, &[R::ONE]).unwrap())
+        let stepper = Stepper::new(PointCloud::with_storage(point, &[R::ONE]).unwrap())
             .and_then(|stepper| stepper.with_ground(ground.on(Plane::level(number(height)))))
             .and_then(|stepper| stepper.with_gravity(UniformGravity::down(number(GRAVITY))))
             .and_then(|stepper| {

@@ -8,7 +8,7 @@
 //! ones in every run, and takes 40 steps with each. A plain `cargo test` takes 200,000 steps.
 //! `TUMBLE_SWEEP_STEPS=1200000 cargo test --test extremes -- --nocapture` takes more, as `.ci/run`
 //! does in a check of its own, and shows how many of them could be taken whole, by the length of
-//! the step, and how many the ratchet has held. `PROPTEST_RNG_SEED` draws others.
+//! the step, and how many the energy limiter has held. `PROPTEST_RNG_SEED` draws others.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -25,9 +25,9 @@ use tumble::glam::DVec3;
 use tumble::real::{Quaternion, Vector};
 use tumble::{
     AnisotropicCoulomb, Coin, Cone, ContactPoint, Coulomb, Cuboid, Disc, Dynamics, Ellipsoid,
-    Energy, EnergyMomentum, Extent, FlatGround, Frictionless, Ground, HuntCrossley, Integrator,
-    LimitedDamper, LoadDependentCoulomb, MassDistribution, MeanForce, Plane, PointCloud, Real,
-    RigidPointBody, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
+    Energy, EnergyMomentum, FlatGround, Frictionless, Ground, GroundBounds, HuntCrossley,
+    Integrator, LimitedDamper, LoadDependentCoulomb, MassProperties, MeanForce, Plane, PointCloud,
+    Real, RigidPointBody, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
     SpringDamperGround, State, Step, StepError, Stepper, Stribeck, Surface, Terrain,
     UniformGravity, Viscous, Waves, WithResistance,
 };
@@ -106,10 +106,10 @@ impl<R: Real> SpringDamperGround<R> for Turf<R> {
         let factor = (R::ONE + self.damping * closing_speed).at_least(R::ZERO);
         self.spring_force(depth) * factor
     }
-    fn extent(&self) -> Extent<R> {
+    fn bounds(&self) -> GroundBounds<R> {
         match &self.shape {
-            Shape::Plane(plane) => Extent::Plane(*plane),
-            Shape::Hills { .. } => Extent::Everywhere,
+            Shape::Plane(plane) => GroundBounds::Plane(*plane),
+            Shape::Hills { .. } => GroundBounds::Everywhere,
         }
     }
 }
@@ -184,7 +184,7 @@ enum FrictionKind {
     Viscous,
     LoadDependent,
     Anisotropic,
-    /// Coulomb's, with resistance to rolling and drilling.
+    /// Coulomb's, with resistance to rolling and spinning.
     Resisting,
     Oil,
     None,
@@ -445,13 +445,13 @@ impl Case {
                 })
                 .collect();
             let masses = vec![mass / R::from_usize(points.len()); points.len()];
-            Box::new(PointCloud::in_storage(points, &masses).unwrap())
+            Box::new(PointCloud::with_storage(points, &masses).unwrap())
         };
         let (o, slant) = (R::ZERO, DVec3::new(1.0, 2.0, 3.0).normalize());
         match self.body {
             BodyKind::Ring(count) => {
                 let points = vec![ContactPoint::default(); count];
-                Box::new(Coin::ring_in(points, mass, size))
+                Box::new(Coin::ring_with_storage(points, mass, size))
             }
             BodyKind::Box => {
                 let corner = |i: u32| {
@@ -479,24 +479,29 @@ impl Case {
         match kind {
             SolidKind::Coin => {
                 let thickness = size * R::from_f64(0.1);
-                Box::new(SolidCoin::new_in([blank; 48], mass, size, thickness))
+                Box::new(SolidCoin::new_with_storage(
+                    [blank; 48],
+                    mass,
+                    size,
+                    thickness,
+                ))
             }
             SolidKind::LoadedSphere => {
-                let ball = MassDistribution::ball(mass, size).at(place(0.2, 0.0, -0.3));
+                let ball = MassProperties::ball(mass, size).at(place(0.2, 0.0, -0.3));
                 Box::new(Sphere::loaded(size, ball))
             }
             SolidKind::RoundDie => {
                 let edges = place(1.0, 1.0, 1.0);
-                let heavy = MassDistribution::cuboid(mass, edges).at(place(0.0, 0.1, 0.05));
+                let heavy = MassProperties::cuboid(mass, edges).at(place(0.0, 0.1, 0.05));
                 Box::new(Cuboid::loaded(edges, heavy).rounded(size * R::from_f64(0.1)))
             }
             SolidKind::Egg => {
                 let semi_axes = place(1.0, 0.7, 0.5);
-                let egg = MassDistribution::ellipsoid(mass, semi_axes).at(place(0.1, 0.0, -0.05));
+                let egg = MassProperties::ellipsoid(mass, semi_axes).at(place(0.1, 0.0, -0.05));
                 Box::new(Ellipsoid::loaded(semi_axes, egg))
             }
             SolidKind::Disc => Box::new(Disc::solid(mass, size, 120)),
-            SolidKind::Cone => Box::new(Cone::solid_in([blank; 25], mass, size, size)),
+            SolidKind::Cone => Box::new(Cone::solid_with_storage([blank; 25], mass, size, size)),
             SolidKind::Hull => {
                 let corners = [
                     place(1.0, 0.0, 0.0),
@@ -551,13 +556,13 @@ impl Case {
                     stiffness: number(self.stiffness),
                     damping: number(self.damping),
                 };
-                let relief = Waves {
+                let height_field = Waves {
                     amplitude: number(0.2 * self.size),
                     length: number(PI * 2.0 * self.size),
                 };
                 Box::new(Ground {
                     law,
-                    shape: Terrain { relief },
+                    shape: Terrain { height_field },
                 })
             }
             GroundKind::Turf => Box::new(turf(Shape::Plane(plane))),
@@ -610,7 +615,7 @@ impl Case {
                     slip_speed,
                 },
                 rolling: R::from_f64(self.coefficient * self.size * 0.01),
-                drilling: R::from_f64(self.coefficient * self.size * 0.1),
+                spinning: R::from_f64(self.coefficient * self.size * 0.1),
                 turn_speed: slip_speed,
             }),
             FrictionKind::Oil => Box::new(Oil { drag: coefficient }),
@@ -619,9 +624,10 @@ impl Case {
     }
 
     fn state<R: Real>(&self, scene: &impl Dynamics<R>) -> State<R> {
-        let state = State::at(vector::<R>(self.position)).turned_by(vector::<R>(self.turn));
+        let state =
+            State::at(vector::<R>(self.position)).with_rotation_vector(vector::<R>(self.turn));
         let axes = state.rotation().axes();
-        let momentum = (scene.mass_properties()).angular_momentum(&axes, vector::<R>(self.spin));
+        let momentum = (scene.inertia_properties()).angular_momentum(&axes, vector::<R>(self.spin));
         let mut numbers = [state.position, vector::<R>(self.velocity), momentum]
             .map(|vector| [vector.x(), vector.y(), vector.z()]);
         for &(place, number) in &self.odd {
@@ -648,7 +654,7 @@ impl Case {
 struct Tally {
     steps: [u64; 13],
     divided: [u64; 13],
-    ratcheted: u64,
+    energy_removed: u64,
     iterations: u64,
     most_evaluations: u32,
     /// Scenes that ended with a refusal which the documentation allows.
@@ -661,7 +667,7 @@ impl Tally {
         let decade = (time_step.log10().floor() + 9.0).clamp(0.0, 12.0) as usize;
         self.steps[decade] += 1;
         self.divided[decade] += u64::from(step.fallback);
-        self.ratcheted += u64::from(step.ratcheted > R::ZERO);
+        self.energy_removed += u64::from(step.energy_removed > R::ZERO);
         self.iterations += u64::from(step.iterations);
         self.most_evaluations = self.most_evaluations.max(step.evaluations);
     }
@@ -671,9 +677,9 @@ impl Tally {
         let divided: u64 = self.divided.iter().sum();
         let share = |divided: u64, steps: u64| 100.0 * (1.0 - divided as f64 / steps as f64);
         println!(
-            "{name}: {all} steps, {:.2} % whole, {:.2} % ratcheted, {:.2} iterations a step, {} evaluations at most",
+            "{name}: {all} steps, {:.2} % whole, {:.2} % energy_removed, {:.2} iterations a step, {} evaluations at most",
             share(divided, all),
-            100.0 - share(self.ratcheted, all),
+            100.0 - share(self.energy_removed, all),
             self.iterations as f64 / all as f64,
             self.most_evaluations
         );
@@ -727,7 +733,7 @@ fn frozen<R: Real>(scene: &impl Dynamics<R>, state: &State<R>, seconds: R) -> Op
     let place = state.position.x().abs().at_least(state.position.y().abs());
     let place = place
         .at_least(state.position.z().abs())
-        .at_least(scene.reach());
+        .at_least(scene.bounding_radius());
     let unit = place * R::EPSILON;
     let few = R::from_f64(4.0);
     if energy.translation + energy.rotation > rounding {
@@ -739,7 +745,7 @@ fn frozen<R: Real>(scene: &impl Dynamics<R>, state: &State<R>, seconds: R) -> Op
         }
         return None;
     }
-    let inertia = scene.mass_properties();
+    let inertia = scene.inertia_properties();
     let per_square = R::ONE / (seconds * seconds);
     let (mut across, mut along) = (inertia.mass() * per_square, inertia.mass() * per_square);
     let moments = inertia.moments();
@@ -753,7 +759,7 @@ fn frozen<R: Real>(scene: &impl Dynamics<R>, state: &State<R>, seconds: R) -> Op
             .mean_force(contact.depth, contact.depth, seconds);
         // The answer of springs to the step's end is half of their stiffness.
         let push = mean.slope * R::TWO * contact.weight;
-        let drag = scene.friction().drag(mean.force, contact.slip);
+        let drag = scene.friction().jacobian(mean.force, contact.slip);
         // A slip of the size that the step could cause, for a law that says nothing at none.
         let rub = drag.coefficient * contact.weight / seconds;
         across += push;
@@ -765,11 +771,11 @@ fn frozen<R: Real>(scene: &impl Dynamics<R>, state: &State<R>, seconds: R) -> Op
                 [R::ZERO, unit].map(|unit| scene.ground().spring_energy(contact.depth + unit));
             (deeper - here) * contact.weight
         };
-        let (by_place, by_turn) = (step_of(unit), step_of(scene.reach() * R::EPSILON));
+        let (by_place, by_turn) = (step_of(unit), step_of(scene.bounding_radius() * R::EPSILON));
         rough_by_place = hypotenuse(rough_by_place, by_place);
         rough_by_turn = hypotenuse(rough_by_turn, by_turn);
     });
-    if !matches!(scene.ground().extent(), Extent::Plane(_)) {
+    if !matches!(scene.ground().bounds(), GroundBounds::Plane(_)) {
         // Across for one contact is along for another.
         across += along;
         along = across;
@@ -796,16 +802,17 @@ fn frozen<R: Real>(scene: &impl Dynamics<R>, state: &State<R>, seconds: R) -> Op
             .to_quat(),
         ..*state
     };
-    let reach = scene.reach();
-    let turned_by = turn.length();
-    let moves = turned_by > R::EPSILON * few && turned_by * reach > unit * few;
+    let bounding_radius = scene.bounding_radius();
+    let with_rotation_vector = turn.length();
+    let moves = with_rotation_vector > R::EPSILON * few
+        && with_rotation_vector * bounding_radius > unit * few;
     (moves && drop(&turned) > rounding + rough_by_turn).then_some("it is turned")
 }
 
 /// Whether free motion for a step goes beyond 1e25 sizes of the body, where the documentation
 /// allows `StepTooLong`.
 fn goes_too_far<R: Real>(scene: &impl Dynamics<R>, start: &State<R>, seconds: R) -> bool {
-    let size = scene.reach();
+    let size = scene.bounding_radius();
     let size = if size > R::ZERO { size } else { R::ONE };
     let way = (start.linear_velocity + scene.gravity() * seconds) * seconds;
     let is_near = way.length() <= size * R::from_f64(1e25);
@@ -866,7 +873,7 @@ fn keeps_its_promises<R: Real>(case: &Case, tally: &mut Tally) -> TestCaseResult
             step.evaluations <= MOST_EVALUATIONS,
             "step {number}: {step:?}"
         );
-        prop_assert!(step.ratcheted >= R::ZERO, "step {number}: {step:?}");
+        prop_assert!(step.energy_removed >= R::ZERO, "step {number}: {step:?}");
         if state == start {
             let reason = frozen(scene, &state, time_step);
             prop_assert!(
@@ -1004,7 +1011,7 @@ fn sweep_of_solids<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64) 
 
 /// A part of the sweep in single precision over bodies with three different moments, in scenes
 /// without losses.
-fn sweep_aloft(name: &str, share: f64, change: impl Fn(Case) -> Case) {
+fn sweep_of_flights(name: &str, share: f64, change: impl Fn(Case) -> Case) {
     use SolidKind::{Egg, Hull, RoundDie};
     let kinds = prop::sample::select(vec![Egg, Hull, RoundDie]);
     let scenes = (cases(EVERYDAY_SINGLE, Laws::Report), kinds).prop_map(move |(case, kind)| {
@@ -1033,12 +1040,12 @@ fn solids_keep_their_promises() {
         0.05,
     );
     sweep_of_solids::<f64>("solids on a terrain, f64", EVERYDAY, Laws::Terrain, 0.01);
-    sweep_aloft("asymmetric flight, f32", 0.03, |case| Case {
+    sweep_of_flights("asymmetric flight, f32", 0.03, |case| Case {
         // Far above the ground.
         position: case.position + case.normal * 1e3,
         ..case
     });
-    sweep_aloft("conservative bounces, f32", 0.03, |case| Case {
+    sweep_of_flights("conservative bounces, f32", 0.03, |case| Case {
         damping: 0.0,
         friction: FrictionKind::None,
         ground: GroundKind::Flat,
@@ -1138,7 +1145,7 @@ fn every_step_beyond_what_numbers_hold_is_refused_or_keeps_its_promises() {
 
 /// What a broken law does wrong, where a contact is deeper than its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Breach {
+enum Violation {
     Gap,
     Normal,
     SpringForce,
@@ -1150,19 +1157,19 @@ enum Breach {
     FrictionPower,
 }
 
-const BREACHES: [Breach; 9] = [
-    Breach::Gap,
-    Breach::Normal,
-    Breach::SpringForce,
-    Breach::SpringEnergy,
-    Breach::NegativeEnergy,
-    Breach::NormalForce,
-    Breach::MeanForce,
-    Breach::FrictionForce,
-    Breach::FrictionPower,
+const BREACHES: [Violation; 9] = [
+    Violation::Gap,
+    Violation::Normal,
+    Violation::SpringForce,
+    Violation::SpringEnergy,
+    Violation::NegativeEnergy,
+    Violation::NormalForce,
+    Violation::MeanForce,
+    Violation::FrictionForce,
+    Violation::FrictionPower,
 ];
 
-impl Breach {
+impl Violation {
     const fn quantity(self) -> LawQuantity {
         match self {
             Self::Gap => LawQuantity::Gap,
@@ -1182,17 +1189,17 @@ impl Breach {
 struct Broken<'a, R: Real> {
     ground: &'a dyn SpringDamperGround<R>,
     friction: &'a dyn SlidingFriction<R>,
-    breach: Breach,
+    violation: Violation,
     from: R,
 }
 
 impl<R: Real> Broken<'_, R> {
-    fn spoils(&self, breach: Breach, depth: R) -> bool {
-        self.breach == breach && depth > self.from
+    fn spoils(&self, violation: Violation, depth: R) -> bool {
+        self.violation == violation && depth > self.from
     }
 
-    fn spoilt(&self, breach: Breach, depth: R, value: R) -> R {
-        if self.spoils(breach, depth) {
+    fn spoilt(&self, violation: Violation, depth: R, value: R) -> R {
+        if self.spoils(violation, depth) {
             R::ZERO / R::ZERO
         } else {
             value
@@ -1203,36 +1210,40 @@ impl<R: Real> Broken<'_, R> {
 impl<R: Real> SpringDamperGround<R> for Broken<'_, R> {
     fn surface(&self, point: R::Vec3) -> Surface<R> {
         let Surface { gap, normal } = self.ground.surface(point);
-        let stretched = self.spoils(Breach::Normal, -gap);
+        let stretched = self.spoils(Violation::Normal, -gap);
         Surface {
-            gap: self.spoilt(Breach::Gap, -gap, gap),
+            gap: self.spoilt(Violation::Gap, -gap, gap),
             normal: if stretched { normal * R::TWO } else { normal },
         }
     }
     fn spring_force(&self, depth: R) -> R {
-        self.spoilt(Breach::SpringForce, depth, self.ground.spring_force(depth))
+        self.spoilt(
+            Violation::SpringForce,
+            depth,
+            self.ground.spring_force(depth),
+        )
     }
     fn spring_energy(&self, depth: R) -> R {
         let energy = self.ground.spring_energy(depth);
-        if self.spoils(Breach::NegativeEnergy, depth) {
+        if self.spoils(Violation::NegativeEnergy, depth) {
             return -energy - R::ONE;
         }
-        self.spoilt(Breach::SpringEnergy, depth, energy)
+        self.spoilt(Violation::SpringEnergy, depth, energy)
     }
     fn normal_force(&self, depth: R, closing_speed: R) -> R {
         let force = self.ground.normal_force(depth, closing_speed);
-        self.spoilt(Breach::NormalForce, depth, force)
+        self.spoilt(Violation::NormalForce, depth, force)
     }
     fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
         let mean = Provided(self).mean_force(start, end, seconds);
         MeanForce {
-            force: self.spoilt(Breach::MeanForce, start.at_least(end), mean.force),
+            force: self.spoilt(Violation::MeanForce, start.at_least(end), mean.force),
             ..mean
         }
     }
-    fn extent(&self) -> Extent<R> {
+    fn bounds(&self) -> GroundBounds<R> {
         // A surface that is asked, not one that the solver knows.
-        Extent::Everywhere
+        GroundBounds::Everywhere
     }
 }
 
@@ -1257,10 +1268,10 @@ impl<R: Real> SpringDamperGround<R> for Provided<'_, '_, R> {
 impl<R: Real> SlidingFriction<R> for Broken<'_, R> {
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
         let force = self.friction.force(normal_force, slip);
-        if self.spoils(Breach::FrictionPower, normal_force) {
+        if self.spoils(Violation::FrictionPower, normal_force) {
             return slip * R::HALF;
         }
-        let is_nan = self.spoils(Breach::FrictionForce, normal_force);
+        let is_nan = self.spoils(Violation::FrictionForce, normal_force);
         let nan = R::ZERO / R::ZERO;
         if is_nan {
             R::Vec3::new(nan, nan, nan)
@@ -1274,7 +1285,7 @@ impl<R: Real> SlidingFriction<R> for Broken<'_, R> {
 /// leaves the state, each is finite and does not lift the energy. Whether one did.
 fn is_named_or_keeps_its_promises<R: Real>(
     case: &Case,
-    breach: Breach,
+    violation: Violation,
     from: f64,
 ) -> Result<bool, TestCaseError> {
     let time_step = R::from_f64(case.time_step);
@@ -1282,7 +1293,7 @@ fn is_named_or_keeps_its_promises<R: Real>(
     let law = || Broken {
         ground: &*ground,
         friction: &*friction,
-        breach,
+        violation,
         from: R::from_f64(from),
     };
     let gravity = UniformGravity::<R> {
@@ -1311,7 +1322,7 @@ fn is_named_or_keeps_its_promises<R: Real>(
                 let StepError::BrokenLaw { quantity, .. } = error else {
                     return Err(TestCaseError::fail(format!("step {number}: {error}")));
                 };
-                prop_assert!(quantity == breach.quantity(), "step {number}: {error}");
+                prop_assert!(quantity == violation.quantity(), "step {number}: {error}");
                 return Ok(true);
             }
         }
@@ -1324,20 +1335,20 @@ fn sweep_of_breaches<R: Real>(name: &str, ranges: Ranges, laws: Laws) {
     let breaches = (prop::sample::select(BREACHES.to_vec()), zero_or(1e-6, 0.3));
     let named = RefCell::new([[0_u32; 2]; BREACHES.len()]);
     let scenes = (cases(ranges, laws), breaches);
-    let result = TestRunner::new(kit::cases(600)).run(&scenes, |(case, (breach, share))| {
+    let result = TestRunner::new(kit::cases(600)).run(&scenes, |(case, (violation, share))| {
         let from = share * case.size;
-        let is_named = is_named_or_keeps_its_promises::<R>(&case, breach, from)?;
-        let kind = BREACHES.iter().position(|&kind| kind == breach).unwrap();
+        let is_named = is_named_or_keeps_its_promises::<R>(&case, violation, from)?;
+        let kind = BREACHES.iter().position(|&kind| kind == violation).unwrap();
         named.borrow_mut()[kind][usize::from(is_named)] += 1;
         Ok(())
     });
     println!("{name}:");
-    for (breach, [silent, named]) in BREACHES.iter().zip(named.borrow().iter()) {
-        println!("  {breach:?}: named in {named} scenes, not met in {silent}");
+    for (violation, [silent, named]) in BREACHES.iter().zip(named.borrow().iter()) {
+        println!("  {violation:?}: named in {named} scenes, not met in {silent}");
     }
     assert!(result.is_ok(), "{name}: {}", result.unwrap_err());
-    for (breach, [silent, named]) in BREACHES.iter().zip(named.borrow().iter()) {
-        assert!(named * 4 > *silent, "{name}: {breach:?} goes unseen");
+    for (violation, [silent, named]) in BREACHES.iter().zip(named.borrow().iter()) {
+        assert!(named * 4 > *silent, "{name}: {violation:?} goes unseen");
     }
 }
 

@@ -249,7 +249,7 @@ fn a_ball_that_rolls_out_has_the_speed_of_half_a_step_before_and_the_right_way()
                 slip_speed: 1e-8,
             },
             rolling,
-            drilling: 0.0,
+            spinning: 0.0,
             turn_speed: 1e-6,
         };
         let ground = FlatGround::level(1e4, 300.0);
@@ -284,7 +284,7 @@ fn a_ball_that_rolls_out_has_the_speed_of_half_a_step_before_and_the_right_way()
 fn sticks_on(points: usize) -> (DVec3, u32) {
     // Together as stiff as the report's 120 points.
     let share = 120.0 / points as f64;
-    let ring = Coin::ring_in(vec![ContactPoint::default(); points], 1.0, 0.5);
+    let ring = Coin::ring_with_storage(vec![ContactPoint::default(); points], 1.0, 0.5);
     let friction = Coulomb {
         coefficient: 0.3,
         slip_speed: 1e-8,

@@ -191,7 +191,7 @@ fn friction_that_falls_with_the_load_has_the_limits_of_coulomb_and_of_hertz() {
         transition_load: 1e-300,
         ..law
     };
-    let drag = tiny.drag(1e10, DVec3::X);
+    let drag = tiny.jacobian(1e10, DVec3::X);
     assert!(tiny.force(1e10, DVec3::X).is_finite() && drag.per_load.is_finite());
 }
 
@@ -245,7 +245,7 @@ proptest! {
         // Directions are orthonormal to some units in the last place, and up to a thousandth from
         // parallel.
         prop_assert!((force - expected).length() <= 1e-12 * expected.length());
-        let (drag, expected) = (even.drag(2.0, slip), coulomb.drag(2.0, slip));
+        let (drag, expected) = (even.jacobian(2.0, slip), coulomb.jacobian(2.0, slip));
         prop_assert!((drag.coefficient / expected.coefficient - 1.0).abs() < 1e-12);
         prop_assert!((drag.width / expected.width - 1.0).abs() < 1e-12);
     }
@@ -261,7 +261,7 @@ proptest! {
         let along = |load: f64, speed: f64| -law.force(load, DVec3::Y * speed).y;
         let nudge = 1e-5;
         let slope = |of: &dyn Fn(f64) -> f64| (of(1.0 + nudge) - of(1.0 - nudge)) / (2.0 * nudge);
-        let drag = law.drag(load, DVec3::Y * speed);
+        let drag = law.jacobian(load, DVec3::Y * speed);
         let by_load = slope(&|factor| along(load * factor, speed)) / (load * speed);
         prop_assert!((drag.per_load / by_load - 1.0).abs() < 1e-9, "{} and {by_load}", drag.per_load);
         // Along the slip the slope is c ε/(|u| + ε): where it is small beside c, so are its digits.
@@ -280,7 +280,7 @@ proptest! {
         let along = |speed: f64| -law.force(3.0, DVec3::Y * speed).y;
         let nudge = 1e-5 * speed;
         let slope = (along(speed + nudge) - along(speed - nudge)) / (2.0 * nudge);
-        let drag = law.drag(3.0, DVec3::Y * speed);
+        let drag = law.jacobian(3.0, DVec3::Y * speed);
         let told = drag.coefficient * (1.0 - drag.growth * speed / drag.width);
         // Where the slope is below what a growth of 1 says, it falls.
         let least = drag.coefficient * (1.0 - speed / drag.width);

@@ -28,7 +28,7 @@ fn bounce(law: impl ContactLaw, carried: Carried, speed: f64, time_step: f64) ->
     let feet = (0..carried.contacts).map(|i| DVec3::new(f64::from(i), f64::from(i % 2), 0.0));
     let places: Vec<_> = feet.collect();
     let masses = vec![carried.mass / f64::from(carried.contacts); places.len()];
-    let body = PointCloud::in_storage(
+    let body = PointCloud::with_storage(
         places
             .iter()
             .map(|&position| tumble::ContactPoint {
@@ -142,7 +142,7 @@ proptest! {
         prop_assert_eq!(flat.mean_force(start, end, seconds), ground.mean_force(start, end, seconds));
         let (force, other) = (flat.normal_force(start.abs(), end), ground.normal_force(start.abs(), end));
         prop_assert_eq!(force.to_bits(), other.to_bits());
-        prop_assert_eq!(flat.extent(), ground.extent());
+        prop_assert_eq!(flat.bounds(), ground.bounds());
     }
 
     /// At a depth of a billionth of the unit, the force is a billionth of the spring's there, or a

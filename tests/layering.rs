@@ -9,19 +9,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// From the bottom up. Modules of one layer do not know each other.
-const LAYERS: &[&[&str]] = &[
-    &["real"],
-    &["error", "rotation"],
-    &["state"],
-    &["body", "ground", "friction", "gravity"],
-    &["scene"],
-    &["energy", "stability"],
-    &["integrator"],
-    &["observer"],
-    &["stepper"],
-    &["contract", "trade", "trial"],
-];
+/// The page that lists the layers, from the bottom up. Modules of one layer do not know each other.
+const PAGE: &str = include_str!("../ARCHITECTURE.md");
 
 /// They gather what all layers offer; no layer imports from them.
 const GATHERERS: &[&str] = &["lib", "aliases", "f32", "f64"];
@@ -77,7 +66,7 @@ impl Place {
         let code = code(source);
         let Some(own) = layer(&self.module) else {
             return vec![format!(
-                "1: `{}` has no place in LAYERS of tests/layering.rs",
+                "1: `{}` is in no layer of ARCHITECTURE.md",
                 self.module
             )];
         };
@@ -112,7 +101,20 @@ impl Place {
 
 /// Height of a module's layer.
 fn layer(module: &str) -> Option<usize> {
-    LAYERS.iter().position(|modules| modules.contains(&module))
+    layers().position(|modules| modules.split(", ").any(|name| name == module))
+}
+
+/// The lines between the marks of the page.
+fn layers() -> impl Iterator<Item = &'static str> {
+    let (_, list) = PAGE
+        .split_once("<!-- layers: begin -->")
+        .expect("the page has a list of layers");
+    let (list, _) = list
+        .split_once("<!-- layers: end -->")
+        .expect("the list of layers has an end");
+    list.lines()
+        .map(str::trim)
+        .filter(|line| !line.is_empty() && !line.starts_with("```"))
 }
 
 /// The source up to its tests, without comments; each line stays in its place. (Tests of a lower

@@ -97,7 +97,7 @@ proptest! {
         dt in log_uniform(1e-5, 0.1),
     ) {
         let points = body.places();
-        let start = State::at(DVec3::Z * (0.9 * body.reach())).with_orientation(orientation);
+        let start = State::at(DVec3::Z * (0.9 * body.bounding_radius())).with_orientation(orientation);
         each_method!(dt, |integrator, method| {
             let stepper = Stepper::new(&*body).unwrap()
                 .with_gravity(UniformGravity::down(9.8)).unwrap()

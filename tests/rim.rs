@@ -11,13 +11,13 @@ use kit::{GRAVITY, cases, difference, end, log_uniform, order, orientations};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
-use tumble::contract::{Battery, check_body};
+use tumble::contract::{CheckPlan, check_body};
 use tumble::f64::{Coin, Disc, Rim, State, Trial};
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
     ContactPoint, Coulomb, DormandPrince54, Dynamics, EnergyMomentum, FlatGround, Frictionless,
-    Motion, Plane, Probe, RigidPointBody, Rk4, SlidingFriction, SmoothCoulomb, SpringDamperGround,
-    Stepper, StrangSplitting, UniformGravity,
+    Motion, Plane, RigidPointBody, Rk4, SceneQuery, SlidingFriction, SmoothCoulomb,
+    SpringDamperGround, Stepper, StrangSplitting, UniformGravity,
 };
 
 const RADIUS: f64 = 0.5;
@@ -36,7 +36,7 @@ macro_rules! scene {
 
 /// Leaning by an angle (rad), with its lowest place so deep in the ground (m).
 fn leaning(lean: f64, depth: f64) -> State {
-    State::at(DVec3::Z * (RADIUS * lean.cos() - depth)).turned_by(DVec3::Y * lean)
+    State::at(DVec3::Z * (RADIUS * lean.cos() - depth)).with_rotation_vector(DVec3::Y * lean)
 }
 
 fn moved(state: &State, shift: DVec3, turn: DVec3) -> State {
@@ -125,7 +125,7 @@ proptest! {
         // So that no place leaves: it sinks faster than it turns.
         let spin = DVec3::from(about) * 0.1;
         let extent = RADIUS * lean.cos();
-        let state = State::at(DVec3::Z * (share * extent)).turned_by(DVec3::Y * lean)
+        let state = State::at(DVec3::Z * (share * extent)).with_rotation_vector(DVec3::Y * lean)
             .with_linear_velocity(DVec3::from(velocity)).with_angular_momentum(spin * 0.125);
         let by = Rk4 { time_step: 1e-3 };
         let disc = Disc::ring(1.0, RADIUS, 120);
@@ -256,14 +256,14 @@ fn load_errors(states: usize) -> Vec<f64> {
             Rk4 { time_step: 1e-3 }
         );
         let extent = RADIUS * (lean - slope.atan()).cos();
-        let state = State::at(normal * (share * extent)).turned_by(DVec3::Y * lean);
+        let state = State::at(normal * (share * extent)).with_rotation_vector(DVec3::Y * lean);
         let spin = DVec3::from(spin) * speed;
         // A place on the arc, or beside it, that slips by so much.
         let angle = along * share.clamp(-1.0, 1.0).acos();
         let arm = state.orientation * (DVec3::new(0.0, angle.sin(), -angle.cos()) * RADIUS);
         let there = DVec3::new(slip.0 * slip.1.cos(), slip.0 * slip.1.sin(), rising);
         let velocity = DQuat::from_rotation_y(slope.atan()) * there - spin.cross(arm);
-        let state = stepper.spinning(state.with_linear_velocity(velocity), spin);
+        let state = stepper.with_angular_velocity(state.with_linear_velocity(velocity), spin);
         let motion = stepper.scene().motion(&state);
         let load = stepper.scene().load(&motion);
         let [force, torque] = integrated(&ground, &friction, &motion, 120.0);
@@ -303,13 +303,13 @@ fn a_rim_that_spins_on_the_spot_is_braked_as_one_that_just_does_not() {
     let disc = Disc::ring(1.0, RADIUS, 120);
     for (ground, depth) in [(level, 1e-3), (level, 1e-2), (tilted, 1e-3)] {
         let stepper = scene!(disc, ground, friction, Rk4 { time_step: 1e-3 });
-        let drilling = |speed: f64| {
+        let spinning = |speed: f64| {
             let state = leaning(0.0, depth)
                 .with_linear_velocity(DVec3::X * speed)
                 .with_angular_momentum(DVec3::Z * 0.5);
             stepper.scene().rates(&state).torque.z
         };
-        let (still, moving) = (drilling(0.0), drilling(1e-9));
+        let (still, moving) = (spinning(0.0), spinning(1e-9));
         // A shift of the turning point by 1e-9 of the arc's own speeds, 0.06 m/s at its ends.
         assert!(
             (still / moving - 1.0).abs() < 1e-6,
@@ -335,7 +335,7 @@ fn apart(number: usize, points: usize, phases: &[f64]) -> f64 {
         end(body, laws, by, &start, 0.5).position
     };
     let rim = place(&Disc::ring(1.0, RADIUS, 120), 120.0, 0.0);
-    let coin = Coin::ring_in(vec![ContactPoint::default(); points], 1.0, RADIUS);
+    let coin = Coin::ring_with_storage(vec![ContactPoint::default(); points], 1.0, RADIUS);
     let squares = phases.iter().map(|&phase| {
         let place = place(&coin, points as f64, phase);
         place.distance_squared(rim)
@@ -413,8 +413,8 @@ fn energy_momentum_keeps_its_order_on_a_rim() {
     );
 }
 
-/// The ratchet must not be a brake: what it takes of a body that rolls and swings without friction
-/// and dampers is rounding.
+/// The energy limiter must not be a brake: what it takes of a body that rolls and swings without
+/// friction and dampers is rounding.
 #[test]
 fn a_rim_without_friction_keeps_its_energy_for_a_hundred_thousand_steps() {
     let stepper = scene!(
@@ -529,9 +529,9 @@ fn a_rim_that_falls_is_caught_by_methods_that_choose_their_steps() {
 
 #[test]
 fn a_rim_is_a_body_in_both_precisions() {
-    check_body(&Disc::ring(1.0, RADIUS, 120), Battery::default()).unwrap();
-    check_body(&Disc::solid(1e-3, 0.01, 7), Battery::default()).unwrap();
-    check_body(&tumble::Disc::ring(1.0_f32, 0.5, 120), Battery::default()).unwrap();
+    check_body(&Disc::ring(1.0, RADIUS, 120), CheckPlan::default()).unwrap();
+    check_body(&Disc::solid(1e-3, 0.01, 7), CheckPlan::default()).unwrap();
+    check_body(&tumble::Disc::ring(1.0_f32, 0.5, 120), CheckPlan::default()).unwrap();
     let solid = Disc::solid(2.0, RADIUS, 120).inertia();
     assert_eq!(solid, DMat3::from_diagonal(DVec3::new(0.25, 0.125, 0.125)));
 }
@@ -648,7 +648,7 @@ fn a_body_of_a_user_may_have_a_rim_beside_its_points() {
         }],
         rim: [Rim::new(DVec3::ZERO, DVec3::Z, 0.04, 60)],
     };
-    check_body(&top, Battery::default()).unwrap();
+    check_body(&top, CheckPlan::default()).unwrap();
     let stepper = scene!(
         &top,
         FlatGround::level(1000.0, 0.5),
@@ -658,7 +658,7 @@ fn a_body_of_a_user_may_have_a_rim_beside_its_points() {
         },
         EnergyMomentum { time_step: 1e-3 }
     );
-    let mut state = State::at(DVec3::Z * 0.05).turned_by(DVec3::X * 0.3);
+    let mut state = State::at(DVec3::Z * 0.05).with_rotation_vector(DVec3::X * 0.3);
     let mut before = stepper.energy(&state).total();
     for _ in 0..3000 {
         stepper.step(&mut state).unwrap();

@@ -9,8 +9,8 @@ use core::f64::consts::TAU;
 
 use kit::{GRAVITY, cases, difference, directions, end, log_uniform, order};
 use proptest::prelude::*;
-use tumble::contract::{Battery, Clause, check_body};
-use tumble::f64::{Capsule, Coin, Cone, Cuboid, Disc, Ellipsoid, MassDistribution, Sphere};
+use tumble::contract::{CheckPlan, Requirement, check_body};
+use tumble::f64::{Capsule, Coin, Cone, Cuboid, Disc, Ellipsoid, MassProperties, Sphere};
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
     ContactPoint, Coulomb, EnergyMomentum, FlatGround, Frictionless, RigidPointBody, Rk4,
@@ -41,9 +41,9 @@ proptest! {
 
 #[test]
 fn an_ellipsoid_with_equal_axes_is_a_sphere() {
-    let distribution = MassDistribution::ball(0.5, 0.1).at(DVec3::new(0.01, 0.0, -0.03));
+    let distribution = MassProperties::ball(0.5, 0.1).at(DVec3::new(0.01, 0.0, -0.03));
     let start = State::at(DVec3::Z * 0.2)
-        .turned_by(DVec3::new(0.3, 0.2, 0.0))
+        .with_rotation_vector(DVec3::new(0.3, 0.2, 0.0))
         .with_linear_velocity(DVec3::new(0.5, 0.1, 0.0))
         .with_angular_momentum(DVec3::new(0.004, 0.01, 0.02));
     let laws = (
@@ -86,7 +86,7 @@ fn an_ellipsoid_rocks_at_the_rate_of_its_curvature() {
     let ground = FlatGround::level(1e5, 0.0);
     let sink = mass * GRAVITY / 1e5;
     let amplitude = 1e-3;
-    let start = State::at(DVec3::Z * (c - sink)).turned_by(DVec3::Y * amplitude);
+    let start = State::at(DVec3::Z * (c - sink)).with_rotation_vector(DVec3::Y * amplitude);
     let rocked = |end: &State| 2.0 * end.orientation.y / amplitude;
     let by = EnergyMomentum { time_step: 1e-4 };
     let period = |moment: f64| TAU / (push / moment).sqrt();
@@ -115,8 +115,7 @@ fn an_ellipsoid_rocks_at_the_rate_of_its_curvature() {
 fn the_orders_are_those_of_fixed_contacts() {
     let egg = Ellipsoid::loaded(
         DVec3::new(0.15, 0.1, 0.08),
-        MassDistribution::ellipsoid(0.5, DVec3::new(0.15, 0.1, 0.08))
-            .at(DVec3::new(0.02, 0.0, 0.01)),
+        MassProperties::ellipsoid(0.5, DVec3::new(0.15, 0.1, 0.08)).at(DVec3::new(0.02, 0.0, 0.01)),
     );
     let laws = (
         FlatGround::level(500.0, 0.5),
@@ -127,7 +126,7 @@ fn the_orders_are_those_of_fixed_contacts() {
     );
     // In touch all the time: nothing is made or lost.
     let start = State::at(DVec3::Z * 0.07)
-        .turned_by(DVec3::new(0.2, 0.1, 0.0))
+        .with_rotation_vector(DVec3::new(0.2, 0.1, 0.0))
         .with_linear_velocity(DVec3::new(0.2, 0.1, 0.0))
         .with_angular_momentum(DVec3::new(0.002, 0.003, 0.004));
     let truth = end(egg, laws, Rk4 { time_step: 1e-5 }, &start, 0.1);
@@ -159,7 +158,7 @@ fn an_egg_keeps_its_energy_where_nothing_takes_it() {
             .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
             .unwrap();
         let mut state = State::at(DVec3::Z * 0.2)
-            .turned_by(DVec3::new(0.2, 0.5, 0.0))
+            .with_rotation_vector(DVec3::new(0.2, 0.5, 0.0))
             .with_angular_momentum(DVec3::new(0.004, 0.01, 0.02));
         let first = stepper.energy(&state).total();
         let mut before = first;
@@ -184,7 +183,7 @@ impl<const COUNT: usize> RigidPointBody for Ball<COUNT> {
         0.5
     }
     fn inertia(&self) -> DMat3 {
-        MassDistribution::ball(0.5, 0.1).inertia
+        MassProperties::ball(0.5, 0.1).inertia
     }
     fn contacts(&self) -> &[ContactPoint] {
         &self.0
@@ -203,19 +202,19 @@ fn a_support_that_is_not_the_farthest_place_is_caught() {
         position: DVec3::ZERO,
         radius: 0.1,
     };
-    let check = |support| check_body(&Ball([contact], support), Battery::default());
+    let check = |support| check_body(&Ball([contact], support), CheckPlan::default());
     check(0.1).unwrap();
     for wrong in [-0.1, 0.2, f64::NAN] {
-        let breach = check(wrong).unwrap_err();
+        let violation = check(wrong).unwrap_err();
         let told = if wrong.is_nan() {
-            Clause::Finite
+            Requirement::Finite
         } else {
-            Clause::Support
+            Requirement::Support
         };
-        assert_eq!(breach.clause, told, "{breach}");
+        assert_eq!(violation.requirement, told, "{violation}");
     }
-    let two = check_body(&Ball([contact; 2], 0.1), Battery::default()).unwrap_err();
-    assert_eq!(two.clause, Clause::Support, "{two}");
+    let two = check_body(&Ball([contact; 2], 0.1), CheckPlan::default()).unwrap_err();
+    assert_eq!(two.requirement, Requirement::Support, "{two}");
 }
 
 #[test]
@@ -265,7 +264,7 @@ impl RigidPointBody for Hoop {
     fn contacts(&self) -> &[ContactPoint] {
         &self.0
     }
-    fn reach(&self) -> f64 {
+    fn bounding_radius(&self) -> f64 {
         self.1
     }
     fn is_smooth(&self) -> bool {

@@ -46,7 +46,7 @@ impl Throw {
             .copied()
             .map(ContactPoint::bare)
             .collect();
-        PointCloud::in_storage(points, &self.masses).unwrap()
+        PointCloud::with_storage(points, &self.masses).unwrap()
     }
 
     /// The scene.

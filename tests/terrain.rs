@@ -12,7 +12,7 @@ use kit::log_uniform;
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
-    Bowl, Coulomb, Elevation, EnergyMomentum, Frictionless, Ground, Ramp, Relief, Shape,
+    Bowl, Coulomb, Elevation, EnergyMomentum, Frictionless, Ground, HeightField, Ramp, Shape,
     SlidingFriction, SpringDamper, SpringDamperGround, State, Stepper, Terrain, UniformGravity,
     Waves,
 };
@@ -24,7 +24,7 @@ fn each_relief(mut test: impl FnMut(&str, &dyn Shape)) {
     test(
         "bowl",
         &Terrain {
-            relief: Bowl {
+            height_field: Bowl {
                 curvatures: [1.0, 0.4],
             },
         },
@@ -32,7 +32,7 @@ fn each_relief(mut test: impl FnMut(&str, &dyn Shape)) {
     test(
         "saddle",
         &Terrain {
-            relief: Bowl {
+            height_field: Bowl {
                 curvatures: [0.8, -0.9],
             },
         },
@@ -40,7 +40,7 @@ fn each_relief(mut test: impl FnMut(&str, &dyn Shape)) {
     test(
         "ramp",
         &Terrain {
-            relief: Ramp {
+            height_field: Ramp {
                 slope: 1.0,
                 width: 0.5,
             },
@@ -49,7 +49,7 @@ fn each_relief(mut test: impl FnMut(&str, &dyn Shape)) {
     test(
         "waves",
         &Terrain {
-            relief: Waves {
+            height_field: Waves {
                 amplitude: 0.1,
                 length: 2.0,
             },
@@ -114,19 +114,19 @@ proptest! {
     /// curvature.
     #[test]
     fn the_gap_is_the_distance_to_the_nearest_point(x in -2.0..2.0_f64, y in -2.0..2.0_f64, gap in -0.5..0.5_f64, curvatures in [-1.0..1.0_f64, -1.0..1.0_f64]) {
-        for with_bend in [true, false] {
+        for with_hessian in [true, false] {
             let bowl = Bowl { curvatures };
-            let relief = move |x: f64, y: f64| {
+            let height_field = move |x: f64, y: f64| {
                 let elevation = bowl.elevation(x, y);
-                if with_bend { elevation } else { Elevation::new(elevation.height, elevation.slope) }
+                if with_hessian { elevation } else { Elevation::new(elevation.height, elevation.gradient) }
             };
-            let [hx, hy] = relief(x, y).slope;
+            let [hx, hy] = height_field(x, y).gradient;
             let normal = DVec3::new(-hx, -hy, 1.0).normalize();
-            let foot = DVec3::new(x, y, relief(x, y).height);
-            let surface = Terrain::of(relief).surface(foot + normal * gap);
+            let foot = DVec3::new(x, y, height_field(x, y).height);
+            let surface = Terrain::of(height_field).surface(foot + normal * gap);
             // Without the bend each look gains a factor of 2, and the gap's error is the square of
             // the place's: 2^-46. The normal's is the place's.
-            let (of_gap, of_normal) = if with_bend { (1e-14, 1e-13) } else { (1e-13, 1e-6) };
+            let (of_gap, of_normal) = if with_hessian { (1e-14, 1e-13) } else { (1e-13, 1e-6) };
             prop_assert!((surface.gap - gap).abs() < of_gap * 10.0, "{} for {gap}", surface.gap);
             prop_assert!((surface.normal - normal).length() < of_normal * 10.0, "{} for {normal}", surface.normal);
         }
@@ -135,7 +135,7 @@ proptest! {
     /// A level terrain is a plane, and a bowl of no curvature is level, to the last place.
     #[test]
     fn a_terrain_without_height_is_the_plane(x in -1e3..1e3_f64, y in -1e3..1e3_f64, z in -1.0..1.0_f64) {
-        let flat = Terrain { relief: Bowl { curvatures: [0.0_f64; 2] } };
+        let flat = Terrain { height_field: Bowl { curvatures: [0.0_f64; 2] } };
         let surface: tumble::Surface = flat.surface(DVec3::new(x, y, z));
         prop_assert_eq!(surface.gap.to_bits(), z.to_bits());
         prop_assert_eq!(surface.normal, DVec3::Z);
@@ -146,7 +146,7 @@ proptest! {
     fn a_ramp_ends_as_a_plane(slope in -2.0..2.0_f64, gap in -0.1..0.1_f64) {
         let (x, width) = (100.0, 0.01);
         let normal = DVec3::new(-slope, 0.0, 1.0).normalize();
-        let surface = Terrain { relief: Ramp { slope, width } }.surface(DVec3::new(x, 0.0, slope * x) + normal * gap);
+        let surface = Terrain { height_field: Ramp { slope, width } }.surface(DVec3::new(x, 0.0, slope * x) + normal * gap);
         prop_assert!((surface.gap - gap).abs() < slope.abs() * width * width / (3.0 * x) + 1e-13);
     }
 }
@@ -157,7 +157,7 @@ struct Cycloid {
     radius: f64,
 }
 
-impl Relief for Cycloid {
+impl HeightField for Cycloid {
     fn elevation(&self, x: f64, _y: f64) -> Elevation {
         // φ + sin φ = x/a by Newton's method, from a line that is never beyond.
         let aim = (x / self.radius).clamp(-3.0, 3.0);
@@ -171,14 +171,14 @@ impl Relief for Cycloid {
             self.radius * (1.0 - angle.cos()),
             [(angle / 2.0).tan(), 0.0],
         )
-        .with_bend([bend, 0.0, 0.0])
+        .with_hessian([bend, 0.0, 0.0])
     }
 }
 
 /// A point of 1 kg on a terrain of springs of 1e6 N/m that carry it 1e-5 m deep, with enough
 /// damping to follow the terrain.
-fn stepper_on<H: Relief, F: SlidingFriction>(
-    relief: H,
+fn stepper_on<H: HeightField, F: SlidingFriction>(
+    height_field: H,
     friction: F,
     time_step: f64,
 ) -> Stepper<
@@ -199,7 +199,7 @@ fn stepper_on<H: Relief, F: SlidingFriction>(
         .unwrap()
         .with_ground(Ground {
             law,
-            shape: Terrain { relief },
+            shape: Terrain { height_field },
         })
         .unwrap()
         .with_friction(friction)
@@ -264,7 +264,7 @@ fn a_ball_in_a_bowl_swings_as_on_the_parallel_surface() {
     // Without friction the centre of a ball of radius r slides on the surface that lies r inside, a
     // bowl of the curvature 1/(R - r): ω² = g/(R - r).
     let (bowl, radius) = (1.0, 0.25);
-    let ball = tumble::PointCloud::in_storage(
+    let ball = tumble::PointCloud::with_storage(
         [tumble::ContactPoint {
             position: DVec3::ZERO,
             radius,
@@ -276,7 +276,7 @@ fn a_ball_in_a_bowl_swings_as_on_the_parallel_surface() {
         stiffness: 1e6,
         damping: 2000.0,
     };
-    let relief = Bowl {
+    let height_field = Bowl {
         curvatures: [1.0 / bowl; 2],
     };
     let period = TAU * ((bowl - radius) / G).sqrt();
@@ -287,7 +287,7 @@ fn a_ball_in_a_bowl_swings_as_on_the_parallel_surface() {
         .unwrap()
         .with_ground(Ground {
             law,
-            shape: Terrain { relief },
+            shape: Terrain { height_field },
         })
         .unwrap()
         .with_integrator(EnergyMomentum { time_step })

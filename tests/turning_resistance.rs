@@ -1,4 +1,4 @@
-//! Resistance to rolling and drilling: balls roll out and spin down by closed forms, with every
+//! Resistance to rolling and spinning: balls roll out and spin down by closed forms, with every
 //! kind of integrator; the books know of it; nothing else does.
 
 // Helpers of these tests fail by panicking, like the tests.
@@ -10,8 +10,8 @@ use kit::log_uniform;
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
-    Coulomb, Dynamics, EnergyMomentum, FlatGround, Integrator, Ledger, Rk4, SlidingFriction,
-    Sphere, State, Stepper, StrangSplitting, SymplecticEuler, TurningResistance, UniformGravity,
+    Coulomb, Dynamics, EnergyMomentum, FlatGround, Integrator, Ledger, Rk4, RollingResistance,
+    SlidingFriction, Sphere, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
     WithResistance,
 };
 
@@ -21,14 +21,14 @@ const RADIUS: f64 = 0.03;
 type Scene<I> = Stepper<f64, Sphere, FlatGround, WithResistance<Coulomb>, UniformGravity, I>;
 
 /// A solid ball of 1 kg on a ground into which it sinks by 0.1 mm.
-fn ball<I: Integrator>([rolling, drilling, turn_speed]: [f64; 3], by: I) -> Scene<I> {
+fn ball<I: Integrator>([rolling, spinning, turn_speed]: [f64; 3], by: I) -> Scene<I> {
     let friction = WithResistance {
         friction: Coulomb {
             coefficient: 0.5,
             slip_speed: 1e-3,
         },
         rolling,
-        drilling,
+        spinning,
         turn_speed,
     };
     Stepper::new(Sphere::solid(1.0, RADIUS))
@@ -49,7 +49,7 @@ fn moving<I: Integrator>(scene: &Scene<I>, velocity: DVec3, spin: DVec3) -> Stat
     let axes = state.rotation().axes();
     let momentum = scene
         .scene()
-        .mass_properties()
+        .inertia_properties()
         .angular_momentum(&axes, spin);
     state.with_angular_momentum(momentum)
 }
@@ -115,9 +115,9 @@ fn a_ball_that_rolls_out_comes_to_rest_where_it_should() {
 #[test]
 fn a_ball_spins_down_on_the_spot() {
     // I ω' = -ℓ m g: from 50 rad/s, `2/5 m r² · 50/(ℓ m g)` seconds.
-    let (drilling, spin) = (1e-3, 50.0);
-    let seconds = 0.4 * RADIUS * RADIUS * spin / (drilling * G);
-    let scene = ball([0.0, drilling, 1e-6], EnergyMomentum { time_step: 1e-3 });
+    let (spinning, spin) = (1e-3, 50.0);
+    let seconds = 0.4 * RADIUS * RADIUS * spin / (spinning * G);
+    let scene = ball([0.0, spinning, 1e-6], EnergyMomentum { time_step: 1e-3 });
     let mut state = moving(&scene, DVec3::ZERO, DVec3::Z * spin);
     scene.advance(&mut state, seconds / 2.0).unwrap();
     let turns = |state: &State| scene.scene().motion(state).angular_velocity;
@@ -130,7 +130,7 @@ fn a_ball_spins_down_on_the_spot() {
     scene.advance(&mut state, seconds / 2.0 + 0.01).unwrap();
     assert!(turns(&state).length() < 1e-4, "{}", turns(&state));
     // Rolling resistance does not see it.
-    let scene = ball([drilling, 0.0, 1e-6], EnergyMomentum { time_step: 1e-3 });
+    let scene = ball([spinning, 0.0, 1e-6], EnergyMomentum { time_step: 1e-3 });
     let mut state = moving(&scene, DVec3::ZERO, DVec3::Z * spin);
     scene.advance(&mut state, 0.1).unwrap();
     let left = scene.scene().motion(&state).angular_velocity;
@@ -172,12 +172,12 @@ proptest! {
 
     /// Never with the turning, never beyond the limits.
     #[test]
-    fn the_torque_opposes_the_turning(rolling in log_uniform(1e-6, 1e3), drilling in log_uniform(1e-6, 1e3), turn_speed in log_uniform(1e-9, 1.0), normal in kit::directions(), axis in kit::directions(), speed in log_uniform(1e-9, 1e3)) {
-        let law = TurningResistance { rolling, drilling, turn_speed };
+    fn the_torque_opposes_the_turning(rolling in log_uniform(1e-6, 1e3), spinning in log_uniform(1e-6, 1e3), turn_speed in log_uniform(1e-9, 1.0), normal in kit::directions(), axis in kit::directions(), speed in log_uniform(1e-9, 1e3)) {
+        let law = RollingResistance { rolling, spinning, turn_speed };
         let torque = law.torque(normal, axis * speed);
         prop_assert!(torque.dot(axis) <= 0.0);
-        prop_assert!(torque.dot(normal).abs() <= drilling * (1.0 + 1e-15) + rolling * 1e-15);
-        prop_assert!((torque - normal * normal.dot(torque)).length() <= rolling * (1.0 + 1e-15) + drilling * 1e-15);
+        prop_assert!(torque.dot(normal).abs() <= spinning * (1.0 + 1e-15) + rolling * 1e-15);
+        prop_assert!((torque - normal * normal.dot(torque)).length() <= rolling * (1.0 + 1e-15) + spinning * 1e-15);
     }
 }
 
@@ -187,7 +187,7 @@ fn a_law_without_resistance_says_so() {
         coefficient: 0.3,
         slip_speed: 1e-3,
     };
-    assert!(coulomb.turning(5.0).is_none());
+    assert!(coulomb.rolling_resistance(5.0).is_none());
     let law: &dyn SlidingFriction = &coulomb;
-    assert!((&law).turning(5.0).is_none());
+    assert!((&law).rolling_resistance(5.0).is_none());
 }

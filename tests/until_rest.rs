@@ -49,13 +49,13 @@ fn thrown<B: tumble::RigidPointBody, I: Integrator>(stepper: &Thrown<B, I>, numb
     let angle = 2.4 * f64::from(number);
     let axis = DVec3::new(angle.cos(), angle.sin(), (0.7 * angle).sin());
     let state = State::at(DVec3::Z * 0.2).with_orientation(DQuat::from_rotation_x(angle));
-    stepper.spinning(state, axis * 40.0)
+    stepper.with_angular_velocity(state, axis * 40.0)
 }
 
 /// How far any place of the body can be from where it was: `|shift| + 2 r sin(φ/2)`.
-fn moved(reach: f64, from: &State, to: &State) -> f64 {
+fn moved(bounding_radius: f64, from: &State, to: &State) -> f64 {
     let turn = to.orientation * from.orientation.inverse();
-    (to.position - from.position).length() + 2.0 * reach * turn.xyz().length()
+    (to.position - from.position).length() + 2.0 * bounding_radius * turn.xyz().length()
 }
 
 const DISTANCE: f64 = 1e-4;
@@ -70,7 +70,7 @@ fn rest_lasts<B: tumble::RigidPointBody, I: Integrator>(stepper: &Thrown<B, I>) 
         assert!(rest.is_reached() && seconds < 60.0, "throw {number}");
         let lies = state;
         stepper.advance(&mut state, 0.5).unwrap();
-        let way = moved(stepper.body().reach(), &lies, &state);
+        let way = moved(stepper.body().bounding_radius(), &lies, &state);
         assert!(way <= DISTANCE, "throw {number}: {way} m");
     }
 }
@@ -112,12 +112,12 @@ fn a_bounce_is_no_rest() {
 fn a_spinning_body_does_not_rest() {
     let stepper = Stepper::new(SolidCoin::new(0.006, 0.012, 0.002)).unwrap();
     // 1.2e-4 m of its rim in 0.25 s.
-    let mut slow = stepper.spinning(State::at(DVec3::Z), DVec3::X * 0.04);
+    let mut slow = stepper.with_angular_velocity(State::at(DVec3::Z), DVec3::X * 0.04);
     let mut rest = UntilRest::new(stepper.body(), DISTANCE, 0.25).unwrap();
     stepper.run(&mut slow, 10.0, &mut rest).unwrap();
     assert!(!rest.is_reached());
     // 0.9e-4 m.
-    let mut slower = stepper.spinning(State::at(DVec3::Z), DVec3::X * 0.03);
+    let mut slower = stepper.with_angular_velocity(State::at(DVec3::Z), DVec3::X * 0.03);
     let mut rest = UntilRest::new(stepper.body(), DISTANCE, 0.25).unwrap();
     stepper.run(&mut slower, 10.0, &mut rest).unwrap();
     assert!(rest.is_reached());

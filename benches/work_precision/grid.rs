@@ -8,7 +8,7 @@ use std::io::Write;
 use std::path::Path;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use tumble::trade::{Method, Row, Setting, Trade};
+use tumble::work_precision::{Method, Row, Setting, WorkPrecision};
 
 use crate::scenes::{Friction, Measured, Start};
 
@@ -141,7 +141,7 @@ impl Combination {
 }
 
 /// Every setting of the ladder, but those that come after a long run.
-fn try_all(measured: &Measured, single: bool) -> Trade {
+fn try_all(measured: &Measured, single: bool) -> WorkPrecision {
     let ladder = Setting::ladder();
     let mut whole = measured(&[], single);
     for method in Method::ALL {
@@ -162,7 +162,7 @@ fn is_long(row: &Row) -> bool {
 }
 
 /// The cheapest setting for an error, where the reference can tell.
-fn cheapest(trade: &Trade, error: f64) -> Option<&Row> {
+fn cheapest(trade: &WorkPrecision, error: f64) -> Option<&Row> {
     (trade.resolution <= error)
         .then(|| trade.cheapest(error))
         .flatten()
@@ -183,7 +183,7 @@ fn print_head(combination: &Combination) {
     );
 }
 
-fn print_line(place: &[String], trade: &Trade) {
+fn print_line(place: &[String], trade: &WorkPrecision) {
     print!("| {} |", place[1..].join(" | "));
     for error in ERRORS {
         match cheapest(trade, error) {
@@ -198,8 +198,8 @@ fn micros(row: &Row) -> f64 {
     row.time.as_secs_f64() * 1e6
 }
 
-const ROWS: &str = "method,knob,error_m,time_us,evaluations,steps,rejected,energy_rise_J,reference_good_to_m,failure";
-const CHEAPEST: &str = "error_asked_m,method,knob,error_m,time_us,reference_good_to_m";
+const ROWS: &str = "method,parameter,error_m,time_us,evaluations,steps,rejected,energy_rise_J,reference_good_to_m,failure";
+const CHEAPEST: &str = "error_asked_m,method,parameter,error_m,time_us,reference_good_to_m";
 
 /// A file with the columns of a combination and others.
 fn csv_file(path: &Path, columns: &str) -> Result<File, Box<dyn Error>> {
@@ -211,14 +211,16 @@ fn csv_file(path: &Path, columns: &str) -> Result<File, Box<dyn Error>> {
     Ok(file)
 }
 
-fn write_rows(file: &mut File, place: &[String], trade: &Trade) -> std::io::Result<()> {
+fn write_rows(file: &mut File, place: &[String], trade: &WorkPrecision) -> std::io::Result<()> {
     let place = place.join(",");
     for row in &trade.rows {
-        let Setting { method, knob, .. } = row.setting;
+        let Setting {
+            method, parameter, ..
+        } = row.setting;
         let failure = row.failure.map(|failure| failure.to_string());
         writeln!(
             file,
-            "{place},{},{knob:e},{:e},{:.3},{},{},{},{:e},{:e},\"{}\"",
+            "{place},{},{parameter:e},{:e},{:.3},{},{},{},{:e},{:e},\"{}\"",
             method.name(),
             row.error,
             micros(row),
@@ -233,17 +235,19 @@ fn write_rows(file: &mut File, place: &[String], trade: &Trade) -> std::io::Resu
     Ok(())
 }
 
-fn write_cheapest(file: &mut File, place: &[String], trade: &Trade) -> std::io::Result<()> {
+fn write_cheapest(file: &mut File, place: &[String], trade: &WorkPrecision) -> std::io::Result<()> {
     let place = place.join(",");
     for error in ERRORS {
         let Some(row) = cheapest(trade, error) else {
             writeln!(file, "{place},{error:e},,,,,{:e}", trade.resolution)?;
             continue;
         };
-        let Setting { method, knob, .. } = row.setting;
+        let Setting {
+            method, parameter, ..
+        } = row.setting;
         writeln!(
             file,
-            "{place},{error:e},{},{knob:e},{:e},{:.3},{:e}",
+            "{place},{error:e},{},{parameter:e},{:e},{:.3},{:e}",
             method.name(),
             row.error,
             micros(row),

@@ -16,7 +16,7 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use tumble::State;
-use tumble::trade::{Method, Setting};
+use tumble::work_precision::{Method, Setting};
 
 use crate::robust_scenes::{Case, Family, cases};
 
@@ -86,7 +86,7 @@ impl Program {
             Self::Plain => Some(case.plain(value)),
             Self::Ours(method) => case.run(Setting {
                 method,
-                knob: value,
+                parameter: value,
                 flight: method.has_tolerance(),
             }),
         }

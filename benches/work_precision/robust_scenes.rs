@@ -4,7 +4,7 @@ use core::error::Error;
 use core::hint::black_box;
 
 use tumble::glam::DVec3;
-use tumble::trade::{Method, Setting, reference};
+use tumble::work_precision::{Method, Setting, reference};
 use tumble::{
     BogackiShampine32, Coulomb, Cuboid, DormandPrince54, Dynamics, EnergyMomentum, FlatGround,
     Flight, ForwardEuler, Integrator, Nystrom, RigidPointBody, Rk4, Scene, SceneError, SolidCoin,
@@ -39,7 +39,7 @@ pub(crate) struct Case {
     seconds: f64,
     start: State,
     /// Of the farthest point, m.
-    reach: f64,
+    bounding_radius: f64,
     law: Law,
     program: Box<Run>,
 }
@@ -54,7 +54,7 @@ impl Case {
         let angle = 2.0 * between.xyz().length().atan2(between.w.abs());
         (end.position - self.end.position)
             .length()
-            .hypot(self.reach * angle)
+            .hypot(self.bounding_radius * angle)
     }
 
     /// The end with an integrator of the crate, and the time that it took, s; nothing if the run
@@ -168,8 +168,8 @@ fn toss<B: RigidPointBody + 'static>(
     };
     let state = State::at(DVec3::Z * height)
         .with_linear_velocity(velocity)
-        .turned_by(DVec3::Y * rotation);
-    let state = Stepper::new(&body)?.spinning(state, spin);
+        .with_rotation_vector(DVec3::Y * rotation);
+    let state = Stepper::new(&body)?.with_angular_velocity(state, spin);
     case(name, Family::Toss, body, law, state, 0.4)
 }
 
@@ -192,7 +192,7 @@ fn case<B: RigidPointBody + 'static>(
     start: State,
     seconds: f64,
 ) -> Result<Case, Box<dyn Error>> {
-    let reach = body.reach();
+    let bounding_radius = body.bounding_radius();
     let ground = FlatGround::level(law.stiffness, law.damping);
     let friction = Coulomb {
         coefficient: law.coefficient,
@@ -215,7 +215,7 @@ fn case<B: RigidPointBody + 'static>(
         end: known.end,
         seconds,
         start,
-        reach,
+        bounding_radius,
         law,
         program: Box::new(move |start, seconds, setting| run(&stepper, start, seconds, setting)),
     })
@@ -229,7 +229,7 @@ fn run<B: RigidPointBody>(
     seconds: f64,
     setting: Setting,
 ) -> Option<(State, f64)> {
-    let value = setting.knob;
+    let value = setting.parameter;
     match setting.method {
         Method::ForwardEuler => moved(stepper, ForwardEuler { time_step: value }, start, seconds),
         Method::SymplecticEuler => moved(

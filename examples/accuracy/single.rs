@@ -202,7 +202,7 @@ impl<const ALL: bool> Integrator<f32> for Compensated<ALL> {
         lost: &mut Lost,
     ) -> Result<Step<f32>, StepError> {
         let dt = step_length(self.time_step, limit);
-        let mass = scene.mass_properties();
+        let mass = scene.inertia_properties();
         let rotation = state.rotation();
         let motion = scene.motion_along(state, rotation.axes());
         let load = scene.load(&motion);

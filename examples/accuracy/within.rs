@@ -44,7 +44,7 @@ type Program = Box<dyn Fn() -> Result<(State, f64), Box<dyn Error>>>;
 /// A program with its step (s) or tolerance (m).
 type With = Box<dyn Fn(f64) -> Result<Program, Box<dyn Error>>>;
 
-/// Its name, the knobs to try, how they are written, and the program.
+/// Its name, the parameters to try, how they are written, and the program.
 type Method<'a> = (&'a str, &'a [f64], fn(f64) -> String, With);
 
 /// Prints a row a method: its longest step or largest tolerance that is within `error` (m), *and
@@ -60,16 +60,16 @@ pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
         "in steps of the report's loop",
     ];
     let (mut rows, mut programs) = (vec![table::cells(head)], Vec::new());
-    for (name, knobs, show, with) in methods(&steps()) {
-        let Some(knob) = largest_within(error, truth, knobs, &with)? else {
+    for (name, parameters, show, with) in methods(&steps()) {
+        let Some(parameter) = largest_within(error, truth, parameters, &with)? else {
             rows.push(table::cells([name, "none that is tried", "", "", "", ""]));
             continue;
         };
-        let program = with(knob)?;
+        let program = with(parameter)?;
         let error = distance(&program()?.0, truth);
         rows.push(table::cells([
             name.to_owned(),
-            show(knob),
+            show(parameter),
             format!("{error:.1e} m"),
         ]));
         programs.push((rows.len() - 1, program));
@@ -137,16 +137,16 @@ fn methods(steps: &[f64]) -> [Method<'_>; 7] {
 fn largest_within(
     error: f64,
     truth: &State,
-    knobs: &[f64],
+    parameters: &[f64],
     with: &With,
 ) -> Result<Option<f64>, Box<dyn Error>> {
     let mut largest = None;
-    for &knob in knobs.iter().rev() {
-        let (end, _) = with(knob)?()?;
+    for &parameter in parameters.iter().rev() {
+        let (end, _) = with(parameter)?()?;
         if distance(&end, truth) > error {
             break;
         }
-        largest = Some(knob);
+        largest = Some(parameter);
     }
     Ok(largest)
 }
@@ -192,9 +192,9 @@ fn metres(tolerance: f64) -> String {
 }
 
 fn with<I: Integrator + 'static>(integrator: impl Fn(f64) -> I + 'static) -> With {
-    Box::new(move |knob| {
+    Box::new(move |parameter| {
         let trial = trial()?;
-        let stepper = trial.stepper(integrator(knob))?;
+        let stepper = trial.stepper(integrator(parameter))?;
         Ok(Box::new(move || {
             let (mut state, clock) = (trial.state(), Instant::now());
             stepper.advance(&mut state, DURATION)?;

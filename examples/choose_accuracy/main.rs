@@ -2,7 +2,7 @@
 //! an error asked for.
 //!
 //! `cargo run --release --example choose_accuracy -- --help`. For a scene of your own body, ground
-//! and friction call `tumble::trade::trade` as `measure` does here.
+//! and friction call `tumble::work_precision::measure` as `measure` does here.
 
 // The numbers of the scenes are small.
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 use lexopt::prelude::*;
 use scenes::{Friction, Start};
-use tumble::trade::{Setting, Trade};
+use tumble::work_precision::{Setting, WorkPrecision};
 
 const HELP: &str = "\
 Error against price of every integrator, and the cheapest setting for an error.
@@ -69,19 +69,22 @@ fn main() -> Result<(), Box<dyn Error>> {
         None => println!("no setting has an error of {:.0e} m or less", options.error),
     }
     let title = format!("{}: error after {} s over price", start.name, start.seconds);
-    picture::write(&trade, &title, &options.out, "trade")?;
-    println!("picture: {}", options.out.join("trade.svg").display());
+    picture::write(&trade, &title, &options.out, "work_precision")?;
+    println!(
+        "picture: {}",
+        options.out.join("work_precision.svg").display()
+    );
     Ok(())
 }
 
-fn measure(options: &Options) -> Result<Trade, Box<dyn Error>> {
+fn measure(options: &Options) -> Result<WorkPrecision, Box<dyn Error>> {
     let mut settings = Setting::ladder();
     for setting in &mut settings {
         setting.flight = options.flight;
     }
     if options.quick {
         settings.retain(|setting| {
-            setting.knob
+            setting.parameter
                 >= if setting.method.has_tolerance() {
                     1e-6
                 } else {

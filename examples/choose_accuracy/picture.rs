@@ -6,7 +6,7 @@ use std::path::Path;
 
 use kuva::prelude::*;
 use kuva::render::render::{Scene, render_multiple};
-use tumble::trade::{Method, Row, Trade};
+use tumble::work_precision::{Method, Row, WorkPrecision};
 
 /// Colours that colour-blind eyes tell apart (Okabe and Ito).
 const COLOURS: [(Method, &str); 8] = [
@@ -22,7 +22,7 @@ const COLOURS: [(Method, &str); 8] = [
 
 /// Writes `name`.svg and `name`.png into a folder.
 pub(crate) fn write(
-    trade: &Trade,
+    trade: &WorkPrecision,
     title: &str,
     folder: &Path,
     name: &str,
@@ -42,7 +42,7 @@ fn svg(scene: &Scene) -> String {
     text.replacen("<svg ", &view_box, 1)
 }
 
-fn scene(trade: &Trade, title: &str) -> Scene {
+fn scene(trade: &WorkPrecision, title: &str) -> Scene {
     let mut plots = Vec::new();
     for (method, colour) in COLOURS {
         let places: Vec<(f64, f64)> = (trade.rows.iter())

@@ -4,7 +4,7 @@ use core::error::Error;
 
 use tumble::glam::DVec3;
 use tumble::real::{Quaternion, Vector};
-use tumble::trade::{Reference, Setting, Trade, reference, trade_against};
+use tumble::work_precision::{Reference, Setting, WorkPrecision, measure_against, reference};
 use tumble::{
     Coin, ContactPoint, Coulomb, FlatGround, Frictionless, Real, Scene, SceneError,
     SlidingFriction, SmoothCoulomb, State, Trial, UniformGravity,
@@ -13,7 +13,7 @@ use tumble::{
 type CoinScene<R, F> = Scene<R, Coin<R, Vec<ContactPoint<R>>>, FlatGround<R>, F, UniformGravity<R>>;
 
 /// Tries settings on a scene, in single precision or not.
-pub(crate) type Measured = Box<dyn Fn(&[Setting], bool) -> Trade>;
+pub(crate) type Measured = Box<dyn Fn(&[Setting], bool) -> WorkPrecision>;
 
 /// A friction law with its numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +67,7 @@ impl Start {
                 name: "a toss with bounces".into(),
                 state: State::at(DVec3::new(0.0, 0.0, 1.0))
                     .with_linear_velocity(DVec3::new(0.4, -0.2, 3.0))
-                    .turned_by(DVec3::new(0.3, 0.8, -0.2))
+                    .with_rotation_vector(DVec3::new(0.3, 0.8, -0.2))
                     .with_angular_momentum(DVec3::new(0.4, 1.1, -0.7)),
                 seconds: 1.5,
                 ..rolls
@@ -86,7 +86,7 @@ impl Start {
                 stiffness: 1e9,
                 damping: 1e3,
                 state: State::at(DVec3::new(0.0, 0.0, 0.4))
-                    .turned_by(DVec3::new(0.3, 0.8, -0.2))
+                    .with_rotation_vector(DVec3::new(0.3, 0.8, -0.2))
                     .with_angular_momentum(DVec3::new(0.1, 0.3, -0.2)),
                 seconds: 0.4,
                 ..rolls
@@ -94,7 +94,7 @@ impl Start {
             "rest" => Self {
                 name: "rest".into(),
                 state: State::at(DVec3::new(0.0, 0.0, -GRAVITY / 120_000.0))
-                    .turned_by(DVec3::Y * core::f64::consts::FRAC_PI_2),
+                    .with_rotation_vector(DVec3::Y * core::f64::consts::FRAC_PI_2),
                 ..rolls
             },
             _ => Self::trial(name.strip_prefix("trial")?.parse().ok()?)?,
@@ -107,7 +107,7 @@ impl Start {
         &self,
         settings: &[Setting],
         single: bool,
-    ) -> Result<Trade, Box<dyn Error>> {
+    ) -> Result<WorkPrecision, Box<dyn Error>> {
         Ok(self.measured()?(settings, single))
     }
 
@@ -164,9 +164,9 @@ impl Start {
         Ok(Box::new(move |settings, single| {
             if single {
                 let start = in_precision(&start);
-                trade_against(&scene_32, &start, seconds as f32, settings, &known_32)
+                measure_against(&scene_32, &start, seconds as f32, settings, &known_32)
             } else {
-                trade_against(&scene, &start, seconds, settings, &known)
+                measure_against(&scene, &start, seconds, settings, &known)
             }
         }))
     }
@@ -178,7 +178,7 @@ impl Start {
         let share = 120.0 / self.points as f64;
         let points = vec![ContactPoint::default(); self.points];
         Scene::new(
-            Coin::ring_in(points, R::ONE, R::HALF),
+            Coin::ring_with_storage(points, R::ONE, R::HALF),
             FlatGround::level(
                 R::from_f64(self.stiffness * share),
                 R::from_f64(self.damping * share),

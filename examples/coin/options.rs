@@ -1,4 +1,4 @@
-//! The command line: which trial, which knobs, how to compute, where to write.
+//! The command line: which trial, which parameters, how to compute, where to write.
 
 use std::ffi::OsString;
 use std::fmt;
@@ -22,7 +22,7 @@ What to run
   -a, --all                     all eight trials, and one page that shows them side by side
       --readme-picture <FILE>   only draw the coin of the trial, as an animated SVG, into FILE
 
-The report's five knobs: each replaces the value of the trial
+The report's five parameters: each replaces the value of the trial
       --direction <DIRECTION>   of the angular momentum: rolling (along the coin's normal)
                                 or spinning (along the upright diameter)
       --size <NUMBER>           of the angular momentum, in kg m2/s

@@ -25,17 +25,17 @@ pub(crate) fn write(cards: &[String], path: &Path) -> Result<(), Box<dyn Error>>
     Ok(())
 }
 
-/// One trial of the overview: its knobs, pictures, milestones and links.
+/// One trial of the overview: its parameters, pictures, milestones and links.
 pub(crate) fn card(recording: &Recording) -> String {
     let title = recording.setup.title();
-    let knobs = recording.setup.knobs();
+    let parameters = recording.setup.parameters();
     let folder = folder(&recording.setup);
     let [energy, track] = pictures::small(recording);
     let facts = facts(recording);
     format!(
         r#"<article>
 <h2><a href="{folder}/coin.html">{title}</a></h2>
-<p>{knobs}</p>
+<p>{parameters}</p>
 <div class="pictures"><a href="{folder}/energy.svg">{energy}</a><a href="{folder}/track.svg">{track}</a></div>
 <dl>{facts}</dl>
 <p class="links"><a class="play" href="{folder}/coin.html">Play in 3-D</a> <a href="{folder}/slip.svg">slip speed</a> <a href="{folder}/centre.svg">centre</a> <a href="{folder}/coin.csv">table (CSV)</a></p>

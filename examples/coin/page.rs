@@ -12,7 +12,7 @@ pub(crate) fn write(recording: &Recording, path: &Path) -> Outcome<()> {
     let setup = &recording.setup;
     let milestones = Milestones::of(recording);
     let shown = recording.until(milestones.curtain());
-    let mut lines = vec![setup.knobs(), setup.computation()];
+    let mut lines = vec![setup.parameters(), setup.computation()];
     if shown.len() < recording.moments.len() {
         lines.push(format!(
             "The run lasts {} s; the film ends when the coin lies still.",

@@ -128,9 +128,9 @@ impl Eye {
         for moment in moments {
             let place = self.see(moment.centre);
             let [u, v] = in_plane(moment).map(|radius| self.see_way(radius));
-            let reach = DVec2::new(u.x.hypot(v.x), u.y.hypot(v.y));
-            least = least.min(place - reach);
-            most = most.max(place + reach);
+            let bounding_radius = DVec2::new(u.x.hypot(v.x), u.y.hypot(v.y));
+            least = least.min(place - bounding_radius);
+            most = most.max(place + bounding_radius);
         }
         let room = DVec2::new(WIDTH, FLOOR_HEIGHT) - 2.0 * MARGIN;
         self.scale = (room / (most - least)).min_element();

@@ -16,7 +16,7 @@ use crate::setup::{RADIUS, Setup};
 /// Runs the loop. The stepper only answers questions about its states.
 ///
 /// # Errors
-/// Where the loop has no such knob, or leaves the finite numbers.
+/// Where the loop has no such parameter, or leaves the finite numbers.
 pub(crate) fn run<I: Integrator<f64>>(
     setup: &Setup,
     stepper: &CoinStepper<I>,

@@ -67,7 +67,7 @@ fn compose<I: Integrator<f64>>(
     integrator: I,
 ) -> Result<CoinStepper<I>, tumble::SceneError> {
     let points = vec![ContactPoint::default(); setup.points];
-    Stepper::new(Coin::ring_in(points, MASS, RADIUS))?
+    Stepper::new(Coin::ring_with_storage(points, MASS, RADIUS))?
         .with_ground(FlatGround::level(setup.stiffness, setup.trial.damping))?
         .with_friction(setup.trial.friction())?
         .with_gravity(setup.trial.gravity())?

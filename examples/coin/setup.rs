@@ -17,7 +17,7 @@ pub(crate) const GRAVITY: f64 = Trial::<f64>::GRAVITY;
 pub(crate) struct Setup {
     /// Number in the report, 1 to 8.
     pub(crate) number: usize,
-    /// The report's five knobs, and the slip speed.
+    /// The report's five parameters, and the slip speed.
     pub(crate) trial: Trial,
     /// Points on the rim.
     pub(crate) points: usize,
@@ -65,8 +65,8 @@ impl Setup {
         format!("Trial {}", self.number)
     }
 
-    /// The five knobs in one line.
-    pub(crate) fn knobs(&self) -> String {
+    /// The five parameters in one line.
+    pub(crate) fn parameters(&self) -> String {
         format!(
             "{}, tilt {}°, friction {}, damping {} N·s/m, |L| {} kg·m²/s",
             name(self.trial.start),

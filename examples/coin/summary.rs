@@ -16,7 +16,7 @@ impl fmt::Display for Summary<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let recording = self.0;
         let setup = &recording.setup;
-        writeln!(out, "{}: {}", setup.title(), setup.knobs())?;
+        writeln!(out, "{}: {}", setup.title(), setup.parameters())?;
         writeln!(out, "  {}", setup.computation())?;
         write_milestones(out, Milestones::of(recording))?;
         write_energy(out, "energy at the start", recording.first().energy)?;
@@ -84,7 +84,7 @@ fn write_tally(out: &mut fmt::Formatter<'_>, tally: &Tally) -> fmt::Result {
     let each = tally.iterations as f64 / tally.steps as f64;
     let text = format!(
         "{each:.2} a step; {} of {} steps divided, {:.1e} J kept from being added",
-        tally.divided, tally.steps, tally.ratcheted
+        tally.divided, tally.steps, tally.energy_removed
     );
     write_line(out, "iterations", text)
 }

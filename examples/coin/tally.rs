@@ -12,7 +12,7 @@ pub(crate) struct Tally {
     /// Steps that were too long to be taken whole.
     pub(crate) divided: u64,
     /// Energy that was removed so that the total does not rise, J.
-    pub(crate) ratcheted: f64,
+    pub(crate) energy_removed: f64,
 }
 
 /// An integrator with its tally: the same steps, counted.
@@ -52,7 +52,7 @@ impl<I: Integrator<f64>> Integrator<f64> for Tallied<I> {
             steps: sum.steps + 1,
             iterations: sum.iterations + u64::from(step.iterations),
             divided: sum.divided + u64::from(step.fallback),
-            ratcheted: sum.ratcheted + step.ratcheted,
+            energy_removed: sum.energy_removed + step.energy_removed,
         });
         Ok(step)
     }

@@ -73,17 +73,18 @@ impl Mesh {
                 .map(|(r, angle)| r * DVec2::from_angle(angle))
                 .to_vec()
         };
-        for (side, base, relief) in [(1.0, GOLD, GOLD_RELIEF), (-1.0, SILVER, SILVER_RELIEF)] {
+        for (side, base, height_field) in [(1.0, GOLD, GOLD_RELIEF), (-1.0, SILVER, SILVER_RELIEF)]
+        {
             paint(side, base, rim.clone());
-            paint(side, relief, ring(0.87, corners));
+            paint(side, height_field, ring(0.87, corners));
             paint(side, base, ring(0.85, corners));
             if side > 0.0 {
                 let star = (0..10).map(|k| if k % 2 == 0 { 0.58 } else { 0.225 } * DVec2::from_angle(TAU * f64::from(k) / 20.0 * 2.0));
-                paint(side, relief, star.collect());
+                paint(side, height_field, star.collect());
             } else {
-                paint(side, relief, ring(0.64, corners));
+                paint(side, height_field, ring(0.64, corners));
                 paint(side, base, ring(0.42, corners));
-                paint(side, relief, ring(0.2, corners));
+                paint(side, height_field, ring(0.2, corners));
             }
             paint(side, RED, wedge());
         }

@@ -163,8 +163,8 @@ pub(crate) fn start(toss: &Toss, body: &Corrections, start: Start) -> Sample {
 fn flight(toss: &Toss, scale: f64) -> &[Sample] {
     let in_flight = |sample: &Sample| {
         let down = (sample.orientation.inverse() * DVec3::NEG_Z).to_array();
-        let reach: f64 = down.iter().map(|part| part.abs() * 0.5 * WIDTH).sum();
-        sample.position.z * scale - reach > CLEAR
+        let bounding_radius: f64 = down.iter().map(|part| part.abs() * 0.5 * WIDTH).sum();
+        sample.position.z * scale - bounding_radius > CLEAR
     };
     let end = (toss.samples.iter()).position(|sample| !in_flight(sample));
     &toss.samples[..end.unwrap_or(toss.samples.len())]

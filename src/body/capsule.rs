@@ -1,6 +1,6 @@
 //! A cylinder with round ends.
 
-use super::{ContactPoint, MassDistribution, RigidPointBody};
+use super::{ContactPoint, MassProperties, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
@@ -52,7 +52,7 @@ impl<R: Real> RigidPointBody<R> for Capsule<R> {
     }
     #[inline]
     fn inertia(&self) -> R::Mat3 {
-        MassDistribution::capsule(self.mass, self.radius(), self.length).inertia
+        MassProperties::capsule(self.mass, self.radius(), self.length).inertia
     }
     #[inline]
     fn contacts(&self) -> &[ContactPoint<R>] {

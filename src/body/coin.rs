@@ -1,6 +1,6 @@
 //! The coin of the report: a ring of points.
 
-use super::{ContactPoint, RigidPointBody, Run, check_contacts};
+use super::{ContactPoint, ContactRange, RigidPointBody, check_contacts};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
 use crate::state::State;
@@ -19,7 +19,7 @@ use crate::state::State;
 ///
 /// ```
 /// use tumble::glam::DVec3;
-/// use tumble::{Coin, Coulomb, Face, FlatGround, State, Stepper, UniformGravity};
+/// use tumble::{Coin, Coulomb, CoinFace, FlatGround, State, Stepper, UniformGravity};
 ///
 /// let coin = Coin::ring(1.0, 0.5); // kg, m
 /// let stepper = Stepper::new(coin)?
@@ -27,9 +27,9 @@ use crate::state::State;
 ///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })? // m/s
 ///     .with_gravity(UniformGravity::down(9.8))?; // m/s²
 /// // Dropped from 0.7 m, heads up and leaning, with a spin of 6 rad/s about its normal.
-/// let state = State::at(DVec3::new(0.0, 0.0, 0.7)).turned_by(DVec3::new(0.0, -1.2, 0.0));
-/// let mut state = stepper.spinning(state, state.orientation * DVec3::X * 6.0);
-/// assert_eq!(coin.face_up(&state), Face::Heads);
+/// let state = State::at(DVec3::new(0.0, 0.0, 0.7)).with_rotation_vector(DVec3::new(0.0, -1.2, 0.0));
+/// let mut state = stepper.with_angular_velocity(state, state.orientation * DVec3::X * 6.0);
+/// assert_eq!(coin.face_up(&state), CoinFace::Heads);
 /// stepper.advance(&mut state, 0.5)?; // s
 /// println!("{:.2} rad from flat, {} of 120 points touch", coin.tilt(&state), stepper.touching(&state));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -45,7 +45,7 @@ impl<R: Real> Coin<R> {
     /// A ring of 120 points, as in the report; mass in kg, radius in m.
     #[must_use]
     pub fn ring(mass: R, radius: R) -> Self {
-        Self::ring_in([ContactPoint::default(); 120], mass, radius)
+        Self::ring_with_storage([ContactPoint::default(); 120], mass, radius)
     }
 }
 
@@ -54,11 +54,11 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Coin<R, P>
     ///
     /// ```
     /// use tumble::{Coin, ContactPoint};
-    /// let coarse = Coin::ring_in([ContactPoint::default(); 12], 1.0, 0.5);
-    /// let fine = Coin::ring_in(vec![ContactPoint::default(); 1200], 1.0, 0.5);
+    /// let coarse = Coin::ring_with_storage([ContactPoint::default(); 12], 1.0, 0.5);
+    /// let fine = Coin::ring_with_storage(vec![ContactPoint::default(); 1200], 1.0, 0.5);
     /// ```
     #[must_use]
-    pub fn ring_in(mut storage: P, mass: R, radius: R) -> Self {
+    pub fn ring_with_storage(mut storage: P, mass: R, radius: R) -> Self {
         let points = storage.as_mut();
         let count = points.len();
         for (i, point) in points.iter_mut().enumerate() {
@@ -87,11 +87,11 @@ impl<R: Real, P> Coin<R, P> {
         tilt(state)
     }
 
-    /// The face that looks up; [`Face::Edge`] where neither does, upright to rounding: a ring has
-    /// no edge to stand on, as [`SolidCoin`](super::SolidCoin) has.
+    /// The face that looks up; [`CoinFace::Edge`] where neither does, upright to rounding: a ring
+    /// has no edge to stand on, as [`SolidCoin`](super::SolidCoin) has.
     #[must_use]
-    pub fn face_up(&self, state: &State<R>) -> Face {
-        Face::up(state.rotation().axes().x.z())
+    pub fn face_up(&self, state: &State<R>) -> CoinFace {
+        CoinFace::up(state.rotation().axes().x.z())
     }
 }
 
@@ -128,26 +128,26 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
     }
 
     #[inline]
-    fn reach(&self) -> R {
+    fn bounding_radius(&self) -> R {
         self.radius
     }
 
     #[inline]
-    fn contacts_below(&self, normal: R::Vec3, offset: R) -> Run {
-        self.contacts_below_near(normal, offset, Run::NONE)
+    fn contacts_below(&self, normal: R::Vec3, offset: R) -> ContactRange {
+        self.contacts_below_near(normal, offset, ContactRange::NONE)
     }
 
     #[inline]
-    fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: Run) -> Run {
+    fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: ContactRange) -> ContactRange {
         let points = self.points.as_ref();
         let (y, z) = (normal.y() * self.radius, normal.z() * self.radius);
         // The lowest place of the continuous rim is -|(y, z)|, the highest +|(y, z)|.
         let extent = y * y + z * z;
         if offset * offset > extent {
             return if offset > R::ZERO {
-                Run::all(points.len())
+                ContactRange::all(points.len())
             } else {
-                Run::NONE
+                ContactRange::NONE
             };
         }
         arc_near(points, normal, offset, near).unwrap_or_else(|| arc_below(points, normal, offset))
@@ -182,7 +182,7 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
 ///
 /// Heights round a ring have one minimum, so no other point is visited and no arc is missed.
 #[inline]
-fn arc_below<R: Real>(points: &[ContactPoint<R>], normal: R::Vec3, offset: R) -> Run {
+fn arc_below<R: Real>(points: &[ContactPoint<R>], normal: R::Vec3, offset: R) -> ContactRange {
     let guess = lowest_guess(points.len(), -normal.y(), -normal.z());
     let run = arc_around(points, guess, |point| height(point, normal) < offset);
     if run.count > 0 {
@@ -201,8 +201,8 @@ fn arc_near<R: Real>(
     points: &[ContactPoint<R>],
     normal: R::Vec3,
     offset: R,
-    near: Run,
-) -> Option<Run> {
+    near: ContactRange,
+) -> Option<ContactRange> {
     let below = |place: usize| Some(height(points.get(place)?, normal) < offset);
     let (mut first, mut last) = (
         near.first,
@@ -227,7 +227,7 @@ fn arc_near<R: Real>(
         }
     }
     let count = last.checked_sub(first)? + 1;
-    Some(Run { first, count })
+    Some(ContactRange { first, count })
 }
 
 /// Height of a ring's point along a direction, m.
@@ -239,18 +239,18 @@ fn height<R: Real>(point: &ContactPoint<R>, normal: R::Vec3) -> R {
 /// The longest run of points around `middle` that are all `below`; none where the middle itself is
 /// not.
 #[inline]
-fn arc_around<T>(points: &[T], middle: usize, below: impl Fn(&T) -> bool) -> Run {
+fn arc_around<T>(points: &[T], middle: usize, below: impl Fn(&T) -> bool) -> ContactRange {
     let (before, after) = points.split_at_checked(middle).unwrap_or_default();
     let ahead = (after.iter().chain(before))
         .take_while(|point| below(point))
         .count();
     if ahead == 0 || ahead == points.len() {
-        return Run::all(ahead);
+        return ContactRange::all(ahead);
     }
     let behind = (before.iter().rev().chain(after.iter().rev()))
         .take_while(|point| below(point))
         .count();
-    Run {
+    ContactRange {
         first: if behind > middle {
             middle + points.len() - behind
         } else {
@@ -315,7 +315,7 @@ pub(super) fn lowest_guess<R: Real>(count: usize, y: R, z: R) -> usize {
 
 /// What looks up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Face {
+pub enum CoinFace {
     /// The face on the side of body x.
     Heads,
     /// The face on the side of body -x.
@@ -324,7 +324,7 @@ pub enum Face {
     Edge,
 }
 
-impl Face {
+impl CoinFace {
     /// By the z component of the unit vector that points out of heads.
     pub(super) fn up<R: Real>(up: R) -> Self {
         // A normal nearer to level than the last place of a length-1 vector points neither way.
@@ -349,7 +349,7 @@ mod tests {
     use glam::{DQuat, DVec3};
 
     fn ring<const N: usize>() -> Coin<f64, [ContactPoint; N]> {
-        Coin::ring_in([ContactPoint::default(); N], 1.0, 0.5)
+        Coin::ring_with_storage([ContactPoint::default(); N], 1.0, 0.5)
     }
 
     /// Each contact under the plane is in the run; each in the run but the two ends' neighbours is
@@ -390,7 +390,7 @@ mod tests {
     #[test]
     fn from_a_known_arc_the_same_arc_is_found() {
         let coin = ring::<120>();
-        let (mut near, mut sooner) = (Run::NONE, 0);
+        let (mut near, mut sooner) = (ContactRange::NONE, 0);
         for step in 0..10_000 {
             // Rolling by a third of the way between two points, deeper and less deep, leaning to
             // and fro.
@@ -400,15 +400,15 @@ mod tests {
             let normal = turn.inverse() * DVec3::Z;
             let offset = -0.5 * (1.0 - 0.01 * (1.0 + (0.03 * step).cos()));
             let run = coin.contacts_below(normal, offset);
-            let from_afar = Run {
+            let from_afar = ContactRange {
                 first: run.first + 60,
                 count: 7,
             };
-            let endless = Run {
+            let endless = ContactRange {
                 first: run.first + 2,
                 count: usize::MAX,
             };
-            for known in [near, run, from_afar, endless, Run::all(120)] {
+            for known in [near, run, from_afar, endless, ContactRange::all(120)] {
                 assert_eq!(
                     coin.contacts_below_near(normal, offset, known),
                     run,
@@ -442,13 +442,13 @@ mod tests {
         let coin = ring::<12>();
         let upright = State::at(DVec3::ZERO);
         assert_eq!(coin.tilt(&upright), core::f64::consts::FRAC_PI_2);
-        assert_eq!(coin.face_up(&upright), Face::Edge);
-        let heads = upright.turned_by(DVec3::new(0.0, -0.3, 0.0));
+        assert_eq!(coin.face_up(&upright), CoinFace::Edge);
+        let heads = upright.with_rotation_vector(DVec3::new(0.0, -0.3, 0.0));
         assert!((coin.tilt(&heads) - (core::f64::consts::FRAC_PI_2 - 0.3)).abs() < 1e-15);
-        assert_eq!(coin.face_up(&heads), Face::Heads);
+        assert_eq!(coin.face_up(&heads), CoinFace::Heads);
         assert_eq!(
-            coin.face_up(&upright.turned_by(DVec3::new(0.0, 0.3, 0.0))),
-            Face::Tails
+            coin.face_up(&upright.with_rotation_vector(DVec3::new(0.0, 0.3, 0.0))),
+            CoinFace::Tails
         );
     }
 }

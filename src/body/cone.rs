@@ -2,7 +2,7 @@
 
 use super::coin::place_on_circle;
 use super::solid::centre;
-use super::{ContactPoint, MassDistribution, RigidPointBody, check_contacts};
+use super::{ContactPoint, MassProperties, RigidPointBody, check_contacts};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
 
@@ -15,7 +15,7 @@ use crate::real::{Real, Vector};
 /// `r (1 - cos(π/n))`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone<R: Real = f64, P = [ContactPoint<R>; 121]> {
-    distribution: MassDistribution<R>,
+    distribution: MassProperties<R>,
     radius: R,
     height: R,
     contacts: P,
@@ -25,7 +25,7 @@ impl<R: Real> Cone<R> {
     /// A cone whose rim has 120 points: mass in kg, radius of the base and height in m.
     #[must_use]
     pub fn solid(mass: R, radius: R, height: R) -> Self {
-        Self::solid_in([ContactPoint::default(); 121], mass, radius, height)
+        Self::solid_with_storage([ContactPoint::default(); 121], mass, radius, height)
     }
 }
 
@@ -33,8 +33,8 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Cone<R, P>
     /// A cone with as many contacts as `storage` holds, at least 4: its tip and the points of its
     /// rim.
     #[must_use]
-    pub fn solid_in(mut storage: P, mass: R, radius: R, height: R) -> Self {
-        let distribution = MassDistribution::cone(mass, radius, height);
+    pub fn solid_with_storage(mut storage: P, mass: R, radius: R, height: R) -> Self {
+        let distribution = MassProperties::cone(mass, radius, height);
         let contacts = storage.as_mut();
         if let Some((tip, rim)) = contacts.split_first_mut() {
             *tip = ContactPoint::bare(R::Vec3::new(R::ZERO, R::ZERO, height));

@@ -1,6 +1,6 @@
 //! A box, sharp or with round corners: a die.
 
-use super::{ContactPoint, MassDistribution, RigidPointBody};
+use super::{ContactPoint, MassProperties, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 use crate::state::State;
@@ -12,7 +12,7 @@ use crate::state::State;
 /// below the lowest of them. On curved ground a contact in the middle of a face is not felt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid<R: Real = f64> {
-    distribution: MassDistribution<R>,
+    distribution: MassProperties<R>,
     edges: R::Vec3,
     corner_radius: R,
     corners: [ContactPoint<R>; 8],
@@ -27,7 +27,7 @@ impl<R: Real> Cuboid<R> {
     where
         R: Real<Vec3 = V>,
     {
-        Self::loaded(edges, MassDistribution::cuboid(mass, edges))
+        Self::loaded(edges, MassProperties::cuboid(mass, edges))
     }
 
     /// A homogeneous cube: moments `m a²/6`. Mass in kg, edge in m.
@@ -39,7 +39,7 @@ impl<R: Real> Cuboid<R> {
     /// A box with these edges (m) and its middle at the origin, with any mass distribution within:
     /// a loaded die.
     #[must_use]
-    pub fn loaded<V: Vector<R>>(edges: V, distribution: MassDistribution<R>) -> Self
+    pub fn loaded<V: Vector<R>>(edges: V, distribution: MassProperties<R>) -> Self
     where
         R: Real<Vec3 = V>,
     {
@@ -95,12 +95,12 @@ impl<R: Real> Cuboid<R> {
 
     /// The side that looks up most; `None` where two do alike, as for a box that stands on an edge.
     #[must_use]
-    pub fn side_up(&self, state: &State<R>) -> Option<Side> {
+    pub fn face_up(&self, state: &State<R>) -> Option<CuboidFace> {
         let axes = state.rotation().axes();
         let up = [axes.x.z(), axes.y.z(), axes.z.z()];
         let mut most = (R::ZERO, None);
         let mut next = R::ZERO;
-        for (along, sides) in up.into_iter().zip(Side::PAIRS) {
+        for (along, sides) in up.into_iter().zip(CuboidFace::PAIRS) {
             let steepness = along.abs();
             if steepness > most.0 {
                 next = most.0;
@@ -116,7 +116,7 @@ impl<R: Real> Cuboid<R> {
 
 /// A side of a box, by the body axis that points out of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Side {
+pub enum CuboidFace {
     /// Out of it points body x.
     X,
     /// Out of it points body -x.
@@ -131,7 +131,7 @@ pub enum Side {
     MinusZ,
 }
 
-impl Side {
+impl CuboidFace {
     const PAIRS: [[Self; 2]; 3] = [
         [Self::MinusX, Self::X],
         [Self::MinusY, Self::Y],

@@ -1,6 +1,6 @@
 //! A coin with a round rim.
 
-use super::coin::{Face, tilt};
+use super::coin::{CoinFace, tilt};
 use super::{ContactPoint, RigidPointBody, Rim};
 use crate::error::{self, SceneError};
 use crate::real::{Matrix, Real, Vector};
@@ -24,7 +24,7 @@ use crate::state::State;
 /// let mut state = State::at(DVec3::Z * 0.49);
 /// stepper.advance(&mut state, 20.0)?; // until it has sunk in
 /// let height = state.position.z;
-/// state = stepper.spinning(state.with_linear_velocity(DVec3::NEG_Y * 2.0), DVec3::X * 4.0); // m/s, rad/s
+/// state = stepper.with_angular_velocity(state.with_linear_velocity(DVec3::NEG_Y * 2.0), DVec3::X * 4.0); // m/s, rad/s
 /// stepper.advance(&mut state, 1.0)?;
 /// assert!((state.position.z - height).abs() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -76,7 +76,7 @@ use crate::state::State;
 /// - The arc is that below a plane. On [`Terrain`](crate::Terrain) it is the one that touches the
 ///   ground under the lowest place: good while half an arc is short beside the ground's radius of
 ///   curvature, and one arc alone. There the springs' energy is not quite their work, and the
-///   ratchet of `EnergyMomentum` holds what is lacking.
+///   energy limiter of `EnergyMomentum` holds what is lacking.
 /// - With explicit methods forces are the integral of the laws over the arc to 2e-7 of themselves,
 ///   and mostly to 1e-9. They are less accurate where dampers hold back the lowest place and both
 ///   ends, so that only a short part between them pushes. `EnergyMomentum` has eight points between
@@ -140,8 +140,8 @@ impl<R: Real> Disc<R> {
 
     /// The face that looks up.
     #[must_use]
-    pub fn face_up(&self, state: &State<R>) -> Face {
-        Face::up(state.rotation().axes().x.z())
+    pub fn face_up(&self, state: &State<R>) -> CoinFace {
+        CoinFace::up(state.rotation().axes().x.z())
     }
 }
 

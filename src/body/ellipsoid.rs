@@ -1,6 +1,6 @@
 //! A smooth ellipsoid, loaded or not: an egg.
 
-use super::{ContactPoint, MassDistribution, RigidPointBody};
+use super::{ContactPoint, MassProperties, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
@@ -15,10 +15,10 @@ use crate::real::{Real, Vector};
 /// *Limits:* on a plane depth and force are exact; on a curved ground the place is that for the
 /// normal under the middle, good while the ground's radius of curvature is large against the body.
 /// One contact carries no moment about itself, so that the ellipsoid spins on a pivot without
-/// drilling friction.
+/// spinning friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid<R: Real = f64> {
-    distribution: MassDistribution<R>,
+    distribution: MassProperties<R>,
     semi_axes: R::Vec3,
     /// A ball within it, which stands for it.
     within: [ContactPoint<R>; 1],
@@ -33,13 +33,13 @@ impl<R: Real> Ellipsoid<R> {
     where
         R: Real<Vec3 = V>,
     {
-        Self::loaded(semi_axes, MassDistribution::ellipsoid(mass, semi_axes))
+        Self::loaded(semi_axes, MassProperties::ellipsoid(mass, semi_axes))
     }
 
     /// An ellipsoid with these semi-axes (m) and its middle at the origin, with any mass
     /// distribution within.
     #[must_use]
-    pub fn loaded<V: Vector<R>>(semi_axes: V, distribution: MassDistribution<R>) -> Self
+    pub fn loaded<V: Vector<R>>(semi_axes: V, distribution: MassProperties<R>) -> Self
     where
         R: Real<Vec3 = V>,
     {
@@ -87,7 +87,7 @@ impl<R: Real> RigidPointBody<R> for Ellipsoid<R> {
     /// That of a ball around it: not less than the farthest place, and no more than that and the
     /// middle's offset.
     #[inline]
-    fn reach(&self) -> R {
+    fn bounding_radius(&self) -> R {
         let (a, b, c) = (self.semi_axes.x(), self.semi_axes.y(), self.semi_axes.z());
         self.middle().length() + a.at_least(b).at_least(c)
     }

@@ -14,7 +14,7 @@
 //! `|p|²`, and `M` has no cancellation however steady the rotation is. It is a closed form, for any
 //! step.
 
-use super::mass_properties::MassProperties;
+use super::inertia_properties::InertiaProperties;
 use crate::real::{Real, Vector};
 use crate::rotation::{Axes, Rotation};
 
@@ -27,7 +27,7 @@ struct EnergyLevel<R> {
     start: [R; 3],
 }
 
-impl<R: Real> MassProperties<R> {
+impl<R: Real> InertiaProperties<R> {
     /// Returns the orientation after `seconds` without torque, from `rotation` with these `axes`,
     /// for three different moments.
     ///

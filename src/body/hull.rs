@@ -1,11 +1,11 @@
 //! The convex hull of points, as a solid.
 
-use super::mass_distribution::{Volume, check_vertices};
-use super::{ContactPoint, MassDistribution, Solid};
+use super::mass_properties::{Volume, check_vertices};
+use super::{ContactPoint, MassProperties, Solid};
 use crate::error::SceneError;
 use crate::real::{Real, Vector};
 
-impl<R: Real> MassDistribution<R> {
+impl<R: Real> MassProperties<R> {
     /// The homogeneous solid within the convex hull of points. Mass in kg, points in m, in any
     /// order; those inside and doubles do not matter.
     ///
@@ -55,7 +55,7 @@ impl<R: Real, const N: usize> Solid<R, [ContactPoint<R>; N]> {
     where
         R: Real<Vec3 = V>,
     {
-        let distribution = MassDistribution::hull(mass, &points)?;
+        let distribution = MassProperties::hull(mass, &points)?;
         Self::new(distribution, points.map(ContactPoint::bare))
     }
 }

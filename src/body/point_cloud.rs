@@ -20,7 +20,7 @@ use crate::real::{Matrix, Real, Vector};
 /// )?;
 /// let mass: f64 = jack.mass();
 /// assert!((mass - 0.6).abs() < 1e-15);
-/// assert_eq!(jack.reach(), 2.0);
+/// assert_eq!(jack.bounding_radius(), 2.0);
 /// # Ok::<(), tumble::SceneError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,7 @@ impl<R: Real, const N: usize> PointCloud<R, [ContactPoint<R>; N]> {
     where
         R: Real<Vec3 = V>,
     {
-        Self::in_storage(points.map(ContactPoint::bare), &masses)
+        Self::with_storage(points.map(ContactPoint::bare), &masses)
     }
 }
 
@@ -55,7 +55,7 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> PointCloud
     /// # Errors
     /// Where there is no point, the numbers of points and masses differ, a coordinate is not
     /// finite, a mass or radius is negative, or all masses are 0.
-    pub fn in_storage(mut points: P, masses: &[R]) -> Result<Self, SceneError> {
+    pub fn with_storage(mut points: P, masses: &[R]) -> Result<Self, SceneError> {
         check_masses(points.as_ref().len(), masses)?;
         check_contacts(points.as_ref())?;
         let places = points.as_mut();
@@ -180,7 +180,7 @@ mod tests {
     extern crate alloc;
 
     use super::*;
-    use crate::body::MassProperties;
+    use crate::body::InertiaProperties;
     use alloc::vec::Vec;
     use glam::DVec3;
 
@@ -202,8 +202,8 @@ mod tests {
             (0..10_000).map(|i| ContactPoint::bare(direction * (f64::from(i) * 1e-3) + DVec3::ONE)),
         );
         let masses = std::vec![0.1; 10_000];
-        let rod = PointCloud::in_storage(points, &masses).unwrap();
-        let found = MassProperties::<f64>::new(rod.mass(), rod.inertia()).unwrap();
+        let rod = PointCloud::with_storage(points, &masses).unwrap();
+        let found = InertiaProperties::<f64>::new(rod.mass(), rod.inertia()).unwrap();
         let axes = crate::rotation::Rotation::<f64>::IDENTITY.axes();
         let spin = found.angular_velocity(&axes, direction * 1e3);
         // About the line the body does not turn; across it, by rounding of the direction.

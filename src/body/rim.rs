@@ -105,7 +105,7 @@ impl<R: Real> Rim<R> {
     /// around it, m.
     #[inline]
     #[must_use]
-    pub fn reach(&self) -> R {
+    pub fn bounding_radius(&self) -> R {
         self.centre.length() + self.radius
     }
 
@@ -330,7 +330,7 @@ impl<R: Real> Arc<R> {
 
     /// How far the rim reaches below its middle, m.
     #[inline]
-    pub(crate) fn extent(&self) -> R {
+    pub(crate) fn bounds(&self) -> R {
         match *self {
             Self::Part { extent, .. } => extent,
             _ => R::ZERO,

@@ -1,6 +1,6 @@
 //! A thin straight rod, and a single point.
 
-use super::{ContactPoint, MassDistribution, RigidPointBody};
+use super::{ContactPoint, MassProperties, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::real::{Matrix, Real, Vector};
 
@@ -40,7 +40,7 @@ impl<R: Real> RigidPointBody<R> for Rod<R> {
     }
     #[inline]
     fn inertia(&self) -> R::Mat3 {
-        MassDistribution::rod(self.mass, self.length).inertia
+        MassProperties::rod(self.mass, self.length).inertia
     }
     #[inline]
     fn contacts(&self) -> &[ContactPoint<R>] {

@@ -1,6 +1,6 @@
 //! A body of any mass distribution and any contacts.
 
-use super::{ContactPoint, MassDistribution, RigidPointBody, check_contacts};
+use super::{ContactPoint, MassProperties, RigidPointBody, check_contacts};
 use crate::error::{Rule, SceneError};
 use crate::real::Real;
 
@@ -11,11 +11,11 @@ use crate::real::Real;
 ///
 /// ```
 /// use tumble::glam::DVec3;
-/// use tumble::{ContactPoint, MassDistribution, RigidPointBody, Solid};
+/// use tumble::{ContactPoint, MassProperties, RigidPointBody, Solid};
 ///
 /// // A spinning top: a disc on a peg. It touches with the peg's round tip and with the disc's rim, given by eight points.
-/// let peg = MassDistribution::cylinder(0.01, 0.003, 0.06);
-/// let disc = MassDistribution::cylinder(0.05, 0.03, 0.008).at(DVec3::Z * 0.005);
+/// let peg = MassProperties::cylinder(0.01, 0.003, 0.06);
+/// let disc = MassProperties::cylinder(0.05, 0.03, 0.008).at(DVec3::Z * 0.005);
 /// let rim = |i: i32| DVec3::new((0.25 * f64::from(i)).cos(), (0.25 * f64::from(i)).sin(), 0.0) * 0.03;
 /// let contacts: [ContactPoint; 9] = core::array::from_fn(|i| match i {
 ///     0 => ContactPoint { position: DVec3::Z * -0.027, radius: 0.003 },
@@ -29,7 +29,7 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid<R: Real, P> {
     /// Its centre of mass in the axes that it was given in.
-    distribution: MassDistribution<R>,
+    distribution: MassProperties<R>,
     contacts: P,
 }
 
@@ -40,7 +40,7 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Solid<R, P
     /// # Errors
     /// Where mass, centre of mass or inertia cannot be, there is no contact, or a contact is not
     /// finite or has a radius below 0.
-    pub fn new(distribution: MassDistribution<R>, mut contacts: P) -> Result<Self, SceneError> {
+    pub fn new(distribution: MassProperties<R>, mut contacts: P) -> Result<Self, SceneError> {
         distribution.check()?;
         check_contacts(contacts.as_ref())?;
         if contacts.as_ref().is_empty() {

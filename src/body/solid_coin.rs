@@ -1,7 +1,7 @@
 //! A coin with a thickness: two rims.
 
 use super::coin::{lowest_guess, place_on_circle, walk_down};
-use super::{ContactPoint, Face, MassDistribution, RigidPointBody, Run, check_contacts};
+use super::{CoinFace, ContactPoint, ContactRange, MassProperties, RigidPointBody, check_contacts};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
 use crate::state::State;
@@ -26,7 +26,7 @@ impl<R: Real> SolidCoin<R> {
     /// A coin with 120 points on each rim; mass in kg, radius and thickness in m.
     #[must_use]
     pub fn new(mass: R, radius: R, thickness: R) -> Self {
-        Self::new_in([ContactPoint::default(); 240], mass, radius, thickness)
+        Self::new_with_storage([ContactPoint::default(); 240], mass, radius, thickness)
     }
 }
 
@@ -34,7 +34,7 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> SolidCoin<
     /// A coin with as many points as `storage` holds, an even number of at least 6, half of them on
     /// each rim.
     #[must_use]
-    pub fn new_in(mut storage: P, mass: R, radius: R, thickness: R) -> Self {
+    pub fn new_with_storage(mut storage: P, mass: R, radius: R, thickness: R) -> Self {
         let points = storage.as_mut();
         let count = points.len() / 2;
         let half = thickness * R::HALF;
@@ -75,18 +75,18 @@ impl<R: Real, P> SolidCoin<R, P> {
     }
 
     /// The face on which it would come to rest from here, if it were let go and did not bounce: the
-    /// one that looks up; [`Face::Edge`] where its weight is over the edge, which is where
+    /// one that looks up; [`CoinFace::Edge`] where its weight is over the edge, which is where
     /// `r |n_z| < (h/2) √(1 - n_z²)` with the normal n.
     ///
     /// Of all orientations a share of `h/√(4 r² + h²)` is such.
     #[must_use]
-    pub fn face_up(&self, state: &State<R>) -> Face {
+    pub fn face_up(&self, state: &State<R>) -> CoinFace {
         let normal = state.rotation().axes().x;
         let level = (normal.x() * normal.x() + normal.y() * normal.y()).sqrt();
         if self.radius * normal.z().abs() < self.thickness * R::HALF * level {
-            Face::Edge
+            CoinFace::Edge
         } else {
-            Face::up(normal.z())
+            CoinFace::up(normal.z())
         }
     }
 }
@@ -100,7 +100,7 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for SolidCoin<R, P>
     #[inline]
     fn inertia(&self) -> R::Mat3 {
         // The cylinder's z is the coin's x.
-        let cylinder = MassDistribution::cylinder(self.mass, self.radius, self.thickness);
+        let cylinder = MassProperties::cylinder(self.mass, self.radius, self.thickness);
         let [across, _, along] = cylinder.inertia.columns();
         R::Mat3::from_diagonal(R::Vec3::new(along.z(), across.x(), across.x()))
     }
@@ -111,20 +111,20 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for SolidCoin<R, P>
     }
 
     #[inline]
-    fn contacts_below(&self, normal: R::Vec3, offset: R) -> Run {
+    fn contacts_below(&self, normal: R::Vec3, offset: R) -> ContactRange {
         // Of the lower rim, whose arc under the plane is the longer one; opposite points are
         // neighbours.
         let offset = offset + normal.x().abs() * self.thickness * R::HALF;
         let (y, z) = (normal.y() * self.radius, normal.z() * self.radius);
         if offset * offset > y * y + z * z {
             return if offset > R::ZERO {
-                Run::all(self.points.as_ref().len())
+                ContactRange::all(self.points.as_ref().len())
             } else {
-                Run::NONE
+                ContactRange::NONE
             };
         }
         let pairs = self.pairs_below(normal, offset);
-        Run {
+        ContactRange {
             first: 2 * pairs.first,
             count: 2 * pairs.count,
         }
@@ -153,11 +153,11 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> SolidCoin<R, P> {
     /// The run of pairs of opposite points whose distance from the normal's own axis puts them
     /// under a plane: from the lowest one outwards to both sides.
     #[inline]
-    fn pairs_below(&self, normal: R::Vec3, offset: R) -> Run {
+    fn pairs_below(&self, normal: R::Vec3, offset: R) -> ContactRange {
         let points = self.points.as_ref();
         let count = points.len() / 2;
         if count == 0 {
-            return Run::NONE;
+            return ContactRange::NONE;
         }
         let height = |pair: usize| {
             points.get(2 * pair).map_or(R::MAX, |point| {
@@ -171,7 +171,7 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> SolidCoin<R, P> {
         let behind = (1..=count - ahead)
             .take_while(|steps| is_below(&(count - steps)))
             .count();
-        Run {
+        ContactRange {
             first: (lowest + count - behind) % count,
             count: ahead + behind,
         }

@@ -1,6 +1,6 @@
 //! A ball with one contact.
 
-use super::{ContactPoint, MassDistribution, RigidPointBody};
+use super::{ContactPoint, MassProperties, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
@@ -11,7 +11,7 @@ use crate::real::{Real, Vector};
 /// centre of mass in the middle, [`loaded`](Self::loaded) has it anywhere, as a tippe top has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere<R: Real = f64> {
-    distribution: MassDistribution<R>,
+    distribution: MassProperties<R>,
     contact: [ContactPoint<R>; 1],
 }
 
@@ -19,13 +19,13 @@ impl<R: Real> Sphere<R> {
     /// A homogeneous ball: moments `2 m r²/5`. Mass in kg, radius in m.
     #[must_use]
     pub fn solid(mass: R, radius: R) -> Self {
-        Self::loaded(radius, MassDistribution::ball(mass, radius))
+        Self::loaded(radius, MassProperties::ball(mass, radius))
     }
 
     /// A thin spherical shell: moments `2 m r²/3`. Mass in kg, radius in m.
     #[must_use]
     pub fn shell(mass: R, radius: R) -> Self {
-        Self::loaded(radius, MassDistribution::shell(mass, radius))
+        Self::loaded(radius, MassProperties::shell(mass, radius))
     }
 
     /// A ball of this radius (m) about the origin with any mass distribution within. Body axes are
@@ -33,13 +33,13 @@ impl<R: Real> Sphere<R> {
     ///
     /// ```
     /// use tumble::glam::DVec3;
-    /// use tumble::{MassDistribution, Sphere};
+    /// use tumble::{MassProperties, Sphere};
     /// // A bowling ball whose centre of mass is 1 mm off the middle.
-    /// let ball = Sphere::loaded(0.108, MassDistribution::ball(7.0, 0.108).at(DVec3::X * 0.001));
+    /// let ball = Sphere::loaded(0.108, MassProperties::ball(7.0, 0.108).at(DVec3::X * 0.001));
     /// assert_eq!(ball.middle(), DVec3::X * -0.001);
     /// ```
     #[must_use]
-    pub fn loaded(radius: R, distribution: MassDistribution<R>) -> Self {
+    pub fn loaded(radius: R, distribution: MassProperties<R>) -> Self {
         Self {
             contact: [ContactPoint {
                 // Not `-0` where there is no offset.

@@ -1,12 +1,12 @@
 //! What is asked of a body.
 
-use super::battery::{Battery, Draw, cube_directions, unit};
+use super::plan::{CheckPlan, Draw, cube_directions, unit};
 use super::{
-    Breach, Clause, Input, cannot_be, demand, demand_at_least, demand_at_most, demand_finite, ulps,
-    wide,
+    Input, Requirement, Violation, cannot_be, demand, demand_at_least, demand_at_most,
+    demand_finite, ulps, wide,
 };
 use crate::body::{
-    ContactPoint, MassProperties, RigidPointBody, Rim, Run, check_contacts, check_rims,
+    ContactPoint, ContactRange, InertiaProperties, RigidPointBody, Rim, check_contacts, check_rims,
 };
 use crate::error::{Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
@@ -24,35 +24,36 @@ use crate::real::{Matrix, Real, Vector};
 /// is right: so much is allowed for where `contacts_below` is asked.
 ///
 /// ```
-/// use tumble::contract::{Battery, check_body};
-/// check_body(&tumble::Coin::ring(1.0, 0.5), Battery::default())?;
-/// # Ok::<(), tumble::contract::Breach>(())
+/// use tumble::contract::{CheckPlan, check_body};
+/// check_body(&tumble::Coin::ring(1.0, 0.5), CheckPlan::default())?;
+/// # Ok::<(), tumble::contract::Violation>(())
 /// ```
 ///
 /// # Errors
 /// The first clause that is broken, with the input that breaks it.
 pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
-    battery: Battery,
-) -> Result<(), Breach> {
+    plan: CheckPlan,
+) -> Result<(), Violation> {
     body.check().map_err(cannot_be)?;
     check_contacts(body.contacts()).map_err(cannot_be)?;
     check_rims(body).map_err(cannot_be)?;
-    MassProperties::new(body.mass(), body.inertia()).map_err(|error| cannot_have(body, error))?;
+    InertiaProperties::new(body.mass(), body.inertia())
+        .map_err(|error| cannot_have(body, error))?;
     check_reach(body)?;
 
     let first = Portrait::of(body);
     first.check(&Portrait::of(body))?;
-    check_support_point(body, &mut battery.draw(), battery.cases)?;
+    check_support_point(body, &mut plan.draw(), plan.cases)?;
     for normal in cube_directions::<R>() {
         check_offsets(body, &first, normal)?;
     }
-    let mut draw = battery.draw();
-    for _ in 0..battery.cases {
+    let mut draw = plan.draw();
+    for _ in 0..plan.cases {
         let direction = any_direction(body, &mut draw);
         check_support(body, direction)?;
         check_offsets(body, &first, direction)?;
-        let offset = body.reach() * draw.either() * R::from_f64(1.1);
+        let offset = body.bounding_radius() * draw.either() * R::from_f64(1.1);
         check_below(body, &first, draw.direction::<R>(), offset)?;
         first.check(&Portrait::of(body))?;
     }
@@ -61,27 +62,31 @@ pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
 
 /// The breach of mass or inertia. A moment's bound is the sum of the other two: the trace less that
 /// moment.
-fn cannot_have<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B, error: SceneError) -> Breach {
-    let breach = cannot_be(error);
+fn cannot_have<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B, error: SceneError) -> Violation {
+    let violation = cannot_be(error);
     if error.rule != Rule::TriangleInequality {
-        return breach;
+        return violation;
     }
     let [x, y, z] = body.inertia().columns();
     let trace = x.x() + y.y() + z.z();
-    Breach {
+    Violation {
         bound: trace.to_f64() - error.value,
-        ..breach
+        ..violation
     }
 }
 
-fn check_reach<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B) -> Result<(), Breach> {
-    let reach = body.reach();
-    demand_finite(reach, || Input::AsItIs)?;
-    demand_at_least(reach, R::ZERO, Clause::Reach, || Input::AsItIs)?;
+fn check_reach<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B) -> Result<(), Violation> {
+    let bounding_radius = body.bounding_radius();
+    demand_finite(bounding_radius, || Input::AsItIs)?;
+    demand_at_least(bounding_radius, R::ZERO, Requirement::Reach, || {
+        Input::AsItIs
+    })?;
     for (index, contact) in body.contacts().iter().enumerate() {
         let place = contact.position.length() + contact.radius;
-        let bound = reach + reach * ulps(8.0);
-        demand_at_most(place, bound, Clause::Reach, || Input::Contact { index })?;
+        let bound = bounding_radius + bounding_radius * ulps(8.0);
+        demand_at_most(place, bound, Requirement::Reach, || Input::Contact {
+            index,
+        })?;
     }
     Ok(())
 }
@@ -90,20 +95,22 @@ fn check_reach<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B) -> Result<(), B
 fn check_support<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     direction: R::Vec3,
-) -> Result<(), Breach> {
+) -> Result<(), Violation> {
     let support = body.support(direction);
     demand_finite(support, || Input::AsItIs)?;
-    let bound = support + body.reach() * ulps(8.0);
+    let bound = support + body.bounding_radius() * ulps(8.0);
     for rim in body.rims() {
         let place = rim.support_point(direction);
-        let most = body.reach() + body.reach() * ulps(8.0);
-        demand_at_most(place.length(), most, Clause::Reach, || Input::AsItIs)?;
+        let most = body.bounding_radius() + body.bounding_radius() * ulps(8.0);
+        demand_at_most(place.length(), most, Requirement::Reach, || Input::AsItIs)?;
         let height = direction.dot(place);
-        demand_at_most(height, bound, Clause::Reach, || Input::AsItIs)?;
+        demand_at_most(height, bound, Requirement::Reach, || Input::AsItIs)?;
     }
     for (index, contact) in body.contacts().iter().enumerate() {
         let place = direction.dot(contact.position) + contact.radius;
-        demand_at_most(place, bound, Clause::Reach, || Input::Contact { index })?;
+        demand_at_most(place, bound, Requirement::Reach, || Input::Contact {
+            index,
+        })?;
     }
     Ok(())
 }
@@ -114,15 +121,15 @@ fn check_support_point<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     draw: &mut Draw,
     cases: u32,
-) -> Result<(), Breach> {
+) -> Result<(), Violation> {
     if !body.is_smooth() {
         return Ok(());
     }
     let count = R::from_usize(body.contacts().len());
     let alone = body.contacts().len() == 1;
-    demand(alone, Clause::Support, count, R::ONE, || Input::AsItIs)?;
-    let reach = body.reach();
-    let rounding = reach * ulps(16.0);
+    demand(alone, Requirement::Support, count, R::ONE, || Input::AsItIs)?;
+    let bounding_radius = body.bounding_radius();
+    let rounding = bounding_radius * ulps(16.0);
     let mut other = R::Vec3::new(R::ZERO, R::ZERO, R::ONE);
     for number in 0..cases {
         let towards = cube_directions::<R>()
@@ -135,11 +142,16 @@ fn check_support_point<R: Real, B: RigidPointBody<R> + ?Sized>(
             index: 0,
         };
         demand_finite(place.length(), input)?;
-        demand_at_most(place.length(), reach + rounding, Clause::Support, input)?;
+        demand_at_most(
+            place.length(),
+            bounding_radius + rounding,
+            Requirement::Support,
+            input,
+        )?;
         for elsewhere in [other, -towards, draw.direction::<R>()] {
             let height = towards.dot(body.support_point(elsewhere));
             let most = towards.dot(place) + rounding;
-            demand_at_most(height, most, Clause::Support, input)?;
+            demand_at_most(height, most, Requirement::Support, input)?;
         }
         other = towards;
     }
@@ -163,18 +175,18 @@ fn check_offsets<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     first: &Portrait<R>,
     normal: R::Vec3,
-) -> Result<(), Breach> {
-    let reach = body.reach();
+) -> Result<(), Violation> {
+    let bounding_radius = body.bounding_radius();
     for share in [0.0, 1e-9, 0.3, 0.9, 0.999, 1.0, 1.001, 1e3] {
-        check_below(body, first, normal, reach * R::from_f64(share))?;
-        check_below(body, first, normal, -(reach * R::from_f64(share)))?;
+        check_below(body, first, normal, bounding_radius * R::from_f64(share))?;
+        check_below(body, first, normal, -(bounding_radius * R::from_f64(share)))?;
     }
     // Just above some contacts: the lowest of them and those beside it.
     let contacts = body.contacts();
     let every = (contacts.len() / 7).max(1);
     for contact in contacts.iter().step_by(every) {
         let height = normal.dot(contact.position) - contact.radius;
-        check_below(body, first, normal, height + reach * ulps(16.0))?;
+        check_below(body, first, normal, height + bounding_radius * ulps(16.0))?;
     }
     Ok(())
 }
@@ -186,7 +198,7 @@ fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
     first: &Portrait<R>,
     normal: R::Vec3,
     offset: R,
-) -> Result<(), Breach> {
+) -> Result<(), Violation> {
     let contacts = body.contacts();
     let run = body.contacts_below(normal, offset);
     let input = |index| Input::Below {
@@ -195,10 +207,10 @@ fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
         index,
     };
     let again = body.contacts_below(normal, offset);
-    demand(run == again, Clause::Rigid, R::ONE, R::ZERO, || {
+    demand(run == again, Requirement::Rigid, R::ONE, R::ZERO, || {
         input(again.first)
     })?;
-    let sure = offset - (offset.abs() + body.reach()) * ulps(8.0);
+    let sure = offset - (offset.abs() + body.bounding_radius()) * ulps(8.0);
     let known = runs_like(run, contacts.len());
     let near = known.map(|known| body.contacts_below_near(normal, offset, known));
     for (index, contact) in contacts.iter().enumerate() {
@@ -209,7 +221,7 @@ fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
             // Was the run wrong, or have the contacts changed meanwhile?
             first.check(&Portrait::of(body))?;
         }
-        demand(found, Clause::ContactsBelow, height, offset, || {
+        demand(found, Requirement::ContactsBelow, height, offset, || {
             input(index)
         })?;
     }
@@ -219,42 +231,42 @@ fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
         }
         // Does it follow what is known, or does it change meanwhile?
         let again = body.contacts_below_near(normal, offset, known);
-        let (clause, value) = if near == again {
-            (Clause::ContactsBelow, near)
+        let (requirement, value) = if near == again {
+            (Requirement::ContactsBelow, near)
         } else {
-            (Clause::Rigid, again)
+            (Requirement::Rigid, again)
         };
         let [count, asked] = [value, run].map(|run| R::from_usize(run.count.min(contacts.len())));
-        demand(false, clause, count, asked, || input(near.first))?;
+        demand(false, requirement, count, asked, || input(near.first))?;
     }
     Ok(())
 }
 
 /// What a caller may know who asks for a run of so many contacts: it, others that end beside its
 /// ends, none, and all.
-fn runs_like(run: Run, contacts: usize) -> [Run; 6] {
-    let Run { first, count } = run;
+fn runs_like(run: ContactRange, contacts: usize) -> [ContactRange; 6] {
+    let ContactRange { first, count } = run;
     [
         run,
-        Run {
+        ContactRange {
             count: count.saturating_add(1),
             ..run
         },
-        Run {
+        ContactRange {
             first: first.saturating_sub(1),
             ..run
         },
-        Run {
+        ContactRange {
             first: first.saturating_add(1),
             count: count.saturating_sub(1),
         },
-        Run::NONE,
-        Run::all(contacts),
+        ContactRange::NONE,
+        ContactRange::all(contacts),
     ]
 }
 
 /// Whether a run holds a contact, by what is made of it.
-fn holds<T>(run: Run, contacts: &[T], index: usize) -> bool {
+fn holds<T>(run: ContactRange, contacts: &[T], index: usize) -> bool {
     let [head, wrapped] = run.parts(contacts);
     index < wrapped.len() || (index >= run.first && index - run.first < head.len())
 }
@@ -264,7 +276,7 @@ fn holds<T>(run: Run, contacts: &[T], index: usize) -> bool {
 struct Portrait<R: Real> {
     mass: R,
     inertia: R::Mat3,
-    reach: R,
+    bounding_radius: R,
     count: usize,
     contacts: u64,
     rim: Option<Rim<R>>,
@@ -275,18 +287,22 @@ impl<R: Real> Portrait<R> {
         Self {
             mass: body.mass(),
             inertia: body.inertia(),
-            reach: body.reach(),
+            bounding_radius: body.bounding_radius(),
             count: body.contacts().len(),
             contacts: fingerprint(body.contacts()),
             rim: body.rims().first().copied(),
         }
     }
 
-    fn check(&self, other: &Self) -> Result<(), Breach> {
+    fn check(&self, other: &Self) -> Result<(), Violation> {
         let same = self == other;
-        demand(same, Clause::Rigid, other.reach, self.reach, || {
-            Input::AsItIs
-        })
+        demand(
+            same,
+            Requirement::Rigid,
+            other.bounding_radius,
+            self.bounding_radius,
+            || Input::AsItIs,
+        )
     }
 }
 

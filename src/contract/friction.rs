@@ -1,9 +1,9 @@
 //! What is asked of a friction law.
 
-use super::battery::{Battery, across, cube_directions, unit};
+use super::plan::{CheckPlan, across, cube_directions, unit};
 use super::{
-    Breach, Clause, Input, cannot_be, demand, demand_at_least, demand_at_most, demand_finite, ulps,
-    wide,
+    Input, Requirement, Violation, cannot_be, demand, demand_at_least, demand_at_most,
+    demand_finite, ulps, wide,
 };
 use crate::friction::SlidingFriction;
 use crate::real::{Real, Vector};
@@ -30,13 +30,13 @@ pub struct FrictionRange<R: Real = f64> {
 /// coefficient is `-force · slip/slip²` to the root of the rounding (it steers an iteration).
 ///
 /// ```
-/// use tumble::contract::{Battery, FrictionRange, check_friction};
+/// use tumble::contract::{CheckPlan, FrictionRange, check_friction};
 /// use tumble::glam::DVec3;
 ///
 /// let range = FrictionRange { normal: DVec3::Z, normal_force: 1e3, slip: 10.0 };
 /// let ice = tumble::Coulomb { coefficient: 0.02, slip_speed: 1e-3 };
-/// check_friction(&ice, &range, Battery::default())?;
-/// # Ok::<(), tumble::contract::Breach>(())
+/// check_friction(&ice, &range, CheckPlan::default())?;
+/// # Ok::<(), tumble::contract::Violation>(())
 /// ```
 ///
 /// # Errors
@@ -44,8 +44,8 @@ pub struct FrictionRange<R: Real = f64> {
 pub fn check_friction<R: Real, F: SlidingFriction<R> + ?Sized>(
     friction: &F,
     range: &FrictionRange<R>,
-    battery: Battery,
-) -> Result<(), Breach> {
+    plan: CheckPlan,
+) -> Result<(), Violation> {
     friction.check().map_err(cannot_be)?;
     let normal = unit::<R>(range.normal);
     let check = Check { friction, normal };
@@ -58,8 +58,8 @@ pub fn check_friction<R: Real, F: SlidingFriction<R> + ?Sized>(
             }
         }
     }
-    let mut draw = battery.draw();
-    for _ in 0..battery.cases {
+    let mut draw = plan.draw();
+    for _ in 0..plan.cases {
         let direction = across::<R>(normal, draw.direction::<R>());
         let slip = direction * (range.slip * draw.scale(40));
         check.at(range.normal_force * draw.scale(40), slip)?;
@@ -77,7 +77,7 @@ struct Check<'a, R: Real, F: ?Sized> {
 }
 
 impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
-    fn at(&self, load: R, slip: R::Vec3) -> Result<(), Breach> {
+    fn at(&self, load: R, slip: R::Vec3) -> Result<(), Violation> {
         let input = || Input::Slide {
             normal_force: load.to_f64(),
             slip: wide::<R>(slip),
@@ -86,55 +86,55 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         let (size, speed) = (force.length(), slip.length());
         demand_finite(size, input)?;
         if load == R::ZERO {
-            demand_at_most(size, R::ZERO, Clause::NoLoadNoForce, input)?;
+            demand_at_most(size, R::ZERO, Requirement::NoLoadNoForce, input)?;
         }
         if slip == R::Vec3::ZERO {
-            demand_at_most(size, R::ZERO, Clause::NoSlipNoForce, input)?;
+            demand_at_most(size, R::ZERO, Requirement::NoSlipNoForce, input)?;
         }
         // A product that is 0 but for the rounding of its three terms.
         let bound = size * speed * ulps(4.0);
-        demand_at_most(force.dot(slip), bound, Clause::Opposes, input)?;
+        demand_at_most(force.dot(slip), bound, Requirement::Opposes, input)?;
         let lifted = force.dot(self.normal).abs();
-        demand_at_most(lifted, size * ulps(16.0), Clause::InSurface, input)?;
+        demand_at_most(lifted, size * ulps(16.0), Requirement::InSurface, input)?;
         self.turning_at(load, slip)?;
         self.drag_at(load, slip, force)
     }
 
-    fn turning_at(&self, load: R, slip: R::Vec3) -> Result<(), Breach> {
+    fn turning_at(&self, load: R, slip: R::Vec3) -> Result<(), Violation> {
         let input = || Input::Slide {
             normal_force: load.to_f64(),
             slip: wide::<R>(slip),
         };
-        let (found, o) = (self.friction.turning(load), R::ZERO);
+        let (found, o) = (self.friction.rolling_resistance(load), R::ZERO);
         let says = |resists: bool| if resists { R::ONE } else { o };
-        let never = says(self.friction.turning(o).is_some());
+        let never = says(self.friction.rolling_resistance(o).is_some());
         let off = (says(found.is_some()) - never).abs();
-        demand_at_most(off, o, Clause::TurningOpposes, input)?;
+        demand_at_most(off, o, Requirement::TurningOpposes, input)?;
         let Some(turning) = found else {
             return Ok(());
         };
-        for limit in [turning.rolling, turning.drilling] {
+        for limit in [turning.rolling, turning.spinning] {
             demand_finite(limit, input)?;
-            demand_at_least(limit, o, Clause::TurningOpposes, input)?;
+            demand_at_least(limit, o, Requirement::TurningOpposes, input)?;
             if load == o {
-                demand_at_most(limit, o, Clause::NoLoadNoForce, input)?;
+                demand_at_most(limit, o, Requirement::NoLoadNoForce, input)?;
             }
         }
         let speed = turning.turn_speed;
         demand_finite(speed, input)?;
-        demand(speed > o, Clause::TurningOpposes, speed, o, input)
+        demand(speed > o, Requirement::TurningOpposes, speed, o, input)
     }
 
-    fn drag_at(&self, load: R, slip: R::Vec3, force: R::Vec3) -> Result<(), Breach> {
+    fn drag_at(&self, load: R, slip: R::Vec3, force: R::Vec3) -> Result<(), Violation> {
         let input = || Input::Slide {
             normal_force: load.to_f64(),
             slip: wide::<R>(slip),
         };
-        let drag = self.friction.drag(load, slip);
+        let drag = self.friction.jacobian(load, slip);
         for number in [drag.coefficient, drag.per_load, drag.width, drag.growth] {
             demand_finite(number, input)?;
         }
-        let (o, fits) = (R::ZERO, Clause::DragFits);
+        let (o, fits) = (R::ZERO, Requirement::DragFits);
         demand_at_least(drag.coefficient, o, fits, input)?;
         demand_at_least(drag.growth, o, fits, input)?;
         demand_at_most(drag.growth, R::ONE + ulps(8.0), fits, input)?;

@@ -1,10 +1,11 @@
 //! What is asked of a ground.
 
-use super::battery::{Battery, across, cube_directions, unit};
+use super::plan::{CheckPlan, across, cube_directions, unit};
 use super::{
-    Breach, Clause, Input, cannot_be, demand_at_least, demand_at_most, demand_finite, ulps, wide,
+    Input, Requirement, Violation, cannot_be, demand_at_least, demand_at_most, demand_finite, ulps,
+    wide,
 };
-use crate::ground::{Extent, Plane, SpringDamperGround};
+use crate::ground::{GroundBounds, Plane, SpringDamperGround};
 use crate::real::{Real, Vector};
 
 /// Where, how deep and how fast a ground is meant to be used: it is asked nothing beyond.
@@ -47,7 +48,7 @@ pub struct GroundRange<R: Real = f64> {
 /// | a cliff of 2 cm in the gap | 1 % | 2 % | 16 % |
 ///
 /// A needle of that width on the surface was not found with 100,000 cases by any of 20 seeds.
-/// Make the range as small as the fault that you look for, or raise [`Battery::cases`].
+/// Make the range as small as the fault that you look for, or raise [`CheckPlan::cases`].
 ///
 /// Tolerances: some units in the last place of the terms; for integrals also four times what other
 /// partitions change. The springs' energy may be off by 1024 units in the last place of the energy
@@ -55,12 +56,12 @@ pub struct GroundRange<R: Real = f64> {
 /// more accurate there. Forces must be at least 0 without tolerance.
 ///
 /// ```
-/// use tumble::contract::{Battery, GroundRange, check_ground};
+/// use tumble::contract::{CheckPlan, GroundRange, check_ground};
 /// use tumble::glam::DVec3;
 ///
 /// let range = GroundRange { centre: DVec3::ZERO, size: 1.0, depth: 0.1, speed: 10.0 };
-/// check_ground(&tumble::FlatGround::level(1000.0, 0.5), &range, Battery::default())?;
-/// # Ok::<(), tumble::contract::Breach>(())
+/// check_ground(&tumble::FlatGround::level(1000.0, 0.5), &range, CheckPlan::default())?;
+/// # Ok::<(), tumble::contract::Violation>(())
 /// ```
 ///
 /// # Errors
@@ -68,13 +69,13 @@ pub struct GroundRange<R: Real = f64> {
 pub fn check_ground<R: Real, G: SpringDamperGround<R> + ?Sized>(
     ground: &G,
     range: &GroundRange<R>,
-    battery: Battery,
-) -> Result<(), Breach> {
+    plan: CheckPlan,
+) -> Result<(), Violation> {
     ground.check().map_err(cannot_be)?;
     let check = Check { ground, range };
-    check.surface_everywhere(battery)?;
-    check.law_everywhere(battery)?;
-    check.mean_force_everywhere(battery)
+    check.surface_everywhere(plan)?;
+    check.law_everywhere(plan)?;
+    check.mean_force_everywhere(plan)
 }
 
 /// Parts of the depth that are tried with each other.
@@ -90,7 +91,7 @@ struct Check<'a, R: Real, G: ?Sized> {
 }
 
 impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
-    fn surface_everywhere(&self, battery: Battery) -> Result<(), Breach> {
+    fn surface_everywhere(&self, plan: CheckPlan) -> Result<(), Violation> {
         let (centre, size) = (self.range.centre, self.range.size);
         self.extent_is_a_plane()?;
         for direction in cube_directions::<R>() {
@@ -99,8 +100,8 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
                 self.surface_around(place, direction)?;
             }
         }
-        let mut draw = battery.draw();
-        for _ in 0..battery.cases {
+        let mut draw = plan.draw();
+        for _ in 0..plan.cases {
             let place = centre + draw.place::<R>() * size;
             self.surface_around(place, draw.direction::<R>())?;
         }
@@ -108,7 +109,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
     }
 
     /// At a place, and near the surface below or above it.
-    fn surface_around(&self, place: R::Vec3, direction: R::Vec3) -> Result<(), Breach> {
+    fn surface_around(&self, place: R::Vec3, direction: R::Vec3) -> Result<(), Violation> {
         self.surface_at(place, direction)?;
         let surface = self.ground.surface(place);
         let within = self.range.size * R::from_f64(4.0);
@@ -122,16 +123,16 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         Ok(())
     }
 
-    fn surface_at(&self, place: R::Vec3, direction: R::Vec3) -> Result<(), Breach> {
+    fn surface_at(&self, place: R::Vec3, direction: R::Vec3) -> Result<(), Violation> {
         let input = || Input::Place {
             point: wide::<R>(place),
         };
         let surface = self.ground.surface(place);
         demand_finite(surface.gap, input)?;
         let off = (surface.normal.length() - R::ONE).abs();
-        demand_at_most(off, ulps(32.0), Clause::UnitNormal, input)?;
+        demand_at_most(off, ulps(32.0), Requirement::UnitNormal, input)?;
         self.extent_at(place)?;
-        if self.ground.extent() == Extent::Nowhere {
+        if self.ground.bounds() == GroundBounds::Nowhere {
             return Ok(());
         }
         let level = across::<R>(surface.normal, direction);
@@ -146,7 +147,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
     ///
     /// The mean of the normal lies between those that are met: where they differ, at a curve or an
     /// edge, so much is allowed.
-    fn gap_along(&self, place: R::Vec3, way: R::Vec3) -> Result<(), Breach> {
+    fn gap_along(&self, place: R::Vec3, way: R::Vec3) -> Result<(), Violation> {
         let length = self.range.size * R::EPSILON.sqrt().sqrt();
         let half = way * (length * R::HALF);
         let [a, m, b] = [place - half, place, place + half];
@@ -168,7 +169,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         demand_at_most(
             (change - expected).abs(),
             slack,
-            Clause::GapAlongNormal,
+            Requirement::GapAlongNormal,
             || Input::Way {
                 from: wide::<R>(a),
                 to: wide::<R>(b),
@@ -176,56 +177,65 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         )
     }
 
-    fn extent_is_a_plane(&self) -> Result<(), Breach> {
-        match self.ground.extent() {
-            Extent::Plane(plane) | Extent::Below(plane) => plane.check().map_err(cannot_be),
-            Extent::Nowhere | Extent::Everywhere => Ok(()),
+    fn extent_is_a_plane(&self) -> Result<(), Violation> {
+        match self.ground.bounds() {
+            GroundBounds::Plane(plane) | GroundBounds::Below(plane) => {
+                plane.check().map_err(cannot_be)
+            }
+            GroundBounds::Nowhere | GroundBounds::Everywhere => Ok(()),
         }
     }
 
-    fn extent_at(&self, place: R::Vec3) -> Result<(), Breach> {
-        match self.ground.extent() {
-            Extent::Nowhere => self.extent_nowhere(place),
-            Extent::Plane(plane) => self.extent_plane(&plane, place),
-            Extent::Below(plane) => {
+    fn extent_at(&self, place: R::Vec3) -> Result<(), Violation> {
+        match self.ground.bounds() {
+            GroundBounds::Nowhere => self.extent_nowhere(place),
+            GroundBounds::Plane(plane) => self.extent_plane(&plane, place),
+            GroundBounds::Below(plane) => {
                 self.extent_below(&plane, place)?;
                 // Also a hair above the plane, where a wrong one shows first.
                 let hair = self.range.size * R::from_f64(1e-6);
                 let lifted = place + plane.normal * (hair - plane.gap(place));
                 self.extent_below(&plane, lifted)
             }
-            Extent::Everywhere => Ok(()),
+            GroundBounds::Everywhere => Ok(()),
         }
     }
 
     /// Not even a body of the region's size touches.
-    fn extent_nowhere(&self, place: R::Vec3) -> Result<(), Breach> {
+    fn extent_nowhere(&self, place: R::Vec3) -> Result<(), Violation> {
         let gap = self.ground.surface(place).gap;
-        demand_at_least(gap, self.range.size, Clause::Extent, || Input::Place {
-            point: wide::<R>(place),
+        demand_at_least(gap, self.range.size, Requirement::GroundBounds, || {
+            Input::Place {
+                point: wide::<R>(place),
+            }
         })
     }
 
-    fn extent_plane(&self, plane: &Plane<R>, place: R::Vec3) -> Result<(), Breach> {
+    fn extent_plane(&self, plane: &Plane<R>, place: R::Vec3) -> Result<(), Violation> {
         let input = || Input::Place {
             point: wide::<R>(place),
         };
         let surface = self.ground.surface(place);
         let off = (surface.gap - plane.gap(place)).abs();
-        demand_at_most(off, self.rounding(plane, place), Clause::Extent, input)?;
+        demand_at_most(
+            off,
+            self.rounding(plane, place),
+            Requirement::GroundBounds,
+            input,
+        )?;
         let turned = (surface.normal - plane.normal).length();
-        demand_at_most(turned, ulps(32.0), Clause::Extent, input)
+        demand_at_most(turned, ulps(32.0), Requirement::GroundBounds, input)
     }
 
     /// Above the plane the ground is at least as far away as the plane.
-    fn extent_below(&self, plane: &Plane<R>, place: R::Vec3) -> Result<(), Breach> {
+    fn extent_below(&self, plane: &Plane<R>, place: R::Vec3) -> Result<(), Violation> {
         let above = plane.gap(place);
         if above < R::ZERO {
             return Ok(());
         }
         let bound = above - self.rounding(plane, place);
         let gap = self.ground.surface(place).gap;
-        demand_at_least(gap, bound, Clause::Extent, || Input::Place {
+        demand_at_least(gap, bound, Requirement::GroundBounds, || Input::Place {
             point: wide::<R>(place),
         })
     }
@@ -237,7 +247,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
 
 /// The law.
 impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
-    fn law_everywhere(&self, battery: Battery) -> Result<(), Breach> {
+    fn law_everywhere(&self, plan: CheckPlan) -> Result<(), Violation> {
         let at = |share: f64| self.range.depth * R::from_f64(share);
         for (i, share) in SHARES.into_iter().enumerate() {
             for speed in SPEEDS {
@@ -248,8 +258,8 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
                 self.energy_between(at(share), at(further))?;
             }
         }
-        let mut draw = battery.draw();
-        for _ in 0..battery.cases {
+        let mut draw = plan.draw();
+        for _ in 0..plan.cases {
             let depth = self.range.depth * draw.scale(40);
             let further = depth + (self.range.depth - depth) * draw.scale(20);
             let speed = self.range.speed * draw.scale(30);
@@ -260,7 +270,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         Ok(())
     }
 
-    fn law_at(&self, depth: R, closing_speed: R) -> Result<(), Breach> {
+    fn law_at(&self, depth: R, closing_speed: R) -> Result<(), Violation> {
         let input = || Input::Press {
             depth: depth.to_f64(),
             closing_speed: closing_speed.to_f64(),
@@ -269,14 +279,14 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         let normal = self.ground.normal_force(depth, closing_speed);
         demand_finite(spring, input)?;
         demand_finite(normal, input)?;
-        demand_at_least(spring, R::ZERO, Clause::SpringPushes, input)?;
-        demand_at_least(normal, R::ZERO, Clause::NeverPulls, input)?;
+        demand_at_least(spring, R::ZERO, Requirement::SpringPushes, input)?;
+        demand_at_least(normal, R::ZERO, Requirement::NeverPulls, input)?;
         let taken = (normal - spring) * closing_speed;
         let bound = -((spring + normal) * closing_speed.abs() * ulps(8.0));
-        demand_at_least(taken, bound, Clause::DamperTakes, input)
+        demand_at_least(taken, bound, Requirement::DamperTakes, input)
     }
 
-    fn energy_between(&self, from: R, to: R) -> Result<(), Breach> {
+    fn energy_between(&self, from: R, to: R) -> Result<(), Violation> {
         let input = || Input::Depths {
             from: from.to_f64(),
             to: to.to_f64(),
@@ -286,13 +296,13 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         // A formula's terms may be as large as the largest force makes them.
         let terms = self.ground.spring_force(self.range.depth) * to * ulps(8.0);
         let slack = (start + end) * ulps(256.0) + terms + self.rounding_of_energy();
-        demand_at_least(end, -slack, Clause::SpringEnergyRises, input)?;
+        demand_at_least(end, -slack, Requirement::SpringEnergyRises, input)?;
         let stored = end - start;
-        demand_at_least(stored, -slack, Clause::SpringEnergyRises, input)?;
+        demand_at_least(stored, -slack, Requirement::SpringEnergyRises, input)?;
         let (work, doubt) = integral(from, to, |depth| self.ground.spring_force(depth));
         let slack = slack + work.abs() * ulps(256.0) + doubt;
         let off = (stored - work).abs();
-        demand_at_most(off, slack, Clause::EnergyIsIntegral, input)
+        demand_at_most(off, slack, Requirement::EnergyIsIntegral, input)
     }
 
     fn energy(&self, depth: R) -> R {
@@ -317,7 +327,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
 
 /// The mean force.
 impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
-    fn mean_force_everywhere(&self, battery: Battery) -> Result<(), Breach> {
+    fn mean_force_everywhere(&self, plan: CheckPlan) -> Result<(), Violation> {
         for start in ENDS {
             for end in ENDS {
                 for speed in [1.0, 0.03, 1e-6] {
@@ -329,8 +339,8 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
                 }
             }
         }
-        let mut draw = battery.draw();
-        for _ in 0..battery.cases {
+        let mut draw = plan.draw();
+        for _ in 0..plan.cases {
             let start = self.range.depth * draw.either();
             let end = match draw.pick(3) {
                 0 => self.range.depth * draw.either(),
@@ -342,7 +352,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         Ok(())
     }
 
-    fn mean_force_between(&self, start: R, end: R, speed: R) -> Result<(), Breach> {
+    fn mean_force_between(&self, start: R, end: R, speed: R) -> Result<(), Violation> {
         let path = end - start;
         let still = path == R::ZERO;
         let seconds = if still { self.range.depth } else { path.abs() } / speed;
@@ -354,16 +364,16 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         let mean = self.ground.mean_force(start, end, seconds);
         for number in [mean.force, mean.slope, mean.stiffness, mean.damping] {
             demand_finite(number, input)?;
-            demand_at_least(number, R::ZERO, Clause::MeanForceSigns, input)?;
+            demand_at_least(number, R::ZERO, Requirement::MeanForceSigns, input)?;
         }
         if start <= R::ZERO && end <= R::ZERO {
-            return demand_at_most(mean.force, R::ZERO, Clause::MeanForceAbove, input);
+            return demand_at_most(mean.force, R::ZERO, Requirement::MeanForceAbove, input);
         }
         let (before, after) = (self.energy(start), self.energy(end));
         let work = mean.force * path;
         let slack = (before + after + work.abs()) * ulps(256.0) + self.rounding_of_energy();
         let least = (after - before) - slack;
-        demand_at_least(work, least, Clause::MeanForceTakes, input)?;
+        demand_at_least(work, least, Requirement::MeanForceTakes, input)?;
 
         let (expected, largest) = self.mean_by_definition(start, end, seconds);
         let off = (mean.force - expected).abs();
@@ -371,7 +381,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         if !still {
             slack += self.rounding_of_energy() / path.abs();
         }
-        demand_at_most(off, slack, Clause::MeanForceIsMean, input)
+        demand_at_most(off, slack, Requirement::MeanForceIsMean, input)
     }
 
     /// The mean of the normal force along a path, and the largest force on it.

@@ -1,9 +1,10 @@
 //! What is asked of an integrator.
 
-use super::battery::Battery;
+use super::plan::CheckPlan;
 use super::scenes::Setup;
 use super::{
-    Breach, Clause, Input, cannot_be, demand, demand_at_least, demand_at_most, demand_finite, ulps,
+    Input, Requirement, Violation, cannot_be, demand, demand_at_least, demand_at_most,
+    demand_finite, ulps,
 };
 use crate::energy::Energy;
 use crate::integrator::{Integrator, Step};
@@ -15,26 +16,26 @@ use crate::state::State;
 ///
 /// A step succeeds and is finite; takes more than 0 s, at most its limit, and just the time that it
 /// tells; steps towards a moment land on it. The same input gives the same bits, whatever was done
-/// with the workspace before (where the method [chooses its steps](Integrator::CHOOSES_STEPS): with
+/// with the workspace before (where the method [chooses its steps](Integrator::ADAPTIVE): with
 /// a new workspace, or a copy of the one that was used). The orientation has length 1. The error
 /// falls with the step at least at the stated order less 0.3, by halving the limit while the box
 /// slides (not asked where it is rounding already, or where the method chooses shorter steps).
 ///
 /// ```
-/// use tumble::contract::{Battery, check_integrator};
-/// check_integrator(&tumble::Rk4 { time_step: 1e-3 }, Battery::default())?;
-/// # Ok::<(), tumble::contract::Breach>(())
+/// use tumble::contract::{CheckPlan, check_integrator};
+/// check_integrator(&tumble::Rk4 { time_step: 1e-3 }, CheckPlan::default())?;
+/// # Ok::<(), tumble::contract::Violation>(())
 /// ```
 ///
 /// # Errors
 /// The first clause that is broken, with the input that breaks it.
 pub fn check_integrator<R: Real, I: Integrator<R>>(
     integrator: &I,
-    battery: Battery,
-) -> Result<(), Breach> {
+    plan: CheckPlan,
+) -> Result<(), Violation> {
     integrator.check().map_err(cannot_be)?;
     let time_step = own_step::<R, I>(integrator)?;
-    let mut draw = battery.draw();
+    let mut draw = plan.draw();
     let setups = [
         Setup::flight(time_step),
         Setup::slide(time_step),
@@ -48,7 +49,7 @@ pub fn check_integrator<R: Real, I: Integrator<R>>(
         };
         attempt.lands_on_limit()?;
         attempt.alike([1.0, 0.37, 1e-3, 10.0].map(R::from_f64), 40)?;
-        for _ in 0..battery.cases / 20 {
+        for _ in 0..plan.cases / 20 {
             attempt.alike([draw.share(), R::TWO, draw.scale(20), draw.share()], 4)?;
         }
     }
@@ -74,13 +75,13 @@ pub fn check_integrator<R: Real, I: Integrator<R>>(
 /// [`EnergyMomentum`](crate::EnergyMomentum) does.
 ///
 /// ```
-/// use tumble::contract::{Battery, Clause, check_energy_never_rises};
+/// use tumble::contract::{CheckPlan, Requirement, check_energy_never_rises};
 /// use tumble::{EnergyMomentum, SymplecticEuler};
 ///
-/// check_energy_never_rises(&EnergyMomentum { time_step: 1e-2 }, Battery::default())?;
-/// let breach = check_energy_never_rises(&SymplecticEuler { time_step: 1e-2 }, Battery::default());
-/// assert!(breach.is_err());
-/// # Ok::<(), tumble::contract::Breach>(())
+/// check_energy_never_rises(&EnergyMomentum { time_step: 1e-2 }, CheckPlan::default())?;
+/// let violation = check_energy_never_rises(&SymplecticEuler { time_step: 1e-2 }, CheckPlan::default());
+/// assert!(violation.is_err());
+/// # Ok::<(), tumble::contract::Violation>(())
 /// ```
 ///
 /// # Errors
@@ -88,12 +89,12 @@ pub fn check_integrator<R: Real, I: Integrator<R>>(
 /// and bound), is not finite, or is refused.
 pub fn check_energy_never_rises<R: Real, I: Integrator<R>>(
     integrator: &I,
-    battery: Battery,
-) -> Result<(), Breach> {
+    plan: CheckPlan,
+) -> Result<(), Violation> {
     integrator.check().map_err(cannot_be)?;
     let time_step = own_step::<R, I>(integrator)?;
-    let mut draw = battery.draw();
-    for case in 0..battery.cases {
+    let mut draw = plan.draw();
+    for case in 0..plan.cases {
         let setup = Setup::wild(&mut draw, case, time_step).map_err(cannot_be)?;
         let attempt = Attempt {
             integrator,
@@ -112,7 +113,7 @@ pub fn check_energy_never_rises<R: Real, I: Integrator<R>>(
             let after = Energy::of(&attempt.setup.scene, &state).total();
             let input = || attempt.input(number, limit);
             demand_finite(after, input)?;
-            demand_at_most(after, before, Clause::EnergyNeverRises, input)?;
+            demand_at_most(after, before, Requirement::EnergyNeverRises, input)?;
             before = after;
         }
     }
@@ -120,7 +121,7 @@ pub fn check_energy_never_rises<R: Real, I: Integrator<R>>(
 }
 
 /// The method's own step, s: what it takes of a second of free flight.
-fn own_step<R: Real, I: Integrator<R>>(integrator: &I) -> Result<R, Breach> {
+fn own_step<R: Real, I: Integrator<R>>(integrator: &I) -> Result<R, Violation> {
     let attempt = Attempt {
         integrator,
         setup: Setup::flight(R::ONE).map_err(cannot_be)?,
@@ -154,36 +155,42 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
         limit: R,
         number: u32,
         workspace: &mut I::Workspace,
-    ) -> Result<Step<R>, Breach> {
+    ) -> Result<Step<R>, Violation> {
         let input = || self.input(number, limit);
         let outcome = self
             .integrator
             .step(&self.setup.scene, state, limit, workspace);
-        let step = outcome.map_err(|error| Breach {
-            clause: Clause::Steps(error),
+        let step = outcome.map_err(|error| Violation {
+            requirement: Requirement::Steps(error),
             input: input(),
             value: 0.0,
             bound: 0.0,
         })?;
         let whole = state.not_finite().is_none() && step.elapsed.is_finite();
-        demand(whole, Clause::Finite, step.elapsed, R::MAX, input)?;
+        demand(whole, Requirement::Finite, step.elapsed, R::MAX, input)?;
         let takes = step.elapsed > R::ZERO;
-        demand(takes, Clause::TakesTime, step.elapsed, R::ZERO, input)?;
-        demand_at_most(step.elapsed, limit, Clause::KeepsToLimit, input)?;
+        demand(takes, Requirement::TakesTime, step.elapsed, R::ZERO, input)?;
+        demand_at_most(step.elapsed, limit, Requirement::KeepsToLimit, input)?;
         let [x, y, z, w] = state.orientation.xyzw();
         let off = (x * x + y * y + z * z + w * w - R::ONE).abs();
-        demand_at_most(off, ulps(16.0), Clause::UnitOrientation, input)?;
+        demand_at_most(off, ulps(16.0), Requirement::UnitOrientation, input)?;
         Ok(step)
     }
 
     /// Steps towards a moment that is no whole number of steps away.
-    fn lands_on_limit(&self) -> Result<(), Breach> {
+    fn lands_on_limit(&self) -> Result<(), Violation> {
         let total = self.time_step * R::from_f64(2.37);
         let (mut state, mut left, mut number) = (self.setup.start, total, 0);
         let mut workspace = I::Workspace::default();
         while left > total * rounding_of_time() {
             let input = || self.input(number, left);
-            demand(number < 10_000, Clause::LandsOnLimit, left, R::ZERO, input)?;
+            demand(
+                number < 10_000,
+                Requirement::LandsOnLimit,
+                left,
+                R::ZERO,
+                input,
+            )?;
             left -= self.step(&mut state, left, number, &mut workspace)?.elapsed;
             number += 1;
         }
@@ -193,7 +200,7 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
     /// The same steps four times: twice with a fresh workspace, once with one that is used for
     /// everything, once with a copy of that. A method that chooses its steps may take another one
     /// with a used workspace.
-    fn alike(&self, shares: [R; 4], steps: u32) -> Result<(), Breach> {
+    fn alike(&self, shares: [R; 4], steps: u32) -> Result<(), Violation> {
         let mut state = self.setup.start;
         let mut used = I::Workspace::default();
         for (number, share) in (0..steps).zip(shares.into_iter().cycle()) {
@@ -206,20 +213,22 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
             let mut fourth = state;
             let step = self.step(&mut fourth, limit, number, &mut copy)?;
             let same =
-                |end: &State<R>, step: &Step<R>, other: &State<R>, as_in: &Step<R>, clause| {
+                |end: &State<R>, step: &Step<R>, other: &State<R>, as_in: &Step<R>, requirement| {
                     let same = end == other && step.elapsed == as_in.elapsed;
                     let apart = distance(end, other, self.time_step);
-                    demand(same, clause, apart, R::ZERO, || self.input(number, limit))
+                    demand(same, requirement, apart, R::ZERO, || {
+                        self.input(number, limit)
+                    })
                 };
-            same(&twice, &second, &once, &first, Clause::SameBits)?;
-            same(&fourth, &step, &thrice, &third, Clause::SameBits)?;
-            if !I::CHOOSES_STEPS {
+            same(&twice, &second, &once, &first, Requirement::SameBits)?;
+            same(&fourth, &step, &thrice, &third, Requirement::SameBits)?;
+            if !I::ADAPTIVE {
                 same(
                     &thrice,
                     &third,
                     &once,
                     &first,
-                    Clause::WorkspaceChangesNothing,
+                    Requirement::WorkspaceChangesNothing,
                 )?;
             }
             if number % 3 == 0 {
@@ -233,7 +242,7 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
     }
 
     /// Without force the centre has moved by its velocity times the time that has passed.
-    fn tells_time(&self) -> Result<(), Breach> {
+    fn tells_time(&self) -> Result<(), Violation> {
         for (number, share) in (0..).zip([1.0, 0.37, 0.01]) {
             let limit = self.time_step * R::from_f64(share);
             let (start, mut state) = (self.setup.start, self.setup.start);
@@ -241,14 +250,16 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
             let way = start.linear_velocity * step.elapsed;
             let off = (state.position - start.position - way).length();
             let bound = (start.position.length() + way.length()) * ulps(64.0);
-            demand_at_most(off, bound, Clause::TellsTime, || self.input(number, limit))?;
+            demand_at_most(off, bound, Requirement::TellsTime, || {
+                self.input(number, limit)
+            })?;
         }
         Ok(())
     }
 
     /// Differences of runs with a whole, a half, a quarter ... of the step must shrink at the
     /// stated order.
-    fn converges(&self) -> Result<(), Breach> {
+    fn converges(&self) -> Result<(), Violation> {
         // 2 to the power of order - 0.3.
         let mut least = R::from_f64(0.812_252_396);
         // No power of 2 beyond is a number.
@@ -276,13 +287,13 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
             None => Ok(()),
             Some(ratio) => {
                 let limit = self.time_step;
-                demand_at_least(ratio, least, Clause::Order, || self.input(0, limit))
+                demand_at_least(ratio, least, Requirement::Order, || self.input(0, limit))
             }
         }
     }
 
     /// Eight of the method's own steps, in `steps` steps; `None` where it takes shorter ones.
-    fn run_in(&self, steps: u32) -> Result<Option<State<R>>, Breach> {
+    fn run_in(&self, steps: u32) -> Result<Option<State<R>>, Violation> {
         let limit = self.time_step * R::from_f64(8.0 / f64::from(steps));
         let (mut state, mut workspace) = (self.setup.start, I::Workspace::default());
         for number in 0..steps {
@@ -301,8 +312,8 @@ fn distance<R: Real>(a: &State<R>, b: &State<R>, seconds: R) -> R {
     let (o, one) = (R::ZERO, R::ONE);
     let [x, y] = [R::Vec3::new(one, o, o), R::Vec3::new(o, one, o)];
     (a.position - b.position).length()
-        + (a.place(x) - b.place(x)).length()
-        + (a.place(y) - b.place(y)).length()
+        + (a.world_point(x) - b.world_point(x)).length()
+        + (a.world_point(y) - b.world_point(y)).length()
         + (a.linear_velocity - b.linear_velocity).length() * seconds
         + (a.angular_momentum - b.angular_momentum).length() * seconds
 }

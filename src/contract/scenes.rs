@@ -1,6 +1,6 @@
 //! Scenes to try an integrator on, scaled so that its step suits them or, on purpose, does not.
 
-use super::battery::Draw;
+use super::plan::Draw;
 use crate::body::{ContactPoint, PointCloud};
 use crate::error::SceneError;
 use crate::friction::SmoothCoulomb;
@@ -22,7 +22,7 @@ pub(super) struct Setup<R: Real> {
 
 /// Numbers of a scene, with the metre, the kilogram and the integrator's time step as units.
 #[derive(Clone, Copy)]
-struct Knobs<R: Real> {
+struct Parameters<R: Real> {
     /// Of the body on all four lower corners.
     frequency: R,
     damping_ratio: R,
@@ -39,33 +39,33 @@ struct Knobs<R: Real> {
 impl<R: Real> Setup<R> {
     /// Free flight with a tumbling spin, without gravity.
     pub(super) fn flight(time_step: R) -> Result<Self, SceneError> {
-        let knobs = Knobs {
+        let parameters = Parameters {
             gravity: R::ZERO,
             level: R::from_f64(-1e3),
             start: State::at(v::<R>(0.1, -0.2, 0.3))
                 .with_linear_velocity(v::<R>(0.03, -0.02, 0.01))
                 .with_angular_momentum(v::<R>(0.003, 0.02, -0.004)),
-            ..Knobs::tame()
+            ..Parameters::tame()
         };
-        Self::new("free flight", 0, &knobs, time_step)
+        Self::new("free flight", 0, &parameters, time_step)
     }
 
     /// Sliding with all four lower corners on the springs: nothing is touched or left.
     pub(super) fn slide(time_step: R) -> Result<Self, SceneError> {
-        let knobs = Knobs::tame();
-        Self::new("a box that slides", 0, &knobs, time_step)
+        let parameters = Parameters::tame();
+        Self::new("a box that slides", 0, &parameters, time_step)
     }
 
     /// Falling on a corner.
     pub(super) fn fall(time_step: R) -> Result<Self, SceneError> {
-        let knobs = Knobs {
+        let parameters = Parameters {
             start: State::at(v::<R>(0.0, 0.0, 0.6))
-                .turned_by(v::<R>(0.7, 0.4, 0.2))
+                .with_rotation_vector(v::<R>(0.7, 0.4, 0.2))
                 .with_linear_velocity(v::<R>(0.02, 0.0, -0.02))
                 .with_angular_momentum(v::<R>(0.001, -0.002, 0.001)),
-            ..Knobs::tame()
+            ..Parameters::tame()
         };
-        Self::new("a box that falls on a corner", 0, &knobs, time_step)
+        Self::new("a box that falls on a corner", 0, &parameters, time_step)
     }
 
     /// Any scene, most of them far too stiff for the step.
@@ -79,7 +79,7 @@ impl<R: Real> Setup<R> {
         };
         let speed = or_none(draw, 1.0, 20);
         let spin = or_none(draw, 10.0, 24);
-        let knobs = Knobs {
+        let parameters = Parameters {
             frequency: around(draw, 1e4, 26),
             damping_ratio: or_none(draw, 1e3, 20),
             coefficient: or_none(draw, 1e2, 14),
@@ -88,38 +88,38 @@ impl<R: Real> Setup<R> {
             level: R::ZERO,
             radius: or_none(draw, 0.3, 3),
             start: State::at(R::Vec3::new(R::ZERO, R::ZERO, draw.either::<R>()))
-                .turned_by(draw.direction::<R>() * R::from_f64(3.0))
+                .with_rotation_vector(draw.direction::<R>() * R::from_f64(3.0))
                 .with_linear_velocity(draw.direction::<R>() * speed)
                 .with_angular_momentum(draw.direction::<R>() * spin),
         };
-        Self::new("a random scene", case, &knobs, time_step)
+        Self::new("a random scene", case, &parameters, time_step)
     }
 
     fn new(
         name: &'static str,
         case: u32,
-        knobs: &Knobs<R>,
+        parameters: &Parameters<R>,
         time_step: R,
     ) -> Result<Self, SceneError> {
         let per_second = R::ONE / time_step;
-        let frequency = knobs.frequency * per_second;
+        let frequency = parameters.frequency * per_second;
         let quarter = R::from_f64(0.25);
         let ground = FlatGround::level(
             frequency * frequency * quarter,
-            knobs.damping_ratio * frequency * R::HALF,
+            parameters.damping_ratio * frequency * R::HALF,
         );
         let friction = SmoothCoulomb {
-            coefficient: knobs.coefficient,
-            slip_speed: knobs.slip_speed * per_second,
+            coefficient: parameters.coefficient,
+            slip_speed: parameters.slip_speed * per_second,
         };
-        let gravity = UniformGravity::down(knobs.gravity * per_second * per_second);
-        let start = &knobs.start;
+        let gravity = UniformGravity::down(parameters.gravity * per_second * per_second);
+        let start = &parameters.start;
         Ok(Self {
             name,
             case,
             scene: Scene::new(
-                lopsided_box(knobs.radius)?,
-                ground.on(Plane::level(knobs.level)),
+                lopsided_box(parameters.radius)?,
+                ground.on(Plane::level(parameters.level)),
                 friction,
                 gravity,
             )?,
@@ -132,7 +132,7 @@ impl<R: Real> Setup<R> {
     }
 }
 
-impl<R: Real> Knobs<R> {
+impl<R: Real> Parameters<R> {
     /// Of a scene that every method resolves: a swing takes 31 steps, friction stops a slip in 10
     /// or more, and the springs are pressed by half of the box's half height, so that small swings
     /// leave none.
@@ -147,7 +147,7 @@ impl<R: Real> Knobs<R> {
             level: R::ZERO,
             radius: R::ZERO,
             start: State::at(v::<R>(0.0, 0.0, 0.16))
-                .turned_by(v::<R>(0.02, -0.03, 0.5))
+                .with_rotation_vector(v::<R>(0.02, -0.03, 0.5))
                 .with_linear_velocity(v::<R>(0.03, 0.01, 0.001))
                 .with_angular_momentum(v::<R>(0.0002, -0.0001, 0.003)),
         }
@@ -171,7 +171,7 @@ fn lopsided_box<R: Real>(radius: R) -> Result<BoxBody<R>, SceneError> {
         corner(-0.5, -0.4, -0.3),
     ];
     let masses = [0.12, 0.13, 0.12, 0.125, 0.13, 0.12, 0.13, 0.125].map(R::from_f64);
-    PointCloud::in_storage(corners, &masses)
+    PointCloud::with_storage(corners, &masses)
 }
 
 fn v<R: Real>(x: f64, y: f64, z: f64) -> R::Vec3 {

@@ -1,6 +1,6 @@
 //! Coulomb friction that differs with the direction of the slip.
 
-use super::{Drag, SlidingFriction};
+use super::{FrictionJacobian, SlidingFriction};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
 
@@ -81,7 +81,7 @@ impl<R: Real> SlidingFriction<R> for AnisotropicCoulomb<R> {
     }
 
     #[inline]
-    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
+    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
         let [along, across] = self.coefficients;
         let speed = slip.length();
         // The square of the coefficient in the slip's direction; without slip, of the two together.
@@ -94,11 +94,11 @@ impl<R: Real> SlidingFriction<R> for AnisotropicCoulomb<R> {
         };
         let coefficient = square.sqrt();
         if coefficient <= R::ZERO {
-            return Drag::NONE;
+            return FrictionJacobian::NONE;
         }
         let width = speed + self.slip_speed * (self.larger() / coefficient);
         let per_load = coefficient / width;
-        Drag {
+        FrictionJacobian {
             coefficient: per_load * normal_force,
             per_load,
             width,

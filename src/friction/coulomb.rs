@@ -1,6 +1,6 @@
 //! Coulomb friction, made finite at zero slip in two ways.
 
-use super::{Drag, SlidingFriction};
+use super::{FrictionJacobian, SlidingFriction};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
@@ -49,10 +49,10 @@ impl<R: Real> SlidingFriction<R> for Coulomb<R> {
     }
 
     #[inline]
-    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
+    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
         let width = slip.length() + self.slip_speed;
         let per_load = self.coefficient / width;
-        Drag {
+        FrictionJacobian {
             coefficient: per_load * normal_force,
             per_load,
             width,
@@ -106,10 +106,10 @@ impl<R: Real> SlidingFriction<R> for SmoothCoulomb<R> {
     }
 
     #[inline]
-    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
+    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
         let width = self.width(slip);
         let per_load = self.coefficient / width;
-        Drag {
+        FrictionJacobian {
             coefficient: per_load * normal_force,
             per_load,
             width,

@@ -1,6 +1,6 @@
 //! Coulomb friction whose coefficient falls with the load on the contact.
 
-use super::{Coulomb, Drag, SlidingFriction};
+use super::{Coulomb, FrictionJacobian, SlidingFriction};
 use crate::error::{self, SceneError};
 use crate::real::Real;
 
@@ -90,13 +90,13 @@ impl<R: Real> SlidingFriction<R> for LoadDependentCoulomb<R> {
     }
 
     #[inline]
-    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
-        let drag = self.under(normal_force).drag(normal_force, slip);
+    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
+        let drag = self.under(normal_force).jacobian(normal_force, slip);
         // With x = N/N₀, c = (1 + x)^(-1/3): d(N c)/dN = c (1 - x/(3 (1 + x))) = c (2 + 1/(1 +
         // x))/3. The last form has no quotient of two infinite numbers where x overflows.
         let per_one = R::ONE / (R::ONE + normal_force / self.transition_load);
         let rises = (R::TWO + per_one) * R::from_f64(1.0 / 3.0);
-        Drag {
+        FrictionJacobian {
             per_load: drag.per_load * rises,
             ..drag
         }

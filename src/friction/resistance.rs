@@ -1,23 +1,23 @@
-//! Resistance to rolling and to drilling: a torque beside the force of friction.
+//! Resistance to rolling and to spinning: a torque beside the force of friction.
 
-use super::{Drag, SlidingFriction};
+use super::{FrictionJacobian, SlidingFriction};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
 /// How one contact resists the body's turning: with ω's parts along the ground (rolling) and along
-/// its normal (drilling, spin on the spot),
-/// `torque = -rolling ωₜ/(|ωₜ| + turn_speed) - drilling ωₙ/(|ωₙ| + turn_speed)`.
+/// its normal (spinning, spin on the spot),
+/// `torque = -rolling ωₜ/(|ωₜ| + turn_speed) - spinning ωₙ/(|ωₙ| + turn_speed)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TurningResistance<R = f64> {
+pub struct RollingResistance<R = f64> {
     /// Largest torque against rolling, N m, at least 0.
     pub rolling: R,
-    /// Largest torque against drilling, N m, at least 0.
-    pub drilling: R,
+    /// Largest torque against spinning, N m, at least 0.
+    pub spinning: R,
     /// rad/s, above 0. The turning at which half of the torque is reached.
     pub turn_speed: R,
 }
 
-impl<R: Real> TurningResistance<R> {
+impl<R: Real> RollingResistance<R> {
     /// Torque on a body (N m, world axes) that turns with this angular velocity (rad/s) on a ground
     /// with this normal.
     ///
@@ -25,35 +25,35 @@ impl<R: Real> TurningResistance<R> {
     #[inline]
     #[must_use]
     pub fn torque(&self, normal: R::Vec3, angular_velocity: R::Vec3) -> R::Vec3 {
-        let drilling = normal * normal.dot(angular_velocity);
-        let rolling = angular_velocity - drilling;
-        let [roll, drill] = self.per_turn(rolling.length(), drilling.length());
-        -(rolling * roll + drilling * drill)
+        let spinning = normal * normal.dot(angular_velocity);
+        let rolling = angular_velocity - spinning;
+        let [roll, drill] = self.per_turn(rolling.length(), spinning.length());
+        -(rolling * roll + spinning * drill)
     }
 
     /// Torque over turning, N m s, for both parts of it (rad/s).
     #[inline]
-    pub(crate) fn per_turn(&self, rolling: R, drilling: R) -> [R; 2] {
+    pub(crate) fn per_turn(&self, rolling: R, spinning: R) -> [R; 2] {
         [
             self.rolling / (rolling + self.turn_speed),
-            self.drilling / (drilling + self.turn_speed),
+            self.spinning / (spinning + self.turn_speed),
         ]
     }
 }
 
-/// A friction law with resistance to rolling and to drilling beside it.
+/// A friction law with resistance to rolling and to spinning beside it.
 ///
-/// Each contact that presses with N resists with torques of up to `rolling · N` and `drilling · N`:
-/// see [`TurningResistance`]. The lengths are those of the field: a wheel that takes the force f N
+/// Each contact that presses with N resists with torques of up to `rolling · N` and `spinning · N`:
+/// see [`RollingResistance`]. The lengths are those of the field: a wheel that takes the force f N
 /// to be kept rolling has `rolling = f · radius`; a ball of radius r sunk by d has a patch of the
-/// radius a = √(2 r d), and by Coulomb's law under Hertz's pressure `drilling = 3π/16 μ a`
+/// radius a = √(2 r d), and by Coulomb's law under Hertz's pressure `spinning = 3π/16 μ a`
 /// (Johnson, Contact Mechanics, 1985).
 ///
 /// ```
 /// use tumble::{Coulomb, WithResistance};
 ///
 /// // A billiard ball on cloth: it rolls out with the deceleration 5/7 · rolling/radius · g.
-/// let cloth = WithResistance { friction: Coulomb { coefficient: 0.2, slip_speed: 1e-4 }, rolling: 2.9e-4, drilling: 1.2e-3, turn_speed: 1e-2 };
+/// let cloth = WithResistance { friction: Coulomb { coefficient: 0.2, slip_speed: 1e-4 }, rolling: 2.9e-4, spinning: 1.2e-3, turn_speed: 1e-2 };
 /// # use tumble::{Sphere, Stepper};
 /// # Stepper::new(Sphere::solid(0.17, 0.0286))?.with_friction(cloth)?;
 /// # Ok::<(), tumble::SceneError>(())
@@ -73,8 +73,8 @@ pub struct WithResistance<F, R = f64> {
     pub friction: F,
     /// Against rolling, m, at least 0.
     pub rolling: R,
-    /// Against drilling, m, at least 0.
-    pub drilling: R,
+    /// Against spinning, m, at least 0.
+    pub spinning: R,
     /// rad/s, above 0. The turning at which half of the torque is reached.
     pub turn_speed: R,
 }
@@ -91,15 +91,15 @@ impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for WithResistance<F, R>
     }
 
     #[inline]
-    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
-        self.friction.drag(normal_force, slip)
+    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
+        self.friction.jacobian(normal_force, slip)
     }
 
     #[inline]
-    fn turning(&self, normal_force: R) -> Option<TurningResistance<R>> {
-        Some(TurningResistance {
+    fn rolling_resistance(&self, normal_force: R) -> Option<RollingResistance<R>> {
+        Some(RollingResistance {
             rolling: self.rolling * normal_force,
-            drilling: self.drilling * normal_force,
+            spinning: self.spinning * normal_force,
             turn_speed: self.turn_speed,
         })
     }
@@ -107,7 +107,7 @@ impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for WithResistance<F, R>
     fn check(&self) -> Result<(), SceneError> {
         self.friction.check()?;
         error::at_least_zero("length of the rolling resistance", self.rolling, " m")?;
-        error::at_least_zero("length of the drilling resistance", self.drilling, " m")?;
+        error::at_least_zero("length of the spinning resistance", self.spinning, " m")?;
         error::above_zero("turn speed of the resistance", self.turn_speed, " rad/s")
     }
 }

@@ -1,6 +1,6 @@
 //! Friction that falls from a static to a kinetic coefficient, and rises again with the speed.
 
-use super::{Drag, SlidingFriction};
+use super::{FrictionJacobian, SlidingFriction};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
@@ -61,7 +61,7 @@ impl<R: Real> SlidingFriction<R> for Stribeck<R> {
     /// Where the force falls with the slip, the growth is the largest that there is, 1: the
     /// iteration takes the force as steady.
     #[inline]
-    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
+    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
         let speed = slip.length();
         let [coefficient, falls] = self.coefficient(speed);
         let width = speed + self.slip_speed;
@@ -73,7 +73,7 @@ impl<R: Real> SlidingFriction<R> for Stribeck<R> {
         } else {
             R::ZERO
         };
-        Drag {
+        FrictionJacobian {
             coefficient: per_load * normal_force,
             per_load,
             width,

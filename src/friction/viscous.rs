@@ -1,6 +1,6 @@
 //! Friction in proportion to the slip.
 
-use super::{Drag, SlidingFriction};
+use super::{FrictionJacobian, SlidingFriction};
 use crate::error::{self, SceneError};
 use crate::real::Real;
 
@@ -30,11 +30,11 @@ impl<R: Real> SlidingFriction<R> for Viscous<R> {
     }
 
     #[inline]
-    fn drag(&self, normal_force: R, _slip: R::Vec3) -> Drag<R> {
-        Drag {
+    fn jacobian(&self, normal_force: R, _slip: R::Vec3) -> FrictionJacobian<R> {
+        FrictionJacobian {
             coefficient: self.coefficient * normal_force,
             per_load: self.coefficient,
-            ..Drag::NONE
+            ..FrictionJacobian::NONE
         }
     }
 

@@ -1,6 +1,6 @@
 //! A ground from a law and a shape.
 
-use super::{ContactLaw, Extent, MeanForce, Plane, Shape, SpringDamperGround, Surface};
+use super::{ContactLaw, GroundBounds, MeanForce, Plane, Shape, SpringDamperGround, Surface};
 use crate::error::SceneError;
 use crate::real::Real;
 
@@ -74,8 +74,8 @@ impl<R: Real, L: ContactLaw<R>, S: Shape<R>> SpringDamperGround<R> for Ground<L,
         self.law.mean_force(start, end, seconds)
     }
     #[inline]
-    fn extent(&self) -> Extent<R> {
-        self.shape.extent()
+    fn bounds(&self) -> GroundBounds<R> {
+        self.shape.bounds()
     }
     fn check(&self) -> Result<(), SceneError> {
         self.law.check()?;

@@ -1,6 +1,8 @@
 //! A plane of springs and dampers.
 
-use super::{ContactLaw, Extent, MeanForce, Plane, SpringDamper, SpringDamperGround, Surface};
+use super::{
+    ContactLaw, GroundBounds, MeanForce, Plane, SpringDamper, SpringDamperGround, Surface,
+};
 use crate::error::SceneError;
 use crate::real::Real;
 
@@ -96,8 +98,8 @@ impl<R: Real> SpringDamperGround<R> for FlatGround<R> {
     }
 
     #[inline]
-    fn extent(&self) -> Extent<R> {
-        Extent::Plane(self.plane)
+    fn bounds(&self) -> GroundBounds<R> {
+        GroundBounds::Plane(self.plane)
     }
 
     fn check(&self) -> Result<(), SceneError> {

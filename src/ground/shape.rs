@@ -4,9 +4,9 @@ mod reliefs;
 mod terrain;
 
 pub use reliefs::{Bowl, Ramp, Waves};
-pub use terrain::{Elevation, Relief, Terrain};
+pub use terrain::{Elevation, HeightField, Terrain};
 
-use super::{Extent, Plane, Surface};
+use super::{GroundBounds, Plane, Surface};
 use crate::error::SceneError;
 use crate::real::Real;
 
@@ -48,8 +48,8 @@ pub trait Shape<R: Real = f64> {
 
     /// Where the ground can be at all. The default is everywhere.
     #[inline]
-    fn extent(&self) -> Extent<R> {
-        Extent::Everywhere
+    fn bounds(&self) -> GroundBounds<R> {
+        GroundBounds::Everywhere
     }
 
     /// Whether the shape can be: called once, when a scene is composed.
@@ -83,8 +83,8 @@ macro_rules! forward {
                 (**self).surface(point)
             }
             #[inline]
-            fn extent(&self) -> Extent<R> {
-                (**self).extent()
+            fn bounds(&self) -> GroundBounds<R> {
+                (**self).bounds()
             }
             #[inline]
             fn check(&self) -> Result<(), SceneError> {
@@ -110,8 +110,8 @@ impl<R: Real> Shape<R> for Plane<R> {
         }
     }
     #[inline]
-    fn extent(&self) -> Extent<R> {
-        Extent::Plane(*self)
+    fn bounds(&self) -> GroundBounds<R> {
+        GroundBounds::Plane(*self)
     }
     fn check(&self) -> Result<(), SceneError> {
         Plane::check(self)

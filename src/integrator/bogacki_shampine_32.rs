@@ -76,7 +76,7 @@ const PAIR: Pair<4> = Pair {
 impl<R: Real> Integrator<R> for BogackiShampine32<R> {
     type Workspace = Workspace<R>;
 
-    const CHOOSES_STEPS: bool = true;
+    const ADAPTIVE: bool = true;
 
     fn step<D: Dynamics<R>>(
         &self,

@@ -106,7 +106,7 @@ pub(crate) const PAIR: Pair<7> = Pair {
 impl<R: Real> Integrator<R> for DormandPrince54<R> {
     type Workspace = Workspace<R>;
 
-    const CHOOSES_STEPS: bool = true;
+    const ADAPTIVE: bool = true;
 
     fn step<D: Dynamics<R>>(
         &self,

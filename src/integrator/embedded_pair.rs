@@ -15,10 +15,10 @@ mod slip;
 mod touch;
 
 use super::Step;
-use super::likeness::Likeness;
+use super::fingerprint::Fingerprint;
 use super::rk4::Point;
 use crate::error::{self, Quantity, Rule, SceneError, StepError};
-use crate::friction::{SlidingFriction, TurningResistance};
+use crate::friction::{RollingResistance, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Load, Motion};
@@ -148,10 +148,10 @@ impl<R: Real> Place<R> {
 /// damper and friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Answers<R: Real> {
-    likeness: Likeness<R>,
+    fingerprint: Fingerprint<R>,
     normal_force: R,
     friction: R::Vec3,
-    turning: Option<TurningResistance<R>>,
+    turning: Option<RollingResistance<R>>,
 }
 
 impl<R: Real> Answers<R> {
@@ -159,11 +159,12 @@ impl<R: Real> Answers<R> {
     fn of<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Self {
         let friction = scene.friction();
         Self {
-            likeness: Likeness::of(scene, state),
-            normal_force: scene.probe(|| scene.ground().normal_force(scene.reach(), R::ONE)),
+            fingerprint: Fingerprint::of(scene, state),
+            normal_force: scene
+                .probe(|| scene.ground().normal_force(scene.bounding_radius(), R::ONE)),
             friction: scene
                 .probe(|| friction.force(R::ONE, R::Vec3::new(R::ONE, R::ZERO, R::ZERO))),
-            turning: scene.probe(|| friction.turning(R::ONE)),
+            turning: scene.probe(|| friction.rolling_resistance(R::ONE)),
         }
     }
 }

@@ -8,12 +8,12 @@
 //! 2. `newton`, `stiffness`, `linear`: their solution (`block`, `level`: its arithmetic). What it
 //!    leaves over is all that could lift the energy;
 //! 3. `settle`, `resist`: at the end of a step too long for friction or dampers they resist the end
-//!    velocity, by impulses that only take energy; (`turning`: resistance to rolling and drilling,
+//!    velocity, by impulses that only take energy; (`turning`: resistance to rolling and spinning,
 //!    where the friction law has it, half before and half after the step;)
-//! 4. `ratchet`: where the computed energy is above the one before, rounding of a flight is put
-//!    back into the last places of the orientation, the height or the speed (`aloft`), and in
-//!    contact both velocities are scaled down until it is not. A body whose motion is below the
-//!    rounding of its energy has come to rest;
+//! 4. `energy_limit`: where the computed energy is above the one before, rounding of a flight is
+//!    put back into the last places of the orientation, the height or the speed
+//!    (`flight_rounding`), and in contact both velocities are scaled down until it is not. A body
+//!    whose motion is below the rounding of its energy has come to rest;
 //! 5. where 2 or 4 fails, `split`: dissipation, conservative motion, dissipation; else halves, down
 //!    to sixteenths; else `descent`: downhill, as far as the energy allows; else time passes and
 //!    the body stays. Each end goes through 4, so that the induction from step to step needs no
@@ -22,23 +22,23 @@
 mod block;
 mod contacts;
 mod descent;
+mod end_velocity;
 mod level;
 mod linear;
 mod newton;
 mod problem;
 mod resist;
-mod settle;
 mod split;
 mod stiffness;
 mod touch;
 mod turning;
 
-use super::likeness::Likeness;
-use super::{Integrator, Step, aloft, ratchet, step_length};
-use crate::body::{RigidPointBody, Rim, Run};
+use super::fingerprint::Fingerprint;
+use super::{Integrator, Step, energy_limit, flight_rounding, step_length};
+use crate::body::{ContactRange, RigidPointBody, Rim};
 use crate::energy::Energy;
 use crate::error::{self, Quantity, SceneError, StepError};
-use crate::ground::{Extent, SpringDamperGround};
+use crate::ground::{GroundBounds, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::{Contact, Dynamics, Motion};
@@ -91,11 +91,11 @@ use problem::Problem;
 ///   or a round rim stick.
 /// - *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each, and beside them at
 ///   most 4 searches downhill of at most 3 × 31 × 4 evaluations. Each end costs an energy, and one
-///   more for each doubling of the ratchet, which scales both velocities down where the solver's
+///   more for each doubling of its excess, which scales both velocities down where the solver's
 ///   error would lift the energy in contact. In flight the last places of the orientation, the
 ///   height or the speed take it.
 /// - *Too long a step shows:* [`Step`] tells the iterations, whether the step had to be divided
-///   (`fallback`), and the energy that the solver's error would have added (`ratcheted`).
+///   (`fallback`), and the energy that the solver's error would have added (`energy_removed`).
 /// - *Contacts:* up to 128 are remembered from iteration to iteration. Further ones take part
 ///   without memory, with more iterations where they stick. Nothing is allocated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,7 +118,7 @@ pub struct Workspace<R: Real = f64> {
     contacts: Contacts<R>,
     /// The state after the last step, its energy, and the scene that they belong to: friction and
     /// dampers do nothing to a body without motion.
-    known: Option<(State<R>, Energy<R>, Likeness<R>)>,
+    known: Option<(State<R>, Energy<R>, Fingerprint<R>)>,
     /// The length of a step that has left that state as it was, s.
     rest: Option<R>,
 }
@@ -150,8 +150,8 @@ impl<R: Real> Workspace<R> {
     /// The energy of this state in this scene, if the last step has ended with it.
     #[inline]
     fn energy<D: Dynamics<R>>(&self, scene: &D, state: &State<R>) -> Option<Energy<R>> {
-        let (known, energy, likeness) = self.known?;
-        (known == *state && likeness == Likeness::of(scene, state)).then_some(energy)
+        let (known, energy, fingerprint) = self.known?;
+        (known == *state && fingerprint == Fingerprint::of(scene, state)).then_some(energy)
     }
 }
 
@@ -264,15 +264,15 @@ fn move_on<R: Real, D: Dynamics<R>>(
     }
     turning::resisted(scene, state, &mut energy, dt * R::HALF);
     if energy.springs > R::ZERO
-        && ratchet::has_come_to_rest(scene, [&start, state], [&before, &energy], dt)
+        && energy_limit::has_come_to_rest(scene, [&start, state], [&before, &energy], dt)
     {
-        *state = ratchet::stopped(&start);
+        *state = energy_limit::stopped(&start);
         energy = Energy::of(scene, state);
     }
     if *state == start {
         fall(scene, state, &mut energy, dt, &mut step);
     }
-    workspace.known = Some((*state, energy, Likeness::of(scene, state)));
+    workspace.known = Some((*state, energy, Fingerprint::of(scene, state)));
     workspace.rest = (*state == start).then_some(dt);
     Ok(step)
 }
@@ -314,7 +314,7 @@ fn fall<R: Real, D: Dynamics<R>>(
     seconds: R,
     step: &mut Step<R>,
 ) {
-    let ceiling = energy.total() - ratchet::rounding_of(energy, energy) * R::HALF;
+    let ceiling = energy.total() - energy_limit::rounding_of(energy, energy) * R::HALF;
     if let Some(lower) = descent::step(scene, state, ceiling, seconds, step) {
         (*state, *energy) = lower;
     }
@@ -356,7 +356,7 @@ fn attempt<R: Real, D: Dynamics<R>>(
             continue;
         }
         let known = (&mut *state, &mut *energy);
-        if ratchet::hold(scene, known, (&end, &end_energy), touching, step) {
+        if energy_limit::hold(scene, known, (&end, &end_energy), touching, step) {
             return true;
         }
         break;
@@ -366,7 +366,7 @@ fn attempt<R: Real, D: Dynamics<R>>(
         return false;
     };
     let (end_energy, touching) = Energy::with_touching(scene, &end);
-    ratchet::hold(scene, (state, energy), (&end, &end_energy), touching, step)
+    energy_limit::hold(scene, (state, energy), (&end, &end_energy), touching, step)
 }
 
 /// Free flight, without an iteration: exact for a body with two equal moments, else of order 2 with
@@ -378,7 +378,7 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
     let gravity = problem.scene.gravity();
     let mean_velocity = start.linear_velocity + gravity * (seconds * R::HALF);
     let (axes, momentum) = (&problem.motion.axes, start.angular_momentum);
-    let properties = problem.scene.mass_properties();
+    let properties = problem.scene.inertia_properties();
     let rotation = if properties.is_asymmetric() {
         properties.rotated_at_constant_energy(problem.rotation, axes, momentum, seconds)
     } else {
@@ -390,13 +390,21 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
         orientation: rotation.to_quat(),
         angular_momentum: momentum,
     };
-    if !aloft::holds_both_ways::<R>() {
+    if !flight_rounding::holds_both_ways::<R>() {
         return plain;
     }
-    let mut seed = aloft::seed_of(start);
+    let mut seed = flight_rounding::seed_of(start);
     State {
-        position: aloft::advanced::<R>(start.position, mean_velocity * seconds, &mut seed),
-        linear_velocity: aloft::advanced::<R>(start.linear_velocity, gravity * seconds, &mut seed),
+        position: flight_rounding::advanced::<R>(
+            start.position,
+            mean_velocity * seconds,
+            &mut seed,
+        ),
+        linear_velocity: flight_rounding::advanced::<R>(
+            start.linear_velocity,
+            gravity * seconds,
+            &mut seed,
+        ),
         ..plain
     }
 }
@@ -416,7 +424,7 @@ fn whole<R: Real, D: Dynamics<R>>(
     *end = problem.end_of(&trial);
     let strain = strain.of_step(problem);
     if !strain.is_resolved() {
-        *end = settle::settle(problem, contacts, &trial, strain, end);
+        *end = end_velocity::settle(problem, contacts, &trial, strain, end);
     }
     end.not_finite().is_none()
 }
@@ -430,22 +438,24 @@ fn gather<R: Real, D: Dynamics<R>>(
 ) {
     let (scene, motion, dt) = (problem.scene, &problem.motion, problem.seconds);
     let Some(plane) = problem.plane.filter(|_| !wide) else {
-        let run = match scene.ground().extent() {
-            Extent::Nowhere => Run::NONE,
-            _ => Run::all(scene.body().contacts().len()),
+        let run = match scene.ground().bounds() {
+            GroundBounds::Nowhere => ContactRange::NONE,
+            _ => ContactRange::all(scene.body().contacts().len()),
         };
-        let anywhere = !matches!(scene.ground().extent(), Extent::Nowhere);
+        let anywhere = !matches!(scene.ground().bounds(), GroundBounds::Nowhere);
         contacts.gather(problem, run, |_, _| true, |_| anywhere);
         return;
     };
     let spin = motion.angular_velocity;
     // What gravity and the turn's own curvature may add to the path of a contact along the normal.
-    let bend = dt * dt * (scene.gravity().length() + spin.length_squared() * problem.reach);
-    let bend = bend.at_most(R::TWO * problem.reach + dt * dt * scene.gravity().length());
+    let bend =
+        dt * dt * (scene.gravity().length() + spin.length_squared() * problem.bounding_radius);
+    let bend = bend.at_most(R::TWO * problem.bounding_radius + dt * dt * scene.gravity().length());
     let fall = dt * -motion.linear_velocity.dot(plane.normal);
     let tilt = spin.cross(plane.normal);
     // However many turns it makes, a contact stays within the reach.
-    let swing = (dt * tilt.length() * problem.reach).at_most(R::TWO * problem.reach);
+    let swing =
+        (dt * tilt.length() * problem.bounding_radius).at_most(R::TWO * problem.bounding_radius);
     let margin = (fall + swing).at_least(R::ZERO) + bend;
     let run = scene.contacts_within(margin, motion.position, &motion.axes);
     // -n · (ω × r) = (ω × n) · r

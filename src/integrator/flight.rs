@@ -1,10 +1,10 @@
 //! Flight in closed form: one step up to the first touch, whatever moves the body on the ground.
 
-use super::{Integrator, Step, ratchet};
+use super::{Integrator, Step, energy_limit};
 use crate::body::RigidPointBody;
 use crate::energy::Energy;
 use crate::error::{SceneError, StepError};
-use crate::ground::{Extent, Plane, SpringDamperGround};
+use crate::ground::{GroundBounds, Plane, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;
@@ -18,10 +18,10 @@ use crate::state::State;
 /// ```
 /// The step ends before the first touch, which is found from above ground: with `m` the gap of the
 /// lowest place, no place of the body is lower than `m + (n·v - |n × ω| r) s + (n·g - ω² r) s²/2`
-/// after `s` more seconds (`n` the ground's normal, `r` the reach; in torque-free motion |ω| of a
-/// body with two equal moments does not change), so that up to the root of this nothing touches;
-/// and so on from there, until what is gained is not worth a step. From there the other integrator
-/// goes on.
+/// after `s` more seconds (`n` the ground's normal, `r` the bounding_radius; in torque-free motion |ω|
+/// of a body with two equal moments does not change), so that up to the root of this nothing
+/// touches; and so on from there, until what is gained is not worth a step. From there the other
+/// integrator goes on.
 ///
 /// A method with a [fixed step](Integrator::fixed_step) flies whole steps, so that it meets the
 /// ground at the same places of its grid as without: the states that one sees are the same to
@@ -36,8 +36,8 @@ use crate::state::State;
 /// *Body:* exact for two equal moments. With three different ones the turn is composed of steps of
 /// at most 0.02 rad, of order 4: it is off by less than 1e-9 rad for each radian of the flight's
 /// turn, and after 20 000 rad a step of the flight ends. *Ground:* needs to know where the ground
-/// is ([`Extent`]): over a ground that may be everywhere nothing is gained. Where the body is on
-/// the ground a step costs a look at its lowest place more.
+/// is ([`GroundBounds`]): over a ground that may be everywhere nothing is gained. Where the body is
+/// on the ground a step costs a look at its lowest place more.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -62,7 +62,7 @@ pub struct Flight<I>(
 impl<R: Real, I: Integrator<R>> Integrator<R> for Flight<I> {
     type Workspace = I::Workspace;
 
-    const CHOOSES_STEPS: bool = I::CHOOSES_STEPS;
+    const ADAPTIVE: bool = I::ADAPTIVE;
     const SPANS_STEPS: bool = true;
 
     #[inline]
@@ -118,15 +118,15 @@ fn fly_without_rise<R: Real, D: Dynamics<R>>(
     if excess <= R::ZERO {
         return Some((end, step));
     }
-    let (end, _) = ratchet::scaled_down(scene, before.total(), excess, &end, after)?;
-    step.ratcheted = excess;
+    let (end, _) = energy_limit::scaled_down(scene, before.total(), excess, &end, after)?;
+    step.energy_removed = excess;
     Some((end, step))
 }
 
 /// The state after a time in which nothing touches.
 #[inline]
 fn fly<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
-    let mass = scene.mass_properties();
+    let mass = scene.inertia_properties();
     let rotation = state.rotation();
     let gravity = scene.gravity();
     let mean_velocity = state.linear_velocity + gravity * (seconds * R::HALF);
@@ -152,10 +152,10 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
     /// `None` over a ground that may be everywhere.
     #[inline]
     fn from(scene: &'a D, state: &'a State<R>) -> Option<Self> {
-        let plane = match scene.ground().extent() {
-            Extent::Nowhere => None,
-            Extent::Plane(plane) | Extent::Below(plane) => Some(plane),
-            Extent::Everywhere => return None,
+        let plane = match scene.ground().bounds() {
+            GroundBounds::Nowhere => None,
+            GroundBounds::Plane(plane) | GroundBounds::Below(plane) => Some(plane),
+            GroundBounds::Everywhere => return None,
         };
         Some(Self {
             scene,
@@ -170,7 +170,7 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
     fn seconds(&self, fixed_step: Option<R>, limit: R) -> Option<R> {
         // An infinite limit is none.
         let limit = limit.at_most(R::MAX);
-        let turn = (self.scene.mass_properties()).longest_turn(self.state.angular_momentum);
+        let turn = (self.scene.inertia_properties()).longest_turn(self.state.angular_momentum);
         let Some(plane) = &self.plane else {
             let limit = limit.at_most(turn);
             // With no ground and no limit there is no end.
@@ -200,13 +200,13 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
     /// The time in which the body moves by a fiftieth of its reach, s; of a point, by the rounding
     /// of its height.
     fn resolution(&self, plane: &Plane<R>) -> R {
-        let reach = self.scene.reach();
-        let length = (reach * R::from_f64(0.02)).at_least(self.rounding(plane));
+        let bounding_radius = self.scene.bounding_radius();
+        let length = (bounding_radius * R::from_f64(0.02)).at_least(self.rounding(plane));
         let spin =
-            self.state.angular_momentum * self.scene.mass_properties().largest_inverse_moment();
+            self.state.angular_momentum * self.scene.inertia_properties().largest_inverse_moment();
         let speed = self.state.linear_velocity.length()
-            + spin.length() * reach
-            + (self.scene.gravity().length() * reach.at_least(length)).sqrt();
+            + spin.length() * bounding_radius
+            + (self.scene.gravity().length() * bounding_radius.at_least(length)).sqrt();
         if speed > R::ZERO {
             length / speed
         } else {
@@ -218,15 +218,16 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
     #[inline]
     fn rounding(&self, plane: &Plane<R>) -> R {
         let gap = plane.gap(self.state.position);
-        (gap.abs() + plane.height.abs() + self.scene.reach()) * (R::EPSILON * R::from_f64(16.0))
+        (gap.abs() + plane.height.abs() + self.scene.bounding_radius())
+            * (R::EPSILON * R::from_f64(16.0))
     }
 
     /// A time up to which nothing touches, s: up to the first touch but for `worth`, or at least
     /// `limit`.
     #[inline]
     fn free(&self, plane: &Plane<R>, worth: R, limit: R) -> R {
-        let mass = self.scene.mass_properties();
-        let (gravity, reach) = (self.scene.gravity(), self.scene.reach());
+        let mass = self.scene.inertia_properties();
+        let (gravity, bounding_radius) = (self.scene.gravity(), self.scene.bounding_radius());
         let fall = -gravity.dot(plane.normal);
         let (gap, rising) = (
             plane.gap(self.state.position),
@@ -234,7 +235,7 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         );
         // The ball around the body falls along a parabola.
         let rounding = self.rounding(plane);
-        let mut time = safe(gap - reach - rounding, rising, fall).at_least(R::ZERO);
+        let mut time = safe(gap - bounding_radius - rounding, rising, fall).at_least(R::ZERO);
         if mass.is_asymmetric() || time >= limit {
             return time;
         }
@@ -249,8 +250,9 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
             let spin = mass.angular_velocity(&axes, momentum);
             let lowest = self.scene.body().support(-axes.to_body(plane.normal));
             let height = gap + time * (rising - time * (fall * R::HALF));
-            let sinking = rising - fall * time - spin.cross(plane.normal).length() * reach;
-            let bend = fall + spin.length_squared() * reach;
+            let sinking =
+                rising - fall * time - spin.cross(plane.normal).length() * bounding_radius;
+            let bend = fall + spin.length_squared() * bounding_radius;
             let more = safe(height - lowest - rounding, sinking, bend);
             // Not above 0, or not a number.
             let more = if more > R::ZERO { more } else { R::ZERO };

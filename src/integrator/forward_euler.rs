@@ -1,7 +1,7 @@
 //! The report's method: forward Euler with an exact turn.
 
 use super::{Integrator, Step, step_length};
-use crate::body::Run;
+use crate::body::ContactRange;
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
 use crate::rotation::Rotation;
@@ -31,7 +31,7 @@ pub struct ForwardEuler<R = f64> {
 
 impl<R: Real> Integrator<R> for ForwardEuler<R> {
     /// The contacts that were low in the step before: where to look for them first.
-    type Workspace = Run;
+    type Workspace = ContactRange;
 
     #[inline]
     fn step<D: Dynamics<R>>(
@@ -39,10 +39,10 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
         scene: &D,
         state: &mut State<R>,
         limit: R,
-        near: &mut Run,
+        near: &mut ContactRange,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
-        let mass = scene.mass_properties();
+        let mass = scene.inertia_properties();
         let old_rotation = state.rotation();
         let motion = scene.motion_along(state, old_rotation.axes());
         let turn = Rotation::from_rotation_vector(motion.angular_velocity * dt);

@@ -5,7 +5,7 @@ mod oscillator;
 
 use super::rk4::Point;
 use super::{Integrator, Step, step_length};
-use crate::body::Run;
+use crate::body::ContactRange;
 use crate::error::{self, SceneError, StepError};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
@@ -70,7 +70,7 @@ pub struct Nystrom<R = f64> {
 
 impl<R: Real> Integrator<R> for Nystrom<R> {
     /// The contacts that were low in the step before: where to look for them first.
-    type Workspace = Run;
+    type Workspace = ContactRange;
 
     #[inline]
     fn step<D: Dynamics<R>>(
@@ -78,7 +78,7 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
         scene: &D,
         state: &mut State<R>,
         limit: R,
-        near: &mut Run,
+        near: &mut ContactRange,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
         let start = Start::of(scene, state, dt, *near);
@@ -164,7 +164,7 @@ const END: Row<4> = Row {
 struct Stage<R: Real> {
     motion: Motion<R>,
     /// The contacts that touch.
-    run: Run,
+    run: ContactRange,
     /// m/s².
     acceleration: R::Vec3,
     /// N m.
@@ -176,11 +176,11 @@ struct Stage<R: Real> {
 impl<R: Real> Stage<R> {
     // Four copies of the loop over contacts would be no faster and four times as large.
     #[inline(never)]
-    fn at<D: Dynamics<R>>(scene: &D, point: Point<R>, near: Run) -> Self {
+    fn at<D: Dynamics<R>>(scene: &D, point: Point<R>, near: ContactRange) -> Self {
         let motion = point.motion(scene);
         let run = scene.contacts_near(near, motion.position, &motion.axes);
         let load = scene.load_on(run, &motion);
-        let mass = scene.mass_properties();
+        let mass = scene.inertia_properties();
         let spin = motion.angular_velocity;
         let turn = load.torque - spin.cross(point.angular_momentum);
         let turn = mass.angular_velocity(&motion.axes, turn);
@@ -209,7 +209,7 @@ struct Start<R: Real> {
 
 impl<R: Real> Start<R> {
     #[inline(always)]
-    fn of<D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R, near: Run) -> Self {
+    fn of<D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R, near: ContactRange) -> Self {
         let point = Point::of(state);
         let stage = Stage::at(scene, point, near);
         Self {

@@ -1,7 +1,7 @@
 //! The classical Runge-Kutta method.
 
 use super::{Integrator, Step, step_length};
-use crate::body::Run;
+use crate::body::ContactRange;
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
 use crate::rotation::{Axes, Rotation};
@@ -31,7 +31,7 @@ pub struct Rk4<R = f64> {
 
 impl<R: Real> Integrator<R> for Rk4<R> {
     /// The contacts that were low in the step before: where to look for them first.
-    type Workspace = Run;
+    type Workspace = ContactRange;
 
     #[inline]
     fn step<D: Dynamics<R>>(
@@ -39,7 +39,7 @@ impl<R: Real> Integrator<R> for Rk4<R> {
         scene: &D,
         state: &mut State<R>,
         limit: R,
-        near: &mut Run,
+        near: &mut ContactRange,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
         let half = dt * R::HALF;
@@ -154,20 +154,20 @@ impl<R: Real> Point<R> {
     /// The time derivative here.
     #[inline(always)]
     pub(super) fn slope(&self, scene: &impl Dynamics<R>) -> Self {
-        let mut run = Run::NONE;
+        let mut run = ContactRange::NONE;
         self.slope_near(scene, &mut run)
     }
 
     /// As [`slope`](Self::slope), with the contacts that touch, known of a point not far from here
     /// or not at all.
     #[inline(always)]
-    fn slope_near(&self, scene: &impl Dynamics<R>, run: &mut Run) -> Self {
+    fn slope_near(&self, scene: &impl Dynamics<R>, run: &mut ContactRange) -> Self {
         self.slope_along(scene, self.orientation.axes_of_any_length(), run)
     }
 
     /// As [`slope_near`](Self::slope_near), with axes that are known.
     #[inline(always)]
-    fn slope_along(&self, scene: &impl Dynamics<R>, axes: Axes<R>, run: &mut Run) -> Self {
+    fn slope_along(&self, scene: &impl Dynamics<R>, axes: Axes<R>, run: &mut ContactRange) -> Self {
         let motion = self.motion_along(scene, axes);
         *run = scene.contacts_near(*run, motion.position, &motion.axes);
         self.slope_under(scene, &motion, &scene.load_on(*run, &motion))
@@ -182,7 +182,7 @@ impl<R: Real> Point<R> {
     /// As [`motion`](Self::motion), with axes that are known.
     #[inline(always)]
     pub(super) fn motion_along(&self, scene: &impl Dynamics<R>, axes: Axes<R>) -> Motion<R> {
-        let mass = scene.mass_properties();
+        let mass = scene.inertia_properties();
         Motion {
             position: self.position,
             axes,
@@ -199,7 +199,7 @@ impl<R: Real> Point<R> {
         motion: &Motion<R>,
         load: &Load<R>,
     ) -> Self {
-        let inverse_mass = scene.mass_properties().inverse_mass();
+        let inverse_mass = scene.inertia_properties().inverse_mass();
         Self {
             position: self.linear_velocity,
             linear_velocity: load.force * inverse_mass + scene.gravity(),

@@ -1,7 +1,7 @@
 //! Drift, kick, drift: exact flight on both sides of a kick by the forces.
 
 use super::{Integrator, Step, step_length};
-use crate::body::Run;
+use crate::body::ContactRange;
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
 use crate::rotation::{Axes, Rotation};
@@ -47,7 +47,7 @@ pub struct StrangSplitting<R = f64> {
 
 impl<R: Real> Integrator<R> for StrangSplitting<R> {
     /// The contacts that were low in the step before: where to look for them first.
-    type Workspace = Run;
+    type Workspace = ContactRange;
 
     #[inline]
     fn step<D: Dynamics<R>>(
@@ -55,7 +55,7 @@ impl<R: Real> Integrator<R> for StrangSplitting<R> {
         scene: &D,
         state: &mut State<R>,
         limit: R,
-        near: &mut Run,
+        near: &mut ContactRange,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
         let half = dt * R::HALF;
@@ -98,7 +98,7 @@ fn drift<R: Real>(
     axes: &Axes<R>,
     seconds: R,
 ) -> Rotation<R> {
-    let mass = scene.mass_properties();
+    let mass = scene.inertia_properties();
     state.position += state.linear_velocity * seconds;
     mass.turn_freely(rotation, axes, state.angular_momentum, seconds)
 }
@@ -111,7 +111,7 @@ fn kick<R: Real>(
     state: &mut State<R>,
     axes: Axes<R>,
     seconds: R,
-    near: &mut Run,
+    near: &mut ContactRange,
 ) -> u32 {
     // The place stays, so the contacts that touch do too.
     *near = scene.contacts_near(*near, state.position, &axes);
@@ -130,7 +130,7 @@ fn kick<R: Real>(
 /// Velocities moved on by a load.
 #[inline]
 fn push<R: Real>(scene: &impl Dynamics<R>, state: &mut State<R>, load: &Load<R>, seconds: R) {
-    let inverse_mass = scene.mass_properties().inverse_mass();
+    let inverse_mass = scene.inertia_properties().inverse_mass();
     state.linear_velocity += (load.force * inverse_mass + scene.gravity()) * seconds;
     state.angular_momentum += load.torque * seconds;
 }

@@ -1,7 +1,7 @@
 //! Semi-implicit Euler: velocities first, then positions with the new velocities.
 
 use super::{Integrator, Step, step_length};
-use crate::body::Run;
+use crate::body::ContactRange;
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
 use crate::scene::Dynamics;
@@ -28,7 +28,7 @@ pub struct SymplecticEuler<R = f64> {
 
 impl<R: Real> Integrator<R> for SymplecticEuler<R> {
     /// The contacts that were low in the step before: where to look for them first.
-    type Workspace = Run;
+    type Workspace = ContactRange;
 
     #[inline]
     fn step<D: Dynamics<R>>(
@@ -36,10 +36,10 @@ impl<R: Real> Integrator<R> for SymplecticEuler<R> {
         scene: &D,
         state: &mut State<R>,
         limit: R,
-        near: &mut Run,
+        near: &mut ContactRange,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
-        let mass = scene.mass_properties();
+        let mass = scene.inertia_properties();
         let rotation = state.rotation();
         let motion = scene.motion_along(state, rotation.axes());
         *near = scene.contacts_near(*near, motion.position, &motion.axes);

@@ -4,7 +4,7 @@ mod reference;
 
 use core::ops::ControlFlow;
 
-use super::{Observer, Probe, Sample};
+use super::{Observer, Sample, SceneQuery};
 use crate::energy::{Dissipation, Energy};
 use crate::real::{Quaternion, Real};
 use crate::rotation::Rotation;
@@ -120,7 +120,7 @@ impl<R: Real> Ledger<R> {
     }
 
     /// Adds the works from one moment to the next of the same run.
-    fn enter(&mut self, before: &Moment<R>, now: &Moment<R>, scene: &dyn Probe<R>) {
+    fn enter(&mut self, before: &Moment<R>, now: &Moment<R>, scene: &dyn SceneQuery<R>) {
         let seconds = now.time - before.time;
         let nodes = [&before.node, &now.node];
         let works = if self.to_skip > 0 {
@@ -183,7 +183,7 @@ const MOST_SKIPPED: u32 = 64;
 
 /// Works of a step that does not resolve its contacts, by Simpson's rule along the straight line
 /// between its ends.
-fn chord<R: Real>(scene: &dyn Probe<R>, [start, end]: [&Node<R>; 2], seconds: R) -> Works<R> {
+fn chord<R: Real>(scene: &dyn SceneQuery<R>, [start, end]: [&Node<R>; 2], seconds: R) -> Works<R> {
     let (a, b) = (&start.state, &end.state);
     let middle = State {
         position: (a.position + b.position) * R::HALF,

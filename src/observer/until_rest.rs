@@ -27,12 +27,12 @@ use crate::state::State;
 ///     .with_gravity(UniformGravity::down(9.81))?
 ///     .with_ground(FlatGround::level(4000.0, 1.2))?
 ///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?;
-/// let mut state = stepper.spinning(State::at(DVec3::Z * 0.2), DVec3::new(20.0, 35.0, 5.0)); // m, rad/s
+/// let mut state = stepper.with_angular_velocity(State::at(DVec3::Z * 0.2), DVec3::new(20.0, 35.0, 5.0)); // m, rad/s
 /// // Not a tenth of a millimetre in a quarter of a second.
 /// let mut rest = UntilRest::new(stepper.body(), 1e-4, 0.25)?;
 /// let seconds = stepper.run(&mut state, 60.0, &mut rest)?;
 /// assert!(rest.is_reached() && seconds < 5.0);
-/// println!("{:?} after {seconds:.2} s", stepper.body().side_up(&state));
+/// println!("{:?} after {seconds:.2} s", stepper.body().face_up(&state));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -42,7 +42,7 @@ use crate::state::State;
 /// `2 √(2 distance/g)`, which is 9 ms for 1e-4 m on earth: `seconds` must be longer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UntilRest<R: Real = f64> {
-    reach: R,
+    bounding_radius: R,
     distance: R,
     seconds: R,
     /// Where the body was when it last moved, and its last sample.
@@ -75,9 +75,9 @@ impl<R: Real> UntilRest<R> {
     ) -> Result<Self, SceneError> {
         error::at_least_zero("distance of a body at rest", distance, " m")?;
         error::above_zero("time of a body at rest", seconds, " s")?;
-        error::at_least_zero("reach of the body", body.reach(), " m")?;
+        error::at_least_zero("reach of the body", body.bounding_radius(), " m")?;
         Ok(Self {
-            reach: body.reach(),
+            bounding_radius: body.bounding_radius(),
             distance,
             seconds,
             seen: None,
@@ -97,7 +97,7 @@ impl<R: Real> UntilRest<R> {
         let shift = (now.position - seen.moved.position).length();
         // A turn by φ takes a place at the distance r along a chord of 2 r sin(φ/2).
         let turn = now.rotation().after(seen.moved.rotation().inverse());
-        let chord = R::TWO * self.reach * turn.sine_of_half();
+        let chord = R::TWO * self.bounding_radius * turn.sine_of_half();
         // A long step in flight may end at the height at which it began.
         let way = now.linear_velocity.length() * elapsed;
         shift + chord <= self.distance && way <= self.distance

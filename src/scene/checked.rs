@@ -13,10 +13,10 @@
 use core::cell::Cell;
 
 use super::Dynamics;
-use crate::body::{MassProperties, RigidPointBody};
+use crate::body::{InertiaProperties, RigidPointBody};
 use crate::error::LawQuantity;
-use crate::friction::{Drag, SlidingFriction, TurningResistance};
-use crate::ground::{Extent, MeanForce, SpringDamperGround, Surface};
+use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
+use crate::ground::{GroundBounds, MeanForce, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 
 /// Units in the last place by which the square of a normal's length may differ from 1: twice what
@@ -54,7 +54,7 @@ impl<R: Real> Record<R> {
     }
 
     /// The first value that breaks a contract by more than rounding of the energy (J).
-    pub(crate) fn breach(&self, rounding: R) -> Option<(LawQuantity, R)> {
+    pub(crate) fn violation(&self, rounding: R) -> Option<(LawQuantity, R)> {
         let findings = self.0.get();
         let negative = -findings.least_energy > rounding;
         let energy = negative.then_some((LawQuantity::SpringEnergy, findings.least_energy));
@@ -87,7 +87,7 @@ pub(crate) struct CheckedScene<'a, R: Real> {
     ground: CheckedGround<'a, R>,
     friction: CheckedFriction<'a, R>,
     gravity: R::Vec3,
-    mass_properties: &'a MassProperties<R>,
+    inertia_properties: &'a InertiaProperties<R>,
     has_radii: bool,
 }
 
@@ -102,7 +102,7 @@ impl<'a, R: Real> CheckedScene<'a, R> {
             body: scene.body(),
             ground: CheckedGround {
                 ground: scene.ground(),
-                reach: scene.reach(),
+                bounding_radius: scene.bounding_radius(),
                 record,
             },
             friction: CheckedFriction {
@@ -110,7 +110,7 @@ impl<'a, R: Real> CheckedScene<'a, R> {
                 record,
             },
             gravity: scene.gravity(),
-            mass_properties: scene.mass_properties(),
+            inertia_properties: scene.inertia_properties(),
             has_radii: scene.has_radii(),
         }
     }
@@ -138,12 +138,12 @@ impl<'a, R: Real> Dynamics<R> for CheckedScene<'a, R> {
         self.gravity
     }
     #[inline]
-    fn mass_properties(&self) -> &MassProperties<R> {
-        self.mass_properties
+    fn inertia_properties(&self) -> &InertiaProperties<R> {
+        self.inertia_properties
     }
     #[inline]
-    fn reach(&self) -> R {
-        self.ground.reach
+    fn bounding_radius(&self) -> R {
+        self.ground.bounding_radius
     }
     #[inline]
     fn has_radii(&self) -> bool {
@@ -167,7 +167,7 @@ impl<'a, R: Real> Dynamics<R> for CheckedScene<'a, R> {
 pub(crate) struct CheckedGround<'a, R: Real> {
     ground: &'a dyn SpringDamperGround<R>,
     /// Of the body, m: no contact has a larger radius.
-    reach: R,
+    bounding_radius: R,
     record: &'a Record<R>,
 }
 
@@ -207,7 +207,7 @@ impl<R: Real> CheckedGround<'_, R> {
         }
         if is_nan(surface.gap) {
             self.record.note(LawQuantity::Gap, surface.gap);
-        } else if surface.gap <= self.reach {
+        } else if surface.gap <= self.bounding_radius {
             // Farther away nothing touches, and the normal is never used.
             let length = surface.normal.length();
             let sound = (length - R::ONE).abs() <= R::EPSILON * R::from_f64(NORMAL);
@@ -292,8 +292,8 @@ impl<R: Real> SpringDamperGround<R> for CheckedGround<'_, R> {
     }
 
     #[inline]
-    fn extent(&self) -> Extent<R> {
-        self.ground.extent()
+    fn bounds(&self) -> GroundBounds<R> {
+        self.ground.bounds()
     }
 
     #[inline]
@@ -327,15 +327,15 @@ impl<R: Real> CheckedFriction<'_, R> {
 
     #[cold]
     #[inline(never)]
-    fn blame_turning(&self, turning: &TurningResistance<R>, normal_force: R) {
-        let values = [turning.rolling, turning.drilling, turning.turn_speed];
+    fn blame_turning(&self, turning: &RollingResistance<R>, normal_force: R) {
+        let values = [turning.rolling, turning.spinning, turning.turn_speed];
         let broken = values.into_iter().find(|&value| {
             let sound = value >= R::ZERO;
             !sound
         });
         if let Some(value) = broken.filter(|_| normal_force >= R::ZERO && normal_force.is_finite())
         {
-            self.record.note(LawQuantity::TurningResistance, value);
+            self.record.note(LawQuantity::RollingResistance, value);
         }
     }
 }
@@ -353,16 +353,16 @@ impl<R: Real> SlidingFriction<R> for CheckedFriction<'_, R> {
     }
 
     #[inline]
-    fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
-        self.friction.drag(normal_force, slip)
+    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
+        self.friction.jacobian(normal_force, slip)
     }
 
     #[inline]
-    fn turning(&self, normal_force: R) -> Option<TurningResistance<R>> {
-        let turning = self.friction.turning(normal_force);
+    fn rolling_resistance(&self, normal_force: R) -> Option<RollingResistance<R>> {
+        let turning = self.friction.rolling_resistance(normal_force);
         if let Some(values) = &turning {
             let sound = values.rolling >= R::ZERO
-                && values.drilling >= R::ZERO
+                && values.spinning >= R::ZERO
                 && values.turn_speed >= R::ZERO;
             if !sound && !self.friction.is_trusted() {
                 self.blame_turning(values, normal_force);

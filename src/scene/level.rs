@@ -372,7 +372,7 @@ mod tests {
             let i = f64::from(i);
             State::at(DVec3::new(0.3, -0.2, 0.1 * (i % 7.0) - 0.5))
                 .with_linear_velocity(DVec3::new(0.2, -0.1, 0.05 * (i % 5.0) - 0.1))
-                .turned_by(DVec3::new(0.1 * i, 1.57 + 0.02 * (i % 4.0), 0.3))
+                .with_rotation_vector(DVec3::new(0.1 * i, 1.57 + 0.02 * (i % 4.0), 0.3))
                 .with_angular_momentum(DVec3::new(0.02, -0.01, 0.03))
         })
     }
@@ -398,7 +398,7 @@ mod tests {
             for state in states() {
                 let motion = scene.motion(&state);
                 let arm_axes = state
-                    .turned_by(DVec3::new(0.3, -0.2, 0.1))
+                    .with_rotation_vector(DVec3::new(0.3, -0.2, 0.1))
                     .rotation()
                     .axes();
                 let run = scene.contacts_within(0.0, motion.position, &motion.axes);
@@ -447,7 +447,7 @@ mod tests {
             let load = |points: f64| {
                 let state = State::at(DVec3::Z * (0.5 - depth))
                     .with_linear_velocity(DVec3::new(0.2, -0.1, -0.05))
-                    .turned_by(DVec3::X * (points * core::f64::consts::TAU / 120.0));
+                    .with_rotation_vector(DVec3::X * (points * core::f64::consts::TAU / 120.0));
                 let motion = scene.motion(&state);
                 let run = scene.contacts_within(0.0, motion.position, &motion.axes);
                 let tail = run.parts(scene.body().contacts())[1].len();
@@ -510,8 +510,8 @@ mod tests {
             fn normal_force(&self, depth: f64, _closing_speed: f64) -> f64 {
                 self.spring_force(depth)
             }
-            fn extent(&self) -> Extent {
-                Extent::Plane(Plane::level(0.0))
+            fn bounds(&self) -> GroundBounds {
+                GroundBounds::Plane(Plane::level(0.0))
             }
         }
         let scene = Scene::new(Rings::new(120, 0.0), Strict, Own, NoGravity).unwrap();

@@ -17,7 +17,7 @@ use sweep::{Sweep, visit_between};
 
 use super::{Contact, Dynamics, Motion};
 use crate::body::{Arc, ContactPoint, Panel, Panels, QUARTER, Rim, SHORT};
-use crate::ground::{Extent, Plane, SpringDamperGround, Surface};
+use crate::ground::{GroundBounds, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 
@@ -31,15 +31,15 @@ pub(crate) fn arc_below<R: Real, G: SpringDamperGround<R>>(
     axes: &Axes<R>,
 ) -> Arc<R> {
     let centre = position + axes.to_world(rim.centre());
-    match ground.extent() {
-        Extent::Nowhere => Arc::Nothing,
-        Extent::Plane(plane) => rim.arc_below(axes.to_body(plane.normal), plane.gap(centre)),
-        Extent::Below(plane)
+    match ground.bounds() {
+        GroundBounds::Nowhere => Arc::Nothing,
+        GroundBounds::Plane(plane) => rim.arc_below(axes.to_body(plane.normal), plane.gap(centre)),
+        GroundBounds::Below(plane)
             if plane.gap(centre) > rim.radius() * rim.steepness(axes.to_body(plane.normal)) =>
         {
             Arc::Nothing
         }
-        Extent::Below(_) | Extent::Everywhere => {
+        GroundBounds::Below(_) | GroundBounds::Everywhere => {
             let (surface, place) = lowest(rim, ground, position, axes);
             let normal = axes.to_body(surface.normal);
             rim.arc_below(normal, surface.gap + normal.dot(rim.centre() - place))
@@ -81,8 +81,8 @@ pub(super) enum Touching<R: Real> {
 impl<R: Real> Touching<R> {
     #[inline(always)]
     pub(super) fn of<D: Dynamics<R> + ?Sized>(scene: &D, rim: &Rim<R>, motion: &Motion<R>) -> Self {
-        match scene.ground().extent() {
-            Extent::Plane(plane) if plane == Plane::level(plane.height) => {
+        match scene.ground().bounds() {
+            GroundBounds::Plane(plane) if plane == Plane::level(plane.height) => {
                 Self::above(scene, plane.height, rim, motion)
             }
             _ => Self::Any,

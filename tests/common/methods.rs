@@ -18,7 +18,7 @@ pub(crate) struct Setup {
 }
 
 impl Setup {
-    /// A trial of the report, with its knobs as they are given.
+    /// A trial of the report, with its parameters as they are given.
     pub(crate) fn of(trial: &Trial) -> Self {
         Self {
             ground: trial.ground(),

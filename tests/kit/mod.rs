@@ -145,7 +145,7 @@ impl AnyBody {
         let points = vec![ContactPoint::default(); count];
         Self {
             name: format!("a ring of {count} points, {mass:e} kg, {radius:e} m"),
-            body: Box::new(Coin::ring_in(points, mass, radius)),
+            body: Box::new(Coin::ring_with_storage(points, mass, radius)),
         }
     }
 
@@ -153,7 +153,7 @@ impl AnyBody {
         let points: Vec<_> = places.map(ContactPoint::bare).collect();
         Self {
             name: format!("{kind} of {points:?} with masses {masses:?}"),
-            body: Box::new(PointCloud::in_storage(points, &masses).unwrap()),
+            body: Box::new(PointCloud::with_storage(points, &masses).unwrap()),
         }
     }
 }

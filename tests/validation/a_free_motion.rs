@@ -5,8 +5,8 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use proptest::prelude::*;
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
-    Coin, ContactPoint, ForwardEuler, Integrator, MassProperties, PointCloud, RigidPointBody, Rk4,
-    State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
+    Coin, ContactPoint, ForwardEuler, InertiaProperties, Integrator, PointCloud, RigidPointBody,
+    Rk4, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
 };
 
 use crate::kit::{
@@ -166,7 +166,7 @@ fn wobbling_ring() -> (Coin, State) {
     let lean = 15.0_f64.to_radians();
     // The normal is body x: leaned in the xz plane of the world, with the angular momentum along x.
     let state = State::default()
-        .turned_by(DVec3::Y * -lean)
+        .with_rotation_vector(DVec3::Y * -lean)
         .with_angular_momentum(DVec3::X);
     (coin, state)
 }
@@ -507,7 +507,7 @@ fn the_free_turn_of_an_asymmetric_body_is_of_order_two() {
     // exact to 1e-12.
     let start = AsymmetricTop::new(BOX, DVec3::new(1.0, 0.0, 5.0))
         .state()
-        .turned_by(DVec3::new(0.3, 0.2, -0.5));
+        .with_rotation_vector(DVec3::new(0.3, 0.2, -0.5));
     let turned = |advance: &dyn Fn(&mut State, f64)| {
         let mut state = start;
         advance(&mut state, 1.0);
@@ -719,7 +719,7 @@ static RING: Case = Case::new(
     "the sum of cos² over a regular polygon",
     || {
         let storage = [ContactPoint::default(); 3];
-        let triangle = Coin::ring_in(storage, 1.0, 0.5);
+        let triangle = Coin::ring_with_storage(storage, 1.0, 0.5);
         let places = [0, 1, 2].map(|i| triangle.contacts()[i].position);
         let cloud = PointCloud::<f64, _>::new(places, [1.0 / 3.0; 3]).unwrap();
         let inertia: DMat3 = cloud.inertia();
@@ -748,9 +748,9 @@ fn equal_points_on_a_circle_have_the_moments_of_a_ring_for_any_number_from_three
     // M r² diag(1, 1/2, 1/2) exactly, says the sum of cos² over a regular polygon; here by the
     // points, to the rounding of up to 200 terms, summed by Kahan: 4 units.
     for count in 3..=200 {
-        let ring = Coin::ring_in(vec![ContactPoint::default(); count], 1.0, 0.5);
+        let ring = Coin::ring_with_storage(vec![ContactPoint::default(); count], 1.0, 0.5);
         let masses = vec![1.0 / count as f64; count];
-        let cloud = PointCloud::in_storage(ring.contacts().to_vec(), &masses).unwrap();
+        let cloud = PointCloud::with_storage(ring.contacts().to_vec(), &masses).unwrap();
         let expected = DMat3::from_diagonal(DVec3::new(0.25, 0.125, 0.125));
         assert_eq!(ring.inertia(), expected);
         let miss = (cloud.inertia() - expected)
@@ -766,7 +766,7 @@ fn equal_points_on_a_circle_have_the_moments_of_a_ring_for_any_number_from_three
 fn a_coin_of_three_points_flies_like_one_of_a_hundred_and_twenty() {
     // The same moments, so the same bits.
     let (coin, start) = wobbling_ring();
-    let coarse = Coin::ring_in([ContactPoint::default(); 3], 1.0, 0.5);
+    let coarse = Coin::ring_with_storage([ContactPoint::default(); 3], 1.0, 0.5);
     let (mut a, mut b) = (start, start);
     Stepper::new(coin).unwrap().advance(&mut a, 1.0).unwrap();
     Stepper::new(coarse).unwrap().advance(&mut b, 1.0).unwrap();
@@ -792,7 +792,7 @@ random! {
         // The body may come to turn about an axis of a lesser moment, by so many radians for one
         // that was asked for; and the tensor in other axes is rounded as its largest moment is, a
         // greater share of the least.
-        let properties = MassProperties::new(body.mass(), body.inertia()).unwrap();
+        let properties = InertiaProperties::new(body.mass(), body.inertia()).unwrap();
         let radians = (momentum.length() * properties.largest_inverse_moment() / spin).max(1.0);
         each_explicit!(dt, |integrator, method| {
             let mut a = State::default().with_orientation(orientation).with_angular_momentum(momentum);
@@ -805,12 +805,12 @@ random! {
                 first.step(&mut a).unwrap();
                 second.step(&mut b).unwrap();
             }
-            let reach = body.reach();
+            let bounding_radius = body.bounding_radius();
             for (p, q) in straight.contacts.iter().zip(&turned.contacts) {
-                let miss = a.place(p.position).distance(b.place(q.position));
+                let miss = a.world_point(p.position).distance(b.world_point(q.position));
                 // 100 steps of a few roundings, and the tensor's own, a radian. Measured: 1e-14 in
                 // a body of equal moments.
-                misses.within(method, miss, 1e-13 * reach * radians)?;
+                misses.within(method, miss, 1e-13 * bounding_radius * radians)?;
             }
         });
     }

@@ -357,7 +357,7 @@ static UPRIGHT_SAG: Case = Case::new(
     || {
         let (count, stiffness, radius) = (1200, 1000.0, 0.5);
         let arc = contact_arc(count, stiffness, radius, 9.8);
-        let coin = Coin::ring_in(vec![ContactPoint::default(); count], 1.0, radius);
+        let coin = Coin::ring_with_storage(vec![ContactPoint::default(); count], 1.0, radius);
         // Some twenty contacts: ω = 140 rad/s, ζ = 0.35, so that 0.4 s leave e^-20 of the first
         // swing.
         let stepper = Stepper::new(coin)
@@ -412,11 +412,11 @@ random! {
         // ζ = 1.
         let frequency = (n * arc / PI * stiffness / mass).sqrt();
         let damping = 2.0 * stiffness / frequency;
-        let stepper = Stepper::new(Coin::ring_in(vec![ContactPoint::default(); count], mass, radius)).unwrap()
+        let stepper = Stepper::new(Coin::ring_with_storage(vec![ContactPoint::default(); count], mass, radius)).unwrap()
             .with_gravity(UniformGravity::down(g)).unwrap()
             .with_ground(FlatGround::level(stiffness, damping)).unwrap()
             .with_integrator(EnergyMomentum { time_step: 0.1 / frequency }).unwrap();
-        let mut state = State::at(DVec3::Z * radius * arc.cos()).turned_by(DVec3::X * turn);
+        let mut state = State::at(DVec3::Z * radius * arc.cos()).with_rotation_vector(DVec3::X * turn);
         // After 30/ω, e^-30 of the first swing.
         stepper.advance(&mut state, 30.0 / frequency).unwrap();
         let step = TAU / n;
@@ -452,7 +452,7 @@ fn miss_of_a_flat_ring(count: usize, mass: f64, stiffness: f64, damping: f64) ->
     // A tenth of the depth at rest: no point ever leaves.
     let first = -0.1 * rest;
     let period = TAU / (frequency * (1.0 - ratio * ratio).sqrt());
-    let stepper = Stepper::new(Coin::ring_in(
+    let stepper = Stepper::new(Coin::ring_with_storage(
         vec![ContactPoint::default(); count],
         mass,
         0.5,

@@ -1,5 +1,5 @@
 //! Group C, friction: a block that slides to rest, a ball that comes to roll, creep on a slope,
-//! drilling.
+//! spinning.
 //!
 //! The printed numbers are tested with the printed parameters, the formulas with parameters of any
 //! size.
@@ -9,8 +9,8 @@ use core::f64::consts::TAU;
 use proptest::prelude::*;
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
-    Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, Plane, PointCloud, Probe,
-    RigidPointBody, Rk4, SlidingFriction, SmoothCoulomb, State, Stepper, UniformGravity,
+    Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, Plane, PointCloud, RigidPointBody,
+    Rk4, SceneQuery, SlidingFriction, SmoothCoulomb, State, Stepper, UniformGravity,
 };
 
 use crate::kit::{Solid, log_uniform, zero_or};
@@ -320,7 +320,7 @@ static PARABOLA: Case = Case::new(
     "`x = v₀t - μg û t²/2`, then straight at `v₀ - b u₀`",
     "Coriolis (1835); Hopkins & Patterson, Am. J. Phys. 45, 263 (1977)",
     || {
-        // A bowling ball: 8 m/s along x, side spin of 3 m/s at its contact and a drilling spin, μ =
+        // A bowling ball: 8 m/s along x, side spin of 3 m/s at its contact and a spinning spin, μ =
         // 0.1: the slip is (8, 3) m/s, √73.
         let eps = 1e-4;
         let skid = Skid::of(0.4, 0.1, eps);
@@ -607,7 +607,7 @@ const UNIFORM: [f64; 3] = [1.0, 1.0, 1.0 / 3.0];
 /// 1 m/s.
 fn sliding_rod(half: f64, angle: f64, depth: f64) -> State {
     State::at(DVec3::Z * (half * angle.sin() - depth))
-        .turned_by(DVec3::Y * -angle)
+        .with_rotation_vector(DVec3::Y * -angle)
         .with_linear_velocity(-DVec3::X)
 }
 
@@ -768,7 +768,7 @@ fn a_rod_in_painleves_paradox_jams_and_is_thrown_without_gaining_energy() {
 }
 
 // -----------------------------------------------------------------------------------------------
-// C11: drilling
+// C11: spinning
 // -----------------------------------------------------------------------------------------------
 
 /// Rate (rad/s) about the vertical of a body that lies flat (body x down) on its points, each with
@@ -860,7 +860,7 @@ fn disc_of_points() -> PointCloud<f64, Vec<ContactPoint>> {
         }
     }
     let masses = vec![1.0 / points.len() as f64; points.len()];
-    PointCloud::in_storage(points, &masses).unwrap()
+    PointCloud::with_storage(points, &masses).unwrap()
 }
 
 random! {
@@ -879,7 +879,7 @@ random! {
         let coefficient = rim_speed * rim_speed / (2.0 * 9.8 * radius * angle);
         let slip_speed = eps_share * rim_speed;
         let [seconds, _] = slide(coefficient * 9.8, slip_speed, rim_speed, part * rim_speed);
-        let ring = Coin::ring_in(vec![ContactPoint::default(); count], mass, radius);
+        let ring = Coin::ring_with_storage(vec![ContactPoint::default(); count], mass, radius);
         let friction = Coulomb { coefficient, slip_speed };
         // 400 steps for the friction, and steps of a tenth of a radian, or Runge-Kutta makes it
         // nutate.

@@ -18,7 +18,7 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use proptest::prelude::{prop, prop_assume};
 use tumble::glam::{DMat3, DMat4, DVec3, DVec4};
 use tumble::{
-    Coin, ContactPoint, Coulomb, FlatGround, RigidPointBody, Rk4, Run, State, Stepper,
+    Coin, ContactPoint, ContactRange, Coulomb, FlatGround, RigidPointBody, Rk4, State, Stepper,
     StrangSplitting, UniformGravity,
 };
 
@@ -54,7 +54,7 @@ impl Disc {
     fn new(moments: [f64; 2]) -> Self {
         let points = vec![ContactPoint::default(); 8000];
         Self {
-            rim: Coin::ring_in(points, 1.0, RADIUS),
+            rim: Coin::ring_with_storage(points, 1.0, RADIUS),
             moments,
         }
     }
@@ -71,7 +71,7 @@ impl RigidPointBody for Disc {
     fn contacts(&self) -> &[ContactPoint] {
         self.rim.contacts()
     }
-    fn contacts_below(&self, normal: DVec3, offset: f64) -> Run {
+    fn contacts_below(&self, normal: DVec3, offset: f64) -> ContactRange {
         self.rim.contacts_below(normal, offset)
     }
 }
@@ -91,7 +91,7 @@ fn start(moments: [f64; 2], alpha: f64, spin: f64, rate: f64) -> State {
     let [axial, diametral] = moments;
     let (normal, up) = (DVec3::new(sin, 0.0, cos), DVec3::new(-cos, 0.0, sin));
     State::at(DVec3::Z * (RADIUS * sin * arc(alpha).cos()))
-        .turned_by(DVec3::Y * (alpha - FRAC_PI_2))
+        .with_rotation_vector(DVec3::Y * (alpha - FRAC_PI_2))
         .with_linear_velocity(-DVec3::Y * (RADIUS * spin))
         .with_angular_momentum(
             (normal * (axial * spin) + up * (diametral * rate * sin)) * (RADIUS * RADIUS),
@@ -335,8 +335,8 @@ fn leans(moments: [f64; 2], alpha: f64, [spin, rate]: [f64; 2], friction: f64) -
     let (sin, cos) = alpha.sin_cos();
     let share = (RADIUS * spin * rate / GRAVITY).abs();
     let slip = GRAVITY / friction * share / (1.0 - share);
-    let drilling = rate * sin * sin + spin * cos;
-    let turn = friction * arc(alpha).powi(2) / 5.0 * drilling / ((moments[0] + 1.0) * spin * sin);
+    let spinning = rate * sin * sin + spin * cos;
+    let turn = friction * arc(alpha).powi(2) / 5.0 * spinning / ((moments[0] + 1.0) * spin * sin);
     slip / RADIUS + turn.abs()
 }
 
@@ -370,8 +370,8 @@ random! {
 /// The force that holds the contact slips by 1/γ of its acceleration, out of phase: (ω/γ)². The
 /// patch resists the turn about the vertical: `γ φ²/(5 k_d)` of it a second, a share of ω.
 fn softness(moments: [f64; 2], alpha: f64, frequency: f64, friction: f64) -> f64 {
-    let drilling = friction * arc(alpha).powi(2) / (5.0 * moments[1]);
-    (frequency / friction).powi(2) + drilling / frequency
+    let spinning = friction * arc(alpha).powi(2) / (5.0 * moments[1]);
+    (frequency / friction).powi(2) + spinning / frequency
 }
 
 static UPRIGHT: Case = Case::new(
@@ -441,12 +441,12 @@ static NUTATION_ROLLING: Case = Case::new(
             let got = (frequency(&path, rate * square.sqrt()) / mean_rate(&path)).powi(2);
             // The patch resists the turn about the vertical: in the run it takes γ φ² t/(5 k_d) of
             // it.
-            let drilling = 100.0 * arc(alpha).powi(2) * 2.0 / (5.0 * moments[1]);
+            let spinning = 100.0 * arc(alpha).powi(2) * 2.0 / (5.0 * moments[1]);
             figures.push(figure(
                 format!("{name}, {degrees}°: ω²/Ω²"),
                 square,
                 got,
-                drilling * square,
+                spinning * square,
             ));
         }
         figures
@@ -455,7 +455,7 @@ static NUTATION_ROLLING: Case = Case::new(
 .and(&[&ANY_NUTATION_ROLLING]);
 
 random! {
-    /// As the printed ones, with the softness of friction beside the drilling.
+    /// As the printed ones, with the softness of friction beside the spinning.
     ANY_NUTATION_ROLLING = new(16, "moments, 15° to 75°");
     fn discs_of_any_moments_that_tumble_rolling_nod_at_the_rate_of_small_swings(
         diametral in 0.15..0.6_f64,
@@ -467,8 +467,8 @@ random! {
         let path = path(moments, grip(200.0), swinging(moments, alpha, [0.0, rate]), 2.0);
         let turned = mean_rate(&path);
         let got = (frequency(&path, square.sqrt()) / turned).powi(2);
-        let drilling = 200.0 * arc(alpha).powi(2) * 2.0 / (5.0 * diametral);
-        let miss = drilling + (square.sqrt() / 200.0).powi(2);
+        let spinning = 200.0 * arc(alpha).powi(2) * 2.0 / (5.0 * diametral);
+        let miss = spinning + (square.sqrt() / 200.0).powi(2);
         let expected = square / (rate * rate);
         misses.near("ω²/Ω²", [got, expected], miss * expected)?;
     }

@@ -85,8 +85,8 @@ fn rock(alpha: f64, first: f64) -> [f64; 3] {
     // Two corners carry it.
     let depth = 0.5 * GRAVITY / stiffness;
     let radius = b.hypot(h);
-    let mut state =
-        State::at(DVec3::Z * (radius * (alpha - first).cos() - depth)).turned_by(DVec3::Y * first);
+    let mut state = State::at(DVec3::Z * (radius * (alpha - first).cos() - depth))
+        .with_rotation_vector(DVec3::Y * first);
     // Down, up on the other side, and a tenth of that.
     let p = (3.0 * GRAVITY / (4.0 * radius)).sqrt();
     let seconds = 2.1 * fall(alpha, first / alpha) / p;
@@ -194,8 +194,8 @@ fn tilts(
         let normal = state.orientation * DVec3::X;
         normal.x.atan2(normal.z.abs())
     };
-    let mut state =
-        State::at(DVec3::Z * radius * first.sin()).turned_by(DVec3::Y * (FRAC_PI_2 - first));
+    let mut state = State::at(DVec3::Z * radius * first.sin())
+        .with_rotation_vector(DVec3::Y * (FRAC_PI_2 - first));
     let side = tilt(&state).signum();
     let (mut other, mut aside): (f64, f64) = (0.0, 0.0);
     stepper
@@ -232,7 +232,7 @@ random! {
         ratio in 1.0..5.0_f64,
     ) |misses| {
         let (radius, count) = (0.5, 2 * pairs);
-        let contacts = Coin::ring_in(vec![ContactPoint::default(); count], 1.0, radius).contacts().to_vec();
+        let contacts = Coin::ring_with_storage(vec![ContactPoint::default(); count], 1.0, radius).contacts().to_vec();
         // As stiff together as the printed ring.
         let stiffness = 1.2e6 / count as f64;
         let damping = 2.0 * ratio * stiffness.sqrt();
@@ -322,7 +322,7 @@ fn topples(half: [f64; 2], coefficient: f64, tangent: f64, longest: f64) -> bool
     // About to topple it stands on its two lower corners, and leans by their depth over its width.
     let depth = 0.5 * GRAVITY * cos / 1e6;
     let mut state = State::at(normal * (half[1] - 0.5 * depth))
-        .turned_by(DVec3::Y * (tangent.atan() + depth / (2.0 * half[0])));
+        .with_rotation_vector(DVec3::Y * (tangent.atan() + depth / (2.0 * half[0])));
     let seconds = stepper
         .run(&mut state, longest, &mut |sample: &Sample<'_>| {
             if lean(sample.state) > 0.25 * PI + tangent.atan() {

@@ -5,7 +5,7 @@ use core::f64::consts::{FRAC_PI_2, TAU};
 use proptest::prelude::{prop, prop_assume};
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
-    ContactPoint, Coulomb, Ellipsoid, EnergyMomentum, FlatGround, MassDistribution, RigidPointBody,
+    ContactPoint, Coulomb, Ellipsoid, EnergyMomentum, FlatGround, MassProperties, RigidPointBody,
     Rk4, Sample, Sphere, State, Stepper, StrangSplitting, UniformGravity,
 };
 
@@ -31,7 +31,7 @@ fn eccentric(low: f64, across: f64, about: f64) -> Sphere {
     let moments = DVec3::new(across, across, about) * (RADIUS * RADIUS);
     Sphere::loaded(
         RADIUS,
-        MassDistribution {
+        MassProperties {
             mass: 1.0,
             centre_of_mass: DVec3::NEG_Z * low,
             inertia: DMat3::from_diagonal(moments),
@@ -83,7 +83,7 @@ fn drift_of_jellett(start: State, seconds: f64, time_step: f64) -> f64 {
 }
 
 fn spinning_top(lean: f64, rate: f64) -> State {
-    let state = State::at(DVec3::Z * RADIUS).turned_by(DVec3::X * lean);
+    let state = State::at(DVec3::Z * RADIUS).with_rotation_vector(DVec3::X * lean);
     state.with_angular_momentum(state.orientation * DVec3::Z * (0.35 * RADIUS * RADIUS * rate))
 }
 
@@ -154,7 +154,7 @@ fn rattle(askew: f64, spin: f64, seconds: f64) -> Vec<State> {
         ),
         DVec3::Z * upright,
     );
-    let distribution = MassDistribution {
+    let distribution = MassProperties {
         mass: 1.0,
         centre_of_mass: DVec3::ZERO,
         inertia,
@@ -247,7 +247,8 @@ fn swing(body: impl RigidPointBody, height: f64, friction: Coulomb, first: f64) 
         .unwrap()
         .with_integrator(StrangSplitting { time_step: 1e-4 })
         .unwrap();
-    let mut state = State::at(DVec3::Z * (height - GRAVITY / 1e5)).turned_by(DVec3::Y * first);
+    let mut state =
+        State::at(DVec3::Z * (height - GRAVITY / 1e5)).with_rotation_vector(DVec3::Y * first);
     let (mut passages, mut before) = (Vec::new(), (0.0, first));
     stepper
         .run(&mut state, 4.0, &mut |sample: &Sample<'_>| {
@@ -330,7 +331,7 @@ fn first_swing(
         .with_integrator(EnergyMomentum { time_step })
         .unwrap();
     let depth = GRAVITY / stiffness;
-    let mut state = State::at(DVec3::Z * (height - depth)).turned_by(DVec3::Y * first);
+    let mut state = State::at(DVec3::Z * (height - depth)).with_rotation_vector(DVec3::Y * first);
     let (mut passages, mut before) = (Vec::new(), (0.0, first));
     stepper
         .run(&mut state, 1.4 * expected, &mut |sample: &Sample<'_>| {
@@ -527,8 +528,8 @@ impl Top {
 
     fn start(&self, lean: f64, spin: f64, rate: f64) -> State {
         let depth = GRAVITY / Self::STIFFNESS;
-        let state =
-            State::at(DVec3::Z * (self.length * lean.cos() - depth)).turned_by(DVec3::Y * lean);
+        let state = State::at(DVec3::Z * (self.length * lean.cos() - depth))
+            .with_rotation_vector(DVec3::Y * lean);
         let [down, axis] = [DVec3::X, DVec3::Z].map(|own| state.orientation * own);
         // Up in the vertical plane of the axis: body -x.
         state.with_angular_momentum(

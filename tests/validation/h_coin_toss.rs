@@ -7,8 +7,8 @@ use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 use tumble::glam::DVec3;
 use tumble::{
-    Coin, ContactPoint, Coulomb, EnergyMomentum, Face, FlatGround, Flight, RigidPointBody, Sample,
-    SolidCoin, State, Stepper, StrangSplitting, UniformGravity,
+    Coin, CoinFace, ContactPoint, Coulomb, EnergyMomentum, FlatGround, Flight, RigidPointBody,
+    Sample, SolidCoin, State, Stepper, StrangSplitting, UniformGravity,
 };
 
 use crate::kit::statistics::FractionTest;
@@ -37,7 +37,7 @@ const MOMENTS: [f64; 2] = [0.5 * 5e-3 * 0.012 * 0.012, 5e-3 * 0.012 * 0.012];
 /// Heads up, thrown upwards with this angular velocity (in the world's axes; the normal is z).
 fn thrown(speed: f64, rate: DVec3) -> State {
     State::default()
-        .turned_by(DVec3::Y * -FRAC_PI_2)
+        .with_rotation_vector(DVec3::Y * -FRAC_PI_2)
         .with_linear_velocity(DVec3::Z * speed)
         .with_angular_momentum(DVec3::new(
             MOMENTS[0] * rate.x,
@@ -105,7 +105,7 @@ static KELLER: Case = Case::new(
 fn a_coin_of_38_turns_a_second_is_caught_on_its_other_face() {
     KELLER.holds();
     let state = caught(thrown(2.4, DVec3::X * 38.0 * TAU), 2.4);
-    assert_eq!(coin().face_up(&state), Face::Tails);
+    assert_eq!(coin().face_up(&state), CoinFace::Tails);
 }
 
 random! {
@@ -120,7 +120,7 @@ random! {
         // Some units of 1e-16 of up to 1000 rad.
         prop_assume!(height.abs() > 1e-11);
         let state = caught(thrown(speed, DVec3::X * rate), speed);
-        let expected = if height > 0.0 { Face::Heads } else { Face::Tails };
+        let expected = if height > 0.0 { CoinFace::Heads } else { CoinFace::Tails };
         prop_assert_eq!(coin().face_up(&state), expected);
         misses.near("height of the normal", [(state.orientation * DVec3::X).z, height], 1e-11)?;
     }
@@ -136,7 +136,7 @@ fn lowest_normal(angle: f64) -> f64 {
     // Total angular momentum for a precession of 20 turns a second.
     let momentum = MOMENTS[0] * 20.0 * TAU;
     let start = State::default()
-        .turned_by(DVec3::Y * -FRAC_PI_2)
+        .with_rotation_vector(DVec3::Y * -FRAC_PI_2)
         .with_angular_momentum(DVec3::new(angle.sin(), 0.0, angle.cos()) * momentum);
     let stepper = Stepper::new(coin())
         .unwrap()
@@ -161,7 +161,7 @@ random! {
     ) |misses| {
         let momentum = MOMENTS[0] * turns * TAU;
         let mut state = State::default()
-            .turned_by(DVec3::Y * -FRAC_PI_2)
+            .with_rotation_vector(DVec3::Y * -FRAC_PI_2)
             .with_angular_momentum(DVec3::new(angle.sin(), 0.0, angle.cos()) * momentum);
         let stepper = Stepper::new(coin()).unwrap().with_integrator(StrangSplitting { time_step: 0.01 }).unwrap();
         stepper.advance(&mut state, seconds).unwrap();
@@ -212,10 +212,10 @@ fn heads_again(angle: f64, phase: f64) -> bool {
     let speed = 2.4;
     let momentum = MOMENTS[0] * phase * GRAVITY / (2.0 * speed);
     let start = State::default()
-        .turned_by(DVec3::Y * -FRAC_PI_2)
+        .with_rotation_vector(DVec3::Y * -FRAC_PI_2)
         .with_linear_velocity(DVec3::Z * speed)
         .with_angular_momentum(DVec3::new(angle.sin(), 0.0, angle.cos()) * momentum);
-    coin().face_up(&caught(start, speed)) == Face::Heads
+    coin().face_up(&caught(start, speed)) == CoinFace::Heads
 }
 
 /// Share of tosses at ψ that show the side that was up: `cos² ψ + sin² ψ cos(phase) > 0` for
@@ -292,14 +292,14 @@ random! {
 
 /// A US nickel: 5 g, 21.21 by 1.95 mm, 24 points on each rim.
 fn nickel() -> SolidCoin<f64, [ContactPoint; 48]> {
-    SolidCoin::new_in([ContactPoint::default(); 48], 5e-3, 0.010_605, 1.95e-3)
+    SolidCoin::new_with_storage([ContactPoint::default(); 48], 5e-3, 0.010_605, 1.95e-3)
 }
 
 /// The side on which a nickel comes to rest, from a start, on a ground of a damping ratio.
 ///
 /// It is known as soon as the energy does not reach the one that it has over its corner, m g √(r² +
 /// h²/4), any more: up to there a coin on a face stays on it, and one on its edge there.
-fn comes_to_rest(start: State, damping_ratio: f64) -> Face {
+fn comes_to_rest(start: State, damping_ratio: f64) -> CoinFace {
     // Four points carry 0.05 N at 12 µm each.
     let (stiffness, mass) = (1000.0_f64, 5e-3);
     let ground = FlatGround::level(stiffness, 2.0 * damping_ratio * (stiffness * mass).sqrt());
@@ -344,8 +344,8 @@ static ON_EDGE: Case = Case::new(
         let on_edge = (0..count).filter(|&i| {
             let height = (f64::from(i) + 0.5) / f64::from(count);
             // Of the normal, which is body x.
-            let state = State::<f64>::default().turned_by(DVec3::Y * -height.asin());
-            nickel().face_up(&state) == Face::Edge
+            let state = State::<f64>::default().with_rotation_vector(DVec3::Y * -height.asin());
+            nickel().face_up(&state) == CoinFace::Edge
         });
         let share = on_edge.count() as f64 / f64::from(count);
         vec![
@@ -388,14 +388,14 @@ fn a_nickel_that_does_not_bounce_stands_where_its_weight_is_over_its_edge() {
     // over the edge, and falls over where it is not.
     let corner = (0.975_f64 / 10.605).atan();
     for (lean, expected) in [
-        (0.7, Face::Edge),
-        (0.9, Face::Edge),
-        (1.15, Face::Heads),
-        (3.0, Face::Heads),
+        (0.7, CoinFace::Edge),
+        (0.9, CoinFace::Edge),
+        (1.15, CoinFace::Heads),
+        (3.0, CoinFace::Heads),
     ] {
         let lean = lean * corner;
         let height = 0.010_605 * lean.cos() + 0.975e-3 * lean.sin();
-        let start = State::at(DVec3::Z * height).turned_by(DVec3::Y * -lean);
+        let start = State::at(DVec3::Z * height).with_rotation_vector(DVec3::Y * -lean);
         assert_eq!(comes_to_rest(start, 3.0), expected, "at {lean} rad");
     }
 }
@@ -406,9 +406,9 @@ fn a_nickel_that_does_not_bounce_stands_where_its_weight_is_over_its_edge() {
 
 /// Faces of `count` coins that fall 5 cm, turning about a diameter at rates from 100 to 140 rad/s,
 /// and bounce until they cannot turn over any more.
-fn faces(count: u32, damping_ratio: f64, time_step: f64) -> Vec<Face> {
+fn faces(count: u32, damping_ratio: f64, time_step: f64) -> Vec<CoinFace> {
     let (stiffness, mass, radius) = (2000.0_f64, 5e-3, 0.012);
-    let small = Coin::ring_in([ContactPoint::default(); 8], mass, radius);
+    let small = Coin::ring_with_storage([ContactPoint::default(); 8], mass, radius);
     let damping = 2.0 * damping_ratio * (stiffness * mass).sqrt();
     let stepper = Stepper::new(small)
         .unwrap()
@@ -427,7 +427,7 @@ fn faces(count: u32, damping_ratio: f64, time_step: f64) -> Vec<Face> {
         .map(|number| {
             let rate = 100.0 + 40.0 * f64::from(number) / f64::from(count);
             let mut state = State::at(DVec3::Z * 0.05)
-                .turned_by(DVec3::Y * -FRAC_PI_2)
+                .with_rotation_vector(DVec3::Y * -FRAC_PI_2)
                 .with_linear_velocity(DVec3::X * 0.3)
                 .with_angular_momentum(DVec3::Y * (MOMENTS[0] * rate));
             stepper
@@ -445,7 +445,7 @@ fn faces(count: u32, damping_ratio: f64, time_step: f64) -> Vec<Face> {
 }
 
 /// Places at which a face differs from the one before.
-fn borders(faces: &[Face]) -> Vec<usize> {
+fn borders(faces: &[CoinFace]) -> Vec<usize> {
     (1..faces.len())
         .filter(|&i| faces[i] != faces[i - 1])
         .collect()
@@ -497,9 +497,9 @@ fn bounces_make_basins_finer_and_half_the_step_changes_their_borders_only() {
 /// The face that looks up after a thin coin has been spun upright at a rate about the vertical,
 /// leaning by a small angle, with its centre of mass off its rim's plane by `offset` (m, towards
 /// heads).
-fn falls(offset: f64, lean: f64, rate: f64) -> Face {
+fn falls(offset: f64, lean: f64, rate: f64) -> CoinFace {
     let (mass, radius) = (5e-3, 0.012);
-    let ring = Coin::ring_in([ContactPoint::default(); 24], mass, radius);
+    let ring = Coin::ring_with_storage([ContactPoint::default(); 24], mass, radius);
     let contacts = ring
         .contacts()
         .iter()
@@ -524,7 +524,7 @@ fn falls(offset: f64, lean: f64, rate: f64) -> Face {
         .unwrap();
     // Heads, +x, a little up where the lean is above 0.
     let mut state = State::at(DVec3::Z * (radius * lean.cos() + offset * lean.sin()))
-        .turned_by(DVec3::Y * -lean)
+        .with_rotation_vector(DVec3::Y * -lean)
         .with_angular_momentum(DVec3::Z * (MOMENTS[0] * rate));
     stepper
         .run(&mut state, 5.0, &mut |sample: &Sample<'_>| {
@@ -556,7 +556,7 @@ static SPUN: Case = Case::new(
         let (mut low, mut high) = (0.0, 0.03);
         for _ in 0..12 {
             let middle = 0.5 * (low + high);
-            if falls(offset, middle, 0.0) == Face::Heads {
+            if falls(offset, middle, 0.0) == CoinFace::Heads {
                 high = middle;
             } else {
                 low = middle;

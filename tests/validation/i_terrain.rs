@@ -306,7 +306,7 @@ fn cycloid(wheel: f64, x: f64) -> Elevation {
     }
     let (height, half) = (wheel * (1.0 - angle.cos()), 0.5 * angle);
     let bend = 1.0 / (4.0 * wheel * half.cos().powi(4));
-    Elevation::new(height, [half.tan(), 0.0]).with_bend([bend, 0.0, 0.0])
+    Elevation::new(height, [half.tan(), 0.0]).with_hessian([bend, 0.0, 0.0])
 }
 
 /// Time of a swing of a point in the cycloid that starts at rest at φ.
@@ -387,7 +387,7 @@ fn a_point_in_a_cycloid_swings_at_one_rate_at_every_amplitude() {
 
 /// The trough `z = x²/2`, in metres: its slope is x.
 const TROUGH: Terrain<Bowl> = Terrain {
-    relief: Bowl {
+    height_field: Bowl {
         curvatures: [1.0, 0.0],
     },
 };

@@ -4,7 +4,7 @@ use core::f64::consts::FRAC_PI_2;
 
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
-    FlatGround, MassDistribution, Rk4, SlidingFriction, Sphere, SpringDamperGround, State, Stepper,
+    FlatGround, MassProperties, Rk4, SlidingFriction, Sphere, SpringDamperGround, State, Stepper,
     UniformGravity,
 };
 
@@ -34,7 +34,7 @@ pub(crate) fn move_point(
 
 /// A coin flat on the ground at a height.
 pub(crate) fn flat(height: f64) -> State {
-    State::at(DVec3::Z * height).turned_by(DVec3::Y * FRAC_PI_2)
+    State::at(DVec3::Z * height).with_rotation_vector(DVec3::Y * FRAC_PI_2)
 }
 
 /// A ground whose springs swing `mass` on `count` contacts by 0.3 rad in a step, without dampers:
@@ -48,7 +48,7 @@ pub(crate) fn ground_for(time_step: f64, mass: f64, count: usize) -> FlatGround 
 pub(crate) fn ball(moment: f64, radius: f64) -> Sphere {
     Sphere::loaded(
         radius,
-        MassDistribution {
+        MassProperties {
             mass: 1.0,
             centre_of_mass: DVec3::ZERO,
             inertia: DMat3::from_diagonal(DVec3::splat(moment * radius * radius)),

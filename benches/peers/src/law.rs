@@ -22,8 +22,8 @@ impl Law {
     /// The height at which the springs carry the weight of a body that is turned so, m, by
     /// bisection.
     pub(crate) fn height_at_rest(&self, orientation: DQuat) -> f64 {
-        let reach = self.reach();
-        let (mut low, mut high) = (-reach, reach);
+        let bounding_radius = self.bounding_radius();
+        let (mut low, mut high) = (-bounding_radius, bounding_radius);
         for _ in 0..200 {
             let middle = 0.5 * (low + high);
             let state = State::at(DVec3::Z * middle).with_orientation(orientation);
@@ -37,7 +37,7 @@ impl Law {
     }
 
     /// Distance from the centre of mass to the farthest place of the surface, m.
-    pub(crate) fn reach(&self) -> f64 {
+    pub(crate) fn bounding_radius(&self) -> f64 {
         (self.contacts.iter())
             .map(|contact| contact.position.length() + contact.radius)
             .fold(0.0, f64::max)

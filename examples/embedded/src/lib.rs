@@ -121,7 +121,7 @@ fn compose<R: Number, I: Integrator<R>>(
     SceneError,
 > {
     let real = R::from_f64;
-    Stepper::new(Coin::ring_in(rim.as_mut_slice(), R::ONE, R::HALF))? // kg, m
+    Stepper::new(Coin::ring_with_storage(rim.as_mut_slice(), R::ONE, R::HALF))? // kg, m
         .with_gravity(UniformGravity::down(real(9.8)))? // m/s²
         .with_ground(FlatGround::level(real(1000.0), R::HALF))? // N/m and N s/m, for each point
         .with_friction(Coulomb {

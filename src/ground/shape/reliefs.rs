@@ -1,6 +1,6 @@
 //! Terrains that need no code of the user's.
 
-use super::{Elevation, Relief};
+use super::{Elevation, HeightField};
 use crate::error::{self, SceneError};
 use crate::real::Real;
 
@@ -13,7 +13,7 @@ pub struct Bowl<R = f64> {
     pub curvatures: [R; 2],
 }
 
-impl<R: Real> Relief<R> for Bowl<R> {
+impl<R: Real> HeightField<R> for Bowl<R> {
     #[inline]
     fn is_trusted(&self) -> bool {
         true
@@ -24,7 +24,7 @@ impl<R: Real> Relief<R> for Bowl<R> {
         let [along_x, along_y] = self.curvatures;
         let slope = [along_x * x, along_y * y];
         let height = (slope[0] * x + slope[1] * y) * R::HALF;
-        Elevation::new(height, slope).with_bend([along_x, R::ZERO, along_y])
+        Elevation::new(height, slope).with_hessian([along_x, R::ZERO, along_y])
     }
 
     #[inline]
@@ -53,7 +53,7 @@ pub struct Ramp<R = f64> {
     pub width: R,
 }
 
-impl<R: Real> Relief<R> for Ramp<R> {
+impl<R: Real> HeightField<R> for Ramp<R> {
     #[inline]
     fn is_trusted(&self) -> bool {
         true
@@ -66,7 +66,7 @@ impl<R: Real> Relief<R> for Ramp<R> {
         let share = x / root;
         let bend = half * ((R::ONE - share) * (R::ONE + share)) / root;
         let o = R::ZERO;
-        Elevation::new(half * (x + root), [half * (R::ONE + share), o]).with_bend([bend, o, o])
+        Elevation::new(half * (x + root), [half * (R::ONE + share), o]).with_hessian([bend, o, o])
     }
 
     #[inline]
@@ -92,7 +92,7 @@ pub struct Waves<R = f64> {
     pub length: R,
 }
 
-impl<R: Real> Relief<R> for Waves<R> {
+impl<R: Real> HeightField<R> for Waves<R> {
     #[inline]
     fn is_trusted(&self) -> bool {
         true
@@ -104,7 +104,7 @@ impl<R: Real> Relief<R> for Waves<R> {
         let (sin, cos) = (x * per_metre).sin_cos();
         let (height, slope) = (self.amplitude * sin, self.amplitude * per_metre * cos);
         let o = R::ZERO;
-        Elevation::new(height, [slope, o]).with_bend([-(height * per_metre * per_metre), o, o])
+        Elevation::new(height, [slope, o]).with_hessian([-(height * per_metre * per_metre), o, o])
     }
 
     #[inline]

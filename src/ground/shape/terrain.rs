@@ -1,32 +1,32 @@
 //! Hills and valleys: a surface z = h(x, y).
 
-use super::{Extent, Plane, Shape, Surface};
+use super::{GroundBounds, Plane, Shape, Surface};
 use crate::error::SceneError;
 use crate::real::{Real, Vector};
 
-/// The height of a terrain, h(x, y), with its slope.
+/// The height of a terrain, h(x, y), with its gradient.
 ///
-/// *To the implementer:* height and slope must be finite and continuous, and the slope be the
-/// height's; the bend only makes the search for the nearest point quicker, by a few iterations near
-/// the surface. A closure is a relief:
+/// *To the implementer:* height and gradient must be finite and continuous, and the gradient be the
+/// height's; the hessian only makes the search for the nearest point quicker, by a few iterations
+/// near the surface. A closure is a relief:
 ///
 /// ```
 /// use tumble::{Elevation, Ground, SpringDamper, Terrain};
 ///
 /// // A valley along y, 1 m high at x = 2 m.
-/// let valley = Terrain::of(|x: f64, _y: f64| Elevation::new(x * x / 4.0, [x / 2.0, 0.0]).with_bend([0.5, 0.0, 0.0]));
+/// let valley = Terrain::of(|x: f64, _y: f64| Elevation::new(x * x / 4.0, [x / 2.0, 0.0]).with_hessian([0.5, 0.0, 0.0]));
 /// let ground = Ground { law: SpringDamper { stiffness: 1e4, damping: 10.0 }, shape: valley };
 /// # use tumble::{Coin, Stepper};
 /// # Stepper::new(Coin::ring(1.0, 0.5))?.with_ground(ground)?;
 /// # Ok::<(), tumble::SceneError>(())
 /// ```
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is not the relief of a terrain: it does not implement `Relief<{R}>`",
+    message = "`{Self}` is not the relief of a terrain: it does not implement `HeightField<{R}>`",
     label = "this should be a relief",
     note = "implement `elevation`, or take a closure from x and y to an `Elevation`"
 )]
-pub trait Relief<R: Real = f64> {
-    /// Height, slope and bend above a place of the level (m, world axes).
+pub trait HeightField<R: Real = f64> {
+    /// Height, gradient and hessian above a place of the level (m, world axes).
     fn elevation(&self, x: R, y: R) -> Elevation<R>;
 
     /// A height (m) that no place of the terrain exceeds, if there is one: above it nothing is
@@ -58,103 +58,103 @@ pub trait Relief<R: Real = f64> {
     }
 }
 
-impl<R: Real, F: Fn(R, R) -> Elevation<R>> Relief<R> for F {
+impl<R: Real, F: Fn(R, R) -> Elevation<R>> HeightField<R> for F {
     #[inline]
     fn elevation(&self, x: R, y: R) -> Elevation<R> {
         self(x, y)
     }
 }
 
-/// Height, slope and bend of a terrain above a place.
+/// Height, gradient and hessian of a terrain above a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elevation<R = f64> {
     /// h, m.
     pub height: R,
     /// ∂h/∂x and ∂h/∂y.
-    pub slope: [R; 2],
+    pub gradient: [R; 2],
     /// ∂²h/∂x², ∂²h/∂x∂y and ∂²h/∂y², 1/m; or zeros.
-    pub bend: [R; 3],
+    pub hessian: [R; 3],
 }
 
 impl<R: Real> Elevation<R> {
-    /// A height (m) and a slope.
+    /// A height (m) and a gradient.
     #[inline]
     #[must_use]
-    pub fn new(height: R, slope: [R; 2]) -> Self {
+    pub fn new(height: R, gradient: [R; 2]) -> Self {
         Self {
             height,
-            slope,
-            bend: [R::ZERO; 3],
+            gradient,
+            hessian: [R::ZERO; 3],
         }
     }
 
     /// The same with its second derivatives xx, xy, yy (1/m).
     #[inline]
     #[must_use]
-    pub fn with_bend(self, bend: [R; 3]) -> Self {
-        Self { bend, ..self }
+    pub fn with_hessian(self, hessian: [R; 3]) -> Self {
+        Self { hessian, ..self }
     }
 }
 
-/// The surface z = h(x, y) of a [`Relief`], solid below.
+/// The surface z = h(x, y) of a [`HeightField`], solid below.
 ///
 /// The gap is the *distance* to the nearest point of the surface, found by Newton's method, and
 /// negative below it. So its gradient is the unit normal, and a spring's force along the normal is
 /// a potential's: round a closed path the springs do no work. A depth measured otherwise does not
 /// have this: the vertical one, h - z, changes by more than the way along the normal, and that one
-/// times the cosine of the slope is a distance on the surface only, and below it fails by depth
+/// times the cosine of the gradient is a distance on the surface only, and below it fails by depth
 /// times curvature. It also holds for contacts with a radius: the centre of a ball rolls on the
 /// parallel surface.
 ///
-/// A search costs 2 to 4 elevations near the surface, with the bend; without it, each iteration
+/// A search costs 2 to 4 elevations near the surface, with the hessian; without it, each iteration
 /// gains a factor of one over depth (or radius) times curvature.
 ///
 /// *Limits:* depth and radius of a contact, and so the radius of a ball in a valley, must be below
-/// the terrain's radius of curvature, 1/bend: from there on several places are nearest, the gap has
-/// edges, and the search, which begins at the place right below, may find one that is near, but not
-/// nearest. The energy does not rise there either ([`EnergyMomentum`](crate::EnergyMomentum)), but
-/// no promise is made on the way.
+/// the terrain's radius of curvature, 1/hessian: from there on several places are nearest, the gap
+/// has edges, and the search, which begins at the place right below, may find one that is near, but
+/// not nearest. The energy does not rise there either ([`EnergyMomentum`](crate::EnergyMomentum)),
+/// but no promise is made on the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Terrain<H> {
     /// Its height.
-    pub relief: H,
+    pub height_field: H,
 }
 
 impl<H> Terrain<H> {
     /// The terrain of a relief.
-    pub fn of<R: Real>(relief: H) -> Self
+    pub fn of<R: Real>(height_field: H) -> Self
     where
-        H: Relief<R>,
+        H: HeightField<R>,
     {
-        Self { relief }
+        Self { height_field }
     }
 }
 
-impl<R: Real, H: Relief<R>> Shape<R> for Terrain<H> {
+impl<R: Real, H: HeightField<R>> Shape<R> for Terrain<H> {
     #[inline]
     fn surface(&self, point: R::Vec3) -> Surface<R> {
-        Foot::nearest(&self.relief, point).surface(point)
+        Foot::nearest(&self.height_field, point).surface(point)
     }
 
     #[inline]
-    fn extent(&self) -> Extent<R> {
-        match self.relief.highest() {
-            Some(height) => Extent::Below(Plane::level(height)),
-            None => Extent::Everywhere,
+    fn bounds(&self) -> GroundBounds<R> {
+        match self.height_field.highest() {
+            Some(height) => GroundBounds::Below(Plane::level(height)),
+            None => GroundBounds::Everywhere,
         }
     }
 
     fn check(&self) -> Result<(), SceneError> {
-        self.relief.check()
+        self.height_field.check()
     }
     #[inline]
     fn is_trusted(&self) -> bool {
-        self.relief.is_trusted()
+        self.height_field.is_trusted()
     }
 }
 
-/// Elevations that a search looks at, at most: with the bend a handful is enough; without it, so
+/// Elevations that a search looks at, at most: with the hessian a handful is enough; without it, so
 /// many halve the way to the nearest point as often.
 const LOOKS: u32 = 24;
 /// A step of so many units in the last place is rounding.
@@ -172,8 +172,8 @@ struct Foot<R: Real> {
 
 impl<R: Real> Foot<R> {
     #[inline]
-    fn at<H: Relief<R>>(relief: &H, point: R::Vec3, x: R, y: R) -> Self {
-        let elevation = relief.elevation(x, y);
+    fn at<H: HeightField<R>>(height_field: &H, point: R::Vec3, x: R, y: R) -> Self {
+        let elevation = height_field.elevation(x, y);
         let way = R::Vec3::new(x, y, elevation.height) - point;
         Self {
             x,
@@ -184,8 +184,8 @@ impl<R: Real> Foot<R> {
     }
 
     #[inline]
-    fn nearest<H: Relief<R>>(relief: &H, point: R::Vec3) -> Self {
-        let mut foot = Self::at(relief, point, point.x(), point.y());
+    fn nearest<H: HeightField<R>>(height_field: &H, point: R::Vec3) -> Self {
+        let mut foot = Self::at(height_field, point, point.x(), point.y());
         let mut step = foot.step(point);
         for _ in 1..LOOKS {
             let rounding = foot.rounding(point);
@@ -193,7 +193,7 @@ impl<R: Real> Foot<R> {
             if !is_step {
                 break;
             }
-            let next = Self::at(relief, point, foot.x + step[0], foot.y + step[1]);
+            let next = Self::at(height_field, point, foot.x + step[0], foot.y + step[1]);
             let slack = foot.square * (R::EPSILON * R::from_f64(ROUNDING)) + rounding * rounding;
             if next.square <= foot.square + slack {
                 foot = next;
@@ -217,13 +217,13 @@ impl<R: Real> Foot<R> {
     /// Half the square of the distance, `((x-X)² + (y-Y)² + (h-Z)²)/2`, has the gradient
     /// `(x-X + (h-Z) hₓ, ...)` and the second derivatives `1 + hₓ² + (h-Z) hₓₓ`, ... Newton's step
     /// goes to where the gradient is 0; where the second derivatives are no bowl's, those without
-    /// the bend are, and the step is to the foot on the tangent plane (Gauss & Newton).
+    /// the hessian are, and the step is to the foot on the tangent plane (Gauss & Newton).
     #[inline]
     fn step(&self, point: R::Vec3) -> [R; 2] {
         let Elevation {
             height,
-            slope: [hx, hy],
-            bend: [hxx, hxy, hyy],
+            gradient: [hx, hy],
+            hessian: [hxx, hxy, hyy],
         } = self.elevation;
         let up = height - point.z();
         let (gx, gy) = (self.x - point.x() + up * hx, self.y - point.y() + up * hy);
@@ -245,7 +245,7 @@ impl<R: Real> Foot<R> {
     /// off by.
     #[inline]
     fn surface(&self, point: R::Vec3) -> Surface<R> {
-        let [hx, hy] = self.elevation.slope;
+        let [hx, hy] = self.elevation.gradient;
         let upright = R::Vec3::new(-hx, -hy, R::ONE);
         let normal = upright * (R::ONE / upright.length());
         let foot = R::Vec3::new(self.x, self.y, self.elevation.height);

@@ -32,16 +32,17 @@ impl<R: Real> Errors<R> {
     /// Of a difference of two ends of a step.
     #[inline]
     pub(super) fn of<D: Dynamics<R>>(scene: &D, difference: &Point<R>, motion: &Motion<R>) -> Self {
-        let (reach, horizon) = (size(scene), R::from_f64(HORIZON));
+        let (bounding_radius, horizon) = (size(scene), R::from_f64(HORIZON));
         let spin = scene
-            .mass_properties()
+            .inertia_properties()
             .angular_velocity(&motion.axes, difference.angular_momentum);
         Self {
             position: difference.position.length(),
             // A turn by an angle moves the quaternion by half of it.
-            orientation: difference.orientation.length_squared().sqrt() * (R::TWO * reach),
+            orientation: difference.orientation.length_squared().sqrt()
+                * (R::TWO * bounding_radius),
             linear_velocity: difference.linear_velocity.length() * horizon,
-            angular_momentum: spin.length() * (reach * horizon),
+            angular_momentum: spin.length() * (bounding_radius * horizon),
         }
     }
 
@@ -93,9 +94,10 @@ pub(super) fn allowed<R: Real, D: Dynamics<R>>(
     scene: &D,
     motion: &Motion<R>,
 ) -> R {
-    let reach = size(scene);
-    let speed = motion.linear_velocity.length() + motion.angular_velocity.length() * reach;
-    let way = motion.position.length() + reach + speed * R::from_f64(HORIZON);
+    let bounding_radius = size(scene);
+    let speed =
+        motion.linear_velocity.length() + motion.angular_velocity.length() * bounding_radius;
+    let way = motion.position.length() + bounding_radius + speed * R::from_f64(HORIZON);
     settings.tolerance * R::from_f64(SHARE) + way * (R::EPSILON * R::from_f64(16.0))
 }
 

@@ -11,7 +11,7 @@
 use super::touch::{Taken, mean};
 use crate::body::ContactPoint;
 use crate::friction::SlidingFriction;
-use crate::integrator::passage::{Path, Side, arm, push, slip};
+use crate::integrator::contact_path::{ContactEnd, Path, arm, push, slip};
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
 
@@ -29,7 +29,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     /// `s = -u₀ · (u₁ - u₀)/|u₁ - u₀|²`. Where it changes by less than its smallest value, the
     /// friction cannot turn by much.
     #[inline]
-    pub(super) fn wrong_of_slip(&self, point: &ContactPoint<R>, sides: &[Side<R>; 2]) -> R {
+    pub(super) fn wrong_of_slip(&self, point: &ContactPoint<R>, sides: &[ContactEnd<R>; 2]) -> R {
         let [first, last] = self
             .ends
             .map(|motion| slip(motion, arm(self.scene, motion, point)));
@@ -50,7 +50,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     fn wrong_of_friction(
         &self,
         point: &ContactPoint<R>,
-        [start, end]: &[Side<R>; 2],
+        [start, end]: &[ContactEnd<R>; 2],
         [first, change]: [R::Vec3; 2],
         share: R,
     ) -> R {
@@ -82,7 +82,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         let mut sum = R::Vec3::ZERO;
         for (motion, weight) in self.weighed_motions() {
             let slip = slip(motion, arm(self.scene, motion, point));
-            let normal_force = Side::of(self.scene, motion, point).normal_force;
+            let normal_force = ContactEnd::of(self.scene, motion, point).normal_force;
             sum += self.scene.friction().force(normal_force, slip) * weight;
         }
         sum
@@ -91,7 +91,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     /// Velocity of the farthest place for an impulse at a contact, m/s.
     fn way_of(&self, point: &ContactPoint<R>, impulse: R::Vec3) -> R {
         let motion = self.ends[1];
-        let mass = self.scene.mass_properties();
+        let mass = self.scene.inertia_properties();
         let (arm, _) = arm(self.scene, motion, point);
         let spin = mass.angular_velocity(&motion.axes, arm.cross(impulse));
         impulse.length() * mass.inverse_mass() + spin.length() * size(self.scene)

@@ -9,7 +9,7 @@
 use super::{Attempt, Pair, Place};
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::friction::SlidingFriction;
-use crate::integrator::passage::{Path, Side, arm, push, slip};
+use crate::integrator::contact_path::{ContactEnd, Path, arm, push, slip};
 use crate::real::{Real, Vector};
 use crate::scene::{Contact, Dynamics, Load, Motion, size, visit_points};
 use core::ops::{Add, Mul};
@@ -94,7 +94,7 @@ pub(super) fn load_before<R: Real, D: Dynamics<R>>(
     };
     let run = scene.contacts_within(R::ZERO, motion.position, &motion.axes);
     visit_points(scene, run, motion, &mut |contact| {
-        if !comes_late(&Side::of(scene, start, &contact.point), seconds) {
+        if !comes_late(&ContactEnd::of(scene, start, &contact.point), seconds) {
             add(contact);
         }
     });
@@ -107,13 +107,14 @@ pub(super) fn load_before<R: Real, D: Dynamics<R>>(
 /// the body's farthest place, m.
 #[inline]
 fn dip<R: Real, D: Dynamics<R>>(scene: &D, places: [&Place<R>; 2], seconds: R) -> R {
-    let reach = scene.reach();
+    let bounding_radius = scene.bounding_radius();
     let acceleration = places.map(|place| {
         let spin = place.motion.angular_velocity;
         let turn = scene
-            .mass_properties()
+            .inertia_properties()
             .angular_velocity(&place.motion.axes, place.slope.angular_momentum);
-        place.slope.linear_velocity.length() + (turn.length() + spin.length_squared()) * reach
+        place.slope.linear_velocity.length()
+            + (turn.length() + spin.length_squared()) * bounding_radius
     });
     let [first, last] = acceleration;
     first.at_least(last) * (seconds * seconds * R::from_f64(0.125))
@@ -121,7 +122,7 @@ fn dip<R: Real, D: Dynamics<R>>(scene: &D, places: [&Place<R>; 2], seconds: R) -
 
 /// Whether a contact is above ground now and, going on evenly, for the first half of a step.
 #[inline]
-fn comes_late<R: Real>(side: &Side<R>, seconds: R) -> bool {
+fn comes_late<R: Real>(side: &ContactEnd<R>, seconds: R) -> bool {
     let halfway = side.depth + side.closing_speed * (seconds * R::HALF);
     side.depth <= R::ZERO && halfway <= R::ZERO
 }
@@ -140,7 +141,9 @@ pub(super) struct Taken<'a, R: Real, D, const STAGES: usize> {
 impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     #[inline]
     fn look_at(&self, point: &ContactPoint<R>, kinks: &mut Kinks<R>) {
-        let [start, end] = self.ends.map(|motion| Side::of(self.scene, motion, point));
+        let [start, end] = self
+            .ends
+            .map(|motion| ContactEnd::of(self.scene, motion, point));
         if start.pushes() && end.pushes() {
             let wrong = self.wrong_of_slip(point, &[start, end]);
             kinks.velocity += wrong;
@@ -162,7 +165,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     /// Whether a contact ends above ground, but would be under it so soon that a stage, ahead of
     /// the path, may have seen it touch.
     #[inline]
-    fn nears(&self, end: &Side<R>) -> bool {
+    fn nears(&self, end: &ContactEnd<R>) -> bool {
         let ahead = end.closing_speed * (self.seconds * R::from_f64(AHEAD));
         end.depth <= R::ZERO && end.depth + ahead > R::ZERO
     }
@@ -174,7 +177,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         &self,
         point: &ContactPoint<R>,
         path: &Path<R>,
-        [start, end]: &[Side<R>; 2],
+        [start, end]: &[ContactEnd<R>; 2],
         last: Option<R>,
         kinks: &mut Kinks<R>,
     ) {
@@ -209,7 +212,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     fn mean_of_stages(&self, point: &ContactPoint<R>) -> R {
         let mut sum = R::ZERO;
         for (motion, weight) in self.weighed_motions() {
-            sum += Side::of(self.scene, motion, point).normal_force * weight;
+            sum += ContactEnd::of(self.scene, motion, point).normal_force * weight;
         }
         sum
     }
@@ -277,7 +280,7 @@ where
 /// How fast the farthest place of the body moves for a normal impulse of 1 N s at a contact, with
 /// its friction: 1/kg.
 fn mobility<R: Real, D: Dynamics<R>>(scene: &D, point: &ContactPoint<R>, motion: &Motion<R>) -> R {
-    let mass = scene.mass_properties();
+    let mass = scene.inertia_properties();
     let (arm, normal) = arm(scene, motion, point);
     let slip = slip(motion, (arm, normal));
     let force = normal + scene.friction().force(R::ONE, slip);

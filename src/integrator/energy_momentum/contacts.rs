@@ -4,8 +4,8 @@
 use super::block::Block;
 use super::problem::{Problem, Trial};
 use super::touch::{Answer, Increment, Lever, Push, Reversal, Touch};
-use crate::body::{Arc, ContactPoint, Panels, RigidPointBody, Rim, Run};
-use crate::friction::Drag;
+use crate::body::{Arc, ContactPoint, ContactRange, Panels, RigidPointBody, Rim};
+use crate::friction::FrictionJacobian;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Kinks, Velocities, arc_below, kinks};
@@ -23,7 +23,7 @@ pub(super) struct Contacts<R: Real> {
     touches: [Touch<R>; CAPACITY],
     remembered: usize,
     /// All candidates, and how many of them were looked at when the places ran out.
-    run: Run,
+    run: ContactRange,
     seen: usize,
     /// How many of those remembered are contacts of their own; after them come the places of a rim.
     fixed: usize,
@@ -43,7 +43,7 @@ impl<R: Real> Contacts<R> {
     pub(super) const NONE: Self = Self {
         touches: [Touch::NONE; CAPACITY],
         remembered: 0,
-        run: Run::NONE,
+        run: ContactRange::NONE,
         seen: 0,
         fixed: 0,
         with_rim: false,
@@ -62,12 +62,12 @@ impl<R: Real> Contacts<R> {
     pub(super) fn gather<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
-        run: Run,
+        run: ContactRange,
         keep: impl Fn(R, R::Vec3) -> bool,
         may_touch: impl Fn(&Rim<R>) -> bool,
     ) {
         let contacts = problem.scene.body().contacts();
-        self.run = Run {
+        self.run = ContactRange {
             count: run.count.min(contacts.len()),
             ..run
         };
@@ -354,7 +354,7 @@ impl<R: Real> Contacts<R> {
         &self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        mut feel: impl FnMut(&Push<R>, &Drag<R>),
+        mut feel: impl FnMut(&Push<R>, &FrictionJacobian<R>),
     ) {
         let mut forgotten;
         for index in 0..self.len() {
@@ -367,7 +367,7 @@ impl<R: Real> Contacts<R> {
             };
             if touch.push.is_felt() {
                 let push = &touch.push;
-                feel(push, &push.drag(problem, push.slip));
+                feel(push, &push.jacobian(problem, push.slip));
             }
         }
     }

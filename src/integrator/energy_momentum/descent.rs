@@ -18,8 +18,8 @@ use super::linear::SixBySix;
 use super::{motion_of, visit_contacts};
 use crate::energy::Energy;
 use crate::friction::SlidingFriction;
-use crate::ground::{Extent, SpringDamperGround};
-use crate::integrator::{Step, ratchet};
+use crate::ground::{GroundBounds, SpringDamperGround};
+use crate::integrator::{Step, energy_limit};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::{Contact, Dynamics};
@@ -43,7 +43,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     seconds: R,
     step: &mut Step<R>,
 ) -> Option<(State<R>, Energy<R>)> {
-    let is_plane = matches!(scene.ground().extent(), Extent::Plane(_));
+    let is_plane = matches!(scene.ground().bounds(), GroundBounds::Plane(_));
     let kinds = [Kind::ByNormals, Kind::WithoutTurn, Kind::ByDifferences];
     let mut blocked = false;
     for kind in kinds.into_iter().take(if is_plane { 2 } else { 3 }) {
@@ -58,7 +58,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
             length *= R::from_f64(1.0 / 16.0);
         }
     }
-    let stopped = ratchet::stopped(start);
+    let stopped = energy_limit::stopped(start);
     if blocked && stopped != *start {
         let energy = Energy::of(scene, &stopped);
         return (energy.total() <= ceiling).then_some((stopped, energy));
@@ -78,8 +78,12 @@ pub(super) fn is_unresolved<R: Real, D: Dynamics<R>>(
     start: &State<R>,
     seconds: R,
 ) -> bool {
-    let reach = scene.reach();
-    let size = if reach > R::ZERO { reach } else { R::ONE };
+    let bounding_radius = scene.bounding_radius();
+    let size = if bounding_radius > R::ZERO {
+        bounding_radius
+    } else {
+        R::ONE
+    };
     let shift = free_shift(scene, start, seconds).length();
     let is_resolved = shift <= size * R::from_f64(FARTHEST);
     // What overflows is not resolved.
@@ -96,7 +100,9 @@ pub(super) fn is_left_in_the_air<R: Real, D: Dynamics<R>>(
 ) -> bool {
     let shift = free_shift(scene, start, seconds).length();
     let moved = (end.position - start.position).length();
-    shift > scene.reach() && moved < shift * R::EPSILON && Energy::with_touching(scene, end).1 == 0
+    shift > scene.bounding_radius()
+        && moved < shift * R::EPSILON
+        && Energy::with_touching(scene, end).1 == 0
 }
 
 /// How far a body shifts that nothing turns aside, by an Euler step, m.
@@ -134,7 +140,7 @@ struct Descent<'a, R: Real, D> {
     seconds: R,
     mass: R,
     inertia: Block<R>,
-    reach: R,
+    bounding_radius: R,
     /// The motion that nothing turns aside: `h v + h² g` and `h ω`.
     free: Way<R>,
     kind: Kind,
@@ -149,17 +155,21 @@ struct Way<R: Real> {
 
 impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
     fn new(scene: &'a D, start: &'a State<R>, seconds: R, kind: Kind) -> Self {
-        let properties = scene.mass_properties();
+        let properties = scene.inertia_properties();
         let motion = motion_of(scene, start);
         let ([x, y, z], _) = properties.inertia_for_solving(&motion.axes, start.angular_momentum);
-        let reach = scene.reach();
+        let bounding_radius = scene.bounding_radius();
         Self {
             scene,
             start,
             seconds,
             mass: properties.mass(),
             inertia: Block { x, y, z },
-            reach: if reach > R::ZERO { reach } else { R::ONE },
+            bounding_radius: if bounding_radius > R::ZERO {
+                bounding_radius
+            } else {
+                R::ONE
+            },
             free: Way {
                 shift: free_shift(scene, start, seconds),
                 turn: motion.angular_velocity * seconds,
@@ -199,7 +209,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             }
             let (energy, now_touching) = Energy::with_touching(self.scene, &end);
             touching = now_touching;
-            if let Some((end, energy)) = ratchet::lowered(self.scene, ceiling, &end, energy) {
+            if let Some((end, energy)) = energy_limit::lowered(self.scene, ceiling, &end, energy) {
                 return Found::End(end, energy);
             }
         }
@@ -214,7 +224,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             position: self.start.position + way.shift,
             linear_velocity: way.shift * per_second,
             orientation: rotation.to_quat(),
-            angular_momentum: (self.scene.mass_properties())
+            angular_momentum: (self.scene.inertia_properties())
                 .without_dead_spin(rotation, self.inertia.times(way.turn * per_second)),
         }
     }
@@ -241,7 +251,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             equations.add_at(&Block::outer(slope * stiffness, slope), centre, centre);
 
             let n = contact.normal;
-            let along = friction.drag(mean.force, contact.slip).coefficient * (h * weight);
+            let along = friction.jacobian(mean.force, contact.slip).coefficient * (h * weight);
             let across = n * (mean.damping * h * weight - along);
             let resistance = Block::diagonal(along).plus(&Block::outer(across, n));
             let resisted = resistance.times(way.shift + way.turn.cross(contact.arm));
@@ -253,7 +263,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             equations = equations.uncoupled();
             torque = R::Vec3::ZERO;
         }
-        equations.solve(force, torque, self.reach)
+        equations.solve(force, torque, self.bounding_radius)
     }
 
     /// The gradient of the gap at a contact's centre, and where that centre is, from the centre of
@@ -264,7 +274,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             return (contact.normal, centre);
         }
         let place = self.start.position + centre;
-        let nudge = R::EPSILON.sqrt() * (self.reach + place.length() * R::EPSILON.sqrt());
+        let nudge = R::EPSILON.sqrt() * (self.bounding_radius + place.length() * R::EPSILON.sqrt());
         let gap = |x: R, y: R, z: R| {
             self.scene
                 .ground()

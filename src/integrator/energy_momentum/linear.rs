@@ -88,17 +88,27 @@ impl<R: Real> SixBySix<R> {
     }
 
     /// The shift and turn that a force and a torque make.
-    pub(super) fn solve(&self, force: R::Vec3, torque: R::Vec3, reach: R) -> (R::Vec3, R::Vec3) {
+    pub(super) fn solve(
+        &self,
+        force: R::Vec3,
+        torque: R::Vec3,
+        bounding_radius: R,
+    ) -> (R::Vec3, R::Vec3) {
         let mut matrix = Factored {
             equations: *self,
             ..Factored::NONE
         };
-        matrix.factor(reach);
-        matrix.solve(force, torque, reach)
+        matrix.factor(bounding_radius);
+        matrix.solve(force, torque, bounding_radius)
     }
 
     #[cold]
-    fn solve_heavier(&self, force: R::Vec3, torque: R::Vec3, reach: R) -> (R::Vec3, R::Vec3) {
+    fn solve_heavier(
+        &self,
+        force: R::Vec3,
+        torque: R::Vec3,
+        bounding_radius: R,
+    ) -> (R::Vec3, R::Vec3) {
         let share = R::EPSILON.sqrt();
         let mut heavier = *self;
         let [a, b, c, d, e, f] = &mut heavier.rows;
@@ -111,33 +121,33 @@ impl<R: Real> SixBySix<R> {
         raised(&mut a[0], &mut b[1], &mut c[2]);
         raised(&mut d[3], &mut e[4], &mut f[5]);
         let mut factors = Factors::NONE;
-        heavier.factor(reach, &mut factors);
+        heavier.factor(bounding_radius, &mut factors);
         factors.solve(force, torque)
     }
 
     /// The matrix as a product of triangular ones, by Gauss's elimination. Turns and torques are
-    /// measured with the length `reach`, so that pivots compare like with like whatever the body's
-    /// size. Inertia and springs make the diagonal strong: rows are exchanged only where a pivot is
-    /// small beside what is below it.
+    /// measured with the length `bounding_radius`, so that pivots compare like with like whatever
+    /// the body's size. Inertia and springs make the diagonal strong: rows are exchanged only where
+    /// a pivot is small beside what is below it.
     #[inline]
-    fn factor(&self, reach: R, factors: &mut Factors<R>) {
-        self.fill(reach, factors);
+    fn factor(&self, bounding_radius: R, factors: &mut Factors<R>) {
+        self.fill(bounding_radius, factors);
         if !factors.eliminate() {
-            self.factor_with_exchanges(reach, factors);
+            self.factor_with_exchanges(bounding_radius, factors);
         }
     }
 
     #[cold]
-    fn factor_with_exchanges(&self, reach: R, factors: &mut Factors<R>) {
-        self.fill(reach, factors);
+    fn factor_with_exchanges(&self, bounding_radius: R, factors: &mut Factors<R>) {
+        self.fill(bounding_radius, factors);
         factors.order = [0, 1, 2, 3, 4, 5];
         factors.exchanged = true;
         factors.eliminate_with_exchanges();
     }
 
     #[inline]
-    fn fill(&self, reach: R, factors: &mut Factors<R>) {
-        let per_reach = R::ONE / reach;
+    fn fill(&self, bounding_radius: R, factors: &mut Factors<R>) {
+        let per_reach = R::ONE / bounding_radius;
         let square = per_reach * per_reach;
         let scales = [R::ONE, per_reach, square];
         for i in 0..6 {
@@ -167,22 +177,27 @@ impl<R: Real> Factored<R> {
 
     /// Finds the factors of the equations.
     #[inline]
-    pub(super) fn factor(&mut self, reach: R) {
-        self.equations.factor(reach, &mut self.factors);
+    pub(super) fn factor(&mut self, bounding_radius: R) {
+        self.equations.factor(bounding_radius, &mut self.factors);
     }
 
     /// The shift and turn that a force and a torque make. Where stiffness has swallowed the inertia
     /// beyond rounding, so that the matrix is singular, those of a body heavier by the root of the
     /// rounding: smaller steps, in a direction that can be had.
     #[inline]
-    pub(super) fn solve(&self, force: R::Vec3, torque: R::Vec3, reach: R) -> (R::Vec3, R::Vec3) {
+    pub(super) fn solve(
+        &self,
+        force: R::Vec3,
+        torque: R::Vec3,
+        bounding_radius: R,
+    ) -> (R::Vec3, R::Vec3) {
         let (shift, turn) = self.factors.solve(force, torque);
         // What is not finite leaves no 0, in fewer operations than six questions.
         let nothing = (shift + turn) * R::ZERO;
         if nothing.x() + nothing.y() + nothing.z() == R::ZERO {
             return (shift, turn);
         }
-        self.equations.solve_heavier(force, torque, reach)
+        self.equations.solve_heavier(force, torque, bounding_radius)
     }
 }
 

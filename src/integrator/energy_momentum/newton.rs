@@ -27,9 +27,9 @@
 //!   is known to 2e-16 of itself ([`Increment`]). It stays within the rounding of the difference.
 
 use super::contacts::Contacts;
+use super::end_velocity::Strain;
 use super::linear::Factored;
 use super::problem::{Problem, Trial};
-use super::settle::Strain;
 use super::stiffness;
 use super::touch::{Increment, Push};
 use crate::body::RigidPointBody;
@@ -197,9 +197,9 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
             }
         } else {
             strain = stiffness::equations(problem, contacts, trial, &mut matrix.equations);
-            matrix.factor(problem.reach);
+            matrix.factor(problem.bounding_radius);
         }
-        let (shift, turn) = matrix.solve(-force_lack, -torque_lack, problem.reach);
+        let (shift, turn) = matrix.solve(-force_lack, -torque_lack, problem.bounding_radius);
         let last = last
             || base.is_some()
                 && !strain.of_step(problem).is_resolved()
@@ -294,7 +294,7 @@ fn norm<R: Real, D: Dynamics<R>>(
     linear: R::Vec3,
     angular: R::Vec3,
 ) -> R {
-    let properties = problem.scene.mass_properties();
+    let properties = problem.scene.inertia_properties();
     let turning = properties.rotational_energy(&problem.motion.axes, angular) * R::TWO;
     (linear.length_squared() * properties.inverse_mass() + turning).sqrt()
 }
@@ -392,7 +392,7 @@ impl<R: Real> Scale<R> {
     #[inline]
     fn at<D>(&self, problem: &Problem<'_, R, D>, trial: &Trial<R>, sum: &Sum<R>) -> R {
         let half = problem.seconds * R::HALF;
-        let path = trial.shift.length() + trial.spin.length() * (R::TWO * problem.reach);
+        let path = trial.shift.length() + trial.spin.length() * (R::TWO * problem.bounding_radius);
         let rounding =
             (sum.stiffness * problem.place + sum.slope * path) * (R::EPSILON / tolerance::<R>());
         self.own + half * (self.weight + sum.normal + rounding) / self.root_of_mass

@@ -3,8 +3,8 @@
 
 use super::block::Block;
 use crate::energy::Energy;
-use crate::friction::{Drag, SlidingFriction};
-use crate::ground::{Extent, MeanForce, Plane, SpringDamperGround, Surface};
+use crate::friction::{FrictionJacobian, SlidingFriction};
+use crate::ground::{GroundBounds, MeanForce, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::rotation::{Axes, Rotation};
 use crate::scene::{Dynamics, Motion};
@@ -34,7 +34,7 @@ pub(super) struct Problem<'a, R: Real, D> {
     /// momentum about it.
     pub(super) inertia: Block<R>,
     /// A length of the body's size, m, above 0.
-    pub(super) reach: R,
+    pub(super) bounding_radius: R,
     /// Size of the numbers whose difference is a contact's depth, m.
     pub(super) place: R,
     /// Of the start, J.
@@ -79,13 +79,13 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     pub(super) fn new(scene: &'a D, start: &State<R>, energy: &Energy<R>, seconds: R) -> Self {
         let rotation = start.rotation();
         let axes = rotation.axes();
-        let properties = scene.mass_properties();
+        let properties = scene.inertia_properties();
         let angular_velocity = properties.angular_velocity(&axes, start.angular_momentum);
-        let reach = scene.reach();
+        let bounding_radius = scene.bounding_radius();
         let (inertia, angular_momentum) =
             properties.inertia_for_solving(&axes, start.angular_momentum);
-        let plane = match scene.ground().extent() {
-            Extent::Plane(plane) => Some(plane),
+        let plane = match scene.ground().bounds() {
+            GroundBounds::Plane(plane) => Some(plane),
             _ => None,
         };
         let has_radii = scene.has_radii();
@@ -113,8 +113,12 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
                 y: inertia[1],
                 z: inertia[2],
             },
-            reach: if reach > R::ZERO { reach } else { R::ONE },
-            place: reach
+            bounding_radius: if bounding_radius > R::ZERO {
+                bounding_radius
+            } else {
+                R::ONE
+            },
+            place: bounding_radius
                 + match plane {
                     // On level ground the place along it does not count.
                     Some(plane) if plane.normal == up => {
@@ -159,11 +163,11 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     }
 
     #[inline]
-    pub(super) fn drag(&self, normal_force: R, slip: R::Vec3) -> Drag<R> {
+    pub(super) fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
         if self.is_without_loss() {
-            Drag::NONE
+            FrictionJacobian::NONE
         } else {
-            self.scene.friction().drag(normal_force, slip)
+            self.scene.friction().jacobian(normal_force, slip)
         }
     }
 
@@ -201,7 +205,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     /// that it is the sum of.
     #[inline]
     pub(super) fn rounding_of_path(&self, trial: &Trial<R>) -> R {
-        let paths = trial.shift.length() + trial.spin.length() * (R::TWO * self.reach);
+        let paths = trial.shift.length() + trial.spin.length() * (R::TWO * self.bounding_radius);
         paths * (R::EPSILON * R::from_f64(8.0))
     }
 
@@ -224,7 +228,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             orientation: rotation.to_quat(),
             angular_momentum: self
                 .scene
-                .mass_properties()
+                .inertia_properties()
                 .without_dead_spin(rotation, trial.end_angular_momentum),
         }
     }

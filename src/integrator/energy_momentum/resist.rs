@@ -39,7 +39,7 @@ pub(super) struct Resisting<R: Real> {
 /// called once a pass with the motion before.
 pub(super) fn resisted<R: Real, D: Dynamics<R>>(
     scene: &D,
-    reach: R,
+    bounding_radius: R,
     state: &State<R>,
     mut visit: impl FnMut(&Motion<R>, &mut dyn FnMut(&Resisting<R>)),
 ) -> State<R> {
@@ -51,7 +51,7 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
         visit(&motion, &mut |contact| {
             contact.add_to(&mut sum, &motion, &known);
         });
-        let Some(next) = sum.resisted(scene, state, reach) else {
+        let Some(next) = sum.resisted(scene, state, bounding_radius) else {
             break;
         };
         settled = next;
@@ -94,7 +94,7 @@ impl<R: Real> Resistance<R> {
         motion: &Motion<R>,
         angular_momentum: R::Vec3,
     ) -> Self {
-        let properties = scene.mass_properties();
+        let properties = scene.inertia_properties();
         let ([x, y, z], _) = properties.inertia_for_solving(&motion.axes, angular_momentum);
         let inertia = Block { x, y, z };
         Self {
@@ -134,17 +134,19 @@ impl<R: Real> Resistance<R> {
         &self,
         scene: &D,
         state: &State<R>,
-        reach: R,
+        bounding_radius: R,
     ) -> Option<State<R>> {
         if !self.active {
             return None;
         }
-        let (change, turn) = self.equations.solve(-self.impulse, -self.turning, reach);
+        let (change, turn) = self
+            .equations
+            .solve(-self.impulse, -self.turning, bounding_radius);
         let angular_momentum = state.angular_momentum + self.inertia.times(turn);
         let resisted = State {
             linear_velocity: state.linear_velocity + change,
             angular_momentum: scene
-                .mass_properties()
+                .inertia_properties()
                 .without_dead_spin(state.rotation(), angular_momentum),
             ..*state
         };

@@ -45,8 +45,8 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
 /// law gives at its velocity.
 fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
     let (ground, friction) = (scene.ground(), scene.friction());
-    let reach = scene.reach().at_least(R::EPSILON);
-    resisted(scene, reach, state, |motion, resist| {
+    let bounding_radius = scene.bounding_radius().at_least(R::EPSILON);
+    resisted(scene, bounding_radius, state, |motion, resist| {
         visit_contacts(scene, motion, &mut |contact| {
             let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
             let damper = normal_force - ground.spring_force(contact.depth);

@@ -6,10 +6,10 @@
 
 use super::block::Block;
 use super::contacts::Contacts;
+use super::end_velocity::Strain;
 use super::level::{Level, LevelPath};
 use super::linear::SixBySix;
 use super::problem::{Problem, Trial};
-use super::settle::Strain;
 use super::touch::{Answer, Push};
 use crate::body::RigidPointBody;
 use crate::real::{Real, Vector};

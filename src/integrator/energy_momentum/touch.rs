@@ -3,7 +3,7 @@
 use super::block::Block;
 use super::problem::{Problem, Trial};
 use crate::body::{ContactPoint, RigidPointBody};
-use crate::friction::Drag;
+use crate::friction::FrictionJacobian;
 use crate::ground::{MeanForce, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, facing_ground};
@@ -26,7 +26,7 @@ pub(super) struct Dual<R: Real> {
     direction: R::Vec3,
     /// m/s.
     slip: R::Vec3,
-    /// Of the friction's [`Drag`].
+    /// Of the friction's [`FrictionJacobian`].
     width: R,
     growth: R,
 }
@@ -57,7 +57,7 @@ pub(super) struct Push<R: Real> {
 /// How friction at a contact answers to its slip.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Answer<R: Real> {
-    pub(super) drag: Drag<R>,
+    pub(super) drag: FrictionJacobian<R>,
     /// Newton's dual unknown: the friction's direction over its limit, at most of length 1.
     pub(super) dual: R::Vec3,
     /// Unit vector along the slip, or 0.
@@ -142,22 +142,22 @@ impl<R: Real> Push<R> {
 
     /// Derivative of one point's friction with respect to the size of the slip, N s/m.
     fn friction_slope<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> R {
-        let drag = self.drag(problem, self.slip);
+        let drag = self.jacobian(problem, self.slip);
         let steepness = R::ONE - drag.growth * (self.slip.length() / drag.width);
         drag.coefficient * steepness.at_least(R::ZERO) / self.weight
     }
 
     #[inline]
-    pub(super) fn drag<D: Dynamics<R>>(
+    pub(super) fn jacobian<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
         slip: R::Vec3,
-    ) -> Drag<R> {
+    ) -> FrictionJacobian<R> {
         let Some([weight, each]) = self.weights(problem) else {
-            return problem.drag(self.mean.force, slip);
+            return problem.jacobian(self.mean.force, slip);
         };
-        let drag = problem.drag(self.mean.force * each, slip);
-        Drag {
+        let drag = problem.jacobian(self.mean.force * each, slip);
+        FrictionJacobian {
             coefficient: drag.coefficient * weight,
             ..drag
         }
@@ -366,7 +366,7 @@ impl<R: Real> Touch<R> {
     #[inline(always)]
     pub(super) fn answer<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Answer<R> {
         let (push, slip) = (&self.push, self.push.slip);
-        let drag = push.drag(problem, slip);
+        let drag = push.jacobian(problem, slip);
         Answer {
             drag,
             dual: self.next_dual(problem, &drag),
@@ -380,7 +380,7 @@ impl<R: Real> Touch<R> {
         let Some(dual) = &self.dual else {
             return R::Vec3::ZERO;
         };
-        let drag = push.drag(problem, push.slip);
+        let drag = push.jacobian(problem, push.slip);
         (push.slip - dual.direction * drag.width) * drag.coefficient
     }
 
@@ -398,7 +398,7 @@ impl<R: Real> Touch<R> {
     /// The dual after Newton's step from the last answer's slip u to this one's u':
     /// `(u' - w' g (û·(u' - u)))/w`, on the unit disc (Chan, Golub & Mulet 1999).
     #[inline]
-    fn next_dual<D>(&self, problem: &Problem<'_, R, D>, drag: &Drag<R>) -> R::Vec3 {
+    fn next_dual<D>(&self, problem: &Problem<'_, R, D>, drag: &FrictionJacobian<R>) -> R::Vec3 {
         let slip = self.push.slip;
         let Some(last) = &self.dual else {
             // A slide that the step can hardly brake begins with Newton's own derivative; one that

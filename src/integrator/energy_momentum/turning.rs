@@ -1,4 +1,4 @@
-//! Resistance to rolling and drilling, on a body that stands still: half of it before a step, half
+//! Resistance to rolling and spinning, on a body that stands still: half of it before a step, half
 //! of it after.
 //!
 //! ```text
@@ -12,7 +12,7 @@
 
 use super::{motion_of, visit_contacts};
 use crate::energy::Energy;
-use crate::friction::{SlidingFriction, TurningResistance};
+use crate::friction::{RollingResistance, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion};
@@ -34,7 +34,7 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
     energy: &mut Energy<R>,
     seconds: R,
 ) {
-    if scene.friction().turning(R::ZERO).is_none() {
+    if scene.friction().rolling_resistance(R::ZERO).is_none() {
         return;
     }
     let slowed = slowed(scene, state, seconds);
@@ -49,7 +49,7 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
 
 fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
     let motion = motion_of(scene, state);
-    let properties = scene.mass_properties();
+    let properties = scene.inertia_properties();
     let (inertia, momentum) = properties.inertia_for_solving(&motion.axes, state.angular_momentum);
     let before = motion.angular_velocity;
     let mut after = before;
@@ -83,7 +83,7 @@ fn resistance<R: Real, D: Dynamics<R>>(
         let normal_force = scene
             .ground()
             .normal_force(contact.depth, contact.closing_speed);
-        let Some(law) = scene.friction().turning(normal_force) else {
+        let Some(law) = scene.friction().rolling_resistance(normal_force) else {
             return;
         };
         let [roll, drill] = of_contact(&law, contact.normal, angular_velocity)
@@ -98,13 +98,13 @@ fn resistance<R: Real, D: Dynamics<R>>(
 }
 
 fn of_contact<R: Real>(
-    law: &TurningResistance<R>,
+    law: &RollingResistance<R>,
     n: R::Vec3,
     angular_velocity: R::Vec3,
 ) -> [R; 2] {
-    let drilling = angular_velocity.dot(n);
-    let rolling = angular_velocity - n * drilling;
-    law.per_turn(rolling.length(), drilling.abs())
+    let spinning = angular_velocity.dot(n);
+    let rolling = angular_velocity - n * spinning;
+    law.per_turn(rolling.length(), spinning.abs())
 }
 
 fn nth<R: Real>([x, y, z]: &Columns<R>, index: usize) -> R::Vec3 {

@@ -4,7 +4,7 @@
 use super::{END, SECOND, Stage};
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::friction::SlidingFriction;
-use crate::integrator::passage::{Path, Side, Sight, arm, push, slip};
+use crate::integrator::contact_path::{ContactEnd, Path, Sight, arm, push, slip};
 use crate::integrator::rk4::Point;
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
@@ -99,7 +99,12 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
 
     /// One contact that begins or ceases to push.
     #[inline(never)]
-    fn weigh(&self, point: &ContactPoint<R>, [start, end]: [Side<R>; 2], missed: &mut Missed<R>) {
+    fn weigh(
+        &self,
+        point: &ContactPoint<R>,
+        [start, end]: [ContactEnd<R>; 2],
+        missed: &mut Missed<R>,
+    ) {
         let path = Path::between(&start, &end, self.seconds);
         let per_second = self.per_second;
         let force = |share: R| {
@@ -170,7 +175,7 @@ impl<R: Real> Missed<R> {
         axes: &Axes<R>,
         seconds: R,
     ) -> Point<R> {
-        let mass = scene.mass_properties();
+        let mass = scene.inertia_properties();
         let inverse_mass = mass.inverse_mass();
         let turn = mass.angular_velocity(axes, self.places.torque);
         end.position += self.places.force * (inverse_mass * seconds * seconds);

@@ -9,9 +9,9 @@
 //! 2. `march` puts substeps together, shorter ones where forces jump or bend;
 //! 3. `works` repeats that until the error is small beside the energy error of the step.
 
-use crate::energy::{Account, Dissipation};
+use crate::energy::{Dissipation, EnergyRates};
 use crate::integrator::{DORMAND_PRINCE, Point};
-use crate::observer::Probe;
+use crate::observer::SceneQuery;
 use crate::real::Real;
 use crate::state::State;
 
@@ -19,11 +19,11 @@ use crate::state::State;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Node<R: Real> {
     pub(super) state: State<R>,
-    pub(super) account: Account<R>,
+    pub(super) account: EnergyRates<R>,
 }
 
 impl<R: Real> Node<R> {
-    pub(super) fn at(scene: &dyn Probe<R>, state: &State<R>) -> Self {
+    pub(super) fn at(scene: &dyn SceneQuery<R>, state: &State<R>) -> Self {
         Self {
             state: *state,
             account: scene.account(state),
@@ -71,7 +71,7 @@ const SHORT: f64 = 1.0 / 64.0;
 /// The energy error of the step is the change of the energy less these works. An error of the works
 /// matters only beside it, so it sets the tolerance, down to the rounding of the energies.
 pub(super) fn works<R: Real>(
-    scene: &dyn Probe<R>,
+    scene: &dyn SceneQuery<R>,
     [start, end]: [&Node<R>; 2],
     seconds: R,
 ) -> Result<Works<R>, Works<R>> {
@@ -112,7 +112,7 @@ fn rounding<R: Real>(nodes: [&Node<R>; 2]) -> R {
 /// Works of a step by substeps whose errors keep to a tolerance (J) each; `None` if there would be
 /// too many.
 fn march<R: Real>(
-    scene: &dyn Probe<R>,
+    scene: &dyn SceneQuery<R>,
     start: &Node<R>,
     seconds: R,
     tolerance: R,
@@ -165,7 +165,7 @@ struct Substep<R: Real> {
 }
 
 /// Takes one substep.
-fn attempt<R: Real>(scene: &dyn Probe<R>, start: &Node<R>, seconds: R) -> Substep<R> {
+fn attempt<R: Real>(scene: &dyn SceneQuery<R>, start: &Node<R>, seconds: R) -> Substep<R> {
     let point = Point::of(&start.state);
     let mut slopes = [start.slope(); 7];
     let mut powers = [start.account.dissipation; 7];

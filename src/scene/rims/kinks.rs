@@ -82,7 +82,7 @@ pub(crate) fn kinks<R: Real, D: Dynamics<R> + ?Sized>(
     velocities: &Velocities<R>,
 ) -> Kinks<R> {
     let chord = arc.chord();
-    let deepest = arc.extent() * (chord * chord) * R::TWO;
+    let deepest = arc.bounds() * (chord * chord) * R::TWO;
     let depth = |u: R| deepest * ((R::ONE - u) * (R::ONE + u));
     kinks_over(scene, chord, normal, velocities, depth)
 }

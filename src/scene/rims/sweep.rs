@@ -147,15 +147,15 @@ fn visit_piece<R: Real>(
     least: usize,
     visit: &mut impl FnMut(R, R),
 ) {
-    let reach = meet - kink.u;
-    if reach == R::ZERO {
+    let bounding_radius = meet - kink.u;
+    if bounding_radius == R::ZERO {
         return;
     }
     // Negative where the rule runs from the right to the left.
-    let half = reach * chord * R::HALF;
+    let half = bounding_radius * chord * R::HALF;
     let middle = (kink.u + meet) * chord * R::HALF;
     let length = half.abs();
-    let rule = turning_rule(reach.abs() / kink.width * R::from_f64(SAFETY))
+    let rule = turning_rule(bounding_radius.abs() / kink.width * R::from_f64(SAFETY))
         .unwrap_or_else(|| gauss_rule(length, chord, least));
     for &[place, weight] in rule {
         visit(

@@ -16,7 +16,7 @@ use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Coin, Cone, ContactPoint, Coulomb,
     Cuboid, Disc, DormandPrince54, Ellipsoid, EnergyMomentum, FlatGround, Flight, ForwardEuler,
     Frictionless, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper,
-    LoadDependentCoulomb, MassDistribution, NoGravity, NoGround, Nystrom, Plane, PointCloud,
+    LoadDependentCoulomb, MassProperties, NoGravity, NoGround, Nystrom, Plane, PointCloud,
     PointMass, Ramp, Real, RigidPointBody, Rk4, Rod, Rotation, Sample, SceneError, SlidingFriction,
     SmoothCoulomb, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Stepper,
     StrangSplitting, Stribeck, SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves,
@@ -203,7 +203,7 @@ fn start<R: Real>([at, moves, turned, spins]: [[f64; 3]; 4]) -> State<R> {
     let vector = |[x, y, z]: [f64; 3]| vector::<R>(x, y, z);
     State::<R>::at(vector(at))
         .with_linear_velocity(vector(moves))
-        .turned_by(vector(turned))
+        .with_rotation_vector(vector(turned))
         .with_angular_momentum(vector(spins))
 }
 
@@ -215,7 +215,7 @@ fn cloud<R: Real, const N: usize>(
         position: vector::<R>(x, y, z),
         radius: real(radius),
     });
-    PointCloud::in_storage(places, &points.map(|[.., mass]| real(mass)))
+    PointCloud::with_storage(places, &points.map(|[.., mass]| real(mass)))
 }
 
 /// The hash of a run of so many time steps and a bit, so that the last step is a short one; and
@@ -321,7 +321,7 @@ fn scenes<R: Bits, I: Integrator<R>>(
     let nickel = SolidCoin::new(real(1.0), real(0.3), real(0.06));
     // Solids joined and turned, a hull, and round corners: all of the mass properties' arithmetic.
     let edges = vector::<R>(0.3, 0.4, 0.5);
-    let hull = MassDistribution::hull(
+    let hull = MassProperties::hull(
         real(0.4),
         &[
             vector::<R>(0.1, 0.0, 0.0),
@@ -332,16 +332,16 @@ fn scenes<R: Bits, I: Integrator<R>>(
         ],
     )?;
     let turn = Rotation::<R>::from_rotation_vector(vector::<R>(0.3, -0.2, 0.5));
-    let heavy = MassDistribution::cuboid(real(1.0), edges)
-        .with(&MassDistribution::capsule(real(0.2), real(0.02), real(0.1)).turned(turn))
-        .with(&MassDistribution::cone(real(0.3), real(0.05), real(0.1)))
+    let heavy = MassProperties::cuboid(real(1.0), edges)
+        .with(&MassProperties::capsule(real(0.2), real(0.02), real(0.1)).turned(turn))
+        .with(&MassProperties::cone(real(0.3), real(0.05), real(0.1)))
         .with(&hull);
     let loaded_die = Cuboid::loaded(edges, heavy).rounded(real(0.04));
     let cone = Cone::solid(real(1.0), real(0.2), real(0.4));
-    let load = MassDistribution::ball(real(1.0), real(0.25)).at(vector::<R>(0.0, 0.0, -0.08));
+    let load = MassProperties::ball(real(1.0), real(0.25)).at(vector::<R>(0.0, 0.0, -0.08));
     let loaded_sphere = Sphere::loaded(real(0.3), load);
     let semi_axes = vector::<R>(0.3, 0.2, 0.15);
-    let load = MassDistribution::ellipsoid(real(1.0), semi_axes);
+    let load = MassProperties::ellipsoid(real(1.0), semi_axes);
     let egg = Ellipsoid::loaded(semi_axes, load.at(vector::<R>(0.02, 0.0, -0.01)));
 
     let level = |stiffness, damping| FlatGround::level(real(stiffness), real(damping));
@@ -386,7 +386,7 @@ fn scenes<R: Bits, I: Integrator<R>>(
     let resisting = WithResistance::<_, R> {
         friction: smooth,
         rolling: real(2e-3),
-        drilling: real(5e-3),
+        spinning: real(5e-3),
         turn_speed: real(1e-2),
     };
     let weakening = LoadDependentCoulomb::<R> {
@@ -404,28 +404,28 @@ fn scenes<R: Bits, I: Integrator<R>>(
         stiffness: real(4000.0),
         damping: real(6.0),
     };
-    let relief = Waves::<R> {
+    let height_field = Waves::<R> {
         amplitude: real(0.05),
         length: real(1.0),
     };
     let waves = Ground {
         law,
-        shape: Terrain { relief },
+        shape: Terrain { height_field },
     };
-    let relief = Ramp::<R> {
+    let height_field = Ramp::<R> {
         slope: real(0.3),
         width: real(0.2),
     };
     let ramp = Ground {
         law,
-        shape: Terrain { relief },
+        shape: Terrain { height_field },
     };
-    let relief = Bowl::<R> {
+    let height_field = Bowl::<R> {
         curvatures: [real(0.7), real(0.3)],
     };
     let bowl = Ground {
         law,
-        shape: Terrain { relief },
+        shape: Terrain { height_field },
     };
 
     // Place, velocity, turn (a rotation vector) and angular momentum.

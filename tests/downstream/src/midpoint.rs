@@ -51,7 +51,7 @@ fn moved<R: Real>(
     State {
         position: from.position + motion.linear_velocity * seconds,
         linear_velocity: from.linear_velocity
-            + (load.force * scene.mass_properties().inverse_mass() + scene.gravity()) * seconds,
+            + (load.force * scene.inertia_properties().inverse_mass() + scene.gravity()) * seconds,
         orientation: turn.after(from.rotation()).normalised().to_quat(),
         angular_momentum: from.angular_momentum + load.torque * seconds,
     }

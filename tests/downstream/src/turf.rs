@@ -1,7 +1,7 @@
 //! A ground: springs that stiffen.
 
 use tumble::real::Vector;
-use tumble::{Extent, Plane, Real, SpringDamperGround, Surface};
+use tumble::{GroundBounds, Plane, Real, SpringDamperGround, Surface};
 
 /// The plane z = 0 on springs that stiffen with depth, with a damper that fades out at the surface
 /// (so that the force has no jump there).
@@ -38,7 +38,7 @@ impl<R: Real> SpringDamperGround<R> for Turf<R> {
         (self.spring_force(depth) + self.damping * depth * closing_speed).at_least(R::ZERO)
     }
 
-    fn extent(&self) -> Extent<R> {
-        Extent::Plane(Plane::level(R::ZERO))
+    fn bounds(&self) -> GroundBounds<R> {
+        GroundBounds::Plane(Plane::level(R::ZERO))
     }
 }

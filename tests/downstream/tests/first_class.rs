@@ -4,12 +4,12 @@
 use core::ops::ControlFlow;
 
 use downstream::{Ball, Midpoint, Turf, Viscous};
-use tumble::body::Run;
+use tumble::body::ContactRange;
 use tumble::glam::{DMat3, DVec3};
 use tumble::integrator::step_length;
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    Coin, ContactPoint, Coulomb, Dynamics, EnergyMomentum, Extent, FlatGround, ForwardEuler,
+    Coin, ContactPoint, Coulomb, Dynamics, EnergyMomentum, FlatGround, ForwardEuler, GroundBounds,
     Integrator, Nystrom, Real, RigidPointBody, Rk4, Sample, SceneError, SlidingFriction,
     SpringDamperGround, State, Step, StepError, Stepper, StrangSplitting, Surface, SymplecticEuler,
     UniformGravity, error,
@@ -151,7 +151,7 @@ fn each_part_fits_among_built_in_ones() {
         },
     );
     let strang = StrangSplitting { time_step: 1e-3 };
-    let ring = Coin::ring_in([ContactPoint::default(); 12], 0.5, 0.1);
+    let ring = Coin::ring_with_storage([ContactPoint::default(); 12], 0.5, 0.1);
     let ends: [State; 4] = [
         run(ball(), ground, friction, strang),
         run(ring, turf(), friction, strang),
@@ -188,8 +188,8 @@ mod copies {
         fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
             (self.0.stiffness * depth + self.0.damping * closing_speed).max(0.0)
         }
-        fn extent(&self) -> Extent {
-            Extent::Plane(self.0.plane)
+        fn bounds(&self) -> GroundBounds {
+            GroundBounds::Plane(self.0.plane)
         }
     }
 
@@ -213,7 +213,7 @@ mod copies {
         fn contacts(&self) -> &[ContactPoint] {
             &self.1
         }
-        fn contacts_below(&self, normal: DVec3, offset: f64) -> Run {
+        fn contacts_below(&self, normal: DVec3, offset: f64) -> ContactRange {
             self.0.contacts_below(normal, offset)
         }
     }
@@ -232,7 +232,7 @@ mod copies {
             let dt = step_length(self.0, limit);
             let motion = scene.motion(state);
             let load = scene.load(&motion);
-            let mass = scene.mass_properties();
+            let mass = scene.inertia_properties();
             state.linear_velocity += (load.force * mass.inverse_mass() + scene.gravity()) * dt;
             state.angular_momentum += load.torque * dt;
             state.position += state.linear_velocity * dt;
@@ -256,7 +256,7 @@ mod copies {
 
 #[test]
 fn a_copy_of_a_built_in_law_has_its_bits() {
-    let ring = Coin::ring_in([ContactPoint::default(); 12], 0.5, 0.1);
+    let ring = Coin::ring_with_storage([ContactPoint::default(); 12], 0.5, 0.1);
     let copied_ring = || copies::Ring(ring, ring.contacts().to_vec());
     let ground = FlatGround::level(2e3, 5.0);
     let friction = Coulomb {

@@ -8,13 +8,13 @@
 use core::ops::ControlFlow;
 
 use tumble::contract::{
-    Battery, FrictionRange, GroundRange, check_body, check_energy_never_rises, check_friction,
+    CheckPlan, FrictionRange, GroundRange, check_body, check_energy_never_rises, check_friction,
     check_ground, check_integrator,
 };
 use tumble::glam::DVec3;
 use tumble::{
     BogackiShampine32, Capsule, Coin, Cone, ContactPoint, Coulomb, Cuboid, DormandPrince54,
-    Ellipsoid, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Ledger, MassDistribution,
+    Ellipsoid, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Ledger, MassProperties,
     Nystrom, Plane, PointCloud, PointMass, Real, RigidPointBody, Rk4, Rod, Sample, Solid,
     SolidCoin, Sphere, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity, UntilRest,
 };
@@ -31,7 +31,7 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
 
 /// A scene's parameters, in SI units.
 #[derive(Debug)]
-pub struct Knobs<R: Real> {
+pub struct Parameters<R: Real> {
     mass: R,
     radius: R,
     stiffness: R,
@@ -47,10 +47,10 @@ pub struct Knobs<R: Real> {
 fn run<R: Real>(
     body: impl RigidPointBody<R>,
     integrator: impl Integrator<R>,
-    knobs: &Knobs<R>,
+    parameters: &Parameters<R>,
     state: &mut State<R>,
 ) -> Option<R> {
-    let &Knobs {
+    let &Parameters {
         stiffness,
         damping,
         plane,
@@ -59,7 +59,7 @@ fn run<R: Real>(
         gravity,
         seconds,
         ..
-    } = knobs;
+    } = parameters;
     let stepper = Stepper::new(body).ok()?;
     let stepper = stepper.with_gravity(UniformGravity::down(gravity)).ok()?;
     let stepper = stepper
@@ -81,10 +81,10 @@ fn run<R: Real>(
             ControlFlow::Continue(())
         }
     };
-    let rest = UntilRest::new(stepper.body(), knobs.radius, seconds).ok()?;
+    let rest = UntilRest::new(stepper.body(), parameters.radius, seconds).ok()?;
     let mut observers = (Ledger::new(), (stop_in_flight, rest));
     stepper.run(state, seconds, &mut observers).ok()?;
-    *state = stepper.spinning(*state, stepper.angular_velocity(state));
+    *state = stepper.with_angular_velocity(*state, stepper.angular_velocity(state));
     let lowest = stepper.lowest_point(state)?;
     Some(observers.0.energy_error() + stepper.energy(state).total() + lowest.gap)
 }
@@ -92,19 +92,19 @@ fn run<R: Real>(
 /// A coin of as many points as there is room for.
 fn coin<'a, R: Real>(
     room: &'a mut [ContactPoint<R>],
-    knobs: &Knobs<R>,
+    parameters: &Parameters<R>,
 ) -> Coin<R, &'a mut [ContactPoint<R>]> {
-    Coin::ring_in(room, knobs.mass, knobs.radius)
+    Coin::ring_with_storage(room, parameters.mass, parameters.radius)
 }
 
 macro_rules! probes {
     ($($probe:ident: $integrator:ident in $real:ty;)*) => {$(
         /// A coin by this method, in this precision.
         #[unsafe(no_mangle)]
-        pub fn $probe(room: &mut [ContactPoint<$real>], knobs: &Knobs<$real>, time_step: $real, state: &mut State<$real>) -> Option<$real> {
-            let coin = coin(room, knobs);
+        pub fn $probe(room: &mut [ContactPoint<$real>], parameters: &Parameters<$real>, time_step: $real, state: &mut State<$real>) -> Option<$real> {
+            let coin = coin(room, parameters);
             let tilt = coin.tilt(state);
-            Some(tilt + run(&coin, $integrator { time_step }, knobs, state)?)
+            Some(tilt + run(&coin, $integrator { time_step }, parameters, state)?)
         }
     )*};
 }
@@ -128,8 +128,8 @@ macro_rules! probes_of_pairs {
     ($($probe:ident: $integrator:ident in $real:ty;)*) => {$(
         /// A coin by this method, which chooses its steps, in this precision.
         #[unsafe(no_mangle)]
-        pub fn $probe(room: &mut [ContactPoint<$real>], knobs: &Knobs<$real>, tolerance: $real, state: &mut State<$real>) -> Option<$real> {
-            run(&coin(room, knobs), $integrator::new(tolerance), knobs, state)
+        pub fn $probe(room: &mut [ContactPoint<$real>], parameters: &Parameters<$real>, tolerance: $real, state: &mut State<$real>) -> Option<$real> {
+            run(&coin(room, parameters), $integrator::new(tolerance), parameters, state)
         }
     )*};
 }
@@ -146,12 +146,12 @@ probes_of_pairs! {
 pub fn probe_point_cloud(
     points: &mut [ContactPoint],
     masses: &[f64],
-    knobs: &Knobs<f64>,
+    parameters: &Parameters<f64>,
     time_step: f64,
     state: &mut State,
 ) -> Option<f64> {
-    let cloud = PointCloud::in_storage(points, masses).ok()?;
-    run(&cloud, StrangSplitting { time_step }, knobs, state)
+    let cloud = PointCloud::with_storage(points, masses).ok()?;
+    run(&cloud, StrangSplitting { time_step }, parameters, state)
 }
 
 /// Solids put together, and each body that is made of one.
@@ -160,77 +160,77 @@ pub fn probe_solids(
     room: &mut [ContactPoint],
     places: &[DVec3],
     triangles: &[[usize; 3]],
-    knobs: &Knobs<f64>,
+    parameters: &Parameters<f64>,
     time_step: f64,
     state: &mut State,
 ) -> Option<f64> {
-    let &Knobs { mass, radius, .. } = knobs;
-    let edges = knobs.plane.normal;
-    let hull = MassDistribution::hull(mass, places).ok()?;
-    let mesh = MassDistribution::mesh(mass, places, triangles).ok()?;
-    let parts = MassDistribution::capsule(mass, radius, radius)
-        .with(&MassDistribution::cone(mass, radius, radius).turned(state.rotation()))
-        .with(&MassDistribution::ellipsoid(mass, edges).at(edges))
+    let &Parameters { mass, radius, .. } = parameters;
+    let edges = parameters.plane.normal;
+    let hull = MassProperties::hull(mass, places).ok()?;
+    let mesh = MassProperties::mesh(mass, places, triangles).ok()?;
+    let parts = MassProperties::capsule(mass, radius, radius)
+        .with(&MassProperties::cone(mass, radius, radius).turned(state.rotation()))
+        .with(&MassProperties::ellipsoid(mass, edges).at(edges))
         .with(&hull)
         .with(&mesh);
-    let coin = SolidCoin::new_in(&mut *room, mass, radius, radius);
+    let coin = SolidCoin::new_with_storage(&mut *room, mass, radius, radius);
     let _ = (coin.tilt(state), coin.face_up(state));
-    let mut sum = run(&coin, EnergyMomentum { time_step }, knobs, state)?;
-    let cone = Cone::solid_in(&mut *room, mass, radius, radius);
-    sum += run(&cone, Rk4 { time_step }, knobs, state)?;
+    let mut sum = run(&coin, EnergyMomentum { time_step }, parameters, state)?;
+    let cone = Cone::solid_with_storage(&mut *room, mass, radius, radius);
+    sum += run(&cone, Rk4 { time_step }, parameters, state)?;
     let die = Cuboid::loaded(edges, parts).rounded(radius);
-    let _ = die.side_up(state)?.pips();
-    sum += run(&die, EnergyMomentum { time_step }, knobs, state)?;
+    let _ = die.face_up(state)?.pips();
+    sum += run(&die, EnergyMomentum { time_step }, parameters, state)?;
     let egg = Ellipsoid::loaded(edges, parts);
-    sum += run(&egg, EnergyMomentum { time_step }, knobs, state)?;
+    sum += run(&egg, EnergyMomentum { time_step }, parameters, state)?;
     sum += run(
         Sphere::loaded(radius, parts),
         Rk4 { time_step },
-        knobs,
+        parameters,
         state,
     )?;
     sum += run(
         Capsule::solid(mass, radius, radius),
         Rk4 { time_step },
-        knobs,
+        parameters,
         state,
     )?;
-    sum += run(Rod::new(mass, radius), Rk4 { time_step }, knobs, state)?;
-    sum += run(PointMass::new(mass), Rk4 { time_step }, knobs, state)?;
+    sum += run(Rod::new(mass, radius), Rk4 { time_step }, parameters, state)?;
+    sum += run(PointMass::new(mass), Rk4 { time_step }, parameters, state)?;
     let solid = Solid::new(parts, room).ok()?;
-    Some(sum + run(&solid, Rk4 { time_step }, knobs, state)?)
+    Some(sum + run(&solid, Rk4 { time_step }, parameters, state)?)
 }
 
 /// What an author asks of his own parts, asked on the target.
 #[unsafe(no_mangle)]
 pub fn probe_contract(
     room: &mut [ContactPoint],
-    knobs: &Knobs<f64>,
-    battery: Battery,
+    parameters: &Parameters<f64>,
+    plan: CheckPlan,
     time_step: f64,
 ) -> bool {
-    let ground = FlatGround::level(knobs.stiffness, knobs.damping).on(knobs.plane);
+    let ground = FlatGround::level(parameters.stiffness, parameters.damping).on(parameters.plane);
     let friction = Coulomb {
-        coefficient: knobs.coefficient,
-        slip_speed: knobs.slip_speed,
+        coefficient: parameters.coefficient,
+        slip_speed: parameters.slip_speed,
     };
-    let normal = knobs.plane.normal;
+    let normal = parameters.plane.normal;
     let range = GroundRange {
         centre: normal,
-        size: knobs.radius,
-        depth: knobs.radius,
-        speed: knobs.gravity,
+        size: parameters.radius,
+        depth: parameters.radius,
+        speed: parameters.gravity,
     };
     let slides = FrictionRange {
         normal,
-        normal_force: knobs.mass,
-        slip: knobs.gravity,
+        normal_force: parameters.mass,
+        slip: parameters.gravity,
     };
-    check_body(&coin(room, knobs), battery).is_ok()
-        && check_ground(&ground, &range, battery).is_ok()
-        && check_friction(&friction, &slides, battery).is_ok()
-        && check_integrator::<f64, _>(&EnergyMomentum { time_step }, battery).is_ok()
-        && check_energy_never_rises::<f64, _>(&EnergyMomentum { time_step }, battery).is_ok()
+    check_body(&coin(room, parameters), plan).is_ok()
+        && check_ground(&ground, &range, plan).is_ok()
+        && check_friction(&friction, &slides, plan).is_ok()
+        && check_integrator::<f64, _>(&EnergyMomentum { time_step }, plan).is_ok()
+        && check_energy_never_rises::<f64, _>(&EnergyMomentum { time_step }, plan).is_ok()
 }
 
 /// The control: it can panic, and the check must see that.

@@ -1,5 +1,5 @@
 //! The coin on its ground: rolling round a circle, the report's trials at three sizes, and
-//! drilling.
+//! spinning.
 
 use tumble::glam::{DQuat, DVec3};
 use tumble::{Coin, ContactPoint, RigidPointBody, State, Trial};
@@ -10,7 +10,7 @@ use crate::scene::{Case, Measure, Scene, Shape};
 
 /// A ring of 1 kg and 0.5 m on a ground.
 fn law(points: usize, stiffness: f64, damping: f64, coefficient: f64, slip_speed: f64) -> Law {
-    let ring = Coin::ring_in(vec![ContactPoint::default(); points], 1.0, 0.5);
+    let ring = Coin::ring_with_storage(vec![ContactPoint::default(); points], 1.0, 0.5);
     Law {
         mass: 1.0,
         inertia: DVec3::new(0.25, 0.125, 0.125),
@@ -239,7 +239,7 @@ fn truth(trial: usize, slip_speed: f64, seconds: f64) -> Result<State, String> {
 }
 
 /// A flat coin that spins on the spot is slowed by `μ g/r`.
-pub(crate) fn drilling() -> Scene {
+pub(crate) fn spinning() -> Scene {
     let (spin, seconds, coefficient) = (1e4, 1.0, 0.3);
     let law = law(120, 1000.0, 0.5, coefficient, 1e-3);
     let flat = DQuat::from_rotation_y(-core::f64::consts::FRAC_PI_2);

@@ -70,7 +70,7 @@ pub(crate) fn fast_coin() -> Scene {
 fn symmetric(inertia: DVec3, momentum: f64, seconds: f64) -> (DVec3, Case) {
     let tilt = core::f64::consts::PI / 12.0;
     let start = State::at(DVec3::ZERO)
-        .turned_by(DVec3::Y * -tilt)
+        .with_rotation_vector(DVec3::Y * -tilt)
         .with_angular_momentum(DVec3::X * momentum);
     let about_momentum = DQuat::from_rotation_x(momentum / inertia.y * seconds);
     let own = momentum * tilt.cos() * (1.0 / inertia.x - 1.0 / inertia.y) * seconds;

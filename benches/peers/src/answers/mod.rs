@@ -28,6 +28,6 @@ pub(crate) fn all() -> Result<Vec<Scene>, String> {
         coins::trial(8, 1.0)?,
         coins::trial(1, 0.002)?,
         coins::trial(1, 2000.0)?,
-        coins::drilling(),
+        coins::spinning(),
     ])
 }

@@ -28,7 +28,7 @@ struct Given {
     inertia: DVec3,
     contacts: Vec<ContactPoint>,
     /// m
-    reach: f64,
+    bounding_radius: f64,
 }
 
 impl RigidPointBody for Given {
@@ -43,8 +43,8 @@ impl RigidPointBody for Given {
     }
     // A body in flight has no contact here, but a tolerance in metres wants to know how large it
     // is.
-    fn reach(&self) -> f64 {
-        self.reach
+    fn bounding_radius(&self) -> f64 {
+        self.bounding_radius
     }
 }
 
@@ -268,7 +268,7 @@ fn composed<'a, I: Integrator + 'a>(
             }
             Shape::Coin(radius) => {
                 let points = vec![ContactPoint::default(); scene.law.contacts.len()];
-                let coin = Coin::ring_in(points, scene.law.mass, radius);
+                let coin = Coin::ring_with_storage(points, scene.law.mass, radius);
                 Box::new(ours_of(
                     composed_of(scene, coin, integrator)?,
                     name,
@@ -304,9 +304,9 @@ fn given(scene: &Scene) -> Given {
         mass: scene.law.mass,
         inertia: scene.law.inertia,
         contacts: scene.law.contacts.clone(),
-        reach: match scene.shape {
+        bounding_radius: match scene.shape {
             Shape::Free => 0.5,
-            _ => scene.law.reach(),
+            _ => scene.law.bounding_radius(),
         },
     }
 }

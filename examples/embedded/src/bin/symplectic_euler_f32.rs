@@ -2,6 +2,6 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use tumble::SymplecticEuler;
-use tumble::body::Run;
+use tumble::body::ContactRange;
 
-coin_firmware::firmware!(f32, SymplecticEuler, Run::NONE);
+coin_firmware::firmware!(f32, SymplecticEuler, ContactRange::NONE);

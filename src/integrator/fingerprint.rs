@@ -10,7 +10,7 @@ use crate::state::State;
 /// how many points its rim stands for, gravity, the surface as seen from the body, and the springs
 /// at a depth of its reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Likeness<R: Real> {
+pub(super) struct Fingerprint<R: Real> {
     body: [R; 2],
     moments: R::Vec3,
     contacts: usize,
@@ -20,18 +20,23 @@ pub(super) struct Likeness<R: Real> {
     spring: [R; 2],
 }
 
-impl<R: Real> Likeness<R> {
+impl<R: Real> Fingerprint<R> {
     #[inline]
     pub(super) fn of<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Self {
-        let (ground, reach) = (scene.ground(), scene.reach());
+        let (ground, bounding_radius) = (scene.ground(), scene.bounding_radius());
         Self {
-            body: [scene.mass_properties().mass(), reach],
-            moments: scene.mass_properties().moments(),
+            body: [scene.inertia_properties().mass(), bounding_radius],
+            moments: scene.inertia_properties().moments(),
             contacts: scene.body().contacts().len(),
             rim: (scene.body().rims().first()).map_or(R::ZERO, |rim| rim.points()),
             gravity: scene.gravity(),
             surface: scene.probe(|| ground.surface(state.position)),
-            spring: scene.probe(|| [ground.spring_force(reach), ground.spring_energy(reach)]),
+            spring: scene.probe(|| {
+                [
+                    ground.spring_force(bounding_radius),
+                    ground.spring_energy(bounding_radius),
+                ]
+            }),
         }
     }
 }

@@ -4,19 +4,19 @@
 //! For the methods that look at contacts which begin or cease to push within a step.
 
 use crate::body::{ContactPoint, RigidPointBody};
-use crate::ground::{Extent, Plane, SpringDamperGround};
+use crate::ground::{GroundBounds, Plane, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion, facing_ground};
 
 /// A contact at one moment of the step.
 #[derive(Clone, Copy)]
-pub(super) struct Side<R: Real> {
+pub(super) struct ContactEnd<R: Real> {
     pub(super) depth: R,
     pub(super) closing_speed: R,
     pub(super) normal_force: R,
 }
 
-impl<R: Real> Side<R> {
+impl<R: Real> ContactEnd<R> {
     #[inline(always)]
     pub(super) fn of<D: Dynamics<R>>(
         scene: &D,
@@ -139,8 +139,8 @@ impl<R: Real> AbovePlane<R> {
 impl<'a, R: Real, D: Dynamics<R>> Sight<'a, R, D> {
     #[inline(always)]
     pub(super) fn of(scene: &'a D, motion: &'a Motion<R>) -> Self {
-        let plane = match scene.ground().extent() {
-            Extent::Plane(plane) if !scene.body().is_smooth() => {
+        let plane = match scene.ground().bounds() {
+            GroundBounds::Plane(plane) if !scene.body().is_smooth() => {
                 Some(AbovePlane::of(&plane, motion))
             }
             _ => None,
@@ -153,13 +153,13 @@ impl<'a, R: Real, D: Dynamics<R>> Sight<'a, R, D> {
     }
 
     #[inline(always)]
-    pub(super) fn side(&self, point: &ContactPoint<R>) -> Side<R> {
+    pub(super) fn side(&self, point: &ContactPoint<R>) -> ContactEnd<R> {
         let Some(plane) = &self.plane else {
-            return Side::of(self.scene, self.motion, point);
+            return ContactEnd::of(self.scene, self.motion, point);
         };
         let depth = point.radius + (plane.depth - plane.rise.dot(point.position));
         let closing_speed = plane.closing_speed - plane.rising.dot(point.position);
-        Side {
+        ContactEnd {
             depth,
             closing_speed,
             normal_force: push(self.scene, depth, closing_speed),
@@ -180,7 +180,7 @@ pub(super) struct Path<R: Real> {
 
 impl<R: Real> Path<R> {
     #[inline]
-    pub(super) fn between(start: &Side<R>, end: &Side<R>, seconds: R) -> Self {
+    pub(super) fn between(start: &ContactEnd<R>, end: &ContactEnd<R>, seconds: R) -> Self {
         let slopes = [start.closing_speed * seconds, end.closing_speed * seconds];
         let rise = end.depth - start.depth;
         Self {

@@ -1,7 +1,7 @@
 //! The last word on a step: the computed energy is not above the one before, or the step does not
 //! happen.
 
-use super::{Step, aloft};
+use super::{Step, flight_rounding};
 use crate::energy::{Dissipation, Energy};
 use crate::ground::SpringDamperGround;
 use crate::real::{Quaternion, Real, Vector};
@@ -28,7 +28,8 @@ pub(super) fn hold<R: Real, D: Dynamics<R>>(
 ) -> bool {
     let ceiling = energy.total();
     let excess = after.total() - ceiling;
-    let is_kept = excess == R::ZERO || (excess < R::ZERO && !aloft::holds_both_ways::<R>());
+    let is_kept =
+        excess == R::ZERO || (excess < R::ZERO && !flight_rounding::holds_both_ways::<R>());
     if !is_kept && excess.abs() <= rounding_of(energy, after) {
         if let Some(rounded) = without_rounding(scene, (state, energy), (end, after), touching) {
             (*state, *energy) = rounded;
@@ -51,12 +52,12 @@ fn without_rounding<R: Real, D: Dynamics<R>>(
     touching: usize,
 ) -> Option<(State<R>, Energy<R>)> {
     if touching == 0 && before.springs == R::ZERO {
-        return aloft::rounded(scene, before, (end, after));
+        return flight_rounding::rounded(scene, before, (end, after));
     }
     let is_conservative =
         || [start, end].map(|state| Dissipation::of(scene, state).total()) == [R::ZERO; 2];
-    (aloft::holds_both_ways::<R>() && is_conservative())
-        .then(|| aloft::rounded_in_contact(scene, before, (end, after)))
+    (flight_rounding::holds_both_ways::<R>() && is_conservative())
+        .then(|| flight_rounding::rounded_in_contact(scene, before, (end, after)))
         .flatten()
 }
 
@@ -84,7 +85,7 @@ fn hold_down<R: Real, D: Dynamics<R>>(
         return true;
     }
     if let Some(held) = scaled_down(scene, ceiling, excess, end, *after) {
-        step.ratcheted += excess;
+        step.energy_removed += excess;
         (*state, *energy) = held;
         return true;
     }
@@ -153,7 +154,7 @@ fn is_borne<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> bool {
     scene.visit_contacts(&scene.motion(state), |contact| {
         lift -= contact.force(scene.ground(), scene.friction()).dot(gravity);
     });
-    let weight = gravity.length_squared() * scene.mass_properties().mass();
+    let weight = gravity.length_squared() * scene.inertia_properties().mass();
     lift >= weight * R::HALF
 }
 
@@ -215,8 +216,8 @@ pub(super) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
 ) -> bool {
     let kinetic = |energy: &Energy<R>| energy.translation + energy.rotation;
     let (first, last) = (kinetic(before), kinetic(after));
-    let reach = scene.reach();
-    let stays = |from: R, to: R| (to - from).abs() <= (from.abs() + reach) * R::EPSILON;
+    let bounding_radius = scene.bounding_radius();
+    let stays = |from: R, to: R| (to - from).abs() <= (from.abs() + bounding_radius) * R::EPSILON;
     let (p, q) = (start.position, end.position);
     if !(stays(p.x(), q.x()) && stays(p.y(), q.y()) && stays(p.z(), q.z())) {
         return false;
@@ -235,13 +236,13 @@ pub(super) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     // Springs that bear the weight W with the energy V have the stiffness W²/(2 V); a depth is
     // rounded to some last places of the numbers that make it. Of springs that do not, that says
     // nothing.
-    let mass = scene.mass_properties().mass();
+    let mass = scene.inertia_properties().mass();
     let weight = mass * scene.gravity().length();
-    let depth = scene.ground().surface(start.position).gap.abs() + reach;
+    let depth = scene.ground().surface(start.position).gap.abs() + bounding_radius;
     let stiffness = weight * weight * R::HALF / before.springs;
     let impulse = seconds * (stiffness * depth + weight) * (R::EPSILON * R::from_f64(8.0));
     let balanced = end.linear_velocity.length() * mass <= impulse
-        && end.angular_momentum.length() <= impulse * reach;
+        && end.angular_momentum.length() <= impulse * bounding_radius;
     let is_dying_out = last <= first && first > R::ZERO;
     (is_dying_out || balanced) && is_borne(scene, end)
 }

@@ -6,7 +6,7 @@ use crate::real::{Real, Vector};
 
 /// How many random inputs a check tries beyond its fixed extremes, and which.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Battery {
+pub struct CheckPlan {
     /// Other seeds give other inputs.
     pub seed: u64,
     /// Number of random inputs.
@@ -14,7 +14,7 @@ pub struct Battery {
 }
 
 /// Two hundred inputs.
-impl Default for Battery {
+impl Default for CheckPlan {
     fn default() -> Self {
         Self {
             seed: 0,
@@ -23,7 +23,7 @@ impl Default for Battery {
     }
 }
 
-impl Battery {
+impl CheckPlan {
     pub(super) fn draw(self) -> Draw {
         Draw { state: self.seed }
     }

@@ -33,7 +33,7 @@ use super::motion_of;
 use super::problem::{Problem, Trial};
 use super::resist::Resistance;
 use super::touch::Push;
-use crate::friction::Drag;
+use crate::friction::FrictionJacobian;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion};
@@ -58,7 +58,7 @@ impl<R: Real> Strain<R> {
     };
 
     #[inline]
-    pub(super) fn add(&mut self, push: &Push<R>, drag: &Drag<R>) {
+    pub(super) fn add(&mut self, push: &Push<R>, drag: &FrictionJacobian<R>) {
         self.contacts += R::ONE;
         self.friction += drag.coefficient;
         self.damping += push.mean.damping;
@@ -124,7 +124,7 @@ pub(super) fn settle<R: Real, D: Dynamics<R>>(
         if pass > 0 && !is_limited {
             break;
         }
-        let Some(next) = sum.resisted(problem.scene, end, problem.reach) else {
+        let Some(next) = sum.resisted(problem.scene, end, problem.bounding_radius) else {
             break;
         };
         settled = next;
@@ -147,7 +147,7 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
         &self,
         sum: &mut Resistance<R>,
         push: &Push<R>,
-        drag: &Drag<R>,
+        drag: &FrictionJacobian<R>,
         after: Option<&Motion<R>>,
     ) -> bool {
         let n = self.end_normal(push);
@@ -201,7 +201,7 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
 
 /// `|F|/|u|` of the friction at the mean slip where the slip at the end of the step has turned
 /// against it; elsewhere the law's slope there, N s/m.
-fn chord<R: Real>(push: &Push<R>, drag: &Drag<R>, end_slip: R::Vec3) -> R {
+fn chord<R: Real>(push: &Push<R>, drag: &FrictionJacobian<R>, end_slip: R::Vec3) -> R {
     if end_slip.dot(push.slip) <= R::ZERO {
         return drag.coefficient;
     }

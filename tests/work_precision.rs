@@ -4,13 +4,13 @@
 #![allow(clippy::unwrap_used)]
 
 use tumble::error::Quantity;
-use tumble::trade::{Failure, Method, Setting, reference, trade, trade_against};
+use tumble::work_precision::{Failure, Method, Setting, measure, measure_against, reference};
 use tumble::{FlatGround, Rk4, State, StepError, Stepper, Trial, UniformGravity};
 
 fn settings() -> Vec<Setting> {
     let mut ladder = Setting::ladder();
     ladder.retain(|setting| {
-        setting.knob
+        setting.parameter
             >= if setting.method.has_tolerance() {
                 1e-6
             } else {
@@ -28,7 +28,7 @@ fn the_table_has_a_row_for_each_setting_and_its_errors_are_those_of_runs() {
     };
     let stepper = trial.stepper(Rk4 { time_step: 1e-3 }).unwrap();
     let (start, settings) = (trial.state(), settings());
-    let table = trade(stepper.scene(), &start, 0.1, &settings).unwrap();
+    let table = measure(stepper.scene(), &start, 0.1, &settings).unwrap();
     assert!(table.resolution < 1e-9, "{:e}", table.resolution);
     assert_eq!(table.rows.len(), settings.len());
     let reference = reference(stepper.scene(), &start, 0.1).unwrap().end;
@@ -36,7 +36,7 @@ fn the_table_has_a_row_for_each_setting_and_its_errors_are_those_of_runs() {
         assert_eq!(row.setting, *setting);
         assert_eq!(row.failure, None);
         assert!(row.steps > 0 && row.evaluations > 0, "{setting}");
-        if setting.method == Method::Rk4 && setting.knob < 2e-3 {
+        if setting.method == Method::Rk4 && setting.parameter < 2e-3 {
             let mut state = start;
             stepper.advance(&mut state, 0.1).unwrap();
             let way = (state.position - reference.position).length();
@@ -48,7 +48,7 @@ fn the_table_has_a_row_for_each_setting_and_its_errors_are_those_of_runs() {
         }
     }
     // No row of the front is beaten, and the cheapest for an error is one of them.
-    let front = table.front();
+    let front = table.pareto_front();
     for pair in front.windows(2) {
         assert!(pair[0].time <= pair[1].time && pair[0].error > pair[1].error);
     }
@@ -68,20 +68,20 @@ fn a_setting_that_fails_has_a_row_with_its_error() {
     let start = State::at(tumble::glam::DVec3::NAN);
     let settings = [Setting {
         method: Method::Rk4,
-        knob: 1e-2,
+        parameter: 1e-2,
         flight: true,
     }];
-    let end = tumble::trade::Reference {
+    let end = tumble::work_precision::Reference {
         end: start,
         resolution: 0.0,
     };
-    let table = trade_against(stepper.scene(), &start, 1.0, &settings, &end);
+    let table = measure_against(stepper.scene(), &start, 1.0, &settings, &end);
     assert_eq!(
         table.rows[0].failure,
         Some(Failure::Step(StepError::BadState(Quantity::Position)))
     );
     assert!(table.rows[0].error.is_infinite());
-    assert!(table.front().is_empty());
+    assert!(table.pareto_front().is_empty());
     assert_eq!(table.rows[0].setting.to_string(), "Rk4 1e-2 s + flight");
 }
 
@@ -90,10 +90,10 @@ fn a_setting_whose_knob_cannot_be_is_told_so() {
     let stepper = Stepper::new(tumble::Coin::<f64>::ring(1.0, 0.5)).unwrap();
     let settings = [Method::Rk4, Method::DormandPrince54].map(|method| Setting {
         method,
-        knob: -1.0,
+        parameter: -1.0,
         flight: false,
     });
-    let table = trade(stepper.scene(), &State::default(), 1.0, &settings).unwrap();
+    let table = measure(stepper.scene(), &State::default(), 1.0, &settings).unwrap();
     let said = table
         .rows
         .iter()

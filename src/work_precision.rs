@@ -1,20 +1,21 @@
 //! Error against price of every integrator on a scene of one's own (feature `std`).
 //!
-//! [`trade()`] runs the scene with each [`Setting`] and compares the ends with that of a far finer
-//! run. It returns a table that can be printed, asked for its [cheapest](Trade::cheapest) row
-//! within an error, and for its [front](Trade::front): the rows that no other beats. The error is a
-//! length, in m: of the place, and of the turn by way of the body's reach. The price is the time on
-//! this machine, in a program that was built with `--release`; compare rows, not machines. The
-//! evaluations of the forces are the same everywhere. [`Setting::ladder`] has 58 settings, which
-//! together take about a second for a second of trial 1.
+//! [`measure()`] runs the scene with each [`Setting`] and compares the ends with that of a far
+//! finer run. It returns a table that can be printed, asked for its
+//! [cheapest](WorkPrecision::cheapest) row within an error, and for its
+//! [front](WorkPrecision::pareto_front): the rows that no other beats. The error is a length, in m:
+//! of the place, and of the turn by way of the body's reach. The price is the time on this machine,
+//! in a program that was built with `--release`; compare rows, not machines. The evaluations of the
+//! forces are the same everywhere. [`Setting::ladder`] has 58 settings, which together take about a
+//! second for a second of trial 1.
 //!
 //! ```
-//! use tumble::trade::{Setting, trade};
+//! use tumble::work_precision::{Setting, measure};
 //! use tumble::Trial;
 //!
 //! let trial = Trial { slip_speed: 1e-3, ..Trial::report(1).ok_or("no such trial")? };
 //! let stepper = trial.stepper(tumble::Rk4 { time_step: 1e-3 })?;
-//! let table = trade(stepper.scene(), &trial.state(), 0.1, &Setting::ladder())?;
+//! let table = measure(stepper.scene(), &trial.state(), 0.1, &Setting::ladder())?;
 //! let best = table.cheapest(1e-4).ok_or("no setting is so good")?;
 //! println!("{}: {:.1e} m for {} evaluations", best.setting, best.error, best.evaluations);
 //! println!("\nall of them, good to {:.0e} m:\n{table}", table.resolution);
@@ -41,7 +42,7 @@ use crate::scene::{Dynamics, size};
 use crate::state::State;
 use crate::stepper::Stepper;
 
-/// An integrator of the library, without its knob.
+/// An integrator of the library, without its parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Method {
@@ -91,41 +92,41 @@ impl Method {
         }
     }
 
-    /// Whether its knob is a tolerance (m) and not a time step (s).
+    /// Whether its parameter is a tolerance (m) and not a time step (s).
     #[must_use]
     pub const fn has_tolerance(self) -> bool {
         matches!(self, Self::BogackiShampine32 | Self::DormandPrince54)
     }
 }
 
-/// An integrator with its knob.
+/// An integrator with its parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
     /// Which one.
     pub method: Method,
     /// Its time step (s) or tolerance (m).
-    pub knob: f64,
+    pub parameter: f64,
     /// Whether it [flies in closed form](Flight).
     pub flight: bool,
 }
 
 impl Setting {
-    /// Each method with seven or eight knobs: time steps from 10 ms to 0.1 ms, tolerances from 1e-2
-    /// to 1e-9 m; flight step by step.
+    /// Each method with seven or eight parameters: time steps from 10 ms to 0.1 ms, tolerances from
+    /// 1e-2 to 1e-9 m; flight step by step.
     #[must_use]
     pub fn ladder() -> Vec<Self> {
         const TIME_STEPS: [f64; 7] = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4];
         const TOLERANCES: [f64; 8] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
         let mut ladder = Vec::new();
         for method in Method::ALL {
-            let knobs: &[f64] = if method.has_tolerance() {
+            let parameters: &[f64] = if method.has_tolerance() {
                 &TOLERANCES
             } else {
                 &TIME_STEPS
             };
-            ladder.extend(knobs.iter().map(|&knob| Self {
+            ladder.extend(parameters.iter().map(|&parameter| Self {
                 method,
-                knob,
+                parameter,
                 flight: false,
             }));
         }
@@ -142,7 +143,12 @@ impl fmt::Display for Setting {
             "s"
         };
         let flight = if self.flight { " + flight" } else { "" };
-        write!(f, "{} {:e} {unit}{flight}", self.method.name(), self.knob)
+        write!(
+            f,
+            "{} {:e} {unit}{flight}",
+            self.method.name(),
+            self.parameter
+        )
     }
 }
 
@@ -173,7 +179,7 @@ pub struct Row {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Failure {
-    /// The scene, or a setting's knob, cannot be.
+    /// The scene, or a setting's parameter, cannot be.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// The run could not go on.
@@ -183,7 +189,7 @@ pub enum Failure {
 
 /// Error and price of several settings on one scene.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Trade {
+pub struct WorkPrecision {
     /// In the order of the settings that were asked for.
     pub rows: Vec<Row>,
     /// How far the reference is from one ten times less accurate, m: below this the errors mean
@@ -191,7 +197,7 @@ pub struct Trade {
     pub resolution: f64,
 }
 
-impl Trade {
+impl WorkPrecision {
     /// The setting that takes the least time for an error of at most `error` (m).
     #[must_use]
     pub fn cheapest(&self, error: f64) -> Option<&Row> {
@@ -202,7 +208,7 @@ impl Trade {
 
     /// The rows that no other beats in both error and time, from the fastest on.
     #[must_use]
-    pub fn front(&self) -> Vec<&Row> {
+    pub fn pareto_front(&self) -> Vec<&Row> {
         let mut rows: Vec<_> = (self.rows.iter())
             .filter(|row| row.failure.is_none())
             .collect();
@@ -218,7 +224,7 @@ impl Trade {
 }
 
 /// `setting, error, time, evaluations, energy rise`, a row a line.
-impl fmt::Display for Trade {
+impl fmt::Display for WorkPrecision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
@@ -250,31 +256,31 @@ impl fmt::Display for Trade {
 ///
 /// # Errors
 /// Where the reference fails.
-pub fn trade<R: Real, D: Dynamics<R>>(
+pub fn measure<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &State<R>,
     seconds: R,
     settings: &[Setting],
-) -> Result<Trade, Failure> {
+) -> Result<WorkPrecision, Failure> {
     let reference = reference(scene, start, seconds)?;
-    Ok(trade_against(scene, start, seconds, settings, &reference))
+    Ok(measure_against(scene, start, seconds, settings, &reference))
 }
 
-/// As [`trade`], against an end that is known: a closed form, say, or the end in double precision
+/// As [`measure`], against an end that is known: a closed form, say, or the end in double precision
 /// for a scene in single.
-pub fn trade_against<R: Real, D: Dynamics<R>>(
+pub fn measure_against<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &State<R>,
     seconds: R,
     settings: &[Setting],
     reference: &Reference<R>,
-) -> Trade {
+) -> WorkPrecision {
     let bench = Bench {
         scene,
         start,
         seconds,
     };
-    Trade {
+    WorkPrecision {
         rows: settings
             .iter()
             .map(|setting| bench.measure(*setting, &reference.end))
@@ -363,7 +369,7 @@ impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
     }
 
     fn measure(&self, setting: Setting, reference: &State<R>) -> Row {
-        let knob = R::from_f64(setting.knob);
+        let parameter = R::from_f64(setting.parameter);
         macro_rules! with {
             ($integrator:expr) => {
                 if setting.flight {
@@ -374,14 +380,26 @@ impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
             };
         }
         match setting.method {
-            Method::ForwardEuler => with!(ForwardEuler { time_step: knob }),
-            Method::SymplecticEuler => with!(SymplecticEuler { time_step: knob }),
-            Method::StrangSplitting => with!(StrangSplitting { time_step: knob }),
-            Method::Rk4 => with!(Rk4 { time_step: knob }),
-            Method::Nystrom => with!(Nystrom { time_step: knob }),
-            Method::EnergyMomentum => with!(EnergyMomentum { time_step: knob }),
-            Method::BogackiShampine32 => with!(BogackiShampine32::new(knob)),
-            Method::DormandPrince54 => with!(DormandPrince54::new(knob)),
+            Method::ForwardEuler => with!(ForwardEuler {
+                time_step: parameter
+            }),
+            Method::SymplecticEuler => with!(SymplecticEuler {
+                time_step: parameter
+            }),
+            Method::StrangSplitting => with!(StrangSplitting {
+                time_step: parameter
+            }),
+            Method::Rk4 => with!(Rk4 {
+                time_step: parameter
+            }),
+            Method::Nystrom => with!(Nystrom {
+                time_step: parameter
+            }),
+            Method::EnergyMomentum => with!(EnergyMomentum {
+                time_step: parameter
+            }),
+            Method::BogackiShampine32 => with!(BogackiShampine32::new(parameter)),
+            Method::DormandPrince54 => with!(DormandPrince54::new(parameter)),
         }
     }
 

@@ -41,7 +41,8 @@ pub(super) fn rounded<R: Real, D: Dynamics<R>>(
     (end, after): (&State<R>, &Energy<R>),
 ) -> Option<(State<R>, Energy<R>)> {
     let mut search = Search::new(scene, before, end, after);
-    let lever = scene.mass_properties().mass() * scene.gravity().length() * end.position.length();
+    let lever =
+        scene.inertia_properties().mass() * scene.gravity().length() * end.position.length();
     let (speed, spin) = (after.translation, after.rotation);
     search.orientation(before.rotation, spin >= speed && spin >= lever);
     // Without gravity the linear velocity is a constant, and no rounding is its own.
@@ -149,7 +150,7 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
             return;
         }
         let (end, momentum) = (self.end, self.end.angular_momentum);
-        let properties = self.scene.mass_properties();
+        let properties = self.scene.inertia_properties();
         let rotation = end.rotation();
         let slope = (properties.angular_velocity(&rotation.axes(), momentum)).cross(momentum);
         let per_square = R::ONE / slope.length_squared();
@@ -186,7 +187,7 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
     /// Moves the body along gravity.
     fn height(&mut self, lever: R) {
         let gravity = self.scene.gravity();
-        let mass = self.scene.mass_properties().mass();
+        let mass = self.scene.inertia_properties().mass();
         let per_energy = R::ONE / (mass * gravity.length_squared());
         self.along(lever, |end, after, taken| {
             let position = end.position + gravity * (taken * per_energy);
@@ -197,7 +198,7 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
 
     /// Scales the linear velocity.
     fn speed(&mut self, size: R) {
-        let mass = self.scene.mass_properties().mass();
+        let mass = self.scene.inertia_properties().mass();
         self.along(size, |end, after, taken| {
             let linear_velocity = end.linear_velocity * (R::ONE - taken / (size * R::TWO));
             let translation = mass * linear_velocity.length_squared() * R::HALF;
@@ -215,7 +216,7 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
 
     /// Scales the angular momentum.
     fn spin(&mut self, size: R) {
-        let properties = self.scene.mass_properties();
+        let properties = self.scene.inertia_properties();
         let axes = self.end.rotation().axes();
         // Two units more, so that the next step finds the energy in the middle of its rounding
         // again.

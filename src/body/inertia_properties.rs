@@ -1,0 +1,650 @@
+//! Mass and inertia as a step needs them: principal axes, inverse moments, and the torque-free
+//! turn.
+
+use super::jacobi::principal_axes;
+use crate::error::{self, Rule, SceneError};
+use crate::real::{Matrix, Real, Vector};
+use crate::rotation::{Axes, BodyAxis, Rotation};
+
+/// Mass and inertia of a body, worked out once when a scene is composed.
+///
+/// The inverse inertia tensor is kept as `t 1 + s a aᵀ + d b bᵀ`: the same inverse moment `t` about
+/// every axis, what the axis `a` of (nearly) symmetric bodies has beyond it, and what a second
+/// principal axis `b` has beyond it. `d` is 0 for a body with two equal moments; `s` and `d` are 0
+/// for one with three. A moment of 0 (a point; a line, about itself) has the inverse 0 here: the
+/// body does not turn that way. So does a moment below 64 units in the last place of the largest
+/// one (1.4e-14 of it in f64, 7.6e-6 in f32), which is what rounding leaves of 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InertiaProperties<R: Real = f64> {
+    mass: R,
+    inverse_mass: R,
+    moments: R::Vec3,
+    principal: Axes<R>,
+    common: R,
+    symmetry: Excess<R>,
+    asymmetry: Excess<R>,
+    solving: Solving<R>,
+}
+
+/// The tensor for equations that need it to be regular: `c 1 + s a aᵀ + d b bᵀ` with the axes of
+/// the inverse one. A moment of 0 stands as the largest one (as 1 m² times the mass for a point),
+/// and goes with an angular momentum of 0: what does not turn has no energy in its turning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Solving<R: Real> {
+    common: R,
+    symmetry: R,
+    asymmetry: R,
+    turns: Turns,
+}
+
+/// About which axes a body turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Turns {
+    /// About all.
+    Freely,
+    /// Not about the axis of symmetry: a rod.
+    Across,
+    /// About none: a point.
+    Never,
+}
+
+impl<R: Real> Solving<R> {
+    fn new(mass: R, moments: [R; 3], inverse: [R; 3], [unlike, like, third]: [usize; 3]) -> Self {
+        let turns = if nth(inverse, like) == R::ZERO {
+            Turns::Never
+        } else if nth(inverse, unlike) == R::ZERO {
+            Turns::Across
+        } else {
+            Turns::Freely
+        };
+        let excess = |moment: R| match turns {
+            Turns::Freely => moment - nth(moments, like),
+            Turns::Across | Turns::Never => R::ZERO,
+        };
+        Self {
+            common: if turns == Turns::Never {
+                mass
+            } else {
+                nth(moments, like)
+            },
+            symmetry: excess(nth(moments, unlike)),
+            asymmetry: excess(nth(moments, third)),
+            turns,
+        }
+    }
+}
+
+/// An inverse moment that one principal axis has beyond the others' common one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Excess<R: Real> {
+    axis: BodyAxis<R>,
+    /// 1/(kg m²).
+    inverse: R,
+}
+
+impl<R: Real> Excess<R> {
+    /// Its share of the angular velocity (rad/s, world axes).
+    #[inline(always)]
+    fn spin(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R::Vec3 {
+        let axis = self.axis.in_world(axes);
+        axis * (self.inverse * axis.dot(angular_momentum))
+    }
+
+    /// `rotation` turned further about the body's own axis, as this share of the spin turns it in
+    /// `seconds`.
+    #[inline(always)]
+    fn turn(
+        &self,
+        rotation: Rotation<R>,
+        axes: &Axes<R>,
+        angular_momentum: R::Vec3,
+        seconds: R,
+    ) -> Rotation<R> {
+        let along = self.axis.in_world(axes).dot(angular_momentum);
+        rotation.spun(self.axis, self.inverse * along * (seconds * R::HALF))
+    }
+}
+
+/// Of a turn about three different moments, rad: the largest part, and how many at most.
+const LARGEST_PART: f64 = 0.02;
+const MOST_PARTS: usize = 1_000_000;
+
+impl<R: Real> InertiaProperties<R> {
+    /// Mass (kg) and inertia tensor about the centre of mass (kg m², body axes).
+    ///
+    /// # Errors
+    /// Where the mass is not above 0, the tensor is not symmetric or not finite, a principal moment
+    /// is negative, or one exceeds the sum of the other two. Also where the inverse of the mass or
+    /// of a moment overflows.
+    pub fn new(mass: R, inertia: R::Mat3) -> Result<Self, SceneError> {
+        error::above_zero("mass", mass, " kg")?;
+        error::finite_inverse("mass", mass, " kg")?;
+        let (moments, principal) = principal_axes(check_tensor::<R>(inertia)?);
+        let largest = moments[0].at_least(moments[1]).at_least(moments[2]);
+        let rounding = largest * (R::EPSILON * R::from_f64(64.0));
+        check_moments(moments, rounding)?;
+        for moment in moments.into_iter().filter(|&moment| moment > rounding) {
+            error::finite_inverse("a principal moment of inertia", moment, " kg m²")?;
+        }
+        let inverse = moments.map(|moment| {
+            if moment > rounding {
+                R::ONE / moment
+            } else {
+                R::ZERO
+            }
+        });
+        let equal = |i: usize, j: usize| (nth(moments, i) - nth(moments, j)).abs() <= rounding;
+        let [unlike, like, third] = by_likeness(moments);
+        let common = nth(inverse, like);
+        let excess = |i: usize| Excess {
+            axis: BodyAxis::along(nth(principal, i)),
+            inverse: if equal(i, like) {
+                R::ZERO
+            } else {
+                nth(inverse, i) - common
+            },
+        };
+        Ok(Self {
+            mass,
+            inverse_mass: R::ONE / mass,
+            moments: R::Vec3::new(moments[0], moments[1], moments[2]),
+            principal: Axes {
+                x: principal[0],
+                y: principal[1],
+                z: principal[2],
+            },
+            common,
+            symmetry: excess(unlike),
+            asymmetry: excess(third),
+            solving: Solving::new(mass, moments, inverse, [unlike, like, third]),
+        })
+    }
+
+    /// kg.
+    #[inline]
+    #[must_use]
+    pub fn mass(&self) -> R {
+        self.mass
+    }
+
+    /// 1/kg.
+    #[inline]
+    #[must_use]
+    pub fn inverse_mass(&self) -> R {
+        self.inverse_mass
+    }
+
+    /// Principal moments about x, y and z of [`principal_axes`](Self::principal_axes), kg m².
+    #[must_use]
+    pub fn moments(&self) -> R::Vec3 {
+        self.moments
+    }
+
+    /// Principal axes, unit vectors in body axes, right-handed.
+    #[must_use]
+    pub fn principal_axes(&self) -> &Axes<R> {
+        &self.principal
+    }
+
+    /// Whether all three moments differ: then the torque-free turn is approximate, see
+    /// [`turn_freely`](Self::turn_freely).
+    #[inline]
+    #[must_use]
+    pub fn is_asymmetric(&self) -> bool {
+        self.asymmetry.inverse != R::ZERO
+    }
+
+    /// About the axis of the largest moment, m: `√(moment/mass)`.
+    #[inline]
+    pub(crate) fn radius_of_gyration(&self) -> R {
+        let [x, y, z] = [self.moments.x(), self.moments.y(), self.moments.z()];
+        (x.at_least(y).at_least(z) * self.inverse_mass).sqrt()
+    }
+
+    /// Angular velocity (rad/s, world axes) of a body with these axes and angular momentum (kg
+    /// m²/s, world axes): `ω = J⁻¹ L`.
+    #[inline(always)]
+    #[must_use]
+    pub fn angular_velocity(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R::Vec3 {
+        let mut spin = angular_momentum * self.common + self.symmetry.spin(axes, angular_momentum);
+        if self.is_asymmetric() {
+            spin += self.asymmetry.spin(axes, angular_momentum);
+        }
+        spin
+    }
+
+    /// Angular momentum (kg m²/s, world axes) of a body with these axes that turns at
+    /// `angular_velocity` (rad/s, world axes): `L = J ω`.
+    #[inline]
+    #[must_use]
+    pub fn angular_momentum(&self, axes: &Axes<R>, angular_velocity: R::Vec3) -> R::Vec3 {
+        let spin = self.principal.to_body(axes.to_body(angular_velocity));
+        let momentum = R::Vec3::new(
+            self.moments.x() * spin.x(),
+            self.moments.y() * spin.y(),
+            self.moments.z() * spin.z(),
+        );
+        axes.to_world(self.principal.to_world(momentum))
+    }
+
+    /// Energy of the rotation (J) of a body with these axes and angular momentum (kg m²/s, world
+    /// axes): `L · J⁻¹ L/2`.
+    ///
+    /// A sum of squares along and across the axes, so that it is never below 0: for a rod, `L · ω`
+    /// would be what rounding leaves of two huge numbers.
+    #[inline]
+    #[must_use]
+    pub fn rotational_energy(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R {
+        if R::EPSILON > R::from_f64(1e-10) {
+            return self.steady_energy(axes, angular_momentum);
+        }
+        let square = |axis: &Excess<R>| {
+            let along = axis.axis.in_world(axes);
+            let part = along.dot(angular_momentum);
+            (along * part, part * part * (self.common + axis.inverse))
+        };
+        let (along, of_symmetry) = square(&self.symmetry);
+        let mut across = angular_momentum - along;
+        let mut doubled = of_symmetry;
+        if self.is_asymmetric() {
+            let (along, of_asymmetry) = square(&self.asymmetry);
+            across -= along;
+            doubled += of_asymmetry;
+        }
+        (doubled + across.length_squared() * self.common) * R::HALF
+    }
+
+    /// The same for f32, where the squares' rounding would be seen: `|L|²` with the inverse moment
+    /// of the axis that most of it lies along, and what small components differ by. So a steady
+    /// rotation has a steady energy; rounding of the axes comes in with those components alone.
+    fn steady_energy(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R {
+        let square = angular_momentum.length_squared();
+        let (mut common, mut rest) = (self.common, R::ZERO);
+        let mut add = |excess: &Excess<R>| {
+            let axis = excess.axis.in_world(axes);
+            let part = axis.dot(angular_momentum);
+            if part * part * R::TWO > square {
+                let across = angular_momentum - axis * part;
+                common += excess.inverse;
+                rest -= across.length_squared() * excess.inverse;
+            } else {
+                rest += part * part * excess.inverse;
+            }
+        };
+        add(&self.symmetry);
+        if self.is_asymmetric() {
+            add(&self.asymmetry);
+        }
+        let energy = (square * common + rest) * R::HALF;
+        // Written so that the NaN of squares that overflow stays one.
+        if energy < R::ZERO { R::ZERO } else { energy }
+    }
+
+    /// The angular momentum without what the body cannot have: what an implicit step's regular
+    /// inertia lets rounding leave about an axis without a moment.
+    #[inline]
+    pub(crate) fn without_dead_spin(
+        &self,
+        rotation: Rotation<R>,
+        angular_momentum: R::Vec3,
+    ) -> R::Vec3 {
+        if self.solving.turns == Turns::Freely {
+            angular_momentum
+        } else {
+            let symmetry = self.symmetry.axis.in_world(&rotation.axes());
+            self.without_dead_part(symmetry, angular_momentum)
+        }
+    }
+
+    /// The same, for a body whose axis of symmetry is known in the world.
+    #[inline]
+    fn without_dead_part(&self, symmetry: R::Vec3, angular_momentum: R::Vec3) -> R::Vec3 {
+        match self.solving.turns {
+            Turns::Freely => angular_momentum,
+            Turns::Across => angular_momentum - symmetry * symmetry.dot(angular_momentum),
+            Turns::Never => R::Vec3::ZERO,
+        }
+    }
+
+    /// A regular inertia tensor (columns, world axes) of a body with these axes, and the angular
+    /// momentum without what the body cannot have.
+    #[inline]
+    pub(crate) fn inertia_for_solving(
+        &self,
+        axes: &Axes<R>,
+        angular_momentum: R::Vec3,
+    ) -> ([R::Vec3; 3], R::Vec3) {
+        let solving = &self.solving;
+        let o = R::ZERO;
+        let mut tensor = [
+            R::Vec3::new(solving.common, o, o),
+            R::Vec3::new(o, solving.common, o),
+            R::Vec3::new(o, o, solving.common),
+        ];
+        let mut add = |axis: R::Vec3, moment: R| {
+            let scaled = axis * moment;
+            tensor[0] += scaled * axis.x();
+            tensor[1] += scaled * axis.y();
+            tensor[2] += scaled * axis.z();
+        };
+        let symmetry = self.symmetry.axis.in_world(axes);
+        add(symmetry, solving.symmetry);
+        if self.is_asymmetric() {
+            add(self.asymmetry.axis.in_world(axes), solving.asymmetry);
+        }
+        let momentum = self.without_dead_part(symmetry, angular_momentum);
+        (tensor, momentum)
+    }
+
+    /// The turn after `seconds` without torque, from `rotation` with these `axes`. The angular
+    /// momentum is a constant of the world and is not touched.
+    ///
+    /// Exact for a body with two equal moments, for any time and spin:
+    /// `exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)`. For three different moments it is Strang's
+    /// composition of the symmetric body's turn with the rest's: of order 2, with the energy error
+    /// bounded for all times, and `|L|` exact (Touma & Wisdom 1994; McLachlan & Zanna 2005).
+    #[inline(always)]
+    #[must_use]
+    pub fn turn_freely(
+        &self,
+        rotation: Rotation<R>,
+        axes: &Axes<R>,
+        angular_momentum: R::Vec3,
+        seconds: R,
+    ) -> Rotation<R> {
+        if self.is_asymmetric() {
+            self.turn_asymmetric(rotation, axes, angular_momentum, seconds)
+        } else {
+            self.turn_symmetric(rotation, axes, angular_momentum, seconds)
+                .normalised()
+        }
+    }
+
+    /// The turn after `seconds` without torque, however far: [`turn_freely`](Self::turn_freely) for
+    /// a body with two equal moments.
+    ///
+    /// For three different ones it is composed of steps of at most 0.02 rad (beyond 20 000 rad, of
+    /// a million longer ones), each by the triple jump of Yoshida (Physics Letters A 150, 1990), of
+    /// order 4.
+    #[inline]
+    #[must_use]
+    pub fn turn_far(
+        &self,
+        rotation: Rotation<R>,
+        angular_momentum: R::Vec3,
+        seconds: R,
+    ) -> Rotation<R> {
+        if self.is_asymmetric() {
+            self.turn_asymmetric_far(rotation, angular_momentum, seconds)
+        } else {
+            self.turn_freely(rotation, &rotation.axes(), angular_momentum, seconds)
+        }
+    }
+
+    fn turn_asymmetric_far(
+        &self,
+        rotation: Rotation<R>,
+        angular_momentum: R::Vec3,
+        seconds: R,
+    ) -> Rotation<R> {
+        // 1/(2 - 2^(1/3)), and what is left of 1 in the middle.
+        let outer = R::from_f64(1.351_207_191_959_657_6);
+        let inner = R::ONE - R::TWO * outer;
+        let spin = angular_momentum.length() * self.largest_inverse_moment();
+        let parts = (spin * seconds.abs() / R::from_f64(LARGEST_PART)).floor_index() + 1;
+        let parts = parts.min(MOST_PARTS);
+        let step = seconds / R::from_usize(parts);
+        let mut turned = rotation;
+        for _ in 0..parts {
+            for share in [outer, inner, outer] {
+                let axes = turned.axes();
+                turned = self.turn_asymmetric(turned, &axes, angular_momentum, step * share);
+            }
+        }
+        turned
+    }
+
+    /// The time in which [`turn_far`](Self::turn_far) keeps its parts small, s: for ever with two
+    /// equal moments.
+    #[inline]
+    pub(crate) fn longest_turn(&self, angular_momentum: R::Vec3) -> R {
+        let spin = angular_momentum.length() * self.largest_inverse_moment();
+        if self.is_asymmetric() && spin > R::ZERO {
+            R::from_f64(LARGEST_PART) * R::from_usize(MOST_PARTS) / spin
+        } else {
+            R::MAX
+        }
+    }
+
+    /// The spin (rad/s) that an angular momentum of 1 kg m²/s gives about the axis that is turned
+    /// most easily, 1/(kg m²); 0 for a point.
+    #[inline]
+    #[must_use]
+    pub fn largest_inverse_moment(&self) -> R {
+        self.common
+            .at_least(self.common + self.symmetry.inverse)
+            .at_least(self.common + self.asymmetry.inverse)
+    }
+
+    /// As [`turn_freely`](Self::turn_freely) for a body with two equal moments, not scaled to
+    /// length 1.
+    #[inline(always)]
+    pub(crate) fn turn_symmetric(
+        &self,
+        rotation: Rotation<R>,
+        axes: &Axes<R>,
+        angular_momentum: R::Vec3,
+        seconds: R,
+    ) -> Rotation<R> {
+        let half_turn = angular_momentum * (self.common * (seconds * R::HALF));
+        let precession = Rotation::from_half_vector(half_turn);
+        precession.after(
+            self.symmetry
+                .turn(rotation, axes, angular_momentum, seconds),
+        )
+    }
+
+    fn turn_asymmetric(
+        &self,
+        rotation: Rotation<R>,
+        axes: &Axes<R>,
+        angular_momentum: R::Vec3,
+        seconds: R,
+    ) -> Rotation<R> {
+        let half = seconds * R::HALF;
+        let first = self.asymmetry.turn(rotation, axes, angular_momentum, half);
+        let middle = self.turn_symmetric(first, &first.axes(), angular_momentum, seconds);
+        self.asymmetry
+            .turn(middle, &middle.axes(), angular_momentum, half)
+            .normalised()
+    }
+}
+
+/// The tensor as its distinct entries, after the checks that need no principal axes.
+fn check_tensor<R: Real>(inertia: R::Mat3) -> Result<[[R; 3]; 3], SceneError> {
+    let rows = inertia
+        .columns()
+        .map(|column| [column.x(), column.y(), column.z()]);
+    let mut largest = R::ZERO;
+    for entry in rows.into_iter().flatten() {
+        error::finite("an entry of the inertia tensor", entry, " kg m²")?;
+        largest = largest.at_least(entry.abs());
+    }
+    for (i, j) in PAIRS {
+        let gap = (nth(nth(rows, i), j) - nth(nth(rows, j), i)).abs();
+        if gap > largest * R::EPSILON * R::from_f64(64.0) {
+            return Err(SceneError::new(
+                "the inertia tensor",
+                Rule::Symmetric,
+                gap.to_f64(),
+                " kg m² between mirrored entries",
+            ));
+        }
+    }
+    Ok(rows)
+}
+
+fn check_moments<R: Real>(moments: [R; 3], rounding: R) -> Result<(), SceneError> {
+    // A negative one first: it also makes another exceed the sum.
+    if let Some(moment) = moments.into_iter().find(|&moment| moment < -rounding) {
+        return error::at_least_zero("a principal moment of inertia", moment, " kg m²");
+    }
+    for (i, moment) in moments.into_iter().enumerate() {
+        let others = nth(moments, (i + 1) % 3) + nth(moments, (i + 2) % 3);
+        if moment > others + rounding {
+            return Err(SceneError::new(
+                "a principal moment of inertia",
+                Rule::TriangleInequality,
+                moment.to_f64(),
+                " kg m²",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// One of three, without a panic that the compiler would have to prove away.
+#[inline]
+fn nth<T>([x, y, z]: [T; 3], index: usize) -> T {
+    match index {
+        0 => x,
+        1 => y,
+        _ => z,
+    }
+}
+
+const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
+
+/// The principal axes' numbers: the one unlike the two others, then those two, the one with the
+/// larger moment first.
+///
+/// The two that are alike share most of their inverse moment, so that what is left over for
+/// [`InertiaProperties::turn_freely`] to compose is least. All is chosen by moment, so that a body
+/// moves alike in whichever axes it is described.
+fn by_likeness<R: Real>(moments: [R; 3]) -> [usize; 3] {
+    let [x, y, z] = moments;
+    let [large, middle, small] = match (x >= y, y >= z, x >= z) {
+        (true, true, _) => [0, 1, 2],
+        (true, false, true) => [0, 2, 1],
+        (true, false, false) => [2, 0, 1],
+        (false, _, true) => [1, 0, 2],
+        (false, true, false) => [1, 2, 0],
+        (false, false, false) => [2, 1, 0],
+    };
+    if nth(moments, large) - nth(moments, middle) <= nth(moments, middle) - nth(moments, small) {
+        [small, large, middle]
+    } else {
+        [large, middle, small]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DMat3, DQuat, DVec3};
+
+    fn turned(moments: DVec3, turn: DQuat) -> DMat3 {
+        let m = DMat3::from_quat(turn);
+        m * DMat3::from_diagonal(moments) * m.transpose()
+    }
+
+    #[test]
+    fn a_turned_tensor_has_the_moments_of_the_straight_one() {
+        let turn = DQuat::from_scaled_axis(DVec3::new(0.4, -1.1, 2.0));
+        let moments = DVec3::new(1.0, 2.0, 2.5);
+        let tensor = turned(moments, turn);
+        let found =
+            InertiaProperties::<f64>::new(1.0, (tensor + tensor.transpose()) * 0.5).unwrap();
+        let mut sorted = found.moments().to_array();
+        sorted.sort_by(f64::total_cmp);
+        for (got, expected) in sorted.into_iter().zip(moments.to_array()) {
+            assert!((got - expected).abs() < 1e-14, "{sorted:?}");
+        }
+        let axes = found.principal_axes();
+        assert!((axes.x.cross(axes.y) - axes.z).length() < 1e-14);
+    }
+
+    #[test]
+    fn momentum_and_velocity_are_inverse_to_each_other() {
+        let turn = DQuat::from_scaled_axis(DVec3::new(0.4, -1.1, 2.0));
+        for moments in [
+            DVec3::new(1.0, 2.0, 2.5),
+            DVec3::new(2.0, 1.0, 2.0),
+            DVec3::splat(3.0),
+        ] {
+            let tensor = turned(moments, turn);
+            let mass = InertiaProperties::<f64>::new(1.0, tensor).unwrap();
+            let axes = Rotation::<f64>::from_rotation_vector(DVec3::new(1.0, 0.2, 0.1)).axes();
+            let momentum = DVec3::new(0.3, -0.2, 0.7);
+            let velocity = mass.angular_velocity(&axes, momentum);
+            let back = mass.angular_momentum(&axes, velocity);
+            assert!((back - momentum).length() < 1e-14, "{moments}: {back}");
+        }
+    }
+
+    #[test]
+    fn a_point_does_not_turn_and_a_rod_does_not_spin_about_itself() {
+        let axes = Rotation::<f64>::IDENTITY.axes();
+        let point = InertiaProperties::<f64>::new(1.0, DMat3::ZERO).unwrap();
+        assert_eq!(point.angular_velocity(&axes, DVec3::ONE), DVec3::ZERO);
+        let rod =
+            InertiaProperties::<f64>::new(1.0, DMat3::from_diagonal(DVec3::new(0.0, 2.0, 2.0)))
+                .unwrap();
+        assert_eq!(
+            rod.angular_velocity(&axes, DVec3::new(4.0, 1.0, 0.0)),
+            DVec3::new(0.0, 0.5, 0.0)
+        );
+    }
+
+    #[test]
+    fn the_free_turn_of_a_body_does_not_follow_the_numbers_of_its_axes() {
+        // Tops of each kind: nearly a disc, nearly a rod, halfway, two and three moments alike.
+        for [a, b, c] in [
+            [3.9e-3, 0.1334, 0.1373],
+            [1.0, 1.1, 2.0],
+            [1.0, 2.0, 3.0],
+            [1.0, 1.0, 2.0],
+            [1.0, 2.0, 2.0],
+            [2.0, 2.0, 2.0],
+        ] {
+            let orders = [
+                [a, b, c],
+                [a, c, b],
+                [b, a, c],
+                [b, c, a],
+                [c, a, b],
+                [c, b, a],
+            ];
+            let kinds = orders.map(|moments| by_likeness(moments).map(|i| moments[i]));
+            assert_eq!(kinds, [kinds[0]; 6]);
+            let [unlike, like, third]: [f64; 3] = kinds[0];
+            let gap = like - third;
+            assert!(gap >= 0.0, "{kinds:?}");
+            assert!(gap <= (unlike - like).abs(), "{kinds:?}");
+            assert!(gap <= (unlike - third).abs(), "{kinds:?}");
+        }
+    }
+
+    #[test]
+    fn impossible_inertia_is_refused_with_its_value() {
+        let of =
+            |x, y, z| InertiaProperties::<f64>::new(1.0, DMat3::from_diagonal(DVec3::new(x, y, z)));
+        assert_eq!(
+            of(1.0, 1.0, 2.5).unwrap_err().rule,
+            Rule::TriangleInequality
+        );
+        for negative in [of(-1.0, 1.0, 1.0), of(1.0, -1.0, 1.0), of(1.0, 1.0, -1.0)] {
+            assert_eq!(negative.unwrap_err().rule, Rule::AtLeastZero);
+        }
+        assert_eq!(of(f64::NAN, 1.0, 1.0).unwrap_err().rule, Rule::Finite);
+        let lopsided = DMat3::from_cols(
+            DVec3::new(1.0, 0.5, 0.0),
+            DVec3::new(0.0, 1.0, 0.0),
+            DVec3::new(0.0, 0.0, 1.0),
+        );
+        let error = InertiaProperties::<f64>::new(1.0, lopsided).unwrap_err();
+        assert_eq!(error.rule, Rule::Symmetric);
+        let error = InertiaProperties::<f64>::new(-2.0, DMat3::IDENTITY).unwrap_err();
+        assert_eq!(std::format!("{error}"), "mass must be above 0, got -2 kg");
+    }
+}
