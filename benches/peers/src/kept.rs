@@ -17,14 +17,9 @@ pub(crate) fn versions() -> String {
     )
 }
 
-/// Writes all tables into RESULTS.md, the summary and the costs of an error into the guide's page,
-/// and the part for the project's first page into the README.
-pub(crate) fn write(
-    all: &str,
-    summary: &str,
-    within: &str,
-    first_page: &str,
-) -> Result<(), String> {
+/// Writes all tables into RESULTS.md, and the summary and the costs of an error into the guide's
+/// page.
+pub(crate) fn write(all: &str, summary: &str, within: &str) -> Result<(), String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let measured = format!(
         "{}, tumble {}, {}, {}; one core of a busy machine: compare rows, not machines.",
@@ -42,8 +37,7 @@ pub(crate) fn write(
     put_between_marks(
         &folder.join("../../src/guide/peers.md"),
         &format!("{measured}\n\n{summary}{sections}"),
-    )?;
-    put_between_marks(&folder.join("../../README.md"), first_page)
+    )
 }
 
 /// Replaces what stands between the marks of a page.

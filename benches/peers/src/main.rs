@@ -101,7 +101,6 @@ fn run(options: &Options) -> Result<(), String> {
             &(tables + &within + &better + &heading("Summary", &summary)),
             &summary,
             &(better.clone() + &within),
-            &table::first_page(&measured),
         )
     } else {
         println!(

@@ -98,42 +98,6 @@ const PEERS: [(&str, &str, bool); 6] = [
     ("rapier3d-f64", "rapier3d-f64 ", false),
 ];
 
-/// The scenes and the columns that the project's first page shows.
-const FIRST_PAGE: ([&str; 7], [usize; 4]) = (
-    [
-        "ball slides, then rolls",
-        "elastic bounces",
-        "coin in flight",
-        "middle axis",
-        "hoop rolls round a circle",
-        "trial 1",
-        "trial 3, sticks and rolls",
-    ],
-    [0, 1, 3, 5],
-);
-
-/// The part of the summary for the project's first page: the ranges of the costs alone.
-pub(crate) fn first_page(measured: &[(Scene, Vec<Row>)]) -> String {
-    let (scenes, columns) = FIRST_PAGE;
-    let peers = columns.map(|column| PEERS[column]);
-    let mut head = vec!["scene".to_string()];
-    head.extend(peers.iter().map(|(heading, ..)| heading.to_string()));
-    let shown = (measured.iter()).filter(|(scene, _)| scenes.contains(&scene.name));
-    let lines = shown.map(|(scene, rows)| {
-        let mut line = vec![scene.name.to_string()];
-        line.extend(peers.iter().map(|(_, name, is_sampled)| {
-            let found = outcomes(rows, name, *is_sampled);
-            if found.is_empty() {
-                "-".into()
-            } else {
-                range(&found)
-            }
-        }));
-        line
-    });
-    table(&head, lines.collect(), true)
-}
-
 /// A row a scene: for each peer its least error, and the range of its costs over ours at the same
 /// accuracy.
 pub(crate) fn summary(measured: &[(Scene, Vec<Row>)], markdown: bool) -> String {
