@@ -11,6 +11,15 @@ use crate::state::State;
 /// Units in the last place of the sum of all energies' sizes that count as its rounding.
 const ROUNDING: f64 = 64.0;
 
+/// What the contacts have done in a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Touched {
+    /// Number of contacts that touch at the end of the step.
+    pub(super) touching: usize,
+    /// Contacts have pushed in the step, without friction and without dampers.
+    pub(super) is_lossless: bool,
+}
+
 /// Moves a state with its energy on to the end of a step, with its velocities scaled down until its
 /// computed energy is no higher; `false` where that cannot be had.
 ///
@@ -23,15 +32,18 @@ pub(super) fn hold<R: Real, D: Dynamics<R>>(
     scene: &D,
     (state, energy): (&mut State<R>, &mut Energy<R>),
     (end, after): (&State<R>, &Energy<R>),
-    touching: usize,
+    contact: Touched,
     step: &mut Step<R>,
 ) -> bool {
     let ceiling = energy.total();
     let excess = after.total() - ceiling;
     let is_kept =
         excess == R::ZERO || (excess < R::ZERO && !flight_rounding::holds_both_ways::<R>());
-    if !is_kept && excess.abs() <= rounding_of(energy, after) {
-        if let Some(rounded) = without_rounding(scene, (state, energy), (end, after), touching) {
+    // The exact step has the energy of the start: rounding of depths of hard springs is put back
+    // whatever its size. What only took it would take a part of it in each bounce.
+    let is_exact = flight_rounding::holds_both_ways::<R>() && contact.is_lossless;
+    if !is_kept && (is_exact || excess.abs() <= rounding_of(energy, after)) {
+        if let Some(rounded) = without_rounding(scene, (state, energy), (end, after), contact) {
             (*state, *energy) = rounded;
             return true;
         }
@@ -40,7 +52,7 @@ pub(super) fn hold<R: Real, D: Dynamics<R>>(
         (*state, *energy) = (*end, *after);
         return true;
     }
-    hold_down(scene, (state, energy), (end, after), touching, step)
+    hold_down(scene, (state, energy), (end, after), contact.touching, step)
 }
 
 /// An end without the rounding of its energy, where nothing else has changed the energy of the
@@ -49,14 +61,16 @@ fn without_rounding<R: Real, D: Dynamics<R>>(
     scene: &D,
     (start, before): (&State<R>, &Energy<R>),
     (end, after): (&State<R>, &Energy<R>),
-    touching: usize,
+    contact: Touched,
 ) -> Option<(State<R>, Energy<R>)> {
-    if touching == 0 && before.springs == R::ZERO {
+    let both_ways = flight_rounding::holds_both_ways::<R>();
+    let has_pushed = both_ways && contact.is_lossless;
+    if contact.touching == 0 && before.springs == R::ZERO && !has_pushed {
         return flight_rounding::rounded(scene, before, (end, after));
     }
     let is_conservative =
         || [start, end].map(|state| Dissipation::of(scene, state).total()) == [R::ZERO; 2];
-    (flight_rounding::holds_both_ways::<R>() && is_conservative())
+    (both_ways && is_conservative())
         .then(|| flight_rounding::rounded_in_contact(scene, before, (end, after)))
         .flatten()
 }

@@ -44,6 +44,8 @@ use crate::rotation::Rotation;
 use crate::scene::{Contact, Dynamics, Motion};
 use crate::state::State;
 use contacts::Contacts;
+use end_velocity::Strain;
+use energy_limit::Touched;
 use problem::Problem;
 
 /// The energy-momentum method: implicit, of order 2, and **the computed energy never rises**. The
@@ -343,11 +345,14 @@ fn attempt<R: Real, D: Dynamics<R>>(
     let problem = Problem::new(scene, state, energy, seconds);
     let contacts = &mut workspace.contacts;
     let mut end = *state;
+    let mut is_lossless = false;
     for wide in [false, true] {
         gather(&problem, contacts, wide);
         if contacts.is_empty() {
             end = fly(&problem);
-        } else if !whole(&problem, contacts, &mut end, step) {
+        } else if let Some(strain) = whole(&problem, contacts, &mut end, step) {
+            is_lossless = strain.is_none();
+        } else {
             break;
         }
         let (end_energy, touching) = Energy::with_touching(scene, &end);
@@ -356,17 +361,25 @@ fn attempt<R: Real, D: Dynamics<R>>(
             continue;
         }
         let known = (&mut *state, &mut *energy);
-        if energy_limit::hold(scene, known, (&end, &end_energy), touching, step) {
+        let contact = Touched {
+            touching,
+            is_lossless,
+        };
+        if energy_limit::hold(scene, known, (&end, &end_energy), contact, step) {
             return true;
         }
         break;
     }
     step.fallback = true;
-    let Some(end) = split::step(scene, state, seconds, contacts, step) else {
+    let Some((end, is_lossless)) = split::step(scene, state, seconds, contacts, step) else {
         return false;
     };
     let (end_energy, touching) = Energy::with_touching(scene, &end);
-    energy_limit::hold(scene, (state, energy), (&end, &end_energy), touching, step)
+    let contact = Touched {
+        touching,
+        is_lossless,
+    };
+    energy_limit::hold(scene, (state, energy), (&end, &end_energy), contact, step)
 }
 
 /// Free flight, without an iteration: exact for a body with two equal moments, else of order 2 with
@@ -409,24 +422,22 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
     }
 }
 
-/// The whole step at once: Newton's method, then what friction and dampers still must stop. Whether
-/// its `end` could be had.
+/// The whole step at once: Newton's method, then what friction and dampers still must stop. Returns
+/// how the step strains friction and dampers, or `None` if its `end` could not be had.
 fn whole<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
     end: &mut State<R>,
     step: &mut Step<R>,
-) -> bool {
+) -> Option<Strain<R>> {
     let mut trial = problem.first_trial();
-    let Some(strain) = newton::solve(problem, contacts, &mut trial, step) else {
-        return false;
-    };
+    let strain = newton::solve(problem, contacts, &mut trial, step)?;
     *end = problem.end_of(&trial);
     let strain = strain.of_step(problem);
     if !strain.is_resolved() {
         *end = end_velocity::settle(problem, contacts, &trial, strain, end);
     }
-    end.not_finite().is_none()
+    end.not_finite().is_none().then_some(strain)
 }
 
 /// Collects the contacts that may touch in the step: those below ground, and those that its first

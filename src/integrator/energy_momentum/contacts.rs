@@ -309,6 +309,24 @@ impl<R: Real> Contacts<R> {
         self.path_by_turn
     }
 
+    /// Torque of a smooth body's contact by a turn of the step's end that moves its point over the
+    /// surface, with `factor` times its force, N m.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn torque_over_surface<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        factor: R,
+    ) -> Block<R> {
+        let [touch, ..] = &self.touches;
+        let force = touch.push.force * factor;
+        let [first, second] = touch
+            .over_surface(problem, trial)
+            .map(|(moved, turn)| Block::outer(moved.cross(force), turn));
+        first.plus(&second)
+    }
+
     /// As [`answer`](Self::answer), for what they keep of it alone.
     #[cold]
     #[inline(never)]

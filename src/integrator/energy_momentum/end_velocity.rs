@@ -93,6 +93,12 @@ impl<R: Real> Strain<R> {
         }
     }
 
+    /// Returns true if neither friction nor a damper resists.
+    #[inline]
+    pub(super) fn is_none(&self) -> bool {
+        self.friction == R::ZERO && self.damping == R::ZERO
+    }
+
     #[inline]
     pub(super) fn is_resolved(&self) -> bool {
         self.friction <= R::TWO && self.damping <= R::TWO

@@ -74,6 +74,16 @@ impl<R: Real> SixBySix<R> {
         z[5] -= along;
     }
 
+    /// Adds a torque that answers to the turn alone.
+    pub(super) fn add_turning(&mut self, block: &Block<R>) {
+        let [_, _, _, rows @ ..] = &mut self.rows;
+        for (row, more) in rows.iter_mut().zip(block.rows()) {
+            row[3] += more.x();
+            row[4] += more.y();
+            row[5] += more.z();
+        }
+    }
+
     /// Without what a turn does to the force, and a shift to the torque.
     pub(super) fn uncoupled(&self) -> Self {
         let mut rows = self.rows;

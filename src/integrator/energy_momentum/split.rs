@@ -18,14 +18,15 @@ use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// The step, or `None` where its conservative part is not found either.
+/// The step, and whether friction and dampers have done nothing in it, or `None` where its
+/// conservative part is not found either.
 pub(super) fn step<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &State<R>,
     seconds: R,
     contacts: &mut Contacts<R>,
     step: &mut Step<R>,
-) -> Option<State<R>> {
+) -> Option<(State<R>, bool)> {
     let half = seconds * R::HALF;
     let slowed = dissipate(scene, start, half);
     let problem = Problem {
@@ -38,7 +39,8 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     newton::solve(&problem, contacts, &mut trial, step)?;
     let moved = problem.end_of(&trial);
     let end = dissipate(scene, &moved, half);
-    end.not_finite().is_none().then_some(end)
+    let is_lossless = slowed == *start && end == moved;
+    end.not_finite().is_none().then_some((end, is_lossless))
 }
 
 /// Friction and dampers on a body that stands still, for a time: each contact resists by what its

@@ -9,6 +9,7 @@ use super::contacts::Contacts;
 use super::end_velocity::Strain;
 use super::level::{Level, LevelPath};
 use super::linear::SixBySix;
+use super::newton::is_single;
 use super::problem::{Problem, Trial};
 use super::touch::{Answer, Push};
 use crate::body::RigidPointBody;
@@ -52,6 +53,10 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
             );
             equations.add_swing(push.end_arm, push.force * share);
         });
+        // Without it the iteration converges, but not as a square: in f64 to rounding all the same.
+        if is_smooth && is_single::<R>() {
+            equations.add_turning(&contacts.torque_over_surface(problem, trial, share));
+        }
     }
     if !problem.scene.body().rims().is_empty() {
         contacts.visit_reversals(problem, |reversal| {

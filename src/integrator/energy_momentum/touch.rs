@@ -1,6 +1,7 @@
 //! One contact of an implicit step: its path over a trial step, and the force that goes with it.
 
 use super::block::Block;
+use super::newton::is_single;
 use super::problem::{Problem, Trial};
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::friction::FrictionJacobian;
@@ -344,7 +345,22 @@ impl<R: Real> Touch<R> {
         argument: &Block<R>,
     ) -> Block<R> {
         let (push, a) = (&self.push, trial.spin);
-        let n = push.normal;
+        let over = self
+            .over_surface(problem, trial)
+            .map(|(moved, turn)| Block::outer(a.cross(moved), turn));
+        let carried = argument.crossed_by(-push.arm);
+        let turned = Block::hat(-push.end_arm).crossed_by(a);
+        carried.plus(&turned).plus(&over[0]).plus(&over[1])
+    }
+
+    /// How a turn ϑ of the step's end moves a smooth body's point over its surface: by `moved`
+    /// times `turn · ϑ`, for each of the two pairs, m.
+    pub(super) fn over_surface<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+    ) -> [(R::Vec3, R::Vec3); 2] {
+        let n = self.push.normal;
         let (_, axes) = problem.place_at_end(trial);
         let point = |towards: R::Vec3| {
             let body = problem.scene.body();
@@ -353,13 +369,10 @@ impl<R: Real> Touch<R> {
         let nudge = R::EPSILON.sqrt();
         let first = any_across::<R>(n);
         let here = point(-n);
-        let over = [first, n.cross(first)].map(|along| {
+        [first, n.cross(first)].map(|along| {
             let moved = (point(along * nudge - n) - here) * (R::ONE / nudge);
-            Block::outer(a.cross(moved), n.cross(along))
-        });
-        let carried = argument.crossed_by(-push.arm);
-        let turned = Block::hat(-push.end_arm).crossed_by(a);
-        carried.plus(&turned).plus(&over[0]).plus(&over[1])
+            (moved, n.cross(along))
+        })
     }
 
     /// How friction answers at the last trial step.
@@ -439,6 +452,10 @@ fn wandered<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<
 /// material. The missing work is done by a torque along the part of the turn across the normal,
 /// where that is not too small to divide by.
 ///
+/// In single precision, a torque whose size is within its rounding is left out, but its rounding is
+/// known: a neighbouring trial may have it. A torque that is well above rounding counts up to the
+/// mean arm's length: on a flat or long body the point moves by much more than the turn.
+///
 /// Friction acts at the mean arm, where its slip is measured. An arm that is corrected in place of
 /// the torque would add the rounding of the division to the slip, which stick multiplies by
 /// `μ N/ε`.
@@ -462,13 +479,21 @@ impl<R: Real> Lever<R> {
         let lack = normal.dot(swung) - normal.cross(spin).dot(mean) * R::TWO;
         let most = mean.length() * (square * spin.length_squared()).sqrt();
         let rounding = mean.length() * (R::EPSILON * R::from_f64(4.0));
-        let is_known = lack.abs() > rounding && lack.abs() <= most;
-        if !(square > R::ZERO && is_known) {
+        let is_large = is_single::<R>()
+            && lack.abs() > rounding * R::from_f64(64.0)
+            && lack * lack <= square * mean.length_squared();
+        let is_known = lack.abs() > rounding && (lack.abs() <= most || is_large);
+        let may_be_known = is_single::<R>() && rounding <= most && lack.abs() <= rounding;
+        if !(square > R::ZERO && (is_known || may_be_known)) {
             return Self::NONE;
         }
         let per_lack = across * (R::ONE / square);
         Self {
-            torque: per_lack * lack,
+            torque: if is_known {
+                per_lack * lack
+            } else {
+                R::Vec3::ZERO
+            },
             rounding: per_lack * rounding,
         }
     }
