@@ -20,6 +20,8 @@ macro_rules! names_for {
             pub type EnergyRates = crate::EnergyRates<$real>;
             /// Coulomb friction with a grain.
             pub type AnisotropicCoulomb = crate::AnisotropicCoulomb<$real>;
+            /// A built-in integrator that is chosen at run time.
+            pub type AnyIntegrator = crate::AnyIntegrator<$real>;
             /// The body's axes in the world.
             pub type Axes = crate::rotation::Axes<$real>;
             /// A bowl, a trough, a hill or a saddle.
@@ -122,6 +124,21 @@ macro_rules! names_for {
             /// Body, ground, friction and gravity.
             pub type Scene<B, G = NoGround, F = Frictionless, A = NoGravity> =
                 crate::Scene<$real, B, G, F, A>;
+            /// A state, a time and a number of steps.
+            pub type Moment = crate::Moment<$real>;
+            /// A session as plain data.
+            pub type SavedSession = crate::SavedSession<$real>;
+            /// One state that is moved on with what is remembered from step to step.
+            pub type Session<
+                'a,
+                B,
+                G = NoGround,
+                F = Frictionless,
+                A = NoGravity,
+                I = EnergyMomentum,
+            > = crate::Session<'a, $real, B, G, F, A, I>;
+            /// The choice of the next step by an adaptive method.
+            pub type StepControl = crate::StepControl<$real>;
             /// Coulomb friction with all its derivatives.
             pub type SmoothCoulomb = crate::SmoothCoulomb<$real>;
             /// The report's law of contact.

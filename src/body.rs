@@ -35,6 +35,8 @@ mod mass_properties;
 mod point_cloud;
 mod rim;
 mod rod;
+#[cfg(feature = "serde")]
+mod saved;
 mod solid;
 mod solid_coin;
 mod sphere;
@@ -52,6 +54,8 @@ use rim::MOST_NODES;
 pub use rim::Rim;
 pub(crate) use rim::{Arc, CUTS, GAUSS_6, GAUSS_8, Panel, Panels, QUARTER, SHORT, sink_last};
 pub use rod::{PointMass, Rod};
+#[cfg(feature = "serde")]
+pub use saved::Storage;
 pub use solid::Solid;
 pub use solid_coin::SolidCoin;
 pub use sphere::Sphere;

@@ -62,6 +62,33 @@ impl<R: Real> Energy<R> {
     }
 }
 
+/// One line with units: `{:.3}` sets the digits of each number.
+///
+/// ```
+/// use tumble::{Coin, State, Stepper, UniformGravity, glam::DVec3};
+///
+/// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?.with_gravity(UniformGravity::down(9.8))?;
+/// let text = format!("{:.1}", stepper.energy(&State::at(DVec3::Z)));
+/// assert_eq!(text, "9.8 J: translation 0.0 J, rotation 0.0 J, gravity 9.8 J, springs 0.0 J");
+/// # Ok::<(), tumble::SceneError>(())
+/// ```
+impl<R: Real> core::fmt::Display for Energy<R> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        core::fmt::Display::fmt(&self.total(), f)?;
+        let kinds = [
+            (" J: translation ", self.translation),
+            (" J, rotation ", self.rotation),
+            (" J, gravity ", self.gravity),
+            (" J, springs ", self.springs),
+        ];
+        for (name, joules) in kinds {
+            f.write_str(name)?;
+            core::fmt::Display::fmt(&joules, f)?;
+        }
+        f.write_str(" J")
+    }
+}
+
 /// Power of the contacts on the body beyond what the springs store, by cause, W. Each is at most 0
 /// for a ground and a friction that keep their contracts.
 ///

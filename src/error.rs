@@ -255,6 +255,15 @@ pub enum StepError {
         /// The limit, s.
         seconds: f64,
     },
+    /// An impulse, or the point where it acts, is not finite, or the impulse is so large that the
+    /// motion after it is not.
+    #[error("{quantity} must be finite, got {value}")]
+    BadImpulse {
+        /// What is not finite, in words: "x of the impulse".
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// A run has more steps than its clock can count. Raised before the first of them, or after a
     /// closed-form flight has ended.
     #[error(

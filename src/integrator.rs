@@ -1,5 +1,6 @@
 //! How a state moves on in time: one file a method.
 
+mod any;
 mod bogacki_shampine_32;
 mod contact_path;
 mod dormand_prince_54;
@@ -18,6 +19,7 @@ mod symplectic_euler;
 pub(crate) use dormand_prince_54::PAIR as DORMAND_PRINCE;
 pub(crate) use rk4::Point;
 
+pub use any::{AnyIntegrator, Workspace as AnyWorkspace};
 pub use bogacki_shampine_32::BogackiShampine32;
 pub use dormand_prince_54::DormandPrince54;
 pub use embedded_pair::Workspace as EmbeddedPairWorkspace;
@@ -31,7 +33,7 @@ pub use symplectic_euler::SymplecticEuler;
 
 use core::fmt::Debug;
 
-use crate::error::{SceneError, StepError};
+use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -104,11 +106,73 @@ pub trait Integrator<R: Real = f64> {
         None
     }
 
+    /// Returns what a method that [chooses its steps](Self::ADAPTIVE) must carry on from
+    /// `state`, for a [`Session`](crate::Session) that is saved. Default: `None`.
+    ///
+    /// A workspace that is new but for [`set_step_control`](Self::set_step_control) must lead to
+    /// the same states.
+    #[inline]
+    fn step_control(
+        &self,
+        workspace: &Self::Workspace,
+        state: &State<R>,
+    ) -> Option<StepControl<R>> {
+        let _ = (workspace, state);
+        None
+    }
+
+    /// Puts what [`step_control`](Self::step_control) has returned into a workspace, and begins a
+    /// new budget of steps where the method has one. Default: no effect.
+    #[inline]
+    fn set_step_control(&self, workspace: &mut Self::Workspace, control: StepControl<R>) {
+        let _ = (workspace, control);
+    }
+
     /// Whether the method's parameters can be: called once, when a scene is composed.
     ///
     /// # Errors
     /// Names the quantity, the rule that it breaks, and its value.
     fn check(&self) -> Result<(), SceneError>;
+}
+
+/// The choice of the next step by a method that [chooses its steps](Integrator::ADAPTIVE).
+///
+/// Plain data, with the feature `serde`. It belongs to the state after the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "R: serde::Serialize, R::Quat: serde::Serialize",
+        deserialize = "R: serde::Deserialize<'de>, R::Quat: serde::Deserialize<'de>"
+    ))
+)]
+pub struct StepControl<R: Real = f64> {
+    /// Length of the next step, s, above 0. `None` if the method chooses it from the state.
+    pub next_step: Option<R>,
+    /// Measure of the error of the last step, at least 0, by the method's own definition. `None`
+    /// before the first step.
+    pub last_error: Option<R>,
+    /// Orientation that the next step begins with, if that is not the state's: before it was scaled
+    /// to length 1, to rounding, for the state. Ignored if it does not belong to the state.
+    pub orientation: Option<R::Quat>,
+}
+
+impl<R: Real> StepControl<R> {
+    /// Checks that both numbers are valid.
+    ///
+    /// # Errors
+    /// Returns [`SceneError`] if the length is not above 0, the error is negative, or either is not
+    /// finite.
+    pub fn check(&self) -> Result<(), SceneError> {
+        if let Some(length) = self.next_step {
+            error::above_zero("length of the next step", length, " s")?;
+        }
+        if let Some(error) = self.last_error {
+            error::at_least_zero("error of the last step", error, "")?;
+        }
+        Ok(())
+    }
 }
 
 /// What a step did.
@@ -143,6 +207,19 @@ impl<R: Real> Step<R> {
             fallback: false,
             energy_removed: R::ZERO,
         }
+    }
+}
+
+/// One line with units: `{:.3}` sets the digits of each number.
+impl<R: Real> core::fmt::Display for Step<R> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        core::fmt::Display::fmt(&self.elapsed, f)?;
+        write!(f, " s, {} evaluations", self.evaluations)?;
+        write!(f, ", {} rejected", self.rejected)?;
+        write!(f, ", {} iterations", self.iterations)?;
+        f.write_str(if self.fallback { ", divided, " } else { ", " })?;
+        core::fmt::Display::fmt(&self.energy_removed, f)?;
+        f.write_str(" J removed")
     }
 }
 

@@ -171,6 +171,7 @@ pub mod observer;
 pub mod real;
 pub mod rotation;
 pub mod scene;
+pub mod session;
 mod stability;
 pub mod state;
 pub mod stepper;
@@ -197,13 +198,14 @@ pub use ground::{
     SpringDamperGround, Surface, Terrain, Waves,
 };
 pub use integrator::{
-    BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, ForwardEuler, Integrator, Nystrom,
-    Rk4, Step, StrangSplitting, SymplecticEuler,
+    AnyIntegrator, BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, ForwardEuler,
+    Integrator, Nystrom, Rk4, Step, StepControl, StrangSplitting, SymplecticEuler,
 };
 pub use observer::{Every, Ledger, Observer, Sample, SceneQuery, Timed, UntilRest};
 pub use real::Real;
 pub use rotation::Rotation;
 pub use scene::{Contact, Dynamics, Load, LowestPoint, Motion, Rates, Scene};
+pub use session::{Moment, SavedSession, Session};
 pub use state::State;
 pub use stepper::Stepper;
 pub use trial::{Start, Trial};

@@ -140,6 +140,44 @@ impl<R: Real> Default for State<R> {
     }
 }
 
+/// One line with units: `{:.3}` sets the digits of each number. The quaternion is x, y, z, w.
+///
+/// ```
+/// use tumble::{State, glam::DVec3};
+///
+/// let state = State::at(DVec3::Z).with_linear_velocity(DVec3::X * 0.25);
+/// assert_eq!(
+///     format!("{state:.1}"),
+///     "position [0.0, 0.0, 1.0] m, velocity [0.2, 0.0, 0.0] m/s, \
+///      orientation [0.0, 0.0, 0.0, 1.0], angular momentum [0.0, 0.0, 0.0] kg m²/s",
+/// );
+/// ```
+impl<R: Real> core::fmt::Display for State<R> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let components = |v: R::Vec3| [v.x(), v.y(), v.z()];
+        f.write_str("position ")?;
+        write_list(f, &components(self.position))?;
+        f.write_str(" m, velocity ")?;
+        write_list(f, &components(self.linear_velocity))?;
+        f.write_str(" m/s, orientation ")?;
+        write_list(f, &self.orientation.xyzw())?;
+        f.write_str(", angular momentum ")?;
+        write_list(f, &components(self.angular_momentum))?;
+        f.write_str(" kg m²/s")
+    }
+}
+
+/// Numbers in brackets, each with the formatter's precision.
+fn write_list<R: Real>(f: &mut core::fmt::Formatter<'_>, numbers: &[R]) -> core::fmt::Result {
+    let mut before = "[";
+    for number in numbers {
+        f.write_str(before)?;
+        core::fmt::Display::fmt(number, f)?;
+        before = ", ";
+    }
+    f.write_str("]")
+}
+
 /// Comparison by the largest difference of any component; a turn and its negative quaternion are
 /// the same turn.
 #[cfg(feature = "approx-05")]

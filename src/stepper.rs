@@ -10,7 +10,7 @@ use crate::gravity::{Gravity, NoGravity};
 use crate::ground::{NoGround, SpringDamperGround};
 use crate::integrator::{EnergyMomentum, Integrator, Step};
 use crate::observer::{Observer, Sample, SceneQuery};
-use crate::real::Real;
+use crate::real::{Real, Vector};
 use crate::scene::{CheckedScene, Dynamics, LowestPoint, Record, Scene};
 use crate::stability;
 use crate::state::State;
@@ -182,6 +182,66 @@ where
         state.with_angular_momentum(masses.angular_momentum(&axes, angular_velocity))
     }
 
+    /// Gives the body an impulse `J` (N s, world axes) at a point `p` of the world (m), which need
+    /// not be a point of the body.
+    ///
+    /// The velocity of the centre of mass `x` changes by `J/m`, and the angular momentum about it
+    /// by `(p - x) × J`. A body without a moment about an axis takes no angular momentum about it.
+    ///
+    /// ```
+    /// use tumble::glam::DVec3;
+    /// use tumble::{Rod, State, Stepper};
+    ///
+    /// // A rod of 1.2 m along z, hit 0.2 m above its middle: its lower end does not move at first.
+    /// let stepper = Stepper::new(Rod::new(0.5, 1.2))?; // kg, m
+    /// let mut state = State::at(DVec3::Z); // m
+    /// stepper.apply_impulse(&mut state, DVec3::X * 3.0, DVec3::Z * 1.2)?; // N s, m
+    /// let arm = DVec3::Z * -0.6; // m
+    /// let end = state.linear_velocity + stepper.angular_velocity(&state).cross(arm);
+    /// assert!(end.length() < 1e-14); // m/s
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns [`StepError::BadImpulse`] if the impulse or the point is not finite, or if the
+    /// motion after it is not. Returns [`StepError::BadState`] if the state is not finite. The
+    /// state is left as it was.
+    pub fn apply_impulse(
+        &self,
+        state: &mut State<R>,
+        impulse: R::Vec3,
+        point: R::Vec3,
+    ) -> Result<(), StepError> {
+        if let Some(quantity) = state.not_finite() {
+            return Err(StepError::BadState(quantity));
+        }
+        let finite = |quantity, value: R| {
+            let value = value.to_f64();
+            let is_finite = value.is_finite();
+            is_finite
+                .then_some(())
+                .ok_or(StepError::BadImpulse { quantity, value })
+        };
+        finite("x of the impulse", impulse.x())?;
+        finite("y of the impulse", impulse.y())?;
+        finite("z of the impulse", impulse.z())?;
+        finite("x of the impulse's point", point.x())?;
+        finite("y of the impulse's point", point.y())?;
+        finite("z of the impulse's point", point.z())?;
+        let masses = self.scene.inertia_properties();
+        let momentum = state.angular_momentum + (point - state.position).cross(impulse);
+        let momentum = masses.without_dead_spin(state.rotation(), momentum);
+        let velocity = state.linear_velocity + impulse * masses.inverse_mass();
+        if !velocity.is_finite() {
+            finite("speed after an impulse", velocity.length())?;
+        }
+        if !momentum.is_finite() {
+            finite("spin after an impulse", momentum.length())?;
+        }
+        (state.linear_velocity, state.angular_momentum) = (velocity, momentum);
+        Ok(())
+    }
+
     /// Angular velocity of the body, rad/s, world axes: `ω = J⁻¹ L`.
     #[must_use]
     pub fn angular_velocity(&self, state: &State<R>) -> R::Vec3 {
@@ -298,7 +358,7 @@ where
 
     /// As [`step_within`](Self::step_within), with a limit that is known to be at least 0.
     #[inline]
-    fn move_on(
+    pub(crate) fn move_on(
         &self,
         state: &mut State<R>,
         limit: R,
@@ -404,39 +464,50 @@ where
         seconds: R,
         observer: &mut (impl Observer<R> + ?Sized),
     ) -> Result<R, StepError> {
-        if !(seconds >= R::ZERO && seconds.is_finite()) {
-            return Err(StepError::BadDuration {
-                seconds: seconds.to_f64(),
-            });
-        }
+        let mut clock = Clock::new();
+        let mut workspace = I::Workspace::default();
+        self.run_with(state, seconds, observer, &mut workspace, &mut clock)?;
+        Ok(clock.time)
+    }
+
+    /// As [`run`](Self::run), with the caller's workspace and a new clock, which shows what was
+    /// done after an error as well.
+    #[inline]
+    pub(crate) fn run_with(
+        &self,
+        state: &mut State<R>,
+        seconds: R,
+        observer: &mut (impl Observer<R> + ?Sized),
+        workspace: &mut I::Workspace,
+        clock: &mut Clock<R>,
+    ) -> Result<(), StepError> {
+        check_duration(seconds)?;
         check_samples(seconds, observer.interval())?;
         let end = self.end_at(seconds);
-        let mut workspace = I::Workspace::default();
-        let mut clock = Clock::new();
         if !I::SPANS_STEPS {
-            end.check_steps(&clock)?;
+            end.check_steps(clock)?;
         }
-        let mut flow = self.show(observer, state, &clock);
-        while flow.is_continue() && !end.is_reached(&clock) {
+        let mut flow = self.show(observer, state, clock);
+        while flow.is_continue() && !end.is_reached(clock) {
             // Whoever asks for times between the steps is led there from the step's start.
             let before = observer.asks_for().map(|_| Before {
-                clock,
+                clock: *clock,
                 state: *state,
                 workspace: I::ADAPTIVE.then(|| workspace.clone()),
             });
-            let step = self.move_on(state, end.limit(&clock), &mut workspace)?;
+            let step = self.move_on(state, end.limit(clock), workspace)?;
             clock.tick(&step)?;
             if I::SPANS_STEPS && end.time_step.is_some_and(|own| step.elapsed <= own) {
-                end.check_steps(&clock)?;
+                end.check_steps(clock)?;
             }
             if let Some(before) = before {
-                flow = self.show_between(observer, &end, &before, state, &clock)?;
+                flow = self.show_between(observer, &end, &before, state, clock)?;
             }
             if flow.is_continue() {
-                flow = self.show(observer, state, &clock);
+                flow = self.show(observer, state, clock);
             }
         }
-        Ok(clock.time)
+        Ok(())
     }
 
     /// The states at the times that are asked for, from the start of a step to its end.
@@ -488,7 +559,7 @@ where
     }
 
     #[inline]
-    fn end_at(&self, seconds: R) -> End<R> {
+    pub(crate) fn end_at(&self, seconds: R) -> End<R> {
         End::new(seconds, self.integrator.fixed_step())
     }
 
@@ -513,6 +584,16 @@ where
             scene: &self.scene,
         }
     }
+}
+
+/// Refuses a duration that is negative or not finite.
+pub(crate) fn check_duration<R: Real>(seconds: R) -> Result<(), StepError> {
+    if seconds >= R::ZERO && seconds.is_finite() {
+        return Ok(());
+    }
+    Err(StepError::BadDuration {
+        seconds: seconds.to_f64(),
+    })
 }
 
 /// Whether a step that went wrong was handed something wrong.
@@ -605,13 +686,13 @@ fn check_samples<R: Real>(seconds: R, interval: Option<R>) -> Result<(), StepErr
 /// the duration by at most one unit. Where a unit is more than the step, as in `f32` after 2²⁴
 /// steps, the run ends at the nearest whole number of steps.
 #[derive(Clone, Copy)]
-struct End<R> {
+pub(crate) struct End<R> {
     /// Since the start of the run, s.
     seconds: R,
     /// s.
     slack: R,
     /// Of a method whose steps are all alike, s.
-    time_step: Option<R>,
+    pub(crate) time_step: Option<R>,
 }
 
 impl<R: Real> End<R> {
@@ -626,7 +707,7 @@ impl<R: Real> End<R> {
     }
 
     /// Refuses a run that would not end: one whose rest takes more than [`most_steps`].
-    fn check_steps(&self, clock: &Clock<R>) -> Result<(), StepError> {
+    pub(crate) fn check_steps(&self, clock: &Clock<R>) -> Result<(), StepError> {
         let left = clock.left(self.seconds);
         match self.time_step {
             Some(time_step) if left > time_step * most_steps() => Err(StepError::TooManySteps {
@@ -639,13 +720,13 @@ impl<R: Real> End<R> {
     }
 
     #[inline]
-    fn is_reached(&self, clock: &Clock<R>) -> bool {
+    pub(crate) fn is_reached(&self, clock: &Clock<R>) -> bool {
         clock.left(self.seconds) <= self.slack
     }
 
     /// The limit of the next step, s.
     #[inline]
-    fn limit(&self, clock: &Clock<R>) -> R {
+    pub(crate) fn limit(&self, clock: &Clock<R>) -> R {
         let left = clock.left(self.seconds);
         match self.time_step {
             Some(step) if (left - step).abs() <= self.slack => step,
@@ -683,17 +764,18 @@ struct Before<R: Real, W> {
 
 /// Time since the start of a run, by Kahan's sum: a million steps of 1e-4 s are 100 s to the last
 /// place. And what it has cost.
-#[derive(Clone, Copy)]
-struct Clock<R> {
-    time: R,
-    lost: R,
-    steps: u64,
-    evaluations: u64,
-    rejected: u64,
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Clock<R> {
+    pub(crate) time: R,
+    pub(crate) lost: R,
+    pub(crate) steps: u64,
+    pub(crate) evaluations: u64,
+    pub(crate) rejected: u64,
 }
 
 impl<R: Real> Clock<R> {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             time: R::ZERO,
             lost: R::ZERO,
@@ -710,7 +792,7 @@ impl<R: Real> Clock<R> {
 
     /// One more step. A step that the clock does not resolve would repeat for ever.
     #[inline]
-    fn tick(&mut self, step: &Step<R>) -> Result<(), StepError> {
+    pub(crate) fn tick(&mut self, step: &Step<R>) -> Result<(), StepError> {
         let corrected = step.elapsed - self.lost;
         // Far below ε² of the time the sum holds no further digits.
         let resolution = self.time * (R::EPSILON * R::EPSILON * R::from_f64(0.25));
@@ -725,5 +807,45 @@ impl<R: Real> Clock<R> {
         self.evaluations += u64::from(step.evaluations);
         self.rejected += u64::from(step.rejected);
         Ok(())
+    }
+
+    /// The time and the counts of another clock in addition to these.
+    #[inline]
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.advance_by(other.time);
+        self.advance_by(-other.lost);
+        self.steps += other.steps;
+        self.evaluations += other.evaluations;
+        self.rejected += other.rejected;
+    }
+
+    /// Counts whole steps of one length that need not be taken, as many as fit before the end, and
+    /// returns whether there were any. Each stride is the largest power of two of them, whose
+    /// length is exact.
+    #[inline]
+    pub(crate) fn skip(&mut self, end: &End<R>, length: R) -> bool {
+        let steps = self.steps;
+        let mut left = self.left(end.seconds);
+        while left >= length * R::TWO {
+            let (mut stride, mut count) = (length, 1_u64);
+            while stride * R::TWO <= left {
+                stride *= R::TWO;
+                count *= 2;
+            }
+            self.advance_by(stride);
+            self.steps += count;
+            left = self.left(end.seconds);
+        }
+        self.steps > steps
+    }
+
+    /// Adds seconds by Knuth's sum, which loses nothing whichever number is larger.
+    #[inline]
+    fn advance_by(&mut self, seconds: R) {
+        let corrected = seconds - self.lost;
+        let next = self.time + corrected;
+        let part = next - self.time;
+        self.lost = -((self.time - (next - part)) + (corrected - part));
+        self.time = next;
     }
 }

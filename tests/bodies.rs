@@ -498,3 +498,58 @@ fn an_energy_of_rotation_that_overflows_is_not_finite() {
         assert!(!rotation.is_finite(), "{direction}: {rotation} J");
     }
 }
+
+/// A body that is saved and loaded has the same bits, and one that is invalid in the file is
+/// refused.
+#[cfg(feature = "serde")]
+macro_rules! saved_and_loaded {
+    ($type:ty, $body:expr, $wrong:literal) => {{
+        let body: $type = $body;
+        let text = serde_json::to_string(&body).unwrap();
+        let loaded: $type = serde_json::from_str(&text).unwrap();
+        assert_eq!(loaded, body, "{text}");
+        assert_eq!(format!("{loaded:?}"), format!("{body:?}"));
+        let mut value: serde_json::Value = serde_json::from_str(&text).unwrap();
+        *value.pointer_mut($wrong).unwrap() = (-1.0).into();
+        let error = serde_json::from_value::<$type>(value).unwrap_err();
+        assert!(
+            error.to_string().contains("must be above 0, got -1"),
+            "{error}"
+        );
+    }};
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn a_body_that_is_saved_and_loaded_has_the_same_bits_and_must_be_valid() {
+    use tumble::{Coin, Disc};
+    let (mass, radius, edges) = (0.37, 0.123_456_789, DVec3::new(0.3, 0.1, 0.7));
+    let loaded = MassProperties::ball(mass, radius).at(DVec3::new(0.01, -0.02, 0.03));
+    saved_and_loaded!(Coin, Coin::ring(mass, radius), "/mass");
+    saved_and_loaded!(SolidCoin, SolidCoin::new(mass, radius, 0.017), "/thickness");
+    saved_and_loaded!(Disc, Disc::ring(mass, radius, 77), "/mass");
+    saved_and_loaded!(Disc, Disc::solid(mass, radius, 77), "/radius");
+    saved_and_loaded!(Cone, Cone::solid(mass, radius, 0.4), "/height");
+    saved_and_loaded!(
+        Cuboid,
+        Cuboid::solid(mass, edges).rounded(0.011),
+        "/distribution/mass"
+    );
+    saved_and_loaded!(Cuboid, Cuboid::loaded(edges, loaded), "/distribution/mass");
+    saved_and_loaded!(Sphere, Sphere::loaded(radius, loaded), "/radius");
+    saved_and_loaded!(
+        Ellipsoid,
+        Ellipsoid::loaded(edges, loaded),
+        "/distribution/mass"
+    );
+    saved_and_loaded!(Capsule, Capsule::solid(mass, radius, 0.2), "/radius");
+    saved_and_loaded!(Rod, Rod::new(mass, 0.9), "/length");
+    saved_and_loaded!(PointMass, PointMass::new(mass), "/mass");
+    let many: Coin<f64, Vec<ContactPoint>> =
+        Coin::ring_with_storage(vec![ContactPoint::default(); 31], mass, radius);
+    saved_and_loaded!(Coin<f64, Vec<ContactPoint>>, many.clone(), "/mass");
+    // An array holds its own number of points and no other.
+    let text = serde_json::to_string(&many).unwrap();
+    let error = serde_json::from_str::<Coin>(&text).unwrap_err().to_string();
+    assert!(error.contains("cannot hold 31 contacts"), "{error}");
+}

@@ -10,10 +10,14 @@ use kit::{
     angle_between, difference, directions, each_explicit, each_method, log_uniform, zero_or,
 };
 use proptest::prelude::*;
+use std::ops::ControlFlow;
 use tumble::glam::{DQuat, DVec3, Vec3};
+use tumble::trial::TrialStepper;
 use tumble::{
-    Coin, ContactPoint, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Plane, PointCloud,
-    Real, Rk4, SmoothCoulomb, State, StepError, Stepper, StrangSplitting, SymplecticEuler, Trial,
+    AnyIntegrator, BogackiShampine32, Coin, ContactPoint, DormandPrince54, EnergyMomentum,
+    FlatGround, Flight, ForwardEuler, Gravity, Integrator, Nystrom, Plane, PointCloud, Real,
+    RigidPointBody, Rk4, Rod, Sample, SavedSession, SlidingFriction, SmoothCoulomb,
+    SpringDamperGround, State, StepError, Stepper, StrangSplitting, SymplecticEuler, Trial,
     UniformGravity,
 };
 
@@ -383,6 +387,430 @@ proptest! {
                 prop_assert_eq!(end, resumed, "{}", method);
             }
         });
+    }
+}
+
+// -----------------------------------------------------------------------------------------------
+// Sessions (promise G9)
+// -----------------------------------------------------------------------------------------------
+
+/// Written as JSON and read again, where the feature is there.
+fn written_and_read(saved: SavedSession) -> SavedSession {
+    #[cfg(feature = "serde")]
+    let saved = serde_json::from_str(&serde_json::to_string(&saved).unwrap()).unwrap();
+    saved
+}
+
+/// A session that is saved in the middle, and one that is not.
+fn saved_or_not(stepper: &impl Sessions, parts: [f64; 2], start: State) -> [(State, f64, u64); 2] {
+    stepper.saved_or_not(parts, start)
+}
+
+/// Steppers of the tests with any integrator.
+trait Sessions {
+    fn saved_or_not(&self, parts: [f64; 2], start: State) -> [(State, f64, u64); 2];
+}
+
+impl<B, G, F, A, I> Sessions for Stepper<f64, B, G, F, A, I>
+where
+    B: RigidPointBody,
+    G: SpringDamperGround,
+    F: SlidingFriction,
+    A: Gravity,
+    I: Integrator,
+{
+    fn saved_or_not(&self, [first, second]: [f64; 2], start: State) -> [(State, f64, u64); 2] {
+        let mut session = self.session(start);
+        session.advance(first).unwrap();
+        let saved = written_and_read(session.save());
+        let mut resumed = self.resume(&saved).unwrap();
+        for session in [&mut session, &mut resumed] {
+            session.advance(second).unwrap();
+            session.step().unwrap();
+        }
+        [session, resumed].map(|session| (*session.state(), session.time(), session.step_count()))
+    }
+}
+
+proptest! {
+    #![proptest_config(kit::cases(40))]
+
+    /// What a session remembers changes no bit of a method with a fixed step.
+    #[test]
+    fn a_session_with_a_fixed_step_has_the_bits_of_the_stepper(
+        throw in throws(), parts in prop::collection::vec(1e-4..0.1_f64, 1..6),
+    ) {
+        each_method!(1e-3, |integrator, method| {
+            let stepper = throw.stepper(integrator);
+            let (mut state, mut session) = (throw.state, stepper.session(throw.state));
+            for &part in &parts {
+                prop_assert_eq!(session.advance(part), stepper.advance(&mut state, part), "{}", method);
+                prop_assert_eq!(session.state(), &state, "{}", method);
+            }
+            let total: f64 = parts.iter().sum();
+            prop_assert!((session.time() - total).abs() <= 1e-15, "{}", method);
+        });
+    }
+
+    #[test]
+    fn a_session_that_is_saved_and_resumed_goes_on_with_the_same_bits(throw in throws(), first in 1e-3..0.3_f64) {
+        let runs = throw.go(Rk4 { time_step: 1e-3 }, throw.state, 600).is_ok();
+        prop_assume!(runs);
+        let alike = |[one, other]: [(State, f64, u64); 2]| one == other;
+        each_method!(1e-3, |integrator, method| {
+            if throw.go(integrator, throw.state, 600).is_ok() {
+                prop_assert!(alike(saved_or_not(&throw.stepper(integrator), [first, 0.2], throw.state)), "{}", method);
+            }
+        });
+    }
+}
+
+#[test]
+fn an_adaptive_session_of_each_trial_goes_on_with_the_same_bits_and_not_as_a_new_run() {
+    let mut new_runs_differ = 0;
+    for number in 1..=8 {
+        let report = Trial::<f64>::report(number).unwrap();
+        let trial = Trial {
+            slip_speed: 1e-2,
+            ..report
+        };
+        for tolerance in [1e-3, 1e-5] {
+            let fifth = trial.stepper(DormandPrince54::new(tolerance)).unwrap();
+            let third = trial.stepper(BogackiShampine32::new(tolerance)).unwrap();
+            let aloft = trial.stepper(Flight(DormandPrince54::new(tolerance)));
+            let aloft = aloft.unwrap();
+            for first in [0.01, 0.1234, 0.3] {
+                let parts = [first, 0.2];
+                let start = trial.state();
+                for [one, other] in [
+                    saved_or_not(&fifth, parts, start),
+                    saved_or_not(&third, parts, start),
+                    saved_or_not(&aloft, parts, start),
+                ] {
+                    assert_eq!(one, other, "trial {number}, {tolerance} m, {first} s");
+                }
+                // The first call is that of the stepper; later ones go on with the step's length.
+                let (mut state, mut session) = (start, fifth.session(start));
+                fifth.advance(&mut state, first).unwrap();
+                session.advance(first).unwrap();
+                assert_eq!(session.state(), &state);
+                fifth.advance(&mut state, 0.2).unwrap();
+                session.advance(0.2).unwrap();
+                new_runs_differ += u32::from(session.state() != &state);
+            }
+        }
+    }
+    assert!(new_runs_differ > 24, "{new_runs_differ}");
+}
+
+/// A coin that lies still, and where it lies.
+fn coin_at_rest<I: Integrator>(integrator: I) -> (TrialStepper<f64, I>, State) {
+    let trial = Trial {
+        slip_speed: 1e-3,
+        ..Trial::report(1).unwrap()
+    };
+    let settle = trial.stepper(EnergyMomentum { time_step: 1e-3 }).unwrap();
+    let mut state = State::at(DVec3::Z * 0.02).with_rotation_vector(DVec3::Y * 1.5);
+    settle.advance(&mut state, 60.0).unwrap();
+    let rest = state;
+    settle.advance(&mut state, 0.1).unwrap();
+    assert_eq!(state, rest, "it still moves");
+    (trial.stepper(integrator).unwrap(), state)
+}
+
+#[test]
+fn a_body_at_rest_is_counted_on_and_not_evaluated() {
+    let (stepper, rest) = coin_at_rest(EnergyMomentum { time_step: 1e-3 });
+    let (frame, mut steps) = (1.0 / 60.0, 0);
+    let mut count = |sample: &Sample<'_>| {
+        steps = sample.step;
+        ControlFlow::Continue(())
+    };
+    stepper.run(&mut rest.clone(), frame, &mut count).unwrap();
+    let mut session = stepper.session(rest);
+    session.advance(frame).unwrap();
+    let evaluations = session.evaluation_count();
+    for _ in 1..600 {
+        session.advance(frame).unwrap();
+    }
+    assert_eq!(session.state(), &rest);
+    assert_eq!(session.evaluation_count(), evaluations);
+    assert_eq!(session.step_count(), 600 * steps);
+    assert!((session.time() - 10.0).abs() <= 2e-15);
+    // Ten thousand million steps: more than a test would wait for, if each were taken.
+    session.advance(1e7).unwrap();
+    assert_eq!(session.step_count(), 600 * steps + 10_000_000_000);
+    assert!((session.time() - 10_000_010.0).abs() <= 2e-9);
+    assert_eq!(session.state(), &rest);
+    // Frames of other lengths take the shorter step at their end alone.
+    let evaluations = session.evaluation_count();
+    session.advance(0.020_5).unwrap();
+    let (mut state, mut alone) = (rest, stepper.session(rest));
+    stepper.advance(&mut state, 0.020_5).unwrap();
+    alone.advance(0.020_5).unwrap();
+    assert_eq!([session.state(), alone.state()], [&state; 2]);
+    let of_frame = session.evaluation_count() - evaluations;
+    assert!(of_frame <= alone.evaluation_count(), "{of_frame}");
+}
+
+#[test]
+fn a_body_at_rest_that_is_pushed_moves_on_as_in_a_new_session() {
+    let (stepper, rest) = coin_at_rest(EnergyMomentum { time_step: 1e-3 });
+    let mut session = stepper.session(rest);
+    for _ in 0..10 {
+        session.advance(1.0 / 60.0).unwrap();
+        session.step().unwrap();
+    }
+    session.state_mut().linear_velocity = DVec3::X;
+    let pushed = rest.with_linear_velocity(DVec3::X);
+    let mut new = stepper.session(pushed);
+    for session in [&mut session, &mut new] {
+        session.advance(1.0 / 60.0).unwrap();
+        session.step().unwrap();
+    }
+    assert_eq!(session.state(), new.state());
+    assert!(session.state().position.x > rest.position.x + 0.01);
+    session.set_state(rest);
+    session.run(0.5, &mut ()).unwrap();
+    assert_eq!(session.into_state(), rest);
+}
+
+#[test]
+fn the_steps_and_samples_of_a_session_are_those_of_a_run() {
+    let trial = Trial::<f64>::report(1).unwrap();
+    let stepper = trial.stepper(StrangSplitting { time_step: 1e-3 }).unwrap();
+    let mut shown = Vec::new();
+    let mut watch = |sample: &Sample<'_>| {
+        shown.push((sample.time, sample.step, *sample.state));
+        ControlFlow::Continue(())
+    };
+    stepper.run(&mut trial.state(), 0.1, &mut watch).unwrap();
+    let mut session = stepper.session(trial.state());
+    let first = session.moment();
+    let seen: Vec<_> = session.steps().take(100).map(Result::unwrap).collect();
+    let all = std::iter::once(first).chain(seen);
+    let all: Vec<_> = all.map(|m| (m.time, m.steps, m.state)).collect();
+    assert_eq!(all, shown);
+    // A run of a session shows its own time, and the session goes on.
+    let mut last = 0.0;
+    let mut watch = |sample: &Sample<'_>| {
+        last = sample.time;
+        ControlFlow::Continue(())
+    };
+    assert_eq!(session.run(0.1, &mut watch), Ok(0.1));
+    assert!((last - 0.1_f64).abs() < 1e-16 && (session.time() - 0.2).abs() < 1e-15);
+    // Samples: the first one is now, and the session stands at the last one.
+    let mut session = stepper.session(trial.state());
+    let samples = session.samples(0.01).unwrap().take(11);
+    let samples: Vec<_> = samples.map(Result::unwrap).collect();
+    assert_eq!(samples[0].state, trial.state());
+    assert_eq!(samples[10], session.moment());
+    assert_eq!(samples[10].state, shown[100].2);
+    for (number, sample) in samples.iter().enumerate() {
+        assert!((sample.time - 0.01 * number as f64).abs() < 1e-16);
+    }
+    let error = session.samples(-1.0).err().unwrap().to_string();
+    assert_eq!(error, "interval of the samples must be above 0, got -1 s");
+}
+
+#[test]
+fn a_session_keeps_the_last_good_state_after_an_error_and_has_a_budget_for_each_call() {
+    let trial = Trial::<f64>::report(1).unwrap();
+    let stepper = trial.stepper(StrangSplitting { time_step: 1e-3 }).unwrap();
+    let mut session = stepper.session(trial.state());
+    session.advance(0.1).unwrap();
+    let good = session.moment();
+    let error = session.advance(f64::NAN).unwrap_err();
+    assert!(matches!(error, StepError::BadDuration { .. }));
+    let bad = good.state.with_linear_velocity(DVec3::NAN);
+    session.set_state(bad);
+    let errors: Vec<_> = session.steps().collect();
+    assert!(matches!(errors[..], [Err(StepError::BadState(_))]));
+    assert_eq!((session.time(), session.step_count()), (good.time, 100));
+
+    let budget = 60;
+    let method = DormandPrince54 {
+        budget,
+        ..DormandPrince54::new(1e-5)
+    };
+    let stepper = trial.stepper(method).unwrap();
+    let mut session = stepper.session(trial.state());
+    while session.time() < 1.0 {
+        session.advance(0.01).unwrap();
+    }
+    assert!(session.step_count() + session.rejected_count() > u64::from(budget));
+    let error = session.advance(10.0).unwrap_err();
+    assert!(matches!(error, StepError::BudgetSpent { .. }));
+    let (time, state) = (session.time(), *session.state());
+    assert!(time > 1.0 && state != trial.state());
+}
+
+/// A method, and the same chosen at run time, for a session of a trial.
+fn chosen_or_not<I: Integrator + Copy + Into<AnyIntegrator>>(method: I, name: &str) {
+    let any: AnyIntegrator = method.into();
+    assert_eq!(any.to_string(), name);
+    #[cfg(feature = "serde")]
+    let any: AnyIntegrator = serde_json::from_str(&serde_json::to_string(&any).unwrap()).unwrap();
+    let trial = Trial::report(1).unwrap();
+    let [plain, chosen] = [
+        saved_or_not(&trial.stepper(method).unwrap(), [0.1, 0.2], trial.state()),
+        saved_or_not(&trial.stepper(any).unwrap(), [0.1, 0.2], trial.state()),
+    ];
+    assert_eq!(plain, chosen, "{name}");
+    assert_eq!(chosen[0], chosen[1], "{name}");
+    let one = any as AnyIntegrator;
+    assert_eq!(
+        Integrator::<f64>::order(&one),
+        Integrator::<f64>::order(&method)
+    );
+    assert_eq!(one.fixed_step(), method.fixed_step());
+    let [a, b] = [(40.0, 3.0), (4.0, 0.5)];
+    for (stiffness, damping) in [a, b] {
+        let limit = one.largest_stable_step(stiffness, damping);
+        assert_eq!(limit, method.largest_stable_step(stiffness, damping));
+    }
+}
+
+#[test]
+fn an_integrator_that_is_chosen_at_run_time_has_the_bits_of_its_method() {
+    let time_step = 1e-3;
+    chosen_or_not(ForwardEuler { time_step }, "ForwardEuler");
+    chosen_or_not(SymplecticEuler { time_step }, "SymplecticEuler");
+    chosen_or_not(StrangSplitting { time_step }, "StrangSplitting");
+    chosen_or_not(Rk4 { time_step }, "Rk4");
+    chosen_or_not(Nystrom { time_step }, "Nystrom");
+    chosen_or_not(BogackiShampine32::new(1e-4), "BogackiShampine32");
+    chosen_or_not(DormandPrince54::new(1e-4), "DormandPrince54");
+    chosen_or_not(EnergyMomentum { time_step }, "EnergyMomentum");
+    let bad = AnyIntegrator::from(Rk4 { time_step: -1.0 });
+    let error = Trial::report(1).unwrap().stepper(bad).unwrap_err();
+    assert_eq!(error.to_string(), "time step must be above 0, got -1 s");
+    // One that is chosen with a fixed step lets a body at rest lie, too.
+    let (stepper, rest) = coin_at_rest(AnyIntegrator::from(EnergyMomentum { time_step }));
+    let mut session = stepper.session(rest);
+    session.advance(1e7).unwrap();
+    assert_eq!(session.step_count(), 10_000_000_000);
+}
+
+#[test]
+fn an_impulse_on_a_rod_turns_it_about_the_centre_of_percussion() {
+    let (mass, length, impulse) = (0.7_f64, 1.3_f64, 2.1_f64);
+    let stepper = Stepper::new(Rod::new(mass, length)).unwrap();
+    let along = DVec3::new(0.3, -0.5, 0.8).normalize();
+    let across = along.cross(DVec3::X).normalize();
+    let turn = DQuat::from_rotation_arc(DVec3::Z, along);
+    let velocity = DVec3::new(0.1, 0.2, 0.3);
+    for share in [-0.5, -0.2, 0.01, 1.0 / 6.0, 0.5] {
+        let centre = DVec3::new(1.0, 2.0, 3.0);
+        let start = State::at(centre)
+            .with_orientation(turn)
+            .with_linear_velocity(velocity);
+        let mut state = start;
+        let arm = share * length;
+        let point = centre + along * arm;
+        stepper
+            .apply_impulse(&mut state, across * impulse, point)
+            .unwrap();
+        // v = J/m, ω = J b/(m l²/12): the point at -l²/(12 b) keeps its velocity.
+        let spin = stepper.angular_velocity(&state);
+        let expected = along.cross(across) * (impulse * arm * 12.0 / (mass * length * length));
+        assert!((spin - expected).length() < 1e-13, "{spin}, {expected}");
+        let still = along * (-length * length / (12.0 * arm));
+        let left = state.linear_velocity - velocity + spin.cross(still);
+        assert!(left.length() < 1e-12, "{left}");
+        // The work of the impulse: its mean velocity at the point times the impulse.
+        let at_point = |state: &State| {
+            let spin = stepper.angular_velocity(state);
+            state.linear_velocity + spin.cross(point - centre)
+        };
+        let work = (across * impulse).dot(at_point(&start) + at_point(&state)) * 0.5;
+        let gained = stepper.energy(&state).total() - stepper.energy(&start).total();
+        assert!((work - gained).abs() < 1e-12, "{work}, {gained}");
+        // About itself the rod takes none.
+        let spun = state;
+        stepper
+            .apply_impulse(&mut state, across.cross(along), centre + across)
+            .unwrap();
+        let change = state.angular_momentum - spun.angular_momentum;
+        assert!(change.dot(along).abs() < 1e-15, "{change}");
+    }
+}
+
+#[test]
+fn an_impulse_that_is_not_finite_is_refused_and_leaves_the_state() {
+    let stepper = Stepper::new(Coin::ring(1.0, 0.5)).unwrap();
+    let mut session = stepper.session(State::at(DVec3::Z));
+    let refused = |impulse, point| {
+        let mut state = State::at(DVec3::Z);
+        let error = stepper
+            .apply_impulse(&mut state, impulse, point)
+            .unwrap_err();
+        assert_eq!(state, State::at(DVec3::Z));
+        error.to_string()
+    };
+    for (impulse, point, message) in [
+        (
+            DVec3::Y * f64::NAN,
+            DVec3::Z,
+            "x of the impulse must be finite, got NaN",
+        ),
+        (
+            DVec3::X,
+            DVec3::new(0.0, f64::INFINITY, 0.0),
+            "y of the impulse's point must be finite, got inf",
+        ),
+        (
+            DVec3::X * 1e200,
+            DVec3::Z * 1e200,
+            "spin after an impulse must be finite, got inf",
+        ),
+    ] {
+        assert_eq!(refused(impulse, point), message);
+    }
+    session.apply_impulse(DVec3::X, DVec3::Z * 1.5).unwrap();
+    assert_eq!(session.state().linear_velocity, DVec3::X);
+    assert_eq!(session.state().angular_momentum, DVec3::Y * 0.5);
+}
+
+#[test]
+fn a_step_is_displayed_on_one_line_with_its_units() {
+    let stepper = Stepper::new(Coin::ring(1.0, 0.5)).unwrap();
+    let stepper = stepper.with_integrator(Rk4 { time_step: 0.25 }).unwrap();
+    let step = stepper.step(&mut State::default()).unwrap();
+    let text = format!("{step:.1} | {step}");
+    let digits = "0.2 s, 4 evaluations, 0 rejected, 0 iterations, 0.0 J removed";
+    assert_eq!(
+        text,
+        format!("{digits} | 0.25 s, 4 evaluations, 0 rejected, 0 iterations, 0 J removed")
+    );
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn an_invalid_session_is_refused_when_it_is_resumed() {
+    let trial = Trial::<f64>::report(1).unwrap();
+    let stepper = trial.stepper(DormandPrince54::new(1e-5)).unwrap();
+    let mut session = stepper.session(trial.state());
+    session.advance(0.01).unwrap();
+    let good = serde_json::to_value(session.save()).unwrap();
+    for (path, rule) in [
+        (
+            "/clock/time",
+            "time of the saved session must be at least 0, got -1 s",
+        ),
+        (
+            "/control/next_step",
+            "length of the next step must be above 0, got -1 s",
+        ),
+        (
+            "/control/last_error",
+            "error of the last step must be at least 0, got -1",
+        ),
+    ] {
+        let mut bad = good.clone();
+        *bad.pointer_mut(path).unwrap() = (-1.0).into();
+        let saved: SavedSession = serde_json::from_value(bad).unwrap();
+        assert_eq!(stepper.resume(&saved).unwrap_err().to_string(), rule);
     }
 }
 

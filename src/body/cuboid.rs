@@ -12,7 +12,7 @@ use crate::state::State;
 /// below the lowest of them. On curved ground a contact in the middle of a face is not felt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid<R: Real = f64> {
-    distribution: MassProperties<R>,
+    pub(super) distribution: MassProperties<R>,
     edges: R::Vec3,
     corner_radius: R,
     corners: [ContactPoint<R>; 8],

@@ -124,6 +124,18 @@ impl<R: Real> Disc<R> {
         }
     }
 
+    /// How many points the rim stands for.
+    #[cfg(feature = "serde")]
+    pub(super) fn points(&self) -> usize {
+        let [rim] = &self.rim;
+        rim.points().floor_index()
+    }
+
+    #[cfg(feature = "serde")]
+    pub(super) fn is_solid(&self) -> bool {
+        self.shape < R::ONE
+    }
+
     /// Radius of the rim, m.
     #[inline]
     #[must_use]

@@ -18,7 +18,7 @@ use crate::real::{Real, Vector};
 /// spinning friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid<R: Real = f64> {
-    distribution: MassProperties<R>,
+    pub(super) distribution: MassProperties<R>,
     semi_axes: R::Vec3,
     /// A ball within it, which stands for it.
     within: [ContactPoint<R>; 1],

@@ -27,6 +27,15 @@ use crate::rotation::Rotation;
 /// assert!((hammer.centre_of_mass.z - 0.132).abs() < 1e-15);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "R: serde::Serialize, R::Vec3: serde::Serialize, R::Mat3: serde::Serialize",
+        deserialize = "R: serde::Deserialize<'de>, R::Vec3: serde::Deserialize<'de>, \
+            R::Mat3: serde::Deserialize<'de>"
+    ))
+)]
 pub struct MassProperties<R: Real = f64> {
     /// kg.
     pub mass: R,

@@ -11,7 +11,7 @@ use crate::real::{Real, Vector};
 /// centre of mass in the middle, [`loaded`](Self::loaded) has it anywhere, as a tippe top has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere<R: Real = f64> {
-    distribution: MassProperties<R>,
+    pub(super) distribution: MassProperties<R>,
     contact: [ContactPoint<R>; 1],
 }
 

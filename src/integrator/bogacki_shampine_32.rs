@@ -1,7 +1,7 @@
 //! The pair of Bogacki and Shampine, of order 3 with an estimate of order 2.
 
 use super::embedded_pair::{self, Pair, Settings, Workspace};
-use super::{Integrator, Step};
+use super::{Integrator, Step, StepControl};
 use crate::error::{SceneError, StepError};
 use crate::real::Real;
 use crate::scene::Dynamics;
@@ -90,6 +90,20 @@ impl<R: Real> Integrator<R> for BogackiShampine32<R> {
 
     fn order(&self) -> u32 {
         3
+    }
+
+    #[inline]
+    fn step_control(
+        &self,
+        workspace: &Self::Workspace,
+        state: &State<R>,
+    ) -> Option<StepControl<R>> {
+        Some(workspace.step_control(state))
+    }
+
+    #[inline]
+    fn set_step_control(&self, workspace: &mut Self::Workspace, control: StepControl<R>) {
+        workspace.set_step_control(control);
     }
 
     fn check(&self) -> Result<(), SceneError> {

@@ -14,13 +14,14 @@ mod control;
 mod slip;
 mod touch;
 
-use super::Step;
 use super::fingerprint::Fingerprint;
 use super::rk4::Point;
+use super::{Step, StepControl};
 use crate::error::{self, Quantity, Rule, SceneError, StepError};
 use crate::friction::{RollingResistance, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
+use crate::rotation::Rotation;
 use crate::scene::{Dynamics, Load, Motion};
 use crate::state::State;
 use control::{Control, Errors};
@@ -87,6 +88,42 @@ impl<R: Real> Settings<R> {
 pub struct Workspace<R: Real = f64> {
     control: Control<R>,
     known: Option<Known<R>>,
+    /// The orientation that a step begins with whose start is not known.
+    resumed: Option<Rotation<R>>,
+}
+
+impl<R: Real> Workspace<R> {
+    /// What the next step depends on, beside the state.
+    #[inline]
+    pub(super) fn step_control(&self, state: &State<R>) -> StepControl<R> {
+        let known = self.known.as_ref().filter(|known| known.state == *state);
+        let orientation = known.map(|known| known.place.point.orientation);
+        StepControl {
+            orientation: orientation.or(self.resumed).map(Rotation::to_quat),
+            ..self.control.carried()
+        }
+    }
+
+    /// Goes on with this choice of the next step, and with the whole budget.
+    #[inline]
+    pub(super) fn set_step_control(&mut self, control: StepControl<R>) {
+        self.resumed = control.orientation.map(Rotation::unscaled);
+        self.control = Control::carrying(control);
+    }
+
+    /// The point to begin with at a state. Scaled to length 1 again, an orientation is not always
+    /// the one that the step before has ended with.
+    #[inline]
+    fn point(&self, state: &State<R>) -> Point<R> {
+        let point = Point::of(state);
+        match self.resumed {
+            Some(orientation) if orientation.normalised().to_quat() == state.orientation => Point {
+                orientation,
+                ..point
+            },
+            _ => point,
+        }
+    }
 }
 
 /// A state, and what has been computed there.
@@ -212,6 +249,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
             report.elapsed = seconds;
             report.evaluations += u32::from(to_kink);
             workspace.known = Some(Known::of(scene, state, end, to_kink));
+            workspace.resumed = None;
             return Ok(report);
         }
         report.rejected += 1;
@@ -242,7 +280,7 @@ fn start_of<R: Real, D: Dynamics<R>>(
         return Err(StepError::BadState(Quantity::Orientation));
     }
     report.evaluations += 1;
-    Ok(Place::at(scene, Point::of(state)))
+    Ok(Place::at(scene, workspace.point(state)))
 }
 
 /// A step of the higher order.

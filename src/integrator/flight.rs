@@ -1,6 +1,6 @@
 //! Flight in closed form: one step up to the first touch, whatever moves the body on the ground.
 
-use super::{Integrator, Step, energy_limit};
+use super::{Integrator, Step, StepControl, energy_limit};
 use crate::body::RigidPointBody;
 use crate::energy::Energy;
 use crate::error::{SceneError, StepError};
@@ -96,6 +96,20 @@ impl<R: Real, I: Integrator<R>> Integrator<R> for Flight<I> {
     #[inline]
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         self.0.largest_stable_step(stiffness, damping)
+    }
+
+    #[inline]
+    fn step_control(
+        &self,
+        workspace: &Self::Workspace,
+        state: &State<R>,
+    ) -> Option<StepControl<R>> {
+        self.0.step_control(workspace, state)
+    }
+
+    #[inline]
+    fn set_step_control(&self, workspace: &mut Self::Workspace, control: StepControl<R>) {
+        self.0.set_step_control(workspace, control);
     }
 
     fn check(&self) -> Result<(), SceneError> {

@@ -4,7 +4,7 @@ use super::touch::Kinks;
 use super::{Place, Settings};
 use crate::error::{Quantity, StepError};
 use crate::integrator::rk4::Point;
-use crate::integrator::step_length;
+use crate::integrator::{StepControl, step_length};
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion, size};
 
@@ -171,6 +171,24 @@ impl<R: Real> Trial<R> {
 }
 
 impl<R: Real> Control<R> {
+    #[inline]
+    pub(super) fn carried(&self) -> StepControl<R> {
+        StepControl {
+            next_step: self.next,
+            last_error: self.last,
+            orientation: None,
+        }
+    }
+
+    #[inline]
+    pub(super) fn carrying(control: StepControl<R>) -> Self {
+        Self {
+            next: control.next_step,
+            last: control.last_error,
+            ..Self::default()
+        }
+    }
+
     #[inline]
     pub(super) fn first_trial(&self, first_length: impl FnOnce() -> R) -> Trial<R> {
         Trial {

@@ -1,0 +1,177 @@
+//! One of the built-in methods, chosen at run time.
+
+use super::{
+    BogackiShampine32, DormandPrince54, EmbeddedPairWorkspace, EnergyMomentum,
+    EnergyMomentumWorkspace, ForwardEuler, Integrator, Nystrom, Rk4, Step, StepControl,
+    StrangSplitting, SymplecticEuler,
+};
+use crate::body::ContactRange;
+use crate::error::{SceneError, StepError};
+use crate::real::Real;
+use crate::scene::Dynamics;
+use crate::state::State;
+
+/// One of the built-in integrators, chosen at run time: from a file, a menu or an argument.
+///
+/// Its steps have the bits of the method itself. It is displayed as the method's name, and saved
+/// and loaded by the feature `serde`. [`Flight`](crate::Flight) takes it like any integrator. The
+/// program then holds all methods, so that it takes longer to compile than with one of them.
+///
+/// ```
+/// use tumble::{AnyIntegrator, EnergyMomentum, Rk4, Trial};
+///
+/// let trial = Trial::<f64>::report(1).ok_or("no such trial")?;
+/// let time_step = 1e-3; // s
+/// let methods: [AnyIntegrator; 2] = [EnergyMomentum { time_step }.into(), Rk4 { time_step }.into()];
+/// for method in methods {
+///     let mut state = trial.state();
+///     trial.stepper(method)?.advance(&mut state, 0.1)?;
+///     println!("{method}: {:.4} m", state.position.z);
+/// }
+/// assert_eq!(methods[1].to_string(), "Rk4");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum AnyIntegrator<R = f64> {
+    /// [`ForwardEuler`].
+    ForwardEuler(ForwardEuler<R>),
+    /// [`SymplecticEuler`].
+    SymplecticEuler(SymplecticEuler<R>),
+    /// [`StrangSplitting`].
+    StrangSplitting(StrangSplitting<R>),
+    /// [`Rk4`].
+    Rk4(Rk4<R>),
+    /// [`Nystrom`].
+    Nystrom(Nystrom<R>),
+    /// [`BogackiShampine32`].
+    BogackiShampine32(BogackiShampine32<R>),
+    /// [`DormandPrince54`].
+    DormandPrince54(DormandPrince54<R>),
+    /// [`EnergyMomentum`].
+    EnergyMomentum(EnergyMomentum<R>),
+}
+
+/// Workspace of [`AnyIntegrator`]: that of the method which has used it.
+// Not an enum: one could not be switched to another method in place without a branch that panics.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace<R: Real = f64> {
+    near: ContactRange,
+    pair: Option<EmbeddedPairWorkspace<R>>,
+    implicit: Option<EnergyMomentumWorkspace<R>>,
+}
+
+impl<R: Real> Workspace<R> {
+    #[inline]
+    fn pair(&mut self) -> &mut EmbeddedPairWorkspace<R> {
+        self.pair.get_or_insert_with(Default::default)
+    }
+
+    #[inline]
+    fn implicit(&mut self) -> &mut EnergyMomentumWorkspace<R> {
+        self.implicit.get_or_insert_with(Default::default)
+    }
+}
+
+/// Does the same with the method, whichever it is.
+macro_rules! each {
+    ($any:expr, $method:ident => $result:expr) => {
+        match $any {
+            AnyIntegrator::ForwardEuler($method) => $result,
+            AnyIntegrator::SymplecticEuler($method) => $result,
+            AnyIntegrator::StrangSplitting($method) => $result,
+            AnyIntegrator::Rk4($method) => $result,
+            AnyIntegrator::Nystrom($method) => $result,
+            AnyIntegrator::BogackiShampine32($method) => $result,
+            AnyIntegrator::DormandPrince54($method) => $result,
+            AnyIntegrator::EnergyMomentum($method) => $result,
+        }
+    };
+}
+
+impl<R: Real> Integrator<R> for AnyIntegrator<R> {
+    type Workspace = Workspace<R>;
+
+    /// Some of the methods do.
+    const ADAPTIVE: bool = true;
+
+    fn step<D: Dynamics<R>>(
+        &self,
+        scene: &D,
+        state: &mut State<R>,
+        limit: R,
+        workspace: &mut Workspace<R>,
+    ) -> Result<Step<R>, StepError> {
+        match self {
+            Self::ForwardEuler(method) => method.step(scene, state, limit, &mut workspace.near),
+            Self::SymplecticEuler(method) => method.step(scene, state, limit, &mut workspace.near),
+            Self::StrangSplitting(method) => method.step(scene, state, limit, &mut workspace.near),
+            Self::Rk4(method) => method.step(scene, state, limit, &mut workspace.near),
+            Self::Nystrom(method) => method.step(scene, state, limit, &mut workspace.near),
+            Self::BogackiShampine32(method) => method.step(scene, state, limit, workspace.pair()),
+            Self::DormandPrince54(method) => method.step(scene, state, limit, workspace.pair()),
+            Self::EnergyMomentum(method) => method.step(scene, state, limit, workspace.implicit()),
+        }
+    }
+
+    fn order(&self) -> u32 {
+        each!(self, method => Integrator::<R>::order(method))
+    }
+
+    fn fixed_step(&self) -> Option<R> {
+        each!(self, method => method.fixed_step())
+    }
+
+    fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
+        each!(self, method => method.largest_stable_step(stiffness, damping))
+    }
+
+    fn step_control(&self, workspace: &Workspace<R>, state: &State<R>) -> Option<StepControl<R>> {
+        match self {
+            Self::BogackiShampine32(method) => method.step_control(workspace.pair.as_ref()?, state),
+            Self::DormandPrince54(method) => method.step_control(workspace.pair.as_ref()?, state),
+            _ => None,
+        }
+    }
+
+    fn set_step_control(&self, workspace: &mut Workspace<R>, control: StepControl<R>) {
+        match self {
+            Self::BogackiShampine32(method) => method.set_step_control(workspace.pair(), control),
+            Self::DormandPrince54(method) => method.set_step_control(workspace.pair(), control),
+            _ => {}
+        }
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        each!(self, method => method.check())
+    }
+}
+
+/// The name of the method.
+impl<R> core::fmt::Display for AnyIntegrator<R> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::ForwardEuler(_) => "ForwardEuler",
+            Self::SymplecticEuler(_) => "SymplecticEuler",
+            Self::StrangSplitting(_) => "StrangSplitting",
+            Self::Rk4(_) => "Rk4",
+            Self::Nystrom(_) => "Nystrom",
+            Self::BogackiShampine32(_) => "BogackiShampine32",
+            Self::DormandPrince54(_) => "DormandPrince54",
+            Self::EnergyMomentum(_) => "EnergyMomentum",
+        })
+    }
+}
+
+macro_rules! from_each {
+    ($($method:ident)*) => {
+        $(impl<R> From<$method<R>> for AnyIntegrator<R> {
+            fn from(method: $method<R>) -> Self {
+                Self::$method(method)
+            }
+        })*
+    };
+}
+from_each!(ForwardEuler SymplecticEuler StrangSplitting Rk4 Nystrom);
+from_each!(BogackiShampine32 DormandPrince54 EnergyMomentum);

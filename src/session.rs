@@ -1,0 +1,583 @@
+//! A session: one state that is moved on, with the time and what is remembered from step to step.
+
+use crate::body::RigidPointBody;
+use crate::energy::Energy;
+use crate::error::{self, SceneError, StepError};
+use crate::friction::{Frictionless, SlidingFriction};
+use crate::gravity::{Gravity, NoGravity};
+use crate::ground::{NoGround, SpringDamperGround};
+use crate::integrator::{EnergyMomentum, Integrator, Step, StepControl};
+use crate::observer::Observer;
+use crate::real::{Quaternion, Real, Vector};
+use crate::state::State;
+use crate::stepper::{Clock, End, Stepper, check_duration};
+
+/// Moves one state on in time, and remembers what saves work or decides on the next step.
+///
+/// [`Stepper::session`] begins one. It borrows the stepper and owns the state, the integrator's
+/// workspace and the clock. Take it where one body is moved on call after call, as in a game or a
+/// plot. [`Stepper::advance`] begins anew in each call.
+///
+/// | | [`Stepper`] | `Session` |
+/// |---|---|---|
+/// | the state | the caller's | its own |
+/// | the time since the start | the caller's | [`time`](Self::time) |
+/// | an adaptive method's next step | chosen anew in each call | goes on |
+/// | a body at rest | is evaluated in each call | is skipped |
+///
+/// ```
+/// use tumble::glam::DVec3;
+/// use tumble::{Coin, Coulomb, FlatGround, State, Stepper, UniformGravity};
+///
+/// let stepper = Stepper::new(Coin::ring(1.0, 0.5))? // kg, m
+///     .with_gravity(UniformGravity::down(9.8))? // m/s²
+///     .with_ground(FlatGround::level(1000.0, 0.5))? // N/m and N s/m, for each point
+///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?; // -, m/s
+/// let mut session = stepper.session(State::at(DVec3::Z)); // m
+/// for _ in 0..60 {
+///     session.advance(1.0 / 60.0)?; // s, one frame
+/// }
+/// assert!((session.time() - 1.0).abs() < 1e-15);
+/// assert!(session.state().position.z < 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// *Bits.* With a fixed step, each call has the bits of the same call of the stepper with the same
+/// state. An adaptive method has them in the first call, and then goes on with its own choice of
+/// the step. Its budget of steps holds for each call.
+///
+/// *Rest.* A step that leaves the state as it was does so again. Further whole steps are then
+/// counted and not taken, and so is an [`advance`](Self::advance) by the same time as before.
+pub struct Session<
+    'a,
+    R: Real,
+    B,
+    G = NoGround,
+    F = Frictionless,
+    A = NoGravity,
+    I: Integrator<R> = EnergyMomentum<R>,
+> {
+    stepper: &'a Stepper<R, B, G, F, A, I>,
+    state: State<R>,
+    workspace: I::Workspace,
+    clock: Clock<R>,
+    rest: Rest<R>,
+}
+
+/// What is known to leave the present state as it is, for a method that does not choose its steps:
+/// such a step is a function of scene, state and length alone.
+#[derive(Clone, Copy, Debug)]
+struct Rest<R> {
+    /// Whether a whole step does.
+    step: bool,
+    /// An advance that does, s, and what the clock counts for it.
+    advance: Option<(R, Clock<R>)>,
+}
+
+impl<R: Real> Rest<R> {
+    const UNKNOWN: Self = Self {
+        step: false,
+        advance: None,
+    };
+}
+
+/// A moment of a session.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "R: serde::Serialize, State<R>: serde::Serialize",
+        deserialize = "R: serde::Deserialize<'de>, State<R>: serde::Deserialize<'de>"
+    ))
+)]
+pub struct Moment<R: Real = f64> {
+    /// Time since the start of the session, s.
+    pub time: R,
+    /// Number of steps since then.
+    pub steps: u64,
+    /// The state at that time.
+    pub state: State<R>,
+}
+
+/// A session as plain data: what a run must know to go on with the same bits.
+///
+/// [`Session::save`] returns it, [`Stepper::resume`] takes it. It holds the state, the clock, and
+/// the choice of the next step of an adaptive method. The scene is saved by itself: its parts are
+/// plain data, too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "R: serde::Serialize, State<R>: serde::Serialize, StepControl<R>: serde::Serialize",
+        deserialize = "R: serde::Deserialize<'de>, State<R>: serde::Deserialize<'de>, \
+            StepControl<R>: serde::Deserialize<'de>"
+    ))
+)]
+pub struct SavedSession<R: Real = f64> {
+    state: State<R>,
+    clock: Clock<R>,
+    control: Option<StepControl<R>>,
+}
+
+impl<R: Real> SavedSession<R> {
+    /// The state.
+    #[must_use]
+    pub fn state(&self) -> &State<R> {
+        &self.state
+    }
+
+    /// Time since the start of the session, s.
+    #[must_use]
+    pub fn time(&self) -> R {
+        self.clock.time
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::at_least_zero("time of the saved session", self.clock.time, " s")?;
+        error::finite("rounding of the saved time", self.clock.lost, " s")?;
+        self.control.map_or(Ok(()), |control| control.check())
+    }
+}
+
+impl<R, B, G, F, A, I> Stepper<R, B, G, F, A, I>
+where
+    R: Real,
+    B: RigidPointBody<R>,
+    G: SpringDamperGround<R>,
+    F: SlidingFriction<R>,
+    A: Gravity<R>,
+    I: Integrator<R>,
+{
+    /// Begins a session with this state, at 0 s.
+    #[must_use]
+    pub fn session(&self, state: State<R>) -> Session<'_, R, B, G, F, A, I> {
+        Session {
+            stepper: self,
+            state,
+            workspace: I::Workspace::default(),
+            clock: Clock::new(),
+            rest: Rest::UNKNOWN,
+        }
+    }
+
+    /// Goes on with a session that was saved, with the same bits, if this is the same scene and
+    /// integrator.
+    ///
+    /// An adaptive method evaluates the state once more, which its count of evaluations shows.
+    ///
+    /// # Errors
+    /// Returns [`SceneError`] if the time or the length of the next step is invalid. The error
+    /// names the quantity, the rule and the value. A state that is not finite is refused by the
+    /// first step.
+    pub fn resume(
+        &self,
+        saved: &SavedSession<R>,
+    ) -> Result<Session<'_, R, B, G, F, A, I>, SceneError> {
+        saved.check()?;
+        let mut session = self.session(saved.state);
+        session.clock = saved.clock;
+        if let Some(control) = saved.control {
+            (self.integrator()).set_step_control(&mut session.workspace, control);
+        }
+        Ok(session)
+    }
+}
+
+impl<'a, R, B, G, F, A, I> Session<'a, R, B, G, F, A, I>
+where
+    R: Real,
+    B: RigidPointBody<R>,
+    G: SpringDamperGround<R>,
+    F: SlidingFriction<R>,
+    A: Gravity<R>,
+    I: Integrator<R>,
+{
+    /// Takes one step of the integrator's own length.
+    ///
+    /// # Errors
+    /// As [`Stepper::step`]. Returns [`StepError::Stalled`] if the step is too short for the clock.
+    /// State and clock are left as they were.
+    pub fn step(&mut self) -> Result<Step<R>, StepError> {
+        if self.rest.step {
+            if let Some(length) = self.stepper.integrator().fixed_step() {
+                let step = Step::new(length, 0);
+                self.clock.tick(&step)?;
+                return Ok(step);
+            }
+        }
+        self.renew_budget();
+        let (before, clock) = (self.state, self.clock);
+        let step = (self.stepper).move_on(&mut self.state, R::MAX, &mut self.workspace)?;
+        if let Err(error) = self.clock.tick(&step) {
+            (self.state, self.clock) = (before, clock);
+            return Err(error);
+        }
+        self.learn(&before, &step);
+        Ok(step)
+    }
+
+    /// Moves the state on by exactly `seconds`, at least 0, as [`Stepper::advance`] does.
+    ///
+    /// # Errors
+    /// As [`Stepper::advance`]. State and clock are those after the last good step.
+    #[inline]
+    pub fn advance(&mut self, seconds: R) -> Result<(), StepError> {
+        match &self.rest.advance {
+            Some((known, counts)) if *known == seconds => {
+                self.clock.add(counts);
+                Ok(())
+            }
+            _ => self.advance_by(seconds),
+        }
+    }
+
+    /// Moves the state on by exactly `seconds` and shows it to `observer`, as [`Stepper::run`]
+    /// does. Returns the time that the run has covered, s.
+    ///
+    /// The samples count time and steps from the start of this run.
+    ///
+    /// # Errors
+    /// As [`Stepper::run`]. State and clock are those after the last good step.
+    pub fn run(
+        &mut self,
+        seconds: R,
+        observer: &mut (impl Observer<R> + ?Sized),
+    ) -> Result<R, StepError> {
+        self.renew_budget();
+        let (before, mut clock) = (self.state, Clock::new());
+        let (state, workspace) = (&mut self.state, &mut self.workspace);
+        let outcome = (self.stepper).run_with(state, seconds, observer, workspace, &mut clock);
+        self.clock.add(&clock);
+        if !has_bits_of(&self.state, &before) {
+            self.rest = Rest::UNKNOWN;
+        }
+        outcome.map(|()| clock.time)
+    }
+
+    /// Steps without end: the moment after each step. After an error there are no more.
+    ///
+    /// ```
+    /// use tumble::glam::DVec3;
+    /// use tumble::{Coin, State, Stepper, UniformGravity};
+    ///
+    /// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?.with_gravity(UniformGravity::down(9.8))?;
+    /// let mut session = stepper.session(State::at(DVec3::Z));
+    /// for moment in session.steps() {
+    ///     if moment?.state.position.z < 0.0 {
+    ///         break;
+    ///     }
+    /// }
+    /// assert!((session.time() - (2.0_f64 / 9.8).sqrt()).abs() < 1e-3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn steps(&mut self) -> impl Iterator<Item = Result<Moment<R>, StepError>> {
+        self.moments(false, |session| session.step().map(|_| ()))
+    }
+
+    /// Samples without end at equal intervals, s: the present moment, then the moment after each
+    /// [`advance`](Self::advance) by `interval`. After an error there are no more.
+    ///
+    /// The session stands at the last sample that was taken. With a fixed step that does not divide
+    /// the interval, the last step before each sample is shorter. [`Timed`](crate::Timed) in a
+    /// [`run`](Self::run) leaves the steps as they are.
+    ///
+    /// ```
+    /// use tumble::glam::DVec3;
+    /// use tumble::{Coin, FlatGround, State, Stepper, UniformGravity};
+    ///
+    /// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?
+    ///     .with_gravity(UniformGravity::down(9.8))?
+    ///     .with_ground(FlatGround::level(1000.0, 0.5))?;
+    /// let mut session = stepper.session(State::at(DVec3::Z));
+    /// let mut heights = Vec::new();
+    /// for moment in session.samples(1.0 / 60.0)?.take(61) {
+    ///     heights.push(moment?.state.position.z);
+    /// }
+    /// assert_eq!((heights.len(), heights[0]), (61, 1.0));
+    /// assert!((session.time() - 1.0).abs() < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns [`SceneError`] if the interval is not above 0 or not finite. The error names the
+    /// quantity, the rule and the value.
+    pub fn samples(
+        &mut self,
+        interval: R,
+    ) -> Result<impl Iterator<Item = Result<Moment<R>, StepError>>, SceneError> {
+        error::above_zero("interval of the samples", interval, " s")?;
+        Ok(self.moments(true, move |session| session.advance(interval)))
+    }
+
+    /// Moments between which the session moves on, with the present one at first or not.
+    fn moments(
+        &mut self,
+        mut begins_here: bool,
+        mut move_on: impl FnMut(&mut Self) -> Result<(), StepError>,
+    ) -> impl Iterator<Item = Result<Moment<R>, StepError>> {
+        let mut has_failed = false;
+        core::iter::from_fn(move || {
+            if has_failed {
+                return None;
+            }
+            let moved = if begins_here { Ok(()) } else { move_on(self) };
+            begins_here = false;
+            has_failed = moved.is_err();
+            Some(moved.map(|()| self.moment()))
+        })
+    }
+
+    /// Time, number of steps and state.
+    #[must_use]
+    pub fn moment(&self) -> Moment<R> {
+        Moment {
+            time: self.clock.time,
+            steps: self.clock.steps,
+            state: self.state,
+        }
+    }
+
+    /// The state.
+    #[inline]
+    #[must_use]
+    pub fn state(&self) -> &State<R> {
+        &self.state
+    }
+
+    /// The state, to be changed: by an impulse, or to another position. The clock goes on.
+    ///
+    /// The next step is that of a new session with the changed state.
+    pub fn state_mut(&mut self) -> &mut State<R> {
+        self.rest = Rest::UNKNOWN;
+        if self.chooses_steps() {
+            self.workspace = I::Workspace::default();
+        }
+        &mut self.state
+    }
+
+    /// Replaces the state. The clock goes on.
+    ///
+    /// The next step is that of a new session with this state.
+    pub fn set_state(&mut self, state: State<R>) {
+        *self.state_mut() = state;
+    }
+
+    /// Gives the body an impulse (N s, world axes) at a point of the world (m).
+    ///
+    /// The next step is that of a new session with the changed state.
+    ///
+    /// # Errors
+    /// As [`Stepper::apply_impulse`].
+    pub fn apply_impulse(&mut self, impulse: R::Vec3, point: R::Vec3) -> Result<(), StepError> {
+        let stepper = self.stepper;
+        stepper.apply_impulse(self.state_mut(), impulse, point)
+    }
+
+    /// Ends the session and returns the state.
+    #[must_use]
+    pub fn into_state(self) -> State<R> {
+        self.state
+    }
+
+    /// The stepper.
+    #[must_use]
+    pub fn stepper(&self) -> &'a Stepper<R, B, G, F, A, I> {
+        self.stepper
+    }
+
+    /// Energy of the state, by kind, J.
+    #[must_use]
+    pub fn energy(&self) -> Energy<R> {
+        self.stepper.energy(&self.state)
+    }
+
+    /// Time since the start of the session, s.
+    #[inline]
+    #[must_use]
+    pub fn time(&self) -> R {
+        self.clock.time
+    }
+
+    /// Number of steps since the start of the session.
+    #[must_use]
+    pub fn step_count(&self) -> u64 {
+        self.clock.steps
+    }
+
+    /// Number of evaluations of the contacts' forces since the start of the session.
+    #[must_use]
+    pub fn evaluation_count(&self) -> u64 {
+        self.clock.evaluations
+    }
+
+    /// Number of attempts that an adaptive method has rejected since the start of the session.
+    #[must_use]
+    pub fn rejected_count(&self) -> u64 {
+        self.clock.rejected
+    }
+
+    /// The session as plain data, to be saved. [`Stepper::resume`] goes on with it.
+    ///
+    /// ```
+    /// use tumble::{DormandPrince54, Trial};
+    ///
+    /// let trial = Trial::<f64>::report(1).ok_or("no such trial")?;
+    /// let stepper = trial.stepper(DormandPrince54::new(1e-5))?;
+    /// let mut session = stepper.session(trial.state());
+    /// session.advance(0.3)?;
+    /// let saved = session.save(); // with the feature `serde` it can be written to a file
+    /// let mut resumed = stepper.resume(&saved)?;
+    /// session.advance(0.3)?;
+    /// resumed.advance(0.3)?;
+    /// assert_eq!(session.state(), resumed.state());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn save(&self) -> SavedSession<R> {
+        SavedSession {
+            state: self.state,
+            clock: self.clock,
+            control: (self.stepper.integrator()).step_control(&self.workspace, &self.state),
+        }
+    }
+
+    /// Whether the method carries a choice of its next step: of those that may, one with a fixed
+    /// step does not.
+    #[inline]
+    fn chooses_steps(&self) -> bool {
+        I::ADAPTIVE && self.stepper.integrator().fixed_step().is_none()
+    }
+
+    /// A call has the budget of steps of a run: else a long session would use it up.
+    #[inline]
+    fn renew_budget(&mut self) {
+        if self.chooses_steps() {
+            let integrator = self.stepper.integrator();
+            if let Some(control) = integrator.step_control(&self.workspace, &self.state) {
+                integrator.set_step_control(&mut self.workspace, control);
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn advance_by(&mut self, seconds: R) -> Result<(), StepError> {
+        check_duration(seconds)?;
+        self.renew_budget();
+        let (start, mut clock) = (self.state, Clock::new());
+        let mut outcome = self.steps_until(seconds, true, &mut clock);
+        if outcome == Ok(Skipped::TooMuch) {
+            (self.state, clock) = (start, Clock::new());
+            outcome = self.steps_until(seconds, false, &mut clock);
+        }
+        self.clock.add(&clock);
+        outcome?;
+        if !self.chooses_steps() && has_bits_of(&self.state, &start) {
+            // To know it costs no evaluation.
+            (clock.evaluations, clock.rejected) = (0, 0);
+            self.rest.advance = Some((seconds, clock));
+        }
+        Ok(())
+    }
+
+    /// The steps of a run, of which whole ones of a body at rest are counted and not taken: many at
+    /// once if `in_strides`.
+    fn steps_until(
+        &mut self,
+        seconds: R,
+        in_strides: bool,
+        clock: &mut Clock<R>,
+    ) -> Result<Skipped, StepError> {
+        let end = self.stepper.end_at(seconds);
+        if !I::SPANS_STEPS {
+            end.check_steps(clock)?;
+        }
+        let mut skipped = Skipped::Right;
+        while !end.is_reached(clock) {
+            let limit = end.limit(clock);
+            if let Some(length) = self.whole_step_at_rest(&end, limit) {
+                end.check_steps(clock)?;
+                if in_strides && clock.skip(&end, length) {
+                    skipped = Skipped::TooMuch;
+                } else {
+                    clock.tick(&Step::new(length, 0))?;
+                }
+                continue;
+            }
+            let before = self.state;
+            let step = (self.stepper).move_on(&mut self.state, limit, &mut self.workspace)?;
+            clock.tick(&step)?;
+            self.learn(&before, &step);
+            if I::SPANS_STEPS && end.time_step.is_some_and(|own| step.elapsed <= own) {
+                end.check_steps(clock)?;
+            }
+            if skipped == Skipped::TooMuch && !has_bits_of(&self.state, &before) {
+                return Ok(skipped);
+            }
+        }
+        Ok(Skipped::Right)
+    }
+
+    /// The length of a whole step that fits and leaves the state as it is, s.
+    #[inline]
+    fn whole_step_at_rest(&self, end: &End<R>, limit: R) -> Option<R> {
+        end.time_step
+            .filter(|&length| self.rest.step && length <= limit)
+    }
+
+    /// What a step from `before` to the present state shows of later ones.
+    #[inline]
+    fn learn(&mut self, before: &State<R>, step: &Step<R>) {
+        if !has_bits_of(&self.state, before) {
+            self.rest = Rest::UNKNOWN;
+        } else if !self.chooses_steps() {
+            let own = self.stepper.integrator().fixed_step();
+            self.rest.step |= own == Some(step.elapsed);
+        }
+    }
+}
+
+/// Whether a run was right to skip steps in strides.
+///
+/// The clock then differs from one that counts single steps by rounding, and so does the length of
+/// a last step that is shorter. A body that moves in it, though it rests in whole ones, needs the
+/// exact length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Skipped {
+    Right,
+    TooMuch,
+}
+
+/// Whether two states are alike in each bit. 0 and -0 are not, nor is a NaN beside itself.
+fn has_bits_of<R: Real>(state: &State<R>, other: &State<R>) -> bool {
+    let same = |a: R, b: R| a == b && (a != R::ZERO || R::ONE / a == R::ONE / b);
+    let vectors = [
+        (state.position, other.position),
+        (state.linear_velocity, other.linear_velocity),
+        (state.angular_momentum, other.angular_momentum),
+    ];
+    let [p, q] = [state.orientation.xyzw(), other.orientation.xyzw()];
+    (vectors.into_iter())
+        .all(|(a, b)| same(a.x(), b.x()) && same(a.y(), b.y()) && same(a.z(), b.z()))
+        && p.into_iter().zip(q).all(|(a, b)| same(a, b))
+}
+
+impl<R: Real, B, G, F, A, I: Integrator<R>> Clone for Session<'_, R, B, G, F, A, I> {
+    fn clone(&self) -> Self {
+        Self {
+            workspace: self.workspace.clone(),
+            ..*self
+        }
+    }
+}
+
+impl<R: Real, B, G, F, A, I: Integrator<R>> core::fmt::Debug for Session<'_, R, B, G, F, A, I> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Session")
+            .field("state", &self.state)
+            .field("time", &self.clock.time)
+            .field("steps", &self.clock.steps)
+            .finish_non_exhaustive()
+    }
+}
