@@ -331,9 +331,9 @@ pub enum CoinFace {
 }
 
 impl CoinFace {
-    /// By the z component of the unit vector that points out of heads.
+    /// Face that points up, by the z component of the unit vector out of heads.
     pub(super) fn up<R: Real>(up: R) -> Self {
-        // A normal nearer to level than the last place of a length-1 vector points neither way.
+        // Closer to horizontal than the rounding of a unit vector, the normal points neither way.
         if up > R::EPSILON {
             Self::Heads
         } else if up < -R::EPSILON {
