@@ -30,10 +30,9 @@ struct EnergyLevel<R> {
 impl<R: Real> InertiaProperties<R> {
     /// Returns the orientation after `seconds` without torque, from `rotation` with these `axes`,
     /// for three different moments.
+    ///
     /// The rotational energy equals that of the start to rounding, for any time. The method is of
     /// order 2. The angular momentum in world axes is constant.
-    /// The rotational energy is that of the start to rounding, whatever the time; of order 2. The
-    /// angular momentum is a constant of the world.
     #[inline(never)]
     pub(crate) fn rotated_at_constant_energy(
         &self,
@@ -48,8 +47,8 @@ impl<R: Real> InertiaProperties<R> {
         let [shift_x, shift_y, shift_z] = self.shift_onto(level, [x, y, z]);
         let here = R::Vec3::new(x, y, z);
         let shift = R::Vec3::new(shift_x, shift_y, shift_z);
-        // Rotation from the new to the corrected direction, by the half angle's tangent: (d ×
-        // p)/(p·p + p·(p + d)).
+        // Rotation from the corrected direction p + d to the current direction p, by the half
+        // angle's tangent: (d × p)/(p·p + p·(p + d)).
         let scale = here.length_squared() * R::TWO + here.dot(shift);
         let is_less_than_a_turn = scale > R::ZERO;
         if !is_less_than_a_turn {

@@ -1,13 +1,15 @@
-//! A body of any mass distribution and any contacts.
+//! Body with any mass distribution and any contacts.
 
 use super::{ContactPoint, MassProperties, RigidPointBody, check_contacts};
 use crate::error::{Rule, SceneError};
 use crate::real::Real;
 
-/// A body whose mass distribution and whose contacts are given apart from each other: a composite,
-/// a solid with the contacts of its hull, or mass and inertia from a data sheet.
+/// Body whose mass distribution and contacts are given independently.
 ///
-/// `P` is where the contacts are: an array, a borrowed slice, or a `Vec`.
+/// Examples are a composite, a solid with the contacts of its hull, or a body with mass and inertia
+/// from a data sheet.
+///
+/// `P` stores the contacts: an array, a borrowed slice, or a `Vec`.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -28,18 +30,20 @@ use crate::real::Real;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid<R: Real, P> {
-    /// Its centre of mass in the axes that it was given in.
+    /// Mass distribution, with its centre of mass in the axes in which it was given.
     distribution: MassProperties<R>,
     contacts: P,
 }
 
 impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Solid<R, P> {
-    /// A mass distribution with contacts in the same axes and about the same origin. The contacts
-    /// are moved so that the centre of mass is their origin.
+    /// Creates a body from a mass distribution and contacts in the same axes and about the same
+    /// origin.
+    ///
+    /// The contacts are shifted so that the centre of mass becomes their origin.
     ///
     /// # Errors
-    /// Where mass, centre of mass or inertia cannot be, there is no contact, or a contact is not
-    /// finite or has a radius below 0.
+    /// Returns [`SceneError`] if the mass, the centre of mass or the inertia is invalid, if there
+    /// is no contact, or if a contact is not finite or has a radius below 0.
     pub fn new(distribution: MassProperties<R>, mut contacts: P) -> Result<Self, SceneError> {
         distribution.check()?;
         check_contacts(contacts.as_ref())?;
@@ -57,7 +61,7 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Solid<R, P
     }
 }
 
-/// Moves contacts so that `centre` becomes their origin.
+/// Shifts contacts so that `centre` becomes their origin.
 pub(super) fn centre<R: Real>(contacts: &mut [ContactPoint<R>], centre: R::Vec3) {
     for contact in contacts {
         contact.position -= centre;
@@ -65,7 +69,7 @@ pub(super) fn centre<R: Real>(contacts: &mut [ContactPoint<R>], centre: R::Vec3)
 }
 
 impl<R: Real, P> Solid<R, P> {
-    /// Where the centre of mass lies from the origin about which the body was given, m, body axes.
+    /// Position of the centre of mass in the axes in which the body was given, m.
     #[must_use]
     pub fn centre_of_mass(&self) -> R::Vec3 {
         self.distribution.centre_of_mass
