@@ -109,7 +109,7 @@ impl fmt::Display for Violation {
 pub enum Requirement {
     /// The implementation's own check passes, and a scene can be composed with it.
     Composes {
-        /// What is wrong, in words: "mass".
+        /// Name of the invalid quantity, such as "mass".
         quantity: &'static str,
         /// Rule of scenes that it breaks.
         rule: Rule,
@@ -147,10 +147,10 @@ pub enum Requirement {
     DamperTakes,
     /// Ground: force, slope, stiffness and damping of the mean force are at least 0.
     MeanForceSigns,
-    /// Ground: the mean force is 0 on a path above the ground.
+    /// Ground: the mean force is 0 on a path above ground.
     MeanForceAbove,
-    /// Ground: the mean force takes at least what the springs store, and gives at most what they
-    /// stored.
+    /// Ground: the mean force takes at least the energy that the springs store, and returns at most
+    /// the energy that they stored.
     MeanForceTakes,
     /// Ground: the mean force is the mean of the normal force along the path.
     MeanForceIsMean,

@@ -31,9 +31,10 @@ pub struct GroundRange<R: Real = f64> {
 /// `(z - h(x, y)) cos θ` is a distance at the surface only, and fails by penetration depth times
 /// curvature.
 ///
-/// *The law*, from 10⁻¹² of the depth to the depth, at speeds of both signs and 0: springs push,
-/// never pull; their energy rises and is the integral of the force, by Gauss's rule on 64 parts;
-/// the normal force is at least 0; and beyond the springs it only takes energy.
+/// *The law*, from 10⁻¹² of the penetration depth to the full depth, at speeds of both signs and 0:
+/// springs push and never pull. Their energy increases and is the integral of the force, by Gauss's
+/// rule on 64 parts. The normal force is at least 0. The force beyond that of the springs only
+/// dissipates energy.
 ///
 /// *The mean force*, on paths into, in, out of and above the ground: no number is negative. Its
 /// work `force · path` is at least the energy that the springs store, and at most the energy that

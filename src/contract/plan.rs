@@ -65,7 +65,7 @@ impl Draw {
         value
     }
 
-    /// One of `count`, as a number below it.
+    /// Returns a number below `count`.
     pub(super) fn pick(&mut self, count: u32) -> u32 {
         u32::try_from(self.bits() >> 32).unwrap_or_default() % count.max(1)
     }

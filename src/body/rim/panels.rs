@@ -90,7 +90,6 @@ impl<R: Real> Panels<R> {
             return panels;
         }
         let [first, second] = arcs;
-        // The circle is counted from opposite the lowest place, so that no arc of rolling lies
         // The circle is counted from the point opposite the lowest one, so that no arc of rolling
         // contact crosses the seam.
         let middle = first.lowest().or(second.lowest());
