@@ -14,8 +14,8 @@ use crate::scene::{Contact, Dynamics, Load};
 ///
 /// θ is the angle from the lowest point.
 ///
-/// Let `s = sin(θ/2)` replace θ, from `-κ` to `κ`, and let the extent be the depth `r s` of the
-/// rim's lowest point below its middle, where `s` is the steepness of the rim's plane. Then
+/// The variable `s = sin(θ/2)`, from `-κ` to `κ`, replaces θ. The extent is the depth of the rim's
+/// lowest point below its middle. Then
 ///
 /// ```text
 /// sin θ = 2 s √(1 - s²)     1 - cos θ = 2 s²     depth = 2 extent (κ - s)(κ + s)     dθ = 2 ds/√(1 - s²)
