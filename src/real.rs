@@ -50,11 +50,11 @@ pub trait Real:
     + SubAssign
     + MulAssign
 {
-    /// glam's vector of three such numbers.
+    /// Type of glam's vector of three such numbers.
     type Vec3: Vector<Self>;
-    /// glam's quaternion of such numbers.
+    /// Type of glam's quaternion of such numbers.
     type Quat: Quaternion<Self>;
-    /// glam's 3 by 3 matrix of such numbers.
+    /// Type of glam's 3 by 3 matrix of such numbers.
     type Mat3: Matrix<Self>;
 
     /// The number 0.

@@ -162,7 +162,7 @@ fn march<R: Real>(
 struct Substep<R: Real> {
     end: Node<R>,
     works: Works<R>,
-    /// Returns true if a contact opens or closes, or begins or ceases to push, in the substep.
+    /// Whether a contact opens or closes, or begins or ceases to push, in the substep.
     jumps: bool,
 }
 
