@@ -12,7 +12,7 @@
 //! use tumble::glam::DVec3;
 //! use tumble::{SpringDamperGround, Surface};
 //!
-//! /// A spring and damper that forgets to let go.
+//! /// A spring and damper that also pulls.
 //! struct Glue;
 //!
 //! impl SpringDamperGround for Glue {

@@ -256,12 +256,12 @@ impl<R: Real> core::fmt::Debug for dyn SceneQuery<R> + '_ {
 
 #[cfg(test)]
 mod tests {
-    // As a user imports them: no two of these traits may answer one question.
+    // The imports of a user: no two of these traits may have a method of the same name.
     use crate::*;
     use core::cell::Cell;
     use glam::DVec3;
 
-    /// A level ground that counts how often it is asked where it is: once a contact in each visit.
+    /// Level ground that counts the evaluations of its surface: one for each contact in each visit.
     struct Counting(Cell<u32>);
 
     impl SpringDamperGround for Counting {
@@ -307,7 +307,7 @@ mod tests {
         let watched = visits_of(10.0, &mut |sample| {
             let _ = ledger.observe(sample);
         });
-        // The first sample; then the end of each step and the six further stages of the motion from
+        // The first sample, then the end of each step and the six further stages of the motion from
         // its start.
         assert_eq!(watched - unwatched, 1 + 7 * 10);
     }
@@ -323,8 +323,8 @@ mod tests {
             assert_eq!(account.energy, scene.energy(&state));
             assert_eq!(account.dissipation, scene.dissipation(&state));
             assert_eq!(account.rates, scene.rates(&state));
-            // An integrator's load is the same sum in another order: 8 contacts at most, of some
-            // 20 N with an arm of 0.5 m, in 6 products and sums each.
+            // An integrator's load is the same sum in another order: at most 8 contacts, of some 20
+            // N with an arm of 0.5 m, in 6 products and sums each.
             let load = scene.load(&scene.motion(&state));
             let rounding = 8.0 * 6.0 * 20.0 * 0.5 * f64::EPSILON;
             let apart: DVec3 = account.rates.torque - load.torque;

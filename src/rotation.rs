@@ -374,7 +374,7 @@ mod tests {
             let axis = DVec3::new(1.0, -2.0, 0.5).normalize();
             let ours = Rotation::<f64>::from_rotation_vector(axis * angle).to_quat();
             let theirs = DQuat::from_axis_angle(axis, angle);
-            // Two roundings of numbers below 1, and the library's own.
+            // Two roundings of numbers below 1, plus that of the library.
             assert!(
                 (ours - theirs).length() < 4.0 * f64::EPSILON,
                 "angle {angle}: {ours} {theirs}"

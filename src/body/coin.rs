@@ -290,8 +290,8 @@ pub(super) fn walk_down<R: Real>(count: usize, start: usize, height: impl Fn(usi
 /// Number of the ring's point nearest to the direction (`y`, `z`), or of a neighbour of it.
 ///
 /// The angle is `atan t ≈ t (π/4 + 0.273 (1 - t))` in an eighth of a revolution. It is accurate to
-/// 0.0038 rad (Rajan et al., IEEE Signal Processing Magazine 23(3), 2006). This is a tenth of the
-/// spacing of 120 points. The caller walks on from there.
+/// 0.0038 rad (Rajan et al., IEEE Signal Processing Magazine 23(3), 2006). This error is a tenth of
+/// the spacing of 120 points. The caller walks on from there.
 #[inline]
 pub(super) fn lowest_guess<R: Real>(count: usize, y: R, z: R) -> usize {
     let c = R::from_f64;
@@ -358,8 +358,8 @@ mod tests {
         Coin::ring_with_storage([ContactPoint::default(); N], 1.0, 0.5)
     }
 
-    /// Each contact under the plane is in the run; each in the run but the two ends' neighbours is
-    /// under it.
+    /// Checks that each contact below the plane is in the range. Each contact in the range, except
+    /// the neighbours of the two ends, must be below it.
     fn the_arc_is_right<const N: usize>() {
         let coin = ring::<N>();
         for step in 0..1000 {
@@ -398,8 +398,8 @@ mod tests {
         let coin = ring::<120>();
         let (mut near, mut sooner) = (ContactRange::NONE, 0);
         for step in 0..10_000 {
-            // Rolling by a third of the way between two points, deeper and less deep, leaning to
-            // and fro.
+            // Rolls by a third of the spacing of two points, with changing penetration depth and
+            // tilt.
             let step = f64::from(step);
             let turn = DQuat::from_rotation_x(0.0175 * step)
                 * DQuat::from_rotation_y(0.05 * (0.01 * step).sin());
@@ -424,7 +424,7 @@ mod tests {
             sooner += usize::from(arc_near(coin.contacts(), normal, offset, near).is_some());
             near = run;
         }
-        // But for those across the ring's first point, and short ones.
+        // Except for arcs across the ring's first point, and short arcs.
         assert!(sooner > 6000, "{sooner}");
     }
 

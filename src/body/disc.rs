@@ -17,13 +17,14 @@ use crate::state::State;
 /// use tumble::glam::DVec3;
 /// use tumble::{Disc, FlatGround, State, Stepper, StrangSplitting, UniformGravity};
 ///
-/// // On the ground of the report's 120 points it rolls upright at 4 rad/s and stays as high as it was to a micrometre: the corners of such a ring are 170 µm high.
+/// // The disc on the ground of the 120 points of the coin report: it rolls upright at 4 rad/s.
+/// // Its height stays constant to 1 µm. The corners of such a ring of points are 170 µm high.
 /// let stepper = Stepper::new(Disc::ring(1.0, 0.5, 120))? // kg, m
 ///     .with_gravity(UniformGravity::down(9.8))? // m/s²
 ///     .with_ground(FlatGround::level(1000.0, 0.5))? // N/m and N s/m, for each of 120 points
 ///     .with_integrator(StrangSplitting { time_step: 1e-3 })?; // s
 /// let mut state = State::at(DVec3::Z * 0.49);
-/// stepper.advance(&mut state, 20.0)?; // until it has sunk in
+/// stepper.advance(&mut state, 20.0)?; // until it has settled
 /// let height = state.position.z;
 /// state = stepper.with_angular_velocity(state.with_linear_velocity(DVec3::NEG_Y * 2.0), DVec3::X * 4.0); // m/s, rad/s
 /// stepper.advance(&mut state, 1.0)?;

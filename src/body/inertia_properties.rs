@@ -612,7 +612,8 @@ mod tests {
 
     #[test]
     fn the_free_turn_of_a_body_does_not_follow_the_numbers_of_its_axes() {
-        // Tops of each kind: nearly a disc, nearly a rod, halfway, two and three moments alike.
+        // Tops of each kind: nearly a disc, nearly a rod, halfway between, two equal moments, and
+        // three equal moments.
         for [a, b, c] in [
             [3.9e-3, 0.1334, 0.1373],
             [1.0, 1.1, 2.0],

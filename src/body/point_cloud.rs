@@ -212,7 +212,8 @@ mod tests {
         let found = InertiaProperties::<f64>::new(rod.mass(), rod.inertia()).unwrap();
         let axes = crate::rotation::Rotation::<f64>::IDENTITY.axes();
         let spin = found.angular_velocity(&axes, direction * 1e3);
-        // About the line the body does not turn; across it, by rounding of the direction.
+        // About the line the body does not rotate. Across it, the spin is due to rounding of the
+        // direction.
         assert!(spin.length() < 1e-11, "{spin}");
     }
 

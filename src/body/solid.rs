@@ -15,7 +15,8 @@ use crate::real::Real;
 /// use tumble::glam::DVec3;
 /// use tumble::{ContactPoint, MassProperties, RigidPointBody, Solid};
 ///
-/// // A spinning top: a disc on a peg. It touches with the peg's round tip and with the disc's rim, given by eight points.
+/// // A spinning top: a disc on a peg. Its contacts are the round tip of the peg and eight points
+/// // on the rim of the disc.
 /// let peg = MassProperties::cylinder(0.01, 0.003, 0.06);
 /// let disc = MassProperties::cylinder(0.05, 0.03, 0.008).at(DVec3::Z * 0.005);
 /// let rim = |i: i32| DVec3::new((0.25 * f64::from(i)).cos(), (0.25 * f64::from(i)).sin(), 0.0) * 0.03;
@@ -24,7 +25,7 @@ use crate::real::Real;
 ///     i => ContactPoint::bare(rim(i as i32) + DVec3::Z * 0.001),
 /// });
 /// let top = Solid::new(peg.with(&disc), contacts)?;
-/// // The contacts are about the centre of mass now.
+/// // The contact positions are now relative to the centre of mass.
 /// assert!(top.contacts()[0].position.z < -0.027);
 /// # Ok::<(), tumble::SceneError>(())
 /// ```

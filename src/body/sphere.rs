@@ -36,7 +36,7 @@ impl<R: Real> Sphere<R> {
     /// ```
     /// use tumble::glam::DVec3;
     /// use tumble::{MassProperties, Sphere};
-    /// // A bowling ball whose centre of mass is 1 mm off the middle.
+    /// // A bowling ball whose centre of mass is 1 mm away from the middle.
     /// let ball = Sphere::loaded(0.108, MassProperties::ball(7.0, 0.108).at(DVec3::X * 0.001));
     /// assert_eq!(ball.middle(), DVec3::X * -0.001);
     /// ```

@@ -240,7 +240,7 @@ mod tests {
     use crate::trial::Trial;
     use glam::DVec3;
 
-    /// Trial 1 for a second, with a slip speed that the step resolves.
+    /// Trial 1 for one second, with a slip speed that the step resolves.
     fn trial() -> Trial<f64> {
         Trial {
             slip_speed: 1e-3,
@@ -261,7 +261,7 @@ mod tests {
         assert_eq!(halves.start(), whole.start());
         assert_eq!(halves.now(), whole.now());
         assert_eq!(halves.handed_in().to_bits(), 0);
-        // The clock's rounding: 1e-16 of each step's length.
+        // Rounding of the time: 1e-16 of the length of each step.
         let gap = halves.work().plus(&whole.work(), -1.0);
         for (gap, work) in [
             (gap.friction, whole.work().friction),

@@ -28,7 +28,7 @@ use crate::state::State;
 ///     .with_ground(FlatGround::level(4000.0, 1.2))?
 ///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?;
 /// let mut state = stepper.with_angular_velocity(State::at(DVec3::Z * 0.2), DVec3::new(20.0, 35.0, 5.0)); // m, rad/s
-/// // Not a tenth of a millimetre in a quarter of a second.
+/// // At most a tenth of a millimetre in a quarter of a second.
 /// let mut rest = UntilRest::new(stepper.body(), 1e-4, 0.25)?;
 /// let seconds = stepper.run(&mut state, 60.0, &mut rest)?;
 /// assert!(rest.is_reached() && seconds < 5.0);

@@ -331,7 +331,7 @@ mod tests {
     use crate::*;
     use glam::{DMat3, DVec3};
 
-    /// The report's law, as a user would write it.
+    /// Coulomb's law of the coin report, as a user would write it.
     struct Own;
 
     impl SlidingFriction for Own {
@@ -340,8 +340,8 @@ mod tests {
         }
     }
 
-    /// A ring, or with `depth` above 0 two rings of `depth` on both sides of the yz plane: any
-    /// number of bare contacts.
+    /// Ring of any number of bare contacts. With `depth` above 0, two rings at `depth` on both
+    /// sides of the yz plane.
     struct Rings {
         contacts: [ContactPoint; 120],
         count: usize,
@@ -371,7 +371,8 @@ mod tests {
         }
     }
 
-    /// Flat, tilted and upright, at several heights: all contacts touch, some, or none.
+    /// Flat, tilted and upright poses at several heights, so that all contacts touch, some, or
+    /// none.
     fn states() -> impl Iterator<Item = State> {
         (0..60).map(|i| {
             let i = f64::from(i);
@@ -419,8 +420,8 @@ mod tests {
                     forces += push.length();
                     gaps = f64::min(gaps, contact.depth);
                 });
-                // Each depth, of some 0.5 m, is rounded a few times in either way, by which a
-                // spring of 100 N/m feels it; then the sums.
+                // Each penetration depth, of about 0.5 m, is rounded a few times up or down, which
+                // a spring of 100 N/m converts into a force. Then the sums are rounded.
                 let rounding = (8.0 * 0.5 * 100.0 + forces) * count as f64 * f64::EPSILON;
                 assert!(
                     (load.force - force).length() <= rounding,
@@ -434,7 +435,7 @@ mod tests {
                 whole += usize::from(touching == count);
             }
         }
-        // Not only blocks that touch in part.
+        // Not only blocks that touch partly.
         assert!(whole > 50, "{whole}");
     }
 
@@ -447,7 +448,7 @@ mod tests {
         };
         let scene = Scene::new(Coin::ring(1.0, 0.5), ground, coulomb, NoGravity).unwrap();
         let mut lowest = [0, 0];
-        // A ring that has turned by some of its 120 points is the same ring.
+        // A ring that has rotated by some of its 120 points is the same ring.
         for depth in [1e-3, 0.1, 0.4] {
             let load = |points: f64| {
                 let state = State::at(DVec3::Z * (0.5 - depth))
@@ -459,8 +460,9 @@ mod tests {
                 (scene.load(&motion), tail)
             };
             let (middle, none) = load(0.0);
-            // Of each depth, 0.5 m at most, by some roundings of place and turn; twice, as they
-            // bear on two loads, and once more for the rub.
+            // Rounding of each penetration depth, at most 0.5 m, by some roundings of position and
+            // orientation. It counts twice because it affects two loads, and once more for the
+            // friction.
             let rounding = 3.0 * 8.0 * 0.5 * 100.0 * middle.touching as f64 * f64::EPSILON;
             for points in 80..100 {
                 let (turned, tail) = load(f64::from(points));
@@ -496,7 +498,7 @@ mod tests {
 
     #[test]
     fn a_law_is_asked_of_contacts_alone_that_touch() {
-        /// A ground whose law has no answer above it.
+        /// Ground whose law is not defined above it.
         struct Strict;
         impl SpringDamperGround for Strict {
             fn surface(&self, point: DVec3) -> Surface {
