@@ -52,7 +52,7 @@ use crate::state::State;
 /// | 120 points | 6.5e-5 | 1.8e-3 | 2.3e-3 | 2.9e-2 | 2.4e-3 | 5.5e-2 |
 /// | 1200 points | 5.8e-7 | 6.8e-6 | 1.1e-5 | 4.7e-5 | 4.2e-6 | 4.7e-4 |
 ///
-/// | upright, 4 rad/s | vertical acceleration, rms, over g | energy dissipated in 1 s with dampers and friction, J | instructions of a step of `SymplecticEuler`, start of trial 1 |
+/// | upright, 4 rad/s | vertical acceleration, rms, over g | energy lost in 1 s with dampers and friction, J | instructions of a step of `SymplecticEuler`, start of trial 1 |
 /// |---|---|---|---|
 /// | 12 points | 2.4e0 | 0.2936 | 678 |
 /// | 120 points | 7.0e-3 | 0.0430 | 990 |
