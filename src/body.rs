@@ -2,24 +2,24 @@
 //!
 //! # Bodies
 //!
-//! | body | contacts | axes | asks |
+//! | body | contacts | axes | queries |
 //! |---|---|---|---|
-//! | [`Coin`] | a ring of points, the report's coin | normal along x | [`tilt`](Coin::tilt), [`face_up`](Coin::face_up) |
+//! | [`Coin`] | a ring of points; the coin of the coin report | normal along x | [`tilt`](Coin::tilt), [`face_up`](Coin::face_up) |
 //! | [`Disc`], thin ring or solid | the whole circle of its rim | normal along x | [`tilt`](Disc::tilt), [`face_up`](Disc::face_up) |
 //! | [`SolidCoin`] | the points of two rims | normal along x | [`tilt`](SolidCoin::tilt), [`face_up`](SolidCoin::face_up): heads, tails or edge |
 //! | [`Sphere`], solid, hollow or loaded | one ball | any | |
 //! | [`Cuboid`], sharp or rounded, also loaded | eight corners, bare or balls | along the edges | [`side_up`](Cuboid::face_up), [`pips`](CuboidFace::pips) |
-//! | [`Ellipsoid`], also loaded: an egg | one, which wanders over its surface | axes along x, y, z | |
+//! | [`Ellipsoid`], also loaded: an egg | one, which moves over its surface | axes along x, y, z | |
 //! | [`Capsule`] | two balls | axis along z | |
 //! | [`Cone`] | its tip and the points of its rim | axis along z | |
 //! | [`Rod`] | its two ends | along z | |
 //! | [`PointMass`] | itself | any | |
 //! | [`Solid::hull`] | the user's points | the user's | |
-//! | [`Solid`] | any, apart from where the mass is | the user's | |
+//! | [`Solid`] | any, independent of the mass distribution | the user's | |
 //! | [`PointCloud`] | the user's points, each with a mass | the user's | |
 //!
-//! Mass, centre of mass and inertia of solids, points and what is joined from them:
-//! [`MassProperties`].
+//! [`MassProperties`] holds the mass, the centre of mass and the inertia of solids, of points and
+//! of bodies joined from them.
 
 mod capsule;
 mod coin;
@@ -65,14 +65,15 @@ use crate::real::{Real, Vector};
 
 /// A rigid body made of points.
 ///
-/// *To the caller:* everything is in body axes with the centre of mass at the origin, in SI units,
-/// and constant.
+/// *For callers:* all quantities are in body axes with the centre of mass at the origin, in SI
+/// units, and constant.
 ///
-/// *To the implementer:* [`mass`](Self::mass), [`inertia`](Self::inertia) and
-/// [`contacts`](Self::contacts) are enough. A sphere has one contact, at its centre, with its
-/// radius; a box has eight, with radius 0. Override [`contacts_below`](Self::contacts_below) where
-/// the shape tells which few of many contacts are low: it is asked in each step.
-/// [`contract::check_body`](crate::contract::check_body) tests an implementation.
+/// *For implementers:* [`mass`](Self::mass), [`inertia`](Self::inertia) and
+/// [`contacts`](Self::contacts) are required. A sphere has one contact, at its centre, with its
+/// radius. A box has eight contacts, with radius 0. Override
+/// [`contacts_below`](Self::contacts_below) if the shape determines which few of many contacts are
+/// low, because each step calls it. [`contract::check_body`](crate::contract::check_body) tests an
+/// implementation.
 ///
 /// ```
 /// use tumble::glam::{DMat3, DVec3};
@@ -107,22 +108,25 @@ pub trait RigidPointBody<R: Real = f64> {
     /// Mass, kg, above 0.
     fn mass(&self) -> R;
 
-    /// Inertia tensor about the centre of mass, kg m², body axes. Zero for a single point; of rank
-    /// 2 for points on a line.
+    /// Inertia tensor about the centre of mass, kg m², body axes. It is zero for a single point and
+    /// of rank 2 for points on a line.
     fn inertia(&self) -> R::Mat3;
 
-    /// The places that can touch the ground. A contact's number is its place in this slice.
+    /// Points of the body that can touch the ground. The number of a contact is its index in this
+    /// slice.
     fn contacts(&self) -> &[ContactPoint<R>];
 
-    /// The circle of the body all of whose places can touch, beside [`contacts`](Self::contacts):
-    /// none where nothing else is said, one at most, and at most 32 contacts beside it. A
+    /// Circular edges that can touch along their whole length, in addition to
+    /// [`contacts`](Self::contacts).
+    ///
+    /// Default: none. At most one is allowed, with at most 32 contact points in addition. A
     /// [smooth](Self::is_smooth) body has none.
     #[inline]
     fn rims(&self) -> &[Rim<R>] {
         &[]
     }
 
-    /// Distance from the centre of mass to the farthest place of the surface, m.
+    /// Distance from the centre of mass to the farthest point of the surface, m.
     fn bounding_radius(&self) -> R {
         let rims = self.rims().iter().map(Rim::bounding_radius);
         let contacts = self.contacts().iter();
@@ -131,32 +135,38 @@ pub trait RigidPointBody<R: Real = f64> {
             .fold(R::ZERO, R::at_least)
     }
 
-    /// A cyclic run of contact numbers that holds every contact whose surface reaches below the
-    /// plane `normal · p = offset` (body axes, `normal` of length 1): every contact with
-    /// `normal · position - radius < offset`.
+    /// Cyclic contact range that includes every contact below a plane.
     ///
-    /// The run may hold more, and by default holds all; it must not miss one.
+    /// The plane is `normal · p = offset` in body axes, with `normal` of length 1. A contact is
+    /// below it if `normal · position - radius < offset`.
+    ///
+    /// The range may include more contacts, and by default includes all of them. It must not omit
+    /// one.
     #[inline]
     fn contacts_below(&self, normal: R::Vec3, offset: R) -> ContactRange {
         let _ = (normal, offset);
         ContactRange::all(self.contacts().len())
     }
 
-    /// As [`contacts_below`](Self::contacts_below), for a caller who knows the run under a plane
-    /// that is not far from this one, as that of a moment ago: the same run, found sooner.
+    /// Contact range of [`contacts_below`](Self::contacts_below), found faster from the known range
+    /// `near` of a similar plane.
     ///
-    /// Whatever `near` is, the answer must be that of [`contacts_below`](Self::contacts_below): a
-    /// run of contacts that depends on what is known would sum forces in another order.
+    /// The similar plane is for example that of the previous evaluation.
+    ///
+    /// The result must equal that of [`contacts_below`](Self::contacts_below) for every value of
+    /// `near`. A range that depended on `near` would change the order in which forces are summed.
     #[inline]
     fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: ContactRange) -> ContactRange {
         let _ = near;
         self.contacts_below(normal, offset)
     }
 
-    /// How far the surface reaches in a `direction` (unit vector, body axes), m from the centre of
-    /// mass: the body's support function. Never less than the greatest
-    /// `direction · position + radius` of a contact; a little more does no harm. It is what a
-    /// closed-form [`Flight`](crate::Flight) asks for.
+    /// Support function: the largest distance of the surface from the centre of mass in a
+    /// `direction`, m.
+    ///
+    /// `direction` is a unit vector in body axes. The value is never less than the greatest
+    /// `direction · position + radius` of a contact. It may be slightly greater. A closed-form
+    /// [`Flight`](crate::Flight) uses it.
     fn support(&self, direction: R::Vec3) -> R {
         if self.is_smooth() {
             return direction.dot(self.support_point(direction));
@@ -168,41 +178,47 @@ pub trait RigidPointBody<R: Real = f64> {
             .fold(-self.bounding_radius(), R::at_least)
     }
 
-    /// Whether the body has one contact that wanders over its surface as it turns: the place that
-    /// [`support_point`](Self::support_point) tells. An egg does, and no body of fixed contacts.
+    /// Returns true for a smooth convex body, such as an ellipsoid, whose contact point moves over
+    /// the surface as the body rotates.
     ///
-    /// Such a body gives in [`contacts`](Self::contacts) one contact that stands for it, with a
-    /// radius above 0 (a ball within it will do), and tells its own
-    /// [`bounding_radius`](Self::bounding_radius).
+    /// [`support_point`](Self::support_point) computes that point. A body with contacts fixed in it
+    /// is not smooth in this sense.
+    ///
+    /// For such a body, [`contacts`](Self::contacts) returns one contact that represents the moving
+    /// one, with a radius above 0. The radius of a ball inside the body is suitable. Such a body
+    /// must also override [`bounding_radius`](Self::bounding_radius).
     #[inline]
     fn is_smooth(&self) -> bool {
         false
     }
 
-    /// Of a smooth body: the place of its surface that is farthest in the direction `towards` (body
-    /// axes, length 1), from the centre of mass, m, body axes. Not asked of others.
+    /// Point of a smooth body's surface that is farthest in the direction `towards`, m from the
+    /// centre of mass, body axes.
     ///
-    /// The surface must be convex. On a plane, force and energy then belong together: as the body
-    /// turns, depth changes as if the place were fixed in the body.
+    /// `towards` is of length 1, in body axes. Called for smooth bodies only.
+    ///
+    /// The surface must be convex. On a plane, force and energy are then consistent: as the body
+    /// rotates, the penetration depth changes as if the point were fixed in the body.
     #[inline]
     fn support_point(&self, towards: R::Vec3) -> R::Vec3 {
         towards * self.bounding_radius()
     }
 
-    /// Whether the body can be: called once, when a scene is composed, before anything else is
-    /// asked.
+    /// Checks that the body is valid. Called once, when a scene is composed, before any other
+    /// method.
     ///
-    /// Mass and inertia are checked in any case; an implementer adds the rules of his own
+    /// Mass and inertia are checked in any case. An implementer adds the rules for the body's own
     /// parameters.
     ///
     /// # Errors
-    /// Names the quantity, the rule that it breaks, and its value.
+    /// Returns [`SceneError`] if the body is invalid. The error names the quantity, the rule that
+    /// it breaks, and its value.
     fn check(&self) -> Result<(), SceneError> {
         Ok(())
     }
 }
 
-/// Behind a pointer, also as `dyn`.
+/// Implements the trait for a pointer to a body, also to `dyn`.
 macro_rules! forward {
     ($pointer:ty) => {
         impl<R: Real, B: RigidPointBody<R> + ?Sized> RigidPointBody<R> for $pointer {
@@ -262,10 +278,10 @@ forward!(&B);
 #[cfg(feature = "std")]
 forward!(alloc::boxed::Box<B>);
 
-/// A place of the body that can touch the ground: a small ball fixed in the body, or a bare point
-/// where the radius is 0.
+/// Point of the body that can touch the ground: a small ball fixed in the body, or a bare point if
+/// the radius is 0.
 ///
-/// Its depth is `radius - gap(position)`, and the ground's force acts at
+/// Its penetration depth is `radius - gap(position)`. The ground's force acts at
 /// `position - radius * normal`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
@@ -277,14 +293,14 @@ forward!(alloc::boxed::Box<B>);
     ))
 )]
 pub struct ContactPoint<R: Real = f64> {
-    /// From the centre of mass, m, body axes.
+    /// Position from the centre of mass, m, body axes.
     pub position: R::Vec3,
-    /// m, at least 0.
+    /// Radius, m, at least 0.
     pub radius: R,
 }
 
 impl<R: Real> ContactPoint<R> {
-    /// A point of radius 0, at `position` (m, body axes, from the centre of mass).
+    /// Creates a contact of radius 0 at `position` (m, body axes, from the centre of mass).
     #[must_use]
     pub fn bare(position: R::Vec3) -> Self {
         Self {
@@ -294,10 +310,10 @@ impl<R: Real> ContactPoint<R> {
     }
 }
 
-/// That every contact is finite and none has a negative radius.
+/// Checks that every contact is finite and that no radius is negative.
 ///
 /// # Errors
-/// Names the first quantity that is not.
+/// Returns [`SceneError`] for the first quantity that breaks a rule.
 pub fn check_contacts<R: Real>(contacts: &[ContactPoint<R>]) -> Result<(), SceneError> {
     for contact in contacts {
         error::finite("x of a contact point", contact.position.x(), " m")?;
@@ -308,11 +324,12 @@ pub fn check_contacts<R: Real>(contacts: &[ContactPoint<R>]) -> Result<(), Scene
     Ok(())
 }
 
-/// That the rim of a body can be, that there is no more than one, not on a smooth body, and that
-/// few enough contacts stand beside it.
+/// Checks the rims of a body: each is valid, there is at most one, and a smooth body has none.
+///
+/// Also checks that a body with a rim has no more contacts than allowed.
 ///
 /// # Errors
-/// Names the first quantity that breaks a rule.
+/// Returns [`SceneError`] for the first quantity that breaks a rule.
 pub fn check_rims<R: Real>(body: &(impl RigidPointBody<R> + ?Sized)) -> Result<(), SceneError> {
     let rims = body.rims();
     let Some(rim) = rims.first() else {
@@ -328,38 +345,39 @@ pub fn check_rims<R: Real>(body: &(impl RigidPointBody<R> + ?Sized)) -> Result<(
     };
     at_most("number of rims of a body", 1, rims.len())?;
     if body.is_smooth() {
-        // The contact that wanders over its surface would stand for each place of the rim.
+        // The moving contact of a smooth body would replace each point of the rim.
         at_most("number of rims of a smooth body", 0, rims.len())?;
     }
     let contacts = body.contacts().len();
     at_most("number of contacts beside a rim", BESIDE_A_RIM, contacts)
 }
 
-/// An implicit step remembers 128 contacts, and keeps 96 of these places for a rim.
+/// Most contacts of a body with a rim. An implicit step stores 128 contacts and reserves 96 of them
+/// for a rim.
 const BESIDE_A_RIM: usize = 128 - MOST_NODES;
 
-/// A cyclic run of contact numbers: `first`, `first + 1`, ..., beginning again at 0 after the last
-/// contact.
+/// Cyclic contact range: `first`, `first + 1`, ..., continuing at 0 after the last contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ContactRange {
-    /// Number of the first contact of the run.
+    /// Number of the first contact of the range.
     pub first: usize,
-    /// How many contacts the run holds.
+    /// Number of contacts in the range.
     pub count: usize,
 }
 
 impl ContactRange {
-    /// No contact.
+    /// Empty range.
     pub const NONE: Self = Self { first: 0, count: 0 };
 
-    /// All of `count` contacts.
+    /// Range of all `count` contacts.
     #[inline]
     #[must_use]
     pub const fn all(count: usize) -> Self {
         Self { first: 0, count }
     }
 
-    /// What this run holds of `contacts` numbers that `other` does not: at most two runs.
+    /// Contacts of this range that `other` does not contain, for a body of `contacts` contacts: at
+    /// most two ranges.
     #[inline]
     #[must_use]
     pub(crate) fn without(self, other: Self, contacts: usize) -> [Self; 2] {
@@ -367,7 +385,7 @@ impl ContactRange {
         if run.count == 0 || other.count == 0 {
             return [run, Self::NONE];
         }
-        // A division for each of the remainders would take as long as two contacts.
+        // A division for each remainder would take as long as two contacts.
         let once_round = |place: usize| {
             if place < contacts {
                 place
@@ -375,8 +393,8 @@ impl ContactRange {
                 place - contacts
             }
         };
-        // Places counted from the start of this run, round the body: `other` covers [start, start +
-        // its count), and that again one round earlier.
+        // Positions are counted cyclically from the start of this range. `other` covers [start,
+        // start + its count), and the same interval one revolution earlier.
         let start = once_round(other.first + contacts - run.first);
         let end = start + other.count;
         let wrapped = end.saturating_sub(contacts);
@@ -392,8 +410,8 @@ impl ContactRange {
         [head, tail]
     }
 
-    /// The same contacts of a body that has so many, as [`parts`](Self::parts) takes them: from one
-    /// of its contacts on, and at most once round.
+    /// Range limited to a body with this many contacts, as [`parts`](Self::parts) reads it: it
+    /// starts at an existing contact and goes round at most once.
     #[inline]
     fn within(self, contacts: usize) -> Self {
         Self {
@@ -402,7 +420,7 @@ impl ContactRange {
         }
     }
 
-    /// The run's part up to the last of `contacts`, and the part that begins again at contact 0.
+    /// Part of the range up to the last of `contacts`, and the part that continues at contact 0.
     #[inline]
     #[must_use]
     pub fn parts<T>(self, contacts: &[T]) -> [&[T]; 2] {

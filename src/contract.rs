@@ -1,18 +1,18 @@
-//! Checks that an author runs on his own body, ground, friction law or integrator, in his own
-//! tests.
+//! Checks for the user's own implementation of a body, ground, friction law or integrator, to be
+//! run in the user's tests.
 //!
-//! The traits say what they ask of an implementer in words; these functions ask it in numbers. Each
-//! tries a fixed battery of inputs, extremes first, and then as many random ones as a [`CheckPlan`]
-//! says, and returns the first [`Violation`]: the [`Requirement`] that is broken, the input that
-//! breaks it, and both numbers. Nothing is allocated and nothing panics, so that they also run on
-//! the target.
+//! The traits state their contracts in words. These functions check the contracts in numbers. Each
+//! check tries a fixed set of inputs, extremes first, and then as many random inputs as a
+//! [`CheckPlan`] specifies. It returns the first [`Violation`]: the [`Requirement`] that is broken,
+//! the input that breaks it, and both numbers. The checks do not allocate and do not panic, so that
+//! they also run on an embedded target.
 //!
 //! ```
 //! use tumble::contract::{CheckPlan, Requirement, GroundRange, check_ground};
 //! use tumble::glam::DVec3;
 //! use tumble::{SpringDamperGround, Surface};
 //!
-//! /// A spring and damper that forgets to let go.
+//! /// A spring and damper that also pulls.
 //! struct Glue;
 //!
 //! impl SpringDamperGround for Glue {
@@ -36,13 +36,13 @@
 //! println!("{violation}");
 //! ```
 //!
-//! | check | what it asks |
+//! | check | requirements |
 //! |---|---|
-//! | [`check_body`] | mass and inertia that a body can have; contacts, reach and [`contacts_below`](crate::RigidPointBody::contacts_below) that fit each other and never change |
-//! | [`check_ground`] | a surface whose gap falls along its normal; a force that never pulls; springs that give back what they took; dampers that only take; a mean force and an extent that agree with them |
-//! | [`check_friction`] | a force along the surface that opposes the slip, and a drag that fits it |
-//! | [`check_integrator`] | steps that keep to their limit, land on it, have the same bits each time, keep the orientation's length, and converge at the stated order |
-//! | [`check_energy_never_rises`] | that the computed energy never rises: only [`EnergyMomentum`](crate::EnergyMomentum) among the built-in integrators passes |
+//! | [`check_body`] | valid mass and inertia; contacts, bounding radius and [`contacts_below`](crate::RigidPointBody::contacts_below) that are consistent and never change |
+//! | [`check_ground`] | a surface whose gap decreases along its normal; a force that never pulls; springs that return what they stored; dampers that only dissipate; a mean force and bounds that are consistent with them |
+//! | [`check_friction`] | a force along the surface that opposes the slip, and a Jacobian that is consistent with it |
+//! | [`check_integrator`] | steps that respect their limit, arrive at it, give the same bits each time, keep the orientation normalised, and converge at the stated order |
+//! | [`check_energy_never_rises`] | computed energy that never increases: only [`EnergyMomentum`](crate::EnergyMomentum) among the built-in integrators passes |
 
 mod body;
 mod friction;
@@ -64,17 +64,17 @@ use glam::DVec3;
 use crate::error::{Rule, SceneError, StepError};
 use crate::real::{Real, Vector};
 
-/// A clause of a trait's contract that an implementation breaks, and the input that shows it.
+/// Requirement of a trait's contract that an implementation breaks, and the input that shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Violation {
-    /// What is broken.
+    /// Requirement that is broken.
     pub requirement: Requirement,
-    /// With what input.
+    /// Input that breaks it.
     pub input: Input,
-    /// The offending value, in the SI unit of what the clause speaks of.
+    /// Offending value, in the SI unit of the quantity that the requirement is about.
     pub value: f64,
-    /// What the clause allows there, rounding included.
+    /// Bound of the requirement for this input, including rounding.
     pub bound: f64,
 }
 
@@ -89,8 +89,8 @@ impl fmt::Display for Violation {
             bound,
         } = self;
         write!(f, "{requirement}: got {value:e}")?;
-        // A rule of scenes names its own bound, but for a sum that only the body knows; what is not
-        // a number has none.
+        // A rule of scenes names its own bound, except for a sum that depends on the body. A value
+        // that is not a number has no bound.
         let names_bound = match requirement {
             Requirement::Composes { rule, .. } => *rule != Rule::TriangleInequality,
             Requirement::Finite | Requirement::Steps(_) => true,
@@ -103,41 +103,41 @@ impl fmt::Display for Violation {
     }
 }
 
-/// What a contract asks.
+/// Requirement of a contract.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Requirement {
     /// The implementation's own check passes, and a scene can be composed with it.
     Composes {
-        /// What is wrong, in words: "mass".
+        /// Name of the invalid quantity, such as "mass".
         quantity: &'static str,
-        /// The rule of scenes that it breaks.
+        /// Rule of scenes that it breaks.
         rule: Rule,
     },
     /// Every number is finite.
     Finite,
 
-    /// Body: mass, inertia, contacts, reach and `contacts_below` are the same whenever they are
-    /// asked for.
+    /// Body: mass, inertia, contacts, bounding radius and `contacts_below` are the same at every
+    /// call.
     Rigid,
-    /// Body: no contact's surface lies beyond the reach.
+    /// Body: no contact's surface lies beyond the bounding radius.
     Reach,
-    /// Body: `contacts_below` misses no contact, and `contacts_below_near` answers alike whatever
-    /// is known.
+    /// Body: `contacts_below` omits no contact, and `contacts_below_near` returns the same range
+    /// for any known range.
     ContactsBelow,
-    /// Smooth body: it has one contact; `support_point` is a place within reach, and none other
-    /// that it tells is farther in that direction.
+    /// Smooth body: it has one contact, `support_point` is within the bounding radius, and no other
+    /// value of it is farther in that direction.
     Support,
 
     /// Ground: the normal has length 1.
     UnitNormal,
-    /// Ground: the gap changes by `normal · path` from place to place.
+    /// Ground: the gap changes by `normal · path` between two points.
     GapAlongNormal,
-    /// Ground: what `extent` says is so.
+    /// Ground: the `bounds` are true.
     GroundBounds,
     /// Ground: the spring force is at least 0.
     SpringPushes,
-    /// Ground: the springs' energy is at least 0 and does not fall with depth.
+    /// Ground: the springs' energy is at least 0 and does not decrease with penetration depth.
     SpringEnergyRises,
     /// Ground: the springs' energy is the integral of their force.
     EnergyIsIntegral,
@@ -147,10 +147,10 @@ pub enum Requirement {
     DamperTakes,
     /// Ground: force, slope, stiffness and damping of the mean force are at least 0.
     MeanForceSigns,
-    /// Ground: the mean force is 0 on a path above the ground.
+    /// Ground: the mean force is 0 on a path above ground.
     MeanForceAbove,
-    /// Ground: the mean force takes at least what the springs store, and gives at most what they
-    /// stored.
+    /// Ground: the mean force takes at least the energy that the springs store, and returns at most
+    /// the energy that they stored.
     MeanForceTakes,
     /// Ground: the mean force is the mean of the normal force along the path.
     MeanForceIsMean,
@@ -163,32 +163,32 @@ pub enum Requirement {
     NoLoadNoForce,
     /// Friction: without slip there is no force.
     NoSlipNoForce,
-    /// Friction: `turning` is always there or never, with torques of at least 0 and a turn speed
-    /// above 0.
+    /// Friction: `rolling_resistance` is always `Some` or never, with torques of at least 0 and a
+    /// rotation speed above 0.
     TurningOpposes,
-    /// Friction: `drag` has a coefficient of `|force|/|slip|`, a width above 0, and a growth
+    /// Friction: `jacobian` has a coefficient of `|force|/|slip|`, a width above 0, and a growth
     /// between 0 and 1.
     DragFits,
 
-    /// Integrator: a step of a tame scene succeeds.
+    /// Integrator: a step of a well-resolved scene succeeds.
     Steps(StepError),
-    /// Integrator: a step takes more than 0 s.
+    /// Integrator: the duration of a step is above 0 s.
     TakesTime,
-    /// Integrator: a step takes at most the limit.
+    /// Integrator: the duration of a step is at most the limit.
     KeepsToLimit,
-    /// Integrator: steps towards a moment arrive at it.
+    /// Integrator: successive steps towards a time arrive at it.
     LandsOnLimit,
-    /// Integrator: the time that a step tells is the time that it has moved the state by.
+    /// Integrator: the duration that a step returns is the time by which the state was advanced.
     TellsTime,
     /// Integrator: the same input gives the same bits.
     SameBits,
-    /// Integrator: what the workspace holds changes no bit.
+    /// Integrator: the content of the workspace changes no bit.
     WorkspaceChangesNothing,
     /// Integrator: the orientation has length 1 after a step.
     UnitOrientation,
-    /// Integrator: the error falls with the step at the stated order, to 0.3.
+    /// Integrator: the error decreases with the step size at the stated order, within 0.3.
     Order,
-    /// Integrator: the computed energy after a step is not above the one before.
+    /// Integrator: the computed energy after a step does not exceed the energy before it.
     EnergyNeverRises,
 }
 
@@ -245,18 +245,18 @@ impl fmt::Display for Requirement {
     }
 }
 
-/// With what input a clause is broken. SI units.
+/// Input that breaks a requirement, SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Input {
-    /// None: the implementation as it is.
+    /// No specific input: the implementation as it is.
     AsItIs,
     /// A contact of the body.
     Contact {
-        /// Its number.
+        /// Number of the contact.
         index: usize,
     },
-    /// A half-space below which contacts were asked for, and one of them.
+    /// Plane below which contacts were requested, and one of the contacts.
     Below {
         /// Normal of its plane, body axes.
         normal: DVec3,
@@ -265,57 +265,57 @@ pub enum Input {
         /// Number of the contact.
         index: usize,
     },
-    /// A place in the world.
+    /// Point in the world.
     Place {
-        /// m, world axes.
+        /// Position, m, world axes.
         point: DVec3,
     },
-    /// The way from one place to another.
+    /// Displacement from one point to another.
     Way {
-        /// m, world axes.
+        /// Start, m, world axes.
         from: DVec3,
-        /// m, world axes.
+        /// End, m, world axes.
         to: DVec3,
     },
-    /// A range of depths from the surface's or a place's.
+    /// Interval of penetration depths.
     Depths {
-        /// m.
+        /// Smaller penetration depth, m.
         from: f64,
-        /// m.
+        /// Larger penetration depth, m.
         to: f64,
     },
-    /// A contact in the ground.
+    /// Penetrating contact.
     Press {
-        /// m.
+        /// Penetration depth, m.
         depth: f64,
-        /// m/s.
+        /// Closing speed, m/s.
         closing_speed: f64,
     },
-    /// The even path of a contact over a step.
+    /// Path of a contact at constant speed over a step.
     Path {
-        /// Depth at the start, m.
+        /// Penetration depth at the start, m.
         start: f64,
-        /// Depth at the end, m.
+        /// Penetration depth at the end, m.
         end: f64,
-        /// s.
+        /// Duration, s.
         seconds: f64,
     },
-    /// A contact that slides.
+    /// Sliding contact.
     Slide {
-        /// N.
+        /// Normal force, N.
         normal_force: f64,
-        /// m/s.
+        /// Slip velocity, m/s.
         slip: DVec3,
     },
-    /// A step of one of the battery's scenes.
+    /// Step of one of the test scenes.
     Step {
-        /// The scene, in words.
+        /// Name of the scene.
         scene: &'static str,
-        /// Its number in the battery.
+        /// Number of the case.
         case: u32,
         /// Number of the step.
         step: u32,
-        /// s.
+        /// Limit of the step, s.
         limit: f64,
     },
 }
@@ -375,7 +375,7 @@ impl fmt::Display for Input {
     }
 }
 
-/// `Ok` where a clause holds, else its breach.
+/// Returns `Ok` if a requirement holds, otherwise its violation.
 fn demand<R: Real>(
     holds: bool,
     requirement: Requirement,
@@ -395,12 +395,12 @@ fn demand<R: Real>(
     }
 }
 
-/// That a number is finite.
+/// Checks that a number is finite.
 fn demand_finite<R: Real>(value: R, input: impl FnOnce() -> Input) -> Result<(), Violation> {
     demand(value.is_finite(), Requirement::Finite, value, R::MAX, input)
 }
 
-/// That a number is at least what rounding leaves of 0.
+/// Checks that a number is at least a bound.
 fn demand_at_least<R: Real>(
     value: R,
     bound: R,
@@ -410,7 +410,7 @@ fn demand_at_least<R: Real>(
     demand(value >= bound, requirement, value, bound, input)
 }
 
-/// That a number is at most a bound.
+/// Checks that a number is at most a bound.
 fn demand_at_most<R: Real>(
     value: R,
     bound: R,
@@ -420,7 +420,7 @@ fn demand_at_most<R: Real>(
     demand(value <= bound, requirement, value, bound, input)
 }
 
-/// A scene that cannot be composed.
+/// Violation for a scene that cannot be composed.
 fn cannot_be(error: SceneError) -> Violation {
     Violation {
         requirement: Requirement::Composes {
@@ -444,7 +444,7 @@ fn ulps<R: Real>(count: f64) -> R {
     R::EPSILON * R::from_f64(count)
 }
 
-/// A vector for a message.
+/// Vector in f64, for a message.
 fn wide<R: Real>(vector: R::Vec3) -> DVec3 {
     DVec3::new(
         vector.x().to_f64(),

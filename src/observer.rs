@@ -1,4 +1,5 @@
-//! Watching a run: what is called after each step, and what it can ask.
+//! Observers of a run: functions that are called after each step, and the quantities that they can
+//! compute.
 
 mod every;
 mod ledger;
@@ -17,10 +18,10 @@ use crate::real::Real;
 use crate::scene::{Dynamics, LowestPoint, Rates};
 use crate::state::State;
 
-/// Something that watches a run.
+/// Observer of a run.
 ///
-/// Closures are observers, and so are pairs of observers and `()`, which watches nothing and costs
-/// nothing. A run takes `&mut dyn Observer` as well. A pair has its observers by value:
+/// Closures are observers, and so are pairs of observers. `()` is an observer that does nothing and
+/// costs nothing. A run also accepts `&mut dyn Observer`. A pair holds its observers by value:
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -36,7 +37,7 @@ use crate::state::State;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// A closure sees each sample and may end the run:
+/// A closure receives each sample and may end the run:
 ///
 /// ```
 /// use core::ops::ControlFlow;
@@ -62,25 +63,28 @@ pub trait Observer<R: Real = f64> {
     /// Called with the state at the start of a run and after each step. `Break` ends the run.
     fn observe(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()>;
 
-    /// The next time at which it asks for a sample, s since the start of the run, besides those
-    /// after each step; none where nothing else is said.
+    /// Returns the next time at which the observer requests a sample, s since the start of the run.
+    /// Default: `None`.
+    ///
+    /// Such samples are in addition to those after each step.
     #[inline]
     fn asks_for(&self) -> Option<R> {
         None
     }
 
-    /// Returns the interval of the times that it asks for, s, if they are equally spaced. Default:
-    /// `None`.
+    /// Returns the interval of the requested times, s, if they are equally spaced. Default: `None`.
     ///
-    /// A run with too short an interval is refused at once, with
+    /// A run with too short an interval is rejected at once, with
     /// [`TooManySamples`](crate::StepError::TooManySamples).
     #[inline]
     fn interval(&self) -> Option<R> {
         None
     }
 
-    /// Called with the state at the time that it has [asked for](Self::asks_for), and must then ask
-    /// for a later one. The run goes on as if nobody had looked.
+    /// Called with the state at a [requested time](Self::asks_for). The observer must then request
+    /// a later time.
+    ///
+    /// The sample does not affect the run.
     #[inline]
     fn observe_asked(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
         let _ = sample;
@@ -102,7 +106,7 @@ impl<R: Real, F: FnMut(&Sample<'_, R>) -> ControlFlow<()>> Observer<R> for F {
     }
 }
 
-/// Both watch; either may end the run, and both see its last sample.
+/// Calls both observers. Either may end the run, and both receive its last sample.
 impl<R: Real, A: Observer<R>, B: Observer<R>> Observer<R> for (A, B) {
     #[inline]
     fn observe(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
@@ -134,7 +138,7 @@ impl<R: Real, A: Observer<R>, B: Observer<R>> Observer<R> for (A, B) {
     }
 }
 
-/// The smaller of two numbers, of those that there are.
+/// Smaller of two numbers, if both exist, otherwise the existing one.
 #[inline]
 fn smaller<R: Real>(first: Option<R>, second: Option<R>) -> Option<R> {
     match (first, second) {
@@ -143,20 +147,20 @@ fn smaller<R: Real>(first: Option<R>, second: Option<R>) -> Option<R> {
     }
 }
 
-/// A moment of a run. Whatever costs something is computed when it is asked for.
+/// Sample of a run at one time. Derived quantities are computed only when their method is called.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<'a, R: Real = f64> {
-    /// Since the start of the run, s.
+    /// Time since the start of the run, s.
     pub time: R,
     /// Number of steps since the start of the run.
     pub step: u64,
-    /// How often these have evaluated the contacts' forces.
+    /// Number of evaluations of the contacts' forces since the start of the run.
     pub evaluations: u64,
-    /// How many attempts were turned down, by a method that chooses its steps.
+    /// Number of rejected attempts of an adaptive method.
     pub rejected: u64,
-    /// The state now.
+    /// Current state.
     pub state: &'a State<R>,
-    /// The scene, for questions about this state or any other.
+    /// Scene, to evaluate quantities of this state or any other.
     pub scene: &'a dyn SceneQuery<R>,
 }
 
@@ -167,7 +171,7 @@ impl<R: Real> Sample<'_, R> {
         self.scene.energy(self.state)
     }
 
-    /// Power of what takes energy away, by cause, W.
+    /// Dissipated power by cause, W.
     #[must_use]
     pub fn dissipation(&self) -> Dissipation<R> {
         self.scene.dissipation(self.state)
@@ -179,22 +183,22 @@ impl<R: Real> Sample<'_, R> {
         self.scene.rates(self.state)
     }
 
-    /// The lowest point of the body; `None` for a body without contacts.
+    /// Lowest point of the body, or `None` for a body without contacts.
     #[must_use]
     pub fn lowest_point(&self) -> Option<LowestPoint<R>> {
         self.scene.lowest_point(self.state)
     }
 
-    /// How many contacts touch the ground.
+    /// Number of contacts that touch the ground.
     #[must_use]
     pub fn touching(&self) -> usize {
         self.scene.touching(self.state)
     }
 }
 
-/// The questions that a scene answers about a state, whatever its parts are.
+/// Quantities that a scene computes from a state, for any types of its parts.
 ///
-/// Every [`Dynamics`] is one, so that the scene of a stepper or a sample can be asked.
+/// Every [`Dynamics`] implements it, so the scene of a stepper or a sample can be queried.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -208,15 +212,15 @@ impl<R: Real> Sample<'_, R> {
 pub trait SceneQuery<R: Real = f64> {
     /// Energy by kind, J.
     fn energy(&self, state: &State<R>) -> Energy<R>;
-    /// Power of what takes energy away, by cause, W.
+    /// Dissipated power by cause, W.
     fn dissipation(&self, state: &State<R>) -> Dissipation<R>;
     /// Acceleration, torque and angular velocity.
     fn rates(&self, state: &State<R>) -> Rates<R>;
-    /// Energy, dissipation and rates together, for the price of one of them.
+    /// Energy, dissipation and rates of a state, computed in one pass over its contacts.
     fn account(&self, state: &State<R>) -> EnergyRates<R>;
-    /// The lowest point of the body; `None` for a body without contacts.
+    /// Lowest point of the body, or `None` for a body without contacts.
     fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>>;
-    /// How many contacts touch the ground.
+    /// Number of contacts that touch the ground.
     fn touching(&self, state: &State<R>) -> usize;
 }
 
@@ -228,7 +232,7 @@ impl<R: Real, D: Dynamics<R>> SceneQuery<R> for D {
         Dissipation::of(self, state)
     }
     fn rates(&self, state: &State<R>) -> Rates<R> {
-        // From the same sums, so that an account and its parts agree to the last bit.
+        // Computed from the same sums, so that an account and its parts agree to the last bit.
         self.account(state).rates
     }
     fn account(&self, state: &State<R>) -> EnergyRates<R> {
@@ -252,12 +256,12 @@ impl<R: Real> core::fmt::Debug for dyn SceneQuery<R> + '_ {
 
 #[cfg(test)]
 mod tests {
-    // As a user imports them: no two of these traits may answer one question.
+    // The imports of a user: no two of these traits may have a method of the same name.
     use crate::*;
     use core::cell::Cell;
     use glam::DVec3;
 
-    /// A level ground that counts how often it is asked where it is: once a contact in each visit.
+    /// Level ground that counts the evaluations of its surface: one for each contact in each visit.
     struct Counting(Cell<u32>);
 
     impl SpringDamperGround for Counting {
@@ -303,7 +307,7 @@ mod tests {
         let watched = visits_of(10.0, &mut |sample| {
             let _ = ledger.observe(sample);
         });
-        // The first sample; then the end of each step and the six further stages of the motion from
+        // The first sample, then the end of each step and the six further stages of the motion from
         // its start.
         assert_eq!(watched - unwatched, 1 + 7 * 10);
     }
@@ -319,8 +323,8 @@ mod tests {
             assert_eq!(account.energy, scene.energy(&state));
             assert_eq!(account.dissipation, scene.dissipation(&state));
             assert_eq!(account.rates, scene.rates(&state));
-            // An integrator's load is the same sum in another order: 8 contacts at most, of some
-            // 20 N with an arm of 0.5 m, in 6 products and sums each.
+            // An integrator's load is the same sum in another order: at most 8 contacts, of some 20
+            // N with an arm of 0.5 m, in 6 products and sums each.
             let load = scene.load(&scene.motion(&state));
             let rounding = 8.0 * 6.0 * 20.0 * 0.5 * f64::EPSILON;
             let apart: DVec3 = account.rates.torque - load.torque;

@@ -1,15 +1,14 @@
-//! The number types that the crate computes with: [`f32`](primitive@f32) and
-//! [`f64`](primitive@f64).
+//! Number types of the crate: [`f32`](primitive@f32) and [`f64`](primitive@f64).
 //!
 //! [`Real`] names glam's vector, quaternion and matrix of one precision, and the few operations
-//! that the core uses. All of them are `+ - * /` and square root in one fixed order, which IEEE 754
-//! rounds alike on every processor; sine and cosine come from the `libm` crate, which has one
-//! answer everywhere (the standard library's differ between targets), or in `f32` from arithmetic
-//! of this crate that needs no double precision.
+//! that the core uses. These are `+ - * /` and square roots in one fixed order, which IEEE 754
+//! rounds identically on every processor. Sine and cosine come from the `libm` crate, which has the
+//! same results on every platform, in contrast to the standard library. In `f32` they come from
+//! arithmetic of this crate that needs no double precision.
 //!
-//! `Real`, [`Vector`], [`Quaternion`] and [`Matrix`] are sealed: they are public so that a body,
-//! ground or friction can be written once for both precisions. Code for one precision needs none of
-//! them: `R::Vec3` *is* `glam::DVec3` when `R` is `f64`.
+//! `Real`, [`Vector`], [`Quaternion`] and [`Matrix`] are sealed. They are public so that a body,
+//! ground or friction law can be written once for both precisions. Code for one precision needs
+//! none of them: `R::Vec3` *is* `glam::DVec3` when `R` is `f64`.
 
 use core::fmt::{Debug, Display, LowerExp};
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -24,7 +23,7 @@ mod sealed {
 }
 use sealed::Sealed;
 
-/// A floating-point number: `f32` or `f64`.
+/// Floating-point number: `f32` or `f64`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a number that bodies are counted in: that is `f64` or `f32`",
     label = "this should be `f64` or `f32`",
@@ -51,42 +50,42 @@ pub trait Real:
     + SubAssign
     + MulAssign
 {
-    /// glam's vector of three such numbers.
+    /// Type of glam's vector of three such numbers.
     type Vec3: Vector<Self>;
-    /// glam's quaternion of such numbers.
+    /// Type of glam's quaternion of such numbers.
     type Quat: Quaternion<Self>;
-    /// glam's 3 by 3 matrix of such numbers.
+    /// Type of glam's 3 by 3 matrix of such numbers.
     type Mat3: Matrix<Self>;
 
-    /// 0.
+    /// The number 0.
     const ZERO: Self;
-    /// 1.
+    /// The number 1.
     const ONE: Self;
-    /// 1/2.
+    /// The number 1/2.
     const HALF: Self;
-    /// 2.
+    /// The number 2.
     const TWO: Self;
     /// Distance from 1 to the next larger number: 2.2e-16 in f64, 1.2e-7 in f32.
     const EPSILON: Self;
-    /// The largest finite number.
+    /// Largest finite number.
     const MAX: Self;
 
-    /// The nearest number of this type; folded at compile time for a literal.
+    /// Returns the nearest number of this type. For a literal it is computed at compile time.
     #[must_use]
     fn from_f64(value: f64) -> Self;
-    /// The nearest number of this type.
+    /// Returns the nearest number of this type.
     #[must_use]
     fn from_usize(value: usize) -> Self;
-    /// The same number (an `f32` exactly) for messages and tables.
+    /// Returns the number as an `f64`, for messages and tables. The conversion from `f32` is exact.
     #[must_use]
     fn to_f64(self) -> f64;
-    /// Square root, correctly rounded; NaN below 0.
+    /// Square root, correctly rounded, or NaN below 0.
     #[must_use]
     fn sqrt(self) -> Self;
-    /// Distance from 0.
+    /// Absolute value.
     #[must_use]
     fn abs(self) -> Self;
-    /// Neither infinite nor NaN.
+    /// Returns true if the number is neither infinite nor NaN.
     #[must_use]
     fn is_finite(self) -> bool;
     /// Sine and cosine of an angle in radians, with the same bits everywhere.
@@ -95,25 +94,27 @@ pub trait Real:
     /// Angle in radians from the first axis to the point (`x`, `self`), from the `libm` crate.
     #[must_use]
     fn atan2(self, x: Self) -> Self;
-    /// `self` to any power, from the `libm` crate; NaN below 0 but for whole powers.
+    /// Power of `self`, from the `libm` crate. The result is NaN for a negative `self`, except for
+    /// integer exponents.
     #[must_use]
     fn powf(self, exponent: Self) -> Self;
-    /// Largest whole number not above `self`, as an index up to 2³² - 1: 0 for whatever is not
-    /// above 0, NaN included.
+    /// Returns the largest integer not above `self`, as an index up to 2³² - 1.
+    ///
+    /// Returns 0 for any value that is not above 0, including NaN.
     #[must_use]
     fn floor_index(self) -> usize;
-    /// The last 32 bits of the number as it is stored.
+    /// Last 32 bits of the number as it is stored.
     #[doc(hidden)]
     #[must_use]
     fn low_bits(self) -> u32;
 
-    /// The larger of the two; `other` where `self` is NaN.
+    /// Returns the larger of the two numbers, or `other` if `self` is NaN.
     #[inline]
     #[must_use]
     fn at_least(self, other: Self) -> Self {
         if self > other { self } else { other }
     }
-    /// The smaller of the two; `other` where `self` is NaN.
+    /// Returns the smaller of the two numbers, or `other` if `self` is NaN.
     #[inline]
     #[must_use]
     fn at_most(self, other: Self) -> Self {
@@ -121,7 +122,7 @@ pub trait Real:
     }
 }
 
-/// Three numbers along x, y and z; glam's `Vec3` or `DVec3`.
+/// Vector of three numbers along x, y and z: glam's `Vec3` or `DVec3`.
 pub trait Vector<R: Real>:
     Sealed
     + Copy
@@ -139,9 +140,9 @@ pub trait Vector<R: Real>:
     + AddAssign
     + SubAssign
 {
-    /// (0, 0, 0).
+    /// The vector (0, 0, 0).
     const ZERO: Self;
-    /// The vector (x, y, z).
+    /// Creates the vector (x, y, z).
     #[must_use]
     fn new(x: R, y: R, z: R) -> Self;
     /// First component.
@@ -182,7 +183,7 @@ pub trait Vector<R: Real>:
     fn length(self) -> R {
         self.dot(self).sqrt()
     }
-    /// Whether each component is finite.
+    /// Returns true if each component is finite.
     #[inline]
     #[must_use]
     fn is_finite(self) -> bool {
@@ -190,31 +191,33 @@ pub trait Vector<R: Real>:
     }
 }
 
-/// Four numbers x, y, z, w; glam's `Quat` or `DQuat`. Only stored, never multiplied as such: see
-/// [`Real`] on bits.
+/// Quaternion of four numbers x, y, z, w: glam's `Quat` or `DQuat`.
+///
+/// It is only stored and never multiplied, because glam's product is not bitwise reproducible.
+/// [`Real`] names the types of one precision.
 pub trait Quaternion<R: Real>:
     Sealed + Copy + PartialEq + Default + Debug + Display + Send + Sync + 'static
 {
-    /// The quaternion w + x i + y j + z k.
+    /// Creates the quaternion w + x i + y j + z k.
     #[must_use]
     fn new(x: R, y: R, z: R, w: R) -> Self;
-    /// The components x, y, z, w.
+    /// Returns the components x, y, z, w.
     #[must_use]
     fn xyzw(self) -> [R; 4];
 }
 
-/// Nine numbers in three columns; glam's `Mat3` or `DMat3`.
+/// Matrix of nine numbers in three columns: glam's `Mat3` or `DMat3`.
 pub trait Matrix<R: Real>:
     Sealed + Copy + PartialEq + Default + Debug + Display + Send + Sync + 'static
 {
-    /// The matrix with these columns.
+    /// Creates the matrix with these columns.
     #[must_use]
     fn from_columns(columns: [R::Vec3; 3]) -> Self;
-    /// The three columns.
+    /// Returns the three columns.
     #[must_use]
     fn columns(self) -> [R::Vec3; 3];
 
-    /// The matrix with this diagonal and 0 elsewhere.
+    /// Creates the matrix with this diagonal and 0 elsewhere.
     #[inline]
     #[must_use]
     fn from_diagonal(diagonal: R::Vec3) -> Self {
@@ -227,7 +230,7 @@ pub trait Matrix<R: Real>:
     }
 }
 
-/// The square root is rounded correctly by IEEE 754, so that the processor's and libm's have the
+/// Square root. IEEE 754 rounds it correctly, so the results of the processor and of libm have the
 /// same bits.
 macro_rules! square_root {
     ($value:expr, $libm:path) => {{

@@ -1,11 +1,11 @@
-//! Turning bodies: the unit quaternion as four plain numbers, and the body's axes in the world.
+//! Rotation of bodies: the unit quaternion as four plain numbers, and the body's axes in the world.
 //!
-//! glam's single-precision quaternion multiplies by SIMD, with other last bits on other processors.
-//! So the core stores glam's type and computes with [`Rotation`].
+//! glam's single-precision quaternion multiplies by SIMD, with last bits that depend on the
+//! processor. So the core stores glam's type and computes with [`Rotation`].
 
 use crate::real::{Quaternion, Real, Vector};
 
-/// A turn from body axes to world axes: the unit quaternion `w + v`, with `v = x i + y j + z k`.
+/// Rotation from body axes to world axes: the unit quaternion `w + v`, with `v = x i + y j + z k`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotation<R: Real = f64> {
     w: R,
@@ -13,21 +13,22 @@ pub struct Rotation<R: Real = f64> {
 }
 
 impl<R: Real> Rotation<R> {
-    /// No turn.
+    /// Identity rotation.
     pub const IDENTITY: Self = Self {
         w: R::ONE,
         v: R::Vec3::ZERO,
     };
 
-    /// The turn that glam's quaternion stores, scaled to length 1. Not finite for a quaternion of
-    /// length 0.
+    /// Creates a rotation from glam's quaternion, scaled to length 1.
+    ///
+    /// The result is not finite for a quaternion of length 0.
     #[inline]
     #[must_use]
     pub fn from_quat(quaternion: R::Quat) -> Self {
         Self::unscaled(quaternion).normalised()
     }
 
-    /// The four numbers of glam's quaternion, taken as they are.
+    /// Creates a rotation from the four numbers of glam's quaternion, without scaling.
     #[inline]
     pub(crate) fn unscaled(quaternion: R::Quat) -> Self {
         let [x, y, z, w] = quaternion.xyzw();
@@ -37,22 +38,22 @@ impl<R: Real> Rotation<R> {
         }
     }
 
-    /// glam's quaternion for this turn.
+    /// Returns glam's quaternion for this rotation.
     #[inline]
     #[must_use]
     pub fn to_quat(self) -> R::Quat {
         R::Quat::new(self.v.x(), self.v.y(), self.v.z(), self.w)
     }
 
-    /// The turn by `|vector|` radians about `vector`, right-handed: `cos(|h|) + h sin(|h|)/|h|`
-    /// with `h = vector/2`.
+    /// Creates the right-handed rotation by `|vector|` radians about `vector`:
+    /// `cos(|h|) + h sin(|h|)/|h|` with `h = vector/2`.
     #[inline]
     #[must_use]
     pub fn from_rotation_vector(vector: R::Vec3) -> Self {
         Self::from_half_vector(vector * R::HALF)
     }
 
-    /// The turn by `2 |half|` radians about `half`, right-handed.
+    /// Creates the right-handed rotation by `2 |half|` radians about `half`.
     #[inline]
     pub(crate) fn from_half_vector(half: R::Vec3) -> Self {
         let (cos, sinc) = cos_and_sinc(half.length_squared());
@@ -62,8 +63,8 @@ impl<R: Real> Rotation<R> {
         }
     }
 
-    /// The Cayley map of `a`: the turn about `a` by `2 atan(|a|)`, without sine or cosine.
-    /// `r' = (1 - â)⁻¹ (1 + â) r`.
+    /// Creates the rotation about `a` by `2 atan(|a|)`, without sine or cosine: the Cayley map of
+    /// `a`, `r' = (1 - â)⁻¹ (1 + â) r`.
     #[inline]
     #[must_use]
     pub fn cayley(a: R::Vec3) -> Self {
@@ -74,14 +75,14 @@ impl<R: Real> Rotation<R> {
         }
     }
 
-    /// As [`cayley`](Self::cayley), not scaled to length 1: `1 + a`.
+    /// Cayley map of `a`, not scaled to length 1: `1 + a`.
     #[inline]
     pub(crate) fn cayley_unscaled(a: R::Vec3) -> Self {
         Self { w: R::ONE, v: a }
     }
 
-    /// The quaternion product `self other`: first turned by `other`, then by `self` (both about
-    /// world axes).
+    /// Quaternion product `self other`: the rotation by `other`, followed by that of `self` (both
+    /// about world axes).
     #[inline]
     #[must_use]
     pub fn after(self, other: Self) -> Self {
@@ -91,7 +92,7 @@ impl<R: Real> Rotation<R> {
         }
     }
 
-    /// The body turned further by `2 half` radians about its own `axis`:
+    /// Rotates the body further by `2 half` radians about its own `axis`:
     /// `q (cos + a sin) = q cos + q a sin`.
     #[inline(always)]
     pub(crate) fn spun(self, axis: BodyAxis<R>, half: R) -> Self {
@@ -103,7 +104,7 @@ impl<R: Real> Rotation<R> {
         straight.plus(self.times(axis), half * sinc)
     }
 
-    /// The quaternion product with an axis: with i, j or k for an axis of the body.
+    /// Quaternion product with an axis: with i, j or k for an axis of the body.
     #[inline]
     fn times(self, axis: BodyAxis<R>) -> Self {
         let (w, x, y, z) = (self.w, self.v.x(), self.v.y(), self.v.z());
@@ -116,7 +117,7 @@ impl<R: Real> Rotation<R> {
         Self { w, v }
     }
 
-    /// The turn back.
+    /// Inverse rotation.
     #[inline]
     #[must_use]
     pub fn inverse(self) -> Self {
@@ -126,7 +127,7 @@ impl<R: Real> Rotation<R> {
         }
     }
 
-    /// `self + delta`, component by component: the sum that a Runge-Kutta stage makes.
+    /// Returns `self + delta factor`, component by component: the sum of a Runge-Kutta stage.
     #[inline]
     pub(crate) fn plus(self, delta: Self, factor: R) -> Self {
         Self {
@@ -135,7 +136,7 @@ impl<R: Real> Rotation<R> {
         }
     }
 
-    /// Time derivative of the quaternion of a body that turns at `angular_velocity` (rad/s, world
+    /// Time derivative of the quaternion of a body with this `angular_velocity` (rad/s, world
     /// axes): `(0, ω) q / 2`.
     #[inline]
     pub(crate) fn rate(self, angular_velocity: R::Vec3) -> Self {
@@ -146,42 +147,43 @@ impl<R: Real> Rotation<R> {
         }
     }
 
-    /// `|sin(φ/2)|` of the turn by φ.
+    /// `|sin(φ/2)|` of the rotation by φ.
     #[inline]
     pub(crate) fn sine_of_half(self) -> R {
         self.v.length()
     }
 
-    /// Square of the quaternion's length; 1 to rounding.
+    /// Square of the quaternion's length, 1 to rounding.
     #[inline]
     #[must_use]
     pub fn length_squared(self) -> R {
         self.w * self.w + self.v.length_squared()
     }
 
-    /// Whether the length is 1 within half: not so for a quaternion whose square is 0 or infinite,
-    /// which cannot be scaled.
+    /// Returns true if the square of the length is 1 within one half. It is false for a quaternion
+    /// whose square is 0 or infinite, which cannot be scaled.
     #[inline]
     pub(crate) fn is_a_turn(self) -> bool {
         (self.length_squared() - R::ONE).abs() < R::HALF
     }
 
-    /// The same turn with length 1 again, to a unit in the last place; unchanged where it has that
-    /// already.
+    /// Returns the same rotation scaled to length 1, to one unit in the last place.
+    ///
+    /// A rotation that has this length already is returned unchanged.
     #[inline]
     #[must_use]
     pub fn normalised(self) -> Self {
         let excess = self.length_squared() - R::ONE;
-        // A factor that differs from 1 by its last place takes as much from one component and
-        // nothing from another, which tilts the turn, step after step the same way.
+        // A factor that differs from 1 in the last place changes one component by as much and
+        // another not at all. This would tilt the rotation in the same direction in every step.
         let scale = if excess.abs() < R::EPSILON * R::TWO {
             R::ONE
         } else if excess * excess < R::EPSILON * R::HALF {
-            // After a step the length is 1 to rounding: there, one term of 1/sqrt(1 + e) = 1 - e/2 +
+            // After a step the length is 1 to rounding. Then one term of 1/sqrt(1 + e) = 1 - e/2 +
             // 3e²/8 is exact to the last place.
             R::ONE - excess * R::HALF
         } else {
-            // A length that has overflowed makes NaNs, which are seen, and not a turn of length 0.
+            // An overflowed length gives NaN, which is detected, instead of a rotation of length 0.
             let overflow = excess * R::ZERO;
             (R::ONE + overflow) / self.length_squared().sqrt()
         };
@@ -191,20 +193,21 @@ impl<R: Real> Rotation<R> {
         }
     }
 
-    /// The body's axes in the world: the columns of the rotation matrix.
+    /// Body axes in the world: the columns of the rotation matrix.
     #[inline]
     #[must_use]
     pub fn axes(self) -> Axes<R> {
         self.axes_scaled(R::TWO)
     }
 
-    /// As [`axes`](Self::axes), for a quaternion of any length above 0.
+    /// Body axes in the world, for a quaternion of any length above 0.
     #[inline]
     pub(crate) fn axes_of_any_length(self) -> Axes<R> {
         self.axes_scaled(R::TWO / self.length_squared())
     }
 
-    /// With the products first, which need not wait for a division.
+    /// Body axes with the factor `two` applied last, so that the products need not wait for a
+    /// division.
     #[inline]
     fn axes_scaled(self, two: R) -> Axes<R> {
         let (w, x, y, z) = (self.w, self.v.x(), self.v.y(), self.v.z());
@@ -220,7 +223,7 @@ impl<R: Real> Rotation<R> {
         }
     }
 
-    /// A body vector in world axes.
+    /// Converts a body vector to world axes.
     #[inline]
     #[must_use]
     pub fn apply(self, body: R::Vec3) -> R::Vec3 {
@@ -228,11 +231,11 @@ impl<R: Real> Rotation<R> {
     }
 }
 
-/// `cos h` and `sin(h)/h` from `h²`.
+/// Computes `cos h` and `sin(h)/h` from `h²`.
 ///
-/// The shortest of three of Taylor's series that is exact to the last place of f64 (next term below
-/// 1e-17), else the `libm` crate. A step seldom turns a body by more than a radian, and the series
-/// need neither square root nor division.
+/// It uses the shortest of three Taylor series that is exact to the last place of f64 (next term
+/// below 1e-17), otherwise the `libm` crate. A step seldom rotates a body by more than a radian.
+/// The series need neither square root nor division.
 #[inline]
 fn cos_and_sinc<R: Real>(square: R) -> (R, R) {
     let s = square;
@@ -256,10 +259,10 @@ fn cos_and_sinc<R: Real>(square: R) -> (R, R) {
     }
 }
 
-/// The longer series, for `h` up to 1/2.
+/// Computes the longest series, for `h` up to 1/2.
 fn cos_and_sinc_to_half<R: Real>(s: R) -> (R, R) {
     let c = R::from_f64;
-    // Written out, so that each coefficient is rounded to R by the compiler, never by the program.
+    // Written out, so that the compiler rounds each coefficient to R, and never the program.
     let cos = ((((((c(1.0 / 20922789888000.0) * s - c(1.0 / 87178291200.0)) * s
         + c(1.0 / 479001600.0))
         * s
@@ -287,7 +290,7 @@ fn cos_and_sinc_to_half<R: Real>(s: R) -> (R, R) {
     (R::ONE + s * cos, R::ONE + s * sinc)
 }
 
-/// The body's axes in the world, unit vectors at right angles: the rotation matrix by its columns.
+/// Body axes in the world, perpendicular unit vectors: the columns of the rotation matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes<R: Real = f64> {
     /// The body's x axis, world axes.
@@ -299,20 +302,20 @@ pub struct Axes<R: Real = f64> {
 }
 
 impl<R: Real> Axes<R> {
-    /// A body vector in world axes.
+    /// Converts a body vector to world axes.
     #[inline]
     #[must_use]
     pub fn to_world(&self, body: R::Vec3) -> R::Vec3 {
         self.x * body.x() + self.y * body.y() + self.z * body.z()
     }
 
-    /// The world's z axis in body axes: how far each axis rises.
+    /// World z axis in body axes: the z component of each body axis.
     #[inline]
     pub(crate) fn rise(&self) -> R::Vec3 {
         R::Vec3::new(self.x.z(), self.y.z(), self.z.z())
     }
 
-    /// A world vector in body axes.
+    /// Converts a world vector to body axes.
     #[inline]
     #[must_use]
     pub fn to_body(&self, world: R::Vec3) -> R::Vec3 {
@@ -320,8 +323,9 @@ impl<R: Real> Axes<R> {
     }
 }
 
-/// A direction fixed in the body. Most bodies are given in axes along their principal ones, which
-/// need no arithmetic.
+/// Direction fixed in the body.
+///
+/// Most bodies are given in axes along their principal ones, which need no arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum BodyAxis<R: Real> {
     X,
@@ -332,7 +336,7 @@ pub(crate) enum BodyAxis<R: Real> {
 }
 
 impl<R: Real> BodyAxis<R> {
-    /// Along a unit vector, body axes.
+    /// Creates the direction along a unit vector, body axes.
     pub(crate) fn along(vector: R::Vec3) -> Self {
         let (o, one) = (R::ZERO, R::ONE);
         if vector == R::Vec3::new(one, o, o) {
@@ -346,7 +350,7 @@ impl<R: Real> BodyAxis<R> {
         }
     }
 
-    /// The unit vector in world axes.
+    /// Returns the unit vector in world axes.
     #[inline]
     pub(crate) fn in_world(self, axes: &Axes<R>) -> R::Vec3 {
         match self {
@@ -370,7 +374,7 @@ mod tests {
             let axis = DVec3::new(1.0, -2.0, 0.5).normalize();
             let ours = Rotation::<f64>::from_rotation_vector(axis * angle).to_quat();
             let theirs = DQuat::from_axis_angle(axis, angle);
-            // Two roundings of numbers below 1, and the library's own.
+            // Two roundings of numbers below 1, plus that of the library.
             assert!(
                 (ours - theirs).length() < 4.0 * f64::EPSILON,
                 "angle {angle}: {ours} {theirs}"

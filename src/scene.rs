@@ -1,5 +1,4 @@
-//! Body, ground, friction and gravity together: which contacts touch, and with what force and
-//! torque.
+//! Body, ground, friction and gravity together: contacts that touch, with their force and torque.
 
 mod checked;
 mod level;
@@ -18,61 +17,62 @@ use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::State;
 
-// On the hints below: a step is compiled as one piece, so that it need not go through memory from
-// stage to stage. The loop over contacts as a function of its own took 8 % fewer instructions and
-// 1.2 to 1.8 times as long.
+// On the inlining hints below: a step is compiled as one piece, so that it does not go through
+// memory between stages. The loop over contacts as a separate function took 8 % fewer instructions
+// and 1.2 to 1.8 times as long.
 
-/// A body on a ground, as an integrator sees it.
+/// Body on a ground, as an integrator uses it.
 ///
-/// *To the author of an integrator:* [`motion`](Self::motion) turns a state into what forces depend
-/// on, [`load`](Self::load) gives the contacts' force and torque there,
-/// [`visit_contacts`](Self::visit_contacts) each contact by itself. Gravity stands apart, because
-/// it needs no contact. A method that keeps the contacts of its last look in its workspace finds
-/// them sooner by [`contacts_near`](Self::contacts_near), and takes their load by
-/// [`load_on`](Self::load_on).
+/// *For authors of integrators:* [`motion`](Self::motion) converts a state into the quantities on
+/// which forces depend. [`load`](Self::load) returns the force and torque of all contacts there,
+/// and [`visit_contacts`](Self::visit_contacts) visits each contact. Gravity is separate, because
+/// it needs no contact. A method can keep the contact range of its last evaluation in its
+/// workspace. [`contacts_near`](Self::contacts_near) then finds the next range faster, and
+/// [`load_on`](Self::load_on) returns its load.
 pub trait Dynamics<R: Real = f64> {
-    /// The body's type.
+    /// Type of the body.
     type Body: RigidPointBody<R>;
-    /// The ground's type.
+    /// Type of the ground.
     type Ground: SpringDamperGround<R>;
-    /// The friction law's type.
+    /// Type of the friction law.
     type Friction: SlidingFriction<R>;
 
-    /// The body.
+    /// Body.
     fn body(&self) -> &Self::Body;
-    /// The ground.
+    /// Ground.
     fn ground(&self) -> &Self::Ground;
-    /// The friction law.
+    /// Friction law.
     fn friction(&self) -> &Self::Friction;
     /// Acceleration of gravity, m/s², world axes.
     fn gravity(&self) -> R::Vec3;
     /// Mass and inertia of the body.
     fn inertia_properties(&self) -> &InertiaProperties<R>;
-    /// Distance from the centre of mass to the farthest place of the body's surface, m.
+    /// Distance from the centre of mass to the farthest point of the body's surface, m.
     fn bounding_radius(&self) -> R;
 
-    /// Whether any contact of the body has a radius or wanders over a smooth surface: whether the
-    /// force acts elsewhere than at the contact's own position.
+    /// Returns true if a contact of the body has a radius or moves over a smooth surface.
+    ///
+    /// The force then acts at a point other than the contact's own position.
     fn has_radii(&self) -> bool {
         let mut contacts = self.body().contacts().iter();
         self.body().is_smooth() || contacts.any(|contact| contact.radius > R::ZERO)
     }
 
-    /// Evaluates laws where the motion does not: a value that breaks a contract there is no error
-    /// of the step.
+    /// Evaluates laws at a point that the motion does not pass. A value that breaks a contract
+    /// there is not an error of the step.
     #[doc(hidden)]
     #[inline(always)]
     fn probe<T>(&self, evaluate: impl FnOnce() -> T) -> T {
         evaluate()
     }
 
-    /// Where everything of the body is and how it moves.
+    /// Pose and velocities of the body in a state.
     #[inline(always)]
     fn motion(&self, state: &State<R>) -> Motion<R> {
         self.motion_along(state, state.rotation().axes())
     }
 
-    /// As [`motion`](Self::motion), for an integrator that knows the state's axes.
+    /// Pose and velocities of the body in a state whose `axes` the integrator has already computed.
     #[inline(always)]
     fn motion_along(&self, state: &State<R>, axes: Axes<R>) -> Motion<R> {
         Motion {
@@ -85,8 +85,9 @@ pub trait Dynamics<R: Real = f64> {
         }
     }
 
-    /// The contacts that may lie less than `margin` (m) above the ground: none that does is
-    /// missing, and in flight none is visited to find out.
+    /// Contact range that includes every contact less than `margin` (m) above the ground.
+    ///
+    /// In flight no contact is evaluated to compute it.
     #[inline]
     fn contacts_within(&self, margin: R, position: R::Vec3, axes: &Axes<R>) -> ContactRange {
         low_contacts(self, margin, position, axes, |normal, offset| {
@@ -94,9 +95,11 @@ pub trait Dynamics<R: Real = f64> {
         })
     }
 
-    /// The contacts that may touch, as of [`contacts_within`](Self::contacts_within) with no
-    /// margin, found sooner by a caller who knows those of a moment ago. Whatever `near` is, the
-    /// answer is the same.
+    /// Contact range that includes every touching contact, found faster from a previous range
+    /// `near`.
+    ///
+    /// It equals that of [`contacts_within`](Self::contacts_within) with a margin of 0, for every
+    /// value of `near`.
     #[inline(always)]
     fn contacts_near(&self, near: ContactRange, position: R::Vec3, axes: &Axes<R>) -> ContactRange {
         low_contacts(self, R::ZERO, position, axes, |normal, offset| {
@@ -104,14 +107,15 @@ pub trait Dynamics<R: Real = f64> {
         })
     }
 
-    /// Calls `visit` with each contact that touches, in the order of their run round the body.
+    /// Calls `visit` with each contact that touches, in the order of the contact range.
     #[inline(always)]
     fn visit_contacts(&self, motion: &Motion<R>, visit: impl FnMut(&Contact<R>)) {
         let run = self.contacts_within(R::ZERO, motion.position, &motion.axes);
         self.visit_run(run, motion, visit);
     }
 
-    /// As [`visit_contacts`](Self::visit_contacts), looking at the contacts of `run` alone.
+    /// Calls `visit` with each contact in `run` that touches, and with the quadrature points of the
+    /// rims.
     #[inline(always)]
     fn visit_run(&self, run: ContactRange, motion: &Motion<R>, mut visit: impl FnMut(&Contact<R>)) {
         visit_points(self, run, motion, &mut visit);
@@ -120,7 +124,7 @@ pub trait Dynamics<R: Real = f64> {
         }
     }
 
-    /// As [`visit_contacts`](Self::visit_contacts), of the places that stand for the rims alone.
+    /// Calls `visit` with each quadrature point of the rims that touches.
     #[inline(always)]
     fn visit_rims(&self, motion: &Motion<R>, mut visit: impl FnMut(&Contact<R>)) {
         for rim in self.body().rims() {
@@ -134,18 +138,19 @@ pub trait Dynamics<R: Real = f64> {
         }
     }
 
-    /// Force and torque of all contacts; gravity not included.
+    /// Force and torque of all contacts, without gravity.
     ///
-    /// The sums are those of [`visit_contacts`](Self::visit_contacts) but for rounding: the torque
-    /// of bare points on a level plane comes from other sums, in another fixed order.
+    /// The sums equal those of [`visit_contacts`](Self::visit_contacts) except for rounding. The
+    /// torque of bare points on a level plane is summed differently, in another fixed order.
     #[inline(always)]
     fn load(&self, motion: &Motion<R>) -> Load<R> {
         let run = self.contacts_within(R::ZERO, motion.position, &motion.axes);
         self.load_on(run, motion)
     }
 
-    /// As [`load`](Self::load), looking at the contacts of `run` alone: for a second look at the
-    /// same place with other velocities.
+    /// Force and torque of the contacts in `run`, without gravity.
+    ///
+    /// Use it to evaluate the same pose again with other velocities.
     #[inline(always)]
     fn load_on(&self, run: ContactRange, motion: &Motion<R>) -> Load<R> {
         load_with_arms(self, run, motion, None)
@@ -169,7 +174,8 @@ fn low_contacts<R: Real, D: Dynamics<R> + ?Sized>(
             } else {
                 (plane.gap(position), axes.to_body(plane.normal))
             };
-            // What rounding may hide of a gap; far more than the body's own arithmetic loses.
+            // Bound of the rounding of a gap, far larger than the rounding of the body's own
+            // arithmetic.
             let rounding = (gap.abs() + plane.height.abs() + scene.bounding_radius())
                 * (R::EPSILON * R::from_f64(8.0));
             let offset = margin + rounding - gap;
@@ -182,7 +188,7 @@ fn low_contacts<R: Real, D: Dynamics<R> + ?Sized>(
     }
 }
 
-/// As [`Dynamics::visit_run`], of the contacts of the body alone, without those that stand for a
+/// Calls `visit` with each contact point in `run` that touches, without the quadrature points of a
 /// rim.
 #[inline(always)]
 pub(crate) fn visit_points<R: Real, D: Dynamics<R> + ?Sized>(
@@ -192,7 +198,7 @@ pub(crate) fn visit_points<R: Real, D: Dynamics<R> + ?Sized>(
     visit: &mut impl FnMut(&Contact<R>),
 ) {
     let contacts = scene.body().contacts();
-    // One loop for both parts of a run that begins again at the first contact, so that `visit` is
+    // One loop for both parts of a range that continues at the first contact, so that `visit` is
     // compiled once.
     let mut ahead = contacts.get(run.first..).unwrap_or_default().iter();
     for _ in 0..run.count.min(contacts.len()) {
@@ -208,7 +214,7 @@ pub(crate) fn visit_points<R: Real, D: Dynamics<R> + ?Sized>(
     }
 }
 
-/// The energy in the springs, J, and how many contacts touch.
+/// Energy in the springs, J, and the number of contacts that touch.
 #[inline]
 pub(crate) fn spring_energy<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -224,10 +230,10 @@ pub(crate) fn spring_energy<R: Real, D: Dynamics<R> + ?Sized>(
     (energy + of_rims, touching + places)
 }
 
-/// The energy in the springs under the rims, J, and how many places stand for what touches of them.
+/// Energy in the springs under the rims, J, and the number of quadrature points that touch.
 ///
-/// It is that of a body at rest in the same place: where the quadrature of a rim is cut for its
-/// forces depends on its velocities, and an energy of places must not.
+/// The energy is evaluated for a body at rest in the same pose. The quadrature of the forces of a
+/// rim depends on the velocities, but an energy must depend on the pose only.
 #[inline]
 pub(crate) fn rims_energy<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -247,8 +253,8 @@ pub(crate) fn rims_energy<R: Real, D: Dynamics<R> + ?Sized>(
     (energy, touching)
 }
 
-/// As [`Dynamics::load_on`]; with other `arm_axes`, the torque that the same forces have on a body
-/// with those.
+/// Load of the contacts in `run`. With `arm_axes`, the torque is that of the same forces on a body
+/// with these axes.
 #[inline(always)]
 pub(crate) fn load_with_arms<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -266,7 +272,7 @@ pub(crate) fn load_with_arms<R: Real, D: Dynamics<R> + ?Sized>(
     load
 }
 
-/// Whether a body is so high above a plane that none of it touches.
+/// Returns true if a body is so high above a plane that no part of it touches.
 #[inline]
 fn is_aloft<R: Real, D: Dynamics<R> + ?Sized>(scene: &D, motion: &Motion<R>) -> bool {
     match scene.ground().bounds() {
@@ -308,7 +314,7 @@ fn load_of_forces<R: Real, D: Dynamics<R> + ?Sized>(
     load
 }
 
-/// The height of a ground that is a level plane, if all contacts are bare points of the body.
+/// Height of a ground that is a level plane, if all contacts are bare points of the body.
 #[inline(always)]
 fn height_under_bare_points<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> Option<R> {
     match scene.ground().bounds() {
@@ -317,8 +323,8 @@ fn height_under_bare_points<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> Opti
     }
 }
 
-/// Torque of the contacts of `run` against the body's turning, N m, where the friction law resists
-/// it.
+/// Torque of rolling resistance of the contacts in `run`, N m. Returns `None` if the friction law
+/// has no rolling resistance.
 #[inline(always)]
 pub(crate) fn turning_torque<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -333,10 +339,11 @@ pub(crate) fn turning_torque<R: Real, D: Dynamics<R> + ?Sized>(
     Some(sum)
 }
 
-/// How far the body reaches from its centre of mass, m, for whoever turns an angle into a way: its
-/// reach, or the radius of gyration `√(largest moment/mass)` where that is more.
+/// Length that converts an angle into a displacement, m: the larger of the bounding radius and the
+/// radius of gyration `√(largest moment/mass)`.
 ///
-/// A body without contacts has no reach of its own. But it has mass at that radius or beyond.
+/// A body without contacts has no bounding radius of its own, but it has mass at the radius of
+/// gyration or beyond.
 #[inline]
 pub(crate) fn size<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> R {
     scene
@@ -344,16 +351,16 @@ pub(crate) fn size<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> R {
         .at_least(scene.inertia_properties().radius_of_gyration())
 }
 
-/// Where everything of a body is and how it moves, in world axes.
+/// Pose and velocities of a body, world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<R: Real = f64> {
     /// Centre of mass, m.
     pub position: R::Vec3,
-    /// The body's axes.
+    /// Axes of the body.
     pub axes: Axes<R>,
     /// Velocity of the centre of mass, m/s.
     pub linear_velocity: R::Vec3,
-    /// rad/s.
+    /// Angular velocity, rad/s.
     pub angular_velocity: R::Vec3,
 }
 
@@ -367,27 +374,28 @@ impl<R: Real> Motion<R> {
     }
 }
 
-/// A contact that touches: where, how deep, and how it moves. World axes.
+/// Contact that touches, with position, penetration depth and velocity, world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact<R: Real = f64> {
-    /// The contact as the body has it.
+    /// Contact as defined by the body.
     pub point: ContactPoint<R>,
-    /// From the centre of mass to where the force acts, m.
+    /// Vector from the centre of mass to the point at which the force acts, m.
     pub arm: R::Vec3,
     /// Outward normal of the ground, unit vector.
     pub normal: R::Vec3,
-    /// m, above 0.
+    /// Penetration depth, m, above 0.
     pub depth: R,
-    /// Speed at which the depth grows, m/s.
+    /// Rate of increase of the penetration depth, m/s.
     pub closing_speed: R,
     /// Velocity along the surface, m/s.
     pub slip: R::Vec3,
-    /// How many contacts of the body it stands for: 1, but for a place of a [`Rim`](crate::Rim).
+    /// Number of contacts of the body that it represents: 1, except for a quadrature point of a
+    /// [`Rim`](crate::Rim).
     pub weight: R,
 }
 
 impl<R: Real> Contact<R> {
-    /// The contact of `point` with the ground, if it touches.
+    /// Contact of `point` with the ground, if it touches.
     #[inline]
     fn at<B: RigidPointBody<R>, G: SpringDamperGround<R>>(
         body: &B,
@@ -405,7 +413,7 @@ impl<R: Real> Contact<R> {
         Self::of(ground, motion, point, R::ONE)
     }
 
-    /// The contact of a fixed `point` with the ground, if it touches.
+    /// Contact of a fixed `point` with the ground, if it touches.
     #[inline]
     fn of<G: SpringDamperGround<R>>(
         ground: &G,
@@ -433,14 +441,14 @@ impl<R: Real> Contact<R> {
         })
     }
 
-    /// Where the arm is when the body has other axes.
+    /// Arm of the same contact for a body with other axes.
     #[inline]
     pub(crate) fn arm_along(&self, axes: &Axes<R>) -> R::Vec3 {
         let centre_arm = axes.to_world(self.point.position);
         surface_arm(&self.point, centre_arm, self.normal)
     }
 
-    /// The ground's force on the body here, normal and friction together, N.
+    /// Force of the ground on the body at this contact, normal and friction together, N.
     #[inline]
     pub fn force<G, F>(&self, ground: &G, friction: &F) -> R::Vec3
     where
@@ -451,8 +459,10 @@ impl<R: Real> Contact<R> {
         (self.normal * normal_force + friction.force(normal_force, self.slip)) * self.weight
     }
 
-    /// The ground's torque on a body that turns (rad/s), beyond that of the force, N m: 0 but for a
-    /// law that resists turning.
+    /// Torque of rolling resistance on a rotating body (rad/s), in addition to that of the force, N
+    /// m.
+    ///
+    /// It is 0 unless the friction law has rolling resistance.
     #[inline]
     pub fn turning_torque<G, F>(
         &self,
@@ -472,8 +482,8 @@ impl<R: Real> Contact<R> {
     }
 }
 
-/// The place of a smooth body that faces the ground, as a bare contact of the body as it is turned
-/// now: for the normal under the contact that stands for it.
+/// Point of a smooth body that faces the ground, as a bare contact for the current orientation. The
+/// normal is that under the contact which represents the body.
 #[inline]
 pub(crate) fn facing_ground<R: Real, B: RigidPointBody<R>, G: SpringDamperGround<R>>(
     body: &B,
@@ -486,11 +496,11 @@ pub(crate) fn facing_ground<R: Real, B: RigidPointBody<R>, G: SpringDamperGround
     ContactPoint::bare(body.support_point(axes.to_body(-surface.normal)))
 }
 
-/// From the centre of mass to the place of a contact's surface that faces the ground, m, world
-/// axes.
+/// Vector from the centre of mass to the point of a contact's surface that faces the ground, m,
+/// world axes.
 #[inline]
 fn surface_arm<R: Real>(point: &ContactPoint<R>, centre_arm: R::Vec3, normal: R::Vec3) -> R::Vec3 {
-    // A bare point, as most are, needs no arithmetic.
+    // A bare point, the most frequent case, needs no arithmetic.
     if point.radius == R::ZERO {
         centre_arm
     } else {
@@ -501,16 +511,16 @@ fn surface_arm<R: Real>(point: &ContactPoint<R>, centre_arm: R::Vec3, normal: R:
 /// Force and torque of the ground on the body, world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load<R: Real = f64> {
-    /// N.
+    /// Force, N.
     pub force: R::Vec3,
-    /// About the centre of mass, N m.
+    /// Torque about the centre of mass, N m.
     pub torque: R::Vec3,
     /// Number of contacts that touch.
     pub touching: usize,
 }
 
 impl<R: Real> Load<R> {
-    /// One more contact that touches, with its force (N), and its arm when the body has other axes.
+    /// Adds a touching contact with its force (N), and with its arm for a body with other axes.
     #[inline]
     fn add_along(&mut self, axes: &Axes<R>, contact: &Contact<R>, force: R::Vec3) {
         self.force += force;
@@ -518,7 +528,7 @@ impl<R: Real> Load<R> {
         self.touching += 1;
     }
 
-    /// One more contact that touches, with its force (N).
+    /// Adds a touching contact with its force (N).
     #[inline]
     pub(crate) fn add(&mut self, contact: &Contact<R>, force: R::Vec3) {
         self.force += force;
@@ -538,19 +548,19 @@ impl<R: Real> Default for Load<R> {
     }
 }
 
-/// How fast a state changes, world axes.
+/// Rates of change of a state, world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates<R: Real = f64> {
-    /// Of the centre of mass, by contacts and gravity, m/s².
+    /// Acceleration of the centre of mass by contacts and gravity, m/s².
     pub acceleration: R::Vec3,
-    /// Of the contacts about the centre of mass, N m: the rate of the angular momentum.
+    /// Torque of the contacts about the centre of mass, N m: the rate of the angular momentum.
     pub torque: R::Vec3,
-    /// rad/s.
+    /// Angular velocity, rad/s.
     pub angular_velocity: R::Vec3,
 }
 
 impl<R: Real> Rates<R> {
-    /// The rates at a motion of a scene under the load of its contacts.
+    /// Rates for a motion of a scene under the load of its contacts.
     #[inline]
     #[must_use]
     pub fn under(load: &Load<R>, scene: &impl Dynamics<R>, motion: &Motion<R>) -> Self {
@@ -562,22 +572,22 @@ impl<R: Real> Rates<R> {
     }
 }
 
-/// The lowest point of a body's surface.
+/// Lowest point of a body's surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LowestPoint<R: Real = f64> {
-    /// Number of its contact; rims are counted on from the last contact.
+    /// Number of its contact. Rims are numbered after the last contact.
     pub index: usize,
-    /// m, world axes.
+    /// Position, m, world axes.
     pub position: R::Vec3,
-    /// Height above the ground, m; negative in it.
+    /// Height above the ground, m, negative below ground.
     pub gap: R,
-    /// Velocity of the body's material there, along the surface, m/s.
+    /// Velocity of the body's material at the point, along the surface, m/s.
     pub slip: R::Vec3,
 }
 
 impl<R: Real> LowestPoint<R> {
-    /// The point of the body's surface that lies lowest above the ground, or deepest in it; `None`
-    /// for a body without contacts.
+    /// Returns the point of the body's surface that is lowest above the ground, or deepest below
+    /// it. Returns `None` for a body without contacts.
     #[must_use]
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Option<Self> {
         let motion = scene.motion(state);
@@ -614,7 +624,7 @@ impl<R: Real> LowestPoint<R> {
     }
 }
 
-/// Body, ground, friction and gravity, checked, with the body's mass properties worked out.
+/// Body, ground, friction and gravity, checked, with the computed mass properties of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene<R: Real, B, G, F, A> {
     body: B,
@@ -638,8 +648,8 @@ where
     ///
     /// # Errors
     /// Returns [`SceneError`] if body, ground, friction or gravity is invalid, or if the weight,
-    /// the reach, or the inverse of the mass or of a moment of inertia overflows. The error names
-    /// the quantity, the rule and the value.
+    /// the bounding radius, or the inverse of the mass or of a moment of inertia overflows. The
+    /// error names the quantity, the rule and the value.
     pub fn new(body: B, ground: G, friction: F, gravity: A) -> Result<Self, SceneError> {
         body.check()?;
         ground.check()?;
@@ -670,7 +680,7 @@ where
 }
 
 impl<R: Real, B, G, F, A> Scene<R, B, G, F, A> {
-    /// The four parts again.
+    /// Returns the four parts.
     pub(crate) fn into_parts(self) -> (B, G, F, A) {
         (self.body, self.ground, self.friction, self.gravity)
     }
@@ -682,7 +692,7 @@ where
     G: SpringDamperGround<R>,
     F: SlidingFriction<R>,
 {
-    /// Whether a step need not check what the laws return.
+    /// Returns true if a step need not check the values that the laws return.
     #[inline(always)]
     pub(crate) fn is_trusted(&self) -> bool {
         self.ground.is_trusted() && self.friction.is_trusted()

@@ -1,11 +1,12 @@
-//! A cylinder with round ends.
+//! Cylinder with hemispherical ends.
 
 use super::{ContactPoint, MassProperties, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
-/// A cylinder between two half-balls, along body z: two contacts with its radius. On flat ground
-/// they are the whole of it.
+/// Cylinder between two hemispheres, along body z: two contacts with its radius.
+///
+/// On flat ground the two contacts represent the whole capsule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule<R: Real = f64> {
     mass: R,
@@ -14,8 +15,8 @@ pub struct Capsule<R: Real = f64> {
 }
 
 impl<R: Real> Capsule<R> {
-    /// A homogeneous capsule: mass in kg, radius in m, length between the centres of its ends in m
-    /// (0 makes a ball).
+    /// Creates a homogeneous capsule. Mass in kg, radius in m, length between the centres of its
+    /// ends in m. A length of 0 gives a ball.
     #[must_use]
     pub fn solid(mass: R, radius: R, length: R) -> Self {
         let end = |z: R| ContactPoint {

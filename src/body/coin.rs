@@ -1,21 +1,23 @@
-//! The coin of the report: a ring of points.
+//! Coin of the coin report: a ring of points.
 
 use super::{ContactPoint, ContactRange, RigidPointBody, check_contacts};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
 use crate::state::State;
 
-/// A coin whose mass and contacts lie on its rim: `n` equal points on a circle, as in the report.
+/// Coin whose mass and contacts lie on its rim: `n` equal points on a circle, as in the coin
+/// report.
 ///
-/// Body axes: the coin's normal is x, the rim lies in the yz plane, point k = 1 ... n at
-/// `(0, r cos(2πk/n), r sin(2πk/n))`; contact number `k - 1`. For any n of at least 3 the moments
-/// are exactly `m r²` about the normal and `m r²/2` about a diameter.
+/// Body axes: the coin's normal is x and the rim lies in the yz plane. Point k = 1 ... n is at
+/// `(0, r cos(2πk/n), r sin(2πk/n))` and has the contact number `k - 1`. For any n of at least 3
+/// the moments are exactly `m r²` about the normal and `m r²/2` about a diameter.
 ///
-/// *Limit:* the rim is a polygon. Upright, its centre rises and falls by `r (1 - cos(π/n))` as it
-/// rolls: 1.7e-4 m for the report's 120 points and r = 0.5 m; with few points it rattles from
-/// corner to corner. [`Disc`](super::Disc) is round, and says when which of them is better.
+/// *Limit:* the rim is a polygon. As the upright coin rolls, its centre rises and falls by
+/// `r (1 - cos(π/n))`. This is 1.7e-4 m for the 120 points of the coin report and r = 0.5 m. With
+/// few points the coin rattles from corner to corner. [`Disc`](super::Disc) is round, and its
+/// documentation states which of the two is better in which case.
 ///
-/// `P` is where the points are: an array, a borrowed slice, or a `Vec`.
+/// `P` stores the points: an array, a borrowed slice, or a `Vec`.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -42,7 +44,7 @@ pub struct Coin<R: Real = f64, P = [ContactPoint<R>; 120]> {
 }
 
 impl<R: Real> Coin<R> {
-    /// A ring of 120 points, as in the report; mass in kg, radius in m.
+    /// Creates a ring of 120 points, as in the coin report. Mass in kg, radius in m.
     #[must_use]
     pub fn ring(mass: R, radius: R) -> Self {
         Self::ring_with_storage([ContactPoint::default(); 120], mass, radius)
@@ -50,7 +52,7 @@ impl<R: Real> Coin<R> {
 }
 
 impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Coin<R, P> {
-    /// A ring of as many points as `storage` holds, at least 3; mass in kg, radius in m.
+    /// Creates a ring of as many points as `storage` holds, at least 3. Mass in kg, radius in m.
     ///
     /// ```
     /// use tumble::{Coin, ContactPoint};
@@ -87,8 +89,10 @@ impl<R: Real, P> Coin<R, P> {
         tilt(state)
     }
 
-    /// The face that looks up; [`CoinFace::Edge`] where neither does, upright to rounding: a ring
-    /// has no edge to stand on, as [`SolidCoin`](super::SolidCoin) has.
+    /// Face that points up.
+    ///
+    /// Returns [`CoinFace::Edge`] if neither face does, which is the case for a coin upright to
+    /// rounding. A ring has no edge to stand on, in contrast to a [`SolidCoin`](super::SolidCoin).
     #[must_use]
     pub fn face_up(&self, state: &State<R>) -> CoinFace {
         CoinFace::up(state.rotation().axes().x.z())
@@ -141,7 +145,7 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
     fn contacts_below_near(&self, normal: R::Vec3, offset: R, near: ContactRange) -> ContactRange {
         let points = self.points.as_ref();
         let (y, z) = (normal.y() * self.radius, normal.z() * self.radius);
-        // The lowest place of the continuous rim is -|(y, z)|, the highest +|(y, z)|.
+        // The lowest point of the continuous rim is at -|(y, z)|, the highest at +|(y, z)|.
         let extent = y * y + z * z;
         if offset * offset > extent {
             return if offset > R::ZERO {
@@ -153,11 +157,11 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
         arc_near(points, normal, offset, near).unwrap_or_else(|| arc_below(points, normal, offset))
     }
 
-    /// That of the round rim, which holds the points.
+    /// Support function of the round rim, which encloses the points.
     #[inline]
     fn support(&self, direction: R::Vec3) -> R {
         let (y, z) = (direction.y(), direction.z());
-        // A rim's point may lie beyond the circle by its rounding.
+        // A point of the rim may lie outside the circle by rounding.
         self.radius * (y * y + z * z).sqrt() * (R::ONE + R::EPSILON * R::from_f64(4.0))
     }
 
@@ -177,10 +181,11 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
     }
 }
 
-/// The arc of a ring under a plane, by walking: from a guess at the lowest point outwards to both
-/// sides while under the plane.
+/// Arc of a ring below a plane, found by a walk from a guess of the lowest point to both sides.
 ///
-/// Heights round a ring have one minimum, so no other point is visited and no arc is missed.
+/// The walk continues while points are below the plane.
+///
+/// Heights along a ring have one minimum. So no other point is visited and no arc is missed.
 #[inline]
 fn arc_below<R: Real>(points: &[ContactPoint<R>], normal: R::Vec3, offset: R) -> ContactRange {
     let guess = lowest_guess(points.len(), -normal.y(), -normal.z());
@@ -188,14 +193,15 @@ fn arc_below<R: Real>(points: &[ContactPoint<R>], normal: R::Vec3, offset: R) ->
     if run.count > 0 {
         return run;
     }
-    // A shallow arc may lie beside the guess.
+    // A shallow arc may lie next to the guess.
     let height_of = |i: usize| (points.get(i)).map_or(R::MAX, |point| height(point, normal));
     let lowest = walk_down(points.len(), guess, height_of);
     arc_around(points, lowest, |point| height(point, normal) < offset)
 }
 
-/// The arc of a ring under a plane, by walking from both ends of one that is known: none where they
-/// part for good, or where the ring's first point is in the way.
+/// Arc of a ring below a plane, found by a walk from both ends of a known arc.
+///
+/// Returns `None` if the walk finds no end of the arc, or if it would cross the ring's first point.
 #[inline]
 fn arc_near<R: Real>(
     points: &[ContactPoint<R>],
@@ -230,14 +236,14 @@ fn arc_near<R: Real>(
     Some(ContactRange { first, count })
 }
 
-/// Height of a ring's point along a direction, m.
+/// Height of a point of the ring along a direction, m.
 #[inline(always)]
 fn height<R: Real>(point: &ContactPoint<R>, normal: R::Vec3) -> R {
     point.position.y() * normal.y() + point.position.z() * normal.z()
 }
 
-/// The longest run of points around `middle` that are all `below`; none where the middle itself is
-/// not.
+/// Longest contact range around `middle` whose points are all `below`. It is empty if the middle
+/// itself is not below.
 #[inline]
 fn arc_around<T>(points: &[T], middle: usize, below: impl Fn(&T) -> bool) -> ContactRange {
     let (before, after) = points.split_at_checked(middle).unwrap_or_default();
@@ -260,13 +266,13 @@ fn arc_around<T>(points: &[T], middle: usize, below: impl Fn(&T) -> bool) -> Con
     }
 }
 
-/// The number of the lowest of so many points on a ring, downhill from `start`.
+/// Number of the lowest of `count` points on a ring, found downhill from `start`.
 pub(super) fn walk_down<R: Real>(count: usize, start: usize, height: impl Fn(usize) -> R) -> usize {
     let after = |i: usize| if i + 1 < count { i + 1 } else { 0 };
     let before = |i: usize| if i > 0 { i - 1 } else { count.wrapping_sub(1) };
 
     let (mut lowest, mut low) = (start, height(start));
-    // At most once round, whatever the numbers are.
+    // At most one revolution, for any values.
     for _ in 0..count {
         let (a, b) = (after(lowest), before(lowest));
         let (up, down) = (height(a), height(b));
@@ -281,11 +287,11 @@ pub(super) fn walk_down<R: Real>(count: usize, start: usize, height: impl Fn(usi
     lowest
 }
 
-/// The number of the ring's point that lies nearest to the direction (`y`, `z`), or one beside it.
+/// Number of the ring's point nearest to the direction (`y`, `z`), or of a neighbour of it.
 ///
-/// The angle is `atan t ≈ t (π/4 + 0.273 (1 - t))` in an eighth of a turn, good to 0.0038 rad
-/// (Rajan et al., IEEE Signal Processing Magazine 23(3), 2006), which is a tenth of the way between
-/// two of 120 points; from there the caller walks.
+/// The angle is `atan t ≈ t (π/4 + 0.273 (1 - t))` in an eighth of a revolution. It is accurate to
+/// 0.0038 rad (Rajan et al., IEEE Signal Processing Magazine 23(3), 2006). This error is a tenth of
+/// the spacing of 120 points. The caller walks on from there.
 #[inline]
 pub(super) fn lowest_guess<R: Real>(count: usize, y: R, z: R) -> usize {
     let c = R::from_f64;
@@ -304,7 +310,7 @@ pub(super) fn lowest_guess<R: Real>(count: usize, y: R, z: R) -> usize {
         quarter
     };
     let turns = if z < R::ZERO { R::ONE - half } else { half };
-    // Point k = 1 ... n stands at k/n turns and is contact k - 1.
+    // Point k = 1 ... n is at k/n revolutions and is contact k - 1.
     let k = (turns * R::from_usize(count) + R::HALF).floor_index();
     if k == 0 || k > count {
         count.wrapping_sub(1)
@@ -313,21 +319,21 @@ pub(super) fn lowest_guess<R: Real>(count: usize, y: R, z: R) -> usize {
     }
 }
 
-/// What looks up.
+/// Side of a coin that points up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CoinFace {
     /// The face on the side of body x.
     Heads,
     /// The face on the side of body -x.
     Tails,
-    /// Neither: the coin stands upright on its rim.
+    /// Neither face: the coin stands upright on its rim.
     Edge,
 }
 
 impl CoinFace {
-    /// By the z component of the unit vector that points out of heads.
+    /// Face that points up, by the z component of the unit vector out of heads.
     pub(super) fn up<R: Real>(up: R) -> Self {
-        // A normal nearer to level than the last place of a length-1 vector points neither way.
+        // Closer to horizontal than the rounding of a unit vector, the normal points neither way.
         if up > R::EPSILON {
             Self::Heads
         } else if up < -R::EPSILON {
@@ -352,8 +358,8 @@ mod tests {
         Coin::ring_with_storage([ContactPoint::default(); N], 1.0, 0.5)
     }
 
-    /// Each contact under the plane is in the run; each in the run but the two ends' neighbours is
-    /// under it.
+    /// Checks that each contact below the plane is in the range. Each contact in the range, except
+    /// the neighbours of the two ends, must be below it.
     fn the_arc_is_right<const N: usize>() {
         let coin = ring::<N>();
         for step in 0..1000 {
@@ -392,8 +398,8 @@ mod tests {
         let coin = ring::<120>();
         let (mut near, mut sooner) = (ContactRange::NONE, 0);
         for step in 0..10_000 {
-            // Rolling by a third of the way between two points, deeper and less deep, leaning to
-            // and fro.
+            // Rolls by a third of the spacing of two points, with changing penetration depth and
+            // tilt.
             let step = f64::from(step);
             let turn = DQuat::from_rotation_x(0.0175 * step)
                 * DQuat::from_rotation_y(0.05 * (0.01 * step).sin());
@@ -418,7 +424,7 @@ mod tests {
             sooner += usize::from(arc_near(coin.contacts(), normal, offset, near).is_some());
             near = run;
         }
-        // But for those across the ring's first point, and short ones.
+        // Except for arcs across the ring's first point, and short arcs.
         assert!(sooner > 6000, "{sooner}");
     }
 

@@ -1,4 +1,4 @@
-//! A cone: its tip and the rim of its base.
+//! Cone: its tip and the rim of its base.
 
 use super::coin::place_on_circle;
 use super::solid::centre;
@@ -6,12 +6,14 @@ use super::{ContactPoint, MassProperties, RigidPointBody, check_contacts};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
 
-/// A homogeneous cone along body z: contact 0 is its tip, the others are points on the rim of its
-/// base. The centre of mass is a quarter of the height above the base.
+/// Homogeneous cone along body z.
 ///
-/// `P` is where the contacts are: an array, a borrowed slice, or a `Vec`.
+/// Contact 0 is its tip, the others are points on the rim of its base. The centre of mass is a
+/// quarter of the height above the base.
 ///
-/// *Limit:* the rim is a polygon, as that of a [`Coin`](super::Coin): out of round by
+/// `P` stores the contacts: an array, a borrowed slice, or a `Vec`.
+///
+/// *Limit:* the rim is a polygon, as for a [`Coin`](super::Coin). It deviates from the circle by
 /// `r (1 - cos(π/n))`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone<R: Real = f64, P = [ContactPoint<R>; 121]> {
@@ -22,7 +24,7 @@ pub struct Cone<R: Real = f64, P = [ContactPoint<R>; 121]> {
 }
 
 impl<R: Real> Cone<R> {
-    /// A cone whose rim has 120 points: mass in kg, radius of the base and height in m.
+    /// Creates a cone whose rim has 120 points. Mass in kg, radius of the base and height in m.
     #[must_use]
     pub fn solid(mass: R, radius: R, height: R) -> Self {
         Self::solid_with_storage([ContactPoint::default(); 121], mass, radius, height)
@@ -30,8 +32,8 @@ impl<R: Real> Cone<R> {
 }
 
 impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Cone<R, P> {
-    /// A cone with as many contacts as `storage` holds, at least 4: its tip and the points of its
-    /// rim.
+    /// Creates a cone with as many contacts as `storage` holds, at least 4: its tip and the points
+    /// of its rim. Mass in kg, radius of the base and height in m.
     #[must_use]
     pub fn solid_with_storage(mut storage: P, mass: R, radius: R, height: R) -> Self {
         let distribution = MassProperties::cone(mass, radius, height);

@@ -1,15 +1,17 @@
-//! A box, sharp or with round corners: a die.
+//! Box with sharp or round corners, such as a die.
 
 use super::{ContactPoint, MassProperties, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 use crate::state::State;
 
-/// A box: a contact at each of its eight corners, sharp, or round where they have a radius. Edges
-/// along the body axes.
+/// Box with a contact at each of its eight corners and edges along the body axes.
 ///
-/// On flat ground eight round corners are the whole rounded box, because nothing of it reaches
-/// below the lowest of them. On curved ground a contact in the middle of a face is not felt.
+/// The corners are sharp, or round if they have a radius.
+///
+/// On flat ground the eight round corners represent the whole rounded box, because no part of it is
+/// lower than the lowest of them. On curved ground, contact in the middle of a face is not
+/// detected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid<R: Real = f64> {
     pub(super) distribution: MassProperties<R>,
@@ -18,10 +20,10 @@ pub struct Cuboid<R: Real = f64> {
     corners: [ContactPoint<R>; 8],
 }
 
-// Where a method has a parameter `V`, it is `R::Vec3`. As a type of its own it tells the compiler
-// the precision, which a projection does not.
+// A parameter type `V` of a method is `R::Vec3`. As a type parameter it lets the compiler infer the
+// precision, which a projection does not.
 impl<R: Real> Cuboid<R> {
-    /// A homogeneous box: moments `m (b² + c²)/12` and so on. Mass in kg, edges in m.
+    /// Creates a homogeneous box: moments `m (b² + c²)/12` and so on. Mass in kg, edges in m.
     #[must_use]
     pub fn solid<V: Vector<R>>(mass: R, edges: V) -> Self
     where
@@ -30,14 +32,14 @@ impl<R: Real> Cuboid<R> {
         Self::loaded(edges, MassProperties::cuboid(mass, edges))
     }
 
-    /// A homogeneous cube: moments `m a²/6`. Mass in kg, edge in m.
+    /// Creates a homogeneous cube: moments `m a²/6`. Mass in kg, edge in m.
     #[must_use]
     pub fn cube(mass: R, edge: R) -> Self {
         Self::solid(mass, R::Vec3::new(edge, edge, edge))
     }
 
-    /// A box with these edges (m) and its middle at the origin, with any mass distribution within:
-    /// a loaded die.
+    /// Creates a box with these edges (m), its middle at the origin and any mass distribution, such
+    /// as a loaded die.
     #[must_use]
     pub fn loaded<V: Vector<R>>(edges: V, distribution: MassProperties<R>) -> Self
     where
@@ -52,12 +54,12 @@ impl<R: Real> Cuboid<R> {
         .rounded(R::ZERO)
     }
 
-    /// The same with corners and edges rounded to this radius, m: at most half of the shortest
-    /// edge.
+    /// Returns the box with corners and edges rounded to this radius, m. The radius is at most half
+    /// of the shortest edge.
     ///
     /// The mass distribution stays that of the sharp box. For a homogeneous cube with a radius of a
-    /// tenth of its edge the moments are 2.9 % too large, for a twentieth 0.8 %; where that
-    /// matters, give it to [`loaded`](Self::loaded).
+    /// tenth of its edge the moments are 2.9 % too large, for a twentieth 0.8 %. If this matters,
+    /// pass the exact distribution to [`loaded`](Self::loaded).
     #[must_use]
     pub fn rounded(mut self, radius: R) -> Self {
         self.corner_radius = radius;
@@ -73,7 +75,7 @@ impl<R: Real> Cuboid<R> {
         self
     }
 
-    /// Edges less the corners' radii at both ends, m.
+    /// Edges minus the corners' radii at both ends, m.
     fn between_corners(&self) -> [R; 3] {
         let ends = self.corner_radius * R::TWO;
         [self.edges.x(), self.edges.y(), self.edges.z()].map(|edge| edge - ends)
@@ -93,7 +95,8 @@ impl<R: Real> Cuboid<R> {
         self.corner_radius
     }
 
-    /// The side that looks up most; `None` where two do alike, as for a box that stands on an edge.
+    /// Side that points up most. Returns `None` if two sides point up equally, as for a box that
+    /// stands on an edge.
     #[must_use]
     pub fn face_up(&self, state: &State<R>) -> Option<CuboidFace> {
         let axes = state.rotation().axes();
@@ -109,25 +112,25 @@ impl<R: Real> Cuboid<R> {
                 next = next.at_least(steepness);
             }
         }
-        // Nearer than the last place of a length-1 vector is alike.
+        // A difference below the rounding of a unit vector counts as equal.
         most.1.filter(|_| most.0 - next > R::EPSILON)
     }
 }
 
-/// A side of a box, by the body axis that points out of it.
+/// Side of a box, named by the body axis that points out of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CuboidFace {
-    /// Out of it points body x.
+    /// Side on the positive x side, body axes.
     X,
-    /// Out of it points body -x.
+    /// Side on the negative x side, body axes.
     MinusX,
-    /// Out of it points body y.
+    /// Side on the positive y side, body axes.
     Y,
-    /// Out of it points body -y.
+    /// Side on the negative y side, body axes.
     MinusY,
-    /// Out of it points body z.
+    /// Side on the positive z side, body axes.
     Z,
-    /// Out of it points body -z.
+    /// Side on the negative z side, body axes.
     MinusZ,
 }
 
@@ -138,8 +141,10 @@ impl CuboidFace {
         [Self::MinusZ, Self::Z],
     ];
 
-    /// The number on this side of a die: opposite sides make 7, and 1, 2, 3 lie counter-clockwise
-    /// about their corner, as on Western dice.
+    /// Number of pips on this side of a die.
+    ///
+    /// Opposite sides add up to 7. The sides 1, 2 and 3 are counter-clockwise about their corner,
+    /// as on Western dice.
     #[must_use]
     pub fn pips(self) -> u8 {
         match self {

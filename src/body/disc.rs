@@ -1,4 +1,4 @@
-//! A coin with a round rim.
+//! Coin with a round rim.
 
 use super::coin::{CoinFace, tilt};
 use super::{ContactPoint, RigidPointBody, Rim};
@@ -6,23 +6,25 @@ use crate::error::{self, SceneError};
 use crate::real::{Matrix, Real, Vector};
 use crate::state::State;
 
-/// A thin coin whose contact is the whole circle of its rim: [`Coin`](super::Coin) in the limit of
-/// many points.
+/// Thin coin whose contact is the whole circle of its rim.
 ///
-/// Body axes: the normal is x, the rim lies in the yz plane. Mass properties are those of the
-/// constructor, and do not depend on the number of points that the rim [stands for](Rim).
+/// It is a [`Coin`](super::Coin) in the limit of many points.
+///
+/// Body axes: the normal is x and the rim lies in the yz plane. The mass properties are those of
+/// the constructor. They do not depend on the number of points that the rim [represents](Rim).
 ///
 /// ```
 /// use tumble::glam::DVec3;
 /// use tumble::{Disc, FlatGround, State, Stepper, StrangSplitting, UniformGravity};
 ///
-/// // On the ground of the report's 120 points it rolls upright at 4 rad/s and stays as high as it was to a micrometre: the corners of such a ring are 170 µm high.
+/// // The disc on the ground of the 120 points of the coin report: it rolls upright at 4 rad/s.
+/// // Its height stays constant to 1 µm. The corners of such a ring of points are 170 µm high.
 /// let stepper = Stepper::new(Disc::ring(1.0, 0.5, 120))? // kg, m
 ///     .with_gravity(UniformGravity::down(9.8))? // m/s²
 ///     .with_ground(FlatGround::level(1000.0, 0.5))? // N/m and N s/m, for each of 120 points
 ///     .with_integrator(StrangSplitting { time_step: 1e-3 })?; // s
 /// let mut state = State::at(DVec3::Z * 0.49);
-/// stepper.advance(&mut state, 20.0)?; // until it has sunk in
+/// stepper.advance(&mut state, 20.0)?; // until it has settled
 /// let height = state.position.z;
 /// state = stepper.with_angular_velocity(state.with_linear_velocity(DVec3::NEG_Y * 2.0), DVec3::X * 4.0); // m/s, rad/s
 /// stepper.advance(&mut state, 1.0)?;
@@ -32,15 +34,17 @@ use crate::state::State;
 ///
 /// # Points or a round rim
 ///
-/// - Points are the report's coin, and the cheaper one. Take [`Coin`](super::Coin) to repeat the
-///   report, for pictures, and where 0.1 mm or a few hundredths of g do not matter.
-/// - The round rim has no corners to enter. It rolls without a rattle, methods of high order keep
-///   their order, and one that chooses its steps has no touch-downs to find.
+/// - Points model the coin of the coin report and are cheaper. Use [`Coin`](super::Coin) to repeat
+///   the coin report, for pictures, and if 0.1 mm or a few hundredths of g do not matter.
+/// - The round rim has no corners. It rolls without rattling. Methods of high order keep their
+///   order. A method with adaptive steps has no touch-downs of points to locate.
 ///
-/// The tables compare a `Disc` that stands for 120 points of 1000 N/m and 0.5 N s/m, with 1 kg on
-/// 0.5 m, with rings of n points that have as much stiffness and damping on the whole rim: where
-/// they come to in the report's trials (slip speed 1 mm/s), and how they roll upright at 4 rad/s.
-/// `cargo run --release --example round_rim` prints them, `.ci/instructions` the counts.
+/// The tables compare a `Disc` with rings of n points that have the same stiffness and damping on
+/// the whole rim. The disc has a mass of 1 kg and a radius of 0.5 m. It represents 120 points of
+/// 1000 N/m and 0.5 N s/m each. The first table lists where the rings arrive in the trials of the
+/// coin report (slip speed 1 mm/s). The second table lists how they roll upright at 4 rad/s.
+/// `cargo run --release --example round_rim` prints the tables, and `.ci/instructions` prints the
+/// instruction counts.
 ///
 /// | distance from the round rim, m | trial 1, 1 s | 5 s | trial 5, 1 s | 5 s | trial 8, 1 s | 5 s |
 /// |---|---|---|---|---|---|---|
@@ -55,15 +59,15 @@ use crate::state::State;
 /// | 1200 points | 2.1e-4 | 0.0431 | 4012 |
 /// | round | 4.8e-14 | 0.0431 | 1614 |
 ///
-/// In instructions a step of `SymplecticEuler` on the round rim costs 1.6 times that of 120 points
-/// at the start of trial 1, and no more in flight; where the coin tumbles, so that friction
-/// reverses on the arc and twice as many points and more are needed there, 5.4 times. One of
-/// [`EnergyMomentum`](crate::EnergyMomentum) costs 5.5 and 4.4 times as much
-/// (`cargo bench --bench ratios`).
+/// At the start of trial 1, a step of `SymplecticEuler` on the round rim costs 1.6 times the
+/// instructions of a step with 120 points. In flight it costs no more. It costs 5.4 times as much
+/// if the coin tumbles, because friction reverses on the arc and more than twice as many points are
+/// needed there. A step of [`EnergyMomentum`](crate::EnergyMomentum) costs 5.5 and 4.4 times as
+/// much (`cargo bench --bench ratios`).
 ///
-/// How far the place of the round coin is off after a second of trial 1:
+/// Position error of the round coin after one second of trial 1:
 ///
-/// | steps of | [`Rk4`](crate::Rk4) | [`Nystrom`](crate::Nystrom) | [`StrangSplitting`](crate::StrangSplitting) | [`EnergyMomentum`](crate::EnergyMomentum) |
+/// | step size | [`Rk4`](crate::Rk4) | [`Nystrom`](crate::Nystrom) | [`StrangSplitting`](crate::StrangSplitting) | [`EnergyMomentum`](crate::EnergyMomentum) |
 /// |---|---|---|---|---|
 /// | 10 ms | 1e-4 m | 1e-5 m | 1e-3 m | 8e-4 m |
 /// | 5 ms | 4e-6 m | 4e-7 m | 2e-4 m | 2e-4 m |
@@ -73,34 +77,38 @@ use crate::state::State;
 ///
 /// # Limits
 ///
-/// - The arc is that below a plane. On [`Terrain`](crate::Terrain) it is the one that touches the
-///   ground under the lowest place: good while half an arc is short beside the ground's radius of
-///   curvature, and one arc alone. There the springs' energy is not quite their work, and the
-///   energy limiter of `EnergyMomentum` holds what is lacking.
-/// - With explicit methods forces are the integral of the laws over the arc to 2e-7 of themselves,
-///   and mostly to 1e-9. They are less accurate where dampers hold back the lowest place and both
-///   ends, so that only a short part between them pushes. `EnergyMomentum` has eight points between
-///   kinks: where friction reverses on the arc, that leaves up to 1e-3 of the load, and 6e-3 for a
-///   slip speed of 1e-10 m/s. So it does not tend to the same limit as its steps get shorter.
-/// - The limit of many points is reached with the square of their number, if the points' contacts
-///   are resolved in time. A ring that spins upright on the spot is an exception: the same points
-///   stay about the lowest place, where friction reverses, and the limit is reached in proportion
-///   to the number of points until their distance times the spin is below the slip speed.
-/// - Each point that touches down is a jump of its damper's force. A fixed step adds an error in
-///   proportion to the step size to the place of a ring of points, not to that of the round rim.
-/// - `EnergyMomentum` is of order 2 on it without dampers; with those of the report it is of order
-///   1 below steps of 2 ms.
+/// - The arc is computed for a plane. On [`Terrain`](crate::Terrain) it is the arc that touches the
+///   ground under the lowest point. This is accurate while half an arc is short compared with the
+///   ground's radius of curvature, and only one arc is found. On such ground the springs' energy
+///   differs slightly from their work. The energy limiter of `EnergyMomentum` compensates for the
+///   difference.
+/// - With explicit methods the forces equal the integral of the laws over the arc to a relative
+///   2e-7, and mostly to 1e-9. They are less accurate if dampers cancel the force at the lowest
+///   point and at both ends, so that only a short part between them pushes.
+/// - `EnergyMomentum` uses eight points between discontinuities. If friction reverses on the arc,
+///   the error is up to 1e-3 of the load, and 6e-3 for a slip speed of 1e-10 m/s. So the method
+///   does not converge to the same limit as its steps get shorter.
+/// - The difference from the limit of many points decreases with the square of their number, if the
+///   points' contacts are resolved in time. A ring that spins upright on the spot is an exception.
+///   The same points stay near the lowest point, where friction reverses. There the difference
+///   decreases in proportion to the number of points, until their distance times the spin is below
+///   the slip speed.
+/// - Each touch-down of a point is a discontinuity of its damper's force. A fixed step size adds a
+///   position error in proportion to the step size for a ring of points, but not for the round rim.
+/// - `EnergyMomentum` is of order 2 on the round rim without dampers. With the dampers of the coin
+///   report it is of order 1 for step sizes below 2 ms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc<R: Real = f64> {
     mass: R,
-    /// About the normal, over `m r²`; that about a diameter is half of it.
+    /// Moment about the normal over `m r²`. The moment about a diameter is half of it.
     shape: R,
     rim: [Rim<R>; 1],
 }
 
 impl<R: Real> Disc<R> {
-    /// A thin ring: moments `m r²` about the normal and `m r²/2` about a diameter. Mass in kg,
-    /// radius in m; its rim stands for so many points on the ground.
+    /// Creates a thin ring: moments `m r²` about the normal and `m r²/2` about a diameter.
+    ///
+    /// Mass in kg, radius in m. The rim represents `points` points on the ground.
     ///
     /// It is [`Coin::ring`](super::Coin::ring) with a round rim, on the same ground.
     #[must_use]
@@ -108,8 +116,10 @@ impl<R: Real> Disc<R> {
         Self::with_shape(mass, radius, points, R::ONE)
     }
 
-    /// A homogeneous disc, much thinner than wide: moments `m r²/2` about the normal and `m r²/4`
-    /// about a diameter. Mass in kg, radius in m; its rim stands for so many points on the ground.
+    /// Creates a homogeneous disc, much thinner than wide: moments `m r²/2` about the normal and
+    /// `m r²/4` about a diameter.
+    ///
+    /// Mass in kg, radius in m. The rim represents `points` points on the ground.
     #[must_use]
     pub fn solid(mass: R, radius: R, points: usize) -> Self {
         Self::with_shape(mass, radius, points, R::HALF)
@@ -150,7 +160,7 @@ impl<R: Real> Disc<R> {
         tilt(state)
     }
 
-    /// The face that looks up.
+    /// Face that points up.
     #[must_use]
     pub fn face_up(&self, state: &State<R>) -> CoinFace {
         CoinFace::up(state.rotation().axes().x.z())

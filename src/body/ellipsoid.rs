@@ -1,33 +1,36 @@
-//! A smooth ellipsoid, loaded or not: an egg.
+//! Smooth ellipsoid with any mass distribution, such as an egg.
 
 use super::{ContactPoint, MassProperties, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
-/// An ellipsoid with its semi-axes along the body axes: its one contact wanders over its surface to
-/// the place that faces the ground.
+/// Ellipsoid with its semi-axes along the body axes.
 ///
-/// That place is `s = (a² d_x, b² d_y, c² d_z)/h` for the direction d to the ground, with the
-/// distance `h = √(a² d_x² + b² d_y² + c² d_z²)` of the tangent plane from the middle (Goldman,
-/// *Pyramid Algorithms*, 2003, or any book on quadrics: the gradient of the support function h).
-/// The force acts there, and what slips is the body's material there, `v + ω × s`.
+/// Its one contact moves over its surface to the point that faces the ground.
 ///
-/// *Limits:* on a plane depth and force are exact; on a curved ground the place is that for the
-/// normal under the middle, good while the ground's radius of curvature is large against the body.
-/// One contact carries no moment about itself, so that the ellipsoid spins on a pivot without
-/// spinning friction.
+/// That point is `s = (a² d_x, b² d_y, c² d_z)/h`. Here a, b, c are the semi-axes and d is the
+/// direction to the ground. The distance of the tangent plane from the middle is
+/// `h = √(a² d_x² + b² d_y² + c² d_z²)`. The point is the gradient of the support function h
+/// (Goldman, *Pyramid Algorithms*, 2003, or any book on quadrics). The force acts at this point.
+/// The slip velocity is that of the body's material there, `v + ω × s`.
+///
+/// *Limits:* on a plane, penetration depth and force are exact. On a curved ground the point is
+/// computed for the normal under the middle. This is accurate while the ground's radius of
+/// curvature is large compared with the body. One contact transmits no moment about itself, so the
+/// ellipsoid spins on a point without spinning friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid<R: Real = f64> {
     pub(super) distribution: MassProperties<R>,
     semi_axes: R::Vec3,
-    /// A ball within it, which stands for it.
+    /// Ball inside the ellipsoid, which represents it in `contacts`.
     within: [ContactPoint<R>; 1],
 }
 
-// Where a method has a parameter `V`, it is `R::Vec3`. As a type of its own it tells the compiler
-// the precision, which a projection does not.
+// A parameter type `V` of a method is `R::Vec3`. As a type parameter it lets the compiler infer the
+// precision, which a projection does not.
 impl<R: Real> Ellipsoid<R> {
-    /// A homogeneous ellipsoid: moments `m (b² + c²)/5` and so on. Mass in kg, semi-axes in m.
+    /// Creates a homogeneous ellipsoid: moments `m (b² + c²)/5` and so on. Mass in kg, semi-axes in
+    /// m.
     #[must_use]
     pub fn solid<V: Vector<R>>(mass: R, semi_axes: V) -> Self
     where
@@ -36,8 +39,8 @@ impl<R: Real> Ellipsoid<R> {
         Self::loaded(semi_axes, MassProperties::ellipsoid(mass, semi_axes))
     }
 
-    /// An ellipsoid with these semi-axes (m) and its middle at the origin, with any mass
-    /// distribution within.
+    /// Creates an ellipsoid with these semi-axes (m), its middle at the origin and any mass
+    /// distribution.
     #[must_use]
     pub fn loaded<V: Vector<R>>(semi_axes: V, distribution: MassProperties<R>) -> Self
     where
@@ -47,7 +50,7 @@ impl<R: Real> Ellipsoid<R> {
         Self {
             semi_axes,
             within: [ContactPoint {
-                // Not `-0` where there is no offset.
+                // Subtracted from zero to avoid `-0` if there is no offset.
                 position: R::Vec3::ZERO - distribution.centre_of_mass,
                 radius: least,
             }],
@@ -62,7 +65,7 @@ impl<R: Real> Ellipsoid<R> {
         self.semi_axes
     }
 
-    /// The middle of the ellipsoid from the centre of mass, m, body axes.
+    /// Middle of the ellipsoid from the centre of mass, m, body axes.
     #[inline]
     #[must_use]
     pub fn middle(&self) -> R::Vec3 {
@@ -84,8 +87,10 @@ impl<R: Real> RigidPointBody<R> for Ellipsoid<R> {
     fn contacts(&self) -> &[ContactPoint<R>] {
         &self.within
     }
-    /// That of a ball around it: not less than the farthest place, and no more than that and the
-    /// middle's offset.
+    /// Radius of a ball around the ellipsoid, m.
+    ///
+    /// It is not less than the distance of the farthest point. It exceeds that distance by at most
+    /// the middle's offset.
     #[inline]
     fn bounding_radius(&self) -> R {
         let (a, b, c) = (self.semi_axes.x(), self.semi_axes.y(), self.semi_axes.z());

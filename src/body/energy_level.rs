@@ -1,29 +1,29 @@
-//! Free rotation about three different moments that keeps its energy.
+//! Torque-free rotation with three different moments that conserves energy.
 //!
-//! In principal axes the angular momentum `p` moves on a sphere, along the curve on which its
-//! energy is constant. A composition of rotations keeps the sphere to rounding and leaves the curve
-//! by its error of third order. The two squares beside one axis `k`, scaled by `M/M'`, lead back
-//! onto it, with
+//! In principal axes the angular momentum `p` moves on a sphere, along the curve of constant
+//! energy. A composition of rotations stays on the sphere to rounding. It leaves the curve by its
+//! error of third order. To return to the curve, the squares of the two components other than `p_k`
+//! are scaled by `M/M'`, with
 //!
 //! ```text
 //! M = Σ p_i² |1/I_i - 1/I_k|        i != k
 //! ```
 //!
-//! and `p_k²` as what is left of `|p|²`. For an energy below that of the middle axis `k` is the
-//! axis of the largest moment, else that of the smallest: then the scaled squares never exceed
-//! `|p|²`, and `M` has no cancellation however steady the rotation is. It is a closed form, for any
-//! step.
+//! and `p_k²` becomes the remainder of `|p|²`. If the energy is below that of the middle axis, `k`
+//! is the axis of the largest moment, otherwise that of the smallest. The scaled squares then never
+//! exceed `|p|²`, and `M` has no cancellation, however steady the rotation is. The formula is a
+//! closed form for any step size.
 
 use super::inertia_properties::InertiaProperties;
 use crate::real::{Real, Vector};
 use crate::rotation::{Axes, Rotation};
 
-/// The curve of constant energy that an angular momentum lies on.
+/// Curve of constant energy through an angular momentum.
 #[derive(Clone, Copy, Debug)]
 struct EnergyLevel<R> {
-    /// Number of the principal axis that the curve goes round.
+    /// Number of the principal axis that the curve encloses.
     pole: usize,
-    /// The angular momentum of the start, principal axes.
+    /// Angular momentum at the start, principal axes.
     start: [R; 3],
 }
 
@@ -31,8 +31,8 @@ impl<R: Real> InertiaProperties<R> {
     /// Returns the orientation after `seconds` without torque, from `rotation` with these `axes`,
     /// for three different moments.
     ///
-    /// The rotational energy is that of the start to rounding, whatever the time; of order 2. The
-    /// angular momentum is a constant of the world.
+    /// The rotational energy equals that of the start to rounding, for any time. The method is of
+    /// order 2. The angular momentum in world axes is constant.
     #[inline(never)]
     pub(crate) fn rotated_at_constant_energy(
         &self,
@@ -47,7 +47,8 @@ impl<R: Real> InertiaProperties<R> {
         let [shift_x, shift_y, shift_z] = self.shift_onto(level, [x, y, z]);
         let here = R::Vec3::new(x, y, z);
         let shift = R::Vec3::new(shift_x, shift_y, shift_z);
-        // The rotation from there to here, by the half angle's tangent: (d × p)/(p·p + p·(p + d)).
+        // Rotation from the corrected direction p + d to the current direction p, by the half
+        // angle's tangent: (d × p)/(p·p + p·(p + d)).
         let scale = here.length_squared() * R::TWO + here.dot(shift);
         let is_less_than_a_turn = scale > R::ZERO;
         if !is_less_than_a_turn {
@@ -71,7 +72,7 @@ impl<R: Real> InertiaProperties<R> {
         [moments.x(), moments.y(), moments.z()].map(|moment| R::ONE / moment)
     }
 
-    /// The curve through this angular momentum, principal axes.
+    /// Returns the curve through this angular momentum, principal axes.
     fn level_of(&self, momentum: [R; 3]) -> EnergyLevel<R> {
         let [x, y, z] = self.inverse_moments();
         let largest = x.at_least(y).at_least(z);
@@ -97,10 +98,11 @@ impl<R: Real> InertiaProperties<R> {
         }
     }
 
-    /// By how much twice the energy at `here` is below that at the start. About the axis that most
-    /// of the momentum lies along, where the squares that count are small and their rounding with
-    /// them: near the middle axis rounding of the whole energy would be worth a thousand times as
-    /// much of an angle.
+    /// Energy deficit: twice the energy at the start minus twice that at `here`.
+    ///
+    /// It is computed relative to the axis with the largest component of the momentum. There the
+    /// squares that count are small, and so is their rounding. Near the middle axis, rounding of
+    /// the whole energy would cause a thousand times the angle error.
     fn lost(&self, level: EnergyLevel<R>, here: [R; 3]) -> R {
         let inverse = self.inverse_moments();
         let (mut about, mut longest) = (R::ZERO, -R::ONE);
@@ -116,7 +118,7 @@ impl<R: Real> InertiaProperties<R> {
         lost
     }
 
-    /// `M` about a pole, and the sum of the squares beside it.
+    /// `M` about a pole, and the sum of the squares of the other two components.
     fn distance(&self, pole: usize, momentum: [R; 3]) -> (R, R) {
         let inverse = self.inverse_moments();
         let at_pole = inverse.get(pole).copied().unwrap_or(R::ZERO);
@@ -130,14 +132,14 @@ impl<R: Real> InertiaProperties<R> {
         (distance, beside)
     }
 
-    /// By how much an angular momentum must change to lie on the curve, principal axes.
+    /// Change that brings an angular momentum onto the curve, principal axes.
     fn shift_onto(&self, level: EnergyLevel<R>, momentum: [R; 3]) -> [R; 3] {
         let (distance, beside) = self.distance(level.pole, momentum);
         let is_off_the_pole = distance > R::ZERO;
         if !is_off_the_pole {
             return [R::ZERO; 3];
         }
-        // σ² - 1 and σ - 1, small where the error is, so that nothing cancels.
+        // σ² - 1 and σ - 1 are small where the error is small, so nothing cancels.
         let inverse = self.inverse_moments();
         let [x, y, z] = inverse;
         let is_lowest = inverse.get(level.pole) == Some(&x.at_most(y).at_most(z));

@@ -1,4 +1,4 @@
-//! The convex hull of points, as a solid.
+//! Convex hull of points, as a solid.
 
 use super::mass_properties::{Volume, check_vertices};
 use super::{ContactPoint, MassProperties, Solid};
@@ -6,16 +6,18 @@ use crate::error::SceneError;
 use crate::real::{Real, Vector};
 
 impl<R: Real> MassProperties<R> {
-    /// The homogeneous solid within the convex hull of points. Mass in kg, points in m, in any
-    /// order; those inside and doubles do not matter.
+    /// Mass properties of the homogeneous solid within the convex hull of points.
     ///
-    /// Facets are found by wrapping a plane round each edge and summed as those of a
-    /// [`mesh`](Self::mesh): about `n³` operations for n points and no memory, once. Points within
-    /// 256 units in the last place of the hull's size from a facet's plane belong to the facet.
+    /// Mass in kg, points in m, in any order. Interior points and duplicates have no effect.
+    ///
+    /// Facets are found by rotating a plane about each edge (gift wrapping). They are summed as
+    /// those of a [`mesh`](Self::mesh). This takes about `n³` operations for n points, once, and no
+    /// memory. Points within 256 units in the last place of the hull's size from a facet's plane
+    /// belong to the facet.
     ///
     /// # Errors
-    /// Where a coordinate is not finite, or the points lie in a plane, so that the hull has no
-    /// volume.
+    /// Returns [`SceneError`] if a coordinate is not finite, or if the points lie in a plane, so
+    /// that the hull has no volume.
     pub fn hull<V: Vector<R>>(mass: R, points: &[V]) -> Result<Self, SceneError>
     where
         R: Real<Vec3 = V>,
@@ -33,8 +35,9 @@ impl<R: Real> MassProperties<R> {
 }
 
 impl<R: Real, const N: usize> Solid<R, [ContactPoint<R>; N]> {
-    /// The homogeneous convex hull of points (m): it touches with each of them, bare, and has the
-    /// hull's mass distribution. Mass in kg.
+    /// Creates the homogeneous convex hull of points (m), with a bare contact at each of them.
+    ///
+    /// Its mass distribution is that of the hull. Mass in kg.
     ///
     /// ```
     /// use tumble::glam::DVec3;
@@ -48,8 +51,9 @@ impl<R: Real, const N: usize> Solid<R, [ContactPoint<R>; N]> {
     /// ```
     ///
     /// # Errors
-    /// Where the mass is not above 0, a coordinate is not finite, or the points lie in a plane.
-    // `V` is `R::Vec3`. As a type of its own it tells the compiler the precision, which a
+    /// Returns [`SceneError`] if the mass is not above 0, a coordinate is not finite, or the points
+    /// lie in a plane.
+    // `V` is `R::Vec3`. As a type parameter it lets the compiler infer the precision, which a
     // projection does not.
     pub fn hull<V: Vector<R>>(mass: R, points: [V; N]) -> Result<Self, SceneError>
     where
@@ -60,16 +64,16 @@ impl<R: Real, const N: usize> Solid<R, [ContactPoint<R>; N]> {
     }
 }
 
-/// Points, and how near to a plane or a line one counts as on it, m.
+/// Points, with the distance within which a point counts as on a plane or a line, m.
 struct Hull<'a, R: Real> {
     points: &'a [R::Vec3],
     thickness: R,
 }
 
-/// A plane with all points on it or behind it.
+/// Plane with all points on it or behind it.
 struct FacetPlane<R: Real> {
     place: R::Vec3,
-    /// Outward, of length 1.
+    /// Outward normal, of length 1.
     normal: R::Vec3,
 }
 
@@ -89,9 +93,11 @@ impl<'a, R: Real> Hull<'a, R> {
         self.points.get(index).copied().unwrap_or_default()
     }
 
-    /// Triangles of the facet, counter-clockwise from outside, that lies to the left of the edge
-    /// from `first` to `second`, if that is its edge and `first` is the least number of a point on
-    /// it: so each facet comes once.
+    /// Calls `see` with the triangles of the facet to the left of the edge from `first` to
+    /// `second`, counter-clockwise from outside.
+    ///
+    /// It does so only if this is an edge of the facet and `first` is the least number of a point
+    /// on it. So each facet is visited once.
     fn each_triangle(&self, first: usize, second: usize, mut see: impl FnMut([R::Vec3; 3])) {
         let Some(plane) = self.wrap(first, second) else {
             return;
@@ -104,7 +110,7 @@ impl<'a, R: Real> Hull<'a, R> {
         let mut corner = end;
         for _ in 0..self.points.len() {
             let next = self.next_corner(&plane, corner);
-            // Round the facet, or past a start that lies amid an edge.
+            // Either round the facet, or past a start that lies amid an edge.
             let is_back = |to: R::Vec3| (next - to).length() <= self.thickness;
             if is_back(start) || is_back(end) {
                 return;
@@ -114,8 +120,9 @@ impl<'a, R: Real> Hull<'a, R> {
         }
     }
 
-    /// The plane through two points that has no point before it, with its normal to their left;
-    /// `None` where the two are no edge of the hull.
+    /// Plane through two points that has no point in front of it, with its normal to their left.
+    ///
+    /// Returns `None` if the two points are not an edge of the hull.
     fn wrap(&self, first: usize, second: usize) -> Option<FacetPlane<R>> {
         let place = self.point(first);
         let along = self.point(second) - place;
@@ -123,7 +130,7 @@ impl<'a, R: Real> Hull<'a, R> {
         for &third in self.points {
             let normal = along.cross(third - place);
             let size = normal.length();
-            // On the line of the two.
+            // The third point is on the line of the two.
             if size <= along.length() * self.thickness {
                 continue;
             }
@@ -145,8 +152,8 @@ impl<'a, R: Real> Hull<'a, R> {
         height.abs() <= self.thickness
     }
 
-    /// Whether the facet in this plane lies to the left of the line, and no other point goes
-    /// farther along it (or as far, with a lesser number).
+    /// Returns true if the facet in this plane lies to the left of the line and no other point is
+    /// farther along it. A point that is as far, with a lesser number, also makes it false.
     fn is_edge(&self, plane: &FacetPlane<R>, first: usize, second: usize) -> bool {
         let start = self.point(first);
         let length = (self.point(second) - start).length();
@@ -162,7 +169,7 @@ impl<'a, R: Real> Hull<'a, R> {
         })
     }
 
-    /// The facet's corner after this one, counter-clockwise: it has no point of the facet to its
+    /// Corner of the facet after this one, counter-clockwise. It has no point of the facet to its
     /// right, and none beyond it on the same line.
     fn next_corner(&self, plane: &FacetPlane<R>, corner: R::Vec3) -> R::Vec3 {
         let mut next = corner;

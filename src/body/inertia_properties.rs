@@ -1,19 +1,23 @@
-//! Mass and inertia as a step needs them: principal axes, inverse moments, and the torque-free
-//! turn.
+//! Mass and inertia in the form that a step uses: principal axes, inverse moments, and the
+//! torque-free rotation.
 
 use super::jacobi::principal_axes;
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
 use crate::rotation::{Axes, BodyAxis, Rotation};
 
-/// Mass and inertia of a body, worked out once when a scene is composed.
+/// Mass and inertia of a body, computed once when a scene is composed.
 ///
-/// The inverse inertia tensor is kept as `t 1 + s a aᵀ + d b bᵀ`: the same inverse moment `t` about
-/// every axis, what the axis `a` of (nearly) symmetric bodies has beyond it, and what a second
-/// principal axis `b` has beyond it. `d` is 0 for a body with two equal moments; `s` and `d` are 0
-/// for one with three. A moment of 0 (a point; a line, about itself) has the inverse 0 here: the
-/// body does not turn that way. So does a moment below 64 units in the last place of the largest
-/// one (1.4e-14 of it in f64, 7.6e-6 in f32), which is what rounding leaves of 0.
+/// The inverse inertia tensor is stored as `t 1 + s a aᵀ + d b bᵀ`:
+///
+/// - `t` is an inverse moment common to all axes.
+/// - `s` is the excess of the inverse moment about the axis `a` of a (nearly) symmetric body.
+/// - `d` is the excess about a second principal axis `b`.
+///
+/// `d` is 0 for a body with two equal moments. `s` and `d` are 0 for a body with three equal
+/// moments. A moment of 0 (a point, or a line about itself) has the inverse 0 here: the body does
+/// not rotate about that axis. The same holds for a moment below 64 units in the last place of the
+/// largest one (1.4e-14 of it in f64, 7.6e-6 in f32), which is the rounding of 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InertiaProperties<R: Real = f64> {
     mass: R,
@@ -26,9 +30,11 @@ pub struct InertiaProperties<R: Real = f64> {
     solving: Solving<R>,
 }
 
-/// The tensor for equations that need it to be regular: `c 1 + s a aᵀ + d b bᵀ` with the axes of
-/// the inverse one. A moment of 0 stands as the largest one (as 1 m² times the mass for a point),
-/// and goes with an angular momentum of 0: what does not turn has no energy in its turning.
+/// Regular inertia tensor for equations that require one: `c 1 + s a aᵀ + d b bᵀ` with the axes of
+/// the inverse tensor.
+///
+/// A principal moment of zero is replaced by the largest moment (for a point, by 1 m² times the
+/// mass), and the angular momentum about that axis by zero. The axis then contributes no energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Solving<R: Real> {
     common: R,
@@ -37,14 +43,14 @@ struct Solving<R: Real> {
     turns: Turns,
 }
 
-/// About which axes a body turns.
+/// Axes about which a body rotates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Turns {
-    /// About all.
+    /// All axes.
     Freely,
-    /// Not about the axis of symmetry: a rod.
+    /// All axes except the axis of symmetry: a rod.
     Across,
-    /// About none: a point.
+    /// No axis: a point.
     Never,
 }
 
@@ -74,24 +80,24 @@ impl<R: Real> Solving<R> {
     }
 }
 
-/// An inverse moment that one principal axis has beyond the others' common one.
+/// Excess of the inverse moment about one principal axis over the common inverse moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Excess<R: Real> {
     axis: BodyAxis<R>,
-    /// 1/(kg m²).
+    /// Inverse moment, 1/(kg m²).
     inverse: R,
 }
 
 impl<R: Real> Excess<R> {
-    /// Its share of the angular velocity (rad/s, world axes).
+    /// Contribution to the angular velocity (rad/s, world axes).
     #[inline(always)]
     fn spin(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R::Vec3 {
         let axis = self.axis.in_world(axes);
         axis * (self.inverse * axis.dot(angular_momentum))
     }
 
-    /// `rotation` turned further about the body's own axis, as this share of the spin turns it in
-    /// `seconds`.
+    /// Rotates `rotation` further about this axis of the body, by the contribution of this excess
+    /// within `seconds`.
     #[inline(always)]
     fn turn(
         &self,
@@ -105,17 +111,19 @@ impl<R: Real> Excess<R> {
     }
 }
 
-/// Of a turn about three different moments, rad: the largest part, and how many at most.
+/// Largest partial rotation of a body with three different moments, rad. The next constant is the
+/// largest number of parts.
 const LARGEST_PART: f64 = 0.02;
 const MOST_PARTS: usize = 1_000_000;
 
 impl<R: Real> InertiaProperties<R> {
-    /// Mass (kg) and inertia tensor about the centre of mass (kg m², body axes).
+    /// Computes the properties from the mass (kg) and the inertia tensor about the centre of mass
+    /// (kg m², body axes).
     ///
     /// # Errors
-    /// Where the mass is not above 0, the tensor is not symmetric or not finite, a principal moment
-    /// is negative, or one exceeds the sum of the other two. Also where the inverse of the mass or
-    /// of a moment overflows.
+    /// Returns [`SceneError`] if the mass is not above 0, the tensor is not symmetric or not
+    /// finite, a principal moment is negative, or one moment exceeds the sum of the other two. Also
+    /// returns it if the inverse of the mass or of a moment overflows.
     pub fn new(mass: R, inertia: R::Mat3) -> Result<Self, SceneError> {
         error::above_zero("mass", mass, " kg")?;
         error::finite_inverse("mass", mass, " kg")?;
@@ -160,14 +168,14 @@ impl<R: Real> InertiaProperties<R> {
         })
     }
 
-    /// kg.
+    /// Mass, kg.
     #[inline]
     #[must_use]
     pub fn mass(&self) -> R {
         self.mass
     }
 
-    /// 1/kg.
+    /// Inverse of the mass, 1/kg.
     #[inline]
     #[must_use]
     pub fn inverse_mass(&self) -> R {
@@ -186,7 +194,7 @@ impl<R: Real> InertiaProperties<R> {
         &self.principal
     }
 
-    /// Whether all three moments differ: then the torque-free turn is approximate, see
+    /// Returns true if all three moments differ. The torque-free rotation is then approximate, see
     /// [`turn_freely`](Self::turn_freely).
     #[inline]
     #[must_use]
@@ -194,14 +202,14 @@ impl<R: Real> InertiaProperties<R> {
         self.asymmetry.inverse != R::ZERO
     }
 
-    /// About the axis of the largest moment, m: `√(moment/mass)`.
+    /// Radius of gyration about the axis of the largest moment, m: `√(moment/mass)`.
     #[inline]
     pub(crate) fn radius_of_gyration(&self) -> R {
         let [x, y, z] = [self.moments.x(), self.moments.y(), self.moments.z()];
         (x.at_least(y).at_least(z) * self.inverse_mass).sqrt()
     }
 
-    /// Angular velocity (rad/s, world axes) of a body with these axes and angular momentum (kg
+    /// Angular velocity (rad/s, world axes) of a body with these axes and this angular momentum (kg
     /// m²/s, world axes): `ω = J⁻¹ L`.
     #[inline(always)]
     #[must_use]
@@ -213,8 +221,8 @@ impl<R: Real> InertiaProperties<R> {
         spin
     }
 
-    /// Angular momentum (kg m²/s, world axes) of a body with these axes that turns at
-    /// `angular_velocity` (rad/s, world axes): `L = J ω`.
+    /// Angular momentum (kg m²/s, world axes) of a body with these axes and this angular velocity
+    /// (rad/s, world axes): `L = J ω`.
     #[inline]
     #[must_use]
     pub fn angular_momentum(&self, axes: &Axes<R>, angular_velocity: R::Vec3) -> R::Vec3 {
@@ -227,11 +235,11 @@ impl<R: Real> InertiaProperties<R> {
         axes.to_world(self.principal.to_world(momentum))
     }
 
-    /// Energy of the rotation (J) of a body with these axes and angular momentum (kg m²/s, world
+    /// Rotational energy (J) of a body with these axes and this angular momentum (kg m²/s, world
     /// axes): `L · J⁻¹ L/2`.
     ///
-    /// A sum of squares along and across the axes, so that it is never below 0: for a rod, `L · ω`
-    /// would be what rounding leaves of two huge numbers.
+    /// It is computed as a sum of squares along and across the axes, so it is never below 0. For a
+    /// rod, `L · ω` would be the rounding error of two huge numbers.
     #[inline]
     #[must_use]
     pub fn rotational_energy(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R {
@@ -254,9 +262,11 @@ impl<R: Real> InertiaProperties<R> {
         (doubled + across.length_squared() * self.common) * R::HALF
     }
 
-    /// The same for f32, where the squares' rounding would be seen: `|L|²` with the inverse moment
-    /// of the axis that most of it lies along, and what small components differ by. So a steady
-    /// rotation has a steady energy; rounding of the axes comes in with those components alone.
+    /// Rotational energy for f32, where the rounding of the squares is not negligible.
+    ///
+    /// It is `|L|²` with the inverse moment of the axis with the largest component, plus the
+    /// differences that the small components cause. So a steady rotation has a steady energy.
+    /// Rounding of the axes enters only with those small components.
     fn steady_energy(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R {
         let square = angular_momentum.length_squared();
         let (mut common, mut rest) = (self.common, R::ZERO);
@@ -276,12 +286,12 @@ impl<R: Real> InertiaProperties<R> {
             add(&self.asymmetry);
         }
         let energy = (square * common + rest) * R::HALF;
-        // Written so that the NaN of squares that overflow stays one.
+        // Written so that a NaN from overflowing squares is kept.
         if energy < R::ZERO { R::ZERO } else { energy }
     }
 
-    /// The angular momentum without what the body cannot have: what an implicit step's regular
-    /// inertia lets rounding leave about an axis without a moment.
+    /// Angular momentum without the part about axes with zero moment. An implicit step with a
+    /// regular inertia leaves rounding errors there.
     #[inline]
     pub(crate) fn without_dead_spin(
         &self,
@@ -296,7 +306,8 @@ impl<R: Real> InertiaProperties<R> {
         }
     }
 
-    /// The same, for a body whose axis of symmetry is known in the world.
+    /// Angular momentum without the part about axes with zero moment, for a known axis of symmetry
+    /// in world axes.
     #[inline]
     fn without_dead_part(&self, symmetry: R::Vec3, angular_momentum: R::Vec3) -> R::Vec3 {
         match self.solving.turns {
@@ -306,8 +317,8 @@ impl<R: Real> InertiaProperties<R> {
         }
     }
 
-    /// A regular inertia tensor (columns, world axes) of a body with these axes, and the angular
-    /// momentum without what the body cannot have.
+    /// Regular inertia tensor (columns, world axes) of a body with these axes, and the angular
+    /// momentum without the part about axes with zero moment.
     #[inline]
     pub(crate) fn inertia_for_solving(
         &self,
@@ -336,13 +347,15 @@ impl<R: Real> InertiaProperties<R> {
         (tensor, momentum)
     }
 
-    /// The turn after `seconds` without torque, from `rotation` with these `axes`. The angular
-    /// momentum is a constant of the world and is not touched.
+    /// Orientation after `seconds` of torque-free rotation from `rotation` with these `axes`.
     ///
-    /// Exact for a body with two equal moments, for any time and spin:
+    /// The angular momentum in world axes is constant and is not changed.
+    ///
+    /// The result is exact for a body with two equal moments, for any time and spin:
     /// `exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)`. For three different moments it is Strang's
-    /// composition of the symmetric body's turn with the rest's: of order 2, with the energy error
-    /// bounded for all times, and `|L|` exact (Touma & Wisdom 1994; McLachlan & Zanna 2005).
+    /// composition of the symmetric body's rotation with the remaining rotation. This is of order
+    /// 2, with an energy error that is bounded for all times and with exact `|L|` (Touma & Wisdom
+    /// 1994; McLachlan & Zanna 2005).
     #[inline(always)]
     #[must_use]
     pub fn turn_freely(
@@ -360,12 +373,13 @@ impl<R: Real> InertiaProperties<R> {
         }
     }
 
-    /// The turn after `seconds` without torque, however far: [`turn_freely`](Self::turn_freely) for
-    /// a body with two equal moments.
+    /// Orientation after any number of `seconds` of torque-free rotation.
     ///
-    /// For three different ones it is composed of steps of at most 0.02 rad (beyond 20 000 rad, of
-    /// a million longer ones), each by the triple jump of Yoshida (Physics Letters A 150, 1990), of
-    /// order 4.
+    /// For a body with two equal moments this is [`turn_freely`](Self::turn_freely).
+    ///
+    /// For three different moments it is composed of steps of at most 0.02 rad. Beyond 20 000 rad
+    /// it is composed of a million longer steps. Each step is the triple jump of Yoshida (Physics
+    /// Letters A 150, 1990), of order 4.
     #[inline]
     #[must_use]
     pub fn turn_far(
@@ -387,7 +401,7 @@ impl<R: Real> InertiaProperties<R> {
         angular_momentum: R::Vec3,
         seconds: R,
     ) -> Rotation<R> {
-        // 1/(2 - 2^(1/3)), and what is left of 1 in the middle.
+        // 1/(2 - 2^(1/3)), and the remainder of 1 for the middle part.
         let outer = R::from_f64(1.351_207_191_959_657_6);
         let inner = R::ONE - R::TWO * outer;
         let spin = angular_momentum.length() * self.largest_inverse_moment();
@@ -404,8 +418,8 @@ impl<R: Real> InertiaProperties<R> {
         turned
     }
 
-    /// The time in which [`turn_far`](Self::turn_far) keeps its parts small, s: for ever with two
-    /// equal moments.
+    /// Longest time for which [`turn_far`](Self::turn_far) keeps its parts small, s. Unlimited for
+    /// a body with two equal moments.
     #[inline]
     pub(crate) fn longest_turn(&self, angular_momentum: R::Vec3) -> R {
         let spin = angular_momentum.length() * self.largest_inverse_moment();
@@ -416,8 +430,8 @@ impl<R: Real> InertiaProperties<R> {
         }
     }
 
-    /// The spin (rad/s) that an angular momentum of 1 kg m²/s gives about the axis that is turned
-    /// most easily, 1/(kg m²); 0 for a point.
+    /// Largest inverse moment, 1/(kg m²): spin (rad/s) per angular momentum (kg m²/s) about the
+    /// axis of the smallest nonzero moment. 0 for a point.
     #[inline]
     #[must_use]
     pub fn largest_inverse_moment(&self) -> R {
@@ -426,8 +440,8 @@ impl<R: Real> InertiaProperties<R> {
             .at_least(self.common + self.asymmetry.inverse)
     }
 
-    /// As [`turn_freely`](Self::turn_freely) for a body with two equal moments, not scaled to
-    /// length 1.
+    /// Torque-free rotation by the common and the symmetric part, not normalised. For a body with
+    /// two equal moments this is [`turn_freely`](Self::turn_freely).
     #[inline(always)]
     pub(crate) fn turn_symmetric(
         &self,
@@ -460,7 +474,7 @@ impl<R: Real> InertiaProperties<R> {
     }
 }
 
-/// The tensor as its distinct entries, after the checks that need no principal axes.
+/// Checks the tensor without its principal axes, and returns its entries.
 fn check_tensor<R: Real>(inertia: R::Mat3) -> Result<[[R; 3]; 3], SceneError> {
     let rows = inertia
         .columns()
@@ -485,7 +499,7 @@ fn check_tensor<R: Real>(inertia: R::Mat3) -> Result<[[R; 3]; 3], SceneError> {
 }
 
 fn check_moments<R: Real>(moments: [R; 3], rounding: R) -> Result<(), SceneError> {
-    // A negative one first: it also makes another exceed the sum.
+    // A negative moment is reported first, because it also makes another moment exceed the sum.
     if let Some(moment) = moments.into_iter().find(|&moment| moment < -rounding) {
         return error::at_least_zero("a principal moment of inertia", moment, " kg m²");
     }
@@ -503,7 +517,7 @@ fn check_moments<R: Real>(moments: [R; 3], rounding: R) -> Result<(), SceneError
     Ok(())
 }
 
-/// One of three, without a panic that the compiler would have to prove away.
+/// Element of an array of three, without a bounds check that could panic.
 #[inline]
 fn nth<T>([x, y, z]: [T; 3], index: usize) -> T {
     match index {
@@ -515,12 +529,12 @@ fn nth<T>([x, y, z]: [T; 3], index: usize) -> T {
 
 const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
-/// The principal axes' numbers: the one unlike the two others, then those two, the one with the
-/// larger moment first.
+/// Numbers of the principal axes: the axis with the most different moment, then the other two, the
+/// one with the larger moment first.
 ///
-/// The two that are alike share most of their inverse moment, so that what is left over for
-/// [`InertiaProperties::turn_freely`] to compose is least. All is chosen by moment, so that a body
-/// moves alike in whichever axes it is described.
+/// The two similar axes have most of their inverse moment in common. So the remainder that
+/// [`InertiaProperties::turn_freely`] composes is least. The choice depends on moments only, so
+/// that the motion does not depend on the axes in which the body is described.
 fn by_likeness<R: Real>(moments: [R; 3]) -> [usize; 3] {
     let [x, y, z] = moments;
     let [large, middle, small] = match (x >= y, y >= z, x >= z) {
@@ -598,7 +612,8 @@ mod tests {
 
     #[test]
     fn the_free_turn_of_a_body_does_not_follow_the_numbers_of_its_axes() {
-        // Tops of each kind: nearly a disc, nearly a rod, halfway, two and three moments alike.
+        // Tops of each kind: nearly a disc, nearly a rod, halfway between, two equal moments, and
+        // three equal moments.
         for [a, b, c] in [
             [3.9e-3, 0.1334, 0.1373],
             [1.0, 1.1, 2.0],

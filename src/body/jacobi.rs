@@ -1,9 +1,10 @@
-//! Moments and principal axes of an inertia tensor.
+//! Principal moments and axes of an inertia tensor.
 
 use crate::real::{Real, Vector};
 
-/// Jacobi's method: moments and unit axes (right-handed) of a symmetric matrix, by `+ - * /` and
-/// square root only. A diagonal one is left as it is.
+/// Computes the moments and the right-handed unit axes of a symmetric matrix by Jacobi's method.
+///
+/// It uses only `+ - * /` and square roots. A diagonal matrix is left unchanged.
 pub(super) fn principal_axes<R: Real>(mut a: [[R; 3]; 3]) -> ([R; 3], [R::Vec3; 3]) {
     let (o, one) = (R::ZERO, R::ONE);
     let mut axes = [
@@ -11,7 +12,7 @@ pub(super) fn principal_axes<R: Real>(mut a: [[R; 3]; 3]) -> ([R; 3], [R::Vec3; 
         R::Vec3::new(o, one, o),
         R::Vec3::new(o, o, one),
     ];
-    // Each sweep squares what is left off the diagonal: 5 reach rounding, the rest is margin.
+    // Each sweep squares the off-diagonal remainder. 5 sweeps reach rounding, the rest is margin.
     for _ in 0..12 {
         annihilate::<R, 0, 1>(&mut a, &mut axes);
         annihilate::<R, 0, 2>(&mut a, &mut axes);
@@ -20,7 +21,7 @@ pub(super) fn principal_axes<R: Real>(mut a: [[R; 3]; 3]) -> ([R; 3], [R::Vec3; 
     ([a[0][0], a[1][1], a[2][2]], axes)
 }
 
-/// Turns matrix and axes in the plane of axes P and Q so that their common entry becomes 0.
+/// Rotates matrix and axes in the plane of axes P and Q so that their common entry becomes 0.
 fn annihilate<R: Real, const P: usize, const Q: usize>(
     a: &mut [[R; 3]; 3],
     axes: &mut [R::Vec3; 3],
@@ -46,8 +47,8 @@ fn annihilate<R: Real, const P: usize, const Q: usize>(
     axes[Q] = axis_p * s + axis_q * c;
 }
 
-/// Cosine and sine of the smaller turn in the plane of two axes that takes their off-diagonal entry
-/// to 0 (Golub & Van Loan, section 8.5).
+/// Cosine and sine of the smaller rotation in the plane of two axes that makes their off-diagonal
+/// entry 0 (Golub & Van Loan, section 8.5).
 fn annihilating_turn<R: Real>(app: R, aqq: R, apq: R) -> (R, R) {
     let tau = (aqq - app) / (R::TWO * apq);
     let root = (R::ONE + tau * tau).sqrt();

@@ -1,20 +1,20 @@
-//! Mass, centre of mass and inertia of solids, and of what is put together from them.
+//! Mass, centre of mass and inertia of solids and of composites.
 
 use super::point_cloud::{check_masses, inertia_of, sum};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
 use crate::rotation::Rotation;
 
-/// How the mass of a body, or of a part of one, is distributed: as much as matters to a rigid body.
+/// Mass distribution of a body or of a part of it: mass, centre of mass and inertia.
 ///
-/// Homogeneous solids stand about the origin with their axis of symmetry, where they have one,
-/// along z. [`at`](Self::at) and [`turned`](Self::turned) move them, [`with`](Self::with) joins
-/// them by the parallel-axis theorem. A part of negative mass is a hole.
+/// Homogeneous solids are centred at the origin unless stated otherwise. Their axis of symmetry, if
+/// any, is z. [`at`](Self::at) and [`turned`](Self::turned) move them, and [`with`](Self::with)
+/// joins them by the parallel-axis theorem. A part of negative mass is a hole.
 ///
-/// Vectors are glam's `DVec3` or `Vec3`, which tells the precision.
+/// Vectors are glam's `DVec3` or `Vec3`, which sets the precision.
 ///
-/// Nothing is checked here: mass and inertia are when a scene is composed, and
-/// [`Solid::new`](super::Solid::new) checks the rest.
+/// The constructors do not check their arguments. Mass and inertia are checked when a scene is
+/// composed, and [`Solid::new`](super::Solid::new) checks the rest.
 ///
 /// ```
 /// use tumble::MassProperties;
@@ -37,18 +37,18 @@ use crate::rotation::Rotation;
     ))
 )]
 pub struct MassProperties<R: Real = f64> {
-    /// kg.
+    /// Mass, kg.
     pub mass: R,
-    /// m.
+    /// Centre of mass, m.
     pub centre_of_mass: R::Vec3,
     /// Inertia tensor about the centre of mass, kg m².
     pub inertia: R::Mat3,
 }
 
-// Where a method has a parameter `V`, it is `R::Vec3`. As a type of its own it tells the compiler
-// the precision, which a projection does not.
+// A parameter type `V` of a method is `R::Vec3`. As a type parameter it lets the compiler infer the
+// precision, which a projection does not.
 impl<R: Real> MassProperties<R> {
-    /// Of a homogeneous body about the origin with these principal moments, kg m².
+    /// Properties of a homogeneous body about the origin with these principal moments, kg m².
     fn about_origin(mass: R, x: R, y: R, z: R) -> Self {
         Self {
             mass,
@@ -57,17 +57,17 @@ impl<R: Real> MassProperties<R> {
         }
     }
 
-    /// All mass (kg) in one place: no moments.
+    /// Mass (kg) concentrated at the origin, with zero moments.
     #[must_use]
     pub fn point(mass: R) -> Self {
         Self::about_origin(mass, R::ZERO, R::ZERO, R::ZERO)
     }
 
-    /// Points of mass: places (m) with their masses (kg, at least 0, not all 0).
+    /// Point masses at positions `places` (m), with masses in kg, at least 0 and not all 0.
     ///
     /// # Errors
-    /// Where there is no point, the numbers of places and masses differ, a coordinate is not
-    /// finite, a mass is negative, or all are 0.
+    /// Returns [`SceneError`] if there is no point, the numbers of positions and masses differ, a
+    /// coordinate is not finite, a mass is negative, or all masses are 0.
     pub fn points<V: Vector<R>>(places: &[V], masses: &[R]) -> Result<Self, SceneError>
     where
         R: Real<Vec3 = V>,
@@ -90,29 +90,30 @@ impl<R: Real> MassProperties<R> {
         })
     }
 
-    /// A thin straight rod along z: `m l²/12` across it, 0 about itself. Mass in kg, length in m.
+    /// Thin straight rod along z: moment `m l²/12` across it, 0 about its own axis. Mass in kg,
+    /// length in m.
     #[must_use]
     pub fn rod(mass: R, length: R) -> Self {
         let across = mass * length * length / R::from_f64(12.0);
         Self::about_origin(mass, across, across, R::ZERO)
     }
 
-    /// A ball: `2 m r²/5`. Mass in kg, radius in m.
+    /// Ball: moments `2 m r²/5`. Mass in kg, radius in m.
     #[must_use]
     pub fn ball(mass: R, radius: R) -> Self {
         let moment = mass * radius * radius * R::from_f64(0.4);
         Self::about_origin(mass, moment, moment, moment)
     }
 
-    /// A thin spherical shell: `2 m r²/3`. Mass in kg, radius in m.
+    /// Thin spherical shell: moments `2 m r²/3`. Mass in kg, radius in m.
     #[must_use]
     pub fn shell(mass: R, radius: R) -> Self {
         let moment = mass * radius * radius * R::TWO / R::from_f64(3.0);
         Self::about_origin(mass, moment, moment, moment)
     }
 
-    /// An ellipsoid with these semi-axes (m): `m (b² + c²)/5` about the first, and so on. Mass in
-    /// kg.
+    /// Ellipsoid with these semi-axes (m): moment `m (b² + c²)/5` about the first, and so on. Mass
+    /// in kg.
     #[must_use]
     pub fn ellipsoid<V: Vector<R>>(mass: R, semi_axes: V) -> Self
     where
@@ -121,7 +122,7 @@ impl<R: Real> MassProperties<R> {
         Self::by_squares(mass / R::from_f64(5.0), semi_axes, mass)
     }
 
-    /// A box with these edges (m): `m (b² + c²)/12` about the first, and so on. Mass in kg.
+    /// Box with these edges (m): moment `m (b² + c²)/12` about the first, and so on. Mass in kg.
     #[must_use]
     pub fn cuboid<V: Vector<R>>(mass: R, edges: V) -> Self
     where
@@ -137,8 +138,8 @@ impl<R: Real> MassProperties<R> {
         Self::about_origin(mass, b + c, c + a, a + b)
     }
 
-    /// A cylinder along z: `m r²/2` about its axis, `m (3 r² + h²)/12` across. Mass in kg, radius
-    /// and height in m.
+    /// Cylinder along z: moments `m r²/2` about its axis, `m (3 r² + h²)/12` across. Mass in kg,
+    /// radius and height in m.
     #[must_use]
     pub fn cylinder(mass: R, radius: R, height: R) -> Self {
         let square = radius * radius;
@@ -146,12 +147,13 @@ impl<R: Real> MassProperties<R> {
         Self::about_origin(mass, across, across, mass * square * R::HALF)
     }
 
-    /// A cylinder along z between half-balls whose centres are `length` apart. Mass in kg, radius
-    /// and length in m.
+    /// Cylinder along z between two hemispheres whose centres are `length` apart. Mass in kg,
+    /// radius and length in m.
     ///
-    /// With the cylinder's share of the mass `c = l/(l + 4r/3)` and the balls' `b = 1 - c`:
-    /// `m (c r²/2 + 2 b r²/5)` about the axis, `m (c (r²/4 + l²/12) + b (2r²/5 + l²/4 + 3 l r/8))`
-    /// across, as a half-ball's centre of mass is 3r/8 beyond its flat side.
+    /// The cylinder has the fraction `c = l/(l + 4r/3)` of the mass, and the hemispheres have
+    /// `b = 1 - c`. The moment is `m (c r²/2 + 2 b r²/5)` about the axis. Across the axis it is `m
+    /// (c (r²/4 + l²/12) + b (2r²/5 + l²/4 + 3 l r/8))`, because the centre of mass of a hemisphere
+    /// is 3r/8 from its flat side.
     #[must_use]
     pub fn capsule(mass: R, radius: R, length: R) -> Self {
         let c = R::from_f64;
@@ -165,9 +167,11 @@ impl<R: Real> MassProperties<R> {
         Self::about_origin(mass, across, across, along)
     }
 
-    /// A cone along z with its base on z = 0 and its tip at z = `height`: the centre of mass lies a
-    /// quarter of the height above the base; `3 m r²/10` about the axis, `3 m (4 r² + h²)/80`
-    /// across. Mass in kg, radius and height in m.
+    /// Cone along z with its base at z = 0 and its tip at z = `height`. Mass in kg, radius and
+    /// height in m.
+    ///
+    /// The centre of mass is a quarter of the height above the base. Moments: `3 m r²/10` about the
+    /// axis, `3 m (4 r² + h²)/80` across.
     #[must_use]
     pub fn cone(mass: R, radius: R, height: R) -> Self {
         let c = R::from_f64;
@@ -177,7 +181,7 @@ impl<R: Real> MassProperties<R> {
         cone.at(R::Vec3::new(R::ZERO, R::ZERO, height * c(0.25)))
     }
 
-    /// The same, moved by `offset`, m.
+    /// Returns the distribution shifted by `offset`, m.
     #[must_use]
     pub fn at<V: Vector<R>>(self, offset: V) -> Self
     where
@@ -189,7 +193,7 @@ impl<R: Real> MassProperties<R> {
         }
     }
 
-    /// The same, turned about the origin: the centre of mass `Q c`, the inertia `Q J Qᵀ`.
+    /// Returns the distribution rotated about the origin: centre of mass `Q c`, inertia `Q J Qᵀ`.
     #[must_use]
     pub fn turned(self, rotation: Rotation<R>) -> Self {
         let axes = rotation.axes();
@@ -203,11 +207,11 @@ impl<R: Real> MassProperties<R> {
         }
     }
 
-    /// This and another part as one rigid body.
+    /// Returns the mass properties of this part and another joined as one rigid body.
     ///
-    /// `J = J₁ + J₂ + μ (|d|² 1 - d dᵀ)` with `d` from one centre of mass to the other and
-    /// `μ = m₁ m₂/(m₁ + m₂)`: the parallel-axis theorem of both, without the difference of large
-    /// numbers that a detour by the origin has.
+    /// `J = J₁ + J₂ + μ (|d|² 1 - d dᵀ)`, with `d` from one centre of mass to the other and
+    /// `μ = m₁ m₂/(m₁ + m₂)`. This is the parallel-axis theorem for both parts. It avoids the
+    /// difference of large numbers that a calculation about the origin has.
     #[must_use]
     pub fn with(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
@@ -223,7 +227,7 @@ impl<R: Real> MassProperties<R> {
         }
     }
 
-    /// The inertia tensor about `place` (m) instead of the centre of mass, kg m².
+    /// Inertia tensor about `place` (m) instead of the centre of mass, kg m².
     #[must_use]
     pub fn inertia_about(&self, place: R::Vec3) -> R::Mat3 {
         let shift = parallel_axis::<R>(self.mass, place - self.centre_of_mass);
@@ -231,11 +235,12 @@ impl<R: Real> MassProperties<R> {
         R::Mat3::from_columns([own[0] + shift[0], own[1] + shift[1], own[2] + shift[2]])
     }
 
-    /// That the mass is above 0 and place and inertia are finite; whether the moments are those of
-    /// a solid is seen when a scene is composed.
+    /// Checks that the mass is above 0 and that centre of mass and inertia are finite.
+    ///
+    /// The moments are checked when a scene is composed.
     ///
     /// # Errors
-    /// Names the first quantity that is not.
+    /// Returns [`SceneError`] for the first quantity that breaks a rule.
     pub fn check(&self) -> Result<(), SceneError> {
         error::above_zero("mass", self.mass, " kg")?;
         let centre = self.centre_of_mass;
@@ -250,17 +255,23 @@ impl<R: Real> MassProperties<R> {
         Ok(())
     }
 
-    /// The homogeneous solid inside a closed surface of triangles, each counter-clockwise as seen
-    /// from outside. Mass in kg, vertices in m.
+    /// Mass properties of the homogeneous solid inside a closed surface of triangles.
     ///
-    /// Exact for any such surface, hollows included: sums over the tetrahedra between the first
-    /// vertex and each triangle, of volume `v`, first moment `v (a + b + c)/4` and second moments
-    /// `v (a aᵀ + b bᵀ + c cᵀ + s sᵀ)/20` with `s = a + b + c`.
+    /// Each triangle is counter-clockwise as seen from outside. Mass in kg, vertices in m.
+    ///
+    /// The result is exact for any such surface, including cavities. It is summed over the
+    /// tetrahedra between the first vertex and each triangle with the corners a, b, c. A
+    /// tetrahedron has the volume `v` and the first moment `v (a + b + c)/4`. Its second moments
+    /// are `v (a aᵀ + b bᵀ + c cᵀ + s sᵀ)/20` with `s = a + b + c`.
     ///
     /// # Errors
-    /// Where a coordinate is not finite, a triangle names a vertex that is not there, the surface
-    /// is not closed (its triangles' areas as vectors do not add up to 0 within `√ε` of their
-    /// sizes), or the volume is not above 0 (all turned inside out).
+    /// Returns [`SceneError`] in these cases:
+    ///
+    /// - A coordinate is not finite.
+    /// - A triangle names a vertex that does not exist.
+    /// - The surface is not closed: its triangles' area vectors do not add up to 0 within `√ε` of
+    ///   their sizes.
+    /// - The volume is not above 0, for example because all triangles are inside out.
     pub fn mesh<V: Vector<R>>(
         mass: R,
         vertices: &[V],
@@ -288,7 +299,7 @@ impl<R: Real> MassProperties<R> {
     }
 }
 
-/// That each vertex is finite.
+/// Checks that each vertex is finite.
 pub(super) fn check_vertices<R: Real>(vertices: &[R::Vec3]) -> Result<(), SceneError> {
     for vertex in vertices {
         error::finite("x of a vertex", vertex.x(), " m")?;
@@ -298,18 +309,18 @@ pub(super) fn check_vertices<R: Real>(vertices: &[R::Vec3]) -> Result<(), SceneE
     Ok(())
 }
 
-/// Volume, its first and its second moments, gathered triangle by triangle of its surface.
+/// Volume with its first and second moments, summed over the triangles of its surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Volume<R: Real> {
-    /// Tip of all tetrahedra, near to the surface, so that little cancels.
+    /// Common tip of all tetrahedra. It is on the surface, so that little cancels.
     tip: R::Vec3,
     volume: R,
     /// `∫ p dV` from the tip.
     first: R::Vec3,
     /// `∫ p pᵀ dV` from the tip.
     second: [R::Vec3; 3],
-    /// Sum of the triangles' areas as vectors, m², which is 0 for a closed surface, and of their
-    /// sizes.
+    /// Sum of the triangles' area vectors, m², which is 0 for a closed surface. The next field is
+    /// the sum of their sizes.
     area: R::Vec3,
     area_size: R,
 }
@@ -348,7 +359,7 @@ impl<R: Real> Volume<R> {
         self.area_size += area.length();
     }
 
-    /// The solid of this volume with a mass, kg.
+    /// Mass properties of this volume with a mass, kg.
     pub(super) fn filled_with(&self, mass: R) -> Result<MassProperties<R>, SceneError> {
         let open = self.area.length();
         let is_closed = open <= self.area_size * R::EPSILON.sqrt();
@@ -360,7 +371,7 @@ impl<R: Real> Volume<R> {
         error::above_zero("volume within the surface", self.volume, " m³")?;
         let density = mass / self.volume;
         let centre = self.first * (R::ONE / self.volume);
-        // About the tip `tr(S) 1 - S`; less what the mass in its centre would have there.
+        // Tensor about the tip, `tr(S) 1 - S`, minus the contribution of the mass at its centre.
         let second = self.second.map(|column| column * density);
         let trace = second[0].x() + second[1].y() + second[2].z();
         let shift = parallel_axis::<R>(mass, centre);
@@ -393,7 +404,7 @@ fn transposed<R: Real>([a, b, c]: [R::Vec3; 3]) -> [R::Vec3; 3] {
     ]
 }
 
-/// The mean of a matrix and its transpose: without the asymmetry that rounding leaves.
+/// Mean of a matrix and its transpose, which removes the asymmetry due to rounding.
 fn symmetric<R: Real>(columns: [R::Vec3; 3]) -> R::Mat3 {
     let [a, b, c] = columns;
     let [p, q, r] = transposed::<R>(columns);

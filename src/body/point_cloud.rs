@@ -1,14 +1,14 @@
-//! A body of the user's own points and masses.
+//! Body made of the user's own points and masses.
 
 use super::{ContactPoint, RigidPointBody, check_contacts};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
 
-/// A body made of the user's own points, each with a mass.
+/// Body made of the user's own points, each with a mass.
 ///
-/// The centre of mass and the whole inertia tensor are computed; points may be given about any
-/// origin and in any axes. One point is a body that does not turn; points on a line are one that
-/// does not spin about the line. A mass of 0 is a contact without weight.
+/// The centre of mass and the whole inertia tensor are computed. Points may be given about any
+/// origin and in any axes. A single point makes a body that does not rotate. Points on a line make
+/// a body that does not spin about the line. A mass of 0 makes a contact without weight.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -32,12 +32,16 @@ pub struct PointCloud<R: Real, P> {
 }
 
 impl<R: Real, const N: usize> PointCloud<R, [ContactPoint<R>; N]> {
-    /// Points (m, in the user's own axes, about his own origin) with their masses (kg, at least 0,
-    /// not all 0). The points' type, `DVec3` or `Vec3`, is the precision.
+    /// Creates a body from points (m, in the user's axes and about the user's origin) and their
+    /// masses (kg).
+    ///
+    /// Masses are at least 0 and not all 0. The type of the points, `DVec3` or `Vec3`, sets the
+    /// precision.
     ///
     /// # Errors
-    /// Where there is no point, a coordinate is not finite, a mass is negative, or all are 0.
-    // `V` is `R::Vec3`. As a type of its own it tells the compiler the precision, which a
+    /// Returns [`SceneError`] if there is no point, a coordinate is not finite, a mass is negative,
+    /// or all masses are 0.
+    // `V` is `R::Vec3`. As a type parameter it lets the compiler infer the precision, which a
     // projection does not.
     pub fn new<V: Vector<R>>(points: [V; N], masses: [R; N]) -> Result<Self, SceneError>
     where
@@ -48,13 +52,15 @@ impl<R: Real, const N: usize> PointCloud<R, [ContactPoint<R>; N]> {
 }
 
 impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> PointCloud<R, P> {
-    /// As [`new`](PointCloud::new), with as many points as `points` holds, in place: an array, a
-    /// borrowed slice, or a `Vec`. Each may have a radius. They are moved so that the centre of
-    /// mass is their origin.
+    /// Creates a body as [`new`](PointCloud::new) does, from the contacts in `points`: an array, a
+    /// borrowed slice, or a `Vec`.
+    ///
+    /// Each contact may have a radius. The contacts are shifted in place so that the centre of mass
+    /// is their origin.
     ///
     /// # Errors
-    /// Where there is no point, the numbers of points and masses differ, a coordinate is not
-    /// finite, a mass or radius is negative, or all masses are 0.
+    /// Returns [`SceneError`] if there is no point, the numbers of points and masses differ, a
+    /// coordinate is not finite, a mass or radius is negative, or all masses are 0.
     pub fn with_storage(mut points: P, masses: &[R]) -> Result<Self, SceneError> {
         check_masses(points.as_ref().len(), masses)?;
         check_contacts(points.as_ref())?;
@@ -77,7 +83,7 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> PointCloud
 }
 
 impl<R: Real, P> PointCloud<R, P> {
-    /// Where the centre of mass lies from the origin about which the points were given, m, body
+    /// Position of the centre of mass from the origin about which the points were given, m, body
     /// axes.
     #[must_use]
     pub fn centre_of_mass(&self) -> R::Vec3 {
@@ -100,7 +106,7 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for PointCloud<R, P
     }
 }
 
-/// The places of points with their masses.
+/// Positions of points with their masses.
 fn weighted<R: Real>(
     points: &[ContactPoint<R>],
     masses: &[R],
@@ -111,7 +117,7 @@ fn weighted<R: Real>(
         .zip(masses.iter().copied())
 }
 
-/// That there are points, as many masses, and none of these negative.
+/// Checks that there are points, as many masses as points, and no negative mass.
 pub(super) fn check_masses<R: Real>(points: usize, masses: &[R]) -> Result<(), SceneError> {
     let counted = |quantity, rule, count: usize| {
         SceneError::new(quantity, rule, R::from_usize(count).to_f64(), "")
@@ -129,7 +135,7 @@ pub(super) fn check_masses<R: Real>(points: usize, masses: &[R]) -> Result<(), S
     Ok(())
 }
 
-/// `Σ m (|p|² 1 - p pᵀ)` about the origin, of places and their masses.
+/// Computes `Σ m (|p|² 1 - p pᵀ)` about the origin, for positions and their masses.
 pub(super) fn inertia_of<R: Real, I: Iterator<Item = (R::Vec3, R)>>(
     weighted: impl Fn() -> I,
 ) -> R::Mat3 {
@@ -148,7 +154,7 @@ pub(super) fn inertia_of<R: Real, I: Iterator<Item = (R::Vec3, R)>>(
     ])
 }
 
-/// `Σ m f(p)`, of places and their masses.
+/// Computes `Σ m f(p)` for positions and their masses.
 pub(super) fn sum_of_vectors<R: Real, I: Iterator<Item = (R::Vec3, R)>>(
     weighted: impl Fn() -> I,
     of: impl Fn(R::Vec3) -> R::Vec3,
@@ -162,8 +168,8 @@ pub(super) fn sum_of_vectors<R: Real, I: Iterator<Item = (R::Vec3, R)>>(
     )
 }
 
-/// Kahan's sum: its rounding does not grow with the number of terms, so that ten thousand points on
-/// a line are still a line.
+/// Computes a sum by Kahan's method. Its rounding does not grow with the number of terms, so that
+/// ten thousand points on a line are still a line.
 pub(super) fn sum<R: Real>(terms: impl Iterator<Item = R>) -> R {
     let (mut total, mut lost) = (R::ZERO, R::ZERO);
     for term in terms {
@@ -206,7 +212,8 @@ mod tests {
         let found = InertiaProperties::<f64>::new(rod.mass(), rod.inertia()).unwrap();
         let axes = crate::rotation::Rotation::<f64>::IDENTITY.axes();
         let spin = found.angular_velocity(&axes, direction * 1e3);
-        // About the line the body does not turn; across it, by rounding of the direction.
+        // About the line the body does not rotate. Across it, the spin is due to rounding of the
+        // direction.
         assert!(spin.length() < 1e-11, "{spin}");
     }
 

@@ -1,34 +1,36 @@
-//! The continuous rim: a circle all of whose places can touch, and the rule by which its contact is
-//! integrated.
+//! Continuous rim: a circle that can touch along its whole length, and the quadrature rule for its
+//! contact.
 //!
-//! A ring of `n` points on springs `S` each has, in the limit of many points with `n S` the same,
-//! on every piece of arc `dφ` the contacts `n dφ/(2π)`. With the unit vectors `e(θ)` of the rim's
-//! plane, counted from the lowest place, and `s` the length of the ground's normal in that plane, a
-//! place lies in the ground by
+//! Consider a ring of `n` points on springs `S` each, in the limit of many points with `n S`
+//! constant. Every piece of arc `dφ` then has `n dφ/(2π)` contacts. Let `e(θ)` be the unit vectors
+//! of the rim's plane, counted from the lowest point. Let `s` be the length of the ground's normal
+//! projected into that plane. The penetration depth of a point is
 //!
 //! ```text
 //! d(θ) = r s cos θ - g = r s (cos θ - cos α)          cos α = g/(r s)
 //! ```
-//! where `g` is the gap of the rim's middle. So the arc `-α ... α` touches: none of the rim where
-//! `g >= r s`, all of it where `g <= -r s`. Force and energy are integrals over that arc,
+//! where `g` is the gap of the rim's middle and `r` the radius. So the arc `-α ... α` touches. No
+//! part of the rim touches if `g >= r s`, and all of it touches if `g <= -r s`. Force and energy
+//! are integrals over that arc,
 //!
 //! ```text
 //! E = ∫ V(d(θ)) n dθ/(2π)          F = ∫ N(d(θ), ...) n dθ/(2π)
 //! ```
-//! and since `d = 0` at its ends, `dE` has no share of the ends' wandering: the springs are a true
-//! potential, and nothing jumps as the rim rolls on.
+//! with the springs' energy `V` and the normal force `N` of a point. Since `d = 0` at its ends, the
+//! movement of the ends does not contribute to `dE`. The springs are a true potential, and nothing
+//! jumps as the rim rolls on.
 //!
-//! **Quadrature.** With `κ = sin(α/2)` and `sin(θ/2) = κ u`, `u` from -1 to 1:
+//! **Quadrature.** Substitute `κ = sin(α/2)` and `sin(θ/2) = κ u`, with `u` from -1 to 1:
 //!
 //! ```text
 //! cos θ = 1 - 2 κ² u²     sin θ = 2 κ u √(1 - κ² u²)     dθ = 2 κ du/√(1 - κ² u²)     d = 2 r s κ² (1 - u²)
 //! ```
-//! without a sine or an arc cosine, and without cancellation in a small depth. Gauss's rule in `u`,
-//! with six points on short arcs and eight on longer ones, integrates what is smooth on an arc of
-//! up to a quarter of the circle (`κ <= 0.38`) to 2e-10 of itself, and to rounding on the arcs of
-//! less than 0.2 rad on which a body rolls; longer arcs are cut into quarters. Forces on a level
-//! plane make do with fewer points, to 4e-11. Where friction reverses on the arc, they have rules
-//! of their own (`scene::rims::turning_rules`).
+//! This needs no sine and no arc cosine, and has no cancellation at a small penetration depth.
+//! Gauss's rule in `u` has six points on short arcs and eight on longer ones. On an arc of up to a
+//! quarter of the circle (`κ <= 0.38`) it integrates smooth functions to a relative 2e-10. On the
+//! arcs of less than 0.2 rad on which a body rolls it is accurate to rounding. Longer arcs are cut
+//! into quarters. Forces on a level plane need fewer points, for an accuracy of 4e-11. Arcs on
+//! which friction reverses have their own rules (`scene::rims::turning_rules`).
 
 mod panels;
 
@@ -38,30 +40,34 @@ pub(crate) use panels::{CUTS, MOST_NODES, Panel, Panels, sink_last};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
-/// A circle fixed in a body, all of whose places can touch the ground.
+/// Circle fixed in a body that can touch the ground along its whole length.
 ///
-/// It stands for a ring of so many `points`, each with the ground's law, in the limit of many more
-/// points of as much less stiffness: forces and energies are integrals over the arc below ground.
-/// `points` is what the ground's numbers, which are given for each contact, are multiplied by.
+/// It represents a ring of `points` points, each with the ground's law, in the limit of more and
+/// proportionally softer points. Forces and energies are integrals over the arc below ground. The
+/// ground's stiffness and damping are given per contact and are multiplied by `points`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rim<R: Real = f64> {
     centre: R::Vec3,
-    /// Unit vectors at right angles in its plane.
+    /// Perpendicular unit vectors in its plane.
     axes: [R::Vec3; 2],
     radius: R,
     points: R,
 }
 
 impl<R: Real> Rim<R> {
-    /// The circle around `centre` (m, body axes, from the centre of mass) at right angles to
-    /// `normal` (any length above 0) with a radius in m, which stands for so many points.
+    /// Creates the circle around `centre` (m, body axes, from the centre of mass), perpendicular to
+    /// `normal`.
+    ///
+    /// `normal` has any length above 0. The radius is in m. The circle represents `points` contact
+    /// points.
     #[must_use]
     pub fn new<V: Vector<R>>(centre: V, normal: V, radius: R, points: usize) -> Self
     where
         R: Real<Vec3 = V>,
     {
         let normal = unit(normal);
-        // The axis that lies nearest to its plane: for the normal x, the rim's axes are y and z.
+        // The axis that lies nearest to the rim's plane is taken. For the normal x, the rim's axes
+        // are y and z.
         let (x, y, z) = (normal.x().abs(), normal.y().abs(), normal.z().abs());
         let (o, one) = (R::ZERO, R::ONE);
         let beside = if y <= x && y <= z {
@@ -80,47 +86,51 @@ impl<R: Real> Rim<R> {
         }
     }
 
-    /// m, body axes, from the centre of mass.
+    /// Centre of the circle, m, body axes, from the centre of mass.
     #[inline]
     #[must_use]
     pub fn centre(&self) -> R::Vec3 {
         self.centre
     }
 
-    /// m.
+    /// Radius, m.
     #[inline]
     #[must_use]
     pub fn radius(&self) -> R {
         self.radius
     }
 
-    /// How many points it stands for.
+    /// Number of points that the rim represents.
     #[inline]
     #[must_use]
     pub fn points(&self) -> R {
         self.points
     }
 
-    /// Distance of its farthest place from the centre of mass, and a little more where it is not
-    /// around it, m.
+    /// Upper bound of the distance of the rim's points from the centre of mass, m.
+    ///
+    /// It is exact if the circle is centred at the centre of mass.
     #[inline]
     #[must_use]
     pub fn bounding_radius(&self) -> R {
         self.centre.length() + self.radius
     }
 
-    /// How far it reaches in a direction (unit vector, body axes), m from the centre of mass.
+    /// Support function: largest distance from the centre of mass in a direction (unit vector, body
+    /// axes), m.
     #[inline]
     #[must_use]
     pub fn support(&self, direction: R::Vec3) -> R {
         let [along, across] = self.in_plane(direction);
         let extent = self.radius * (along * along + across * across).sqrt();
-        // A place may lie beyond the circle by its rounding.
+        // A point may lie outside the circle by rounding.
         direction.dot(self.centre) + extent * (R::ONE + R::EPSILON * R::from_f64(8.0))
     }
 
-    /// Its farthest place in a direction (unit vector, body axes), m, body axes, from the centre of
-    /// mass; any where all are as far.
+    /// Farthest point in a direction (unit vector, body axes), m, body axes, from the centre of
+    /// mass.
+    ///
+    /// If all points are equally far, any of them is returned.
     #[inline]
     #[must_use]
     pub fn support_point(&self, direction: R::Vec3) -> R::Vec3 {
@@ -133,14 +143,13 @@ impl<R: Real> Rim<R> {
         }
     }
 
-    /// The arc that lies below a plane with this unit normal (body axes), above which the rim's
-    /// middle has this gap (m).
+    /// Arc below a plane with this unit normal (body axes), for this gap of the rim's middle (m).
     #[inline]
     pub(crate) fn arc_below(&self, normal: R::Vec3, gap: R) -> Arc<R> {
         self.arc_of(self.in_plane(normal), gap)
     }
 
-    /// The same by the parts of the normal along the rim's own axes.
+    /// Arc for the components of the normal along the rim's own axes.
     #[inline]
     pub(crate) fn arc_of(&self, [along, across]: [R; 2], gap: R) -> Arc<R> {
         let steepness = (along * along + across * across).sqrt();
@@ -158,8 +167,8 @@ impl<R: Real> Rim<R> {
         }
     }
 
-    /// From its middle to the place in a direction, and to the one a quarter of a turn on, m, where
-    /// its own axes are these.
+    /// Vectors from the rim's middle to the point in a direction, and to the point a quarter of a
+    /// revolution further, m. The first argument holds the rim's own axes.
     #[inline]
     pub(crate) fn spokes(
         &self,
@@ -173,13 +182,13 @@ impl<R: Real> Rim<R> {
         ]
     }
 
-    /// Its own axes.
+    /// The rim's own axes.
     #[inline]
     pub(crate) fn axes(&self) -> [R::Vec3; 2] {
         self.axes
     }
 
-    /// The length of a unit vector's part in its plane.
+    /// Length of a unit vector's component in the rim's plane.
     #[inline]
     pub(crate) fn steepness(&self, normal: R::Vec3) -> R {
         let [along, across] = self.in_plane(normal);
@@ -193,14 +202,14 @@ impl<R: Real> Rim<R> {
         [v.dot(first), v.dot(second)]
     }
 
-    /// The place of the rim in a direction of its plane.
+    /// Point of the rim in a direction of its plane.
     #[inline]
     fn place(&self, [along, across]: Direction<R>) -> R::Vec3 {
         let [first, second] = self.axes;
         self.centre + (first * along + second * across) * self.radius
     }
 
-    /// The place of a panel with `s = sin(θ/2)`, counted from its middle.
+    /// Point of a panel with `s = sin(θ/2)`, counted from the panel's middle.
     #[inline]
     pub(crate) fn place_on(&self, panel: Panel<R>, s: R) -> R::Vec3 {
         let root = (R::ONE - s * s).sqrt();
@@ -208,7 +217,7 @@ impl<R: Real> Rim<R> {
         self.place(turned(panel.middle, [cos, sin]))
     }
 
-    /// The places of a panel, each with the number of points that it stands for.
+    /// Quadrature points of a panel, each with the number of contact points that it represents.
     #[inline]
     pub(crate) fn nodes(&self, panel: Panel<R>) -> impl Iterator<Item = (R::Vec3, R)> {
         let (chord, density) = (panel.chord, panel.chord * self.points);
@@ -227,10 +236,11 @@ impl<R: Real> Rim<R> {
         })
     }
 
-    /// That it can be.
+    /// Checks that the rim is valid.
     ///
     /// # Errors
-    /// Names the quantity, the rule that it breaks, and its value.
+    /// Returns [`SceneError`] if the rim is invalid. The error names the quantity, the rule that it
+    /// breaks, and its value.
     pub fn check(&self) -> Result<(), SceneError> {
         error::above_zero("radius of the rim", self.radius, " m")?;
         error::above_zero("number of points that the rim stands for", self.points, "")?;
@@ -244,15 +254,16 @@ impl<R: Real> Rim<R> {
     }
 }
 
-/// The unit vector along a vector, also of one whose square is no number; not a number for 0.
+/// Unit vector along a vector, also if the square of its length overflows or underflows. Returns
+/// NaN for 0.
 fn unit<R: Real<Vec3 = V>, V: Vector<R>>(v: V) -> V {
     let largest = (v.x().abs()).at_least(v.y().abs()).at_least(v.z().abs());
-    // In two steps: one over a number close to 0 is infinite.
+    // Two steps, because the reciprocal of a number close to 0 is infinite.
     let v = V::new(v.x() / largest, v.y() / largest, v.z() / largest);
     v * (R::ONE / v.length())
 }
 
-/// Gauss's rule on [-1, 1]: the places above 0, and their weights.
+/// Gauss's rule on [-1, 1]: the nodes above 0, and their weights.
 pub(crate) const GAUSS_8: [[f64; 2]; 4] = [
     [0.183_434_642_495_649_8, 0.362_683_783_378_362],
     [0.525_532_409_916_329, 0.313_706_645_877_887_3],
@@ -264,39 +275,39 @@ pub(crate) const GAUSS_6: [[f64; 2]; 3] = [
     [0.6612093864662646, 0.3607615730481386],
     [0.932469514203152, 0.1713244923791705],
 ];
-/// The chord of a panel on which six points are as exact as numbers: what is left of the springs'
-/// energy is `2e-4 κ⁸` of it, 1e-14.
+/// Chord of a panel below which six points are accurate to rounding. The relative error of the
+/// springs' energy is `2e-4 κ⁸`, 1e-14.
 pub(crate) const SHORT: f64 = 0.05;
 
 /// Cosine and sine in the rim's plane.
 pub(crate) type Direction<R> = [R; 2];
 
-/// `a` turned by the angle of `b`.
+/// Rotates `a` by the angle of `b`.
 #[inline]
 fn turned<R: Real>([a, b]: Direction<R>, [cos, sin]: Direction<R>) -> Direction<R> {
     [a * cos - b * sin, b * cos + a * sin]
 }
 
-/// What of a rim lies below ground.
+/// Part of a rim that lies below ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Arc<R> {
     Nothing,
-    /// To both sides of the lowest place by the angle α.
+    /// Arc to both sides of the lowest point by the angle α.
     Part {
         lowest: Direction<R>,
-        /// `sin(α/2)`: half of the chord from the lowest place to the end, over the radius.
+        /// `sin(α/2)`: half of the chord from the lowest point to the end, over the radius.
         chord: R,
-        /// `r s`: how far the rim reaches below its middle, m.
+        /// `r s`: depth of the lowest point below the rim's middle, m.
         extent: R,
     },
     Whole,
 }
 
-/// `sin(π/8)`: of a quarter of the circle.
+/// `sin(π/8)`: chord of a quarter of the circle.
 pub(crate) const QUARTER: f64 = 0.382_683_432_365_089_8;
 
 impl<R: Real> Arc<R> {
-    /// Whether a place in a direction is on it.
+    /// Returns true if the point in a direction is on the arc.
     #[inline]
     fn holds(&self, [a, b]: Direction<R>) -> bool {
         match *self {
@@ -310,13 +321,13 @@ impl<R: Real> Arc<R> {
         }
     }
 
-    /// Both ends of a part.
+    /// Both ends of a partial arc.
     fn ends(&self) -> Option<[Direction<R>; 2]> {
         self.lowest()?;
         Some([-R::ONE, R::ONE].map(|end| self.place(end)))
     }
 
-    /// The place with `sin(θ/2) = κ u`.
+    /// Direction of the point with `sin(θ/2) = κ u`.
     #[inline]
     pub(crate) fn place(&self, u: R) -> Direction<R> {
         match *self {
@@ -328,7 +339,7 @@ impl<R: Real> Arc<R> {
         }
     }
 
-    /// How far the rim reaches below its middle, m.
+    /// Depth of the lowest point below the rim's middle, m.
     #[inline]
     pub(crate) fn bounds(&self) -> R {
         match *self {
@@ -337,7 +348,7 @@ impl<R: Real> Arc<R> {
         }
     }
 
-    /// The longer of two that are parts.
+    /// Returns the longer of two partial arcs.
     pub(crate) fn longer(arcs: &[Self; 2]) -> Option<Self> {
         let parts = arcs.iter().filter(|arc| arc.lowest().is_some());
         parts
@@ -355,8 +366,8 @@ impl<R: Real> Arc<R> {
         }
     }
 
-    /// What is linear in a place, by its values for the rim's own axes, for the lowest place and
-    /// across.
+    /// Coefficients of a linear function of the point, for the lowest point and the direction
+    /// across. The argument holds its values for the rim's own axes.
     #[inline]
     pub(crate) fn slopes<V: Vector<R>>(&self, [first, second]: [V; 2]) -> [V; 2] {
         let [x, y] = self.lowest().unwrap_or([R::ONE, R::ZERO]);

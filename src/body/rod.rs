@@ -1,11 +1,12 @@
-//! A thin straight rod, and a single point.
+//! Thin straight rod, and a single point.
 
 use super::{ContactPoint, MassProperties, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::real::{Matrix, Real, Vector};
 
-/// A thin straight rod along body z: a bare contact at each end. It has no moment about itself and
-/// does not spin that way.
+/// Thin straight rod along body z, with a bare contact at each end.
+///
+/// It has no moment about its own axis and does not spin about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rod<R: Real = f64> {
     mass: R,
@@ -14,7 +15,7 @@ pub struct Rod<R: Real = f64> {
 }
 
 impl<R: Real> Rod<R> {
-    /// A homogeneous rod: `m l²/12` across it. Mass in kg, length in m.
+    /// Creates a homogeneous rod: moment `m l²/12` across it. Mass in kg, length in m.
     #[must_use]
     pub fn new(mass: R, length: R) -> Self {
         let end = |z: R| ContactPoint::bare(R::Vec3::new(R::ZERO, R::ZERO, z));
@@ -52,7 +53,7 @@ impl<R: Real> RigidPointBody<R> for Rod<R> {
     }
 }
 
-/// A point with a mass: it slides and bounces and does not turn.
+/// Point with a mass: it slides and bounces and does not rotate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointMass<R: Real = f64> {
     mass: R,
@@ -60,7 +61,7 @@ pub struct PointMass<R: Real = f64> {
 }
 
 impl<R: Real> PointMass<R> {
-    /// Mass in kg.
+    /// Creates a point with this mass, kg.
     #[must_use]
     pub fn new(mass: R) -> Self {
         Self {

@@ -1,19 +1,22 @@
-//! A body of any mass distribution and any contacts.
+//! Body with any mass distribution and any contacts.
 
 use super::{ContactPoint, MassProperties, RigidPointBody, check_contacts};
 use crate::error::{Rule, SceneError};
 use crate::real::Real;
 
-/// A body whose mass distribution and whose contacts are given apart from each other: a composite,
-/// a solid with the contacts of its hull, or mass and inertia from a data sheet.
+/// Body whose mass distribution and contacts are given independently.
 ///
-/// `P` is where the contacts are: an array, a borrowed slice, or a `Vec`.
+/// Examples are a composite, a solid with the contacts of its hull, or a body with mass and inertia
+/// from a data sheet.
+///
+/// `P` stores the contacts: an array, a borrowed slice, or a `Vec`.
 ///
 /// ```
 /// use tumble::glam::DVec3;
 /// use tumble::{ContactPoint, MassProperties, RigidPointBody, Solid};
 ///
-/// // A spinning top: a disc on a peg. It touches with the peg's round tip and with the disc's rim, given by eight points.
+/// // A spinning top: a disc on a peg. Its contacts are the round tip of the peg and eight points
+/// // on the rim of the disc.
 /// let peg = MassProperties::cylinder(0.01, 0.003, 0.06);
 /// let disc = MassProperties::cylinder(0.05, 0.03, 0.008).at(DVec3::Z * 0.005);
 /// let rim = |i: i32| DVec3::new((0.25 * f64::from(i)).cos(), (0.25 * f64::from(i)).sin(), 0.0) * 0.03;
@@ -22,24 +25,26 @@ use crate::real::Real;
 ///     i => ContactPoint::bare(rim(i as i32) + DVec3::Z * 0.001),
 /// });
 /// let top = Solid::new(peg.with(&disc), contacts)?;
-/// // The contacts are about the centre of mass now.
+/// // The contact positions are now relative to the centre of mass.
 /// assert!(top.contacts()[0].position.z < -0.027);
 /// # Ok::<(), tumble::SceneError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid<R: Real, P> {
-    /// Its centre of mass in the axes that it was given in.
+    /// Mass distribution, with its centre of mass in the axes in which it was given.
     distribution: MassProperties<R>,
     contacts: P,
 }
 
 impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Solid<R, P> {
-    /// A mass distribution with contacts in the same axes and about the same origin. The contacts
-    /// are moved so that the centre of mass is their origin.
+    /// Creates a body from a mass distribution and contacts in the same axes and about the same
+    /// origin.
+    ///
+    /// The contacts are shifted so that the centre of mass becomes their origin.
     ///
     /// # Errors
-    /// Where mass, centre of mass or inertia cannot be, there is no contact, or a contact is not
-    /// finite or has a radius below 0.
+    /// Returns [`SceneError`] if the mass, the centre of mass or the inertia is invalid, if there
+    /// is no contact, or if a contact is not finite or has a radius below 0.
     pub fn new(distribution: MassProperties<R>, mut contacts: P) -> Result<Self, SceneError> {
         distribution.check()?;
         check_contacts(contacts.as_ref())?;
@@ -57,7 +62,7 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Solid<R, P
     }
 }
 
-/// Moves contacts so that `centre` becomes their origin.
+/// Shifts contacts so that `centre` becomes their origin.
 pub(super) fn centre<R: Real>(contacts: &mut [ContactPoint<R>], centre: R::Vec3) {
     for contact in contacts {
         contact.position -= centre;
@@ -65,7 +70,7 @@ pub(super) fn centre<R: Real>(contacts: &mut [ContactPoint<R>], centre: R::Vec3)
 }
 
 impl<R: Real, P> Solid<R, P> {
-    /// Where the centre of mass lies from the origin about which the body was given, m, body axes.
+    /// Position of the centre of mass in the axes in which the body was given, m.
     #[must_use]
     pub fn centre_of_mass(&self) -> R::Vec3 {
         self.distribution.centre_of_mass

@@ -1,4 +1,4 @@
-//! A coin with a thickness: two rims.
+//! Coin with a thickness: two rims.
 
 use super::coin::{lowest_guess, place_on_circle, walk_down};
 use super::{CoinFace, ContactPoint, ContactRange, MassProperties, RigidPointBody, check_contacts};
@@ -6,14 +6,16 @@ use crate::error::{self, Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
 use crate::state::State;
 
-/// A coin with a thickness: a homogeneous cylinder that touches with the points of its two rims, so
-/// that it can lie on a face, roll on an edge, and stand on both.
+/// Coin with a thickness: a homogeneous cylinder with contact points on its two rims.
 ///
-/// Body axes as those of [`Coin`](super::Coin): the coin's normal is x. The rims lie at
-/// `x = ±thickness/2`; contact `2 k` is a point of the one at -x, contact `2 k + 1` the one
-/// opposite to it at +x. Moments: `m r²/2` about the normal, `m (3 r² + h²)/12` about a diameter.
+/// It can lie on a face, roll on an edge, and stand on both rims.
 ///
-/// *Limit:* each rim is a polygon, out of round by `r (1 - cos(π/n))` for n points on it.
+/// Body axes are as for [`Coin`](super::Coin): the coin's normal is x. The rims are at
+/// `x = ±thickness/2`. Contact `2 k` is a point of the rim at -x, contact `2 k + 1` the opposite
+/// point at +x. Moments: `m r²/2` about the normal, `m (3 r² + h²)/12` about a diameter, with the
+/// thickness h.
+///
+/// *Limit:* each rim is a polygon with n points. It deviates from the circle by `r (1 - cos(π/n))`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidCoin<R: Real = f64, P = [ContactPoint<R>; 240]> {
     mass: R,
@@ -23,7 +25,7 @@ pub struct SolidCoin<R: Real = f64, P = [ContactPoint<R>; 240]> {
 }
 
 impl<R: Real> SolidCoin<R> {
-    /// A coin with 120 points on each rim; mass in kg, radius and thickness in m.
+    /// Creates a coin with 120 points on each rim. Mass in kg, radius and thickness in m.
     #[must_use]
     pub fn new(mass: R, radius: R, thickness: R) -> Self {
         Self::new_with_storage([ContactPoint::default(); 240], mass, radius, thickness)
@@ -31,8 +33,8 @@ impl<R: Real> SolidCoin<R> {
 }
 
 impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> SolidCoin<R, P> {
-    /// A coin with as many points as `storage` holds, an even number of at least 6, half of them on
-    /// each rim.
+    /// Creates a coin with as many points as `storage` holds: an even number of at least 6, half of
+    /// them on each rim. Mass in kg, radius and thickness in m.
     #[must_use]
     pub fn new_with_storage(mut storage: P, mass: R, radius: R, thickness: R) -> Self {
         let points = storage.as_mut();
@@ -74,11 +76,12 @@ impl<R: Real, P> SolidCoin<R, P> {
         super::coin::tilt(state)
     }
 
-    /// The face on which it would come to rest from here, if it were let go and did not bounce: the
-    /// one that looks up; [`CoinFace::Edge`] where its weight is over the edge, which is where
+    /// Face that points up if the coin comes to rest from here without bouncing.
+    ///
+    /// Returns [`CoinFace::Edge`] if the centre of mass is above the edge, that is if
     /// `r |n_z| < (h/2) √(1 - n_z²)` with the normal n.
     ///
-    /// Of all orientations a share of `h/√(4 r² + h²)` is such.
+    /// A fraction `h/√(4 r² + h²)` of all orientations fulfils this condition.
     #[must_use]
     pub fn face_up(&self, state: &State<R>) -> CoinFace {
         let normal = state.rotation().axes().x;
@@ -112,8 +115,8 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for SolidCoin<R, P>
 
     #[inline]
     fn contacts_below(&self, normal: R::Vec3, offset: R) -> ContactRange {
-        // Of the lower rim, whose arc under the plane is the longer one; opposite points are
-        // neighbours.
+        // Points of the lower rim count, because its arc below the plane is the longer one.
+        // Opposite points are neighbours in the numbering.
         let offset = offset + normal.x().abs() * self.thickness * R::HALF;
         let (y, z) = (normal.y() * self.radius, normal.z() * self.radius);
         if offset * offset > y * y + z * z {
@@ -150,8 +153,8 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for SolidCoin<R, P>
 }
 
 impl<R: Real, P: AsRef<[ContactPoint<R>]>> SolidCoin<R, P> {
-    /// The run of pairs of opposite points whose distance from the normal's own axis puts them
-    /// under a plane: from the lowest one outwards to both sides.
+    /// Range of pairs of opposite points that are below a plane, as measured across the coin's
+    /// normal. It is found from the lowest pair outwards to both sides.
     #[inline]
     fn pairs_below(&self, normal: R::Vec3, offset: R) -> ContactRange {
         let points = self.points.as_ref();

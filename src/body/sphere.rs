@@ -1,14 +1,15 @@
-//! A ball with one contact.
+//! Ball with one contact.
 
 use super::{ContactPoint, MassProperties, RigidPointBody};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
-/// A ball: one contact at the centre with the ball's radius, so that it rolls without a rattle and
-/// costs one contact.
+/// Ball with one contact at its centre, whose radius is that of the ball.
 ///
-/// Any distribution of mass will do: [`solid`](Self::solid) and [`shell`](Self::shell) have their
-/// centre of mass in the middle, [`loaded`](Self::loaded) has it anywhere, as a tippe top has.
+/// It rolls without rattling and costs one contact.
+///
+/// The mass distribution is arbitrary. [`solid`](Self::solid) and [`shell`](Self::shell) have their
+/// centre of mass in the middle. [`loaded`](Self::loaded) has it anywhere, as in a tippe top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere<R: Real = f64> {
     pub(super) distribution: MassProperties<R>,
@@ -16,25 +17,26 @@ pub struct Sphere<R: Real = f64> {
 }
 
 impl<R: Real> Sphere<R> {
-    /// A homogeneous ball: moments `2 m r²/5`. Mass in kg, radius in m.
+    /// Creates a homogeneous ball: moments `2 m r²/5`. Mass in kg, radius in m.
     #[must_use]
     pub fn solid(mass: R, radius: R) -> Self {
         Self::loaded(radius, MassProperties::ball(mass, radius))
     }
 
-    /// A thin spherical shell: moments `2 m r²/3`. Mass in kg, radius in m.
+    /// Creates a thin spherical shell: moments `2 m r²/3`. Mass in kg, radius in m.
     #[must_use]
     pub fn shell(mass: R, radius: R) -> Self {
         Self::loaded(radius, MassProperties::shell(mass, radius))
     }
 
-    /// A ball of this radius (m) about the origin with any mass distribution within. Body axes are
-    /// those of the distribution, moved to its centre of mass.
+    /// Creates a ball of this radius (m) about the origin with any mass distribution.
+    ///
+    /// Body axes are those of the distribution, with the origin at its centre of mass.
     ///
     /// ```
     /// use tumble::glam::DVec3;
     /// use tumble::{MassProperties, Sphere};
-    /// // A bowling ball whose centre of mass is 1 mm off the middle.
+    /// // A bowling ball whose centre of mass is 1 mm away from the middle.
     /// let ball = Sphere::loaded(0.108, MassProperties::ball(7.0, 0.108).at(DVec3::X * 0.001));
     /// assert_eq!(ball.middle(), DVec3::X * -0.001);
     /// ```
@@ -42,7 +44,7 @@ impl<R: Real> Sphere<R> {
     pub fn loaded(radius: R, distribution: MassProperties<R>) -> Self {
         Self {
             contact: [ContactPoint {
-                // Not `-0` where there is no offset.
+                // Subtracted from zero to avoid `-0` if there is no offset.
                 position: R::Vec3::ZERO - distribution.centre_of_mass,
                 radius,
             }],
@@ -58,7 +60,7 @@ impl<R: Real> Sphere<R> {
         contact.radius
     }
 
-    /// The middle of the ball from the centre of mass, m, body axes.
+    /// Middle of the ball from the centre of mass, m, body axes.
     #[inline]
     #[must_use]
     pub fn middle(&self) -> R::Vec3 {

@@ -1,4 +1,4 @@
-//! What is asked of a body.
+//! Requirements of a body.
 
 use super::plan::{CheckPlan, Draw, cube_directions, unit};
 use super::{
@@ -13,15 +13,21 @@ use crate::real::{Matrix, Real, Vector};
 
 /// Checks a body.
 ///
-/// Its mass is above 0, its inertia symmetric and that of a solid; its contacts are finite, with
-/// radii of at least 0, and neither they nor its rim lie beyond its reach, nor beyond its `support`
-/// in a direction; `contacts_below` misses none and `contacts_below_near` answers alike, for planes
-/// in directions of a cube's faces, edges and corners, towards its contacts, and random ones, at
-/// offsets through its contacts, at the reach and far away; the place that a smooth body tells as
-/// the farthest in a direction is; and all of it is the same whenever it is asked for.
+/// The requirements are:
 ///
-/// Of contacts that lie nearer to a plane than 8 units in the last place of the reach either answer
-/// is right: so much is allowed for where `contacts_below` is asked.
+/// - The mass is above 0. The inertia is symmetric and that of a solid.
+/// - Contacts are finite, with radii of at least 0.
+/// - Neither contacts nor the rim lie beyond the bounding radius, nor beyond `support` in any
+///   direction.
+/// - `contacts_below` omits no contact, and `contacts_below_near` returns the same range.
+/// - `support_point` of a smooth body is the farthest point in its direction.
+/// - All results are the same at every call.
+///
+/// The planes of `contacts_below` have directions to a cube's faces, edges and corners, to
+/// contacts, and random ones. Their offsets are at contacts, at the bounding radius, and far away.
+///
+/// A contact may be inside or outside of the range if it is closer to the plane than 8 units in the
+/// last place of the bounding radius.
 ///
 /// ```
 /// use tumble::contract::{CheckPlan, check_body};
@@ -30,7 +36,8 @@ use crate::real::{Matrix, Real, Vector};
 /// ```
 ///
 /// # Errors
-/// The first clause that is broken, with the input that breaks it.
+/// Returns the first [`Violation`], with the requirement that is broken and the input that breaks
+/// it.
 pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     plan: CheckPlan,
@@ -60,8 +67,8 @@ pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
     Ok(())
 }
 
-/// The breach of mass or inertia. A moment's bound is the sum of the other two: the trace less that
-/// moment.
+/// Violation for an invalid mass or inertia. A moment's bound is the sum of the other two: the
+/// trace minus that moment.
 fn cannot_have<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B, error: SceneError) -> Violation {
     let violation = cannot_be(error);
     if error.rule != Rule::TriangleInequality {
@@ -91,7 +98,7 @@ fn check_reach<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B) -> Result<(), V
     Ok(())
 }
 
-/// No contact reaches farther in a direction than the body says.
+/// Checks that no contact is farther in a direction than the body's support function.
 fn check_support<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     direction: R::Vec3,
@@ -115,8 +122,8 @@ fn check_support<R: Real, B: RigidPointBody<R> + ?Sized>(
     Ok(())
 }
 
-/// A smooth body has one contact, and in each of these directions no other place that it tells is
-/// farther.
+/// Checks that a smooth body has one contact, and that its support point is the farthest of the
+/// returned points in each direction.
 fn check_support_point<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     draw: &mut Draw,
@@ -158,7 +165,7 @@ fn check_support_point<R: Real, B: RigidPointBody<R> + ?Sized>(
     Ok(())
 }
 
-/// A random direction, or that of a contact, up or down.
+/// Random direction, or the direction of a contact or its opposite.
 fn any_direction<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B, draw: &mut Draw) -> R::Vec3 {
     let count = u32::try_from(body.contacts().len()).unwrap_or(u32::MAX);
     let index = draw.pick(count) as usize;
@@ -170,7 +177,7 @@ fn any_direction<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B, draw: &mut Dr
     }
 }
 
-/// Asks below a plane in one direction, at the offsets that matter.
+/// Checks the contacts below planes of one direction, at the relevant offsets.
 fn check_offsets<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     first: &Portrait<R>,
@@ -181,7 +188,7 @@ fn check_offsets<R: Real, B: RigidPointBody<R> + ?Sized>(
         check_below(body, first, normal, bounding_radius * R::from_f64(share))?;
         check_below(body, first, normal, -(bounding_radius * R::from_f64(share)))?;
     }
-    // Just above some contacts: the lowest of them and those beside it.
+    // Just above some contacts: the lowest of them and its neighbours.
     let contacts = body.contacts();
     let every = (contacts.len() / 7).max(1);
     for contact in contacts.iter().step_by(every) {
@@ -191,8 +198,8 @@ fn check_offsets<R: Real, B: RigidPointBody<R> + ?Sized>(
     Ok(())
 }
 
-/// Asks below one plane, and again by who knows a run of nearly the same, or of another one: none
-/// may be missed, and all answers must be the same.
+/// Checks the contacts below one plane, also from known ranges of similar and of other planes. No
+/// contact may be omitted, and all results must be equal.
 fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     first: &Portrait<R>,
@@ -218,7 +225,7 @@ fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
         let found = height >= sure
             || holds(run, contacts, index) && near.iter().all(|&run| holds(run, contacts, index));
         if !found {
-            // Was the run wrong, or have the contacts changed meanwhile?
+            // Either the range was wrong, or the contacts have changed meanwhile.
             first.check(&Portrait::of(body))?;
         }
         demand(found, Requirement::ContactsBelow, height, offset, || {
@@ -229,7 +236,7 @@ fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
         if near == run || (near.count == 0 && run.count == 0) {
             continue;
         }
-        // Does it follow what is known, or does it change meanwhile?
+        // Either the result depends on the known range, or it changes between calls.
         let again = body.contacts_below_near(normal, offset, known);
         let (requirement, value) = if near == again {
             (Requirement::ContactsBelow, near)
@@ -242,8 +249,8 @@ fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
     Ok(())
 }
 
-/// What a caller may know who asks for a run of so many contacts: it, others that end beside its
-/// ends, none, and all.
+/// Known ranges that a caller may pass: the range itself, ranges that end next to its ends, the
+/// empty range, and all contacts.
 fn runs_like(run: ContactRange, contacts: usize) -> [ContactRange; 6] {
     let ContactRange { first, count } = run;
     [
@@ -265,13 +272,13 @@ fn runs_like(run: ContactRange, contacts: usize) -> [ContactRange; 6] {
     ]
 }
 
-/// Whether a run holds a contact, by what is made of it.
+/// Returns true if a range contains a contact, according to its parts.
 fn holds<T>(run: ContactRange, contacts: &[T], index: usize) -> bool {
     let [head, wrapped] = run.parts(contacts);
     index < wrapped.len() || (index >= run.first && index - run.first < head.len())
 }
 
-/// All that a body is, in a few numbers that change when it does.
+/// Summary of a body in a few numbers that change if the body changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Portrait<R: Real> {
     mass: R,
@@ -306,7 +313,7 @@ impl<R: Real> Portrait<R> {
     }
 }
 
-/// FNV-1a over the contacts' numbers.
+/// Hash of the contacts by FNV-1a.
 fn fingerprint<R: Real>(contacts: &[ContactPoint<R>]) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325;
     for contact in contacts {

@@ -1,4 +1,4 @@
-//! What is asked of a friction law.
+//! Requirements of a friction law.
 
 use super::plan::{CheckPlan, across, cube_directions, unit};
 use super::{
@@ -8,11 +8,11 @@ use super::{
 use crate::friction::SlidingFriction;
 use crate::real::{Real, Vector};
 
-/// How hard and how fast a friction law is meant to be used, and on what surface: it is asked
-/// nothing beyond.
+/// Range of loads and slips for which a friction law is intended, with the surface. The check
+/// evaluates nothing beyond it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionRange<R: Real = f64> {
-    /// Normal of the surface, any length above 0: slips lie in it.
+    /// Normal of the surface, any length above 0. Slips lie in the surface.
     pub normal: R::Vec3,
     /// Largest normal force of a contact, N, above 0.
     pub normal_force: R,
@@ -20,14 +20,18 @@ pub struct FrictionRange<R: Real = f64> {
     pub slip: R,
 }
 
-/// Checks a friction law, at loads and slips from 10⁻¹² of the largest to the largest, at 0, and in
+/// Checks a friction law at loads and slips from 10⁻¹² of the largest to the largest, at 0, and in
 /// all directions of the surface.
 ///
-/// The force is finite and lies in the surface; it opposes the slip (`force · slip <= 0`); it is 0
-/// without load, and 0 without slip, where there is nothing to oppose. Of `turning`: it is always
-/// there or never, its torques are at least 0, and 0 without load, and its turn speed is above 0.
-/// Of `drag`: no number is negative, the width is above 0, the growth at most 1, and the
-/// coefficient is `-force · slip/slip²` to the root of the rounding (it steers an iteration).
+/// The requirements are:
+///
+/// - The force is finite, lies in the surface, and opposes the slip (`force · slip <= 0`).
+/// - The force is 0 without load and 0 without slip.
+/// - `rolling_resistance` is always `Some` or never. Its torques are at least 0, and 0 without
+///   load. Its rotation speed is above 0.
+/// - `jacobian` has no negative number, a width above 0 and a growth of at most 1. Its coefficient
+///   is `-force · slip/slip²` to the square root of the rounding, since it only controls an
+///   iteration.
 ///
 /// ```
 /// use tumble::contract::{CheckPlan, FrictionRange, check_friction};
@@ -40,7 +44,8 @@ pub struct FrictionRange<R: Real = f64> {
 /// ```
 ///
 /// # Errors
-/// The first clause that is broken, with the input that breaks it.
+/// Returns the first [`Violation`], with the requirement that is broken and the input that breaks
+/// it.
 pub fn check_friction<R: Real, F: SlidingFriction<R> + ?Sized>(
     friction: &F,
     range: &FrictionRange<R>,
@@ -67,8 +72,8 @@ pub fn check_friction<R: Real, F: SlidingFriction<R> + ?Sized>(
     Ok(())
 }
 
-/// Parts of the largest load and slip that are tried with each other: the largest first, so that a
-/// breach shows in large numbers.
+/// Fractions of the largest load and slip that are combined. The largest comes first, so that a
+/// violation shows in large numbers.
 const SHARES: [f64; 7] = [1.0, 0.3, 1e-2, 1e-4, 1e-8, 1e-12, 0.0];
 
 struct Check<'a, R: Real, F: ?Sized> {
@@ -91,7 +96,7 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         if slip == R::Vec3::ZERO {
             demand_at_most(size, R::ZERO, Requirement::NoSlipNoForce, input)?;
         }
-        // A product that is 0 but for the rounding of its three terms.
+        // Bound of a product that is 0 except for the rounding of its three terms.
         let bound = size * speed * ulps(4.0);
         demand_at_most(force.dot(slip), bound, Requirement::Opposes, input)?;
         let lifted = force.dot(self.normal).abs();

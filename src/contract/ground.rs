@@ -1,4 +1,4 @@
-//! What is asked of a ground.
+//! Requirements of a ground.
 
 use super::plan::{CheckPlan, across, cube_directions, unit};
 use super::{
@@ -8,38 +8,41 @@ use super::{
 use crate::ground::{GroundBounds, Plane, SpringDamperGround};
 use crate::real::{Real, Vector};
 
-/// Where, how deep and how fast a ground is meant to be used: it is asked nothing beyond.
+/// Region, penetration depths and speeds for which a ground is intended. The check evaluates
+/// nothing beyond them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundRange<R: Real = f64> {
-    /// Middle of the region, m, world axes; best on the surface.
+    /// Middle of the region, m, world axes, preferably on the surface.
     pub centre: R::Vec3,
-    /// The region reaches as far to each side, m, above 0. Hills and edges should be some
-    /// hundredths of it wide, or wider.
+    /// Distance from the middle to each side of the region, m, above 0. Hills and edges should be
+    /// at least some hundredths of it wide.
     pub size: R,
-    /// Largest depth of a contact, m, above 0.
+    /// Largest penetration depth of a contact, m, above 0.
     pub depth: R,
-    /// Largest speed at which a contact closes or leaves, m/s, above 0.
+    /// Largest closing or separating speed of a contact, m/s, above 0.
     pub speed: R,
 }
 
 /// Checks a ground.
 ///
-/// *The surface*, at places of the region and near the surface: the normal has length 1, the gap
-/// changes from place to place as `normal · path` says (else springs make energy as a contact moves
-/// along), and `extent` is true. So the gap is a distance: a height field's `(z - h(x, y)) cos θ`
-/// is one at the surface only, and fails by depth times curvature.
+/// *The surface*, at points of the region and near the surface: the normal has length 1, and the
+/// `bounds` are true. The gap changes between two points by `normal · path`, otherwise the springs
+/// would generate energy as a contact moves along. So the gap is a distance. A height field's
+/// `(z - h(x, y)) cos θ` is a distance at the surface only, and fails by penetration depth times
+/// curvature.
 ///
-/// *The law*, from 10⁻¹² of the depth to the depth, at speeds of both signs and 0: springs push,
-/// never pull; their energy rises and is the integral of the force, by Gauss's rule on 64 parts;
-/// the normal force is at least 0; and beyond the springs it only takes energy.
+/// *The law*, from 10⁻¹² of the penetration depth to the full depth, at speeds of both signs and 0:
+/// springs push and never pull. Their energy increases and is the integral of the force, by Gauss's
+/// rule on 64 parts. The normal force is at least 0. The force beyond that of the springs only
+/// dissipates energy.
 ///
-/// *The mean force*, on paths into, in, out of and above the ground: no number is negative; its
-/// work `force · path` is at least what the springs store (at most what they give back); and it is
-/// the mean of the normal force along the path, to 5 % of the largest force there (the provided
-/// method's three points err as much where a clamp cuts).
+/// *The mean force*, on paths into, in, out of and above the ground: no number is negative. Its
+/// work `force · path` is at least the energy that the springs store, and at most the energy that
+/// they return. It is the mean of the normal force along the path, to 5 % of the largest force
+/// there. The three points of the provided method have this error where the force is clamped.
 ///
-/// *Limits:* it samples, and may miss what is narrow. In a range of 1 m, 5 cm and 5 m/s, of 100
-/// seeds:
+/// *Limits:* the check samples, and may miss narrow faults. In a range of 1 m, 5 cm and 5 m/s, for
+/// 100 seeds:
 ///
 /// | fault | found with 200 cases (default) | 1000 | 5000 |
 /// |---|---|---|---|
@@ -47,13 +50,14 @@ pub struct GroundRange<R: Real = f64> {
 /// | a spike of the spring force, 0.2 mm of depth wide and twice as high | 21 % | 74 % | 100 % |
 /// | a cliff of 2 cm in the gap | 1 % | 2 % | 16 % |
 ///
-/// A needle of that width on the surface was not found with 100,000 cases by any of 20 seeds.
-/// Make the range as small as the fault that you look for, or raise [`CheckPlan::cases`].
+/// A needle of that width on the surface was not found with 100,000 cases by any of 20 seeds. Make
+/// the range as small as the expected fault, or increase [`CheckPlan::cases`].
 ///
-/// Tolerances: some units in the last place of the terms; for integrals also four times what other
-/// partitions change. The springs' energy may be off by 1024 units in the last place of the energy
-/// at the largest depth: a formula such as `e^x - 1 - x` is so far off at small depths. `exp_m1` is
-/// more accurate there. Forces must be at least 0 without tolerance.
+/// Tolerances are some units in the last place of the terms. For integrals they also include four
+/// times the difference between partitions. The springs' energy may deviate by 1024 units in the
+/// last place of the energy at the largest penetration depth. A formula such as `e^x - 1 - x`
+/// deviates so much at small penetration depths, where `exp_m1` is more accurate. Forces must be at
+/// least 0 without tolerance.
 ///
 /// ```
 /// use tumble::contract::{CheckPlan, GroundRange, check_ground};
@@ -65,7 +69,8 @@ pub struct GroundRange<R: Real = f64> {
 /// ```
 ///
 /// # Errors
-/// The first clause that is broken, with the input that breaks it.
+/// Returns the first [`Violation`], with the requirement that is broken and the input that breaks
+/// it.
 pub fn check_ground<R: Real, G: SpringDamperGround<R> + ?Sized>(
     ground: &G,
     range: &GroundRange<R>,
@@ -78,11 +83,11 @@ pub fn check_ground<R: Real, G: SpringDamperGround<R> + ?Sized>(
     check.mean_force_everywhere(plan)
 }
 
-/// Parts of the depth that are tried with each other.
+/// Fractions of the penetration depth that are combined.
 const SHARES: [f64; 8] = [1e-12, 1e-9, 1e-6, 1e-3, 0.03, 0.3, 0.9, 1.0];
-/// Parts of the speed.
+/// Fractions of the speed.
 const SPEEDS: [f64; 9] = [0.0, 1e-9, -1e-9, 1e-3, -1e-3, 0.1, -0.1, 1.0, -1.0];
-/// Ends of paths, as parts of the depth.
+/// Ends of paths, as fractions of the penetration depth.
 const ENDS: [f64; 9] = [-1.0, -1e-3, -1e-9, 0.0, 1e-9, 1e-3, 0.3, 0.9, 1.0];
 
 struct Check<'a, R: Real, G: ?Sized> {
@@ -108,7 +113,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         Ok(())
     }
 
-    /// At a place, and near the surface below or above it.
+    /// Checks the surface at a point, and near the surface below or above it.
     fn surface_around(&self, place: R::Vec3, direction: R::Vec3) -> Result<(), Violation> {
         self.surface_at(place, direction)?;
         let surface = self.ground.surface(place);
@@ -143,10 +148,11 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         Ok(())
     }
 
-    /// The gap's change over a short way against `∫ normal · ds` by Simpson's rule.
+    /// Compares the change of the gap over a short displacement with `∫ normal · ds` by Simpson's
+    /// rule.
     ///
-    /// The mean of the normal lies between those that are met: where they differ, at a curve or an
-    /// edge, so much is allowed.
+    /// The mean of the normal lies between the normals found. If they differ, at a curve or an
+    /// edge, the tolerance includes the difference.
     fn gap_along(&self, place: R::Vec3, way: R::Vec3) -> Result<(), Violation> {
         let length = self.range.size * R::EPSILON.sqrt().sqrt();
         let half = way * (length * R::HALF);
@@ -192,7 +198,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
             GroundBounds::Plane(plane) => self.extent_plane(&plane, place),
             GroundBounds::Below(plane) => {
                 self.extent_below(&plane, place)?;
-                // Also a hair above the plane, where a wrong one shows first.
+                // Also slightly above the plane, where a wrong bound shows first.
                 let hair = self.range.size * R::from_f64(1e-6);
                 let lifted = place + plane.normal * (hair - plane.gap(place));
                 self.extent_below(&plane, lifted)
@@ -201,7 +207,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         }
     }
 
-    /// Not even a body of the region's size touches.
+    /// Checks that not even a body of the region's size touches.
     fn extent_nowhere(&self, place: R::Vec3) -> Result<(), Violation> {
         let gap = self.ground.surface(place).gap;
         demand_at_least(gap, self.range.size, Requirement::GroundBounds, || {
@@ -227,7 +233,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         demand_at_most(turned, ulps(32.0), Requirement::GroundBounds, input)
     }
 
-    /// Above the plane the ground is at least as far away as the plane.
+    /// Checks that a point above the plane is at least as far from the ground as from the plane.
     fn extent_below(&self, plane: &Plane<R>, place: R::Vec3) -> Result<(), Violation> {
         let above = plane.gap(place);
         if above < R::ZERO {
@@ -245,7 +251,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
     }
 }
 
-/// The law.
+/// Checks of the law.
 impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
     fn law_everywhere(&self, plan: CheckPlan) -> Result<(), Violation> {
         let at = |share: f64| self.range.depth * R::from_f64(share);
@@ -313,19 +319,19 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         }
     }
 
-    /// What the terms of a formula may leave of a small energy, J: of `e^x - 1 - x` at a small x,
-    /// some rounding of 1.
+    /// Rounding that the terms of a formula may leave in a small energy, J. For `e^x - 1 - x` at a
+    /// small x, it is some rounding of 1.
     fn rounding_of_energy(&self) -> R {
         self.energy(self.range.depth).abs() * ulps(1024.0)
     }
 
-    /// What underflow may leave of a small energy.
+    /// Error that underflow may leave in a small energy, J.
     fn least_energy(&self) -> R {
         self.energy(self.range.depth).abs() * R::EPSILON * R::EPSILON
     }
 }
 
-/// The mean force.
+/// Checks of the mean force.
 impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
     fn mean_force_everywhere(&self, plan: CheckPlan) -> Result<(), Violation> {
         for start in ENDS {
@@ -384,7 +390,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         demand_at_most(off, slack, Requirement::MeanForceIsMean, input)
     }
 
-    /// The mean of the normal force along a path, and the largest force on it.
+    /// Mean of the normal force along a path, and the largest force on it.
     fn mean_by_definition(&self, start: R, end: R, seconds: R) -> (R, R) {
         let (path, closing_speed) = (end - start, (end - start) / seconds);
         let mut largest = R::ZERO;
@@ -398,7 +404,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
             return (force(start), largest);
         }
         let (from, to) = (start.at_least(R::ZERO), end.at_least(R::ZERO));
-        // So short a path that its middle is its mean: the parts would be rounding.
+        // The path is so short that its middle is its mean. Parts of it would be rounding.
         let mean = if (to - from).abs() < (from + to) * ulps(1e4) {
             force((from + to) * R::HALF) * ((to - from) / path)
         } else {
@@ -408,11 +414,13 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
     }
 }
 
-/// `∫ f` over `from ... to`, and a bound of its error: four times what other partitions change, and
-/// what the outermost points do not see.
+/// `∫ f` over `from ... to`, and a bound of its error.
 ///
-/// The partitions share no inner border, so that a kink of `f` cannot hide at the same distance
-/// from one in all of them.
+/// The bound is four times the difference between partitions, plus a contribution from the ends,
+/// which the outermost points do not sample.
+///
+/// The partitions share no inner border. So a discontinuity of `f` cannot be at the same distance
+/// from a border in all of them.
 fn integral<R: Real>(from: R, to: R, mut f: impl FnMut(R) -> R) -> (R, R) {
     let mut by_gauss = |parts: usize| {
         let width = (to - from) / R::from_usize(parts);
@@ -432,21 +440,21 @@ fn integral<R: Real>(from: R, to: R, mut f: impl FnMut(R) -> R) -> (R, R) {
     (d, doubt * R::from_f64(4.0) + ends)
 }
 
-/// What may lie between the border of an integral and the point next to it: where `f` at the border
-/// is off the line through the two points next to it.
+/// Possible contribution between the border of an integral and the point next to it. It is the
+/// deviation of `f` at the border from the line through the next two points.
 fn unseen<R: Real>(f: &mut impl FnMut(R) -> R, border: R, width: R) -> R {
     let [near, middle] = [GAUSS[0].0, 0.5].map(|place| f(border + width * R::from_f64(place)));
     let share = R::from_f64(GAUSS[0].0);
     let line = near + (near - middle) * (share / (R::HALF - share));
-    // A hair inside: at the surface itself no law is asked.
+    // Slightly inside, because laws are not evaluated at the surface itself.
     let at_border = f(border + width * ulps(4.0));
     ((at_border - line) * width * share).abs()
 }
 
-/// The finest partition.
+/// Number of parts of the finest partition.
 const PARTS: usize = 64;
 
-/// Gauss's rule on [0, 1] with three points: place and weight.
+/// Gauss's rule on [0, 1] with three points: position and weight.
 const GAUSS: [(f64, f64); 3] = [
     (0.112_701_665_379_258_31, 5.0 / 18.0),
     (0.5, 8.0 / 18.0),

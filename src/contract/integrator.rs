@@ -1,4 +1,4 @@
-//! What is asked of an integrator.
+//! Requirements of an integrator.
 
 use super::plan::CheckPlan;
 use super::scenes::Setup;
@@ -11,15 +11,22 @@ use crate::integrator::{Integrator, Step};
 use crate::real::{Quaternion, Real, Vector};
 use crate::state::State;
 
-/// Checks an integrator, on scenes scaled to its own step: a box in free flight, one that slides on
-/// its springs, one that falls on a corner.
+/// Checks an integrator on scenes scaled to its own step size.
 ///
-/// A step succeeds and is finite; takes more than 0 s, at most its limit, and just the time that it
-/// tells; steps towards a moment land on it. The same input gives the same bits, whatever was done
-/// with the workspace before (where the method [chooses its steps](Integrator::ADAPTIVE): with
-/// a new workspace, or a copy of the one that was used). The orientation has length 1. The error
-/// falls with the step at least at the stated order less 0.3, by halving the limit while the box
-/// slides (not asked where it is rounding already, or where the method chooses shorter steps).
+/// The scenes are a box in free flight, a box that slides on its springs, and a box that falls on a
+/// corner.
+///
+/// The requirements are:
+///
+/// - A step succeeds and its result is finite.
+/// - A step takes more than 0 s, at most its limit, and exactly the time that it returns. Steps
+///   towards a time arrive at it.
+/// - The same input gives the same bits, whatever the workspace was used for before. For [adaptive
+///   methods](Integrator::ADAPTIVE) this holds for a new workspace, or for a copy of the used one.
+/// - The orientation has length 1.
+/// - The error decreases with the step size at least at the stated order minus 0.3. This is
+///   measured by halving the limit while the box slides. It is not checked if the error is rounding
+///   already, or if the method takes shorter steps.
 ///
 /// ```
 /// use tumble::contract::{CheckPlan, check_integrator};
@@ -28,7 +35,8 @@ use crate::state::State;
 /// ```
 ///
 /// # Errors
-/// The first clause that is broken, with the input that breaks it.
+/// Returns the first [`Violation`], with the requirement that is broken and the input that breaks
+/// it.
 pub fn check_integrator<R: Real, I: Integrator<R>>(
     integrator: &I,
     plan: CheckPlan,
@@ -67,12 +75,13 @@ pub fn check_integrator<R: Real, I: Integrator<R>>(
     slide.converges()
 }
 
-/// Checks that the computed energy never rises, by no unit in the last place: in as many random
-/// scenes as the battery has cases, with 50 steps of random length in each. Most of them are far
-/// too stiff, too fast or too slippery for the step.
+/// Checks that the computed energy never increases, not even by one unit in the last place.
 ///
-/// It is not in the contract of [`Integrator`]: explicit methods need not pass, and do not.
-/// [`EnergyMomentum`](crate::EnergyMomentum) does.
+/// It runs one random scene for each case of the plan, with 50 steps of random length. Most scenes
+/// are far too stiff, too fast or too slippery for the step size.
+///
+/// This is not part of the contract of [`Integrator`]. Explicit methods need not pass, and do not.
+/// [`EnergyMomentum`](crate::EnergyMomentum) passes.
 ///
 /// ```
 /// use tumble::contract::{CheckPlan, Requirement, check_energy_never_rises};
@@ -85,8 +94,8 @@ pub fn check_integrator<R: Real, I: Integrator<R>>(
 /// ```
 ///
 /// # Errors
-/// The first step in which the energy rises (the energies after and before are the breach's value
-/// and bound), is not finite, or is refused.
+/// Returns the [`Violation`] of the first step in which the energy increases, is not finite, or
+/// which fails. Its value and bound are the energies after and before the step.
 pub fn check_energy_never_rises<R: Real, I: Integrator<R>>(
     integrator: &I,
     plan: CheckPlan,
@@ -120,7 +129,7 @@ pub fn check_energy_never_rises<R: Real, I: Integrator<R>>(
     Ok(())
 }
 
-/// The method's own step, s: what it takes of a second of free flight.
+/// The method's own step size, s: the length of its first step in one second of free flight.
 fn own_step<R: Real, I: Integrator<R>>(integrator: &I) -> Result<R, Violation> {
     let attempt = Attempt {
         integrator,
@@ -148,7 +157,7 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
         }
     }
 
-    /// A step, with what is asked of every one.
+    /// Runs one step and checks the requirements of every step.
     fn step(
         &self,
         state: &mut State<R>,
@@ -177,7 +186,7 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
         Ok(step)
     }
 
-    /// Steps towards a moment that is no whole number of steps away.
+    /// Takes steps towards a time that is not a whole number of steps away.
     fn lands_on_limit(&self) -> Result<(), Violation> {
         let total = self.time_step * R::from_f64(2.37);
         let (mut state, mut left, mut number) = (self.setup.start, total, 0);
@@ -197,9 +206,9 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
         Ok(())
     }
 
-    /// The same steps four times: twice with a fresh workspace, once with one that is used for
-    /// everything, once with a copy of that. A method that chooses its steps may take another one
-    /// with a used workspace.
+    /// Takes the same steps four times: twice with a fresh workspace, once with a workspace used
+    /// throughout, once with a copy of that. An adaptive method may take another step with a used
+    /// workspace.
     fn alike(&self, shares: [R; 4], steps: u32) -> Result<(), Violation> {
         let mut state = self.setup.start;
         let mut used = I::Workspace::default();
@@ -232,7 +241,7 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
                 )?;
             }
             if number % 3 == 0 {
-                // Something else in between.
+                // A different step in between.
                 let mut other = self.setup.start;
                 self.step(&mut other, self.time_step, 0, &mut used)?;
             }
@@ -241,7 +250,7 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
         Ok(())
     }
 
-    /// Without force the centre has moved by its velocity times the time that has passed.
+    /// Checks that without force the centre moves by its velocity times the time that has passed.
     fn tells_time(&self) -> Result<(), Violation> {
         for (number, share) in (0..).zip([1.0, 0.37, 0.01]) {
             let limit = self.time_step * R::from_f64(share);
@@ -257,12 +266,12 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
         Ok(())
     }
 
-    /// Differences of runs with a whole, a half, a quarter ... of the step must shrink at the
-    /// stated order.
+    /// Checks that differences between runs with the whole, half, a quarter ... of the step size
+    /// decrease at the stated order.
     fn converges(&self) -> Result<(), Violation> {
-        // 2 to the power of order - 0.3.
+        // 2 to the power of (order - 0.3), without the factor for the order.
         let mut least = R::from_f64(0.812_252_396);
-        // No power of 2 beyond is a number.
+        // Larger powers of 2 are not representable.
         for _ in 0..self.integrator.order().min(2048) {
             least *= R::TWO;
         }
@@ -292,7 +301,8 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
         }
     }
 
-    /// Eight of the method's own steps, in `steps` steps; `None` where it takes shorter ones.
+    /// Result of eight of the method's own steps, in `steps` steps. Returns `None` if the method
+    /// takes shorter steps.
     fn run_in(&self, steps: u32) -> Result<Option<State<R>>, Violation> {
         let limit = self.time_step * R::from_f64(8.0 / f64::from(steps));
         let (mut state, mut workspace) = (self.setup.start, I::Workspace::default());
@@ -306,8 +316,8 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
     }
 }
 
-/// How far apart two states are: places, turns as they move a point 1 m away, velocities times a
-/// time. m.
+/// Distance between two states, m: positions, rotations by the displacement of a point at 1 m, and
+/// velocities times a time.
 fn distance<R: Real>(a: &State<R>, b: &State<R>, seconds: R) -> R {
     let (o, one) = (R::ZERO, R::ONE);
     let [x, y] = [R::Vec3::new(one, o, o), R::Vec3::new(o, one, o)];
@@ -318,8 +328,7 @@ fn distance<R: Real>(a: &State<R>, b: &State<R>, seconds: R) -> R {
         + (a.angular_momentum - b.angular_momentum).length() * seconds
 }
 
-/// What counts as rounding of a time that is left after steps were subtracted one by one, as a
-/// share of it.
+/// Fraction of a time that counts as rounding after steps were subtracted one by one.
 fn rounding_of_time<R: Real>() -> R {
     ulps::<R>(4.0e6).at_most(R::from_f64(1e-4)) * R::TWO
 }

@@ -1,4 +1,5 @@
-//! Scenes to try an integrator on, scaled so that its step suits them or, on purpose, does not.
+//! Scenes for the checks of an integrator, scaled so that its step size suits them or, on purpose,
+//! does not.
 
 use super::plan::Draw;
 use crate::body::{ContactPoint, PointCloud};
@@ -12,7 +13,7 @@ use crate::state::State;
 
 type BoxBody<R> = PointCloud<R, [ContactPoint<R>; 8]>;
 
-/// A box of 1 m and 1 kg on flat ground.
+/// Box of 1 m and 1 kg on flat ground.
 pub(super) struct Setup<R: Real> {
     pub(super) name: &'static str,
     pub(super) case: u32,
@@ -20,10 +21,10 @@ pub(super) struct Setup<R: Real> {
     pub(super) start: State<R>,
 }
 
-/// Numbers of a scene, with the metre, the kilogram and the integrator's time step as units.
+/// Parameters of a scene, with the metre, the kilogram and the integrator's step size as units.
 #[derive(Clone, Copy)]
 struct Parameters<R: Real> {
-    /// Of the body on all four lower corners.
+    /// Frequency of the body on all four lower corners.
     frequency: R,
     damping_ratio: R,
     coefficient: R,
@@ -31,13 +32,13 @@ struct Parameters<R: Real> {
     gravity: R,
     /// Height of the ground.
     level: R,
-    /// Of the corners.
+    /// Radius of the corners.
     radius: R,
     start: State<R>,
 }
 
 impl<R: Real> Setup<R> {
-    /// Free flight with a tumbling spin, without gravity.
+    /// Free flight with tumbling, without gravity.
     pub(super) fn flight(time_step: R) -> Result<Self, SceneError> {
         let parameters = Parameters {
             gravity: R::ZERO,
@@ -50,13 +51,13 @@ impl<R: Real> Setup<R> {
         Self::new("free flight", 0, &parameters, time_step)
     }
 
-    /// Sliding with all four lower corners on the springs: nothing is touched or left.
+    /// Sliding with all four lower corners on the springs. No contact opens or closes.
     pub(super) fn slide(time_step: R) -> Result<Self, SceneError> {
         let parameters = Parameters::tame();
         Self::new("a box that slides", 0, &parameters, time_step)
     }
 
-    /// Falling on a corner.
+    /// Fall on a corner.
     pub(super) fn fall(time_step: R) -> Result<Self, SceneError> {
         let parameters = Parameters {
             start: State::at(v::<R>(0.0, 0.0, 0.6))
@@ -68,7 +69,7 @@ impl<R: Real> Setup<R> {
         Self::new("a box that falls on a corner", 0, &parameters, time_step)
     }
 
-    /// Any scene, most of them far too stiff for the step.
+    /// Any scene. Most of them are far too stiff for the step size.
     pub(super) fn wild(draw: &mut Draw, case: u32, time_step: R) -> Result<Self, SceneError> {
         let around = |draw: &mut Draw, largest: f64, octaves| {
             R::from_f64(largest) * draw.scale::<R>(octaves)
@@ -133,9 +134,10 @@ impl<R: Real> Setup<R> {
 }
 
 impl<R: Real> Parameters<R> {
-    /// Of a scene that every method resolves: a swing takes 31 steps, friction stops a slip in 10
-    /// or more, and the springs are pressed by half of the box's half height, so that small swings
-    /// leave none.
+    /// Parameters of a scene that every method resolves.
+    ///
+    /// An oscillation takes 31 steps, and friction stops a slip in 10 or more. The springs are
+    /// compressed by half of the box's half height, so that small oscillations open no contact.
     fn tame() -> Self {
         let c = R::from_f64;
         Self {
@@ -154,7 +156,7 @@ impl<R: Real> Parameters<R> {
     }
 }
 
-/// Three different moments, none about an axis of the box.
+/// Box with three different moments, none about an axis of the box.
 fn lopsided_box<R: Real>(radius: R) -> Result<BoxBody<R>, SceneError> {
     let corner = |x: f64, y: f64, z: f64| ContactPoint {
         position: v::<R>(x, y, z),

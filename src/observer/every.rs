@@ -1,4 +1,4 @@
-//! Watching now and then.
+//! Observation of every n-th sample.
 
 use core::ops::ControlFlow;
 
@@ -6,7 +6,7 @@ use super::{Observer, Sample};
 use crate::error::{Rule, SceneError};
 use crate::real::Real;
 
-/// Shows another observer only each `steps`-th sample, from the first one on.
+/// Passes only every `steps`-th sample to another observer, starting with the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Every<O> {
     steps: u64,
@@ -14,7 +14,7 @@ pub struct Every<O> {
 }
 
 impl<O> Every<O> {
-    /// Each `steps`-th sample, at least 1.
+    /// Creates an observer of every `steps`-th sample. `steps` is at least 1.
     ///
     /// # Errors
     /// Returns [`SceneError`] if `steps` is 0. The error names the quantity, the rule and the
@@ -27,7 +27,7 @@ impl<O> Every<O> {
         Ok(Self { steps, observer })
     }
 
-    /// The observer again.
+    /// Returns the inner observer.
     #[must_use]
     pub fn into_inner(self) -> O {
         self.observer

@@ -11,36 +11,38 @@ use crate::rotation::Rotation;
 use crate::state::State;
 use reference::{Node, Works};
 
-/// Energy audit of a run: what friction, dampers and separation took, and the energy error of the
+/// Energy audit of a run: work of friction, dampers and separation, and the energy error of the
 /// integrator.
 ///
 /// ```text
 /// energy now = energy at start + work of friction + work of dampers + work of the clamp
 ///            + handed in + energy error                                   (each work at most 0)
 /// ```
-/// - *Works.* In each step they are those of the exact motion from the start of the step. The
-///   ledger integrates that motion with an error control of its own. It locates contacts that open
-///   or close, so the works are as accurate as the states.
-/// - *Energy error.* What is left over is the sum of the energy errors that the integrator makes in
-///   its steps. It falls at the order of the integrator, through touch-downs too, and with the
-///   tolerance of an adaptive method. It shows whether a step is short enough. It is not the
-///   difference from the energy of the true motion: an error of one step also changes what friction
-///   and dampers take in later steps.
-/// - *Cost.* Seven evaluations of the contacts a step where the motion is smooth and the integrator
-///   less accurate than order 5. A contact that opens or closes takes some tens more, up to a few
-///   hundred for a tight tolerance. A run without a ledger pays nothing.
-/// - *Limits.* Where a step does not resolve the contact, as with a slip speed far below `mu g`
-///   times the step under [`EnergyMomentum`](crate::EnergyMomentum), the exact motion takes too
-///   many substeps. The works then follow from the powers at both ends of the step and between, and
-///   the energy error counts what these miss. A contact that closes and opens between two substeps
-///   is missed. The ledger must see every step: it is not meant for [`Every`](crate::Every).
+/// - *Works.* The works of a step are those of the exact motion from the start of the step. The
+///   ledger integrates that motion with its own error control. It locates contacts that open or
+///   close, so the works are as accurate as the states.
+/// - *Energy error.* The remainder is the sum of the energy errors of the integrator's steps. It
+///   decreases at the order of the integrator, also through touch-downs, and with the tolerance of
+///   an adaptive method. It shows whether a step size is small enough. It is not the difference
+///   from the energy of the true motion, because an error of one step also changes the dissipation
+///   in later steps.
+/// - *Cost.* A step costs seven evaluations of the contacts if the motion is smooth and the
+///   integrator is less accurate than order 5. A contact that opens or closes costs some tens more,
+///   up to a few hundred for a tight tolerance. A run without a ledger has no such cost.
+/// - *Limits.* If a step does not resolve the contact, the exact motion takes too many substeps. An
+///   example is a slip speed far below `mu g` times the step size under
+///   [`EnergyMomentum`](crate::EnergyMomentum). The works then follow from the powers at both ends
+///   of the step and between, and the energy error includes what these miss. A contact that closes
+///   and opens between two substeps is missed. The ledger must receive every step, so it is not
+///   suited for [`Every`](crate::Every).
 /// - *Mean velocities.* [`EnergyMomentum`](crate::EnergyMomentum) is accurate in the mean velocity
-///   of a step, and the exact motion starts from the velocity at its end. The stated energy error
-///   is up to about 200 times the difference from the true energy, and of order 2 as that is.
+///   of a step, but the exact motion starts from the velocity at its end. The stated energy error
+///   is up to about 200 times the difference from the true energy, and is of order 2 like that
+///   difference.
 ///
-/// One ledger may watch several runs. The audit goes on over the pause. What the state gained
-/// between two runs, by a push of the user for example, is *handed in*. Use
-/// `tumble::f64::Ledger::new()` where nothing else fixes the precision.
+/// One ledger may observe several runs. The audit continues after the pause. Energy that the state
+/// gained between two runs, for example by a push of the user, is *handed in*. Use
+/// `tumble::f64::Ledger::new()` if nothing else determines the precision.
 ///
 /// ```
 /// use tumble::f64::Ledger;
@@ -59,13 +61,13 @@ pub struct Ledger<R: Real = f64> {
     handed_in: R,
     first: Option<Energy<R>>,
     last: Option<Moment<R>>,
-    /// Number of steps still to be taken along their chord.
+    /// Number of steps still to be evaluated along their chord.
     to_skip: u32,
-    /// Number of steps that were taken along their chord the last time.
+    /// Number of steps that were evaluated along their chord the last time.
     skipped: u32,
 }
 
-/// The last sample, from which the next step is followed.
+/// Last sample, from which the next step starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Moment<R: Real> {
     time: R,
@@ -73,7 +75,7 @@ struct Moment<R: Real> {
 }
 
 impl<R: Real> Ledger<R> {
-    /// An empty audit, which begins with the first sample.
+    /// Creates an empty audit, which begins with the first sample.
     #[must_use]
     pub fn new() -> Self {
         Self {
@@ -86,27 +88,29 @@ impl<R: Real> Ledger<R> {
         }
     }
 
-    /// Work done by friction, dampers and clamp so far, J; each at most 0 but for its own error.
+    /// Work done by friction, dampers and clamp so far, J. Each is at most 0, except for its own
+    /// error.
     #[must_use]
     pub fn work(&self) -> Dissipation<R> {
         self.work
     }
 
-    /// Energy by kind at the first sample; 0 before it.
+    /// Energy by kind at the first sample, J, or 0 before it.
     #[must_use]
     pub fn start(&self) -> Energy<R> {
         self.first.unwrap_or(nothing())
     }
 
-    /// Energy by kind at the last sample; 0 before the first.
+    /// Energy by kind at the last sample, J, or 0 before the first.
     #[must_use]
     pub fn now(&self) -> Energy<R> {
         self.last
             .map_or(nothing(), |moment| moment.node.account.energy)
     }
 
-    /// Energy that the state has gained between the runs that were watched, J; 0 where each run
-    /// went on from the end of the one before.
+    /// Energy that the state has gained between the observed runs, J.
+    ///
+    /// It is 0 if each run continued from the end of the previous one.
     #[must_use]
     pub fn handed_in(&self) -> R {
         self.handed_in
@@ -119,7 +123,7 @@ impl<R: Real> Ledger<R> {
         self.now().total() - self.start().total() - self.work.total() - self.handed_in
     }
 
-    /// Adds the works from one moment to the next of the same run.
+    /// Adds the works between two samples of the same run.
     fn enter(&mut self, before: &Moment<R>, now: &Moment<R>, scene: &dyn SceneQuery<R>) {
         let seconds = now.time - before.time;
         let nodes = [&before.node, &now.node];
@@ -140,8 +144,8 @@ impl<R: Real> Ledger<R> {
 
     /// Returns the more accurate of two works of a step that the substeps could not follow.
     ///
-    /// Such steps come in series. So after the chord some steps take it at once, twice as many as
-    /// the last time.
+    /// Such steps come in series. So after a step along its chord, some steps use the chord at
+    /// once, twice as many as the last time.
     fn fall_back(&mut self, followed: Works<R>, chord: Works<R>) -> Works<R> {
         if followed.error <= chord.error {
             return followed;
@@ -167,7 +171,7 @@ impl<R: Real> Observer<R> for Ledger<R> {
         let energy = now.node.account.energy;
         match self.last {
             None => self.first = Some(energy),
-            // A run begins: no time has passed since the end of the one before.
+            // A run begins: no time has passed since the end of the previous one.
             Some(before) if sample.step == 0 => {
                 self.handed_in += energy.total() - before.node.account.energy.total();
             }
@@ -178,7 +182,7 @@ impl<R: Real> Observer<R> for Ledger<R> {
     }
 }
 
-/// Most steps that take the chord after one that could not be followed.
+/// Most steps that use the chord after one that could not be followed.
 const MOST_SKIPPED: u32 = 64;
 
 /// Works of a step that does not resolve its contacts, by Simpson's rule along the straight line
@@ -207,7 +211,7 @@ fn chord<R: Real>(scene: &dyn SceneQuery<R>, [start, end]: [&Node<R>; 2], second
     }
 }
 
-/// The rotation halfway between two that are less than half a turn apart.
+/// Rotation halfway between two rotations that are less than half a revolution apart.
 fn halfway<R: Real>(a: R::Quat, b: R::Quat) -> Rotation<R> {
     let ([ax, ay, az, aw], [bx, by, bz, bw]) = (a.xyzw(), b.xyzw());
     let same_side = ax * bx + ay * by + az * bz + aw * bw >= R::ZERO;
@@ -236,7 +240,7 @@ mod tests {
     use crate::trial::Trial;
     use glam::DVec3;
 
-    /// Trial 1 for a second, with a slip speed that the step resolves.
+    /// Trial 1 for one second, with a slip speed that the step resolves.
     fn trial() -> Trial<f64> {
         Trial {
             slip_speed: 1e-3,
@@ -257,7 +261,7 @@ mod tests {
         assert_eq!(halves.start(), whole.start());
         assert_eq!(halves.now(), whole.now());
         assert_eq!(halves.handed_in().to_bits(), 0);
-        // The clock's rounding: 1e-16 of each step's length.
+        // Rounding of the time: 1e-16 of the length of each step.
         let gap = halves.work().plus(&whole.work(), -1.0);
         for (gap, work) in [
             (gap.friction, whole.work().friction),

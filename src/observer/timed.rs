@@ -1,4 +1,4 @@
-//! Watching at given times.
+//! Observation at given times.
 
 use core::ops::ControlFlow;
 
@@ -6,13 +6,13 @@ use super::{Observer, Sample};
 use crate::error::{self, SceneError};
 use crate::real::Real;
 
-/// Shows another observer the states at the start and at whole multiples of a time, instead of
+/// Passes the states at the start and at multiples of an interval to another observer, instead of
 /// those after each step.
 ///
-/// A state between two steps is that at the end of a shorter step from the first of them, made on
-/// the side, and the run itself goes on as if nobody looked. With a fixed step it has the bits of
-/// an [`advance`](crate::Stepper::advance) to that time; a method that chooses its steps keeps its
-/// tolerance. A look costs a step.
+/// A state between two steps is that at the end of a shorter step from the first of them. This step
+/// is computed separately and does not affect the run. With a fixed step size the state has the
+/// bits of an [`advance`](crate::Stepper::advance) to that time. An adaptive method keeps its
+/// tolerance. A sample costs one step.
 ///
 /// ```
 /// use core::ops::ControlFlow;
@@ -37,12 +37,12 @@ pub struct Timed<O, R = f64> {
 }
 
 impl<O, R: Real> Timed<O, R> {
-    /// Samples at 0, `seconds`, twice that and so on.
+    /// Creates an observer with samples at 0, `seconds`, twice that, and so on.
     ///
     /// # Errors
     /// Returns [`SceneError`] if `seconds` is not above 0 or not finite. The error names the
-    /// quantity, the rule and the value. An interval that is too short for a run is refused by
-    /// [`run`](crate::Stepper::run).
+    /// quantity, the rule and the value. [`run`](crate::Stepper::run) rejects an interval that is
+    /// too short for it.
     pub fn every(seconds: R, observer: O) -> Result<Self, SceneError> {
         error::above_zero("interval of the samples", seconds, " s")?;
         Ok(Self {
@@ -52,7 +52,7 @@ impl<O, R: Real> Timed<O, R> {
         })
     }
 
-    /// The observer again.
+    /// Returns the inner observer.
     #[must_use]
     pub fn into_inner(self) -> O {
         self.observer
@@ -69,7 +69,7 @@ impl<O, R: Real> Timed<O, R> {
 
 impl<R: Real, O: Observer<R>> Observer<R> for Timed<O, R> {
     fn observe(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
-        // The start of a run.
+        // Start of a run.
         if sample.step == 0 {
             self.looks = 0;
             self.look(sample)

@@ -1,4 +1,4 @@
-//! Watching until a body lies still.
+//! Observation until a body is at rest.
 
 use core::ops::ControlFlow;
 
@@ -8,16 +8,16 @@ use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 use crate::state::State;
 
-/// Ends a run when the body lies still: when no place of it has moved by more than a distance for a
+/// Ends a run when the body is at rest: when no point of it has moved by more than a distance for a
 /// time.
 ///
-/// A single look at a state cannot tell: in the middle of a bounce, and where a rocking coin turns
-/// back, a body is slow as well. So this one remembers where the body was when it last moved. It
-/// compares places and asks for no force, so a look costs next to nothing.
+/// A single state does not suffice, because a body is also slow in the middle of a bounce, or when
+/// a rocking coin reverses. So the observer stores the pose at which the body last moved. It
+/// compares poses and evaluates no force, so its cost is very small.
 ///
-/// One observer may watch run after run, as a game does frame by frame. It then goes on counting,
-/// and begins anew when the state was changed between two runs: a body that is pushed wakes up. A
-/// run of a body that lies ends before its first step.
+/// One observer may be used for successive runs, as in a game frame by frame. It then continues
+/// counting. It restarts if the state was changed between two runs: a body that is pushed wakes up.
+/// A run of a body at rest ends before its first step.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -28,7 +28,7 @@ use crate::state::State;
 ///     .with_ground(FlatGround::level(4000.0, 1.2))?
 ///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?;
 /// let mut state = stepper.with_angular_velocity(State::at(DVec3::Z * 0.2), DVec3::new(20.0, 35.0, 5.0)); // m, rad/s
-/// // Not a tenth of a millimetre in a quarter of a second.
+/// // At most a tenth of a millimetre in a quarter of a second.
 /// let mut rest = UntilRest::new(stepper.body(), 1e-4, 0.25)?;
 /// let seconds = stepper.run(&mut state, 60.0, &mut rest)?;
 /// assert!(rest.is_reached() && seconds < 5.0);
@@ -36,18 +36,18 @@ use crate::state::State;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// *Limits:* it sees the body at the ends of steps. A body that creeps, as every body does on a
-/// slope, lies still where it creeps by less than `distance` in the time. So does one that stands
-/// on an edge. At the top of its path a thrown body stays within `distance` for up to
-/// `2 √(2 distance/g)`, which is 9 ms for 1e-4 m on earth: `seconds` must be longer.
+/// *Limits:* only the poses at the ends of steps are compared. A body that creeps, as every body
+/// does on a slope, counts as at rest if it creeps by less than `distance` in the time. So does a
+/// body that stands on an edge. At the top of its path a thrown body stays within `distance` for up
+/// to `2 √(2 distance/g)`, which is 9 ms for 1e-4 m on earth. `seconds` must be longer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UntilRest<R: Real = f64> {
     bounding_radius: R,
     distance: R,
     seconds: R,
-    /// Where the body was when it last moved, and its last sample.
+    /// Pose at which the body last moved, and its last sample.
     seen: Option<Seen<R>>,
-    /// s since it last moved.
+    /// Time since the body last moved, s.
     still: R,
 }
 
@@ -55,19 +55,20 @@ pub struct UntilRest<R: Real = f64> {
 struct Seen<R: Real> {
     moved: State<R>,
     last: State<R>,
-    /// Of the last sample, s since the start of its run.
+    /// Time of the last sample, s since the start of its run.
     time: R,
 }
 
 impl<R: Real> UntilRest<R> {
-    /// Waits until no place of `body` has moved by more than `distance` (m) for `seconds`.
+    /// Creates an observer that waits until no point of `body` has moved by more than `distance`
+    /// (m) for `seconds`.
     ///
-    /// Of a body of some centimetres, 1e-4 m in a quarter of a second is below what the eye sees.
+    /// For a body of some centimetres, 1e-4 m in a quarter of a second is too slow to see.
     ///
     /// # Errors
     /// Returns [`SceneError`] if `distance` is below 0, if `seconds` is not above 0, or if one of
-    /// them or the reach of the body is not finite. The error names the quantity, the rule and the
-    /// value.
+    /// them or the bounding radius of the body is not finite. The error names the quantity, the
+    /// rule and the value.
     pub fn new<B: RigidPointBody<R> + ?Sized>(
         body: &B,
         distance: R,
@@ -85,17 +86,17 @@ impl<R: Real> UntilRest<R> {
         })
     }
 
-    /// Whether the body lies still.
+    /// Returns true if the body is at rest.
     #[must_use]
     pub fn is_reached(&self) -> bool {
         self.seen.is_some() && self.still >= self.seconds
     }
 
-    /// Whether the body has stayed where it was from `seen` to now, `elapsed` seconds after the
-    /// last look.
+    /// Returns true if the body has stayed within `distance` from `seen` to now, `elapsed` seconds
+    /// after the last sample.
     fn stays(&self, seen: &Seen<R>, now: &State<R>, elapsed: R) -> bool {
         let shift = (now.position - seen.moved.position).length();
-        // A turn by φ takes a place at the distance r along a chord of 2 r sin(φ/2).
+        // A rotation by φ moves a point at the distance r along a chord of 2 r sin(φ/2).
         let turn = now.rotation().after(seen.moved.rotation().inverse());
         let chord = R::TWO * self.bounding_radius * turn.sine_of_half();
         // A long step in flight may end at the height at which it began.

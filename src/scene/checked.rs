@@ -1,14 +1,14 @@
-//! A scene whose laws are checked while a step evaluates them.
+//! Scene whose laws are checked while a step evaluates them.
 //!
-//! A comparison with NaN is false, so that a contact with a NaN gap would not touch, and a NaN
-//! force would be lost in the next maximum. An implicit method would take the push of an active
-//! friction law for an error of its own. So the integrator is given this scene in place of the
-//! stepper's: it forwards everything, and records the first value that breaks a contract, wherever
-//! the method evaluates it. The stepper turns the record into an error.
+//! A comparison with NaN is false. So a contact with a NaN gap would not touch, and a NaN force
+//! would be lost in the next maximum. An implicit method would treat the push of an active friction
+//! law as an error of its own. The integrator therefore receives this scene instead of the
+//! stepper's scene. It forwards all calls and records the first value that breaks a contract,
+//! wherever the method evaluates it. The stepper converts the record into an error.
 //!
 //! A scene whose laws are trusted ([`SpringDamperGround::is_trusted`]), as all built-in ones are,
-//! never comes here. The others pay for calls through pointers and for a comparison or two for each
-//! value.
+//! does not use it. For other scenes the cost is calls through pointers and one or two comparisons
+//! for each value.
 
 use core::cell::Cell;
 
@@ -19,20 +19,20 @@ use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
 use crate::ground::{GroundBounds, MeanForce, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 
-/// Units in the last place by which the square of a normal's length may differ from 1: twice what
-/// `check_ground` allows.
+/// Units in the last place by which the square of a normal's length may differ from 1: twice the
+/// tolerance of `check_ground`.
 const NORMAL: f64 = 128.0;
 /// Units in the last place of `|force| |slip|` by which the power of friction may exceed 0: 16
-/// times what `check_friction` allows.
+/// times the tolerance of `check_friction`.
 const POWER: f64 = 64.0;
 
 /// Values that break a contract.
 #[derive(Clone, Copy, Debug)]
 struct Findings<R> {
-    /// The first that no rounding explains, and its value.
+    /// First violation that rounding cannot explain, and its value.
     certain: Option<(LawQuantity, R)>,
-    /// The least spring energy, J, 0 where none is negative. Rounding of the law's terms may
-    /// explain it.
+    /// Least spring energy, J, or 0 if none is negative. Rounding of the law's terms may explain
+    /// it.
     least_energy: R,
 }
 
@@ -53,7 +53,7 @@ impl<R: Real> Record<R> {
         findings.certain.is_none() && findings.least_energy >= R::ZERO
     }
 
-    /// The first value that breaks a contract by more than rounding of the energy (J).
+    /// Returns the first value that breaks a contract by more than the rounding of the energy (J).
     pub(crate) fn violation(&self, rounding: R) -> Option<(LawQuantity, R)> {
         let findings = self.0.get();
         let negative = -findings.least_energy > rounding;
@@ -78,10 +78,10 @@ impl<R: Real> Record<R> {
     }
 }
 
-/// A scene with its laws checked.
+/// Scene with its laws checked.
 ///
-/// Its parts are behind pointers, so that an integrator is compiled once for all scenes with
-/// checks, and not once more for each.
+/// Its parts are behind pointers, so that an integrator is compiled only once for all checked
+/// scenes.
 pub(crate) struct CheckedScene<'a, R: Real> {
     body: &'a dyn RigidPointBody<R>,
     ground: CheckedGround<'a, R>,
@@ -163,10 +163,10 @@ impl<'a, R: Real> Dynamics<R> for CheckedScene<'a, R> {
     }
 }
 
-/// A ground whose values are checked.
+/// Ground whose values are checked.
 pub(crate) struct CheckedGround<'a, R: Real> {
     ground: &'a dyn SpringDamperGround<R>,
-    /// Of the body, m: no contact has a larger radius.
+    /// Bounding radius of the body, m. No contact has a larger radius.
     bounding_radius: R,
     record: &'a Record<R>,
 }
@@ -181,7 +181,8 @@ impl<R: Real> CheckedGround<'_, R> {
         }
     }
 
-    /// Notes a NaN. Infinity is an overflow, and input that has overflowed excuses every value.
+    /// Records a NaN. Infinity is an overflow, and after an overflowed input every value is
+    /// accepted.
     #[cold]
     #[inline(never)]
     fn blame(&self, quantity: LawQuantity, value: R, [a, b]: [R; 2]) {
@@ -208,7 +209,7 @@ impl<R: Real> CheckedGround<'_, R> {
         if is_nan(surface.gap) {
             self.record.note(LawQuantity::Gap, surface.gap);
         } else if surface.gap <= self.bounding_radius {
-            // Farther away nothing touches, and the normal is never used.
+            // Farther away no contact touches, and the normal is never used.
             let length = surface.normal.length();
             let sound = (length - R::ONE).abs() <= R::EPSILON * R::from_f64(NORMAL);
             if !sound {
@@ -217,7 +218,7 @@ impl<R: Real> CheckedGround<'_, R> {
         }
     }
 
-    /// The values that a mean force is made of come first: where one of them is infinite, the mean
+    /// Evaluates the values that make up a mean force first. If one of them is infinite, the mean
     /// has overflowed.
     #[cold]
     #[inline(never)]
@@ -274,7 +275,7 @@ impl<R: Real> SpringDamperGround<R> for CheckedGround<'_, R> {
         let force = self.ground.normal_force(depth, closing_speed);
         self.check_force(LawQuantity::NormalForce, force, [depth, closing_speed]);
         if !self.ground.is_trusted() {
-            // An explicit method evaluates neither, but the energy of its states does.
+            // An explicit method evaluates neither of the two, but the energy of its states does.
             self.spring_force(depth);
             self.spring_energy(depth);
         }
@@ -302,7 +303,7 @@ impl<R: Real> SpringDamperGround<R> for CheckedGround<'_, R> {
     }
 }
 
-/// A friction law whose values are checked.
+/// Friction law whose values are checked.
 pub(crate) struct CheckedFriction<'a, R: Real> {
     friction: &'a dyn SlidingFriction<R>,
     record: &'a Record<R>,

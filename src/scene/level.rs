@@ -1,9 +1,9 @@
-//! Bare points on a level plane: what most scenes are, and the short way to their load.
+//! Load of bare points on a level plane, which is the most frequent scene, by a shorter
+//! computation.
 //!
-//! There, the depth of a contact with the arm `r` (from the centre of mass, world axes) is what the
-//! arm leaves of the centre's own, the ground pushes along z, and the slip has no z component. With
-//! the plane at the height `h`, and place, velocity and angular velocity `x`, `v` and `ω` of the
-//! body:
+//! Let `r` be the arm of a contact, from the centre of mass, in world axes. The plane is at the
+//! height `h`, and `x`, `v` and `ω` are the position, velocity and angular velocity of the body.
+//! The ground pushes along z, and the slip has no z component:
 //!
 //! ```text
 //! depth = (h - x.z) - r.z        velocity = v + ω × r        slip = (velocity.x, velocity.y, 0)
@@ -16,25 +16,29 @@ use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 
-/// Number of contacts of a block, which go abreast. Each stage of a block is a loop of this length
-/// over arrays, which the compiler makes operations on as many lanes as the processor has; a
-/// shorter one it would unroll first, and then find no lanes. A divisor of the coin's 120.
+/// Number of contacts of a block, which are computed in lanes.
+///
+/// Each stage of a block is a loop of this length over arrays. The compiler vectorises it for the
+/// lanes of the processor. It would unroll a shorter loop first, and then find no lanes. The number
+/// is a divisor of the 120 points of the coin.
 const ABREAST: usize = 24;
 
-/// Whether the processor computes on two numbers at once. There a step with few contacts takes less
-/// time if they go in pairs; elsewhere it would take more instructions. No bit depends on it.
+/// Whether the processor computes on two numbers at once.
+///
+/// If so, a step with few contacts takes less time with the contacts in pairs. Otherwise it would
+/// take more instructions. No bit of the result depends on it.
 const HAS_LANES: bool = cfg!(any(
     target_feature = "sse2",
     target_feature = "neon",
     target_feature = "simd128"
 ));
 
-/// Number of contacts whose forces are all worked out, in pairs, before the first of them is added:
-/// even, and a rolling body seldom touches with more.
+/// Number of contacts whose forces are all computed, in pairs, before the first of them is added.
+/// It is even, and a rolling body seldom touches with more contacts.
 const FEW: usize = 6;
 
-/// The load of the contacts of `parts` on a body above the plane z = `height` (m); with other
-/// `arm_axes`, the torque that it has with those.
+/// Load of the contacts of `parts` on a body above the plane z = `height` (m). With `arm_axes`, the
+/// torque is that on a body with these axes.
 #[inline(always)]
 pub(super) fn load<R: Real, G, F>(
     laws: (&G, &F),
@@ -51,7 +55,7 @@ where
     let [head, tail] = parts;
     let mut load = Level { depth, motion }.with(Load::default(), laws, head, arm_axes);
     if !tail.is_empty() {
-        // What is handed to a function stays in memory. So a copy is, and the load is taken back
+        // Passing a reference would force `load` into memory, so a copy is passed and copied back
         // part by part.
         let motion = &{ *motion };
         let whole = Level { depth, motion }.with_tail(load, laws, tail, arm_axes);
@@ -62,21 +66,21 @@ where
     load
 }
 
-/// A body above a level plane.
+/// Body above a level plane.
 struct Level<'a, R: Real> {
-    /// Depth of the centre of mass, m.
+    /// Penetration depth of the centre of mass, m.
     depth: R,
     motion: &'a Motion<R>,
 }
 
 impl<R: Real> Level<'_, R> {
-    /// Depth at an arm, m.
+    /// Penetration depth at an arm, m.
     #[inline(always)]
     fn depth(&self, arm: R::Vec3) -> R {
         self.depth - arm.z()
     }
 
-    /// Force of the ground on a contact at an arm and a depth (m) above 0, N.
+    /// Force of the ground on a contact at an arm, with a penetration depth (m) above 0, N.
     #[inline(always)]
     fn force<G, F>(&self, (ground, friction): (&G, &F), arm: R::Vec3, depth: R) -> R::Vec3
     where
@@ -86,12 +90,12 @@ impl<R: Real> Level<'_, R> {
         let velocity = self.motion.velocity_at(arm);
         let normal_force = ground.normal_force(depth, -velocity.z());
         let slip = R::Vec3::new(velocity.x(), velocity.y(), R::ZERO);
-        // In the plane of the slip, as any law's.
+        // Component in the plane of the slip, where the force of any law lies.
         let rub = friction.force(normal_force, slip);
         R::Vec3::new(rub.x(), rub.y(), normal_force)
     }
 
-    /// The load with more contacts: whole blocks first, then pairs, then one by one.
+    /// Adds contacts to the load: whole blocks first, then pairs, then single contacts.
     #[inline(always)]
     fn with<G, F>(
         &self,
@@ -127,8 +131,8 @@ impl<R: Real> Level<'_, R> {
         load
     }
 
-    /// As [`with`](Self::with), for the contacts behind the body's contact 0, to which a run seldom
-    /// comes round.
+    /// Adds the contacts after the wrap to contact 0, as [`with`](Self::with) does. A contact range
+    /// seldom wraps.
     #[cold]
     #[inline(never)]
     fn with_tail<G, F>(
@@ -145,10 +149,10 @@ impl<R: Real> Level<'_, R> {
         self.with(load, laws, contacts, arm_axes)
     }
 
-    /// Adds contacts in pairs up to the first that does not touch, and returns the rest.
+    /// Adds contacts in pairs up to the first separated contact, and returns the rest.
     ///
-    /// What a pair needs is written out twice and stored side by side: only so compilers see two
-    /// lanes.
+    /// The computation of a pair is written out twice and stored side by side. Otherwise compilers
+    /// do not use two lanes.
     #[inline(always)]
     fn add_pairs<'a, G, F>(
         &self,
@@ -174,8 +178,8 @@ impl<R: Real> Level<'_, R> {
                 let arms = to_world(&self.motion.axes);
                 let depths = [self.depth(arms[0]), self.depth(arms[1])];
                 let touch = depths[0] > R::ZERO && depths[1] > R::ZERO;
-                // Both at once: a block that is full looks at the next pair in vain, but with a
-                // branch for itself steps with fewer contacts take more instructions.
+                // Both conditions in one branch: a full block evaluates the next pair in vain. With
+                // a separate branch, steps with fewer contacts take more instructions.
                 if !touch || count + 1 >= FEW {
                     break;
                 }
@@ -190,7 +194,7 @@ impl<R: Real> Level<'_, R> {
                 count += 2;
                 contacts = rest;
             }
-            // No root and no division had to wait for these sums.
+            // No square root and no division had to wait for these sums.
             for i in 0..count.min(FEW) {
                 load.force += forces.get(i);
                 load.torque += torques.get(i);
@@ -203,11 +207,11 @@ impl<R: Real> Level<'_, R> {
         contacts
     }
 
-    /// The load with whole blocks abreast up to the first that does not touch all over, and the
-    /// rest: a law is asked of contacts alone that touch.
+    /// Adds whole blocks up to the first block with a separated contact, and returns the rest.
+    /// Force laws are evaluated for penetrating contacts only.
     ///
-    /// A run is as good as exact where a body can tell it, so that only its ends are left; where it
-    /// cannot, one copy more of the laws here would be a tenth of a small device's program.
+    /// If the body can compute an exact range, only its ends are left over. If it cannot, one more
+    /// copy of the laws here would be a tenth of a small device's program.
     #[inline(never)]
     fn with_blocks<'a, G, F>(
         &self,
@@ -249,7 +253,7 @@ impl<R: Real> Level<'_, R> {
     }
 }
 
-/// A vector of each contact of a block, axis by axis.
+/// One vector for each contact of a block, stored axis by axis.
 #[derive(Clone, Copy)]
 struct Block<R, const N: usize>([[R; N]; 3]);
 
@@ -262,8 +266,8 @@ impl<R: Real, const N: usize> Block<R, N> {
         R::Vec3::new(x[i], y[i], z[i])
     }
 
-    /// Its vector product with another one, in its own place: a block is a tenth of a small
-    /// device's stack.
+    /// Replaces each vector by its vector product with another one. It works in place, because a
+    /// block is a tenth of a small device's stack.
     #[inline(always)]
     fn cross(&mut self, other: &Self) {
         for i in 0..N {
@@ -295,8 +299,9 @@ impl<R: Real, const N: usize> Block<R, N> {
     }
 }
 
-/// Sums over contacts at even and at odd places of their blocks, axis by axis: two each, so that
-/// they go abreast, and no more, so that their order is everywhere the same.
+/// Sums over contacts at even and at odd positions of their blocks, axis by axis. There are two
+/// sums each, so that they are vectorised, and no more, so that their order is the same on every
+/// platform.
 #[derive(Clone, Copy)]
 struct Pairs<R>([[R; 2]; 3]);
 
@@ -326,7 +331,7 @@ mod tests {
     use crate::*;
     use glam::{DMat3, DVec3};
 
-    /// The report's law, as a user would write it.
+    /// Coulomb's law of the coin report, as a user would write it.
     struct Own;
 
     impl SlidingFriction for Own {
@@ -335,8 +340,8 @@ mod tests {
         }
     }
 
-    /// A ring, or with `depth` above 0 two rings of `depth` on both sides of the yz plane: any
-    /// number of bare contacts.
+    /// Ring of any number of bare contacts. With `depth` above 0, two rings at `depth` on both
+    /// sides of the yz plane.
     struct Rings {
         contacts: [ContactPoint; 120],
         count: usize,
@@ -366,7 +371,8 @@ mod tests {
         }
     }
 
-    /// Flat, tilted and upright, at several heights: all contacts touch, some, or none.
+    /// Flat, tilted and upright poses at several heights, so that all contacts touch, some, or
+    /// none.
     fn states() -> impl Iterator<Item = State> {
         (0..60).map(|i| {
             let i = f64::from(i);
@@ -414,8 +420,8 @@ mod tests {
                     forces += push.length();
                     gaps = f64::min(gaps, contact.depth);
                 });
-                // Each depth, of some 0.5 m, is rounded a few times in either way, by which a
-                // spring of 100 N/m feels it; then the sums.
+                // Each penetration depth, of about 0.5 m, is rounded a few times up or down, which
+                // a spring of 100 N/m converts into a force. Then the sums are rounded.
                 let rounding = (8.0 * 0.5 * 100.0 + forces) * count as f64 * f64::EPSILON;
                 assert!(
                     (load.force - force).length() <= rounding,
@@ -429,7 +435,7 @@ mod tests {
                 whole += usize::from(touching == count);
             }
         }
-        // Not only blocks that touch in part.
+        // Not only blocks that touch partly.
         assert!(whole > 50, "{whole}");
     }
 
@@ -442,7 +448,7 @@ mod tests {
         };
         let scene = Scene::new(Coin::ring(1.0, 0.5), ground, coulomb, NoGravity).unwrap();
         let mut lowest = [0, 0];
-        // A ring that has turned by some of its 120 points is the same ring.
+        // A ring that has rotated by some of its 120 points is the same ring.
         for depth in [1e-3, 0.1, 0.4] {
             let load = |points: f64| {
                 let state = State::at(DVec3::Z * (0.5 - depth))
@@ -454,8 +460,9 @@ mod tests {
                 (scene.load(&motion), tail)
             };
             let (middle, none) = load(0.0);
-            // Of each depth, 0.5 m at most, by some roundings of place and turn; twice, as they
-            // bear on two loads, and once more for the rub.
+            // Rounding of each penetration depth, at most 0.5 m, by some roundings of position and
+            // orientation. It counts twice because it affects two loads, and once more for the
+            // friction.
             let rounding = 3.0 * 8.0 * 0.5 * 100.0 * middle.touching as f64 * f64::EPSILON;
             for points in 80..100 {
                 let (turned, tail) = load(f64::from(points));
@@ -491,7 +498,7 @@ mod tests {
 
     #[test]
     fn a_law_is_asked_of_contacts_alone_that_touch() {
-        /// A ground whose law has no answer above it.
+        /// Ground whose law is not defined above it.
         struct Strict;
         impl SpringDamperGround for Strict {
             fn surface(&self, point: DVec3) -> Surface {

@@ -1,11 +1,12 @@
 //! Rims on the ground: the arc that touches.
 //!
-//! A Gauss rule is good for what is smooth. So the arc is cut where its forces have a kink
-//! ([`kinks`](mod@kinks)), and has points that crowd towards where friction reverses
-//! ([`turning_rules`]).
+//! A Gauss rule is accurate for smooth functions. So the arc is cut at the discontinuities of its
+//! forces ([`kinks`](mod@kinks)). Quadrature points are concentrated near points at which friction
+//! reverses ([`turning_rules`]).
 //!
-//! On a level plane depth and velocity are linear in sine and cosine along the arc, and a short one
-//! goes the short way of a [`Sweep`]; any other arc goes place by place ([`visit_any`]).
+//! On a level plane, penetration depth and velocity are linear in sine and cosine along the arc,
+//! and a short arc is evaluated as a [`Sweep`]. Any other arc is evaluated point by point
+//! ([`visit_any`]).
 
 mod kinks;
 mod sweep;
@@ -21,8 +22,7 @@ use crate::ground::{GroundBounds, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 
-/// What of a rim lies below ground: below the plane that touches the ground under the rim's lowest
-/// place.
+/// Arc of a rim below the plane that touches the ground under the rim's lowest point.
 #[inline]
 pub(crate) fn arc_below<R: Real, G: SpringDamperGround<R>>(
     rim: &Rim<R>,
@@ -47,8 +47,8 @@ pub(crate) fn arc_below<R: Real, G: SpringDamperGround<R>>(
     }
 }
 
-/// The lowest place of a rim (body axes), and the surface under it: by a few looks along the normal
-/// under the last one, exact on a plane.
+/// Lowest point of a rim (body axes), and the surface under it. It is found by a fixed number of
+/// iterations along the last normal, and is exact on a plane.
 pub(super) fn lowest<R: Real, G: SpringDamperGround<R>>(
     rim: &Rim<R>,
     ground: &G,
@@ -65,16 +65,16 @@ pub(super) fn lowest<R: Real, G: SpringDamperGround<R>>(
     (surface, place)
 }
 
-/// Each takes the angle that is lacking to its ratio of the rim's radius to the ground's radius of
-/// curvature.
+/// Number of iterations. Each multiplies the angle error by the ratio of the rim's radius to the
+/// ground's radius of curvature.
 const LOOKS: u32 = 3;
 
-/// What of a rim touches.
+/// Part of a rim that touches.
 pub(super) enum Touching<R: Real> {
     Nothing,
-    /// A short arc below a level plane.
+    /// Short arc below a level plane.
     Arc(Sweep<R>),
-    /// More than a quarter of the circle, or on another ground.
+    /// More than a quarter of the circle, or an arc on another ground.
     Any,
 }
 
@@ -115,7 +115,7 @@ impl<R: Real> Touching<R> {
     }
 }
 
-/// The energy of the springs under a rim, J, and how many places stand for it.
+/// Energy of the springs under a rim, J, and the number of quadrature points that touch.
 #[inline]
 pub(super) fn spring_energy<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -134,8 +134,8 @@ pub(super) fn spring_energy<R: Real, D: Dynamics<R> + ?Sized>(
     (energy, touching)
 }
 
-/// Where the forces on a panel have a kink: as on the plane under its middle, with the depths of
-/// the ground itself.
+/// Discontinuities of the forces on a panel. They are computed for the plane under its middle, with
+/// the penetration depths of the actual ground.
 fn kinks_of<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
     rim: &Rim<R>,
@@ -158,7 +158,8 @@ fn kinks_of<R: Real, D: Dynamics<R> + ?Sized>(
     kinks
 }
 
-/// Calls `visit` with each place that stands for a rim: the way that is always right.
+/// Calls `visit` with each quadrature point of a rim. This is the general method, valid for every
+/// arc and ground.
 #[inline(never)]
 pub(super) fn visit_any<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,

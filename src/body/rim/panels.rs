@@ -1,9 +1,10 @@
-//! An arc, or two together, in panels that Gauss's rule can be laid on.
+//! One arc or two arcs, divided into panels for Gauss's rule.
 
 use super::{Arc, Direction, GAUSS_8, QUARTER, turned};
 use crate::real::Real;
 
-/// A piece of arc of at most a quarter of the circle, by its middle and `sin(half its half angle)`.
+/// Piece of arc of at most a quarter of the circle, given by its middle and
+/// `sin(half its half angle)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Panel<R> {
     pub(super) middle: Direction<R>,
@@ -22,16 +23,15 @@ impl<R: Real> Panel<R> {
     }
 }
 
-/// Most panels that two arcs make: their four ends, the four cuts into quarters and what else cuts
-/// them.
+/// Most panels of two arcs: their four ends, the four cuts into quarters, and any further cuts.
 const MOST: usize = 8 + CUTS;
 /// Most further cuts.
 pub(crate) const CUTS: usize = 4;
 /// Most nodes of a rim in a step.
 pub(crate) const MOST_NODES: usize = MOST * GAUSS_8.len() * 2;
 
-/// The panels of what lies below ground in one moment or in either of two: no end of an arc lies
-/// within one.
+/// Panels of the arc below ground at one time, or at either of two times. No end of an arc lies
+/// within a panel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Panels<R> {
     panels: [Panel<R>; MOST],
@@ -47,7 +47,8 @@ impl<R: Real> Panels<R> {
         count: 0,
     };
 
-    /// Those of one arc, cut at these places: `sin(θ/2)/sin(α/2)`, from -1 to 1 along the arc.
+    /// Panels of one arc, cut at the positions `cuts`: `sin(θ/2)/sin(α/2)`, from -1 to 1 along the
+    /// arc.
     #[inline]
     pub(crate) fn of(arc: Arc<R>, cuts: impl Iterator<Item = R>) -> Self {
         let mut panels = Self::NONE;
@@ -70,10 +71,10 @@ impl<R: Real> Panels<R> {
         panels
     }
 
-    /// One between two half angles from the lowest place.
+    /// Adds the panel between two half angles from the lowest point.
     #[inline]
     fn push_between(&mut self, lowest: Direction<R>, [a, b]: Direction<R>, [c, d]: Direction<R>) {
-        // Of half the panel's angle.
+        // Sine and cosine of half the panel's angle.
         let (sin, cos) = (d * a - c * b, c * a + d * b);
         if sin > R::EPSILON {
             let middle = turned(lowest, turned([a, b], [c, d]));
@@ -81,7 +82,7 @@ impl<R: Real> Panels<R> {
         }
     }
 
-    /// Those of two arcs together, cut at these places.
+    /// Panels of two arcs together, cut at these positions.
     #[inline(never)]
     pub(crate) fn of_both(arcs: [Arc<R>; 2], places: impl Iterator<Item = Direction<R>>) -> Self {
         let mut panels = Self::NONE;
@@ -89,8 +90,8 @@ impl<R: Real> Panels<R> {
             return panels;
         }
         let [first, second] = arcs;
-        // The circle is counted from opposite the lowest place, so that no arc of rolling lies
-        // across the seam.
+        // The circle is counted from the point opposite the lowest one, so that no arc of rolling
+        // contact crosses the seam.
         let middle = first.lowest().or(second.lowest());
         let frame = middle.unwrap_or([R::ONE, R::ZERO]).map(|x| -x);
         let half = R::from_f64(core::f64::consts::FRAC_1_SQRT_2);
@@ -131,7 +132,7 @@ impl<R: Real> Panels<R> {
     }
 }
 
-/// Middle and chord of the shorter arc between two directions; `None` where they are the same to
+/// Middle and chord of the shorter arc between two directions. Returns `None` if they are equal to
 /// rounding.
 fn between<R: Real>([a, b]: Direction<R>, [c, d]: Direction<R>) -> Option<(Direction<R>, R)> {
     let (x, y) = (a + c, b + d);
@@ -145,7 +146,7 @@ fn between<R: Real>([a, b]: Direction<R>, [c, d]: Direction<R>) -> Option<(Direc
     Some(([x / cos, y / cos], half_of(sin * R::HALF, cos * R::HALF)))
 }
 
-/// The sine of half an angle: `sin(h/2) = sin h/√(2 (1 + cos h))`.
+/// Sine of half an angle: `sin(h/2) = sin h/√(2 (1 + cos h))`.
 #[inline]
 fn half_of<R: Real>(sin: R, cos: R) -> R {
     sin / (R::TWO + R::TWO * cos).sqrt()
@@ -157,14 +158,14 @@ pub(super) fn half_turn<R: Real>(sin: R) -> Direction<R> {
     [(R::ONE - sin * sin).at_least(R::ZERO).sqrt(), sin]
 }
 
-/// A direction and its place in the order round the circle.
+/// Direction and its position in the order round the circle.
 #[derive(Clone, Copy, Debug)]
 struct Cut<R> {
     place: Direction<R>,
     order: R,
 }
 
-/// Where the circle is cut.
+/// Positions at which the circle is cut.
 struct Cuts<R> {
     cuts: [Cut<R>; MOST],
     count: usize,
@@ -196,7 +197,7 @@ impl<R: Real> Cuts<R> {
     }
 }
 
-/// Brings the last of what was in order to its place.
+/// Moves the last element to its position in the sorted rest.
 pub(crate) fn sink_last<T, R: Real>(mut sorted: &mut [T], order: impl Fn(&T) -> R) {
     while let [.., lower, last] = sorted {
         if order(last) >= order(lower) {
@@ -208,7 +209,7 @@ pub(crate) fn sink_last<T, R: Real>(mut sorted: &mut [T], order: impl Fn(&T) -> 
     }
 }
 
-/// Grows with the angle of a direction, from 0 to 4, without trigonometry.
+/// Increases with the angle of a direction, from 0 to 4, without trigonometry.
 fn order<R: Real>(x: R, y: R) -> R {
     let three = R::TWO + R::ONE;
     match (x >= R::ZERO, y >= R::ZERO) {

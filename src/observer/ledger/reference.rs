@@ -1,13 +1,14 @@
 //! Works along the exact motion from the start of a step.
 //!
-//! A quadrature along the method's own stages would err as the method does: at a jump of the force
-//! both miss the same impulse, and the energy error cancels out of the balance. So the motion is
-//! integrated once more from the start of the step, by substeps of the method of Dormand and Prince
-//! with the works as further unknowns, `W' = P(state)`:
+//! A quadrature along the method's own stages would have the same error as the method. At a jump of
+//! the force both miss the same impulse, and the energy error cancels out of the balance. So the
+//! motion is integrated once more from the start of the step. The substeps are those of the method
+//! of Dormand and Prince, with the works as further unknowns, `W' = P(state)`:
 //!
-//! 1. `attempt` takes a substep and bounds the error of its works;
-//! 2. `march` puts substeps together, shorter ones where forces jump or bend;
-//! 3. `works` repeats that until the error is small beside the energy error of the step.
+//! 1. `attempt` takes a substep and bounds the error of its works.
+//! 2. `march` joins substeps, with shorter ones where forces or their derivatives are
+//!    discontinuous.
+//! 3. `works` repeats this until the error is small compared with the energy error of the step.
 
 use crate::energy::{Dissipation, EnergyRates};
 use crate::integrator::{DORMAND_PRINCE, Point};
@@ -54,13 +55,13 @@ pub(super) struct Works<R: Real> {
 const FRACTION: f64 = 1.0 / 8.0;
 /// Fraction of the last energy error that a substep of the next pass may add.
 const PER_SUBSTEP: f64 = 1.0 / 64.0;
-/// Least fraction of the last error of the works to which a pass goes.
+/// Least fraction of the last error of the works that a pass may have as its tolerance.
 const PER_PASS: f64 = 1.0 / 4096.0;
-/// Most substeps of a pass, rejected ones included. A jump takes one for each bit of its time, up
-/// to 50.
+/// Most substeps of a pass, including rejected ones. A jump takes one substep for each bit of its
+/// time, up to 50.
 const MOST_SUBSTEPS: u32 = 256;
-/// Most substeps in a row that are short without a jump near: friction that sticks is stiff, and
-/// would need too many.
+/// Most successive substeps that are short without a jump nearby. Friction that sticks is stiff,
+/// and would need too many substeps.
 const MOST_STUCK: u32 = 32;
 /// Fraction of the step below which a substep is short.
 const SHORT: f64 = 1.0 / 64.0;
@@ -68,8 +69,9 @@ const SHORT: f64 = 1.0 / 64.0;
 /// Returns the works of the step between two nodes. If the substeps cannot follow the motion,
 /// returns the best works found as an error.
 ///
-/// The energy error of the step is the change of the energy less these works. An error of the works
-/// matters only beside it, so it sets the tolerance, down to the rounding of the energies.
+/// The energy error of the step is the change of the energy minus these works. An error of the
+/// works matters only in comparison with it. So the energy error sets the tolerance, down to the
+/// rounding of the energies.
 pub(super) fn works<R: Real>(
     scene: &dyn SceneQuery<R>,
     [start, end]: [&Node<R>; 2],
@@ -82,8 +84,8 @@ pub(super) fn works<R: Real>(
     loop {
         let unaccounted = (change - found.work.total()).abs();
         let suffices = (unaccounted * R::from_f64(FRACTION)).at_least(rounding);
-        // The energy error may be small by chance, so the error of the works limits how far one
-        // pass goes.
+        // The energy error may be small by chance, so the error of the works limits the tolerance
+        // of one pass.
         let next = (unaccounted * R::from_f64(PER_SUBSTEP))
             .at_least(found.error * R::from_f64(PER_PASS))
             .at_least(rounding);
@@ -109,8 +111,8 @@ fn rounding<R: Real>(nodes: [&Node<R>; 2]) -> R {
     (sizes[0] + sizes[1]) * (R::EPSILON * R::from_f64(8.0))
 }
 
-/// Works of a step by substeps whose errors keep to a tolerance (J) each; `None` if there would be
-/// too many.
+/// Works of a step by substeps whose errors are within a tolerance (J) each. Returns `None` if
+/// there would be too many.
 fn march<R: Real>(
     scene: &dyn SceneQuery<R>,
     start: &Node<R>,
@@ -156,11 +158,11 @@ fn march<R: Real>(
     None
 }
 
-/// A substep that has been tried.
+/// Substep that has been attempted.
 struct Substep<R: Real> {
     end: Node<R>,
     works: Works<R>,
-    /// Whether a contact begins or ceases to touch or to push in it.
+    /// Whether a contact opens or closes, or begins or ceases to push, in the substep.
     jumps: bool,
 }
 
@@ -194,19 +196,19 @@ fn attempt<R: Real>(scene: &dyn SceneQuery<R>, start: &Node<R>, seconds: R) -> S
 
 /// Bound of the error of the works of a substep, J.
 fn error<R: Real>(powers: &[Dissipation<R>; 7], jumps: bool, unaccounted: R, seconds: R) -> R {
-    // Where nothing takes energy, there are no works to err in, however wrong the states are.
+    // Without dissipation the works have no error, however wrong the states are.
     if !jumps && powers.iter().all(|power| *power == Dissipation::default()) {
         return R::ZERO;
     }
     let estimate = sizes(&weighted(powers, &DORMAND_PRINCE.error, seconds));
-    // The estimate does not see a jump between two stages for sure, but no jump is larger than the
-    // spread of the powers.
+    // The estimate may miss a jump between two stages, but no jump is larger than the spread of the
+    // powers.
     let jump = if jumps {
         spread(powers) * seconds
     } else {
         R::ZERO
     };
-    // An error of the states shows in the balance of the energy.
+    // An error of the states appears in the energy balance.
     estimate + jump + unaccounted.abs()
 }
 

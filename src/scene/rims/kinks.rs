@@ -1,10 +1,10 @@
-//! Where the forces on an arc have a kink.
+//! Discontinuities of the forces on an arc, or of their derivatives.
 //!
-//! Two things are not smooth along it: friction reverses where the slip is least, within a width
-//! that the least slip and the law's slip speed set, and the ground lets go where a place leaves
-//! faster than its spring expands. Both are found without an error on a plane, for laws that are
-//! linear in depth and speed: times `1 + tan²(θ/2)` slip and force are polynomials of degree 2 in
-//! `tan(θ/2)`.
+//! Two effects are not smooth along an arc. Friction reverses where the slip is least, within a
+//! width that depends on the least slip and on the law's slip speed. The contact opens where a
+//! point separates faster than its spring expands. On a plane both are computed exactly for laws
+//! that are linear in penetration depth and speed. The reason is that slip and force times
+//! `1 + tan²(θ/2)` are polynomials of degree 2 in `tan(θ/2)`.
 
 use crate::body::{Arc, CUTS, sink_last};
 use crate::friction::SlidingFriction;
@@ -20,14 +20,14 @@ pub(crate) struct Velocities<R: Real> {
 }
 
 impl<R: Real> Velocities<R> {
-    /// By that of the rim's middle, and by what its own two axes add.
+    /// Velocities from that of the rim's middle and the contributions along the rim's two axes.
     #[inline]
     pub(crate) fn along(arc: &Arc<R>, middle: R::Vec3, turning: [R::Vec3; 2]) -> Self {
         Self::of_slopes(middle, arc.slopes(turning))
     }
 
-    /// By that of the rim's middle, and by what is added at the place that angles are counted from,
-    /// and a quarter of a turn on.
+    /// Velocities from that of the rim's middle and two contributions: at the point from which
+    /// angles are counted, and a quarter of a revolution further.
     #[inline]
     pub(super) fn of_slopes(middle: R::Vec3, [down, across]: [R::Vec3; 2]) -> Self {
         Self {
@@ -37,8 +37,9 @@ impl<R: Real> Velocities<R> {
         }
     }
 
-    /// By where the lowest place is from the rim's middle, and the one a quarter of a turn on; the
-    /// middle from the centre of mass, all m.
+    /// Velocities from the spokes of the rim, m: from its middle to the lowest point, and to the
+    /// point a quarter of a revolution further. `centre` is the vector from the centre of mass to
+    /// the rim's middle, m.
     #[inline(always)]
     pub(super) fn of_spokes(
         motion: &Motion<R>,
@@ -53,7 +54,7 @@ impl<R: Real> Velocities<R> {
         }
     }
 
-    /// Along a normal, and along two tangents of the ground.
+    /// Components along a normal, and along two tangents of the ground.
     #[inline]
     fn over(&self, normal: R::Vec3, [first, second]: [R::Vec3; 2]) -> ([R; 3], [Complex<R>; 3]) {
         let each = [self.lowest, self.across, self.down];
@@ -63,7 +64,7 @@ impl<R: Real> Velocities<R> {
         )
     }
 
-    /// The same where the normal is z.
+    /// Components along the normal z, and vectors along the ground.
     #[inline]
     pub(super) fn over_level(&self) -> ([R; 3], [R::Vec3; 3]) {
         let each = [self.lowest, self.across, self.down];
@@ -72,7 +73,7 @@ impl<R: Real> Velocities<R> {
     }
 }
 
-/// Where the forces on an arc have a kink, in order, as `u = sin(θ/2)/κ`, with the ground's unit
+/// Discontinuities of the forces on an arc, in order, as `u = sin(θ/2)/κ`, for the ground's unit
 /// normal in world axes.
 #[inline]
 pub(crate) fn kinks<R: Real, D: Dynamics<R> + ?Sized>(
@@ -87,7 +88,7 @@ pub(crate) fn kinks<R: Real, D: Dynamics<R> + ?Sized>(
     kinks_over(scene, chord, normal, velocities, depth)
 }
 
-/// The same on any piece of arc, by the depth (m) along it.
+/// Discontinuities on any piece of arc, for the penetration depth (m) along it.
 #[inline]
 pub(super) fn kinks_over<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -105,7 +106,7 @@ pub(super) fn kinks_over<R: Real, D: Dynamics<R> + ?Sized>(
     kinks_by(scene.ground(), friction, chord, rising, slips, depth)
 }
 
-/// Two unit vectors at right angles to a third and to each other.
+/// Two unit vectors perpendicular to a third and to each other.
 fn tangents<R: Real>(normal: R::Vec3) -> [R::Vec3; 2] {
     let (o, one) = (R::ZERO, R::ONE);
     let beside = if normal.x().abs() < R::HALF {
@@ -118,8 +119,8 @@ fn tangents<R: Real>(normal: R::Vec3) -> [R::Vec3; 2] {
     [first, normal.cross(first)]
 }
 
-/// The same of a short arc below a level plane, by the velocities along the normal and along the
-/// ground.
+/// Discontinuities on a short arc below a level plane, for the velocities along the normal and
+/// along the ground.
 #[inline(always)]
 pub(super) fn kinks_along<R: Real, D: Dynamics<R> + ?Sized>(
     scene: &D,
@@ -137,7 +138,8 @@ pub(super) fn kinks_along<R: Real, D: Dynamics<R> + ?Sized>(
     kinks_by(scene.ground(), friction, chord, rising, slips, depth)
 }
 
-/// By what friction (N) a slip has under a load of 1 N, and the depth along the arc.
+/// Discontinuities for the friction force (N) of a slip under a load of 1 N, and for the
+/// penetration depth along the arc.
 #[inline(always)]
 fn kinks_by<R: Real, G: SpringDamperGround<R>>(
     ground: &G,
@@ -161,8 +163,8 @@ fn kinks_by<R: Real, G: SpringDamperGround<R>>(
     kinks
 }
 
-/// Whether the slip may come near to 0 on an arc: where it varies by no more than a twelfth of
-/// itself, an arc is smooth to 1e-10 without a cut.
+/// Returns true if the slip may come close to 0 on an arc. If the slip varies by no more than a
+/// twelfth of itself, an arc is smooth to 1e-10 without a cut.
 #[inline(always)]
 fn may_turn<R: Real>([a, b, k]: [Complex<R>; 3], chord: R) -> bool {
     let square = R::from_f64(4.0) * (chord * chord);
@@ -170,18 +172,19 @@ fn may_turn<R: Real>([a, b, k]: [Complex<R>; 3], chord: R) -> bool {
     varies * R::from_f64(SMOOTH * SMOOTH) > a.square()
 }
 
-/// The slip along an arc as a polynomial.
+/// Slip along an arc as a polynomial.
 ///
-/// With `w = tan(θ/2)`, `sin θ = 2 w/(1 + w²)` and `1 - cos θ = 2 w²/(1 + w²)`, so that the slip
-/// `a + b sin θ - k (1 - cos θ)` times `1 + w²` is `a + 2 b w + (a - 2 k) w²`, exactly. With
-/// `w = W ω` and `W = tan(α/2)` the arc is that of ω from -1 to 1.
+/// With `w = tan(θ/2)`, `sin θ = 2 w/(1 + w²)` and `1 - cos θ = 2 w²/(1 + w²)`. So the slip
+/// `a + b sin θ - k (1 - cos θ)` times `1 + w²` is exactly `a + 2 b w + (a - 2 k) w²`. With
+/// `w = W ω` and `W = tan(α/2)`, the arc corresponds to ω from -1 to 1.
 ///
-/// The two components of the slip along the ground are taken as one complex number, so that this
+/// The two components of the slip along the ground are combined into one complex number. So this
 /// polynomial `Q(ω) = A + B ω + C ω²` has two complex zeros. Since `|Q|² = Q(ω) Q*(ω)` for real ω,
-/// they and their conjugates are the singularities of the slip's size, and so of friction: at the
-/// real part of a zero friction reverses, and its imaginary part is the width of the reversal.
+/// the zeros and their conjugates are the singularities of the magnitude of the slip, and thus of
+/// friction. Friction reverses at the real part of a zero, and the imaginary part is the width of
+/// the reversal.
 struct Slips<R: Real> {
-    /// m/s.
+    /// Coefficients of Q, m/s.
     powers: [Complex<R>; 3],
     /// `W²`.
     square: R,
@@ -202,7 +205,7 @@ impl<R: Real> Slips<R> {
         }
     }
 
-    /// Adds the points, at most two, at which friction reverses on the part of the arc that the
+    /// Adds the points, at most two, at which friction reverses on the part of the arc on which the
     /// ground pushes.
     #[inline]
     fn add_reversals(&self, friction: &impl Fn(Complex<R>) -> R, kinks: &mut Kinks<R>) {
@@ -213,7 +216,7 @@ impl<R: Real> Slips<R> {
             let place = zero.0.at_least(first).at_most(last);
             let distance_of = |zero: Complex<R>| zero.minus(Complex(place, R::ZERO)).length();
             let distance = distance_of(zero);
-            // Far from the arc, at infinity, or not a number where nothing slips.
+            // The zero is far from the arc, at infinity, or NaN because nothing slips.
             let is_near = distance < R::from_f64(SMOOTH);
             if !is_near {
                 continue;
@@ -237,25 +240,25 @@ impl<R: Real> Slips<R> {
         }
     }
 
-    /// `u = sin(θ/2)/κ` by ω.
+    /// Converts ω to `u = sin(θ/2)/κ`.
     #[inline]
     fn sine_at(&self, place: R) -> R {
         place * ((R::ONE + self.square) / (R::ONE + self.square * place * place)).sqrt()
     }
 
-    /// ω by `u = sin(θ/2)/κ`.
+    /// Converts `u = sin(θ/2)/κ` to ω.
     #[inline]
     fn tangent_at(&self, u: R) -> R {
         u / (R::ONE + self.square * ((R::ONE - u) * (R::ONE + u))).sqrt()
     }
 
-    /// The zeros of Q; infinite, or not a number, where its degree is lower.
+    /// Zeros of Q. They are infinite or NaN if the degree is lower.
     #[inline]
     fn zeros(&self) -> [Complex<R>; 2] {
         let [a, b, c] = self.powers;
         let half = b.scaled(-R::HALF);
         let root = half.times(half).minus(a.times(c)).sqrt();
-        // The sum in which nothing cancels.
+        // The sum without cancellation.
         let sum = if half.0 * root.0 + half.1 * root.1 < R::ZERO {
             half.minus(root)
         } else {
@@ -264,7 +267,7 @@ impl<R: Real> Slips<R> {
         [a.over(sum), sum.over(c)]
     }
 
-    /// Q and its slope at a real place.
+    /// Q and its derivative at a real argument.
     #[inline]
     fn at(&self, place: R) -> [Complex<R>; 2] {
         let [a, b, c] = self.powers;
@@ -275,11 +278,11 @@ impl<R: Real> Slips<R> {
         ]
     }
 
-    /// Over which part of the arc, in ω, the slip grows by the law's own slip speed.
+    /// Length of the arc, in ω, over which the slip increases by the law's own slip speed.
     ///
-    /// Friction per slip falls as `1/(slip + slip_speed)`. So its values at a point of least slip
-    /// and where the arc slips most give the slip speed of any law: 0 for Coulomb's own, infinite
-    /// for a viscous one.
+    /// Friction per slip decreases as `1/(slip + slip_speed)`. So its values at a point of least
+    /// slip and at the point of largest slip give the slip speed of any law. It is 0 for Coulomb's
+    /// law, and infinite for a viscous one.
     #[inline]
     fn slip_speed_width(&self, friction: &impl Fn(Complex<R>) -> R, place: R) -> R {
         let [near, slope] = self.at(place);
@@ -290,7 +293,7 @@ impl<R: Real> Slips<R> {
         let near = Complex(near.0 + far.0 * tiny, near.1 + far.1 * tiny);
         let per_slip = |slip: Complex<R>| friction(slip) / slip.length();
         let ratio = per_slip(far) / per_slip(near);
-        // Not a number without friction.
+        // NaN without friction.
         let falls = ratio < R::ONE;
         if !falls {
             return R::MAX;
@@ -306,12 +309,12 @@ impl<R: Real> Slips<R> {
     }
 }
 
-/// The distance of a singularity from an arc, in half arcs, from which on it does not count: with
-/// `ρ = 24` four points leave `ρ⁻⁸ = 1e-11`. From 4 on six points leave as much, from 2 on eight
-/// 1e-10.
+/// Distance of a singularity from an arc, in half arcs, beyond which it has no effect. With
+/// `ρ = 24` the error of four points is `ρ⁻⁸ = 1e-11`. From a distance of 4 on, six points have the
+/// same error. From 2 on, eight points have an error of 1e-10.
 const SMOOTH: f64 = 12.0;
 
-/// A complex number.
+/// Complex number.
 #[derive(Clone, Copy)]
 pub(super) struct Complex<R>(R, R);
 
@@ -350,7 +353,7 @@ impl<R: Real> Complex<R> {
         self.square().sqrt()
     }
 
-    /// The root whose real part is not negative.
+    /// Square root whose real part is not negative.
     #[inline(always)]
     fn sqrt(self) -> Self {
         let larger = ((self.length() + self.0.abs()) * R::HALF).sqrt();
@@ -369,13 +372,13 @@ impl<R: Real> Complex<R> {
     }
 }
 
-/// The ends of an arc, of which one may leave the ground.
+/// Ends of an arc, at which the contact may open.
 struct Edges<'a, R, G, F> {
     ground: &'a G,
-    /// By u, m.
+    /// Penetration depth as a function of u, m.
     depth: F,
     chord: R,
-    /// At which the lowest place closes, and what sine and fall add, m/s.
+    /// Closing speed of the lowest point, and the coefficients of sine and fall, m/s.
     speeds: [R; 3],
 }
 
@@ -389,7 +392,7 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
         lowest + (across + across) * (s * root) + (down + down) * (s * s)
     }
 
-    /// The normal force of a point there, N.
+    /// Normal force of a point at u, N.
     #[inline(always)]
     fn force(&self, u: R) -> R {
         let depth = (self.depth)(u);
@@ -400,19 +403,19 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
         }
     }
 
-    /// Adds where the ground lets go, if an end leaves so fast that the normal force falls to 0
-    /// before the depth does.
+    /// Adds the points at which the contact opens, if an end separates so fast that the normal
+    /// force reaches 0 before the penetration depth does.
     ///
-    /// For a law that is linear in depth and speed the force times `1 + w²` is `a + b ω - c ω²`
-    /// along the arc: three places tell its roots. They serve others too, as far as the force is 0
-    /// beyond.
+    /// For a law that is linear in penetration depth and speed, the force times `1 + w²` is
+    /// `a + b ω - c ω²` along the arc. Three points determine its roots. The roots are used for
+    /// other laws too, if the force is 0 beyond them.
     #[inline(always)]
     fn let_go(&self, kinks: &mut Kinks<R>) {
         let leaves = [-R::ONE, R::ONE].map(|end| self.closing_speed(end) < R::ZERO);
         if leaves == [false; 2] {
             return;
         }
-        // By ω as in `Slips`: the force times 1 + w² is a polynomial.
+        // In terms of ω as in `Slips`, the force times 1 + w² is a polynomial.
         let square = self.chord * self.chord / ((R::ONE - self.chord) * (R::ONE + self.chord));
         let (all, beside) = (R::ONE + square, R::ONE + square * R::from_f64(0.25));
         let half = R::HALF * (all / beside).sqrt();
@@ -431,7 +434,7 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
             let per = R::HALF / c;
             [(b - square_root) * per, (b + square_root) * per]
         } else {
-            // On a piece of a long arc: the nearer one of two at the same side, if there is one.
+            // On a piece of a long arc: the nearer of two roots on the same side, if there is one.
             let near = R::TWO * a;
             [-near / (b + square_root), near / (square_root - b)]
         };
@@ -443,7 +446,7 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
         }
     }
 
-    /// Cuts at a place that a side lets go at.
+    /// Adds a cut at the point at which one side opens.
     #[inline(always)]
     fn add(&self, kinks: &mut Kinks<R>, side: usize, u: R) {
         kinks.add(Kink { u, width: R::MAX });
@@ -453,12 +456,13 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
         }
     }
 
-    /// The same for dampers so strong that they hold the half of an arc: by bisection.
+    /// Finds the points of opening by bisection, for dampers so strong that they cancel the force
+    /// on half of an arc.
     #[inline(never)]
     fn seek(&self, leaves: [bool; 2], kinks: &mut Kinks<R>) {
         for (side, end) in [-R::ONE, R::ONE].into_iter().enumerate() {
             let (mut out, mut within) = (end, -end);
-            // From the other end, which pushes, or does not leave.
+            // Search from the other end, which pushes, or does not separate.
             if !leaves[side] || leaves[1 - side] && self.force(R::ZERO) <= R::ZERO {
                 continue;
             }
@@ -480,25 +484,26 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
     }
 }
 
-/// To 5e-7 of an arc.
+/// Number of bisections, for an accuracy of 5e-7 of an arc.
 const BISECTIONS: u32 = 22;
 
-/// Places of an arc, in order.
+/// Points of discontinuity of an arc, in order.
 pub(crate) struct Kinks<R> {
     places: [Kink<R>; CUTS],
     count: usize,
-    /// Between which of them, or the ends, the ground pushes.
+    /// Interval between two of them, or the ends, in which the ground pushes.
     pub(super) pushed: [R; 2],
-    /// How many points a piece needs at least.
+    /// Least number of points that a piece needs.
     pub(super) points: usize,
 }
 
-/// Where a force has a kink.
+/// Point at which a force or its derivative is discontinuous.
 #[derive(Clone, Copy)]
 pub(super) struct Kink<R> {
-    /// `sin(θ/2)/κ`
+    /// Position, `sin(θ/2)/κ`.
     pub(super) u: R,
-    /// How far from there friction has turned round, in half arcs; [`Real::MAX`] where it does not.
+    /// Distance over which friction reverses, in half arcs, or [`Real::MAX`] if it does not
+    /// reverse.
     pub(super) width: R,
 }
 
@@ -520,7 +525,7 @@ impl<R: Real> Kinks<R> {
 
     #[inline]
     fn add(&mut self, kink: Kink<R>) {
-        // Friction may be least at once where the ground lets go, or twice at the same end.
+        // The slip may be least exactly where the contact opens, or twice at the same end.
         for place in self.places.iter_mut().take(self.count) {
             if place.u == kink.u {
                 place.width = place.width.at_most(kink.width);
@@ -543,14 +548,14 @@ impl<R: Real> Kinks<R> {
         self.places.iter().take(self.count).copied()
     }
 
-    /// As `sin(θ/2)/κ`.
+    /// Positions as `sin(θ/2)/κ`.
     pub(crate) fn places(&self) -> impl Iterator<Item = R> + '_ {
         self.iter().map(|kink| kink.u)
     }
 }
 
 impl<R: Real> Kink<R> {
-    /// The end of the arc, where nothing turns.
+    /// End of the arc, where friction does not reverse.
     #[inline(always)]
     pub(super) fn end() -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! A short arc below a level plane, and Gauss's rules for it.
+//! Short arc below a level plane, with Gauss's rules for it.
 
 use super::kinks::{Kink, Kinks, Velocities, kinks_along};
 use super::turning_rules::{Rule, turning_rule};
@@ -9,26 +9,28 @@ use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::scene::{Contact, Dynamics, Load};
 
-/// A short arc below a level plane, along which everything is linear in 1, the sine of the angle θ
-/// from the lowest place, and the fall `1 - cos θ`.
+/// Short arc below a level plane, along which all quantities are linear in 1, `sin θ` and the fall
+/// `1 - cos θ`.
 ///
-/// With `s = sin(θ/2)` in place of θ, from `-κ` to `κ`, and the extent `r s` of the rim below its
-/// middle,
+/// θ is the angle from the lowest point.
+///
+/// The variable `s = sin(θ/2)`, from `-κ` to `κ`, replaces θ. The extent is the depth of the rim's
+/// lowest point below its middle. Then
 ///
 /// ```text
 /// sin θ = 2 s √(1 - s²)     1 - cos θ = 2 s²     depth = 2 extent (κ - s)(κ + s)     dθ = 2 ds/√(1 - s²)
 /// velocity = lowest + across sin θ - down (1 - cos θ)
 /// ```
-/// A force f has the torque `(lowest + across sin θ - down (1 - cos θ)) × f` with the places in the
-/// same words, so that all of them together need no arms, but the sums of `f`, `f sin θ` and
-/// `f (1 - cos θ)`.
+/// A force f has the torque `(lowest + across sin θ - down (1 - cos θ)) × f`, with the positions
+/// written in the same form. So the torque of all forces needs no arms, but only the sums of `f`,
+/// `f sin θ` and `f (1 - cos θ)`.
 pub(in crate::scene) struct Sweep<R: Real> {
     chord: R,
-    /// m.
+    /// Depth of the lowest point below the rim's middle, m.
     extent: R,
-    /// Upward velocities, m/s: at the lowest place, and those that sine and fall add.
+    /// Upward velocities, m/s: at the lowest point, and the coefficients of sine and fall.
     rising: [R; 3],
-    /// The same along the ground.
+    /// Velocities along the ground, m/s, in the same form.
     slips: [R::Vec3; 3],
     kinks: Kinks<R>,
     /// Points on the rim for half a radian.
@@ -37,12 +39,12 @@ pub(in crate::scene) struct Sweep<R: Real> {
 }
 
 /// Gauss's rule for a piece of a sweep with this half length in s, of an arc with this chord:
-/// places from -1 to 1, and weights.
+/// positions from -1 to 1, and weights.
 ///
-/// The springs' force goes with `(κ² - s²)/√(1 - s²)`, of which m points on the whole arc leave
-/// `3.6e-3 κ⁶`, `8e-4 κ⁸`, `1.8e-4 κ¹⁰` for m = 4, 5, 6 by the rule's error term; two points leave
-/// `0.07 (half/κ)⁵ κ²` of it. So each is good to 4e-11, as eight are at the longest arc. `least`
-/// says how many points friction needs.
+/// The springs' force is proportional to `(κ² - s²)/√(1 - s²)`. By the rule's error term, the
+/// relative error of m points on the whole arc is `3.6e-3 κ⁶`, `8e-4 κ⁸`, `1.8e-4 κ¹⁰` for m = 4,
+/// 5, 6. The error of two points is `0.07 (half/κ)⁵ κ²`. So each rule is accurate to 4e-11, as
+/// eight points are at the longest arc. `least` is the number of points that friction needs.
 #[inline(always)]
 fn gauss_rule<R: Real>(half: R, chord: R, least: usize) -> Rule {
     if half > R::from_f64(0.2) || least > 6 {
@@ -72,7 +74,7 @@ const GAUSS_5: [[f64; 2]; 5] = [
 ];
 const GAUSS_6: [[f64; 2]; 6] = both(crate::body::GAUSS_6);
 const GAUSS_8: [[f64; 2]; 8] = both(crate::body::GAUSS_8);
-/// The places above 0, and those below.
+/// Nodes above 0, and their mirror images below.
 const fn both<const HALF: usize, const ALL: usize>(half: [[f64; 2]; HALF]) -> [[f64; 2]; ALL] {
     let mut all = [[0.0; 2]; ALL];
     let mut i = 0;
@@ -84,11 +86,11 @@ const fn both<const HALF: usize, const ALL: usize>(half: [[f64; 2]; HALF]) -> [[
     all
 }
 
-/// A place of a sweep.
+/// Quadrature point of a sweep.
 pub(in crate::scene) struct Node<R: Real> {
-    /// Of the angle from the lowest place.
+    /// Sine of the angle from the lowest point.
     sin: R,
-    /// 1 less its cosine.
+    /// 1 minus the cosine of that angle.
     fall: R,
     depth: R,
     closing_speed: R,
@@ -96,8 +98,10 @@ pub(in crate::scene) struct Node<R: Real> {
     weight: R,
 }
 
-/// Calls `visit` with each point `s = sin(θ/2)` of a rule for a part of an arc, and the length in s
-/// that it stands for: piece by piece between kinks, of which none cuts the part short.
+/// Calls `visit` with each point `s = sin(θ/2)` of a rule for a part of an arc, and with its weight
+/// as a length in s.
+///
+/// It proceeds piece by piece between discontinuities, none of which divides the part.
 #[inline(always)]
 pub(super) fn visit_between<R: Real>(
     kinks: &Kinks<R>,
@@ -119,8 +123,8 @@ pub(super) fn visit_between<R: Real>(
     }
 }
 
-/// Two kinks or ends with nothing between them: as one piece from the end where friction reverses,
-/// if it does at one of them; else as two that meet in the middle.
+/// Pieces between two discontinuities or ends. It is one piece from the end at which friction
+/// reverses, if it does so at one of them. Otherwise two pieces meet in the middle.
 #[inline(always)]
 fn pieces<R: Real>(from: Kink<R>, to: Kink<R>) -> [Piece<R>; 2] {
     let none = R::MAX;
@@ -134,7 +138,7 @@ fn pieces<R: Real>(from: Kink<R>, to: Kink<R>) -> [Piece<R>; 2] {
     [from, to].map(|kink| Piece { kink, meet })
 }
 
-/// From a kink to where the next piece begins, in either direction.
+/// Piece from a discontinuity to the start of the next piece, in either direction.
 struct Piece<R> {
     kink: Kink<R>,
     meet: R,
@@ -151,7 +155,7 @@ fn visit_piece<R: Real>(
     if bounding_radius == R::ZERO {
         return;
     }
-    // Negative where the rule runs from the right to the left.
+    // Negative if the rule runs from right to left.
     let half = bounding_radius * chord * R::HALF;
     let middle = (kink.u + meet) * chord * R::HALF;
     let length = half.abs();
@@ -165,12 +169,12 @@ fn visit_piece<R: Real>(
     }
 }
 
-/// The width of a reversal is the sum of those of its two reasons, of which each may have a
-/// singularity of its own: nearer to it by a half at most.
+/// Safety factor on the ratio of length to width. The width of a reversal is the sum of two
+/// contributions. Each may have its own singularity, at most closer by a half.
 const SAFETY: f64 = 1.5;
 
 impl<R: Real> Sweep<R> {
-    /// With this chord, and an extent in m, to both sides of the lowest place.
+    /// Sweep with this chord, and an extent in m, to both sides of the lowest point.
     #[inline(always)]
     pub(super) fn of<D: Dynamics<R> + ?Sized>(
         scene: &D,
@@ -191,13 +195,14 @@ impl<R: Real> Sweep<R> {
         }
     }
 
-    /// Calls `visit` with each place that stands for the arc.
+    /// Calls `visit` with each quadrature point of the arc.
     #[inline(always)]
     pub(in crate::scene) fn visit(&self, mut visit: impl FnMut(&Node<R>)) {
         self.visit_within([-R::ONE, R::ONE], &mut visit);
     }
 
-    /// The same within a part of the arc that no kink cuts short.
+    /// Calls `visit` with each quadrature point within a part of the arc that no discontinuity
+    /// divides.
     #[inline(always)]
     fn visit_within(&self, part: [R; 2], visit: &mut impl FnMut(&Node<R>)) {
         visit_between(&self.kinks, self.chord, part, |s, length| {
@@ -208,7 +213,8 @@ impl<R: Real> Sweep<R> {
         });
     }
 
-    /// The energy needs a finer rule than forces do: a symmetric one, of which half is enough.
+    /// Energy of the springs, J, and the number of quadrature points. The energy needs a finer rule
+    /// than the forces. The rule is symmetric, so half of it is evaluated.
     #[inline]
     pub(super) fn spring_energy<G: SpringDamperGround<R>>(&self, ground: &G) -> (R, usize) {
         let rule: &[[f64; 2]] = if self.chord <= R::from_f64(SHORT) {
@@ -248,7 +254,7 @@ impl<R: Real> Sweep<R> {
         }
     }
 
-    /// Adds the load of the rim, with the torque that it has on a body with these axes.
+    /// Adds the load of the rim, with its torque on a body with these axes.
     #[inline(always)]
     pub(in crate::scene) fn load<D: Dynamics<R> + ?Sized>(
         &self,

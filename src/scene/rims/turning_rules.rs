@@ -1,31 +1,32 @@
 //! Gauss's rules for a piece of arc at whose end friction reverses.
 //!
-//! Close to a point of least slip the slip is `√(δ² + β² x²)`, and friction depends on it and on
-//! the law's slip speed ε. As a function of `x` the force has its singularities at a complex
-//! distance of about `σ = (δ + ε)/β` from that point, so that a rule of Gauss in `x` converges at a
-//! rate that depends on the piece's length over σ. The substitution
+//! Near a point of least slip the slip is `√(δ² + β² x²)`, and friction depends on it and on the
+//! law's slip speed ε. As a function of `x`, the force has its singularities at a complex distance
+//! of about `σ = (δ + ε)/β` from that point. So the convergence rate of a Gauss rule in `x` depends
+//! on the piece's length over σ. The substitution
 //!
 //! ```text
 //! x = length sinh(Y y)/sinh(Y)     y from 0 to 1     sinh(Y) = length/σ
 //! ```
-//! moves them to `y = ±iπ/(2Y)`, whatever σ is (Johnston and Elliott, International Journal for
-//! Numerical Methods in Engineering 62, 2005). Y grows with the logarithm of `length/σ` only, and
-//! so does the number of points.
+//! moves them to `y = ±iπ/(2Y)` for every σ (Johnston and Elliott, International Journal for
+//! Numerical Methods in Engineering 62, 2005). Y increases only with the logarithm of `length/σ`,
+//! and so does the number of points.
 //!
-//! The rules are made at compile time: [`legendre`] by Newton's steps, and `sinh` by its series.
+//! The rules are computed at compile time, [`legendre`] by Newton's iteration and `sinh` by its
+//! series.
 
 use crate::real::Real;
 
-/// Points from -1 to 1, and weights.
+/// Points from -1 to 1, with weights.
 pub(super) type Rule = &'static [[f64; 2]];
 
-/// Rules for a piece that begins at a point of least slip, each with the largest ratio of the
-/// piece's length to the width of the reversal that it serves.
+/// Rules for a piece that begins at a point of least slip. Each has the largest ratio of the
+/// piece's length to the width of the reversal for which it is used.
 ///
-/// Over lengths from a quarter of that ratio (a 30th in the last two) on, each integrates
-/// `x^k f(x)` with `k <= 3` and `f` one of `x/√(x² + c²)`, `c/√(x² + c²)`, `x/(x + c)`,
-/// `c/(x + c)`, `x/(√(x² + 0.5 c²) + 0.3 c)`, and the first of them shifted by `±0.3 c`, to 1e-9
-/// times the length; the last one to 2e-8.
+/// Each rule is accurate for ratios from a quarter of the largest one (a 30th in the last two) to
+/// the largest one. It integrates `x^k f(x)` with `k <= 3` to 1e-9 times the length, the last one
+/// to 2e-8. Here `f` is one of `x/√(x² + c²)`, `c/√(x² + c²)`, `x/(x + c)`, `c/(x + c)`,
+/// `x/(√(x² + 0.5 c²) + 0.3 c)`, and the first of them shifted by `±0.3 c`.
 const RULES: [(f64, Rule); 10] = [
     (1.0, &legendre::<8>()),
     (1.9, &crowded::<8>(1.4)),
@@ -39,8 +40,11 @@ const RULES: [(f64, Rule); 10] = [
     (3e9, &crowded::<24>(14.0)),
 ];
 
-/// The rule for a piece from a point of least slip on, that many times as long as the reversal is
-/// wide: `None` if the reversal needs none, because it is wide, or because it is a jump to 1e-8.
+/// Rule for a piece from a point of least slip on, for the ratio of its length to the width of the
+/// reversal.
+///
+/// Returns `None` if the reversal needs no special rule, because it is wide, or because it is a
+/// jump to 1e-8.
 #[inline]
 pub(super) fn turning_rule<R: Real>(lengths: R) -> Option<Rule> {
     if lengths <= R::HALF {
@@ -50,7 +54,7 @@ pub(super) fn turning_rule<R: Real>(lengths: R) -> Option<Rule> {
     RULES.iter().find(serves).map(|&(_, rule)| rule)
 }
 
-/// Gauss's rule with points that crowd towards -1: `x = 2 sinh(Y y)/sinh(Y) - 1`.
+/// Gauss's rule with points concentrated towards -1: `x = 2 sinh(Y y)/sinh(Y) - 1`.
 const fn crowded<const N: usize>(span: f64) -> [[f64; 2]; N] {
     let mut rule = legendre::<N>();
     let [all, _] = hyperbolic(span);
@@ -64,7 +68,7 @@ const fn crowded<const N: usize>(span: f64) -> [[f64; 2]; N] {
     rule
 }
 
-/// `sinh z` and `cosh z` for `z >= 0`, by their series: no term is negative.
+/// `sinh z` and `cosh z` for `z >= 0`, by their series, in which no term is negative.
 const fn hyperbolic(z: f64) -> [f64; 2] {
     let (mut sums, mut term, mut k) = ([0.0, 1.0], 1.0, 1);
     while k < 120 {
@@ -75,7 +79,7 @@ const fn hyperbolic(z: f64) -> [f64; 2] {
     sums
 }
 
-/// Gauss's rule: the zeros of Legendre's polynomial, and `2/((1 - x²) P'(x)²)`.
+/// Gauss's rule: the zeros of Legendre's polynomial, with weights `2/((1 - x²) P'(x)²)`.
 const fn legendre<const N: usize>() -> [[f64; 2]; N] {
     let mut rule = [[0.0; 2]; N];
     let mut i = 0;
@@ -107,7 +111,7 @@ const fn legendre_polynomials(n: usize, x: f64) -> [f64; 2] {
     [value, before]
 }
 
-/// By its series, for angles to π: a first guess.
+/// Cosine by its series, for angles up to π, as an initial guess.
 const fn cosine(angle: f64) -> f64 {
     let (mut sum, mut term, mut k) = (1.0, 1.0, 1);
     while k < 14 {
