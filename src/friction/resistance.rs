@@ -49,8 +49,8 @@ impl<R: Real> RollingResistance<R> {
 /// `spinning · N`: see [`RollingResistance`]. Both lengths are the usual ones:
 ///
 /// * *Rolling:* a wheel that needs the force f N to keep rolling has `rolling = f · radius`.
-/// * *Spinning:* a ball of radius r at the penetration depth d has a contact patch of radius a =
-///   √(2 r d). Coulomb's law under Hertz's pressure gives `spinning = 3π/16 μ a` (Johnson, Contact
+/// * *Spinning:* a ball of radius r at the penetration depth d has a contact patch of radius
+///   `a = √(2 r d)`. Coulomb's law under Hertz's pressure gives `spinning = 3π/16 μ a` (Johnson, Contact
 ///   Mechanics, 1985).
 ///
 /// ```
@@ -70,9 +70,9 @@ impl<R: Real> RollingResistance<R> {
 /// - [`EnergyMomentum`](crate::EnergyMomentum) applies it in two halves, before and after each
 ///   step, under the load at those moments. Its energy never increases. A bounce that is shorter
 ///   than the step has no resistance.
-/// - There, the path length of a ball that rolls to rest is of order 2. The speed after a step is
-///   that of half a step before, because friction passes on the last half of the torque in the next
-///   step. For a solid ball the error is `h/2 · 5/7 · rolling/radius · g`.
+/// - With `EnergyMomentum`, the path length of a ball that rolls to rest is of order 2. The speed
+///   after a step is that of half a step before, because friction passes on the last half of the
+///   torque in the next step. For a solid ball the error is `h/2 · 5/7 · rolling/radius · g`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WithResistance<F, R = f64> {

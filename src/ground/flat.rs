@@ -17,7 +17,6 @@ use crate::real::Real;
 /// explicit method then has order 1 only. A point of mass m bounces with restitution
 /// `exp(-2ζ arccos(ζ)/√(1-ζ²))`, `ζ = damping/(2 √(stiffness m))`, at every speed. The restitution
 /// of a real ball decreases with its speed.
-/// bounce less the faster they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",

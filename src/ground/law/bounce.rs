@@ -290,7 +290,7 @@ mod tests {
             (0.3, 0.832_869_79),
             (1.0, 0.593_624_26),
         ] {
-            // Half a unit of the last printed place, times dD/de of at most 1.9.
+            // Half a unit of the last printed digit, times dD/de of at most 1.9.
             assert!((hunt_crossley_loss(e).unwrap() - loss).abs() < 1.5e-8);
         }
         for loss in [1e-6, 2e-5, 1e-2, 3.0, 40.0] {

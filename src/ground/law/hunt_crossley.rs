@@ -43,7 +43,6 @@ pub struct HuntCrossley<R = f64> {
 ///
 /// On shorter paths the error of the rule is below 1e-14 of the force for exponents up to 3. The
 /// error of the difference is 50 units in the last place.
-/// units in the last place.
 const SHORT: f64 = 0.02;
 
 impl<R: Real> HuntCrossley<R> {
@@ -55,7 +54,6 @@ impl<R: Real> HuntCrossley<R> {
     ///
     /// *Limits:* depths below a tenth of the radius, no adhesion, and speeds small compared with
     /// the speed of sound.
-    /// *Limits:* small depths (under a tenth of the radius), no adhesion, slow compared with sound.
     #[must_use]
     pub fn hertz(modulus: R, radius: R) -> Self {
         Self {
@@ -143,9 +141,9 @@ impl<R: Real> HuntCrossley<R> {
     }
 
     /// Creates the law on which a body penetrates by `sink_depth` (m) at rest under `gravity`
-    /// (m/s²), and bounces with this restitution (-, above 0, at most 1) if it hits with `speed`
-    /// (m/s).
+    /// (m/s²), and bounces with this restitution (-, above 0, at most 1).
     ///
+    /// The restitution is that of a body that hits with `speed` (m/s).
     /// The stiffness is `m g/depthⁿ`. The damping is that of [`from_bounce`](Self::from_bounce).
     ///
     /// # Errors

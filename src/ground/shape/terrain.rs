@@ -105,7 +105,7 @@ impl<R: Real> Elevation<R> {
 /// method finds this point. The gradient of the gap is therefore the unit normal, and a spring
 /// force along the normal derives from a potential: the springs do no work along a closed path.
 ///
-/// Other measures of the depth lack this property:
+/// Other measures of the depth do not have this property:
 ///
 /// * The vertical depth, h - z, changes by more than the displacement along the normal.
 /// * The vertical depth times the cosine of the slope angle is a distance only on the surface.
