@@ -54,7 +54,8 @@ use crate::real::Real;
 pub struct LoadDependentCoulomb<R = f64> {
     /// Coefficient under small loads, dimensionless, at least 0.
     pub coefficient: R,
-    /// Normal force of one contact at which 79 % of the coefficient is left (`2^(-1/3)`), N, above 0.
+    /// Normal force of one contact at which 79 % (`2^(-1/3)`) of the coefficient is left, N, above
+    /// 0.
     pub transition_load: R,
     /// Slip at which half of the full force is reached, m/s, above 0.
     pub slip_speed: R,
