@@ -1,4 +1,4 @@
-//! Sliding friction: the force along the ground.
+//! Sliding friction: tangential force at a contact.
 
 mod anisotropic;
 mod coulomb;
@@ -19,24 +19,29 @@ use crate::real::{Real, Vector};
 
 /// A law of sliding friction, applied at each contact.
 ///
-/// *To the implementer:* the force must lie in the plane of `slip` (of bare points on level ground
-/// nothing else of it counts), oppose it (`force · slip <= 0`, so that friction never adds energy),
-/// and be finite at zero slip. [`contract::check_friction`](crate::contract::check_friction) tests
-/// an implementation. A step returns [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) for a
-/// law that pushes (`force · slip > 0`) or is not finite. Drives are no friction.
+/// *To the implementer:* the force must keep this contract:
 ///
-/// # Which law when
+/// * It lies in the plane of `slip`. For contacts without radius on level ground, a component out
+///   of this plane has no effect.
+/// * It opposes the slip (`force · slip <= 0`), so that friction never adds energy.
+/// * It is finite at zero slip.
 ///
-/// | law | size of the force at a slip u under the load N | take it for |
+/// [`contract::check_friction`](crate::contract::check_friction) tests an implementation. A step
+/// returns [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) for a force that adds energy
+/// (`force · slip > 0`) or is not finite. A drive therefore cannot be implemented as friction.
+///
+/// # Choice of the law
+///
+/// | law | size of the force at slip u and normal force N | use it for |
 /// |---|---|---|
-/// | [`Coulomb`] | `μ N u/(u + ε)` | the report's; dry friction with one coefficient |
-/// | [`SmoothCoulomb`] | `μ N u/√(u² + ε²)` | the same, with less creep at the same ε, and all derivatives |
-/// | [`Stribeck`] | `N u (μ(u)/(u + ε) + v)`, μ falling from static to kinetic | stick and slip, squeal, greased contacts |
-/// | [`LoadDependentCoulomb`] | `μ N (1 + N/N₀)^(-1/3) u/(u + ε)` | plastics and rubber, which slide with less under impacts |
+/// | [`Coulomb`] | `μ N u/(u + ε)` | the friction of the coin report; dry friction with one coefficient |
+/// | [`SmoothCoulomb`] | `μ N u/√(u² + ε²)` | dry friction with less creep at the same ε, and all derivatives |
+/// | [`Stribeck`] | `N u (μ(u)/(u + ε) + v)`, μ decreasing from static to kinetic | stick-slip, squeal, greased contacts |
+/// | [`LoadDependentCoulomb`] | `μ N (1 + N/N₀)^(-1/3) u/(u + ε)` | plastics and rubber, whose coefficient is smaller under impacts |
 /// | [`AnisotropicCoulomb`] | on an ellipse of half axes `μ₁ N`, `μ₂ N` | grain: wood, brushed metal |
 /// | [`Viscous`] | `c N u` | wet ground |
-/// | any of them in [`WithResistance`] | and torques against rolling and spinning | balls that roll out, tops that spin down |
-/// | [`Frictionless`] | 0 | ice, and what is computed without friction |
+/// | any of them in [`WithResistance`] | the same, and torques against rolling and spinning | balls that roll to rest, tops that spin to rest |
+/// | [`Frictionless`] | 0 | ice, and scenes without friction |
 ///
 /// ```
 /// use tumble::SlidingFriction;
@@ -59,32 +64,38 @@ use crate::real::{Real, Vector};
     note = "implement `force`; the precision `{R}` of body, ground, friction and gravity must be the same"
 )]
 pub trait SlidingFriction<R: Real = f64> {
-    /// Force on the body at one contact (N, world axes) that presses with `normal_force` (N, at
-    /// least 0) and slides at `slip` (m/s, world axes, in the surface).
+    /// Friction force on the body at one contact, N, world axes.
+    ///
+    /// `normal_force` is the normal force on the contact (N, at least 0). `slip` is the velocity of
+    /// the contact point along the surface (m/s, world axes).
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3;
 
-    /// How the force answers to slip and load, for an implicit step: see [`FrictionJacobian`].
+    /// Derivatives of the force with respect to slip and normal force, for implicit integrators:
+    /// see [`FrictionJacobian`].
     ///
-    /// The provided method takes differences of [`force`](Self::force). It steers Newton's
-    /// iteration only: an error in it costs iterations, not accuracy.
+    /// The provided method takes differences of [`force`](Self::force). The derivatives only steer
+    /// Newton's iteration: an error in them costs iterations, not accuracy.
     #[inline]
     fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
         drag_by_differences(self, normal_force, slip)
     }
 
-    /// How a contact that presses with `normal_force` (N) resists the body's rolling and spinning,
-    /// if the law does at all: always, or never.
+    /// Resistance of a contact with `normal_force` (N) to rolling and spinning of the body, if the
+    /// law has one. A law must return `Some` at every normal force, or `None` at every normal
+    /// force.
     ///
-    /// The provided method says never, which costs nothing. [`WithResistance`] adds it to any law.
+    /// The provided method returns `None`, which costs nothing. [`WithResistance`] adds the
+    /// resistance to any law.
     #[inline]
     fn rolling_resistance(&self, _normal_force: R) -> Option<RollingResistance<R>> {
         None
     }
 
-    /// Whether the law can be: called once, when a scene is composed.
+    /// Checks that the law is valid. Called once, when a scene is composed.
     ///
     /// # Errors
-    /// Names the quantity, the rule that it breaks, and its value.
+    /// Returns [`SceneError`] if a quantity is invalid. The error names the quantity, the rule and
+    /// the value.
     fn check(&self) -> Result<(), SceneError> {
         Ok(())
     }
@@ -94,16 +105,16 @@ pub trait SlidingFriction<R: Real = f64> {
     ///
     /// A step checks the values of a law that is not trusted, and returns
     /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract. Override
-    /// it if the law keeps its contract for every finite input, and
-    /// [`check_friction`](crate::contract::check_friction) finds nothing: the checks then cost
-    /// nothing. A trusted law that breaks its contract goes unnoticed.
+    /// this method if the law keeps its contract for every finite input, and
+    /// [`check_friction`](crate::contract::check_friction) finds no fault. The checks then cost
+    /// nothing. A trusted law that breaks its contract is not detected.
     #[inline]
     fn is_trusted(&self) -> bool {
         false
     }
 }
 
-/// Behind a pointer, also as `dyn`.
+/// Implements the trait for a pointer to a law, also to `dyn`.
 macro_rules! forward {
     ($pointer:ty) => {
         impl<R: Real, F: SlidingFriction<R> + ?Sized> SlidingFriction<R> for $pointer {
@@ -134,26 +145,26 @@ forward!(&F);
 #[cfg(feature = "std")]
 forward!(alloc::boxed::Box<F>);
 
-/// The local shape of a friction law: `force = -coefficient · slip`, with the coefficient falling
-/// as the slip grows.
+/// Local derivatives of a friction law `force = -coefficient · slip`, where the coefficient
+/// decreases as the slip increases.
 ///
-/// The derivative along the slip is taken as `coefficient (1 - growth · |slip|/width)` where
-/// `width` is proportional to `|slip|/|force|`: for [`Coulomb`] the width is `|slip| + slip_speed`
-/// and grows by 1 m/s for each m/s of slip.
+/// The derivative of the force along the slip is approximated by
+/// `coefficient (1 - growth · |slip|/width)`, where `width` is proportional to `|slip|/|force|`.
+/// For [`Coulomb`] the width is `|slip| + slip_speed`, and it grows by 1 m/s for each m/s of slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionJacobian<R: Real = f64> {
-    /// `|force|/|slip|`, N s/m, at least 0; the limit for slip to 0 where there is none.
+    /// Ratio `|force|/|slip|`, N s/m, at least 0; at zero slip its limit.
     pub coefficient: R,
     /// Derivative of the coefficient with respect to the normal force, s/m.
     pub per_load: R,
-    /// m/s, above 0.
+    /// Speed in proportion to `|slip|/|force|`, m/s, above 0.
     pub width: R,
-    /// Derivative of the width with respect to the slip's size, 0 to 1.
+    /// Derivative of the width with respect to the size of the slip, 0 to 1.
     pub growth: R,
 }
 
 impl<R: Real> FrictionJacobian<R> {
-    /// No friction.
+    /// Derivatives of a law without friction.
     pub const NONE: Self = Self {
         coefficient: R::ZERO,
         per_load: R::ZERO,
@@ -162,7 +173,7 @@ impl<R: Real> FrictionJacobian<R> {
     };
 }
 
-/// The provided [`SlidingFriction::jacobian`].
+/// Provided [`SlidingFriction::jacobian`], computed by differences.
 fn drag_by_differences<R: Real, F: SlidingFriction<R> + ?Sized>(
     friction: &F,
     normal_force: R,
@@ -192,7 +203,7 @@ fn drag_by_differences<R: Real, F: SlidingFriction<R> + ?Sized>(
     }
 }
 
-/// No friction: contacts slide freely, and nothing is computed.
+/// Absence of friction: contacts slide freely, and nothing is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Frictionless;

@@ -1,22 +1,23 @@
-//! Gravity: the same acceleration everywhere.
+//! Uniform gravity.
 
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
-/// A uniform field of gravity.
+/// A uniform gravity field.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a gravity: it does not implement `Gravity<{R}>`",
     label = "this should be a gravity",
     note = "take `UniformGravity::down(9.8)`, or implement `acceleration`; the precision `{R}` of body, ground, friction and gravity must be the same"
 )]
 pub trait Gravity<R: Real = f64> {
-    /// Acceleration of a falling body, m/s², world axes.
+    /// Acceleration of a body in free fall, m/s², world axes.
     fn acceleration(&self) -> R::Vec3;
 
-    /// Whether the field can be: called once, when a scene is composed.
+    /// Checks that the field is valid. Called once, when a scene is composed.
     ///
     /// # Errors
-    /// Names the quantity, the rule that it breaks, and its value.
+    /// Returns [`SceneError`] if a component is invalid. The error names the quantity, the rule and
+    /// the value.
     fn check(&self) -> Result<(), SceneError> {
         let g = self.acceleration();
         for component in [g.x(), g.y(), g.z()] {
@@ -26,7 +27,7 @@ pub trait Gravity<R: Real = f64> {
     }
 }
 
-/// Behind a pointer, also as `dyn`.
+/// Implements the trait for a pointer to a field, also to `dyn`.
 macro_rules! forward {
     ($pointer:ty) => {
         impl<R: Real, A: Gravity<R> + ?Sized> Gravity<R> for $pointer {
@@ -45,7 +46,7 @@ forward!(&A);
 #[cfg(feature = "std")]
 forward!(alloc::boxed::Box<A>);
 
-/// Weightlessness.
+/// Absence of gravity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NoGravity;
@@ -57,7 +58,7 @@ impl<R: Real> Gravity<R> for NoGravity {
     }
 }
 
-/// One acceleration everywhere, in any direction.
+/// Gravity with the same acceleration everywhere, in any direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -68,12 +69,14 @@ impl<R: Real> Gravity<R> for NoGravity {
     ))
 )]
 pub struct UniformGravity<R: Real = f64> {
-    /// m/s², world axes.
+    /// Acceleration of a body in free fall, m/s², world axes.
     pub acceleration: R::Vec3,
 }
 
 impl<R: Real> UniformGravity<R> {
-    /// `acceleration` (m/s²) along -z: 9.80665 is the standard one, 9.8 the report's.
+    /// Creates a field of `acceleration` (m/s²) along -z.
+    ///
+    /// Standard gravity is 9.80665, that of the coin report 9.8.
     #[must_use]
     pub fn down(acceleration: R) -> Self {
         Self {

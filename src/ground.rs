@@ -1,13 +1,13 @@
-//! The ground: where it is, and how it pushes back.
+//! Ground models: the surface of a ground and its contact force.
 //!
-//! | you want | take |
+//! | to model | use |
 //! |---|---|
 //! | a plane with springs and dampers | [`FlatGround::level`], tilted or raised by [`on`](FlatGround::on) a [`Plane`] |
-//! | one that is made for a bounce, or for how far a body sinks | [`Ground::level`] of [`SpringDamper::from_bounce`] or [`from_rest`](SpringDamper::from_rest), with the body that is [`Carried`] |
-//! | another law of contact | [`Ground::level`] of [`LimitedDamper`] or [`HuntCrossley`]; [`ContactLaw`] says which when |
+//! | a spring and damper fitted to a bounce, or to the penetration depth at rest | [`Ground::level`] of [`SpringDamper::from_bounce`] or [`from_rest`](SpringDamper::from_rest), with the body's [`Carried`] mass |
+//! | another contact law | [`Ground::level`] of [`LimitedDamper`] or [`HuntCrossley`]; [`ContactLaw`] compares the laws |
 //! | hills, valleys, bowls, waves | [`Ground`] of a law and a [`Terrain`] |
-//! | none: flight | [`NoGround`], which a scene has until it is given another |
-//! | your own | [`Shape`], [`ContactLaw`] or [`SpringDamperGround`]: [`guide::extending::ground`](crate::guide::extending::ground) |
+//! | flight without ground | [`NoGround`], the default of a scene |
+//! | your own ground | [`Shape`], [`ContactLaw`] or [`SpringDamperGround`]: [`guide::extending::ground`](crate::guide::extending::ground) |
 
 mod composed;
 mod flat;
@@ -24,19 +24,25 @@ use law::mean_force_by_quadrature;
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
 
-/// A ground of springs and dampers.
+/// A ground that acts on each contact by a spring and a damper.
 ///
-/// *To the caller:* a contact whose `depth` (m, `radius - gap`) is above 0 is pushed along the
-/// surface's outward normal by [`normal_force`](Self::normal_force) (N, never below 0).
+/// *To the caller:* a contact whose penetration depth (m, `radius - gap`) is above 0 is pushed
+/// along the outward normal of the surface. [`normal_force`](Self::normal_force) returns this force
+/// (N, never below 0).
 ///
-/// *To the implementer:* [`spring_energy`](Self::spring_energy) must be the integral of
-/// [`spring_force`](Self::spring_force) from depth 0, and the damper must take energy:
-/// `(normal_force - spring_force) * closing_speed >= 0` whatever the depth and speed. Nothing is
-/// asked at or above the surface. No value is NaN, at any depth above 0: a step evaluates trial
-/// states that the motion never reaches. A step returns
-/// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) for a NaN, a negative spring energy, and a
-/// normal whose length is not 1. [`contract::check_ground`](crate::contract::check_ground) tests an
-/// implementation.
+/// *To the implementer:* an implementation must keep this contract:
+///
+/// * [`spring_energy`](Self::spring_energy) is the integral of [`spring_force`](Self::spring_force)
+///   from depth 0.
+/// * The damper dissipates energy: `(normal_force - spring_force) * closing_speed >= 0` at every
+///   depth and speed.
+/// * No value is NaN at any depth above 0, because a step evaluates trial states that the motion
+///   never reaches.
+///
+/// The forces and the energy are never evaluated at or above the surface. A step returns
+/// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) for a NaN, for a negative spring energy,
+/// and for a normal whose length is not 1.
+/// [`contract::check_ground`](crate::contract::check_ground) tests an implementation.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -73,47 +79,50 @@ use crate::real::{Real, Vector};
     note = "implement `surface`, `spring_force`, `spring_energy` and `normal_force`; the precision `{R}` of body, ground, friction and gravity must be the same"
 )]
 pub trait SpringDamperGround<R: Real = f64> {
-    /// The surface as seen from `point` (m, world axes): how far below it lies, and which way out
-    /// is.
+    /// Returns the height of `point` (m, world axes) above the surface, and the outward normal
+    /// there.
     fn surface(&self, point: R::Vec3) -> Surface<R>;
 
     /// Elastic force of one contact at a depth (m) above 0: N, at least 0.
     fn spring_force(&self, depth: R) -> R;
 
-    /// Energy in the springs under one contact at a depth (m) above 0: J, the integral of
+    /// Energy in the springs of one contact at a depth (m) above 0: J, the integral of
     /// [`spring_force`](Self::spring_force) from 0.
     fn spring_energy(&self, depth: R) -> R;
 
-    /// Spring and damper together: force (N) on one contact at a depth (m) above 0 that goes deeper
-    /// at `closing_speed` (m/s; negative while it leaves).
+    /// Force of spring and damper (N) on one contact at a depth (m) above 0. The depth increases at
+    /// `closing_speed` (m/s), which is negative during rebound.
     ///
-    /// Never below 0: the ground does not pull.
+    /// The force is never below 0: the ground does not pull.
     fn normal_force(&self, depth: R, closing_speed: R) -> R;
 
-    /// Mean force on one contact while its depth goes evenly from `start` to `end` (m; below 0 is
-    /// above ground) in `seconds`, with its derivatives.
+    /// Mean force on one contact, with its derivatives, while the depth changes at a constant rate
+    /// from `start` to `end` (m; below 0 is above ground) in `seconds`.
     ///
-    /// This is what an implicit step needs of a ground. The provided method takes the spring's
-    /// share from [`spring_energy`](Self::spring_energy), `ΔV/Δd`, so that the springs give back
-    /// what they took, and the rest of [`normal_force`](Self::normal_force) by Gauss's rule with
-    /// three points, each of which takes energy. A law with a closed form should override it: the
-    /// provided method costs some twenty evaluations.
+    /// Implicit integrators use this method. The provided method computes the mean force of the
+    /// spring from [`spring_energy`](Self::spring_energy), as `ΔV/Δd`, so that the springs return
+    /// exactly the energy that they stored. It integrates the rest of
+    /// [`normal_force`](Self::normal_force) by Gauss's rule with three points, each of which
+    /// dissipates energy. It costs about twenty evaluations, so a law with a closed form should
+    /// override it.
     #[inline]
     fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
         mean_force_by_quadrature(&LawOf(self), start, end, seconds)
     }
 
-    /// Where the ground can be at all. The default is everywhere; a ground that names a plane lets
-    /// a body high above it move without a look at its contacts.
+    /// Region that the ground can occupy. Default: everywhere.
+    ///
+    /// If the bounds are a plane, a body high above it moves without an evaluation of its contacts.
     #[inline]
     fn bounds(&self) -> GroundBounds<R> {
         GroundBounds::Everywhere
     }
 
-    /// Whether the ground can be: called once, when a scene is composed.
+    /// Checks that the ground is valid. Called once, when a scene is composed.
     ///
     /// # Errors
-    /// Names the quantity, the rule that it breaks, and its value.
+    /// Returns [`SceneError`] if a quantity is invalid. The error names the quantity, the rule and
+    /// the value.
     fn check(&self) -> Result<(), SceneError> {
         Ok(())
     }
@@ -122,17 +131,17 @@ pub trait SpringDamperGround<R: Real = f64> {
     /// false.
     ///
     /// A step checks the values of a law that is not trusted, and returns
-    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
-    /// Override it if the law keeps its contract for every finite input, and
-    /// [`check_ground`](crate::contract::check_ground) finds nothing: the checks then cost nothing.
-    /// A trusted law that breaks its contract goes unnoticed.
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract. Override
+    /// this method if the law keeps its contract for every finite input, and
+    /// [`check_ground`](crate::contract::check_ground) finds no fault. The checks then cost
+    /// nothing. A trusted law that breaks its contract is not detected.
     #[inline]
     fn is_trusted(&self) -> bool {
         false
     }
 }
 
-/// Behind a pointer, also as `dyn`.
+/// Implements the trait for a pointer to a ground, also to `dyn`.
 macro_rules! forward {
     ($pointer:ty) => {
         impl<R: Real, G: SpringDamperGround<R> + ?Sized> SpringDamperGround<R> for $pointer {
@@ -175,7 +184,7 @@ forward!(&G);
 #[cfg(feature = "std")]
 forward!(alloc::boxed::Box<G>);
 
-/// The ground's surface as seen from a point.
+/// The surface of the ground relative to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface<R: Real = f64> {
     /// Height of the point above the surface, m; negative below it.
@@ -184,21 +193,22 @@ pub struct Surface<R: Real = f64> {
     pub normal: R::Vec3,
 }
 
-/// The mean normal force over a step, and how it answers.
+/// Mean normal force over a step, with its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeanForce<R: Real = f64> {
-    /// N, at least 0.
+    /// Mean normal force, N, at least 0.
     pub force: R,
     /// Derivative of the force with respect to the depth at the end, N/m, at least 0.
     pub slope: R,
-    /// The springs' share of the slope, N/m, at least 0.
+    /// Contribution of the springs to the slope, N/m, at least 0.
     pub stiffness: R,
-    /// Resistance of the dampers to closing speed, averaged over the step, N s/m, at least 0.
+    /// Derivative of the dampers' force with respect to the closing speed, averaged over the step,
+    /// N s/m, at least 0.
     pub damping: R,
 }
 
 impl<R: Real> MeanForce<R> {
-    /// No force, and none to come with a little more depth.
+    /// Zero force with zero derivatives.
     pub const NONE: Self = Self {
         force: R::ZERO,
         slope: R::ZERO,
@@ -207,7 +217,7 @@ impl<R: Real> MeanForce<R> {
     };
 }
 
-/// A ground's law without its surface.
+/// Contact law of a ground, without its surface.
 struct LawOf<'a, G: ?Sized>(&'a G);
 
 impl<R: Real, G: SpringDamperGround<R> + ?Sized> ContactLaw<R> for LawOf<'_, G> {
@@ -225,21 +235,21 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> ContactLaw<R> for LawOf<'_, G> 
     }
 }
 
-/// Where a ground can be.
+/// Region that a ground can occupy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GroundBounds<R: Real = f64> {
-    /// Nowhere: nothing ever touches.
+    /// Nowhere. No contact ever touches.
     Nowhere,
     /// The ground's surface is this plane: `gap` and `normal` of
     /// [`surface`](SpringDamperGround::surface) are the plane's.
     Plane(Plane<R>),
-    /// Nothing that lies above this plane touches.
+    /// Below this plane. No contact above the plane touches.
     Below(Plane<R>),
-    /// Anywhere.
+    /// Everywhere. Every contact is evaluated.
     Everywhere,
 }
 
-/// The points with `normal · point = height`.
+/// Plane of the points with `normal · point = height`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -250,14 +260,14 @@ pub enum GroundBounds<R: Real = f64> {
     ))
 )]
 pub struct Plane<R: Real = f64> {
-    /// Unit vector, world axes, pointing out of the ground.
+    /// Outward normal of the ground, unit vector, world axes.
     pub normal: R::Vec3,
-    /// Distance of the plane from the origin along `normal`, m.
+    /// Signed distance of the plane from the origin along `normal`, m.
     pub height: R,
 }
 
 impl<R: Real> Plane<R> {
-    /// The horizontal plane z = `height` (m).
+    /// Creates the horizontal plane z = `height` (m).
     #[must_use]
     pub fn level(height: R) -> Self {
         Self {
@@ -266,8 +276,9 @@ impl<R: Real> Plane<R> {
         }
     }
 
-    /// The plane through `point` (m) at right angles to `normal` (any length above 0; not finite
-    /// for 0).
+    /// Creates the plane through `point` (m) perpendicular to `normal`.
+    ///
+    /// The normal has any length above 0. A normal of length 0 gives a plane that is not finite.
     #[must_use]
     pub fn through(point: R::Vec3, normal: R::Vec3) -> Self {
         let normal = normal * (R::ONE / normal.length());
@@ -277,23 +288,24 @@ impl<R: Real> Plane<R> {
         }
     }
 
-    /// Whether the plane is horizontal.
+    /// Returns true if the plane is horizontal.
     #[inline]
     pub(crate) fn is_level(&self) -> bool {
         self.normal == Self::level(self.height).normal
     }
 
-    /// Height of `point` (m, world axes) above the plane, m; negative below it.
+    /// Returns the height of `point` (m, world axes) above the plane, m; negative below it.
     #[inline]
     #[must_use]
     pub fn gap(&self, point: R::Vec3) -> R {
         self.normal.dot(point) - self.height
     }
 
-    /// That the normal has length 1 (to 16 units in the last place) and the height is finite.
+    /// Checks that the normal has length 1 (to 16 units in the last place) and that the height is
+    /// finite.
     ///
     /// # Errors
-    /// Names the quantity that is not so.
+    /// Returns [`SceneError`] if one of them is invalid. The error names the quantity.
     pub fn check(&self) -> Result<(), SceneError> {
         let length = self.normal.length();
         let close = (length - R::ONE).abs() <= R::EPSILON * R::from_f64(16.0);
@@ -310,7 +322,7 @@ impl<R: Real> Plane<R> {
     }
 }
 
-/// Empty space: nothing to touch, nothing to compute.
+/// Empty space without any ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NoGround;

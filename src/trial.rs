@@ -1,4 +1,4 @@
-//! The eight trials of the report: a coin set down on its rim, rolling or spinning.
+//! The eight trials of the coin report: a coin set down on its rim, rolling or spinning.
 
 use crate::body::Coin;
 use crate::error::SceneError;
@@ -11,24 +11,24 @@ use crate::rotation::Rotation;
 use crate::state::State;
 use crate::stepper::Stepper;
 
-/// The direction of the first angular momentum.
+/// Direction of the initial angular momentum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Start {
-    /// Along the coin's normal: it rolls like a wheel.
+    /// Along the coin's normal: the coin rolls like a wheel.
     Rolling,
-    /// Along the coin's upright diameter: it spins on the spot.
+    /// Along the coin's upright diameter: the coin spins on the spot.
     Spinning,
 }
 
-/// A start of the report, with its five parameters: direction and size of the angular momentum,
-/// tilt, friction, damping.
+/// Start of a trial of the coin report, with its five parameters: direction and size of the angular
+/// momentum, tilt, friction, damping.
 ///
-/// Nothing in `Trial::report(1)` says in which precision: where no later line does, the compiler
-/// asks for an annotation. Say `tumble::f64::Trial`.
+/// The coin has 1 kg and 0.5 m radius. Its lowest point is on the plane z = 0, under gravity of 9.8
+/// m/s², on springs of 1000 N/m a point.
 ///
-/// A coin of 1 kg and 0.5 m radius with its lowest point on the plane z = 0, under gravity of
-/// 9.8 m/s², on springs of 1000 N/m a point.
+/// `Trial::report(1)` does not determine the precision. Write `tumble::f64::Trial` if the compiler
+/// requires a type annotation.
 ///
 /// ```
 /// use tumble::f64::{SymplecticEuler, Trial};
@@ -42,21 +42,21 @@ pub enum Start {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Trial<R = f64> {
-    /// Whether the coin rolls or spins.
+    /// Direction of the initial angular momentum: the coin rolls or spins.
     pub start: Start,
-    /// Lean of the coin from upright, rad, about the world's y axis.
+    /// Tilt of the coin from upright about the world's y axis, rad.
     pub tilt: R,
     /// Size of the angular momentum, kg m²/s.
     pub angular_momentum: R,
-    /// Friction coefficient.
+    /// Coefficient of friction, dimensionless.
     pub coefficient: R,
     /// Slip speed of the friction, m/s.
     pub slip_speed: R,
-    /// Damping of the ground, N s/m a point.
+    /// Damping of the ground, N s/m for each point.
     pub damping: R,
 }
 
-/// The scene of a trial.
+/// Stepper of the scene of a trial.
 pub type TrialStepper<R, I> = Stepper<R, Coin<R>, FlatGround<R>, Coulomb<R>, UniformGravity<R>, I>;
 
 impl<R: Real> Trial<R> {
@@ -66,12 +66,12 @@ impl<R: Real> Trial<R> {
     pub const RADIUS: f64 = 0.5;
     /// Gravity, m/s².
     pub const GRAVITY: f64 = 9.8;
-    /// Stiffness of the ground, N/m a point.
+    /// Stiffness of the ground, N/m for each point.
     pub const STIFFNESS: f64 = 1000.0;
-    /// Damping of the ground, N s/m a point.
+    /// Damping of the ground, N s/m for each point.
     pub const DAMPING: f64 = 0.5;
 
-    /// Trial 1 ... 8 of the report; `None` for other numbers.
+    /// Returns trial 1 to 8 of the coin report, and `None` for other numbers.
     #[must_use]
     pub fn report(number: usize) -> Option<Self> {
         use Start::{Rolling, Spinning};
@@ -97,19 +97,19 @@ impl<R: Real> Trial<R> {
         })
     }
 
-    /// The coin of the report: 120 points.
+    /// Returns the coin of the coin report, with 120 points.
     #[must_use]
     pub fn coin(&self) -> Coin<R> {
         Coin::ring(R::from_f64(Self::MASS), R::from_f64(Self::RADIUS))
     }
 
-    /// The ground of the report with this trial's damping.
+    /// Returns the ground of the coin report with this trial's damping.
     #[must_use]
     pub fn ground(&self) -> FlatGround<R> {
         FlatGround::level(R::from_f64(Self::STIFFNESS), self.damping)
     }
 
-    /// The friction of the report with this trial's coefficient and slip speed.
+    /// Returns the friction law of the coin report with this trial's coefficient and slip speed.
     #[must_use]
     pub fn friction(&self) -> Coulomb<R> {
         Coulomb {
@@ -118,14 +118,14 @@ impl<R: Real> Trial<R> {
         }
     }
 
-    /// The gravity of the report.
+    /// Returns the gravity of the coin report.
     #[must_use]
     pub fn gravity(&self) -> UniformGravity<R> {
         UniformGravity::down(R::from_f64(Self::GRAVITY))
     }
 
-    /// The first state: leaning, at rest but for its angular momentum, with the lowest point of the
-    /// rim on z = 0.
+    /// Returns the initial state: the coin is tilted, its centre of mass is at rest, and the lowest
+    /// point of its rim is on z = 0.
     #[must_use]
     pub fn state(&self) -> State<R> {
         let (o, one) = (R::ZERO, R::ONE);
@@ -140,10 +140,12 @@ impl<R: Real> Trial<R> {
             .with_angular_momentum(direction * self.angular_momentum)
     }
 
-    /// Coin, ground, friction and gravity of this trial, moved on by an integrator.
+    /// Returns a stepper with the coin, ground, friction and gravity of this trial and an
+    /// integrator.
     ///
     /// # Errors
-    /// Where a parameter or the integrator's step cannot be; names quantity, rule and value.
+    /// Returns [`SceneError`] if a parameter of the trial or of the integrator is invalid. The
+    /// error names the quantity, the rule and the value.
     pub fn stepper<I: Integrator<R>>(
         &self,
         integrator: I,

@@ -1,13 +1,17 @@
-//! Error against price of every integrator on a scene of one's own (feature `std`).
+//! Accuracy against cost of every integrator on a user's scene (feature `std`).
 //!
-//! [`measure()`] runs the scene with each [`Setting`] and compares the ends with that of a far
-//! finer run. It returns a table that can be printed, asked for its
-//! [cheapest](WorkPrecision::cheapest) row within an error, and for its
-//! [front](WorkPrecision::pareto_front): the rows that no other beats. The error is a length, in m:
-//! of the place, and of the turn by way of the body's reach. The price is the time on this machine,
-//! in a program that was built with `--release`; compare rows, not machines. The evaluations of the
-//! forces are the same everywhere. [`Setting::ladder`] has 58 settings, which together take about a
-//! second for a second of trial 1.
+//! [`measure()`] runs the scene with each [`Setting`], and compares the final states with that of a
+//! reference run of much higher accuracy. It returns a table, which has
+//!
+//! - the [cheapest](WorkPrecision::cheapest) row within an error;
+//! - the [Pareto front](WorkPrecision::pareto_front), the rows for which no other row is better in
+//!   both error and time.
+//!
+//! The error is a length, in m. It is the error of the position, plus the error of the orientation
+//! times the bounding radius of the body. The cost is the time on this machine, in a program built
+//! with `--release`. Compare rows, not machines. The number of force evaluations is the same on
+//! every machine. [`Setting::ladder`] has 58 settings, which together take about a second for a
+//! second of trial 1.
 //!
 //! ```
 //! use tumble::work_precision::{Setting, measure};
@@ -42,7 +46,7 @@ use crate::scene::{Dynamics, size};
 use crate::state::State;
 use crate::stepper::Stepper;
 
-/// An integrator of the library, without its parameter.
+/// Integrator of the library, without its parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Method {
@@ -65,7 +69,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// All of them.
+    /// All methods.
     pub const ALL: [Self; 8] = [
         Self::ForwardEuler,
         Self::SymplecticEuler,
@@ -77,7 +81,7 @@ impl Method {
         Self::DormandPrince54,
     ];
 
-    /// Its name in the library.
+    /// Returns the name of the integrator in the library.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -92,27 +96,27 @@ impl Method {
         }
     }
 
-    /// Whether its parameter is a tolerance (m) and not a time step (s).
+    /// Returns true if the parameter is a tolerance (m) and not a time step (s).
     #[must_use]
     pub const fn has_tolerance(self) -> bool {
         matches!(self, Self::BogackiShampine32 | Self::DormandPrince54)
     }
 }
 
-/// An integrator with its parameter.
+/// Integrator with its parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// Which one.
+    /// Integrator.
     pub method: Method,
-    /// Its time step (s) or tolerance (m).
+    /// Time step (s) or tolerance (m).
     pub parameter: f64,
-    /// Whether it [flies in closed form](Flight).
+    /// True if flight is computed [in closed form](Flight).
     pub flight: bool,
 }
 
 impl Setting {
-    /// Each method with seven or eight parameters: time steps from 10 ms to 0.1 ms, tolerances from
-    /// 1e-2 to 1e-9 m; flight step by step.
+    /// Returns each method with seven or eight parameters: time steps from 10 ms to 0.1 ms,
+    /// tolerances from 1e-2 to 1e-9 m. Flight is computed step by step.
     #[must_use]
     pub fn ladder() -> Vec<Self> {
         const TIME_STEPS: [f64; 7] = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4];
@@ -134,7 +138,7 @@ impl Setting {
     }
 }
 
-/// `Rk4 1e-3 s`, `DormandPrince54 1e-5 m`; with ` + flight` where it flies in closed form.
+/// Writes `Rk4 1e-3 s` or `DormandPrince54 1e-5 m`, with ` + flight` for flight in closed form.
 impl fmt::Display for Setting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let unit = if self.method.has_tolerance() {
@@ -152,53 +156,55 @@ impl fmt::Display for Setting {
     }
 }
 
-/// What a setting does on a scene.
+/// Result of one setting on a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Which one.
+    /// Integrator with its parameter.
     pub setting: Setting,
-    /// At the end of the run, m: of the place and, by the reach (or the radius of gyration, where
-    /// that is more), of the turn. Infinite where the run failed.
+    /// Error at the end of the run, m; infinite if the run failed.
+    ///
+    /// It is the error of the position, plus the error of the orientation times the bounding radius
+    /// (or the radius of gyration, if that is larger).
     pub error: f64,
-    /// What the run took on this machine: the shortest of three, or the only one where that took
-    /// above 0.1 s.
+    /// Time of the run on this machine: the shortest of three runs, or the first alone if it took
+    /// more than 0.1 s.
     pub time: Duration,
-    /// How often the forces were evaluated.
+    /// Number of force evaluations.
     pub evaluations: u64,
-    /// Steps taken.
+    /// Number of accepted steps.
     pub steps: u64,
-    /// Attempts that were turned down.
+    /// Number of rejected attempts.
     pub rejected: u64,
-    /// The largest rise of the energy in a step, J; 0 where it never rose.
+    /// Largest increase of the energy in a step, J; 0 if it never increased.
     pub energy_rise: f64,
-    /// Why the run failed, if it did.
+    /// Cause of the failure, if the run failed.
     pub failure: Option<Failure>,
 }
 
-/// Why a run has no end.
+/// Cause of a failed run.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Failure {
-    /// The scene, or a setting's parameter, cannot be.
+    /// The scene or the parameter of a setting is invalid.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The run could not go on.
+    /// A step failed.
     #[error(transparent)]
     Step(#[from] StepError),
 }
 
-/// Error and price of several settings on one scene.
+/// Error and cost of several settings on one scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorkPrecision {
-    /// In the order of the settings that were asked for.
+    /// One row for each setting, in the order of the settings.
     pub rows: Vec<Row>,
-    /// How far the reference is from one ten times less accurate, m: below this the errors mean
-    /// nothing.
+    /// Difference between the reference and a reference of one tenth of its accuracy, m. Errors
+    /// below this difference have no meaning.
     pub resolution: f64,
 }
 
 impl WorkPrecision {
-    /// The setting that takes the least time for an error of at most `error` (m).
+    /// Returns the row with the least time for an error of at most `error` (m).
     #[must_use]
     pub fn cheapest(&self, error: f64) -> Option<&Row> {
         (self.rows.iter())
@@ -206,7 +212,7 @@ impl WorkPrecision {
             .min_by_key(|row| row.time)
     }
 
-    /// The rows that no other beats in both error and time, from the fastest on.
+    /// Returns the rows for which no other row is better in both error and time, in order of time.
     #[must_use]
     pub fn pareto_front(&self) -> Vec<&Row> {
         let mut rows: Vec<_> = (self.rows.iter())
@@ -223,7 +229,7 @@ impl WorkPrecision {
     }
 }
 
-/// `setting, error, time, evaluations, energy rise`, a row a line.
+/// Writes `setting, error, time, evaluations, energy rise`, one row a line.
 impl fmt::Display for WorkPrecision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
@@ -248,14 +254,14 @@ impl fmt::Display for WorkPrecision {
     }
 }
 
-/// Runs a scene from `start` for `seconds` with each setting and compares the ends with that of its
-/// [`reference()`].
+/// Runs a scene from `start` for `seconds` with each setting, and compares the final states with
+/// that of its [`reference()`].
 ///
 /// The scene may be any [`Dynamics`], with the user's own body, ground and friction. A setting that
 /// fails gets a row with its error.
 ///
 /// # Errors
-/// Where the reference fails.
+/// Returns [`Failure`] if the reference run fails.
 pub fn measure<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &State<R>,
@@ -266,8 +272,10 @@ pub fn measure<R: Real, D: Dynamics<R>>(
     Ok(measure_against(scene, start, seconds, settings, &reference))
 }
 
-/// As [`measure`], against an end that is known: a closed form, say, or the end in double precision
-/// for a scene in single.
+/// Runs a scene with each setting, and compares the final states with a known final state.
+///
+/// Examples of a known state are a closed form, or the double-precision result for a scene in
+/// single precision. Otherwise the function equals [`measure`].
 pub fn measure_against<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &State<R>,
@@ -289,20 +297,21 @@ pub fn measure_against<R: Real, D: Dynamics<R>>(
     }
 }
 
-/// What settings are compared with.
+/// Reference result that settings are compared with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference<R: Real = f64> {
-    /// The end of the run.
+    /// Final state of the run.
     pub end: State<R>,
-    /// How far it is from one ten times less accurate, m.
+    /// Difference between this reference and one of a tenth of its accuracy, m.
     pub resolution: f64,
 }
 
-/// The end of a run by [`DormandPrince54`] with a tolerance of 1e-11 of the reach (or the radius of
-/// gyration, where that is more).
+/// Computes the final state of a run by [`DormandPrince54`] with a tolerance of 1e-11 of the
+/// bounding radius (or of the radius of gyration, if that is larger).
 ///
 /// # Errors
-/// Where the run fails: in stick with a tiny slip speed its 20 million steps may be spent.
+/// Returns [`Failure`] if the run fails. In stick with a very small slip speed the run may exceed
+/// its budget of 20 million steps.
 pub fn reference<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &State<R>,
@@ -325,7 +334,7 @@ pub fn reference<R: Real, D: Dynamics<R>>(
     })
 }
 
-/// A scene to try settings on.
+/// Scene on which settings are measured.
 struct Bench<'a, R: Real, D> {
     scene: &'a D,
     start: &'a State<R>,
@@ -442,7 +451,8 @@ impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
         row
     }
 
-    /// What the clock does not tell.
+    /// Counts steps and evaluations, and the largest increase of the energy, in a run that is not
+    /// timed.
     fn count<I: Integrator<R>>(&self, stepper: &Borrowed<'a, R, D, I>, row: &mut Row) {
         let mut last: Option<R> = None;
         let mut rise = R::ZERO;
@@ -461,7 +471,7 @@ impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
     }
 }
 
-/// Sine of half the angle of a turn.
+/// Sine of half the angle of a rotation.
 fn sine_of_half<R: Real>(turn: Rotation<R>) -> R {
     let [x, y, z, _] = turn.to_quat().xyzw();
     (x * x + y * y + z * z).sqrt()

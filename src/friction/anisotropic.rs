@@ -1,23 +1,28 @@
-//! Coulomb friction that differs with the direction of the slip.
+//! Coulomb friction that depends on the direction of the slip.
 
 use super::{FrictionJacobian, SlidingFriction};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
 
-/// Coulomb friction with two coefficients, along and across a grain of the ground: planks, brushed
-/// metal, a court's lines.
+/// Coulomb friction with two coefficients, along and across the grain of the ground: planks,
+/// brushed metal, the lines of a court.
 ///
-/// With p and q the slip's components along and across, each times its coefficient:
-/// `force = -normal_force (μ₁ p a + μ₂ q b)/(√(p² + q²) + max(μ₁, μ₂) · slip_speed)`, in newtons,
-/// for the unit vectors a and b, world axes. A large slip meets a force on the ellipse with the
-/// half axes `μ₁ N` and `μ₂ N`, in the direction that takes most energy (the associated law; e.g.
-/// Michałowski & Mróz, Arch. Mech. 30, 259, 1978). Never adds energy: `force · slip <= 0`. With
-/// both coefficients the same it is [`Coulomb`](crate::Coulomb).
+/// `force = -normal_force (μ₁ p a + μ₂ q b)/(√(p² + q²) + max(μ₁, μ₂) · slip_speed)`, in newtons.
+/// The unit vectors a and b (world axes) point along and across the grain. The speeds p and q are
+/// the components of the slip along and across it, each times its coefficient.
 ///
-/// *Limits:* one plane: on another surface the force leaves it (and takes energy all the same).
-/// Across the slip it pushes towards the easier direction by up to `|μ₁² - μ₂²|/(μ₁² + μ₂²)` of
-/// itself. It does not stick: as of `Coulomb`, with the creep speed `slip_speed · max(μ₁, μ₂)/μ`
-/// times that of the direction's own coefficient μ.
+/// At a large slip the force is on the ellipse with the half axes `μ₁ N` and `μ₂ N`, in the
+/// direction that dissipates most energy (the associated law; e.g. Michałowski & Mróz, Arch. Mech.
+/// 30, 259, 1978). The force never adds energy: `force · slip <= 0`. With equal coefficients the
+/// law is [`Coulomb`](crate::Coulomb).
+///
+/// *Limits:*
+/// - The law is made for one plane. On another surface the force leaves that surface, but still
+///   dissipates energy.
+/// - The force has a component across the slip, towards the direction of the smaller coefficient.
+///   It is up to `|μ₁² - μ₂²|/(μ₁² + μ₂²)` of the force.
+/// - It does not stick. It creeps as `Coulomb` does, with a slip speed of
+///   `slip_speed · max(μ₁, μ₂)/μ`, where μ is the coefficient in the direction of the slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -30,18 +35,19 @@ use crate::real::{Real, Vector};
 pub struct AnisotropicCoulomb<R: Real = f64> {
     /// Unit vector in the ground's plane, along the grain, world axes.
     pub along: R::Vec3,
-    /// Unit vector in the ground's plane, at right angles to `along`.
+    /// Unit vector in the ground's plane, perpendicular to `along`, world axes.
     pub across: R::Vec3,
-    /// Along and across the grain, dimensionless, at least 0.
+    /// Coefficients along and across the grain, dimensionless, at least 0.
     pub coefficients: [R; 2],
-    /// m/s, above 0. The slip at which half of the full force is reached, in the direction of the
-    /// larger coefficient.
+    /// Slip at which half of the full force is reached, in the direction of the larger coefficient,
+    /// m/s, above 0.
     pub slip_speed: R,
 }
 
 impl<R: Real> AnisotropicCoulomb<R> {
-    /// On the plane with this normal, with a grain in this direction (both of any length above 0;
-    /// of the direction, what lies in the plane counts).
+    /// Creates the law for the plane with this normal and a grain in this direction.
+    ///
+    /// Both vectors have any length above 0. The direction is projected onto the plane.
     #[must_use]
     pub fn on(normal: R::Vec3, direction: R::Vec3, coefficients: [R; 2], slip_speed: R) -> Self {
         let unit = |v: R::Vec3| v * (R::ONE / v.length());
@@ -84,7 +90,8 @@ impl<R: Real> SlidingFriction<R> for AnisotropicCoulomb<R> {
     fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
         let [along, across] = self.coefficients;
         let speed = slip.length();
-        // The square of the coefficient in the slip's direction; without slip, of the two together.
+        // Square of the coefficient in the direction of the slip. At zero slip it combines both
+        // coefficients.
         let square = if speed > R::ZERO {
             let slip = slip * (R::ONE / speed);
             let (p, q) = (along * self.along.dot(slip), across * self.across.dot(slip));

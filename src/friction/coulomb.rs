@@ -1,33 +1,35 @@
-//! Coulomb friction, made finite at zero slip in two ways.
+//! Coulomb friction with two regularisations at zero slip.
 
 use super::{FrictionJacobian, SlidingFriction};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
-/// Coulomb friction that turns viscous at small slip, in the report's form.
+/// Coulomb friction that becomes viscous at small slip, as in the coin report.
 ///
 /// `force = -coefficient · normal_force · slip / (|slip| + slip_speed)`, in newtons, world axes.
-/// Never adds energy: `force · slip <= 0`. Finite at zero slip.
+/// The force never adds energy (`force · slip <= 0`) and is finite at zero slip.
 ///
-/// *Limits:* it does not stick. On a slope of angle θ a body creeps at
-/// `slip_speed · tan θ / (coefficient - tan θ)`. At a slip of 100 slip speeds the force is still 1
-/// % short of Coulomb's. Small slip speeds make the equations stiff: explicit methods chatter in
-/// stick, with flips of about `coefficient · g · time step`.
+/// *Limits:*
+/// - It does not stick. On a slope of angle θ a body creeps at
+///   `slip_speed · tan θ / (coefficient - tan θ)`.
+/// - At a slip of 100 slip speeds the force is still 1 % below that of Coulomb's law.
+/// - Small slip speeds make the equations stiff. In stick, explicit methods oscillate with velocity
+///   changes of about `coefficient · g · time step`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coulomb<R = f64> {
-    /// Dimensionless, at least 0.
+    /// Coefficient of friction, dimensionless, at least 0.
     pub coefficient: R,
-    /// m/s, above 0. The slip at which half of the full force is reached.
+    /// Slip at which half of the full force is reached, m/s, above 0.
     pub slip_speed: R,
 }
 
 impl<R: Real> Coulomb<R> {
-    /// The slip speed of the report, m/s: small enough to be Coulomb's law for every slip that
-    /// matters.
+    /// Slip speed of the coin report, m/s. It is far below the slip of any visible motion, for
+    /// which the law is Coulomb's.
     pub const REPORT_SLIP_SPEED: f64 = 1e-10;
 
-    /// The report's law: a slip speed of 1e-10 m/s.
+    /// Creates the law of the coin report, with a slip speed of 1e-10 m/s.
     #[must_use]
     pub fn as_in_the_report(coefficient: R) -> Self {
         Self {
@@ -65,29 +67,30 @@ impl<R: Real> SlidingFriction<R> for Coulomb<R> {
     }
 }
 
-/// Coulomb friction that turns viscous at small slip, smoothly.
+/// Coulomb friction that becomes viscous at small slip, with a smooth transition.
 ///
 /// `force = -coefficient · normal_force · slip / √(slip² + slip_speed²)`, in newtons, world axes.
-/// Never adds energy: `force · slip <= 0`. Finite, with all its derivatives, at zero slip.
+/// The force never adds energy (`force · slip <= 0`). It is finite, with all its derivatives, at
+/// zero slip.
 ///
-/// *Limits:* as of [`Coulomb`], with less creep and a quicker approach: on a slope of angle θ a
-/// body creeps at `slip_speed · tan θ / √(coefficient² - tan² θ)`, and the force is 1 % short of
-/// Coulomb's at 7 slip speeds.
+/// *Limits:* those of [`Coulomb`], with less creep and a faster approach to Coulomb's law. On a
+/// slope of angle θ a body creeps at `slip_speed · tan θ / √(coefficient² - tan² θ)`. At 7 slip
+/// speeds the force is 1 % below that of Coulomb's law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SmoothCoulomb<R = f64> {
-    /// Dimensionless, at least 0.
+    /// Coefficient of friction, dimensionless, at least 0.
     pub coefficient: R,
-    /// m/s, above 0. The slip at which 71 % of the full force is reached.
+    /// Slip at which 71 % of the full force is reached, m/s, above 0.
     pub slip_speed: R,
 }
 
 impl<R: Real> SmoothCoulomb<R> {
-    /// `√(slip² + slip_speed²)`.
+    /// Regularised size of the slip, `√(slip² + slip_speed²)`.
     #[inline]
     fn width(&self, slip: R::Vec3) -> R {
-        // The square of a tiny slip speed may underflow; the root is never below the slip speed
-        // itself.
+        // The square of a tiny slip speed may underflow. The root is therefore limited to the slip
+        // speed from below.
         (slip.length_squared() + self.slip_speed * self.slip_speed)
             .sqrt()
             .at_least(self.slip_speed)

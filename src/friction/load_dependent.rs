@@ -1,23 +1,23 @@
-//! Coulomb friction whose coefficient falls with the load on the contact.
+//! Coulomb friction whose coefficient decreases with the load on the contact.
 
 use super::{Coulomb, FrictionJacobian, SlidingFriction};
 use crate::error::{self, SceneError};
 use crate::real::Real;
 
-/// Coulomb friction whose coefficient falls with the load, as on plastics and rubber.
+/// Coulomb friction whose coefficient decreases with the load, as on plastics and rubber.
 ///
-/// Each contact that presses with the normal force N has the coefficient
+/// A contact with the normal force N has the coefficient
 ///
 /// ```text
 /// coefficient(N) = coefficient / (1 + N/transition_load)^(1/3)
 /// force = -coefficient(N) · N · slip / (|slip| + slip_speed)        newtons, world axes
 /// ```
 ///
-/// The force along the ground is proportional to the true area of contact. Under small loads that
-/// area is the sum of many asperities and proportional to N, which gives Coulomb's law. Under large
-/// loads the asperities have merged into one elastic contact, whose area grows as `N^(2/3)`
-/// (Hertz), so that the coefficient falls as `N^(-1/3)`. The transition between the two limits is
-/// this crate's choice: it has both limits, and all its derivatives are finite.
+/// The friction force is proportional to the true area of contact. Under small loads that area is
+/// the sum of many asperities and proportional to N, which gives Coulomb's law. Under large loads
+/// the asperities have merged into one elastic contact, whose area grows as `N^(2/3)` (Hertz). The
+/// coefficient then decreases as `N^(-1/3)`. The transition between the two limits is this crate's
+/// choice: it has both limits, and all its derivatives are finite.
 ///
 /// The force never adds energy (`force · slip <= 0`), is finite at zero slip, and increases with N.
 ///
@@ -42,18 +42,20 @@ use crate::real::Real;
 /// *Limits:*
 /// - N is the load of one contact point. A body on n points has `N/n` at each, and slides with the
 ///   larger coefficient of that load. Fitted parameters hold for the number of points that they
-///   were fitted with. On a [`Disc`](crate::Disc), N is the load of one of the points that its rim
-///   stands for.
-/// - It has no wear, no dependence on temperature, and no lower limit: at 1000 transition loads a
-///   tenth of the coefficient is left. Above the yield pressure of the material, the area is
-///   proportional to N again, which this law lacks.
+///   were fitted with. On a [`Disc`](crate::Disc), N is the load of one of the points that
+///   represent its rim.
+/// - The law has no wear, no dependence on temperature, and no lower limit. At 1000 transition
+///   loads a tenth of the coefficient is left.
+/// - Above the yield pressure of the material, the area is proportional to N again. This law does
+///   not include it.
 /// - It does not stick. It creeps as [`Coulomb`] does with `coefficient(N)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LoadDependentCoulomb<R = f64> {
     /// Coefficient under small loads, dimensionless, at least 0.
     pub coefficient: R,
-    /// Normal force of one contact at which 79 % of the coefficient is left (`2^(-1/3)`), N, above 0.
+    /// Normal force of one contact at which 79 % (`2^(-1/3)`) of the coefficient is left, N, above
+    /// 0.
     pub transition_load: R,
     /// Slip at which half of the full force is reached, m/s, above 0.
     pub slip_speed: R,
@@ -68,7 +70,7 @@ impl<R: Real> LoadDependentCoulomb<R> {
         self.coefficient * loads.powf(R::from_f64(-1.0 / 3.0))
     }
 
-    /// Coulomb's law under a constant load.
+    /// Returns Coulomb's law for a constant load.
     #[inline]
     fn under(&self, normal_force: R) -> Coulomb<R> {
         Coulomb {

@@ -1,27 +1,29 @@
-//! Resistance to rolling and to spinning: a torque beside the force of friction.
+//! Resistance to rolling and to spinning: a torque in addition to the friction force.
 
 use super::{FrictionJacobian, SlidingFriction};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
-/// How one contact resists the body's turning: with ω's parts along the ground (rolling) and along
-/// its normal (spinning, spin on the spot),
-/// `torque = -rolling ωₜ/(|ωₜ| + turn_speed) - spinning ωₙ/(|ωₙ| + turn_speed)`.
+/// Torque of one contact against rolling and spinning of the body.
+///
+/// `torque = -rolling ωₜ/(|ωₜ| + turn_speed) - spinning ωₙ/(|ωₙ| + turn_speed)`. The angular
+/// velocity ω has the part ωₜ along the ground (rolling) and the part ωₙ along its normal (spinning
+/// friction).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RollingResistance<R = f64> {
     /// Largest torque against rolling, N m, at least 0.
     pub rolling: R,
     /// Largest torque against spinning, N m, at least 0.
     pub spinning: R,
-    /// rad/s, above 0. The turning at which half of the torque is reached.
+    /// Angular speed at which half of the torque is reached, rad/s, above 0.
     pub turn_speed: R,
 }
 
 impl<R: Real> RollingResistance<R> {
-    /// Torque on a body (N m, world axes) that turns with this angular velocity (rad/s) on a ground
-    /// with this normal.
+    /// Torque (N m, world axes) on a body with this angular velocity (rad/s) on a ground with this
+    /// normal.
     ///
-    /// Never adds energy: `torque · angular_velocity <= 0`.
+    /// The torque never adds energy: `torque · angular_velocity <= 0`.
     #[inline]
     #[must_use]
     pub fn torque(&self, normal: R::Vec3, angular_velocity: R::Vec3) -> R::Vec3 {
@@ -31,7 +33,7 @@ impl<R: Real> RollingResistance<R> {
         -(rolling * roll + spinning * drill)
     }
 
-    /// Torque over turning, N m s, for both parts of it (rad/s).
+    /// Ratio of torque to angular speed, N m s, for both parts of the angular velocity (rad/s).
     #[inline]
     pub(crate) fn per_turn(&self, rolling: R, spinning: R) -> [R; 2] {
         [
@@ -41,13 +43,15 @@ impl<R: Real> RollingResistance<R> {
     }
 }
 
-/// A friction law with resistance to rolling and to spinning beside it.
+/// A friction law combined with resistance to rolling and to spinning.
 ///
-/// Each contact that presses with N resists with torques of up to `rolling · N` and `spinning · N`:
-/// see [`RollingResistance`]. The lengths are those of the field: a wheel that takes the force f N
-/// to be kept rolling has `rolling = f · radius`; a ball of radius r sunk by d has a patch of the
-/// radius a = √(2 r d), and by Coulomb's law under Hertz's pressure `spinning = 3π/16 μ a`
-/// (Johnson, Contact Mechanics, 1985).
+/// A contact with the normal force N resists with torques of up to `rolling · N` and
+/// `spinning · N`: see [`RollingResistance`]. Both lengths are the usual ones:
+///
+/// * *Rolling:* a wheel that needs the force f N to keep rolling has `rolling = f · radius`.
+/// * *Spinning:* a ball of radius r at the penetration depth d has a contact patch of radius
+///   `a = √(2 r d)`. Coulomb's law under Hertz's pressure gives `spinning = 3π/16 μ a` (Johnson, Contact
+///   Mechanics, 1985).
 ///
 /// ```
 /// use tumble::{Coulomb, WithResistance};
@@ -59,23 +63,26 @@ impl<R: Real> RollingResistance<R> {
 /// # Ok::<(), tumble::SceneError>(())
 /// ```
 ///
-/// *Limits:* it does not hold: a ball on a slope of angle θ, with `tan θ < rolling/radius`, creeps
-/// at the turning `turn_speed · t/(1 - t)`, `t = tan θ · radius/rolling`. Bodies on many contacts
-/// feel it at each. [`EnergyMomentum`](crate::EnergyMomentum) takes it in two halves, before and
-/// after each step (its energy never rises), under the load at those moments: a bounce that is
-/// shorter than the step feels none. The way of a ball that rolls out is of order 2; the speed that
-/// is seen after a step is that of half a step before, off by `h/2 · 5/7 · rolling/radius · g` of a
-/// solid ball: friction passes the last half of the torque on in the next step.
+/// *Limits:*
+/// - It does not hold a body at rest. A ball on a slope of angle θ, with `tan θ < rolling/radius`,
+///   creeps at the angular speed `turn_speed · t/(1 - t)`, `t = tan θ · radius/rolling`.
+/// - On a body with many contacts it acts at each of them.
+/// - [`EnergyMomentum`](crate::EnergyMomentum) applies it in two halves, before and after each
+///   step, under the load at those moments. Its energy never increases. A bounce that is shorter
+///   than the step has no resistance.
+/// - With `EnergyMomentum`, the path length of a ball that rolls to rest is of order 2. The speed
+///   after a step is that of half a step before, because friction passes on the last half of the
+///   torque in the next step. For a solid ball the error is `h/2 · 5/7 · rolling/radius · g`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WithResistance<F, R = f64> {
-    /// The force.
+    /// Law of the friction force.
     pub friction: F,
-    /// Against rolling, m, at least 0.
+    /// Largest rolling torque per normal force, m, at least 0.
     pub rolling: R,
-    /// Against spinning, m, at least 0.
+    /// Largest spinning torque per normal force, m, at least 0.
     pub spinning: R,
-    /// rad/s, above 0. The turning at which half of the torque is reached.
+    /// Angular speed at which half of the torque is reached, rad/s, above 0.
     pub turn_speed: R,
 }
 

@@ -1,4 +1,5 @@
-//! Friction that falls from a static to a kinetic coefficient, and rises again with the speed.
+//! Friction that decreases from a static to a kinetic coefficient, and increases again with the
+//! speed.
 
 use super::{FrictionJacobian, SlidingFriction};
 use crate::error::{self, SceneError};
@@ -7,34 +8,39 @@ use crate::real::{Real, Vector};
 /// Friction with a static and a kinetic coefficient, joined by Stribeck's curve, and a viscous
 /// part.
 ///
-/// With the slip's size u: `force = -normal_force · slip · (μ(u)/(u + slip_speed) + viscous)`, in
-/// newtons, world axes, with `μ(u) = kinetic + (static - kinetic)/(1 + (u/stribeck_speed)²)`
-/// (Stribeck, Z. VDI 46, 1341, 1902, for the curve; Hess & Soom, J. Tribol. 112, 147, 1990, for the
-/// form, which needs no power of e). Never adds energy: `force · slip <= 0`. Finite at zero slip.
+/// With the size u of the slip, `force = -normal_force · slip · (μ(u)/(u + slip_speed) + viscous)`,
+/// in newtons, world axes. The coefficient is
+/// `μ(u) = kinetic + (static - kinetic)/(1 + (u/stribeck_speed)²)`. The force never adds energy
+/// (`force · slip <= 0`) and is finite at zero slip.
 ///
-/// *Limits:* it does not stick; it creeps as [`Coulomb`](crate::Coulomb) does with the static
-/// coefficient. The static coefficient is nearly reached, where `slip_speed` is far below
-/// `stribeck_speed`: at most, at the slip `(μₛ ε vₛ²/(2 (μₛ - μₖ)))^(1/3) = u`, with ε and vₛ the
-/// two speeds, the force is short of it by `1.5 ε/u`: 1.5 % for μₛ = 2 μₖ and ε = vₛ/1000. Where μ
-/// falls, sliding is unstable (squeal, stick and slip), with growth rates up to
-/// `0.65 (μₛ - μₖ) g/vₛ`: a time step has to resolve it.
+/// *Sources:* Stribeck, Z. VDI 46, 1341 (1902), for the curve; Hess & Soom, J. Tribol. 112, 147
+/// (1990), for the form, which needs no exponential function.
+///
+/// *Limits:*
+/// - It does not stick. It creeps as [`Coulomb`](crate::Coulomb) does with the static coefficient.
+/// - The static coefficient is nearly reached if `slip_speed` is far below `stribeck_speed`. With ε
+///   and vₛ the two speeds, the force comes nearest to it at the slip
+///   `u = (μₛ ε vₛ²/(2 (μₛ - μₖ)))^(1/3)`. There it is smaller by `1.5 ε/u`: 1.5 % for μₛ = 2 μₖ
+///   and ε = vₛ/1000.
+/// - Where μ decreases, sliding is unstable (squeal, stick-slip), with growth rates up to
+///   `0.65 (μₛ - μₖ) g/vₛ`. A time step has to resolve them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stribeck<R = f64> {
-    /// Coefficient of slow slip, dimensionless, at least 0.
+    /// Coefficient at slow slip, dimensionless, at least 0.
     pub static_coefficient: R,
-    /// Coefficient of fast slip, dimensionless, at least 0.
+    /// Coefficient at fast slip, dimensionless, at least 0.
     pub kinetic_coefficient: R,
-    /// m/s, above 0. The slip at which half of the way between the coefficients is gone.
+    /// Slip at which the coefficient is midway between static and kinetic, m/s, above 0.
     pub stribeck_speed: R,
-    /// s/m, at least 0. Viscous friction, per normal force.
+    /// Viscous friction per normal force, s/m, at least 0.
     pub viscous: R,
-    /// m/s, above 0. The slip at which half of the static force is reached.
+    /// Slip at which half of the static force is reached, m/s, above 0.
     pub slip_speed: R,
 }
 
 impl<R: Real> Stribeck<R> {
-    /// The coefficient at a slip, and minus its derivative (s/m) there.
+    /// Coefficient at a slip, and minus its derivative (s/m).
     #[inline]
     fn coefficient(&self, speed: R) -> [R; 2] {
         let share = speed / self.stribeck_speed;
@@ -58,8 +64,8 @@ impl<R: Real> SlidingFriction<R> for Stribeck<R> {
         slip * -((coefficient / (speed + self.slip_speed) + self.viscous) * normal_force)
     }
 
-    /// Where the force falls with the slip, the growth is the largest that there is, 1: the
-    /// iteration takes the force as steady.
+    /// Derivatives of the force. Where the force decreases with the slip, the growth is limited to
+    /// 1, so that the iteration treats the force as constant.
     #[inline]
     fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
         let speed = slip.length();

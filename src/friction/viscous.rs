@@ -1,20 +1,20 @@
-//! Friction in proportion to the slip.
+//! Friction proportional to the slip.
 
 use super::{FrictionJacobian, SlidingFriction};
 use crate::error::{self, SceneError};
 use crate::real::Real;
 
-/// Friction in proportion to load and slip: a wet or greased ground.
+/// Friction proportional to load and slip: a wet or greased ground.
 ///
-/// `force = -coefficient · normal_force · slip`, in newtons, world axes. Never adds energy:
-/// `force · slip <= 0`.
+/// `force = -coefficient · normal_force · slip`, in newtons, world axes. The force never adds
+/// energy: `force · slip <= 0`.
 ///
-/// *Limits:* it does not stick at all: on a slope of angle θ a body comes to slide at
+/// *Limits:* it does not stick. On a slope of angle θ a body reaches a sliding speed of
 /// `tan θ/coefficient`. A film that drags without load is not modelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Viscous<R = f64> {
-    /// s/m, at least 0.
+    /// Friction coefficient per slip, s/m, at least 0.
     pub coefficient: R,
 }
 

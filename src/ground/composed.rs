@@ -1,10 +1,10 @@
-//! A ground from a law and a shape.
+//! Ground composed of a contact law and a shape.
 
 use super::{ContactLaw, GroundBounds, MeanForce, Plane, Shape, SpringDamperGround, Surface};
 use crate::error::SceneError;
 use crate::real::Real;
 
-/// A ground that pushes by a [`ContactLaw`], with the surface of a [`Shape`].
+/// A ground that combines the force of a [`ContactLaw`] with the surface of a [`Shape`].
 ///
 /// ```
 /// use tumble::{Carried, Coin, Ground, HuntCrossley, Stepper};
@@ -16,33 +16,36 @@ use crate::real::Real;
 /// # Ok::<(), tumble::SceneError>(())
 /// ```
 ///
-/// [`FlatGround`](crate::FlatGround) is the same as a [`SpringDamper`](crate::SpringDamper) on a
-/// [`Plane`], bit by bit.
+/// [`FlatGround`](crate::FlatGround) gives the same results as a
+/// [`SpringDamper`](crate::SpringDamper) on a [`Plane`], bit by bit.
 ///
-/// # One law everywhere
+/// # Uniform law
 ///
-/// There are no softer and stiffer regions. With a stiffness k(x, y) the springs' energy `k d²/2`
-/// has a slope along the surface, and its force is not normal alone: `-(d²/2) ∇k` pushes a loaded
-/// contact towards the soft side. Left out, a contact that slides at the depth d from k₁ to k₂
-/// would be given `(k₂ - k₁) d²/2` by nobody, at each bounce anew; sliding slowly under the weight
-/// W it would be raised by `W²/2 (1/k₁ - 1/k₂)`: 0.024 J for 1 kg from 1000 to 2000 N/m. Put in, it
-/// would be a force along the ground that is no friction. So a law is told the depth, not the
-/// place.
+/// The law is the same everywhere on the surface: there are no softer and stiffer regions. A
+/// stiffness k(x, y) gives the springs' energy `k d²/2` a gradient along the surface. The force
+/// then has a tangential part, `-(d²/2) ∇k`, which pushes a loaded contact towards the soft side.
 ///
-/// Damping and friction store nothing, so that both may differ from region to region: move the
-/// state by one stepper or another, whichever region it is in
-/// ([an example](crate::guide::extending::friction)).
+/// * *Without this part* energy is created. A contact that slides at depth d from k₁ to k₂ gains
+///   `(k₂ - k₁) d²/2` at each bounce. Sliding slowly under the weight W it is raised by
+///   `W²/2 (1/k₁ - 1/k₂)`: 0.024 J for 1 kg from 1000 to 2000 N/m.
+/// * *With this part* a force acts along the ground that is no friction.
+///
+/// For this reason a law takes the depth and not the position.
+///
+/// Damping and friction store no energy, so both may differ from region to region. Use one stepper
+/// for each region, and advance the state by the stepper of its region ([an
+/// example](crate::guide::extending::friction)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ground<L, S = Plane> {
-    /// How it pushes back.
+    /// Contact law.
     pub law: L,
-    /// Where it is.
+    /// Shape of the surface.
     pub shape: S,
 }
 
 impl<L, R: Real> Ground<L, Plane<R>> {
-    /// The plane z = 0.
+    /// Creates a ground with the plane z = 0.
     #[must_use]
     pub fn level(law: L) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! A plane of springs and dampers.
+//! Plane of springs and dampers.
 
 use super::{
     ContactLaw, GroundBounds, MeanForce, Plane, SpringDamper, SpringDamperGround, Surface,
@@ -6,17 +6,17 @@ use super::{
 use crate::error::SceneError;
 use crate::real::Real;
 
-/// A plane, level or tilted, with a spring and a damper under each contact (Kelvin-Voigt, never
-/// pulling): the ground of the report.
+/// A plane, level or tilted, with a spring and a damper for each contact (Kelvin-Voigt, never
+/// pulling). It is the ground of the coin report.
 ///
 /// `normal force = max(0, stiffness · depth + damping · closing_speed)` in newtons where
-/// `depth > 0`, else 0. Energy in the springs: `stiffness · depth²/2` for every contact below the
-/// plane, also one that leaves so fast that its force is 0.
+/// `depth > 0`, else 0. The energy in the springs is `stiffness · depth²/2` for every contact below
+/// the plane, also for one that separates so fast that its force is 0.
 ///
-/// *Limits:* the damper's force jumps from 0 to `damping · closing_speed` at first touch, which
-/// spoils an explicit method's order above 1. A point of mass m bounces with restitution
-/// `exp(-2ζ arccos(ζ)/√(1-ζ²))`, `ζ = damping/(2 √(stiffness m))`, at every speed: real balls
-/// bounce less the faster they are.
+/// *Limits:* the damper's force jumps from 0 to `damping · closing_speed` at touch-down. An
+/// explicit method then has order 1 only. A point of mass m bounces with restitution
+/// `exp(-2ζ arccos(ζ)/√(1-ζ²))`, `ζ = damping/(2 √(stiffness m))`, at every speed. The restitution
+/// of a real ball decreases with its speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -27,16 +27,16 @@ use crate::real::Real;
     ))
 )]
 pub struct FlatGround<R: Real = f64> {
-    /// N/m per contact, at least 0.
+    /// Stiffness per contact, N/m, at least 0.
     pub stiffness: R,
-    /// N s/m per contact, at least 0.
+    /// Damping per contact, N s/m, at least 0.
     pub damping: R,
-    /// The surface.
+    /// Surface of the ground.
     pub plane: Plane<R>,
 }
 
 impl<R: Real> FlatGround<R> {
-    /// The plane z = 0; stiffness in N/m and damping in N s/m, both per contact.
+    /// Creates the ground z = 0 from a stiffness in N/m and a damping in N s/m, both per contact.
     #[must_use]
     pub fn level(stiffness: R, damping: R) -> Self {
         Self {
@@ -46,7 +46,7 @@ impl<R: Real> FlatGround<R> {
         }
     }
 
-    /// The law of its contacts.
+    /// Returns the contact law of the ground.
     #[inline]
     #[must_use]
     pub fn law(&self) -> SpringDamper<R> {
@@ -56,7 +56,7 @@ impl<R: Real> FlatGround<R> {
         }
     }
 
-    /// The same springs under another plane.
+    /// Returns the ground with the same contact law on another plane.
     #[must_use]
     pub fn on(self, plane: Plane<R>) -> Self {
         Self { plane, ..self }

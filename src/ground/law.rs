@@ -1,4 +1,4 @@
-//! How a ground pushes back at a depth and a speed, whatever its shape.
+//! Contact laws: normal force at a given depth and closing speed, independent of the shape.
 
 mod bounce;
 mod hunt_crossley;
@@ -14,22 +14,25 @@ use super::MeanForce;
 use crate::error::SceneError;
 use crate::real::Real;
 
-/// The law of one contact's force: what it is at a depth (m) and a closing speed (m/s). A
-/// [`Ground`](crate::Ground) joins it with a shape.
+/// The normal force of one contact as a function of depth (m) and closing speed (m/s).
 ///
-/// The methods are those of [`SpringDamperGround`](crate::SpringDamperGround) of the same names,
-/// with the same duties: the energy is the integral of the spring's force from depth 0, the rest of
-/// the force takes energy, and the ground never pulls.
+/// A [`Ground`](crate::Ground) combines it with a shape. The methods have the same names and the
+/// same contract as those of [`SpringDamperGround`](crate::SpringDamperGround):
+///
+/// * The energy is the integral of the spring force from depth 0.
+/// * The rest of the force dissipates energy.
+/// * The ground never pulls.
+///
 /// [`contract::check_ground`](crate::contract::check_ground) tests a law on any shape.
 ///
-/// # Which law when
+/// # Choice of the law
 ///
-/// | law | force at depth d, closing at u | restitution | at first touch | take it for |
+/// | law | force at depth d, closing speed u | restitution | force at touch-down | use it for |
 /// |---|---|---|---|---|
-/// | [`SpringDamper`] | `max(0, k d + c u)` | the same at every speed, any from 1 to 0 | jumps to `c u` | the report's ground; whatever shall come to rest soon |
-/// | [`LimitedDamper`] | `k d + c u`, the damper's share within `± k d` | the same at every speed, any from 1 to 0 | continuous | the same with explicit methods, which keep their order better |
-/// | [`HuntCrossley`] with exponent 1 | `k d max(0, 1 + λ u)` | falls with the speed, `1 - 2 λ u/3` for slow bounces | continuous | balls that bounce less the faster they are |
-/// | [`HuntCrossley`] with exponent 3/2 | `k d^(3/2) max(0, 1 + λ u)` | as above | continuous, with a continuous slope | an elastic ball on an elastic plane (Hertz), or points that touch softly |
+/// | [`SpringDamper`] | `max(0, k d + c u)` | the same at every speed, any from 1 to 0 | jumps to `c u` | the ground of the coin report; bodies that shall come to rest soon |
+/// | [`LimitedDamper`] | `k d + c u`, the damper's part within `± k d` | the same at every speed, any from 1 to 0 | continuous | the same bodies with explicit methods, which keep more of their order |
+/// | [`HuntCrossley`] with exponent 1 | `k d max(0, 1 + λ u)` | decreases with the speed, `1 - 2 λ u/3` for slow bounces | continuous | balls whose restitution decreases with the speed |
+/// | [`HuntCrossley`] with exponent 3/2 | `k d^(3/2) max(0, 1 + λ u)` | as with exponent 1 | continuous, with a continuous slope | an elastic ball on an elastic plane (Hertz), or points with a soft touch-down |
 ///
 /// ```
 /// use tumble::{ContactLaw, Ground, Plane, Stepper, Coin};
@@ -64,25 +67,28 @@ pub trait ContactLaw<R: Real = f64> {
     /// Elastic force at a depth (m) above 0: N, at least 0.
     fn spring_force(&self, depth: R) -> R;
 
-    /// Energy in the springs at a depth (m) above 0: J, the integral of
+    /// Energy in the spring at a depth (m) above 0: J, the integral of
     /// [`spring_force`](Self::spring_force) from 0.
     fn spring_energy(&self, depth: R) -> R;
 
-    /// Spring and damper together at a depth (m) above 0 that grows at `closing_speed` (m/s): N, at
-    /// least 0.
+    /// Force of spring and damper at a depth (m) above 0 that increases at `closing_speed` (m/s):
+    /// N, at least 0.
     fn normal_force(&self, depth: R, closing_speed: R) -> R;
 
-    /// Mean force while the depth goes evenly from `start` to `end` (m; below 0 is above ground) in
-    /// `seconds`: see [`SpringDamperGround::mean_force`](crate::SpringDamperGround::mean_force).
+    /// Mean force while the depth changes at a constant rate from `start` to `end` (m; below 0 is
+    /// above ground) in `seconds`.
+    ///
+    /// See [`SpringDamperGround::mean_force`](crate::SpringDamperGround::mean_force).
     #[inline]
     fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
         mean_force_by_quadrature(self, start, end, seconds)
     }
 
-    /// Whether the law can be: called once, when a scene is composed.
+    /// Checks that the law is valid. Called once, when a scene is composed.
     ///
     /// # Errors
-    /// Names the quantity, the rule that it breaks, and its value.
+    /// Returns [`SceneError`] if a quantity is invalid. The error names the quantity, the rule and
+    /// the value.
     fn check(&self) -> Result<(), SceneError> {
         Ok(())
     }
@@ -91,17 +97,17 @@ pub trait ContactLaw<R: Real = f64> {
     /// false.
     ///
     /// A step checks the values of a law that is not trusted, and returns
-    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
-    /// Override it if the law keeps its contract for every finite input, and
-    /// [`check_ground`](crate::contract::check_ground) finds nothing: the checks then cost nothing.
-    /// A trusted law that breaks its contract goes unnoticed.
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract. Override
+    /// this method if the law keeps its contract for every finite input, and
+    /// [`check_ground`](crate::contract::check_ground) finds no fault. The checks then cost
+    /// nothing. A trusted law that breaks its contract is not detected.
     #[inline]
     fn is_trusted(&self) -> bool {
         false
     }
 }
 
-/// Behind a pointer, also as `dyn`.
+/// Implements the trait for a pointer to a law, also to `dyn`.
 macro_rules! forward {
     ($pointer:ty) => {
         impl<R: Real, L: ContactLaw<R> + ?Sized> ContactLaw<R> for $pointer {
@@ -136,7 +142,7 @@ forward!(&L);
 #[cfg(feature = "std")]
 forward!(alloc::boxed::Box<L>);
 
-/// The provided mean force of laws and grounds.
+/// Provided mean force of contact laws and grounds.
 pub(super) fn mean_force_by_quadrature<R: Real, L: ContactLaw<R> + ?Sized>(
     law: &L,
     start: R,
@@ -148,8 +154,8 @@ pub(super) fn mean_force_by_quadrature<R: Real, L: ContactLaw<R> + ?Sized>(
     if !(start > R::ZERO || end > R::ZERO) {
         return MeanForce::NONE;
     }
-    // A one-sided difference over a thousandth of the path, or of the depth where the contact
-    // hardly moves.
+    // One-sided difference over a thousandth of the path, or of the depth if the contact hardly
+    // moves.
     let path = (end - start).abs() + (start.abs() + end.abs()) * R::from_f64(1e-3);
     let nudge = path * R::from_f64(1e-3);
     let (spring_beyond, damper_beyond) = force(end + nudge);
@@ -168,12 +174,13 @@ pub(super) fn mean_force_by_quadrature<R: Real, L: ContactLaw<R> + ?Sized>(
     }
 }
 
-/// The larger of a force and 0; NaN for NaN, so that a step finds a law that returns it.
+/// Returns the larger of a force and 0. NaN is returned as NaN, so that a step detects a broken
+/// law.
 fn not_below_zero<R: Real>(force: R) -> R {
     if force <= R::ZERO { R::ZERO } else { force }
 }
 
-/// Mean force of the springs, and of what the law has beyond them.
+/// Mean force of the spring, and mean of the rest of the normal force.
 fn mean_parts<R: Real, L: ContactLaw<R> + ?Sized>(law: &L, start: R, end: R, seconds: R) -> (R, R) {
     let zero = R::ZERO;
     let (from, to) = (start.at_least(zero), end.at_least(zero));
@@ -192,8 +199,8 @@ fn mean_parts<R: Real, L: ContactLaw<R> + ?Sized>(law: &L, start: R, end: R, sec
             zero
         }
     };
-    // Where the path is so short that the difference of energies is rounding, the force in its
-    // middle is exact to rounding.
+    // On so short a path the difference of energies is rounding. The force at its middle is then
+    // exact to rounding.
     let spring = if submerged.abs() > (from + to) * R::EPSILON.sqrt() {
         (energy(to) - energy(from)) / path
     } else {
@@ -219,7 +226,7 @@ fn mean_parts<R: Real, L: ContactLaw<R> + ?Sized>(law: &L, start: R, end: R, sec
     (spring, damper * share)
 }
 
-/// Gauss's rule on [0, 1] with three points: place and weight.
+/// Nodes and weights of Gauss's rule on [0, 1] with three points.
 #[inline]
 fn gauss<R: Real>() -> [[R; 2]; 3] {
     let n = R::from_f64;

@@ -1,4 +1,4 @@
-//! Where a ground's surface is, whatever its law.
+//! Shapes of a ground's surface, independent of the contact law.
 
 mod reliefs;
 mod terrain;
@@ -10,17 +10,20 @@ use super::{GroundBounds, Plane, Surface};
 use crate::error::SceneError;
 use crate::real::Real;
 
-/// The shape of a ground: how far a point lies above its surface, and which way out is. A
-/// [`Ground`](crate::Ground) joins it with a law.
+/// The surface shape of a ground: the height of a point above the surface, and the outward normal.
 ///
-/// A [`Plane`] is one, and a [`Terrain`] of any height. The methods are those of
-/// [`SpringDamperGround`](crate::SpringDamperGround) of the same names, with the same duties: the
-/// gap changes by `normal · path`, so that it is a distance.
+/// A [`Ground`](crate::Ground) combines it with a contact law. [`Plane`] is a shape, and so is a
+/// [`Terrain`] of any height function.
 ///
-/// *Limit:* one contact touches one surface. In a groove where the gap is that to the nearest of
-/// two planes at a right angle, the ground pushes a ball along one normal at a time. Two surfaces
-/// would push with `k d` each and lift with `√2 k d`; one lifts with `k d/√2`. So the ball
-/// penetrates twice as deep: 1.9 mm instead of 0.98 mm for 1 kg on 7071 N/m.
+/// The methods have the same names and the same contract as those of
+/// [`SpringDamperGround`](crate::SpringDamperGround). The gap must be a distance: for a small
+/// displacement of the point it changes by `normal · displacement`.
+///
+/// *Limit:* one contact touches one surface. Consider a groove of two planes at a right angle,
+/// where the gap is the distance to the nearest plane. The ground then pushes a ball along one
+/// normal at a time. Two surfaces would push with `k d` each and lift with `√2 k d`. One surface
+/// lifts with `k d/√2`, so the ball penetrates twice as deep: 1.9 mm instead of 0.98 mm for 1 kg on
+/// 7071 N/m.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -43,19 +46,21 @@ use crate::real::Real;
     note = "implement `surface`; the precision `{R}` of body, ground, friction and gravity must be the same"
 )]
 pub trait Shape<R: Real = f64> {
-    /// The surface as seen from `point` (m, world axes).
+    /// Returns the height of `point` (m, world axes) above the surface, and the outward normal
+    /// there.
     fn surface(&self, point: R::Vec3) -> Surface<R>;
 
-    /// Where the ground can be at all. The default is everywhere.
+    /// Region that the ground can occupy. Default: everywhere.
     #[inline]
     fn bounds(&self) -> GroundBounds<R> {
         GroundBounds::Everywhere
     }
 
-    /// Whether the shape can be: called once, when a scene is composed.
+    /// Checks that the shape is valid. Called once, when a scene is composed.
     ///
     /// # Errors
-    /// Names the quantity, the rule that it breaks, and its value.
+    /// Returns [`SceneError`] if a quantity is invalid. The error names the quantity, the rule and
+    /// the value.
     fn check(&self) -> Result<(), SceneError> {
         Ok(())
     }
@@ -64,17 +69,17 @@ pub trait Shape<R: Real = f64> {
     /// false.
     ///
     /// A step checks the values of a law that is not trusted, and returns
-    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
-    /// Override it if the law keeps its contract for every finite input, and
-    /// [`check_ground`](crate::contract::check_ground) finds nothing: the checks then cost nothing.
-    /// A trusted law that breaks its contract goes unnoticed.
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract. Override
+    /// this method if the law keeps its contract for every finite input, and
+    /// [`check_ground`](crate::contract::check_ground) finds no fault. The checks then cost
+    /// nothing. A trusted law that breaks its contract is not detected.
     #[inline]
     fn is_trusted(&self) -> bool {
         false
     }
 }
 
-/// Behind a pointer, also as `dyn`.
+/// Implements the trait for a pointer to a shape, also to `dyn`.
 macro_rules! forward {
     ($pointer:ty) => {
         impl<R: Real, S: Shape<R> + ?Sized> Shape<R> for $pointer {

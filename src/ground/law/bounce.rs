@@ -1,24 +1,24 @@
-//! From what a user knows of a bounce to the parameters of a law, in f64 and by `libm`, once.
+//! Parameters of the contact laws from measured quantities of a bounce, in f64 with `libm`.
 
 use super::SpringDamper;
 use crate::error::{self, Rule, SceneError};
 use crate::real::Real;
 
-/// What a ground carries: a body's mass, on the contacts that touch together under its centre.
+/// The mass of a body, and the number of contacts that carry it together under its centre.
 ///
-/// A ball or a corner is one contact; a flat coin of 120 points that lies is 120. The laws made for
-/// it are those of each contact.
+/// A ball or a corner is one contact. A flat coin of 120 points that lies on its face has 120. The
+/// parameters of the resulting law are those of each contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Carried<R = f64> {
-    /// kg, above 0.
+    /// Mass of the body, kg, above 0.
     pub mass: R,
-    /// At least 1.
+    /// Number of contacts, at least 1.
     pub contacts: u32,
 }
 
 impl<R: Real> Carried<R> {
-    /// The mass (kg) that one contact carries.
+    /// Mass (kg) that one contact carries.
     pub(super) fn by_each(&self) -> Result<f64, SceneError> {
         error::above_zero("mass of the body", self.mass, " kg")?;
         if self.contacts == 0 {
@@ -33,7 +33,7 @@ impl<R: Real> Carried<R> {
         Ok(self.mass.to_f64() / f64::from(self.contacts))
     }
 
-    /// The spring and damper of each contact on which the body swings with this frequency (rad/s)
+    /// Spring and damper of each contact on which the body oscillates with this frequency (rad/s)
     /// and damping ratio.
     pub(super) fn on(&self, frequency: f64, ratio: f64) -> Result<SpringDamper<R>, SceneError> {
         let mass = self.by_each()?;
@@ -44,20 +44,20 @@ impl<R: Real> Carried<R> {
     }
 }
 
-/// Frequency (rad/s) of a bounce that goes through so many radians in its time (s).
+/// Frequency (rad/s) of a bounce that takes this phase angle (rad) and this time (s).
 pub(super) fn frequency_in<R: Real>(angle: f64, contact_time: R) -> Result<f64, SceneError> {
     error::above_zero("time of a bounce", contact_time, " s")?;
     Ok(angle / contact_time.to_f64())
 }
 
-/// Frequency (rad/s) on a spring that sinks by a depth (m) at rest under a gravity (m/s²).
+/// Frequency (rad/s) on a spring with this penetration depth (m) at rest under a gravity (m/s²).
 pub(super) fn frequency_at_rest<R: Real>(sink_depth: R, gravity: R) -> Result<f64, SceneError> {
     error::above_zero("depth at rest", sink_depth, " m")?;
     error::above_zero("gravity", gravity, " m/s²")?;
     Ok(libm::sqrt(gravity.to_f64() / sink_depth.to_f64()))
 }
 
-/// That a restitution is above 0 and at most 1.
+/// Checks that a restitution is above 0 and at most 1.
 fn checked<R: Real>(restitution: R) -> Result<f64, SceneError> {
     let value = restitution.to_f64();
     if value > 0.0 && value <= 1.0 {
@@ -68,11 +68,10 @@ fn checked<R: Real>(restitution: R) -> Result<f64, SceneError> {
     }
 }
 
-/// The place between `low` and `high` where a falling function passes from above 0 to below, to the
-/// last place.
+/// Returns the zero of a decreasing function between `low` and `high`, to the last place.
 fn where_it_passes_zero(low: f64, high: f64, falling: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (low, high);
-    // 2⁻¹²⁸ of the interval.
+    // The interval shrinks to 2⁻¹²⁸ of its length.
     for _ in 0..128 {
         let middle = low + (high - low) * 0.5;
         if falling(middle) > 0.0 {
@@ -88,7 +87,7 @@ fn where_it_passes_zero(low: f64, high: f64, falling: impl Fn(f64) -> f64) -> f6
 // Spring and damper that never pull
 // -----------------------------------------------------------------------------------------------
 
-/// `arccos(ζ)/√(1-ζ²)`: half the time of a bounce, in radians of the undamped swing.
+/// Half the time of a bounce, `arccos(ζ)/√(1-ζ²)`, in radians of the undamped oscillation.
 pub(super) fn release_angle(ratio: f64) -> f64 {
     let square = (1.0 - ratio) * (1.0 + ratio);
     if square.abs() < 1e-12 {
@@ -103,8 +102,8 @@ pub(super) fn release_angle(ratio: f64) -> f64 {
     }
 }
 
-/// The damping ratio with which a spring and damper that never pull give back this part of a speed:
-/// `e = exp(-2ζ arccos(ζ)/√(1-ζ²))`, inverted.
+/// Damping ratio of a spring and damper that never pull with this restitution: the inverse of
+/// `e = exp(-2ζ arccos(ζ)/√(1-ζ²))`.
 pub(super) fn spring_damper_ratio<R: Real>(restitution: R) -> Result<f64, SceneError> {
     let aim = libm::log(checked(restitution)?);
     // Far above 1 the restitution is 1/(4ζ²).
@@ -118,14 +117,15 @@ pub(super) fn spring_damper_ratio<R: Real>(restitution: R) -> Result<f64, SceneE
 // Limited damper
 // -----------------------------------------------------------------------------------------------
 
-/// Logarithm of the restitution, and duration in radians of the undamped swing, of a spring with a
-/// limited damper.
+/// Logarithm of the restitution, and duration in radians of the undamped oscillation, of a spring
+/// with a limited damper.
 ///
-/// With the swing's frequency as unit: limited, `d″ = -2 d` from the surface at the speed 1 until
-/// `d = 2ζ d′`, at the time `arctan(√8 ζ)/√2`, with the speed `1/√(1+8ζ²)` left. Then
-/// `d = A exp(-ζ t) sin(φ)`, `φ = θ + t sin β`, whose derivatives are `-A exp(-ζ t) sin(φ - β)` and
-/// `A exp(-ζ t) sin(φ - 2β)`: it begins where `2 sin θ = sin(2β - θ)`, and ends where the force is
-/// 0, `φ = 2β`. For ζ > 1 all angles are hyperbolic.
+/// The unit of frequency is that of the undamped oscillation. While the damper is limited,
+/// `d″ = -2 d` from the surface at the speed 1 until `d = 2ζ d′`. This ends at the time
+/// `arctan(√8 ζ)/√2`, with the speed `1/√(1+8ζ²)` left. From then on `d = A exp(-ζ t) sin(φ)`,
+/// `φ = θ + t sin β`. Its first two derivatives are `-A exp(-ζ t) sin(φ - β)` and
+/// `A exp(-ζ t) sin(φ - 2β)`. This phase begins where `2 sin θ = sin(2β - θ)`, and ends where the
+/// force is 0, `φ = 2β`. For ζ > 1 all angles are hyperbolic.
 pub(super) fn limited_damper(ratio: f64) -> [f64; 2] {
     let limited = libm::sqrt(1.0 + 8.0 * ratio * ratio);
     let first = libm::atan(libm::sqrt(8.0) * ratio) / libm::sqrt(2.0);
@@ -152,9 +152,9 @@ pub(super) fn limited_damper(ratio: f64) -> [f64; 2] {
     [left, first + second]
 }
 
-/// The damping ratio with which a spring with a limited damper gives back this part of a speed.
+/// Damping ratio of a spring with a limited damper with this restitution.
 pub(super) fn limited_damper_ratio<R: Real>(restitution: R) -> Result<f64, SceneError> {
-    // Squares of the ratio are to be numbers: what gives back less than 1e-140 is taken as that.
+    // The square of the ratio must not overflow, so a restitution below 1e-140 counts as 1e-140.
     let aim = libm::log(checked(restitution)?.max(1e-140));
     // Far above 1 the restitution is 1/(√8 ζ).
     let high = 1.0 + libm::exp(-aim);
@@ -167,21 +167,21 @@ pub(super) fn limited_damper_ratio<R: Real>(restitution: R) -> Result<f64, Scene
 // Hunt and Crossley
 // -----------------------------------------------------------------------------------------------
 
-/// The number D = λ v with which Hunt and Crossley's law gives back this part e of the speed v:
+/// Loss D = λ v of Hunt and Crossley's law with restitution e at the speed v:
 /// `D (1 + e) = ln((1 + D)/(1 - e D))`.
 pub(super) fn hunt_crossley_loss<R: Real>(restitution: R) -> Result<f64, SceneError> {
     let e = checked(restitution)?;
     let lost = 1.0 - e;
     if lost < 1e-4 {
-        // Both sides agree to D². e = 1 - 2D/3 + 4D²/9 - ..., so that this misses the restitution
-        // by 1e-12 at most.
+        // Both sides agree to D². With e = 1 - 2D/3 + 4D²/9 - ..., the error of the restitution is
+        // 1e-12 at most.
         return Ok(1.5 * lost * (1.0 + lost));
     }
     let lack = |loss: f64| loss * (1.0 + e) - libm::log1p(loss) + libm::log1p(-e * loss);
     Ok(where_it_passes_zero(0.0, 1.0 / e, lack))
 }
 
-/// `1/D - ln(1 + D)/D²`: the work of the springs on the way down, over m v².
+/// Work of the springs during compression, over m v²: `1/D - ln(1 + D)/D²`.
 pub(super) fn work_down(loss: f64) -> f64 {
     if loss < 1e-4 {
         // The next term is D³/5.
@@ -194,27 +194,28 @@ pub(super) fn work_down(loss: f64) -> f64 {
 /// Time of a Hunt-Crossley bounce, in units of greatest depth over speed: `A(D) + A(-e D)/e` for
 /// the loss D = λ v and the restitution e.
 ///
-/// `d″ = -(k/m) dⁿ (1 + λ d′)` gives `d′ dd′/(1 + λ d′) = -(k/m) dⁿ dd`: the depth at each speed,
-/// and with it the time `∫ dd′/d″`. The way down from the speed v to 0 takes `A(D)` times depth
-/// over v. The way up, run backwards, is a way down from the speed e v with -λ in the place of λ.
+/// `d″ = -(k/m) dⁿ (1 + λ d′)` gives `d′ dd′/(1 + λ d′) = -(k/m) dⁿ dd`. Its integral is the depth
+/// at each speed, and with it the time is `∫ dd′/d″`. Compression from the speed v to 0 takes
+/// `A(D)` times depth over v. Rebound, reversed in time, is a compression from the speed e v with
+/// -λ in place of λ.
 ///
-/// With `1 + λ d′ = exp(-L (1 - X))`, `L = -ln(1 + D)`, X goes from 0 at the surface to 1 at the
-/// bottom, where `(d/depth)^(n+1) = g(X)/g(1)`, `g(X) = L X - exp(-L) (exp(L X) - 1)`.
-/// `X = s^(n+1)` takes the infinite slope at the surface away:
-/// `A = g′(0)/g(1) ∫₀¹ (g(X)/(X g(1)))^(-n/(n+1)) ds`, between 1 and `g′(0)/g(1)`. Without loss
-/// that is `B(1/2, 1/(n+1))/(n+1)`: π/2 for n = 1, 1.4716 for Hertz's 3/2.
+/// Let `1 + λ d′ = exp(-L (1 - X))` with `L = -ln(1 + D)`. X goes from 0 at the surface to 1 at the
+/// greatest depth, where `(d/depth)^(n+1) = g(X)/g(1)`, `g(X) = L X - exp(-L) (exp(L X) - 1)`. The
+/// substitution `X = s^(n+1)` removes the infinite slope at the surface:
+/// `A = g′(0)/g(1) ∫₀¹ (g(X)/(X g(1)))^(-n/(n+1)) ds`, between 1 and `g′(0)/g(1)`. Without loss A
+/// is `B(1/2, 1/(n+1))/(n+1)`: π/2 for n = 1, 1.4716 for Hertz's 3/2.
 pub(super) fn hunt_crossley_time(exponent: f64, restitution: f64, loss: f64) -> f64 {
     let down = -libm::log1p(loss);
-    // -ln(1 - e D) by the relation of e and D, where e D may be 1 to all its places.
+    // -ln(1 - e D) by the relation of e and D, because e D may be rounded to 1.
     let up = loss * (1.0 + restitution) + down;
     way_time(exponent, down, PANELS) + way_time(exponent, up, PANELS) / restitution
 }
 
-/// With so many panels of three places the integral is right to 1e-8 for exponents up to 4, to 1e-6
-/// up to 10 (a test compares sixteen times as many).
+/// Number of panels with three nodes each. The error of the integral is 1e-8 for exponents up to 4,
+/// and 1e-6 up to 10. A test compares it with sixteen times as many panels.
 const PANELS: u32 = 64;
 
-/// `A` above.
+/// The integral `A` of [`hunt_crossley_time`].
 fn way_time(exponent: f64, swing: f64, panels: u32) -> f64 {
     let [start, whole] = [way_slope(swing), way_work(swing, 1.0)];
     let power = exponent + 1.0;
@@ -222,7 +223,7 @@ fn way_time(exponent: f64, swing: f64, panels: u32) -> f64 {
     for panel in 0..panels {
         for [place, weight] in super::gauss::<f64>() {
             let x = libm::pow((f64::from(panel) + place) / f64::from(panels), power);
-            // A great exponent takes places near the surface to 0 itself.
+            // A large exponent rounds nodes near the surface to 0.
             let share = if x > 0.0 {
                 way_work(swing, x) / x
             } else {
@@ -234,11 +235,11 @@ fn way_time(exponent: f64, swing: f64, panels: u32) -> f64 {
     start / whole * mean / f64::from(panels)
 }
 
-/// Below this size of L, g is taken by its series over L², whose next term is `L³/24`; above it the
-/// difference loses `2⁻⁵²/L²`.
+/// Size of L below which g is computed by its series over L², whose next term is `L³/24`. Above it
+/// the difference loses `2⁻⁵²/L²`.
 const SHORT_SWING: f64 = 1e-3;
 
-/// `g(X)`, over L² where L is small.
+/// Function `g(X)`, over L² where L is small.
 fn way_work(swing: f64, x: f64) -> f64 {
     if swing.abs() < SHORT_SWING {
         let second = x * (1.0 - x * 0.5);
@@ -250,7 +251,7 @@ fn way_work(swing: f64, x: f64) -> f64 {
     }
 }
 
-/// `g′(0) = L (1 - exp(-L))`, over L² where L is small.
+/// Derivative `g′(0) = L (1 - exp(-L))`, over L² where L is small.
 fn way_slope(swing: f64) -> f64 {
     if swing.abs() < SHORT_SWING {
         1.0 - swing * (0.5 - swing / 6.0)
@@ -289,7 +290,7 @@ mod tests {
             (0.3, 0.832_869_79),
             (1.0, 0.593_624_26),
         ] {
-            // Half a unit of the last printed place, times dD/de of at most 1.9.
+            // Half a unit of the last printed digit, times dD/de of at most 1.9.
             assert!((hunt_crossley_loss(e).unwrap() - loss).abs() < 1.5e-8);
         }
         for loss in [1e-6, 2e-5, 1e-2, 3.0, 40.0] {
@@ -298,7 +299,7 @@ mod tests {
             } else {
                 restitution_of_hunt_crossley(loss)
             };
-            // What the parabola leaves out, and the rounding of e.
+            // Truncation error of the parabola, and rounding of e.
             let found = hunt_crossley_loss(e).unwrap();
             assert!((found - loss).abs() < 1e-8 * loss, "{found}, not {loss}");
         }
@@ -345,7 +346,7 @@ mod tests {
         }
     }
 
-    /// On both sides of the place where the series ends, too.
+    /// Includes both sides of the limit of the series.
     #[test]
     fn the_time_of_a_bounce_is_that_of_a_finer_rule() {
         for exponent in [1.0, 1.5, 2.0, 2.7, 4.0, 10.0] {

@@ -1,51 +1,59 @@
-//! Hunt and Crossley's law, with Hertz's exponent or any other.
+//! Contact law of Hunt and Crossley, with Hertz's exponent or any other.
 
 use super::bounce::{self, Carried};
 use super::{ContactLaw, MeanForce};
 use crate::error::{self, Rule, SceneError};
 use crate::real::Real;
 
-/// Hunt and Crossley's law (J. Appl. Mech. 42, 440, 1975): a spring that stiffens, and a damper in
-/// proportion to the spring's force.
+/// Hunt and Crossley's law (J. Appl. Mech. 42, 440, 1975): a nonlinear spring with a damper force
+/// proportional to the spring force.
 ///
 /// `normal force = k dⁿ max(0, 1 + λ u)` in newtons, for stiffness k, depth d, exponent n, damping
-/// λ and closing speed u. Energy in the spring: `k d^(n+1)/(n+1)`.
+/// λ and closing speed u. The energy in the spring is `k d^(n+1)/(n+1)`.
 ///
-/// The exponent 3/2 is that of an elastic ball on an elastic plane (Hertz 1881;
-/// [`hertz`](Self::hertz)), 1 that of a linear spring, 2 that of a cone. With 1, 3/2 and 2 a force
-/// costs no more than a square root; others take `libm`'s power, some 50 ns.
+/// | exponent | spring |
+/// |---|---|
+/// | 3/2 | an elastic ball on an elastic plane (Hertz 1881; [`hertz`](Self::hertz)) |
+/// | 1 | a linear spring |
+/// | 2 | a cone |
 ///
-/// A point that hits with speed v leaves with restitution e,
-/// `λ v (1 + e) = ln((1 + λ v)/(1 - e λ v))`, whatever exponent, stiffness and mass: `1 - 2 λ v/3`
-/// for slow bounces, `1/(λ v)` at most. It never leaves while the ground pushes, and the force is
-/// continuous at first touch.
+/// With these three exponents a force costs no more than a square root. Other exponents use the
+/// power function of `libm`, about 50 ns.
 ///
-/// *Limits:* a light touch is hardly damped: a body that settles at the depth d swings with the
-/// damping ratio `λ g/(2ω)`, `ω² = n g/d`, and takes long to come to rest where `λ v` is small.
+/// A point that touches down at speed v separates with restitution e, where
+/// `λ v (1 + e) = ln((1 + λ v)/(1 - e λ v))` for every exponent, stiffness and mass. The
+/// restitution is `1 - 2 λ v/3` for slow bounces and `1/(λ v)` at most. The contact never separates
+/// while the ground pushes, and the force is continuous at touch-down.
+///
+/// *Limits:* at small depth the damping is weak. A body that settles at the depth d oscillates with
+/// the damping ratio `λ g/(2ω)`, `ω² = n g/d`. It takes long to come to rest where `λ v` is small.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HuntCrossley<R = f64> {
-    /// N/mⁿ per contact, at least 0.
+    /// Stiffness per contact, N/mⁿ, at least 0.
     pub stiffness: R,
-    /// Dimensionless, at least 1.
+    /// Exponent n of the depth, dimensionless, at least 1.
     pub exponent: R,
-    /// s/m, at least 0.
+    /// Damping λ, s/m, at least 0.
     pub damping: R,
 }
 
-/// Where the depths of a path differ by less than this part of their sum, the difference of the
-/// energies says less of the mean force than Gauss's rule does.
+/// Relative length of a path below which Gauss's rule is more accurate than the difference of the
+/// energies: difference of the depths over their sum.
 ///
-/// There the rule's error is below 1e-14 of the force for exponents up to 3; the difference's is 50
-/// units in the last place.
+/// On shorter paths the error of the rule is below 1e-14 of the force for exponents up to 3. The
+/// error of the difference is 50 units in the last place.
 const SHORT: f64 = 0.02;
 
 impl<R: Real> HuntCrossley<R> {
-    /// Hertz's contact of an elastic ball of this radius (m) with an elastic plane, without
-    /// damping: exponent 3/2, stiffness `4/3 E √r`, with `1/E = (1-ν₁²)/E₁ + (1-ν₂²)/E₂` of both
-    /// materials (Pa).
+    /// Creates Hertz's contact of an elastic ball of this radius (m) with an elastic plane, without
+    /// damping.
     ///
-    /// *Limits:* small depths (under a tenth of the radius), no adhesion, slow compared with sound.
+    /// The exponent is 3/2 and the stiffness `4/3 E √r`. The modulus E (Pa) combines both
+    /// materials: `1/E = (1-ν₁²)/E₁ + (1-ν₂²)/E₂`.
+    ///
+    /// *Limits:* depths below a tenth of the radius, no adhesion, and speeds small compared with
+    /// the speed of sound.
     #[must_use]
     pub fn hertz(modulus: R, radius: R) -> Self {
         Self {
@@ -55,16 +63,16 @@ impl<R: Real> HuntCrossley<R> {
         }
     }
 
-    /// The law by which a body that hits with `speed` (m/s) goes down by `depth` (m) and leaves
-    /// with this restitution (-, above 0, at most 1).
+    /// Creates the law by which a body that hits with `speed` (m/s) penetrates by `depth` (m) and
+    /// leaves with this restitution (-, above 0, at most 1).
     ///
-    /// Without gravity during the bounce, and for contacts that touch together under the centre of
-    /// mass. The damping solves the relation above; with it
-    /// `stiffness = (n + 1) m (v/λ - ln(1 + λ v)/λ²)/depth^(n+1)`. An elastic bounce with exponent
-    /// 3/2 takes `2.943 depth/speed`.
+    /// The result holds without gravity during the bounce, for contacts that touch together under
+    /// the centre of mass. The damping solves the relation of [`HuntCrossley`] between restitution
+    /// and speed. The stiffness is then `(n + 1) m (v/λ - ln(1 + λ v)/λ²)/depth^(n+1)`. An elastic
+    /// bounce with exponent 3/2 takes `2.943 depth/speed`.
     ///
     /// # Errors
-    /// Where a number is not in its range.
+    /// Returns [`SceneError`] if a number is outside its range.
     pub fn from_bounce(
         carried: Carried<R>,
         exponent: R,
@@ -79,12 +87,11 @@ impl<R: Real> HuntCrossley<R> {
         Self::with_loss(carried, exponent, loss, speed.to_f64(), depth.to_f64())
     }
 
-    /// The law by which a body that hits with `speed` (m/s) leaves with this restitution (-, above
-    /// 0, at most 1), on and off in `contact_time` (s).
+    /// Creates the law by which a body that hits with `speed` (m/s) leaves with this restitution
+    /// (-, above 0, at most 1) after `contact_time` (s).
     ///
-    /// Its greatest depth is `contact_time · speed/c`, from which
-    /// [`from_bounce`](Self::from_bounce) goes on. The number c depends on exponent and restitution
-    /// only:
+    /// The greatest depth is `contact_time · speed/c`, and [`from_bounce`](Self::from_bounce) gives
+    /// the law for this depth. The number c depends on exponent and restitution only:
     ///
     /// | exponent | e = 1 | 0.9 | 0.75 | 0.5 | 0.25 |
     /// |---|---|---|---|---|---|
@@ -92,13 +99,13 @@ impl<R: Real> HuntCrossley<R> {
     /// | 3/2 | 2.9433 | 3.1039 | 3.4104 | 4.2495 | 6.4492 |
     /// | 2 | 2.8044 | 2.9577 | 3.2517 | 4.0647 | 6.2315 |
     ///
-    /// Without loss it is `2/(n + 1) B(1/2, 1/(n + 1))`, with Euler's beta function: π for a linear
-    /// spring, 2.943 for Hertz's; with loss it is an integral, taken by Gauss's rule, which makes
-    /// this constructor cost some 400 powers and exponentials, 40 µs. A faster bounce of the same
-    /// law is shorter, `speed^(-(n-1)/(n+1))` where the loss is small.
+    /// Without loss, `c = 2/(n + 1) B(1/2, 1/(n + 1))` with Euler's beta function: π for a linear
+    /// spring, 2.943 for Hertz's. With loss, c is an integral, computed by Gauss's rule. The
+    /// constructor then costs about 400 powers and exponentials, 40 µs. A faster bounce of the same
+    /// law is shorter, in proportion to `speed^(-(n-1)/(n+1))` where the loss is small.
     ///
     /// # Errors
-    /// Where a number is not in its range.
+    /// Returns [`SceneError`] if a number is outside its range.
     pub fn from_contact_time(
         carried: Carried<R>,
         exponent: R,
@@ -115,8 +122,8 @@ impl<R: Real> HuntCrossley<R> {
         Self::with_loss(carried, exponent, loss, speed.to_f64(), depth)
     }
 
-    /// The law by which a body that hits with this speed (m/s) goes down by this depth (m), with
-    /// the loss `λ v`.
+    /// Creates the law by which a body that hits with this speed (m/s) penetrates by this depth
+    /// (m), with the loss `λ v`.
     fn with_loss(
         carried: Carried<R>,
         exponent: R,
@@ -133,13 +140,14 @@ impl<R: Real> HuntCrossley<R> {
         })
     }
 
-    /// The law on which a body sinks by `sink_depth` (m) at rest under `gravity` (m/s²), and
-    /// bounces with this restitution (-, above 0, at most 1) where it hits with `speed` (m/s).
+    /// Creates the law on which a body penetrates by `sink_depth` (m) at rest under `gravity`
+    /// (m/s²), and bounces with this restitution (-, above 0, at most 1).
     ///
-    /// `stiffness = m g/depthⁿ`; the damping as of [`from_bounce`](Self::from_bounce).
+    /// The restitution is that of a body that hits with `speed` (m/s).
+    /// The stiffness is `m g/depthⁿ`. The damping is that of [`from_bounce`](Self::from_bounce).
     ///
     /// # Errors
-    /// Where a number is not in its range.
+    /// Returns [`SceneError`] if a number is outside its range.
     pub fn from_rest(
         carried: Carried<R>,
         exponent: R,
@@ -161,7 +169,7 @@ impl<R: Real> HuntCrossley<R> {
         })
     }
 
-    /// `dⁿ`.
+    /// Power `dⁿ` of a depth.
     #[inline]
     fn power(&self, depth: R) -> R {
         match self.kind() {
@@ -224,7 +232,7 @@ impl<R: Real> HuntCrossley<R> {
     }
 }
 
-/// The exponents that need no power function.
+/// Exponents without a power function, and the others.
 #[derive(Clone, Copy)]
 enum Kind {
     Linear,
@@ -233,9 +241,10 @@ enum Kind {
     Any,
 }
 
-/// Mean of `d^(3/2)` between two depths, and its derivative with respect to the second: with u and
-/// v the roots of the depths, `2/5 (u⁴ + u³v + u²v² + uv³ + v⁴)/(u + v)` and
-/// `1/5 (2u³ + 4u²v + 6uv² + 3v³)/(u + v)²`, without a difference that could cancel.
+/// Mean of `d^(3/2)` between two depths, and its derivative with respect to the second.
+///
+/// With u and v the square roots of the depths, they are `2/5 (u⁴ + u³v + u²v² + uv³ + v⁴)/(u + v)`
+/// and `1/5 (2u³ + 4u²v + 6uv² + 3v³)/(u + v)²`. No difference in them can cancel.
 #[inline]
 fn mean_of_hertz<R: Real>(from: R, to: R) -> [R; 2] {
     let (u, v) = (from.sqrt(), to.sqrt());
@@ -245,7 +254,7 @@ fn mean_of_hertz<R: Real>(from: R, to: R) -> [R; 2] {
     }
     let n = R::from_f64;
     let fourth = from * from + (from + to) * (u * v) + from * to + to * to;
-    // Each root over the sum is at most 1: no small square.
+    // Each root over the sum is at most 1, which avoids a small square as divisor.
     let (p, q) = (u / sum, v / sum);
     let third = n(2.0) * p * p * u + n(4.0) * p * q * u + n(6.0) * p * q * v + n(3.0) * q * q * v;
     [n(0.4) * (fourth / sum), n(0.2) * third]
@@ -273,8 +282,8 @@ impl<R: Real> ContactLaw<R> for HuntCrossley<R> {
         self.spring_force(depth) * factor.at_least(R::ZERO)
     }
 
-    /// Along an even path the damper's factor is one number, so that the mean is
-    /// `(1 + λ Δ/h) ΔV/Δ`, with Δ the path and h the time.
+    /// Mean force `(1 + λ Δ/h) ΔV/Δ`, with Δ the path length and h the time. On a path of constant
+    /// rate the factor of the damper is constant.
     #[inline]
     fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
         let (from, to) = (start.at_least(R::ZERO), end.at_least(R::ZERO));
@@ -288,7 +297,7 @@ impl<R: Real> ContactLaw<R> for HuntCrossley<R> {
         }
         let [mut spring, mut stiffness] = self.mean_spring(from, to);
         if end <= R::ZERO {
-            // It leaves: a longer way above the ground takes its share of the mean.
+            // The contact separates: the path above the ground reduces the mean.
             spring *= from / -path;
             stiffness = spring / -path;
         } else if start < R::ZERO {

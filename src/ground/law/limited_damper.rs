@@ -1,43 +1,43 @@
-//! A spring and a damper whose force never exceeds the spring's: no jump at first touch.
+//! Spring and damper without a jump of the force at touch-down.
 
 use super::bounce::{self, Carried};
 use super::{ContactLaw, MeanForce, SpringDamper};
 use crate::error::SceneError;
 use crate::real::Real;
 
-/// A spring and a damper side by side, where the damper's force is at most as large as the
-/// spring's.
+/// A spring and a damper in parallel, where the damper's force is at most as large as the spring's.
 ///
-/// `normal force = k d + min(k d, max(-k d, c u))` for stiffness k, depth d, damping c and closing
-/// speed u, in newtons: between 0 and `2 k d`, so that it is continuous at first touch, where
-/// [`SpringDamper`]'s jumps. A leaving contact feels the same as there: the limit is the clamp.
+/// `normal force = k d + min(k d, max(-k d, c u))` in newtons, for stiffness k, depth d, damping c
+/// and closing speed u. The force is between 0 and `2 k d`, so it is continuous at touch-down,
+/// where the force of [`SpringDamper`] jumps. For a separating contact the two laws are equal,
+/// because the lower limit is the clamp at 0.
 ///
-/// A point of mass m bounces, with `ζ = c/(2 √(k m)) < 1`, `cos β = ζ` and
-/// `tan θ = sin 2β/(2 + cos 2β)`, with the restitution
-/// `sin β/sin(β - θ) · exp(-ζ (2β - θ)/sin β)/√(1 + 8ζ²)`: from the surface it swings on a spring
-/// of stiffness 2k until the damper is no longer limited, then damped until the force has come to 0.
-/// Hyperbolic functions stand there for ζ > 1.
+/// The restitution of a point of mass m is `sin β/sin(β - θ) · exp(-ζ (2β - θ)/sin β)/√(1 + 8ζ²)`,
+/// with `ζ = c/(2 √(k m)) < 1`, `cos β = ζ` and `tan θ = sin 2β/(2 + cos 2β)`. From touch-down the
+/// point oscillates on a spring of stiffness 2k until the damper is no longer limited. The
+/// oscillation is then damped until the force is 0. For ζ > 1 the functions are hyperbolic.
 ///
-/// *Limits:* the restitution is the same at every speed. The force has kinks, so that explicit
-/// methods come to order 2, not 4.
+/// *Limits:* the restitution is the same at every speed. The slope of the force has
+/// discontinuities, so explicit methods have order 2 instead of 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LimitedDamper<R = f64> {
-    /// N/m per contact, at least 0.
+    /// Stiffness per contact, N/m, at least 0.
     pub stiffness: R,
-    /// N s/m per contact, at least 0.
+    /// Damping per contact, N s/m, at least 0.
     pub damping: R,
 }
 
 impl<R: Real> LimitedDamper<R> {
-    /// The law by which a body bounces with this restitution (-, above 0, at most 1), on and off in
-    /// `contact_time` (s).
+    /// Creates the law that gives a body this restitution (-, above 0, at most 1) and a bounce of
+    /// duration `contact_time` (s).
     ///
-    /// Without gravity during the bounce, and for contacts that touch together under the centre of
-    /// mass. The time is `(arctan(√8 ζ)/√2 + (2β - θ)/sin β)/ω`, in the letters above.
+    /// The result holds without gravity during the bounce, for contacts that touch together under
+    /// the centre of mass. The duration is `(arctan(√8 ζ)/√2 + (2β - θ)/sin β)/ω`, in the symbols
+    /// of [`LimitedDamper`], with `ω = √(k/m)`.
     ///
     /// # Errors
-    /// Where a number is not in its range.
+    /// Returns [`SceneError`] if a number is outside its range.
     pub fn from_bounce(
         carried: Carried<R>,
         restitution: R,
@@ -49,11 +49,11 @@ impl<R: Real> LimitedDamper<R> {
         Ok(Self::limited(carried.on(frequency, ratio)?))
     }
 
-    /// The law on which a body sinks by `sink_depth` (m) at rest under `gravity` (m/s²), and
-    /// bounces with this restitution (-, above 0, at most 1).
+    /// Creates the law on which a body penetrates by `sink_depth` (m) at rest under `gravity`
+    /// (m/s²), and bounces with this restitution (-, above 0, at most 1).
     ///
     /// # Errors
-    /// Where a number is not in its range.
+    /// Returns [`SceneError`] if a number is outside its range.
     pub fn from_rest(
         carried: Carried<R>,
         restitution: R,
@@ -72,7 +72,7 @@ impl<R: Real> LimitedDamper<R> {
         }
     }
 
-    /// The law without the limit, which is the same for a contact that leaves.
+    /// Returns the law without the limit, which is equal for a separating contact.
     #[inline]
     fn unlimited(&self) -> SpringDamper<R> {
         SpringDamper {
@@ -92,7 +92,7 @@ impl<R: Real> LimitedDamper<R> {
         let share = if start >= R::ZERO { R::ONE } else { end / path };
         let spring = k * ((from + end) * share * R::HALF);
         let stiffness = k * (share * (R::ONE - share * R::HALF));
-        // Above this depth the damper gives no more than the spring.
+        // Above this depth the damper's force is below the spring's.
         let cut = c * path / (seconds * k);
         if end <= cut {
             MeanForce {
@@ -146,13 +146,15 @@ impl<R: Real> ContactLaw<R> for LimitedDamper<R> {
         spring + damper.at_most(spring).at_least(-spring)
     }
 
-    /// The integral of the whole law along an even path, in closed form (k: stiffness, c: damping,
-    /// d₀ and d₁: depths, Δ = d₁ - d₀, h: time).
+    /// Integral of the whole law along a path of constant rate, in closed form.
     ///
-    /// Going down, the damper is limited as far as the depth `d* = c Δ/(h k)`: with the integral
-    /// `G(d) = k d²` there and `k (d²/2 + d* d - d*²/2)` beyond, the mean is
-    /// `(G(d₁) - G(max(0, d₀)))/Δ`, of which the spring's share is `k/2 (d₁² - max(0, d₀)²)/Δ`.
-    /// Going up, as of [`SpringDamper`].
+    /// Symbols: k is the stiffness, c the damping, d₀ and d₁ are the depths, Δ = d₁ - d₀, and h is
+    /// the time.
+    ///
+    /// While the depth increases, the damper is limited up to the depth `d* = c Δ/(h k)`. The
+    /// integral is `G(d) = k d²` there and `k (d²/2 + d* d - d*²/2)` beyond. The mean is
+    /// `(G(d₁) - G(max(0, d₀)))/Δ`, of which the spring contributes `k/2 (d₁² - max(0, d₀)²)/Δ`.
+    /// While the depth decreases, the mean is that of [`SpringDamper`].
     #[inline]
     fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
         if end >= start {

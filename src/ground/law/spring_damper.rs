@@ -1,41 +1,43 @@
-//! The report's law: a spring and a damper side by side, that never pull.
+//! The contact law of the coin report: a spring and a damper in parallel that never pull.
 
 use super::bounce::{self, Carried};
 use super::{ContactLaw, MeanForce};
 use crate::error::{self, SceneError};
 use crate::real::Real;
 
-/// A spring and a damper side by side (Kelvin-Voigt) that never pull: the law of the report, and of
-/// [`FlatGround`](crate::FlatGround).
+/// A spring and a damper in parallel (Kelvin-Voigt) that never pull.
 ///
-/// `normal force = max(0, stiffness · depth + damping · closing_speed)`, in newtons. Energy in the
-/// spring: `stiffness · depth²/2`, also where the contact leaves so fast that its force is 0.
+/// It is the law of the coin report and of [`FlatGround`](crate::FlatGround).
 ///
-/// *Limits:* the damper's force jumps from 0 to `damping · closing_speed` at first touch, which
-/// spoils an explicit method's order above 1. A point of mass m bounces with restitution
-/// `exp(-2ζ arccos(ζ)/√(1-ζ²))`, `ζ = damping/(2 √(stiffness m))`, at every speed whose square is
-/// far above `(g/ω)²`, `ω = √(stiffness/m)`: real balls bounce less the faster they are
-/// ([`HuntCrossley`](crate::HuntCrossley)).
+/// `normal force = max(0, stiffness · depth + damping · closing_speed)`, in newtons. The energy in
+/// the spring is `stiffness · depth²/2`, also where the contact separates so fast that its force is
+/// 0.
+///
+/// *Limits:* the damper's force jumps from 0 to `damping · closing_speed` at touch-down. An
+/// explicit method then has order 1 only. A point of mass m bounces with restitution
+/// `exp(-2ζ arccos(ζ)/√(1-ζ²))`, `ζ = damping/(2 √(stiffness m))`. This holds at every speed whose
+/// square is far above `(g/ω)²`, `ω = √(stiffness/m)`. The restitution of a real ball decreases
+/// with its speed ([`HuntCrossley`](crate::HuntCrossley)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpringDamper<R = f64> {
-    /// N/m per contact, at least 0.
+    /// Stiffness per contact, N/m, at least 0.
     pub stiffness: R,
-    /// N s/m per contact, at least 0.
+    /// Damping per contact, N s/m, at least 0.
     pub damping: R,
 }
 
 impl<R: Real> SpringDamper<R> {
-    /// The law by which a body bounces with this restitution (-, above 0, at most 1), on and off in
-    /// `contact_time` (s).
+    /// Creates the law that gives a body this restitution (-, above 0, at most 1) and a bounce of
+    /// duration `contact_time` (s).
     ///
-    /// Without gravity during the bounce, and for contacts that touch together under the centre of
-    /// mass: `restitution = exp(-2ζ α)`, `contact_time = 2 α/ω`, `α = arccos(ζ)/√(1-ζ²)` (Schwager
-    /// & Pöschel, Granular Matter 9, 465, 2007). Gravity makes a bounce longer and its restitution
-    /// less where `speed · ω` is not far above g.
+    /// The result holds without gravity during the bounce, for contacts that touch together under
+    /// the centre of mass: `restitution = exp(-2ζ α)`, `contact_time = 2 α/ω`,
+    /// `α = arccos(ζ)/√(1-ζ²)` (Schwager & Pöschel, Granular Matter 9, 465, 2007). Where
+    /// `speed · ω` is not far above g, gravity makes a bounce longer and its restitution smaller.
     ///
     /// # Errors
-    /// Where a number is not in its range.
+    /// Returns [`SceneError`] if a number is outside its range.
     pub fn from_bounce(
         carried: Carried<R>,
         restitution: R,
@@ -46,13 +48,14 @@ impl<R: Real> SpringDamper<R> {
         carried.on(frequency, ratio)
     }
 
-    /// The law on which a body sinks by `sink_depth` (m) at rest under `gravity` (m/s²), and
-    /// bounces with this restitution (-, above 0, at most 1).
+    /// Creates the law on which a body penetrates by `sink_depth` (m) at rest under `gravity`
+    /// (m/s²), and bounces with this restitution (-, above 0, at most 1).
     ///
-    /// `stiffness = m g/depth`; the restitution as of [`from_bounce`](Self::from_bounce).
+    /// The stiffness is `m g/depth`. The restitution has the limits of
+    /// [`from_bounce`](Self::from_bounce).
     ///
     /// # Errors
-    /// Where a number is not in its range.
+    /// Returns [`SceneError`] if a number is outside its range.
     pub fn from_rest(
         carried: Carried<R>,
         restitution: R,
@@ -142,20 +145,22 @@ impl<R: Real> ContactLaw<R> for SpringDamper<R> {
         (self.stiffness * depth + self.damping * closing_speed).at_least(R::ZERO)
     }
 
-    /// The integral of the whole clamped law along an even path, in closed form (k: stiffness, c:
-    /// damping, d₀ and d₁: depths, Δ = d₁ - d₀, h: time):
+    /// Integral of the whole clamped law along a path of constant rate, in closed form.
     ///
-    /// - going down from d₀ >= 0: `k (d₀ + d₁)/2 + c Δ/h`; from above ground:
-    ///   `k d₁²/(2Δ) + c d₁/h`;
-    /// - going up: the clamp cuts where `k d + c Δ/h` falls to 0, at the depth `d* = -c Δ/(h k)`;
-    ///   with `eᵢ = dᵢ - d*` the mean is `k (e₀ + e₁)/2` while e₁ >= 0, `k e₀²/(2|Δ|)` while e₀ >
-    ///   0, then 0.
+    /// Symbols: k is the stiffness, c the damping, d₀ and d₁ are the depths, Δ = d₁ - d₀, and h is
+    /// the time.
     ///
-    /// Continuous, rising with d₁, and without a 0/0 as Δ goes to 0.
+    /// - The depth increases from d₀ >= 0: `k (d₀ + d₁)/2 + c Δ/h`.
+    /// - The depth increases from above ground: `k d₁²/(2Δ) + c d₁/h`.
+    /// - The depth decreases: the clamp begins where `k d + c Δ/h` falls to 0, at the depth
+    ///   `d* = -c Δ/(h k)`. With `eᵢ = dᵢ - d*` the mean is `k (e₀ + e₁)/2` while e₁ >= 0,
+    ///   `k e₀²/(2|Δ|)` while e₀ > 0, then 0.
+    ///
+    /// The mean is continuous, increases with d₁, and has no 0/0 as Δ goes to 0.
     #[inline]
     fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
         let path = end - start;
-        // The same for all contacts of a step: its division is taken out of their loop.
+        // Equal for all contacts of a step, so that the division can be moved out of their loop.
         let per_second = R::ONE / seconds;
         if path >= R::ZERO {
             self.mean_force_down(start, end, per_second)

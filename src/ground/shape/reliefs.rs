@@ -1,15 +1,17 @@
-//! Terrains that need no code of the user's.
+//! Ready-made height fields: [`Bowl`], [`Ramp`] and [`Waves`].
 
 use super::{Elevation, HeightField};
 use crate::error::{self, SceneError};
 use crate::real::Real;
 
-/// A bowl, a trough, a hill or a saddle: `z = (c₁ x² + c₂ y²)/2`, m.
+/// Height field of a bowl, a trough, a hill or a saddle: `z = (c₁ x² + c₂ y²)/2`, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bowl<R = f64> {
-    /// c₁ and c₂, 1/m, along x and y: above 0 in a bowl, below on a hill, one of them 0 in a
-    /// trough. The terrain's radii of curvature at the bottom are their inverses.
+    /// Curvatures c₁ and c₂ at the origin, along x and y, 1/m.
+    ///
+    /// Both are above 0 in a bowl and below 0 on a hill. One of them is 0 in a trough. The radii of
+    /// curvature at the origin are their inverses.
     pub curvatures: [R; 2],
 }
 
@@ -40,16 +42,18 @@ impl<R: Real> HeightField<R> for Bowl<R> {
     }
 }
 
-/// A level ground that becomes a slope along x: `z = slope (x + √(x² + width²))/2`, m.
+/// Height field of a level ground that becomes a slope along x: `z = slope (x + √(x² + width²))/2`,
+/// m.
 ///
-/// Level to `slope width²/(4 |x|)` before, and as near to the plane `z = slope · x` after. The
-/// sharpest bend, at x = 0, is `slope/(2 width)`.
+/// On the side of negative x the ground is level to within `slope width²/(4 |x|)`. On the side of
+/// positive x it is as near to the plane `z = slope · x`. The largest curvature, at x = 0, is
+/// `slope/(2 width)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ramp<R = f64> {
-    /// The tangent of its angle; below 0 where it leads down.
+    /// Tangent of the slope angle; below 0 if the ground descends along x.
     pub slope: R,
-    /// m, above 0. Half the length of the bend.
+    /// Half the length of the bend, m, above 0.
     pub width: R,
 }
 
@@ -80,15 +84,15 @@ impl<R: Real> HeightField<R> for Ramp<R> {
     }
 }
 
-/// Waves along x: `z = amplitude sin(2π x/length)`, m.
+/// Height field of waves along x: `z = amplitude sin(2π x/length)`, m.
 ///
-/// Crests and troughs have the radius of curvature `(length/2π)²/amplitude`.
+/// The radius of curvature of crests and troughs is `(length/2π)²/amplitude`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Waves<R = f64> {
-    /// m.
+    /// Height of a crest above the mean level, m.
     pub amplitude: R,
-    /// From crest to crest, m, above 0.
+    /// Wavelength, from crest to crest, m, above 0.
     pub length: R,
 }
 

@@ -1,14 +1,16 @@
-//! Hills and valleys: a surface z = h(x, y).
+//! Terrains: surfaces z = h(x, y).
 
 use super::{GroundBounds, Plane, Shape, Surface};
 use crate::error::SceneError;
 use crate::real::{Real, Vector};
 
-/// The height of a terrain, h(x, y), with its gradient.
+/// The height h(x, y) of a terrain, with its gradient.
 ///
-/// *To the implementer:* height and gradient must be finite and continuous, and the gradient be the
-/// height's; the hessian only makes the search for the nearest point quicker, by a few iterations
-/// near the surface. A closure is a relief:
+/// *To the implementer:* height and gradient must be finite and continuous, and the gradient must
+/// be the derivative of the height. The hessian only speeds up the search for the nearest point, by
+/// a few iterations near the surface.
+///
+/// A closure is a height field:
 ///
 /// ```
 /// use tumble::{Elevation, Ground, SpringDamper, Terrain};
@@ -26,32 +28,33 @@ use crate::real::{Real, Vector};
     note = "implement `elevation`, or take a closure from x and y to an `Elevation`"
 )]
 pub trait HeightField<R: Real = f64> {
-    /// Height, gradient and hessian above a place of the level (m, world axes).
+    /// Height, gradient and hessian at the point (x, y) of the level plane (m, world axes).
     fn elevation(&self, x: R, y: R) -> Elevation<R>;
 
-    /// A height (m) that no place of the terrain exceeds, if there is one: above it nothing is
-    /// looked at.
+    /// Height (m) that the terrain never exceeds, if there is one. Contacts above it are not
+    /// evaluated.
     #[inline]
     fn highest(&self) -> Option<R> {
         None
     }
 
-    /// Whether the relief can be: called once, when a scene is composed.
+    /// Checks that the height field is valid. Called once, when a scene is composed.
     ///
     /// # Errors
-    /// Names the quantity, the rule that it breaks, and its value.
+    /// Returns [`SceneError`] if a quantity is invalid. The error names the quantity, the rule and
+    /// the value.
     fn check(&self) -> Result<(), SceneError> {
         Ok(())
     }
 
-    /// Returns true if the values of the relief need no check while a step evaluates them. Default:
-    /// false.
+    /// Returns true if the values of the height field need no check while a step evaluates them.
+    /// Default: false.
     ///
     /// A step checks the values of a law that is not trusted, and returns
-    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
-    /// Override it if the law keeps its contract for every finite input, and
-    /// [`check_ground`](crate::contract::check_ground) finds nothing: the checks then cost nothing.
-    /// A trusted law that breaks its contract goes unnoticed.
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract. Override
+    /// this method if the law keeps its contract for every finite input, and
+    /// [`check_ground`](crate::contract::check_ground) finds no fault. The checks then cost
+    /// nothing. A trusted law that breaks its contract is not detected.
     #[inline]
     fn is_trusted(&self) -> bool {
         false
@@ -65,19 +68,19 @@ impl<R: Real, F: Fn(R, R) -> Elevation<R>> HeightField<R> for F {
     }
 }
 
-/// Height, gradient and hessian of a terrain above a place.
+/// Height, gradient and hessian of a terrain at a point (x, y).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elevation<R = f64> {
-    /// h, m.
+    /// Height h, m.
     pub height: R,
-    /// ∂h/∂x and ∂h/∂y.
+    /// Gradient ∂h/∂x and ∂h/∂y.
     pub gradient: [R; 2],
-    /// ∂²h/∂x², ∂²h/∂x∂y and ∂²h/∂y², 1/m; or zeros.
+    /// Hessian ∂²h/∂x², ∂²h/∂x∂y and ∂²h/∂y², 1/m; or zeros.
     pub hessian: [R; 3],
 }
 
 impl<R: Real> Elevation<R> {
-    /// A height (m) and a gradient.
+    /// Creates an elevation from a height (m) and a gradient, with a hessian of zeros.
     #[inline]
     #[must_use]
     pub fn new(height: R, gradient: [R; 2]) -> Self {
@@ -88,7 +91,7 @@ impl<R: Real> Elevation<R> {
         }
     }
 
-    /// The same with its second derivatives xx, xy, yy (1/m).
+    /// Returns the elevation with the second derivatives xx, xy, yy (1/m).
     #[inline]
     #[must_use]
     pub fn with_hessian(self, hessian: [R; 3]) -> Self {
@@ -98,31 +101,37 @@ impl<R: Real> Elevation<R> {
 
 /// The surface z = h(x, y) of a [`HeightField`], solid below.
 ///
-/// The gap is the *distance* to the nearest point of the surface, found by Newton's method, and
-/// negative below it. So its gradient is the unit normal, and a spring's force along the normal is
-/// a potential's: round a closed path the springs do no work. A depth measured otherwise does not
-/// have this: the vertical one, h - z, changes by more than the way along the normal, and that one
-/// times the cosine of the gradient is a distance on the surface only, and below it fails by depth
-/// times curvature. It also holds for contacts with a radius: the centre of a ball rolls on the
-/// parallel surface.
+/// The gap is the *distance* to the nearest point of the surface, negative below it. Newton's
+/// method finds this point. The gradient of the gap is therefore the unit normal, and a spring
+/// force along the normal derives from a potential: the springs do no work along a closed path.
 ///
-/// A search costs 2 to 4 elevations near the surface, with the hessian; without it, each iteration
-/// gains a factor of one over depth (or radius) times curvature.
+/// Other measures of the depth do not have this property:
 ///
-/// *Limits:* depth and radius of a contact, and so the radius of a ball in a valley, must be below
-/// the terrain's radius of curvature, 1/hessian: from there on several places are nearest, the gap
-/// has edges, and the search, which begins at the place right below, may find one that is near, but
-/// not nearest. The energy does not rise there either ([`EnergyMomentum`](crate::EnergyMomentum)),
-/// but no promise is made on the way.
+/// * The vertical depth, h - z, changes by more than the displacement along the normal.
+/// * The vertical depth times the cosine of the slope angle is a distance only on the surface.
+///   Below it, the error is depth times curvature.
+///
+/// The property also holds for contacts with a radius: the centre of a ball rolls on the parallel
+/// surface.
+///
+/// With the hessian, a search costs 2 to 4 elevations near the surface. Without it, each iteration
+/// reduces the error by a factor of one over depth (or radius) times curvature.
+///
+/// *Limits:* depth and radius of a contact must be below the terrain's radius of curvature,
+/// 1/hessian. This also limits the radius of a ball in a valley. Beyond the limit several points of
+/// the surface can be nearest, and the gap has edges. The search starts at the point vertically
+/// below or above. It may then find a point that is near but not nearest. Even there the energy
+/// never increases ([`EnergyMomentum`](crate::EnergyMomentum)), but the accuracy of the path is not
+/// guaranteed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Terrain<H> {
-    /// Its height.
+    /// Height function of the terrain.
     pub height_field: H,
 }
 
 impl<H> Terrain<H> {
-    /// The terrain of a relief.
+    /// Creates the terrain of a height field.
     pub fn of<R: Real>(height_field: H) -> Self
     where
         H: HeightField<R>,
@@ -154,19 +163,19 @@ impl<R: Real, H: HeightField<R>> Shape<R> for Terrain<H> {
     }
 }
 
-/// Elevations that a search looks at, at most: with the hessian a handful is enough; without it, so
-/// many halve the way to the nearest point as often.
+/// Maximum number of elevations in a search. With the hessian a few are enough. Without it, 24
+/// elevations halve the distance to the nearest point 24 times.
 const LOOKS: u32 = 24;
-/// A step of so many units in the last place is rounding.
+/// Size of a step, in units in the last place, that counts as rounding.
 const ROUNDING: f64 = 16.0;
 
-/// A place of the terrain, as seen from a point.
+/// Point of the terrain in a search for the point nearest to a given one.
 #[derive(Clone, Copy)]
 struct Foot<R: Real> {
     x: R,
     y: R,
     elevation: Elevation<R>,
-    /// Of its distance from the point, m².
+    /// Square of its distance from the given point, m².
     square: R,
 }
 
@@ -199,14 +208,14 @@ impl<R: Real> Foot<R> {
                 foot = next;
                 step = foot.step(point);
             } else {
-                // It leads away: half of it may not.
+                // The step increases the distance. Try half of it.
                 step = step.map(|along| along * R::HALF);
             }
         }
         foot
     }
 
-    /// What rounding leaves of a step, m.
+    /// Size of a step that is due to rounding, m.
     #[inline]
     fn rounding(&self, point: R::Vec3) -> R {
         let size =
@@ -214,10 +223,13 @@ impl<R: Real> Foot<R> {
         size * (R::EPSILON * R::from_f64(ROUNDING))
     }
 
-    /// Half the square of the distance, `((x-X)² + (y-Y)² + (h-Z)²)/2`, has the gradient
-    /// `(x-X + (h-Z) hₓ, ...)` and the second derivatives `1 + hₓ² + (h-Z) hₓₓ`, ... Newton's step
-    /// goes to where the gradient is 0; where the second derivatives are no bowl's, those without
-    /// the hessian are, and the step is to the foot on the tangent plane (Gauss & Newton).
+    /// Newton's step towards the nearest point of the surface.
+    ///
+    /// Half the square of the distance is `((x-X)² + (y-Y)² + (h-Z)²)/2`. Its gradient is
+    /// `(x-X + (h-Z) hₓ, ...)`, and its second derivatives are `1 + hₓ² + (h-Z) hₓₓ`, ... Newton's
+    /// step leads to a gradient of 0. Where the second derivatives are not positive definite, the
+    /// terms with the hessian are left out. The step then leads to the foot on the tangent plane
+    /// (Gauss & Newton).
     #[inline]
     fn step(&self, point: R::Vec3) -> [R; 2] {
         let Elevation {
@@ -230,7 +242,7 @@ impl<R: Real> Foot<R> {
         let (ax, axy, ay) = (R::ONE + hx * hx, hx * hy, R::ONE + hy * hy);
         let (bx, bxy, by) = (ax + up * hxx, axy + up * hxy, ay + up * hyy);
         let bowl = bx * by - bxy * bxy;
-        // A bowl by a margin, so that the step is no leap.
+        // Positive definite by a margin, to keep the step short.
         let margin = (ax * ay - axy * axy) * R::from_f64(1e-2);
         let (ax, axy, ay, determinant) = if bowl > margin && bx > R::ZERO {
             (bx, bxy, by, bowl)
@@ -241,8 +253,8 @@ impl<R: Real> Foot<R> {
         [(ay * gx - axy * gy) * per, (ax * gy - axy * gx) * per]
     }
 
-    /// The distance to the tangent plane is that to the terrain to second order in what the foot is
-    /// off by.
+    /// Distance to the tangent plane at the foot. It equals the distance to the terrain to second
+    /// order in the error of the foot.
     #[inline]
     fn surface(&self, point: R::Vec3) -> Surface<R> {
         let [hx, hy] = self.elevation.gradient;
