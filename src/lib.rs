@@ -147,7 +147,7 @@
 //! |---|---|
 //! | `std` (default) | the standard library for the dependencies and the square root, parts in boxes, [`work_precision`](mod@work_precision); changes no bit of any result |
 //! | `approx-05` | comparison of states by `approx` 0.5 |
-//! | `serde` | states and parameters can be saved and loaded |
+//! | `serde` | states, sessions, parameters, laws, and bodies but `PointCloud` and `Solid` can be saved and loaded |
 //! | `mint` | glam's conversions from and to `mint` |
 
 #[cfg(any(test, feature = "std"))]

@@ -1200,7 +1200,7 @@ impl<R: Real> Broken<'_, R> {
 
     fn spoilt(&self, violation: Violation, depth: R, value: R) -> R {
         if self.spoils(violation, depth) {
-            R::ZERO / R::ZERO
+            R::from_f64(f64::NAN)
         } else {
             value
         }
@@ -1272,7 +1272,7 @@ impl<R: Real> SlidingFriction<R> for Broken<'_, R> {
             return slip * R::HALF;
         }
         let is_nan = self.spoils(Violation::FrictionForce, normal_force);
-        let nan = R::ZERO / R::ZERO;
+        let nan = R::from_f64(f64::NAN);
         if is_nan {
             R::Vec3::new(nan, nan, nan)
         } else {

@@ -6,11 +6,11 @@
 
 mod kit;
 
+use core::ops::ControlFlow;
 use kit::{
     angle_between, difference, directions, each_explicit, each_method, log_uniform, zero_or,
 };
 use proptest::prelude::*;
-use std::ops::ControlFlow;
 use tumble::glam::{DQuat, DVec3, Vec3};
 use tumble::trial::TrialStepper;
 use tumble::{
@@ -588,7 +588,7 @@ fn the_steps_and_samples_of_a_session_are_those_of_a_run() {
     let mut session = stepper.session(trial.state());
     let first = session.moment();
     let seen: Vec<_> = session.steps().take(100).map(Result::unwrap).collect();
-    let all = std::iter::once(first).chain(seen);
+    let all = core::iter::once(first).chain(seen);
     let all: Vec<_> = all.map(|m| (m.time, m.steps, m.state)).collect();
     assert_eq!(all, shown);
     // A run of a session shows its own time, and the session goes on.

@@ -22,7 +22,8 @@ use crate::state::State;
 ///
 /// let trial = Trial::<f64>::report(1).ok_or("no such trial")?;
 /// let time_step = 1e-3; // s
-/// let methods: [AnyIntegrator; 2] = [EnergyMomentum { time_step }.into(), Rk4 { time_step }.into()];
+/// let implicit: AnyIntegrator = EnergyMomentum { time_step }.into();
+/// let methods = [implicit, Rk4 { time_step }.into()];
 /// for method in methods {
 ///     let mut state = trial.state();
 ///     trial.stepper(method)?.advance(&mut state, 0.1)?;
