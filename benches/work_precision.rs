@@ -206,7 +206,7 @@ fn measure(name: &str, start: &Start, single: bool, whole: bool) {
     }
     if whole {
         let file = name.replace(' ', "_");
-        let title = format!("{name}: error after {} s over price", start.seconds);
+        let title = format!("{name}: error after {} s over cost", start.seconds);
         picture::write(&trade, &title, &folder(), &file).unwrap();
     }
 }

@@ -2,7 +2,7 @@
 //! stiffness of the whole rim.
 //!
 //! `cargo run --release --example round_rim -- --help`; prints the tables of `Disc`'s
-//! documentation; its prices are counted by `.ci/instructions`.
+//! documentation; its costs are counted by `.ci/instructions`.
 
 #[path = "common/table.rs"]
 mod table;

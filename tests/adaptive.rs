@@ -248,7 +248,7 @@ fn a_rolling_ball_that_sticks_is_told_to_take_an_implicit_step() {
 }
 
 /// Evaluations of the forces for a quarter of a second.
-fn price<I: Integrator>(
+fn cost<I: Integrator>(
     stepper: &Stepper<f64, Coin, FlatGround, Coulomb, UniformGravity, I>,
     start: State,
 ) -> u32 {
@@ -267,7 +267,7 @@ fn price<I: Integrator>(
 #[test]
 fn a_thousandfold_tighter_tolerance_costs_what_the_order_says_in_smooth_motion() {
     // A coin that lies on all of its points, slides and rocks: no contact comes or goes, and none
-    // sticks. The error of a step goes as its power q of the estimate, so the price goes as
+    // sticks. The error of a step goes as its power q of the estimate, so the cost goes as
     // tolerance^(-1/q): 10^(3/5) = 4.0 and 10^(3/3) = 10. The first steps, and lengths that grow in
     // spurts, cost a share on top.
     let trial = trial(1);
@@ -276,16 +276,16 @@ fn a_thousandfold_tighter_tolerance_costs_what_the_order_says_in_smooth_motion()
         .with_rotation_vector(DVec3::new(0.0, core::f64::consts::FRAC_PI_2, 0.0))
         .with_angular_momentum(DVec3::new(0.02, 0.0, 0.1));
     fn ratio<I: Integrator>(of: fn(f64) -> I, trial: &Trial, start: State) -> f64 {
-        let price = |tolerance| {
+        let cost = |tolerance| {
             let stepper = Stepper::new(trial.coin())
                 .and_then(|stepper| stepper.with_ground(FlatGround::level(10.0, 0.05)))
                 .and_then(|stepper| stepper.with_friction(trial.friction()))
                 .and_then(|stepper| stepper.with_gravity(trial.gravity()))
                 .and_then(|stepper| stepper.with_integrator(of(tolerance)))
                 .unwrap();
-            f64::from(self::price(&stepper, start))
+            f64::from(self::cost(&stepper, start))
         };
-        price(1e-9) / price(1e-6)
+        cost(1e-9) / cost(1e-6)
     }
     let dormand_prince = ratio(DormandPrince54::new, &trial, start);
     let bogacki_shampine = ratio(BogackiShampine32::new, &trial, start);

@@ -1,6 +1,6 @@
-//! Error against price: each integrator on trial 1 of the report, against the truth of its
-//! equations. Prints the README's table, and the cheapest settings for an error of 1e-4 m, beside
-//! an Rk4 as anyone would write it.
+//! Error against cost: each integrator on trial 1 of the report, against the truth of its
+//! equations. Prints a table of error and cost, and the cheapest settings for an error of 1e-4 m,
+//! beside an Rk4 as anyone would write it.
 //!
 //! `cargo run --release --example accuracy`, on a machine with nothing else to do. With `-- --f32`
 //! it prints the tables of single precision in `src/guide/accuracy.md`: errors of the numbers
@@ -25,13 +25,13 @@ use tumble::{
     EnergyMomentum, ForwardEuler, Integrator, Nystrom, Rk4, State, StrangSplitting, SymplecticEuler,
 };
 
-/// The price is the least of so many runs: whatever else the machine does only adds to it.
+/// The cost is the least of so many runs: whatever else the machine does only adds to it.
 const RUNS: usize = 20;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = lexopt::Parser::from_env();
     match arguments.next()? {
-        None => prices(),
+        None => costs(),
         Some(Long("f32")) => single::tables(),
         Some(Short('h') | Long("help")) => {
             print!("{HELP}");
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 const HELP: &str = "\
 Runs trial 1 for a second by each integrator, in steps of 1 ms and less, and prints its error against
-13 digits of the truth beside its price: the README's table.
+13 digits of the truth beside its cost.
 
 Usage: cargo run --release --example accuracy -- [OPTIONS]
 
@@ -51,12 +51,12 @@ Usage: cargo run --release --example accuracy -- [OPTIONS]
   -h, --help   this text
 ";
 
-/// The README's table.
-fn prices() -> Result<(), Box<dyn Error>> {
+/// Prints the table of error and cost.
+fn costs() -> Result<(), Box<dyn Error>> {
     let truth = truth()?;
     // The report's method is stable below damping/stiffness = 0.5 ms.
     let mut rows = vec![
-        table::cells(["integrator", "order", "time step", "error", "price of 1 s"]),
+        table::cells(["integrator", "order", "time step", "error", "cost of 1 s"]),
         row(
             "`ForwardEuler`, the report's",
             ForwardEuler { time_step: 1e-4 },
@@ -93,12 +93,12 @@ fn row<I: Integrator>(
         .fixed_step()
         .ok_or("the method chooses its steps")?;
     let stepper = trial.stepper(integrator)?;
-    let (mut end, mut price) = (trial.state(), f64::INFINITY);
+    let (mut end, mut cost) = (trial.state(), f64::INFINITY);
     for _ in 0..RUNS {
         end = trial.state();
         let start = Instant::now();
         stepper.advance(&mut end, DURATION)?;
-        price = price.min(start.elapsed().as_secs_f64());
+        cost = cost.min(start.elapsed().as_secs_f64());
     }
     let error = distance(&end, truth);
     Ok(table::cells([
@@ -106,6 +106,6 @@ fn row<I: Integrator>(
         order.to_string(),
         format!("{} ms", time_step * 1e3),
         format!("{error:.1e} m"),
-        format!("{:.0} µs", price * 1e6),
+        format!("{:.0} µs", cost * 1e6),
     ]))
 }

@@ -31,7 +31,7 @@ fn steps() -> Vec<f64> {
 const TOLERANCES: [f64; 12] = [
     3e-3, 2e-3, 1e-3, 5e-4, 3e-4, 2e-4, 1e-4, 5e-5, 3e-5, 2e-5, 1e-5, 5e-6,
 ];
-/// The price is the least of so many turns, in which each program runs so often in a row: what else
+/// The cost is the least of so many turns, in which each program runs so often in a row: what else
 /// the machine does only adds to it, and its clock is the same for all.
 const TURNS: usize = 200;
 const IN_A_ROW: usize = 20;
@@ -55,7 +55,7 @@ pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
         &within,
         "setting",
         "error",
-        "price of 1 s",
+        "cost of 1 s",
         "of the plain Rk4's",
         "in steps of the report's loop",
     ];
@@ -74,12 +74,12 @@ pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
         ]));
         programs.push((rows.len() - 1, program));
     }
-    let (prices, yardstick) = prices(programs.iter().map(|(_, program)| program))?;
-    for (&(row, _), price) in programs.iter().zip(&prices) {
+    let (costs, yardstick) = costs(programs.iter().map(|(_, program)| program))?;
+    for (&(row, _), cost) in programs.iter().zip(&costs) {
         rows[row].extend([
-            format!("{:.0} µs", price * 1e6),
-            format!("{:.2}", price / prices[0]),
-            format!("{:.0}", price / yardstick),
+            format!("{:.0} µs", cost * 1e6),
+            format!("{:.2}", cost / costs[0]),
+            format!("{:.0}", cost / yardstick),
         ]);
     }
     table::print(&rows);
@@ -151,28 +151,28 @@ fn largest_within(
     Ok(largest)
 }
 
-/// Of the programs, and of a step of the report's loop: with it, prices on two machines can be
+/// Of the programs, and of a step of the report's loop: with it, costs on two machines can be
 /// compared. s
-fn prices<'a>(
+fn costs<'a>(
     programs: impl Iterator<Item = &'a Program> + Clone,
 ) -> Result<(Vec<f64>, f64), Box<dyn Error>> {
     let start = ReportLoop::new(ReportTrial::numbered(1).ok_or("the report has a trial 1")?);
-    let mut prices = vec![f64::INFINITY; programs.clone().count()];
+    let mut costs = vec![f64::INFINITY; programs.clone().count()];
     let mut yardstick = f64::INFINITY;
     for _ in 0..TURNS {
-        for (price, program) in prices.iter_mut().zip(programs.clone()) {
+        for (cost, program) in costs.iter_mut().zip(programs.clone()) {
             for _ in 0..IN_A_ROW {
-                *price = price.min(program()?.1);
+                *cost = cost.min(program()?.1);
             }
         }
         for _ in 0..IN_A_ROW {
             yardstick = yardstick.min(report_step(&start));
         }
     }
-    Ok((prices, yardstick))
+    Ok((costs, yardstick))
 }
 
-/// Price of a step of the report's loop at the start of the trial, s.
+/// Cost of a step of the report's loop at the start of the trial, s.
 fn report_step(start: &ReportLoop) -> f64 {
     let (mut report, clock) = (start.clone(), Instant::now());
     for _ in 0..REPORT_STEPS {

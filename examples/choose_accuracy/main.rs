@@ -1,4 +1,4 @@
-//! Error against price of every integrator on a scene of one's choice, and the cheapest setting for
+//! Error against cost of every integrator on a scene of one's choice, and the cheapest setting for
 //! an error asked for.
 //!
 //! `cargo run --release --example choose_accuracy -- --help`. For a scene of your own body, ground
@@ -18,7 +18,7 @@ use scenes::{Friction, Start};
 use tumble::work_precision::{Setting, WorkPrecision};
 
 const HELP: &str = "\
-Error against price of every integrator, and the cheapest setting for an error.
+Error against cost of every integrator, and the cheapest setting for an error.
 
 Usage: cargo run --release --example choose_accuracy -- [OPTIONS]
 
@@ -68,7 +68,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ),
         None => println!("no setting has an error of {:.0e} m or less", options.error),
     }
-    let title = format!("{}: error after {} s over price", start.name, start.seconds);
+    let title = format!("{}: error after {} s over cost", start.name, start.seconds);
     picture::write(&trade, &title, &options.out, "work_precision")?;
     println!(
         "picture: {}",

@@ -1,4 +1,4 @@
-//! Error over price, a line a method.
+//! Error over cost, a line a method.
 
 use core::error::Error;
 use std::fs;
@@ -68,7 +68,7 @@ fn scene(trade: &WorkPrecision, title: &str) -> Scene {
         .with_width(900.0)
         .with_height(560.0)
         .with_title(title)
-        .with_x_label("price (µs)")
+        .with_x_label("cost (µs)")
         .with_y_label("error (m)")
         .with_log_x()
         .with_log_y()

@@ -102,7 +102,7 @@ impl Start {
         Some(start)
     }
 
-    /// Error and price in double precision, and in single precision against the same reference.
+    /// Error and cost in double precision, and in single precision against the same reference.
     pub(crate) fn trade(
         &self,
         settings: &[Setting],

@@ -97,7 +97,7 @@ impl Overrides {
     /// A trial of the report with what the command line replaces in it.
     pub(crate) fn apply(&self, number: usize) -> Result<Setup, UsageError> {
         let trial = Trial::report(number).ok_or_else(|| no_trial(number))?;
-        let setup = Setup::new(number, self.turn_knobs(trial));
+        let setup = Setup::new(number, self.with_options(trial));
         let method = self.method.unwrap_or(setup.method);
         Ok(Setup {
             points: self.points.unwrap_or(setup.points),
@@ -110,7 +110,7 @@ impl Overrides {
         })
     }
 
-    fn turn_knobs(&self, trial: Trial) -> Trial {
+    fn with_options(&self, trial: Trial) -> Trial {
         Trial {
             start: self.start.unwrap_or(trial.start),
             angular_momentum: self.size.unwrap_or(trial.angular_momentum),

@@ -50,8 +50,8 @@ impl<R: Real> RollingResistance<R> {
 ///
 /// * *Rolling:* a wheel that needs the force f N to keep rolling has `rolling = f · radius`.
 /// * *Spinning:* a ball of radius r at the penetration depth d has a contact patch of radius
-///   `a = √(2 r d)`. Coulomb's law under Hertz's pressure gives `spinning = 3π/16 μ a` (Johnson, Contact
-///   Mechanics, 1985).
+///   `a = √(2 r d)`. Coulomb's law under Hertz's pressure gives `spinning = 3π/16 μ a` (Johnson,
+///   Contact Mechanics, 1985).
 ///
 /// ```
 /// use tumble::{Coulomb, WithResistance};

@@ -84,10 +84,10 @@ use problem::Problem;
 ///   energy, but not its timing, and one with dampers not its restitution; friction that stops a
 ///   body within a step stops it at the step's end. [`guide::accuracy`](crate::guide::accuracy)
 ///   goes through the extremes.
-/// - *Cost:* in contact two to five iterations a step, each about as dear as two evaluations of all
-///   contacts. Flight costs no iteration: it is exact for a body with two equal moments, and of
-///   order 2 with energy and angular momentum kept for three different ones. A body at rest costs a
-///   comparison, once a step with the same workspace has found it so.
+/// - *Cost:* in contact two to five iterations a step, each about as expensive as two evaluations
+///   of all contacts. Flight costs no iteration: it is exact for a body with two equal moments, and
+///   of order 2 with energy and angular momentum kept for three different ones. A body at rest
+///   costs a comparison, once a step with the same workspace has found it so.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s: in `f64`
 ///   up to five iterations a step on average at one contact, five to twelve where several contacts
 ///   or a round rim stick.

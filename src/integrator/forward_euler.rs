@@ -21,7 +21,7 @@ use crate::state::State;
 /// Order 1, one evaluation a step. *Adds energy:* free flight gains `m g² dt²/2` a step, and a
 /// contact loses `stiffness · dt` of its damping, so that it is stable only for
 /// `dt < damping/stiffness` of each contact while underdamped, in any pose. Kept as the baseline;
-/// use [`SymplecticEuler`](crate::SymplecticEuler) for the same price.
+/// use [`SymplecticEuler`](crate::SymplecticEuler) for the same cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ForwardEuler<R = f64> {

@@ -60,7 +60,7 @@ use crate::state::State;
 /// - A contact that dips into the ground and out of it within one step is seen by the stages alone;
 ///   torques that [resist turning](crate::WithResistance) are not set right.
 ///
-/// The least price for an error between 1e-4 and 1e-6 m where a body rolls and slides.
+/// The least cost for an error between 1e-4 and 1e-6 m where a body rolls and slides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Nystrom<R = f64> {

@@ -18,7 +18,7 @@ use crate::state::State;
 /// ```
 /// The kick is the explicit midpoint rule in the velocities, because dampers and friction depend on
 /// them. Order 2 in smooth motion; two evaluations a step in contact, and none of friction and
-/// springs in flight, which is exact for a symmetric body at any step. Best accuracy for its price
+/// springs in flight, which is exact for a symmetric body at any step. Best accuracy for its cost
 /// with a fixed step, in flight and in contact that slides. *May add energy* by O(dt²).
 ///
 /// *Limits* (ω and δ are the highest frequency and damping rate that the contacts give the body at

@@ -261,7 +261,7 @@ const EXACTLY: f64 = 2.0;
 /// By how much of a step its stages may be ahead of the path: those of Dormand and Prince
 /// extrapolate far.
 const AHEAD: f64 = 0.5;
-/// As many contacts at both ends of a step are dearer to look at than another attempt.
+/// As many contacts at both ends of a step are more expensive to evaluate than another attempt.
 const MANY: usize = 48;
 /// Halvings of a step to find a kink: to a millionth of it.
 const HALVINGS: u32 = 20;
