@@ -27,18 +27,19 @@
 //!
 //! # Start here
 //!
-//! - To look at something first: `cargo run --release --example coin` in the repository; the
+//! - To see something first: `cargo run --release --example coin` in the repository; the
 //!   [gallery](guide::gallery) has the others.
-//! - To study a motion: [`guide::choosing`] names integrator and step for an error, [`Ledger`] says
-//!   what became of the energy, [`work_precision`](mod@work_precision) measures the error on your
-//!   scene, [`Timed`] samples it.
+//! - To study a motion: [`guide::choosing`] names integrator and step for an error, [`Ledger`]
+//!   audits the energy, [`work_precision`](mod@work_precision) measures the error on your scene,
+//!   [`Timed`] samples it.
 //! - To throw dice and coins in a game: [`guide::game`] goes from the throw to the face that is up.
+//!   A [`Session`] keeps a state with its clock, and a body at rest in it costs next to nothing.
 //! - To add a body, a ground, a friction law or an integrator: [`guide::extending`].
 //! - Where the compiler cannot tell `f64` from `f32`, as in `Ledger::new()` alone, take the names
 //!   from [`mod@f64`]: `use tumble::f64::*;`.
 //!
-//! *The report* of which these pages speak is the text that the crate began with: a ring of 120
-//! points on a springy floor, set rolling or spinning in eight ways. They are [`Trial`]s 1 to 8.
+//! *The coin report* is the text that the crate began with: a ring of 120 points on a springy
+//! floor, set rolling or spinning in eight ways, [`Trial`]s 1 to 8.
 //!
 //! # What is modelled
 //!
@@ -83,14 +84,14 @@
 //!
 //! | | promise | shown by |
 //! |---|---|---|
-//! | G1 | With [`EnergyMomentum`] the computed energy never rises, by no unit in the last place, at any time step, stiffness, damping, friction, spin, size, shape and precision. | `tests/contract.rs` (random scenes), `tests/extremes.rs` (a sweep of the extremes), [derivation](guide::energy) |
+//! | G1 | With [`EnergyMomentum`] the computed energy never increases, not even by one unit in the last place, at any step size, stiffness, damping, friction, spin, size, shape and precision. | `tests/contract.rs` (random scenes), `tests/extremes.rs` (a sweep of the extremes), [derivation](guide::energy) |
 //! | G2 | The body stays rigid: distances and the orientation's length stay at rounding, however long the run. | `tests/rigidity.rs`, up to 10⁷ steps |
 //! | G3 | The energy audit adds up: energy now is energy at the start less what friction, dampers and separation took, plus the energy error. The energy error is the integrator's own. It falls at the integrator's order, through touch-downs too, and with the tolerance of an adaptive method. | `tests/truth.rs`, against the true works of all eight trials |
 //! | G4 | Accuracy is a number: each integrator states order, cost, stability limit, and when it can add energy. | `tests/truth.rs`, `tests/energy.rs` (both sides of each limit), `examples/accuracy`, [tables](guide::accuracy); `tests/validation`, [closed forms and printed numbers](guide::validation) |
-//! | G5 | A scene pays for what it names: no ground, friction or gravity costs nothing, flight visits no contact, rest costs a comparison. | `benches/` |
+//! | G5 | A scene pays for what it names: what it does not name costs nothing, flight visits no contact, and rest in a [`Session`] costs a comparison. | `benches/` |
 //! | G6 | No standard library, no allocation, no panic. | `.ci/no_std.sh` (linked with nothing to panic with), `.ci/embedded.sh` (no panic in the image of a microcontroller), `tests/downstream/tests/no_allocation.rs` |
 //! | G7 | Same input, same bits, on every machine that follows IEEE 754: `+ - * /` and square root in one order, all else from `libm` or, for `f32`, from the crate, no fused operations. | [`real`], by construction; `tests/bits.rs`, stored hashes of every integrator and law, on any machine and profile; `.ci/targets.sh`, the same hashes on other processors; `tests/symmetry.rs` |
-//! | G8 | Bad input is answered, not simulated: a typed error that names quantity, rule and value, once; a step that cannot go on, or a law that breaks its contract, leaves the last good state. | `tests/bad_input.rs`, a test a parameter |
+//! | G8 | Invalid input returns a typed error that names quantity, rule and value. A step that cannot go on, or a law that breaks its contract, keeps the last valid state. | `tests/bad_input.rs`, a test a parameter |
 //! | G9 | [`State`] is plain data: saved, loaded or sent elsewhere, a run goes on with the same bits. | `tests/symmetry.rs` |
 //! | G10 | Your own body, ground, friction law or integrator is as good as a built-in one, and can be checked. | `tests/downstream`, `tests/contract.rs` |
 //!
@@ -100,7 +101,7 @@
 //! |---|---|---|---|---|---|
 //! | [`EnergyMomentum`] | 2 | 2 to 6 in contact, none in flight | energy, where nothing takes it | never | every step |
 //! | [`StrangSplitting`] | 2, and 1 through touch-downs | 2 in contact, 1 in flight | energy without drift; flight exactly | O(dt²) | `dt < 2/ω` and `dt < 2/δ` |
-//! | [`SymplecticEuler`] | 1 | 1 | energy without drift; turns in flight exactly | O(dt) | `dt < 2 (√(1+ζ²) - ζ)/ω` |
+//! | [`SymplecticEuler`] | 1 | 1 | energy without drift; rotation in flight exactly | O(dt) | `dt < 2 (√(1+ζ²) - ζ)/ω` |
 //! | [`Rk4`] | 4, and 1 through touch-downs | 4 | nothing more | O(dt⁵) a step | `dt < 2.62/ω` and `dt < 2.78/δ`; `dt < 2.83/ω` without dampers |
 //! | [`Nystrom`] | 4, and 2 through touch-downs | 4 | nothing more | O(dt⁶) a step | `dt < 2.36/ω` and `dt < 2.78/δ`, with `ζ > 2.1e-4 (ω dt)⁵` |
 //! | [`BogackiShampine32`] | 3 | 3 | nothing more | by its error | chooses its steps for a tolerance |
@@ -121,7 +122,8 @@
 //! - `StrangSplitting` where sliding and flight are to be cheap;
 //! - `Nystrom` for a tenth of a millimetre and less where a body rolls and slides;
 //! - `DormandPrince54` for a tolerance instead of a step;
-//! - the others as references. Each can have its flight in closed form ([`Flight`]).
+//! - the others as references. Each can have its flight in closed form ([`Flight`]);
+//! - [`AnyIntegrator`] to choose one at run time.
 //!
 //! [`guide::choosing`] starts from the problem, [`guide::accuracy`] goes through the extremes.
 //!
