@@ -1,8 +1,8 @@
 //! A shape where a ground should be. The compiler says:
 //!
-//! > `tumble::Plane< > is not a ground: it does not implement `SpringDamperGround< > a `Shape`,
-//! such as `Plane` or `Terrain`, becomes a ground with a law:
-//! `Ground { law: SpringDamper { stiffness, damping }, shape }`
+//! > `tumble::Plane<
+//! > is not a ground: it does not implement `SpringDamperGround<
+//! > a `Shape`, such as `Plane` or `Terrain`, becomes a ground with a law: `Ground { law: SpringDamper { stiffness, damping }, shape }`
 
 use tumble::{Plane, Sphere, Stepper};
 
