@@ -6,6 +6,7 @@
 //! it prints the tables of single precision in `src/guide/accuracy.md`: errors of the numbers
 //! alone, which no other work on the machine changes.
 
+mod conservative;
 #[path = "../common/plain_rk4.rs"]
 mod plain_rk4;
 #[path = "../../tests/common/report_loop.rs"]
@@ -33,11 +34,21 @@ fn main() -> Result<(), Box<dyn Error>> {
     match arguments.next()? {
         None => costs(),
         Some(Long("f32")) => single::tables(),
+        Some(Long("f32-motion")) => conservative::tables(is_written(&mut arguments)?),
         Some(Short('h') | Long("help")) => {
             print!("{HELP}");
             Ok(())
         }
         Some(other) => Err(other.unexpected().into()),
+    }
+}
+
+/// Whether the next argument, the last one, asks for the tables to be written.
+fn is_written(arguments: &mut lexopt::Parser) -> Result<bool, lexopt::Error> {
+    match arguments.next()? {
+        None => Ok(false),
+        Some(Long("write")) => Ok(true),
+        Some(other) => Err(other.unexpected()),
     }
 }
 
@@ -48,6 +59,9 @@ Runs trial 1 for a second by each integrator, in steps of 1 ms and less, and pri
 Usage: cargo run --release --example accuracy -- [OPTIONS]
 
       --f32    instead, error and energy in single against double precision, for each integrator and step
+      --f32-motion [--write]
+               instead, free flight, elastic bounces and falls in single precision by EnergyMomentum (half a
+               minute); with --write into src/guide/accuracy.md
   -h, --help   this text
 ";
 

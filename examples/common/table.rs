@@ -2,23 +2,32 @@
 
 /// Prints rows of cells, the first one as the head: Markdown, with its columns below each other.
 pub(crate) fn print(rows: &[Vec<String>]) {
-    let Some(head) = rows.first() else { return };
+    print!("{}", text(rows));
+}
+
+/// The same table as a text.
+pub(crate) fn text(rows: &[Vec<String>]) -> String {
+    let Some(head) = rows.first() else {
+        return String::new();
+    };
     let width = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column));
         cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..head.len()).map(width).collect();
+    let mut lines = Vec::new();
     for (number, row) in rows.iter().enumerate() {
         let padded = row.iter().zip(&widths);
         let cells: Vec<String> = padded
             .map(|(cell, width)| format!("{cell:width$}"))
             .collect();
-        println!("| {} |", cells.join(" | "));
+        lines.push(format!("| {} |\n", cells.join(" | ")));
         if number == 0 {
             let rules: Vec<String> = widths.iter().map(|width| "-".repeat(width + 2)).collect();
-            println!("|{}|", rules.join("|"));
+            lines.push(format!("|{}|\n", rules.join("|")));
         }
     }
+    lines.concat()
 }
 
 /// A row of cells.
