@@ -26,12 +26,12 @@ use crate::state::State;
 /// Four force evaluations per step. Order 4 in smooth motion, order 5 on linear springs.
 ///
 /// *Coefficients.* Three sets of conditions leave three numbers free: those of the orders (Hairer,
-/// Nørsett & Wanner I, section II.14), `B_i = b_i (1 - c_i)`, which the correction of touch-downs requires,
-/// and `c_4 = 1`. The choice of Nyström (1925) has order 5 if forces depend on the position alone.
-/// Here two nodes are `1/4` and `5/8`, and `Σ_ij B_i A_ij c_j = 1/120 - 1/1440`. The matrix `a`
-/// then follows from `Σ_i b_i a_ij = b_j (1 - c_j)` and `b_4 a_43 a_32 c_2 = 1/24`. It is the only
-/// one that makes the velocities a method of order 4 with these nodes and weights. Relative errors
-/// of an oscillation on springs at `ω dt = 1`:
+/// Nørsett & Wanner I, section II.14), `B_i = b_i (1 - c_i)`, which the correction of touch-downs
+/// requires, and `c_4 = 1`. The choice of Nyström (1925) has order 5 if forces depend on the
+/// position alone. Here two nodes are `1/4` and `5/8`, and `Σ_ij B_i A_ij c_j = 1/120 - 1/1440`.
+/// The matrix `a` then follows from `Σ_i b_i a_ij = b_j (1 - c_j)` and `b_4 a_43 a_32 c_2 = 1/24`.
+/// It is the only one that makes the velocities a method of order 4 with these nodes and weights.
+/// Relative errors of an oscillation on springs at `ω dt = 1`:
 ///
 /// | coefficients | phase | amplitude growth per step |
 /// |---|---|---|
