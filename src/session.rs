@@ -106,7 +106,9 @@ pub struct Moment<R: Real = f64> {
 
 /// A session as plain data, from which a run continues with the same bits.
 ///
-/// [`Session::save`] returns it and [`Stepper::resume`] takes it. It contains the state, the clock, and the step size that an adaptive method has chosen for the next step. The scene is saved separately, and its parts are plain data, too.
+/// [`Session::save`] returns it and [`Stepper::resume`] takes it. It contains the state, the clock,
+/// and the step size that an adaptive method has chosen for the next step. The scene is saved
+/// separately, and its parts are plain data, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
