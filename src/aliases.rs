@@ -6,9 +6,9 @@ macro_rules! names_for {
     ($real:ident, $summary:literal) => {
         #[doc = $summary]
         ///
-        /// Import all of it if the compiler cannot infer the precision, as for a `State` or a
-        /// `Ledger` that stands alone, or for a struct of your own. The traits are those of the
-        /// crate: for `f32` write `RigidPointBody<f32>`.
+        /// Import all of it if the compiler cannot infer the precision. This is the case for a
+        /// `State` or a `Ledger` that stands alone, or for a struct of your own. The traits are
+        /// those of the crate: for `f32` write `RigidPointBody<f32>`.
         pub mod $real {
             #[doc(no_inline)]
             pub use crate::{

@@ -200,8 +200,8 @@ where
     /// Takes one step of the integrator's own size.
     ///
     /// # Errors
-    /// Returns the errors of [`Stepper::step`], and [`StepError::Stalled`] if the step is too short
-    /// for the clock. State and clock are then unchanged.
+    /// Returns [`StepError`] if [`Stepper::step`] does, and [`StepError::Stalled`] if the step is
+    /// too short for the clock. State and clock are then unchanged.
     pub fn step(&mut self) -> Result<Step<R>, StepError> {
         if self.rest.step {
             if let Some(length) = self.stepper.integrator().fixed_step() {
@@ -224,8 +224,8 @@ where
     /// Advances the state by exactly `seconds`, at least 0, like [`Stepper::advance`].
     ///
     /// # Errors
-    /// Returns the errors of [`Stepper::advance`]. State and clock are then those after the last
-    /// successful step.
+    /// Returns [`StepError`] if [`Stepper::advance`] does. State and clock are then those after the
+    /// last successful step.
     #[inline]
     pub fn advance(&mut self, seconds: R) -> Result<(), StepError> {
         match &self.rest.advance {
@@ -244,8 +244,8 @@ where
     /// start of this run.
     ///
     /// # Errors
-    /// Returns the errors of [`Stepper::run`]. State and clock are then those after the last
-    /// successful step.
+    /// Returns [`StepError`] if [`Stepper::run`] does. State and clock are then those after the
+    /// last successful step.
     pub fn run(
         &mut self,
         seconds: R,
@@ -380,7 +380,7 @@ where
     /// The next step is that of a new session with the changed state.
     ///
     /// # Errors
-    /// Returns the errors of [`Stepper::apply_impulse`].
+    /// Returns [`StepError`] if [`Stepper::apply_impulse`] does.
     pub fn apply_impulse(&mut self, impulse: R::Vec3, point: R::Vec3) -> Result<(), StepError> {
         let stepper = self.stepper;
         stepper.apply_impulse(self.state_mut(), impulse, point)

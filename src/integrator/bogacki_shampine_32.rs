@@ -17,14 +17,15 @@ use crate::state::State;
 /// Of the two adaptive methods, this one suits loose tolerances and contact with many touch-downs.
 /// For tight tolerances use [`DormandPrince54`](crate::DormandPrince54).
 ///
-/// *Error:* 0.17 to 7.1 tolerances in trials 1, 3, 5 and 8 of the coin report (slip speed 1e-3 m/s,
-/// up to 1 s, tolerances of 1e-3 to 1e-9 m). `tests/adaptive.rs` prints it. After longer times it
-/// depends on how the motion amplifies errors (see the guide).
+/// *Error:* 0.17 to 7.1 tolerances in trials 1, 3, 5 and 8 of the coin report, for tolerances of
+/// 1e-3 to 1e-9 m. The slip speed is 1e-3 m/s, and the motion lasts up to 1 s. `tests/adaptive.rs`
+/// prints the errors. After longer times the error depends on how the motion amplifies it (see the
+/// guide).
 ///
 /// *May add energy* by the size of its error.
 ///
 /// *Not for contacts that stick or roll at a small slip speed.* Stability limits each step to about
-/// `2 slip_speed/(3 μ g)`, whatever the tolerance, and a run ends with
+/// `2 slip_speed/(3 μ g)`, whatever the tolerance. A run then ends with
 /// [`BudgetSpent`](crate::StepError::BudgetSpent). With a slip speed of 1e-6 m/s a rolling ball
 /// takes a million steps in half a second. Use [`EnergyMomentum`](crate::EnergyMomentum) there.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -86,9 +86,9 @@ impl<R: Real> Settings<R> {
 /// from the state alone. To continue after a pause with the same results, keep the workspace with
 /// the state. It is plain data.
 ///
-/// The slope is used only for the same state in an equivalent scene: equal mass, moments, bounding
-/// radius, number of contacts and of rim points, gravity and surface, and equal laws at one
-/// penetration depth and slip.
+/// The slope is used only for the same state in an equivalent scene. Equivalent scenes have equal
+/// mass, moments, bounding radius, gravity and surface. Their bodies have equal numbers of contacts
+/// and of rim points. Their laws have equal values at one penetration depth and slip.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Workspace<R: Real = f64> {
     control: Control<R>,

@@ -34,8 +34,8 @@ pub(super) struct Touched {
 /// - A body in contact is at rest if its kinetic energy, before and after, is below the rounding of
 ///   the total. It stops where it was.
 /// - In flight such a body keeps its old velocity.
-/// - If a step is too short to change the height of an unsupported body, the body falls by two units
-///   in the last place. Otherwise it would hover.
+/// - If a step is too short to change the height of an unsupported body, the body falls by two
+///   units in the last place. Otherwise it would hover.
 pub(super) fn hold<R: Real, D: Dynamics<R>>(
     scene: &D,
     (state, energy): (&mut State<R>, &mut Energy<R>),

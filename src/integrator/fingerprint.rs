@@ -8,9 +8,11 @@ use crate::state::State;
 
 /// Numbers that distinguish the energies of one scene from those of another.
 ///
-/// They are mass, moments, bounding radius, number of contacts, number of points that the rim
-/// represents, gravity, the surface relative to the body, and force and energy of a spring at a
-/// penetration depth of the bounding radius.
+/// They belong to the body, the gravity and the ground:
+/// - mass, moments and bounding radius
+/// - number of contacts, and number of points that the rim represents
+/// - gravity, and the surface relative to the body
+/// - force and energy of a spring at a penetration depth of the bounding radius
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fingerprint<R: Real> {
     body: [R; 2],

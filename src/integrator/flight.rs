@@ -1,5 +1,11 @@
 //! Flight in closed form: one step up to the first touch-down, combined with any integrator for
 //! contact.
+//!
+//! A lower bound of the gap gives the safe duration of flight. Let `m` be the gap of the lowest
+//! point, `n` the normal of the ground and `r` the bounding radius. After `s` more seconds no point
+//! of the body has a gap below `m + (n·v - |n × ω| r) s + (n·g - ω² r) s²/2`. In torque-free motion
+//! |ω| is constant for a body with two equal moments. No contact can close before the root of this
+//! bound. The bound is evaluated again at the root, until the gain is not worth a step.
 
 use super::{Integrator, Step, StepControl, energy_limit};
 use crate::body::RigidPointBody;
@@ -37,13 +43,6 @@ use crate::state::State;
 ///
 /// *Ground:* over a ground with [`GroundBounds::Everywhere`] there is no gain. While the body is in
 /// contact, each step costs one more search for its lowest point.
-///
-/// *Method:* a lower bound of the gap gives the safe duration of flight. Let `m` be the gap of the
-/// lowest point, `n` the normal of the ground and `r` the bounding radius. After `s` more seconds
-/// no point of the body has a gap below `m + (n·v - |n × ω| r) s + (n·g - ω² r) s²/2`. In
-/// torque-free motion |ω| is constant for a body with two equal moments. No contact can close
-/// before the root of this bound. The bound is evaluated again at the root, until the gain is not
-/// worth a step.
 ///
 /// ```
 /// use tumble::glam::DVec3;

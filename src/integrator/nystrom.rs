@@ -1,4 +1,36 @@
 //! Nyström's method, corrected for contacts that close or open within a step.
+//!
+//! # Coefficients
+//!
+//! Three sets of conditions leave three numbers free:
+//! - the conditions of the orders (Hairer, Nørsett & Wanner I, section II.14)
+//! - `B_i = b_i (1 - c_i)`, which the correction of touch-downs requires
+//! - `c_4 = 1`
+//!
+//! The choice of Nyström (1925) has order 5 if forces depend on the position alone. Here two nodes
+//! are `1/4` and `5/8`, and `Σ_ij B_i A_ij c_j = 1/120 - 1/1440`. This choice has smaller errors of
+//! phase and amplitude for an oscillation on springs. The matrix `a` then follows from
+//! `Σ_i b_i a_ij = b_j (1 - c_j)` and `b_4 a_43 a_32 c_2 = 1/24`. It is the only one that makes the
+//! velocities a method of order 4 with these nodes and weights.
+//!
+//! # Correction of touch-downs
+//!
+//! The force of a contact that closes is discontinuous by `Δf`, or its derivative is. The weighted
+//! sum over the stages then has an error of `h Δf`, whatever the order. The path of the contact
+//! between both ends of the step is known, however, and with it the leading term of that error. For
+//! each contact that pushes at one end of the step and not at the other, the end of the step is
+//! corrected by
+//!
+//! ```text
+//! Δp = h (∫ f ds - Σ b_i f(c_i))     and the pose by     h² (∫ (1 - s) f ds - Σ B_i f(c_i))
+//! ```
+//! Here `s` is the fraction of the step, and `f(s)` is the normal force for a penetration depth
+//! that follows Hermite's cubic between both ends. `f(c_i)` is the force that the stages have used.
+//!
+//! The arm and the direction `D` of the force are those at both ends:
+//! `Δp = Δp_B D(0) + (Δp - Δp_B) D(1)`. This follows from `B_i = b_i (1 - c_i)`, and `Δp_B` is the
+//! part that corrects the pose. The remaining error is the effect of one stage on the next. It is
+//! smaller by one power of the step size, hence order 2.
 
 mod crossing;
 mod oscillator;
@@ -23,14 +55,12 @@ use crate::state::State;
 /// ```text
 /// y_i = y + c_i h y' + h² Σ_j A_ij y''_j     p_i = p + h Σ_j a_ij p'_j     x'' = F/m + g     q'' = (0, J⁻¹ (T - ω × L)) q/2 - ω² q/4
 /// ```
+/// Here `h` is the step size, `c` are the nodes, and `A` and `a` are the matrices of coefficients.
+/// F and T are force and torque on the body, and J is its inertia tensor. `(0, v)` is the
+/// quaternion with the vector part v, and `ω²` is the squared length of the angular velocity ω.
+///
 /// Four force evaluations per step. Order 4 in smooth motion, order 5 on linear springs.
 ///
-/// *Coefficients.* Three sets of conditions leave three numbers free: those of the orders (Hairer,
-/// Nørsett & Wanner I, section II.14), `B_i = b_i (1 - c_i)`, which the correction of touch-downs
-/// requires, and `c_4 = 1`. The choice of Nyström (1925) has order 5 if forces depend on the
-/// position alone. Here two nodes are `1/4` and `5/8`, and `Σ_ij B_i A_ij c_j = 1/120 - 1/1440`.
-/// The matrix `a` then follows from `Σ_i b_i a_ij = b_j (1 - c_j)` and `b_4 a_43 a_32 c_2 = 1/24`.
-/// It is the only one that makes the velocities a method of order 4 with these nodes and weights.
 /// Relative errors of an oscillation on springs at `ω dt = 1`:
 ///
 /// | coefficients | phase | amplitude growth per step |
@@ -39,22 +69,11 @@ use crate::state::State;
 /// | Nyström (1925) | 1.45e-4 | 2.4e-4 |
 ///
 /// *Touch-downs.* When a contact closes, the damper's force is discontinuous, and so is the
-/// derivative of the spring's force. The weighted sum over the stages then has an error of `h Δf`,
-/// whatever the order. Every method of high order falls to order 1 (Gear & Østerby, ACM
-/// Transactions on Mathematical Software 10, 23, 1984; Hairer, Nørsett & Wanner I, section II.6).
-/// The path of the contact between both ends of the step is known, however, and with it the leading
-/// term of that error. For each contact that pushes at one end of the step and not at the other,
-/// the end of the step is corrected by
-///
-/// ```text
-/// Δp = h (∫ f ds - Σ b_i f(c_i))     and the pose by     h² (∫ (1 - s) f ds - Σ B_i f(c_i))
-/// ```
-/// Here `s` is the fraction of the step, and `f(s)` is the normal force for a penetration depth
-/// that follows Hermite's cubic between both ends. `f(c_i)` is the force that the stages have used.
-/// The arm and the direction `D` of the force are those at both ends:
-/// `Δp = Δp_B D(0) + (Δp - Δp_B) D(1)`. This follows from `B_i = b_i (1 - c_i)`, and `Δp_B` is the
-/// part that corrects the pose. The remaining error is the effect of one stage on the next, smaller
-/// by one power of the step size: order 2 through touch-downs.
+/// derivative of the spring's force. Every method of high order then falls to order 1 (Gear &
+/// Østerby, ACM Transactions on Mathematical Software 10, 23, 1984; Hairer, Nørsett & Wanner I,
+/// section II.6). This method computes the leading term of that error from the path of the contact
+/// between both ends of the step. It corrects the end of the step by it, which gives order 2
+/// through touch-downs.
 ///
 /// In trial 1 of the coin report, with 150 touch-downs in a second (`tests/truth.rs`):
 ///

@@ -3,9 +3,9 @@
 //! Coulomb friction changes by `2 μ N` while the slip passes from a few slip speeds on one side of
 //! 0 to a few on the other. For a step that is long in comparison, this is almost a jump. The
 //! stages of a Runge-Kutta step weigh such a force by their positions in the step, and the
-//! difference of the pair does not measure the error. With the jump in the middle of a step of
-//! Dormand and Prince, the error of the result is up to 0.24 of the change, and their difference is
-//! 0.003. If the friction of a contact reverses in a step, the sum over the stages is therefore
+//! difference of the pair does not measure the error. An example is a jump in the middle of a step
+//! of Dormand and Prince. The error of the result is up to 0.24 of the change, and their difference
+//! is 0.003. If the friction of a contact reverses in a step, the sum over the stages is therefore
 //! compared with the integral along the path of the slip.
 
 use super::touch::{Taken, mean};
