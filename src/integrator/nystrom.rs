@@ -56,7 +56,7 @@ use crate::state::State;
 /// y_i = y + c_i h y' + h² Σ_j A_ij y''_j     p_i = p + h Σ_j a_ij p'_j     x'' = F/m + g     q'' = (0, J⁻¹ (T - ω × L)) q/2 - ω² q/4
 /// ```
 /// Here `h` is the step size, `c` are the nodes, and `A` and `a` are the matrices of coefficients.
-/// F and T are force and torque on the body, and J is its inertia tensor. `(0, v)` is the
+/// F and T are force and torque of the contacts, and J is the inertia tensor. `(0, v)` is the
 /// quaternion with the vector part v, and `ω²` is the squared length of the angular velocity ω.
 ///
 /// Four force evaluations per step. Order 4 in smooth motion, order 5 on linear springs.
