@@ -1,13 +1,14 @@
-//! Every name of the crate for one precision.
+//! All names of the crate for one precision, in the modules `f32` and `f64`.
 
-/// A module of names for one precision: aliases of what is generic, and what is not as it is.
+/// Defines the module of names for one precision: aliases of generic types, and re-exports of the
+/// other items.
 macro_rules! names_for {
     ($real:ident, $summary:literal) => {
         #[doc = $summary]
         ///
-        /// `use` all of it where the compiler cannot see the precision: a state or a ledger that
-        /// stands alone, or a struct of the user's. The traits are those of the crate: for `f32`
-        /// say `RigidPointBody<f32>`.
+        /// Import all of it if the compiler cannot infer the precision. This is the case for a
+        /// `State` or a `Ledger` that stands alone, or for a struct of your own. The traits are
+        /// those of the crate: for `f32` write `RigidPointBody<f32>`.
         pub mod $real {
             #[doc(no_inline)]
             pub use crate::{
@@ -16,119 +17,119 @@ macro_rules! names_for {
                 SceneQuery, Shape, SlidingFriction, SpringDamperGround, Start, StepError, Terrain,
             };
 
-            /// Energy, dissipation and rates.
+            /// Energy, dissipation and rates of a state.
             pub type EnergyRates = crate::EnergyRates<$real>;
-            /// Coulomb friction with a grain.
+            /// Coulomb friction with two coefficients, along and across the grain of the ground.
             pub type AnisotropicCoulomb = crate::AnisotropicCoulomb<$real>;
-            /// A built-in integrator that is chosen at run time.
+            /// A built-in integrator chosen at run time.
             pub type AnyIntegrator = crate::AnyIntegrator<$real>;
-            /// The body's axes in the world.
+            /// Axes of the body in the world.
             pub type Axes = crate::rotation::Axes<$real>;
-            /// A bowl, a trough, a hill or a saddle.
+            /// Height field of a bowl, a trough, a hill or a saddle.
             pub type Bowl = crate::Bowl<$real>;
-            /// What a ground carries.
+            /// Mass of a body and number of contacts that support it.
             pub type Carried = crate::Carried<$real>;
 
-            /// A cylinder with round ends.
+            /// A cylinder with hemispherical ends.
             pub type Capsule = crate::Capsule<$real>;
             /// A cone.
             pub type Cone<P = [ContactPoint; 121]> = crate::Cone<$real, P>;
-            /// A box, sharp or with round corners.
+            /// A box with a contact at each corner, sharp or round.
             pub type Cuboid = crate::Cuboid<$real>;
-            /// A coin with a round rim.
+            /// A coin with a rounded rim.
             pub type Disc = crate::Disc<$real>;
-            /// A circle that can touch all round.
+            /// A circle that can touch along its whole length.
             pub type Rim = crate::Rim<$real>;
             /// A smooth ellipsoid.
             pub type Ellipsoid = crate::Ellipsoid<$real>;
             /// Mass, centre of mass and inertia of a body or a part.
             pub type MassProperties = crate::MassProperties<$real>;
-            /// A point with a mass.
+            /// A point mass.
             pub type PointMass = crate::PointMass<$real>;
             /// A thin straight rod.
             pub type Rod = crate::Rod<$real>;
-            /// A body of any mass distribution and contacts.
+            /// A body of given mass distribution and contacts.
             pub type Solid<P> = crate::Solid<$real, P>;
-            /// A coin with a thickness.
+            /// A coin of given thickness.
             pub type SolidCoin<P = [ContactPoint; 240]> = crate::SolidCoin<$real, P>;
             /// A ball.
             pub type Sphere = crate::Sphere<$real>;
             /// The error-controlled integrator of order 3.
             pub type BogackiShampine32 = crate::BogackiShampine32<$real>;
-            /// The coin of the report.
+            /// The coin of the coin report.
             pub type Coin<P = [ContactPoint; 120]> = crate::Coin<$real, P>;
-            /// A contact that touches.
+            /// A contact that penetrates the ground.
             pub type Contact = crate::Contact<$real>;
-            /// A place of the body that can touch the ground.
+            /// A point of the body that can touch the ground.
             pub type ContactPoint = crate::ContactPoint<$real>;
-            /// Coulomb friction in the report's form.
+            /// Coulomb friction in the form of the coin report.
             pub type Coulomb = crate::Coulomb<$real>;
-            /// Power of what takes energy away.
+            /// Dissipated power by kind.
             pub type Dissipation = crate::Dissipation<$real>;
             /// The error-controlled integrator of order 5.
             pub type DormandPrince54 = crate::DormandPrince54<$real>;
-            /// The local shape of a friction law.
+            /// Local derivatives of a friction law.
             pub type FrictionJacobian = crate::FrictionJacobian<$real>;
-            /// Height, slope and bend of a terrain.
+            /// Height, gradient and hessian of a terrain at a point.
             pub type Elevation = crate::Elevation<$real>;
             /// Energy by kind.
             pub type Energy = crate::Energy<$real>;
-            /// The integrator whose energy never rises.
+            /// The integrator whose energy never increases.
             pub type EnergyMomentum = crate::EnergyMomentum<$real>;
-            /// Where a ground can be.
+            /// Bounds of the region that a ground occupies.
             pub type GroundBounds = crate::GroundBounds<$real>;
-            /// A plane of springs and dampers.
+            /// A plane ground of springs and dampers.
             pub type FlatGround = crate::FlatGround<$real>;
-            /// The report's integrator.
+            /// The integrator of the coin report.
             pub type ForwardEuler = crate::ForwardEuler<$real>;
-            /// What a friction law is checked with.
+            /// Range of loads and slips for the check of a friction law.
             pub type FrictionRange = crate::contract::FrictionRange<$real>;
-            /// A law of contact on a shape.
+            /// A contact law on a shape.
             pub type Ground<L, S = Plane> = crate::Ground<L, S>;
-            /// What a ground is checked with.
+            /// Region, penetration depths and speeds for the check of a ground.
             pub type GroundRange = crate::contract::GroundRange<$real>;
-            /// Hunt and Crossley's law of contact.
+            /// The contact law of Hunt and Crossley.
             pub type HuntCrossley = crate::HuntCrossley<$real>;
-            /// The energy books of a run.
+            /// Energy audit of a run.
             pub type Ledger = crate::Ledger<$real>;
             /// A spring with a limited damper.
             pub type LimitedDamper = crate::LimitedDamper<$real>;
-            /// Force and torque of the ground.
+            /// Force and torque of the ground on the body.
             pub type Load = crate::Load<$real>;
-            /// Coulomb friction whose coefficient falls with the load.
+            /// Coulomb friction whose coefficient decreases with the load.
             pub type LoadDependentCoulomb = crate::LoadDependentCoulomb<$real>;
             /// The lowest point of a body.
             pub type LowestPoint = crate::LowestPoint<$real>;
-            /// Mass and inertia as a step needs them.
+            /// Mass and inertia, computed once for all steps.
             pub type InertiaProperties = crate::InertiaProperties<$real>;
-            /// The mean normal force over a step.
+            /// Mean normal force over a step.
             pub type MeanForce = crate::MeanForce<$real>;
-            /// Where a body is and how it moves.
+            /// Pose and velocities of a body.
             pub type Motion = crate::Motion<$real>;
-            /// Nyström's method, with touch-downs set right.
+            /// Nyström's method, corrected for touch-downs.
             pub type Nystrom = crate::Nystrom<$real>;
             /// A plane.
             pub type Plane = crate::Plane<$real>;
-            /// A body of the user's own points.
+            /// A body made of the user's own points.
             pub type PointCloud<P> = crate::PointCloud<$real, P>;
-            /// A level ground that becomes a slope.
+            /// Height field of a level ground that becomes a slope.
             pub type Ramp = crate::Ramp<$real>;
-            /// How fast a state changes.
+            /// Rates of change of a state.
             pub type Rates = crate::Rates<$real>;
             /// The classical Runge-Kutta integrator.
             pub type Rk4 = crate::Rk4<$real>;
-            /// A turn.
+            /// A rotation.
             pub type Rotation = crate::Rotation<$real>;
-            /// A moment of a run.
+            /// Sample of a run at one time.
             pub type Sample<'a> = crate::Sample<'a, $real>;
             /// Body, ground, friction and gravity.
             pub type Scene<B, G = NoGround, F = Frictionless, A = NoGravity> =
                 crate::Scene<$real, B, G, F, A>;
-            /// A state, a time and a number of steps.
+            /// Time, number of steps and state at one moment of a session.
             pub type Moment = crate::Moment<$real>;
             /// A session as plain data.
             pub type SavedSession = crate::SavedSession<$real>;
-            /// One state that is moved on with what is remembered from step to step.
+            /// One state that is advanced in time, with the data kept from step to step.
             pub type Session<
                 'a,
                 B,
@@ -137,44 +138,44 @@ macro_rules! names_for {
                 A = NoGravity,
                 I = EnergyMomentum,
             > = crate::Session<'a, $real, B, G, F, A, I>;
-            /// The choice of the next step by an adaptive method.
+            /// Step size and related data from which an adaptive method continues.
             pub type StepControl = crate::StepControl<$real>;
-            /// Coulomb friction with all its derivatives.
+            /// Coulomb friction with a smooth transition at small slip.
             pub type SmoothCoulomb = crate::SmoothCoulomb<$real>;
-            /// The report's law of contact.
+            /// The contact law of the coin report.
             pub type SpringDamper = crate::SpringDamper<$real>;
             /// The state of a body.
             pub type State = crate::State<$real>;
-            /// What a step did.
+            /// Result of a step: time advanced and work.
             pub type Step = crate::Step<$real>;
-            /// Moves states on in time.
+            /// Advances states in time.
             pub type Stepper<B, G = NoGround, F = Frictionless, A = NoGravity, I = EnergyMomentum> =
                 crate::Stepper<$real, B, G, F, A, I>;
             /// The splitting integrator of order 2.
             pub type StrangSplitting = crate::StrangSplitting<$real>;
             /// Friction with a static and a kinetic coefficient.
             pub type Stribeck = crate::Stribeck<$real>;
-            /// The ground's surface as seen from a point.
+            /// Surface of the ground relative to a point.
             pub type Surface = crate::Surface<$real>;
             /// The semi-implicit Euler integrator.
             pub type SymplecticEuler = crate::SymplecticEuler<$real>;
-            /// Looks at given times.
+            /// Passes states at given times to another observer.
             pub type Timed<O> = crate::Timed<O, $real>;
-            /// A start of the report.
+            /// A trial of the coin report.
             pub type Trial = crate::Trial<$real>;
             /// The stepper of a trial.
             pub type TrialStepper<I> = crate::trial::TrialStepper<$real, I>;
-            /// Torque against rolling and spinning.
+            /// Torque of a contact against rolling and spinning.
             pub type RollingResistance = crate::RollingResistance<$real>;
-            /// Gravity, the same everywhere.
+            /// Uniform gravity.
             pub type UniformGravity = crate::UniformGravity<$real>;
             /// A friction law that also resists rolling and spinning.
             pub type WithResistance<F> = crate::WithResistance<F, $real>;
-            /// Ends a run when the body lies still.
+            /// Ends a run when the body is at rest.
             pub type UntilRest = crate::UntilRest<$real>;
-            /// Waves of the ground.
+            /// Height field of waves along x.
             pub type Waves = crate::Waves<$real>;
-            /// Friction in proportion to the slip.
+            /// Friction proportional to load and slip.
             pub type Viscous = crate::Viscous<$real>;
         }
     };
@@ -185,8 +186,8 @@ names_for!(f64, "Every name of the crate in double precision.");
 
 #[cfg(test)]
 mod tests {
-    /// What a user writes: no annotation of a type beyond the one import, and methods of the
-    /// numbers right away.
+    /// Code as a user writes it: no type annotation beyond the one import, and number methods
+    /// called directly.
     macro_rules! a_short_throw {
         ($name:ident, $real:ident, $vector:ident) => {
             #[test]

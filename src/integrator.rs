@@ -1,4 +1,4 @@
-//! How a state moves on in time: one file a method.
+//! Integrators: methods that advance a state in time, one file for each method.
 
 mod any;
 mod bogacki_shampine_32;
@@ -38,14 +38,19 @@ use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// A method that moves a state on in time.
+/// A numerical method that advances a state in time.
 ///
-/// Its accuracy (a time step, a tolerance) is its own field. *To the implementer:*
-/// [`step`](Self::step) must advance by at most `limit`, must be a function of scene, state and
-/// limit alone (a workspace may save work, never change a result), and keep the orientation's
-/// length at 1. A method that chooses its steps says so by [`ADAPTIVE`](Self::ADAPTIVE):
-/// its step is a function of scene, state, limit and the proposal that the workspace holds, and a
-/// new workspace proposes from the state alone.
+/// The parameter of its accuracy, a step size or a tolerance, is a field of the method.
+///
+/// *Requirements on an implementation:*
+/// - [`step`](Self::step) advances by at most `limit`.
+/// - Its result is a function of scene, state and limit alone. A workspace may save work but never
+///   change a result.
+/// - The orientation keeps the length 1.
+/// - An adaptive method, which chooses its step size, sets [`ADAPTIVE`](Self::ADAPTIVE). Its step
+///   may also depend on the step size that the workspace proposes. A new workspace proposes from
+///   the state alone.
+///
 /// [`contract::check_integrator`](crate::contract::check_integrator) tests an implementation.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not an integrator: it does not implement `Integrator<{R}>`",
@@ -53,24 +58,28 @@ use crate::state::State;
     note = "implement `step`, `order` and `check`; the precision `{R}` of scene and integrator must be the same"
 )]
 pub trait Integrator<R: Real = f64> {
-    /// What the method may keep from step to step to save work: its results must not depend on it,
-    /// but for a length of the next step where the method [chooses its steps](Self::ADAPTIVE).
-    /// A copy must do as well.
+    /// Data that the method may keep from step to step to save work.
+    ///
+    /// Results must not depend on it, except for the size of the next step of an
+    /// [adaptive](Self::ADAPTIVE) method. A clone must give the same results.
     type Workspace: Default + Clone + Debug;
 
-    /// Whether the method chooses the length of its steps, and carries its choice of the next one
-    /// in the workspace.
+    /// True if the method chooses its step size and keeps the size of the next step in the
+    /// workspace.
     const ADAPTIVE: bool = false;
 
-    /// Whether one step may span several of the [fixed steps](Self::fixed_step), as closed-form
-    /// flight does. Default: false. A run of more fixed steps than its clock counts is then refused
-    /// only after a step that spans none.
+    /// True if one step may span several [fixed steps](Self::fixed_step), as closed-form flight
+    /// does. Default: false.
+    ///
+    /// A run of more fixed steps than its clock can count is then refused only after a step that
+    /// spans none.
     const SPANS_STEPS: bool = false;
 
-    /// One step of the method's own length, or of `limit` seconds where that is less.
+    /// Takes one step of the method's own size, or of `limit` seconds if that is less.
     ///
     /// # Errors
-    /// Where the method cannot go on; the caller keeps the state from before.
+    /// Returns [`StepError`] if the method cannot complete the step. The caller keeps the state
+    /// from before the step.
     fn step<D: Dynamics<R>>(
         &self,
         scene: &D,
@@ -79,38 +88,40 @@ pub trait Integrator<R: Real = f64> {
         workspace: &mut Self::Workspace,
     ) -> Result<Step<R>, StepError>;
 
-    /// Order of the error in the time step, in smooth motion.
+    /// Returns the order of the global error in the step size, in smooth motion.
     fn order(&self) -> u32;
 
-    /// The length of its steps where they are all alike, s.
+    /// Returns the step size if all steps have the same size, s.
     fn fixed_step(&self) -> Option<R> {
         None
     }
 
-    /// Largest stable step (s) for the oscillator `y'' + damping y' + stiffness y = 0`, with
-    /// `stiffness` in 1/s² and `damping` in 1/s, both at least 0: every shorter step is stable too.
-    /// `None` if the method is stable at any step.
+    /// Returns the largest stable step size for a damped linear oscillator, s.
     ///
-    /// 0 if no step is stable, as for an explicit Euler step without damping. A contact that acts
-    /// on an effective mass `m` has the stiffness `k/m` and the damping `c/m`. The value depends on
-    /// the method alone, not on its own step size.
+    /// The oscillator is `y'' + damping y' + stiffness y = 0`, with `stiffness` in 1/s² and
+    /// `damping` in 1/s, both at least 0. Every smaller step size is stable too. Returns `None` if
+    /// the method is stable at any step size, and 0 if no step size is stable, as for an explicit
+    /// Euler step without damping.
+    ///
+    /// A contact that acts on an effective mass `m` has the stiffness `k/m` and the damping `c/m`.
+    /// The value depends on the method alone, not on its own step size.
     /// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) evaluates it for the
     /// contacts of a state.
     ///
     /// The provided method returns `None`. An explicit method should override it with the limit of
-    /// its stability region: for a Runge-Kutta method, the `h` at which `h λ` leaves the region for
-    /// a root of `λ² + damping λ + stiffness = 0`.
+    /// its stability region. For a Runge-Kutta method, this is the `h` at which `h λ` leaves the
+    /// region for a root of `λ² + damping λ + stiffness = 0`.
     #[inline]
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         let _ = (stiffness, damping);
         None
     }
 
-    /// Returns what a method that [chooses its steps](Self::ADAPTIVE) must carry on from
-    /// `state`, for a [`Session`](crate::Session) that is saved. Default: `None`.
+    /// Returns the data that an [adaptive](Self::ADAPTIVE) method needs to continue from `state`.
+    /// Default: `None`.
     ///
-    /// A workspace that is new but for [`set_step_control`](Self::set_step_control) must lead to
-    /// the same states.
+    /// A saved [`Session`](crate::Session) contains them. A new workspace must lead to the same
+    /// states once [`set_step_control`](Self::set_step_control) has been applied to it.
     #[inline]
     fn step_control(
         &self,
@@ -121,23 +132,27 @@ pub trait Integrator<R: Real = f64> {
         None
     }
 
-    /// Puts what [`step_control`](Self::step_control) has returned into a workspace, and begins a
-    /// new budget of steps where the method has one. Default: no effect.
+    /// Restores the data returned by [`step_control`](Self::step_control) in a workspace. Default:
+    /// no effect.
+    ///
+    /// If the method has a budget of steps, a new budget begins.
     #[inline]
     fn set_step_control(&self, workspace: &mut Self::Workspace, control: StepControl<R>) {
         let _ = (workspace, control);
     }
 
-    /// Whether the method's parameters can be: called once, when a scene is composed.
+    /// Checks that the method's parameters are valid. Called once, when a scene is composed.
     ///
     /// # Errors
-    /// Names the quantity, the rule that it breaks, and its value.
+    /// Returns [`SceneError`] if a parameter is invalid. The error names the quantity, the rule and
+    /// the value.
     fn check(&self) -> Result<(), SceneError>;
 }
 
-/// The choice of the next step by a method that [chooses its steps](Integrator::ADAPTIVE).
+/// Data from which an [adaptive](Integrator::ADAPTIVE) method continues: the size of the next step
+/// and what determines it.
 ///
-/// Plain data, with the feature `serde`. It belongs to the state after the last step.
+/// Plain data, serialisable with the feature `serde`. It belongs to the state after the last step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -148,13 +163,15 @@ pub trait Integrator<R: Real = f64> {
     ))
 )]
 pub struct StepControl<R: Real = f64> {
-    /// Length of the next step, s, above 0. `None` if the method chooses it from the state.
+    /// Size of the next step, s, above 0. `None` if the method chooses it from the state.
     pub next_step: Option<R>,
-    /// Measure of the error of the last step, at least 0, by the method's own definition. `None`
-    /// before the first step.
+    /// Measure of the error of the last step, at least 0. The method defines it. `None` before the
+    /// first step.
     pub last_error: Option<R>,
-    /// Orientation that the next step begins with, if that is not the state's: before it was scaled
-    /// to length 1, to rounding, for the state. Ignored if it does not belong to the state.
+    /// Orientation at the start of the next step, before it was scaled to length 1 for the state.
+    ///
+    /// `None` if it is that of the state. It differs from that of the state by rounding, and is
+    /// ignored if it does not belong to the state.
     pub orientation: Option<R::Quat>,
 }
 
@@ -175,27 +192,30 @@ impl<R: Real> StepControl<R> {
     }
 }
 
-/// What a step did.
+/// Result of a step: time advanced, and the work it took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Step<R = f64> {
-    /// Time advanced by, s.
+    /// Time by which the step advanced, s.
     pub elapsed: R,
-    /// How often the contacts' forces were evaluated.
+    /// Number of evaluations of the contact forces.
     pub evaluations: u32,
-    /// How many attempts were turned down before, by a method that chooses its steps.
+    /// Number of attempts that an adaptive method rejected before this step.
     pub rejected: u32,
-    /// Iterations of an implicit method, over all parts of the step.
+    /// Number of iterations of an implicit method, over all parts of the step.
     pub iterations: u32,
-    /// Whether an implicit method could not take the step whole: it was too long to be accurate.
+    /// True if an implicit method could not take the step as a whole. The step was then too large
+    /// to be accurate.
     pub fallback: bool,
-    /// Energy that was removed so that the total does not rise, J: what the solver's error would
-    /// have added.
+    /// Energy removed so that the total never increases, J.
+    ///
+    /// It is the energy that the error of the solver would have added.
     pub energy_removed: R,
 }
 
 impl<R: Real> Step<R> {
-    /// A step of `elapsed` seconds at the cost of `evaluations` of the forces.
+    /// Creates the result of a step of `elapsed` seconds with `evaluations` force evaluations. The
+    /// other fields are zero.
     #[inline]
     #[must_use]
     pub fn new(elapsed: R, evaluations: u32) -> Self {
@@ -210,7 +230,7 @@ impl<R: Real> Step<R> {
     }
 }
 
-/// One line with units: `{:.3}` sets the digits of each number.
+/// Formats the step as one line with units. `{:.3}` sets the digits of each number.
 impl<R: Real> core::fmt::Display for Step<R> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         core::fmt::Display::fmt(&self.elapsed, f)?;
@@ -223,12 +243,13 @@ impl<R: Real> core::fmt::Display for Step<R> {
     }
 }
 
-/// The last number before a condition begins to hold, by bisection between one where it does not
-/// hold and one where it does.
+/// Returns the last number before a condition begins to hold, by bisection.
+///
+/// `bracket` consists of a number at which the condition does not hold and one at which it does.
 fn last_before<R: Real>(bracket: [R; 2], holds: impl Fn(R) -> bool) -> R {
     let [mut low, mut high] = bracket;
-    // The bracket is at most as wide as its start, or a 64th of the result: this resolves f32 and
-    // is 6e-8 of the result in f64.
+    // The bracket is at most as wide as its start, or a 64th of the result. 24 halvings resolve
+    // f32, and 6e-8 of the result in f64.
     for _ in 0..24 {
         let middle = (low + high) * R::HALF;
         if holds(middle) {
@@ -240,12 +261,11 @@ fn last_before<R: Real>(bracket: [R; 2], holds: impl Fn(R) -> bool) -> R {
     low
 }
 
-/// Returns the length of the next step of a method with a fixed `time_step`: `limit` if that is
-/// less.
+/// Returns the size of the next step of a method with a fixed `time_step`: `limit` if that is less.
 ///
-/// A step is never longer than its limit. A run passes the whole step as the limit if what is left
-/// differs from it by rounding alone, so that ten steps of 0.1 s and an advance by 1 s have the
-/// same bits.
+/// A step is never longer than its limit. If the time left in a run differs from a whole step by
+/// rounding alone, the run passes the whole step as the limit. Ten steps of 0.1 s and an advance by
+/// 1 s therefore have the same bits.
 #[inline]
 #[must_use]
 pub fn step_length<R: Real>(time_step: R, limit: R) -> R {

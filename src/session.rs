@@ -1,4 +1,4 @@
-//! A session: one state that is moved on, with the time and what is remembered from step to step.
+//! Session: one state that is advanced in time, with its clock and the data kept from step to step.
 
 use crate::body::RigidPointBody;
 use crate::energy::Energy;
@@ -12,18 +12,19 @@ use crate::real::{Quaternion, Real, Vector};
 use crate::state::State;
 use crate::stepper::{Clock, End, Stepper, check_duration};
 
-/// Moves one state on in time, and remembers what saves work or decides on the next step.
+/// One state that is advanced in time, with its clock and the data that the integrator keeps
+/// between steps.
 ///
-/// [`Stepper::session`] begins one. It borrows the stepper and owns the state, the integrator's
-/// workspace and the clock. Take it where one body is moved on call after call, as in a game or a
-/// plot. [`Stepper::advance`] begins anew in each call.
+/// Created by [`Stepper::session`]. A session borrows the stepper and owns the state, the
+/// integrator's workspace and the clock. Use it to advance one body by many calls, as in a game or
+/// a plot. [`Stepper::advance`] starts with a new workspace in each call.
 ///
 /// | | [`Stepper`] | `Session` |
 /// |---|---|---|
-/// | the state | the caller's | its own |
-/// | the time since the start | the caller's | [`time`](Self::time) |
-/// | an adaptive method's next step | chosen anew in each call | goes on |
-/// | a body at rest | is evaluated in each call | is skipped |
+/// | state | owned by the caller | owned by the session |
+/// | time since the start | counted by the caller | [`time`](Self::time) |
+/// | next step of an adaptive method | chosen anew in each call | continues |
+/// | body at rest | evaluated in each call | skipped |
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -42,12 +43,13 @@ use crate::stepper::{Clock, End, Stepper, check_duration};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// *Bits.* With a fixed step, each call has the bits of the same call of the stepper with the same
-/// state. An adaptive method has them in the first call, and then goes on with its own choice of
-/// the step. Its budget of steps holds for each call.
+/// *Reproducibility.* With a fixed step, each call gives the same bits as the same call of the
+/// stepper with the same state. An adaptive method gives the same bits in the first call. It then
+/// continues with its own step size. Its budget of steps applies to each call.
 ///
-/// *Rest.* A step that leaves the state as it was does so again. Further whole steps are then
-/// counted and not taken, and so is an [`advance`](Self::advance) by the same time as before.
+/// *Rest.* If a step leaves the state unchanged, every further step of the same size does too. The
+/// session then counts further whole steps without taking them. It also skips an
+/// [`advance`](Self::advance) by the same time as before.
 pub struct Session<
     'a,
     R: Real,
@@ -64,13 +66,15 @@ pub struct Session<
     rest: Rest<R>,
 }
 
-/// What is known to leave the present state as it is, for a method that does not choose its steps:
-/// such a step is a function of scene, state and length alone.
+/// Steps that are known to leave the present state unchanged, for a method that is not adaptive.
+///
+/// Such a step is a function of scene, state and step size alone.
 #[derive(Clone, Copy, Debug)]
 struct Rest<R> {
-    /// Whether a whole step does.
+    /// True if a whole step leaves the state unchanged.
     step: bool,
-    /// An advance that does, s, and what the clock counts for it.
+    /// Duration (s) of an advance that leaves the state unchanged, with the clock counts of that
+    /// advance.
     advance: Option<(R, Clock<R>)>,
 }
 
@@ -81,7 +85,7 @@ impl<R: Real> Rest<R> {
     };
 }
 
-/// A moment of a session.
+/// Time, number of steps and state at one moment of a session.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -94,17 +98,17 @@ impl<R: Real> Rest<R> {
 pub struct Moment<R: Real = f64> {
     /// Time since the start of the session, s.
     pub time: R,
-    /// Number of steps since then.
+    /// Number of steps since the start of the session.
     pub steps: u64,
-    /// The state at that time.
+    /// State at that time.
     pub state: State<R>,
 }
 
-/// A session as plain data: what a run must know to go on with the same bits.
+/// A session as plain data, from which a run continues with the same bits.
 ///
-/// [`Session::save`] returns it, [`Stepper::resume`] takes it. It holds the state, the clock, and
-/// the choice of the next step of an adaptive method. The scene is saved by itself: its parts are
-/// plain data, too.
+/// [`Session::save`] returns it and [`Stepper::resume`] takes it. It contains the state, the clock,
+/// and the step size that an adaptive method has chosen for the next step. The scene is saved
+/// separately, and its parts are plain data, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -122,13 +126,13 @@ pub struct SavedSession<R: Real = f64> {
 }
 
 impl<R: Real> SavedSession<R> {
-    /// The state.
+    /// Returns the state.
     #[must_use]
     pub fn state(&self) -> &State<R> {
         &self.state
     }
 
-    /// Time since the start of the session, s.
+    /// Returns the time since the start of the session, s.
     #[must_use]
     pub fn time(&self) -> R {
         self.clock.time
@@ -150,7 +154,7 @@ where
     A: Gravity<R>,
     I: Integrator<R>,
 {
-    /// Begins a session with this state, at 0 s.
+    /// Creates a session with this state, at the time 0 s.
     #[must_use]
     pub fn session(&self, state: State<R>) -> Session<'_, R, B, G, F, A, I> {
         Session {
@@ -162,15 +166,14 @@ where
         }
     }
 
-    /// Goes on with a session that was saved, with the same bits, if this is the same scene and
-    /// integrator.
+    /// Creates a session that continues a saved one.
     ///
-    /// An adaptive method evaluates the state once more, which its count of evaluations shows.
+    /// The states have the same bits if scene and integrator are the same. An adaptive method
+    /// evaluates the state once more, which increases the count of evaluations by one.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if the time or the length of the next step is invalid. The error
-    /// names the quantity, the rule and the value. A state that is not finite is refused by the
-    /// first step.
+    /// Returns [`SceneError`] if the time or the size of the next step is invalid. The error names
+    /// the quantity, the rule and the value. A state that is not finite makes the first step fail.
     pub fn resume(
         &self,
         saved: &SavedSession<R>,
@@ -194,11 +197,11 @@ where
     A: Gravity<R>,
     I: Integrator<R>,
 {
-    /// Takes one step of the integrator's own length.
+    /// Takes one step of the integrator's own size.
     ///
     /// # Errors
-    /// As [`Stepper::step`]. Returns [`StepError::Stalled`] if the step is too short for the clock.
-    /// State and clock are left as they were.
+    /// Returns [`StepError`] if [`Stepper::step`] does, and [`StepError::Stalled`] if the step is
+    /// too short for the clock. State and clock are then unchanged.
     pub fn step(&mut self) -> Result<Step<R>, StepError> {
         if self.rest.step {
             if let Some(length) = self.stepper.integrator().fixed_step() {
@@ -218,10 +221,11 @@ where
         Ok(step)
     }
 
-    /// Moves the state on by exactly `seconds`, at least 0, as [`Stepper::advance`] does.
+    /// Advances the state by exactly `seconds`, at least 0, like [`Stepper::advance`].
     ///
     /// # Errors
-    /// As [`Stepper::advance`]. State and clock are those after the last good step.
+    /// Returns [`StepError`] if [`Stepper::advance`] does. State and clock are then those after the
+    /// last successful step.
     #[inline]
     pub fn advance(&mut self, seconds: R) -> Result<(), StepError> {
         match &self.rest.advance {
@@ -233,13 +237,15 @@ where
         }
     }
 
-    /// Moves the state on by exactly `seconds` and shows it to `observer`, as [`Stepper::run`]
-    /// does. Returns the time that the run has covered, s.
+    /// Advances the state by exactly `seconds` and passes samples to `observer`, like
+    /// [`Stepper::run`].
     ///
-    /// The samples count time and steps from the start of this run.
+    /// Returns the time that the run has covered, s. The samples count time and steps from the
+    /// start of this run.
     ///
     /// # Errors
-    /// As [`Stepper::run`]. State and clock are those after the last good step.
+    /// Returns [`StepError`] if [`Stepper::run`] does. State and clock are then those after the
+    /// last successful step.
     pub fn run(
         &mut self,
         seconds: R,
@@ -256,7 +262,9 @@ where
         outcome.map(|()| clock.time)
     }
 
-    /// Steps without end: the moment after each step. After an error there are no more.
+    /// Returns an endless iterator over single steps, with the moment after each step.
+    ///
+    /// The iterator ends after an error.
     ///
     /// ```
     /// use tumble::glam::DVec3;
@@ -276,12 +284,14 @@ where
         self.moments(false, |session| session.step().map(|_| ()))
     }
 
-    /// Samples without end at equal intervals, s: the present moment, then the moment after each
-    /// [`advance`](Self::advance) by `interval`. After an error there are no more.
+    /// Returns an endless iterator over samples at equal intervals (s).
     ///
-    /// The session stands at the last sample that was taken. With a fixed step that does not divide
-    /// the interval, the last step before each sample is shorter. [`Timed`](crate::Timed) in a
-    /// [`run`](Self::run) leaves the steps as they are.
+    /// The first item is the present moment. Each further item is the moment after an
+    /// [`advance`](Self::advance) by `interval`. The iterator ends after an error.
+    ///
+    /// The session stays at the last sample taken. If a fixed step does not divide the interval,
+    /// the last step before each sample is shorter. [`Timed`](crate::Timed) in a [`run`](Self::run)
+    /// does not change the steps.
     ///
     /// ```
     /// use tumble::glam::DVec3;
@@ -311,7 +321,8 @@ where
         Ok(self.moments(true, move |session| session.advance(interval)))
     }
 
-    /// Moments between which the session moves on, with the present one at first or not.
+    /// Returns an iterator that calls `move_on` between moments, with or without the present moment
+    /// first.
     fn moments(
         &mut self,
         mut begins_here: bool,
@@ -329,7 +340,7 @@ where
         })
     }
 
-    /// Time, number of steps and state.
+    /// Returns time, number of steps and state.
     #[must_use]
     pub fn moment(&self) -> Moment<R> {
         Moment {
@@ -339,16 +350,16 @@ where
         }
     }
 
-    /// The state.
+    /// Returns the state.
     #[inline]
     #[must_use]
     pub fn state(&self) -> &State<R> {
         &self.state
     }
 
-    /// The state, to be changed: by an impulse, or to another position. The clock goes on.
+    /// Returns the state for modification, for example by an impulse or to another pose.
     ///
-    /// The next step is that of a new session with the changed state.
+    /// The clock continues. The next step is that of a new session with the changed state.
     pub fn state_mut(&mut self) -> &mut State<R> {
         self.rest = Rest::UNKNOWN;
         if self.chooses_steps() {
@@ -357,19 +368,19 @@ where
         &mut self.state
     }
 
-    /// Replaces the state. The clock goes on.
+    /// Replaces the state. The clock continues.
     ///
     /// The next step is that of a new session with this state.
     pub fn set_state(&mut self, state: State<R>) {
         *self.state_mut() = state;
     }
 
-    /// Gives the body an impulse (N s, world axes) at a point of the world (m).
+    /// Applies an impulse (N s, world axes) to the body at a point (m, world axes).
     ///
     /// The next step is that of a new session with the changed state.
     ///
     /// # Errors
-    /// As [`Stepper::apply_impulse`].
+    /// Returns [`StepError`] if [`Stepper::apply_impulse`] does.
     pub fn apply_impulse(&mut self, impulse: R::Vec3, point: R::Vec3) -> Result<(), StepError> {
         let stepper = self.stepper;
         stepper.apply_impulse(self.state_mut(), impulse, point)
@@ -381,44 +392,45 @@ where
         self.state
     }
 
-    /// The stepper.
+    /// Returns the stepper.
     #[must_use]
     pub fn stepper(&self) -> &'a Stepper<R, B, G, F, A, I> {
         self.stepper
     }
 
-    /// Energy of the state, by kind, J.
+    /// Returns the energy of the state by kind, J.
     #[must_use]
     pub fn energy(&self) -> Energy<R> {
         self.stepper.energy(&self.state)
     }
 
-    /// Time since the start of the session, s.
+    /// Returns the time since the start of the session, s.
     #[inline]
     #[must_use]
     pub fn time(&self) -> R {
         self.clock.time
     }
 
-    /// Number of steps since the start of the session.
+    /// Returns the number of steps since the start of the session.
     #[must_use]
     pub fn step_count(&self) -> u64 {
         self.clock.steps
     }
 
-    /// Number of evaluations of the contacts' forces since the start of the session.
+    /// Returns the number of contact force evaluations since the start of the session.
     #[must_use]
     pub fn evaluation_count(&self) -> u64 {
         self.clock.evaluations
     }
 
-    /// Number of attempts that an adaptive method has rejected since the start of the session.
+    /// Returns the number of attempts that an adaptive method has rejected since the start of the
+    /// session.
     #[must_use]
     pub fn rejected_count(&self) -> u64 {
         self.clock.rejected
     }
 
-    /// The session as plain data, to be saved. [`Stepper::resume`] goes on with it.
+    /// Returns the session as plain data, from which [`Stepper::resume`] continues.
     ///
     /// ```
     /// use tumble::{DormandPrince54, Trial};
@@ -443,14 +455,14 @@ where
         }
     }
 
-    /// Whether the method carries a choice of its next step: of those that may, one with a fixed
-    /// step does not.
+    /// Returns true if the method has its own size for the next step. A method with a fixed step
+    /// has none.
     #[inline]
     fn chooses_steps(&self) -> bool {
         I::ADAPTIVE && self.stepper.integrator().fixed_step().is_none()
     }
 
-    /// A call has the budget of steps of a run: else a long session would use it up.
+    /// Begins a new budget of steps, so that each call has the budget of a run.
     #[inline]
     fn renew_budget(&mut self) {
         if self.chooses_steps() {
@@ -474,15 +486,16 @@ where
         self.clock.add(&clock);
         outcome?;
         if !self.chooses_steps() && has_bits_of(&self.state, &start) {
-            // To know it costs no evaluation.
+            // A repetition of this advance costs no evaluation.
             (clock.evaluations, clock.rejected) = (0, 0);
             self.rest.advance = Some((seconds, clock));
         }
         Ok(())
     }
 
-    /// The steps of a run, of which whole ones of a body at rest are counted and not taken: many at
-    /// once if `in_strides`.
+    /// Takes the steps of a run. Whole steps of a body at rest are counted and not taken.
+    ///
+    /// If `in_strides`, many of them are counted at once.
     fn steps_until(
         &mut self,
         seconds: R,
@@ -519,14 +532,14 @@ where
         Ok(Skipped::Right)
     }
 
-    /// The length of a whole step that fits and leaves the state as it is, s.
+    /// Returns the size of a whole step that fits within `limit` and leaves the state unchanged, s.
     #[inline]
     fn whole_step_at_rest(&self, end: &End<R>, limit: R) -> Option<R> {
         end.time_step
             .filter(|&length| self.rest.step && length <= limit)
     }
 
-    /// What a step from `before` to the present state shows of later ones.
+    /// Updates the knowledge about rest after a step from `before` to the present state.
     #[inline]
     fn learn(&mut self, before: &State<R>, step: &Step<R>) {
         if !has_bits_of(&self.state, before) {
@@ -538,18 +551,19 @@ where
     }
 }
 
-/// Whether a run was right to skip steps in strides.
+/// Whether counting many steps at rest at once was valid in a run.
 ///
-/// The clock then differs from one that counts single steps by rounding, and so does the length of
-/// a last step that is shorter. A body that moves in it, though it rests in whole ones, needs the
-/// exact length.
+/// The clock then differs by rounding from one that counts single steps, and so does the size of a
+/// shorter last step. If the body moves in that shorter step, although it rests in whole steps, the
+/// exact size is needed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Skipped {
     Right,
     TooMuch,
 }
 
-/// Whether two states are alike in each bit. 0 and -0 are not, nor is a NaN beside itself.
+/// Returns true if two states are equal in each bit. 0 and -0 differ, and a NaN differs from
+/// itself.
 fn has_bits_of<R: Real>(state: &State<R>, other: &State<R>) -> bool {
     let same = |a: R, b: R| a == b && (a != R::ZERO || R::ONE / a == R::ONE / b);
     let vectors = [

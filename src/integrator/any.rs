@@ -1,4 +1,4 @@
-//! One of the built-in methods, chosen at run time.
+//! Built-in integrator chosen at run time.
 
 use super::{
     BogackiShampine32, DormandPrince54, EmbeddedPairWorkspace, EnergyMomentum,
@@ -11,12 +11,12 @@ use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// One of the built-in integrators, chosen at run time: from a file, a menu or an argument.
+/// A built-in integrator chosen at run time, for example from a file, a menu or an argument.
 ///
-/// Its steps have the bits of the method itself. It is displayed as the method's name, and saved
-/// and loaded by the feature `serde`. [`Flight`](crate::Flight) takes it like any integrator. The
-/// program then holds all methods, so that it takes longer to compile than with one of them.
-///
+/// Its steps have the same bits as those of the chosen method. `Display` writes the name of the
+/// method, and the feature `serde` saves and loads it. [`Flight`](crate::Flight) accepts it like
+/// any integrator. The program then contains all methods, and takes longer to compile than with a
+/// single one.
 /// ```
 /// use tumble::{AnyIntegrator, EnergyMomentum, Rk4, Trial};
 ///
@@ -36,26 +36,26 @@ use crate::state::State;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum AnyIntegrator<R = f64> {
-    /// [`ForwardEuler`].
+    /// Forward Euler: see [`ForwardEuler`].
     ForwardEuler(ForwardEuler<R>),
-    /// [`SymplecticEuler`].
+    /// Semi-implicit Euler: see [`SymplecticEuler`].
     SymplecticEuler(SymplecticEuler<R>),
-    /// [`StrangSplitting`].
+    /// Strang splitting: see [`StrangSplitting`].
     StrangSplitting(StrangSplitting<R>),
-    /// [`Rk4`].
+    /// Classical Runge-Kutta: see [`Rk4`].
     Rk4(Rk4<R>),
-    /// [`Nystrom`].
+    /// Nyström's method with touch-down correction: see [`Nystrom`].
     Nystrom(Nystrom<R>),
-    /// [`BogackiShampine32`].
+    /// Adaptive, of order 3: see [`BogackiShampine32`].
     BogackiShampine32(BogackiShampine32<R>),
-    /// [`DormandPrince54`].
+    /// Adaptive, of order 5: see [`DormandPrince54`].
     DormandPrince54(DormandPrince54<R>),
-    /// [`EnergyMomentum`].
+    /// Implicit, with an energy that never increases: see [`EnergyMomentum`].
     EnergyMomentum(EnergyMomentum<R>),
 }
 
-/// Workspace of [`AnyIntegrator`]: that of the method which has used it.
-// Not an enum: one could not be switched to another method in place without a branch that panics.
+/// Workspace of [`AnyIntegrator`], which contains the workspace of the method in use.
+// Not an enum: switching an enum to another method in place would need a branch that panics.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace<R: Real = f64> {
     near: ContactRange,
@@ -75,7 +75,7 @@ impl<R: Real> Workspace<R> {
     }
 }
 
-/// Does the same with the method, whichever it is.
+/// Evaluates the same expression with the method of each variant.
 macro_rules! each {
     ($any:expr, $method:ident => $result:expr) => {
         match $any {
@@ -94,7 +94,7 @@ macro_rules! each {
 impl<R: Real> Integrator<R> for AnyIntegrator<R> {
     type Workspace = Workspace<R>;
 
-    /// Some of the methods do.
+    /// True because some of the methods are adaptive.
     const ADAPTIVE: bool = true;
 
     fn step<D: Dynamics<R>>(
@@ -149,7 +149,7 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
     }
 }
 
-/// The name of the method.
+/// Writes the name of the method.
 impl<R> core::fmt::Display for AnyIntegrator<R> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.pad(match self {

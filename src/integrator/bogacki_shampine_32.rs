@@ -1,4 +1,4 @@
-//! The pair of Bogacki and Shampine, of order 3 with an estimate of order 2.
+//! Bogacki-Shampine pair, of order 3 with an error estimate of order 2.
 
 use super::embedded_pair::{self, Pair, Settings, Workspace};
 use super::{Integrator, Step, StepControl};
@@ -7,34 +7,42 @@ use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// Runge-Kutta of order 3 that chooses its steps for a tolerance (Bogacki & Shampine, Applied
-/// Mathematics Letters 2(4), 1989): three evaluations a step.
+/// Adaptive Runge-Kutta method of order 3, for loose tolerances and many touch-downs.
 ///
-/// [`guide::choosing`](crate::guide::choosing) says what the tolerance bounds and what error a run
-/// has for it. Of the two methods that choose their steps, the one for loose tolerances and for
-/// contact with many touch-downs; [`DormandPrince54`](crate::DormandPrince54) is the one for tight
-/// tolerances. In trials 1, 3, 5 and 8 of the report (slip speed 1e-3 m/s, up to 1 s, tolerances of
-/// 1e-3 to 1e-9 m) the error is 0.17 to 7.1 tolerances (`tests/adaptive.rs` prints it); later it is
-/// what the motion makes of it, see there. *May add energy* by the size of its error.
+/// The pair of Bogacki and Shampine (Applied Mathematics Letters 2(4), 1989), with three force
+/// evaluations per step. The step size follows from a tolerance.
+/// [`guide::choosing`](crate::guide::choosing) says what the tolerance bounds and how large the
+/// error of a run is.
 ///
-/// *Not for contacts that stick or roll at a small slip speed:* stability bounds each step by about
-/// `2 slip_speed/(3 μ g)`, whatever the tolerance, and a run ends with
+/// Of the two adaptive methods, this one suits loose tolerances and contact with many touch-downs.
+/// For tight tolerances use [`DormandPrince54`](crate::DormandPrince54).
+///
+/// *Error:* 0.17 to 7.1 tolerances in trials 1, 3, 5 and 8 of the coin report, for tolerances of
+/// 1e-3 to 1e-9 m. The slip speed is 1e-3 m/s, and the motion lasts up to 1 s. `tests/adaptive.rs`
+/// prints the errors. After longer times the error depends on how the motion amplifies it (see the
+/// guide).
+///
+/// *May add energy* by the size of its error.
+///
+/// *Not for contacts that stick or roll at a small slip speed.* Stability limits each step to about
+/// `2 slip_speed/(3 μ g)`, whatever the tolerance. A run then ends with
 /// [`BudgetSpent`](crate::StepError::BudgetSpent). With a slip speed of 1e-6 m/s a rolling ball
-/// takes a million steps in half a second. Take [`EnergyMomentum`](crate::EnergyMomentum) there.
+/// takes a million steps in half a second. Use [`EnergyMomentum`](crate::EnergyMomentum) there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BogackiShampine32<R = f64> {
-    /// m, above 0: what a step may add to the error, see
+    /// Bound on the error that a step may add, m, above 0. See
     /// [`guide::choosing`](crate::guide::choosing).
     pub tolerance: R,
-    /// s, above 0: no step is longer.
+    /// Largest step size, s, above 0.
     pub longest_step: R,
-    /// How many steps may be tried in a run, those that are turned down included, at least 1.
+    /// Largest number of attempted steps in a run, rejected ones included, at least 1.
     pub budget: u32,
 }
 
 impl<R: Real> BogackiShampine32<R> {
-    /// For a tolerance (m), with steps of at most 0.1 s and a budget of a million of them.
+    /// Creates the method for a tolerance (m), with steps of at most 0.1 s and a budget of a
+    /// million steps.
     #[must_use]
     pub fn new(tolerance: R) -> Self {
         Self {
@@ -57,7 +65,7 @@ const PAIR: Pair<4> = Pair {
     stages: [
         [1.0 / 2.0, 0.0, 0.0, 0.0],
         [0.0, 3.0 / 4.0, 0.0, 0.0],
-        // The weights of the result: the first slope of the next step is the last one of this.
+        // Weights of the result. The last slope of this step is the first slope of the next one.
         [2.0 / 9.0, 1.0 / 3.0, 4.0 / 9.0, 0.0],
         [0.0; 4],
     ],
@@ -67,8 +75,8 @@ const PAIR: Pair<4> = Pair {
         4.0 / 9.0 - 1.0 / 3.0,
         -1.0 / 8.0,
     ],
-    // The result's local error is 0.1 to 1.6 of the estimate (medians, trials 8 and 3 of the
-    // report).
+    // The local error of the result is 0.1 to 1.6 of the estimate (medians, trials 8 and 3 of the
+    // coin report).
     trust: 1.0,
     roots: 2,
 };

@@ -1,14 +1,14 @@
-//! How one contact passes through a step: where it is at both ends, how hard it pushes there, and
-//! its path between.
+//! Path of one contact through a step: penetration depth, closing speed and normal force at both
+//! ends, and the path between them.
 //!
-//! For the methods that look at contacts which begin or cease to push within a step.
+//! For the methods that treat contacts which begin or cease to push within a step.
 
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::ground::{GroundBounds, Plane, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion, facing_ground};
 
-/// A contact at one moment of the step.
+/// A contact at one end or stage of the step.
 #[derive(Clone, Copy)]
 pub(super) struct ContactEnd<R: Real> {
     pub(super) depth: R,
@@ -44,7 +44,7 @@ impl<R: Real> ContactEnd<R> {
     }
 }
 
-/// Where a contact is in the body: that of a smooth body wanders.
+/// Returns the contact point in the body. That of a smooth body moves over its surface.
 #[inline]
 pub(super) fn place_of<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -58,7 +58,7 @@ pub(super) fn place_of<R: Real, D: Dynamics<R>>(
     }
 }
 
-/// Normal force of one contact, N; 0 above ground.
+/// Returns the normal force of one contact, N. It is 0 above ground.
 #[inline]
 pub(super) fn push<R: Real, D: Dynamics<R>>(scene: &D, depth: R, closing_speed: R) -> R {
     if depth > R::ZERO {
@@ -68,7 +68,7 @@ pub(super) fn push<R: Real, D: Dynamics<R>>(scene: &D, depth: R, closing_speed: 
     }
 }
 
-/// From the centre of mass to where the force acts on a contact (m), and the ground's normal there;
+/// Returns the arm of the contact force from the centre of mass (m), and the ground normal there,
 /// world axes.
 #[inline(always)]
 pub(super) fn arm<R: Real, D: Dynamics<R>>(
@@ -82,16 +82,18 @@ pub(super) fn arm<R: Real, D: Dynamics<R>>(
     (arm - normal * point.radius, normal)
 }
 
-/// Velocity of the body's material at an arm, along the ground with this normal, m/s.
+/// Returns the slip velocity of the body at an arm, along the ground with this normal, m/s, world
+/// axes.
 #[inline(always)]
 pub(super) fn slip<R: Real>(motion: &Motion<R>, (arm, normal): (R::Vec3, R::Vec3)) -> R::Vec3 {
     let velocity = motion.velocity_at(arm);
     velocity - normal * velocity.dot(normal)
 }
 
-/// A moment of the step, from which depth and closing speed of each contact are seen.
+/// A moment of the step, prepared for computing penetration depth and closing speed of each
+/// contact.
 ///
-/// Above a plane `n · p = height` both are linear in the contact's place `b` in the body, as
+/// Above a plane `n · p = height` both are linear in the contact position `b` in body axes, because
 /// `(ω × r) · n = (n × ω) · r`:
 ///
 /// ```text
@@ -103,8 +105,8 @@ pub(super) struct Sight<'a, R: Real, D> {
     plane: Option<AbovePlane<R>>,
 }
 
-/// Depth and closing speed of the centre of mass, and what they lose for each metre along the
-/// body's axes.
+/// Penetration depth and closing speed of the centre of mass, and their decrease per metre along
+/// the body axes.
 struct AbovePlane<R: Real> {
     depth: R,
     closing_speed: R,
@@ -117,7 +119,7 @@ impl<R: Real> AbovePlane<R> {
     fn of(plane: &Plane<R>, motion: &Motion<R>) -> Self {
         let (axes, spin) = (&motion.axes, motion.angular_velocity);
         if plane.is_level() {
-            // Most planes are, and there most of the products are with 0.
+            // Most planes are level. Most products are then with 0.
             let turning = [axes.x, axes.y, axes.z].map(|axis| spin.cross(axis).z());
             return Self {
                 depth: plane.height - motion.position.z(),
@@ -167,8 +169,8 @@ impl<'a, R: Real, D: Dynamics<R>> Sight<'a, R, D> {
     }
 }
 
-/// The path of a contact through the step: its depth by Hermite's cubic, over the share of the
-/// step.
+/// Path of a contact through the step: its penetration depth as Hermite's cubic of the fraction of
+/// the step.
 pub(super) struct Path<R: Real> {
     start: R,
     end: R,
@@ -193,8 +195,9 @@ impl<R: Real> Path<R> {
         }
     }
 
-    /// Depth, and how it grows with the share:
-    /// `d(s) = d₀ + m₀ s + (3Δ - 2m₀ - m₁) s² + (m₀ + m₁ - 2Δ) s³`.
+    /// Returns the penetration depth, and its derivative by the fraction of the step.
+    ///
+    /// `d(s) = d₀ + m₀ s + (3Δ - 2m₀ - m₁) s² + (m₀ + m₁ - 2Δ) s³`
     #[inline]
     pub(super) fn at(&self, share: R) -> (R, R) {
         let (square, cube) = (self.square, self.cube);
@@ -204,8 +207,11 @@ impl<R: Real> Path<R> {
         (depth, slope)
     }
 
-    /// Where the path goes through the surface, if its ends lie on both sides of it: by Newton's
-    /// method from the chord's crossing on, or by halving where that leads astray.
+    /// Returns the fraction at which the path crosses the surface, if its ends are on both sides of
+    /// it.
+    ///
+    /// Newton's method starts at the crossing of the chord. Bisection is used if it does not
+    /// converge.
     #[inline(always)]
     pub(super) fn surface(&self) -> Option<R> {
         if (self.start > R::ZERO) == (self.end > R::ZERO) {
@@ -243,13 +249,14 @@ impl<R: Real> Path<R> {
         (below + above) * R::HALF
     }
 
-    /// Where a path that goes down and comes up again is deepest, about.
+    /// Returns the approximate fraction of greatest depth on a path that first descends and then
+    /// rises.
     #[inline]
     pub(super) fn turn(&self) -> R {
         self.start_slope / (self.start_slope - self.end_slope)
     }
 
-    /// Whether a path with both ends above ground is under it in between.
+    /// Returns true if a path with both ends above ground is below it in between.
     #[inline]
     pub(super) fn turns_under_ground(&self) -> bool {
         let above = self.start <= R::ZERO && self.end <= R::ZERO;
@@ -258,9 +265,10 @@ impl<R: Real> Path<R> {
     }
 }
 
-/// How much of the step the second of Newton's iterations may still move: what is left then is some
-/// square of it, 1e-3 of the step at most.
+/// Largest change in the second iteration of Newton's method, as a fraction of the step, that
+/// counts as converged. The remaining error is of the order of its square, at most 1e-3 of the
+/// step.
 const CONVERGED: f64 = 0.03;
 
-/// To a 2000th of the step.
+/// Bisections, which resolve a 2000th of the step.
 const HALVINGS: u32 = 10;

@@ -1,14 +1,15 @@
-//! Runge-Kutta pairs that choose their steps: attempt, estimate, control. The pairs' files hold
-//! their coefficients.
+//! Adaptive Runge-Kutta pairs: attempt, error estimate and step size control. The coefficients are
+//! in the files of the pairs.
 //!
 //! The stages of a step:
 //!
-//! 1. `attempt`: a step of the proposed length, or to the limit; the pair's difference is an
-//!    estimate of its error;
-//! 2. `touch` and `slip`: contacts that begin or cease to push in it, or whose friction turns
-//!    round, whose kink no such estimate sees for sure, with a bound of what they spoil;
-//! 3. `control`: both below the tolerance: done. Else again, to the first kink that matters, or
-//!    shorter.
+//! 1. `attempt`: a step of the proposed size, or to the limit. The difference of the two results of
+//!    the pair estimates its error.
+//! 2. `touch` and `slip`: contacts that begin or cease to push in the step, or whose friction
+//!    reverses. The estimate does not detect such discontinuities reliably. These modules bound the
+//!    error that they cause.
+//! 3. `control`: the step is accepted if the total error is within the tolerance. Otherwise it is
+//!    repeated up to the first discontinuity that matters, or with a smaller step size.
 
 mod control;
 mod slip;
@@ -26,29 +27,32 @@ use crate::scene::{Dynamics, Load, Motion};
 use crate::state::State;
 use control::{Control, Errors};
 
-/// Coefficients of a pair whose last stage is the first of the next step.
+/// Coefficients of a pair whose last stage is the first stage of the next step.
 pub(crate) struct Pair<const STAGES: usize> {
-    /// Row i weighs the slopes 0 to i for the place of slope i + 1; the last but one gives the
-    /// result, the last is idle.
+    /// Row i holds the weights of the slopes 0 to i for the point of slope i + 1. The last row but
+    /// one gives the result, and the last row is unused.
     pub(crate) stages: [[f64; STAGES]; STAGES],
-    /// Weights of the slopes in the estimate: those of the result less those of the lower order.
+    /// Weights of the slopes in the estimate: those of the result minus those of the lower order.
     pub(crate) error: [f64; STAGES],
-    /// What counts of an estimated error of the velocities: how much larger it is than what the
-    /// result, of a higher order, errs and contacts leave of that.
+    /// Fraction of the estimated velocity error that counts.
+    ///
+    /// The result has a higher order than the estimate and a smaller error, and contacts remove a
+    /// part of that error.
     pub(super) trust: f64,
-    /// The controller works with the 2^roots-th root of the error: next below the estimate's order
-    /// in the step.
+    /// Number of square roots that the controller takes of the error.
+    ///
+    /// The 2^roots-th root is the next below the order of the estimate in the step size.
     pub(super) roots: u32,
 }
 
 impl<const STAGES: usize> Pair<STAGES> {
-    /// Weights of the slopes in the result.
+    /// Returns the weights of the slopes in the result.
     fn weights(&self) -> &[f64] {
         self.stages.iter().rev().nth(1).map_or(&[], |row| row)
     }
 }
 
-/// The user's choices.
+/// Parameters set by the user.
 pub(super) struct Settings<R> {
     pub(super) tolerance: R,
     pub(super) longest_step: R,
@@ -70,30 +74,31 @@ impl<R: Real> Settings<R> {
         Ok(())
     }
 
-    /// A step below this is given up: it is rounding beside the longest one.
+    /// Returns the size below which a step is given up, s: the rounding of the longest step.
     fn shortest_step(&self) -> R {
         self.longest_step * R::EPSILON
     }
 }
 
-/// What a method that chooses its steps carries from one to the next: the length that it proposes,
-/// the last error, and how much of the budget is spent. It also keeps the last slope, which saves
-/// work.
+/// Workspace of an adaptive Runge-Kutta method: proposed step size, last error and used budget.
 ///
-/// A new one chooses the first step from the state alone. To go on after a pause as if there had
-/// been none, keep it with the state: it is plain data. Its slope counts only for the same state in
-/// a scene that answers alike (mass, moments, reach, number of contacts and of the rim's points,
-/// gravity, surface, and the laws at one depth and slip).
+/// It also keeps the last slope, which saves an evaluation. A new workspace chooses the first step
+/// from the state alone. To continue after a pause with the same results, keep the workspace with
+/// the state. It is plain data.
+///
+/// The slope is used only for the same state in an equivalent scene. Equivalent scenes have equal
+/// mass, moments, bounding radius, gravity and surface. Their bodies have equal numbers of contacts
+/// and of rim points. Their laws have equal values at one penetration depth and slip.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Workspace<R: Real = f64> {
     control: Control<R>,
     known: Option<Known<R>>,
-    /// The orientation that a step begins with whose start is not known.
+    /// Orientation at the start of a step whose start is not known.
     resumed: Option<Rotation<R>>,
 }
 
 impl<R: Real> Workspace<R> {
-    /// What the next step depends on, beside the state.
+    /// Returns the data, besides the state, that determine the next step.
     #[inline]
     pub(super) fn step_control(&self, state: &State<R>) -> StepControl<R> {
         let known = self.known.as_ref().filter(|known| known.state == *state);
@@ -104,15 +109,17 @@ impl<R: Real> Workspace<R> {
         }
     }
 
-    /// Goes on with this choice of the next step, and with the whole budget.
+    /// Restores the choice of the next step, with a full budget.
     #[inline]
     pub(super) fn set_step_control(&mut self, control: StepControl<R>) {
         self.resumed = control.orientation.map(Rotation::unscaled);
         self.control = Control::carrying(control);
     }
 
-    /// The point to begin with at a state. Scaled to length 1 again, an orientation is not always
-    /// the one that the step before has ended with.
+    /// Returns the point at which a step from `state` begins.
+    ///
+    /// An orientation that is scaled to length 1 again may differ from the one at the end of the
+    /// previous step.
     #[inline]
     fn point(&self, state: &State<R>) -> Point<R> {
         let point = Point::of(state);
@@ -126,7 +133,7 @@ impl<R: Real> Workspace<R> {
     }
 }
 
-/// A state, and what has been computed there.
+/// A state, and the quantities that have been computed at it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Known<R: Real> {
     state: State<R>,
@@ -135,8 +142,10 @@ struct Known<R: Real> {
 }
 
 impl<R: Real> Known<R> {
-    /// Of the end of a step. One to a kink has left out what begins to push there: its slope is
-    /// evaluated anew.
+    /// Creates the data for the end of a step.
+    ///
+    /// A step to a discontinuity has left out the contacts that begin to push there, so its slope
+    /// is evaluated again.
     #[inline(always)]
     fn of<D: Dynamics<R>>(scene: &D, state: &State<R>, end: &Place<R>, to_kink: bool) -> Self {
         let place = if to_kink {
@@ -152,7 +161,7 @@ impl<R: Real> Known<R> {
     }
 }
 
-/// Either end of a step.
+/// Point, slope and motion at one end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place<R: Real> {
     point: Point<R>,
@@ -181,8 +190,10 @@ impl<R: Real> Place<R> {
     }
 }
 
-/// What tells the slopes of one scene from another's: what tells the energies, and the answers of
-/// damper and friction.
+/// Numbers that distinguish the slopes of one scene from those of another.
+///
+/// They are the fingerprint of the energies, and the values of damper and friction at one
+/// penetration depth and slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Answers<R: Real> {
     fingerprint: Fingerprint<R>,
@@ -206,7 +217,7 @@ impl<R: Real> Answers<R> {
     }
 }
 
-/// One step that is below the tolerance, at most `limit` seconds long.
+/// Takes one step with an error below the tolerance, of at most `limit` seconds.
 pub(super) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
     pair: &Pair<STAGES>,
     settings: &Settings<R>,
@@ -230,7 +241,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
         control.spend(settings)?;
         let seconds = trial.seconds(limit);
         if seconds <= R::ZERO {
-            // A proposal that has underflowed.
+            // The proposed step size has underflowed.
             return Err(control.too_short(settings, Quantity::Position));
         }
         let to_kink = trial.is_to_kink(seconds);
@@ -260,7 +271,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
     }
 }
 
-/// Where the step begins: known from the last one, or evaluated.
+/// Returns the start of the step: known from the previous step, or evaluated.
 #[inline]
 fn start_of<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -283,16 +294,17 @@ fn start_of<R: Real, D: Dynamics<R>>(
     Ok(Place::at(scene, workspace.point(state)))
 }
 
-/// A step of the higher order.
+/// An attempted step of the higher order.
 struct Attempt<R: Real, const STAGES: usize> {
     end: Place<R>,
-    /// What the forces of each stage were computed from.
+    /// Motions at which the forces of the stages were evaluated.
     motions: [Motion<R>; STAGES],
-    /// To a step of the lower order.
+    /// Difference between the results of the higher and the lower order.
     difference: Point<R>,
 }
 
-/// One attempt, which leaves out what begins to push at its end where it goes to a kink.
+/// Attempts a step. A step to a discontinuity leaves out the contacts that begin to push at its
+/// end.
 #[inline(always)]
 fn attempt<R: Real, D: Dynamics<R>, const STAGES: usize>(
     pair: &Pair<STAGES>,

@@ -1,5 +1,6 @@
-//! The last word on a step: the computed energy is not above the one before, or the step does not
-//! happen.
+//! Energy limiter: the computed energy after a step never exceeds the energy before it.
+//!
+//! A step that cannot satisfy this is not taken.
 
 use super::{Step, flight_rounding};
 use crate::energy::{Dissipation, Energy};
@@ -8,26 +9,33 @@ use crate::real::{Quaternion, Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// Units in the last place of the sum of all energies' sizes that count as its rounding.
+/// Units in the last place, of the sum of the absolute values of all energies, that count as its
+/// rounding.
 const ROUNDING: f64 = 64.0;
 
-/// What the contacts have done in a step.
+/// Summary of the contacts during a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Touched {
-    /// Number of contacts that touch at the end of the step.
+    /// Number of contacts that penetrate at the end of the step.
     pub(super) touching: usize,
-    /// Contacts have pushed in the step, without friction and without dampers.
+    /// True if contacts have pushed during the step, without friction and without dampers.
     pub(super) is_lossless: bool,
 }
 
-/// Moves a state with its energy on to the end of a step, with its velocities scaled down until its
-/// computed energy is no higher; `false` where that cannot be had.
+/// Advances a state and its energy to the end of a step, and limits the computed energy to that of
+/// the start.
 ///
-/// The solver's residual is all that can lift the energy, so that the factor is 1 to rounding; what
-/// was removed is in the step's report. A body in contact that has less kinetic energy than the
-/// rounding of the total, before and after, has come to rest, and stops where it was; in flight it
-/// keeps its old velocity. One that falls by less than its place's rounding falls by that: else it
-/// would hang for ever.
+/// The velocities are scaled down until the computed energy is no higher. Returns `false` if that
+/// is impossible.
+///
+/// Only the residual of the solver can increase the energy, so the factor is 1 to rounding.
+/// [`Step`] reports the energy removed. Special cases:
+///
+/// - A body in contact is at rest if its kinetic energy, before and after, is below the rounding of
+///   the total. It stops where it was.
+/// - In flight such a body keeps its old velocity.
+/// - If a step is too short to change the height of an unsupported body, the body falls by two
+///   units in the last place. Otherwise it would hover.
 pub(super) fn hold<R: Real, D: Dynamics<R>>(
     scene: &D,
     (state, energy): (&mut State<R>, &mut Energy<R>),
@@ -39,8 +47,9 @@ pub(super) fn hold<R: Real, D: Dynamics<R>>(
     let excess = after.total() - ceiling;
     let is_kept =
         excess == R::ZERO || (excess < R::ZERO && !flight_rounding::holds_both_ways::<R>());
-    // The exact step has the energy of the start: rounding of depths of hard springs is put back
-    // whatever its size. What only took it would take a part of it in each bounce.
+    // The exact step has the energy of the start. Rounding of the penetration depths of hard
+    // springs is therefore compensated in both directions, whatever its size. A compensation that
+    // only removes energy would remove a part of it in each bounce.
     let is_exact = flight_rounding::holds_both_ways::<R>() && contact.is_lossless;
     if !is_kept && (is_exact || excess.abs() <= rounding_of(energy, after)) {
         if let Some(rounded) = without_rounding(scene, (state, energy), (end, after), contact) {
@@ -55,8 +64,8 @@ pub(super) fn hold<R: Real, D: Dynamics<R>>(
     hold_down(scene, (state, energy), (end, after), contact.touching, step)
 }
 
-/// An end without the rounding of its energy, where nothing else has changed the energy of the
-/// step.
+/// Returns an end of the step without the rounding of its energy, if nothing else has changed the
+/// energy.
 fn without_rounding<R: Real, D: Dynamics<R>>(
     scene: &D,
     (start, before): (&State<R>, &Energy<R>),
@@ -75,7 +84,7 @@ fn without_rounding<R: Real, D: Dynamics<R>>(
         .flatten()
 }
 
-/// The same for an end whose energy is above the one before.
+/// Limits an end whose energy exceeds that before the step. Returns `false` if that is impossible.
 #[inline(never)]
 fn hold_down<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -103,7 +112,7 @@ fn hold_down<R: Real, D: Dynamics<R>>(
         (*state, *energy) = held;
         return true;
     }
-    // In contact and not slow: a turning point. A shorter step will not end on it.
+    // In contact and not slow: a turning point of the motion. A shorter step will not end there.
     if excess > rounding || (touching > 0 && !is_slow) {
         return false;
     }
@@ -117,8 +126,10 @@ fn hold_down<R: Real, D: Dynamics<R>>(
     true
 }
 
-/// Where a step may end that would gain no more than rounding: stopped in contact; in flight with
-/// the old velocity, or, at the top of its path, turned round where it is.
+/// Returns ends of a step that gain no energy beyond rounding.
+///
+/// In contact the body is stopped. In flight it keeps the old velocity. At the top of its path it
+/// keeps the old position and takes the new velocity.
 fn without_gain<R: Real>(start: &State<R>, end: &State<R>, touching: usize) -> [State<R>; 2] {
     if touching > 0 {
         return [stopped(start); 2];
@@ -135,9 +146,10 @@ fn without_gain<R: Real>(start: &State<R>, end: &State<R>, touching: usize) -> [
     [coasting, turning]
 }
 
-/// Of a step from start to end that has not changed the height of a body which nothing bears: its
-/// end, lower by two units in the last place of the height. That takes one unit or more from the
-/// computed energy of gravity; what the body has gained of speed is worth less.
+/// Returns the end of a step, lowered by two units in the last place of the height.
+///
+/// This applies to a body without support whose height the step has not changed. It takes at least
+/// one unit from the computed gravitational energy, which exceeds the kinetic energy gained.
 fn fallen<R: Real, D: Dynamics<R>>(
     scene: &D,
     [start, end]: [&State<R>; 2],
@@ -149,7 +161,7 @@ fn fallen<R: Real, D: Dynamics<R>>(
     if !is_held || (touching > 0 && is_borne(scene, start)) {
         return None;
     }
-    // The height over |g|, for a way along g.
+    // Height divided by |g|, for a displacement along g.
     let height = gravity.dot(end.position).abs() / square;
     let fallen = State {
         position: end.position + gravity * (height * (R::EPSILON * R::TWO)),
@@ -158,9 +170,8 @@ fn fallen<R: Real, D: Dynamics<R>>(
     Some((fallen, Energy::of(scene, &fallen)))
 }
 
-/// Whether the contacts bear at least half of the body's weight.
-// Asked seldom and in two places: one loop over contacts is enough, and none of its parts need go
-// abreast.
+/// Returns true if the contacts support at least half of the body's weight.
+// Called rarely and in two places: a single, non-vectorised loop over the contacts is enough.
 #[inline(never)]
 fn is_borne<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> bool {
     let gravity = scene.gravity();
@@ -172,8 +183,8 @@ fn is_borne<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> bool {
     lift >= weight * R::HALF
 }
 
-/// The end with its velocities scaled down, or without any, if its energy is then at most the
-/// ceiling.
+/// Returns the end with its velocities scaled down, or with zero velocities, if its energy is then
+/// at most `ceiling`.
 pub(super) fn lowered<R: Real, D: Dynamics<R>>(
     scene: &D,
     ceiling: R,
@@ -194,8 +205,9 @@ pub(super) fn lowered<R: Real, D: Dynamics<R>>(
     })
 }
 
-/// The end with its velocities scaled, by the smallest doubling of the excess that brings the
-/// computed energy to the ceiling.
+/// Returns the end with its velocities scaled down until the computed energy is at most `ceiling`.
+///
+/// The energy removed is the smallest doubling of `excess` that suffices.
 pub(super) fn scaled_down<R: Real, D: Dynamics<R>>(
     scene: &D,
     ceiling: R,
@@ -218,10 +230,16 @@ pub(super) fn scaled_down<R: Real, D: Dynamics<R>>(
     }
 }
 
-/// Whether a step has shown a body in contact to be at rest: it moves by less than numbers can
-/// hold, with less kinetic energy than the rounding of the total, and what velocity it has is dying
-/// out or is what rounding leaves of balanced forces; and that its contacts bear it. A body that a
-/// force sets going gains more velocity than that, however short the step.
+/// Returns true if a step shows that a body in contact is at rest.
+///
+/// Four conditions hold for rest:
+/// - The body moves by less than the resolution of its numbers.
+/// - Its kinetic energy is below the rounding of the total energy.
+/// - Its velocity decays, or is what rounding leaves of balanced forces.
+/// - The contacts support it.
+///
+/// If a force sets a body in motion, the body gains more velocity than that in any step, however
+/// short.
 pub(super) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     scene: &D,
     [start, end]: [&State<R>; 2],
@@ -247,9 +265,9 @@ pub(super) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     if turned.into_iter().any(|(a, b)| (a - b).abs() > R::EPSILON) {
         return false;
     }
-    // Springs that bear the weight W with the energy V have the stiffness W²/(2 V); a depth is
-    // rounded to some last places of the numbers that make it. Of springs that do not, that says
-    // nothing.
+    // Springs that support the weight W with the energy V have the stiffness W²/(2 V). A
+    // penetration depth is rounded to some units in the last place of the numbers that it is
+    // computed from. For springs that do not support the weight, this estimate has no meaning.
     let mass = scene.inertia_properties().mass();
     let weight = mass * scene.gravity().length();
     let depth = scene.ground().surface(start.position).gap.abs() + bounding_radius;
@@ -261,7 +279,7 @@ pub(super) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     (is_dying_out || balanced) && is_borne(scene, end)
 }
 
-/// The rounding of the sum of two energies' terms, J.
+/// Returns the rounding error of the sum of the terms of two energies, J.
 pub(super) fn rounding_of<R: Real>(before: &Energy<R>, after: &Energy<R>) -> R {
     let terms = after.translation
         + after.rotation
@@ -272,7 +290,7 @@ pub(super) fn rounding_of<R: Real>(before: &Energy<R>, after: &Energy<R>) -> R {
     terms * (R::EPSILON * R::from_f64(ROUNDING))
 }
 
-/// The same place without motion.
+/// Returns the same pose without motion.
 pub(super) fn stopped<R: Real>(state: &State<R>) -> State<R> {
     State {
         linear_velocity: R::Vec3::ZERO,
@@ -281,7 +299,7 @@ pub(super) fn stopped<R: Real>(state: &State<R>) -> State<R> {
     }
 }
 
-/// The same place with both velocities scaled.
+/// Returns the same pose with both velocities scaled.
 fn slower<R: Real>(state: &State<R>, factor: R) -> State<R> {
     State {
         linear_velocity: state.linear_velocity * factor,

@@ -1,4 +1,4 @@
-//! What tells one scene from another, for a workspace that may go from stepper to stepper.
+//! Fingerprint of a scene, for a workspace that may be passed from one stepper to another.
 
 use crate::body::RigidPointBody;
 use crate::ground::{SpringDamperGround, Surface};
@@ -6,9 +6,13 @@ use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// What tells the energies of one scene from another's: mass, moments, reach, how many contacts and
-/// how many points its rim stands for, gravity, the surface as seen from the body, and the springs
-/// at a depth of its reach.
+/// Numbers that distinguish the energies of one scene from those of another.
+///
+/// They belong to the body, the gravity and the ground:
+/// - mass, moments and bounding radius
+/// - number of contacts, and number of points that the rim represents
+/// - gravity, and the surface relative to the body
+/// - force and energy of a spring at a penetration depth of the bounding radius
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fingerprint<R: Real> {
     body: [R; 2],

@@ -1,4 +1,11 @@
-//! Flight in closed form: one step up to the first touch, whatever moves the body on the ground.
+//! Flight in closed form: one step up to the first touch-down, combined with any integrator for
+//! contact.
+//!
+//! A lower bound of the gap gives the safe duration of flight. Let `m` be the gap of the lowest
+//! point, `n` the normal of the ground and `r` the bounding radius. After `s` more seconds no point
+//! of the body has a gap below `m + (n·v - |n × ω| r) s + (n·g - ω² r) s²/2`. In torque-free motion
+//! |ω| is constant for a body with two equal moments. No contact can close before the root of this
+//! bound. The bound is evaluated again at the root, until the gain is not worth a step.
 
 use super::{Integrator, Step, StepControl, energy_limit};
 use crate::body::RigidPointBody;
@@ -10,34 +17,32 @@ use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// Another integrator, with flight in closed form: while nothing can touch, one step is exact,
-/// however long.
+/// Adds closed-form flight to an integrator: while no contact can close, one step is exact, of any
+/// size.
 ///
 /// ```text
 /// x(t) = x + v t + g t²/2      v(t) = v + g t      q(t) = exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)
 /// ```
-/// The step ends before the first touch, which is found from above ground: with `m` the gap of the
-/// lowest place, no place of the body is lower than `m + (n·v - |n × ω| r) s + (n·g - ω² r) s²/2`
-/// after `s` more seconds (`n` the ground's normal, `r` the bounding_radius; in torque-free motion |ω|
-/// of a body with two equal moments does not change), so that up to the root of this nothing
-/// touches; and so on from there, until what is gained is not worth a step. From there the other
-/// integrator goes on.
+/// The flight ends before the first touch-down. From there the wrapped integrator `I` takes the
+/// steps.
 ///
-/// A method with a [fixed step](Integrator::fixed_step) flies whole steps, so that it meets the
-/// ground at the same places of its grid as without: the states that one sees are the same to
-/// rounding, for a method that is exact in flight, and else to that method's error in flight. What
-/// is seen less is steps: an observer that wants to see a flight asks for times
-/// ([`Timed`](crate::Timed)).
+/// *Fixed steps:* with a method of a [fixed step](Integrator::fixed_step) the flight lasts a whole
+/// number of steps. The body then reaches the ground at the same point of the time grid as without
+/// `Flight`. The states agree to rounding if the method is exact in flight, else to the error of
+/// that method in flight. There are fewer steps, so an observer that needs states during the flight
+/// should use [`Timed`](crate::Timed).
 ///
-/// *Energy:* never rises in a flight, by the same last word as in
-/// [`EnergyMomentum`](crate::EnergyMomentum): what rounding has lifted is taken from the
-/// velocities, a factor of 1 to rounding. Around `EnergyMomentum` it never rises at all.
+/// *Energy:* never increases in a flight, because the same energy limiter as in
+/// [`EnergyMomentum`](crate::EnergyMomentum) scales the velocities to remove any gain by rounding.
+/// The factor is 1 to rounding. With `EnergyMomentum` as the wrapped integrator, the energy never
+/// increases in contact either.
 ///
-/// *Body:* exact for two equal moments. With three different ones the turn is composed of steps of
-/// at most 0.02 rad, of order 4: it is off by less than 1e-9 rad for each radian of the flight's
-/// turn, and after 20 000 rad a step of the flight ends. *Ground:* needs to know where the ground
-/// is ([`GroundBounds`]): over a ground that may be everywhere nothing is gained. Where the body is
-/// on the ground a step costs a look at its lowest place more.
+/// *Body:* exact for two equal moments. For three different moments the rotation is composed of
+/// steps of at most 0.02 rad, of order 4. Its error is below 1e-9 rad for each radian of rotation
+/// in the flight, and a step ends after 20 000 rad.
+///
+/// *Ground:* over a ground with [`GroundBounds::Everywhere`] there is no gain. While the body is in
+/// contact, each step costs one more search for its lowest point.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -55,7 +60,7 @@ use crate::state::State;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Flight<I>(
-    /// What moves the body where it can touch.
+    /// Integrator for the motion in contact.
     pub I,
 );
 
@@ -117,8 +122,9 @@ impl<R: Real, I: Integrator<R>> Integrator<R> for Flight<I> {
     }
 }
 
-/// A flight whose computed energy is not above the one before: what its rounding lifts is taken
-/// from the velocities. `None` where that cannot be had.
+/// Returns the end of a flight whose computed energy never exceeds the energy before it.
+///
+/// Any gain by rounding is removed from the velocities. Returns `None` if that is impossible.
 #[inline]
 fn fly_without_rise<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -137,7 +143,7 @@ fn fly_without_rise<R: Real, D: Dynamics<R>>(
     Some((end, step))
 }
 
-/// The state after a time in which nothing touches.
+/// Returns the state after `seconds` without contact.
 #[inline]
 fn fly<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
     let mass = scene.inertia_properties();
@@ -154,7 +160,7 @@ fn fly<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> Stat
     }
 }
 
-/// A flight over a ground below a plane.
+/// A phase of flight above the plane that bounds the ground from above.
 struct Leg<'a, R: Real, D> {
     scene: &'a D,
     state: &'a State<R>,
@@ -163,7 +169,7 @@ struct Leg<'a, R: Real, D> {
 }
 
 impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
-    /// `None` over a ground that may be everywhere.
+    /// Returns `None` if the ground may be anywhere.
     #[inline]
     fn from(scene: &'a D, state: &'a State<R>) -> Option<Self> {
         let plane = match scene.ground().bounds() {
@@ -179,31 +185,31 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         })
     }
 
-    /// How long to fly; `None` where that is not worth a step.
+    /// Returns the duration of the flight, s, or `None` if it is not worth a step.
     #[inline]
     fn seconds(&self, fixed_step: Option<R>, limit: R) -> Option<R> {
-        // An infinite limit is none.
+        // An infinite limit is no limit.
         let limit = limit.at_most(R::MAX);
         let turn = (self.scene.inertia_properties()).longest_turn(self.state.angular_momentum);
         let Some(plane) = &self.plane else {
             let limit = limit.at_most(turn);
-            // With no ground and no limit there is no end.
+            // Without ground and limit the flight has no end.
             return (limit < R::MAX && limit > R::ZERO).then_some(limit);
         };
         let worth = match fixed_step {
             Some(step) => step * R::TWO,
-            // A rest of a run is more than half of `EPSILON` of its time, and its clock resolves an
-            // eighth of the square of that: it resolves `EPSILON` of the rest.
+            // The rest of a run is more than half of `EPSILON` of its time. The clock resolves an
+            // eighth of the square of that, which is `EPSILON` of the rest.
             None if limit < R::MAX => self.resolution(plane).at_least(limit * R::EPSILON),
             None => self.resolution(plane),
         };
         let free = self.free(plane, worth, limit).at_most(turn);
         if free >= limit {
-            // For ever up, and no limit: there is no end.
+            // The body rises for ever and there is no limit: the flight has no end.
             return (limit < R::MAX && limit > R::ZERO).then_some(limit);
         }
-        // A body in contact has no time to fly, and one that nothing moves is not worth less than
-        // that.
+        // A body in contact has no time of flight. A body without motion has `worth = 0`, hence the
+        // comparison with 0.
         let is_worth = free >= worth && free > R::ZERO;
         is_worth.then(|| match fixed_step {
             Some(step) => whole_steps(free, step).at_most(limit),
@@ -211,8 +217,9 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         })
     }
 
-    /// The time in which the body moves by a fiftieth of its reach, s; of a point, by the rounding
-    /// of its height.
+    /// Returns the time in which the body moves by a fiftieth of its bounding radius, s.
+    ///
+    /// For a point mass it is the time to move by the rounding of its height.
     fn resolution(&self, plane: &Plane<R>) -> R {
         let bounding_radius = self.scene.bounding_radius();
         let length = (bounding_radius * R::from_f64(0.02)).at_least(self.rounding(plane));
@@ -228,7 +235,7 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         }
     }
 
-    /// What rounding may hide of the height above the plane, m.
+    /// Returns a bound of the rounding error of the height above the plane, m.
     #[inline]
     fn rounding(&self, plane: &Plane<R>) -> R {
         let gap = plane.gap(self.state.position);
@@ -236,8 +243,9 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
             * (R::EPSILON * R::from_f64(16.0))
     }
 
-    /// A time up to which nothing touches, s: up to the first touch but for `worth`, or at least
-    /// `limit`.
+    /// Returns a duration in which no contact closes, s.
+    ///
+    /// It ends before the first touch-down by at most `worth`, or is at least `limit`.
     #[inline]
     fn free(&self, plane: &Plane<R>, worth: R, limit: R) -> R {
         let mass = self.scene.inertia_properties();
@@ -247,7 +255,7 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
             plane.gap(self.state.position),
             self.state.linear_velocity.dot(plane.normal),
         );
-        // The ball around the body falls along a parabola.
+        // The bounding sphere falls along a parabola.
         let rounding = self.rounding(plane);
         let mut time = safe(gap - bounding_radius - rounding, rising, fall).at_least(R::ZERO);
         if mass.is_asymmetric() || time >= limit {
@@ -268,7 +276,7 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
                 rising - fall * time - spin.cross(plane.normal).length() * bounding_radius;
             let bend = fall + spin.length_squared() * bounding_radius;
             let more = safe(height - lowest - rounding, sinking, bend);
-            // Not above 0, or not a number.
+            // Replaces negative values and NaN by 0.
             let more = if more > R::ZERO { more } else { R::ZERO };
             time += more;
             if more < worth || time >= limit {
@@ -279,23 +287,24 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
     }
 }
 
-/// Looks at the body's turn on the way to the ground.
+/// Number of evaluations of the rotation before the ground is reached.
 const LOOKS: u32 = 16;
 
-/// Up to when `height + rising s - bend s²/2` stays above 0, s; `R::MAX` for ever, 0 where it is
-/// not now.
+/// Returns the time up to which `height + rising s - bend s²/2` stays above 0, s.
+///
+/// Returns `R::MAX` if it stays above 0 for ever, and 0 if `height` is not above 0.
 #[inline]
 fn safe<R: Real>(height: R, rising: R, bend: R) -> R {
     if height <= R::ZERO {
         return R::ZERO;
     }
     let discriminant = rising * rising + R::TWO * bend * height;
-    // It rises for good, or is bent upwards before it comes down.
+    // It rises for ever, or accelerates upwards before it reaches 0.
     if bend <= R::ZERO && (rising >= R::ZERO || discriminant < R::ZERO) {
         return R::MAX;
     }
     let root = discriminant.sqrt();
-    // The form without cancellation.
+    // This form has no cancellation.
     if rising > R::ZERO {
         (rising + root) / bend
     } else {
@@ -303,7 +312,7 @@ fn safe<R: Real>(height: R, rising: R, bend: R) -> R {
     }
 }
 
-/// The largest whole number of steps up to `seconds`, s.
+/// Returns the largest whole number of steps within `seconds`, as a time, s.
 #[inline]
 fn whole_steps<R: Real>(seconds: R, step: R) -> R {
     R::from_usize((seconds / step).floor_index()) * step

@@ -1,13 +1,13 @@
-//! Rounding of a step in flight, put back where it arose.
+//! Compensation of the rounding of a step in flight, in the numbers where it arose.
 //!
-//! The step conserves the energy; the computed energy of its end is off by some units in the last
-//! place of its largest term. That error belongs to the number whose last place it is: to the
-//! orientation, to the height, or to both velocities. Each is moved by some of its own last places
-//! until the computed energy is the one before.
+//! The step conserves the energy. The computed energy of its end differs by some units in the last
+//! place of its largest term. That error is due to the last place of one number: the orientation,
+//! the height, or one of the two velocities. Each of them is changed by some of its own last places
+//! until the computed energy equals the energy before the step.
 //!
-//! What only ever takes energy away drifts: a unit a step is 1e-16 of the energy in f64, which
-//! nobody sees, and 1e-7 in f32, a percent in 1e5 steps. So in f32 an energy that has fallen is put
-//! back as well, never beyond the one before.
+//! A limiter that only removes energy causes a drift of one unit per step. In f64 that is 1e-16 of
+//! the energy and negligible. In f32 it is 1e-7, a percent in 1e5 steps. In f32, energy lost by
+//! rounding is therefore restored too, but never beyond the energy before the step.
 
 use crate::energy::Energy;
 use crate::real::{Quaternion, Real, Vector};
@@ -15,25 +15,27 @@ use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// Changes of a number beyond so many units in its last place are not its rounding.
+/// Largest change of a number that counts as rounding, in units in the last place.
 const UNITS: f64 = 16.0;
-/// The same in contact, where the springs' energy is rounded and the velocities take it: 1 % in
-/// f32.
+/// Largest such change in contact, where the velocities take the rounding of the springs' energy: 1
+/// % in f32.
 const UNITS_IN_CONTACT: f64 = 1e5;
-/// Trials for the height, and for the velocities.
+/// Trials for the height, and for each velocity.
 const TRIALS: u32 = 5;
-/// Trials for the orientation, and how many of them go along the slope of the energy.
+/// Trials for the orientation, and the number of them that follow the slope of the energy.
 const TURNS: u32 = 48;
 const SLOPES: u32 = 4;
 
-/// Whether an energy that has fallen by rounding is put back.
+/// Returns true if energy lost by rounding is restored.
 #[inline(always)]
 pub(super) fn holds_both_ways<R: Real>() -> bool {
     R::EPSILON > R::from_f64(1e-10)
 }
 
-/// Returns the end of a flight without the rounding of its energy: as near to the energy before
-/// from below as the last places allow. `None` where none of them brings it down so far.
+/// Returns the end of a flight without the rounding of its energy.
+///
+/// Its energy is as close to the energy before, from below, as the last places allow. Returns
+/// `None` if no trial lowers it to the energy before.
 #[inline(never)]
 pub(super) fn rounded<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -45,7 +47,7 @@ pub(super) fn rounded<R: Real, D: Dynamics<R>>(
         scene.inertia_properties().mass() * scene.gravity().length() * end.position.length();
     let (speed, spin) = (after.translation, after.rotation);
     search.orientation(before.rotation, spin >= speed && spin >= lever);
-    // Without gravity the linear velocity is a constant, and no rounding is its own.
+    // Without gravity the linear velocity is constant, and has no rounding of its own.
     if lever >= speed {
         search.height(lever);
         search.speed(speed);
@@ -60,7 +62,8 @@ pub(super) fn rounded<R: Real, D: Dynamics<R>>(
     })
 }
 
-/// The same for a step in contact that nothing has slowed: both velocities take its rounding.
+/// Returns the end of a conservative step in contact without its rounding, which both velocities
+/// take.
 #[inline(never)]
 pub(super) fn rounded_in_contact<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -74,18 +77,18 @@ pub(super) fn rounded_in_contact<R: Real, D: Dynamics<R>>(
     search.found()
 }
 
-/// The search for an end with the energy of the start.
+/// Search for an end of the step with the energy of the start.
 struct Search<'a, R: Real, D> {
     scene: &'a D,
-    /// The energy of the start, J.
+    /// Energy of the start, J.
     ceiling: R,
-    /// The nearest end so far, its energy, and by how much it exceeds the ceiling, J.
+    /// Best end so far, its energy, and the excess of that energy over `ceiling`, J.
     end: State<R>,
     after: Energy<R>,
     excess: R,
-    /// The largest relative change of a number's energy that counts as rounding.
+    /// Largest relative change of a number's energy that counts as rounding.
     units: R,
-    /// The nearest one from below.
+    /// Best end so far whose energy is at most `ceiling`.
     best: Option<(State<R>, Energy<R>)>,
 }
 
@@ -104,7 +107,7 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
         }
     }
 
-    /// Takes note of a state, and returns by how much its energy exceeds the ceiling.
+    /// Registers a candidate state. Returns the excess of its energy over the ceiling, J.
     fn consider(&mut self, state: &State<R>, energy: &Energy<R>) -> R {
         let total = energy.total();
         let excess = total - self.ceiling;
@@ -118,21 +121,23 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
         excess
     }
 
-    /// Whether the search may end.
+    /// Returns true if the search may end.
     fn is_done(&self) -> bool {
         self.excess == R::ZERO || (self.best.is_some() && !holds_both_ways::<R>())
     }
 
-    /// The best end with its energy; the trials leave out the springs, which none of them loads.
+    /// Returns the best end with its energy. The trials leave out the springs, because none of them
+    /// changes the springs' energy.
     fn found(&self) -> Option<(State<R>, Energy<R>)> {
         let (state, _) = self.best?;
         let energy = Energy::of(self.scene, &state);
         (energy.total() <= self.ceiling).then_some((state, energy))
     }
 
-    /// Moves the orientation until the rotational energy is that of the start, or until the total
-    /// is, where rotation has most of it: along the slope `dE = ϑ · (ω × L)`, and where that is
-    /// flat by last places.
+    /// Changes the orientation until the rotational energy equals that of the start.
+    ///
+    /// If rotation has most of the energy, the total is compared instead. The search follows the
+    /// slope `dE = ϑ · (ω × L)`, and uses single last places if the slope is too flat.
     fn orientation(&mut self, before: R, by_total: bool) {
         let after = self.after;
         let excess_of = |rotation: R, ceiling: R| {
@@ -218,8 +223,8 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
     fn spin(&mut self, size: R) {
         let properties = self.scene.inertia_properties();
         let axes = self.end.rotation().axes();
-        // Two units more, so that the next step finds the energy in the middle of its rounding
-        // again.
+        // Two more units, so that the next step again starts in the middle of the rounding interval
+        // of the energy.
         let margin = if self.excess > R::ZERO {
             size * (R::EPSILON * R::TWO)
         } else {
@@ -237,7 +242,7 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
         });
     }
 
-    /// Takes the excess from a number of this size, J.
+    /// Removes the excess from a number whose energy is `size`, J.
     fn along(
         &mut self,
         size: R,
@@ -256,7 +261,7 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
             if self.is_done() {
                 return;
             }
-            // Less than the last place of the number: it did not move.
+            // The change was below the last place of the number, which has not changed.
             factor = if now == excess {
                 factor * R::TWO
             } else {
@@ -267,7 +272,7 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
     }
 }
 
-/// A rotation by some last places, another one for each trial.
+/// Returns a rotation by some last places, different for each trial.
 fn last_places<R: Real>(trial: u32) -> R::Vec3 {
     let unit = |shift: u32| match (trial >> shift) & 3 {
         0 => -R::EPSILON,
@@ -278,12 +283,12 @@ fn last_places<R: Real>(trial: u32) -> R::Vec3 {
     R::Vec3::new(unit(0), unit(1), unit(2))
 }
 
-/// Returns `sum + term`, rounded up or down with the probability that makes the rounding 0 on
-/// average, in single precision.
+/// Returns `sum + term` with stochastic rounding, in single precision.
 ///
-/// A step that adds less than some hundred last places is rounded alike step after step: a body at
-/// 10 m/s that falls for 0.1 ms at a time gains 0.5 % too little or too much. The choice depends on
-/// `seed` alone, which is made of the state: the same state takes the same step.
+/// The result is rounded up or down with probabilities that make the mean rounding error 0. A step
+/// that adds less than some hundred last places is otherwise rounded alike in each step. A body at
+/// 10 m/s that falls for 0.1 ms at a time would gain 0.5 % too little or too much. The choice
+/// depends on `seed` alone, which is computed from the state: the same state takes the same step.
 pub(super) fn advanced<R: Real>(sum: R::Vec3, term: R::Vec3, seed: &mut u32) -> R::Vec3 {
     R::Vec3::new(
         added(sum.x(), term.x(), seed),
@@ -294,13 +299,13 @@ pub(super) fn advanced<R: Real>(sum: R::Vec3, term: R::Vec3, seed: &mut u32) -> 
 
 fn added<R: Real>(a: R, b: R, seed: &mut u32) -> R {
     let sum = a + b;
-    // Knuth's exact error of the sum.
+    // Exact error of the sum (Knuth).
     let part = sum - a;
     let error = (a - (sum - part)) + (b - part);
     if error == R::ZERO {
         return sum;
     }
-    // The neighbour on the side of the error (Rump et al., SIAM J. Sci. Comput. 31, 2008).
+    // Neighbour on the side of the error (Rump et al., SIAM J. Sci. Comput. 31, 2008).
     let step = sum.abs() * (R::EPSILON * R::HALF * (R::ONE + R::EPSILON));
     let neighbour = if error > R::ZERO {
         sum + step
@@ -317,7 +322,7 @@ fn added<R: Real>(a: R, b: R, seed: &mut u32) -> R {
     }
 }
 
-/// The next number of a sequence without pattern.
+/// Returns the next number of a pseudo-random sequence.
 fn scrambled(seed: &mut u32) -> u32 {
     *seed = seed.wrapping_add(0x9e37_79b9);
     let mut mixed = *seed;
@@ -326,7 +331,7 @@ fn scrambled(seed: &mut u32) -> u32 {
     mixed ^ (mixed >> 16)
 }
 
-/// A number that differs for states that differ in a bit.
+/// Returns a hash of the state. States that differ in a bit have different values.
 pub(super) fn seed_of<R: Real>(state: &State<R>) -> u32 {
     let [x, y, z, w] = state.orientation.xyzw();
     let (p, v) = (state.position, state.linear_velocity);

@@ -1,4 +1,4 @@
-//! The report's method: forward Euler with an exact turn.
+//! Forward Euler method of the coin report, with an exact rotation.
 
 use super::{Integrator, Step, step_length};
 use crate::body::ContactRange;
@@ -8,29 +8,34 @@ use crate::rotation::Rotation;
 use crate::scene::{Dynamics, load_with_arms};
 use crate::state::State;
 
-/// The report's order of operations on a plain state: forward Euler, with the body turned exactly
-/// about its angular velocity.
+/// Forward Euler method in the order of operations of the coin report, applied to a plain state.
+///
+/// The body rotates exactly about its angular velocity.
 ///
 /// ```text
 /// ω = J⁻¹ L;   q' = exp(dt ω) q;   x' = x + dt v;   v' = v + dt (F/m + g);   L' = L + dt Σ r' × F
 /// ```
-/// with the forces at the old positions and velocities, and the torque by the *new* arms r' and
-/// those old forces. (The report's own loop takes the slip velocity from the angular velocity of
-/// the step before, which a plain state does not hold: the two differ by O(dt).)
+/// The forces are those at the old positions and velocities. The torque uses the *new* arms r' with
+/// these old forces. The loop of the report computes the slip velocity from the angular velocity of
+/// the previous step. A plain state does not hold it, so the two differ by O(dt).
 ///
-/// Order 1, one evaluation a step. *Adds energy:* free flight gains `m g² dt²/2` a step, and a
-/// contact loses `stiffness · dt` of its damping, so that it is stable only for
-/// `dt < damping/stiffness` of each contact while underdamped, in any pose. Kept as the baseline;
-/// use [`SymplecticEuler`](crate::SymplecticEuler) for the same cost.
+/// Order 1, with one force evaluation per step.
+///
+/// *Adds energy.* Free flight gains `m g² dt²/2` per step. A contact loses `stiffness · dt` of its
+/// damping. An underdamped contact is therefore stable only for `dt < damping/stiffness`, in any
+/// pose.
+///
+/// Kept as the baseline. [`SymplecticEuler`](crate::SymplecticEuler) has the same cost and should
+/// be used instead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ForwardEuler<R = f64> {
-    /// s, above 0.
+    /// Step size, s, above 0.
     pub time_step: R,
 }
 
 impl<R: Real> Integrator<R> for ForwardEuler<R> {
-    /// The contacts that were low in the step before: where to look for them first.
+    /// Contact range of the previous step, in which the next step searches first.
     type Workspace = ContactRange;
 
     #[inline]
@@ -65,8 +70,8 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
         Some(self.time_step)
     }
 
-    /// The factor of a step obeys `(z - 1)² + (z - 1) Y + X = 0` with `X = stiffness h²`,
-    /// `Y = damping h`: `|z| < 1` for `X < Y` and `2 Y - X < 4`.
+    /// The amplification factor `z` of a step obeys `(z - 1)² + (z - 1) Y + X = 0` with
+    /// `X = stiffness h²`, `Y = damping h`. `|z| < 1` for `X < Y` and `2 Y - X < 4`.
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         let by_spring = damping / stiffness;
         let discriminant = damping * damping - stiffness * R::from_f64(4.0);

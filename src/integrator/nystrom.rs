@@ -1,4 +1,36 @@
-//! Nyström's method, with a correction for the contacts that come and go within a step.
+//! Nyström's method, corrected for contacts that close or open within a step.
+//!
+//! # Coefficients
+//!
+//! Three sets of conditions leave three numbers free:
+//! - the conditions of the orders (Hairer, Nørsett & Wanner I, section II.14)
+//! - `B_i = b_i (1 - c_i)`, which the correction of touch-downs requires
+//! - `c_4 = 1`
+//!
+//! The choice of Nyström (1925) has order 5 if forces depend on the position alone. Here two nodes
+//! are `1/4` and `5/8`, and `Σ_ij B_i A_ij c_j = 1/120 - 1/1440`. This choice has smaller errors of
+//! phase and amplitude for an oscillation on springs. The matrix `a` then follows from
+//! `Σ_i b_i a_ij = b_j (1 - c_j)` and `b_4 a_43 a_32 c_2 = 1/24`. It is the only one that makes the
+//! velocities a method of order 4 with these nodes and weights.
+//!
+//! # Correction of touch-downs
+//!
+//! The force of a contact that closes is discontinuous by `Δf`, or its derivative is. The weighted
+//! sum over the stages then has an error of `h Δf`, whatever the order. The path of the contact
+//! between both ends of the step is known, however, and with it the leading term of that error. For
+//! each contact that pushes at one end of the step and not at the other, the end of the step is
+//! corrected by
+//!
+//! ```text
+//! Δp = h (∫ f ds - Σ b_i f(c_i))     and the pose by     h² (∫ (1 - s) f ds - Σ B_i f(c_i))
+//! ```
+//! Here `s` is the fraction of the step, and `f(s)` is the normal force for a penetration depth
+//! that follows Hermite's cubic between both ends. `f(c_i)` is the force that the stages have used.
+//!
+//! The arm and the direction `D` of the force are those at both ends:
+//! `Δp = Δp_B D(0) + (Δp - Δp_B) D(1)`. This follows from `B_i = b_i (1 - c_i)`, and `Δp_B` is the
+//! part that corrects the pose. The remaining error is the effect of one stage on the next. It is
+//! smaller by one power of the step size, hence order 2.
 
 mod crossing;
 mod oscillator;
@@ -12,64 +44,65 @@ use crate::rotation::Rotation;
 use crate::scene::{Dynamics, Motion};
 use crate::state::State;
 
-/// Nyström's method: that of Runge and Kutta for equations which say how velocities change, with
-/// the contacts that touch down or let go within a step set right.
+/// Nyström's method of order 4, corrected for contacts that close or open within a step.
 ///
-/// Place and quaternion `y = (x, q)` follow from their second derivatives, velocity and angular
-/// momentum `p = (v, L)` from the same loads:
+/// Nyström's methods are Runge-Kutta methods for second-order differential equations. This one has
+/// the lowest cost for errors between 1e-4 and 1e-6 m when a body rolls and slides.
+///
+/// The pose `y = (x, q)` follows from its second derivative. Velocity and angular momentum
+/// `p = (v, L)` follow from the same loads:
 ///
 /// ```text
 /// y_i = y + c_i h y' + h² Σ_j A_ij y''_j     p_i = p + h Σ_j a_ij p'_j     x'' = F/m + g     q'' = (0, J⁻¹ (T - ω × L)) q/2 - ω² q/4
 /// ```
-/// Four evaluations a step. Order 4 in smooth motion, 5 on linear springs. The conditions of these
-/// orders (Hairer, Nørsett & Wanner I, section II.14), `B_i = b_i (1 - c_i)`, which the touch-downs
-/// ask for, and `c_4 = 1` leave three numbers free; the choice of Nyström (1925) has order 5
-/// wherever forces depend on the place alone. Here two nodes are `1/4` and `5/8`, and
-/// `Σ_ij B_i A_ij c_j = 1/120 - 1/1440`: at `ω dt = 1` the phase of a swing on springs then errs by
-/// 9.9e-5 of itself and its size grows by 1.9e-4 a step, where Nyström's do by 1.45e-4 and 2.4e-4.
-/// `a` is the one matrix that makes the velocities a method of order 4 with these nodes and
-/// weights, by `Σ_i b_i a_ij = b_j (1 - c_j)` and `b_4 a_43 a_32 c_2 = 1/24`.
+/// Here `h` is the step size, `c` are the nodes, and `A` and `a` are the matrices of coefficients.
+/// F and T are force and torque of the contacts, and J is the inertia tensor. `(0, v)` is the
+/// quaternion with the vector part v, and `ω²` is the squared length of the angular velocity ω.
 ///
-/// *Touch-downs.* Where a contact touches down, its force jumps (the damper's) and bends (the
-/// spring's). The weighted sum over the stages makes an error of `h Δf` of that, whatever the
-/// order, and every method of high order falls to order 1 (Gear & Østerby, ACM Transactions on
-/// Mathematical Software 10, 23, 1984; Hairer, Nørsett & Wanner I, section II.6). But the path of
-/// the contact between both ends of the step is known, and with it the leading term of that error.
-/// For each contact that pushes at one end of the step and not at the other, the end is moved by
+/// Four force evaluations per step. Order 4 in smooth motion, order 5 on linear springs.
 ///
-/// ```text
-/// Δp = h (∫ f ds - Σ b_i f(c_i))     and the place that follows from     h² (∫ (1 - s) f ds - Σ B_i f(c_i))
-/// ```
-/// with `f(s)` its force where the depth goes by Hermite's cubic from end to end, and `f(c_i)` what
-/// the stages have seen of it. Arm and direction of the force are those at both ends,
-/// `Δp = Δp_B D(0) + (Δp - Δp_B) D(1)`, because `B_i = b_i (1 - c_i)`: with the share `Δp_B` that
-/// the place takes and the rest. What is left is what the stages did to each other by it, a power
-/// of the step smaller: order 2 through touch-downs. In trial 1 of the report, with 150 of them in
-/// a second, the error is 8.6e-5 m with a step of 16.1 ms, 1.1e-6 m with 4 ms and 6e-8 m with 1 ms
-/// (`tests/truth.rs`): there a 290th of [`Rk4`](crate::Rk4)'s.
+/// Relative errors of an oscillation on springs at `ω dt = 1`:
 ///
-/// *Limits* (ω and δ are the highest frequency and damping rate that the contacts give the body at
-/// their arms, see [integrators](crate#integrators); `ζ = δ/2ω`):
-/// - Stable for `dt < 2.36/ω` and `dt < 2.78/δ`, and up to `3.08/ω` with `ζ = 0.1`, as long as
-///   damping takes what the next line says.
+/// | coefficients | phase | amplitude growth per step |
+/// |---|---|---|
+/// | this method | 9.9e-5 | 1.9e-4 |
+/// | Nyström (1925) | 1.45e-4 | 2.4e-4 |
+///
+/// *Touch-downs.* When a contact closes, the damper's force is discontinuous, and so is the
+/// derivative of the spring's force. Every method of high order then falls to order 1 (Gear &
+/// Østerby, ACM Transactions on Mathematical Software 10, 23, 1984; Hairer, Nørsett & Wanner I,
+/// section II.6). This method computes the leading term of that error from the path of the contact
+/// between both ends of the step. It corrects the end of the step by it, which gives order 2
+/// through touch-downs.
+///
+/// In trial 1 of the coin report, with 150 touch-downs in a second (`tests/truth.rs`):
+///
+/// | step size | error |
+/// |---|---|
+/// | 16.1 ms | 8.6e-5 m |
+/// | 4 ms | 1.1e-6 m |
+/// | 1 ms | 6e-8 m, a 290th of that of [`Rk4`](crate::Rk4) |
+///
+/// *Limits.* ω and δ are the highest frequency and damping rate that the contacts give the body at
+/// their arms (see [integrators](crate#integrators)), and `ζ = δ/2ω`.
+/// - *Stable* for `dt < 2.36/ω` and `dt < 2.78/δ`, and up to `3.08/ω` with `ζ = 0.1`, if the
+///   damping exceeds the growth stated in the next item.
 ///   [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes the limit at a
-///   state: exact for a body that slides, up to 10 % too long where friction damps some motions and
-///   not others.
-/// - *May add energy*: a swing without dampers grows by 2.1e-4 (ω dt)⁶ of itself a step. Damping of
-///   `ζ > 2.1e-4 (ω dt)⁵` takes more than that.
-/// - A contact that dips into the ground and out of it within one step is seen by the stages alone;
-///   torques that [resist turning](crate::WithResistance) are not set right.
-///
-/// The least cost for an error between 1e-4 and 1e-6 m where a body rolls and slides.
+///   state. It is exact for a body that slides. It is up to 10 % too large if friction damps some
+///   motions and not others.
+/// - *May add energy.* An oscillation without dampers grows by the relative amount 2.1e-4 (ω dt)⁶
+///   per step. Damping of `ζ > 2.1e-4 (ω dt)⁵` removes more than that.
+/// - *Not corrected:* a contact that closes and opens again within one step, which only the stages
+///   can include, and torques of [rolling and spinning resistance](crate::WithResistance).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Nystrom<R = f64> {
-    /// s, above 0.
+    /// Step size, s, above 0.
     pub time_step: R,
 }
 
 impl<R: Real> Integrator<R> for Nystrom<R> {
-    /// The contacts that were low in the step before: where to look for them first.
+    /// Contact range of the previous step, in which the next step searches first.
     type Workspace = ContactRange;
 
     #[inline]
@@ -105,14 +138,15 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
         Some(self.time_step)
     }
 
-    /// Where a factor of a step on the oscillator passes 1, which is no function of `h λ`: found
-    /// among 64 steps and between two of them.
+    /// The limit is where an amplification factor of the oscillator exceeds 1 in magnitude. The
+    /// factor is not a function of `h λ`. The limit is searched among 64 step sizes, then by
+    /// bisection.
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
-        // Without damping every step grows.
+        // Without damping the oscillation grows at every step size.
         if damping <= R::ZERO {
             return Some(R::ZERO);
         }
-        // No step beyond is stable.
+        // No larger step size is stable.
         let by_springs = R::from_f64(3.3) / stiffness.sqrt();
         let longest = (R::from_f64(3.8) / damping).at_most(by_springs);
         let part = longest * R::from_f64(1.0 / 64.0);
@@ -129,10 +163,10 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
     }
 }
 
-/// Where a stage stands, and what the stages before it weigh for its place (`A`) and for its
-/// velocities (`a`).
+/// Time of a stage, and the weights of the previous stages for its pose (`A`) and its velocities
+/// (`a`).
 struct Row<const N: usize> {
-    /// Share of the step.
+    /// Fraction of the step.
     time: f64,
     places: [f64; N],
     speeds: [f64; N],
@@ -153,28 +187,30 @@ const FOURTH: Row<3> = Row {
     places: [11.0 / 50.0, 1.0 / 35.0, 44.0 / 175.0],
     speeds: [47.0 / 35.0, -12.0 / 7.0, 48.0 / 35.0],
 };
-/// The weights `B` and `b` of the end.
+/// Weights `B` and `b` of the end of the step.
 const END: Row<4> = Row {
     time: 1.0,
     places: [1.0 / 10.0, 2.0 / 9.0, 8.0 / 45.0, 0.0],
     speeds: [1.0 / 10.0, 8.0 / 27.0, 64.0 / 135.0, 7.0 / 54.0],
 };
 
-/// A stage: what its forces were computed from, and how they bend the path.
+/// A stage of the step: the motion at which its forces were evaluated, and the resulting
+/// accelerations.
 struct Stage<R: Real> {
     motion: Motion<R>,
-    /// The contacts that touch.
+    /// Range of the penetrating contacts.
     run: ContactRange,
-    /// m/s².
+    /// Acceleration of the centre of mass, m/s², world axes.
     acceleration: R::Vec3,
-    /// N m.
+    /// Torque about the centre of mass, N m, world axes.
     torque: R::Vec3,
     /// Second derivative of the quaternion, 1/s².
     bend: Rotation<R>,
 }
 
 impl<R: Real> Stage<R> {
-    // Four copies of the loop over contacts would be no faster and four times as large.
+    // Not inlined: four copies of the loop over contacts would be four times as large and no
+    // faster.
     #[inline(never)]
     fn at<D: Dynamics<R>>(scene: &D, point: Point<R>, near: ContactRange) -> Self {
         let motion = point.motion(scene);
@@ -198,10 +234,10 @@ impl<R: Real> Stage<R> {
     }
 }
 
-/// The start of a step.
+/// Start of a step, with its first stage.
 struct Start<R: Real> {
     point: Point<R>,
-    /// Derivative of the quaternion, 1/s.
+    /// First derivative of the quaternion, 1/s.
     turning: Rotation<R>,
     stage: Stage<R>,
     seconds: R,
@@ -220,17 +256,17 @@ impl<R: Real> Start<R> {
         }
     }
 
-    /// The point that a row of the method makes of the start and of so many stages.
+    /// Returns the point that a row of coefficients gives from the start and the stages so far.
     #[inline(always)]
     fn ahead<const N: usize>(&self, row: &Row<N>, stages: [&Stage<R>; N]) -> Point<R> {
         let h = self.seconds;
         let mut point = self.point;
-        // Place and turn by their mean rates up to here: a term of h² by itself would be lost in
-        // the rounding of the place.
+        // Position and orientation advance by their mean rates up to this time. A separate term of
+        // h² would be lost in the rounding of the position.
         let (mut velocity, mut turning) = (self.point.linear_velocity, self.turning);
         for ((stage, &place), &speed) in stages.into_iter().zip(&row.places).zip(&row.speeds) {
             let speed = h * R::from_f64(speed);
-            // Known when the program is made: the end's last place weighs nothing.
+            // Known at compile time. The last position weight of the end is zero.
             if place != 0.0 {
                 let place = h * R::from_f64(place / row.time);
                 velocity += stage.acceleration * place;
@@ -296,17 +332,17 @@ mod tests {
         let (c, b) = (NODES, END.speeds);
         let squares = each(c, c);
         for (sum, value) in [
-            // Of places and speeds both.
+            // Conditions on the weights and nodes, for positions and velocities.
             (dot(b, ONES), 1.0 / 1.0),
             (dot(b, c), 1.0 / 2.0),
             (dot(b, squares), 1.0 / 3.0),
             (dot(b, each(c, squares)), 1.0 / 4.0),
-            // Of the speeds.
+            // Conditions on the matrix of the velocities.
             (dot(b, times(speeds(), c)), 1.0 / 6.0),
             (dot(b, each(c, times(speeds(), c))), 1.0 / 8.0),
             (dot(b, times(speeds(), squares)), 1.0 / 12.0),
             (dot(b, times(speeds(), times(speeds(), c))), 1.0 / 24.0),
-            // Of the places, and the number that is free.
+            // Conditions on the matrix of the positions, and the free number.
             (dot(b, times(places(), c)), 1.0 / 24.0),
             (
                 dot(END.places, times(places(), c)),
@@ -322,15 +358,18 @@ mod tests {
         }
     }
 
-    /// Of a swing `y'' = -ω² y` in a step of `ω dt = angle`: by what share the angle by which it
-    /// goes on is late, and what the factor by which it grows has above 1.
+    /// Returns the relative phase error and the growth of the amplitude per step of `y'' = -ω² y`
+    /// at `ω dt = angle`.
+    ///
+    /// The phase error is positive if the computed phase is late. The growth is the excess of the
+    /// amplification factor over 1.
     fn swing(
         angle: f64,
         matrix: Matrix,
         [places, speeds]: [Weights; 2],
         nodes: Weights,
     ) -> [f64; 2] {
-        // The stages' accelerations, one after the other, from a place of 1 and from a speed of 1.
+        // Accelerations of the stages in turn, from a position of 1 and from a velocity of 1.
         let column = |start: [f64; 2]| {
             let mut bends = [0.0; 4];
             for i in 0..4 {
@@ -370,7 +409,7 @@ mod tests {
             assert_relative_eq!(phase, late, max_relative = 0.02);
             assert_relative_eq!(growth, grown, max_relative = 0.02);
         }
-        // Order 5: of the angle, and of the growth in a time.
+        // Order 5 for the phase, and for the growth per unit of time.
         for (coarse, fine) in ours.into_iter().zip(of(0.5)) {
             assert!(coarse > 32.0 * fine, "{coarse:e} {fine:e}");
         }

@@ -1,4 +1,4 @@
-//! The classical Runge-Kutta method.
+//! The classical Runge-Kutta method of order 4.
 
 use super::{Integrator, Step, step_length};
 use crate::body::ContactRange;
@@ -8,29 +8,37 @@ use crate::rotation::{Axes, Rotation};
 use crate::scene::{Dynamics, Load, Motion};
 use crate::state::State;
 
-/// The classical Runge-Kutta method on position, velocity, quaternion and angular momentum, with
-/// the quaternion scaled to length 1 after each step.
+/// Classical Runge-Kutta method of order 4.
 ///
-/// Order 4 in smooth motion, four evaluations a step; order 1 to 2 through contact entries, where
-/// the damper's force jumps. *May add energy* by O(dt⁵) a step in smooth motion. Stable for
-/// `dt < 2.62/ω` and `dt < 2.78/δ`, and up to `2.83/ω` without dampers. ω and δ are the highest
-/// frequency and damping rate that the contacts give the body at their arms: see
-/// [integrators](crate#integrators).
+/// It integrates position, velocity, quaternion and angular momentum, and scales the quaternion to
+/// length 1 after each step. Use it for smooth phases of motion and as a reference.
+///
+/// *Order* 4 in smooth motion, with four force evaluations per step. Order 1 to 2 through
+/// touch-downs, where the damper's force is discontinuous.
+///
+/// *May add energy* by O(dt⁵) per step in smooth motion.
+///
+/// *Stable* for `dt < 2.62/ω` and `dt < 2.78/δ`, and up to `2.83/ω` without dampers. Here ω and δ
+/// are the highest frequency and damping rate that the contacts give the body at their arms (see
+/// [integrators](crate#integrators)).
 /// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes the limit at a
-/// state. The spin has its limit too: where nutation, at `I₃/I₁` times the spin about the axis of
-/// symmetry (twice the spin of a coin), turns by more than `2.83/(1 - I₁/2I₃)` rad a step (3.77 of
-/// a coin), a lean grows; and at any step where `I₃ < I₁`, as the method takes energy from the
-/// spin. A coin that spins flat on the ground at 50 rad/s tips over with dt = 0.15 s. For smooth
-/// spells and as a reference.
+/// state.
+///
+/// *Spin* limits the step too. The rate of nutation is `I₃/I₁` times the spin about the axis of
+/// symmetry (twice the spin for a coin). A lean grows in two cases:
+/// - The nutation rotates by more than `2.83/(1 - I₁/2I₃)` rad per step (3.77 rad for a coin). A
+///   coin that spins flat on the ground at 50 rad/s tips over with dt = 0.15 s.
+/// - `I₃ < I₁`. The lean then grows at any step size, because the method takes energy from the
+///   spin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rk4<R = f64> {
-    /// s, above 0.
+    /// Step size, s, above 0.
     pub time_step: R,
 }
 
 impl<R: Real> Integrator<R> for Rk4<R> {
-    /// The contacts that were low in the step before: where to look for them first.
+    /// Contact range of the previous step, in which the next step searches first.
     type Workspace = ContactRange;
 
     #[inline]
@@ -63,7 +71,7 @@ impl<R: Real> Integrator<R> for Rk4<R> {
         Some(self.time_step)
     }
 
-    /// Where `|1 + z + z²/2 + z³/6 + z⁴/24|` passes 1 for `z = h λ`,
+    /// The limit is where `|1 + z + z²/2 + z³/6 + z⁴/24|` exceeds 1 for `z = h λ`,
     /// `λ² + damping λ + stiffness = 0`.
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         let half = damping * R::HALF;
@@ -71,8 +79,8 @@ impl<R: Real> Integrator<R> for Rk4<R> {
         if discriminant >= R::ZERO {
             return Some(R::from_f64(ON_REAL_AXIS) / (half + discriminant.sqrt()));
         }
-        // A pair of complex roots. All of the half disc |z| < 2.6 is stable, and nothing of the
-        // left half plane beyond 2.97.
+        // A pair of complex roots. The half disc |z| < 2.6 is stable throughout. No point of the
+        // left half plane with |z| > 2.97 is stable.
         let frequency = stiffness.sqrt();
         let [real, imaginary] = [-half / frequency, (-discriminant).sqrt() / frequency];
         let [low, high] = [R::from_f64(2.6), R::from_f64(3.0)];
@@ -85,10 +93,10 @@ impl<R: Real> Integrator<R> for Rk4<R> {
     }
 }
 
-/// Where the region of stability ends on the negative real axis: `1 - x/2 + x²/6 - x³/24 = 0`.
+/// End of the stability region on the negative real axis: `1 - x/2 + x²/6 - x³/24 = 0`.
 const ON_REAL_AXIS: f64 = 2.785_293_563_405_282;
 
-/// Whether the method's factor for `z = h λ` is larger than 1.
+/// Returns true if the amplification factor for `z = h λ` exceeds 1 in magnitude.
 fn grows<R: Real>(real: R, imaginary: R) -> bool {
     let (mut a, mut b) = (R::ONE, R::ZERO);
     // Horner's scheme: 1 + z (1 + z/2 (1 + z/3 (1 + z/4))).
@@ -102,7 +110,7 @@ fn grows<R: Real>(real: R, imaginary: R) -> bool {
     a * a + b * b > R::ONE
 }
 
-/// The thirteen numbers as the method adds them: a state, or its slope in time.
+/// The thirteen numbers that the method adds: a state, or its time derivative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Point<R: Real> {
     pub(crate) position: R::Vec3,
@@ -132,7 +140,7 @@ impl<R: Real> Point<R> {
         }
     }
 
-    /// The same with a quaternion of length 1.
+    /// Returns the point with the quaternion scaled to length 1.
     #[inline]
     pub(crate) fn normalised(self) -> Self {
         Self {
@@ -151,21 +159,22 @@ impl<R: Real> Point<R> {
         }
     }
 
-    /// The time derivative here.
+    /// Returns the time derivative at this point.
     #[inline(always)]
     pub(super) fn slope(&self, scene: &impl Dynamics<R>) -> Self {
         let mut run = ContactRange::NONE;
         self.slope_near(scene, &mut run)
     }
 
-    /// As [`slope`](Self::slope), with the contacts that touch, known of a point not far from here
-    /// or not at all.
+    /// Returns the time derivative, given the contact range of a nearby point.
+    ///
+    /// `run` is updated. [`ContactRange::NONE`] is valid if no range is known.
     #[inline(always)]
     fn slope_near(&self, scene: &impl Dynamics<R>, run: &mut ContactRange) -> Self {
         self.slope_along(scene, self.orientation.axes_of_any_length(), run)
     }
 
-    /// As [`slope_near`](Self::slope_near), with axes that are known.
+    /// Returns the time derivative, given the axes and the contact range of a nearby point.
     #[inline(always)]
     fn slope_along(&self, scene: &impl Dynamics<R>, axes: Axes<R>, run: &mut ContactRange) -> Self {
         let motion = self.motion_along(scene, axes);
@@ -173,13 +182,13 @@ impl<R: Real> Point<R> {
         self.slope_under(scene, &motion, &scene.load_on(*run, &motion))
     }
 
-    /// What the forces depend on here.
+    /// Returns pose, axes and velocities at this point, on which the forces depend.
     #[inline(always)]
     pub(super) fn motion(&self, scene: &impl Dynamics<R>) -> Motion<R> {
         self.motion_along(scene, self.orientation.axes_of_any_length())
     }
 
-    /// As [`motion`](Self::motion), with axes that are known.
+    /// Returns position and velocities at this point for the given axes.
     #[inline(always)]
     pub(super) fn motion_along(&self, scene: &impl Dynamics<R>, axes: Axes<R>) -> Motion<R> {
         let mass = scene.inertia_properties();
@@ -191,7 +200,7 @@ impl<R: Real> Point<R> {
         }
     }
 
-    /// The time derivative here, under the load of the contacts.
+    /// Returns the time derivative at this point for a given load of the contacts.
     #[inline(always)]
     pub(super) fn slope_under(
         &self,

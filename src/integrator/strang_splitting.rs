@@ -1,4 +1,4 @@
-//! Drift, kick, drift: exact flight on both sides of a kick by the forces.
+//! Drift, kick, drift: exact flight before and after a kick by the forces.
 
 use super::{Integrator, Step, step_length};
 use crate::body::ContactRange;
@@ -8,45 +8,57 @@ use crate::rotation::{Axes, Rotation};
 use crate::scene::{Dynamics, Load};
 use crate::state::State;
 
-/// Strang's splitting: half a step of exact flight, a kick by the contacts at the middle, half a
-/// step of exact flight.
+/// Strang splitting: half a step of exact flight, a kick by the contact forces, half a step of
+/// exact flight.
 ///
 /// ```text
-/// drift dt/2:  x += dt/2 v;  q = free turn under L
+/// drift dt/2:  x += dt/2 v;  q = torque-free rotation under L
 /// kick dt:     (v, L) += dt (F/m + g, T)(v*, L*)   with   (v*, L*) = (v, L) + dt/2 (F/m + g, T)(v, L)
 /// drift dt/2
 /// ```
 /// The kick is the explicit midpoint rule in the velocities, because dampers and friction depend on
-/// them. Order 2 in smooth motion; two evaluations a step in contact, and none of friction and
-/// springs in flight, which is exact for a symmetric body at any step. Best accuracy for its cost
-/// with a fixed step, in flight and in contact that slides. *May add energy* by O(dt²).
+/// them.
 ///
-/// *Limits* (ω and δ are the highest frequency and damping rate that the contacts give the body at
-/// their arms, see [integrators](crate#integrators); μ and g are coefficient of friction and
-/// gravity):
-/// - Stable for `dt < min(2/ω, 2/δ)`: exact for weak damping and where dampers rule, on the safe
-///   side between (there the true limit reaches 3.06/ω).
+/// *Order* 2 in smooth motion. A step in contact costs two evaluations. A step in flight evaluates
+/// neither friction nor springs, and is exact for a symmetric body at any step size. Among methods
+/// with a fixed step, it has the best accuracy for its cost in flight and in sliding contact.
+///
+/// *May add energy* by O(dt²).
+///
+/// *Limits.* ω and δ are the highest frequency and damping rate that the contacts give the body at
+/// their arms (see [integrators](crate#integrators)). μ is the coefficient of friction and g is
+/// gravity.
+/// - *Stability:* stable for `dt < min(2/ω, 2/δ)`. This limit is exact for weak damping and for
+///   dominant damping. Between them it is conservative: the true limit reaches 3.06/ω.
 ///   [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes it at a state.
-/// - Order 1 through touch-downs. The damper's force jumps there by `c u`, with `u` the closing
-///   speed, and the kick sees it or not: an error of up to `dt c u/2m` of the velocity, of either
-///   sign. The measured order on the eight trials is 0.9 to 2.7. On a law without that jump
+/// - *Touch-downs:* order 1. The damper's force jumps by `c u`, with `u` the closing speed, and the
+///   kick either includes the jump or misses it. The velocity error is up to `dt c u/2m`, of either
+///   sign. The measured order on the eight trials is 0.9 to 2.7. With a law without that jump
 ///   ([`LimitedDamper`](crate::LimitedDamper)) it is 1.7 to 3.4
 ///   ([accuracy](crate::guide::accuracy)). [`EnergyMomentum`](crate::EnergyMomentum), which
-///   averages the force over the step, keeps 2.
-/// - Sticks for `dt < 2 slip_speed/(3 μ g)` (the 3 is `1 + m r²/I`, of a ring): in a longer step
-///   the kick turns a stuck slip round instead of ending it, friction does next to no work, and a
-///   body comes to rest too late. A coin of the report with μ = 0.8 and a slip speed of 1e-10 m/s,
-///   which settles after 78 s, does so after 108 s with dt = 1 ms and 84 s with 0.2 ms. For stick
-///   take [`EnergyMomentum`](crate::EnergyMomentum).
+///   averages the force over the step, keeps order 2.
+/// - *Sticking:* friction sticks for `dt < 2 slip_speed/(3 μ g)`, where the 3 is `1 + m r²/I` of a
+///   ring. In a longer step the kick reverses the slip of a sticking contact instead of ending it.
+///   Friction then does almost no work, and a body comes to rest too late. For sticking contacts
+///   use [`EnergyMomentum`](crate::EnergyMomentum).
+///
+/// A coin from the coin report with μ = 0.8 and a slip speed of 1e-10 m/s shows the limit for
+/// sticking:
+///
+/// | dt | time until the coin settles |
+/// |---|---|
+/// | reference | 78 s |
+/// | 0.2 ms | 84 s |
+/// | 1 ms | 108 s |
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StrangSplitting<R = f64> {
-    /// s, above 0.
+    /// Step size, s, above 0.
     pub time_step: R,
 }
 
 impl<R: Real> Integrator<R> for StrangSplitting<R> {
-    /// The contacts that were low in the step before: where to look for them first.
+    /// Contact range of the previous step, in which the next step searches first.
     type Workspace = ContactRange;
 
     #[inline]
@@ -76,9 +88,9 @@ impl<R: Real> Integrator<R> for StrangSplitting<R> {
         Some(self.time_step)
     }
 
-    /// `X < 4` and `Y < 2` with `X = stiffness h²`, `Y = damping h`. The exact region, `Y < 2` and
-    /// `X + 2 Y < 4/(1 - Y/2)`, is wider where both count: up to 1.5 times the step at a damping
-    /// ratio of 0.33.
+    /// The limits are `X < 4` and `Y < 2` with `X = stiffness h²`, `Y = damping h`. The exact
+    /// region, `Y < 2` and `X + 2 Y < 4/(1 - Y/2)`, is wider where both matter. It allows up to 1.5
+    /// times the step size at a damping ratio of 0.33.
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         let by_springs = R::TWO / stiffness.sqrt();
         Some((R::TWO / damping).at_most(by_springs))
@@ -89,7 +101,9 @@ impl<R: Real> Integrator<R> for StrangSplitting<R> {
     }
 }
 
-/// Flight without force, from `rotation` with these `axes`. Returns the new rotation.
+/// Advances position and rotation in flight without force. Returns the new rotation.
+///
+/// The flight starts from `rotation`, whose axes are `axes`.
 #[inline]
 fn drift<R: Real>(
     scene: &impl Dynamics<R>,
@@ -103,8 +117,8 @@ fn drift<R: Real>(
     mass.turn_freely(rotation, axes, state.angular_momentum, seconds)
 }
 
-/// Velocities moved on by the forces at a place that stands still. Returns how often the contacts
-/// were evaluated.
+/// Advances the velocities by the forces at a fixed pose. Returns the number of contact
+/// evaluations.
 #[inline]
 fn kick<R: Real>(
     scene: &impl Dynamics<R>,
@@ -113,7 +127,7 @@ fn kick<R: Real>(
     seconds: R,
     near: &mut ContactRange,
 ) -> u32 {
-    // The place stays, so the contacts that touch do too.
+    // The pose is fixed, and with it the set of penetrating contacts.
     *near = scene.contacts_near(*near, state.position, &axes);
     let load = scene.load_on(*near, &scene.motion_along(state, axes));
     if load.touching == 0 {
@@ -127,7 +141,7 @@ fn kick<R: Real>(
     2
 }
 
-/// Velocities moved on by a load.
+/// Advances the velocities by a given load.
 #[inline]
 fn push<R: Real>(scene: &impl Dynamics<R>, state: &mut State<R>, load: &Load<R>, seconds: R) {
     let inverse_mass = scene.inertia_properties().inverse_mass();

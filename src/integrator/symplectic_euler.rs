@@ -1,4 +1,4 @@
-//! Semi-implicit Euler: velocities first, then positions with the new velocities.
+//! Semi-implicit Euler: first the velocities, then the positions with the new velocities.
 
 use super::{Integrator, Step, step_length};
 use crate::body::ContactRange;
@@ -7,27 +7,32 @@ use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// Semi-implicit (symplectic) Euler with the exact torque-free turn: a kick by the forces, then a
-/// drift with the new velocities.
+/// Semi-implicit (symplectic) Euler method with exact torque-free rotation.
+///
+/// A kick by the forces updates the velocities. A drift with the new velocities follows.
 ///
 /// ```text
-/// (v', L') = (v, L) + dt (F/m + g, T)(x, q, v, L);   x' = x + dt v';   q' = free turn of q under L' in dt
+/// (v', L') = (v, L) + dt (F/m + g, T)(x, q, v, L);   x' = x + dt v';   q' = torque-free rotation of q under L' for dt
 /// ```
-/// Order 1, one evaluation a step: the cheapest, for games and microcontrollers. Without dampers
-/// and friction its energy swings by O(dt) and does not grow. *May add energy* by that much. Stable
-/// for `dt < 2 (√(1+ζ²) - ζ)/ω` with the highest frequency ω and damping rate δ that the contacts
-/// give the body at their arms, `ζ = δ/2ω`: see [integrators](crate#integrators) and
-/// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step). Exact in the turn of a
-/// symmetric body in flight.
+/// Order 1, with one force evaluation per step. It is the cheapest method, suited to games and
+/// microcontrollers. The rotation of a symmetric body in flight is exact.
+///
+/// *May add energy.* Without dampers and friction the energy oscillates by O(dt) and does not grow.
+///
+/// *Stable* for `dt < 2 (√(1+ζ²) - ζ)/ω` with `ζ = δ/2ω`. Here ω and δ are the highest frequency
+/// and damping rate that the contacts give the body at their arms (see
+/// [integrators](crate#integrators)).
+/// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes the limit at a
+/// state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SymplecticEuler<R = f64> {
-    /// s, above 0.
+    /// Step size, s, above 0.
     pub time_step: R,
 }
 
 impl<R: Real> Integrator<R> for SymplecticEuler<R> {
-    /// The contacts that were low in the step before: where to look for them first.
+    /// Contact range of the previous step, in which the next step searches first.
     type Workspace = ContactRange;
 
     #[inline]
@@ -45,8 +50,8 @@ impl<R: Real> Integrator<R> for SymplecticEuler<R> {
         *near = scene.contacts_near(*near, motion.position, &motion.axes);
         let load = scene.load_on(*near, &motion);
 
-        // Position and turn use the new velocities: with the old ones each step would add energy to
-        // a spring.
+        // Position and rotation use the new velocities. With the old ones each step would add
+        // energy to a spring.
         state.linear_velocity += (load.force * mass.inverse_mass() + scene.gravity()) * dt;
         state.angular_momentum += load.torque * dt;
         state.position += state.linear_velocity * dt;
@@ -64,8 +69,8 @@ impl<R: Real> Integrator<R> for SymplecticEuler<R> {
         Some(self.time_step)
     }
 
-    /// The factor of a step obeys `(z - 1)² + (z - 1) Y + z X = 0` with `X = stiffness h²`,
-    /// `Y = damping h`: `|z| < 1` for `X + 2 Y < 4`, where `z = -1`.
+    /// The amplification factor `z` of a step obeys `(z - 1)² + (z - 1) Y + z X = 0` with
+    /// `X = stiffness h²`, `Y = damping h`. `|z| < 1` for `X + 2 Y < 4`, and `z = -1` at the limit.
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         let four = R::from_f64(4.0);
         let root = (damping * damping + stiffness * four).sqrt();

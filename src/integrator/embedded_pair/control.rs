@@ -1,4 +1,4 @@
-//! Whether a step is good enough, and how long the next one is tried.
+//! Step size control: acceptance of a step, and the size of the next attempt.
 
 use super::touch::Kinks;
 use super::{Place, Settings};
@@ -8,19 +8,19 @@ use crate::integrator::{StepControl, step_length};
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion, size};
 
-/// An error of a velocity counts by the way that it makes in this time, s.
+/// Time over which an error of a velocity counts as a displacement, s.
 const HORIZON: f64 = 1.0;
-/// The share of the length that the error would just allow: a step that is turned down costs as
-/// much as one that is not.
+/// Fraction of the step size that the error would just allow. A rejected step costs as much as an
+/// accepted one.
 const SAFETY: f64 = 0.9;
-/// The share of the tolerance that one step may take, chosen so that the error of a second of
-/// contact is of the size of the tolerance.
+/// Fraction of the tolerance that one step may use. It is chosen so that the error after a second
+/// of contact is about equal to the tolerance.
 const SHARE: f64 = 0.65;
-/// A step is at most so much longer, and after a failure at most so much shorter, than the last.
+/// Largest growth of the step size from step to step, and smallest factor after a rejected step.
 const GROWTH: f64 = 5.0;
 const SHRINKAGE: f64 = 0.1;
 
-/// What a step is wrong by, as way of the farthest place of the body, m.
+/// Errors of a step, as displacement of the farthest point of the body, m.
 pub(super) struct Errors<R> {
     position: R,
     orientation: R,
@@ -29,7 +29,7 @@ pub(super) struct Errors<R> {
 }
 
 impl<R: Real> Errors<R> {
-    /// Of a difference of two ends of a step.
+    /// Computes the errors from the difference of two ends of a step.
     #[inline]
     pub(super) fn of<D: Dynamics<R>>(scene: &D, difference: &Point<R>, motion: &Motion<R>) -> Self {
         let (bounding_radius, horizon) = (size(scene), R::from_f64(HORIZON));
@@ -38,7 +38,7 @@ impl<R: Real> Errors<R> {
             .angular_velocity(&motion.axes, difference.angular_momentum);
         Self {
             position: difference.position.length(),
-            // A turn by an angle moves the quaternion by half of it.
+            // A rotation by an angle changes the quaternion by half of that angle.
             orientation: difference.orientation.length_squared().sqrt()
                 * (R::TWO * bounding_radius),
             linear_velocity: difference.linear_velocity.length() * horizon,
@@ -46,8 +46,8 @@ impl<R: Real> Errors<R> {
         }
     }
 
-    /// With the errors of the velocities counted by the way that they make in another time, as a
-    /// share of [`HORIZON`].
+    /// Scales the errors of the velocities to another time than [`HORIZON`], given as a fraction of
+    /// it.
     #[inline]
     pub(super) fn within(self, share: f64) -> Self {
         let share = R::from_f64(share);
@@ -68,7 +68,7 @@ impl<R: Real> Errors<R> {
         (self.position + self.orientation) + (self.linear_velocity + self.angular_momentum)
     }
 
-    /// Where most of the error is.
+    /// Returns the quantity with the largest error.
     #[cold]
     pub(super) fn largest(&self) -> Quantity {
         let parts = [
@@ -86,8 +86,10 @@ impl<R: Real> Errors<R> {
     }
 }
 
-/// What the estimate of a step may be, m: a share of the tolerance, as the errors of the steps add
-/// up, and what rounding does in any case.
+/// Returns the largest allowed error of a step, m.
+///
+/// It is a fraction of the tolerance, because the errors of the steps add up, plus the unavoidable
+/// rounding.
 #[inline]
 pub(super) fn allowed<R: Real, D: Dynamics<R>>(
     settings: &Settings<R>,
@@ -101,37 +103,38 @@ pub(super) fn allowed<R: Real, D: Dynamics<R>>(
     settings.tolerance * R::from_f64(SHARE) + way * (R::EPSILON * R::from_f64(16.0))
 }
 
-/// The part of a workspace that decides on the next length.
+/// Part of a workspace that determines the next step size.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Control<R: Real> {
-    /// Length that the next step is tried with, s.
+    /// Proposed size of the next step, s.
     next: Option<R>,
-    /// Root of the last step's error as a share of what was allowed; twice as high a root as the
-    /// present error's in the rule below.
+    /// Root of the last step's error relative to the allowed error. Its degree is twice that of the
+    /// root of the present error in the rule of [`accept`](Self::accept).
     last: Option<R>,
-    /// Steps tried since the workspace was new.
+    /// Number of steps attempted since the workspace was new.
     attempts: u32,
-    /// Time passed since then, s.
+    /// Time advanced since then, s.
     time: R,
 }
 
-/// The lengths that are tried for a step.
+/// Step sizes of the attempts at one step.
 pub(super) struct Trial<R> {
-    /// What the controller proposes, s.
+    /// Size proposed by the controller, s.
     pub(super) length: R,
-    /// To a kink, s; else `None`.
+    /// Size of a step to a discontinuity, s. `None` if there is none.
     to_kink: Option<R>,
-    /// How often a step to a kink may still be tried.
+    /// Number of further attempts at a step to a discontinuity.
     kinks_left: u32,
-    /// Whether a step was turned down for its length.
+    /// True if an attempt was rejected because of its size.
     shortened: bool,
 }
 
-/// Steps to kinks that are tried for one step: each nearer than the one before.
+/// Largest number of attempted steps to a discontinuity within one step. Each is shorter than the
+/// one before.
 const KINKS: u32 = 8;
 
 impl<R: Real> Trial<R> {
-    /// The length to try, s.
+    /// Returns the step size to attempt, s.
     #[inline]
     pub(super) fn seconds(&self, limit: R) -> R {
         let length = step_length(self.length, limit);
@@ -141,17 +144,18 @@ impl<R: Real> Trial<R> {
         }
     }
 
-    /// Whether a step of this length goes to a kink.
+    /// Returns true if a step of this size ends at a discontinuity.
     #[inline]
     pub(super) fn is_to_kink(&self, seconds: R) -> bool {
         self.to_kink.is_some_and(|to_kink| seconds >= to_kink)
     }
 
-    /// After a step of `seconds` with an `error` (as a share of what is allowed) above 1.
+    /// Reduces the step size after a step of `seconds` whose `error`, relative to the allowed
+    /// error, exceeds 1.
     pub(super) fn shorten(&mut self, roots: u32, seconds: R, error: R, kinks: &Kinks<R>) {
         let first_kink = kinks.first.map(|share| share * seconds);
         match first_kink {
-            // Most of the error is the kink's: the length may be right.
+            // Most of the error is due to the discontinuity: the step size may be right.
             Some(to_kink)
                 if self.kinks_left > 0 && self.to_kink.is_none_or(|known| to_kink < known) =>
             {
@@ -160,7 +164,7 @@ impl<R: Real> Trial<R> {
             }
             _ => {
                 let factor = R::from_f64(SAFETY) / root(error, roots);
-                // An error that is not a number shrinks the step most.
+                // An error that is NaN gives the smallest factor.
                 let factor = factor.at_least(R::from_f64(SHRINKAGE));
                 self.length = seconds * factor.at_most(R::from_f64(SAFETY));
                 self.to_kink = None;
@@ -199,7 +203,7 @@ impl<R: Real> Control<R> {
         }
     }
 
-    /// One more attempt.
+    /// Counts one more attempt.
     #[inline]
     pub(super) fn spend(&mut self, settings: &Settings<R>) -> Result<(), StepError> {
         if self.attempts >= settings.budget {
@@ -221,13 +225,14 @@ impl<R: Real> Control<R> {
         }
     }
 
-    /// The next length by the rule of a proportional and integral controller (Gustafsson 1991;
-    /// Hairer, Nørsett & Wanner, section IV.2): `h' = 0.9 h err^-α err_last^(α/2)`, with α = 1/8
-    /// for an estimate of order 5 in the step and 1/4 for one of order 3: just below 0.7 over the
-    /// order.
+    /// Sets the next step size after an accepted step.
     ///
-    /// A step that was cut, by the caller's limit or by a kink, says little about the length of the
-    /// next: the proposal stays.
+    /// The rule is that of a proportional-integral controller (Gustafsson 1991; Hairer, Nørsett &
+    /// Wanner, section IV.2): `h' = 0.9 h err^-α err_last^(α/2)`. α is 1/8 for an estimate of order
+    /// 5 in the step size and 1/4 for one of order 3: just below 0.7 over the order.
+    ///
+    /// If the caller's limit or a discontinuity has shortened the step, it says little about the
+    /// size of the next one. The proposal is then unchanged.
     #[inline]
     pub(super) fn accept(&mut self, roots: u32, trial: &Trial<R>, seconds: R, error: R) {
         self.time += seconds;
@@ -248,7 +253,7 @@ impl<R: Real> Control<R> {
     }
 }
 
-/// The 2^times-th root.
+/// Returns the 2^times-th root.
 #[inline]
 fn root<R: Real>(mut value: R, times: u32) -> R {
     for _ in 0..times {
@@ -257,12 +262,12 @@ fn root<R: Real>(mut value: R, times: u32) -> R {
     value
 }
 
-/// A length for the first step of all, from the state alone.
+/// Returns the size of the very first step, from the state alone, s.
 ///
-/// With the acceleration A and its rate of change B (both of the farthest place), the motion's own
-/// time is A/B, and a method whose estimate goes as the step's power p makes the error
-/// `HORIZON B (h B/A)^p/(B/A)²` or so: its p-th root gives h (after Hairer, Nørsett & Wanner,
-/// section II.4). B comes from a tiny Euler step.
+/// A is the acceleration of the farthest point and B its rate of change, which follows from a tiny
+/// Euler step. The time scale of the motion is A/B. A method whose estimate is of order p in the
+/// step size `h` has an error of about `HORIZON B (h B/A)^p/(B/A)²`. Its p-th root gives h (after
+/// Hairer, Nørsett & Wanner, section II.4).
 pub(super) fn first_length<R: Real, D: Dynamics<R>>(
     roots: u32,
     settings: &Settings<R>,

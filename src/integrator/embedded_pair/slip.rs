@@ -1,12 +1,12 @@
-//! Contacts whose slip turns round within a step.
+//! Contacts whose slip reverses within a step.
 //!
-//! Coulomb's friction changes by `2 μ N` while the slip passes from a few slip speeds on one side
-//! of 0 to a few on the other: next to a jump, for a step that is long beside that. The stages of a
-//! Runge-Kutta step weigh such a force by where they lie, and the pair's difference knows little of
-//! it: with the jump in the middle of a step of Dormand and Prince, the result is off by up to 0.24
-//! of the change, and their difference by 0.003. So where the friction of a contact turns round in
-//! a step, what the stages have summed of it is compared with the integral along the path of its
-//! slip.
+//! Coulomb friction changes by `2 μ N` while the slip passes from a few slip speeds on one side of
+//! 0 to a few on the other. For a step that is long in comparison, this is almost a jump. The
+//! stages of a Runge-Kutta step weigh such a force by their positions in the step, and the
+//! difference of the pair does not measure the error. An example is a jump in the middle of a step
+//! of Dormand and Prince. The error of the result is up to 0.24 of the change, and their difference
+//! is 0.003. If the friction of a contact reverses in a step, the sum over the stages is therefore
+//! compared with the integral along the path of the slip.
 
 use super::touch::{Taken, mean};
 use crate::body::ContactPoint;
@@ -15,19 +15,18 @@ use crate::integrator::contact_path::{ContactEnd, Path, arm, push, slip};
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
 
-/// The friction turns round so quickly that a step may miss it where, about the smallest slip, it
-/// changes this much more than in proportion to the time. A step sums a steady change well.
+/// Factor for a reversal that a step may miss, compared with a change in proportion to the time. It
+/// applies to the change of friction around the smallest slip. A step sums a steady change well.
 const QUICK: f64 = 2.0;
-/// The share of the step, to both sides of the smallest slip, in which that is asked.
+/// Fraction of the step, on both sides of the smallest slip, in which this change is evaluated.
 const ABOUT: f64 = 1.0 / 16.0;
 
 impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
-    /// What the step makes wrong of a contact that pushes at both ends and whose slip turns round:
-    /// in the velocity of the farthest place, m/s.
+    /// Returns the error of a contact that pushes at both ends and whose slip reverses, m/s.
     ///
-    /// The slip is taken as `u(s) = u₀ + s (u₁ - u₀)`, smallest at
-    /// `s = -u₀ · (u₁ - u₀)/|u₁ - u₀|²`. Where it changes by less than its smallest value, the
-    /// friction cannot turn by much.
+    /// It is the error in the velocity of the farthest point of the body. The slip is taken as
+    /// `u(s) = u₀ + s (u₁ - u₀)`, smallest at `s = -u₀ · (u₁ - u₀)/|u₁ - u₀|²`. If it changes by
+    /// less than its smallest value, the direction of friction cannot change much.
     #[inline]
     pub(super) fn wrong_of_slip(&self, point: &ContactPoint<R>, sides: &[ContactEnd<R>; 2]) -> R {
         let [first, last] = self
@@ -45,7 +44,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         }
     }
 
-    /// With the smallest slip after a share of the step.
+    /// Returns the same error for a given fraction of the step at which the slip is smallest.
     #[inline(never)]
     fn wrong_of_friction(
         &self,
@@ -71,13 +70,13 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         if about <= steadily * R::from_f64(QUICK) {
             return R::ZERO;
         }
-        // Each side of the turn is smooth.
+        // Each side of the reversal is smooth.
         let truth = mean(force, R::ZERO, share) + mean(force, share, R::ONE);
         let impulse = (truth - self.friction_of_stages(point)) * self.seconds;
         self.way_of(point, impulse)
     }
 
-    /// What the method has made of the contact's friction, N.
+    /// Returns the mean friction of the contact as the method has summed it, N.
     fn friction_of_stages(&self, point: &ContactPoint<R>) -> R::Vec3 {
         let mut sum = R::Vec3::ZERO;
         for (motion, weight) in self.weighed_motions() {
@@ -88,7 +87,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         sum
     }
 
-    /// Velocity of the farthest place for an impulse at a contact, m/s.
+    /// Returns the velocity of the farthest point of the body for an impulse at a contact, m/s.
     fn way_of(&self, point: &ContactPoint<R>, impulse: R::Vec3) -> R {
         let motion = self.ends[1];
         let mass = self.scene.inertia_properties();

@@ -1,10 +1,10 @@
-//! Contacts that begin or cease to push within a step, or turn their slip round.
+//! Contacts that begin or cease to push within a step, or whose slip reverses.
 //!
-//! The damper's force jumps where a contact touches down, and a contact that leaves so fast that
-//! its spring cannot follow ceases to push with a kink. A Runge-Kutta step takes the force as
-//! smooth; how wrong it is depends on where in the step that happens, and its own estimate may be
-//! small by chance. So each contact is looked at by itself, at both ends of the step, with its gap
-//! in between by cubic Hermite interpolation.
+//! The damper's force is discontinuous at touch-down. If a contact separates faster than its spring
+//! can follow, the derivative of the force is discontinuous. A Runge-Kutta step treats the force as
+//! smooth. Its error depends on the time of the discontinuity within the step, and its own estimate
+//! may be small by chance. Each contact is therefore evaluated separately at both ends of the step.
+//! Its gap in between follows from cubic Hermite interpolation.
 
 use super::{Attempt, Pair, Place};
 use crate::body::{ContactPoint, RigidPointBody};
@@ -14,17 +14,17 @@ use crate::real::{Real, Vector};
 use crate::scene::{Contact, Dynamics, Load, Motion, size, visit_points};
 use core::ops::{Add, Mul};
 
-/// What contacts spoil in a step whose force has a kink in it.
+/// Errors caused by contacts in a step within which their force or its derivative is discontinuous.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kinks<R> {
-    /// Bound of the error in the velocity of the farthest place, m/s.
+    /// Bound of the error in the velocity of the farthest point of the body, m/s.
     pub(super) velocity: R,
-    /// Share of the step after which the first one that matters comes.
+    /// Fraction of the step just after the first discontinuity that matters.
     pub(super) first: Option<R>,
 }
 
 impl<R: Real> Kinks<R> {
-    /// None.
+    /// Returns the value for a step without discontinuities.
     pub(super) fn none() -> Self {
         Self {
             velocity: R::ZERO,
@@ -33,8 +33,10 @@ impl<R: Real> Kinks<R> {
     }
 }
 
-/// All kinks of a step with a `smooth` error; one that goes to a kink was taken with
-/// [`load_before`].
+/// Returns the discontinuities of a step, and the velocity error that they cause.
+///
+/// `smooth` is the error estimate of the step without them. A step to a discontinuity has been
+/// taken with [`load_before`].
 #[inline]
 pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
     pair: &Pair<STAGES>,
@@ -60,8 +62,8 @@ pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
     let margin = dip(scene, places, seconds);
     let [before, after] = places
         .map(|place| scene.contacts_within(margin, place.motion.position, &place.motion.axes));
-    // A step that is too long anyhow, and long enough to have many contacts near the ground, is not
-    // worth the look.
+    // If a step is too large in any case, and has many contacts near the ground, this evaluation is
+    // not worth its cost.
     if smooth > allowed && before.count.saturating_add(after.count) > MANY {
         return kinks;
     }
@@ -76,10 +78,11 @@ pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
     kinks
 }
 
-/// The load in a step up to a kink at its end: without the contacts that begin to push only there.
+/// Returns the load in a step to a discontinuity at its end, without the contacts that begin to
+/// push there.
 ///
-/// A stage at the end of the step may lie a little beyond the path, so that it would see the jump
-/// of a force that the step just does not reach.
+/// A stage at the end of the step may be slightly beyond the path. It would then include a jump of
+/// the force that the step does not reach.
 pub(super) fn load_before<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &Motion<R>,
@@ -98,13 +101,14 @@ pub(super) fn load_before<R: Real, D: Dynamics<R>>(
             add(contact);
         }
     });
-    // Places of a rim come one after the other, without a jump of its force.
+    // Points of a rim touch down one after the other, without a jump of the rim's force.
     scene.visit_rims(motion, add);
     load
 }
 
-/// How deep a contact may dip between two ends above ground: `a h²/8`, with the accelerations of
-/// the body's farthest place, m.
+/// Returns the largest penetration depth that a contact can reach between two ends above ground, m.
+///
+/// It is `a h²/8`, with the acceleration `a` of the farthest point of the body.
 #[inline]
 fn dip<R: Real, D: Dynamics<R>>(scene: &D, places: [&Place<R>; 2], seconds: R) -> R {
     let bounding_radius = scene.bounding_radius();
@@ -120,14 +124,15 @@ fn dip<R: Real, D: Dynamics<R>>(scene: &D, places: [&Place<R>; 2], seconds: R) -
     first.at_least(last) * (seconds * seconds * R::from_f64(0.125))
 }
 
-/// Whether a contact is above ground now and, going on evenly, for the first half of a step.
+/// Returns true if a contact is above ground, and would be for the first half of a step at constant
+/// speed.
 #[inline]
 fn comes_late<R: Real>(side: &ContactEnd<R>, seconds: R) -> bool {
     let halfway = side.depth + side.closing_speed * (seconds * R::HALF);
     side.depth <= R::ZERO && halfway <= R::ZERO
 }
 
-/// A step that has been tried.
+/// An attempted step.
 pub(super) struct Taken<'a, R: Real, D, const STAGES: usize> {
     pair: &'a Pair<STAGES>,
     pub(super) scene: &'a D,
@@ -162,16 +167,19 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         self.weigh(point, &path, &[start, end], last, kinks);
     }
 
-    /// Whether a contact ends above ground, but would be under it so soon that a stage, ahead of
-    /// the path, may have seen it touch.
+    /// Returns true if a contact ends above ground, but would be below it soon afterwards.
+    ///
+    /// A stage ahead of the path may have evaluated it as penetrating.
     #[inline]
     fn nears(&self, end: &ContactEnd<R>) -> bool {
         let ahead = end.closing_speed * (self.seconds * R::from_f64(AHEAD));
         end.depth <= R::ZERO && end.depth + ahead > R::ZERO
     }
 
-    /// One contact that begins or ceases to push before the share `last` of the step, or that comes
-    /// near without doing so.
+    /// Adds the error of one contact to `kinks`.
+    ///
+    /// The contact begins or ceases to push before the fraction `last` of the step. `None` means
+    /// that it comes close without doing so.
     #[inline(never)]
     fn weigh(
         &self,
@@ -208,7 +216,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         }
     }
 
-    /// What the method has made of the contact's force, N.
+    /// Returns the mean normal force of the contact as the method has summed it, N.
     fn mean_of_stages(&self, point: &ContactPoint<R>) -> R {
         let mut sum = R::ZERO;
         for (motion, weight) in self.weighed_motions() {
@@ -217,18 +225,18 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         sum
     }
 
-    /// The stages whose slopes are in the result, with their weights.
+    /// Returns the stages whose slopes have a weight in the result, with their weights.
     pub(super) fn weighed_motions(&self) -> impl Iterator<Item = (&Motion<R>, R)> {
         (self.motions.iter().zip(self.pair.weights()))
             .filter(|(_, weight)| **weight != 0.0)
             .map(|(motion, weight)| (motion, R::from_f64(*weight)))
     }
 
-    /// A share of the step so little beyond a kink that a force with this acceleration (m/s²) does
-    /// no harm until there.
+    /// Returns a fraction of the step just beyond a discontinuity.
     ///
-    /// Not below a fiftieth: what is wrong near the start may be the path, which a shorter step
-    /// shows.
+    /// It is so close that a force with this acceleration (m/s²) causes no relevant error before
+    /// it. It is at least a fiftieth, because an error near the start may be due to the path. A
+    /// shorter step shows whether it is.
     fn just_beyond(&self, share: R, acceleration: R) -> R {
         let harmless = self.allowed / (acceleration * self.seconds * R::from_f64(EXACTLY));
         let there = share + harmless.at_most(R::ONE - share);
@@ -236,8 +244,9 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     }
 }
 
-/// The first share of a step at which a force begins to push or ceases to, up to `last`, where it
-/// has; a little beyond it.
+/// Returns the first fraction of a step, up to `last`, at which a force begins or ceases to push.
+///
+/// The result is slightly beyond the change. The change is known to occur.
 fn first_change<R: Real>(force: impl Fn(R) -> R, pushes: bool, last: R) -> R {
     let (mut low, mut high) = (R::ZERO, last);
     for _ in 0..HALVINGS {
@@ -251,22 +260,27 @@ fn first_change<R: Real>(force: impl Fn(R) -> R, pushes: bool, last: R) -> R {
     high
 }
 
-/// The share of what is found of the kinks that counts. They err to either side, and contacts take
-/// back most of what a wrong impulse of one of them has done: of the way that such an error of the
-/// velocity would make in a second, 5 % is left in trial 3 of the report, where the coin sticks,
-/// and 20 to 100 % in trial 8, where it slides and falls over.
+/// Fraction of the computed velocity error that counts.
+///
+/// The computed errors have either sign, and contacts remove most of the effect of a wrong impulse
+/// of one of them. Such an error of the velocity would cause a certain displacement in a second. Of
+/// that displacement 5 % remain in trial 3 of the coin report, where the coin sticks. 20 to 100 %
+/// remain in trial 8, where it slides and falls over.
 const WEIGHT: f64 = 1.0 / 3.0;
-/// A kink is found so much more exactly than its own share of the tolerance asks.
+/// Factor by which a discontinuity is located more accurately than its part of the tolerance
+/// requires.
 const EXACTLY: f64 = 2.0;
-/// By how much of a step its stages may be ahead of the path: those of Dormand and Prince
+/// Fraction of a step by which its stages may be ahead of the path. Those of Dormand and Prince
 /// extrapolate far.
 const AHEAD: f64 = 0.5;
-/// As many contacts at both ends of a step are more expensive to evaluate than another attempt.
+/// Number of contacts at both ends of a step whose evaluation is more expensive than another
+/// attempt.
 const MANY: usize = 48;
-/// Halvings of a step to find a kink: to a millionth of it.
+/// Bisections to locate a discontinuity. They resolve a millionth of the step.
 const HALVINGS: u32 = 20;
 
-/// The integral of a force over a part of the step, in steps, by Gauss's rule with three points.
+/// Returns the integral of a force over a part of the step, in units of the step, by Gauss's rule
+/// with three points.
 pub(super) fn mean<R: Real, F>(force: impl Fn(R) -> F, from: R, to: R) -> F
 where
     F: Add<Output = F> + Mul<R, Output = F>,
@@ -277,8 +291,9 @@ where
     ((force(middle - out) + force(middle + out)) * outer + force(middle) * inner) * half
 }
 
-/// How fast the farthest place of the body moves for a normal impulse of 1 N s at a contact, with
-/// its friction: 1/kg.
+/// Returns the speed of the farthest point of the body per normal impulse at a contact, 1/kg.
+///
+/// It includes the friction of the contact.
 fn mobility<R: Real, D: Dynamics<R>>(scene: &D, point: &ContactPoint<R>, motion: &Motion<R>) -> R {
     let mass = scene.inertia_properties();
     let (arm, normal) = arm(scene, motion, point);

@@ -1,5 +1,5 @@
-//! Contacts that begin or cease to push within a step, and what the stages have missed of their
-//! forces.
+//! Correction for contacts that begin or cease to push within a step: the error of the stages in
+//! the integral of their forces.
 
 use super::{END, SECOND, Stage};
 use crate::body::{ContactPoint, RigidPointBody};
@@ -10,7 +10,7 @@ use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::scene::{Dynamics, Load, Motion};
 
-/// The `end` of a step, with what its stages have missed.
+/// Returns the `end` of a step, corrected for the error of its stages.
 #[inline(always)]
 pub(super) fn corrected<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -22,7 +22,8 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>>(
     if first.run.count == 0 && last.run.count == 0 {
         return end;
     }
-    // So short a step moves nothing, and rounding of a depth would be an infinite speed.
+    // A step as short as this moves nothing, and rounding of a penetration depth would give an
+    // infinite speed.
     if !(R::ONE / seconds).is_finite() {
         return end;
     }
@@ -34,11 +35,12 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>>(
     missed.added_to(end, scene, &motion.axes, seconds)
 }
 
-/// What the weighted sums over the stages lack of the true means of force and torque over the step.
+/// Errors of the stages' weighted sums: true means of force and torque over the step, minus these
+/// sums.
 struct Missed<R: Real> {
-    /// Of `∫ f ds`, which the velocities take.
+    /// Error of `∫ f ds`, which corrects the velocities.
     speeds: Load<R>,
-    /// Of `∫ (1 - s) f ds`, which place and turn take.
+    /// Error of `∫ (1 - s) f ds`, which corrects position and orientation.
     places: Load<R>,
 }
 
@@ -64,8 +66,8 @@ fn missed<R: Real, D: Dynamics<R>>(
         per_second: R::ONE / seconds,
     };
     let contacts = scene.body().contacts();
-    // The last stage stands at the end but for an order of the step; a contact that only one of
-    // them touches does so with next to no time.
+    // The last stage differs from the end only by a power of the step size. A contact that
+    // penetrates in only one of them does so for almost no time.
     let [head, tail] = last.run.without(first.run, contacts.len());
     for run in [first.run, head, tail] {
         for part in run.parts(contacts) {
@@ -81,7 +83,7 @@ fn missed<R: Real, D: Dynamics<R>>(
 struct Taken<'a, R: Real, D> {
     scene: &'a D,
     ends: [Sight<'a, R, D>; 2],
-    /// The third stage and the last one.
+    /// Third and last stage.
     late: [Sight<'a, R, D>; 2],
     seconds: R,
     per_second: R,
@@ -97,7 +99,7 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
         }
     }
 
-    /// One contact that begins or ceases to push.
+    /// Adds the correction for one contact that begins or ceases to push.
     #[inline(never)]
     fn weigh(
         &self,
@@ -113,8 +115,8 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
         };
         let [from, to] = pushing(&path, force, start.pushes());
         let [mut speeds, mut places] = means(force, from, to);
-        // The second stage stands on the path. The later ones do not, and what is to be replaced is
-        // what they have seen.
+        // The second stage is on the path. The later stages are not, and the forces to be replaced
+        // are those that they have used.
         let [third, last] = &self.late;
         let taken = [
             start.normal_force,
@@ -138,8 +140,9 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
         missed.add(pushes, [speeds, places]);
     }
 
-    /// Force and torque on the body for each newton of the contact's normal force, in a motion and
-    /// under a `load` (N).
+    /// Returns force and torque on the body per newton of the contact's normal force, world axes.
+    ///
+    /// They are evaluated in a motion and for a `load` (N).
     #[inline(always)]
     fn direction(&self, point: &ContactPoint<R>, motion: &Motion<R>, load: R) -> [R::Vec3; 2] {
         let (arm, normal) = arm(self.scene, motion, point);
@@ -151,8 +154,10 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
 }
 
 impl<R: Real> Missed<R> {
-    /// One contact more, with its directions at both ends: `∫ f D ds` to first order in how `D`
-    /// changes, as `D(s) = (1 - s) D(0) + s D(1)`.
+    /// Adds one contact, with its force directions `D` at both ends.
+    ///
+    /// The integral `∫ f D ds` is computed to first order in the change of `D`, with
+    /// `D(s) = (1 - s) D(0) + s D(1)`.
     #[inline(always)]
     fn add(&mut self, [first, last]: [[R::Vec3; 2]; 2], [speeds, places]: [R; 2]) {
         let rest = speeds - places;
@@ -166,7 +171,7 @@ impl<R: Real> Missed<R> {
         }
     }
 
-    /// The end of a step with these `axes`, and with this.
+    /// Returns the end of a step, whose axes are `axes`, with this correction added.
     #[inline(always)]
     fn added_to<D: Dynamics<R>>(
         &self,
@@ -186,24 +191,28 @@ impl<R: Real> Missed<R> {
     }
 }
 
-/// The shares of the step between which a contact pushes that does so at one of its ends: at the
-/// start, or not.
+/// Returns the fractions of the step between which a contact pushes that does so at only one end.
+///
+/// That end is the start if `at_start`, else the end of the step.
 #[inline(always)]
 fn pushing<R: Real>(path: &Path<R>, force: impl Fn(R) -> R, at_start: bool) -> [R; 2] {
     let surface = path.surface();
     if at_start {
-        // It may let go before it leaves the ground.
+        // The contact may open before it leaves the ground.
         [R::ZERO, edge(force, R::ZERO, surface.unwrap_or(R::ONE))]
     } else {
-        // What goes down through the surface pushes from there on, by spring and damper both; what
-        // was in the ground before begins later.
+        // A contact that enters through the surface pushes from there on, by spring and damper. A
+        // contact that penetrated before begins to push later.
         let from = surface.unwrap_or_else(|| edge(force, R::ONE, R::ZERO));
         [from, R::ONE]
     }
 }
 
-/// Where a force falls to 0 on the way from one share of the step to another, or jumps there: where
-/// the chord leads through the force at two places near the end of the way, or half as far.
+/// Returns the fraction at which a force falls to 0, continuously or by a jump, between two
+/// fractions of the step.
+///
+/// The result is the zero of the chord through the force at two fractions near the outer end, or at
+/// two nearer to the middle. If the force is 0 at those, bisection is used.
 #[inline(always)]
 fn edge<R: Real>(force: impl Fn(R) -> R, inside: R, outside: R) -> R {
     let at = |share: f64| {
@@ -219,12 +228,13 @@ fn edge<R: Real>(force: impl Fn(R) -> R, inside: R, outside: R) -> R {
     edge_by_halving(force, inside, outside)
 }
 
-/// Where the chord through a force at two places falls to 0, at most `limit`.
+/// Returns the fraction at which the chord through the force at two fractions falls to 0, at most
+/// `limit`.
 #[inline(always)]
 fn beyond<R: Real>((first, more): (R, R), (second, less): (R, R), limit: R) -> R {
     let on = (second - first) * (less / (more - less));
     let rest = limit - second;
-    // Both have the sign of the way; a chord that does not fall leads nowhere.
+    // Both have the sign of the direction of search. A chord that does not fall has no zero ahead.
     if on.abs() < rest.abs() && less < more {
         second + on
     } else {
@@ -232,8 +242,10 @@ fn beyond<R: Real>((first, more): (R, R), (second, less): (R, R), limit: R) -> R
     }
 }
 
-/// By halving, and from the last share where it pushes on along its chord, so that rounding does
-/// not decide between two places.
+/// Returns the fraction at which a force falls to 0, by bisection.
+///
+/// The chord continues from the last fraction at which the force acts, so that rounding does not
+/// decide between two fractions.
 #[inline(never)]
 fn edge_by_halving<R: Real>(force: impl Fn(R) -> R, inside: R, outside: R) -> R {
     let [mut near, mut far] = [inside, outside];
@@ -249,12 +261,13 @@ fn edge_by_halving<R: Real>(force: impl Fn(R) -> R, inside: R, outside: R) -> R 
     beyond((last, force(last)), (near, force(near)), far)
 }
 
-/// To a 64th of the step, and a square of that on the chord; the force is next to 0 there, so that
-/// what is missed of its integral goes as the square once more.
+/// Bisections, which resolve a 64th of the step. The chord resolves the square of that. The force
+/// is almost 0 there, so the error of its integral decreases with the square once more.
 const HALVINGS: u32 = 6;
 
-/// `∫ f ds` and `∫ (1 - s) f ds` over a part of the step, by Gauss's rule with two points: the
-/// spring-damper's force is a cubic there.
+/// Returns `∫ f ds` and `∫ (1 - s) f ds` over a part of the step, by Gauss's rule with two points.
+///
+/// The force of a spring-damper is a cubic there.
 #[inline(always)]
 fn means<R: Real>(force: impl Fn(R) -> R, from: R, to: R) -> [R; 2] {
     let (middle, half) = ((from + to) * R::HALF, (to - from) * R::HALF);
