@@ -27,7 +27,7 @@ pub enum Rule {
     AtMost(usize),
     /// Exactly this number.
     Exactly(usize),
-    /// Of length 1 within rounding.
+    /// A length of 1 within rounding.
     UnitLength,
     /// The moments of inertia of a solid: none is negative, and none exceeds the sum of the other
     /// two.

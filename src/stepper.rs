@@ -304,8 +304,8 @@ where
     /// *Limits:*
     ///
     /// * The bound holds for this state only. It decreases when more contacts touch, when the body
-    ///   leans, or when a slip ends: a sticking contact acts as a damper of `μ N/slip_speed`, with
-    ///   the friction coefficient `μ` and the normal force `N`. It also decreases with the
+    ///   leans, or when a slip ends. A sticking contact acts as a damper of `μ N/slip_speed`, with
+    ///   the friction coefficient `μ` and the normal force `N`. The bound also decreases with the
     ///   penetration depth if the contact law stiffens.
     /// * For a run, take the smallest value along it, as in the example. A body in flight has no
     ///   bound.

@@ -60,7 +60,8 @@ use problem::Problem;
 /// use tumble::glam::DVec3;
 /// use tumble::{Coin, Coulomb, EnergyMomentum, FlatGround, State, Stepper, UniformGravity};
 ///
-/// // A fiftieth of a second as the step, on a ground on which an explicit method wants a three-hundredth of it, or less.
+/// // The step size is a fiftieth of a second. On this ground an explicit method needs a
+/// // three-hundredth of it, or less.
 /// let stepper = Stepper::new(Coin::ring(1.0, 0.5))? // kg, m
 ///     .with_gravity(UniformGravity::down(9.8))? // m/s²
 ///     .with_ground(FlatGround::level(1e9, 0.0))? // N/m and N s/m, for each point
@@ -93,11 +94,11 @@ use problem::Problem;
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is up to five iterations a step at one contact, and five to twelve where several
 ///   contacts or a round rim stick.
-/// - *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each, plus at most 4
-///   downhill searches of at most 3 × 31 × 4 evaluations. Each end costs one evaluation of the
-///   energy, and one more for each doubling of the excess energy. In contact, both velocities are
-///   scaled down if the solver's error would increase the energy. In flight, the last places of the
-///   orientation, the height or the speed are corrected.
+/// - *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each. At most 4 downhill
+///   searches of at most 3 × 31 × 4 evaluations come in addition. Each end costs one evaluation of
+///   the energy, and one more for each doubling of the excess energy. In contact, both velocities
+///   are scaled down if the solver's error would increase the energy. In flight, the last places of
+///   the orientation, the height or the speed are corrected.
 /// - *Diagnostics* of a step that is too long: [`Step`] contains the number of iterations, whether
 ///   the step had to be divided (`fallback`), and the energy that the solver's error would have
 ///   added (`energy_removed`).
@@ -119,10 +120,10 @@ pub struct EnergyMomentum<R = f64> {
 /// - mass, moments of inertia and reach,
 /// - number of contacts and of points of the rim,
 /// - gravity and surface,
-/// - spring force at a penetration depth equal to the reach.
+/// - spring force and spring energy at a penetration depth equal to the reach.
 ///
-/// Use a separate workspace for each scene if two scenes agree in all of these, but differ in the
-/// springs at other depths or in the contact points.
+/// Two scenes can agree in all of these, but differ in the springs at other depths or in the
+/// contact points. Use a separate workspace for each of them.
 #[derive(Clone, Debug)]
 pub struct Workspace<R: Real = f64> {
     contacts: Contacts<R>,

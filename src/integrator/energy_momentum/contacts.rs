@@ -210,8 +210,8 @@ impl<R: Real> Contacts<R> {
     ///
     /// The points are material points of the body, fixed over the step, with the same weights at
     /// its start and at its end. The energy that springs return and the energy that is dissipated
-    /// are therefore those of such points. No end of an arc lies within a panel, so the sums at
-    /// start and end are the energies there, apart from a quadrature error of at most 2e-10.
+    /// are therefore those of such points. No end of an arc lies within a panel. The sums at start
+    /// and end are therefore the energies there, apart from a quadrature error of at most 2e-10.
     fn lay_rims<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, trial: &Trial<R>) {
         let (body, ground) = (problem.scene.body(), problem.scene.ground());
         let motion = &problem.motion;
@@ -313,7 +313,8 @@ impl<R: Real> Contacts<R> {
     }
 
     /// Derivative of the torque of a smooth body's contact with respect to a rotation of the end of
-    /// the step that moves its contact point over the surface, with `factor` times its force, N m.
+    /// the step, N m. It contains only the motion of the contact point over the surface, with
+    /// `factor` times the contact force.
     #[cold]
     #[inline(never)]
     pub(super) fn torque_over_surface<D: Dynamics<R>>(
@@ -370,8 +371,8 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// Calls `feel` with the motion and force over the last trial step, which was `trial`, for the
-    /// contacts that reach the ground, together with the Jacobian of friction.
+    /// Calls `feel` for the contacts that reach the ground, with the Jacobian of friction. Motion
+    /// and force are those of the last trial step, which was `trial`.
     pub(super) fn recall<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,

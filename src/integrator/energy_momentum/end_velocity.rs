@@ -182,9 +182,9 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
         is_limited
     }
 
-    /// Normal out of the ground at the contact point at the end of the step. With the mean normal,
-    /// the path of a ball along a curve, and its rotation about the normal, would count as a slip
-    /// and a rise of order h.
+    /// Normal out of the ground at the contact point at the end of the step. The mean normal would
+    /// give an apparent slip and rise of order h, from the path of a ball along a curve and its
+    /// rotation about the normal.
     fn end_normal(&self, push: &Push<R>) -> R::Vec3 {
         if self.problem.plane.is_some() {
             return push.normal;
@@ -198,9 +198,9 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
         coefficient * (self.problem.seconds * share)
     }
 
-    /// Factor θ of a contact with the coefficient c (N s/m), as if every other contact had the same
-    /// strain, but at most the strain of all contacts together. A sliding contact next to a
-    /// sticking one is therefore resolved as it would be alone.
+    /// Factor θ of a contact with the coefficient c (N s/m). Every other contact is assumed to have
+    /// the same strain, but the sum is at most the strain of all contacts. A sliding contact next
+    /// to a sticking one is therefore resolved as it would be alone.
     fn share(&self, coefficient: R, strain_of_all: R) -> R {
         let own = coefficient * (self.problem.seconds / self.problem.mass);
         let strain = (own * self.strain.contacts).at_most(strain_of_all);

@@ -20,9 +20,9 @@
 //! friction, at 1e-16 m/s all of it. The balance with the force of the law cannot be more accurate,
 //! although the velocities are correct to rounding. This has two consequences:
 //!
-//! - The iteration is close if the momenta balance with the *dual* forces `-μ N d`, which lie
-//!   within the limit of the law, and if Newton's step is small ([`is_close_by_dual`]). That step
-//!   is the last one.
+//! - The iteration is close if two conditions hold. The momenta balance with the *dual* forces
+//!   `-μ N d`, which lie within the limit of the law, and Newton's step is small
+//!   ([`is_close_by_dual`]). That step is the last one.
 //! - If the slip at the start is within its own rounding, the dual unknown cannot be computed from
 //!   it. The slip is then carried along as an unknown. Each Newton step adds its increment, which
 //!   is known to a relative error of 2e-16 ([`Increment`]). The slip stays within the rounding of
@@ -375,9 +375,9 @@ fn size_of_motion<R: Real, D>(problem: &Problem<'_, R, D>, shift: R::Vec3, turn:
     (shift.length_squared() * problem.mass + turning).sqrt() * problem.per_second
 }
 
-/// Size of the momenta that balance, √J. It includes the body's own momentum, that of gravity and
-/// of the contacts, and two rounding terms: rounding of positions times stiffness, and rounding of
-/// paths times damping.
+/// Size of the momenta that balance, √J. It includes the body's own momentum and that of gravity
+/// and of the contacts. It also includes two rounding terms: rounding of positions times stiffness,
+/// and rounding of paths times damping.
 #[derive(Clone, Copy, Debug)]
 struct Scale<R> {
     own: R,
