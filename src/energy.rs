@@ -1,4 +1,4 @@
-//! Energy by kind, and the rate at which contacts take it away.
+//! Energy by kind, and the power at which contacts dissipate it.
 
 use crate::body::RigidPointBody;
 use crate::friction::SlidingFriction;
@@ -9,30 +9,30 @@ use crate::scene::{
 };
 use crate::state::State;
 
-/// Energy of a body on its ground, by kind, J.
+/// Energy of a body on its ground by kind, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Energy<R = f64> {
-    /// `m v²/2`.
+    /// Kinetic energy of translation, `m v²/2`.
     pub translation: R,
-    /// `L · ω/2`, never below 0.
+    /// Kinetic energy of rotation, `L · ω/2`; never negative.
     pub rotation: R,
-    /// `-m g · x`: 0 with the centre of mass at the origin.
+    /// Potential energy of gravity, `-m g · x`. Zero with the centre of mass at the origin.
     pub gravity: R,
-    /// In the springs under every contact below the ground, also under one whose force the clamp
-    /// cuts to 0.
+    /// Elastic energy of the springs under every contact below the ground. It includes contacts
+    /// whose force the clamp limits to 0.
     pub springs: R,
 }
 
 impl<R: Real> Energy<R> {
-    /// The energy of a state of a scene.
+    /// Energy of a state of a scene.
     #[inline]
     #[must_use]
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Self {
         Self::with_touching(scene, state).0
     }
 
-    /// The energy of a state of a scene, and how many contacts touch.
+    /// Energy of a state of a scene, and the number of contacts that touch.
     #[inline]
     pub(crate) fn with_touching(scene: &impl Dynamics<R>, state: &State<R>) -> (Self, usize) {
         let motion = scene.motion(state);
@@ -40,7 +40,7 @@ impl<R: Real> Energy<R> {
         (Self::moving(scene, state, &motion, springs), touching)
     }
 
-    /// The energy of a state that moves so, with this energy in the springs.
+    /// Energy of a state with the given motion and spring energy.
     #[inline]
     fn moving(scene: &impl Dynamics<R>, state: &State<R>, motion: &Motion<R>, springs: R) -> Self {
         let mass = scene.inertia_properties().mass();
@@ -54,7 +54,7 @@ impl<R: Real> Energy<R> {
         }
     }
 
-    /// The sum of all kinds.
+    /// Sum over all kinds.
     #[inline]
     #[must_use]
     pub fn total(&self) -> R {
@@ -62,7 +62,7 @@ impl<R: Real> Energy<R> {
     }
 }
 
-/// One line with units: `{:.3}` sets the digits of each number.
+/// Writes one line with units; `{:.3}` sets the digits of each number.
 ///
 /// ```
 /// use tumble::{Coin, State, Stepper, UniformGravity, glam::DVec3};
@@ -89,26 +89,31 @@ impl<R: Real> core::fmt::Display for Energy<R> {
     }
 }
 
-/// Power of the contacts on the body beyond what the springs store, by cause, W. Each is at most 0
-/// for a ground and a friction that keep their contracts.
+/// Power of the contacts on the body, excluding what the springs store, by cause, W. Each term is
+/// at most 0 if the ground and the friction law keep their contracts.
 ///
-/// The energy falls at their sum: `dE/dt = friction + damper + clamp`. With `N` the normal force,
-/// `S` the spring's share of it, and `c` the closing speed, a contact gives `force · slip` to
-/// friction (and `torque · ω`, where it resists turning), and `(S - N) c` to the damper; where the
-/// clamp has cut the whole force (`N = 0`), `S c` goes to the clamp instead.
+/// The energy decreases at the rate of their sum: `dE/dt = friction + damper + clamp`. With `N` the
+/// normal force, `S` its spring part and `c` the closing speed, one contact contributes:
+///
+/// | term | power |
+/// |---|---|
+/// | friction | `force · slip`, plus `torque · ω` if the friction law has a torque |
+/// | damper | `(S - N) c`; 0 if the clamp limits the force to 0 (`N = 0`) |
+/// | clamp | `S c` if the clamp limits the force to 0 (`N = 0`); otherwise 0 |
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Dissipation<R = f64> {
-    /// Of friction.
+    /// Power of friction, W.
     pub friction: R,
-    /// Of the dampers.
+    /// Power of the dampers, W.
     pub damper: R,
-    /// Of the clamp: springs that expand under a contact which leaves faster than they do.
+    /// Power of the clamp, W: springs that expand under a contact which separates faster than they
+    /// do.
     pub clamp: R,
 }
 
 impl<R: Real> Dissipation<R> {
-    /// The power at a state of a scene, W.
+    /// Power at a state of a scene, W.
     #[must_use]
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Self {
         let mut power = Self::default();
@@ -120,14 +125,14 @@ impl<R: Real> Dissipation<R> {
         power
     }
 
-    /// The sum of all causes.
+    /// Sum over all causes.
     #[inline]
     #[must_use]
     pub fn total(&self) -> R {
         self.friction + self.damper + self.clamp
     }
 
-    /// Each cause's `self + other * factor`.
+    /// Returns `self + other * factor` for each cause.
     #[inline]
     #[must_use]
     pub fn plus(&self, other: &Self, factor: R) -> Self {
@@ -139,7 +144,7 @@ impl<R: Real> Dissipation<R> {
     }
 }
 
-/// Force on the body at a contact, N, and its power beyond what the springs store, W.
+/// Force on the body at a contact, N, and its power excluding what the springs store, W.
 #[inline]
 fn force_and_power<R: Real>(
     scene: &impl Dynamics<R>,
@@ -170,8 +175,8 @@ fn force_and_power<R: Real>(
     )
 }
 
-/// Torque on the body at a contact beyond that of its force, N m, where the friction law resists
-/// turning.
+/// Torque on the body at a contact, N m, in addition to that of the contact force. `None` if the
+/// friction law does not resist rotation.
 #[inline]
 fn torque_on<R: Real>(
     scene: &impl Dynamics<R>,
@@ -183,21 +188,21 @@ fn torque_on<R: Real>(
     Some(contact.turning_torque(ground, friction, angular_velocity))
 }
 
-/// What books of energy ask of a state, from a single look at its contacts.
+/// Energy, dissipation and rates of a state, computed in one pass over its contacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyRates<R: Real = f64> {
-    /// By kind, J.
+    /// Energy by kind, J.
     pub energy: Energy<R>,
-    /// Power of what takes energy away, by cause, W.
+    /// Dissipated power by cause, W.
     pub dissipation: Dissipation<R>,
-    /// How fast the state changes.
+    /// Rates of change of the state.
     pub rates: Rates<R>,
-    /// Checksum of the contacts that touch, and of those that push.
+    /// Checksum of the contacts that touch and of those that push.
     pub(crate) contacts: u64,
 }
 
 impl<R: Real> EnergyRates<R> {
-    /// The account of a state of a scene.
+    /// Energy, dissipation and rates of a state of a scene.
     #[must_use]
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Self {
         let motion = scene.motion(state);
@@ -205,7 +210,7 @@ impl<R: Real> EnergyRates<R> {
         let (mut contacts, smooth) = (0_u64, scene.body().is_smooth());
         let mut enter = |contact: &Contact<R>, number: u64| {
             let (force, power) = force_and_power(scene, contact, motion.angular_velocity);
-            // A contact that touches counts once, and one that pushes a second time.
+            // A contact that touches counts once. A contact that pushes counts a second time.
             let pushes = force.dot(contact.normal) > R::ZERO;
             contacts = contacts.wrapping_add(number << u32::from(pushes));
             load.add(contact, force);
@@ -220,7 +225,8 @@ impl<R: Real> EnergyRates<R> {
             enter(contact, if smooth { 1 } else { checksum(contact) });
             springs += scene.ground().spring_energy(contact.depth);
         });
-        // The points of a circular edge touch one after the other, without a jump of the force.
+        // The points of a circular edge touch one after the other, so the force has no
+        // discontinuity.
         scene.visit_rims(&motion, |contact| enter(contact, 0));
         let (of_rims, _) = rims_energy(scene, &motion);
         Self {
@@ -232,7 +238,7 @@ impl<R: Real> EnergyRates<R> {
     }
 }
 
-/// Checksum of the position of a contact in the body, which is another one for each contact.
+/// Checksum of the position of a contact in the body. It is different for each contact.
 fn checksum<R: Real>(contact: &Contact<R>) -> u64 {
     let position = contact.point.position;
     let mut sum = 0_u64;

@@ -1,43 +1,44 @@
-//! What can be wrong: with a scene while it is composed ([`SceneError`]), with a step while it is
-//! taken ([`StepError`]).
+//! Error types: [`SceneError`] for a scene while it is composed, [`StepError`] for a step while it
+//! is taken.
 
 use crate::real::Real;
 
-/// What a quantity must obey.
+/// Rule that a quantity must satisfy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Rule {
-    /// Finite and above 0.
+    /// Finite and positive.
     AboveZero,
     /// Finite and at least 0.
     AtLeastZero,
-    /// Above 0 and at most 1.
+    /// Greater than 0 and at most 1.
     AboveZeroToOne,
-    /// 0, to rounding.
+    /// Zero within rounding.
     Zero,
     /// At most 0.
     AtMostZero,
-    /// A number, which may be infinite.
+    /// Not NaN; may be infinite.
     NotNan,
     /// Neither infinite nor NaN.
     Finite,
-    /// At least this many.
+    /// At least this number.
     AtLeast(u32),
-    /// At most this many.
+    /// At most this number.
     AtMost(usize),
-    /// As many as this.
+    /// Exactly this number.
     Exactly(usize),
-    /// Of length 1, to rounding.
+    /// A length of 1 within rounding.
     UnitLength,
-    /// The moments of inertia of a solid: none negative, none above the sum of the two others.
+    /// The moments of inertia of a solid: none is negative, and none exceeds the sum of the other
+    /// two.
     TriangleInequality,
     /// Equal to its own transpose.
     Symmetric,
-    /// A number of pairs.
+    /// An even number.
     Even,
     /// A surface without a hole or an edge.
     Closed,
-    /// So large that its inverse is finite.
+    /// Large enough for a finite inverse.
     FiniteInverse,
 }
 
@@ -64,24 +65,24 @@ impl core::fmt::Display for Rule {
     }
 }
 
-/// An invalid parameter of a scene or of an observer: raised once, when that is composed, so that a
-/// step need not check.
+/// An invalid parameter of a scene or of an observer. It is returned once, when the scene or the
+/// observer is composed, so that a step need not check.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{quantity} {rule}, got {value}{unit}")]
 #[non_exhaustive]
 pub struct SceneError {
-    /// What is wrong, in words: "time step".
+    /// Name of the quantity in words, for example "time step".
     pub quantity: &'static str,
-    /// The rule that it breaks.
+    /// Rule that the value breaks.
     pub rule: Rule,
-    /// The offending value.
+    /// Value that breaks the rule.
     pub value: f64,
-    /// Its unit with a space before it, or nothing: " kg".
+    /// Unit with a space before it, for example " kg", or empty.
     pub unit: &'static str,
 }
 
 impl SceneError {
-    /// An error for a quantity with its unit ("" where it has none).
+    /// Creates an error for a quantity with its unit ("" if it has none).
     #[must_use]
     pub const fn new(quantity: &'static str, rule: Rule, value: f64, unit: &'static str) -> Self {
         Self {
@@ -93,10 +94,11 @@ impl SceneError {
     }
 }
 
-/// That a quantity is finite and above 0.
+/// Checks that a quantity is finite and positive.
 ///
 /// # Errors
-/// Names quantity, rule, value and unit where it is not.
+/// Returns [`SceneError`] if it is not. The error names the quantity, the rule, the value and the
+/// unit.
 pub fn above_zero<R: Real>(
     quantity: &'static str,
     value: R,
@@ -111,10 +113,11 @@ pub fn above_zero<R: Real>(
     )
 }
 
-/// That a quantity is finite and at least 0.
+/// Checks that a quantity is finite and at least 0.
 ///
 /// # Errors
-/// Names quantity, rule, value and unit where it is not.
+/// Returns [`SceneError`] if it is not. The error names the quantity, the rule, the value and the
+/// unit.
 pub fn at_least_zero<R: Real>(
     quantity: &'static str,
     value: R,
@@ -129,10 +132,11 @@ pub fn at_least_zero<R: Real>(
     )
 }
 
-/// That a quantity is neither infinite nor NaN.
+/// Checks that a quantity is neither infinite nor NaN.
 ///
 /// # Errors
-/// Names quantity, rule, value and unit where it is.
+/// Returns [`SceneError`] if it is infinite or NaN. The error names the quantity, the rule, the
+/// value and the unit.
 pub fn finite<R: Real>(
     quantity: &'static str,
     value: R,
@@ -141,7 +145,7 @@ pub fn finite<R: Real>(
     obey(value.is_finite(), Rule::Finite, quantity, value, unit)
 }
 
-/// Checks that the inverse of a quantity above 0 is finite.
+/// Checks that the inverse of a positive quantity is finite.
 ///
 /// # Errors
 /// Returns [`SceneError`] if it overflows. The error names the quantity, the rule and the value.
@@ -168,70 +172,71 @@ fn obey<R: Real>(
     }
 }
 
-/// A step that cannot go on. The state that was handed in is left as it was: the last good one.
+/// An error of a step. The state is left unchanged at the last valid one.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError {
-    /// The state that was handed in holds a NaN or an infinity, or an orientation of length 0 (or
-    /// so near to 0 or infinity that its square is).
+    /// The state before the step contains a NaN or an infinity, or an invalid orientation. An
+    /// orientation is invalid if its length is 0, or so near to 0 or infinity that the square of
+    /// the length is 0 or infinite.
     #[error("the {0} before the step must be finite{nor_zero}", nor_zero = if_orientation(*.0))]
     BadState(Quantity),
-    /// The step's result is not finite: the time step is beyond the integrator's stability limit,
-    /// or a number has overflowed.
+    /// The result of the step is not finite. Either the step size exceeds the stability limit of
+    /// the integrator, or a number has overflowed.
     #[error(
         "the {0} is no longer finite after the step: shorten the time step or choose an integrator that is stable for it"
     )]
     Diverged(Quantity),
-    /// A ground or a friction law has returned a value that its contract rules out.
+    /// A ground or a friction law has returned a value that violates its contract.
     #[error(
         "the {quantity} {}, got {value:e}{}; `contract::check_ground` and `contract::check_friction` find such values before a run",
         .quantity.rule(),
         .quantity.unit()
     )]
     BrokenLaw {
-        /// The value's name; it tells the law as well.
+        /// Name of the value, which also identifies the law.
         quantity: LawQuantity,
-        /// The offending value, in the SI unit of the quantity.
+        /// Invalid value, in the SI unit of the quantity.
         value: f64,
     },
-    /// A method that chooses its steps cannot keep its tolerance with any step that the clock
-    /// resolves: the tolerance is below what rounding leaves, or a force is not what the method
-    /// takes it for.
+    /// An adaptive method cannot keep its tolerance with any step that the clock resolves. Either
+    /// the tolerance is below the rounding error, or a force does not satisfy the assumptions of
+    /// the method.
     #[error(
         "the tolerance needs steps below {length:.1e} s at {time:.6} s, because of the {quantity}: loosen it, or look at the forces there"
     )]
     StepTooShort {
-        /// What the error is in.
+        /// Quantity whose error exceeds the tolerance.
         quantity: Quantity,
-        /// The shortest step, s.
+        /// Shortest step, s.
         length: f64,
-        /// Since the workspace was new, which is the start of a run, s.
+        /// Time since the workspace was new, which is the start of a run, s.
         time: f64,
     },
-    /// A method that chooses its steps has tried as many as its budget has.
+    /// An adaptive method has tried as many steps as its budget allows.
     ///
-    /// Often because a contact sticks or rolls: stability then bounds each step by about
-    /// `2 slip_speed/(3 μ g)`, whatever the tolerance, which no explicit method can exceed.
+    /// A frequent cause is a contact that sticks or rolls. Stability then bounds each step of an
+    /// explicit method by about `2 slip_speed/(3 μ g)`, whatever the tolerance.
     /// [`EnergyMomentum`](crate::EnergyMomentum) has no such bound.
     #[error(
         "the budget of {attempts} steps is spent at {time:.6} s: loosen the tolerance or raise the budget; where contacts stick at a small slip speed take EnergyMomentum, or a larger slip speed"
     )]
     BudgetSpent {
-        /// Steps tried.
+        /// Number of steps tried.
         attempts: u32,
-        /// Since the workspace was new, which is the start of a run, s.
+        /// Time since the workspace was new, which is the start of a run, s.
         time: f64,
     },
-    /// The sum of the energies' sizes before the step is NaN, or so large that it overflows in the
-    /// step.
+    /// The sum of the magnitudes of all energies before the step is NaN, or so large that it
+    /// overflows in the step.
     #[error(
         "the energy before the step must be finite and far from overflow, got {joules:e} J: look at the velocities, the depth in the ground and its laws"
     )]
     BadEnergy {
-        /// Sum of the sizes of all kinds of energy, J.
+        /// Sum of the magnitudes of all kinds of energy, J.
         joules: f64,
     },
-    /// The step is so long that numbers cannot hold where the body would be.
+    /// The step is so long that the position of the body after it would overflow.
     #[error(
         "the step must be short enough for position and orientation to be resolved, got {seconds:e} s: shorten the time step"
     )]
@@ -239,60 +244,60 @@ pub enum StepError {
         /// Length of the step, s.
         seconds: f64,
     },
-    /// The integrator's step took no time, or less than the clock of the run resolves, so that the
-    /// run would never end.
+    /// The step of the integrator took no time, or less time than the clock of the run resolves.
+    /// The run would never end.
     #[error("a step must take more than 0 s, and enough for the clock of the run to go on")]
     Stalled,
     /// The time to advance by is negative or not finite.
     #[error("the time to advance by must be finite and at least 0 s, got {seconds} s")]
     BadDuration {
-        /// The time that was asked for, s.
+        /// Requested time, s.
         seconds: f64,
     },
     /// The limit of a step is negative or NaN.
     #[error("the limit of a step must be at least 0 s, got {seconds} s")]
     BadLimit {
-        /// The limit, s.
+        /// Limit, s.
         seconds: f64,
     },
-    /// An impulse, or the point where it acts, is not finite, or the impulse is so large that the
-    /// motion after it is not.
+    /// An impulse or its point of application is not finite, or the impulse is so large that the
+    /// motion after it is not finite.
     #[error("{quantity} must be finite, got {value}")]
     BadImpulse {
-        /// What is not finite, in words: "x of the impulse".
+        /// Name of the quantity in words, for example "x of the impulse".
         quantity: &'static str,
-        /// Its value.
+        /// Value of the quantity.
         value: f64,
     },
-    /// A run has more steps than its clock can count. Raised before the first of them, or after a
-    /// closed-form flight has ended.
+    /// A run has more steps than its clock can count. The error is returned before the first step,
+    /// or after a closed-form flight has ended.
     #[error(
         "a run of {seconds:e} s must have at most {most:.1e} steps, got a step size of {time_step:e} s: lengthen the steps or shorten the run"
     )]
     TooManySteps {
-        /// What is left of the run, s.
+        /// Rest of the run, s.
         seconds: f64,
-        /// The integrator's step size, s.
+        /// Step size of the integrator, s.
         time_step: f64,
-        /// The largest number of steps.
+        /// Largest number of steps.
         most: f64,
     },
-    /// A run has more samples at equal intervals than can be told apart. Raised before its first
-    /// step.
+    /// A run has more samples at equal intervals than can be distinguished. The error is returned
+    /// before the first step.
     #[error(
         "a run of {seconds:e} s must have at most {most:.1e} samples, got an interval of {interval:e} s: lengthen the interval or shorten the run"
     )]
     TooManySamples {
-        /// The time to advance by, s.
+        /// Time to advance by, s.
         seconds: f64,
-        /// The interval between the samples, s.
+        /// Interval between the samples, s.
         interval: f64,
-        /// The largest number of samples.
+        /// Largest number of samples.
         most: f64,
     },
 }
 
-/// What an orientation must be, beyond finite.
+/// Additional requirement on an orientation, beyond being finite.
 const fn if_orientation(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Orientation => ", with a length that is not zero",
@@ -300,16 +305,16 @@ const fn if_orientation(quantity: Quantity) -> &'static str {
     }
 }
 
-/// A part of a state.
+/// A quantity of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// The place of the centre of mass.
+    /// Position of the centre of mass.
     Position,
-    /// The velocity of the centre of mass.
+    /// Velocity of the centre of mass.
     LinearVelocity,
-    /// The turn from body axes to world axes.
+    /// Rotation from body axes to world axes.
     Orientation,
-    /// The angular momentum about the centre of mass.
+    /// Angular momentum about the centre of mass.
     AngularMomentum,
 }
 
@@ -324,16 +329,16 @@ impl core::fmt::Display for Quantity {
     }
 }
 
-/// A part of a scene that an author can supply.
+/// A part of a scene that a user of the crate can implement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Role {
-    /// The surface of the ground: a [`Shape`](crate::Shape), or the part of a ground that is one.
+    /// Surface of the ground: a [`Shape`](crate::Shape), or the corresponding part of a ground.
     GroundShape,
-    /// The springs and dampers of the ground: a [`ContactLaw`](crate::ContactLaw), or the part of a
-    /// ground that is one.
+    /// Springs and dampers of the ground: a [`ContactLaw`](crate::ContactLaw), or the corresponding
+    /// part of a ground.
     GroundLaw,
-    /// A [`SlidingFriction`](crate::SlidingFriction).
+    /// A [`SlidingFriction`](crate::SlidingFriction) law.
     FrictionLaw,
 }
 
@@ -353,26 +358,26 @@ impl core::fmt::Display for Role {
 pub enum LawQuantity {
     /// Height of a point above the surface, m.
     Gap,
-    /// Length of the surface's normal.
+    /// Length of the surface normal.
     Normal,
     /// Elastic force of a contact, N.
     SpringForce,
-    /// Energy in the springs under a contact, J.
+    /// Elastic energy of the springs under a contact, J.
     SpringEnergy,
     /// Force of spring and damper on a contact, N.
     NormalForce,
     /// Mean of the normal force over a path, N.
     MeanForce,
-    /// Size of the force along the surface, N.
+    /// Magnitude of the force along the surface, N.
     FrictionForce,
     /// Power of the friction force, `force · slip`, W.
     FrictionPower,
-    /// A torque or the turn speed of a [`RollingResistance`](crate::RollingResistance).
+    /// Torque or rotation speed of a [`RollingResistance`](crate::RollingResistance).
     RollingResistance,
 }
 
 impl LawQuantity {
-    /// The part of the scene that has returned the value.
+    /// Part of the scene that has returned the value.
     #[must_use]
     pub const fn role(self) -> Role {
         match self {
@@ -386,7 +391,7 @@ impl LawQuantity {
         }
     }
 
-    /// The rule that the value must obey.
+    /// Rule that the value must satisfy.
     #[must_use]
     pub const fn rule(self) -> Rule {
         match self {
@@ -398,7 +403,7 @@ impl LawQuantity {
         }
     }
 
-    /// The unit of the value with a space before it, or nothing: " J".
+    /// Unit of the value with a space before it, for example " J", or empty.
     #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {

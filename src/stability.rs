@@ -1,11 +1,12 @@
-//! How stiff and how damped the contacts of a state are, and the longest step for which a method is
+//! Stiffness and damping of the contacts of a state, and the longest step for which a method is
 //! stable there.
 //!
 //! # Derivation
 //!
-//! Let `y` be a small displacement of the body (translation and rotation), `M` its mass matrix. A
-//! contact at arm `r` with normal `n` penetrates less by `g · y`, where `g = (n, r × n)`. With
-//! stiffness `k`, damping `c` and friction force `F` the contacts answer by
+//! Let `y` be a small displacement of the body (translation and rotation) and `M` its mass matrix.
+//! A contact at lever arm `r` with normal `n` has a penetration depth that decreases by `g · y`,
+//! where `g = (n, r × n)`. With stiffness `k`, damping `c` and friction force `F`, the linearised
+//! equation of motion is
 //!
 //! ```text
 //! M y'' + C y' + K y = 0
@@ -13,28 +14,34 @@
 //! C = Σ c (g + f) gᵀ + Σ d (e, r × e) (e, r × e)ᵀ      e: both directions along the surface
 //! ```
 //!
-//! `d` is the derivative of friction with respect to the slip, `μ N/slip speed` in stick. The arm
-//! and the inertia enter through `M⁻¹`: one contact alone has
-//! `ω² = k (1/m + (r × n) · J⁻¹ (r × (n + t)))`.
+//! `N` is the normal force. `d` is the derivative of friction with respect to the slip,
+//! `μ N/slip speed` in stick. The lever arm and the inertia enter through `M⁻¹`. A single contact
+//! has `ω² = k (1/m + (r × n) · J⁻¹ (r × (n + t)))`.
 //!
-//! Every solution `e^(λ t) x` obeys `λ² + δ λ + κ = 0` with the Rayleigh quotients `κ = x* K x` and
-//! `δ = x* C x` (in coordinates where M = 1). So where K and C are symmetric the pairs (κ, δ) lie
-//! in the joint numerical range of K and C, which is convex, and each λ is that of a scalar
-//! oscillator `y'' + δ y' + κ y = 0` of the range. A Runge-Kutta method is stable if it is stable
-//! for all of these. The same holds of semi-implicit Euler, whose step is a quadratic pencil in its
-//! own factor, and of Strang's splitting, whose pencil has the mass `(1 - h C/2)⁻¹` and the
-//! quotient of that is at least `1/(1 - h δ/2)`.
+//! Every solution `e^(λ t) x` satisfies `λ² + δ λ + κ = 0` with the Rayleigh quotients `κ = x* K x`
+//! and `δ = x* C x` (in coordinates where M = 1). If K and C are symmetric, the pairs (κ, δ)
+//! therefore lie in the joint numerical range of K and C, which is convex. Each λ is then that of a
+//! scalar oscillator `y'' + δ y' + κ y = 0` with (κ, δ) in that range.
+//!
+//! A Runge-Kutta method is stable if it is stable for all of these oscillators. The same holds for
+//! two other methods. The step of semi-implicit Euler is a quadratic pencil in its own factor. The
+//! pencil of Strang splitting has the mass `(1 - h C/2)⁻¹`, and the quotient of that is at least
+//! `1/(1 - h δ/2)`.
 //!
 //! The range is enclosed by its supporting lines: the largest eigenvalue of `p K + q C` bounds
-//! `p κ + q δ`. The limit is the least of the scalar limits along the outline of that polygon.
+//! `p κ + q δ`. The limit is the smallest of the scalar limits along the outline of that polygon.
 //!
-//! Friction's growth with the load, `f`, makes K and the first part of C non-symmetric by the same
-//! factors. While the body slides both have the same eigenvectors, and the spectral radius takes
-//! the place of the largest eigenvalue. Where friction's own damping is strong it holds the contact
-//! along the surface, and the normal stiffness is at most that without `f`. So the limit is the
-//! lesser of both. Not proven is what lies between, a slip near the slip speed: there the motion
-//! itself can flutter. Left out: the rotation of arms and normals under load (of the size of
-//! depth/arm), and the gyroscopic torque.
+//! The derivative of friction with respect to the load, `f`, makes K and the first part of C
+//! non-symmetric by the same factors. There are two limiting cases:
+//!
+//! * While the body slides, both matrices have the same eigenvectors, and the spectral radius
+//!   replaces the largest eigenvalue.
+//! * Where the damping by friction is strong, it holds the contact along the surface. The normal
+//!   stiffness is then at most the stiffness without `f`.
+//!
+//! The limit is the lesser of both. It is not proven for the intermediate case, a slip near the
+//! slip speed, where the motion itself can flutter. Two effects are neglected: the rotation of
+//! lever arms and normals under load (of relative size depth/arm), and the gyroscopic torque.
 
 use crate::friction::{FrictionJacobian, SlidingFriction};
 use crate::ground::SpringDamperGround;
@@ -42,14 +49,14 @@ use crate::real::{Real, Vector};
 use crate::scene::{Contact, Dynamics, Motion, size};
 use crate::state::State;
 
-/// The longest step of a method at a state, s, from its scalar `limit(κ, δ)`, s. `None` without a
-/// bound.
+/// Longest stable step of a method at a state, s, from its scalar `limit(κ, δ)`, s. `None` if there
+/// is no bound.
 pub(crate) fn largest_stable_step<R: Real>(
     scene: &impl Dynamics<R>,
     state: &State<R>,
     limit: impl Fn(R, R) -> Option<R>,
 ) -> Option<R> {
-    // A method without a limit needs no look at the contacts.
+    // A method without a limit needs no evaluation of the contacts.
     limit(R::ONE, R::ONE)?;
     let response = Response::at(scene, state, Friction::GrowsWithLoad);
     let mut least = least_along(&response.outline(), &limit)?;
@@ -60,14 +67,14 @@ pub(crate) fn largest_stable_step<R: Real>(
     (least < R::MAX).then_some(least)
 }
 
-/// Whether the response includes that friction grows with the load.
+/// Whether the response includes the increase of friction with the load.
 #[derive(Clone, Copy, PartialEq)]
 enum Friction {
     GrowsWithLoad,
     HasNoLoad,
 }
 
-/// The least limit along the outline, s: `R::MAX` for an outline of nothing.
+/// Smallest limit along the outline, s. `R::MAX` for an empty outline.
 fn least_along<R: Real>(outline: &[[R; 2]], limit: &impl Fn(R, R) -> Option<R>) -> Option<R> {
     let mut least = R::MAX;
     for (start, end) in outline.iter().zip(outline.iter().skip(1)) {
@@ -81,8 +88,8 @@ fn least_along<R: Real>(outline: &[[R; 2]], limit: &impl Fn(R, R) -> Option<R>) 
     Some(least)
 }
 
-/// Into how many parts an edge of the outline is cut: the stable region of a method need not be
-/// convex.
+/// Number of parts into which an edge of the outline is divided. The stability region of a method
+/// need not be convex.
 const PARTS: usize = 3;
 
 fn between<R: Real>(start: &[R; 2], end: &[R; 2], part: usize) -> [R; 2] {
@@ -91,20 +98,21 @@ fn between<R: Real>(start: &[R; 2], end: &[R; 2], part: usize) -> [R; 2] {
     [start[0] * from + end[0] * to, start[1] * from + end[1] * to]
 }
 
-/// How the contacts of a state respond to a small displacement and a small velocity, as
+/// Response of the contacts of a state to a small displacement and a small velocity, as
 /// accelerations.
 struct Response<R> {
     /// `M⁻¹ K`, 1/s².
     stiffness: Matrix<R>,
     /// `M⁻¹ C`, 1/s.
     damping: Matrix<R>,
-    /// The part of the damping that is friction's, 1/s.
+    /// Part of the damping that is due to friction, 1/s.
     friction: Matrix<R>,
-    /// Damping over stiffness: of all contacts together, and the largest of one, s.
+    /// Ratio of damping to stiffness, s: of all contacts together, and the largest of a single
+    /// contact.
     mean_ratio: R,
     largest_ratio: R,
     load: Friction,
-    /// Whether a contact slides under a friction that grows with its load.
+    /// Whether a contact slides with a friction force that increases with its load.
     is_coupled: bool,
 }
 
@@ -165,7 +173,7 @@ impl<R: Real> Response<R> {
         [k, c]
     }
 
-    /// Adds a damper of friction along a direction with this moment about the centre of mass.
+    /// Adds a damper of friction along a direction with the given moment about the centre of mass.
     fn add_damper<D: Dynamics<R>>(
         &mut self,
         frame: &Frame<'_, R, D>,
@@ -177,7 +185,7 @@ impl<R: Real> Response<R> {
         (self.friction).add_outer(damping, &answer, &frame.row(direction, moment));
     }
 
-    /// Adds the resistance to rolling and to spinning on the spot, where the law has it.
+    /// Adds rolling resistance and spinning friction, if the friction law has them.
     fn add_turning<D: Dynamics<R>>(
         &mut self,
         frame: &Frame<'_, R, D>,
@@ -198,16 +206,15 @@ impl<R: Real> Response<R> {
         }
     }
 
-    /// Corners (κ, δ) of a polygon around the joint numerical range, from the least damping of the
-    /// stiffest motion to the motions without stiffness.
+    /// Corners (κ, δ) of a polygon around the joint numerical range. They run from the least
+    /// damping of the stiffest motion to the motions without stiffness.
     fn outline(&self) -> [[R; 2]; 7] {
         let (zero, one, two) = (R::ZERO, R::ONE, R::TWO);
         let stiffest = self.stiffness.spectral_radius();
         let most_damped = self.damping.spectral_radius();
         let per = |value: R| if value > zero { one / value } else { zero };
         let [k, c] = [per(stiffest), per(most_damped)];
-        // Supporting lines p X + q Y = s of X = κ/stiffest and Y = δ/most_damped, of which each is
-        // at most 1.
+        // Supporting lines p X + q Y = s of X = κ/stiffest and Y = δ/most_damped, each at most 1.
         let support = |p: R, q: R| {
             let sum = self.stiffness.combined(p * k, &self.damping, q * c);
             sum.spectral_radius()
@@ -215,8 +222,8 @@ impl<R: Real> Response<R> {
         let [flat, even, steep] = [support(two, one), support(one, one), support(one, two)];
         let within = |value: R| value.at_least(zero).at_most(one);
         let low = self.least_damping(stiffest, most_damped) * c;
-        // No motion has less damping for its stiffness than the stiffest one; the lines of
-        // non-symmetric matrices may cross below.
+        // No motion has less damping relative to its stiffness than the stiffest one. The lines of
+        // non-symmetric matrices may cross below that.
         let crossing = |x: R, y: R| [within(x), within(y).at_least(low * within(x))];
         let resting = within(self.friction.spectral_radius() * c);
         let top = within(steep - two);
@@ -233,14 +240,14 @@ impl<R: Real> Response<R> {
         corners.map(|[x, y]| [x * stiffest, y * most_damped])
     }
 
-    /// Lower bound for the damping of the stiffest motion, 1/s: from lines `δ >= t κ - s` below the
-    /// range of stiffness and normal damping. Friction only adds to that.
+    /// Lower bound for the damping of the stiffest motion, 1/s, from lines `δ >= t κ - s` below the
+    /// range of stiffness and normal damping. Friction only adds to that damping.
     fn least_damping(&self, stiffest: R, most_damped: R) -> R {
         let normal = self.damping.combined(R::ONE, &self.friction, -R::ONE);
         let mut least = R::ZERO;
         let mut slope = self.mean_ratio;
         for _ in 0..3 {
-            // All eigenvalues of t K - C + most_damped are at least 0, so that the largest is the
+            // All eigenvalues of t K - C + most_damped are at least 0, so the largest equals the
             // spectral radius.
             let mut shifted = self.stiffness.combined(slope, &normal, -R::ONE);
             shifted.add_identity(most_damped);
@@ -260,7 +267,8 @@ fn ratio<R: Real>(damping: R, stiffness: R) -> R {
     }
 }
 
-/// Coordinates of a small displacement: translation, and rotation times a length, both in m.
+/// Coordinates of a small displacement: translation, and rotation multiplied by a length, both in
+/// m.
 struct Frame<'a, R: Real, D> {
     scene: &'a D,
     motion: &'a Motion<R>,
@@ -268,7 +276,7 @@ struct Frame<'a, R: Real, D> {
 }
 
 impl<R: Real, D: Dynamics<R>> Frame<'_, R, D> {
-    /// Displacement along a direction, with this moment about the centre of mass.
+    /// Displacement along a direction with the given moment about the centre of mass.
     fn row(&self, direction: R::Vec3, moment: R::Vec3) -> [R; 6] {
         let per_length = if self.length > R::ZERO {
             R::ONE / self.length
@@ -278,7 +286,7 @@ impl<R: Real, D: Dynamics<R>> Frame<'_, R, D> {
         joined(direction, moment * per_length)
     }
 
-    /// Acceleration under a force and a torque.
+    /// Acceleration due to a force and a torque.
     fn acceleration(&self, force: R::Vec3, torque: R::Vec3) -> [R; 6] {
         let mass = self.scene.inertia_properties();
         let spin = mass.angular_velocity(&self.motion.axes, torque);
@@ -294,12 +302,13 @@ fn dot<R: Real>(a: &[R; 6], b: &[R; 6]) -> R {
     (a.iter().zip(b)).fold(R::ZERO, |sum, (&a, &b)| sum + a * b)
 }
 
-/// Derivatives of a contact's normal force with respect to depth (N/m) and closing speed (N s/m),
-/// by central differences.
+/// Derivatives of the normal force of a contact with respect to depth (N/m) and closing speed (N
+/// s/m), by central differences.
 ///
-/// Their width is `ε^(3/8)` of the depth, 1.4e-6 in f64 and 2.5e-3 in f32: what rounding leaves of
-/// a derivative is `ε^(5/8)` of it, and what curvature adds `ε^(3/4)`. The unit of speed is the
-/// depth times the contact's own frequency, where spring and damper weigh alike.
+/// The width of the differences is `ε^(3/8)` of the depth, 1.4e-6 in f64 and 2.5e-3 in f32. The
+/// relative error of a derivative is `ε^(5/8)` from rounding and `ε^(3/4)` from curvature. The unit
+/// of speed is the depth times the natural frequency of the contact, at which spring and damper
+/// have equal weight.
 fn slopes<R: Real, G: SpringDamperGround<R>>(
     ground: &G,
     contact: &Contact<R>,
@@ -325,8 +334,8 @@ fn slopes<R: Real, G: SpringDamperGround<R>>(
     [stiffness, damping]
 }
 
-/// The friction law's response at a contact. Where a law states none at zero slip, that at 1e-12
-/// m/s.
+/// Jacobian of the friction law at a contact. If a law returns none at zero slip, the Jacobian at
+/// 1e-12 m/s is used.
 fn drag_at<R: Real, F: SlidingFriction<R>>(
     friction: &F,
     load: R,
@@ -340,7 +349,7 @@ fn drag_at<R: Real, F: SlidingFriction<R>>(
     friction.jacobian(load, direction * R::from_f64(1e-12))
 }
 
-/// Two unit vectors along the surface, the first along the slip if there is one.
+/// Two unit vectors along the surface, the first along the slip if the slip is not zero.
 fn tangents<R: Real>(normal: R::Vec3, slip: R::Vec3, speed: R) -> [R::Vec3; 2] {
     let along = if speed > R::ZERO {
         slip * (R::ONE / speed)
@@ -358,11 +367,12 @@ fn tangents<R: Real>(normal: R::Vec3, slip: R::Vec3, speed: R) -> [R::Vec3; 2] {
     [along, normal.cross(along)]
 }
 
-/// A 6 by 6 matrix, by rows.
+/// 6 by 6 matrix, stored by rows.
 #[derive(Clone, Copy)]
 struct Matrix<R>([[R; 6]; 6]);
 
-/// Squarings for a spectral radius: the 2²⁰th power leaves a factor of `condition^(1/2²⁰)`.
+/// Number of squarings for a spectral radius: the 2²⁰th power leaves a factor of
+/// `condition^(1/2²⁰)`.
 const SQUARINGS: usize = 20;
 
 impl<R: Real> Matrix<R> {
@@ -372,7 +382,7 @@ impl<R: Real> Matrix<R> {
         *self = self.combined(R::ONE, other, R::ONE);
     }
 
-    /// `p self + q other`.
+    /// Returns `p self + q other`.
     fn combined(&self, p: R, other: &Self, q: R) -> Self {
         let mut sum = *self;
         for (row, others) in sum.0.iter_mut().zip(&other.0) {
@@ -416,8 +426,8 @@ impl<R: Real> Matrix<R> {
         square
     }
 
-    /// Largest magnitude of an eigenvalue, by repeated squaring: `ρ(A) = s₀ √(s₁ √(s₂ …))` with the
-    /// scales of the powers.
+    /// Largest magnitude of an eigenvalue, by repeated squaring: `ρ(A) = s₀ √(s₁ √(s₂ …))`, where
+    /// the s are the scales of the powers.
     fn spectral_radius(&self) -> R {
         let mut scales = [R::ONE; SQUARINGS];
         let mut power = *self;
@@ -451,7 +461,7 @@ mod tests {
         matrix.0[2][3] = 1e3;
         assert_relative_eq!(matrix.spectral_radius(), 3.0, max_relative = 1e-5);
         // Defective and dominant: the last scale is that of the power n = 2¹⁹, whose largest entry
-        // is 1e3 n 2ⁿ⁻¹. Its root is off by ln(500 n)/n = 3.7e-5.
+        // is 1e3 n 2ⁿ⁻¹. The relative error of its root is ln(500 n)/n = 3.7e-5.
         matrix.0[0][1] = 1.0;
         assert_relative_eq!(matrix.spectral_radius(), 2.0, max_relative = 4e-5);
         // Scales far from 1.

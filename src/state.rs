@@ -1,17 +1,18 @@
-//! The state of a body: where it is, how it is turned, how it moves. Plain data.
+//! The state of a body: position, orientation and motion. Plain data.
 
 use crate::error::Quantity;
 use crate::real::{Quaternion, Real, Vector};
 use crate::rotation::Rotation;
 
-/// Everything that changes while a body moves. SI units; the world's z axis points up.
+/// All quantities that change while a body moves. SI units; the world's z axis points up.
 ///
-/// Plain data with nothing hidden: save it, load it, and the run goes on with the same bits. A
-/// state belongs to no stepper; one stepper serves a million states.
+/// A state is plain data without hidden parts. A run that continues from a saved and loaded state
+/// gives the same bits. A state does not belong to a stepper; one stepper serves any number of
+/// states.
 ///
-/// The feature `serde` writes and reads the numbers as they are. A text format may round them:
-/// `serde_json` keeps each bit only with its feature `float_roundtrip` (without it one f64 in five
-/// comes back beside itself).
+/// The feature `serde` writes and reads the numbers as they are. A text format may round them.
+/// `serde_json` keeps every bit only with its feature `float_roundtrip`; without it, one f64 in
+/// five is read back as a neighbouring value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -26,8 +27,8 @@ pub struct State<R: Real = f64> {
     pub position: R::Vec3,
     /// Velocity of the centre of mass, m/s, world axes.
     pub linear_velocity: R::Vec3,
-    /// The turn from body axes to world axes; a unit quaternion. One that is longer or shorter is
-    /// scaled to 1 by the first step, unless its square is 0 or infinite: then the step answers
+    /// Rotation from body axes to world axes, a unit quaternion. The first step scales any other
+    /// quaternion to length 1. If the square of its length is 0 or infinite, the step returns
     /// [`BadState`](crate::StepError::BadState).
     pub orientation: R::Quat,
     /// Angular momentum about the centre of mass, kg m²/s, world axes.
@@ -35,10 +36,10 @@ pub struct State<R: Real = f64> {
 }
 
 impl<R: Real> State<R> {
-    /// At rest at `position` (m), body axes along the world's. The position's type, `DVec3` or
-    /// `Vec3`, is the precision.
-    // `V` is `R::Vec3`. As a type of its own it tells the compiler the precision, which a
-    // projection does not.
+    /// Creates a state at rest at `position` (m), with the body axes along the world axes. The type
+    /// of the position, `DVec3` or `Vec3`, sets the precision.
+    // `V` is `R::Vec3`. A separate type parameter lets the compiler infer the precision, which it
+    // cannot do from a projection.
     #[must_use]
     pub fn at<V: Vector<R>>(position: V) -> Self
     where
@@ -52,7 +53,7 @@ impl<R: Real> State<R> {
         }
     }
 
-    /// The same, moving at `linear_velocity` (m/s, world axes).
+    /// Returns the state with a velocity of `linear_velocity` (m/s, world axes).
     #[must_use]
     pub fn with_linear_velocity(self, linear_velocity: R::Vec3) -> Self {
         Self {
@@ -61,7 +62,7 @@ impl<R: Real> State<R> {
         }
     }
 
-    /// The same, turned to `orientation` (body axes to world axes).
+    /// Returns the state with this orientation (rotation from body axes to world axes).
     #[must_use]
     pub fn with_orientation(self, orientation: R::Quat) -> Self {
         Self {
@@ -70,14 +71,15 @@ impl<R: Real> State<R> {
         }
     }
 
-    /// The same, turned by `|vector|` radians about `vector` (world axes) from body axes along the
-    /// world's.
+    /// Returns the state with the orientation given by a rotation vector (rad, world axes). The
+    /// body is rotated by `|vector|` radians about `vector`, starting from body axes along the
+    /// world axes.
     #[must_use]
     pub fn with_rotation_vector(self, vector: R::Vec3) -> Self {
         self.with_orientation(Rotation::<R>::from_rotation_vector(vector).to_quat())
     }
 
-    /// The same, spinning with `angular_momentum` (kg m²/s, world axes).
+    /// Returns the state with this angular momentum (kg m²/s, world axes).
     #[must_use]
     pub fn with_angular_momentum(self, angular_momentum: R::Vec3) -> Self {
         Self {
@@ -86,26 +88,26 @@ impl<R: Real> State<R> {
         }
     }
 
-    /// The turn from body axes to world axes, of length 1.
+    /// Rotation from body axes to world axes, normalised to length 1.
     #[inline]
     #[must_use]
     pub fn rotation(&self) -> Rotation<R> {
         Rotation::from_quat(self.orientation)
     }
 
-    /// A place fixed in the body (m, body axes, from the centre of mass) in the world (m, world
-    /// axes).
+    /// Position in the world (m, world axes) of a point fixed in the body (m, body axes, from the
+    /// centre of mass).
     #[must_use]
     pub fn world_point(&self, body_point: R::Vec3) -> R::Vec3 {
         self.position + self.rotation().apply(body_point)
     }
 
-    /// The first part that is not finite, if any.
+    /// Returns the first quantity that is not finite, if any.
     #[inline]
     #[must_use]
     pub fn not_finite(&self) -> Option<Quantity> {
-        // An infinity or a NaN stays in every sum. A sum that overflows by itself only costs the
-        // longer look.
+        // An infinity or a NaN stays in every sum. A sum of finite numbers that overflows only
+        // costs the slower check.
         let [x, y, z, w] = self.orientation.xyzw();
         let sum = self.position + self.linear_velocity + self.angular_momentum;
         let is_finite = (sum.x() + sum.y() + sum.z() + (x + y + z + w)).is_finite();
@@ -133,14 +135,15 @@ impl<R: Real> State<R> {
     }
 }
 
-/// At rest at the origin, body axes along the world's.
+/// State at rest at the origin, with the body axes along the world axes.
 impl<R: Real> Default for State<R> {
     fn default() -> Self {
         Self::at(R::Vec3::ZERO)
     }
 }
 
-/// One line with units: `{:.3}` sets the digits of each number. The quaternion is x, y, z, w.
+/// Writes one line with units; `{:.3}` sets the digits of each number. The quaternion is x, y, z,
+/// w.
 ///
 /// ```
 /// use tumble::{State, glam::DVec3};
@@ -167,7 +170,7 @@ impl<R: Real> core::fmt::Display for State<R> {
     }
 }
 
-/// Numbers in brackets, each with the formatter's precision.
+/// Writes numbers in brackets, each with the formatter's precision.
 fn write_list<R: Real>(f: &mut core::fmt::Formatter<'_>, numbers: &[R]) -> core::fmt::Result {
     let mut before = "[";
     for number in numbers {
@@ -178,8 +181,8 @@ fn write_list<R: Real>(f: &mut core::fmt::Formatter<'_>, numbers: &[R]) -> core:
     f.write_str("]")
 }
 
-/// Comparison by the largest difference of any component; a turn and its negative quaternion are
-/// the same turn.
+/// Comparison by the largest difference of any component. A quaternion and its negative are the
+/// same rotation.
 #[cfg(feature = "approx-05")]
 mod approximate {
     use super::{Quaternion, Real, State, Vector};

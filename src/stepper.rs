@@ -1,4 +1,4 @@
-//! The stepper: composes a scene and an integrator, and moves states on.
+//! The stepper: combines a scene with an integrator and advances states in time.
 
 use core::ops::ControlFlow;
 
@@ -15,16 +15,18 @@ use crate::scene::{CheckedScene, Dynamics, LowestPoint, Record, Scene};
 use crate::stability;
 use crate::state::State;
 
-/// Moves the states of one body in one scene on in time.
+/// Advances the states of one body in one scene in time.
 ///
-/// [`new`](Self::new) starts in empty space; each `with_*` names one thing that the scene has, and
-/// what is not named costs nothing. The state is the caller's, so one stepper serves any number of
-/// states, also from several threads.
+/// [`new`](Self::new) starts with a body in empty space. Each `with_*` method adds one part of the
+/// scene. A part that is not added costs nothing.
 ///
-/// Its type names precision, body, ground, friction, gravity and integrator. In a struct of your
-/// own, take it from [`mod@crate::f64`] or [`mod@crate::f32`], and name what differs from empty
-/// space and from
-/// [`EnergyMomentum`]: `tumble::f64::Stepper<Coin, FlatGround, Coulomb, UniformGravity>`.
+/// The caller owns the state. One stepper therefore serves any number of states, also from several
+/// threads.
+///
+/// The type names precision, body, ground, friction, gravity and integrator. For a field of your
+/// own struct, use the alias in [`mod@crate::f64`] or [`mod@crate::f32`]. Name only what differs
+/// from empty space and from [`EnergyMomentum`]:
+/// `tumble::f64::Stepper<Coin, FlatGround, Coulomb, UniformGravity>`.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -49,11 +51,12 @@ pub struct Stepper<R: Real, B, G = NoGround, F = Frictionless, A = NoGravity, I 
 }
 
 impl<R: Real, B: RigidPointBody<R>> Stepper<R, B> {
-    /// A body in empty space, without gravity, moved on by [`EnergyMomentum`] with a time step of
-    /// 1 ms.
+    /// Creates a stepper for `body` in empty space, without gravity. The integrator is
+    /// [`EnergyMomentum`] with a step size of 1 ms.
     ///
     /// # Errors
-    /// Where the body cannot be; names quantity, rule and value.
+    /// Returns [`SceneError`] if the body is invalid. The error names the quantity, the rule and
+    /// the value.
     pub fn new(body: B) -> Result<Self, SceneError> {
         Ok(Self {
             scene: Scene::new(body, NoGround, Frictionless, NoGravity)?,
@@ -72,10 +75,11 @@ where
     F: SlidingFriction<R>,
     A: Gravity<R>,
 {
-    /// The same with this ground.
+    /// Replaces the ground.
     ///
     /// # Errors
-    /// Where the ground cannot be; names quantity, rule and value.
+    /// Returns [`SceneError`] if the ground is invalid. The error names the quantity, the rule and
+    /// the value.
     pub fn with_ground<G2: SpringDamperGround<R>>(
         self,
         ground: G2,
@@ -84,10 +88,11 @@ where
         Stepper::compose(body, ground, friction, gravity, self.integrator)
     }
 
-    /// The same with this friction.
+    /// Replaces the friction law.
     ///
     /// # Errors
-    /// Where the friction cannot be; names quantity, rule and value.
+    /// Returns [`SceneError`] if the friction law is invalid. The error names the quantity, the
+    /// rule and the value.
     pub fn with_friction<F2: SlidingFriction<R>>(
         self,
         friction: F2,
@@ -96,10 +101,10 @@ where
         Stepper::compose(body, ground, friction, gravity, self.integrator)
     }
 
-    /// The same with this gravity.
+    /// Replaces gravity.
     ///
     /// # Errors
-    /// Where the gravity is not finite.
+    /// Returns [`SceneError`] if the gravity is not finite.
     pub fn with_gravity<A2: Gravity<R>>(
         self,
         gravity: A2,
@@ -108,10 +113,11 @@ where
         Stepper::compose(body, ground, friction, gravity, self.integrator)
     }
 
-    /// The same moved on by this integrator.
+    /// Replaces the integrator.
     ///
     /// # Errors
-    /// Where the integrator's parameters cannot be; names quantity, rule and value.
+    /// Returns [`SceneError`] if a parameter of the integrator is invalid. The error names the
+    /// quantity, the rule and the value.
     pub fn with_integrator<I2: Integrator<R>>(
         self,
         integrator: I2,
@@ -136,33 +142,33 @@ where
         })
     }
 
-    /// Body, ground, friction and gravity, for questions about a state.
+    /// Returns the scene: body, ground, friction and gravity. Use it for queries about a state.
     #[inline]
     #[must_use]
     pub fn scene(&self) -> &Scene<R, B, G, F, A> {
         &self.scene
     }
 
-    /// The body.
+    /// Returns the body.
     #[inline]
     #[must_use]
     pub fn body(&self) -> &B {
         self.scene.body()
     }
 
-    /// The integrator.
+    /// Returns the integrator.
     #[inline]
     #[must_use]
     pub fn integrator(&self) -> &I {
         &self.integrator
     }
 
-    /// The same state, with the angular momentum that the body, turned as it is there, has at this
-    /// angular velocity (rad/s, world axes): `L = J ω`.
+    /// Returns `state` with the angular momentum that corresponds to an angular velocity (rad/s,
+    /// world axes): `L = J ω`. `J` is the inertia tensor at the orientation of `state`.
     ///
-    /// A [`State`] holds the angular momentum, which is what stays in flight; what is known of a
-    /// throw is mostly how fast it turns. `state.orientation * vector` takes a vector of body axes
-    /// to world axes.
+    /// A [`State`] holds the angular momentum, because it is constant in flight. The initial
+    /// conditions of a throw mostly give the angular velocity. `state.orientation * vector`
+    /// transforms a vector from body axes to world axes.
     ///
     /// ```
     /// use tumble::glam::DVec3;
@@ -182,11 +188,12 @@ where
         state.with_angular_momentum(masses.angular_momentum(&axes, angular_velocity))
     }
 
-    /// Gives the body an impulse `J` (N s, world axes) at a point `p` of the world (m), which need
-    /// not be a point of the body.
+    /// Applies an impulse `J` (N s, world axes) at a point `p` of the world (m). The point need not
+    /// belong to the body.
     ///
-    /// The velocity of the centre of mass `x` changes by `J/m`, and the angular momentum about it
-    /// by `(p - x) × J`. A body without a moment about an axis takes no angular momentum about it.
+    /// The velocity of the centre of mass `x` changes by `J/m`, where `m` is the mass. The angular
+    /// momentum about the centre of mass changes by `(p - x) × J`. If the body has no moment of
+    /// inertia about an axis, its angular momentum about that axis does not change.
     ///
     /// ```
     /// use tumble::glam::DVec3;
@@ -204,8 +211,8 @@ where
     ///
     /// # Errors
     /// Returns [`StepError::BadImpulse`] if the impulse or the point is not finite, or if the
-    /// motion after it is not. Returns [`StepError::BadState`] if the state is not finite. The
-    /// state is left as it was.
+    /// motion after it is not finite. Returns [`StepError::BadState`] if the state is not finite.
+    /// On an error the state is unchanged.
     pub fn apply_impulse(
         &self,
         state: &mut State<R>,
@@ -242,32 +249,33 @@ where
         Ok(())
     }
 
-    /// Angular velocity of the body, rad/s, world axes: `ω = J⁻¹ L`.
+    /// Angular velocity of the body, rad/s, world axes: `ω = J⁻¹ L`, with the inertia tensor `J`
+    /// and the angular momentum `L`.
     #[must_use]
     pub fn angular_velocity(&self, state: &State<R>) -> R::Vec3 {
         self.scene.motion(state).angular_velocity
     }
 
-    /// Energy of a state, by kind, J.
+    /// Energy of a state by kind, J.
     #[must_use]
     pub fn energy(&self, state: &State<R>) -> Energy<R> {
         Energy::of(&self.scene, state)
     }
 
-    /// The lowest point of the body and its slip; `None` for a body without contacts.
+    /// Lowest point of the body and its slip. `None` for a body without contacts.
     #[must_use]
     pub fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>> {
         self.scene.lowest_point(state)
     }
 
-    /// Velocity of the body's material at its lowest point, along the ground, m/s, world axes;
+    /// Velocity of the body's material at its lowest point along the ground, m/s, world axes.
     /// `None` for a body without contacts.
     #[must_use]
     pub fn slip_velocity(&self, state: &State<R>) -> Option<R::Vec3> {
         Some(self.lowest_point(state)?.slip)
     }
 
-    /// How many contacts touch the ground.
+    /// Number of contacts that touch the ground.
     #[must_use]
     pub fn touching(&self, state: &State<R>) -> usize {
         self.scene.touching(state)
@@ -283,23 +291,30 @@ where
     A: Gravity<R>,
     I: Integrator<R>,
 {
-    /// Largest step (s) for which the integrator is stable on the contacts that touch at a state.
-    /// `None` if there is no bound: an implicit or adaptive integrator, a body in flight, or a
-    /// state that is not finite.
+    /// Largest step size (s) for which the integrator is stable on the contacts that touch in
+    /// `state`. Returns `None` if there is no bound: an implicit or adaptive integrator, a body in
+    /// flight, or a state that is not finite.
     ///
-    /// It follows from the stiffness, the damping and the friction of all contacts together, with
-    /// their arms and the body's inertia. Every shorter step is stable too. A longer one can make
-    /// small errors grow until the energy does. 0 if no step is stable, as for
-    /// [`ForwardEuler`](crate::ForwardEuler) on springs without dampers. The integrator's own step
-    /// size does not matter.
+    /// The bound follows from the stiffness, the damping and the friction of all contacts together,
+    /// with their lever arms and the inertia of the body. Every shorter step is stable too. A
+    /// longer step can amplify small errors until the energy grows as well. Returns 0 if no step is
+    /// stable, as for [`ForwardEuler`](crate::ForwardEuler) on springs without dampers. The step
+    /// size set in the integrator has no effect on the result.
     ///
-    /// *Limits:* the bound belongs to this state. It falls when more contacts touch, when the body
-    /// leans, when a slip ends (a contact that sticks is a damper of `μ N/slip_speed`), and with
-    /// the depth if the contact law stiffens. For a run, take the least value along it, as below; a
-    /// body in flight has none. Rotation is not part of it: in contact a step should turn the body
-    /// by much less than 1 rad. It is proven for contacts that stick or slide, not for a slip near
-    /// the slip speed. With [`Nystrom`](crate::Nystrom), friction can make it up to 10 % too long.
-    /// It costs some ten thousand multiplications, so that it is not for each step.
+    /// *Limits:*
+    ///
+    /// * The bound holds for this state only. It decreases when more contacts touch, when the body
+    ///   leans, or when a slip ends. A sticking contact acts as a damper of `μ N/slip_speed`, with
+    ///   the friction coefficient `μ` and the normal force `N`. The bound also decreases with the
+    ///   penetration depth if the contact law stiffens.
+    /// * For a run, take the smallest value along it, as in the example. A body in flight has no
+    ///   bound.
+    /// * The bound does not include rotation. In contact, a step should rotate the body by much
+    ///   less than 1 rad.
+    /// * The bound is proven for contacts that stick or slide, not for a slip near the slip speed.
+    ///   With [`Nystrom`](crate::Nystrom), friction can make it up to 10 % too long.
+    /// * One call costs some ten thousand multiplications. It is too expensive to call at every
+    ///   step.
     ///
     /// ```
     /// use core::ops::ControlFlow;
@@ -323,23 +338,25 @@ where
         })
     }
 
-    /// One step of the integrator's own length.
+    /// Takes one step with the step size of the integrator.
     ///
     /// # Errors
-    /// Where the state is not finite, before or after; the state is left as it was.
+    /// Returns [`StepError`] if the state is not finite before or after the step, or if the step
+    /// fails for another reason. On an error the state is unchanged.
     #[inline]
     pub fn step(&self, state: &mut State<R>) -> Result<Step<R>, StepError> {
         self.move_on(state, R::MAX, &mut I::Workspace::default())
     }
 
-    /// One step of the integrator's own length, or of `limit` seconds where that is less, with a
-    /// workspace that the caller keeps from step to step.
+    /// Takes one step of at most `limit` seconds, with a workspace that the caller keeps from step
+    /// to step. The step is the integrator's own, or `limit` if that is shorter.
     ///
-    /// A limit of 0 s returns a step of 0 s and leaves the state at its time. Any other step takes
-    /// more than 0 s.
+    /// A limit of 0 s returns a step of 0 s and does not change the time of the state. Any other
+    /// step takes more than 0 s.
     ///
     /// # Errors
-    /// As [`step`](Self::step), and [`StepError::BadLimit`] if `limit` is below 0 or NaN.
+    /// Returns the errors of [`step`](Self::step), and [`StepError::BadLimit`] if `limit` is
+    /// negative or NaN.
     #[inline]
     pub fn step_within(
         &self,
@@ -356,7 +373,8 @@ where
         }
     }
 
-    /// As [`step_within`](Self::step_within), with a limit that is known to be at least 0.
+    /// Takes a step like [`step_within`](Self::step_within), for a limit that is known to be at
+    /// least 0.
     #[inline]
     pub(crate) fn move_on(
         &self,
@@ -373,15 +391,16 @@ where
             (Ok(step), None) if step.elapsed > R::ZERO || limit <= R::ZERO => return Ok(step),
             (Ok(_), None) => StepError::Stalled,
             (Ok(_), Some(quantity)) => blame(&before, quantity),
-            // What is wrong with a state shows in its energy, too.
+            // An invalid state can also cause an error of the energy, so the state is checked
+            // first.
             (Err(error), _) => before.not_finite().map_or(error, StepError::BadState),
         };
         *state = before;
         Err(error)
     }
 
-    /// As [`move_on`](Self::move_on), with a check of every value that a law returns.
-    // A function of its own: where the laws are trusted, nothing of it is left in the program.
+    /// Takes a step like [`move_on`](Self::move_on) and checks every value that a law returns.
+    // A separate function: for trusted laws none of this code is left in the program.
     #[inline(never)]
     fn move_on_checked(
         &self,
@@ -404,8 +423,9 @@ where
         }
     }
 
-    /// What a step leads to that has failed, or during which a value broke a contract: its outcome
-    /// where rounding explains the value, else an error and the state from before.
+    /// Result of a step that failed, or during which a value broke a contract. Returns the outcome
+    /// if rounding explains the value. Otherwise returns an error and restores the state from
+    /// before the step.
     #[cold]
     #[inline(never)]
     fn examined(
@@ -423,7 +443,7 @@ where
             }
             (None, Ok(_), None) => StepError::Stalled,
             (Some(error), _, _) => {
-                // It may know of a state that no longer holds.
+                // The workspace may refer to a state that is no longer valid.
                 *workspace = I::Workspace::default();
                 error
             }
@@ -434,30 +454,32 @@ where
         Err(error)
     }
 
-    /// Moves a state on by exactly `seconds`, at least 0.
+    /// Advances a state by exactly `seconds`, which must be at least 0.
     ///
-    /// The time that has passed differs from `seconds` by at most one unit in its last place. It
-    /// differs only where a whole number of steps is kept whole: ten steps of 0.1 s and an advance
-    /// by 1 s have the same bits. In `f32` this holds up to 2²⁶ steps; beyond that the clock may be
-    /// wrong by one more unit for each 2²⁶ steps.
+    /// The time that has passed differs from `seconds` by at most one unit in its last place. A
+    /// difference occurs only because a whole number of steps is kept whole. Ten steps of 0.1 s and
+    /// an advance by 1 s therefore give the same bits. In `f32` this holds up to 2²⁶ steps. Beyond
+    /// that, the clock may be wrong by one more unit for each 2²⁶ steps.
     ///
     /// # Errors
-    /// As [`step`](Self::step). Returns [`StepError::BadDuration`] if `seconds` is negative or not
-    /// finite, and [`StepError::TooManySteps`] if steps of the integrator's length would be more
-    /// than 2⁵³ (2⁴⁰ in `f32`). The state is that after the last good step.
+    /// Returns the errors of [`step`](Self::step). Returns [`StepError::BadDuration`] if `seconds`
+    /// is negative or not finite. Returns [`StepError::TooManySteps`] if the run would take more
+    /// than 2⁵³ steps (2⁴⁰ in `f32`) of the integrator's step size. On an error the state is the
+    /// one after the last successful step.
     pub fn advance(&self, state: &mut State<R>, seconds: R) -> Result<(), StepError> {
         self.run(state, seconds, &mut ())?;
         Ok(())
     }
 
-    /// Moves a state on by exactly `seconds` and shows it to `observer` at the start and after each
-    /// step. Returns the time that the run has covered, s: less than `seconds` where the observer
-    /// ended it.
+    /// Advances a state by exactly `seconds` and calls `observer` at the start and after each step.
+    /// Returns the time that the run has covered, s. It is less than `seconds` if the observer
+    /// ended the run.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance). Returns [`StepError::TooManySamples`] if the observer's
-    /// [interval](Observer::interval) asks for more than 4·10⁹ samples (2²⁴ in `f32`, whose numbers
-    /// tell no more apart), and [`StepError::Stalled`] if an integrator takes no time for a step.
+    /// Returns the errors of [`advance`](Self::advance). Returns [`StepError::TooManySamples`] if
+    /// the observer's [interval](Observer::interval) leads to more than 4·10⁹ samples. In `f32` the
+    /// limit is 2²⁴, because `f32` does not resolve more. Returns [`StepError::Stalled`] if an
+    /// integrator returns a step that takes no time.
     pub fn run(
         &self,
         state: &mut State<R>,
@@ -470,8 +492,8 @@ where
         Ok(clock.time)
     }
 
-    /// As [`run`](Self::run), with the caller's workspace and a new clock, which shows what was
-    /// done after an error as well.
+    /// Advances a state like [`run`](Self::run), with the caller's workspace and a new clock. After
+    /// an error, the clock holds the time and the counts up to that error.
     #[inline]
     pub(crate) fn run_with(
         &self,
@@ -489,7 +511,7 @@ where
         }
         let mut flow = self.show(observer, state, clock);
         while flow.is_continue() && !end.is_reached(clock) {
-            // Whoever asks for times between the steps is led there from the step's start.
+            // States between the steps are computed from the start of the step.
             let before = observer.asks_for().map(|_| Before {
                 clock: *clock,
                 state: *state,
@@ -510,7 +532,7 @@ where
         Ok(())
     }
 
-    /// The states at the times that are asked for, from the start of a step to its end.
+    /// Samples the requested times between the start and the end of a step.
     fn show_between(
         &self,
         observer: &mut (impl Observer<R> + ?Sized),
@@ -522,7 +544,7 @@ where
         let mut last = None;
         while let Some(time) = observer.asks_for() {
             let asked = self.end_at(end_of_run.or_at(time));
-            // A time that is asked for twice would be so for ever.
+            // A time requested twice in a row would be requested for ever.
             if !asked.is_reached(clock) || last == Some(time) {
                 break;
             }
@@ -543,7 +565,7 @@ where
         Ok(ControlFlow::Continue(()))
     }
 
-    /// The state at a time after the start of a step, by steps of its own.
+    /// State at a time after the start of a step, computed by separate steps.
     fn state_at(
         &self,
         asked: &End<R>,
@@ -586,7 +608,7 @@ where
     }
 }
 
-/// Refuses a duration that is negative or not finite.
+/// Returns [`StepError::BadDuration`] if a duration is negative or not finite.
 pub(crate) fn check_duration<R: Real>(seconds: R) -> Result<(), StepError> {
     if seconds >= R::ZERO && seconds.is_finite() {
         return Ok(());
@@ -596,7 +618,8 @@ pub(crate) fn check_duration<R: Real>(seconds: R) -> Result<(), StepError> {
     })
 }
 
-/// Whether a step that went wrong was handed something wrong.
+/// Error for a step whose result is not finite: [`StepError::BadState`] if the state before it was
+/// invalid, else [`StepError::Diverged`].
 #[cold]
 fn blame<R: Real>(before: &State<R>, after: Quantity) -> StepError {
     if let Some(quantity) = before.not_finite() {
@@ -609,11 +632,11 @@ fn blame<R: Real>(before: &State<R>, after: Quantity) -> StepError {
     }
 }
 
-/// The value that has broken the contract of a law during a step from the state `before`.
+/// Error for the value that broke the contract of a law during a step from the state `before`.
 ///
-/// A spring energy below 0 may be rounding: of the body's energy, which hides it, or of the terms
-/// of the law's own formula. `e^x - 1 - x` is off by some rounding of 1 at every x. Those terms are
-/// taken to be as large as the energy at a depth of 1 m.
+/// A negative spring energy may be rounding: of the energy of the body, which hides it, or of the
+/// terms in the law's own formula. For example, `e^x - 1 - x` has a rounding error relative to 1 at
+/// every x. Those terms are assumed to be as large as the energy at a penetration depth of 1 m.
 fn broken_law<R: Real>(
     scene: &impl Dynamics<R>,
     before: &State<R>,
@@ -636,11 +659,12 @@ fn broken_law<R: Real>(
     })
 }
 
-/// Units in the last place of all terms below which a negative spring energy counts as rounding.
+/// Units in the last place of the sum of all terms below which a negative spring energy counts as
+/// rounding.
 const LAW_ROUNDING: f64 = 8.0;
 
-/// Energy in the springs under a contact at a depth of 1 m, J; at the largest binary fraction of it
-/// where the energy is finite. At least 0.
+/// Spring energy of a contact at a penetration depth of 1 m, J. If it is not finite there, the
+/// depth is halved until it is. The result is at least 0.
 fn energy_at_a_metre<R: Real>(ground: &impl SpringDamperGround<R>) -> R {
     let mut depth = R::ONE;
     for _ in 0..64 {
@@ -653,18 +677,18 @@ fn energy_at_a_metre<R: Real>(ground: &impl SpringDamperGround<R>) -> R {
     R::ZERO
 }
 
-/// The most steps of one length in a run: 2⁵³ in `f64`, 2⁴⁰ in `f32`.
+/// Largest number of steps of one length in a run: 2⁵³ in `f64`, 2⁴⁰ in `f32`.
 ///
-/// [`Clock`] rounds each step by at most an eighth of the square of `EPSILON` of the time, which is
-/// a 512th of a step after `1/(64 EPSILON²)` steps. That number is 2⁴⁰ in `f32` and 2⁹⁸ in `f64`,
-/// where 2⁵³ steps take more than a hundred days at a nanosecond each.
+/// [`Clock`] rounds each step by at most `EPSILON²/8` of the time. After `1/(64 EPSILON²)` steps
+/// this is a 512th of a step. That number is 2⁴⁰ in `f32` and 2⁹⁸ in `f64`. In `f64`, 2⁵³ steps
+/// take more than a hundred days at a nanosecond each.
 fn most_steps<R: Real>() -> R {
     let resolved = R::ONE / (R::EPSILON * R::EPSILON * R::from_f64(64.0));
     resolved.at_most(R::from_f64(9_007_199_254_740_992.0))
 }
 
-/// Refuses samples at an interval so short that their times are not distinct numbers, or so short
-/// that a run has more than 4·10⁹ of them.
+/// Returns [`StepError::TooManySamples`] if the interval is too short. It is too short if the
+/// sample times are not distinct numbers, or if a run has more than 4·10⁹ samples.
 fn check_samples<R: Real>(seconds: R, interval: Option<R>) -> Result<(), StepError> {
     let most = (R::TWO / R::EPSILON).at_most(R::from_f64(4.0e9));
     match interval {
@@ -677,21 +701,25 @@ fn check_samples<R: Real>(seconds: R, interval: Option<R>) -> Result<(), StepErr
     }
 }
 
-/// The end of a run, and when it is reached.
+/// End of a run, with the condition that decides when the run has reached it.
 ///
-/// `N` steps of the number next to `dt` and the number next to `N dt` differ by rounding: by at
-/// most half a unit in the last place of the step, which is less than one unit of the sum, and half
-/// a unit of the duration. So a rest of up to one and a half units is none, and a rest that differs
-/// by as much from a whole step is a whole step. The clock, rounded to a number, then differs from
-/// the duration by at most one unit. Where a unit is more than the step, as in `f32` after 2²⁴
-/// steps, the run ends at the nearest whole number of steps.
+/// `N` steps of the number next to `dt` and the number next to `N dt` differ by rounding. The steps
+/// contribute at most half a unit in the last place of the step, which is less than one unit of the
+/// sum. The duration contributes half a unit.
+///
+/// A remainder of up to one and a half units therefore counts as zero. A remainder that differs
+/// from a whole step by as much counts as a whole step. The clock, rounded to a number, then
+/// differs from the duration by at most one unit.
+///
+/// If a unit is larger than the step, as in `f32` after 2²⁴ steps, the run ends at the nearest
+/// whole number of steps.
 #[derive(Clone, Copy)]
 pub(crate) struct End<R> {
-    /// Since the start of the run, s.
+    /// Time since the start of the run, s.
     seconds: R,
-    /// s.
+    /// Largest remainder that counts as zero, s.
     slack: R,
-    /// Of a method whose steps are all alike, s.
+    /// Step size of a method with a fixed step, s.
     pub(crate) time_step: Option<R>,
 }
 
@@ -706,7 +734,8 @@ impl<R: Real> End<R> {
         }
     }
 
-    /// Refuses a run that would not end: one whose rest takes more than [`most_steps`].
+    /// Returns an error if the rest of the run takes more than [`most_steps`], so that it would not
+    /// end.
     pub(crate) fn check_steps(&self, clock: &Clock<R>) -> Result<(), StepError> {
         let left = clock.left(self.seconds);
         match self.time_step {
@@ -724,7 +753,7 @@ impl<R: Real> End<R> {
         clock.left(self.seconds) <= self.slack
     }
 
-    /// The limit of the next step, s.
+    /// Limit of the next step, s.
     #[inline]
     pub(crate) fn limit(&self, clock: &Clock<R>) -> R {
         let left = clock.left(self.seconds);
@@ -734,8 +763,8 @@ impl<R: Real> End<R> {
         }
     }
 
-    /// The end itself in place of a time that differs from it by a unit in the last place: the last
-    /// of the samples at equal intervals.
+    /// Returns the end of the run if `time` differs from it by at most a unit in the last place,
+    /// else `time`. The last of the samples at equal intervals can differ by so much.
     #[inline]
     fn or_at(&self, time: R) -> R {
         if (time - self.seconds).abs() <= last_place(self.seconds) {
@@ -746,24 +775,25 @@ impl<R: Real> End<R> {
     }
 }
 
-/// One unit in the last place of a number that is at least 0: the distance to the next larger one.
+/// One unit in the last place of a non-negative number: the distance to the next larger one.
 #[inline]
 fn last_place<R: Real>(number: R) -> R {
-    // More than half a unit, and at most one but for rounding: the sum rounds to the next number.
+    // More than half a unit and, apart from rounding, at most one: the sum rounds to the next
+    // number.
     let share = R::EPSILON * R::HALF * (R::ONE + R::EPSILON);
     (number + number * share) - number
 }
 
-/// The start of a step, for a look between it and the end.
+/// Start of a step, from which states between the start and the end of the step are computed.
 struct Before<R: Real, W> {
     clock: Clock<R>,
     state: State<R>,
-    /// Of a method that carries its choice of the step in it.
+    /// Workspace of an adaptive method, which stores the choice of the step size.
     workspace: Option<W>,
 }
 
-/// Time since the start of a run, by Kahan's sum: a million steps of 1e-4 s are 100 s to the last
-/// place. And what it has cost.
+/// Time since the start of a run and the number of steps and evaluations. The time uses Kahan
+/// summation: a million steps of 1e-4 s are 100 s to the last place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Clock<R> {
@@ -790,7 +820,8 @@ impl<R: Real> Clock<R> {
         (seconds - self.time) + self.lost
     }
 
-    /// One more step. A step that the clock does not resolve would repeat for ever.
+    /// Adds one step. Returns [`StepError::Stalled`] if the clock does not resolve the step,
+    /// because the step would then repeat for ever.
     #[inline]
     pub(crate) fn tick(&mut self, step: &Step<R>) -> Result<(), StepError> {
         let corrected = step.elapsed - self.lost;
@@ -809,7 +840,7 @@ impl<R: Real> Clock<R> {
         Ok(())
     }
 
-    /// The time and the counts of another clock in addition to these.
+    /// Adds the time and the counts of another clock.
     #[inline]
     pub(crate) fn add(&mut self, other: &Self) {
         self.advance_by(other.time);
@@ -819,9 +850,9 @@ impl<R: Real> Clock<R> {
         self.rejected += other.rejected;
     }
 
-    /// Counts whole steps of one length that need not be taken, as many as fit before the end, and
-    /// returns whether there were any. Each stride is the largest power of two of them, whose
-    /// length is exact.
+    /// Counts whole steps of one length that need not be taken, as many as fit before the end.
+    /// Returns true if there were any. Each stride is a power of two of such steps, the largest
+    /// that fits, so its length is exact.
     #[inline]
     pub(crate) fn skip(&mut self, end: &End<R>, length: R) -> bool {
         let steps = self.steps;
@@ -839,7 +870,7 @@ impl<R: Real> Clock<R> {
         self.steps > steps
     }
 
-    /// Adds seconds by Knuth's sum, which loses nothing whichever number is larger.
+    /// Adds seconds by Knuth's two-sum, which is exact whichever number is larger.
     #[inline]
     fn advance_by(&mut self, seconds: R) {
         let corrected = seconds - self.lost;

@@ -1,22 +1,23 @@
-//! Implicit, of order 2, with an energy that cannot rise.
+//! Implicit energy-momentum method of order 2, with an energy that never increases.
 //!
-//! Why it cannot is derived in [`guide::energy`](crate::guide::energy). The stages of a step, one
-//! module each:
+//! The proof is in [`guide::energy`](crate::guide::energy). A step has these stages, one module
+//! each:
 //!
-//! 1. `problem`, `contacts`, `touch`: the two momentum equations of the step, and the contacts'
-//!    mean forces along its path;
-//! 2. `newton`, `stiffness`, `linear`: their solution (`block`, `level`: its arithmetic). What it
-//!    leaves over is all that could lift the energy;
-//! 3. `settle`, `resist`: at the end of a step too long for friction or dampers they resist the end
-//!    velocity, by impulses that only take energy; (`turning`: resistance to rolling and spinning,
-//!    where the friction law has it, half before and half after the step;)
-//! 4. `energy_limit`: where the computed energy is above the one before, rounding of a flight is
-//!    put back into the last places of the orientation, the height or the speed
-//!    (`flight_rounding`), and in contact both velocities are scaled down until it is not. A body
-//!    whose motion is below the rounding of its energy has come to rest;
-//! 5. where 2 or 4 fails, `split`: dissipation, conservative motion, dissipation; else halves, down
-//!    to sixteenths; else `descent`: downhill, as far as the energy allows; else time passes and
-//!    the body stays. Each end goes through 4, so that the induction from step to step needs no
+//! 1. `problem`, `contacts`, `touch`: the two momentum equations of the step, and the mean forces
+//!    of the contacts along its path.
+//! 2. `newton`, `stiffness`, `linear`: the solution of the equations (`block`, `level`: its
+//!    arithmetic). Only the residual of that solution could increase the energy.
+//! 3. `end_velocity`, `resist`: end-velocity correction for steps that do not resolve friction or
+//!    damping. It uses impulses that only dissipate energy. `turning`: resistance to rolling and
+//!    spinning, if the friction law has it, half before and half after the step.
+//! 4. `energy_limit`: a correction if the computed energy exceeds the energy before the step. In
+//!    flight, the rounding is corrected in the last places of the orientation, the height or the
+//!    speed (`flight_rounding`). In contact, both velocities are scaled down until the energy no
+//!    longer exceeds it. A body whose motion is below the rounding of its energy comes to rest.
+//! 5. Fallbacks if stage 2 or 4 fails, in this order: `split` (dissipation, conservative motion,
+//!    dissipation); divided steps, down to sixteenths; `descent` (a step downhill, as far as the
+//!    energy allows); a step in which time passes and the body stays. Each end passes through
+//!    stage 4. The induction from step to step therefore needs no assumption on convergence.
 //!    assumption on convergence.
 
 mod block;
@@ -48,18 +49,19 @@ use end_velocity::Strain;
 use energy_limit::Touched;
 use problem::Problem;
 
-/// The energy-momentum method: implicit, of order 2, and **the computed energy never rises**. The
-/// crate's default.
+/// The energy-momentum method: implicit, of order 2, and **the computed energy never increases**.
+/// The default of the crate.
 ///
-/// `stepper.energy(&after).total() <= stepper.energy(&before).total()` holds for every step, with
-/// no tolerance, in every scene that composes: whatever the time step, stiffness, damping,
-/// friction, spin, size and shape. [`guide::energy`](crate::guide::energy) derives why.
+/// `stepper.energy(&after).total() <= stepper.energy(&before).total()` holds for every step,
+/// without a tolerance, in every valid scene. It holds for any step size, stiffness, damping,
+/// friction, spin, size and shape. [`guide::energy`](crate::guide::energy) contains the derivation.
 ///
 /// ```
 /// use tumble::glam::DVec3;
 /// use tumble::{Coin, Coulomb, EnergyMomentum, FlatGround, State, Stepper, UniformGravity};
 ///
-/// // A fiftieth of a second as the step, on a ground on which an explicit method wants a three-hundredth of it, or less.
+/// // The step size is a fiftieth of a second. On this ground an explicit method needs a
+/// // three-hundredth of it, or less.
 /// let stepper = Stepper::new(Coin::ring(1.0, 0.5))? // kg, m
 ///     .with_gravity(UniformGravity::down(9.8))? // m/s²
 ///     .with_ground(FlatGround::level(1e9, 0.0))? // N/m and N s/m, for each point
@@ -74,54 +76,61 @@ use problem::Problem;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// - *Order* 2, also where contacts begin: the mean force over the step integrates the damper's
-///   jump.
-/// - *Conserves* the energy where nothing takes it, to the rounding of each step.
-/// - *Stable* at any step. A step in which free motion would go beyond 1e25 sizes of the body may
-///   return [`StepTooLong`](crate::StepError::StepTooLong).
-/// - *Accurate* where the step resolves the contact: `dt < 1/ω`, with `ω = √(K/m)` and `K` the
-///   stiffness of all contacts that touch. Beyond it a bounce without dampers still keeps its
-///   energy, but not its timing, and one with dampers not its restitution; friction that stops a
-///   body within a step stops it at the step's end. [`guide::accuracy`](crate::guide::accuracy)
-///   goes through the extremes.
-/// - *Cost:* in contact two to five iterations a step, each about as expensive as two evaluations
-///   of all contacts. Flight costs no iteration: it is exact for a body with two equal moments, and
-///   of order 2 with energy and angular momentum kept for three different ones. A body at rest
-///   costs a comparison, once a step with the same workspace has found it so.
-/// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s: in `f64`
-///   up to five iterations a step on average at one contact, five to twelve where several contacts
-///   or a round rim stick.
-/// - *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each, and beside them at
-///   most 4 searches downhill of at most 3 × 31 × 4 evaluations. Each end costs an energy, and one
-///   more for each doubling of its excess, which scales both velocities down where the solver's
-///   error would lift the energy in contact. In flight the last places of the orientation, the
-///   height or the speed take it.
-/// - *Too long a step shows:* [`Step`] tells the iterations, whether the step had to be divided
-///   (`fallback`), and the energy that the solver's error would have added (`energy_removed`).
-/// - *Contacts:* up to 128 are remembered from iteration to iteration. Further ones take part
-///   without memory, with more iterations where they stick. Nothing is allocated.
+/// - *Order* 2, also at touch-downs: the mean force over the step integrates the discontinuity of
+///   the damper force.
+/// - *Conserves* the energy if nothing dissipates it, to the rounding of each step.
+/// - *Stable* for any step size. A step in which free motion would exceed 1e25 sizes of the body
+///   may return [`StepTooLong`](crate::StepError::StepTooLong).
+/// - *Accurate* if the step resolves the contact: `dt < 1/ω`, with `ω = √(K/m)` and `K` the
+///   stiffness of all contacts that touch. With longer steps, a bounce without dampers still
+///   conserves its energy, but its timing is wrong. A bounce with dampers has the wrong
+///   restitution. Friction that stops a body within a step stops it at the end of the step.
+///   [`guide::accuracy`](crate::guide::accuracy) describes the extremes.
+/// - *Cost* in contact: two to five iterations a step, each about as expensive as two evaluations
+///   of all contacts. Flight costs no iteration. It is exact for a body with two equal moments of
+///   inertia. For three different moments it is of order 2 and conserves energy and angular
+///   momentum. A body at rest costs a comparison, once a step with the same workspace has detected
+///   the rest.
+/// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
+///   the average is up to five iterations a step at one contact, and five to twelve where several
+///   contacts or a round rim stick.
+/// - *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each. At most 4 downhill
+///   searches of at most 3 × 31 × 4 evaluations come in addition. Each end costs one evaluation of
+///   the energy, and one more for each doubling of the excess energy. In contact, both velocities
+///   are scaled down if the solver's error would increase the energy. In flight, the last places of
+///   the orientation, the height or the speed are corrected.
+/// - *Diagnostics* of a step that is too long: [`Step`] contains the number of iterations, whether
+///   the step had to be divided (`fallback`), and the energy that the solver's error would have
+///   added (`energy_removed`).
+/// - *Contacts:* up to 128 are remembered from iteration to iteration. Additional contacts take
+///   part without memory, with more iterations if they stick. Nothing is allocated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyMomentum<R = f64> {
-    /// s, above 0.
+    /// Step size, s, positive.
     pub time_step: R,
 }
 
-/// What [`EnergyMomentum`] keeps from step to step to save work: the contacts' places, the last
-/// energy, and the state that a step has left as it was.
+/// Data that [`EnergyMomentum`] keeps from step to step to save work: the contact points, the last
+/// energy, and the state that a step has left unchanged.
 ///
-/// Nothing of it changes a result: a new one gives the same bits. It may go from one stepper to
-/// another: what it knows counts only for the same state in a scene with the same mass, moments,
-/// reach, number of contacts and of the rim's points, gravity and surface, and with springs that
-/// answer alike at a depth of the reach. Scenes that differ in nothing of this, but in springs at
-/// other depths or in places of contacts, want a workspace each.
+/// The workspace never changes a result: a new one gives the same bits. It may be passed from one
+/// stepper to another. Its data are used only for the same state in a scene with the same
+///
+/// - mass, moments of inertia and reach,
+/// - number of contacts and of points of the rim,
+/// - gravity and surface,
+/// - spring force and spring energy at a penetration depth equal to the reach.
+///
+/// Two scenes can agree in all of these, but differ in the springs at other depths or in the
+/// contact points. Use a separate workspace for each of them.
 #[derive(Clone, Debug)]
 pub struct Workspace<R: Real = f64> {
     contacts: Contacts<R>,
-    /// The state after the last step, its energy, and the scene that they belong to: friction and
-    /// dampers do nothing to a body without motion.
+    /// State after the last step, its energy, and the scene that they belong to. Friction and
+    /// dampers have no effect on a body without motion.
     known: Option<(State<R>, Energy<R>, Fingerprint<R>)>,
-    /// The length of a step that has left that state as it was, s.
+    /// Length of a step that has left that state unchanged, s.
     rest: Option<R>,
 }
 
@@ -132,8 +141,8 @@ impl<R: Real> Default for Workspace<R> {
 }
 
 impl<R: Real> Workspace<R> {
-    /// One that remembers nothing. It can be made at compile time, to lie in a `static` where the
-    /// stack is small.
+    /// Creates an empty workspace. It can be created at compile time and placed in a `static` if
+    /// the stack is small.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -143,13 +152,13 @@ impl<R: Real> Workspace<R> {
         }
     }
 
-    /// Whether a step of this length is known to leave this state as it is.
+    /// Returns true if a step of this length is known to leave this state unchanged.
     #[inline]
     fn rests<D: Dynamics<R>>(&self, scene: &D, state: &State<R>, seconds: R) -> bool {
         self.rest == Some(seconds) && self.energy(scene, state).is_some()
     }
 
-    /// The energy of this state in this scene, if the last step has ended with it.
+    /// Energy of this state in this scene, if the last step has ended with this state.
     #[inline]
     fn energy<D: Dynamics<R>>(&self, scene: &D, state: &State<R>) -> Option<Energy<R>> {
         let (known, energy, fingerprint) = self.known?;
@@ -172,8 +181,8 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
         if dt <= R::ZERO || workspace.rests(scene, state, dt) {
             return Ok(Step::new(dt, 0));
         }
-        // An orientation that no scaling makes a turn: every attempt would fail, and the body stay
-        // where it is.
+        // An orientation that no scaling makes a rotation: every attempt would fail, and the body
+        // would stay at its pose.
         let is_a_turn =
             Rotation::<R>::unscaled(state.orientation).is_a_turn() || state.rotation().is_a_turn();
         if !is_a_turn {
@@ -195,16 +204,16 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
     }
 }
 
-/// Finest division of a step that cannot be taken whole.
+/// Finest division of a step that cannot be taken as a whole.
 const PARTS: u32 = 16;
-/// So many sixteenths of a step may go without a solution until the search for others ends.
+/// Number of sixteenths of a step without a solution after which no further solutions are tried.
 const MOST_LOST: u32 = 2;
 
-/// A step in contact that is longer may converge to where rounding takes it, s. In this time a body
-/// falls by 5e12 m on earth.
+/// A longer step in contact may converge to a result of rounding, s. In this time a body falls by
+/// 5e12 m on earth.
 const LONG: f64 = 1e6;
 
-/// Refuses an energy that says nothing: a step compares sums of several such energies.
+/// Returns an error if the energy is not usable: a step compares sums of several such energies.
 #[inline]
 fn check_energy<R: Real>(energy: &Energy<R>) -> Result<(), StepError> {
     let sizes = energy.translation + energy.rotation + energy.gravity.abs() + energy.springs.abs();
@@ -231,7 +240,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
     let mut energy = before;
     let mut step = Step::new(dt, 0);
     turning::resisted(scene, state, &mut energy, dt * R::HALF);
-    // In sixteenths of the step: what is done, and the length that is tried.
+    // In sixteenths of the step: the part that is done, and the length that is tried.
     let (mut done, mut length) = (0, PARTS);
     let mut lost = 0;
     while done < PARTS {
@@ -244,7 +253,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
             step.fallback = true;
         } else {
             lost += 1;
-            // Where solution after solution fails, the rest goes downhill at once.
+            // After repeated failures, the rest of the step goes downhill at once.
             if lost > MOST_LOST {
                 length = PARTS - done;
             }
@@ -286,13 +295,14 @@ fn too_long<R: Real>(dt: R) -> StepError {
     }
 }
 
-/// As [`Dynamics::motion`], but compiled once, for the stages that a step seldom needs.
+/// Calls [`Dynamics::motion`], but is compiled once, for the stages that a step seldom needs.
 #[inline(never)]
 fn motion_of<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> Motion<R> {
     scene.motion(state)
 }
 
-/// As [`Dynamics::visit_contacts`], but compiled once, for the stages that a step seldom needs.
+/// Calls [`Dynamics::visit_contacts`], but is compiled once, for the stages that a step seldom
+/// needs.
 #[inline(never)]
 fn visit_contacts<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -306,9 +316,9 @@ fn sixteenths<R: Real>(dt: R, count: u32) -> R {
     dt * (R::from_usize(count as usize) / R::from_usize(PARTS as usize))
 }
 
-/// A body that a step has left as it was may still hang on a spring whose swing is far too quick
-/// for the step: where another motion lowers the energy, it takes that one. A fall by rounding is
-/// none: the body would never sleep.
+/// Moves a body downhill that a step has left unchanged. Such a body may still rest on a spring
+/// whose oscillation is much too fast for the step. If another motion lowers the energy, the body
+/// takes it. A decrease within rounding is ignored, because the body would otherwise never sleep.
 fn fall<R: Real, D: Dynamics<R>>(
     scene: &D,
     state: &mut State<R>,
@@ -322,8 +332,8 @@ fn fall<R: Real, D: Dynamics<R>>(
     }
 }
 
-/// The longest part of a step that begins at `done` sixteenths: the largest power of 2 that divides
-/// it.
+/// Longest part of a step that begins at `done` sixteenths: the largest power of 2 that divides
+/// `done`.
 fn longest_part(done: u32) -> u32 {
     if done == 0 {
         PARTS
@@ -332,8 +342,8 @@ fn longest_part(done: u32) -> u32 {
     }
 }
 
-/// One attempt at a step: whole by Newton's method, else split. Whether one of them ends with an
-/// energy that is no higher; if not, state and energy stay.
+/// Attempts one step: as a whole by Newton's method, else split. Returns true if one of them ends
+/// with an energy that is not higher. Otherwise state and energy are unchanged.
 fn attempt<R: Real, D: Dynamics<R>>(
     scene: &D,
     state: &mut State<R>,
@@ -356,7 +366,7 @@ fn attempt<R: Real, D: Dynamics<R>>(
             break;
         }
         let (end_energy, touching) = Energy::with_touching(scene, &end);
-        // A contact that was not foreseen has come down: look at all of them.
+        // A contact that was not collected touches at the end: collect all contacts.
         if !wide && !contacts.foresaw(touching) {
             continue;
         }
@@ -382,9 +392,9 @@ fn attempt<R: Real, D: Dynamics<R>>(
     energy_limit::hold(scene, (state, energy), (&end, &end_energy), contact, step)
 }
 
-/// Free flight, without an iteration: exact for a body with two equal moments, else of order 2 with
-/// the energy and the angular momentum of the start. Not inlined: what it can be prepared with
-/// would be computed for steps in contact too.
+/// Free flight without an iteration. It is exact for a body with two equal moments of inertia, else
+/// of order 2 with the energy and the angular momentum of the start. It is not inlined, because its
+/// preparation would then be computed for steps in contact too.
 #[inline(never)]
 fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
     let (start, seconds) = (&problem.start, problem.seconds);
@@ -422,8 +432,9 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
     }
 }
 
-/// The whole step at once: Newton's method, then what friction and dampers still must stop. Returns
-/// how the step strains friction and dampers, or `None` if its `end` could not be had.
+/// Solves the whole step by Newton's method, and then applies the end-velocity correction of
+/// friction and dampers. Returns how well the step resolves friction and dampers, or `None` if its
+/// `end` could not be computed.
 fn whole<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
@@ -440,8 +451,8 @@ fn whole<R: Real, D: Dynamics<R>>(
     end.not_finite().is_none().then_some(strain)
 }
 
-/// Collects the contacts that may touch in the step: those below ground, and those that its first
-/// motion brings near; all where `wide`.
+/// Collects the contacts that may touch during the step: those below the ground, and those that the
+/// initial motion brings near. Collects all contacts if `wide` is true.
 fn gather<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
@@ -458,13 +469,14 @@ fn gather<R: Real, D: Dynamics<R>>(
         return;
     };
     let spin = motion.angular_velocity;
-    // What gravity and the turn's own curvature may add to the path of a contact along the normal.
+    // Upper bound for what gravity and the curvature of the rotation add to the path of a contact
+    // along the normal.
     let bend =
         dt * dt * (scene.gravity().length() + spin.length_squared() * problem.bounding_radius);
     let bend = bend.at_most(R::TWO * problem.bounding_radius + dt * dt * scene.gravity().length());
     let fall = dt * -motion.linear_velocity.dot(plane.normal);
     let tilt = spin.cross(plane.normal);
-    // However many turns it makes, a contact stays within the reach.
+    // For any number of revolutions, a contact stays within the reach.
     let swing =
         (dt * tilt.length() * problem.bounding_radius).at_most(R::TWO * problem.bounding_radius);
     let margin = (fall + swing).at_least(R::ZERO) + bend;
@@ -473,7 +485,7 @@ fn gather<R: Real, D: Dynamics<R>>(
     let keep = |depth: R, arm: R::Vec3| {
         depth > R::ZERO || depth + fall + dt * tilt.dot(arm) + bend > R::ZERO
     };
-    // A rim counts as a whole: its lowest place may be another at the end.
+    // A rim counts as a whole, because its lowest point may be another one at the end.
     let may_touch = |rim: &Rim<R>| {
         let lowest = rim.support(-motion.axes.to_body(plane.normal));
         plane.gap(motion.position) - lowest <= margin

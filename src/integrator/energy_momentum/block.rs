@@ -1,8 +1,8 @@
-//! The 3 by 3 matrices of an implicit step.
+//! 3 by 3 matrices of an implicit step.
 
 use crate::real::{Real, Vector};
 
-/// A 3 by 3 matrix by its columns.
+/// 3 by 3 matrix, stored by columns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block<R: Real> {
     pub(super) x: R::Vec3,
@@ -11,7 +11,7 @@ pub(super) struct Block<R: Real> {
 }
 
 impl<R: Real> Block<R> {
-    /// `value` times the unit matrix.
+    /// Returns `value` times the unit matrix.
     #[inline]
     pub(super) fn diagonal(value: R) -> Self {
         let o = R::ZERO;
@@ -22,7 +22,7 @@ impl<R: Real> Block<R> {
         }
     }
 
-    /// The matrix of the vector product: `hat(a) b = a × b`.
+    /// Matrix of the vector product: `hat(a) b = a × b`.
     #[inline]
     pub(super) fn hat(a: R::Vec3) -> Self {
         let o = R::ZERO;
@@ -33,8 +33,8 @@ impl<R: Real> Block<R> {
         }
     }
 
-    /// What the Cayley map of `a` adds to a vector: `2 (â + â²)/(1 + |a|²)`, with
-    /// `â² = a aᵀ - |a|²`.
+    /// Difference between a vector rotated by the Cayley map of `a` and the vector itself, as a
+    /// matrix: `2 (â + â²)/(1 + |a|²)`, with `â² = a aᵀ - |a|²`.
     #[inline]
     pub(super) fn swing(a: R::Vec3) -> Self {
         let (x, y, z) = (a.x() * a.x(), a.y() * a.y(), a.z() * a.z());
@@ -47,7 +47,7 @@ impl<R: Real> Block<R> {
         }
     }
 
-    /// `a bᵀ`.
+    /// Outer product `a bᵀ`.
     #[inline]
     pub(super) fn outer(a: R::Vec3, b: R::Vec3) -> Self {
         Self {
@@ -71,7 +71,7 @@ impl<R: Real> Block<R> {
         }
     }
 
-    /// `hat(a) self`: each column crossed by `a`.
+    /// Product `hat(a) self`: the cross product of `a` with each column.
     #[inline]
     pub(super) fn crossed_by(&self, a: R::Vec3) -> Self {
         Self {
@@ -90,7 +90,7 @@ impl<R: Real> Block<R> {
         }
     }
 
-    /// The three rows.
+    /// Returns the three rows.
     #[inline]
     pub(super) fn rows(&self) -> [R::Vec3; 3] {
         let (a, b, c) = (self.x, self.y, self.z);

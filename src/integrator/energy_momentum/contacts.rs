@@ -1,4 +1,4 @@
-//! The contacts of an implicit step: gathered once, then asked for their mean force at each
+//! The contacts of an implicit step: collected once, then evaluated for their mean force at each
 //! iteration.
 
 use super::block::Block;
@@ -10,32 +10,34 @@ use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Kinks, Velocities, arc_below, kinks};
 
-/// How many contacts a step remembers from iteration to iteration. Of further ones it forgets the
-/// direction of slip, so that sticking takes more iterations; every promise holds for them too.
+/// Number of contacts that a step remembers from iteration to iteration. For additional contacts
+/// the direction of slip is not stored, so sticking takes more iterations. All guarantees hold for
+/// them too.
 pub(super) const CAPACITY: usize = 128;
 
-/// Most panels of a rim: those that its points are laid on, and some to spare.
+/// Largest number of panels of a rim: those that its points are placed on, plus a reserve.
 const MOST_PANELS: usize = 16;
 
-/// The contacts that may touch during a step.
+/// Contacts that may touch during a step.
 #[derive(Clone, Debug)]
 pub(super) struct Contacts<R: Real> {
     touches: [Touch<R>; CAPACITY],
     remembered: usize,
-    /// All candidates, and how many of them were looked at when the places ran out.
+    /// All candidates, and the number of them that were evaluated before the storage was full.
     run: ContactRange,
     seen: usize,
-    /// How many of those remembered are contacts of their own; after them come the places of a rim.
+    /// Number of remembered contacts that belong to the body itself. The points of a rim come after
+    /// them.
     fixed: usize,
-    /// Whether a rim may touch in the step.
+    /// Whether a rim may touch during the step.
     with_rim: bool,
-    /// Where the points of each panel of the rim end among the contacts.
+    /// End of the points of each panel of the rim among the contacts.
     panel_ends: [usize; MOST_PANELS],
     panels: usize,
-    /// Correction of a smooth body's torque at the last trial.
+    /// Torque correction of a smooth body at the last trial.
     pub(super) lever: Lever<R>,
-    /// Derivative of a smooth body's path along the ground with respect to a turn of the step's
-    /// end, where the matrix was last made, m.
+    /// Derivative of a smooth body's path along the ground with respect to a rotation of the end of
+    /// the step, where the matrix was last computed, m.
     path_by_turn: Block<R>,
 }
 
@@ -57,7 +59,7 @@ impl<R: Real> Contacts<R> {
         },
     };
 
-    /// Collects the contacts of `run` that `keep` (depth at the start, arm) accepts.
+    /// Collects the contacts in `run` that `keep` (depth at the start, lever arm) accepts.
     #[inline]
     pub(super) fn gather<D: Dynamics<R>>(
         &mut self,
@@ -82,7 +84,7 @@ impl<R: Real> Contacts<R> {
                     let Some(place) = self.touches.get_mut(remembered) else {
                         break 'all;
                     };
-                    // The rest of the place is written by the first trial.
+                    // The other fields of this element are written by the first trial.
                     (place.arm, place.push.depth) = (touch.arm, touch.push.depth);
                     place.dual = None;
                     place.push.radius = touch.push.radius;
@@ -101,20 +103,20 @@ impl<R: Real> Contacts<R> {
         (self.remembered, self.seen) = (remembered, seen);
     }
 
-    /// How many contacts there are, remembered or not.
+    /// Number of contacts, remembered or not.
     #[inline]
     pub(super) fn len(&self) -> usize {
         self.remembered + (self.run.count - self.seen)
     }
 
-    /// Whether nothing can touch in the step.
+    /// Returns true if no contact can touch during the step.
     #[inline]
     pub(super) fn is_empty(&self) -> bool {
         self.len() == 0 && !self.with_rim
     }
 
-    /// Whether `touching` contacts below ground at the end of the step are no more than the last
-    /// trial has seen there.
+    /// Returns true if the number of contacts below the ground at the end of the step (`touching`)
+    /// does not exceed the number in the last trial.
     pub(super) fn foresaw(&self, touching: usize) -> bool {
         let ended_below = |touch: &&Touch<R>| touch.push.end_depth > R::ZERO;
         self.seen < self.run.count
@@ -128,8 +130,8 @@ impl<R: Real> Contacts<R> {
                     .count()
     }
 
-    /// Asks every contact for its force over a trial step, and hands on what those that reach the
-    /// ground do.
+    /// Computes the force of every contact over a trial step, and calls `feel` for those that reach
+    /// the ground.
     #[inline(always)]
     pub(super) fn respond<D: Dynamics<R>>(
         &mut self,
@@ -167,10 +169,10 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// The same as [`respond`](Self::respond), with slips that continue from the last ones by
-    /// increments.
+    /// Computes the forces like [`respond`](Self::respond), with slips that continue from the last
+    /// ones by increments.
     ///
-    /// Points of a rim are laid anew for each trial and have no last slip.
+    /// The points of a rim are placed anew for each trial and have no last slip.
     #[cold]
     #[inline(never)]
     pub(super) fn respond_by_increment<D: Dynamics<R>>(
@@ -202,13 +204,14 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// The places of a rim over a trial step: on what lies below ground at its start or at its end,
-    /// cut where an arc of either ends.
+    /// Places the points of a rim over a trial step. They cover the parts of the rim below the
+    /// ground at the start or at the end of the step. The panels are divided at the ends of both
+    /// arcs.
     ///
-    /// They are material points of the body, fixed over the step, with the same weights at its
-    /// start and at its end: what springs give back, and what the others take, is that of such
-    /// points. And since no end of an arc lies within a panel, the sums at start and end are the
-    /// energies there but for the quadrature's 2e-10 at most.
+    /// The points are material points of the body, fixed over the step, with the same weights at
+    /// its start and at its end. The energy that springs return and the energy that is dissipated
+    /// are therefore those of such points. No end of an arc lies within a panel. The sums at start
+    /// and end are therefore the energies there, apart from a quadrature error of at most 2e-10.
     fn lay_rims<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, trial: &Trial<R>) {
         let (body, ground) = (problem.scene.body(), problem.scene.ground());
         let motion = &problem.motion;
@@ -254,7 +257,7 @@ impl<R: Real> Contacts<R> {
         self.remembered = count;
     }
 
-    /// Calls `feel` with each place where friction reverses between two panels of a rim.
+    /// Calls `feel` with each point at which friction reverses between two panels of a rim.
     #[inline(never)]
     pub(super) fn visit_reversals<D: Dynamics<R>>(
         &self,
@@ -268,8 +271,8 @@ impl<R: Real> Contacts<R> {
         let ends = self.panel_ends.get(..self.panels).unwrap_or_default();
         let touch = |index: Option<usize>| self.touches.get(index?);
         for (left, right) in ends.iter().zip(ends.iter().skip(1)) {
-            // The outermost points of a panel are its last two, the one farther along the rim
-            // first.
+            // The outermost points of a panel are its last two. The point farther along the rim
+            // comes first.
             let [left, right] = [left.checked_sub(2), right.checked_sub(1)].map(touch);
             if let (Some(left), Some(right)) = (left, right) {
                 if let Some(reversal) = Reversal::between(problem, [left, right], per_metre) {
@@ -279,8 +282,8 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// Force (N) and torque (N m) by which friction's dual forces exceed the laws' at the trial
-    /// where the matrix was last made.
+    /// Force (N) and torque (N m) by which the dual forces of friction exceed those of the laws, at
+    /// the trial where the matrix was last computed.
     pub(super) fn dual_excess<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
@@ -296,8 +299,8 @@ impl<R: Real> Contacts<R> {
         (force, torque)
     }
 
-    /// Computes and keeps the derivative of a smooth body's path along the ground with respect to a
-    /// turn.
+    /// Computes and stores the derivative of a smooth body's path along the ground with respect to
+    /// a rotation.
     pub(super) fn differentiate_path<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
@@ -309,8 +312,9 @@ impl<R: Real> Contacts<R> {
         self.path_by_turn
     }
 
-    /// Torque of a smooth body's contact by a turn of the step's end that moves its point over the
-    /// surface, with `factor` times its force, N m.
+    /// Derivative of the torque of a smooth body's contact with respect to a rotation of the end of
+    /// the step, N m. It contains only the motion of the contact point over the surface, with
+    /// `factor` times the contact force.
     #[cold]
     #[inline(never)]
     pub(super) fn torque_over_surface<D: Dynamics<R>>(
@@ -327,7 +331,7 @@ impl<R: Real> Contacts<R> {
         first.plus(&second)
     }
 
-    /// As [`answer`](Self::answer), for what they keep of it alone.
+    /// Calls [`answer`](Self::answer) only to store its results.
     #[cold]
     #[inline(never)]
     pub(super) fn note_answers<D: Dynamics<R>>(
@@ -338,8 +342,9 @@ impl<R: Real> Contacts<R> {
         self.answer(problem, trial, |_, _| {});
     }
 
-    /// Asks those that reach the ground how friction answers at the last trial step, which was
-    /// `trial`, and hands that on with what they did.
+    /// Computes the Jacobian of friction at the last trial step, which was `trial`, for the
+    /// contacts that reach the ground. Calls `feel` with the motion and force of each contact and
+    /// that Jacobian.
     #[inline(always)]
     pub(super) fn answer<D: Dynamics<R>>(
         &mut self,
@@ -366,8 +371,8 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// Hands on what the contacts that reach the ground did over the last trial step, which was
-    /// `trial`, and the drag of friction there.
+    /// Calls `feel` for the contacts that reach the ground, with the Jacobian of friction. Motion
+    /// and force are those of the last trial step, which was `trial`.
     pub(super) fn recall<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
@@ -390,7 +395,7 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// What a contact does that found no place, made anew.
+    /// Recomputes a contact that is not stored.
     #[cold]
     #[inline(never)]
     fn forgotten<D: Dynamics<R>>(
@@ -400,7 +405,8 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
     ) -> Touch<R> {
         let contacts = problem.scene.body().contacts();
-        // As the parts of a run: one that begins behind the last contact begins at the first.
+        // In the order of the parts of a contact range: a range that begins after the last contact
+        // begins at the first.
         let [head, tail] = self.run.parts(contacts);
         let Some(point) = (head.iter().chain(tail)).nth(self.seen + (index - self.remembered))
         else {
@@ -412,7 +418,8 @@ impl<R: Real> Contacts<R> {
     }
 }
 
-/// Where the forces of mean velocities over a trial step have a kink on an arc.
+/// Positions on an arc at which the forces of mean velocities over a trial step have a
+/// discontinuity of their derivative.
 fn mean_kinks<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     trial: &Trial<R>,

@@ -1,17 +1,18 @@
-//! The last resort: a step that always exists, downhill.
+//! Last fallback: a step downhill, which always exists.
 //!
-//! A body that nothing turns aside would shift by `h v + h² g` and turn by `h ω` in the time h.
-//! Backward Euler's motion `z` (a shift and a turn) departs from that one, `z₀`, as far as the
-//! potential `U` of gravity and springs asks: it makes
+//! Without contacts, a body would shift by `h v + h² g` and rotate by `h ω` in the time h. The
+//! motion `z` of backward Euler (a shift and a rotation) differs from that motion, `z₀`, because of
+//! the potential `U` of gravity and springs. With the mass matrix `M`, it minimises
 //!
 //! ```text
 //! Φ(z) = (z - h y)ᵀ M (z - h y)/(2 h²) + U(z)          y = (v, ω)
 //! ```
 //!
-//! smallest. `Φ(0)` is the energy of the start. So wherever Φ is lower than there, so is `U`, and
-//! the body may be there with a velocity along `z`, scaled as the energy allows. Springs far
-//! stiffer than `m/h²` turn the motion along the ground, where an explicit one would be thrown out
-//! of it. Dampers and friction only add to what resists.
+//! `Φ(0)` is the energy of the start. Wherever Φ is lower than that, `U` is lower too. The body may
+//! then be there with a velocity along `z`, scaled as the energy allows.
+//!
+//! Springs far stiffer than `m/h²` deflect the motion along the ground. An explicit method would
+//! throw the body out of the ground. Dampers and friction only add to the resistance.
 
 use super::block::Block;
 use super::linear::SixBySix;
@@ -25,17 +26,17 @@ use crate::rotation::Rotation;
 use crate::scene::{Contact, Dynamics};
 use crate::state::State;
 
-/// Lengths that are tried, each a sixteenth of the one before: down to 2⁻¹²⁰ of the step.
+/// Number of lengths that are tried, each a sixteenth of the one before: down to 2⁻¹²⁰ of the step.
 const LENGTHS: u32 = 31;
-/// Newton's steps on Φ for each of them.
+/// Number of Newton steps on Φ for each length.
 const NEWTON: u32 = 4;
 
-/// A motion of backward Euler's over `seconds`, a sixteenth of them, ... whose end has an energy of
-/// at most `ceiling`. What is left of the time passes all the same: such a step is stable, not
-/// accurate. A body that the ground leaves no such motion stops where it is.
+/// Searches for a backward Euler motion over `seconds`, a sixteenth of them, and so on, whose end
+/// has an energy of at most `ceiling`. The rest of the time passes without motion: such a step is
+/// stable, but not accurate. If the ground allows no such motion, the body stops at its position.
 ///
-/// `None` where it has stopped already, or where no ground is in the way and only rounding lifts
-/// the energy.
+/// Returns `None` if the body has stopped already, or if it is not in contact and only rounding
+/// increases the energy.
 pub(super) fn step<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &State<R>,
@@ -66,12 +67,12 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     None
 }
 
-/// A step whose free motion goes beyond so many sizes of the body may be refused. Rounding hides
-/// the body long before, from 4.5e15 sizes on in f64 and 1e7 in f32. Up to here such steps still
-/// end where the energy is lower, as `tests/extremes.rs` shows.
+/// A step may be refused if its free motion exceeds this number of body sizes. Rounding hides the
+/// body much earlier, from 4.5e15 sizes in f64 and 1e7 in f32. Up to this limit such steps still
+/// end at a lower energy, as `tests/extremes.rs` shows.
 const FARTHEST: f64 = 1e25;
 
-/// Whether free motion for so long goes so far that rounding hides where it ends.
+/// Returns true if free motion for this time goes so far that rounding hides its end.
 #[cold]
 pub(super) fn is_unresolved<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -86,12 +87,12 @@ pub(super) fn is_unresolved<R: Real, D: Dynamics<R>>(
     };
     let shift = free_shift(scene, start, seconds).length();
     let is_resolved = shift <= size * R::from_f64(FARTHEST);
-    // What overflows is not resolved.
+    // An overflow is not resolved.
     !is_resolved
 }
 
-/// Whether a search downhill has left a body in mid-air that free motion would have taken so far
-/// that rounding is more than it has moved.
+/// Returns true if a downhill search has left a body in the air, although free motion would have
+/// moved it much farther. The actual displacement is then below the rounding of the free one.
 #[cold]
 pub(super) fn is_left_in_the_air<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -105,35 +106,37 @@ pub(super) fn is_left_in_the_air<R: Real, D: Dynamics<R>>(
         && Energy::with_touching(scene, end).1 == 0
 }
 
-/// How far a body shifts that nothing turns aside, by an Euler step, m.
+/// Displacement of the body without contacts, by an Euler step, m.
 fn free_shift<R: Real, D: Dynamics<R>>(scene: &D, start: &State<R>, seconds: R) -> R::Vec3 {
     (start.linear_velocity + scene.gravity() * seconds) * seconds
 }
 
-/// How a search finds its way.
+/// Method by which a search determines its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// Along the forces.
     ByNormals,
-    /// As it is turned: the rounding of a turn may be worth more energy than a small shift is.
+    /// With constant orientation: the rounding of a rotation may change the energy by more than a
+    /// small shift does.
     WithoutTurn,
-    /// Along the slope of the springs' energy. Off the surface of a curved ground the normal need
-    /// not be the gap's gradient.
+    /// Along the gradient of the spring energy. Away from the surface of a curved ground, the
+    /// normal need not be the gradient of the gap.
     ByDifferences,
 }
 
-/// What the search over one length has found.
+/// Result of the search over one length.
 enum Found<R: Real> {
     End(State<R>, Energy<R>),
-    /// Every end is too high; so many contacts touched at the last.
+    /// Every end has too high an energy; `touching` is the number of contacts that touched at the
+    /// last one.
     Nothing {
         touching: usize,
     },
-    /// The motion is less than numbers can hold.
+    /// The motion is below the resolution of the numbers.
     NoMotion,
 }
 
-/// The search for backward Euler's motion over one length of time.
+/// The search for the motion of backward Euler over one length of time.
 struct Descent<'a, R: Real, D> {
     scene: &'a D,
     start: &'a State<R>,
@@ -141,12 +144,12 @@ struct Descent<'a, R: Real, D> {
     mass: R,
     inertia: Block<R>,
     bounding_radius: R,
-    /// The motion that nothing turns aside: `h v + h² g` and `h ω`.
+    /// Motion without contacts: `h v + h² g` and `h ω`.
     free: Way<R>,
     kind: Kind,
 }
 
-/// A shift (m) and a turn (rad), world axes.
+/// A shift (m) and a rotation (rad), world axes.
 #[derive(Clone, Copy, Debug)]
 struct Way<R: Real> {
     shift: R::Vec3,
@@ -178,7 +181,8 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         }
     }
 
-    /// The first end on Newton's way to the lowest Φ whose energy is at most the ceiling.
+    /// Returns the first end on Newton's path to the minimum of Φ whose energy is at most the
+    /// ceiling.
     fn end_below(&self, ceiling: R, step: &mut Step<R>) -> Found<R> {
         let mut end = *self.start;
         let mut way = Way {
@@ -216,7 +220,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         Found::Nothing { touching }
     }
 
-    /// The state at the end of a way, turned so.
+    /// State at the end of a displacement, with this rotation.
     fn end_of(&self, way: &Way<R>, rotation: Rotation<R>) -> State<R> {
         let per_second = R::ONE / self.seconds;
         let rotation = rotation.normalised();
@@ -229,7 +233,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         }
     }
 
-    /// Newton's step from the end of a way, with everything times h²:
+    /// Newton step from the end of a displacement, with all terms multiplied by h²:
     /// `(M + h² K + h C) Δz = M (z₀ - z) + h² f - h C z`.
     fn newton(&self, end: &State<R>, way: &Way<R>) -> (R::Vec3, R::Vec3) {
         let h = self.seconds;
@@ -240,13 +244,14 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         visit_contacts(self.scene, &motion, &mut |contact| {
             let (ground, friction) = (self.scene.ground(), self.scene.friction());
             let mean = ground.mean_force(contact.depth, contact.depth, h);
-            // The contact's depth falls as its centre moves along this.
+            // The depth of the contact decreases as its centre moves along this direction.
             let (slope, centre) = self.slope(contact);
             let weight = contact.weight;
             let springs = slope * (mean.force * h * h * weight);
             force += springs;
             torque += centre.cross(springs);
-            // The force over an even path answers to its end by half of the springs' stiffness.
+            // The force over a uniform path depends on the end of the path by half of the spring
+            // stiffness.
             let stiffness = mean.stiffness * R::TWO * h * h * weight;
             equations.add_at(&Block::outer(slope * stiffness, slope), centre, centre);
 
@@ -266,8 +271,8 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         equations.solve(force, torque, self.bounding_radius)
     }
 
-    /// The gradient of the gap at a contact's centre, and where that centre is, from the centre of
-    /// mass.
+    /// Gradient of the gap at the centre of a contact, and the position of that centre relative to
+    /// the centre of mass.
     fn slope(&self, contact: &Contact<R>) -> (R::Vec3, R::Vec3) {
         let centre = contact.arm + contact.normal * contact.point.radius;
         if self.kind != Kind::ByDifferences {

@@ -1,32 +1,38 @@
-//! What a step that is too long for friction or dampers must still do: let them settle its end
-//! velocity.
+//! End-velocity correction for steps that do not resolve friction or damping.
 //!
-//! Where friction or a damper resists a slip `u` with `c u`, the slip that it settles at, `u*`, is
-//! approached as `e^-z` in a step, with the strain `z = h c/m`. The step's mean slip is nearer to
-//! `u*` by `1 + z/2`, as it should be; but its end slip follows as `(1 - z/2)/(1 + z/2)`: beyond
-//! `z = 2` it turns round, and for `z >> 2` it flips for ever. A sticking contact would never rest,
-//! and an over-damped floor throw a body back. The cure is an impulse at the end of the step, of
-//! backward Euler's kind,
+//! Friction or a damper resists a slip `u` with the force `c u`. The slip approaches its steady
+//! value `u*` in a step as `e^-z`, with the strain `z = h c/m`. The mean slip of the step is nearer
+//! to `u*` by the factor `1 + z/2`, which is correct. The end slip, however, follows as
+//! `(1 - z/2)/(1 + z/2)`. Beyond `z = 2` it changes its sign, and for `z >> 2` it oscillates for
+//! ever. A sticking contact would never rest, and an over-damped floor would throw a body back.
+//!
+//! The correction is an impulse at the end of the step, of the backward Euler kind,
 //!
 //! ```text
 //! p = -k (u' - uₘ),    k = h c θ,    θ = 1/2 - 1/z   (0 up to z = 2)
 //! ```
 //!
-//! with the mean slip `uₘ` and the slip `u'` after all impulses. For one contact and a law that is
-//! linear they leave nothing of a departure from `u*`: the factor is
-//! `(1 - z/2 + θ z)/((1 + z/2)(1 + θ z)) = 0`. The impulse is 0 in steady motion, where the end
-//! slip is the mean one, so that a creep is the law's at any step; and 0 where the step resolves
-//! friction and dampers, so that the order stays 2.
+//! with the mean slip `uₘ` and the slip `u'` after all impulses. For one contact and a linear law,
+//! the impulse removes the whole deviation from `u*`: the factor is
+//! `(1 - z/2 + θ z)/((1 + z/2)(1 + θ z)) = 0`.
 //!
-//! A friction law is not linear: `c` is the chord between the mean slip and the end's. Where the
-//! end slip has turned against the mean one, the chord to 0 stands for it, `|F|/|uₘ|`: a slide that
-//! friction would end within the step ends at 0 by it. Elsewhere it is the law's own slope at the
-//! mean slip, next to 0 in a slide: one that begins or goes on in spite of friction is left alone.
+//! The impulse is 0 in two cases:
 //!
-//! *The energy.* With `y` the velocities (v, ω), the impulses change it by `Σ pᵢ·uₘᵢ` and a part
-//! below 0 (they draw `y` towards the mean, by factors of 0 to 1 in the metric of the mass). Where
-//! `u'` has not turned, `p·uₘ <= h θ c uₘ²`: less than the half of what friction and dampers have
-//! taken in the step.
+//! * In steady motion, where the end slip equals the mean slip. A creep is therefore that of the
+//!   law for any step size.
+//! * Where the step resolves friction and dampers. The order therefore stays 2.
+//!
+//! A friction law is not linear, so `c` is the chord between the mean slip and the end slip. If the
+//! end slip is opposite to the mean slip, the chord to 0, `|F|/|uₘ|`, is used. A slide that
+//! friction would end within the step then ends at 0. Otherwise `c` is the slope of the law at the
+//! mean slip, which is nearly 0 in a slide. A slide that begins or continues in spite of friction
+//! is therefore not changed.
+//!
+//! *The energy.* Let `y` be the velocities (v, ω). The impulses change the energy by `Σ pᵢ·uₘᵢ` plus
+//! a negative part. That part is negative because the impulses draw `y` towards the mean, by
+//! factors of 0 to 1 in the metric of the mass. If `u'` has not changed its direction,
+//! `p·uₘ <= h θ c uₘ²`. This is less than half of what friction and dampers have dissipated in the
+//! step.
 
 use super::contacts::Contacts;
 use super::motion_of;
@@ -39,7 +45,7 @@ use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion};
 use crate::state::State;
 
-/// Passes that fit the dampers' impulses to their limits.
+/// Number of passes that fit the impulses of the dampers to their limits.
 const PASSES: u32 = 4;
 
 /// Resistance of all contacts to sliding and to closing, N s/m.
@@ -64,7 +70,7 @@ impl<R: Real> Strain<R> {
         self.damping += push.mean.damping;
     }
 
-    /// Of the contacts at the trial that they have responded to last.
+    /// Strain of the contacts at the trial for which they were last evaluated.
     pub(super) fn at<D: Dynamics<R>>(
         problem: &Problem<'_, R, D>,
         contacts: &Contacts<R>,
@@ -75,14 +81,15 @@ impl<R: Real> Strain<R> {
         strain
     }
 
-    /// Impulse of friction (N s) over a path (m) along the ground, where its slope is that of
-    /// stick.
+    /// Impulse of friction (N s) over a path (m) along the ground, if the slope of friction is that
+    /// of stick.
     #[inline]
     pub(super) fn friction_over(&self, path: R) -> R {
         self.friction * path
     }
 
-    /// How strongly a step strains them: `z = h Σc/m`, unresolved above 2.
+    /// Strain of friction and dampers in a step, `z = h Σc/m`. Above 2 the step does not resolve
+    /// them.
     #[inline]
     pub(super) fn of_step<D>(&self, problem: &Problem<'_, R, D>) -> Self {
         let factor = problem.seconds / problem.mass;
@@ -105,7 +112,7 @@ impl<R: Real> Strain<R> {
     }
 }
 
-/// The end of a trial after friction and dampers have settled its velocities.
+/// Returns the end of a trial after friction and dampers have corrected its velocities.
 pub(super) fn settle<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &Contacts<R>,
@@ -126,7 +133,7 @@ pub(super) fn settle<R: Real, D: Dynamics<R>>(
         contacts.recall(problem, trial, |push, drag| {
             is_limited |= settling.add(&mut sum, push, drag, after.as_ref());
         });
-        // Without a limit, another pass is the same one.
+        // If no limit is active, another pass gives the same result.
         if pass > 0 && !is_limited {
             break;
         }
@@ -138,17 +145,17 @@ pub(super) fn settle<R: Real, D: Dynamics<R>>(
     settled
 }
 
-/// What the contacts' impulses are found from.
+/// Data from which the impulses of the contacts are computed.
 struct Settling<'a, R: Real, D> {
     problem: &'a Problem<'a, R, D>,
     strain: Strain<R>,
-    /// At the end of the step.
+    /// Motion at the end of the step.
     motion: Motion<R>,
 }
 
 impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
-    /// Adds the resistances of one contact, and tells whether its damper has reached its limit in
-    /// the motion `after` the last pass.
+    /// Adds the resistances of one contact. Returns true if its damper has reached its limit in the
+    /// motion `after` the last pass.
     fn add(
         &self,
         sum: &mut Resistance<R>,
@@ -165,7 +172,7 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
         let share = self.share(damping, self.strain.damping);
         let mut across = self.per_speed(damping, share);
         let rising = (push.depth - push.end_depth) * self.problem.per_second;
-        // The ground may take back as much of what it has given, but never pull.
+        // The ground may take back as much impulse as it has given, but never pull.
         let limit = self.per_speed(push.mean.force, share);
         let beyond = after.map_or(R::ZERO, |after| after.velocity_at(place).dot(n) - rising);
         let is_limited = across * beyond > limit;
@@ -176,8 +183,9 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
         is_limited
     }
 
-    /// Out of the ground where the contact is at the end. The mean one would take a ball's way
-    /// round a curve, and its turn about the normal, for a slip and a rise of order h.
+    /// Normal out of the ground at the contact point at the end of the step. The mean normal would
+    /// give an apparent slip and rise of order h, from the path of a ball along a curve and its
+    /// rotation about the normal.
     fn end_normal(&self, push: &Push<R>) -> R::Vec3 {
         if self.problem.plane.is_some() {
             return push.normal;
@@ -186,14 +194,14 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
         ground.surface(self.motion.position + push.end_arm).normal
     }
 
-    /// `h c θ`.
+    /// Returns `h c θ`.
     fn per_speed(&self, coefficient: R, share: R) -> R {
         coefficient * (self.problem.seconds * share)
     }
 
-    /// θ of a contact with the coefficient c (N s/m), as if every other one were strained as much,
-    /// but no more than all together are: one that slides beside one that sticks is resolved as it
-    /// would be alone.
+    /// Factor θ of a contact with the coefficient c (N s/m). Every other contact is assumed to have
+    /// the same strain, but the sum is at most the strain of all contacts. A sliding contact next
+    /// to a sticking one is therefore resolved as it would be alone.
     fn share(&self, coefficient: R, strain_of_all: R) -> R {
         let own = coefficient * (self.problem.seconds / self.problem.mass);
         let strain = (own * self.strain.contacts).at_most(strain_of_all);
@@ -205,8 +213,8 @@ impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
     }
 }
 
-/// `|F|/|u|` of the friction at the mean slip where the slip at the end of the step has turned
-/// against it; elsewhere the law's slope there, N s/m.
+/// Slope of friction used for the correction, N s/m. It is `|F|/|u|` at the mean slip if the end
+/// slip is opposite to it, else the slope of the law there.
 fn chord<R: Real>(push: &Push<R>, drag: &FrictionJacobian<R>, end_slip: R::Vec3) -> R {
     if end_slip.dot(push.slip) <= R::ZERO {
         return drag.coefficient;

@@ -1,17 +1,18 @@
-//! The part of the contacts in Newton's matrix for bare contacts on level ground, in half the
-//! operations of [`SixBySix::add`].
+//! The contribution of bare contacts on level ground to Newton's matrix, in half the operations of
+//! [`SixBySix::add`].
 //!
-//! There the normal is the third axis and nothing slides along it. A contact's force answers to a
-//! path along x, y and z with the columns `(x₀, y₀, 0)`, `(x₁, y₁, 0)` and `(x₂, y₂, z₂)`; to a
-//! turn `ϑ`, which moves its place r' by `ϑ × r'`, with
+//! On level ground the normal is the third axis and no slip occurs along it. The derivative of a
+//! contact's force with respect to a path along x, y and z has the columns `(x₀, y₀, 0)`,
+//! `(x₁, y₁, 0)` and `(x₂, y₂, z₂)`. A rotation `ϑ` moves the contact at r' by `ϑ × r'`, which
+//! gives the columns
 //!
 //! ```text
 //! x₃ = r'_y x₂ - r'_z x₁    x₄ = r'_z x₀ - r'_x x₂    x₅ = r'_x x₁ - r'_y x₀    (so for y)
 //! z₃ = r'_y z₂              z₄ = -r'_x z₂             z₅ = 0
 //! ```
 //!
-//! and its torque with `r × (xⱼ, yⱼ, zⱼ)`, r its arm. Numbers stand in pairs that a processor works
-//! out together; signs, and what a pair adds up to, are left to the end.
+//! The torque has the columns `r × (xⱼ, yⱼ, zⱼ)`, where r is the lever arm. Numbers are stored in
+//! pairs that a processor computes together. Signs, and the sums of a pair, are applied at the end.
 
 use super::block::Block;
 use super::linear::SixBySix;
@@ -21,10 +22,10 @@ type Pair<R> = [R; 2];
 
 /// Sums over contacts.
 #[derive(Clone, Copy, Debug)]
-// So that a pair is loaded in one piece.
+// Alignment that lets a pair be loaded at once.
 #[repr(align(16))]
 pub(super) struct Level<R> {
-    /// `(xⱼ, yⱼ)`, by the three shifts and the three turns.
+    /// `(xⱼ, yⱼ)` for the three shifts and the three rotations.
     level: [Pair<R>; 6],
     /// `r_z (xⱼ, yⱼ)`.
     lifted: [Pair<R>; 6],
@@ -32,15 +33,15 @@ pub(super) struct Level<R> {
     twisted: [Pair<R>; 6],
     /// `z₂, z₃, z₄`.
     rising: [R; 3],
-    /// The same times `(r_y, r_x)`.
+    /// The elements of `rising` times `(r_y, r_x)`.
     tilted: [Pair<R>; 3],
-    /// `(r'_x, r'_y)` times the force's three components.
+    /// `(r'_x, r'_y)` times the three components of the force.
     swung: [Pair<R>; 3],
-    /// `r'_z` times the same.
+    /// `r'_z` times the three components of the force.
     swung_up: [R; 3],
 }
 
-/// How one contact's force answers to its path.
+/// Derivative of the force of one contact with respect to its path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LevelPath<R> {
     /// `(xⱼ, yⱼ)` for paths along x, y and z.
@@ -76,8 +77,8 @@ impl<R: Real> Level<R> {
         swung_up: [R::ZERO; 3],
     };
 
-    /// Adds a force at `arm` that answers so to the path of a place at `place`, and whose arm a
-    /// turn moves by `ϑ × place`.
+    /// Adds a contact with the given lever arm. `path` is the derivative of its force with respect
+    /// to the path of the point `place`. A rotation `ϑ` moves the arm by `ϑ × place`.
     #[inline(always)]
     #[allow(
         clippy::needless_range_loop,
@@ -119,10 +120,10 @@ impl<R: Real> Level<R> {
         }
     }
 
-    /// The equations of a body of this mass and inertia with these sums, and `share` times the
-    /// torques `(ϑ × place) × force`.
+    /// Equations of a body of this mass and inertia with these sums, plus `share` times the torques
+    /// `(ϑ × place) × force`.
     ///
-    /// Not inlined: the pairs would be taken apart again.
+    /// Not inlined, because the compiler would split the pairs again.
     #[inline(never)]
     pub(super) fn equations(
         &self,

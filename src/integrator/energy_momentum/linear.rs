@@ -1,18 +1,19 @@
-//! The six equations of a rigid body in an implicit step, and their solution by Gauss's
+//! The six equations of a rigid body in an implicit step, and their solution by Gaussian
 //! elimination.
 
 use super::block::Block;
 use crate::real::{Real, Vector};
 
-/// Six linear equations of a rigid body: force and torque, row by row, as they answer to a shift
-/// and a turn.
+/// Six linear equations of a rigid body: force and torque, row by row, as functions of a shift and
+/// a rotation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SixBySix<R: Real> {
     pub(super) rows: [[R; 6]; 6],
 }
 
 impl<R: Real> SixBySix<R> {
-    /// A force that answers to the shift alone, and a torque to the turn.
+    /// Creates equations in which the force depends only on the shift and the torque only on the
+    /// rotation.
     #[inline]
     pub(super) fn of_body(mass: R, inertia: &Block<R>) -> Self {
         let o = R::ZERO;
@@ -29,14 +30,15 @@ impl<R: Real> SixBySix<R> {
         }
     }
 
-    /// Adds what a force at `arm` answers to the path of a place at `place`, which a turn moves by
-    /// `ϑ × place`: `block (ξ + ϑ × place)`.
+    /// Adds a force at `arm` that depends linearly on the path of the point `place`:
+    /// `block (ξ + ϑ × place)`. A rotation `ϑ` moves that point by `ϑ × place`.
     pub(super) fn add_at(&mut self, block: &Block<R>, arm: R::Vec3, place: R::Vec3) {
         let shift = block.rows();
         self.add(shift, shift.map(|row| place.cross(row)), arm);
     }
 
-    /// Adds a force at `arm` by the rows of its answers to the shift and to the turn.
+    /// Adds a force at `arm`, given by the rows of its derivatives with respect to the shift and to
+    /// the rotation.
     #[inline(always)]
     pub(super) fn add(&mut self, shift: [R::Vec3; 3], turn: [R::Vec3; 3], arm: R::Vec3) {
         let row = |s: R::Vec3, t: R::Vec3| [s.x(), s.y(), s.z(), t.x(), t.y(), t.z()];
@@ -56,7 +58,8 @@ impl<R: Real> SixBySix<R> {
         }
     }
 
-    /// Adds the torque of a force whose arm a turn moves by `ϑ × place`: `(ϑ × place) × force`.
+    /// Adds the torque of a force whose lever arm a rotation moves by `ϑ × place`:
+    /// `(ϑ × place) × force`.
     #[inline(always)]
     pub(super) fn add_swing(&mut self, place: R::Vec3, force: R::Vec3) {
         let along = force.dot(place);
@@ -74,7 +77,7 @@ impl<R: Real> SixBySix<R> {
         z[5] -= along;
     }
 
-    /// Adds a torque that answers to the turn alone.
+    /// Adds a torque that depends only on the rotation.
     pub(super) fn add_turning(&mut self, block: &Block<R>) {
         let [_, _, _, rows @ ..] = &mut self.rows;
         for (row, more) in rows.iter_mut().zip(block.rows()) {
@@ -84,7 +87,8 @@ impl<R: Real> SixBySix<R> {
         }
     }
 
-    /// Without what a turn does to the force, and a shift to the torque.
+    /// Returns the equations without the dependence of the force on the rotation and of the torque
+    /// on the shift.
     pub(super) fn uncoupled(&self) -> Self {
         let mut rows = self.rows;
         for (i, row) in rows.iter_mut().enumerate() {
@@ -97,7 +101,7 @@ impl<R: Real> SixBySix<R> {
         Self { rows }
     }
 
-    /// The shift and turn that a force and a torque make.
+    /// Solves for the shift and the rotation caused by a force and a torque.
     pub(super) fn solve(
         &self,
         force: R::Vec3,
@@ -135,10 +139,10 @@ impl<R: Real> SixBySix<R> {
         factors.solve(force, torque)
     }
 
-    /// The matrix as a product of triangular ones, by Gauss's elimination. Turns and torques are
-    /// measured with the length `bounding_radius`, so that pivots compare like with like whatever
-    /// the body's size. Inertia and springs make the diagonal strong: rows are exchanged only where
-    /// a pivot is small beside what is below it.
+    /// Factors the matrix into triangular ones by Gaussian elimination. Rotations and torques are
+    /// scaled with the length `bounding_radius`, so that pivots have the same unit for any size of
+    /// the body. Inertia and springs make the diagonal large. Rows are exchanged only if a pivot is
+    /// small compared with the entries below it.
     #[inline]
     fn factor(&self, bounding_radius: R, factors: &mut Factors<R>) {
         self.fill(bounding_radius, factors);
@@ -185,15 +189,15 @@ impl<R: Real> Factored<R> {
         factors: Factors::NONE,
     };
 
-    /// Finds the factors of the equations.
+    /// Computes the factors of the equations.
     #[inline]
     pub(super) fn factor(&mut self, bounding_radius: R) {
         self.equations.factor(bounding_radius, &mut self.factors);
     }
 
-    /// The shift and turn that a force and a torque make. Where stiffness has swallowed the inertia
-    /// beyond rounding, so that the matrix is singular, those of a body heavier by the root of the
-    /// rounding: smaller steps, in a direction that can be had.
+    /// Solves for the shift and the rotation caused by a force and a torque. If the stiffness
+    /// exceeds the inertia beyond rounding, the matrix is singular. The inertia is then increased
+    /// by the square root of the rounding, which gives smaller steps in a usable direction.
     #[inline]
     pub(super) fn solve(
         &self,
@@ -202,7 +206,7 @@ impl<R: Real> Factored<R> {
         bounding_radius: R,
     ) -> (R::Vec3, R::Vec3) {
         let (shift, turn) = self.factors.solve(force, torque);
-        // What is not finite leaves no 0, in fewer operations than six questions.
+        // A value that is not finite does not give 0. This takes fewer operations than six checks.
         let nothing = (shift + turn) * R::ZERO;
         if nothing.x() + nothing.y() + nothing.z() == R::ZERO {
             return (shift, turn);
@@ -214,17 +218,17 @@ impl<R: Real> Factored<R> {
 /// The factors of six equations.
 #[derive(Clone, Copy, Debug)]
 struct Factors<R: Real> {
-    /// Above the diagonal the upper one, below it the lower one, whose diagonal is 1.
+    /// Above the diagonal the upper factor, below it the lower factor, whose diagonal is 1.
     rows: [[R; 6]; 6],
-    /// One over the diagonal of the upper one.
+    /// Inverse of the diagonal of the upper factor.
     inverse: [R; 6],
-    /// The equation that each row comes from, where rows have been exchanged.
+    /// Equation that each row comes from, if rows have been exchanged.
     order: [u8; 6],
     exchanged: bool,
     per_reach: R,
 }
 
-/// A pivot may be so many times smaller than what is below it.
+/// Largest allowed ratio of an entry below a pivot to the pivot.
 const LARGEST_FACTOR: f64 = 16.0;
 
 impl<R: Real> Factors<R> {
@@ -236,8 +240,8 @@ impl<R: Real> Factors<R> {
         per_reach: R::ZERO,
     };
 
-    /// One function a column, so that every index is known at compile time. Whether every pivot
-    /// will do.
+    /// Eliminates all columns, with one function per column, so that every index is known at
+    /// compile time. Returns true if every pivot is large enough.
     #[inline(always)]
     fn eliminate(&mut self) -> bool {
         self.eliminate_column::<0>()
@@ -248,7 +252,7 @@ impl<R: Real> Factors<R> {
             && self.eliminate_column::<5>()
     }
 
-    /// The rows below lose their entry of the column.
+    /// Eliminates the entries of a column in the rows below.
     #[inline(always)]
     fn eliminate_column<const P: usize>(&mut self) -> bool {
         let rows = &mut self.rows;
@@ -267,7 +271,7 @@ impl<R: Real> Factors<R> {
         largest <= R::from_f64(LARGEST_FACTOR)
     }
 
-    /// The same, where the largest entry of a column moves up first.
+    /// Eliminates all columns, moving the row with the largest entry of a column up first.
     fn eliminate_with_exchanges(&mut self) {
         let rows = &mut self.rows;
         for p in 0..6 {
@@ -290,7 +294,8 @@ impl<R: Real> Factors<R> {
         }
     }
 
-    /// The shift and turn that a force and a torque make; not finite where the matrix is singular.
+    /// Solves for the shift and the rotation caused by a force and a torque. The result is not
+    /// finite if the matrix is singular.
     #[inline]
     fn solve(&self, force: R::Vec3, torque: R::Vec3) -> (R::Vec3, R::Vec3) {
         let torque = torque * self.per_reach;

@@ -1,30 +1,32 @@
 //! Newton's iteration on the momentum balance of a step.
 //!
-//! With the end velocities `v' = 2 vₘ - v` and `L' = R (2 J ωₘ - L)` of a trial, the equations are
+//! A trial has the mean velocity `vₘ`, the mean angular velocity `ωₘ` and the rotation R of the
+//! step. With its end velocities `v' = 2 vₘ - v` and `L' = R (2 J ωₘ - L)`, the equations are
 //!
 //! ```text
 //! m (v' - v)/2 - dt/2 (F + m g) = 0,     (L' - L)/2 - dt/2 T = 0
 //! ```
 //!
-//! A small change of the trial shifts the end of the step by `ξ` and turns it by `ϑ`: a contact's
-//! path changes by `ξ + ϑ × r'`, its mean arm by `ϑ × r'/2`, and the Cayley argument by
-//! `(ϑ - a × ϑ + a (a·ϑ))/2`. In these unknowns the derivatives need neither inverses nor the map's
-//! own.
+//! A small change of the trial shifts the end of the step by `ξ` and rotates it by `ϑ`. A contact's
+//! path then changes by `ξ + ϑ × r'` and its mean arm by `ϑ × r'/2`. The Cayley argument changes by
+//! `(ϑ - a × ϑ + a (a·ϑ))/2`. In these unknowns the derivatives need neither inverses nor the
+//! derivative of the Cayley map.
 //!
 //! # Stick
 //!
-//! A contact that sticks has the slip `u = ε d/(1 - |d|)`, where `d` is its friction over `μ N` and
-//! `ε` the slip speed of the law. The slip is a difference of velocities v, known to `2e-16 v`.
-//! The law makes `μ N/ε` times that of it: at `ε = 1e-10 m/s` a millionth of the friction, at
-//! 1e-16 m/s all of it. The balance with the law's force cannot be better, although the
-//! velocities are right to rounding. Two things follow:
+//! A contact that sticks has the slip `u = ε d/(1 - |d|)`, where `d` is its friction divided by
+//! `μ N` and `ε` is the slip speed of the law. The slip is a difference of velocities v, known to
+//! `2e-16 v`. The law multiplies that error by `μ N/ε`. At `ε = 1e-10 m/s` it is a millionth of the
+//! friction, at 1e-16 m/s all of it. The balance with the force of the law cannot be more accurate,
+//! although the velocities are correct to rounding. This has two consequences:
 //!
-//! - The iteration is close where the momenta balance with the *dual* forces `-μ N d`, which lie
-//!   within the law's limit, and where Newton's step is small ([`is_close_by_dual`]). That step is
-//!   the last one.
-//! - Where the slip begins within its own rounding, so that the dual unknown cannot be had from
-//!   it, the slip is carried along as an unknown: each of Newton's steps adds its increment, which
-//!   is known to 2e-16 of itself ([`Increment`]). It stays within the rounding of the difference.
+//! - The iteration is close if two conditions hold. The momenta balance with the *dual* forces
+//!   `-μ N d`, which lie within the limit of the law, and Newton's step is small
+//!   ([`is_close_by_dual`]). That step is the last one.
+//! - If the slip at the start is within its own rounding, the dual unknown cannot be computed from
+//!   it. The slip is then carried along as an unknown. Each Newton step adds its increment, which
+//!   is known to a relative error of 2e-16 ([`Increment`]). The slip stays within the rounding of
+//!   the difference.
 
 use super::contacts::Contacts;
 use super::end_velocity::Strain;
@@ -37,29 +39,31 @@ use crate::integrator::Step;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
-/// Full steps of Newton's, after which the iteration goes on carefully from the best trial.
+/// Number of full Newton steps, after which the iteration continues carefully from the best trial.
 const BOLD: u32 = 30;
-/// So many fourth roots of the precision's unit, times the tolerance, are rounding: 1e-4 tolerances
-/// or 2e-16 of the momentum in f64, 1.5e-2 tolerances or 1e-7 of it in f32.
+/// Factor of the threshold for rounding. The threshold is this many fourth roots of the precision's
+/// unit, times the tolerance. In f64 it is 1e-4 tolerances or 2e-16 of the momentum, in f32 1.5e-2
+/// tolerances or 1e-7 of it.
 ///
-/// Its inverse, 1.2 square roots of that unit, is so near to the solution that Newton's step is the
-/// last one: it squares what is lacking.
+/// The inverse of the threshold in tolerances corresponds to 1.2 square roots of that unit. Within
+/// that distance Newton's step is the last one, because it squares the residual.
 const EXACT: f64 = 0.8192;
-/// Of the distance from which one step is enough, an iteration without progress may end at this
-/// fraction.
+/// Fraction of the distance from which one step is enough, within which an iteration without
+/// progress may end.
 const STALLED: f64 = 0.1;
-/// A momentum at a contact is at most so many times larger in the norm of the kinetic energy than
-/// at the centre of mass: for a rod of ten points at its end, twice; more need not be looked for.
+/// Bound on the ratio of the size of a momentum at a contact to that at the centre of mass, in the
+/// norm of the kinetic energy. For a rod of ten points at its end the ratio is two. Larger ratios
+/// are not considered.
 const MOST_LEVERAGE: f64 = 8.0;
-/// Evaluations after which the step is given up.
+/// Number of evaluations after which the step is abandoned.
 const LIMIT: u32 = 60;
 
-/// What the contacts do over a trial step, together.
+/// Sum of the effects of the contacts over a trial step.
 #[derive(Clone, Copy, Debug)]
 struct Sum<R: Real> {
     force: R::Vec3,
     torque: R::Vec3,
-    /// Sum of the sizes of the normal forces, N.
+    /// Sum of the magnitudes of the normal forces, N.
     normal: R,
     /// Sum of the stiffnesses of the springs over the step, N/m.
     stiffness: R,
@@ -86,7 +90,7 @@ impl<R: Real> Sum<R> {
     }
 }
 
-/// The unknowns of a trial, with what is lacking there.
+/// Unknowns of a trial, with the residual there.
 #[derive(Clone, Copy, Debug)]
 struct Place<R: Real> {
     velocity: R::Vec3,
@@ -94,7 +98,7 @@ struct Place<R: Real> {
     size: R,
 }
 
-/// Newton's step from a place.
+/// Newton's step from a set of unknowns.
 #[derive(Clone, Copy, Debug)]
 struct Base<R: Real> {
     place: Place<R>,
@@ -102,13 +106,13 @@ struct Base<R: Real> {
     turn: R::Vec3,
 }
 
-/// Solves the step: the trial, which is left in `trial`, and how it strains friction and dampers,
-/// or `None` where the iteration does not converge. Counts its work in `step`.
+/// Solves the step. Leaves the solution in `trial` and returns its strain on friction and dampers,
+/// or `None` if the iteration does not converge. The work is counted in `step`.
 ///
-/// Full steps first: with the dual unknown they pass from slip to stick and back, which a search
-/// along the line would forbid. Where they run in a circle (a spring so stiff that the step out of
-/// contact overshoots), the iteration goes back to the best trial and takes only steps that reduce
-/// what is lacking.
+/// Full steps come first. With the dual unknown they pass from slip to stick and back, which a line
+/// search would prevent. They can run in a cycle, for example if a spring is so stiff that the step
+/// out of contact overshoots. The iteration then returns to the best trial and takes only steps
+/// that reduce the residual.
 pub(super) fn solve<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
@@ -126,7 +130,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
     let is_smooth = problem.scene.body().is_smooth();
     let exact = R::EPSILON.sqrt().sqrt() * R::from_f64(EXACT);
     let close = R::ONE / exact;
-    // Of the body's own motion alone, so that a slow creep is found to rounding of itself.
+    // Scale of the body's own motion only, so that a slow creep is accurate to its own rounding.
     let close_of_own = scale.own * tolerance::<R>() * close;
     for iteration in 0..LIMIT {
         let mut sum = Sum::NONE;
@@ -155,7 +159,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
         }
         let progress = best.is_none_or(|best| here.size < best.size * R::HALF);
         // No further progress near the end: rounding is reached. In f32 the end is so far from
-        // there that a slow progress counts.
+        // rounding that slow progress counts.
         let stalls = !progress && best.is_none_or(|best| here.size > best.size * slowest::<R>());
         if stalls && here.size <= tolerance * close * R::from_f64(STALLED) + rounding {
             return Some(Strain::at(problem, contacts, trial));
@@ -172,7 +176,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
                 if share < R::EPSILON {
                     return None;
                 }
-                // The dual unknowns go on from here.
+                // The dual unknowns continue from here.
                 contacts.note_answers(problem, trial);
                 change(
                     problem,
@@ -187,16 +191,16 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
             return None;
         }
         step.iterations += 1;
-        // What would be lacking after one more step with the last derivatives, if it takes off as
-        // large a share again.
+        // Expected residual after one more step with the last derivatives, if it reduces the
+        // residual by the same factor again.
         let once_more = base.map_or(R::MAX, |base| here.size * (here.size / base.place.size));
         let enough = once_more <= tolerance * exact;
         let is_close = here.size <= tolerance * close
             && (!is_single::<R>() || scale.turns_closely(problem, torque_lack, here.size));
         let last = enough || (progress && is_close && !(is_smooth && is_single::<R>()));
         if enough {
-            // A step that is resolved is so here too; how far another one is not, is asked where it
-            // ends.
+            // A step that is resolved is resolved here too. For any other step, the strain is
+            // evaluated at its end.
             if !strain.of_step(problem).is_resolved() {
                 strain = Strain::at(problem, contacts, trial);
             }
@@ -219,7 +223,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
         if with_increments && iteration < BOLD {
             increment = Some(Increment::of(shift, turn, here.spin));
         }
-        // Newton's next step squares what is lacking: nothing is left to look at.
+        // Newton's next step squares the residual, so no further evaluation is needed.
         if last {
             return Some(strain);
         }
@@ -240,28 +244,28 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
     None
 }
 
-/// Whether one Newton's step from the distance that is close leaves errors that add up to something
-/// within thousands of steps.
+/// Returns true for single precision. One Newton step from the close distance then leaves errors
+/// that accumulate to a noticeable size within thousands of steps.
 #[inline(always)]
 pub(super) fn is_single<R: Real>() -> bool {
     R::EPSILON > R::from_f64(1e-10)
 }
 
-/// The largest part of what was lacking that may be lacking after an iteration which counts as
+/// Largest ratio of the residual after an iteration to the residual before it that counts as
 /// progress near the end.
 #[inline(always)]
 fn slowest<R: Real>() -> R {
     R::from_f64(if is_single::<R>() { 0.95 } else { 0.5 })
 }
 
-/// Of the momentum's size: 1.8e-12 in f64, 6e-6 in f32.
+/// Tolerance relative to the size of the momentum: 1.8e-12 in f64, 6e-6 in f32.
 #[inline]
 fn tolerance<R: Real>() -> R {
     let root = R::EPSILON.sqrt();
     root * root.sqrt()
 }
 
-/// The trial after a shift and a turn of the step's end.
+/// Sets the trial to the one after a shift and a rotation of the end of the step.
 #[inline]
 fn change<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
@@ -276,7 +280,7 @@ fn change<R: Real, D: Dynamics<R>>(
     problem.set(trial, velocity, a + change);
 }
 
-/// By how much the momentum balance fails.
+/// Residual of the momentum balance.
 #[inline]
 fn lack<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
@@ -304,10 +308,10 @@ fn norm<R: Real, D: Dynamics<R>>(
     (linear.length_squared() * properties.inverse_mass() + turning).sqrt()
 }
 
-/// Whether the momenta balance with the dual forces in place of the laws'.
+/// Returns true if the momenta balance with the dual forces in place of those of the laws.
 ///
-/// The duals are those of the matrix, from the step before: within the laws' limits, and right to
-/// second order.
+/// The dual forces are those of the matrix, from the step before. They are within the limits of the
+/// laws and accurate to second order.
 #[cold]
 #[inline(never)]
 fn is_close_by_dual<R: Real, D: Dynamics<R>>(
@@ -325,7 +329,7 @@ fn is_close_by_dual<R: Real, D: Dynamics<R>>(
     ) <= close
 }
 
-/// What rounding of a smooth body's surface makes of the balance, √J; 0 of other bodies.
+/// Effect of rounding of a smooth body's surface on the balance, √J; 0 for other bodies.
 #[inline]
 fn rounding_of_lever<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
@@ -340,12 +344,12 @@ fn rounding_of_lever<R: Real, D: Dynamics<R>>(
     }
 }
 
-/// What is lacking of the torque beyond what rounding of a smooth body's surface makes of it, in
-/// single precision; elsewhere all of it.
+/// Residual of the torque beyond the effect of rounding of a smooth body's surface, in single
+/// precision. In double precision, the whole residual.
 ///
-/// That rounding is along the lever's torque and does the springs' work to rounding. A residual of
-/// the same size in another direction would do much more: in f32, at a rotation of 1e-3 rad, a
-/// thousandth of the energy.
+/// That rounding is along the torque of the lever and does the work of the springs to rounding. A
+/// residual of the same size in another direction would do much more work: in f32, at a rotation of
+/// 1e-3 rad, a thousandth of the energy.
 #[inline]
 fn beyond_lever<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
@@ -363,7 +367,7 @@ fn beyond_lever<R: Real, D: Dynamics<R>>(
     torque_lack - along * part.at_most(most).at_least(-most)
 }
 
-/// Size of a shift and a turn over the step in the norm of the kinetic energy, √J.
+/// Size of a shift and a rotation over the step in the norm of the kinetic energy, √J.
 #[cold]
 #[inline(never)]
 fn size_of_motion<R: Real, D>(problem: &Problem<'_, R, D>, shift: R::Vec3, turn: R::Vec3) -> R {
@@ -371,8 +375,9 @@ fn size_of_motion<R: Real, D>(problem: &Problem<'_, R, D>, shift: R::Vec3, turn:
     (shift.length_squared() * problem.mass + turning).sqrt() * problem.per_second
 }
 
-/// Size of the momenta that balance, √J: the body's own, gravity's, the contacts', and what
-/// rounding of places makes of stiff springs and rounding of paths of strong dampers.
+/// Size of the momenta that balance, √J. It includes the body's own momentum and that of gravity
+/// and of the contacts. It also includes two rounding terms: rounding of positions times stiffness,
+/// and rounding of paths times damping.
 #[derive(Clone, Copy, Debug)]
 struct Scale<R> {
     own: R,
@@ -390,9 +395,9 @@ impl<R: Real> Scale<R> {
         }
     }
 
-    /// Whether one more step leaves no more than rounding of the angular momentum as well, where
-    /// the linear one is the larger: the square of what is lacking of their sum is to be small
-    /// against the angular one alone.
+    /// Returns true if one more step reduces the residual of the angular momentum to rounding as
+    /// well, for a larger linear momentum. The square of the total residual must be small compared
+    /// with the angular momentum alone.
     fn turns_closely<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
@@ -404,7 +409,7 @@ impl<R: Real> Scale<R> {
         angular == R::ZERO || lack * size <= angular * self.own * R::EPSILON * R::from_f64(4.0)
     }
 
-    /// What rounding of the slips makes of friction, √J, at most.
+    /// Upper bound for the effect of rounding of the slips on friction, √J.
     #[cold]
     #[inline(never)]
     fn rounding_of_slips<D: Dynamics<R>>(

@@ -1,5 +1,5 @@
-//! The equations of one implicit step: what is known at its start, a trial for its end, and the
-//! state that a trial means.
+//! The equations of one implicit step: the data at its start, a trial for its end, and the state
+//! that a trial represents.
 
 use super::block::Block;
 use crate::energy::Energy;
@@ -10,49 +10,52 @@ use crate::rotation::{Axes, Rotation};
 use crate::scene::{Dynamics, Motion};
 use crate::state::State;
 
-/// What a step knows when it begins.
+/// Data of a step at its start.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Problem<'a, R: Real, D> {
     pub(super) scene: &'a D,
     pub(super) start: State<R>,
     pub(super) rotation: Rotation<R>,
     pub(super) motion: Motion<R>,
-    /// Angular momentum without what a degenerate body cannot have (a rod, about itself).
+    /// Angular momentum without the part that a degenerate body cannot have (a rod, about its own
+    /// axis).
     pub(super) angular_momentum: R::Vec3,
-    /// The ground, where it is a plane.
+    /// The ground, if it is a plane.
     pub(super) plane: Option<Plane<R>>,
-    /// Whether it is level, all contacts are bare points of the body, and friction and dampers act.
+    /// Whether the ground is level, all contacts are bare points of the body, and friction and
+    /// dampers act.
     pub(super) is_bare: bool,
     /// Whether any contact has a radius.
     pub(super) has_radii: bool,
-    /// Without friction and dampers.
+    /// Whether friction and dampers are left out.
     pub(super) is_conservative: bool,
     pub(super) seconds: R,
     pub(super) per_second: R,
     pub(super) mass: R,
-    /// Inertia tensor at the start, world axes; a moment of 0 stands as the largest one, with no
-    /// momentum about it.
+    /// Inertia tensor at the start, world axes. A principal moment of zero is replaced by the
+    /// largest moment, and the angular momentum about that axis by zero.
     pub(super) inertia: Block<R>,
-    /// A length of the body's size, m, above 0.
+    /// Length of the size of the body, m, positive.
     pub(super) bounding_radius: R,
-    /// Size of the numbers whose difference is a contact's depth, m.
+    /// Size of the numbers whose difference is the depth of a contact, m.
     pub(super) place: R,
-    /// Of the start, J.
+    /// Kinetic energy at the start, J.
     pub(super) kinetic_energy: R,
 }
 
-/// Mean velocity and mean spin over a step: the six unknowns, and what follows from them for every
-/// contact.
+/// Mean velocity and mean spin over a step, which are the six unknowns, and the quantities that
+/// follow from them for every contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trial<R: Real> {
-    /// Mean velocity of the centre, m/s.
+    /// Mean velocity of the centre of mass, m/s.
     pub(super) velocity: R::Vec3,
-    /// Half the mean angle `a = dt ω/2`: the argument of the Cayley map.
+    /// Half the mean angle, `a = dt ω/2`: the argument of the Cayley map.
     pub(super) spin: R::Vec3,
-    /// Path of the centre, m.
+    /// Displacement of the centre of mass, m.
     pub(super) shift: R::Vec3,
-    /// What the step's turn adds to a vector: `(1 - â)⁻¹ (1 + â) - 1 = 2 (â + â²)/(1 + |a|²)`,
-    /// small where the turn is, so that nothing cancels.
+    /// Change of a vector by the rotation of the step:
+    /// `(1 - â)⁻¹ (1 + â) - 1 = 2 (â + â²)/(1 + |a|²)`. It is small if the rotation is small, so
+    /// that there is no cancellation.
     pub(super) swing: Block<R>,
     /// Velocity at the end, `2 vₘ - v`.
     pub(super) end_velocity: R::Vec3,
@@ -120,7 +123,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             },
             place: bounding_radius
                 + match plane {
-                    // On level ground the place along it does not count.
+                    // On level ground the horizontal position does not count.
                     Some(plane) if plane.normal == up => {
                         start.position.z().abs() + plane.height.abs()
                     }
@@ -130,14 +133,15 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         }
     }
 
-    /// Whether friction and dampers are left out; never for bare contacts on level ground, which is
-    /// said here so that their loops need not ask.
+    /// Returns true if friction and dampers are left out. It is never true for bare contacts on
+    /// level ground, which is stated here so that their loops need no check.
     #[inline(always)]
     fn is_without_loss(&self) -> bool {
         self.is_conservative && !self.is_bare
     }
 
-    /// What the ground gives a contact whose depth goes evenly from `start` to `end` over the step.
+    /// Mean force of the ground on a contact whose depth changes uniformly from `start` to `end`
+    /// over the step.
     #[inline(always)]
     pub(super) fn mean_force(&self, start: R, end: R) -> MeanForce<R> {
         if self.is_without_loss() {
@@ -171,7 +175,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         }
     }
 
-    /// The first trial: gravity's mean velocity, and the spin of the start.
+    /// First trial: the mean velocity under gravity, and the spin of the start.
     pub(super) fn first_trial(&self) -> Trial<R> {
         let half = self.seconds * R::HALF;
         self.trial(
@@ -180,14 +184,14 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         )
     }
 
-    /// The trial with these unknowns.
+    /// Trial with these unknowns.
     pub(super) fn trial(&self, velocity: R::Vec3, spin: R::Vec3) -> Trial<R> {
         let mut trial = Trial::NONE;
         self.set(&mut trial, velocity, spin);
         trial
     }
 
-    /// Gives a trial these unknowns, where it lies.
+    /// Sets the unknowns of a trial in place.
     #[inline(never)]
     pub(super) fn set(&self, trial: &mut Trial<R>, velocity: R::Vec3, spin: R::Vec3) {
         let swing = Block::swing(spin);
@@ -202,14 +206,14 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     }
 
     /// Rounding of a contact's path over a trial, m: some units in the last place of the two paths
-    /// that it is the sum of.
+    /// whose sum it is.
     #[inline]
     pub(super) fn rounding_of_path(&self, trial: &Trial<R>) -> R {
         let paths = trial.shift.length() + trial.spin.length() * (R::TWO * self.bounding_radius);
         paths * (R::EPSILON * R::from_f64(8.0))
     }
 
-    /// Where the body is at the end of a trial, and its axes there.
+    /// Position of the body at the end of a trial, and its axes there.
     #[inline]
     pub(super) fn place_at_end(&self, trial: &Trial<R>) -> (R::Vec3, Axes<R>) {
         let turn = Rotation::cayley_unscaled(trial.spin).after(self.rotation);
@@ -217,7 +221,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         (position, turn.normalised().axes())
     }
 
-    /// The state at the end of a trial.
+    /// State at the end of a trial.
     pub(super) fn end_of(&self, trial: &Trial<R>) -> State<R> {
         let rotation = Rotation::cayley_unscaled(trial.spin)
             .after(self.rotation)
@@ -234,7 +238,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     }
 }
 
-/// The springs of a ground alone.
+/// The springs of a ground, without its dampers.
 struct Springs<'a, G>(&'a G);
 
 impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for Springs<'_, G> {

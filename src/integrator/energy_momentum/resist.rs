@@ -1,15 +1,16 @@
-//! Impulses that only ever take energy: friction and dampers acting on a body whose place stands
-//! still.
+//! Impulses that only dissipate energy: friction and dampers acting on a body at a fixed pose.
 //!
 //! ```text
 //! (M + Σ Jᵢᵀ kᵢ Jᵢ) y' = M y        y = (v, ω),   kᵢ >= 0
 //! ```
 //!
-//! Each contact answers its new velocity `uᵢ' = Jᵢ y'` with the impulse `-kᵢ uᵢ'`: backward Euler,
-//! all contacts at once. ([`settle`](super::settle) draws it to another velocity than 0.) Whatever
-//! the resistances `kᵢ >= 0` are, the kinetic energy falls: with `K = Σ Jᵢᵀ kᵢ Jᵢ` it is
-//! `yᵀ M y - y'ᵀ M y' = 2 y'ᵀ K y' + (K y')ᵀ M⁻¹ (K y') >= 0`. So they may be fitted to limits of
-//! the impulses in a few passes, and the order of the contacts does not matter.
+//! Each contact responds to its new velocity `uᵢ' = Jᵢ y'` with the impulse `-kᵢ uᵢ'`. This is
+//! backward Euler, for all contacts at once. ([`settle`](super::end_velocity::settle) uses a target
+//! velocity other than 0.)
+//!
+//! The kinetic energy decreases for any resistances `kᵢ >= 0`. With `K = Σ Jᵢᵀ kᵢ Jᵢ`, the decrease
+//! is `yᵀ M y - y'ᵀ M y' = 2 y'ᵀ K y' + (K y')ᵀ M⁻¹ (K y') >= 0`. The resistances may therefore be
+//! fitted to limits of the impulses in a few passes, and the order of the contacts does not matter.
 
 use super::block::Block;
 use super::linear::SixBySix;
@@ -18,25 +19,25 @@ use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion};
 use crate::state::State;
 
-/// Passes that fit the resistances to their limits. Each keeps the energy from rising; more of them
-/// only share an impulse better.
+/// Number of passes that fit the resistances to their limits. No pass increases the energy. More
+/// passes only distribute an impulse better.
 const PASSES: u32 = 4;
 
-/// A contact that resists, with the largest impulses that it may give.
+/// A contact that resists, with its largest allowed impulses.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Resisting<R: Real> {
-    /// From the centre of mass to where the impulse acts, m, world axes.
+    /// From the centre of mass to the point at which the impulse acts, m, world axes.
     pub(super) place: R::Vec3,
     /// Normal of the ground, unit vector.
     pub(super) normal: R::Vec3,
-    /// Along the ground, N s.
+    /// Largest impulse along the ground, N s.
     pub(super) along: R,
-    /// Along the normal, N s.
+    /// Largest impulse along the normal, N s.
     pub(super) across: R,
 }
 
-/// The state after the contacts that `visit` hands on have resisted its velocities. `visit` is
-/// called once a pass with the motion before.
+/// Returns the state after the contacts passed by `visit` have resisted its velocities. `visit` is
+/// called once in each pass with the motion before the impulses.
 pub(super) fn resisted<R: Real, D: Dynamics<R>>(
     scene: &D,
     bounding_radius: R,
@@ -61,7 +62,8 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
 }
 
 impl<R: Real> Resisting<R> {
-    /// With the resistances that would give the limits' impulses in the motion `known`.
+    /// Adds the contact, with the resistances that would give the impulses of the limits in the
+    /// motion `known`.
     fn add_to(&self, sum: &mut Resistance<R>, motion: &Motion<R>, known: &Motion<R>) {
         let n = self.normal;
         let (before, after) = (
@@ -79,7 +81,7 @@ impl<R: Real> Resisting<R> {
     }
 }
 
-/// The equations of a pass.
+/// Equations of a pass.
 pub(super) struct Resistance<R: Real> {
     equations: SixBySix<R>,
     inertia: Block<R>,
@@ -106,9 +108,9 @@ impl<R: Real> Resistance<R> {
         }
     }
 
-    /// A place (m from the centre of mass, world axes) that resists what its velocity departs by
-    /// from the one that it is drawn to (m/s, before the impulses) with `along` and `across` the
-    /// ground (kg, at least 0).
+    /// Adds a point (m from the centre of mass, world axes) that resists the difference between its
+    /// velocity and the target velocity (`departure`, m/s, before the impulses). The resistances
+    /// `along` and `across` the ground are in kg and at least 0.
     pub(super) fn add(
         &mut self,
         place: R::Vec3,
@@ -127,9 +129,9 @@ impl<R: Real> Resistance<R> {
         self.equations.add_at(&block, place, place);
     }
 
-    /// The state after the impulses, or `None` where there are none or they cannot be had. Solved
-    /// for the change of the velocities, so that what no contact resists stays as it is to the last
-    /// place.
+    /// Returns the state after the impulses, or `None` if there are none or the equations have no
+    /// finite solution. The equations are solved for the change of the velocities. Velocities that
+    /// no contact resists therefore stay unchanged to the last place.
     pub(super) fn resisted<D: Dynamics<R>>(
         &self,
         scene: &D,
@@ -154,11 +156,12 @@ impl<R: Real> Resistance<R> {
     }
 }
 
-/// Resistance (kg) whose impulse at the speed `after` is `limit`; 0 where nothing moves or nothing
-/// may be given.
+/// Resistance (kg) whose impulse at the speed `after` is `limit`. It is 0 if the contact does not
+/// move or the limit is 0.
 fn resistance<R: Real>(limit: R, before: R, after: R) -> R {
     if limit > R::ZERO && before > R::ZERO {
-        // One that has stopped the contact keeps what holds it to a millionth of its speed.
+        // A resistance that has stopped the contact stays large enough to hold it to a millionth of
+        // its speed.
         limit / after.at_least(before * R::from_f64(1e-6))
     } else {
         R::ZERO

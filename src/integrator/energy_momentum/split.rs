@@ -1,9 +1,10 @@
-//! A step in parts, for where Newton's method does not find the whole: friction and dampers for
-//! half the step, springs and inertia for the step, friction and dampers for the other half.
+//! A step in parts, used if Newton's method does not find the whole step. Friction and dampers act
+//! for half the step, springs and inertia for the whole step, friction and dampers for the other
+//! half.
 //!
-//! The first and the last part stand still and only take energy ([`resist`](super::resist)); the
-//! middle one is the step's own solver without friction and dampers, whose equations are those of a
-//! gradient.
+//! The first and the last part act at a fixed pose and only dissipate energy
+//! ([`resist`](super::resist)). The middle part uses the solver of the whole step without friction
+//! and dampers. Its equations are those of a gradient.
 
 use super::contacts::Contacts;
 use super::newton;
@@ -18,8 +19,8 @@ use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// The step, and whether friction and dampers have done nothing in it, or `None` where its
-/// conservative part is not found either.
+/// Takes the step. Also returns whether friction and dampers have done no work in it. Returns
+/// `None` if the conservative part has no solution either.
 pub(super) fn step<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &State<R>,
@@ -43,8 +44,8 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     end.not_finite().is_none().then_some((end, is_lossless))
 }
 
-/// Friction and dampers on a body that stands still, for a time: each contact resists by what its
-/// law gives at its velocity.
+/// Applies friction and dampers to a body at a fixed pose for a time. Each contact resists with the
+/// force of its law at its velocity.
 fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
     let (ground, friction) = (scene.ground(), scene.friction());
     let bounding_radius = scene.bounding_radius().at_least(R::EPSILON);

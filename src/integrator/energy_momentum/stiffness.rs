@@ -1,8 +1,8 @@
-//! How the momentum balance of a step answers to a shift `ξ` and a turn `ϑ` of its end: the matrix
-//! of Newton's method.
+//! The matrix of Newton's method: the derivative of the momentum balance of a step with respect to
+//! a shift `ξ` and a rotation `ϑ` of its end.
 //!
-//! A contact's path changes by `ξ + ϑ × r'` (r': its arm at the end), its mean arm by `ϑ × r'/2`,
-//! and the Cayley argument by `(ϑ - a × ϑ + a (a·ϑ))/2`.
+//! A contact's path changes by `ξ + ϑ × r'` (r': its arm at the end) and its mean arm by
+//! `ϑ × r'/2`. The Cayley argument changes by `(ϑ - a × ϑ + a (a·ϑ))/2`.
 
 use super::block::Block;
 use super::contacts::Contacts;
@@ -16,8 +16,8 @@ use crate::body::RigidPointBody;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
-/// The matrix at the trial that the contacts have responded to last, and how the step strains them
-/// there.
+/// Computes the matrix at the last trial of the contacts. Returns the strain of the step on
+/// friction and dampers there.
 #[inline(always)]
 pub(super) fn equations<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
@@ -27,7 +27,7 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
 ) -> Strain<R> {
     let argument = by_turn(trial.spin);
     let (mass, inertia) = inertial(problem, trial, &argument);
-    // The mean arm turns too: (ϑ × r')/2 × F.
+    // The mean arm rotates too: (ϑ × r')/2 × F.
     let share = problem.seconds * -(R::HALF * R::HALF);
     let mut strain = Strain::NONE;
     if problem.is_bare {
@@ -53,7 +53,8 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
             );
             equations.add_swing(push.end_arm, push.force * share);
         });
-        // Without it the iteration converges, but not as a square: in f64 to rounding all the same.
+        // Without this term the iteration converges, but not quadratically. In f64 it still reaches
+        // rounding.
         if is_smooth && is_single::<R>() {
             equations.add_turning(&contacts.torque_over_surface(problem, trial, share));
         }
@@ -80,7 +81,7 @@ fn add_anywhere<R: Real, D: Dynamics<R>>(
     let path = of_path(problem, push, answer);
     let mut turn = path.map(|row| push.end_arm.cross(row));
     if problem.has_radii {
-        // The Cayley argument's change carries the place under a contact's centre.
+        // The change of the Cayley argument moves the point below the centre of a contact.
         let carried = argument.crossed_by(push.normal * push.radius);
         for (turn, row) in turn.iter_mut().zip(path) {
             *turn += R::Vec3::new(carried.x.dot(row), carried.y.dot(row), carried.z.dot(row));
@@ -92,8 +93,8 @@ fn add_anywhere<R: Real, D: Dynamics<R>>(
     equations.add(path, turn, push.arm);
 }
 
-/// Corrects the rows of a smooth body, whose contact at the end is another point of its surface: a
-/// turn changes its path along the ground by `path_by_turn`.
+/// Corrects the rows of a smooth body, whose contact at the end is another point of its surface. A
+/// rotation changes its path along the ground by `path_by_turn`.
 fn move_over_surface<R: Real>(
     push: &Push<R>,
     path_by_turn: &Block<R>,
@@ -108,7 +109,8 @@ fn move_over_surface<R: Real>(
     }
 }
 
-/// `1 - â + a aᵀ`: twice the change of the Cayley argument by a turn of the step's end.
+/// `1 - â + a aᵀ`: twice the derivative of the Cayley argument with respect to a rotation of the
+/// end of the step.
 #[inline]
 fn by_turn<R: Real>(a: R::Vec3) -> Block<R> {
     Block::diagonal(R::ONE)
@@ -131,7 +133,7 @@ fn inertial<R: Real, D>(
     (problem.mass * problem.per_second, mean.plus(&turned))
 }
 
-/// Rows of `-dt/2 dF/dx` of one contact for its path x over the step: of
+/// Rows of `-dt/2 dF/dx` of one contact for its path x over the step, that is of
 /// `dt/2 (k (n - uₙ) nᵀ + c/dt (1 - n nᵀ - w' g ûᵀ))`.
 #[inline(always)]
 fn of_path<R: Real, D>(
@@ -152,7 +154,8 @@ fn of_path<R: Real, D>(
     ]
 }
 
-/// The same on level ground: n is the third axis, and nothing slides along it.
+/// Derivative of the force as in [`of_path`], on level ground: n is the third axis, and no slip
+/// occurs along it.
 #[inline(always)]
 fn of_level_path<R: Real, D>(
     problem: &Problem<'_, R, D>,

@@ -1,4 +1,4 @@
-//! One contact of an implicit step: its path over a trial step, and the force that goes with it.
+//! One contact of an implicit step: its path over a trial step, and the corresponding force.
 
 use super::block::Block;
 use super::newton::is_single;
@@ -14,70 +14,71 @@ use crate::scene::{Dynamics, facing_ground};
 pub(super) struct Touch<R: Real> {
     /// From the centre of mass to the contact's centre at the start of the step, m.
     pub(super) arm: R::Vec3,
-    /// What it did over the last trial step.
+    /// Motion and force of the contact over the last trial step.
     pub(super) push: Push<R>,
-    /// Where Newton's matrix was last made; not so far, where the step has just begun.
+    /// Dual unknown where Newton's matrix was last computed. `None` at the beginning of a step.
     pub(super) dual: Option<Dual<R>>,
 }
 
-/// Newton's dual unknown of a contact, and the slip that it was found at.
+/// Newton's dual unknown of a contact, and the slip at which it was computed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Dual<R: Real> {
-    /// The friction's direction over its limit, at most of length 1.
+    /// Friction divided by its limit, a vector of length at most 1.
     direction: R::Vec3,
-    /// m/s.
+    /// Slip, m/s.
     slip: R::Vec3,
-    /// Of the friction's [`FrictionJacobian`].
+    /// Width and growth of the friction's [`FrictionJacobian`].
     width: R,
     growth: R,
 }
 
-/// What a contact does over a trial step.
+/// Motion and force of a contact over a trial step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Push<R: Real> {
     /// Unit vector out of the ground.
     pub(super) normal: R::Vec3,
     pub(super) mean: MeanForce<R>,
-    /// The normal force and friction together, N.
+    /// Sum of the normal force and friction, N.
     pub(super) force: R::Vec3,
     /// Mean slip, m/s.
     pub(super) slip: R::Vec3,
-    /// From the centre of mass to where the mean force acts, m.
+    /// From the centre of mass to the point at which the mean force acts, m.
     pub(super) arm: R::Vec3,
     /// From the centre of mass to the contact's centre at the end of the step, m.
     pub(super) end_arm: R::Vec3,
-    /// At the start of the step, m; negative above ground.
+    /// Penetration depth at the start of the step, m; negative above ground.
     pub(super) depth: R,
-    /// m; negative above ground.
+    /// Penetration depth at the end of the step, m; negative above ground.
     pub(super) end_depth: R,
     pub(super) radius: R,
-    /// Of a place of a rim: how many contacts it stands for.
+    /// Number of contacts that a point of a rim represents.
     pub(super) weight: R,
 }
 
-/// How friction at a contact answers to its slip.
+/// Response of friction at a contact to its slip.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Answer<R: Real> {
     pub(super) drag: FrictionJacobian<R>,
-    /// Newton's dual unknown: the friction's direction over its limit, at most of length 1.
+    /// Newton's dual unknown: friction divided by its limit, a vector of length at most 1.
     pub(super) dual: R::Vec3,
     /// Unit vector along the slip, or 0.
     pub(super) slip_direction: R::Vec3,
 }
 
-/// What a step of Newton's adds to the path of every contact.
+/// Contribution of a Newton step to the path of every contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Increment<R: Real> {
     /// Shift of the step's end, m.
     shift: R::Vec3,
-    /// Turn of the step's end, rad.
+    /// Rotation of the step's end, rad.
     turn: R::Vec3,
     /// Twice the change of the Cayley argument.
     twist: R::Vec3,
 }
 
 impl<R: Real> Increment<R> {
-    /// Creates it from a shift and a turn of the step's end, for a trial with this spin.
+    /// Creates the increment from a shift and a rotation of the step's end, for a trial with this
+    /// spin.
     pub(super) fn of(shift: R::Vec3, turn: R::Vec3, spin: R::Vec3) -> Self {
         Self {
             shift,
@@ -88,7 +89,7 @@ impl<R: Real> Increment<R> {
 }
 
 impl<R: Real> Push<R> {
-    /// All zeros, so that a workspace in a `static` takes no place in a program's image.
+    /// All zeros, so that a workspace in a `static` takes no space in a program's image.
     const NONE: Self = Self {
         normal: R::Vec3::ZERO,
         mean: MeanForce::NONE,
@@ -102,14 +103,14 @@ impl<R: Real> Push<R> {
         weight: R::ZERO,
     };
 
-    /// Whether there is a force, or would be one a little deeper.
+    /// Returns true if there is a force, or would be one slightly deeper.
     #[inline]
     pub(super) fn is_felt(&self) -> bool {
         self.mean.force > R::ZERO || self.mean.slope > R::ZERO
     }
 
-    /// How many contacts it stands for, and how many that is for one: both 1 where the body has no
-    /// rim.
+    /// Number of contacts that the point represents, and its inverse. `None` if the body has no
+    /// rim: both are then 1.
     #[inline]
     fn weights<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Option<[R; 2]> {
         (!problem.scene.body().rims().is_empty()).then(|| [self.weight, R::ONE / self.weight])
@@ -141,7 +142,7 @@ impl<R: Real> Push<R> {
         }
     }
 
-    /// Derivative of one point's friction with respect to the size of the slip, N s/m.
+    /// Derivative of the friction of one point with respect to the magnitude of the slip, N s/m.
     fn friction_slope<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> R {
         let drag = self.jacobian(problem, self.slip);
         let steepness = R::ONE - drag.growth * (self.slip.length() / drag.width);
@@ -197,8 +198,8 @@ impl<R: Real> Touch<R> {
         }
     }
 
-    /// Works out what a bare contact on level ground does over a trial step, and whether that is
-    /// felt.
+    /// Computes motion and force of a bare contact on level ground over a trial step. Returns true
+    /// if there is a force.
     #[inline(always)]
     pub(super) fn respond_on_level<D: Dynamics<R>>(
         &mut self,
@@ -223,7 +224,8 @@ impl<R: Real> Touch<R> {
         true
     }
 
-    /// The same for a contact of any kind on any ground.
+    /// Computes motion and force of a contact of any kind on any ground. Returns the torque
+    /// correction of a smooth body.
     #[inline(never)]
     pub(super) fn respond<D: Dynamics<R>>(
         &mut self,
@@ -254,7 +256,8 @@ impl<R: Real> Touch<R> {
             let path = trial.shift + trial.spin.cross(arm) * R::TWO;
             along = path - normal * normal.dot(path);
         } else if radius > R::ZERO {
-            // The contact's place lies a radius below its centre and is carried round by the turn.
+            // The contact point is a radius below the centre of the contact and is carried along by
+            // the rotation.
             arm -= normal * radius;
             along -= trial.spin.cross(normal) * (radius * R::TWO);
         }
@@ -263,10 +266,12 @@ impl<R: Real> Touch<R> {
         lever
     }
 
-    /// The same, with a slip that continues from the last one by what Newton's step adds to it.
+    /// Computes motion and force like [`respond`](Self::respond), with a slip that continues from
+    /// the last one by the increment of Newton's step.
     ///
-    /// It is kept where it agrees with the difference of velocities to rounding: it has the same
-    /// error in each iteration, so that the friction of a slip far below that rounding is found.
+    /// The slip is kept if it agrees with the difference of velocities to rounding. It has the same
+    /// error in each iteration. The friction of a slip far below that rounding is therefore
+    /// determined.
     pub(super) fn respond_by_increment<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
@@ -310,14 +315,14 @@ impl<R: Real> Touch<R> {
         self.push.friction(problem, slip)
     }
 
-    /// The normal along which the force does the springs' work, and the depth at the end, for a
+    /// Normal along which the force does the work of the springs, and the depth at the end, for a
     /// contact whose centre moves by `moved`.
     #[inline]
     fn fall<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>, moved: R::Vec3) -> (R::Vec3, R) {
         if let Some(plane) = &problem.plane {
             return (plane.normal, self.push.depth - plane.normal.dot(moved));
         }
-        // A curved ground: Gonzalez's discrete gradient, so that force times path is the change of
+        // Curved ground: Gonzalez's discrete gradient, so that normal times path is the change of
         // depth.
         let ground = problem.scene.ground();
         let start = problem.motion.position + self.arm;
@@ -332,12 +337,12 @@ impl<R: Real> Touch<R> {
         }
     }
 
-    /// Derivative of a smooth body's path along the ground with respect to a turn of the step's
+    /// Derivative of a smooth body's path along the ground with respect to a rotation of the step's
     /// end, m.
     ///
-    /// The path is `2a × (r + r')/2`. A turn ϑ changes 2a by `argument ϑ`, carries the point r'
-    /// along (`ϑ × r'`) and moves it over the surface, which is told by points in two nearby
-    /// directions.
+    /// The path is `2a × (r + r')/2`. A rotation ϑ changes 2a by `argument ϑ`, carries the point r'
+    /// along (`ϑ × r'`) and moves it over the surface. The last contribution is computed from
+    /// points in two nearby directions.
     pub(super) fn path_by_turn<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
@@ -353,8 +358,8 @@ impl<R: Real> Touch<R> {
         carried.plus(&turned).plus(&over[0]).plus(&over[1])
     }
 
-    /// How a turn ϑ of the step's end moves a smooth body's point over its surface: by `moved`
-    /// times `turn · ϑ`, for each of the two pairs, m.
+    /// Displacement of a smooth body's contact point over its surface by a rotation ϑ of the step's
+    /// end: `moved` times `turn · ϑ`, for each of the two pairs, m.
     pub(super) fn over_surface<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
@@ -375,7 +380,7 @@ impl<R: Real> Touch<R> {
         })
     }
 
-    /// How friction answers at the last trial step.
+    /// Computes the response of friction at the last trial step.
     #[inline(always)]
     pub(super) fn answer<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Answer<R> {
         let (push, slip) = (&self.push, self.push.slip);
@@ -387,7 +392,7 @@ impl<R: Real> Touch<R> {
         }
     }
 
-    /// Friction's dual force minus the law's at the last trial, N.
+    /// Dual force of friction minus the force of the law at the last trial, N.
     pub(super) fn dual_excess<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> R::Vec3 {
         let push = &self.push;
         let Some(dual) = &self.dual else {
@@ -397,7 +402,7 @@ impl<R: Real> Touch<R> {
         (push.slip - dual.direction * drag.width) * drag.coefficient
     }
 
-    /// Keeps what the next answer is found from.
+    /// Stores the data from which the next dual unknown is computed.
     #[inline(always)]
     pub(super) fn remember(&mut self, answer: &Answer<R>) {
         self.dual = Some(Dual {
@@ -408,14 +413,14 @@ impl<R: Real> Touch<R> {
         });
     }
 
-    /// The dual after Newton's step from the last answer's slip u to this one's u':
-    /// `(u' - w' g (û·(u' - u)))/w`, on the unit disc (Chan, Golub & Mulet 1999).
+    /// Dual unknown after Newton's step from the last slip u to the current slip u':
+    /// `(u' - w' g (û·(u' - u)))/w`, projected on the unit disc (Chan, Golub & Mulet 1999).
     #[inline]
     fn next_dual<D>(&self, problem: &Problem<'_, R, D>, drag: &FrictionJacobian<R>) -> R::Vec3 {
         let slip = self.push.slip;
         let Some(last) = &self.dual else {
-            // A slide that the step can hardly brake begins with Newton's own derivative; one that
-            // it can stop, with stick.
+            // A slide that the step can hardly brake begins with Newton's own derivative. A slide
+            // that it can stop begins with stick.
             let slides = drag.coefficient * problem.seconds < problem.mass * R::from_f64(0.1);
             return if slides {
                 slip * (R::ONE / drag.width)
@@ -434,7 +439,7 @@ impl<R: Real> Touch<R> {
     }
 }
 
-/// From the centre of mass to the place of a smooth body that faces the ground at the end of a
+/// From the centre of mass to the point of a smooth body that faces the ground at the end of a
 /// trial step, m, world axes.
 #[inline]
 fn wandered<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<R>) -> R::Vec3 {
@@ -444,25 +449,28 @@ fn wandered<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<
     axes.to_world(facing.position)
 }
 
-/// Torque that a smooth body's normal force needs beside that of the mean arm, over the force, m.
+/// Torque that a smooth body's normal force needs in addition to that of the mean arm, divided by
+/// the force, m.
 ///
-/// With the step's turn `2a` the force does the springs' work if
-/// `normal · (2a × arm) = normal · swung`. The mean of the arms at start and end does so but for
-/// terms of third order in the turn, because at its own point the surface moves like the body's
-/// material. The missing work is done by a torque along the part of the turn across the normal,
-/// where that is not too small to divide by.
+/// With the step's rotation `2a`, the force does the work of the springs if
+/// `normal · (2a × arm) = normal · swung`, where `swung` is the change of the arm. The mean of the
+/// arms at start and end satisfies this, except for terms of third order in the rotation. The
+/// reason is that at the contact point the surface moves like the material of the body. The missing
+/// work is done by a torque along the part of the rotation across the normal, if that part is not
+/// too small to divide by.
 ///
 /// In single precision, a torque whose size is within its rounding is left out, but its rounding is
-/// known: a neighbouring trial may have it. A torque that is well above rounding counts up to the
-/// mean arm's length: on a flat or long body the point moves by much more than the turn.
+/// stored, because a neighbouring trial may include the torque. A torque well above rounding is
+/// used up to the length of the mean arm. On a flat or long body the point moves by much more than
+/// the rotation.
 ///
-/// Friction acts at the mean arm, where its slip is measured. An arm that is corrected in place of
-/// the torque would add the rounding of the division to the slip, which stick multiplies by
+/// Friction acts at the mean arm, where its slip is measured. A correction of the arm in place of
+/// the torque would add the rounding of the division to the slip. Stick multiplies that rounding by
 /// `μ N/ε`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lever<R: Real> {
     pub(super) torque: R::Vec3,
-    /// The part of it that is rounding of the surface's points.
+    /// Part of the torque that is rounding of the points of the surface.
     pub(super) rounding: R::Vec3,
 }
 
@@ -499,27 +507,27 @@ impl<R: Real> Lever<R> {
     }
 }
 
-/// A place of a rim where friction reverses, between the points on either side.
+/// A point of a rim at which friction reverses, between the points on either side.
 ///
-/// A shift `δ` of the slip moves that place by `δ/u'`, where `u'` is the slope of the slip along
-/// the rim. The points move with it and keep their friction, which is far from its reversal: their
-/// own derivatives know nothing of it. The friction that changes sides is `2 μ p δ/u'`, with `p`
-/// the load per length. The difference of the frictions on both sides over that of the slips gives
-/// it for any law.
+/// A shift `δ` of the slip moves that point by `δ/u'`, where `u'` is the slope of the slip along
+/// the rim. The neighbouring points move with the rim and keep their friction, which is far from
+/// its reversal. Their own derivatives therefore do not contain the reversal. The friction that
+/// changes its sign is `2 μ p δ/u'`, with `p` the load per length. For any law it follows from the
+/// difference of the frictions on both sides divided by that of the slips.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reversal<R: Real> {
-    /// From the centre of mass, mean over the step, m.
+    /// Lever arm from the centre of mass, mean over the step, m.
     pub(super) arm: R::Vec3,
-    /// At the end of the step, m.
+    /// Lever arm at the end of the step, m.
     pub(super) end_arm: R::Vec3,
     /// Direction in which the slip changes along the rim, unit vector.
     pub(super) direction: R::Vec3,
-    /// Resistance to a slip in that direction, without that of the points themselves, N s/m.
+    /// Resistance to a slip in that direction, excluding that of the points themselves, N s/m.
     pub(super) coefficient: R,
 }
 
 impl<R: Real> Reversal<R> {
-    /// Creates it for two neighbouring points, if their slips are opposite.
+    /// Creates the reversal for two neighbouring points if their slips are opposite.
     pub(super) fn between<D: Dynamics<R>>(
         problem: &Problem<'_, R, D>,
         [left, right]: [&Touch<R>; 2],
@@ -545,7 +553,7 @@ impl<R: Real> Reversal<R> {
     }
 }
 
-/// A unit vector at right angles to one.
+/// A unit vector at right angles to the given one.
 fn any_across<R: Real>(normal: R::Vec3) -> R::Vec3 {
     let o = R::ZERO;
     let other = if normal.x().abs() < R::HALF {
@@ -556,7 +564,7 @@ fn any_across<R: Real>(normal: R::Vec3) -> R::Vec3 {
     direction::<R>(normal.cross(other))
 }
 
-/// The unit vector along `slip`, or 0.
+/// Unit vector along `slip`, or 0.
 #[inline]
 fn direction<R: Real>(slip: R::Vec3) -> R::Vec3 {
     let speed = slip.length();

@@ -1,14 +1,14 @@
-//! Resistance to rolling and spinning, on a body that stands still: half of it before a step, half
-//! of it after.
+//! Resistance to rolling and spinning at a fixed pose: half of it before a step, half of it after.
 //!
 //! ```text
 //! (I + h Σ K) ω' = I ω,     K = k_r (1 - n nᵀ) + k_d n nᵀ,     k_r, k_d >= 0
 //! ```
 //!
-//! Backward Euler, all contacts at once; the resistances `k` fit the law at ω' after a few passes.
-//! Whatever they are, the energy of turning falls, by `h (2 ω'ᵀ Σ K ω' + ...)/2`, as for the
-//! impulses of [`resist`](super::resist). Rounding has the last word: where the computed energy is
-//! not lower, nothing is done.
+//! This is backward Euler, for all contacts at once. `k_r` and `k_d` are the resistances to rolling
+//! and to spinning, which fit the law at ω' after a few passes. For any `k_r, k_d >= 0` the
+//! rotational energy decreases, by `h (2 ω'ᵀ Σ K ω' + ...)/2`, as for the impulses of
+//! [`resist`](super::resist). If the computed energy is not lower because of rounding, the state is
+//! not changed.
 
 use super::{motion_of, visit_contacts};
 use crate::energy::Energy;
@@ -18,15 +18,15 @@ use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Motion};
 use crate::state::State;
 
-/// Passes that fit the resistances to the law. Each keeps the energy from rising.
+/// Number of passes that fit the resistances to the law. No pass increases the energy.
 const PASSES: u32 = 6;
 
-/// What one contact's law takes of the angular momentum in a time, h times its torque: the columns
-/// of `h K`, and `h K ω`.
+/// Effect of one contact's law on the angular momentum in a time h: the columns of `h K`. The
+/// change is h times the torque, `h K ω`.
 type Columns<R> = [<R as Real>::Vec3; 3];
 
-/// The state and its energy after its contacts have resisted its turning for a time (s); as they
-/// were for a friction law without resistance.
+/// Applies the resistance of the contacts to rotation for a time (s) to the state and its energy.
+/// Both stay unchanged if the friction law has no such resistance.
 #[inline]
 pub(super) fn resisted<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -71,7 +71,7 @@ fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> S
     }
 }
 
-/// `h Σ K` for contacts that resist as they do at an angular velocity.
+/// `h Σ K` for contacts with the resistance that they have at an angular velocity.
 fn resistance<R: Real, D: Dynamics<R>>(
     scene: &D,
     motion: &Motion<R>,
@@ -119,7 +119,7 @@ fn times<R: Real>([x, y, z]: &Columns<R>, v: R::Vec3) -> R::Vec3 {
     *x * v.x() + *y * v.y() + *z * v.z()
 }
 
-/// The solution of three equations by Cramer's rule; the matrix is positive definite.
+/// Solves three equations by Cramer's rule. The matrix is positive definite.
 fn solved<R: Real>([x, y, z]: Columns<R>, b: R::Vec3) -> R::Vec3 {
     let normal = y.cross(z);
     let per = R::ONE / x.dot(normal);
