@@ -189,17 +189,17 @@ fn measure(name: &str, start: &Start, single: bool, whole: bool) {
         "\n## {name}: {} s, {} points\n",
         start.seconds, start.points
     );
-    let trade = match start.trade(&settings, single) {
-        Ok(trade) => trade,
+    let curve = match start.curve(&settings, single) {
+        Ok(curve) => curve,
         Err(error) => {
             println!("no reference: {error}");
             return;
         }
     };
-    print!("{trade}");
-    println!("the reference is good to {:.0e} m", trade.resolution);
+    print!("{curve}");
+    println!("the reference is good to {:.0e} m", curve.resolution);
     for error in [1e-2, 1e-4, 1e-6, 1e-8] {
-        if let Some(row) = trade.cheapest(error) {
+        if let Some(row) = curve.cheapest(error) {
             let micros = row.time.as_secs_f64() * 1e6;
             println!("cheapest for {error:e} m: {}, {micros:.1} µs", row.setting);
         }
@@ -207,7 +207,7 @@ fn measure(name: &str, start: &Start, single: bool, whole: bool) {
     if whole {
         let file = name.replace(' ', "_");
         let title = format!("{name}: error after {} s over cost", start.seconds);
-        picture::write(&trade, &title, &folder(), &file).unwrap();
+        picture::write(&curve, &title, &folder(), &file).unwrap();
     }
 }
 

@@ -1,4 +1,4 @@
-//! The trade of error against cost, measured by the library.
+//! Error against cost, measured by the library.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]

@@ -49,11 +49,11 @@ pub(crate) fn run(wanted: &str, folder: &Path) -> Result<(), Box<dyn Error>> {
         match combination.start.measured() {
             Ok(measured) => {
                 for single in [false, true] {
-                    let trade = try_all(&measured, single);
+                    let curve = try_all(&measured, single);
                     let place = combination.place(single);
-                    bar.suspend(|| print_line(&place, &trade));
-                    write_rows(&mut rows, &place, &trade)?;
-                    write_cheapest(&mut cheapest, &place, &trade)?;
+                    bar.suspend(|| print_line(&place, &curve));
+                    write_rows(&mut rows, &place, &curve)?;
+                    write_cheapest(&mut cheapest, &place, &curve)?;
                 }
             }
             Err(error) => {
@@ -162,9 +162,9 @@ fn is_long(row: &Row) -> bool {
 }
 
 /// The cheapest setting for an error, where the reference can tell.
-fn cheapest(trade: &WorkPrecision, error: f64) -> Option<&Row> {
-    (trade.resolution <= error)
-        .then(|| trade.cheapest(error))
+fn cheapest(curve: &WorkPrecision, error: f64) -> Option<&Row> {
+    (curve.resolution <= error)
+        .then(|| curve.cheapest(error))
         .flatten()
 }
 
@@ -183,15 +183,15 @@ fn print_head(combination: &Combination) {
     );
 }
 
-fn print_line(place: &[String], trade: &WorkPrecision) {
+fn print_line(place: &[String], curve: &WorkPrecision) {
     print!("| {} |", place[1..].join(" | "));
     for error in ERRORS {
-        match cheapest(trade, error) {
+        match cheapest(curve, error) {
             Some(row) => print!(" {}, {:.0} µs |", row.setting, micros(row)),
             None => print!(" - |"),
         }
     }
-    println!(" {:.0e} m |", trade.resolution);
+    println!(" {:.0e} m |", curve.resolution);
 }
 
 fn micros(row: &Row) -> f64 {
@@ -211,9 +211,9 @@ fn csv_file(path: &Path, columns: &str) -> Result<File, Box<dyn Error>> {
     Ok(file)
 }
 
-fn write_rows(file: &mut File, place: &[String], trade: &WorkPrecision) -> std::io::Result<()> {
+fn write_rows(file: &mut File, place: &[String], curve: &WorkPrecision) -> std::io::Result<()> {
     let place = place.join(",");
-    for row in &trade.rows {
+    for row in &curve.rows {
         let Setting {
             method, parameter, ..
         } = row.setting;
@@ -228,18 +228,18 @@ fn write_rows(file: &mut File, place: &[String], trade: &WorkPrecision) -> std::
             row.steps,
             row.rejected,
             row.energy_rise,
-            trade.resolution,
+            curve.resolution,
             failure.unwrap_or_default()
         )?;
     }
     Ok(())
 }
 
-fn write_cheapest(file: &mut File, place: &[String], trade: &WorkPrecision) -> std::io::Result<()> {
+fn write_cheapest(file: &mut File, place: &[String], curve: &WorkPrecision) -> std::io::Result<()> {
     let place = place.join(",");
     for error in ERRORS {
-        let Some(row) = cheapest(trade, error) else {
-            writeln!(file, "{place},{error:e},,,,,{:e}", trade.resolution)?;
+        let Some(row) = cheapest(curve, error) else {
+            writeln!(file, "{place},{error:e},,,,,{:e}", curve.resolution)?;
             continue;
         };
         let Setting {
@@ -251,7 +251,7 @@ fn write_cheapest(file: &mut File, place: &[String], trade: &WorkPrecision) -> s
             method.name(),
             row.error,
             micros(row),
-            trade.resolution
+            curve.resolution
         )?;
     }
     Ok(())

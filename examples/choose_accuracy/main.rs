@@ -50,15 +50,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         print!("{HELP}");
         return Ok(());
     };
-    let trade = measure(&options)?;
+    let curve = measure(&options)?;
     let start = &options.start;
     println!(
         "{}, {} s, {} points\n",
         start.name, start.seconds, start.points
     );
-    print!("{trade}");
-    println!("\nthe reference is good to {:.0e} m", trade.resolution);
-    match trade.cheapest(options.error) {
+    print!("{curve}");
+    println!("\nthe reference is good to {:.0e} m", curve.resolution);
+    match curve.cheapest(options.error) {
         Some(row) => println!(
             "cheapest for {:.0e} m: {}, {:.1e} m in {:.1} µs",
             options.error,
@@ -69,7 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         None => println!("no setting has an error of {:.0e} m or less", options.error),
     }
     let title = format!("{}: error after {} s over cost", start.name, start.seconds);
-    picture::write(&trade, &title, &options.out, "work_precision")?;
+    picture::write(&curve, &title, &options.out, "work_precision")?;
     println!(
         "picture: {}",
         options.out.join("work_precision.svg").display()
@@ -92,7 +92,7 @@ fn measure(options: &Options) -> Result<WorkPrecision, Box<dyn Error>> {
                 }
         });
     }
-    options.start.trade(&settings, options.single)
+    options.start.curve(&settings, options.single)
 }
 
 /// `None` where help is asked for.

@@ -22,13 +22,13 @@ const COLOURS: [(Method, &str); 8] = [
 
 /// Writes `name`.svg and `name`.png into a folder.
 pub(crate) fn write(
-    trade: &WorkPrecision,
+    curve: &WorkPrecision,
     title: &str,
     folder: &Path,
     name: &str,
 ) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
-    let scene = scene(trade, title);
+    let scene = scene(curve, title);
     fs::write(folder.join(name).with_extension("svg"), svg(&scene))?;
     let png = PngBackend::new().with_scale(2.0).render_scene(&scene)?;
     fs::write(folder.join(name).with_extension("png"), png)?;
@@ -42,10 +42,10 @@ fn svg(scene: &Scene) -> String {
     text.replacen("<svg ", &view_box, 1)
 }
 
-fn scene(trade: &WorkPrecision, title: &str) -> Scene {
+fn scene(curve: &WorkPrecision, title: &str) -> Scene {
     let mut plots = Vec::new();
     for (method, colour) in COLOURS {
-        let places: Vec<(f64, f64)> = (trade.rows.iter())
+        let places: Vec<(f64, f64)> = (curve.rows.iter())
             .filter(|row| row.setting.method == method && says_something(row))
             .map(|row| (row.time.as_secs_f64() * 1e6, row.error))
             .collect();

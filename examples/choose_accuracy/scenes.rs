@@ -1,4 +1,4 @@
-//! The scenes of the trade: coins that roll, fall over, bounce and rest.
+//! The scenes of the work-precision measurement: coins that roll, fall over, bounce and rest.
 
 use core::error::Error;
 
@@ -103,7 +103,7 @@ impl Start {
     }
 
     /// Error and cost in double precision, and in single precision against the same reference.
-    pub(crate) fn trade(
+    pub(crate) fn curve(
         &self,
         settings: &[Setting],
         single: bool,
