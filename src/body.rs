@@ -8,7 +8,7 @@
 //! | [`Disc`], thin ring or solid | the whole circle of its rim | normal along x | [`tilt`](Disc::tilt), [`face_up`](Disc::face_up) |
 //! | [`SolidCoin`] | the points of two rims | normal along x | [`tilt`](SolidCoin::tilt), [`face_up`](SolidCoin::face_up): heads, tails or edge |
 //! | [`Sphere`], solid, hollow or loaded | one ball | any | |
-//! | [`Cuboid`], sharp or rounded, also loaded | eight corners, bare or balls | along the edges | [`side_up`](Cuboid::face_up), [`pips`](CuboidFace::pips) |
+//! | [`Cuboid`], sharp or rounded, also loaded | eight corners, bare or balls | along the edges | [`face_up`](Cuboid::face_up), [`pips`](CuboidFace::pips) |
 //! | [`Ellipsoid`], also loaded: an egg | one, which moves over its surface | axes along x, y, z | |
 //! | [`Capsule`] | two balls | axis along z | |
 //! | [`Cone`] | its tip and the points of its rim | axis along z | |

@@ -92,7 +92,7 @@
 //! | G6 | No standard library, no allocation, no panic. | `.ci/no_std.sh` (linked with nothing to panic with), `.ci/embedded.sh` (no panic in the image of a microcontroller), `tests/downstream/tests/no_allocation.rs` |
 //! | G7 | Same input, same bits, on every machine that follows IEEE 754: `+ - * /` and square root in one order, all else from `libm` or, for `f32`, from the crate, no fused operations. | [`real`], by construction; `tests/bits.rs`, stored hashes of every integrator and law, on any machine and profile; `.ci/targets.sh`, the same hashes on other processors; `tests/symmetry.rs` |
 //! | G8 | Invalid input returns a typed error that names quantity, rule and value. A step that cannot go on, or a law that breaks its contract, keeps the last valid state. | `tests/bad_input.rs`, a test a parameter |
-//! | G9 | [`State`] is plain data: saved, loaded or sent elsewhere, a run goes on with the same bits. | `tests/symmetry.rs` |
+//! | G9 | [`State`] is plain data: a run from a saved and loaded state has the same bits, and so has a saved [`Session`] that is resumed. | `tests/symmetry.rs` |
 //! | G10 | Your own body, ground, friction law or integrator is as good as a built-in one, and can be checked. | `tests/downstream`, `tests/contract.rs` |
 //!
 //! # Integrators
