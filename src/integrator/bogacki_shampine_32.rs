@@ -18,9 +18,9 @@ use crate::state::State;
 /// For tight tolerances use [`DormandPrince54`](crate::DormandPrince54).
 ///
 /// *Error:* 0.17 to 7.1 tolerances in trials 1, 3, 5 and 8 of the coin report, for tolerances of
-/// 1e-3 to 1e-9 m. The slip speed is 1e-3 m/s, and the motion lasts up to 1 s. `tests/adaptive.rs`
-/// prints the errors. After longer times the error depends on how the motion amplifies it (see the
-/// guide).
+/// 1e-3 to 1e-9 m. The slip speed is 1e-3 m/s, and the motion lasts up to 1 s.
+/// `tests/physics/adaptive.rs` prints the errors. After longer times the error depends on how the
+/// motion amplifies it (see the guide).
 ///
 /// *May add energy* by the size of its error.
 ///

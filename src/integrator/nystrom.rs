@@ -75,7 +75,7 @@ use crate::state::State;
 /// between both ends of the step. It corrects the end of the step by it, which gives order 2
 /// through touch-downs.
 ///
-/// In trial 1 of the coin report, with 150 touch-downs in a second (`tests/truth.rs`):
+/// In trial 1 of the coin report, with 150 touch-downs in a second (`tests/physics/truth.rs`):
 ///
 /// | step size | error |
 /// |---|---|

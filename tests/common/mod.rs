@@ -1,6 +1,6 @@
 //! What several test files share: the report's own loop, and the tables in `tests/data`.
 
-// Each test file uses another part of it.
+// Each test program uses another part of it.
 #![allow(dead_code)]
 // A test helper that cannot go on ends its test.
 #![allow(clippy::unwrap_used, clippy::panic)]

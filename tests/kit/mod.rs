@@ -1,7 +1,7 @@
 //! What the property tests share: ranges of input, bodies of several kinds, the integrators one
 //! after another.
 
-// Each test file uses another part of it.
+// Each test program uses another part of it.
 #![allow(dead_code, unused_imports, unused_macros)]
 // A test helper that cannot go on ends its test.
 #![allow(clippy::unwrap_used)]

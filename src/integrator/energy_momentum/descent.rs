@@ -69,7 +69,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
 
 /// A step may be refused if its free motion exceeds this number of body sizes. Rounding hides the
 /// body much earlier, from 4.5e15 sizes in f64 and 1e7 in f32. Up to this limit such steps still
-/// end at a lower energy, as `tests/extremes.rs` shows.
+/// end at a lower energy, as `tests/limits/extremes.rs` shows.
 const FARTHEST: f64 = 1e25;
 
 /// Returns true if free motion for this time goes so far that rounding hides its end.

@@ -9,10 +9,8 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
-use common::methods::{METHODS, Method, Setup, convergence, method};
-use common::report_loop::{self, ReportLoop, ReportTrial};
+use crate::common::methods::{METHODS, Method, Setup, convergence, method};
+use crate::common::report_loop::{self, ReportLoop, ReportTrial};
 use core::f64::consts::TAU;
 use core::ops::ControlFlow;
 use std::sync::OnceLock;

@@ -7,9 +7,9 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-mod kit;
-
-use kit::{AnyBody, bodies, directions, each_method, log_uniform, orientations, zero_or};
+use crate::kit::{
+    self, AnyBody, bodies, directions, each_method, log_uniform, orientations, zero_or,
+};
 use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{Coulomb, FlatGround, RigidPointBody, State, StepError, Stepper, UniformGravity};

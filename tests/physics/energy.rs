@@ -6,9 +6,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-mod kit;
-
-use kit::{Solid, each_explicit, log_uniform, order, point_mass};
+use crate::kit::{self, Solid, each_explicit, log_uniform, order, point_mass};
 use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{

@@ -10,8 +10,7 @@
     clippy::cast_precision_loss
 )]
 
-mod kit;
-
+use crate::kit;
 use core::ops::ControlFlow;
 use tumble::glam::DVec3;
 use tumble::real::Vector;

@@ -4,12 +4,10 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-mod kit;
-
-use core::ops::ControlFlow;
-use kit::{
-    angle_between, difference, directions, each_explicit, each_method, log_uniform, zero_or,
+use crate::kit::{
+    self, angle_between, difference, directions, each_explicit, each_method, log_uniform, zero_or,
 };
+use core::ops::ControlFlow;
 use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3, Vec3};
 use tumble::trial::TrialStepper;

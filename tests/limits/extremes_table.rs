@@ -1,17 +1,14 @@
 //! The guide's tables of extremes (`guide::accuracy`), line by line: the number at which a run is
 //! no longer accurate, found from both sides. Other lines stand elsewhere: long steps, free spin,
-//! small moments and places far from the origin in `energy_momentum.rs`, stability limits of the
-//! explicit integrators in `energy.rs`.
+//! small moments and places far from the origin in `physics/energy_momentum.rs`, stability limits
+//! of the explicit integrators in `physics/energy.rs`.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-mod kit;
-
-use common::methods::{apart, truths};
+use crate::common::methods::{apart, truths};
+use crate::kit::point_mass;
 use core::f64::consts::FRAC_PI_2;
-use kit::point_mass;
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::real::{Quaternion, Vector};
 use tumble::{

@@ -147,7 +147,7 @@ fn frames_count_together_and_a_push_wakes() {
     assert!(!rest.is_reached());
 }
 
-/// The parameters that are refused stand in `tests/bad_input.rs`.
+/// The parameters that are refused stand in `tests/limits/bad_input.rs`.
 #[test]
 fn it_waits_for_a_body_that_does_not_move_at_all_and_works_in_single_precision() {
     let stepper = Stepper::new(PointMass::new(1.0)).unwrap();

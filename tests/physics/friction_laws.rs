@@ -4,9 +4,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-mod kit;
-
-use kit::{directions, log_uniform, point_mass};
+use crate::kit::{self, directions, log_uniform, point_mass};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{

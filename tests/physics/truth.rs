@@ -18,9 +18,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::methods::{
+use crate::common::methods::{
     Distance, METHODS, Method, Record, Setup, apart, convergence, method, truths,
 };
 use tumble::glam::{DQuat, DVec3};
@@ -409,8 +407,8 @@ fn in_trial_1_the_residue_of_the_books_falls_with_the_step() {
 /// The audit on all eight trials of the report, through their touch-downs, against
 /// `tests/data/works.csv`.
 mod audit {
-    use super::common::methods::{METHODS, Method, Setup, convergence};
-    use super::common::{continuous, works_table};
+    use crate::common::methods::{METHODS, Method, Setup, convergence};
+    use crate::common::{continuous, works_table};
     use core::fmt::Write;
     use tumble::{
         BogackiShampine32, Dissipation, DormandPrince54, Integrator, Ledger, Rk4, StepError, Trial,
@@ -434,7 +432,7 @@ mod audit {
     }
 
     fn rows(until: f64) -> Vec<Row> {
-        let row = |row: super::common::Row<'_>| Row {
+        let row = |row: crate::common::Row<'_>| Row {
             trial: (1..=8)
                 .find(|&number: &u8| (row.get("trial") - f64::from(number)).abs() < 0.5)
                 .map(usize::from)

@@ -4,10 +4,8 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::report_loop::{GRAVITY, MASS, ReportLoop, ReportTrial};
-use common::{Row, distance, trace};
+use crate::common::report_loop::{GRAVITY, MASS, ReportLoop, ReportTrial};
+use crate::common::{Row, distance, trace};
 
 const CENTRE: [&str; 3] = ["x", "y", "z"];
 const VELOCITY: [&str; 3] = ["ux", "uy", "uz"];

@@ -4,9 +4,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-mod kit;
-
-use kit::{log_uniform, zero_or};
+use crate::kit::{self, log_uniform, zero_or};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{

@@ -3,11 +3,9 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-mod kit;
-
 use core::f64::consts::TAU;
 
-use kit::{GRAVITY, cases, difference, directions, end, log_uniform, order};
+use crate::kit::{self, GRAVITY, cases, difference, directions, end, log_uniform, order};
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, Requirement, check_body};
 use tumble::f64::{Capsule, Coin, Cone, Cuboid, Disc, Ellipsoid, MassProperties, Sphere};

@@ -4,9 +4,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::methods::{Record, Setup, apart, convergence, method, truths};
+use crate::common::methods::{Record, Setup, apart, convergence, method, truths};
 use tumble::glam::{DMat3, DVec3};
 use tumble::integrator::EmbeddedPairWorkspace;
 use tumble::{

@@ -4,11 +4,9 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-mod kit;
-
 use core::f64::consts::{PI, TAU};
 
-use kit::{cases, directions, log_uniform, orientations};
+use crate::kit::{cases, directions, log_uniform, orientations};
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, check_body};
 use tumble::f64::{Capsule, Cone, MassProperties, Rotation};

@@ -1,5 +1,5 @@
 //! The default integrator where the answer is known: the truth of the report's equations, closed
-//! forms, and rest. What it does beyond them is in `extremes.rs`.
+//! forms, and rest. What it does beyond them is in `limits/extremes.rs`.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(
@@ -8,12 +8,9 @@
     clippy::cast_possible_truncation
 )]
 
-mod common;
-mod kit;
-
-use common::methods::{Setup, apart, convergence, method, truths};
+use crate::common::methods::{Setup, apart, convergence, method, truths};
+use crate::kit::{self, Solid, point_mass};
 use core::f64::consts::{FRAC_PI_2, PI};
-use kit::{Solid, point_mass};
 use tumble::glam::{DQuat, DVec3};
 use tumble::integrator::EnergyMomentumWorkspace;
 use tumble::real::{Matrix, Vector};

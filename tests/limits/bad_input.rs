@@ -4,10 +4,8 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-mod kit;
-
+use crate::kit::{self, Solid as AnySolid, each_explicit, each_method, point_mass};
 use core::ops::ControlFlow;
-use kit::{Solid as AnySolid, each_explicit, each_method, point_mass};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use tumble::error::{LawQuantity, Quantity, Role, Rule};

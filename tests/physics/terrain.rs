@@ -4,11 +4,9 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-mod kit;
-
 use core::f64::consts::{PI, TAU};
 
-use kit::log_uniform;
+use crate::kit::{self, log_uniform};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{

@@ -3,11 +3,9 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-mod kit;
-
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use kit::{GRAVITY, cases, difference, end, log_uniform, order, orientations};
+use crate::kit::{GRAVITY, cases, difference, end, log_uniform, order, orientations};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;

@@ -1,0 +1,37 @@
+//! What a body does in a scene that a user would compose, and what each part adds to it: closed
+//! forms, conserved quantities, orders of convergence, and the coin report. Scenes at their
+//! extremes and invalid input are in `tests/limits`; the literature is in `tests/validation`.
+//!
+//! A file holds one subject. `cargo test --test physics flight::` runs those of `flight.rs`.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../kit/mod.rs"]
+mod kit;
+
+// The parts of a scene.
+mod bodies;
+mod friction_laws;
+mod ground_laws;
+mod rim;
+mod smooth;
+mod terrain;
+mod turning_resistance;
+
+// What holds for each integrator.
+mod energy;
+mod flight;
+mod rigidity;
+mod symmetry;
+mod time;
+mod until_rest;
+
+// How accurate they are.
+mod adaptive;
+mod energy_momentum;
+mod truth;
+mod work_precision;
+
+// The coin report.
+mod report;
+mod report_loop;
