@@ -54,9 +54,9 @@ use crate::state::State;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` does not watch: it does not implement `Observer<{R}>`",
+    message = "`{Self}` is not an observer: it does not implement `Observer<{R}>`",
     label = "this should be an observer",
-    note = "a pair takes its observers by value and hands them back: `let mut both = (ledger, rest)`, then `let (ledger, rest) = both`",
+    note = "a pair owns its observers: create it by `let mut both = (ledger, rest)`, and end it by `let (ledger, rest) = both`",
     note = "implement `observe`, or write a closure `|sample: &Sample<'_>| ControlFlow::Continue(())`; the precision `{R}` of scene and observer must be the same"
 )]
 pub trait Observer<R: Real = f64> {

@@ -658,8 +658,8 @@ where
         crate::body::check_contacts(body.contacts())?;
         crate::body::check_rims(&body)?;
         let bounding_radius = body.bounding_radius();
-        error::finite("reach of the body", bounding_radius, " m")?;
-        error::at_least_zero("reach of the body", bounding_radius, " m")?;
+        error::finite("bounding radius of the body", bounding_radius, " m")?;
+        error::at_least_zero("bounding radius of the body", bounding_radius, " m")?;
         let inertia_properties = InertiaProperties::new(body.mass(), body.inertia())?;
         let weight = inertia_properties.mass() * gravity.acceleration().length();
         error::finite("weight (mass times gravity)", weight, " N")?;

@@ -209,7 +209,7 @@ fn corners_of_a_box_cannot_be_rounder_than_half_its_shortest_edge() {
     });
     assert_eq!(
         Stepper::new(cube.rounded(0.375)).unwrap_err().to_string(),
-        "edge of the cuboid less its round corners must be at least 0, got -0.25 m"
+        "edge of the cuboid minus its corner radii must be at least 0, got -0.25 m"
     );
 }
 
@@ -308,7 +308,7 @@ fn a_rim_stands_for_points_around_a_place_and_beside_few_contacts() {
     assert_eq!(alone(good), None);
     assert_eq!(
         alone(rim(DVec3::X, DVec3::Y, 0)).unwrap(),
-        "number of points that the rim stands for must be above 0, got 0"
+        "number of points that the rim represents must be above 0, got 0"
     );
     for bad in NOT_FINITE {
         let told = alone(rim(DVec3::X * bad, DVec3::Y, 120)).unwrap();
@@ -327,7 +327,7 @@ fn a_rim_stands_for_points_around_a_place_and_beside_few_contacts() {
     assert_eq!(beside(32), None);
     assert_eq!(
         beside(33).unwrap(),
-        "number of contacts beside a rim must be at most 32, got 33"
+        "number of contacts of a body with a rim must be at most 32, got 33"
     );
     assert_eq!(
         answer(Rimmed(vec![good; 2], vec![])).unwrap(),
@@ -864,7 +864,7 @@ fn what_a_law_is_made_from_is_in_its_range() {
     let error = SpringDamper::from_bounce(nobody, 0.5, 1e-3).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "number of contacts that carry must be at least 1, got 0"
+        "number of contacts that support the body must be at least 1, got 0"
     );
     for made in [
         HuntCrossley::from_bounce(body, 0.5, 0.5, 1.0, 1e-3),
@@ -1193,7 +1193,7 @@ fn a_scene_whose_inverse_mass_or_weight_overflows_is_refused() {
     };
     assert_eq!(
         message(Stepper::new(far).unwrap_err()),
-        "reach of the body must be finite, got inf m"
+        "bounding radius of the body must be finite, got inf m"
     );
 }
 
@@ -2111,7 +2111,7 @@ fn a_step_beyond_what_numbers_hold_is_refused_or_right() {
         .unwrap();
     assert_eq!(
         stepper.step(&mut start.clone()).unwrap_err().to_string(),
-        "the energy before the step must be finite and far from overflow, got inf J: look at the velocities, the depth in the ground and its laws"
+        "the energy before the step must be finite and far from overflow, got inf J: check the velocities, the penetration depths and the laws of the ground"
     );
     for time_step in [1e15, 1e30, 1e50, 1e60, 1e75, 1e100, 1e200, 1e300] {
         let stepper = coin.with_integrator(EnergyMomentum { time_step }).unwrap();

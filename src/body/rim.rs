@@ -243,7 +243,7 @@ impl<R: Real> Rim<R> {
     /// breaks, and its value.
     pub fn check(&self) -> Result<(), SceneError> {
         error::above_zero("radius of the rim", self.radius, " m")?;
-        error::above_zero("number of points that the rim stands for", self.points, "")?;
+        error::above_zero("number of points that the rim represents", self.points, "")?;
         error::finite(
             "distance of the rim from the centre of mass",
             self.centre.length(),
