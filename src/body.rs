@@ -415,7 +415,7 @@ impl ContactRange {
     }
 
     /// Range limited to a body with this many contacts, as [`parts`](Self::parts) reads it: it
-    /// starts at an existing contact and goes round at most once.
+    /// starts at an existing contact and covers each contact at most once.
     #[inline]
     fn within(self, contacts: usize) -> Self {
         Self {

@@ -198,21 +198,26 @@ impl fmt::Display for Requirement {
             Self::Composes { quantity, rule } => {
                 return write!(f, "the parts must form a valid scene: {quantity} {rule}");
             }
-            Self::Steps(error) => return write!(f, "a step of a well-resolved scene must succeed ({error})"),
+            Self::Steps(error) => return write!(f, "a well-resolved step must succeed ({error})"),
             Self::Finite => "every number must be finite",
             Self::Rigid => "the values of a body must be the same at every call",
             Self::Reach => "no contact may lie beyond the bounding radius or the support function",
-            Self::ContactsBelow => "contacts_below must omit no contact, and contacts_below_near must return the same range",
+            Self::ContactsBelow => {
+                "contacts_below must omit no contact, and contacts_below_near must agree with it"
+            }
             Self::Support => {
-                "support_point must be the farthest point of one contact, within the bounding radius"
+                "support_point must be the farthest point of one contact, within bounding_radius"
             }
             Self::UnitNormal => "the surface's normal must have length 1",
             Self::GapAlongNormal => {
-                "the gap must change by normal · displacement, as a distance does; use a Terrain for a height z = h(x, y)"
+                "the gap must change by normal · displacement, as a distance does; \
+                 use a Terrain for a height z = h(x, y)"
             }
             Self::GroundBounds => "the bounds must be true of the surface",
             Self::SpringPushes => "the spring force must be at least 0, rounding included",
-            Self::SpringEnergyRises => "the springs' energy must be at least 0 and must not decrease with depth",
+            Self::SpringEnergyRises => {
+                "the springs' energy must be at least 0 and must not decrease with depth"
+            }
             Self::EnergyIsIntegral => {
                 "the springs' energy must be the integral of the spring force"
             }
@@ -220,14 +225,16 @@ impl fmt::Display for Requirement {
             Self::DamperTakes => "the damper must only dissipate energy",
             Self::MeanForceSigns => "the mean force and its slopes must be at least 0",
             Self::MeanForceAbove => "the mean force must be 0 above the ground",
-            Self::MeanForceTakes => "the mean force must take at least, and return at most, the energy of the springs",
+            Self::MeanForceTakes => {
+                "the mean force must take at least, and return at most, the energy of the springs"
+            }
             Self::MeanForceIsMean => "the mean force must be the mean of the normal force",
             Self::Opposes => "friction must oppose the slip",
             Self::InSurface => "friction must lie in the surface",
             Self::NoLoadNoForce => "friction must be 0 without load",
             Self::NoSlipNoForce => "friction must be 0 without slip",
             Self::TurningOpposes => {
-                "rolling_resistance must be Some always or never, with valid torques and rotation speed"
+                "rolling_resistance must be always Some or always None, with valid values"
             }
             Self::DragFits => "the Jacobian must be consistent with the force",
             Self::TakesTime => "a step must take more than 0 s",
@@ -237,9 +244,7 @@ impl fmt::Display for Requirement {
             Self::SameBits => "the same input must give the same bits",
             Self::WorkspaceChangesNothing => "the workspace must not change a result",
             Self::UnitOrientation => "the orientation must have length 1 after a step",
-            Self::Order => {
-                "half the step size must divide the error by at least 2^(order - 0.3)"
-            }
+            Self::Order => "half the step size must divide the error by at least 2^(order - 0.3)",
             Self::EnergyNeverRises => "the energy must not increase",
         })
     }

@@ -60,7 +60,7 @@ use crate::state::State;
     note = "implement `observe`, or write a closure `|sample: &Sample<'_>| ControlFlow::Continue(())`; the precision `{R}` of scene and observer must be the same"
 )]
 pub trait Observer<R: Real = f64> {
-    /// Called with the state at the start of a run and after each step. `Break` ends the run.
+    /// Receives the state at the start of a run and after each step. `Break` ends the run.
     fn observe(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()>;
 
     /// Returns the next time at which the observer requests a sample, s since the start of the run.
@@ -81,7 +81,7 @@ pub trait Observer<R: Real = f64> {
         None
     }
 
-    /// Called with the state at a [requested time](Self::asks_for). The observer must then request
+    /// Receives the state at a [requested time](Self::asks_for). The observer must then request
     /// a later time.
     ///
     /// The sample does not affect the run.

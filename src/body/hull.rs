@@ -110,7 +110,8 @@ impl<'a, R: Real> Hull<'a, R> {
         let mut corner = end;
         for _ in 0..self.points.len() {
             let next = self.next_corner(&plane, corner);
-            // Either round the facet, or past a start that lies amid an edge.
+            // The walk is back at the start. A start within an edge is not a corner, so the first
+            // corner is compared as well.
             let is_back = |to: R::Vec3| (next - to).length() <= self.thickness;
             if is_back(start) || is_back(end) {
                 return;
