@@ -1,4 +1,4 @@
-//! The same work by tumble and by what its users would take instead: error, energy, price.
+//! The same scenes by tumble and by other programs: error, energy, cost.
 
 mod answers;
 mod kept;
@@ -75,7 +75,7 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), String> {
     let markdown = options.markdown || options.write;
-    // A table that is kept has all scenes.
+    // A stored table contains all scenes.
     let wanted = |name: &str| options.write || name.contains(&options.scene);
     let mut measured = Vec::new();
     let mut tables = String::new();
