@@ -1,8 +1,9 @@
-//! Error against cost of every integrator on a scene of one's choice, and the cheapest setting for
-//! an error asked for.
+//! Error against cost of every integrator on a chosen scene, and the cheapest setting for a given
+//! error.
 //!
-//! `cargo run --release --example choose_accuracy -- --help`. For a scene of your own body, ground
-//! and friction call `tumble::work_precision::measure` as `measure` does here.
+//! Run `cargo run --release --example choose_accuracy -- --help`. For a scene of your own body,
+//! ground and friction, call `tumble::work_precision::measure`, as the function `measure` of this
+//! example does.
 
 // The numbers of the scenes are small.
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
@@ -95,7 +96,7 @@ fn measure(options: &Options) -> Result<WorkPrecision, Box<dyn Error>> {
     options.start.curve(&settings, options.single)
 }
 
-/// `None` where help is asked for.
+/// Returns the options, or `None` if the help text is requested.
 fn options() -> Result<Option<Options>, Box<dyn Error>> {
     let mut options = Options {
         start: Start::named("trial1").ok_or("trial1 is a scene")?,

@@ -1,4 +1,4 @@
-//! The run in a dozen lines of text.
+//! Summary of a run in about twelve lines of text.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use crate::milestones::{Milestones, Skidding};
 use crate::recording::{Books, Recording};
 use crate::tally::Tally;
 
-/// Prints as the summary of a run.
+/// Summary of a run, with `Display`.
 #[derive(Debug)]
 pub(crate) struct Summary<'a>(pub(crate) &'a Recording);
 
@@ -39,7 +39,7 @@ fn write_milestones(out: &mut fmt::Formatter<'_>, milestones: Milestones) -> fmt
     write_line(out, "settles", describe_time(milestones.settled))
 }
 
-/// `until 1.32 s`, `not at all`.
+/// Describes the skid: `until 1.32 s`, `not at all`.
 pub(crate) fn describe_skidding(skidding: Skidding) -> String {
     match skidding {
         Skidding::Never => "not at the start".to_owned(),
@@ -48,7 +48,7 @@ pub(crate) fn describe_skidding(skidding: Skidding) -> String {
     }
 }
 
-/// `at 0.49 s`, `not within the run`.
+/// Describes a time: `at 0.49 s`, `not within the run`.
 pub(crate) fn describe_time(time: Option<f64>) -> String {
     match time {
         Some(time) => format!("at {time:.2} s"),
@@ -79,7 +79,7 @@ fn write_books(out: &mut fmt::Formatter<'_>, books: Books) -> fmt::Result {
     write_line(out, "  energy error", error)
 }
 
-/// Of an implicit method.
+/// Writes the sums over the steps of an implicit method.
 fn write_tally(out: &mut fmt::Formatter<'_>, tally: &Tally) -> fmt::Result {
     let each = tally.iterations as f64 / tally.steps as f64;
     let text = format!(
