@@ -1,7 +1,8 @@
-//! A ground of the user's own: a valley in which every swing takes as long.
-//! `cargo run --release --example custom_ground -- --help`.
+//! A user's own ground: a valley in which every oscillation has the same period.
+//!
+//! Run `cargo run --release --example custom_ground -- --help`.
 
-// A program has std; these lints guard the library.
+// A program has the standard library. These lints are meant for the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 mod common;
@@ -23,16 +24,16 @@ const ABOUT: &str = "\
 Lets beads go in a valley whose profile is a cycloid, a terrain that is written here. A swing takes
 4π √(a/g), however high it begins (Huygens 1673).";
 
-/// The circle that makes the cycloid, m.
+/// Radius of the circle that generates the cycloid, m.
 const CIRCLE: f64 = 0.1;
 const GRAVITY: f64 = 9.8;
-/// N/m under a bead of 1 kg: it sinks by 20 µm at most, 1e-4 of the smallest radius of curvature on
-/// its way.
+/// Stiffness under a bead of 1 kg, N/m. The bead penetrates by at most 20 µm, 1e-4 of the smallest
+/// radius of curvature on its path.
 const STIFFNESS: f64 = 1e6;
-/// Where the beads begin: angles of the circle, rad.
+/// Initial angles of the circle for the beads, rad.
 const STARTS: [f64; 3] = [0.4, 0.9, 1.5];
 
-/// `x = a (φ + sin φ)`, `z = a (1 - cos φ)`: a valley along y.
+/// Valley along y: `x = a (φ + sin φ)`, `z = a (1 - cos φ)`.
 #[derive(Clone, Copy, Debug)]
 struct Cycloid;
 
@@ -41,7 +42,7 @@ impl Cycloid {
         DVec3::new(angle + angle.sin(), 0.0, 1.0 - angle.cos()) * CIRCLE
     }
 
-    /// φ by Newton's method, up to an angle of 2.4 and straight on beyond.
+    /// Angle φ by Newton's method, up to 2.4. The valley is straight beyond.
     fn angle(x: f64) -> f64 {
         let aim = (x / CIRCLE).clamp(-3.0, 3.0);
         let mut angle = aim / 2.0;
@@ -70,7 +71,7 @@ impl HeightField for Cycloid {
     }
 }
 
-/// A bead's way: time (s), x (m) and energy (J).
+/// Path of a bead: time (s), x (m) and energy (J).
 type Way = Vec<(f64, f64, f64)>;
 
 fn main() -> ExitCode {
@@ -108,7 +109,7 @@ fn work(options: &Options) -> Outcome<Page> {
             "4π √(a/g) at every height (Huygens, Horologium oscillatorium, 1673)",
             period_of(&way),
             period,
-            // Depth over radius of curvature, and order 2: (2π/steps)²/12.
+            // Penetration depth over radius of curvature, and the error of order 2: (2π/steps)²/12.
             period * (1e-4 + (2.0 * PI / steps).powi(2) / 12.0),
         ));
         ways.push(way);
@@ -189,7 +190,7 @@ fn swing(
     Ok(way)
 }
 
-/// From the first passage through the bottom to the third.
+/// Time from the first passage through the bottom to the third.
 fn period_of(way: &Way) -> f64 {
     let crossings = way.windows(2).filter(|pair| pair[0].1 * pair[1].1 < 0.0);
     let times: Vec<f64> = crossings

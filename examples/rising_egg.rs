@@ -1,7 +1,8 @@
-//! A boiled egg, spun on its side, rises onto its end.
-//! `cargo run --release --example rising_egg -- --help`.
+//! A boiled egg that is spun on its side and rises onto its end.
+//!
+//! Run `cargo run --release --example rising_egg -- --help`.
 
-// A program has std; these lints guard the library.
+// A program has the standard library. These lints are meant for the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 mod common;
@@ -24,14 +25,14 @@ Spins a smooth spheroid that lies on its side. Weak friction at its contact lift
 Moffatt and Shimomura explain: the angular momentum about the vertical times the height of the
 centre stays (Jellett's constant), so that the one falls as the other rises.";
 
-/// kg and m: half of the long axis, and of the others.
+/// Mass, kg. The next constants are the semi-axes, m: the long one and the other two.
 const MASS: f64 = 0.06;
 const LONG: f64 = 0.03;
 const SHORT: f64 = 0.02;
 const GRAVITY: f64 = 9.81;
-/// About the vertical, rad/s: 24 turns a second.
+/// Spin about the vertical, rad/s: 24 revolutions a second.
 const SPIN: f64 = 150.0;
-/// Of the long axis from level at the start, rad.
+/// Angle of the long axis from level at the start, rad.
 const LEAN: f64 = 0.05;
 
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +42,7 @@ struct Moment {
     rise: f64,
     /// Height of the centre, m.
     height: f64,
-    /// Angular momentum about the vertical times that height, kg m³/s.
+    /// Angular momentum about the vertical times the height, kg m³/s.
     jellett: f64,
     energy: f64,
 }
@@ -144,15 +145,17 @@ fn work(options: &Options) -> Outcome<Page> {
     })
 }
 
-/// The approximation leaves out terms of the relative size `g/(Ω² a)`: 0.032 with the long
-/// half-axis a and the 101 rad/s about the vertical that are left at the end.
+/// Relative error of the approximation, which leaves out terms of the relative size `g/(Ω² a)`.
+///
+/// This is 0.032 with the long semi-axis a and the 101 rad/s about the vertical that are left at
+/// the end.
 const APPROXIMATE: f64 = 0.032;
 
 fn run(duration: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {
     let egg = Ellipsoid::solid(MASS, DVec3::new(SHORT, SHORT, LONG));
     let stepper = Stepper::new(egg)?
         .with_gravity(UniformGravity::down(GRAVITY))?
-        // It sinks by 59 µm.
+        // The egg penetrates by 59 µm.
         .with_ground(FlatGround::level(1e4, 5.0))?
         .with_friction(Coulomb {
             coefficient: 0.1,
@@ -165,7 +168,7 @@ fn run(duration: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {
     // Distance of the tangent plane from the middle.
     let height = (LONG * axes.z.z).hypot(SHORT * (1.0 - axes.z.z * axes.z.z).sqrt());
     let properties = tumble::Dynamics::inertia_properties(stepper.scene());
-    // The gyroscopic balance C n = A Ω cos θ: the angular momentum is along the vertical.
+    // The gyroscopic balance C n = A Ω cos θ: the angular momentum is vertical.
     let across = properties.moments().x;
     let mut state = State {
         position: DVec3::Z * (height - MASS * GRAVITY / 1e4),
@@ -173,7 +176,7 @@ fn run(duration: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {
     }
     .with_angular_momentum(DVec3::Z * (across * SPIN));
     let mut moments: Vec<Moment> = Vec::new();
-    // Half a radian of its spin from one shot to the next.
+    // Between two shots the egg rotates by about half a radian.
     let mut camera = Camera::new(0.004);
     let mut watch = |sample: &Sample<'_>| {
         camera.look(sample, || {

@@ -1,7 +1,8 @@
-//! A ball is set sliding and comes to roll, at five sevenths of its speed.
-//! `cargo run --release --example slide_to_roll -- --help`.
+//! A ball that starts to slide and then rolls, at five sevenths of its speed.
+//!
+//! Run `cargo run --release --example slide_to_roll -- --help`.
 
-// A program has std; these lints guard the library.
+// A program has the standard library. These lints are meant for the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 mod common;
@@ -27,11 +28,11 @@ const RADIUS: f64 = 0.0286; // m
 const GRAVITY: f64 = 9.8; // m/s²
 const COEFFICIENT: f64 = 0.2;
 const SPEED: f64 = 2.0; // m/s
-/// m/s: at a slip of a thousandth of the speed the force is short of Coulomb's by 5e-4.
+/// Slip speed, m/s. At a slip of a thousandth of the speed the force is below Coulomb's by 5e-4.
 const SLIP_SPEED: f64 = 1e-6;
 
-/// What a ball does now and then: time (s), speed (m/s), speed of its rim by the spin (m/s), place
-/// (m), energy (J).
+/// State of a ball at one time: time (s), speed (m/s), speed of its rim due to the spin (m/s),
+/// position (m), energy (J).
 #[derive(Clone, Copy, Debug)]
 struct Moment {
     time: f64,
@@ -49,7 +50,7 @@ fn work(options: &Options) -> Outcome<Page> {
     let time_step = if options.quick { 2e-4 } else { 5e-5 };
     let solid = run(Sphere::solid(MASS, RADIUS), 0.0, time_step)?;
     let shell = run(Sphere::shell(MASS, RADIUS), 0.0, time_step)?;
-    // The rim goes back four times as fast as the ball goes on.
+    // Backspin: the rim moves back four times as fast as the ball moves forward.
     let back = run(Sphere::solid(MASS, RADIUS), -4.0 * SPEED, time_step)?;
     let mut checks = Vec::new();
     for (name, moments, beta) in [("solid ball", &solid, 0.4), ("shell", &shell, 2.0 / 3.0)] {
@@ -126,13 +127,13 @@ fn arranged(layout: Layout, how: &str) -> Layout {
         .with_legend_position(LegendPosition::OutsideRightTop)
 }
 
-/// Kleppner & Kolenkow, An Introduction to Mechanics, ch. 6; Coriolis 1835.
+/// Compares with Kleppner & Kolenkow, An Introduction to Mechanics, ch. 6; Coriolis 1835.
 fn figures(name: &str, moments: &[Moment], beta: f64, time_step: f64) -> Vec<Check> {
     let share = beta / (1.0 + beta);
     let (first, last) = (moments[0], moments[moments.len() - 1]);
     let when = share * SPEED / (COEFFICIENT * GRAVITY);
-    // Until a thousandth of the slip is left, and a step of the time. A moment before the end the
-    // force is short by `SLIP_SPEED/slip`.
+    // Until a thousandth of the slip is left, plus a step. Shortly before the end the force is too
+    // small by `SLIP_SPEED/slip`.
     let slack = 1e-3 * when + time_step;
     let rolls = moments.iter().find(|m| m.speed - m.rim < 1e-3 * SPEED);
     let rolls = rolls.copied().unwrap_or(last);
@@ -170,7 +171,7 @@ fn figures(name: &str, moments: &[Moment], beta: f64, time_step: f64) -> Vec<Che
 }
 
 fn run(ball: Sphere, rim: f64, time_step: f64) -> Outcome<Vec<Moment>> {
-    // It sinks by 10 µm at rest, and starts there.
+    // The ball starts at its penetration depth at rest, 10 µm.
     let sink = 1e-5;
     let stiffness = MASS * GRAVITY / sink;
     let law = SpringDamper {

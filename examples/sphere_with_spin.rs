@@ -1,7 +1,9 @@
-//! A tennis ball bounces with topspin, without spin and with backspin; how fast is the court?
-//! `cargo run --release --example sphere_with_spin -- --help`.
+//! A tennis ball that bounces with topspin, without spin and with backspin, and the court pace
+//! rating.
+//!
+//! Run `cargo run --release --example sphere_with_spin -- --help`.
 
-// A program has std; these lints guard the library.
+// A program has the standard library. These lints are meant for the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 mod common;
@@ -28,20 +30,21 @@ grips (Brody 1984). Real balls grip harder than this model: their friction turns
 const MASS: f64 = 0.0577; // kg
 const RADIUS: f64 = 0.033; // m
 const GRAVITY: f64 = 9.8;
-/// I/(m r²) of a thin shell.
+/// Moment of inertia of a thin shell over m r².
 const BETA: f64 = 2.0 / 3.0;
-/// Of the test: m/s and degrees.
+/// Speed of the test, m/s. The next constant is its angle, degrees.
 const SPEED: f64 = 30.0;
 const ANGLE: f64 = 16.0;
 const RESTITUTION: f64 = 0.81;
-/// s. A real ball takes 5 ms; a short touch leaves gravity no time to change the bounce:
+/// Contact time, s. A real ball takes 5 ms. In a short contact, gravity changes the bounce little:
 /// `g · time/speed down`, 1.2e-3.
 const CONTACT_TIME: f64 = 1e-3;
 
-/// Places (m) along the court and over it.
+/// Path of a ball: positions (m) along the court and above it.
 type Path = Vec<(f64, f64)>;
 
-/// What a bounce makes of the ball: speeds on and up, and of the rim by the spin, m/s.
+/// Result of a bounce: horizontal and vertical speed, and the speed of the rim due to the spin,
+/// m/s.
 #[derive(Clone, Copy, Debug)]
 struct Bounced {
     on: f64,
@@ -87,7 +90,7 @@ fn work(options: &Options) -> Outcome<Page> {
             source,
             100.0 * (1.0 - apparent(found)) + 150.0 * (0.81 - found.up / down()),
             expected,
-            // As the rating is given.
+            // The precision to which the rating is given.
             1.0,
         ));
     }
@@ -127,7 +130,7 @@ fn work(options: &Options) -> Outcome<Page> {
     })
 }
 
-/// The film's time, s: it touches at 0.1 s.
+/// Times of the film, s. The ball touches down at 0.1 s.
 const SHOWN: [f64; 2] = [0.09, 0.15];
 
 /// The three balls side by side, three diameters apart.
@@ -176,8 +179,8 @@ fn film(films: &[Vec<Shot>]) -> Film {
 }
 
 fn near(what: &str, got: f64, expected: f64) -> Check {
-    // Gravity during the touch, and the slip speed over the slip while it grips, of the speed of
-    // the ball.
+    // Two effects limit the agreement, as fractions of the ball's speed: gravity during the
+    // contact, and slip speed over slip while the ball grips.
     Check::near(
         what,
         "rigid ball: Brody, Phys. Teach. 22, 494 (1984)",
@@ -192,13 +195,12 @@ fn down() -> f64 {
     SPEED * ANGLE.to_radians().sin()
 }
 
-/// The apparent coefficient: what the ball has lost along the court over what it has gained
-/// upwards.
+/// Apparent coefficient of friction: horizontal change of speed over vertical change of speed.
 fn apparent(after: Bounced) -> f64 {
     (SPEED * ANGLE.to_radians().cos() - after.on) / (down() + after.up)
 }
 
-/// The rigid ball: it slides all through, or comes to roll.
+/// Result for a rigid ball, which slides throughout or comes to roll.
 fn rigid(coefficient: f64, rim: f64) -> Bounced {
     let on = SPEED * ANGLE.to_radians().cos();
     let up = RESTITUTION * down();
@@ -217,7 +219,7 @@ fn rigid(coefficient: f64, rim: f64) -> Bounced {
     }
 }
 
-/// The ball right after the bounce, its path, and the film's shots.
+/// Returns the ball right after the bounce, its path, and the shots of the film.
 fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Path, Vec<Shot>)> {
     let carried = Carried {
         mass: MASS,
@@ -233,7 +235,7 @@ fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Path,
         })?
         .with_integrator(EnergyMomentum { time_step })?;
     let angle = ANGLE.to_radians();
-    // It touches after 0.1 s, and is thrown so that it has the test's velocity then.
+    // The ball is thrown so that it touches down after 0.1 s with the velocity of the test.
     let before = 0.1;
     let velocity = DVec3::new(angle.cos(), 0.0, -angle.sin()) * SPEED;
     let thrown = velocity + DVec3::Z * (GRAVITY * before);
@@ -268,7 +270,7 @@ fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Path,
         ControlFlow::Continue(())
     };
     stepper.run(&mut state, before + 0.3, &mut watch)?;
-    // A point for each millisecond is enough to draw.
+    // One point for each millisecond is sufficient for a drawing.
     let every = (path.len() / 400).max(1);
     let path = path.into_iter().step_by(every).collect();
     Ok((

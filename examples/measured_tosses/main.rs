@@ -1,9 +1,9 @@
-//! Whole tosses of a real cube: fits ground and body on half of them, and measures how far the
-//! predictions of the other half are from what was measured.
+//! Tosses of a real cube: fits ground and body on half of them, and compares the predictions of the
+//! other half with the measurement.
 //!
-//! `cargo run --release --example measured_tosses -- --data FILE`; the guide's page `measured` has
-//! the protocol and the figures. The data are not part of the project: a run without them says what
-//! to get.
+//! Run `cargo run --release --example measured_tosses -- --data FILE`. The guide's page `measured`
+//! has the protocol and the figures. The data are not part of the project. A run without them
+//! prints where to obtain them.
 
 // An example has the standard library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
@@ -57,7 +57,7 @@ the repository DAIRLab/contact-nets, BSD 3-clause. Write them in SI units as a t
 (148 samples a second; centre, m, z up, table at 0; unit quaternion, body to world; velocity, m/s; angular
 velocity, rad/s, body axes), and give it with --data FILE.";
 
-/// What the command line asks for.
+/// Options of the command line.
 struct Arguments {
     data: Option<PathBuf>,
     seed: u64,
@@ -163,7 +163,7 @@ fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
     })
 }
 
-/// The weighed body predicts the same tosses better than the printed one.
+/// Checks that the weighed body predicts the same tosses better than the printed one.
 fn checks(models: &[Fitted; 3], seed: u64) -> Vec<Check> {
     let [printed, weighed, _] = models;
     let mut checks = Vec::new();
@@ -183,8 +183,8 @@ fn checks(models: &[Fitted; 3], seed: u64) -> Vec<Check> {
     checks
 }
 
-/// Height and one way along the table of the held-out toss whose errors are in the middle,
-/// predicted and measured.
+/// Height and one coordinate along the table of the held-out toss with median errors, predicted and
+/// measured.
 fn one_toss(fitted: &Fitted, held: &[Vec<Toss>]) -> Outcome<Picture> {
     let scores = fitted.held[1].iter().flatten();
     let mut ranked: Vec<(&Toss, &Score)> = held.iter().flatten().zip(scores).collect();
@@ -222,7 +222,7 @@ fn one_toss(fitted: &Fitted, held: &[Vec<Toss>]) -> Outcome<Picture> {
     )
 }
 
-/// How often which error.
+/// Distribution of the errors.
 fn errors(fitted: &Fitted) -> Outcome<Picture> {
     let held: Vec<&Score> = fitted.held[1].iter().flatten().collect();
     let histogram = |of: fn(&Score) -> f64, colour: &str, name: &str| {
@@ -255,13 +255,13 @@ fn errors(fitted: &Fitted) -> Outcome<Picture> {
     )
 }
 
-/// Whether a fit finds the parameters that made its tosses.
+/// Checks that a fit finds the parameters with which its tosses were made.
 fn recover(arguments: &Arguments) -> Outcome<Page> {
     use synthetic::{GUESS, TRUTH};
     let tosses = synthetic::tosses(64, arguments.seed)?;
     let motions: Vec<Vec<Toss>> = tosses.iter().map(|toss| vec![toss.clone()]).collect();
     let weighed_by = flights::weigh(&motions, arguments.seed)?;
-    // A few are enough for the ground.
+    // A few tosses are enough for the parameters of the ground.
     let tosses = &tosses[..16];
     let guess = Parameters {
         body: TRUTH.body,
