@@ -22,8 +22,9 @@ use tumble::{
 };
 
 const ABOUT: &str = "\
-Spins a stone of this file's own, a boat whose mass lies askew to its keel: a rattleback, or celt. Against
-its sense it rattles, stops, and turns back. Its mirror image does the same the other way round, bit by bit.";
+Spins a rattleback, or celt: a boat-shaped stone, defined in this file, whose mass is rotated relative to its
+keel. Against its preferred direction it rattles, stops, and reverses. Its mirror image does the same in the
+mirrored direction, bit by bit.";
 
 // The size is that of the stone of Garcia & Hubbard (Proc. R. Soc. Lond. A 418, 165, 1988). An
 // ellipsoid with semi-axes of 0.2, 0.03 and 0.02 m has these radii at its bottom, 0.2²/0.02 and
@@ -161,17 +162,17 @@ fn work(options: &Options) -> Outcome<Page> {
     let expected =
         TAU * ((MOMENTS.y + MASS * HEIGHT * HEIGHT) / (MASS * GRAVITY * (KEEL - HEIGHT))).sqrt();
     Ok(Page {
-        title: "Rattleback: a body of one's own",
+        title: "Rattleback: a user's own body",
         text: vec![
-            format!("A stone whose mass lies 8 degrees askew to its keel is spun at {SPIN} rad/s to either side, with a hair of pitch and roll."),
-            "One way the spin feeds the pitching until nothing of it is left, and the pitching gives it back the other way round; the other way it just comes to rest.".to_owned(),
+            format!("A stone whose mass is rotated by 8 degrees relative to its keel is spun at {SPIN} rad/s in both directions, with a small pitch and roll."),
+            "In one direction the energy of the spin goes into the pitching, and then into a spin in the other direction. In the other direction the stone only comes to rest.".to_owned(),
         ],
         checks: vec![
-            Check::between("spun against its sense, largest spin back, rad/s", "it reverses: Garcia & Hubbard, Proc. R. Soc. Lond. A 418, 165 (1988)", largest(&against, 1.0), 0.25 * SPIN, SPIN),
-            Check::between("spun along its sense, largest spin back, rad/s", "it does not, but for what its last rocking makes", largest(&along, -1.0), 0.0, 0.02 * SPIN),
+            Check::between("spun against its preferred direction, largest reversed spin, rad/s", "it reverses: Garcia & Hubbard, Proc. R. Soc. Lond. A 418, 165 (1988)", largest(&against, 1.0), 0.25 * SPIN, SPIN),
+            Check::between("spun in its preferred direction, largest reversed spin, rad/s", "it does not reverse, except by its last rocking", largest(&along, -1.0), 0.0, 0.02 * SPIN),
             Check::near("moments in which the mirrored stone is not the mirror image, bit by bit", "the equations have no handedness", other.count() as f64, 0.0, 0.0),
             Check::near("period of a small pitch of the straight stone, s", "2π √((I + m h²)/(m g (R - h)))", period, expected, 0.01 * expected),
-            Check::between("largest rise of the energy in a step, J", "promise G1", rises.fold(f64::NEG_INFINITY, f64::max), f64::NEG_INFINITY, 0.0),
+            Check::between("largest increase of the energy in a step, J", "promise G1", rises.fold(f64::NEG_INFINITY, f64::max), f64::NEG_INFINITY, 0.0),
         ],
         pictures: vec![spin_picture(&against, &along)?, pitch_picture(&against, &along)?],
         film: None,
@@ -281,8 +282,12 @@ fn picture(
             .collect()
     };
     let lines = vec![
-        common::line(curve(runs[1]), BLUE, "spun along its sense"),
-        common::line(curve(runs[0]), ORANGE, "spun against its sense"),
+        common::line(curve(runs[1]), BLUE, "spun in its preferred direction"),
+        common::line(
+            curve(runs[0]),
+            ORANGE,
+            "spun against its preferred direction",
+        ),
     ];
     Picture::new(name, lines, |layout| {
         layout

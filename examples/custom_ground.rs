@@ -21,8 +21,8 @@ use tumble::{
 };
 
 const ABOUT: &str = "\
-Lets beads go in a valley whose profile is a cycloid, a terrain that is written here. A swing takes
-4π √(a/g), however high it begins (Huygens 1673).";
+Releases beads in a valley whose profile is a cycloid, a terrain that is defined in this file. An oscillation
+takes 4π √(a/g), whatever its initial height (Huygens 1673).";
 
 /// Radius of the circle that generates the cycloid, m.
 const CIRCLE: f64 = 0.1;
@@ -103,7 +103,7 @@ fn work(options: &Options) -> Outcome<Page> {
         let way = swing(ground, start, period / steps, 2.0 * period)?;
         checks.push(Check::near(
             &format!(
-                "period of the swing from {:.0} mm, s",
+                "period of the oscillation from {:.0} mm, s",
                 Cycloid::place(start).z * 1e3
             ),
             "4π √(a/g) at every height (Huygens, Horologium oscillatorium, 1673)",
@@ -119,7 +119,7 @@ fn work(options: &Options) -> Outcome<Page> {
         .map(|pair| pair[1].2 - pair[0].2)
         .fold(f64::NEG_INFINITY, f64::max);
     checks.push(Check::between(
-        "largest rise of the energy between two steps, J",
+        "largest increase of the energy between two steps, J",
         "promise G1",
         rise,
         f64::NEG_INFINITY,
@@ -151,15 +151,15 @@ fn work(options: &Options) -> Outcome<Page> {
     }
     let valley = Picture::new("valley", plots, |layout| {
         layout
-            .with_title("the valley, and where the beads begin")
+            .with_title("the valley, and the initial positions of the beads")
             .with_x_label("x (m)")
             .with_y_label("z (m)")
             .with_legend_position(LegendPosition::OutsideRightTop)
     })?;
     Ok(Page {
-        title: "A ground of one's own",
+        title: "A user's own ground",
         text: vec![
-            "A relief is a height with its slope; the crate finds the nearest point of it, so that its springs are a true potential, and checks that they are.".to_owned(),
+            "A height field has a height and a gradient. The crate finds the nearest point of the surface, so that the springs have a potential, and the example checks this.".to_owned(),
         ],
         checks,
         pictures: vec![valley, swings],

@@ -24,8 +24,8 @@ use tumble::{
 };
 
 const ABOUT: &str = "\
-Throws a die of 16 mm with round corners a few thousand times, each time until it lies still, and
-counts the faces; and does so with a die whose centre of mass is 2 mm off its middle.";
+Throws a die of 16 mm with round corners a few thousand times, each time until it is at rest, and
+counts the faces. Then throws a die whose centre of mass is 2 mm away from its middle.";
 
 /// Mass of a die of acrylic, kg. The next constant is its edge, m.
 const MASS: f64 = 0.0048;
@@ -81,7 +81,7 @@ fn work(options: &Options) -> Outcome<Page> {
     ];
     let picture = Picture::new("faces", plots, |layout| {
         layout
-            .with_title("share of throws by face")
+            .with_title("fraction of throws by face")
             .with_x_label("face")
             .with_y_label("share")
             .with_y_axis_min(0.0)
@@ -91,7 +91,7 @@ fn work(options: &Options) -> Outcome<Page> {
         title: "Dice",
         text: vec![
             format!(
-                "Each of {throws} throws begins with a random turn, spin and speed half a metre above the table and ends when the die lies still."
+                "Each of {throws} throws begins with a random orientation, spin and speed half a metre above the table and ends when the die is at rest."
             ),
             format!(
                 "{throws} throws reject, with 99 %, a die one of whose sides has a probability {:.1} percentage points above a sixth, and the opposite side one as far below it.",
@@ -128,7 +128,7 @@ fn work(options: &Options) -> Outcome<Page> {
             ),
             Check::between(
                 "threes of the loaded die beyond a sixth, in standard deviations",
-                "the heavy side, four, comes to lie below",
+                "the heavy side, four, lies below",
                 three,
                 5.0,
                 f64::INFINITY,
@@ -196,7 +196,7 @@ fn throw(die: &Die, mut state: State) -> Outcome<(u8, f64)> {
     let mut rest = UntilRest::new(die.body(), 1e-5, 0.05)?;
     let time = die.run(&mut state, PATIENCE, &mut rest)?;
     if !rest.is_reached() {
-        return Err(format!("a die does not lie after {PATIENCE} s").into());
+        return Err(format!("a die is not at rest after {PATIENCE} s").into());
     }
     let side = die
         .body()

@@ -21,7 +21,7 @@ use tumble::{Coin, Dynamics, EnergyMomentum, FlatGround, Sample, State, Stepper,
 
 const ABOUT: &str = "\
 Lets a coin of 120 points spin on its rim at a small angle and follows the angle down. On springs
-with dampers it falls evenly, angle = (4/3) (damping/stiffness) (g/r) (t0 - t): exponent 1, where air
+with dampers it falls at a constant rate, angle = (4/3) (damping/stiffness) (g/r) (t0 - t): exponent 1, where air
 has 1/3 or 4/9, dry rolling 2/3 and viscous rolling 1/2.";
 
 // The coin and the ground of the coin report.
@@ -80,8 +80,8 @@ fn work(options: &Options) -> Outcome<Page> {
     ];
     let exponents = Picture::new("exponent", plots, |layout| {
         layout
-            .with_title("Euler's disk: angle against the time that is left")
-            .with_x_label("log10 of the time left (s)")
+            .with_title("Euler's disk: angle over the remaining time")
+            .with_x_label("log10 of the remaining time (s)")
             .with_y_label("log10 of the angle (rad)")
             .with_legend_position(LegendPosition::InsideBottomRight)
     })?;
@@ -103,7 +103,7 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "Euler's disk",
         text: vec![
-            "A ring of 1 kg and 0.5 m is set spinning on its rim at 0.2 rad, without friction, at the rate at which its centre stays, Ω² sin α = 2 g/r. Only the dampers take energy.".to_owned(),
+            "A ring of 1 kg and 0.5 m spins on its rim at 0.2 rad, without friction, at the rate at which its centre stays, Ω² sin α = 2 g/r. Only the dampers dissipate energy.".to_owned(),
             format!("It lies at {:.2} s by the fit; the angle falls at {slope:.5} rad/s.", fit.end),
         ],
         checks: vec![
@@ -178,7 +178,7 @@ fn film(shots: Vec<Shot>) -> Film {
     Film {
         title: "Euler's disk".to_owned(),
         lines: vec![
-            "A ring on its rim, without friction. It falls evenly: only the dampers take energy."
+            "A ring on its rim, without friction. It falls at a constant rate, because only the dampers dissipate energy."
                 .to_owned(),
         ],
         size: RADIUS,

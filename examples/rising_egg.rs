@@ -23,7 +23,7 @@ use tumble::{
 const ABOUT: &str = "\
 Spins a smooth spheroid that lies on its side. Weak friction at its contact lifts it onto its end, as
 Moffatt and Shimomura explain: the angular momentum about the vertical times the height of the
-centre stays (Jellett's constant), so that the one falls as the other rises.";
+centre stays (Jellett's constant), so that one decreases as the other increases.";
 
 /// Mass, kg. The next constants are the semi-axes, m: the long one and the other two.
 const MASS: f64 = 0.06;
@@ -95,13 +95,13 @@ fn work(options: &Options) -> Outcome<Page> {
         layout
             .with_title("rising egg: Jellett's constant")
             .with_x_label("time (s)")
-            .with_y_label("share of the start")
+            .with_y_label("fraction of the start")
             .with_legend_position(LegendPosition::InsideTopLeft)
     })?;
     Ok(Page {
         title: "Rising egg",
         text: vec![
-            "A homogeneous spheroid of 60 mm by 40 mm is spun at 150 rad/s about the vertical, on its side but for 0.05 rad; the friction coefficient is 0.1.".to_owned(),
+            "A homogeneous spheroid of 60 mm by 40 mm is spun at 150 rad/s about the vertical, on its side except for 0.05 rad; the friction coefficient is 0.1.".to_owned(),
             format!(
                 "Its long axis goes from {:.0} to {:.0} degrees, its centre from {:.1} to {:.1} mm.",
                 first.rise,
@@ -119,21 +119,21 @@ fn work(options: &Options) -> Outcome<Page> {
                 90.0,
             ),
             Check::near(
-                "angular momentum about the vertical at the end, share of that at the start",
+                "angular momentum about the vertical at the end, fraction of that at the start",
                 "Jellett's constant in the gyroscopic approximation: height at the start over height at the end",
                 fall,
                 first.height / last.height,
                 APPROXIMATE,
             ),
             Check::between(
-                "largest change of the product on the way, relative",
-                "constant but for terms of g/(spin² a)",
+                "largest relative change of the product during the rise",
+                "constant except for terms of g/(spin² a)",
                 drift,
                 0.0,
                 APPROXIMATE,
             ),
             Check::between(
-                "largest rise of the energy between two moments, J",
+                "largest increase of the energy between two moments, J",
                 "promise G1",
                 gain,
                 f64::NEG_INFINITY,

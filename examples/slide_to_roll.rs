@@ -19,7 +19,7 @@ use tumble::{
 };
 
 const ABOUT: &str = "\
-Sets balls sliding without spin, and with backspin, and follows them until they roll. With β = I/(m r²)
+Balls start to slide without spin, or with backspin, and are followed until they roll. With β = I/(m r²)
 a ball rolls at v/(1 + β) after the time β/(1 + β) v/(μ g), whatever the friction; one with enough
 backspin comes back.";
 
@@ -59,7 +59,7 @@ fn work(options: &Options) -> Outcome<Page> {
     let last = back[back.len() - 1];
     let returns = SPEED * (1.0 - 0.4 * 4.0) / 1.4;
     checks.push(Check::near(
-        "solid ball with backspin: speed at last, m/s",
+        "solid ball with backspin: final speed, m/s",
         "(v + β r ω)/(1 + β): below 0, it comes back",
         last.speed,
         returns,
@@ -72,7 +72,7 @@ fn work(options: &Options) -> Outcome<Page> {
             .fold(f64::NEG_INFINITY, f64::max)
     };
     checks.push(Check::between(
-        "largest rise of the energy between two moments, J",
+        "largest increase of the energy between two moments, J",
         "promise G1",
         rises(&solid).max(rises(&shell)).max(rises(&back)),
         f64::NEG_INFINITY,
@@ -95,7 +95,7 @@ fn work(options: &Options) -> Outcome<Page> {
         common::line(curve(&shell, |m| m.speed), GREEN, "shell: speed"),
     ];
     let without = Picture::new("speeds", plots, |layout| {
-        arranged(layout, "without spin at first")
+        arranged(layout, "initially without spin")
     })?;
     let plots = vec![
         common::line(
@@ -111,7 +111,7 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "From sliding to rolling",
         text: vec![format!(
-            "Balls set sliding at {SPEED} m/s on a ground with the coefficient {COEFFICIENT}. Friction slows the ball and turns it, until the two speeds meet; from then on it takes nothing more."
+            "Balls slide at {SPEED} m/s on a ground with the coefficient {COEFFICIENT}. Friction slows the ball and spins it, until the two speeds are equal. From then on it dissipates nothing."
         )],
         checks,
         pictures: vec![without, with],
@@ -140,7 +140,7 @@ fn figures(name: &str, moments: &[Moment], beta: f64, time_step: f64) -> Vec<Che
     let way = (share - share * share / 2.0) * SPEED * SPEED / (COEFFICIENT * GRAVITY);
     vec![
         Check::near(
-            &format!("{name}: speed at last, m/s"),
+            &format!("{name}: final speed, m/s"),
             "v/(1 + β), whatever the friction",
             last.speed,
             SPEED / (1.0 + beta),
@@ -154,14 +154,14 @@ fn figures(name: &str, moments: &[Moment], beta: f64, time_step: f64) -> Vec<Che
             slack,
         ),
         Check::near(
-            &format!("{name}: way until it rolls, m"),
+            &format!("{name}: distance until it rolls, m"),
             "(b - b²/2) v²/(μ g), b = β/(1 + β)",
             rolls.place,
             way,
             slack * SPEED,
         ),
         Check::near(
-            &format!("{name}: part of the energy that friction took"),
+            &format!("{name}: fraction of the energy that friction dissipated"),
             "β/(1 + β)",
             2.0 * (first.energy - last.energy) / (MASS * SPEED * SPEED),
             share,

@@ -63,12 +63,12 @@ fn work(options: &Options) -> Outcome<Page> {
         let (found, ..) = bounce(coefficient, 0.0, time_step)?;
         let rigid = rigid(coefficient, 0.0);
         checks.push(near(
-            &format!("no spin, μ = {coefficient}, it {name}: speed on, m/s"),
+            &format!("no spin, μ = {coefficient}, it {name}: horizontal speed, m/s"),
             found.on,
             rigid.on,
         ));
         checks.push(near(
-            &format!("no spin, μ = {coefficient}, it {name}: rim by the spin, m/s"),
+            &format!("no spin, μ = {coefficient}, it {name}: speed of the rim by the spin, m/s"),
             found.rim,
             rigid.rim,
         ));
@@ -104,7 +104,7 @@ fn work(options: &Options) -> Outcome<Page> {
         films.push(shots);
         if rim.abs() > 0.0 {
             checks.push(near(
-                &format!("{name}, μ = 0.9: speed on, m/s"),
+                &format!("{name}, μ = 0.9: horizontal speed, m/s"),
                 found.on,
                 self::rigid(0.9, rim).on,
             ));
@@ -121,8 +121,8 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "A ball with spin",
         text: vec![
-            "A ball that grips leaves at the speed at which it rolls; one that slides all through loses μ (1 + e) of its speed down. Topspin keeps it fast, backspin lets it slide.".to_owned(),
-            "Of a real ball the spin after the bounce is larger than this: its friction turns round while it touches (Cross, Am. J. Phys. 70, 1093, 2002). The model has no spring along the ground.".to_owned(),
+            "A ball that grips leaves at the speed at which it rolls. One that slides throughout loses μ (1 + e) times its downward speed. Topspin keeps it fast, backspin lets it slide.".to_owned(),
+            "The spin of a real ball after the bounce is larger, because its friction reverses during the contact (Cross, Am. J. Phys. 70, 1093, 2002). The model has no spring along the ground.".to_owned(),
         ],
         checks,
         pictures: vec![picture],
@@ -164,12 +164,12 @@ fn film(films: &[Vec<Shot>]) -> Film {
         slower: 100.0,
         bodies: vec![ball(mesh::ORANGE), ball(mesh::BLUE), ball(mesh::GREEN)],
         readouts: vec![
-            speed("topspin: rim by the spin", "ink"),
+            speed("topspin: speed of the rim", "ink"),
             speed("no spin", "ink"),
             speed("backspin", "ink"),
         ],
         curves: vec![
-            speed("speed on: topspin", "orange"),
+            speed("horizontal speed: topspin", "orange"),
             speed("no spin", "blue"),
             speed("backspin", "green"),
         ],
@@ -274,7 +274,7 @@ fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Path,
     let every = (path.len() / 400).max(1);
     let path = path.into_iter().step_by(every).collect();
     Ok((
-        after.ok_or("the ball does not come off the court")?,
+        after.ok_or("the ball does not leave the court")?,
         path,
         camera.shots,
     ))

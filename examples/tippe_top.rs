@@ -103,14 +103,14 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "Tippe top",
         text: vec![
-            "A sphere with its centre of mass 0.3 radii below its middle is spun about its axis at 155 rad/s and leaves upright by friction alone.".to_owned(),
+            "A sphere with its centre of mass 0.3 radii below its middle is spun about its axis at 155 rad/s and leaves the upright position by friction alone.".to_owned(),
             format!("From {:.0} to {:.0} degrees, from {:.1} to {:.1} rad/s, from {:.4} to {:.4} J.", first.lean, last.lean, first.spin, last.spin, first.energy, last.energy),
         ],
         checks: vec![
-            Check::between("angle of the axis at the end, degrees", "on its head, which it nears ever more slowly", last.lean, 170.0, 180.0),
+            Check::between("angle of the axis at the end, degrees", "upside down, which it approaches ever more slowly", last.lean, 170.0, 180.0),
             Check::near(
                 "spin at the end, rad/s",
-                "Jellett's integral: the spin falls by (1 - offset)/(1 + offset)",
+                "Jellett's integral: the spin decreases by (1 - offset)/(1 + offset)",
                 last.spin,
                 inverted,
                 0.01 * inverted,
@@ -123,7 +123,7 @@ fn work(options: &Options) -> Outcome<Page> {
                 JELLETT,
             ),
             Check::between("order of that drift in the time step", "EnergyMomentum is of order 2", halves, 1.7, 2.3),
-            Check::between("largest rise of the energy between two moments, J", "promise G1", rise, f64::NEG_INFINITY, 0.0),
+            Check::between("largest increase of the energy between two moments, J", "promise G1", rise, f64::NEG_INFINITY, 0.0),
         ],
         pictures: vec![lean, spin],
         film: Some(film(shots)),

@@ -24,16 +24,16 @@ Error against cost of every integrator, and the cheapest setting for an error.
 Usage: cargo run --release --example choose_accuracy -- [OPTIONS]
 
   --scene NAME        trial1 to trial8, toss, smooth, stiff, rest   [trial1]
-  --error M           the error that you can bear at the end, m     [1e-4]
-  --seconds S         how long the run is, s                        [the scene's]
-  --points N          points of the coin                            [120]
-  --stiffness N/M     of each of 120 points                         [the scene's]
-  --slip-speed M/S    of the friction law                           [1e-3]
+  --error M           largest acceptable error at the end, m        [1e-4]
+  --seconds S         duration of the run, s                        [the scene's]
+  --points N          number of points of the coin                  [120]
+  --stiffness N/M     stiffness of each of 120 points               [the scene's]
+  --slip-speed M/S    slip speed of the friction law                [1e-3]
   --smooth            SmoothCoulomb in place of Coulomb
   --single            in single precision
-  --flight            fly in closed form
-  --quick             a shorter ladder of settings
-  --out DIR           where the picture goes                        [out]
+  --flight            flight in closed form
+  --quick             fewer settings
+  --out DIR           folder of the picture                         [out]
   --help              this text
 ";
 
@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         start.name, start.seconds, start.points
     );
     print!("{curve}");
-    println!("\nthe reference is good to {:.0e} m", curve.resolution);
+    println!("\nthe reference is accurate to {:.0e} m", curve.resolution);
     match curve.cheapest(options.error) {
         Some(row) => println!(
             "cheapest for {:.0e} m: {}, {:.1e} m in {:.1} µs",
@@ -67,7 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             row.error,
             row.time.as_secs_f64() * 1e6
         ),
-        None => println!("no setting has an error of {:.0e} m or less", options.error),
+        None => println!("no setting has an error of at most {:.0e} m", options.error),
     }
     let title = format!("{}: error after {} s over cost", start.name, start.seconds);
     picture::write(&curve, &title, &options.out, "work_precision")?;

@@ -12,17 +12,17 @@ use crate::setup::{Method, Setup};
 
 /// The text of `--help`.
 pub(crate) const HELP: &str = "\
-The coin of the report: a ring of points that rolls or spins on a springy floor with friction,
-tumbles and comes to rest. Writes a table, pictures and a page that plays it in 3-D.
+The coin of the coin report: a ring of points that rolls or spins on an elastic floor with
+friction, tumbles and comes to rest. Writes a table, pictures and a page that shows it in 3-D.
 
 Usage: cargo run --release --example coin -- [OPTIONS]
 
 What to run
-  -t, --trial <1..8>            trial of the report to start from             [default: 1]
+  -t, --trial <1..8>            trial of the coin report to start from        [default: 1]
   -a, --all                     all eight trials, and one page that shows them side by side
       --readme-picture <FILE>   only draw the coin of the trial, as an animated SVG, into FILE
 
-The report's five parameters: each replaces the value of the trial
+The five parameters of the coin report: each replaces the value of the trial
       --direction <DIRECTION>   of the angular momentum: rolling (along the coin's normal)
                                 or spinning (along the upright diameter)
       --size <NUMBER>           of the angular momentum, in kg m2/s
@@ -30,22 +30,22 @@ The report's five parameters: each replaces the value of the trial
       --friction <NUMBER>       coefficient of friction
       --damping <N·s/m>         of the floor, for each point
 
-What the report keeps fixed
+Fixed in the coin report
   -n, --points <NUMBER>         points on the rim                             [default: 120]
       --stiffness <N/m>         of the floor, for each point                  [default: 1000]
-      --slip-speed <M/S>        below this speed friction fades out           [default: 1e-10]
+      --slip-speed <M/S>        below this speed friction falls to 0          [default: 1e-10]
 
 How to compute
   -i, --integrator <METHOD>     energy-momentum, report, forward-euler, symplectic-euler,
                                 strang, rk4 or nystrom; the energy of energy-momentum never
-                                rises, report is the report's own loop, word for word
+                                increases, report is the unchanged loop of the coin report
                                                                    [default: energy-momentum]
   -s, --step <SECONDS>          time step                 [default: 1e-3 for energy-momentum
                                                  and nystrom, 1e-4, the report's, for others]
   -d, --duration <SECONDS>      of the run                                    [default: 160]
-      --no-books                do not keep books of the energy: several times faster
+      --no-books                no energy audit: several times faster
 
-  -o, --out <FOLDER>            where the files go                            [default: out]
+  -o, --out <FOLDER>            folder of the files                           [default: out]
   -q, --quiet                   no progress bar and no summary
   -h, --help                    this text
 

@@ -15,7 +15,7 @@ pub(crate) fn write(recording: &Recording, path: &Path) -> Outcome<()> {
     let mut lines = vec![setup.parameters(), setup.computation()];
     if shown.len() < recording.moments.len() {
         lines.push(format!(
-            "The run lasts {} s; the film ends when the coin lies still.",
+            "The run lasts {} s; the film ends when the coin is at rest.",
             setup.duration
         ));
     }

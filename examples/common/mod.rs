@@ -137,7 +137,7 @@ impl Check {
             self.what.clone(),
             rounded(self.got),
             range,
-            if self.holds() { "yes" } else { "NO" }.to_owned(),
+            if self.holds() { "pass" } else { "fail" }.to_owned(),
             self.source.clone(),
         ]
     }
@@ -203,9 +203,8 @@ impl Page {
             println!("{paragraph}");
         }
         for check in &self.checks {
-            let [what, got, range, holds, source] = check.cells();
-            let verdict = if holds == "yes" { "ok" } else { "NO" };
-            println!("  {verdict}  {what}: {got}, should be {range}\n      ({source})");
+            let [what, got, range, result, source] = check.cells();
+            println!("  {result}  {what}: {got}, expected {range}\n        ({source})");
         }
         println!("Written: {}", page.display());
         Ok(self.checks.iter().all(Check::holds))
@@ -227,7 +226,7 @@ impl Page {
         if self.film.is_some() {
             writeln!(
                 html,
-                "<iframe src=\"{PLAY}\" title=\"The run, to be played\"></iframe><p><a href=\"{PLAY}\">The film alone</a></p>"
+                "<iframe src=\"{PLAY}\" title=\"Film of the run\"></iframe><p><a href=\"{PLAY}\">The film alone</a></p>"
             )?;
         }
         for (number, picture) in self.pictures.iter().enumerate() {
@@ -235,7 +234,7 @@ impl Page {
             writeln!(html, "<div class=\"wide\">{svg}</div>")?;
         }
         html.push_str(
-            "<div class=\"wide\"><table><tr><th>figure</th><th>got</th><th>should be</th><th>is</th><th>why</th></tr>\n",
+            "<div class=\"wide\"><table><tr><th>figure</th><th>value</th><th>expected</th><th>result</th><th>source</th></tr>\n",
         );
         for check in &self.checks {
             writeln!(

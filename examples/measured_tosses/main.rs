@@ -35,16 +35,16 @@ use tumble::glam::DVec3;
 
 const HELP: &str = "\
 Fits three models of a real cube and its table on half of its tosses, and predicts the other half:
-the printed body with Coulomb friction, the body as its flights weigh it, and that body with a
-friction that falls with the load. Each toss is predicted from its first sample alone, and from up
-to 15 samples before the first touch.
+the printed body with Coulomb friction, the body with the centre of mass from its flights, and that
+body with a friction that decreases with the load. Each toss is predicted from its first sample alone, and from up
+to 15 samples before the first touch-down.
 
 Usage: cargo run --release --example measured_tosses -- --data <FILE> [OPTIONS]
 
   -d, --data <FILE>     the tosses, CSV or CSV in gzip; see below
-      --seed <NUMBER>   of the split into halves and of the bootstrap                  [default: 1]
-      --synthetic       tosses of the model's own with noise, instead of data: does the fit find what made them?
-  -o, --out <FOLDER>    where the page and its pictures go                             [default: out]
+      --seed <NUMBER>   seed of the split into halves and of the bootstrap             [default: 1]
+      --synthetic       synthetic tosses with noise, instead of data: does the fit find their parameters?
+  -o, --out <FOLDER>    folder of the page and its pictures                            [default: out]
   -q, --quick           a short fit
   -h, --help            this text
 ";
@@ -191,7 +191,7 @@ fn one_toss(fitted: &Fitted, held: &[Vec<Toss>]) -> Outcome<Picture> {
     ranked.sort_by(|a, b| (a.1.position + a.1.rotation).total_cmp(&(b.1.position + b.1.rotation)));
     let (toss, score) = ranked.get(ranked.len() / 2).ok_or("no toss is held out")?;
     let model = &fitted.model;
-    let states = (model.predict(toss, Start::Flight)).ok_or("the model cannot go on")?;
+    let states = (model.predict(toss, Start::Flight)).ok_or("a step of the model failed")?;
     let scale = model.scale();
     let first = toss.samples[0].position * scale;
     let course = |of: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
@@ -213,7 +213,7 @@ fn one_toss(fitted: &Fitted, held: &[Vec<Toss>]) -> Outcome<Picture> {
         |layout| {
             layout
                 .with_title(format!(
-                    "Toss {}: height of the centre, and way along the table ({:.0} % of the width, {:.0} degrees)",
+                    "Toss {}: height of the centre, and path along the table ({:.0} % of the width, {:.0} degrees)",
                     toss.number, score.position, score.rotation
                 ))
                 .with_x_label("time (s)")
@@ -276,14 +276,14 @@ fn recover(arguments: &Arguments) -> Outcome<Page> {
     let near = |what: &str, got: f64, truth: f64| {
         Check::near(
             what,
-            "what made the tosses, to a tenth",
+            "parameters of the tosses, to a tenth",
             got,
             truth,
             0.1 * truth,
         )
     };
     Ok(Page {
-        title: "Tosses of the model's own with noise: the fit finds what made them",
+        title: "Synthetic tosses with noise: the fit finds their parameters",
         text: vec![
             study::shown(&weighed_by),
             format!(
@@ -294,14 +294,14 @@ fn recover(arguments: &Arguments) -> Outcome<Page> {
         checks: vec![
             Check::near(
                 "height of the centre of mass over the middle, mm",
-                "what made the tosses, to four standard errors",
+                "parameters of the tosses, to four standard errors",
                 1e3 * weighed_by.centre_of_mass.z,
                 1e3 * TRUTH.body.centre_of_mass.z,
                 4e3 * weighed_by.centre_error.z,
             ),
             Check::near(
                 "true lengths over tracked ones",
-                "what made the tosses, to four standard errors",
+                "parameters of the tosses, to four standard errors",
                 weighed_by.scale,
                 TRUTH.body.scale,
                 4.0 * weighed_by.scale_error,

@@ -47,7 +47,7 @@ pub(crate) fn tosses(count: u32, seed: u64) -> Outcome<Vec<Toss>> {
         };
         let states = model
             .predict(&toss, Start::FirstSample)
-            .ok_or("the model cannot go on")?;
+            .ok_or("a step of the model failed")?;
         for (sample, state) in toss.samples.iter_mut().zip(states).skip(1) {
             let turn = DQuat::from_scaled_axis(any(&mut random, NOISE));
             sample.position = state.position + any(&mut random, NOISE);

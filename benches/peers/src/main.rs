@@ -12,16 +12,16 @@ use std::process::ExitCode;
 
 const HELP: &str = "\
 The same scenes by tumble, rapier3d, rapier3d-f64, a plain Rk4, ode_solvers and diffsol: error against a known answer,
-worst rise of the energy, ns a step, CPU time for a simulated second, and ratios.
+largest increase of the energy, ns a step, CPU time for a simulated second, and ratios.
 
     cargo run --release -- [OPTIONS]
 
-  --write        all of it into RESULTS.md, and the summary into the guide's page (src/guide/peers.md)
+  --write        write all tables to RESULTS.md, and the summary to the guide's page (src/guide/peers.md)
   --markdown     tables in markdown
-  --summary      only the table with a row a scene
-  --turns N      how often each program is timed, in turns (5)
-  --scene TEXT   only scenes whose name holds TEXT
-  -h, --help     this";
+  --summary      only the table with one row for each scene
+  --turns N      number of measurements of each program (5)
+  --scene TEXT   only scenes whose name contains TEXT
+  -h, --help     this text";
 
 struct Options {
     write: bool,
