@@ -14,10 +14,11 @@
 //!    flight, the rounding is corrected in the last places of the orientation, the height or the
 //!    speed (`flight_rounding`). In contact, both velocities are scaled down until the energy no
 //!    longer exceeds it. A body whose motion is below the rounding of its energy comes to rest.
-//! 5. Fallbacks if stage 2 or 4 fails, in this order: `split` (dissipation, conservative motion,
-//!    dissipation); divided steps, down to sixteenths; `descent` (a step downhill, as far as the
-//!    energy allows); a step in which time passes and the body stays. Each end passes through
-//!    stage 4. The induction from step to step therefore needs no assumption on convergence.
+//! 5. Fallbacks if stage 2 or 4 fails. The first is `split` (dissipation, conservative motion,
+//!    dissipation), the second a divided step, down to sixteenths. The third is `descent`, a step
+//!    downhill as far as the energy allows. In the last one time passes and the body stays. Each
+//!    end passes through stage 4. The induction from step to step therefore needs no assumption on
+//!    convergence.
 
 mod block;
 mod contacts;
