@@ -1,5 +1,4 @@
-//! Mass properties by two routes that share no formula, and what the bodies of the library answer
-//! about themselves.
+//! Mass properties by two methods that share no formula, and the queries of the built-in bodies.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -97,7 +96,7 @@ proptest! {
             moments.sort_by(f64::total_cmp);
             DVec3::from(moments)
         };
-        // Jacobi's rotations and the turn: a few dozen roundings of the largest moment.
+        // Jacobi's method and the rotation: a few dozen roundings of the largest moment.
         prop_assert!((moments(&own) - moments(&other)).length() <= 64.0 * f64::EPSILON * own.inertia.to_cols_array().into_iter().fold(0.0, f64::max));
     }
 
@@ -150,8 +149,8 @@ proptest! {
             centre_of_mass: DVec3::ZERO,
             inertia: DMat3::from_diagonal(DVec3::new(across, across, along)),
         };
-        // Points within 256 units in the last place of the hull's size from a facet belong to it,
-        // which shifts a thin prism's volume by a share of that.
+        // Points within 256 units in the last place of the hull's size from a facet belong to it.
+        // This changes the volume of a thin prism by a fraction of that.
         agree(&turned(prism, turn), &hull, 10.0).map_err(TestCaseError::fail)?;
     }
 
