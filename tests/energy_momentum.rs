@@ -1,5 +1,5 @@
-//! The default integrator on problems with a known result: exact solutions of the report's
-//! equations, closed forms, and rest. Tests of other scenes are in `extremes.rs`.
+//! The default integrator where the answer is known: the truth of the report's equations, closed
+//! forms, and rest. What it does beyond them is in `extremes.rs`.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(

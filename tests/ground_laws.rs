@@ -1,5 +1,5 @@
-//! The laws of contact: bounces as they were asked for, against closed forms; force without a jump;
-//! the same ground by other names.
+//! The contact laws: bounces with the specified restitution and duration, against closed forms;
+//! force without a jump; the same ground by different constructors.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -45,11 +45,11 @@ fn bounce(law: impl ContactLaw, carried: Carried, speed: f64, time_step: f64) ->
         .unwrap()
         .with_integrator(Rk4 { time_step })
         .unwrap();
-    // A hair inside, because some laws' forces jump at the surface.
+    // Slightly inside, because the forces of some laws jump at the surface.
     let mut state =
         State::at(DVec3::NEG_Z * (1e-12 * speed)).with_linear_velocity(DVec3::NEG_Z * speed);
     let (mut depth, mut steps) = (0.0_f64, 0.0);
-    // Until the ground lets go: in it, or on the way out of it.
+    // Until the contact opens, in the ground or at its surface.
     while state.position.z < 0.0
         && law.normal_force(-state.position.z, -state.linear_velocity.z) > 0.0
     {

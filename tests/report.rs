@@ -45,9 +45,9 @@ struct Frame {
     time: f64,
     centre: DVec3,
     lowest: DVec3,
-    /// Of the lowest point, m.
+    /// Position of the lowest point, m.
     gap: f64,
-    /// Of the lowest point, m/s.
+    /// Slip velocity of the lowest point, m/s.
     slip: f64,
     /// Sine of the lean from upright: 0 upright, 1 flat.
     lean: f64,
@@ -408,7 +408,7 @@ fn spread(track: impl Iterator<Item = DVec3> + Clone) -> (DVec2, f64, f64) {
     (middle, (mean + half).sqrt(), (mean - half).max(0.0).sqrt())
 }
 
-/// How far `ForwardEuler` and the report's own loop are apart after half a second of a trial, m.
+/// Difference between `ForwardEuler` and the report's own loop after half a second of a trial, m.
 fn forward_euler_from_the_loop(trial: &Trial, report: ReportTrial) -> f64 {
     let end = 0.5;
     let mut report = ReportLoop::new(report);

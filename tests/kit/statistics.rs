@@ -43,7 +43,7 @@ impl FractionTest {
         }
     }
 
-    /// Whether a count agrees with the null.
+    /// Returns true if a count agrees with the null hypothesis.
     pub(crate) fn accepts(&self, count: u32) -> bool {
         (self.accepted[0]..=self.accepted[1]).contains(&count)
     }

@@ -13,7 +13,7 @@ pub(crate) const CASES: &[&Case] = &[&BRODY, &PACE, &REBOUND, &GRIP];
 /// m
 const RADIUS: f64 = 0.033;
 
-/// A bounce without gravity: contacts of a millisecond bear thousands of m/s².
+/// A bounce without gravity: contacts of a millisecond transmit thousands of m/s².
 struct Bounce {
     moment: f64,
     coefficient: f64,
@@ -129,7 +129,7 @@ fn a_tennis_ball_slides_or_grips_as_a_rigid_ball_does() {
 }
 
 random! {
-    /// With topspin, backspin and none, on ice and on clay.
+    /// With topspin, backspin and no spin, on ice and on clay.
     ANY_BRODY = new(100, "ball, μ, e, speeds and spin");
     fn balls_of_any_spin_bounce_as_rigid_ones_with_coulombs_law(
         moment in 0.3..0.7_f64,

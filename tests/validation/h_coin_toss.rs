@@ -133,7 +133,7 @@ random! {
 /// Lowest height of the normal of a coin whose angular momentum makes an angle with its vertical
 /// normal.
 fn lowest_normal(angle: f64) -> f64 {
-    // Total angular momentum for a precession of 20 turns a second.
+    // Total angular momentum for a precession of 20 revolutions a second.
     let momentum = MOMENTS[0] * 20.0 * TAU;
     let start = State::default()
         .with_rotation_vector(DVec3::Y * -FRAC_PI_2)
@@ -444,7 +444,7 @@ fn faces(count: u32, damping_ratio: f64, time_step: f64) -> Vec<CoinFace> {
         .collect()
 }
 
-/// Places at which a face differs from the one before.
+/// Positions at which a face differs from the previous one.
 fn borders(faces: &[CoinFace]) -> Vec<usize> {
     (1..faces.len())
         .filter(|&i| faces[i] != faces[i - 1])

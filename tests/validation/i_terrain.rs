@@ -90,7 +90,7 @@ const GRIP: Coulomb = Coulomb {
     slip_speed: GRAVITY / 3000.0,
 };
 
-/// Time of a swing of 0.05 rad of a ball in a bowl of 1 m.
+/// Time of an oscillation of 0.05 rad of a ball in a bowl of 1 m.
 fn swing_in_bowl(moment: f64, radius: f64, friction: impl SlidingFriction) -> f64 {
     let arm = 1.0 - radius + GRAVITY / FIRM.stiffness;
     let (sin, cos) = 0.05_f64.sin_cos();
@@ -210,7 +210,7 @@ fn dip(moment: f64, [hole, radius]: [f64; 2], rate: f64) -> [f64; 2] {
             '_,
         >| {
             let now = (sample.time, sample.state.linear_velocity.z);
-            // Half a swing: it is lowest where the vertical speed changes sign.
+            // Half an oscillation: the ball is lowest where the vertical speed changes sign.
             if before.1 < 0.0 && now.1 >= 0.0 {
                 let time = before.0 + (now.0 - before.0) * before.1 / (before.1 - now.1);
                 let place = sample.state.position;
@@ -309,7 +309,7 @@ fn cycloid(wheel: f64, x: f64) -> Elevation {
     Elevation::new(height, [half.tan(), 0.0]).with_hessian([bend, 0.0, 0.0])
 }
 
-/// Time of a swing of a point in the cycloid that starts at rest at φ.
+/// Time of an oscillation of a point in the cycloid that starts at rest at φ.
 fn swing_in_cycloid(wheel: f64, angle: f64) -> f64 {
     let law = SpringDamper {
         stiffness: 1e6,
@@ -392,8 +392,8 @@ const TROUGH: Terrain<Bowl> = Terrain {
     },
 };
 
-/// Where a point is (x, m) some seconds after it has been let go in the trough at x, moving along
-/// it.
+/// Position of a point (x, m) some seconds after it has been released in the trough at x, moving
+/// along it.
 fn after(x: f64, speed: f64, coefficient: f64, seconds: f64) -> State {
     let law = SpringDamper {
         stiffness: 1e5,
@@ -452,7 +452,7 @@ fn a_point_in_a_trough_stays_where_the_slope_is_below_the_coefficient() {
 }
 
 random! {
-    /// From anywhere, at any speed along the trough.
+    /// From any position, at any speed along the trough.
     ANY_TROUGH = new(20, "place, speed and μ");
     fn whatever_slides_in_a_trough_comes_to_rest_within_the_coefficient(
         x in -0.9..0.9_f64,
