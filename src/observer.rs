@@ -66,7 +66,7 @@ pub trait Observer<R: Real = f64> {
     /// Returns the next time at which the observer requests a sample, s since the start of the run.
     /// Default: `None`.
     ///
-    /// Such samples are in addition to those after each step.
+    /// Requested samples are in addition to those after each step.
     #[inline]
     fn asks_for(&self) -> Option<R> {
         None

@@ -273,7 +273,7 @@ impl Film {
 /// Deviation from the line between its neighbours within which a shot may be left out, in sizes and
 /// in each part of the quaternion (half of an angle in radians).
 const NEAR: f64 = 1e-3;
-/// Such a deviation for the track on the floor, in sizes.
+/// Deviation of the track on the floor within which a shot may be left out, in sizes.
 const NEAR_ON_FLOOR: f64 = 0.02;
 /// Distance, in sizes, beyond which the lowest point has jumped across the body, which leaves no
 /// track.

@@ -178,7 +178,7 @@ impl Model {
     }
 
     /// Returns the states at the times of a toss's samples, with the cube's middle as their
-    /// position, or `None` if the model cannot go on.
+    /// position, or `None` if a step fails.
     pub(crate) fn predict(&self, toss: &Toss, start: Start) -> Option<Vec<State>> {
         let mut state = self.start(toss, start);
         let mut states = vec![state];

@@ -26,12 +26,12 @@
 //! cos θ = 1 - 2 κ² u²             sin θ = 2 κ u √(1 - κ² u²)
 //! dθ = 2 κ du/√(1 - κ² u²)        d = 2 r s κ² (1 - u²)
 //! ```
-//! This needs no sine and no arc cosine, and has no cancellation at a small penetration depth.
-//! Gauss's rule in `u` has six points on short arcs and eight on longer ones. On an arc of up to a
-//! quarter of the circle (`κ <= 0.38`) it integrates smooth functions to a relative 2e-10. On the
-//! arcs of less than 0.2 rad on which a body rolls it is accurate to rounding. Longer arcs are cut
-//! into quarters. Forces on a level plane need fewer points, for an accuracy of 4e-11. Arcs on
-//! which friction reverses have their own rules (`scene::rims::turning_rules`).
+//! The substitution needs no sine and no arc cosine, and has no cancellation at a small penetration
+//! depth. Gauss's rule in `u` has six points on short arcs and eight on longer ones. On an arc of
+//! up to a quarter of the circle (`κ <= 0.38`) it integrates smooth functions to a relative 2e-10.
+//! On the arcs of less than 0.2 rad on which a body rolls it is accurate to rounding. Longer arcs
+//! are cut into quarters. Forces on a level plane need fewer points, for an accuracy of 4e-11. Arcs
+//! on which friction reverses have their own rules (`scene::rims::turning_rules`).
 
 mod panels;
 

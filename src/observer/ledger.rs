@@ -144,8 +144,8 @@ impl<R: Real> Ledger<R> {
 
     /// Returns the more accurate of two works of a step that the substeps could not follow.
     ///
-    /// Such steps come in series. So after a step along its chord, some steps use the chord at
-    /// once, twice as many as the last time.
+    /// Steps that the substeps cannot follow come in series. So after a step along its chord, some
+    /// steps use the chord at once, twice as many as the last time.
     fn fall_back(&mut self, followed: Works<R>, chord: Works<R>) -> Works<R> {
         if followed.error <= chord.error {
             return followed;

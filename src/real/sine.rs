@@ -1,8 +1,8 @@
 //! Sine and cosine of single precision, computed without double precision.
 //!
-//! Those of `libm` use f64, which a processor with single precision only has to emulate. Here
-//! integer arithmetic reduces the angle exactly, for every f32. The series then uses `+ - *` in one
-//! fixed order. Both results are accurate to one unit in the last place.
+//! The functions of `libm` use f64, which a processor with single precision only has to emulate.
+//! Here integer arithmetic reduces the angle exactly, for every f32. The series then uses `+ - *`
+//! in one fixed order. Both results are accurate to one unit in the last place.
 
 /// Bits of `1/(2π)`, from 2³¹ down.
 const TURNS_PER_RADIAN: [u32; 8] = [

@@ -1,4 +1,4 @@
-//! The same scenes by tumble and by other programs: error, energy, cost.
+//! Error, energy and cost of tumble and of other programs on the same scenes.
 
 mod answers;
 mod kept;

@@ -142,7 +142,7 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
 
     /// Returns force and torque on the body per newton of the contact's normal force, world axes.
     ///
-    /// They are evaluated in a motion and for a `load` (N).
+    /// Both are evaluated in a motion and for a `load` (N).
     #[inline(always)]
     fn direction(&self, point: &ContactPoint<R>, motion: &Motion<R>, load: R) -> [R::Vec3; 2] {
         let (arm, normal) = arm(self.scene, motion, point);
