@@ -79,7 +79,7 @@ static SLIDING_COIN: Case = Case::new("C1", "`v₀/μg`, `v₀²/2μg`", "Coulom
         })
         .unwrap();
     // It neither tips nor turns: friction acts in the plane of its centre, but for the 8e-5 m that
-    // it has sunk.
+    // it has penetrated.
     let spin = state.angular_momentum.length();
     assert!(spin < 1e-3, "{spin}");
     // In the remaining 0.32 s it is at rest but for one step's worth of speed, which has no
@@ -167,7 +167,7 @@ impl Skid {
         }
     }
 
-    /// Share of the slip that the speed loses.
+    /// Fraction of the slip that the speed loses.
     fn share(&self) -> f64 {
         self.moment / (1.0 + self.moment)
     }
@@ -396,7 +396,7 @@ random! {
 // C4: down a slope
 // -----------------------------------------------------------------------------------------------
 
-/// Acceleration down a slope (m/s²) and slip (m/s) of a ball that has been let go, in the second
+/// Acceleration down a slope (m/s²) and slip (m/s) of a ball that has been released, in the second
 /// half of `seconds`.
 fn down(moment: f64, friction: Coulomb, slope: f64, seconds: f64) -> [f64; 2] {
     let radius = 0.1;
@@ -485,8 +485,8 @@ random! {
         let friction = Coulomb { coefficient, slip_speed: 1e-3 };
         let [acceleration, slip] = down(moment, friction, slope, 1.0);
         if share < 1.0 {
-            // u/(u + ε) is the share of the friction that rolling takes. It is reached at a rate of
-            // a (1 - share)²/ε, 0.5 m/s² · 0.01/1e-3 at least.
+            // u/(u + ε) is the fraction of the friction that rolling takes. It is reached at a rate
+            // of a (1 - share)²/ε, 0.5 m/s² · 0.01/1e-3 at least.
             let steady = 1e-3 * share / (1.0 - share);
             misses.near("slip", [slip, steady], 0.05 * steady)?;
             let rolls = 9.8 * slope.sin() / (1.0 + moment);
@@ -503,8 +503,8 @@ random! {
 // C9: creep on a slope
 // -----------------------------------------------------------------------------------------------
 
-/// Speed (m/s, downhill) of a point of 1 kg after it has been let go on a slope, long enough to be
-/// steady.
+/// Speed (m/s, downhill) of a point of 1 kg after it has been released on a slope, long enough to
+/// be steady.
 fn creep(friction: impl SlidingFriction, coefficient: f64, eps: f64, tangent: f64) -> f64 {
     let slope = tangent.atan();
     let normal = DVec3::new(slope.sin(), 0.0, slope.cos());
@@ -533,7 +533,7 @@ static CREEP: Case = Case::new(
     "`ε t/(μ - t)`, `ε t/√(μ² - t²)`, t = tan θ",
     "the balance of weight and regularised friction",
     || {
-        // μ = 0.3. Half a unit of the last printed place.
+        // μ = 0.3. Half a unit of the last printed digit.
         let eps = 1e-3;
         let law = |degrees: f64| {
             let friction = Coulomb {
@@ -668,8 +668,8 @@ random! {
         let reaction = 1.0 + cos * (cos + coefficient * slip.signum() * sin) / moment;
         let centripetal = spin * spin * half * sin * mass / load;
         let found = lift_of(rod_of, friction, &start, load);
-        // The slip speed's share, 1e-10 m/s of the slip; and the rounding of the depth, which is a
-        // difference of heights of up to 10 m, on 1000 N/m.
+        // The slip speed's fraction, 1e-10 m/s of the slip; and the rounding of the depth, which is
+        // a difference of heights of up to 10 m, on 1000 N/m.
         let size = 1.0 + (1.0 + coefficient) / moment;
         let rounding = 4e-16 * (1.0 + half) * 1000.0 / load + 1e-14;
         misses.near("lift", [found, reaction + centripetal], size * (1e-10 / slip.abs() + rounding) + 1e-14 * centripetal)?;
@@ -772,7 +772,7 @@ fn a_rod_in_painleves_paradox_jams_and_is_thrown_without_gaining_energy() {
 // -----------------------------------------------------------------------------------------------
 
 /// Rate (rad/s) about the vertical of a body that lies flat (body x down) on its points, each with
-/// its share of the weight, after it has drilled for some time.
+/// its fraction of the weight, after it has drilled for some time.
 fn drill(
     body: impl RigidPointBody,
     friction: Coulomb,

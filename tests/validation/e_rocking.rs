@@ -62,8 +62,8 @@ fn fall(alpha: f64, share: f64) -> f64 {
 }
 
 /// A block of `b` = 0.1 m and an angle that leans at rest by `first` (rad) over its corner +x: the
-/// time until it is upright, the share of the rate that the impact leaves, and the depth at which
-/// it stands.
+/// time until it is upright, the fraction of the rate that the impact leaves, and the depth at
+/// which it stands.
 fn rock(alpha: f64, first: f64) -> [f64; 3] {
     let (b, h) = (0.1, 0.1 / alpha.tan());
     // Hard, and so strongly damped that a corner leaves with a thousandth of its speed (ζ = 16).
@@ -174,7 +174,7 @@ random! {
 // -----------------------------------------------------------------------------------------------
 
 /// Largest tilt (rad) to the other side, and out of the plane, of a flat body of 1 kg and a radius
-/// (m), its normal along body x, that is let go at `first` (rad) over its point at +z.
+/// (m), its normal along body x, that is released at `first` (rad) over its point at +z.
 fn tilts(
     body: impl RigidPointBody,
     ground: FlatGround,
@@ -246,13 +246,14 @@ random! {
 }
 
 random! {
-    /// A dumbbell with more than that does rock, and with the share that the formula says: two
+    /// A dumbbell with more than that does rock, and with the fraction that the formula says: two
     /// opposite points, k_d > 1. About a point on the ground `ε'² = 2 g sin ε/((k_d + 1) r)`, so
-    /// that the share is the root of the sines' ratio.
+    /// that the fraction is the root of the sines' ratio.
     ///
-    /// The dampers (1e5 N s/m under 1 kg) stop a point within 10 µs: it sinks by `v m/D`, which the
-    /// springs (1e7 N/m) hand back at 100/s; and the step, 20 µs, decides to its first order when
-    /// the points change places. Each counts as `v m/D` or `v dt` of the height `r ε` of a swing.
+    /// The dampers (1e5 N s/m under 1 kg) stop a point within 10 µs: it penetrates by `v m/D`,
+    /// which the springs (1e7 N/m) hand back at 100/s; and the step, 20 µs, decides to its first
+    /// order when the points change places. Each counts as `v m/D` or `v dt` of the height `r ε` of
+    /// an oscillation.
     FLAT_ROCKER = new(12, "dumbbell, k_d of 1.5 to 6, on two points: `(k_d - 1)/(k_d + 1)`");
     fn flat_bodies_with_more_than_a_pairs_moment_rock_and_lose_their_share(
         moment in 1.5..6.0_f64,
@@ -275,7 +276,7 @@ static FLAT_RING: Case = Case::new(
     "impact of opposite points `θ'₁/θ'₀ = (k_d - 1)/(k_d + 1) < 0`",
     "plastic impact of a rigid ring",
     || {
-        // A ring of 120 points on 1e4 N/m a point, ζ = 3 a point of the mass, let go at a tilt of
+        // A ring of 120 points on 1e4 N/m a point, ζ = 3 a point of the mass, released at a tilt of
         // 0.1 rad.
         let ground = FlatGround::level(1e4, 600.0);
         let [other, aside] = tilts(Coin::ring(1.0, 0.5), ground, 0.5, 0.1, [2.0, 5e-4]);
@@ -374,7 +375,7 @@ static TIPPING: Case = Case::new(
     || {
         let half = [0.1, 0.2];
         let low = steepest(half, 1.0, [0.4, 0.6], 10);
-        // The corners stand in 5 µm; the block turns by as much over its width, b/h moves by 1 +
+        // The corners stand in 5 µm; the block rotates by as much over its width, b/h moves by 1 +
         // (b/h)² of it. Then what is left of the bisection, and what needs more than 3 s: the fall
         // begins as e^{pt} of the excess, p = 6/s, e^-18 of it.
         let sag = GRAVITY / 2e6 / 0.2;

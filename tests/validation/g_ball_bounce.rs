@@ -106,7 +106,7 @@ static BRODY: Case = Case::new(
         };
         let ([slides, spin, _], [grips, rolling, _]) = (after(0.5), after(0.8));
         // Sliding, the friction passes on what the restitution misses, and is short by ε/u; half a
-        // unit of the last printed place.
+        // unit of the last printed digit.
         let miss = MISS * 30.0 + 5e-7;
         vec![
             figure(
@@ -152,10 +152,10 @@ random! {
 }
 
 random! {
-    /// Within the test's rules: 28 to 32 m/s at 14 to 18 degrees, at most 3 turns a second either
-    /// way. What the restitution misses counts 150 times, and again 100 times through the apparent
-    /// coefficient, by some `1 + 1/e`; a bounce that is about to grip keeps some slip speeds, as
-    /// there.
+    /// Within the test's rules: 28 to 32 m/s at 14 to 18 degrees, at most 3 revolutions a second
+    /// either way. What the restitution misses counts 150 times, and again 100 times through the
+    /// apparent coefficient, by some `1 + 1/e`; a bounce that is about to grip keeps some slip
+    /// speeds, as there.
     ANY_PACE = new(48, "court (μ and e), speed, angle and spin that the test allows");
     fn any_court_has_the_pace_that_a_rigid_ball_would_find(
         coefficient in 0.1..1.2_f64,
@@ -173,8 +173,8 @@ random! {
 }
 
 random! {
-    /// The share of the height is the restitution's square, from any height: the speed is the only
-    /// length or time there is.
+    /// The fraction of the height is the restitution's square, from any height: the speed is the
+    /// only length or time there is.
     ANY_REBOUND = new(48, "restitution of 0.3 to 0.95, height of 1 cm to 100 m: `e² h`");
     fn balls_of_any_restitution_rebound_to_its_square_of_any_height(
         restitution in 0.3..0.95_f64,
@@ -225,7 +225,7 @@ static PACE: Case = Case::new(
             };
             pace(serve(), bounce.after(serve()))
         };
-        // 250 times what the restitution misses; half a unit of the last printed place.
+        // 250 times what the restitution misses; half a unit of the last printed digit.
         let miss = 250.0 * MISS;
         vec![
             figure("μ = 0.6: rating", 40.0, rating(0.6), miss),
@@ -259,7 +259,7 @@ static REBOUND: Case = Case::new(
         let [_, _, up] = bounce.after([0.0, 0.0, down]);
         let rebound = 100.0 * (up / down).powi(2);
         assert!((53.0..58.0).contains(&rebound), "{rebound} in");
-        // Half a unit of the last printed place.
+        // Half a unit of the last printed digit.
         vec![
             figure(
                 "damping ratio for e = 0.75",
