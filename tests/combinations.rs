@@ -238,7 +238,8 @@ fn each(
     count
 }
 
-/// How far the methods may be from the truth after 0.2 s, m: two to three times what they are. One
+/// Largest deviation of the methods from the exact solution after 0.2 s, m: two to three times the
+/// measured one. One
 /// that missed a force would be off by 0.1 m and more: the ground turns 2 m/s round.
 ///
 /// A body that hits with u = 3 m/s on springs of ω = 45 to 170 rad/s is pushed by u ω, up to

@@ -220,7 +220,7 @@ enum Laws {
     Report,
     /// The others of the crate.
     BuiltIn,
-    /// These scenes on a terrain, where a contact costs several evaluations of the surface.
+    /// Random scenes on a terrain, where a contact costs several evaluations of the surface.
     Terrain,
     Users,
 }

@@ -145,8 +145,10 @@ proptest! {
         prop_assert_eq!(flat.bounds(), ground.bounds());
     }
 
-    /// At a depth of a billionth of the unit, the force is a billionth of the spring's there, or a
-    /// few of them, at any speed: it does not jump at first touch.
+    /// Checks that the force does not jump at touch-down.
+    ///
+    /// At a depth of a billionth of the unit, it is a billionth of the spring's there, or a few of
+    /// them, at any speed.
     #[test]
     fn limited_dampers_and_hunt_crossley_touch_softly(
         stiffness in log_uniform(1.0, 1e9), damping in log_uniform(1e-3, 1e3), speed in -100.0..100.0_f64,

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// other.
 const PAGE: &str = include_str!("../ARCHITECTURE.md");
 
-/// They gather what all layers offer; no layer imports from them.
+/// Modules that re-export the items of all layers. No layer imports from them.
 const GATHERERS: &[&str] = &["lib", "aliases", "f32", "f64"];
 
 #[test]

@@ -1,10 +1,10 @@
-//! What the report "Special Topics: Coin Project" says of its eight trials, and the library
-//! reproduces with every integrator.
+//! Statements of the report "Special Topics: Coin Project" about its eight trials, which the
+//! library reproduces with every integrator.
 //!
-//! Two of its claims are not physics and not asked for: that the coin rocks in the end (its lowest
-//! point runs round the rim, ever faster), and when an exactly upright spinning coin falls (in
-//! exact arithmetic never: trials 4 and 6 get a nudge here). That trial 6 strays farther than trial
-//! 4 hangs on rounding.
+//! Two of its statements are not physics and are not tested. One is that the coin rocks in the end:
+//! its lowest point moves round the rim, ever faster. The other is the time at which an exactly
+//! upright spinning coin falls. In exact arithmetic it never falls, so trials 4 and 6 start with a
+//! small disturbance here. Whether trial 6 moves farther than trial 4 depends on rounding.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used, clippy::panic)]

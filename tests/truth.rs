@@ -62,7 +62,7 @@ fn rate(method: &Method, setup: &Setup) -> f64 {
     }
 }
 
-/// Whether an explicit method is stable where points stick: friction there is a damper of
+/// Returns true if an explicit method is stable where points stick. Friction there is a damper of
 /// `mu m g/v_eps`, against a point that weighs `m/3` (the coin gives way by `1/m` and by turning
 /// about a diameter, `r^2/I = 2/m`), which asks for `dt < 2 v_eps/(3 mu g)`.
 fn slipping_is_resolved(setup: &Setup) -> bool {

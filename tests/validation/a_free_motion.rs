@@ -382,7 +382,7 @@ struct AsymmetricTop {
     /// 1/s: what turns time into the argument of Jacobi's functions.
     rate: f64,
     parameter: f64,
-    /// Whether it rotates about its third axis (`L² > 2 E I₂`), or else about its first.
+    /// True if the body rotates about its third axis (`L² > 2 E I₂`), or else about its first.
     about_third: bool,
 }
 
@@ -775,8 +775,8 @@ fn a_coin_of_three_points_flies_like_one_of_a_hundred_and_twenty() {
 }
 
 random! {
-    /// The same points in other body axes have a full inertia tensor instead of a diagonal one, and
-    /// fly along the same paths.
+    /// Checks that equal points in other body axes have a full inertia tensor instead of a diagonal
+    /// one, and fly along the same paths.
     OTHER_AXES = of_rounding(100, "body in other body axes");
     fn a_body_in_other_body_axes_moves_through_the_same_places(
         body in bodies(),
@@ -817,7 +817,7 @@ random! {
     }
 }
 
-/// The same body described in axes rotated by `axes`.
+/// Body described in axes that are rotated by `axes`.
 fn in_axes(body: &AnyBody, axes: DQuat) -> Solid {
     let to_new = DMat3::from_quat(axes.conjugate());
     let inertia = to_new * body.inertia() * to_new.transpose();

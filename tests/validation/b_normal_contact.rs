@@ -137,7 +137,7 @@ struct Glue {
 }
 
 impl Glue {
-    /// How far above the springs' rest the glue begins, m.
+    /// Height above the springs' rest at which the glue begins, m.
     const REACH: f64 = 1.0;
 }
 
@@ -282,8 +282,8 @@ fn a_spring_and_damper_that_never_pulls_gives_back_more() {
 }
 
 random! {
-    /// From a hard ball to a sandbag: at every speed alike, so one speed is enough; every mass and
-    /// stiffness.
+    /// Checks the restitution from a hard ball to a sandbag. It is the same at every speed, so one
+    /// speed is enough; every mass and stiffness.
     ANY_DAMPING = new(200, "mass, frequency and damping, from none to ζ = 30");
     fn bounces_of_any_damping_give_back_what_the_closed_form_says(
         mass in log_uniform(1e-6, 1e6),
@@ -709,11 +709,11 @@ static ZENO: Case = Case::new(
 .and(&[&ANY_ZENO]);
 
 random! {
-    /// As the printed case: in bounce n the rebound, `e v₀ eⁿ`, is off by up to `g t_c`, so that
-    /// after n bounces the speed is off by `(g t_c/v₀) Σ e^-(k+1) = (g t_c/v₀) (e^-n - 1)/(1 - e)`
-    /// of itself, and by some (ω dt)² a bounce, for its step. A top goes with the square; a flight
-    /// with the first power, and each contact takes up to two of its times longer until the surface
-    /// is reached.
+    /// Tolerance as in the printed case. In bounce n the rebound, `e v₀ eⁿ`, is off by up to
+    /// `g t_c`, so that after n bounces the speed is off by
+    /// `(g t_c/v₀) Σ e^-(k+1) = (g t_c/v₀) (e^-n - 1)/(1 - e)` of itself, and by some (ω dt)² a
+    /// bounce, for its step. A top goes with the square; a flight with the first power, and each
+    /// contact takes up to two of its times longer until the surface is reached.
     ANY_ZENO = new(48, "height, g, restitution of 0.2 to 0.95, and vω/g of 1e4 to 1e7");
     fn balls_of_any_restitution_bounce_down_zenos_stairs(
         height in log_uniform(1e-3, 1e3),
@@ -744,7 +744,7 @@ fn a_bouncing_ball_comes_to_an_end_after_zenos_time() {
     ZENO.holds();
 }
 
-/// What is left of the speed (m/s) when a point comes back to the surface, under 9.8 m/s² and with
+/// Remaining speed (m/s) when a point comes back to the surface, under 9.8 m/s² and with
 /// ω = 100 rad/s; 0 where it stays.
 fn restitution_under_gravity(ratio: f64, speed: f64) -> f64 {
     let frequency = 100.0;
@@ -818,7 +818,7 @@ fn slow_restitution(ratio: f64, speed: f64) -> Option<f64> {
 }
 
 random! {
-    /// Not only the limit: the whole curve of the restitution over the impact's speed.
+    /// Checks not only the limit, but the whole curve of the restitution over the impact's speed.
     ANY_SLOW_BOUNCE = new(64, "ζ up to 3 and vω/g of 0.1 to 1e6: the damped swing about the loaded rest, until the force is 0");
     fn bounces_at_any_speed_under_gravity_give_back_what_the_damped_swing_says(
         ratio in zero_or(1e-3, 3.0),

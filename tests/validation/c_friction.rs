@@ -32,7 +32,7 @@ pub(crate) const CASES: &[&Case] = &[
 // C1: sliding to rest
 // -----------------------------------------------------------------------------------------------
 
-/// Time and way from speed `v0` to `v` under the report's law: `dv/dt = -a v/(v + ε)` with
+/// Time and distance from speed `v0` to `v` under the report's law: `dv/dt = -a v/(v + ε)` with
 /// `a = μ g`, so `t = (v0 - v + ε ln(v0/v))/a` and `x = ((v0² - v²)/2 + ε (v0 - v))/a`. For ε = 0,
 /// a block's v0/μg and v0²/2μg.
 fn slide(deceleration: f64, eps: f64, v0: f64, v: f64) -> [f64; 2] {
@@ -43,7 +43,7 @@ fn slide(deceleration: f64, eps: f64, v0: f64, v: f64) -> [f64; 2] {
     ]
 }
 
-/// The same under the smooth law, `dv/dt = -a v/√(v² + ε²)`.
+/// Time and distance under the smooth law, `dv/dt = -a v/√(v² + ε²)`.
 fn smooth_slide(deceleration: f64, eps: f64, v0: f64, v: f64) -> [f64; 2] {
     let time = |v: f64| v.hypot(eps) - eps * (eps / v).asinh();
     let way = |v: f64| (v * v.hypot(eps) + eps * eps * (v / eps).asinh()) / 2.0;
@@ -172,7 +172,7 @@ impl Skid {
         self.moment / (1.0 + self.moment)
     }
 
-    /// How fast the slip falls, m/s².
+    /// Rate at which the slip decreases, m/s².
     fn loss(&self) -> f64 {
         (1.0 + 1.0 / self.moment) * self.friction.coefficient * self.g
     }
@@ -611,7 +611,7 @@ fn sliding_rod(half: f64, angle: f64, depth: f64) -> State {
         .with_linear_velocity(-DVec3::X)
 }
 
-/// By how much the touching end of a rod is accelerated upwards, in `normal force/mass`.
+/// Upward acceleration of the touching end of a rod, in `normal force/mass`.
 fn lift_of(rod_of: [f64; 3], friction: Coulomb, state: &State, normal_force: f64) -> f64 {
     let [mass, half, moment] = rod_of;
     let stiffness = 1000.0;
@@ -632,7 +632,7 @@ fn lift_of(rod_of: [f64; 3], friction: Coulomb, state: &State, normal_force: f64
     acceleration.z * mass / normal_force
 }
 
-/// The same of the uniform rod, on 1 N.
+/// Upward acceleration of the touching end of the uniform rod, on 1 N.
 fn lift(coefficient: f64, angle: f64) -> f64 {
     let friction = Coulomb::as_in_the_report(coefficient);
     lift_of(UNIFORM, friction, &sliding_rod(1.0, angle, 0.0), 1.0)

@@ -104,9 +104,9 @@ fn start(moments: [f64; 2], alpha: f64, spin: f64, rate: f64) -> State {
 struct Moment {
     time: f64,
     alpha: f64,
-    /// Of the normal, about the vertical, whole revolutions counted.
+    /// Angle of the normal about the vertical, including whole revolutions.
     azimuth: f64,
-    /// Of the centre, m.
+    /// Position of the centre, m.
     place: DVec3,
 }
 
@@ -213,8 +213,8 @@ fn frequency(path: &[Moment], guess: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// What a constant, a drift and an oscillation of one frequency leave of the squares of `α`, by the
-/// normal equations.
+/// Remainder that a constant, a drift and an oscillation of one frequency leave of the squares of
+/// `α`, by the normal equations.
 fn misfit(path: &[Moment], frequency: f64) -> f64 {
     let last = path[path.len() - 1].time;
     let mut products = DMat4::ZERO;
@@ -327,8 +327,8 @@ fn steady_rate([axial, diametral]: [f64; 2], alpha: f64, spin: f64) -> f64 {
     -weight / (half + half.signum() * (half * half + diametral * sin * cos * weight).sqrt())
 }
 
-/// How fast (rad/s) a disc that rolls steadily under friction of the rate γ (1/s) leans over. The
-/// friction that holds it on its circle, a share of the load, slips outwards at ε share/(1 -
+/// Rate (rad/s) at which a disc that rolls steadily under friction of the rate γ (1/s) leans over.
+/// The friction that holds it on its circle, a share of the load, slips outwards at ε share/(1 -
 /// share), over the radius; and the patch resists the rotation about the vertical,
 /// `Ω + (w - Ω cos α) cos α` there, with a torque of `γ M r² φ²/5` of it, which turns the spin's
 /// angular momentum, `(k_a + 1) w M r²` with that of the rolling.
@@ -342,9 +342,9 @@ fn leans(moments: [f64; 2], alpha: f64, [spin, rate]: [f64; 2], friction: f64) -
 }
 
 random! {
-    /// As it leans over, Ω goes with `cot α`; on average over the second, half of it. The start,
-    /// which knows nothing of that, makes it nod besides, by the rate of leaning over the nod's ω.
-    /// The radius is known by Ω.
+    /// Effect of the lean on the rate. As the disc leans over, Ω changes with `cot α`; on average
+    /// over the second, half of it. The start, which knows nothing of that, makes it nod besides,
+    /// by the rate of leaning over the nod's ω. The radius is known by Ω.
     ANY_STEADY = new(16, "moments, 40° to 85° and spin whose circle is stable");
     fn discs_of_any_moments_roll_round_the_circle_of_routh(
         diametral in 0.15..0.6_f64,
@@ -367,7 +367,7 @@ random! {
     }
 }
 
-/// By how much (of itself) friction of the rate γ, 1/s, moves the square of an oscillation's
+/// Relative effect of friction of the rate γ, 1/s, on the square of an oscillation's
 /// frequency ω. The force that holds the contact slips by 1/γ of its acceleration, out of phase:
 /// (ω/γ)². The patch resists the rotation about the vertical: `γ φ²/(5 k_d)` of it a second, a
 /// fraction of ω.
@@ -457,7 +457,8 @@ static NUTATION_ROLLING: Case = Case::new(
 .and(&[&ANY_NUTATION_ROLLING]);
 
 random! {
-    /// As the printed ones, with the softness of friction beside the spinning.
+    /// Tolerance as in the printed cases, with the softness of friction in addition to the
+    /// spinning.
     ANY_NUTATION_ROLLING = new(16, "moments, 15° to 75°");
     fn discs_of_any_moments_that_tumble_rolling_nod_at_the_rate_of_small_swings(
         diametral in 0.15..0.6_f64,
@@ -476,8 +477,8 @@ random! {
     }
 }
 
-/// What the bed under the rim adds to `ω²/Ω²` of small oscillations about tumbling on ice, as a
-/// fraction of it: `φ² (1/45 + X (1 - X)/9 - tan² α k_d/(15 (k_d + cos² α)))` with
+/// Contribution of the bed under the rim to `ω²/Ω²` of small oscillations about tumbling on ice, as
+/// a fraction of it: `φ² (1/45 + X (1 - X)/9 - tan² α k_d/(15 (k_d + cos² α)))` with
 /// `X = ω² r sin α/g`.
 ///
 /// In units of M and r, with `z = sin α (1 - ψ/2)`, `ψ = φ²`, the springs hold
@@ -499,7 +500,7 @@ fn of_bed(diametral: f64, square: f64, alpha: f64) -> f64 {
     arc(alpha).powi(2) * (1.0 / 45.0 + x * (1.0 - x) / 9.0 - steeper)
 }
 
-/// What a measured `ω²/Ω²` may miss of itself: Ω swings by 2δ cot α, and the mean over some
+/// Relative error of a measured `ω²/Ω²`: Ω oscillates by 2δ cot α, and the mean over some
 /// oscillations and a part misses up to 2/ωt of that; and what follows in turn of the bed's share,
 /// twice its square.
 fn misses_of_swing(aside: f64, alpha: f64, of_bed: f64) -> f64 {
@@ -547,7 +548,7 @@ static NUTATION_SLIDING: Case = Case::new(
 .and(&[&ANY_NUTATION_SLIDING]);
 
 random! {
-    /// As the printed ones.
+    /// Tolerance as in the printed cases.
     ANY_NUTATION_SLIDING = new(16, "moments, 15° to 75°");
     fn discs_of_any_moments_that_tumble_on_ice_nod_at_the_rate_of_small_swings(
         diametral in 0.15..0.6_f64,
@@ -595,7 +596,7 @@ static SLIDING_UPRIGHT: Case = Case::new(
 .and(&[&ANY_SLIDING_UPRIGHT]);
 
 random! {
-    /// As the printed ones; half an oscillation is seen whole.
+    /// Tolerance as in the printed cases; half an oscillation is observed as a whole.
     ANY_SLIDING_UPRIGHT = new(16, "moments, 1.05 to 2 times the least spin");
     fn spin_alone_keeps_discs_of_any_moments_on_ice_upright(
         diametral in 0.15..0.6_f64,
@@ -640,8 +641,8 @@ fn damped_power(alpha: f64, passing: f64, damping: f64) -> [f64; 2] {
     [power * (1.0 - 0.75 * delta), delta]
 }
 
-/// What a disc loses in half a second, J, and the formula's with the angle and the rates of each
-/// moment, with its tolerance.
+/// Energy that a disc loses in half a second, J, and the formula's with the angle and the rates of
+/// each moment, with its tolerance.
 ///
 /// Of the next order in δ, 2δ². The damper's force begins with a jump, at x = 1: as points come in
 /// one by one, the sum over h/φ of x differs from the integral by up to δh/2φ of 2δ/3, to and fro,

@@ -219,11 +219,11 @@ fn flat_body(radius: f64, moment: f64, contacts: Vec<ContactPoint>) -> Solid {
 }
 
 random! {
-    /// From a hub (k_d = 0.1) to a ring (1/2): after the first impact the rate would have to be
-    /// negative, so it stays down, but for the bed, which gives way as in the printed case: by the
-    /// depth at which a whole arc, half of the points, stops a rim at √(2 g r ε (k_d + 1))/(k_d +
-    /// 1), that of a fall from the tilt ε: `v/ω`, and half as much for the arc's ends, over the
-    /// radius.
+    /// Checks moments from a hub (k_d = 0.1) to a ring (1/2). After the first impact the rate would
+    /// have to be negative, so it stays down, but for the bed, which gives way as in the printed
+    /// case: by the depth at which a whole arc, half of the points, stops a rim at √(2 g r ε (k_d +
+    /// 1))/(k_d + 1), that of a fall from the tilt ε: `v/ω`, and half as much for the arc's ends,
+    /// over the radius.
     ANY_FLAT_RING = new(12, "moment k_d of 0.1 to 1/2, 8 to 200 points, tilt of 0.02 to 0.2 rad: no rocking");
     fn flat_bodies_with_less_than_a_rings_moment_do_not_rock(
         pairs in 4..100_usize,
@@ -304,7 +304,7 @@ fn a_flat_ring_does_not_rock_from_side_to_side() {
 // E4: toppling on a slope
 // -----------------------------------------------------------------------------------------------
 
-/// Whether a block that is set down on a slope of tangent `t` topples within some seconds.
+/// Returns true if a block that is set down on a slope of tangent `t` topples within some seconds.
 fn topples(half: [f64; 2], coefficient: f64, tangent: f64, longest: f64) -> bool {
     let (sin, cos) = tangent.atan().sin_cos();
     let normal = DVec3::new(sin, 0.0, cos);
@@ -352,8 +352,8 @@ fn steepest(half: [f64; 2], coefficient: f64, bounds: [f64; 2], halvings: u32) -
 }
 
 random! {
-    /// As the printed case: the sag, by `1 + (b/h)²` of it, what the bisection leaves, and e^-18 of
-    /// the excess. With less friction than that it slides, at any slope, and stands.
+    /// Tolerance as in the printed case: the sag, by `1 + (b/h)²` of it, what the bisection leaves,
+    /// and e^-18 of the excess. With less friction than that it slides, at any slope, and stands.
     ANY_TIPPING = new(8, "block, `b/h` of 0.2 to 1, `μ` on both sides of it");
     fn blocks_of_any_shape_topple_on_a_slope_steeper_than_their_diagonal_unless_they_slide(
         ratio in 0.2..1.0_f64,

@@ -355,7 +355,7 @@ fn first_swing(
 }
 
 random! {
-    /// Not only small oscillations.
+    /// Checks oscillations of any amplitude.
     ANY_ROLY_POLY = new(24, "tumbler doll, l of 0.1 r to 0.8 r, moment, amplitude of 0.05 to 1.5 rad: the quadrature of its energy");
     fn tumbler_dolls_of_any_kind_swing_with_any_amplitude_by_the_quadrature_of_their_energy(
         share in 0.1..0.8_f64,
@@ -424,7 +424,7 @@ fn a_tumbler_doll_swings_at_the_rate_of_a_pendulum_that_rolls() {
 // -----------------------------------------------------------------------------------------------
 
 random! {
-    /// Not only small oscillations: the centre of an ellipse at the lean θ is
+    /// Checks oscillations of any amplitude. The centre of an ellipse at the lean θ is
     /// `h = √(a² sin² θ + c² cos² θ)` high, and `h' = (a² - c²) sin θ cos θ/h` aside of its lowest
     /// place, whose radius of curvature is `a² c²/h³`.
     ANY_EGG = new(24, "lens, c of 0.35 a to 0.85 a, amplitude of 0.03 to 1 rad: the quadrature of its energy");
@@ -697,10 +697,10 @@ fn grown(top: Top, spin: f64) -> [f64; 2] {
     [largest / first, top.about * spin / square.sqrt()]
 }
 
-/// What it may miss: the lean's square, by which the weight's moment is not linear, on a difference
-/// of which the weight is `4 A m g l` over what is left; and the largest lean lies between two
-/// steps, up to half a step of the beat off: `(beat dt)²/8`. The springs' part of the heave, the
-/// lean's square by `l²/A` of ω² over theirs, is smaller.
+/// Relative error of the largest lean: the lean's square, by which the weight's moment is not
+/// linear, on a difference of which the weight is `4 A m g l` over what is left; and the largest
+/// lean lies between two steps, up to half a step of the beat off: `(beat dt)²/8`. The springs'
+/// part of the heave, the lean's square by `l²/A` of ω² over theirs, is smaller.
 fn miss_of_grown(top: Top, spin: f64, grown: f64) -> f64 {
     let weight = 4.0 * top.across * GRAVITY * top.length;
     let left = (top.about * spin).powi(2) - weight;

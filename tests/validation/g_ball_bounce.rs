@@ -129,7 +129,7 @@ fn a_tennis_ball_slides_or_grips_as_a_rigid_ball_does() {
 }
 
 random! {
-    /// With topspin, backspin and no spin, on ice and on clay.
+    /// Checks topspin, backspin and no spin, on ice and on clay.
     ANY_BRODY = new(100, "ball, μ, e, speeds and spin");
     fn balls_of_any_spin_bounce_as_rigid_ones_with_coulombs_law(
         moment in 0.3..0.7_f64,
@@ -190,7 +190,7 @@ random! {
 }
 
 random! {
-    /// Where the bounce is long enough to end the slip, `μ (1 + e) v (1 + 1/β) > r w`, by some
+    /// Checks bounces that are long enough to end the slip, `μ (1 + e) v (1 + 1/β) > r w`, by some
     /// margin.
     ANY_GRIP = new(48, "ball, spin and speed that grips: `β/(1 + β)` of the spin is left, **never** the other sense");
     fn any_ball_that_grips_leaves_with_the_rolling_share_of_its_spin(

@@ -99,7 +99,7 @@ fn swing_in_bowl(moment: f64, radius: f64, friction: impl SlidingFriction) -> f6
     swing(ball(moment, radius), bowl, friction, start, FIRM, 6.0)
 }
 
-/// What an oscillation in a bowl may miss of its period: the oscillation's own `θ²/16`, the
+/// Error of the period of an oscillation in a bowl: the oscillation's own `θ²/16`, the
 /// ground's depth `m g/k` of the arm's length by half, and the slip's phase.
 const MISS: f64 = 1.5 * (0.05 * 0.05 / 16.0 + 0.5 * GRAVITY / 1e5);
 
@@ -226,10 +226,10 @@ fn dip(moment: f64, [hole, radius]: [f64; 2], rate: f64) -> [f64; 2] {
 }
 
 random! {
-    /// As the printed case: friction carries the weight, a fraction `g/(R - r) Ω²` of the wall's
-    /// load on average, and slips meanwhile by that of ε; a tenth more as the load comes and goes.
-    /// The wall's depth, arm Ω²/S of the arm, makes the speed larger by as much. The time is late
-    /// as the way is long.
+    /// Tolerance as in the printed case. Friction supports the weight, a fraction `g/(R - r) Ω²` of
+    /// the wall's load on average, and slips meanwhile by that of ε; a tenth more as the load comes
+    /// and goes. The wall's depth, arm Ω²/S of the arm, makes the speed larger by as much. The time
+    /// is late as the way is long.
     ANY_HOLE = new(16, "ball, hole of 0.3 to 1 m, rate whose wall bears 3 to 20 times the weight");
     fn balls_of_any_kind_come_up_again_in_a_hole_of_any_size(
         moment in 0.2..1.0_f64,
@@ -337,8 +337,8 @@ fn miss_in_cycloid(wheel: f64, angle: f64) -> f64 {
 }
 
 random! {
-    /// As the printed case, and the step's `(ω_c dt)²/24` of the ground's springs, 1000 rad/s, with
-    /// their share of the oscillation.
+    /// Tolerance as in the printed case, and the step's `(ω_c dt)²/24` of the ground's springs,
+    /// 1000 rad/s, with their share of the oscillation.
     ANY_CYCLOID = new(16, "wheel of 0.03 to 0.4 m, amplitude of 0.05 to 2.6 rad");
     fn points_in_any_cycloid_swing_at_one_rate_at_every_amplitude(
         wheel in log_uniform(0.03, 0.4),
@@ -452,7 +452,7 @@ fn a_point_in_a_trough_stays_where_the_slope_is_below_the_coefficient() {
 }
 
 random! {
-    /// From any position, at any speed along the trough.
+    /// Checks the motion from any position, at any speed along the trough.
     ANY_TROUGH = new(20, "place, speed and μ");
     fn whatever_slides_in_a_trough_comes_to_rest_within_the_coefficient(
         x in -0.9..0.9_f64,
@@ -470,8 +470,8 @@ random! {
 // I6: a spherical pendulum
 // -----------------------------------------------------------------------------------------------
 
-/// Turn about the vertical (rad) of a point on a sphere of radius R, from its highest point, at z₁
-/// over the middle with the level speed v, to its lowest and up to its highest again:
+/// Rotation about the vertical (rad) of a point on a sphere of radius R, from its highest point, at
+/// z₁ over the middle with the level speed v, to its lowest and up to its highest again:
 /// `φ' = R₁ v/(R² - z²)` with `R₁² = R² - z₁²`, and
 /// `R² z'² = 2 g (z₁ - z) (R² - z²) + v² (z₁² - z²) = 2 g (z₁ - z) (z - z₂) (z₃ - z)`, where z₂ and
 /// z₃ are the roots of `z² - u z - R² - u z₁`, `u = v²/2g`. With
@@ -494,8 +494,8 @@ fn apsidal_turn(radius: f64, high: f64, speed: f64) -> f64 {
     2.0 * sum * PI / f64::from(parts)
 }
 
-/// The same of the model in a frictionless bowl of 1 m; from rest but for the level speed at θ from
-/// the bottom.
+/// Rotation about the vertical of the model in a frictionless bowl of 1 m; from rest but for the
+/// level speed at θ from the bottom.
 fn turn_in_bowl(theta: f64, speed: f64) -> f64 {
     let law = SpringDamper {
         stiffness: 1e6,
