@@ -259,8 +259,8 @@ fn trials_4_and_6_spin_on_the_spot_and_then_fall() {
             let leans = film.first(|frame| frame.lean > 0.01).unwrap().time;
             assert!(leans > at_least, "{} leans at {leans} s", film.name());
             // On the spot: a lean of 0.01 moves the centre of a coin by 5 mm from its lowest point,
-            // and that point wanders as far again to either side. Which way it goes is up to
-            // rounding: 4.6 to 11.9 mm over 15 starts that differ by 1e-12 rad, by four methods.
+            // and that point moves as far again to either side. Its direction depends on rounding:
+            // 4.6 to 11.9 mm over 15 starts that differ by 1e-12 rad, with four methods.
             let strayed = largest(film.between(0.0, leans - FRAME).map(strays));
             assert!(strayed < 4.0 * RADIUS * 0.01, "{}: {strayed}", film.name());
             // Then it falls: not farther than its radius from where it spun.
