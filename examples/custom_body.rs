@@ -22,9 +22,9 @@ use tumble::{
 };
 
 const ABOUT: &str = "\
-Spins a rattleback, or celt: a boat-shaped stone, defined in this file, whose mass is rotated relative to its
-keel. Against its preferred direction it rattles, stops, and reverses. Its mirror image does the same in the
-mirrored direction, bit by bit.";
+Spins a rattleback, or celt: a boat-shaped stone, defined in this file, whose mass is rotated
+relative to its keel. Against its preferred direction it rattles, stops, and reverses. Its mirror
+image does the same in the mirrored direction, bit by bit.";
 
 // The size is that of the stone of Garcia & Hubbard (Proc. R. Soc. Lond. A 418, 165, 1988). An
 // ellipsoid with semi-axes of 0.2, 0.03 and 0.02 m has these radii at its bottom, 0.2²/0.02 and
@@ -164,17 +164,56 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "Rattleback: a user's own body",
         text: vec![
-            format!("A stone whose mass is rotated by 8 degrees relative to its keel is spun at {SPIN} rad/s in both directions, with a small pitch and roll."),
-            "In one direction the energy of the spin goes into the pitching, and then into a spin in the other direction. In the other direction the stone only comes to rest.".to_owned(),
+            format!(
+                "A stone whose mass is rotated by 8 degrees relative to its keel is spun at \
+                     {SPIN} rad/s in both directions, with a small pitch and roll."
+            ),
+            "In one direction the energy of the spin goes into the pitching, and then into a spin \
+             in the other direction. In the other direction the stone only comes to \
+             rest."
+                .to_owned(),
         ],
         checks: vec![
-            Check::between("spun against its preferred direction, largest reversed spin, rad/s", "it reverses: Garcia & Hubbard, Proc. R. Soc. Lond. A 418, 165 (1988)", largest(&against, 1.0), 0.25 * SPIN, SPIN),
-            Check::between("spun in its preferred direction, largest reversed spin, rad/s", "it does not reverse, except by its last rocking", largest(&along, -1.0), 0.0, 0.02 * SPIN),
-            Check::near("moments in which the mirrored stone is not the mirror image, bit by bit", "the equations have no handedness", other.count() as f64, 0.0, 0.0),
-            Check::near("period of a small pitch of the straight stone, s", "2π √((I + m h²)/(m g (R - h)))", period, expected, 0.01 * expected),
-            Check::between("largest increase of the energy in a step, J", "promise G1", rises.fold(f64::NEG_INFINITY, f64::max), f64::NEG_INFINITY, 0.0),
+            Check::between(
+                "spun against its preferred direction, largest reversed spin, rad/s",
+                "it reverses: Garcia & Hubbard, Proc. R. Soc. Lond. A 418, 165 (1988)",
+                largest(&against, 1.0),
+                0.25 * SPIN,
+                SPIN,
+            ),
+            Check::between(
+                "spun in its preferred direction, largest reversed spin, rad/s",
+                "it does not reverse, except by its last rocking",
+                largest(&along, -1.0),
+                0.0,
+                0.02 * SPIN,
+            ),
+            Check::near(
+                "moments in which the mirrored stone is not the mirror image, bit by bit",
+                "the equations have no handedness",
+                other.count() as f64,
+                0.0,
+                0.0,
+            ),
+            Check::near(
+                "period of a small pitch of the straight stone, s",
+                "2π √((I + m h²)/(m g (R - h)))",
+                period,
+                expected,
+                0.01 * expected,
+            ),
+            Check::between(
+                "largest increase of the energy in a step, J",
+                "promise G1",
+                rises.fold(f64::NEG_INFINITY, f64::max),
+                f64::NEG_INFINITY,
+                0.0,
+            ),
         ],
-        pictures: vec![spin_picture(&against, &along)?, pitch_picture(&against, &along)?],
+        pictures: vec![
+            spin_picture(&against, &along)?,
+            pitch_picture(&against, &along)?,
+        ],
         film: None,
     })
 }

@@ -21,8 +21,8 @@ use tumble::{
 };
 
 const ABOUT: &str = "\
-Releases beads in a valley whose profile is a cycloid, a terrain that is defined in this file. An oscillation
-takes 4π √(a/g), whatever its initial height (Huygens 1673).";
+Releases beads in a valley whose profile is a cycloid, a terrain that is defined in this file. An
+oscillation takes 4π √(a/g), whatever its initial height (Huygens 1673).";
 
 /// Radius of the circle that generates the cycloid, m.
 const CIRCLE: f64 = 0.1;
@@ -159,7 +159,10 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "A user's own ground",
         text: vec![
-            "A height field has a height and a gradient. The crate finds the nearest point of the surface, so that the springs have a potential, and the example checks this.".to_owned(),
+            "A height field has a height and a gradient. The crate finds the nearest point of the \
+             surface, so that the springs have a potential, and the example checks \
+             this."
+                .to_owned(),
         ],
         checks,
         pictures: vec![valley, swings],

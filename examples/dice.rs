@@ -91,14 +91,17 @@ fn work(options: &Options) -> Outcome<Page> {
         title: "Dice",
         text: vec![
             format!(
-                "Each of {throws} throws begins with a random orientation, spin and speed half a metre above the table and ends when the die is at rest."
+                "Each of {throws} throws begins with a random orientation, spin and speed half a \
+                 metre above the table and ends when the die is at rest."
             ),
             format!(
-                "{throws} throws reject, with 99 %, a die one of whose sides has a probability {:.1} percentage points above a sixth, and the opposite side one as far below it.",
+                "{throws} throws reject, with 99 %, a die one of whose sides has a probability \
+                 {:.1} percentage points above a sixth, and the opposite side one as far below it.",
                 100.0 * rejected_tilt(throws)
             ),
             format!(
-                "Faces one to six of the fair die: {}. Of one whose centre of mass lies {:.0} mm towards the four: {}.",
+                "Faces one to six of the fair die: {}. Of one whose centre of mass lies {:.0} mm \
+                 towards the four: {}.",
                 listed(fair),
                 1e3 * LOAD,
                 listed(loaded)

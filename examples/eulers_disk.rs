@@ -21,8 +21,8 @@ use tumble::{Coin, Dynamics, EnergyMomentum, FlatGround, Sample, State, Stepper,
 
 const ABOUT: &str = "\
 Lets a coin of 120 points spin on its rim at a small angle and follows the angle down. On springs
-with dampers it falls at a constant rate, angle = (4/3) (damping/stiffness) (g/r) (t0 - t): exponent 1, where air
-has 1/3 or 4/9, dry rolling 2/3 and viscous rolling 1/2.";
+with dampers it falls at a constant rate, angle = (4/3) (damping/stiffness) (g/r) (t0 - t): the
+exponent is 1. Air has 1/3 or 4/9, dry rolling 2/3 and viscous rolling 1/2.";
 
 // The coin and the ground of the coin report.
 const MASS: f64 = 1.0;
@@ -103,8 +103,14 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "Euler's disk",
         text: vec![
-            "A ring of 1 kg and 0.5 m spins on its rim at 0.2 rad, without friction, at the rate at which its centre stays, Ω² sin α = 2 g/r. Only the dampers dissipate energy.".to_owned(),
-            format!("It lies at {:.2} s by the fit; the angle falls at {slope:.5} rad/s.", fit.end),
+            "A ring of 1 kg and 0.5 m spins on its rim at 0.2 rad, without friction, at the rate \
+             at which its centre stays, Ω² sin α = 2 g/r. Only the dampers dissipate \
+             energy."
+                .to_owned(),
+            format!(
+                "It lies at {:.2} s by the fit; the angle falls at {slope:.5} rad/s.",
+                fit.end
+            ),
         ],
         checks: vec![
             Check::near(
@@ -178,7 +184,8 @@ fn film(shots: Vec<Shot>) -> Film {
     Film {
         title: "Euler's disk".to_owned(),
         lines: vec![
-            "A ring on its rim, without friction. It falls at a constant rate, because only the dampers dissipate energy."
+            "A ring on its rim, without friction. It falls at a constant rate, because only the \
+             dampers dissipate energy."
                 .to_owned(),
         ],
         size: RADIUS,

@@ -21,9 +21,9 @@ use tumble::{
 };
 
 const ABOUT: &str = "\
-Spins a smooth spheroid that lies on its side. Weak friction at its contact lifts it onto its end, as
-Moffatt and Shimomura explain: the angular momentum about the vertical times the height of the
-centre stays (Jellett's constant), so that one decreases as the other increases.";
+Spins a smooth spheroid that lies on its side. Weak friction at its contact lifts it onto its end,
+as Moffatt and Shimomura explain: the angular momentum about the vertical times the height of the
+centre is constant (Jellett's constant), so that one decreases as the other increases.";
 
 /// Mass, kg. The next constants are the semi-axes, m: the long one and the other two.
 const MASS: f64 = 0.06;
@@ -101,9 +101,12 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "Rising egg",
         text: vec![
-            "A homogeneous spheroid of 60 mm by 40 mm is spun at 150 rad/s about the vertical, on its side except for 0.05 rad; the friction coefficient is 0.1.".to_owned(),
+            "A homogeneous spheroid of 60 mm by 40 mm is spun at 150 rad/s about the vertical, on \
+             its side except for 0.05 rad; the friction coefficient is 0.1."
+                .to_owned(),
             format!(
-                "Its long axis goes from {:.0} to {:.0} degrees, its centre from {:.1} to {:.1} mm.",
+                "Its long axis goes from {:.0} to {:.0} degrees, its centre from {:.1} to {:.1} \
+                 mm.",
                 first.rise,
                 last.rise,
                 1e3 * first.height,
@@ -120,7 +123,8 @@ fn work(options: &Options) -> Outcome<Page> {
             ),
             Check::near(
                 "angular momentum about the vertical at the end, fraction of that at the start",
-                "Jellett's constant in the gyroscopic approximation: height at the start over height at the end",
+                "Jellett's constant in the gyroscopic approximation: height at the start over \
+                 height at the end",
                 fall,
                 first.height / last.height,
                 APPROXIMATE,

@@ -108,9 +108,9 @@ impl<F: SlidingFriction + Copy, I: Integrator + Copy> Run<Ride> for Scene<F, I> 
 }
 
 const HELP: &str = "\
-Compares coins with 12, 120 and 1200 points on the rim with one whose rim is round. The total stiffness
-is the same. Prints where the trials of the coin report end, how the coins rattle as they roll, and how
-accurate each integrator is on the round rim. Takes some seconds.
+Compares coins with 12, 120 and 1200 points on the rim with one whose rim is round. The total
+stiffness is the same. Prints where the trials of the coin report end, how the coins rattle as they
+roll, and how accurate each integrator is on the round rim. Takes some seconds.
 
 Usage: cargo run --release --example round_rim -- [OPTIONS]
 

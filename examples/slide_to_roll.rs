@@ -19,9 +19,9 @@ use tumble::{
 };
 
 const ABOUT: &str = "\
-Balls start to slide without spin, or with backspin, and are followed until they roll. With β = I/(m r²)
-a ball rolls at v/(1 + β) after the time β/(1 + β) v/(μ g), whatever the friction; one with enough
-backspin comes back.";
+Balls start to slide without spin, or with backspin, and are followed until they roll. With
+β = I/(m r²) a ball rolls at v/(1 + β) after the time β/(1 + β) v/(μ g), whatever the friction.
+One with enough backspin comes back.";
 
 const MASS: f64 = 0.17; // kg
 const RADIUS: f64 = 0.0286; // m
@@ -111,7 +111,9 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "From sliding to rolling",
         text: vec![format!(
-            "Balls slide at {SPEED} m/s on a ground with the coefficient {COEFFICIENT}. Friction slows the ball and spins it, until the two speeds are equal. From then on it dissipates nothing."
+            "Balls slide at {SPEED} m/s on a ground with the coefficient {COEFFICIENT}. Friction \
+             slows the ball and spins it, until the two speeds are equal. From then on it \
+             dissipates nothing."
         )],
         checks,
         pictures: vec![without, with],

@@ -25,7 +25,8 @@ use tumble::{
 const ABOUT: &str = "\
 Bounces a tennis ball on a hard court at 30 m/s and 16 degrees, as the test of the court pace rating
 does, with topspin, without spin and with backspin, and compares with the rigid ball that slides or
-grips (Brody 1984). Real balls grip harder than this model: their friction turns round while they touch.";
+grips (Brody 1984). Real balls grip more strongly than this model, because their friction reverses
+during the contact.";
 
 const MASS: f64 = 0.0577; // kg
 const RADIUS: f64 = 0.033; // m
@@ -121,8 +122,14 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "A ball with spin",
         text: vec![
-            "A ball that grips leaves at the speed at which it rolls. One that slides throughout loses μ (1 + e) times its downward speed. Topspin keeps it fast, backspin lets it slide.".to_owned(),
-            "The spin of a real ball after the bounce is larger, because its friction reverses during the contact (Cross, Am. J. Phys. 70, 1093, 2002). The model has no spring along the ground.".to_owned(),
+            "A ball that grips leaves at the speed at which it rolls. One that slides throughout \
+             loses μ (1 + e) times its downward speed. Topspin keeps it fast, backspin lets it \
+             slide."
+                .to_owned(),
+            "The spin of a real ball after the bounce is larger, because its friction reverses \
+             during the contact (Cross, Am. J. Phys. 70, 1093, 2002). The model has no spring \
+             along the ground."
+                .to_owned(),
         ],
         checks,
         pictures: vec![picture],

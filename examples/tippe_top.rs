@@ -103,7 +103,8 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "Tippe top",
         text: vec![
-            "A sphere with its centre of mass 0.3 radii below its middle is spun about its axis at 155 rad/s and leaves the upright position by friction alone.".to_owned(),
+            "A sphere with its centre of mass 0.3 radii below its middle is spun about its axis at \
+             155 rad/s and leaves the upright position by friction alone.".to_owned(),
             format!("From {:.0} to {:.0} degrees, from {:.1} to {:.1} rad/s, from {:.4} to {:.4} J.", first.lean, last.lean, first.spin, last.spin, first.energy, last.energy),
         ],
         checks: vec![
@@ -185,7 +186,9 @@ fn film(shots: Vec<Shot>) -> Film {
     Film {
         title: "Tippe top".to_owned(),
         lines: vec![
-            "A sphere with its centre of mass below its middle, spun at 155 rad/s: blue below at first, red at the end.".to_owned(),
+            "A sphere with its centre of mass below its middle, spun at 155 rad/s: blue below at \
+             first, red at the end."
+                .to_owned(),
         ],
         size: RADIUS,
         distance: 6.5,

@@ -157,8 +157,8 @@ proptest! {
     /// Checks the fraction `h/√(4r² + h²)` of all orientations in which a coin falls back on its
     /// edge, because its normal is nearly horizontal.
     ///
-    /// Heights on a sphere are uniformly distributed (Archimedes). For a US nickel the fraction is 9
-    /// in 100 (Murray & Teare, Phys. Rev. E 48, 2547, 1993, find 1 in 6000 after bounces).
+    /// Heights on a sphere are uniformly distributed (Archimedes). For a US nickel the fraction is
+    /// 9 in 100 (Murray & Teare, Phys. Rev. E 48, 2547, 1993, find 1 in 6000 after bounces).
     #[test]
     fn a_coin_whose_weight_is_over_its_edge_stands(turn in orientations()) {
         let coin = SolidCoin::new(0.005, 10.605e-3, 1.95e-3);

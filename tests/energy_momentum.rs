@@ -1213,7 +1213,8 @@ fn a_moment_below_64_units_in_the_last_place_of_the_largest_one_counts_as_none()
 
 #[test]
 fn far_from_the_origin_rest_is_where_the_energy_is_lowest_to_its_rounding() {
-    /// Deviation from `m g/K` = 9.8 mm at which a kilogram comes to rest on ground at this height, m.
+    /// Deviation from `m g/K` = 9.8 mm at which a kilogram comes to rest on ground at this
+    /// height, m.
     fn off<R: Real>(height: f64) -> f64 {
         let number = R::from_f64;
         let point = [ContactPoint::bare(R::Vec3::ZERO)];

@@ -56,15 +56,16 @@ fn is_written(arguments: &mut lexopt::Parser) -> Result<bool, lexopt::Error> {
 }
 
 const HELP: &str = "\
-Runs trial 1 for a second with each integrator, with steps of at most 1 ms. Prints the error, relative
-to an exact solution of 13 digits, and the cost.
+Runs trial 1 for a second with each integrator, with steps of at most 1 ms. Prints the error,
+relative to an exact solution of 13 digits, and the cost.
 
 Usage: cargo run --release --example accuracy -- [OPTIONS]
 
-      --f32    instead, error and energy in single and double precision, for each integrator and step size
+      --f32    instead, error and energy in single and double precision, for each integrator and
+               step size
       --f32-motion [--write]
-               instead, free flight, elastic bounces and falls in single precision by EnergyMomentum (half a
-               minute); with --write into src/guide/accuracy.md
+               instead, free flight, elastic bounces and falls in single precision by EnergyMomentum
+               (half a minute); with --write into src/guide/accuracy.md
   -h, --help   this text
 ";
 

@@ -118,7 +118,8 @@ impl StepLimit {
     fn warn(&self, time_step: f64) {
         if let Some((least, time)) = self.least.filter(|(least, _)| *least < time_step) {
             eprintln!(
-                "warning: the step of {time_step:e} s is longer than {least:.1e} s, the largest stable one at {time:.2} s"
+                "warning: the step of {time_step:e} s is longer than {least:.1e} s, the largest \
+                 stable one at {time:.2} s"
             );
         }
     }

@@ -40,7 +40,8 @@ pub(crate) struct Weighed {
 pub(crate) fn weigh(motions: &[Vec<Toss>], seed: u64) -> Outcome<Weighed> {
     let sums: Vec<Sums> = motions.iter().map(|motion| Sums::of(motion)).collect();
     let (centre_of_mass, scale) = Sums::solution(sums.iter()).ok_or(
-        "the flights before the first touch-down are too short, or rotate too little, to find the centre of mass",
+        "the flights before the first touch-down are too short, or rotate too little, to find the \
+         centre of mass",
     )?;
     let drawn: Vec<(DVec3, f64)> = statistics::drawings(sums.len(), seed)
         .filter_map(|drawing| Sums::solution(drawing.iter().map(|&motion| &sums[motion])))

@@ -36,15 +36,15 @@ use tumble::glam::DVec3;
 const HELP: &str = "\
 Fits three models of a real cube and its table on half of its tosses, and predicts the other half:
 the printed body with Coulomb friction, the body with the centre of mass from its flights, and that
-body with a friction that decreases with the load. Each toss is predicted from its first sample alone, and from up
-to 15 samples before the first touch-down.
+body with a friction that decreases with the load. Each toss is predicted from its first sample
+alone, and from up to 15 samples before the first touch-down.
 
 Usage: cargo run --release --example measured_tosses -- --data <FILE> [OPTIONS]
 
   -d, --data <FILE>     the tosses, CSV or CSV in gzip; see below
-      --seed <NUMBER>   seed of the split into halves and of the bootstrap             [default: 1]
-      --synthetic       synthetic tosses with noise, instead of data: does the fit find their parameters?
-  -o, --out <FOLDER>    folder of the page and its pictures                            [default: out]
+      --seed <NUMBER>   seed of the split into halves and of the bootstrap      [default: 1]
+      --synthetic       synthetic tosses with noise, to test the fit
+  -o, --out <FOLDER>    folder of the page and its pictures                     [default: out]
   -q, --quick           a short fit
   -h, --help            this text
 ";
@@ -134,7 +134,8 @@ fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
     let count = |motions: &[Vec<Toss>]| motions.iter().flatten().count();
     let text = vec![
         format!(
-            "Fitted on {} tosses, {} motions; held out: {} tosses, {} motions. Left out: {:?}, whose spin changes in flight by more than {:.2} rad/s.",
+            "Fitted on {} tosses, {} motions; held out: {} tosses, {} motions. Left out: {:?}, \
+             whose spin changes in flight by more than {:.2} rad/s.",
             count(&halves.fitted),
             halves.fitted.len(),
             count(&halves.held),
@@ -144,13 +145,15 @@ fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
         ),
         study::shown(&weighed),
         format!(
-            "{slides} held-out slides on a face have the coefficient {}. The fits have {:.3} there with Coulomb's law, and {:.3} with the load-dependent one.",
+            "{slides} held-out slides on a face have the coefficient {}. The fits have {:.3} there \
+             with Coulomb's law, and {:.3} with the load-dependent one.",
             coefficient.shown(3),
             coulomb.parameters.coefficient_on_a_face(),
             weakening.parameters.coefficient_on_a_face(),
         ),
         format!(
-            "Half the step changes the held-out means of the last model by {:.2} % of the width, {:.2} degrees and {:.1} % of the faces at most.",
+            "Half the step changes the held-out means of the last model by {:.2} % of the width, \
+             {:.2} degrees and {:.1} % of the faces at most.",
             change.x, change.y, change.z
         ),
     ];
@@ -213,7 +216,8 @@ fn one_toss(fitted: &Fitted, held: &[Vec<Toss>]) -> Outcome<Picture> {
         |layout| {
             layout
                 .with_title(format!(
-                    "Toss {}: height of the centre, and path along the table ({:.0} % of the width, {:.0} degrees)",
+                    "Toss {}: height of the centre, and path along the table ({:.0} % of the \
+                     width, {:.0} degrees)",
                     toss.number, score.position, score.rotation
                 ))
                 .with_x_label("time (s)")

@@ -267,7 +267,8 @@ pub(crate) fn shown(weighed: &Weighed) -> String {
     let [x, y, z] = (1e3 * weighed.centre_of_mass).to_array();
     let [dx, dy, dz] = (1e3 * weighed.centre_error).to_array();
     format!(
-        "The flights give the centre of mass ({x:.1} ± {dx:.1}, {y:.1} ± {dy:.1}, {z:.1} ± {dz:.1}) mm from the middle, and true lengths {:.4} ± {:.4} of the tracked ones.",
+        "The flights give the centre of mass ({x:.1} ± {dx:.1}, {y:.1} ± {dy:.1}, {z:.1} ± \
+         {dz:.1}) mm from the middle, and true lengths {:.4} ± {:.4} of the tracked ones.",
         weighed.scale, weighed.scale_error
     )
 }

@@ -11,12 +11,12 @@ mod table;
 use std::process::ExitCode;
 
 const HELP: &str = "\
-The same scenes by tumble, rapier3d, rapier3d-f64, a plain Rk4, ode_solvers and diffsol: error against a known answer,
-largest increase of the energy, ns a step, CPU time for a simulated second, and ratios.
+The same scenes by tumble, rapier3d, rapier3d-f64, a plain Rk4, ode_solvers and diffsol: error
+relative to a known result, largest increase of the energy, ns a step, CPU time for a simulated second, and ratios.
 
     cargo run --release -- [OPTIONS]
 
-  --write        write all tables to RESULTS.md, and the summary to the guide's page (src/guide/peers.md)
+  --write        write all tables to RESULTS.md, and the summary to src/guide/peers.md
   --markdown     tables in markdown
   --summary      only the table with one row for each scene
   --turns N      number of measurements of each program (5)
