@@ -74,8 +74,8 @@ proptest! {
 
     /// Both laws whose restitution is the same at every speed. The step is 1/4000 of the bounce;
     /// where the law has a kink within a step of dt, Runge-Kutta misses
-    /// `(slope of the force) dt²/2`: with `ω dt` of at most π/4000 and damping ratios up to 2.2 (e =
-    /// 0.03), below 1e-5 of the speed. The end is seen to a step.
+    /// `(slope of the force) dt²/2`: with `ω dt` of at most π/4000 and damping ratios up to 2.2
+    /// (e = 0.03), below 1e-5 of the speed. The end is known to a step.
     #[test]
     fn a_law_made_for_a_bounce_bounces_so(
         carried in carried(), restitution in 0.03..1.0_f64, seconds in log_uniform(1e-6, 1.0), speed in log_uniform(1e-3, 1e3),

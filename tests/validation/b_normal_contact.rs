@@ -675,8 +675,8 @@ static ZENO: Case = Case::new(
     || {
         let (e, frequency) = (0.5, 1e4);
         let ratio = ratio_for(e);
-        // The mean force over a step knows when in the step the point lands: of order 2, (ω dt)²/12 =
-        // 8e-5.
+        // The mean force over a step depends on the time of the landing within the step: order 2,
+        // (ω dt)²/12 = 8e-5.
         let [landings, tops] = landings_and_tops([1.0, 9.8], [frequency, ratio], 0.03, 1.5);
         let contact = clamped_restitution(ratio)[1] / frequency;
         let speed = 19.6_f64.sqrt();

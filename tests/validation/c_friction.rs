@@ -726,8 +726,8 @@ fn the_end_of_a_sliding_rod_is_pressed_down_by_its_own_reaction_from_painleves_c
 
 #[test]
 fn a_rod_in_painleves_paradox_jams_and_is_thrown_without_gaining_energy() {
-    // The depth grows by z'' = λ² z + g, λ² ~ S, until the force has taken the slip: N = c (cosh λt -
-    // 1), N's impulse = c (sinh λt - λt)/λ ~ v. So N ~ λ v ~ √S, ten times as high on a ground a
+    // The depth grows by z'' = λ² z + g, λ² ~ S, until the force has ended the slip:
+    // N = c (cosh λt - 1), N's impulse = c (sinh λt - λt)/λ ~ v. So N ~ λ v ~ √S, ten times as high on a ground a
     // hundred times as stiff, but for (1 + λt)/cosh λt of it: N is 30 g on the softer ground, λt =
     // 4, so a sixth.
     let peak = |stiffness: f64| {

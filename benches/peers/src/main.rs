@@ -12,7 +12,8 @@ use std::process::ExitCode;
 
 const HELP: &str = "\
 The same scenes by tumble, rapier3d, rapier3d-f64, a plain Rk4, ode_solvers and diffsol: error
-relative to a known result, largest increase of the energy, ns a step, CPU time for a simulated second, and ratios.
+relative to a known result, largest increase of the energy, ns a step, CPU time for a simulated
+second, and ratios.
 
     cargo run --release -- [OPTIONS]
 
