@@ -1,9 +1,10 @@
-//! A fixed number of steps and nothing else, for `callgrind` to count: see `.ci/instructions`.
+//! A fixed number of steps, for `callgrind` to count the instructions: see `.ci/instructions`.
 //!
-//! `instructions INTEGRATOR PHASE POINTS STEPS`, with `round` for a rim without points; the
-//! instructions of a step are the difference of two counts over the difference of their steps.
+//! The arguments are `instructions INTEGRATOR PHASE POINTS STEPS`, with `round` for a rim without
+//! points. The instructions of a step are the difference of two counts over the difference of their
+//! numbers of steps.
 
-// A count that cannot be taken ends.
+// A benchmark that fails ends with a panic.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod scenes;
@@ -16,7 +17,7 @@ use tumble::{
 
 fn main() {
     let arguments = Vec::from_iter(std::env::args().skip(1));
-    // `cargo bench` and `cargo test` start every bench with options of their own.
+    // `cargo bench` and `cargo test` start every benchmark with their own options.
     let [integrator, phase, points, steps] = &arguments[..] else {
         println!("instructions INTEGRATOR PHASE POINTS STEPS");
         return;

@@ -1,44 +1,46 @@
-//! Ratios of speed, each of two programs that take turns in one run: what a busy machine can still
-//! tell.
+//! Ratios of the speed of two programs that run alternately, which a busy machine can still
+//! measure.
 //!
-//! Prints the ns a step of both (the fastest turn) and their ratio: the median over the turns, with
-//! its quartiles. The report's loop is the yardstick of the first rows.
+//! Prints the ns a step of both programs (of the fastest repetition) and their ratio: the median
+//! over the repetitions, with its quartiles. The first rows compare with the loop of the coin
+//! report.
 //!
-//! # What remains
+//! # Cost of a step
 //!
-//! A step of `SymplecticEuler` of the coin with 120 points, upright, where 4 of them touch, takes
-//! 969 instructions (`.ci/instructions`; its parts by `callgrind --dump-instr=yes` on the bench
-//! `instructions`):
+//! The coin with 120 points stands upright, and 4 of them touch. A step of `SymplecticEuler` then
+//! takes 969 instructions (`.ci/instructions`; its parts by `callgrind --dump-instr=yes` on the
+//! bench `instructions`):
 //!
 //! * 445 for the body, as many as a step in flight: the rotation matrix, the angular velocity, the
-//!   turn by two quaternion products, two normalisations, the finite check, and the state from and
-//!   to memory. A third of it is arithmetic; most of the rest are moves, because SSE2's operations
-//!   overwrite an operand and a state with its matrix does not fit into 16 registers.
-//! * 110 to find the arc: how far the body's axes rise, and the heights of the points on both sides
-//!   of the two ends that it had a step ago.
-//! * 60 to put what all contacts share into both lanes, 120 for each pair of contacts with their
-//!   sums, 110 for one that is left over: its arm, velocity, force and torque. Sums of force times
-//!   place in the body, from which the torque of all follows, save nothing with a few contacts: the
-//!   velocity for each metre along three axes and the torque at the end cost as much as seven arms,
-//!   and their 28 numbers go through memory.
+//!   rotation by two quaternion products, two normalisations, the finite check, and the state from
+//!   and to memory. A third of them is arithmetic. Most of the rest are moves, because operations
+//!   of SSE2 overwrite an operand, and a state with its matrix does not fit into 16 registers.
+//! * 110 to find the arc: the z components of the body's axes, and the heights of the points on
+//!   both sides of the two ends of the previous arc.
+//! * 60 to load common data into both lanes, 120 for each pair of contacts with their sums, 110 for
+//!   a single contact: its arm, velocity, force and torque. The torque could also follow from sums
+//!   of force times position in the body. With a few contacts this saves nothing: the velocity for
+//!   each metre along three axes and the torque at the end cost as much as seven arms, and their 28
+//!   numbers go through memory.
 //!
-//! On a tilted plane, or with a radius, a contact takes some 130.
+//! On a tilted plane, or with a radius, a contact takes about 130.
 //!
-//! At rest all 120 go abreast, 24 at a time, two in a register: 67 instructions each, and half of
-//! their time is the root and the division, which one unit does for all, 3.1 ns a pair. That is the
-//! floor for any program with the report's law.
+//! At rest all 120 contacts are computed in lanes, 24 at a time, two in a register, with 67
+//! instructions each. Half of their time is the root and the division, which one unit computes for
+//! all, 3.1 ns a pair. This is the lower limit for any program with the law of the coin report.
 //!
-//! `Rk4` takes 3060 instructions: 1000 in flight, which are four matrices, four sums of states, and
-//! moves of them, and four times the contacts and the search for their arc.
+//! `Rk4` takes 3060 instructions. 1000 are those of flight: four matrices, four sums of states, and
+//! moves of them. The others are four times the contacts and the search for their arc.
 //!
-//! Memory: the state, the scene and the points walked over, under 1 kB, are in the first cache; at
-//! rest 4 kB of points are. Branches: whether the arc ends here is mispredicted when the number of
-//! touching points changes; the others go with the phase. Time: roots and divisions wait for all
-//! before them, which is why they come for all contacts before the first sum; a load of two numbers
-//! that were stored one by one waits until both stores have ended; instruction counts alone
-//! mislead.
+//! * *Memory:* the state, the scene and the visited points, under 1 kB, are in the first cache. At
+//!   rest there are 4 kB of points.
+//! * *Branches:* the branch at the end of the arc is mispredicted when the number of touching
+//!   points changes. The others depend on the phase only.
+//! * *Time:* roots and divisions wait for all previous operations, so they are computed for all
+//!   contacts before the first sum. A load of two numbers that were stored separately waits until
+//!   both stores have ended. Instruction counts alone are therefore misleading.
 
-// A bench that cannot go on ends.
+// A benchmark that fails ends with a panic.
 #![allow(clippy::unwrap_used)]
 
 #[path = "../tests/common/report_loop.rs"]
@@ -62,7 +64,7 @@ const EULER: SymplecticEuler = SymplecticEuler {
 };
 
 fn main() {
-    // `cargo test` starts every bench too, to see that it runs.
+    // `cargo test` starts every benchmark, too, to check that it runs.
     let turns = if std::env::args().any(|argument| argument == "--bench") {
         101
     } else {
@@ -82,8 +84,8 @@ fn main() {
     whole_trial_1(turns);
 }
 
-/// A round rim against 120 points: in the upright phase of trial 1, and rolling upright at 4 rad/s,
-/// where friction turns round twice on the arc.
+/// Compares a round rim with 120 points: in the upright phase of trial 1, and rolling upright at
+/// 4 rad/s, where friction reverses twice on the arc.
 fn against_a_round_rim(turns: usize) {
     let rolls = State::at(DVec3::Z * 0.4999)
         .with_linear_velocity(-DVec3::Y * 2.0)
@@ -112,7 +114,7 @@ fn against_a_round_rim(turns: usize) {
     }
 }
 
-/// What a row compares: each is called with how many steps to take.
+/// Compares two programs. Each is called with the number of steps to take.
 fn row(name: &str, turns: usize, mut a: impl FnMut(u32), mut b: impl FnMut(u32)) {
     let nanoseconds = |program: &mut dyn FnMut(u32)| {
         let start = Instant::now();
@@ -133,19 +135,19 @@ fn row(name: &str, turns: usize, mut a: impl FnMut(u32), mut b: impl FnMut(u32))
     println!("{name:<66} {first:>10.1} {second:>10.1}   {ratio:.3} ({low:.3} to {high:.3})");
 }
 
-/// A program for [`row`]: steps from the start of a phase.
+/// Returns a program for [`row`] that takes steps from the start of a phase.
 fn program<S: Advance>(stepper: S, phase: Phase) -> impl FnMut(u32) {
     from(stepper, phase.state())
 }
 
-/// A program for [`row`]: steps from a state.
+/// Returns a program for [`row`] that takes steps from a state.
 fn from<S: Advance>(stepper: S, start: State) -> impl FnMut(u32) {
     move |steps| {
         black_box(scenes::steps(&stepper, black_box(&start), steps));
     }
 }
 
-/// The report's loop from the start of trial 1, which is the upright phase.
+/// Returns the loop of the coin report from the start of trial 1, which is the upright phase.
 fn report() -> impl FnMut(u32) {
     let start = ReportLoop::new(ReportTrial::numbered(1).unwrap());
     move |steps| {
@@ -212,7 +214,7 @@ fn against_a_users_body(turns: usize) {
     }
 }
 
-/// The sphere of the guide's readers against the built-in one: it slides, then rolls.
+/// Compares the sphere of the guide with the built-in one: it slides, then rolls.
 fn against_a_users_sphere(turns: usize) {
     let start = State::at(DVec3::Z * 0.49).with_linear_velocity(DVec3::X);
     let energy_momentum = EnergyMomentum {
@@ -290,9 +292,10 @@ fn of_the_phases(turns: usize) {
     );
 }
 
-/// Trial 1 at the report's step by the report's loop and by the library: until the coin lies flat,
-/// at some 30 s, and to the report's end at 160 s, of which it spends 130 s with all of its 120
-/// points on the ground.
+/// Compares trial 1 by the report's loop and by the library, with the step size of the coin report.
+///
+/// One run lasts until the coin lies flat, at about 30 s. The other lasts to the end of the
+/// report's run at 160 s, with all 120 points on the ground for the last 130 s.
 fn whole_trial_1(turns: usize) {
     for seconds in [30, 160] {
         let steps = if turns > 1 { seconds * 10_000 } else { 1000 };
@@ -311,7 +314,7 @@ fn whole_trial_1(turns: usize) {
     }
 }
 
-/// Processor time that a program takes, s, where Linux tells it; else the wall's.
+/// Processor time of a program, s, if Linux provides it, otherwise wall-clock time.
 fn spent(program: impl FnOnce()) -> f64 {
     let on_processor = || {
         let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
@@ -326,7 +329,7 @@ fn spent(program: impl FnOnce()) -> f64 {
     }
 }
 
-/// A ball of 1 kg and 0.5 m as a type of the user's own, as the README writes one.
+/// A ball of 1 kg and 0.5 m as a user's own type, as in the README.
 struct UserSphere {
     contact: [ContactPoint; 1],
 }
@@ -354,7 +357,7 @@ impl RigidPointBody for UserSphere {
     }
 }
 
-/// The ring as a type of the user's own, with the same search for its arc.
+/// The ring as a user's own type, with the same search for its arc.
 struct UserRing {
     ring: Ring,
 }
@@ -377,8 +380,9 @@ impl RigidPointBody for UserRing {
     }
 }
 
-/// SymplecticEuler of the coin in plain f64, as somebody would write it who needs nothing else: the
-/// same model and the same arc, with the library's vectors but without its traits.
+/// `SymplecticEuler` of the coin in plain f64, as a user would write it who needs nothing else.
+///
+/// It has the same model and the same arc, with the library's vectors but without its traits.
 struct ByHand {
     coin: Ring,
 }
@@ -425,7 +429,7 @@ impl Advance for ByHand {
     }
 }
 
-/// The turn by a small rotation vector.
+/// Rotation by a small rotation vector.
 fn turn(vector: DVec3) -> DQuat {
     let half = vector * 0.5;
     let (sin, cos) = half.length().sin_cos();

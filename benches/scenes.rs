@@ -1,8 +1,8 @@
-//! The scenes that the benches share: four phases of trial 1, with 12, 120 or 1200 points.
+//! Scenes that the benchmarks share: four phases of trial 1, with 12, 120 or 1200 points.
 
-// Each bench uses another part of the file.
+// Each benchmark uses a different part of the file.
 #![allow(dead_code)]
-// A bench that cannot go on ends.
+// A benchmark that fails ends with a panic.
 #![allow(clippy::unwrap_used)]
 
 use tumble::glam::{DQuat, DVec3};
@@ -11,17 +11,17 @@ use tumble::{
     SlidingFriction, SpringDamperGround, State, Stepper, Trial, UniformGravity,
 };
 
-/// The report's time step, s.
+/// Step size of the coin report, s.
 pub(crate) const TIME_STEP: f64 = 1e-4;
 
-/// Steps that a phase lasts. A measurement takes these and starts again, so that the phase stays
-/// what its name says.
+/// Number of steps of a phase. A measurement takes these steps and starts again, so that the phase
+/// does not change.
 pub(crate) const STEPS: u32 = 1000;
 
-/// What the coin does.
+/// Phase of the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Phase {
-    /// Three metres up and spinning: nothing touches.
+    /// Three metres high and spinning: nothing touches.
     Flight,
     /// The start of trial 1: it rolls on its rim, 15 degrees from upright; 3 to 6 of 120 points
     /// touch.
@@ -52,7 +52,7 @@ impl Phase {
                 ..trial_1().state()
             },
             Self::Upright => trial_1().state(),
-            // From a run of `StrangSplitting` with this time step.
+            // Taken from a run of `StrangSplitting` with this step size.
             Self::Tumbling => State {
                 position: DVec3::new(1.8045000262650326, -1.0858973814216588, 0.13355363851744725),
                 linear_velocity: DVec3::new(
@@ -88,21 +88,22 @@ pub(crate) fn trial_1() -> Trial {
     Trial::report(1).unwrap()
 }
 
-/// The coin of the report with any number of points.
+/// The coin of the coin report with any number of points.
 pub(crate) type Ring = Coin<f64, Vec<ContactPoint>>;
 
-/// The coin of the report with `points` points.
+/// Returns the coin of the coin report with `points` points.
 pub(crate) fn ring(points: usize) -> Ring {
     let storage = vec![ContactPoint::default(); points];
     Coin::ring_with_storage(storage, Trial::<f64>::MASS, Trial::<f64>::RADIUS)
 }
 
-/// The coin of the report with a round rim.
+/// Returns the coin of the coin report with a round rim.
 pub(crate) fn round() -> Disc {
     Disc::ring(Trial::<f64>::MASS, Trial::<f64>::RADIUS, 120)
 }
 
-/// The report's ground under a coin of `points` points: as stiff and as damped in all as under its 120.
+/// Returns the ground for a coin of `points` points. Its total stiffness and damping are those of
+/// the 120 points of the coin report.
 pub(crate) fn ground(points: usize) -> FlatGround {
     let share = 120.0 / points as f64;
     FlatGround::level(
@@ -111,15 +112,15 @@ pub(crate) fn ground(points: usize) -> FlatGround {
     )
 }
 
-/// Any body in the scene of trial 1, with the ground of [`ground`].
+/// Stepper of any body in the scene of trial 1, with the ground of [`ground`].
 pub(crate) type SceneStepper<B, I> = Stepper<f64, B, FlatGround, Coulomb, UniformGravity, I>;
 
-/// `body` in the scene of trial 1.
+/// Returns the stepper of `body` in the scene of trial 1.
 pub(crate) fn stepper<B: RigidPointBody, I: Integrator>(
     body: B,
     integrator: I,
 ) -> SceneStepper<B, I> {
-    // A round rim stands for the report's 120.
+    // A round rim represents the 120 points of the coin report.
     let points = match body.contacts().len() {
         0 => 120,
         points => points,
@@ -132,7 +133,7 @@ pub(crate) fn stepper<B: RigidPointBody, I: Integrator>(
         .unwrap()
 }
 
-/// Something that moves a state on by one step: what is measured, whatever its type.
+/// Advances a state by one step, for any type of stepper.
 pub(crate) trait Advance {
     type Workspace: Default;
     fn advance(&self, state: &mut State, workspace: &mut Self::Workspace);
@@ -154,7 +155,7 @@ where
     }
 }
 
-/// `steps` steps from `start`: the loop that is timed and counted.
+/// Takes `steps` steps from `start`. This loop is timed and counted.
 #[inline(never)]
 pub(crate) fn steps<S: Advance>(stepper: &S, start: &State, steps: u32) -> State {
     let mut state = *start;

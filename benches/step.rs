@@ -1,8 +1,8 @@
-//! ns a step of each integrator in four phases of trial 1, with 12, 120 and 1200 points. `ratios`
-//! compares programs, `.ci/instructions` counts instructions.
+//! Time of a step of each integrator, ns, in four phases of trial 1, with 12, 120 and 1200 points.
 //!
-//! Each sample takes 1000 steps from the start of the phase, so that the phase stays what it is:
-//! criterion's "µs" are ns a step.
+//! `ratios` compares programs, and `.ci/instructions` counts instructions. Each sample takes 1000
+//! steps from the start of the phase, so that the phase does not change: criterion's "µs" are ns a
+//! step.
 
 mod scenes;
 

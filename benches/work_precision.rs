@@ -1,21 +1,25 @@
-//! Error against processor time: every integrator over a ladder of steps and tolerances, on six
-//! scenes, and on trial 1 with one parameter turned at a time.
+//! Error against processor time of every integrator with a sequence of step sizes and tolerances,
+//! on six scenes, and on trial 1 with one parameter changed at a time.
 //!
 //! `cargo bench --bench work_precision` prints the tables (some minutes) and draws them into
-//! `target/work_precision`; a word after `--` picks the scenes whose names hold it.
-//! `cargo bench --bench work_precision -- --all` turns all parameters together: every integrator
-//! and step or tolerance, `f64` and `f32`, 12, 120 and 1200 points, both laws of friction, three
-//! slip speeds, on the six scenes (ten to twenty minutes; a word picks here, too:
-//! `-- --all trial1`). It prints the cheapest setting for an error, a line a combination, and
-//! writes every row into `target/work_precision/rows.csv`.
-//! `cargo bench --bench work_precision -- --robust` finds for eight trials and eight tosses the
-//! largest setting that every smaller one of a grid keeps within an error, and its cost beside a
-//! Rk4 written by hand (some minutes; a word picks). With `--write` it writes the tables of README
-//! and guide. `cargo bench --bench work_precision -- --readme` measures trial 1 alone and draws the
-//! README's picture, assets/work_precision.svg. The times are the shortest of three runs: compare
-//! rows, not machines.
+//! `target/work_precision`. A word after `--` selects the scenes whose names contain it.
+//!
+//! `cargo bench --bench work_precision -- --all` combines all parameters: every integrator and step
+//! or tolerance, `f64` and `f32`, 12, 120 and 1200 points, both friction laws, three slip speeds,
+//! on the six scenes. It takes ten to twenty minutes, and a word selects here, too:
+//! `-- --all trial1`. It prints the cheapest setting for an error, one line for each combination,
+//! and writes every row into `target/work_precision/rows.csv`.
+//!
+//! `cargo bench --bench work_precision -- --robust` finds the largest robust setting on eight
+//! trials and eight tosses: every smaller setting of a grid keeps the error, too. It also measures
+//! the cost, relative to a Rk4 written by hand. This takes some minutes, and a word selects scenes.
+//! With `--write` it writes the tables of README and guide.
+//!
+//! `cargo bench --bench work_precision -- --readme` measures trial 1 only, and draws the picture of
+//! the README, assets/work_precision.svg. The times are the shortest of three runs: compare rows,
+//! not machines.
 
-// A bench that cannot go on ends.
+// A benchmark that fails ends with a panic.
 #![allow(clippy::unwrap_used)]
 // The numbers of the scenes are small.
 #![allow(
@@ -48,7 +52,7 @@ use tumble::{Flight, State, StrangSplitting, Trial};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    // `cargo test` starts every bench too, to see that it runs.
+    // `cargo test` starts every benchmark, too, to check that it runs.
     let whole = arguments.iter().any(|argument| argument == "--bench");
     let wanted = arguments
         .iter()
@@ -80,8 +84,8 @@ fn main() {
     }
 }
 
-/// What a whole flight costs in closed form and step by step, and what the look for it costs on the
-/// ground.
+/// Measures the cost of a whole flight in closed form and step by step, and the cost on the ground
+/// of the search for a flight.
 fn flight(turns: u32) {
     let toss = State::at(DVec3::Z)
         .with_linear_velocity(DVec3::new(0.4, -0.2, 6.0))
@@ -118,7 +122,7 @@ fn flight(turns: u32) {
     println!("a step on the ground: {without:.0} ns, with a look for a flight {with:.0} ns");
 }
 
-/// The least of so many turns, ns.
+/// Least time of `turns` repetitions, ns.
 fn fastest(turns: u32, mut program: impl FnMut()) -> f64 {
     (0..turns).fold(f64::INFINITY, |least, _| {
         let clock = Instant::now();
@@ -127,7 +131,7 @@ fn fastest(turns: u32, mut program: impl FnMut()) -> f64 {
     })
 }
 
-/// Name, scene, and whether in single precision.
+/// Returns name and scene, and whether it is in single precision.
 fn table() -> Vec<(String, Start, bool)> {
     let mut table = Vec::new();
     for name in ["trial1", "trial8", "toss", "smooth", "stiff", "rest"] {
@@ -211,7 +215,7 @@ fn measure(name: &str, start: &Start, single: bool, whole: bool) {
     }
 }
 
-/// Trial 1, as every other scene, into assets/work_precision.svg.
+/// Draws trial 1, like every other scene, into assets/work_precision.svg.
 fn draw_for_the_readme() {
     measure("trial1", &Start::named("trial1").unwrap(), false, true);
     let picture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/work_precision.svg");
@@ -219,7 +223,7 @@ fn draw_for_the_readme() {
     println!("picture: {}", picture.display());
 }
 
-/// Where pictures and tables go.
+/// Folder for pictures and tables.
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("target/work_precision")
 }

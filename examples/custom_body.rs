@@ -1,7 +1,8 @@
-//! A body of one's own: a rattleback, which spins one way and not the other.
-//! `cargo run --release --example custom_body -- --help`.
+//! A user's own body: a rattleback, which spins in one direction and reverses in the other.
+//!
+//! Run `cargo run --release --example custom_body -- --help`.
 
-// A program has std; these lints guard the library.
+// A program has the standard library. These lints are meant for the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 mod common;
@@ -21,29 +22,33 @@ use tumble::{
 };
 
 const ABOUT: &str = "\
-Spins a stone of this file's own, a boat whose mass lies askew to its keel: a rattleback, or celt. Against
-its sense it rattles, stops, and turns back. Its mirror image does the same the other way round, bit by bit.";
+Spins a rattleback, or celt: a boat-shaped stone, defined in this file, whose mass is rotated
+relative to its keel. Against its preferred direction it rattles, stops, and reverses. Its mirror
+image does the same in the mirrored direction, bit by bit.";
 
-// The stone of Garcia & Hubbard (Proc. R. Soc. Lond. A 418, 165, 1988) in size: an ellipsoid of
-// half axes 0.2, 0.03 and 0.02 m has these radii at its bottom, 0.2²/0.02 and 0.03²/0.02.
+// The size is that of the stone of Garcia & Hubbard (Proc. R. Soc. Lond. A 418, 165, 1988). An
+// ellipsoid with semi-axes of 0.2, 0.03 and 0.02 m has these radii at its bottom, 0.2²/0.02 and
+// 0.03²/0.02.
 /// Radius of the keel, m.
 const KEEL: f64 = 2.0;
 /// Radius across the keel, m.
 const BEAM: f64 = 0.045;
-/// Height of the centre of mass over the bottom, m.
+/// Height of the centre of mass above the bottom, m.
 const HEIGHT: f64 = 0.02;
 /// Half of the keel's arc, rad.
 const ARC: f64 = 0.1;
-/// kg
+/// Mass, kg.
 const MASS: f64 = 1.0;
-/// About the long axis, the broad one and the upright one, kg m²: those of the ellipsoid,
+/// Moments about the long, the broad and the upright axis, kg m²: those of the ellipsoid,
 /// `m (b² + c²)/5` and so on.
 const MOMENTS: DVec3 = DVec3::new(2.6e-4, 8.08e-3, 8.18e-3);
 const GRAVITY: f64 = 9.8;
-/// Of each ball. The stone sinks in by some micrometres: less would be beyond what the gaps between
-/// balls round off, more would rub like a plank.
+/// Stiffness under each ball, N/m.
+///
+/// The stone penetrates by some micrometres. A smaller depth would be below the unevenness due to
+/// the gaps between the balls. A larger one would cause friction like that of a plank.
 const STIFFNESS: f64 = 5e5;
-/// rad/s
+/// Spin, rad/s.
 const SPIN: f64 = 4.0;
 
 fn main() -> ExitCode {
@@ -54,19 +59,19 @@ fn main() -> ExitCode {
 // The body
 // -----------------------------------------------------------------------------------------------
 
-/// A boat: balls along an arc under its centre of mass, in the xz plane, so close that they are a
-/// smooth keel; and a mass that lies askew to it.
+/// A boat-shaped body: balls along an arc under its centre of mass, in the xz plane, and a mass
+/// distribution that is rotated relative to it.
 ///
-/// Body axes: x along the keel, z up.
+/// The balls are so close that they form a smooth keel. Body axes: x along the keel, z up.
 #[derive(Debug)]
 struct Celt {
-    /// Angle from the keel to the long axis of the mass, about z, rad.
+    /// Angle from the keel to the long axis of the mass distribution, about z, rad.
     askew: f64,
     balls: Vec<ContactPoint>,
 }
 
 impl Celt {
-    /// Balls to each side of the middle one.
+    /// Number of balls on each side of the middle one.
     const HALF: usize = 200;
 
     fn new(askew: f64) -> Self {
@@ -84,11 +89,11 @@ impl Celt {
         }
     }
 
-    /// Radius of the arc of the balls' centres, and its middle's height, m.
+    /// Radius of the arc of the balls' centres, which is the height of its middle, m.
     const ARM: f64 = KEEL - BEAM;
     const CENTRE: f64 = KEEL - HEIGHT;
 
-    /// Where a ball is on the arc, rad; its mirror image is exactly on the other side.
+    /// Angle of a ball on the arc, rad. Its mirror image has exactly the opposite angle.
     fn place(number: usize) -> f64 {
         (number as f64 - Self::HALF as f64) * (ARC / Self::HALF as f64)
     }
@@ -108,10 +113,11 @@ impl RigidPointBody for Celt {
         &self.balls
     }
 
-    /// The balls lie on an arc, so those that are low lie beside each other:
-    /// `ARM |n| cos(φ - φ₀) > CENTRE n_z - BEAM - offset` with φ₀ the lowest place (of a stone on
-    /// its back it may be both ends: then all). One more to each side covers rounding. Optional,
-    /// like `check`: without it each step looks at all balls.
+    /// The balls lie on an arc, so the low ones are neighbours:
+    /// `ARM |n| cos(φ - φ₀) > CENTRE n_z - BEAM - offset` with φ₀ the lowest point. If the stone
+    /// lies on its back, both ends may be low, and the range contains all balls. One more ball on
+    /// each side covers rounding. The method is optional, like `check`. Without it each step
+    /// evaluates all balls.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "both numbers are clamped to those of the balls"
@@ -156,44 +162,83 @@ fn work(options: &Options) -> Outcome<Page> {
     let expected =
         TAU * ((MOMENTS.y + MASS * HEIGHT * HEIGHT) / (MASS * GRAVITY * (KEEL - HEIGHT))).sqrt();
     Ok(Page {
-        title: "Rattleback: a body of one's own",
+        title: "Rattleback: a user's own body",
         text: vec![
-            format!("A stone whose mass lies 8 degrees askew to its keel is spun at {SPIN} rad/s to either side, with a hair of pitch and roll."),
-            "One way the spin feeds the pitching until nothing of it is left, and the pitching gives it back the other way round; the other way it just comes to rest.".to_owned(),
+            format!(
+                "A stone whose mass is rotated by 8 degrees relative to its keel is spun at \
+                     {SPIN} rad/s in both directions, with a small pitch and roll."
+            ),
+            "In one direction the energy of the spin goes into the pitching, and then into a spin \
+             in the other direction. In the other direction the stone only comes to \
+             rest."
+                .to_owned(),
         ],
         checks: vec![
-            Check::between("spun against its sense, largest spin back, rad/s", "it reverses: Garcia & Hubbard, Proc. R. Soc. Lond. A 418, 165 (1988)", largest(&against, 1.0), 0.25 * SPIN, SPIN),
-            Check::between("spun along its sense, largest spin back, rad/s", "it does not, but for what its last rocking makes", largest(&along, -1.0), 0.0, 0.02 * SPIN),
-            Check::near("moments in which the mirrored stone is not the mirror image, bit by bit", "the equations have no handedness", other.count() as f64, 0.0, 0.0),
-            Check::near("period of a small pitch of the straight stone, s", "2π √((I + m h²)/(m g (R - h)))", period, expected, 0.01 * expected),
-            Check::between("largest rise of the energy in a step, J", "promise G1", rises.fold(f64::NEG_INFINITY, f64::max), f64::NEG_INFINITY, 0.0),
+            Check::between(
+                "spun against its preferred direction, largest reversed spin, rad/s",
+                "it reverses: Garcia & Hubbard, Proc. R. Soc. Lond. A 418, 165 (1988)",
+                largest(&against, 1.0),
+                0.25 * SPIN,
+                SPIN,
+            ),
+            Check::between(
+                "spun in its preferred direction, largest reversed spin, rad/s",
+                "it does not reverse, except by its last rocking",
+                largest(&along, -1.0),
+                0.0,
+                0.02 * SPIN,
+            ),
+            Check::near(
+                "moments in which the mirrored stone is not the mirror image, bit by bit",
+                "the equations have no handedness",
+                other.count() as f64,
+                0.0,
+                0.0,
+            ),
+            Check::near(
+                "period of a small pitch of the straight stone, s",
+                "2π √((I + m h²)/(m g (R - h)))",
+                period,
+                expected,
+                0.01 * expected,
+            ),
+            Check::between(
+                "largest increase of the energy in a step, J",
+                "promise G1",
+                rises.fold(f64::NEG_INFINITY, f64::max),
+                f64::NEG_INFINITY,
+                0.0,
+            ),
         ],
-        pictures: vec![spin_picture(&against, &along)?, pitch_picture(&against, &along)?],
+        pictures: vec![
+            spin_picture(&against, &along)?,
+            pitch_picture(&against, &along)?,
+        ],
         film: None,
     })
 }
 
-/// The stone now and then.
+/// State of the stone at one time.
 #[derive(Clone, Copy, Debug)]
 struct Moment {
     time: f64,
     state: State,
-    /// About the vertical, rad/s.
+    /// Spin about the vertical, rad/s.
     spin: f64,
-    /// Of the keel from level, degrees.
+    /// Pitch of the keel, degrees.
     pitch: f64,
     energy: f64,
 }
 
-/// Upright, a hair from level, spinning about the vertical.
+/// Returns an upright state, slightly pitched, that spins about the vertical.
 fn start(spin: f64) -> State {
     State::at(DVec3::Z * HEIGHT)
         .with_rotation_vector(DVec3::new(0.01, 0.002, 0.0))
         .with_angular_momentum(DVec3::Z * (MOMENTS.z * spin))
 }
 
-/// The image of a state in the xz plane. Angular momentum and the quaternion's vector are axial: of
-/// them the mirror keeps what is along y.
+/// Mirror image of a state in the xz plane. Angular momentum and the quaternion's vector are axial,
+/// so their y components are unchanged.
 fn mirrored(state: &State) -> State {
     let image = |v: DVec3| DVec3::new(v.x, -v.y, v.z);
     let axial = |v: DVec3| DVec3::new(-v.x, v.y, -v.z);
@@ -206,7 +251,7 @@ fn mirrored(state: &State) -> State {
     }
 }
 
-/// Every step of a run of the stone.
+/// Runs the stone and returns the moment after every step.
 fn run(askew: f64, mut state: State, duration: f64) -> Outcome<Vec<Moment>> {
     let stepper = Stepper::new(Celt::new(askew))?
         .with_gravity(UniformGravity::down(GRAVITY))?
@@ -238,8 +283,8 @@ fn largest(moments: &[Moment], sign: f64) -> f64 {
         .fold(0.0, |most, moment| f64::max(most, sign * moment.spin))
 }
 
-/// Time between the keel's passages of level, of a stone without skew that is let go with a small
-/// pitch, s.
+/// Time between two passages of the keel through level, s, for a stone without skew that starts
+/// with a small pitch.
 fn period_of_pitch() -> Outcome<f64> {
     let state = State::at(DVec3::Z * HEIGHT).with_rotation_vector(DVec3::Y * 0.005);
     let moments = run(0.0, state, 1.0)?;
@@ -260,7 +305,7 @@ fn period_of_pitch() -> Outcome<f64> {
 // The pictures
 // -----------------------------------------------------------------------------------------------
 
-/// One quantity of both runs over time, every fourth step.
+/// Picture of a quantity of both runs over time, every fourth step.
 fn picture(
     name: &'static str,
     title: &str,
@@ -276,8 +321,12 @@ fn picture(
             .collect()
     };
     let lines = vec![
-        common::line(curve(runs[1]), BLUE, "spun along its sense"),
-        common::line(curve(runs[0]), ORANGE, "spun against its sense"),
+        common::line(curve(runs[1]), BLUE, "spun in its preferred direction"),
+        common::line(
+            curve(runs[0]),
+            ORANGE,
+            "spun against its preferred direction",
+        ),
     ];
     Picture::new(name, lines, |layout| {
         layout

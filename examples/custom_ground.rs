@@ -1,7 +1,8 @@
-//! A ground of the user's own: a valley in which every swing takes as long.
-//! `cargo run --release --example custom_ground -- --help`.
+//! A user's own ground: a valley in which every oscillation has the same period.
+//!
+//! Run `cargo run --release --example custom_ground -- --help`.
 
-// A program has std; these lints guard the library.
+// A program has the standard library. These lints are meant for the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 mod common;
@@ -20,19 +21,19 @@ use tumble::{
 };
 
 const ABOUT: &str = "\
-Lets beads go in a valley whose profile is a cycloid, a terrain that is written here. A swing takes
-4π √(a/g), however high it begins (Huygens 1673).";
+Releases beads in a valley whose profile is a cycloid, a terrain that is defined in this file. An
+oscillation takes 4π √(a/g), whatever its initial height (Huygens 1673).";
 
-/// The circle that makes the cycloid, m.
+/// Radius of the circle that generates the cycloid, m.
 const CIRCLE: f64 = 0.1;
 const GRAVITY: f64 = 9.8;
-/// N/m under a bead of 1 kg: it sinks by 20 µm at most, 1e-4 of the smallest radius of curvature on
-/// its way.
+/// Stiffness under a bead of 1 kg, N/m. The bead penetrates by at most 20 µm, 1e-4 of the smallest
+/// radius of curvature on its path.
 const STIFFNESS: f64 = 1e6;
-/// Where the beads begin: angles of the circle, rad.
+/// Initial angles of the circle for the beads, rad.
 const STARTS: [f64; 3] = [0.4, 0.9, 1.5];
 
-/// `x = a (φ + sin φ)`, `z = a (1 - cos φ)`: a valley along y.
+/// Valley along y: `x = a (φ + sin φ)`, `z = a (1 - cos φ)`.
 #[derive(Clone, Copy, Debug)]
 struct Cycloid;
 
@@ -41,7 +42,7 @@ impl Cycloid {
         DVec3::new(angle + angle.sin(), 0.0, 1.0 - angle.cos()) * CIRCLE
     }
 
-    /// φ by Newton's method, up to an angle of 2.4 and straight on beyond.
+    /// Angle φ by Newton's method, up to 2.4. The valley is straight beyond.
     fn angle(x: f64) -> f64 {
         let aim = (x / CIRCLE).clamp(-3.0, 3.0);
         let mut angle = aim / 2.0;
@@ -70,7 +71,7 @@ impl HeightField for Cycloid {
     }
 }
 
-/// A bead's way: time (s), x (m) and energy (J).
+/// Path of a bead: time (s), x (m) and energy (J).
 type Way = Vec<(f64, f64, f64)>;
 
 fn main() -> ExitCode {
@@ -102,13 +103,13 @@ fn work(options: &Options) -> Outcome<Page> {
         let way = swing(ground, start, period / steps, 2.0 * period)?;
         checks.push(Check::near(
             &format!(
-                "period of the swing from {:.0} mm, s",
+                "period of the oscillation from {:.0} mm, s",
                 Cycloid::place(start).z * 1e3
             ),
             "4π √(a/g) at every height (Huygens, Horologium oscillatorium, 1673)",
             period_of(&way),
             period,
-            // Depth over radius of curvature, and order 2: (2π/steps)²/12.
+            // Penetration depth over radius of curvature, and the error of order 2: (2π/steps)²/12.
             period * (1e-4 + (2.0 * PI / steps).powi(2) / 12.0),
         ));
         ways.push(way);
@@ -118,7 +119,7 @@ fn work(options: &Options) -> Outcome<Page> {
         .map(|pair| pair[1].2 - pair[0].2)
         .fold(f64::NEG_INFINITY, f64::max);
     checks.push(Check::between(
-        "largest rise of the energy between two steps, J",
+        "largest increase of the energy between two steps, J",
         "promise G1",
         rise,
         f64::NEG_INFINITY,
@@ -150,15 +151,18 @@ fn work(options: &Options) -> Outcome<Page> {
     }
     let valley = Picture::new("valley", plots, |layout| {
         layout
-            .with_title("the valley, and where the beads begin")
+            .with_title("the valley, and the initial positions of the beads")
             .with_x_label("x (m)")
             .with_y_label("z (m)")
             .with_legend_position(LegendPosition::OutsideRightTop)
     })?;
     Ok(Page {
-        title: "A ground of one's own",
+        title: "A user's own ground",
         text: vec![
-            "A relief is a height with its slope; the crate finds the nearest point of it, so that its springs are a true potential, and checks that they are.".to_owned(),
+            "A height field has a height and a gradient. The crate finds the nearest point of the \
+             surface, so that the springs have a potential, and the example checks \
+             this."
+                .to_owned(),
         ],
         checks,
         pictures: vec![valley, swings],
@@ -189,7 +193,7 @@ fn swing(
     Ok(way)
 }
 
-/// From the first passage through the bottom to the third.
+/// Time from the first passage through the bottom to the third.
 fn period_of(way: &Way) -> f64 {
     let crossings = way.windows(2).filter(|pair| pair[0].1 * pair[1].1 < 0.0);
     let times: Vec<f64> = crossings

@@ -1,7 +1,9 @@
-//! Throws dice until they lie: a fair one shows each face alike, by the chi-square test; a loaded
-//! one does not. `cargo run --release --example dice -- --help`.
+//! Throws of dice until they rest. By the chi-square test, a fair die shows each face equally
+//! often, and a loaded one does not.
+//!
+//! Run `cargo run --release --example dice -- --help`.
 
-// A program has std; these lints guard the library.
+// A program has the standard library. These lints are meant for the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 mod common;
@@ -22,19 +24,19 @@ use tumble::{
 };
 
 const ABOUT: &str = "\
-Throws a die of 16 mm with round corners a few thousand times, each time until it lies still, and
-counts the faces; and does so with a die whose centre of mass is 2 mm off its middle.";
+Throws a die of 16 mm with round corners a few thousand times, each time until it is at rest, and
+counts the faces. Then throws a die whose centre of mass is 2 mm away from its middle.";
 
-/// kg and m: a die of acrylic.
+/// Mass of a die of acrylic, kg. The next constant is its edge, m.
 const MASS: f64 = 0.0048;
 const EDGE: f64 = 0.016;
 const CORNER: f64 = 0.0015;
-/// How far a loaded die's centre of mass lies from the middle towards the four, m.
+/// Displacement of a loaded die's centre of mass from the middle towards the four, m.
 const LOAD: f64 = 0.002;
 const GRAVITY: f64 = 9.81;
 /// Chi-square with 5 degrees of freedom that one fair die in a thousand exceeds.
 const CRITICAL: f64 = 20.515;
-/// A throw that does not lie after so many seconds is a fault.
+/// Longest time of a throw, s. A die that moves for longer is an error.
 const PATIENCE: f64 = 20.0;
 
 type Die = Stepper<f64, Cuboid, FlatGround, Coulomb, UniformGravity>;
@@ -50,7 +52,7 @@ fn work(options: &Options) -> Outcome<Page> {
     let loaded = count(&stepper(LOAD)?, throws, 2)?;
     let expected = f64::from(throws) / 6.0;
     let [fair_square, loaded_square] = [&fair, &loaded].map(|faces| chi_square(faces, expected));
-    // Of a count around n/6 with the spread √(n/6 · 5/6).
+    // The standard deviation of a count around n/6 is √(n/6 · 5/6).
     let spread = (expected * 5.0 / 6.0).sqrt();
     let three = (f64::from(loaded[2]) - expected) / spread;
     let bars = |faces: [u32; 6], colour: &str, name: &str, beside: f64| {
@@ -79,7 +81,7 @@ fn work(options: &Options) -> Outcome<Page> {
     ];
     let picture = Picture::new("faces", plots, |layout| {
         layout
-            .with_title("share of throws by face")
+            .with_title("fraction of throws by face")
             .with_x_label("face")
             .with_y_label("share")
             .with_y_axis_min(0.0)
@@ -89,14 +91,17 @@ fn work(options: &Options) -> Outcome<Page> {
         title: "Dice",
         text: vec![
             format!(
-                "Each of {throws} throws begins with a random turn, spin and speed half a metre above the table and ends when the die lies still."
+                "Each of {throws} throws begins with a random orientation, spin and speed half a \
+                 metre above the table and ends when the die is at rest."
             ),
             format!(
-                "{throws} throws reject, with 99 %, a die one of whose sides has a probability {:.1} percentage points above a sixth, and the opposite side one as far below it.",
+                "{throws} throws reject, with 99 %, a die one of whose sides has a probability \
+                 {:.1} percentage points above a sixth, and the opposite side one as far below it.",
                 100.0 * rejected_tilt(throws)
             ),
             format!(
-                "Faces one to six of the fair die: {}. Of one whose centre of mass lies {:.0} mm towards the four: {}.",
+                "Faces one to six of the fair die: {}. Of one whose centre of mass lies {:.0} mm \
+                 towards the four: {}.",
                 listed(fair),
                 1e3 * LOAD,
                 listed(loaded)
@@ -126,7 +131,7 @@ fn work(options: &Options) -> Outcome<Page> {
             ),
             Check::between(
                 "threes of the loaded die beyond a sixth, in standard deviations",
-                "the heavy side, four, comes to lie below",
+                "the heavy side, four, lies below",
                 three,
                 5.0,
                 f64::INFINITY,
@@ -139,9 +144,9 @@ fn work(options: &Options) -> Outcome<Page> {
 
 fn stepper(load: f64) -> Outcome<Die> {
     let edges = DVec3::splat(EDGE);
-    // Four is the face at -z.
+    // The face at -z is the four.
     let heavy = MassProperties::cuboid(MASS, edges).at(DVec3::NEG_Z * load);
-    // A corner sinks 12 µm under the whole weight, and bounces back at 0.6 of its speed.
+    // A corner that supports the whole weight penetrates by 12 µm, and bounces at 0.6 of its speed.
     let ground = FlatGround::level(4000.0, 1.2);
     Ok(Stepper::new(Cuboid::loaded(edges, heavy).rounded(CORNER))?
         .with_gravity(UniformGravity::down(GRAVITY))?
@@ -157,7 +162,7 @@ fn listed(faces: [u32; 6]) -> String {
     faces.map(|count| count.to_string()).join(", ")
 }
 
-/// How often each face came up.
+/// Number of throws that showed each face.
 fn count(die: &Die, throws: u32, seed: u64) -> Outcome<[u32; 6]> {
     let mut random = Random(seed);
     let mut faces = [0; 6];
@@ -188,13 +193,13 @@ fn thrown(die: &Die, random: &mut Random) -> State {
     die.with_angular_velocity(state, spin)
 }
 
-/// The face that one throw shows, and when the die lies.
+/// Returns the face that a throw shows, and the time at which the die rests.
 fn throw(die: &Die, mut state: State) -> Outcome<(u8, f64)> {
-    // Not a hundredth of a millimetre in 50 ms.
+    // At rest, it moves by at most a hundredth of a millimetre in 50 ms.
     let mut rest = UntilRest::new(die.body(), 1e-5, 0.05)?;
     let time = die.run(&mut state, PATIENCE, &mut rest)?;
     if !rest.is_reached() {
-        return Err(format!("a die does not lie after {PATIENCE} s").into());
+        return Err(format!("a die is not at rest after {PATIENCE} s").into());
     }
     let side = die
         .body()
@@ -203,7 +208,7 @@ fn throw(die: &Die, mut state: State) -> Outcome<(u8, f64)> {
     Ok((side.pips(), time))
 }
 
-/// The first throw that is counted.
+/// Film of the first counted throw.
 fn film(die: &Die) -> Outcome<Film> {
     let mut state = thrown(die, &mut Random(1));
     let (face, time) = throw(die, state)?;
@@ -231,7 +236,7 @@ fn film(die: &Die) -> Outcome<Film> {
     })
 }
 
-/// `Σ (count - expected)²/expected`.
+/// Chi-square of the counts: `Σ (count - expected)²/expected`.
 fn chi_square(faces: &[u32; 6], expected: f64) -> f64 {
     let terms = faces.map(|count| (f64::from(count) - expected).powi(2) / expected);
     terms.iter().sum()
@@ -257,13 +262,15 @@ fn survivals(x: f64) -> impl Iterator<Item = f64> {
     })
 }
 
-/// Power of the test of the fair die against a noncentrality: chi-square with 5 + 2 J degrees of
-/// freedom, J of Poisson's distribution with the mean of half of the noncentrality.
+/// Power of the test of the fair die for a noncentrality.
+///
+/// It is that of chi-square with 5 + 2 J degrees of freedom, where J has Poisson's distribution
+/// with half of the noncentrality as its mean.
 fn power(noncentrality: f64) -> f64 {
     let mean = 0.5 * noncentrality;
     let mut weight = (-mean).exp();
     let mut sum = 0.0;
-    // Up to 200 terms: more than ten standard deviations above the means that are asked for here.
+    // Up to 200 terms: more than ten standard deviations above the means that occur here.
     for (number, survival) in (1..200).zip(survivals(CRITICAL).skip(2)) {
         sum += weight * survival;
         weight *= mean / f64::from(number);
@@ -271,8 +278,8 @@ fn power(noncentrality: f64) -> f64 {
     sum
 }
 
-/// The δ of a die with `1/6 + δ` and `1/6 - δ` on opposite sides that so many throws reject with
-/// 99 %. Its noncentrality is `12 n δ²`.
+/// Least δ of a die with `1/6 + δ` and `1/6 - δ` on opposite sides that `throws` throws reject with
+/// a probability of 99 %. Its noncentrality is `12 n δ²`.
 fn rejected_tilt(throws: u32) -> f64 {
     let (mut low, mut high) = (0.0, 100.0);
     for _ in 0..50 {

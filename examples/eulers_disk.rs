@@ -1,7 +1,9 @@
-//! Euler's disk: a coin that spins down on its rim, ever flatter and ever faster.
-//! `cargo run --release --example eulers_disk -- --help`.
+//! Euler's disk: a coin that spins down on its rim. It becomes flatter while its contact moves
+//! faster.
+//!
+//! Run `cargo run --release --example eulers_disk -- --help`.
 
-// A program has std; these lints guard the library.
+// A program has the standard library. These lints are meant for the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 mod common;
@@ -19,23 +21,23 @@ use tumble::{Coin, Dynamics, EnergyMomentum, FlatGround, Sample, State, Stepper,
 
 const ABOUT: &str = "\
 Lets a coin of 120 points spin on its rim at a small angle and follows the angle down. On springs
-with dampers it falls evenly, angle = (4/3) (damping/stiffness) (g/r) (t0 - t): exponent 1, where air
-has 1/3 or 4/9, dry rolling 2/3 and viscous rolling 1/2.";
+with dampers it falls at a constant rate, angle = (4/3) (damping/stiffness) (g/r) (t0 - t): the
+exponent is 1. Air has 1/3 or 4/9, dry rolling 2/3 and viscous rolling 1/2.";
 
-// The report's coin and ground.
+// The coin and the ground of the coin report.
 const MASS: f64 = 1.0;
 const RADIUS: f64 = 0.5;
 const GRAVITY: f64 = 9.8;
 const STIFFNESS: f64 = 1000.0;
 const DAMPING: f64 = 0.5;
-/// rad.
+/// Angle at the start, rad.
 const FIRST: f64 = 0.2;
-/// The part of the fall that is compared, rad: above it the start still shows, below it the patch
-/// that touches is no small part of the rim.
+/// Range of angles that is compared, rad. Above it the start still has an effect. Below it the
+/// contact patch is no longer a small part of the rim.
 const WINDOW: [f64; 2] = [0.05, 0.16];
 
-/// What the formulas of a small patch may be off by: the square of its half-angle, which is
-/// `∛(3π M g/(n S r α))` = 0.25 rad in the middle of the window.
+/// Error of the formulas of a small patch: the square of its half-angle, which is
+/// `∛(3π M g/(n S r α))` = 0.25 rad in the middle of the range.
 const PATCH: f64 = 0.06;
 
 /// Time (s) and angle (rad).
@@ -55,8 +57,8 @@ fn work(options: &Options) -> Outcome<Page> {
         .filter(|&(_, angle)| (WINDOW[0]..=WINDOW[1]).contains(&angle))
         .collect();
     let fit = Fit::of(&fallen);
-    // Power lost: the dampers under the patch take τ M g r α Ω², of the energy (3/2) M g r α, with
-    // Ω² α = g/(k r) and k = 1/2 for a ring.
+    // Dissipated power: the dampers under the patch take τ M g r α Ω² of the energy (3/2) M g r α,
+    // with Ω² α = g/(k r) and k = 1/2 for a ring.
     let rate = 4.0 / 3.0 * DAMPING / STIFFNESS * GRAVITY / RADIUS;
     let slope = rate_of(&fallen);
     let log = |(time, angle): (f64, f64)| ((fit.end - time).log10(), angle.log10());
@@ -78,8 +80,8 @@ fn work(options: &Options) -> Outcome<Page> {
     ];
     let exponents = Picture::new("exponent", plots, |layout| {
         layout
-            .with_title("Euler's disk: angle against the time that is left")
-            .with_x_label("log10 of the time left (s)")
+            .with_title("Euler's disk: angle over the remaining time")
+            .with_x_label("log10 of the remaining time (s)")
             .with_y_label("log10 of the angle (rad)")
             .with_legend_position(LegendPosition::InsideBottomRight)
     })?;
@@ -101,8 +103,14 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "Euler's disk",
         text: vec![
-            "A ring of 1 kg and 0.5 m is set spinning on its rim at 0.2 rad, without friction, at the rate at which its centre stays, Ω² sin α = 2 g/r. Only the dampers take energy.".to_owned(),
-            format!("It lies at {:.2} s by the fit; the angle falls at {slope:.5} rad/s.", fit.end),
+            "A ring of 1 kg and 0.5 m spins on its rim at 0.2 rad, without friction, at the rate \
+             at which its centre stays, Ω² sin α = 2 g/r. Only the dampers dissipate \
+             energy."
+                .to_owned(),
+            format!(
+                "It lies at {:.2} s by the fit; the angle falls at {slope:.5} rad/s.",
+                fit.end
+            ),
         ],
         checks: vec![
             Check::near(
@@ -125,25 +133,26 @@ fn work(options: &Options) -> Outcome<Page> {
     })
 }
 
-/// Time (s) and angle (rad), until it is nearly flat; and the film's shots.
+/// Returns time (s) and angle (rad) until the disk is nearly flat, and the shots of the film.
 fn run(time_step: f64) -> Outcome<(Curve, Vec<Shot>)> {
     let stepper = Stepper::new(Coin::ring(MASS, RADIUS))?
         .with_gravity(UniformGravity::down(GRAVITY))?
         .with_ground(FlatGround::level(STIFFNESS, DAMPING))?
         .with_integrator(EnergyMomentum { time_step })?;
-    // The plane leans by turning about y from upright.
+    // The plane leans by a rotation about y from upright.
     let turned = State::at(DVec3::ZERO)
         .with_rotation_vector(DVec3::Y * (FIRST - core::f64::consts::FRAC_PI_2));
     let axes = turned.rotation().axes();
-    // Depth of the lowest point under the weight, spread along the rim: M g = (n S/2π) (2/3) r sin
-    // α φ³ with the half-angle φ of the patch, depth r sin α φ²/2.
+    // Depth of the lowest point under the weight, distributed along the rim: M g = (n S/2π) (2/3) r
+    // sin α φ³ with the half-angle φ of the patch, depth r sin α φ²/2.
     let steep = FIRST.sin();
     let patch = (3.0 * core::f64::consts::PI * MASS * GRAVITY
         / (120.0 * STIFFNESS * RADIUS * steep))
         .cbrt();
     let sink = RADIUS * steep * patch * patch / 2.0;
     let precession = (2.0 * GRAVITY / (RADIUS * steep)).sqrt();
-    // No spin about the normal: what is left of a turn about the vertical.
+    // No spin about the normal: the rotation about the vertical without its component along the
+    // normal.
     let spin = DVec3::Z - axes.x * axes.x.z;
     let spin = spin * precession;
     let momentum = stepper
@@ -175,7 +184,8 @@ fn film(shots: Vec<Shot>) -> Film {
     Film {
         title: "Euler's disk".to_owned(),
         lines: vec![
-            "A ring on its rim, without friction. It falls evenly: only the dampers take energy."
+            "A ring on its rim, without friction. It falls at a constant rate, because only the \
+             dampers dissipate energy."
                 .to_owned(),
         ],
         size: RADIUS,
@@ -189,7 +199,7 @@ fn film(shots: Vec<Shot>) -> Film {
     }
 }
 
-/// Means over half a second, which hold many of its nods.
+/// Means over half a second, which contains many nutations.
 fn smoothed(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let count = curve.partition_point(|&(time, _)| time < 0.5);
     let mean = |part: &[(f64, f64)]| {
@@ -205,7 +215,7 @@ fn smoothed(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// `angle = c (end - t)^exponent`.
+/// Fitted law `angle = c (end - t)^exponent`.
 #[derive(Debug)]
 struct Fit {
     end: f64,
@@ -213,7 +223,7 @@ struct Fit {
 }
 
 impl Fit {
-    /// Least squares of the logarithms, over the end by golden section.
+    /// Fit by least squares of the logarithms, with a golden-section search for the end.
     fn of(curve: &[(f64, f64)]) -> Self {
         let last = curve[curve.len() - 1].0;
         let span = last - curve[0].0;
@@ -230,7 +240,7 @@ impl Fit {
         Self::with_end(curve, f64::midpoint(low, high)).0
     }
 
-    /// The line through the logarithms, and what is left of the squares.
+    /// Line through the logarithms, and the remaining sum of squares.
     fn with_end(curve: &[(f64, f64)], end: f64) -> (Self, f64) {
         let logs = || {
             curve
@@ -242,7 +252,7 @@ impl Fit {
     }
 }
 
-/// Slope of the line of least squares, and the mean square off it.
+/// Slope of the line of least squares, and the mean square deviation from it.
 fn straight<I: Iterator<Item = (f64, f64)>>(points: impl Fn() -> I) -> (f64, f64) {
     let count = points().count() as f64;
     let (x, y) = points().fold((0.0, 0.0), |sum, p| (sum.0 + p.0, sum.1 + p.1));
@@ -256,7 +266,7 @@ fn straight<I: Iterator<Item = (f64, f64)>>(points: impl Fn() -> I) -> (f64, f64
     (xy / xx, (yy - xy * xy / xx) / count)
 }
 
-/// How fast the angle falls, rad/s.
+/// Rate at which the angle decreases, rad/s.
 fn rate_of(curve: &[(f64, f64)]) -> f64 {
     -straight(|| curve.iter().copied()).0
 }

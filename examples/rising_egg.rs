@@ -1,7 +1,8 @@
-//! A boiled egg, spun on its side, rises onto its end.
-//! `cargo run --release --example rising_egg -- --help`.
+//! A boiled egg that is spun on its side and rises onto its end.
+//!
+//! Run `cargo run --release --example rising_egg -- --help`.
 
-// A program has std; these lints guard the library.
+// A program has the standard library. These lints are meant for the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 mod common;
@@ -20,18 +21,18 @@ use tumble::{
 };
 
 const ABOUT: &str = "\
-Spins a smooth spheroid that lies on its side. Weak friction at its contact lifts it onto its end, as
-Moffatt and Shimomura explain: the angular momentum about the vertical times the height of the
-centre stays (Jellett's constant), so that the one falls as the other rises.";
+Spins a smooth spheroid that lies on its side. Weak friction at its contact lifts it onto its end,
+as Moffatt and Shimomura explain: the angular momentum about the vertical times the height of the
+centre is constant (Jellett's constant), so that one decreases as the other increases.";
 
-/// kg and m: half of the long axis, and of the others.
+/// Mass, kg. The next constants are the semi-axes, m: the long one and the other two.
 const MASS: f64 = 0.06;
 const LONG: f64 = 0.03;
 const SHORT: f64 = 0.02;
 const GRAVITY: f64 = 9.81;
-/// About the vertical, rad/s: 24 turns a second.
+/// Spin about the vertical, rad/s: 24 revolutions a second.
 const SPIN: f64 = 150.0;
-/// Of the long axis from level at the start, rad.
+/// Angle of the long axis from level at the start, rad.
 const LEAN: f64 = 0.05;
 
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +42,7 @@ struct Moment {
     rise: f64,
     /// Height of the centre, m.
     height: f64,
-    /// Angular momentum about the vertical times that height, kg m³/s.
+    /// Angular momentum about the vertical times the height, kg m³/s.
     jellett: f64,
     energy: f64,
 }
@@ -94,15 +95,18 @@ fn work(options: &Options) -> Outcome<Page> {
         layout
             .with_title("rising egg: Jellett's constant")
             .with_x_label("time (s)")
-            .with_y_label("share of the start")
+            .with_y_label("fraction of the start")
             .with_legend_position(LegendPosition::InsideTopLeft)
     })?;
     Ok(Page {
         title: "Rising egg",
         text: vec![
-            "A homogeneous spheroid of 60 mm by 40 mm is spun at 150 rad/s about the vertical, on its side but for 0.05 rad; the friction coefficient is 0.1.".to_owned(),
+            "A homogeneous spheroid of 60 mm by 40 mm is spun at 150 rad/s about the vertical, on \
+             its side except for 0.05 rad; the friction coefficient is 0.1."
+                .to_owned(),
             format!(
-                "Its long axis goes from {:.0} to {:.0} degrees, its centre from {:.1} to {:.1} mm.",
+                "Its long axis goes from {:.0} to {:.0} degrees, its centre from {:.1} to {:.1} \
+                 mm.",
                 first.rise,
                 last.rise,
                 1e3 * first.height,
@@ -118,21 +122,22 @@ fn work(options: &Options) -> Outcome<Page> {
                 90.0,
             ),
             Check::near(
-                "angular momentum about the vertical at the end, share of that at the start",
-                "Jellett's constant in the gyroscopic approximation: height at the start over height at the end",
+                "angular momentum about the vertical at the end, fraction of that at the start",
+                "Jellett's constant in the gyroscopic approximation: height at the start over \
+                 height at the end",
                 fall,
                 first.height / last.height,
                 APPROXIMATE,
             ),
             Check::between(
-                "largest change of the product on the way, relative",
-                "constant but for terms of g/(spin² a)",
+                "largest relative change of the product during the rise",
+                "constant except for terms of g/(spin² a)",
                 drift,
                 0.0,
                 APPROXIMATE,
             ),
             Check::between(
-                "largest rise of the energy between two moments, J",
+                "largest increase of the energy between two moments, J",
                 "promise G1",
                 gain,
                 f64::NEG_INFINITY,
@@ -144,15 +149,17 @@ fn work(options: &Options) -> Outcome<Page> {
     })
 }
 
-/// The approximation leaves out terms of the relative size `g/(Ω² a)`: 0.032 with the long
-/// half-axis a and the 101 rad/s about the vertical that are left at the end.
+/// Relative error of the approximation, which leaves out terms of the relative size `g/(Ω² a)`.
+///
+/// This is 0.032 with the long semi-axis a and the 101 rad/s about the vertical that are left at
+/// the end.
 const APPROXIMATE: f64 = 0.032;
 
 fn run(duration: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {
     let egg = Ellipsoid::solid(MASS, DVec3::new(SHORT, SHORT, LONG));
     let stepper = Stepper::new(egg)?
         .with_gravity(UniformGravity::down(GRAVITY))?
-        // It sinks by 59 µm.
+        // The egg penetrates by 59 µm.
         .with_ground(FlatGround::level(1e4, 5.0))?
         .with_friction(Coulomb {
             coefficient: 0.1,
@@ -165,7 +172,7 @@ fn run(duration: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {
     // Distance of the tangent plane from the middle.
     let height = (LONG * axes.z.z).hypot(SHORT * (1.0 - axes.z.z * axes.z.z).sqrt());
     let properties = tumble::Dynamics::inertia_properties(stepper.scene());
-    // The gyroscopic balance C n = A Ω cos θ: the angular momentum is along the vertical.
+    // The gyroscopic balance C n = A Ω cos θ: the angular momentum is vertical.
     let across = properties.moments().x;
     let mut state = State {
         position: DVec3::Z * (height - MASS * GRAVITY / 1e4),
@@ -173,7 +180,7 @@ fn run(duration: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {
     }
     .with_angular_momentum(DVec3::Z * (across * SPIN));
     let mut moments: Vec<Moment> = Vec::new();
-    // Half a radian of its spin from one shot to the next.
+    // Between two shots the egg rotates by about half a radian.
     let mut camera = Camera::new(0.004);
     let mut watch = |sample: &Sample<'_>| {
         camera.look(sample, || {

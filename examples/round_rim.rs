@@ -1,8 +1,8 @@
-//! When a round rim, and when points: `Disc` beside rings of 12, 120 and 1200 points with the same
+//! Round rim or points: compares `Disc` with rings of 12, 120 and 1200 points with the same
 //! stiffness of the whole rim.
 //!
-//! `cargo run --release --example round_rim -- --help`; prints the tables of `Disc`'s
-//! documentation; its costs are counted by `.ci/instructions`.
+//! `cargo run --release --example round_rim -- --help` describes the options. The example prints
+//! the tables of the documentation of `Disc`, and `.ci/instructions` counts its costs.
 
 #[path = "common/table.rs"]
 mod table;
@@ -21,15 +21,15 @@ use tumble::{
 
 const RADIUS: f64 = 0.5;
 const GRAVITY: f64 = 9.8;
-/// Of the whole rim: 120 points of 1000 N/m and 0.5 N s/m.
+/// Stiffness of the whole rim, N/m: 120 points of 1000 N/m and 0.5 N s/m.
 const STIFFNESS: f64 = 120e3;
 const DAMPING: f64 = 60.0;
-/// m/s.
+/// Slip speed, m/s.
 const SLIP_SPEED: f64 = 1e-3;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
-/// A coin of 1 kg with so many points on its rim, or with a round one.
+/// A coin of 1 kg with this number of points on its rim, or with a round rim.
 enum Body {
     Ring(Coin<f64, Vec<ContactPoint>>),
     Round(Disc),
@@ -60,12 +60,12 @@ impl Body {
     }
 }
 
-/// What is asked of a body of any type.
+/// Operation on a body of any type.
 trait Run<T> {
     fn run<B: RigidPointBody>(self, body: &B) -> Outcome<T>;
 }
 
-/// A body on the rim's springs, each point with its share.
+/// A body on the rim's springs, with its fraction of them at each point.
 struct Scene<F, I> {
     points: f64,
     damping: f64,
@@ -75,7 +75,7 @@ struct Scene<F, I> {
     seconds: f64,
 }
 
-/// Where it ends, its energy at both ends, and the variation of its vertical acceleration over
+/// End of a run, its energy at both ends, and the rms variation of its vertical acceleration over
 /// gravity.
 struct Ride {
     place: DVec3,
@@ -108,9 +108,9 @@ impl<F: SlidingFriction + Copy, I: Integrator + Copy> Run<Ride> for Scene<F, I> 
 }
 
 const HELP: &str = "\
-Coins with 12, 120 and 1200 points on the rim beside one whose rim is round, on springs that are as stiff
-in all: how far apart the report's trials end, how the coins rattle as they roll, and how accurate each
-integrator is on the round rim. Takes some seconds.
+Compares coins with 12, 120 and 1200 points on the rim with one whose rim is round. The total
+stiffness is the same. Prints where the trials of the coin report end, how the coins rattle as they
+roll, and how accurate each integrator is on the round rim. Takes some seconds.
 
 Usage: cargo run --release --example round_rim -- [OPTIONS]
 
@@ -134,7 +134,7 @@ fn main() -> Outcome<()> {
     steps()
 }
 
-/// The place of the report's trials beside that of the round rim.
+/// Compares the positions in the trials of the coin report with those of the round rim.
 fn trials() -> Outcome<()> {
     let mut rows = Vec::new();
     for (name, points, body) in Body::all() {
@@ -168,7 +168,7 @@ fn trials() -> Outcome<()> {
     Ok(())
 }
 
-/// A trial of the report on the rim's springs.
+/// A trial of the coin report on the springs of the rim.
 fn trial<I>(number: usize, points: f64, seconds: f64, integrator: I) -> Outcome<Scene<Coulomb, I>> {
     let trial: Trial = Trial::report(number).ok_or("no such trial")?;
     Ok(Scene {
@@ -184,7 +184,7 @@ fn trial<I>(number: usize, points: f64, seconds: f64, integrator: I) -> Outcome<
     })
 }
 
-/// How far the round rim's place is off after a second of trial 1.
+/// Position error of the round rim after one second of trial 1.
 fn steps() -> Outcome<()> {
     let mut lines = vec![cells([
         "round, trial 1, place after 1 s",
@@ -219,7 +219,7 @@ fn steps() -> Outcome<()> {
     Ok(())
 }
 
-/// A hoop that rolls upright at 4 rad/s, at the depth at which the round rim rests.
+/// A hoop that rolls upright at 4 rad/s, at the penetration depth at which the round rim rests.
 fn rolling() -> Outcome<()> {
     let start = State::at(DVec3::Z * (RADIUS * half_arc().cos()))
         .with_linear_velocity(-DVec3::Y * (4.0 * RADIUS))
@@ -260,7 +260,7 @@ fn rolling() -> Outcome<()> {
     Ok(())
 }
 
-/// Half of the arc on which the round rim bears its weight upright:
+/// Half of the arc that supports the weight of the upright round rim:
 /// `n S r (sin α - α cos α)/π = m g`.
 fn half_arc() -> f64 {
     let (mut low, mut high) = (0.0, 1.0);

@@ -1,7 +1,8 @@
-//! A ball is set sliding and comes to roll, at five sevenths of its speed.
-//! `cargo run --release --example slide_to_roll -- --help`.
+//! A ball that starts to slide and then rolls, at five sevenths of its speed.
+//!
+//! Run `cargo run --release --example slide_to_roll -- --help`.
 
-// A program has std; these lints guard the library.
+// A program has the standard library. These lints are meant for the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 mod common;
@@ -18,20 +19,20 @@ use tumble::{
 };
 
 const ABOUT: &str = "\
-Sets balls sliding without spin, and with backspin, and follows them until they roll. With β = I/(m r²)
-a ball rolls at v/(1 + β) after the time β/(1 + β) v/(μ g), whatever the friction; one with enough
-backspin comes back.";
+Balls start to slide without spin, or with backspin, and are followed until they roll. With
+β = I/(m r²) a ball rolls at v/(1 + β) after the time β/(1 + β) v/(μ g), whatever the friction.
+One with enough backspin comes back.";
 
 const MASS: f64 = 0.17; // kg
 const RADIUS: f64 = 0.0286; // m
 const GRAVITY: f64 = 9.8; // m/s²
 const COEFFICIENT: f64 = 0.2;
 const SPEED: f64 = 2.0; // m/s
-/// m/s: at a slip of a thousandth of the speed the force is short of Coulomb's by 5e-4.
+/// Slip speed, m/s. At a slip of a thousandth of the speed the force is below Coulomb's by 5e-4.
 const SLIP_SPEED: f64 = 1e-6;
 
-/// What a ball does now and then: time (s), speed (m/s), speed of its rim by the spin (m/s), place
-/// (m), energy (J).
+/// State of a ball at one time: time (s), speed (m/s), speed of its rim due to the spin (m/s),
+/// position (m), energy (J).
 #[derive(Clone, Copy, Debug)]
 struct Moment {
     time: f64,
@@ -49,7 +50,7 @@ fn work(options: &Options) -> Outcome<Page> {
     let time_step = if options.quick { 2e-4 } else { 5e-5 };
     let solid = run(Sphere::solid(MASS, RADIUS), 0.0, time_step)?;
     let shell = run(Sphere::shell(MASS, RADIUS), 0.0, time_step)?;
-    // The rim goes back four times as fast as the ball goes on.
+    // Backspin: the rim moves back four times as fast as the ball moves forward.
     let back = run(Sphere::solid(MASS, RADIUS), -4.0 * SPEED, time_step)?;
     let mut checks = Vec::new();
     for (name, moments, beta) in [("solid ball", &solid, 0.4), ("shell", &shell, 2.0 / 3.0)] {
@@ -58,7 +59,7 @@ fn work(options: &Options) -> Outcome<Page> {
     let last = back[back.len() - 1];
     let returns = SPEED * (1.0 - 0.4 * 4.0) / 1.4;
     checks.push(Check::near(
-        "solid ball with backspin: speed at last, m/s",
+        "solid ball with backspin: final speed, m/s",
         "(v + β r ω)/(1 + β): below 0, it comes back",
         last.speed,
         returns,
@@ -71,7 +72,7 @@ fn work(options: &Options) -> Outcome<Page> {
             .fold(f64::NEG_INFINITY, f64::max)
     };
     checks.push(Check::between(
-        "largest rise of the energy between two moments, J",
+        "largest increase of the energy between two moments, J",
         "promise G1",
         rises(&solid).max(rises(&shell)).max(rises(&back)),
         f64::NEG_INFINITY,
@@ -94,7 +95,7 @@ fn work(options: &Options) -> Outcome<Page> {
         common::line(curve(&shell, |m| m.speed), GREEN, "shell: speed"),
     ];
     let without = Picture::new("speeds", plots, |layout| {
-        arranged(layout, "without spin at first")
+        arranged(layout, "initially without spin")
     })?;
     let plots = vec![
         common::line(
@@ -110,7 +111,9 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "From sliding to rolling",
         text: vec![format!(
-            "Balls set sliding at {SPEED} m/s on a ground with the coefficient {COEFFICIENT}. Friction slows the ball and turns it, until the two speeds meet; from then on it takes nothing more."
+            "Balls slide at {SPEED} m/s on a ground with the coefficient {COEFFICIENT}. Friction \
+             slows the ball and spins it, until the two speeds are equal. From then on it \
+             dissipates nothing."
         )],
         checks,
         pictures: vec![without, with],
@@ -126,20 +129,20 @@ fn arranged(layout: Layout, how: &str) -> Layout {
         .with_legend_position(LegendPosition::OutsideRightTop)
 }
 
-/// Kleppner & Kolenkow, An Introduction to Mechanics, ch. 6; Coriolis 1835.
+/// Compares with Kleppner & Kolenkow, An Introduction to Mechanics, ch. 6; Coriolis 1835.
 fn figures(name: &str, moments: &[Moment], beta: f64, time_step: f64) -> Vec<Check> {
     let share = beta / (1.0 + beta);
     let (first, last) = (moments[0], moments[moments.len() - 1]);
     let when = share * SPEED / (COEFFICIENT * GRAVITY);
-    // Until a thousandth of the slip is left, and a step of the time. A moment before the end the
-    // force is short by `SLIP_SPEED/slip`.
+    // Until a thousandth of the slip is left, plus a step. Shortly before the end the force is too
+    // small by `SLIP_SPEED/slip`.
     let slack = 1e-3 * when + time_step;
     let rolls = moments.iter().find(|m| m.speed - m.rim < 1e-3 * SPEED);
     let rolls = rolls.copied().unwrap_or(last);
     let way = (share - share * share / 2.0) * SPEED * SPEED / (COEFFICIENT * GRAVITY);
     vec![
         Check::near(
-            &format!("{name}: speed at last, m/s"),
+            &format!("{name}: final speed, m/s"),
             "v/(1 + β), whatever the friction",
             last.speed,
             SPEED / (1.0 + beta),
@@ -153,14 +156,14 @@ fn figures(name: &str, moments: &[Moment], beta: f64, time_step: f64) -> Vec<Che
             slack,
         ),
         Check::near(
-            &format!("{name}: way until it rolls, m"),
+            &format!("{name}: distance until it rolls, m"),
             "(b - b²/2) v²/(μ g), b = β/(1 + β)",
             rolls.place,
             way,
             slack * SPEED,
         ),
         Check::near(
-            &format!("{name}: part of the energy that friction took"),
+            &format!("{name}: fraction of the energy that friction dissipated"),
             "β/(1 + β)",
             2.0 * (first.energy - last.energy) / (MASS * SPEED * SPEED),
             share,
@@ -170,7 +173,7 @@ fn figures(name: &str, moments: &[Moment], beta: f64, time_step: f64) -> Vec<Che
 }
 
 fn run(ball: Sphere, rim: f64, time_step: f64) -> Outcome<Vec<Moment>> {
-    // It sinks by 10 µm at rest, and starts there.
+    // The ball starts at its penetration depth at rest, 10 µm.
     let sink = 1e-5;
     let stiffness = MASS * GRAVITY / sink;
     let law = SpringDamper {

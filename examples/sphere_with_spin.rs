@@ -1,7 +1,9 @@
-//! A tennis ball bounces with topspin, without spin and with backspin; how fast is the court?
-//! `cargo run --release --example sphere_with_spin -- --help`.
+//! A tennis ball that bounces with topspin, without spin and with backspin, and the court pace
+//! rating.
+//!
+//! Run `cargo run --release --example sphere_with_spin -- --help`.
 
-// A program has std; these lints guard the library.
+// A program has the standard library. These lints are meant for the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 mod common;
@@ -23,25 +25,27 @@ use tumble::{
 const ABOUT: &str = "\
 Bounces a tennis ball on a hard court at 30 m/s and 16 degrees, as the test of the court pace rating
 does, with topspin, without spin and with backspin, and compares with the rigid ball that slides or
-grips (Brody 1984). Real balls grip harder than this model: their friction turns round while they touch.";
+grips (Brody 1984). Real balls grip more strongly than this model, because their friction reverses
+during the contact.";
 
 const MASS: f64 = 0.0577; // kg
 const RADIUS: f64 = 0.033; // m
 const GRAVITY: f64 = 9.8;
-/// I/(m r²) of a thin shell.
+/// Moment of inertia of a thin shell over m r².
 const BETA: f64 = 2.0 / 3.0;
-/// Of the test: m/s and degrees.
+/// Speed of the test, m/s. The next constant is its angle, degrees.
 const SPEED: f64 = 30.0;
 const ANGLE: f64 = 16.0;
 const RESTITUTION: f64 = 0.81;
-/// s. A real ball takes 5 ms; a short touch leaves gravity no time to change the bounce:
+/// Contact time, s. A real ball takes 5 ms. In a short contact, gravity changes the bounce little:
 /// `g · time/speed down`, 1.2e-3.
 const CONTACT_TIME: f64 = 1e-3;
 
-/// Places (m) along the court and over it.
+/// Path of a ball: positions (m) along the court and above it.
 type Path = Vec<(f64, f64)>;
 
-/// What a bounce makes of the ball: speeds on and up, and of the rim by the spin, m/s.
+/// Result of a bounce: horizontal and vertical speed, and the speed of the rim due to the spin,
+/// m/s.
 #[derive(Clone, Copy, Debug)]
 struct Bounced {
     on: f64,
@@ -60,12 +64,12 @@ fn work(options: &Options) -> Outcome<Page> {
         let (found, ..) = bounce(coefficient, 0.0, time_step)?;
         let rigid = rigid(coefficient, 0.0);
         checks.push(near(
-            &format!("no spin, μ = {coefficient}, it {name}: speed on, m/s"),
+            &format!("no spin, μ = {coefficient}, it {name}: horizontal speed, m/s"),
             found.on,
             rigid.on,
         ));
         checks.push(near(
-            &format!("no spin, μ = {coefficient}, it {name}: rim by the spin, m/s"),
+            &format!("no spin, μ = {coefficient}, it {name}: speed of the rim by the spin, m/s"),
             found.rim,
             rigid.rim,
         ));
@@ -87,7 +91,7 @@ fn work(options: &Options) -> Outcome<Page> {
             source,
             100.0 * (1.0 - apparent(found)) + 150.0 * (0.81 - found.up / down()),
             expected,
-            // As the rating is given.
+            // The precision to which the rating is given.
             1.0,
         ));
     }
@@ -101,7 +105,7 @@ fn work(options: &Options) -> Outcome<Page> {
         films.push(shots);
         if rim.abs() > 0.0 {
             checks.push(near(
-                &format!("{name}, μ = 0.9: speed on, m/s"),
+                &format!("{name}, μ = 0.9: horizontal speed, m/s"),
                 found.on,
                 self::rigid(0.9, rim).on,
             ));
@@ -118,8 +122,14 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "A ball with spin",
         text: vec![
-            "A ball that grips leaves at the speed at which it rolls; one that slides all through loses μ (1 + e) of its speed down. Topspin keeps it fast, backspin lets it slide.".to_owned(),
-            "Of a real ball the spin after the bounce is larger than this: its friction turns round while it touches (Cross, Am. J. Phys. 70, 1093, 2002). The model has no spring along the ground.".to_owned(),
+            "A ball that grips leaves at the speed at which it rolls. One that slides throughout \
+             loses μ (1 + e) times its downward speed. Topspin keeps it fast, backspin lets it \
+             slide."
+                .to_owned(),
+            "The spin of a real ball after the bounce is larger, because its friction reverses \
+             during the contact (Cross, Am. J. Phys. 70, 1093, 2002). The model has no spring \
+             along the ground."
+                .to_owned(),
         ],
         checks,
         pictures: vec![picture],
@@ -127,7 +137,7 @@ fn work(options: &Options) -> Outcome<Page> {
     })
 }
 
-/// The film's time, s: it touches at 0.1 s.
+/// Times of the film, s. The ball touches down at 0.1 s.
 const SHOWN: [f64; 2] = [0.09, 0.15];
 
 /// The three balls side by side, three diameters apart.
@@ -161,12 +171,12 @@ fn film(films: &[Vec<Shot>]) -> Film {
         slower: 100.0,
         bodies: vec![ball(mesh::ORANGE), ball(mesh::BLUE), ball(mesh::GREEN)],
         readouts: vec![
-            speed("topspin: rim by the spin", "ink"),
+            speed("topspin: speed of the rim", "ink"),
             speed("no spin", "ink"),
             speed("backspin", "ink"),
         ],
         curves: vec![
-            speed("speed on: topspin", "orange"),
+            speed("horizontal speed: topspin", "orange"),
             speed("no spin", "blue"),
             speed("backspin", "green"),
         ],
@@ -176,8 +186,8 @@ fn film(films: &[Vec<Shot>]) -> Film {
 }
 
 fn near(what: &str, got: f64, expected: f64) -> Check {
-    // Gravity during the touch, and the slip speed over the slip while it grips, of the speed of
-    // the ball.
+    // Two effects limit the agreement, as fractions of the ball's speed: gravity during the
+    // contact, and slip speed over slip while the ball grips.
     Check::near(
         what,
         "rigid ball: Brody, Phys. Teach. 22, 494 (1984)",
@@ -192,13 +202,12 @@ fn down() -> f64 {
     SPEED * ANGLE.to_radians().sin()
 }
 
-/// The apparent coefficient: what the ball has lost along the court over what it has gained
-/// upwards.
+/// Apparent coefficient of friction: horizontal change of speed over vertical change of speed.
 fn apparent(after: Bounced) -> f64 {
     (SPEED * ANGLE.to_radians().cos() - after.on) / (down() + after.up)
 }
 
-/// The rigid ball: it slides all through, or comes to roll.
+/// Result for a rigid ball, which slides throughout or comes to roll.
 fn rigid(coefficient: f64, rim: f64) -> Bounced {
     let on = SPEED * ANGLE.to_radians().cos();
     let up = RESTITUTION * down();
@@ -217,7 +226,7 @@ fn rigid(coefficient: f64, rim: f64) -> Bounced {
     }
 }
 
-/// The ball right after the bounce, its path, and the film's shots.
+/// Returns the ball right after the bounce, its path, and the shots of the film.
 fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Path, Vec<Shot>)> {
     let carried = Carried {
         mass: MASS,
@@ -233,7 +242,7 @@ fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Path,
         })?
         .with_integrator(EnergyMomentum { time_step })?;
     let angle = ANGLE.to_radians();
-    // It touches after 0.1 s, and is thrown so that it has the test's velocity then.
+    // The ball is thrown so that it touches down after 0.1 s with the velocity of the test.
     let before = 0.1;
     let velocity = DVec3::new(angle.cos(), 0.0, -angle.sin()) * SPEED;
     let thrown = velocity + DVec3::Z * (GRAVITY * before);
@@ -268,11 +277,11 @@ fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Path,
         ControlFlow::Continue(())
     };
     stepper.run(&mut state, before + 0.3, &mut watch)?;
-    // A point for each millisecond is enough to draw.
+    // One point for each millisecond is sufficient for a drawing.
     let every = (path.len() / 400).max(1);
     let path = path.into_iter().step_by(every).collect();
     Ok((
-        after.ok_or("the ball does not come off the court")?,
+        after.ok_or("the ball does not leave the court")?,
         path,
         camera.shots,
     ))

@@ -1,7 +1,8 @@
-//! A tippe top turns upside down, and Jellett's integral says how fast it spins then.
-//! `cargo run --release --example tippe_top -- --help`.
+//! A tippe top that turns upside down, with the final spin from Jellett's integral.
+//!
+//! Run `cargo run --release --example tippe_top -- --help`.
 
-// A program has std; these lints guard the library.
+// A program has the standard library. These lints are meant for the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 mod common;
@@ -24,8 +25,8 @@ const ABOUT: &str = "\
 Spins a sphere whose centre of mass is below its middle. Friction at the slipping contact turns it
 upside down, while Jellett's integral -L·a (a from the centre of mass to the contact) stays.";
 
-// The top of Rauch-Wojciechowski, Skoldstam & Glad (Regul. Chaotic Dyn. 10, 333, 2005) and of the
-// papers after it, in SI units.
+// The top of Rauch-Wojciechowski, Skoldstam & Glad (Regul. Chaotic Dyn. 10, 333, 2005) and of later
+// papers, in SI units.
 const MASS: f64 = 0.02;
 const RADIUS: f64 = 0.02;
 /// Distance of the centre of mass from the middle, in radii.
@@ -34,12 +35,12 @@ const OFFSET: f64 = 0.3;
 const ALONG: f64 = 2.0 / 5.0;
 const ACROSS: f64 = 131.0 / 350.0;
 const GRAVITY: f64 = 9.82;
-/// rad/s; 155 in those papers.
+/// Spin at the start, rad/s. It is 155 in these papers.
 const SPIN: f64 = 155.0;
-/// Of the axis from upright at the start, rad.
+/// Angle of the axis from upright at the start, rad.
 const LEAN: f64 = 0.1;
 
-/// The top now and then.
+/// State of the top at one time.
 #[derive(Clone, Copy, Debug)]
 struct Moment {
     time: f64,
@@ -68,8 +69,8 @@ fn work(options: &Options) -> Outcome<Page> {
         .windows(2)
         .map(|pair| pair[1].energy - pair[0].energy);
     let rise = rise.fold(f64::NEG_INFINITY, f64::max);
-    // Upright on its head the arm is R (1 + offset) long and the spin is all about the axis: J = R
-    // (1 + offset) I₃ ω.
+    // Upright on its head the arm has the length R (1 + offset), and the spin is along the axis: J
+    // = R (1 + offset) I₃ ω.
     let inverted = first.jellett / (RADIUS * (1.0 + OFFSET) * ALONG * MASS * RADIUS * RADIUS);
     let halves = (drift(&coarse) / drift(&moments)).log2();
     let curve = |value: fn(&Moment) -> f64| moments.iter().map(|m| (m.time, value(m))).collect();
@@ -102,14 +103,15 @@ fn work(options: &Options) -> Outcome<Page> {
     Ok(Page {
         title: "Tippe top",
         text: vec![
-            "A sphere with its centre of mass 0.3 radii below its middle is spun about its axis at 155 rad/s and leaves upright by friction alone.".to_owned(),
+            "A sphere with its centre of mass 0.3 radii below its middle is spun about its axis at \
+             155 rad/s and leaves the upright position by friction alone.".to_owned(),
             format!("From {:.0} to {:.0} degrees, from {:.1} to {:.1} rad/s, from {:.4} to {:.4} J.", first.lean, last.lean, first.spin, last.spin, first.energy, last.energy),
         ],
         checks: vec![
-            Check::between("angle of the axis at the end, degrees", "on its head, which it nears ever more slowly", last.lean, 170.0, 180.0),
+            Check::between("angle of the axis at the end, degrees", "upside down, which it approaches ever more slowly", last.lean, 170.0, 180.0),
             Check::near(
                 "spin at the end, rad/s",
-                "Jellett's integral: the spin falls by (1 - offset)/(1 + offset)",
+                "Jellett's integral: the spin decreases by (1 - offset)/(1 + offset)",
                 last.spin,
                 inverted,
                 0.01 * inverted,
@@ -122,15 +124,17 @@ fn work(options: &Options) -> Outcome<Page> {
                 JELLETT,
             ),
             Check::between("order of that drift in the time step", "EnergyMomentum is of order 2", halves, 1.7, 2.3),
-            Check::between("largest rise of the energy between two moments, J", "promise G1", rise, f64::NEG_INFINITY, 0.0),
+            Check::between("largest increase of the energy between two moments, J", "promise G1", rise, f64::NEG_INFINITY, 0.0),
         ],
         pictures: vec![lean, spin],
         film: Some(film(shots)),
     })
 }
 
-/// Of the relative drift: a step turns the top by `ω dt` = 0.0155 rad, whose square 2.4e-4 is what
-/// a method of order 2 may be off by in a radian.
+/// Tolerance of the relative drift.
+///
+/// A step rotates the top by `ω dt` = 0.0155 rad. The square of that, 2.4e-4, is the error of a
+/// method of order 2 for a rotation of one radian.
 const JELLETT: f64 = 2.4e-4;
 
 fn run(duration: f64, time_step: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {
@@ -143,7 +147,7 @@ fn run(duration: f64, time_step: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {
     };
     let stepper = Stepper::new(Sphere::loaded(RADIUS, distribution))?
         .with_gravity(UniformGravity::down(GRAVITY))?
-        // It sinks by 20 µm, a thousandth of the radius.
+        // The top penetrates by 20 µm, a thousandth of the radius.
         .with_ground(FlatGround::level(1e4, 4.0))?
         .with_friction(Coulomb {
             coefficient: 0.3,
@@ -160,7 +164,7 @@ fn run(duration: f64, time_step: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {
     }
     .with_angular_momentum(axis * (ALONG * moment * SPIN));
     let mut moments: Vec<Moment> = Vec::new();
-    // Half a radian of its spin from one shot to the next.
+    // Between two shots the top rotates by about half a radian.
     let mut camera = Camera::new(0.004);
     let mut watch = |sample: &Sample<'_>| {
         camera.look(sample, || {
@@ -182,7 +186,9 @@ fn film(shots: Vec<Shot>) -> Film {
     Film {
         title: "Tippe top".to_owned(),
         lines: vec![
-            "A sphere with its centre of mass below its middle, spun at 155 rad/s: blue below at first, red at the end.".to_owned(),
+            "A sphere with its centre of mass below its middle, spun at 155 rad/s: blue below at \
+             first, red at the end."
+                .to_owned(),
         ],
         size: RADIUS,
         distance: 6.5,

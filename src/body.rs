@@ -349,7 +349,11 @@ pub fn check_rims<R: Real>(body: &(impl RigidPointBody<R> + ?Sized)) -> Result<(
         at_most("number of rims of a smooth body", 0, rims.len())?;
     }
     let contacts = body.contacts().len();
-    at_most("number of contacts beside a rim", BESIDE_A_RIM, contacts)
+    at_most(
+        "number of contacts of a body with a rim",
+        BESIDE_A_RIM,
+        contacts,
+    )
 }
 
 /// Most contacts of a body with a rim. An implicit step stores 128 contacts and reserves 96 of them
@@ -411,7 +415,7 @@ impl ContactRange {
     }
 
     /// Range limited to a body with this many contacts, as [`parts`](Self::parts) reads it: it
-    /// starts at an existing contact and goes round at most once.
+    /// starts at an existing contact and covers each contact at most once.
     #[inline]
     fn within(self, contacts: usize) -> Self {
         Self {

@@ -196,51 +196,56 @@ impl fmt::Display for Requirement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Composes { quantity, rule } => {
-                return write!(f, "a scene must be possible: {quantity} {rule}");
+                return write!(f, "the parts must form a valid scene: {quantity} {rule}");
             }
-            Self::Steps(error) => return write!(f, "a tame step must succeed ({error})"),
+            Self::Steps(error) => return write!(f, "a well-resolved step must succeed ({error})"),
             Self::Finite => "every number must be finite",
-            Self::Rigid => "a rigid body must answer alike whenever it is asked",
-            Self::Reach => "no contact may lie beyond the reach",
-            Self::ContactsBelow => "contacts_below must not miss a contact, and contacts_below_near must answer alike",
+            Self::Rigid => "the values of a body must be the same at every call",
+            Self::Reach => "no contact may lie beyond the bounding radius or the support function",
+            Self::ContactsBelow => {
+                "contacts_below must omit no contact, and contacts_below_near must agree with it"
+            }
             Self::Support => {
-                "support_point must be the farthest place of one contact, within reach"
+                "support_point must be the farthest point of one contact, within bounding_radius"
             }
             Self::UnitNormal => "the surface's normal must have length 1",
             Self::GapAlongNormal => {
-                "the gap must change by normal · path, as a distance does; a height z = h(x, y) makes a Terrain"
+                "the gap must change by normal · displacement, as a distance does; \
+                 use a Terrain for a height z = h(x, y)"
             }
-            Self::GroundBounds => "the extent must be true of the surface",
+            Self::GroundBounds => "the bounds must be true of the surface",
             Self::SpringPushes => "the spring force must be at least 0, rounding included",
-            Self::SpringEnergyRises => "the springs' energy must be at least 0 and rise with depth",
+            Self::SpringEnergyRises => {
+                "the springs' energy must be at least 0 and must not decrease with depth"
+            }
             Self::EnergyIsIntegral => {
                 "the springs' energy must be the integral of the spring force"
             }
             Self::NeverPulls => "the ground must not pull, not even by rounding",
-            Self::DamperTakes => "the damper must take energy",
+            Self::DamperTakes => "the damper must only dissipate energy",
             Self::MeanForceSigns => "the mean force and its slopes must be at least 0",
             Self::MeanForceAbove => "the mean force must be 0 above the ground",
-            Self::MeanForceTakes => "the mean force must not give back more than the springs",
+            Self::MeanForceTakes => {
+                "the mean force must take at least, and return at most, the energy of the springs"
+            }
             Self::MeanForceIsMean => "the mean force must be the mean of the normal force",
             Self::Opposes => "friction must oppose the slip",
             Self::InSurface => "friction must lie in the surface",
             Self::NoLoadNoForce => "friction must be 0 without load",
             Self::NoSlipNoForce => "friction must be 0 without slip",
             Self::TurningOpposes => {
-                "resistance to turning must be always there or never, and not below 0"
+                "rolling_resistance must be always Some or always None, with valid values"
             }
-            Self::DragFits => "the drag must fit the force",
+            Self::DragFits => "the Jacobian must be consistent with the force",
             Self::TakesTime => "a step must take more than 0 s",
-            Self::KeepsToLimit => "a step must keep to its limit",
-            Self::LandsOnLimit => "steps towards a moment must arrive at it",
-            Self::TellsTime => "a step must take the time that it tells",
+            Self::KeepsToLimit => "a step must not exceed its limit",
+            Self::LandsOnLimit => "steps towards a time must arrive at it",
+            Self::TellsTime => "a step must advance by the time that it returns",
             Self::SameBits => "the same input must give the same bits",
             Self::WorkspaceChangesNothing => "the workspace must not change a result",
             Self::UnitOrientation => "the orientation must have length 1 after a step",
-            Self::Order => {
-                "half the step must divide the error by at least 2^(order - 0.3)"
-            }
-            Self::EnergyNeverRises => "the energy must not rise",
+            Self::Order => "half the step size must divide the error by at least 2^(order - 0.3)",
+            Self::EnergyNeverRises => "the energy must not increase",
         })
     }
 }
@@ -323,7 +328,7 @@ pub enum Input {
 impl fmt::Display for Input {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::AsItIs => f.write_str("whatever the input"),
+            Self::AsItIs => f.write_str("for any input"),
             Self::Contact { index } => write!(f, "at contact {index}"),
             Self::Below {
                 normal,
@@ -335,8 +340,8 @@ impl fmt::Display for Input {
                     "at contact {index} below the plane {normal} · p = {offset:e} m"
                 )
             }
-            Self::Place { point } => write!(f, "at the place {point} m"),
-            Self::Way { from, to } => write!(f, "on the way from {from} m to {to} m"),
+            Self::Place { point } => write!(f, "at the point {point} m"),
+            Self::Way { from, to } => write!(f, "on the path from {from} m to {to} m"),
             Self::Depths { from, to } => write!(f, "from depth {from:e} m to {to:e} m"),
             Self::Press {
                 depth,

@@ -62,7 +62,7 @@ impl<R: Real> Energy<R> {
     }
 }
 
-/// Writes one line with units; `{:.3}` sets the digits of each number.
+/// Formats the energy as one line with units. `{:.3}` sets the digits of each number.
 ///
 /// ```
 /// use tumble::{Coin, State, Stepper, UniformGravity, glam::DVec3};

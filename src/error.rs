@@ -203,7 +203,7 @@ pub enum StepError {
     /// the tolerance is below the rounding error, or a force does not satisfy the assumptions of
     /// the method.
     #[error(
-        "the tolerance needs steps below {length:.1e} s at {time:.6} s, because of the {quantity}: loosen it, or look at the forces there"
+        "the tolerance needs steps below {length:.1e} s at {time:.6} s, because of the {quantity}: increase it, or check the forces there"
     )]
     StepTooShort {
         /// Quantity whose error exceeds the tolerance.
@@ -230,7 +230,7 @@ pub enum StepError {
     /// The sum of the magnitudes of all energies before the step is NaN, or so large that it
     /// overflows in the step.
     #[error(
-        "the energy before the step must be finite and far from overflow, got {joules:e} J: look at the velocities, the depth in the ground and its laws"
+        "the energy before the step must be finite and far from overflow, got {joules:e} J: check the velocities, the penetration depths and the laws of the ground"
     )]
     BadEnergy {
         /// Sum of the magnitudes of all kinds of energy, J.
@@ -246,7 +246,9 @@ pub enum StepError {
     },
     /// The step of the integrator took no time, or less time than the clock of the run resolves.
     /// The run would never end.
-    #[error("a step must take more than 0 s, and enough for the clock of the run to go on")]
+    #[error(
+        "a step must take more than 0 s, and long enough for the clock of the run to resolve it"
+    )]
     Stalled,
     /// The time to advance by is negative or not finite.
     #[error("the time to advance by must be finite and at least 0 s, got {seconds} s")]
@@ -346,7 +348,7 @@ impl core::fmt::Display for Role {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::GroundShape => "shape of the ground",
-            Self::GroundLaw => "law of the ground",
+            Self::GroundLaw => "contact law of the ground",
             Self::FrictionLaw => "friction law",
         })
     }
@@ -427,7 +429,7 @@ impl core::fmt::Display for LawQuantity {
             Self::MeanForce => "mean force",
             Self::FrictionForce => "friction force",
             Self::FrictionPower => "power of the friction force",
-            Self::RollingResistance => "resistance to turning",
+            Self::RollingResistance => "rolling resistance",
         })?;
         write!(f, " of the {}", self.role())
     }

@@ -5,9 +5,9 @@ use crate::real::{Real, Vector};
 
 /// A uniform gravity field.
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is not a gravity: it does not implement `Gravity<{R}>`",
-    label = "this should be a gravity",
-    note = "take `UniformGravity::down(9.8)`, or implement `acceleration`; the precision `{R}` of body, ground, friction and gravity must be the same"
+    message = "`{Self}` is not a gravity field: it does not implement `Gravity<{R}>`",
+    label = "this should be a gravity field",
+    note = "use `UniformGravity::down(9.8)`, or implement `acceleration`; the precision `{R}` of body, ground, friction and gravity must be the same"
 )]
 pub trait Gravity<R: Real = f64> {
     /// Acceleration of a body in free fall, m/s², world axes.

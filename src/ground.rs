@@ -243,7 +243,7 @@ pub enum GroundBounds<R: Real = f64> {
     /// The ground's surface is this plane: `gap` and `normal` of
     /// [`surface`](SpringDamperGround::surface) are the plane's.
     Plane(Plane<R>),
-    /// Below this plane. No contact above the plane touches.
+    /// Region below this plane. No contact above the plane touches.
     Below(Plane<R>),
     /// Everywhere. Every contact is evaluated.
     Everywhere,

@@ -71,7 +71,7 @@ pub trait Integrator<R: Real = f64> {
     /// True if one step may span several [fixed steps](Self::fixed_step), as closed-form flight
     /// does. Default: false.
     ///
-    /// A run of more fixed steps than its clock can count is then refused only after a step that
+    /// A run of more fixed steps than its clock can count is then rejected only after a step that
     /// spans none.
     const SPANS_STEPS: bool = false;
 

@@ -3,8 +3,8 @@
 //! One rigid body made of points that spins, slides, rolls, bounces and tumbles on a spring-damper
 //! ground with sliding friction.
 //!
-//! Compose a [`Stepper`] from a body, a ground, a friction law, gravity and an integrator, and move
-//! a [`State`] on in time:
+//! Compose a [`Stepper`] from a body, a ground, a friction law, gravity and an integrator. It
+//! advances a [`State`] in time:
 //!
 //! ```
 //! use tumble::glam::DVec3;
@@ -22,52 +22,55 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The integrator is [`EnergyMomentum`] with steps of 1 ms unless another is named. What a scene
-//! does not name costs nothing.
+//! The default integrator is [`EnergyMomentum`] with a step size of 1 ms. A part that is not added
+//! to the scene costs nothing.
 //!
 //! # Start here
 //!
-//! - To see something first: `cargo run --release --example coin` in the repository; the
-//!   [gallery](guide::gallery) has the others.
-//! - To study a motion: [`guide::choosing`] names integrator and step for an error, [`Ledger`]
-//!   audits the energy, [`work_precision`](mod@work_precision) measures the error on your scene,
-//!   [`Timed`] samples it.
-//! - To throw dice and coins in a game: [`guide::game`] goes from the throw to the face that is up.
-//!   A [`Session`] keeps a state with its clock, and a body at rest in it costs next to nothing.
-//! - To add a body, a ground, a friction law or an integrator: [`guide::extending`].
-//! - Where the compiler cannot tell `f64` from `f32`, as in `Ledger::new()` alone, take the names
-//!   from [`mod@f64`]: `use tumble::f64::*;`.
+//! | you want to | start with |
+//! |---|---|
+//! | see a motion first | `cargo run --release --example coin` in the repository; the [gallery](guide::gallery) lists the other examples |
+//! | choose integrator and step size for an error | [`guide::choosing`] |
+//! | measure the error on your scene | [`work_precision`](mod@work_precision) |
+//! | audit the energy of a run | [`Ledger`] |
+//! | sample a run at given times | [`Timed`] |
+//! | throw dice and coins in a game | [`guide::game`] |
+//! | advance one state by many calls, at almost no cost while the body is at rest | [`Session`] |
+//! | add a body, a ground, a friction law or an integrator | [`guide::extending`] |
 //!
-//! *The coin report* is the text that the crate began with: a ring of 120 points on a springy
-//! floor, set rolling or spinning in eight ways, [`Trial`]s 1 to 8.
+//! If the compiler cannot infer the precision, as in `Ledger::new()` alone, use the names of
+//! [`mod@f64`]: `use tumble::f64::*;`.
+//!
+//! *The coin report* is the text from which the crate was developed. It describes a ring of 120
+//! points on an elastic floor, which starts to roll or to spin in eight [`Trial`]s.
 //!
 //! # What is modelled
 //!
-//! - One rigid body with its full inertia tensor, from a single point to ten thousand; a contact is
-//!   a point of it, or a small ball ([`ContactPoint`]). Gyroscopic motion is always right, and
-//!   exact in flight for a body with two equal moments.
-//! - A ground of springs and dampers under each contact, that never pulls. [`FlatGround`] is a
-//!   plane at any height and tilt. [`Ground`] joins a choice of laws ([`ContactLaw`]) and a choice
-//!   of shapes ([`Shape`]), among them hills and valleys ([`Terrain`]). Or take your own.
-//! - Sliding friction at each contact: Coulomb's law, made finite at zero slip ([`Coulomb`],
-//!   [`SmoothCoulomb`]), with a static and a kinetic coefficient ([`Stribeck`]), a coefficient that
-//!   falls with the load ([`LoadDependentCoulomb`]), or two directions ([`AnisotropicCoulomb`]);
-//!   [`Viscous`]; or your own. Beside any of them, resistance to rolling and spinning
-//!   ([`WithResistance`]).
-//! - Bodies: rings of points ([`Coin`]), solids ([bodies](body#bodies)), and anything put together
-//!   from solids and points ([`Solid`], [`MassProperties`], [`PointCloud`]).
+//! - One rigid body with its full inertia tensor and with one to ten thousand contacts. A contact
+//!   is a point of the body, or a small ball ([`ContactPoint`]). Gyroscopic motion is included. It
+//!   is exact in flight for a body with two equal moments.
+//! - A ground with a spring and a damper under each contact, which never pulls. [`FlatGround`] is a
+//!   plane at any height and tilt. [`Ground`] combines a law ([`ContactLaw`]) with a shape
+//!   ([`Shape`]), for example hills and valleys ([`Terrain`]). You can implement your own.
+//! - Sliding friction at each contact, with a law from the [list of laws](SlidingFriction) or your
+//!   own. Coulomb's law is finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]). Other laws have a
+//!   static and a kinetic coefficient ([`Stribeck`]), a coefficient that decreases with the load
+//!   ([`LoadDependentCoulomb`]), or two directions ([`AnisotropicCoulomb`]). [`WithResistance`]
+//!   adds resistance to rolling and spinning to any law.
+//! - Bodies: rings of points ([`Coin`]), solids ([bodies](body#bodies)), and composites of solids
+//!   and points ([`Solid`], [`MassProperties`], [`PointCloud`]).
 //! - The energy by kind ([`Energy`]) and the energy audit of a run ([`Ledger`]).
 //!
-//! # What is not
+//! # What is not modelled
 //!
-//! - Several bodies, joints, motors, air, a ground that moves or keeps a dent.
+//! - Several bodies, joints, motors, air drag, a ground that moves or is deformed for good.
 //! - Sticking: on a slope of angle θ a body creeps at `slip_speed · tan θ/(coefficient - tan θ)`.
-//!   With 1e-10 m/s that is a millimetre in four months.
-//! - A coefficient of restitution: bounces follow from spring and damper. Laws can be made for a
-//!   bounce ([`SpringDamper::from_bounce`], [`HuntCrossley::from_bounce`]).
-//! - Two round rims on one body. A [`Coin`] of n points is a polygon, out of round by
-//!   `r (1 - cos(π/n))`, 0.17 mm for 120 points on 0.5 m; a [`Disc`] is round, as spheres, capsules
-//!   and [`Ellipsoid`]s are.
+//!   At a slip speed of 1e-10 m/s this is a millimetre in four months.
+//! - A given coefficient of restitution: bounces follow from spring and damper.
+//!   [`SpringDamper::from_bounce`] and [`HuntCrossley::from_bounce`] compute the law for a bounce.
+//! - Two round rims on one body. A [`Coin`] of n points is a polygon, which deviates from the
+//!   circle by `r (1 - cos(π/n))`. This is 0.17 mm for 120 points on 0.5 m. A [`Disc`] is round, as
+//!   are spheres, capsules and [`Ellipsoid`]s.
 //!
 //! # Units, frames, signs
 //!
@@ -75,10 +78,10 @@
 //! - World axes are right-handed with z up. Velocity, angular momentum (about the centre of mass),
 //!   forces and torques are in world axes.
 //! - Body axes have the centre of mass as their origin and need not be principal axes.
-//!   `orientation` turns body axes to world axes.
-//! - A *gap* is above 0 outside the ground, a *depth* inside it. A *closing speed* is above 0 while
-//!   the depth grows. A ground's normal points out of it.
-//! - Work on the body is above 0 where it gains energy, so friction's is below.
+//!   `orientation` is the rotation from body axes to world axes.
+//! - A *gap* is positive above the ground, a *depth* (penetration depth) below its surface. A
+//!   *closing speed* is positive while the depth increases. The normal points out of the ground.
+//! - Work on the body is positive if the body gains energy. The work of friction is negative.
 //!
 //! # Promises
 //!
@@ -86,46 +89,49 @@
 //! |---|---|---|
 //! | G1 | With [`EnergyMomentum`] the computed energy never increases, not even by one unit in the last place, at any step size, stiffness, damping, friction, spin, size, shape and precision. | `tests/limits/contract.rs` (random scenes), `tests/limits/extremes.rs` (a sweep of the extremes), [derivation](guide::energy) |
 //! | G2 | The body stays rigid: distances and the orientation's length stay at rounding, however long the run. | `tests/physics/rigidity.rs`, up to 10⁷ steps |
-//! | G3 | The energy audit adds up: energy now is energy at the start less what friction, dampers and separation took, plus the energy error. The energy error is the integrator's own. It falls at the integrator's order, through touch-downs too, and with the tolerance of an adaptive method. | `tests/physics/truth.rs`, against the true works of all eight trials |
+//! | G3 | The energy audit adds up: the energy equals the energy at the start, minus the energy that friction, dampers and separation dissipated, plus the energy error. The energy error is the integrator's own. It falls at the integrator's order, through touch-downs too, and with the tolerance of an adaptive method. | `tests/physics/truth.rs`, against the true works of all eight trials |
 //! | G4 | Accuracy is a number: each integrator states order, cost, stability limit, and when it can add energy. | `tests/physics/truth.rs`, `tests/physics/energy.rs` (both sides of each limit), `examples/accuracy`, [tables](guide::accuracy); `tests/validation`, [closed forms and printed numbers](guide::validation) |
-//! | G5 | A scene pays for what it names: what it does not name costs nothing, flight visits no contact, and rest in a [`Session`] costs a comparison. | `benches/` |
-//! | G6 | No standard library, no allocation, no panic. | `.ci/no_std.sh` (linked with nothing to panic with), `.ci/embedded.sh` (no panic in the image of a microcontroller), `tests/downstream/tests/no_allocation.rs` |
-//! | G7 | Same input, same bits, on every machine that follows IEEE 754: `+ - * /` and square root in one order, all else from `libm` or, for `f32`, from the crate, no fused operations. | [`real`], by construction; `tests/bits.rs`, stored hashes of every integrator and law, on any machine and profile; `.ci/targets.sh`, the same hashes on other processors; `tests/physics/symmetry.rs` |
-//! | G8 | Invalid input returns a typed error that names quantity, rule and value. A step that cannot go on, or a law that breaks its contract, keeps the last valid state. | `tests/limits/bad_input.rs`, a test a parameter |
+//! | G5 | A scene has the cost of its parts only: an absent part costs nothing, flight evaluates no contact, and rest in a [`Session`] costs a comparison. | `benches/` |
+//! | G6 | No standard library, no allocation, no panic. | `.ci/no_std.sh` (the linked object refers to no panic code), `.ci/embedded.sh` (no panic in the image of a microcontroller), `tests/downstream/tests/no_allocation.rs` |
+//! | G7 | Same input, same bits, on every machine that follows IEEE 754: `+ - * /` and square root in one order, other functions from `libm` or, for `f32`, from the crate, and no fused operations. | [`real`], by construction; `tests/bits.rs`, stored hashes of every integrator and law, on any machine and profile; `.ci/targets.sh`, the same hashes on other processors; `tests/physics/symmetry.rs` |
+//! | G8 | Invalid input returns a typed error with the quantity, its rule and its value. If a step fails, or a law breaks its contract, the last valid state is kept. | `tests/limits/bad_input.rs`, one test for each parameter |
 //! | G9 | [`State`] is plain data: a run from a saved and loaded state has the same bits, and so has a saved [`Session`] that is resumed. | `tests/physics/symmetry.rs` |
-//! | G10 | Your own body, ground, friction law or integrator is as good as a built-in one, and can be checked. | `tests/downstream`, `tests/limits/contract.rs` |
+//! | G10 | Your own body, ground, friction law or integrator is as good as a built-in one, and its contract can be checked. | `tests/downstream`, `tests/limits/contract.rs` |
 //!
 //! # Integrators
 //!
-//! | | order | evaluations a step | keeps | may add energy | stable for |
+//! | | order | evaluations a step | conserves | may add energy | stable for |
 //! |---|---|---|---|---|---|
-//! | [`EnergyMomentum`] | 2 | 2 to 6 in contact, none in flight | energy, where nothing takes it | never | every step |
+//! | [`EnergyMomentum`] | 2 | 2 to 6 in contact, none in flight | energy, if nothing dissipates it | never | every step |
 //! | [`StrangSplitting`] | 2, and 1 through touch-downs | 2 in contact, 1 in flight | energy without drift; flight exactly | O(dt²) | `dt < 2/ω` and `dt < 2/δ` |
 //! | [`SymplecticEuler`] | 1 | 1 | energy without drift; rotation in flight exactly | O(dt) | `dt < 2 (√(1+ζ²) - ζ)/ω` |
 //! | [`Rk4`] | 4, and 1 through touch-downs | 4 | nothing more | O(dt⁵) a step | `dt < 2.62/ω` and `dt < 2.78/δ`; `dt < 2.83/ω` without dampers |
 //! | [`Nystrom`] | 4, and 2 through touch-downs | 4 | nothing more | O(dt⁶) a step | `dt < 2.36/ω` and `dt < 2.78/δ`, with `ζ > 2.1e-4 (ω dt)⁵` |
-//! | [`BogackiShampine32`] | 3 | 3 | nothing more | by its error | chooses its steps for a tolerance |
-//! | [`DormandPrince54`] | 5 | 6 | nothing more | by its error | chooses its steps for a tolerance |
+//! | [`BogackiShampine32`] | 3 | 3 | nothing more | by its error | any tolerance: the step size is adaptive |
+//! | [`DormandPrince54`] | 5 | 6 | nothing more | by its error | any tolerance: the step size is adaptive |
 //! | [`ForwardEuler`] | 1 | 1 | nothing more | in every step | `dt < 2 ζ/ω`, and `ζ < 1` |
 //!
 //! `ω` (rad/s) and `δ` (1/s) are the highest frequency and the highest rate of damping that the
-//! contacts give the body, and `ζ = δ/2ω`. A contact at arm `r` with normal `n` feels the mass `M`,
-//! with `1/M = 1/m + (r × n) · J⁻¹ (r × n)`. One contact has `ω² = k/M` and `δ = c/M`. Contacts
-//! that act together add up. In stick, friction is a damper of `μ N/slip_speed` along the surface.
-//! [`Stepper::largest_stable_step`] computes the limit at a state. All keep the angular momentum in
-//! flight.
+//! contacts give the body, and `ζ = δ/2ω`. A contact at arm `r` with normal `n` acts on the
+//! effective mass `M`, with `1/M = 1/m + (r × n) · J⁻¹ (r × n)`. One contact has `ω² = k/M` and
+//! `δ = c/M`. Contacts that act together add up. In stick, friction is a damper of `μ N/slip_speed`
+//! along the surface. [`Stepper::largest_stable_step`] computes the limit at a state. All
+//! integrators conserve the angular momentum in flight.
 //!
-//! The order holds in smooth motion. Through touch-downs it is what [`guide::accuracy`] measures on
-//! all eight trials.
+//! The order holds in smooth motion. [`guide::accuracy`] has the order through touch-downs,
+//! measured on all eight trials.
 //!
-//! - `EnergyMomentum` where a body must come to rest, at long steps and for stiff ground;
-//! - `StrangSplitting` where sliding and flight are to be cheap;
-//! - `Nystrom` for a tenth of a millimetre and less where a body rolls and slides;
-//! - `DormandPrince54` for a tolerance instead of a step;
-//! - the others as references. Each can have its flight in closed form ([`Flight`]);
-//! - [`AnyIntegrator`] to choose one at run time.
+//! | use | for |
+//! |---|---|
+//! | `EnergyMomentum` | a body that must come to rest, long steps, stiff ground |
+//! | `StrangSplitting` | sliding and flight at the lowest cost |
+//! | `Nystrom` | errors of a tenth of a millimetre and less, if a body rolls and slides |
+//! | `DormandPrince54` | a tolerance instead of a step size |
+//! | any of them in [`Flight`] | flight in closed form |
+//! | [`AnyIntegrator`] | a choice at run time |
 //!
-//! [`guide::choosing`] starts from the problem, [`guide::accuracy`] goes through the extremes.
+//! The other integrators serve as references. [`guide::choosing`] starts from the problem, and
+//! [`guide::accuracy`] describes the extremes.
 //!
 //! # Your own parts
 //!
@@ -135,21 +141,21 @@
 //!   [`contract::check_friction`]
 //! - [an integrator](guide::extending::integrator): [`Integrator`], [`contract::check_integrator`],
 //!   [`contract::check_energy_never_rises`]
-//! - [an observer](guide::extending::observer): [`Observer`]; a closure is one
+//! - [an observer](guide::extending::observer): [`Observer`], or a closure
 //!
-//! [`guide::extending`] has a page for each: what to implement, what is provided, what the check
-//! tests, and a whole example; `tests/downstream` in the repository is a crate with one of each.
-//! Parts are taken by value, by reference, behind `&dyn` or in a `Box<dyn …>`. Every type has the
-//! number as a parameter ([`Real`]: `f64` where nothing else is said, or `f32`); the modules
-//! [`mod@f64`] and [`mod@f32`] name everything for one of them.
+//! [`guide::extending`] has a page for each role: what to implement, what is provided, what the
+//! check tests, and a complete example. `tests/downstream` in the repository is a crate with one
+//! part of each role. Parts are taken by value, by reference, behind `&dyn` or in a `Box<dyn …>`.
+//! Every type has the number type as a parameter ([`Real`]), `f64` by default or `f32`. The modules
+//! [`mod@f64`] and [`mod@f32`] contain the names for one precision.
 //!
 //! # Features
 //!
-//! | feature | |
+//! | feature | effect |
 //! |---|---|
-//! | `std` (default) | the standard library for the dependencies and the square root, parts in boxes, [`work_precision`](mod@work_precision); changes no bit of any result |
+//! | `std` (default) | the standard library for the dependencies and the square root, parts in boxes, and [`work_precision`](mod@work_precision); it changes no bit of any result |
 //! | `approx-05` | comparison of states by `approx` 0.5 |
-//! | `serde` | states, sessions, parameters, laws, and bodies but `PointCloud` and `Solid` can be saved and loaded |
+//! | `serde` | saves and loads states, sessions, parameters, laws, and bodies except `PointCloud` and `Solid` |
 //! | `mint` | glam's conversions from and to `mint` |
 
 #[cfg(any(test, feature = "std"))]
@@ -212,7 +218,7 @@ pub use state::State;
 pub use stepper::Stepper;
 pub use trial::{Start, Trial};
 
-/// Chapters, from the question to the page:
+/// Guide to the crate, with one page for each question.
 ///
 /// - Which integrator, which step? [`choosing`](guide::choosing)
 /// - How do I throw dice and coins in a game? [`game`](guide::game)
@@ -220,10 +226,10 @@ pub use trial::{Start, Trial};
 ///   [`accuracy`](guide::accuracy)
 /// - How do I add a body, a ground, a friction law, an integrator, an observer?
 ///   [`extending`](guide::extending)
-/// - Why can the energy not rise? [`energy`](guide::energy)
-/// - Does the model get right what is known? [`validation`](guide::validation), and beside a real
-///   cube: [`measured`](guide::measured)
-/// - What do other libraries do with the same scenes? [`peers`](guide::peers)
+/// - Why does the energy never increase? [`energy`](guide::energy)
+/// - Does the model reproduce known results? [`validation`](guide::validation), and a comparison
+///   with a real cube: [`measured`](guide::measured)
+/// - How do other libraries perform on the same scenes? [`peers`](guide::peers)
 /// - Which examples are there, and what do they show? [`gallery`](guide::gallery)
 pub mod guide {
     #[doc = include_str!("guide/energy.md")]
@@ -271,7 +277,7 @@ pub mod guide {
     }
 }
 
-/// The code of the README is compiled and run with the documentation's.
+/// Programs of the README, compiled and run as documentation tests.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

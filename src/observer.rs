@@ -54,19 +54,19 @@ use crate::state::State;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` does not watch: it does not implement `Observer<{R}>`",
+    message = "`{Self}` is not an observer: it does not implement `Observer<{R}>`",
     label = "this should be an observer",
-    note = "a pair takes its observers by value and hands them back: `let mut both = (ledger, rest)`, then `let (ledger, rest) = both`",
+    note = "a pair owns its observers: create it by `let mut both = (ledger, rest)`, and end it by `let (ledger, rest) = both`",
     note = "implement `observe`, or write a closure `|sample: &Sample<'_>| ControlFlow::Continue(())`; the precision `{R}` of scene and observer must be the same"
 )]
 pub trait Observer<R: Real = f64> {
-    /// Called with the state at the start of a run and after each step. `Break` ends the run.
+    /// Receives the state at the start of a run and after each step. `Break` ends the run.
     fn observe(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()>;
 
     /// Returns the next time at which the observer requests a sample, s since the start of the run.
     /// Default: `None`.
     ///
-    /// Such samples are in addition to those after each step.
+    /// Requested samples are in addition to those after each step.
     #[inline]
     fn asks_for(&self) -> Option<R> {
         None
@@ -81,7 +81,7 @@ pub trait Observer<R: Real = f64> {
         None
     }
 
-    /// Called with the state at a [requested time](Self::asks_for). The observer must then request
+    /// Receives the state at a [requested time](Self::asks_for). The observer must then request
     /// a later time.
     ///
     /// The sample does not affect the run.

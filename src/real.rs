@@ -25,9 +25,9 @@ use sealed::Sealed;
 
 /// Floating-point number: `f32` or `f64`.
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is not a number that bodies are counted in: that is `f64` or `f32`",
+    message = "`{Self}` is not a number type of this crate: use `f64` or `f32`",
     label = "this should be `f64` or `f32`",
-    note = "write `1.0` for `1`; where the compiler cannot tell which of the two, take the names of `tumble::f64` or `tumble::f32`"
+    note = "write `1.0` for `1`; if the compiler cannot infer the precision, use the names of `tumble::f64` or `tumble::f32`"
 )]
 pub trait Real:
     Sealed
@@ -301,7 +301,7 @@ macro_rules! implement_real {
             #[allow(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
-                reason = "`as` saturates and takes NaN to 0"
+                reason = "`as` saturates and converts NaN to 0"
             )]
             fn floor_index(self) -> usize {
                 self as u32 as usize
@@ -310,7 +310,7 @@ macro_rules! implement_real {
             #[allow(
                 clippy::cast_possible_truncation,
                 clippy::unnecessary_cast,
-                reason = "the last bits are what is wanted"
+                reason = "only the last bits are needed"
             )]
             fn low_bits(self) -> u32 {
                 self.to_bits() as u32

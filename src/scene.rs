@@ -17,9 +17,9 @@ use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::State;
 
-// On the inlining hints below: a step is compiled as one piece, so that it does not go through
-// memory between stages. The loop over contacts as a separate function took 8 % fewer instructions
-// and 1.2 to 1.8 times as long.
+// The inlining hints below make the compiler treat a step as one piece, without passing data
+// between stages through memory. The loop over contacts as a separate function took 8 % fewer
+// instructions and 1.2 to 1.8 times as long.
 
 /// Body on a ground, as an integrator uses it.
 ///
@@ -658,8 +658,8 @@ where
         crate::body::check_contacts(body.contacts())?;
         crate::body::check_rims(&body)?;
         let bounding_radius = body.bounding_radius();
-        error::finite("reach of the body", bounding_radius, " m")?;
-        error::at_least_zero("reach of the body", bounding_radius, " m")?;
+        error::finite("bounding radius of the body", bounding_radius, " m")?;
+        error::at_least_zero("bounding radius of the body", bounding_radius, " m")?;
         let inertia_properties = InertiaProperties::new(body.mass(), body.inertia())?;
         let weight = inertia_properties.mass() * gravity.acceleration().length();
         error::finite("weight (mass times gravity)", weight, " N")?;

@@ -68,7 +68,7 @@ pub struct Session<
 
 /// Steps that are known to leave the present state unchanged, for a method that is not adaptive.
 ///
-/// Such a step is a function of scene, state and step size alone.
+/// A step of such a method is a function of scene, state and step size alone.
 #[derive(Clone, Copy, Debug)]
 struct Rest<R> {
     /// True if a whole step leaves the state unchanged.

@@ -4,7 +4,8 @@ use crate::error::Quantity;
 use crate::real::{Quaternion, Real, Vector};
 use crate::rotation::Rotation;
 
-/// All quantities that change while a body moves. SI units; the world's z axis points up.
+/// State of a body: all quantities that change while it moves, in SI units. The world's z axis
+/// points up.
 ///
 /// A state is plain data without hidden parts. A run that continues from a saved and loaded state
 /// gives the same bits. A state does not belong to a stepper; one stepper serves any number of
@@ -142,8 +143,8 @@ impl<R: Real> Default for State<R> {
     }
 }
 
-/// Writes one line with units; `{:.3}` sets the digits of each number. The quaternion is x, y, z,
-/// w.
+/// Formats the state as one line with units. `{:.3}` sets the digits of each number. The quaternion
+/// is x, y, z, w.
 ///
 /// ```
 /// use tumble::{State, glam::DVec3};

@@ -1,5 +1,5 @@
-//! Imports point one way: a file of `src` uses only the layers below its own, so that each can be
-//! read without those above it.
+//! Checks that imports point in one direction: a file of `src` uses only the layers below its own,
+//! so that each can be read without those above it.
 
 #![allow(
     clippy::expect_used,
@@ -9,10 +9,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The page that lists the layers, from the bottom up. Modules of one layer do not know each other.
+/// Page that lists the layers, the lowest first. Modules of one layer do not import from each
+/// other.
 const PAGE: &str = include_str!("../ARCHITECTURE.md");
 
-/// They gather what all layers offer; no layer imports from them.
+/// Modules that re-export the items of all layers. No layer imports from them.
 const GATHERERS: &[&str] = &["lib", "aliases", "f32", "f64"];
 
 #[test]
@@ -38,16 +39,16 @@ fn every_import_points_down() {
     assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
 }
 
-/// Where a source file lies.
+/// Module path of a source file.
 struct Place {
     /// First part of its module path: `body` for both `src/body.rs` and `src/body/coin.rs`.
     module: String,
-    /// Whether `super`, outside of all blocks, is the crate's root.
+    /// Returns true if `super`, outside of all blocks, is the crate's root.
     at_top: bool,
 }
 
 impl Place {
-    /// Of a path below `src`.
+    /// Module path of a path below `src`.
     fn of(path: &Path) -> Self {
         let parts: Vec<_> = path
             .with_extension("")
@@ -117,8 +118,8 @@ fn layers() -> impl Iterator<Item = &'static str> {
         .filter(|line| !line.is_empty() && !line.starts_with("```"))
 }
 
-/// The source up to its tests, without comments; each line stays in its place. (Tests of a lower
-/// layer may use all that is above it.)
+/// The source up to its tests, without comments. Each line keeps its number. (Tests of a lower
+/// layer may use all layers above it.)
 fn code(source: &str) -> String {
     let library = source
         .split("\n#[cfg(test)]\nmod ")
@@ -153,7 +154,7 @@ fn imports(code: &str) -> Vec<(usize, String)> {
         .collect()
 }
 
-/// Where each item of the group that opens at `open` begins, the items of inner groups left out.
+/// Start of each item of the group that opens at `open`, without the items of inner groups.
 fn items_of_group(code: &str, open: usize) -> Vec<usize> {
     let (mut depth, mut starts) = (0, Vec::new());
     let mut expecting = false;

@@ -1,5 +1,5 @@
-//! The whole grid: each scene in both precisions, with few and many points, both laws of friction,
-//! and three slip speeds.
+//! The whole grid: each scene in both precisions, with few and many points, both friction laws, and
+//! three slip speeds.
 
 use core::error::Error;
 use core::time::Duration;
@@ -14,21 +14,24 @@ use crate::scenes::{Friction, Measured, Start};
 
 const SCENES: [&str; 6] = ["trial1", "trial8", "toss", "smooth", "stiff", "rest"];
 const POINTS: [usize; 3] = [12, 120, 1200];
-/// m/s
+/// Slip speeds, m/s.
 const SLIP_SPEEDS: [f64; 3] = [1e-2, 1e-3, 1e-6];
-/// m
+/// Errors, m.
 const ERRORS: [f64; 4] = [1e-2, 1e-4, 1e-6, 1e-8];
-/// A method whose run has taken so long is not tried with a shorter step or a tighter tolerance.
+/// Longest run. A method whose run has taken longer is not tried with a shorter step or a tighter
+/// tolerance.
 const LONGEST_RUN: Duration = Duration::from_millis(300);
 
-/// One place of the grid, in both precisions.
+/// One point of the grid, in both precisions.
 struct Combination {
     scene: &'static str,
     start: Start,
 }
 
-/// Measures the combinations whose names hold `wanted`; writes every row into `rows.csv` and the
-/// cheapest settings into `cheapest.csv`, as they come, and prints these, a table a scene.
+/// Measures the combinations whose names contain `wanted`.
+///
+/// Writes every row into `rows.csv` and the cheapest settings into `cheapest.csv`, as they are
+/// measured. Prints the cheapest settings, with one table for each scene.
 pub(crate) fn run(wanted: &str, folder: &Path) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     let mut rows = csv_file(&folder.join("rows.csv"), ROWS)?;
@@ -88,7 +91,7 @@ fn combinations() -> impl Iterator<Item = Combination> {
     })
 }
 
-/// Both laws at each slip speed; the scene without friction stays so.
+/// Both laws at each slip speed. A scene without friction stays without.
 fn frictions(of_scene: Friction) -> Vec<Friction> {
     let Friction::Coulomb { coefficient, .. } = of_scene else {
         return vec![of_scene];
@@ -109,14 +112,14 @@ fn frictions(of_scene: Friction) -> Vec<Friction> {
 }
 
 impl Combination {
-    /// `trial1 120 points Coulomb 1e-3`
+    /// Name of a combination, such as `trial1 120 points Coulomb 1e-3`.
     fn name(&self) -> String {
         let (law, slip_speed) = self.law();
         let points = self.start.points;
         format!("{} {points} points {law} {slip_speed}", self.scene)
     }
 
-    /// Name and slip speed, m/s.
+    /// Name and slip speed (m/s) of the law.
     fn law(&self) -> (&'static str, String) {
         match self.start.friction {
             Friction::Coulomb { slip_speed, .. } => ("Coulomb", format!("{slip_speed:e}")),
@@ -125,7 +128,7 @@ impl Combination {
         }
     }
 
-    /// What tells a row from those of other combinations.
+    /// Columns that identify a combination.
     fn place(&self, single: bool) -> [String; 5] {
         let (law, slip_speed) = self.law();
         let precision = if single { "f32" } else { "f64" };
@@ -140,7 +143,7 @@ impl Combination {
     }
 }
 
-/// Every setting of the ladder, but those that come after a long run.
+/// Measures every setting of the sequence, except those that follow a long run.
 fn try_all(measured: &Measured, single: bool) -> WorkPrecision {
     let ladder = Setting::ladder();
     let mut whole = measured(&[], single);
@@ -161,7 +164,7 @@ fn is_long(row: &Row) -> bool {
     row.time > LONGEST_RUN && row.time != Duration::MAX
 }
 
-/// The cheapest setting for an error, where the reference can tell.
+/// Returns the cheapest setting for an error, if the reference resolves it.
 fn cheapest(curve: &WorkPrecision, error: f64) -> Option<&Row> {
     (curve.resolution <= error)
         .then(|| curve.cheapest(error))
@@ -201,7 +204,7 @@ fn micros(row: &Row) -> f64 {
 const ROWS: &str = "method,parameter,error_m,time_us,evaluations,steps,rejected,energy_rise_J,reference_good_to_m,failure";
 const CHEAPEST: &str = "error_asked_m,method,parameter,error_m,time_us,reference_good_to_m";
 
-/// A file with the columns of a combination and others.
+/// Creates a file with the columns of a combination and further columns.
 fn csv_file(path: &Path, columns: &str) -> Result<File, Box<dyn Error>> {
     let mut file = File::create(path)?;
     writeln!(

@@ -1,12 +1,13 @@
 //! The robust protocol: the cheapest setting for an error that every smaller setting keeps as well.
 //!
-//! A step size counts only if each smaller one of the grid holds the error, so that no lucky step
-//! is reported: multiples of 0.05 ms up to 5 ms, above that 1 % from one to the next, and below it
-//! halves down to 6.25 µs. A tolerance counts only if each smaller one holds, ten a decade. No
-//! constant of the crate was chosen with this grid.
+//! A step size counts only if each smaller one of the grid keeps the error, so that no setting is
+//! reported that keeps it by chance. The grid has multiples of 0.05 ms up to 5 ms. Above that, each
+//! step size is 1 % larger than the one before. Below 0.05 ms they are halved, down to 6.25 µs. A
+//! tolerance counts only if each smaller one keeps the error, with ten a decade. No constant of the
+//! crate was chosen with this grid.
 //!
-//! The cost of a setting is its time over that of a plain Rk4 at the Rk4's own robust step, in
-//! turns in one run.
+//! The cost of a setting is its time over that of a plain Rk4 at the Rk4's own robust step. The
+//! programs run alternately in one measurement.
 
 use core::error::Error;
 use core::fmt::Write as _;
@@ -20,20 +21,20 @@ use tumble::work_precision::{Method, Setting};
 
 use crate::robust_scenes::{Case, Family, cases};
 
-/// m
+/// Errors, m.
 const ERRORS: [f64; 3] = [1e-2, 1e-4, 1e-6];
-/// m; the error of the tables in README and guide.
+/// Error of the tables in README and guide, m.
 const HEADLINE: f64 = 1e-4;
-/// s
+/// Spacing of the grid, s.
 const GRID: f64 = 5e-5;
-/// s; below this the grid is even, above it grows by 1 %.
+/// Step size (s) below which the grid is even. Above it, step sizes increase by 1 %.
 const EVEN_UP_TO: f64 = 5e-3;
-/// s
+/// Longest step size, s.
 const LONGEST_STEP: f64 = 5e-2;
-/// Each cost is the least of so many turns.
+/// Number of repetitions, of which each cost is the least.
 const TURNS: usize = 15;
 
-/// What is compared: a method of the crate, or a Rk4 as one would write it by hand.
+/// Compared program: a method of the crate, or a Rk4 as a user would write it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Program {
     Plain,
@@ -62,7 +63,7 @@ impl Program {
         matches!(self, Self::Ours(method) if method.has_tolerance())
     }
 
-    /// The grid, from the smallest setting on.
+    /// Returns the grid, beginning with the smallest setting.
     fn grid(self) -> Vec<f64> {
         if self.has_tolerance() {
             return (-100..=-10)
@@ -80,7 +81,7 @@ impl Program {
             .collect()
     }
 
-    /// The end of a run with this setting, and its time, s; nothing if the run failed.
+    /// Returns the end of a run with this setting and its time, s, or `None` if the run failed.
     fn run(self, case: &Case, value: f64) -> Option<(State, f64)> {
         match self {
             Self::Plain => Some(case.plain(value)),
@@ -93,15 +94,15 @@ impl Program {
     }
 }
 
-/// The largest robust setting of a program on a scene for each of [`ERRORS`].
+/// Largest robust setting of a program on a scene for each of [`ERRORS`].
 struct Found {
     program: Program,
     settings: [Option<f64>; ERRORS.len()],
-    /// Over the plain Rk4's, for each of [`ERRORS`].
+    /// Costs over that of the plain Rk4, for each of [`ERRORS`].
     costs: [Option<f64>; ERRORS.len()],
 }
 
-/// Measures the cases whose names hold `wanted`; prints a table, writes `robust.csv`, and with
+/// Measures the cases whose names contain `wanted`. Prints a table, writes `robust.csv`, and with
 /// `write` the tables of README and guide.
 pub(crate) fn run(wanted: &str, write: bool, folder: &Path) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
@@ -134,7 +135,7 @@ pub(crate) fn run(wanted: &str, write: bool, folder: &Path) -> Result<(), Box<dy
     Ok(())
 }
 
-/// From the smallest setting on, until one misses the error.
+/// Searches from the smallest setting on, until one exceeds the error.
 fn largest_robust(case: &Case, program: Program) -> Found {
     let mut settings = [None; ERRORS.len()];
     let mut holds = ERRORS.map(|error| error >= 3.0 * case.resolution);
@@ -159,7 +160,7 @@ fn largest_robust(case: &Case, program: Program) -> Found {
     }
 }
 
-/// Times the robust settings in turns and compares them with the plain Rk4's.
+/// Times the robust settings alternately, and compares them with the plain Rk4.
 fn add_costs(case: &Case, found: &mut [Found]) {
     for i in 0..ERRORS.len() {
         let mut least = vec![f64::INFINITY; found.len()];
@@ -193,7 +194,7 @@ fn csv(measured: &Measured<'_>) -> String {
     text
 }
 
-/// The summary, and a table with a row a scene.
+/// Returns the summary, and a table with one row for each scene.
 fn tables(measured: &Measured<'_>) -> String {
     let mut text = summary(measured);
     let _ = write!(
@@ -222,7 +223,7 @@ fn tables(measured: &Measured<'_>) -> String {
     text
 }
 
-/// Best, median and worst over the scenes of a family, for [`HEADLINE`].
+/// Best, median and worst over the scenes of a group, for [`HEADLINE`].
 fn summary(measured: &Measured<'_>) -> String {
     let mut text = format!(
         "| within {HEADLINE:e} m | setting: best, median, worst | cost of the hand-written Rk4: best, median, worst |\n|---|---|---|\n"
@@ -258,8 +259,10 @@ fn summary(measured: &Measured<'_>) -> String {
     text
 }
 
-/// Best, median (of an even number, the worse of the two) and worst, where `order` sorts from worst
-/// to best and nothing is worst.
+/// Best, median and worst value.
+///
+/// The median of an even number is the worse of the two middle values. `order` sorts from worst to
+/// best, and `None` is worst.
 fn spread(
     values: impl Iterator<Item = Option<f64>>,
     order: impl Fn(&f64, &f64) -> core::cmp::Ordering,
@@ -284,7 +287,8 @@ fn headline() -> usize {
         .unwrap_or(0)
 }
 
-/// `9.9 ms`, or `3.2e-5 m` for a tolerance; rounded down, so that what is shown holds too.
+/// Formats a setting, `9.9 ms`, or `3.2e-5 m` for a tolerance. It is rounded down, so that the
+/// printed setting is robust, too.
 fn setting(program: Program, value: f64) -> String {
     if program.has_tolerance() {
         return format!("{value:.1e} m");
@@ -298,7 +302,7 @@ fn setting(program: Program, value: f64) -> String {
     format!("{} ms", (milliseconds * digits + 1e-6).floor() / digits)
 }
 
-/// Replaces what stands between the marks of this table.
+/// Replaces the text between the markers of this table.
 fn put_between_marks(path: &Path, table: &str) -> Result<(), Box<dyn Error>> {
     let text = fs::read_to_string(path)?;
     let [begin, end] = ["<!-- robust: begin", "<!-- robust: end -->"];
@@ -313,7 +317,7 @@ fn put_between_marks(path: &Path, table: &str) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Seconds that a closure takes, and its result.
+/// Returns the result of a closure and the seconds that it took.
 pub(crate) fn timed<T>(program: impl FnOnce() -> T) -> (T, f64) {
     let clock = Instant::now();
     let result = program();

@@ -1,4 +1,4 @@
-//! The scenes of the robust protocol: the eight trials of the coin report, and eight tosses.
+//! Scenes of the robust protocol: the eight trials of the coin report, and eight tosses.
 
 use core::error::Error;
 use core::hint::black_box;
@@ -14,15 +14,15 @@ use tumble::{
 use crate::plain_rk4::{self, Law};
 use crate::robust::timed;
 
-/// m/s; what an explicit method resolves.
+/// Slip speed that an explicit method resolves, m/s.
 const SLIP_SPEED: f64 = 1e-3;
-/// Penetration at rest of the tossed bodies, m.
+/// Penetration depth at rest of the tossed bodies, m.
 const SINK: f64 = 2e-5;
 /// Damping over critical damping of one contact: a restitution of about a half.
 const DAMPING_RATIO: f64 = 0.21;
 const GRAVITY: f64 = 9.8;
 
-/// Which of the two kinds of scene.
+/// Group of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Family {
     Trial,
@@ -33,12 +33,12 @@ pub(crate) enum Family {
 pub(crate) struct Case {
     pub(crate) name: String,
     pub(crate) family: Family,
-    /// How far the reference is from one ten times less accurate, m.
+    /// Difference between the reference and one that is ten times less accurate, m.
     pub(crate) resolution: f64,
     end: State,
     seconds: f64,
     start: State,
-    /// Of the farthest point, m.
+    /// Bounding radius, m.
     bounding_radius: f64,
     law: Law,
     program: Box<Run>,
@@ -47,7 +47,7 @@ pub(crate) struct Case {
 type Run = dyn Fn(&State, f64, Setting) -> Option<(State, f64)>;
 
 impl Case {
-    /// Distance of the centres and, in quadrature, how far the farthest point is moved by the
+    /// Distance of the centres and, in quadrature, the displacement of the farthest point by the
     /// rotation between the two, m.
     pub(crate) fn error(&self, end: &State) -> f64 {
         let between = end.orientation * self.end.orientation.conjugate();
@@ -57,13 +57,13 @@ impl Case {
             .hypot(self.bounding_radius * angle)
     }
 
-    /// The end with an integrator of the crate, and the time that it took, s; nothing if the run
-    /// failed.
+    /// Returns the end with an integrator of the crate and the time that it took, s, or `None` if
+    /// the run failed.
     pub(crate) fn run(&self, setting: Setting) -> Option<(State, f64)> {
         (self.program)(&self.start, self.seconds, setting)
     }
 
-    /// The end with a Rk4 written by hand, and the time that it took, s.
+    /// Returns the end with a Rk4 written by hand, and the time that it took, s.
     pub(crate) fn plain(&self, time_step: f64) -> (State, f64) {
         timed(|| {
             let steps = (self.seconds / time_step).ceil();
@@ -77,14 +77,14 @@ impl Case {
     }
 }
 
-/// All of them.
+/// Returns all scenes.
 pub(crate) fn cases() -> Result<Vec<Case>, Box<dyn Error>> {
     let mut all = Vec::new();
     for number in 1..=8 {
         all.push(trial(number)?);
     }
-    // Heights (m), velocities (m/s) and angular velocities (rad/s) without a system; chosen before
-    // anything was run.
+    // Heights (m), velocities (m/s) and angular velocities (rad/s) without a system, chosen before
+    // any run.
     let throws = [
         (
             0.12,
@@ -146,8 +146,8 @@ fn trial(number: usize) -> Result<Case, Box<dyn Error>> {
     case(name, Family::Trial, trial.coin(), law, trial.state(), 1.0)
 }
 
-/// A body thrown from a height (m) with velocity, angular velocity and a first rotation about y
-/// (rad); `carrying` contacts support it at rest.
+/// A body thrown from a height (m) with velocity, angular velocity and an initial rotation about y
+/// (rad). `carrying` contacts support it at rest.
 fn toss<B: RigidPointBody + 'static>(
     name: String,
     body: B,

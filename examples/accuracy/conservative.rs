@@ -1,5 +1,7 @@
-//! Motion that nothing takes energy from, in single precision: free flight of bodies with three
-//! moments, elastic bounces, and falls. The figures depend on no clock and no machine.
+//! Conservative motion in single precision: free flight of bodies with three moments, elastic
+//! bounces, and falls.
+//!
+//! The figures do not depend on a clock or a machine.
 
 use core::error::Error;
 use std::fs;
@@ -13,7 +15,7 @@ use tumble::f32::{
 use tumble::glam::Vec3;
 use tumble::{RigidPointBody, StepError};
 
-/// s; the first is a frame of a game.
+/// Step sizes, s. The first is a frame of a game.
 const STEPS: [f32; 4] = [1.0 / 60.0, 4e-3, 1e-3, 1e-4];
 
 const BEGIN: &str = "<!-- f32 motion: begin; written by `accuracy -- --f32-motion --write` -->";
@@ -40,7 +42,7 @@ pub(crate) fn tables(is_written: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Bodies of a kilogram; the first three have three different moments.
+/// Bodies of a kilogram. The first three have three different moments.
 fn bodies() -> Result<[(&'static str, Body); 9], Failure> {
     let corners = [
         Vec3::new(0.3, 0.0, 0.0),
@@ -88,7 +90,7 @@ fn head(what: &str) -> Vec<String> {
     head
 }
 
-/// The largest relative change of the angular momentum in 10 s, over three spins.
+/// Largest relative change of the angular momentum in 10 s, over three spins.
 fn flights() -> Result<String, Failure> {
     let mut rows = vec![head("free flight for 10 s, change of L / L")];
     for (name, body) in bodies()?.iter().take(3) {
@@ -111,7 +113,7 @@ fn flights() -> Result<String, Failure> {
     Ok(text(&rows))
 }
 
-/// The relative change of the energy in 100 s of bounces without losses.
+/// Relative change of the energy in 100 s of bounces without losses.
 fn bounces() -> Result<String, Failure> {
     let mut rows = vec![head("elastic bounces for 100 s, change of E / E")];
     for (name, body) in bodies()? {
@@ -125,7 +127,7 @@ fn bounces() -> Result<String, Failure> {
     Ok(text(&rows))
 }
 
-/// From 1 m, with a spin, on 1e5 N/m.
+/// Relative change of the energy of bounces from 1 m, with a spin, on 1e5 N/m.
 fn bounce(body: &dyn RigidPointBody<f32>, time_step: f32) -> Result<f32, Failure> {
     let stepper = Stepper::new(body)?
         .with_gravity(UniformGravity::down(9.8))?
@@ -138,7 +140,7 @@ fn bounce(body: &dyn RigidPointBody<f32>, time_step: f32) -> Result<f32, Failure
     Ok((stepper.energy(&state).total() - before) / before)
 }
 
-/// The largest relative error of the displacement in a fall of 10 s from rest, over directions of
+/// Largest relative error of the displacement in a fall of 10 s from rest, over directions of
 /// gravity and starting points.
 fn falls() -> Result<String, Failure> {
     let gravities = [100.0, 9.81, 1.6, 0.1, 0.01, 0.001];
@@ -186,7 +188,7 @@ fn worst_fall(gravity: f32, time_step: f32) -> Result<f64, Failure> {
     Ok(worst)
 }
 
-/// The position after 10 s.
+/// Position after 10 s.
 fn fall(acceleration: Vec3, start: Vec3, time_step: f32) -> Result<Vec3, StepError> {
     let mut state = State::at(start);
     let stepper = Stepper::new(Sphere::solid(1.0, 0.1))

@@ -1,10 +1,12 @@
-//! Error against cost: each integrator on trial 1 of the report, against the truth of its
-//! equations. Prints a table of error and cost, and the cheapest settings for an error of 1e-4 m,
-//! beside an Rk4 as anyone would write it.
+//! Error against cost: each integrator on trial 1 of the coin report, compared with the exact
+//! solution of its equations.
 //!
-//! `cargo run --release --example accuracy`, on a machine with nothing else to do. With `-- --f32`
-//! it prints the tables of single precision in `src/guide/accuracy.md`: errors of the numbers
-//! alone, which no other work on the machine changes.
+//! Prints a table of error and cost, and the cheapest settings for an error of 1e-4 m, compared
+//! with a Rk4 as a user would write it.
+//!
+//! Run `cargo run --release --example accuracy` on a machine that does nothing else. With
+//! `-- --f32` it prints the tables of single precision in `src/guide/accuracy.md`. These contain
+//! errors only, which do not depend on other work of the machine.
 
 mod conservative;
 #[path = "../common/plain_rk4.rs"]
@@ -26,7 +28,8 @@ use tumble::{
     EnergyMomentum, ForwardEuler, Integrator, Nystrom, Rk4, State, StrangSplitting, SymplecticEuler,
 };
 
-/// The cost is the least of so many runs: whatever else the machine does only adds to it.
+/// Number of runs, of which the cost is the least. Other work of the machine only increases the
+/// cost.
 const RUNS: usize = 20;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -43,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// Whether the next argument, the last one, asks for the tables to be written.
+/// Returns true if the next argument, which is the last one, requests that the tables are written.
 fn is_written(arguments: &mut lexopt::Parser) -> Result<bool, lexopt::Error> {
     match arguments.next()? {
         None => Ok(false),
@@ -53,22 +56,23 @@ fn is_written(arguments: &mut lexopt::Parser) -> Result<bool, lexopt::Error> {
 }
 
 const HELP: &str = "\
-Runs trial 1 for a second by each integrator, in steps of 1 ms and less, and prints its error against
-13 digits of the truth beside its cost.
+Runs trial 1 for a second with each integrator, with steps of at most 1 ms. Prints the error,
+relative to an exact solution of 13 digits, and the cost.
 
 Usage: cargo run --release --example accuracy -- [OPTIONS]
 
-      --f32    instead, error and energy in single against double precision, for each integrator and step
+      --f32    instead, error and energy in single and double precision, for each integrator and
+               step size
       --f32-motion [--write]
-               instead, free flight, elastic bounces and falls in single precision by EnergyMomentum (half a
-               minute); with --write into src/guide/accuracy.md
+               instead, free flight, elastic bounces and falls in single precision by EnergyMomentum
+               (half a minute); with --write into src/guide/accuracy.md
   -h, --help   this text
 ";
 
 /// Prints the table of error and cost.
 fn costs() -> Result<(), Box<dyn Error>> {
     let truth = truth()?;
-    // The report's method is stable below damping/stiffness = 0.5 ms.
+    // The method of the coin report is stable below damping/stiffness = 0.5 ms.
     let mut rows = vec![
         table::cells(["integrator", "order", "time step", "error", "cost of 1 s"]),
         row(
@@ -95,7 +99,7 @@ fn costs() -> Result<(), Box<dyn Error>> {
     within::table(1e-4, &truth)
 }
 
-/// The row of one integrator.
+/// Row of one integrator.
 fn row<I: Integrator>(
     name: &str,
     integrator: I,

@@ -1,5 +1,5 @@
-//! Single precision: what it adds to the error of each integrator at each step, and what a
-//! compensated sum would save.
+//! Single precision: the error that it adds for each integrator at each step size, and the gain of
+//! compensated summation.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -48,7 +48,8 @@ pub(crate) fn tables() -> Result<(), Box<dyn Error>> {
 
 type Measured = (&'static str, [[Option<End>; 2]; STEPS.len()]);
 
-/// A row for each integrator, a column for each step, and the step with the least figure in f32.
+/// Prints a row for each integrator, a column for each step size, and the step size with the least
+/// figure in f32.
 fn table(what: &str, measured: &[Measured], figure: impl Fn(&End) -> f64) {
     let mut head = vec![what.to_owned()];
     head.extend(STEPS.map(milliseconds));
@@ -71,7 +72,7 @@ fn table(what: &str, measured: &[Measured], figure: impl Fn(&End) -> f64) {
     crate::table::print(&rows);
 }
 
-/// What sums that keep what rounding takes would save, near the origin and far from it.
+/// Measures the gain of compensated summation, near the origin and far from it.
 fn compensation(truth: &State) {
     let mut rows = vec![cells([
         "`SymplecticEuler`, error in m",
@@ -110,7 +111,7 @@ fn milliseconds(time_step: f64) -> String {
     format!("{} ms", (time_step * 1e6).round() * 1e-3)
 }
 
-/// A figure, or a dash where the run has come apart.
+/// Formats a figure, or a dash if the run failed.
 fn or_none(figure: Option<f64>) -> String {
     match figure {
         Some(figure) if figure.abs() < 1.0 => format!("{figure:.1e}"),
@@ -118,14 +119,14 @@ fn or_none(figure: Option<f64>) -> String {
     }
 }
 
-/// How a run ends, in f64.
+/// End of a run, in f64.
 struct End {
     state: State,
-    /// The energy that no force took or gave, J.
+    /// Energy that no force dissipated or supplied, J.
     energy_error: f64,
 }
 
-/// A number whose states can be compared with the truth.
+/// Number type whose states can be compared with the exact solution.
 trait Widen: Real {
     fn widen(state: &State<Self>) -> State;
 }
@@ -144,8 +145,8 @@ impl Widen for f32 {
     }
 }
 
-/// Trial 1, begun so many metres away along x and brought back at the end; nothing where it cannot
-/// go on.
+/// Trial 1, started at a distance along x and shifted back at the end. Returns `None` if a step
+/// fails.
 fn run<R: Widen, I: Integrator<R>>(
     integrator: I,
     away: f64,
@@ -177,13 +178,13 @@ fn audited<R: Widen, I: Integrator<R>>(integrator: I) -> Option<End> {
     })
 }
 
-/// [`SymplecticEuler`] whose sums over the steps keep what rounding takes from them (Kahan 1965):
-/// of the position, or also of velocity and angular momentum.
+/// [`SymplecticEuler`] with compensated summation over the steps (Kahan 1965): of the position, or
+/// also of velocity and angular momentum.
 struct Compensated<const ALL: bool> {
     time_step: f32,
 }
 
-/// What rounding took from a sum.
+/// Rounding errors of the sums.
 #[derive(Clone, Debug, Default)]
 struct Lost {
     position: Vec3,
@@ -238,7 +239,7 @@ impl<const ALL: bool> Integrator<f32> for Compensated<ALL> {
     }
 }
 
-/// `sum += term`, with what rounding took before, and takes now.
+/// Computes `sum += term` with the previous rounding error, and stores the new one.
 fn add(sum: &mut Vec3, lost: &mut Vec3, term: Vec3) {
     let corrected = term - *lost;
     let next = *sum + corrected;

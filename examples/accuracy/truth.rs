@@ -1,4 +1,4 @@
-//! Trial 1 of the report, and where it ends.
+//! Trial 1 of the coin report, and its exact end.
 
 use core::error::Error;
 
@@ -7,10 +7,10 @@ use tumble::{State, Trial};
 
 /// Simulated time, s.
 pub(crate) const DURATION: f64 = 1.0;
-/// m/s; the truth is known for this one, which an explicit method resolves.
+/// Slip speed, m/s. The exact solution is known for it, and an explicit method resolves it.
 pub(crate) const SLIP_SPEED: f64 = 1e-3;
 
-/// The trial.
+/// Returns the trial.
 pub(crate) fn trial() -> Result<Trial<f64>, &'static str> {
     Ok(Trial {
         slip_speed: SLIP_SPEED,
@@ -18,10 +18,10 @@ pub(crate) fn trial() -> Result<Trial<f64>, &'static str> {
     })
 }
 
-/// How far apart two states of the coin are, m: the centres' distance, and how far the turn between
-/// them moves the rim.
+/// Distance between two states of the coin, m: the distance of the centres, plus the displacement
+/// of the rim by the rotation between the states.
 pub(crate) fn distance(a: &State, b: &State) -> f64 {
-    // The arc cosine of the product, as glam has it, would tell no angles below 2e-8 from 0.
+    // The arc cosine of the product, as in glam, does not resolve angles below 2e-8.
     let between = a.orientation * b.orientation.conjugate();
     let angle = 2.0 * between.xyz().length().atan2(between.w.abs());
     (a.position - b.position)
@@ -29,7 +29,7 @@ pub(crate) fn distance(a: &State, b: &State) -> f64 {
         .hypot(Trial::<f64>::RADIUS * angle)
 }
 
-/// The state of trial 1 at the end, to 13 digits.
+/// State of trial 1 at the end, to 13 digits.
 pub(crate) fn truth() -> Result<State, Box<dyn Error>> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/truth_table.csv");
     let mut table = csv::Reader::from_path(path)?;

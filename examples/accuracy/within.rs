@@ -1,6 +1,6 @@
-//! The cheapest settings for an error, beside a plain Rk4.
+//! The cheapest settings for an error, compared with a plain Rk4.
 
-// Steps in a second are few.
+// The number of steps in a second is small.
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 
 use core::error::Error;
@@ -18,8 +18,10 @@ use super::report_loop::{ReportLoop, ReportTrial};
 use super::table;
 use super::truth::{DURATION, distance, trial};
 
-/// Steps in a second: every number to 100, and then 1 to 2 % more from one to the next, so that a
-/// step which hits the truth by chance has neighbours that do not.
+/// Numbers of steps in a second.
+///
+/// Every number up to 100 is used, and then numbers that increase by 1 to 2 %. A setting that
+/// agrees with the exact solution by chance then has neighbours that do not.
 fn steps() -> Vec<f64> {
     core::iter::successors(Some(60_u32), |count| Some(count + count / 50))
         .take_while(|&count| count <= 4000)
@@ -27,28 +29,28 @@ fn steps() -> Vec<f64> {
         .collect()
 }
 
-/// m
+/// Tolerances, m.
 const TOLERANCES: [f64; 12] = [
     3e-3, 2e-3, 1e-3, 5e-4, 3e-4, 2e-4, 1e-4, 5e-5, 3e-5, 2e-5, 1e-5, 5e-6,
 ];
-/// The cost is the least of so many turns, in which each program runs so often in a row: what else
-/// the machine does only adds to it, and its clock is the same for all.
+/// Number of repetitions, of which the cost is the least. Other work of the machine only increases
+/// the cost, and the clock frequency is the same for all programs.
 const TURNS: usize = 200;
 const IN_A_ROW: usize = 20;
-/// Steps of the report's loop in a run of it.
+/// Number of steps in a run of the report's loop.
 const REPORT_STEPS: u32 = 60;
 
-/// The trial once more: its end, and the time that it took, s.
+/// Runs the trial again. Returns its end, and the time that it took, s.
 type Program = Box<dyn Fn() -> Result<(State, f64), Box<dyn Error>>>;
 
-/// A program with its step (s) or tolerance (m).
+/// A program for a step size (s) or a tolerance (m).
 type With = Box<dyn Fn(f64) -> Result<Program, Box<dyn Error>>>;
 
-/// Its name, the parameters to try, how they are written, and the program.
+/// Name of a method, the parameters to try, their format, and the program.
 type Method<'a> = (&'a str, &'a [f64], fn(f64) -> String, With);
 
-/// Prints a row a method: its longest step or largest tolerance that is within `error` (m), *and
-/// every shorter or smaller one that is tried with it*, so that no chance hit counts.
+/// Prints a row for each method: the longest step or largest tolerance that is within `error` (m),
+/// *together with every shorter or smaller one that was tried*, so that no chance result counts.
 pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
     let within = format!("within {error:e} m");
     let head = [
@@ -86,7 +88,7 @@ pub(crate) fn table(error: f64, truth: &State) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The plain Rk4 first: the others are measured by it.
+/// Returns the methods. The first is the plain Rk4, with which the others are compared.
 fn methods(steps: &[f64]) -> [Method<'_>; 7] {
     [
         (
@@ -151,8 +153,8 @@ fn largest_within(
     Ok(largest)
 }
 
-/// Of the programs, and of a step of the report's loop: with it, costs on two machines can be
-/// compared. s
+/// Costs of the programs and of a step of the report's loop, s. With the latter, costs on two
+/// machines can be compared.
 fn costs<'a>(
     programs: impl Iterator<Item = &'a Program> + Clone,
 ) -> Result<(Vec<f64>, f64), Box<dyn Error>> {
@@ -182,7 +184,7 @@ fn report_step(start: &ReportLoop) -> f64 {
     clock.elapsed().as_secs_f64() / f64::from(REPORT_STEPS)
 }
 
-/// A tenth of a millisecond tells any two of the steps apart.
+/// Formats a step size in ms with one decimal place, which distinguishes all of the steps.
 fn milliseconds(time_step: f64) -> String {
     format!("{} ms", (time_step * 1e4).round() / 10.0)
 }

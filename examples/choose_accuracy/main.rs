@@ -1,8 +1,9 @@
-//! Error against cost of every integrator on a scene of one's choice, and the cheapest setting for
-//! an error asked for.
+//! Error against cost of every integrator on a chosen scene, and the cheapest setting for a given
+//! error.
 //!
-//! `cargo run --release --example choose_accuracy -- --help`. For a scene of your own body, ground
-//! and friction call `tumble::work_precision::measure` as `measure` does here.
+//! Run `cargo run --release --example choose_accuracy -- --help`. For a scene of your own body,
+//! ground and friction, call `tumble::work_precision::measure`, as the function `measure` of this
+//! example does.
 
 // The numbers of the scenes are small.
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
@@ -23,16 +24,16 @@ Error against cost of every integrator, and the cheapest setting for an error.
 Usage: cargo run --release --example choose_accuracy -- [OPTIONS]
 
   --scene NAME        trial1 to trial8, toss, smooth, stiff, rest   [trial1]
-  --error M           the error that you can bear at the end, m     [1e-4]
-  --seconds S         how long the run is, s                        [the scene's]
-  --points N          points of the coin                            [120]
-  --stiffness N/M     of each of 120 points                         [the scene's]
-  --slip-speed M/S    of the friction law                           [1e-3]
+  --error M           largest acceptable error at the end, m        [1e-4]
+  --seconds S         duration of the run, s                        [the scene's]
+  --points N          number of points of the coin                  [120]
+  --stiffness N/M     stiffness of each of 120 points               [the scene's]
+  --slip-speed M/S    slip speed of the friction law                [1e-3]
   --smooth            SmoothCoulomb in place of Coulomb
   --single            in single precision
-  --flight            fly in closed form
-  --quick             a shorter ladder of settings
-  --out DIR           where the picture goes                        [out]
+  --flight            flight in closed form
+  --quick             fewer settings
+  --out DIR           folder of the picture                         [out]
   --help              this text
 ";
 
@@ -57,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         start.name, start.seconds, start.points
     );
     print!("{curve}");
-    println!("\nthe reference is good to {:.0e} m", curve.resolution);
+    println!("\nthe reference is accurate to {:.0e} m", curve.resolution);
     match curve.cheapest(options.error) {
         Some(row) => println!(
             "cheapest for {:.0e} m: {}, {:.1e} m in {:.1} µs",
@@ -66,7 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             row.error,
             row.time.as_secs_f64() * 1e6
         ),
-        None => println!("no setting has an error of {:.0e} m or less", options.error),
+        None => println!("no setting has an error of at most {:.0e} m", options.error),
     }
     let title = format!("{}: error after {} s over cost", start.name, start.seconds);
     picture::write(&curve, &title, &options.out, "work_precision")?;
@@ -95,7 +96,7 @@ fn measure(options: &Options) -> Result<WorkPrecision, Box<dyn Error>> {
     options.start.curve(&settings, options.single)
 }
 
-/// `None` where help is asked for.
+/// Returns the options, or `None` if the help text is requested.
 fn options() -> Result<Option<Options>, Box<dyn Error>> {
     let mut options = Options {
         start: Start::named("trial1").ok_or("trial1 is a scene")?,

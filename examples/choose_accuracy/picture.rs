@@ -1,4 +1,4 @@
-//! Error over cost, a line a method.
+//! Diagram of error over cost, one line for each method.
 
 use core::error::Error;
 use std::fs;
@@ -8,7 +8,7 @@ use kuva::prelude::*;
 use kuva::render::render::{Scene, render_multiple};
 use tumble::work_precision::{Method, Row, WorkPrecision};
 
-/// Colours that colour-blind eyes tell apart (Okabe and Ito).
+/// Colours that colour-blind people can distinguish (Okabe and Ito).
 const COLOURS: [(Method, &str); 8] = [
     (Method::ForwardEuler, "#999999"),
     (Method::SymplecticEuler, "#e69f00"),
@@ -35,7 +35,7 @@ pub(crate) fn write(
     Ok(())
 }
 
-/// With a view box, so that a page may scale it.
+/// Drawing with a view box, so that a page can scale it.
 fn svg(scene: &Scene) -> String {
     let view_box = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
     let text = SvgBackend::new().render_scene(scene);
@@ -76,7 +76,7 @@ fn scene(curve: &WorkPrecision, title: &str) -> Scene {
     render_multiple(plots, layout)
 }
 
-/// Errors above the size of the coin tell nothing, and neither do those of rounding.
+/// Returns true for a significant error: above that of rounding and below the size of the coin.
 fn says_something(row: &Row) -> bool {
     row.error < 2.0 && row.error > 1e-14
 }

@@ -12,10 +12,10 @@ use tumble::{
 
 type CoinScene<R, F> = Scene<R, Coin<R, Vec<ContactPoint<R>>>, FlatGround<R>, F, UniformGravity<R>>;
 
-/// Tries settings on a scene, in single precision or not.
+/// Measures settings on a scene, in single or double precision.
 pub(crate) type Measured = Box<dyn Fn(&[Setting], bool) -> WorkPrecision>;
 
-/// A friction law with its numbers.
+/// A friction law with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Friction {
     Coulomb { coefficient: f64, slip_speed: f64 },
@@ -23,26 +23,27 @@ pub(crate) enum Friction {
     None,
 }
 
-/// A coin of 1 kg and 0.5 m on a level ground, and how it starts.
+/// A coin of 1 kg and 0.5 m on level ground, and its start.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Start {
     pub(crate) name: String,
     pub(crate) points: usize,
-    /// N/m of a point of a coin with 120; a coin with more has softer points, so that all together
-    /// are the same.
+    /// Stiffness of a point of a coin with 120 points, N/m. With more points each is softer, so
+    /// that the sum is the same.
     pub(crate) stiffness: f64,
-    /// N s/m, likewise.
+    /// Damping of a point of a coin with 120 points, N s/m. The sum is the same for any number of
+    /// points.
     pub(crate) damping: f64,
     pub(crate) friction: Friction,
     pub(crate) state: State,
-    /// s
+    /// Duration, s.
     pub(crate) seconds: f64,
 }
 
 const GRAVITY: f64 = 9.8;
 
 impl Start {
-    /// A trial of the report, for a second.
+    /// A trial of the coin report, for one second.
     pub(crate) fn trial(number: usize) -> Option<Self> {
         let trial = Trial::report(number)?;
         Some(Self {
@@ -59,7 +60,7 @@ impl Start {
         })
     }
 
-    /// By name: `trial1` to `trial8`, `toss`, `smooth`, `stiff`, `rest`.
+    /// Returns the scene of a name: `trial1` to `trial8`, `toss`, `smooth`, `stiff`, `rest`.
     pub(crate) fn named(name: &str) -> Option<Self> {
         let rolls = Self::trial(1)?;
         let start = match name {
@@ -102,7 +103,8 @@ impl Start {
         Some(start)
     }
 
-    /// Error and cost in double precision, and in single precision against the same reference.
+    /// Measures error and cost in double precision, and in single precision against the same
+    /// reference.
     pub(crate) fn curve(
         &self,
         settings: &[Setting],
@@ -111,7 +113,7 @@ impl Start {
         Ok(self.measured()?(settings, single))
     }
 
-    /// The same for any settings, with the reference computed once.
+    /// Measures error and cost for any settings, with one computation of the reference.
     pub(crate) fn measured(&self) -> Result<Measured, Box<dyn Error>> {
         match self.friction {
             Friction::Coulomb {
@@ -189,7 +191,7 @@ impl Start {
     }
 }
 
-/// The same state in another precision.
+/// Converts a state to another precision.
 fn in_precision<R: Real>(state: &State) -> State<R> {
     let vector = |v: DVec3| {
         let [x, y, z] = v.to_array().map(R::from_f64);

@@ -5,11 +5,10 @@ use crate::setup::RADIUS;
 /// Points `(x, y)` in order.
 pub(crate) type Curve = Vec<(f64, f64)>;
 
-/// More strips of time than a picture has pixels across are not seen.
+/// Number of time intervals. More than a picture has pixels would have no visible effect.
 const STRIPS: usize = 1000;
 
-/// A curve over time, with the first, lowest, highest and last point of each of a thousand strips
-/// of time.
+/// A curve over time, reduced to the first, lowest, highest and last point of each time interval.
 pub(crate) fn thinned(curve: Curve) -> Curve {
     let strip = curve.len().div_ceil(STRIPS);
     if strip <= 4 {
@@ -18,7 +17,7 @@ pub(crate) fn thinned(curve: Curve) -> Curve {
     curve.chunks(strip).flat_map(extremes).collect()
 }
 
-/// First, lowest, highest and last point of a strip, in their order and each once.
+/// First, lowest, highest and last point of an interval, in order and without repetition.
 fn extremes(strip: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> + '_ {
     let by_value = |a: &usize, b: &usize| strip[*a].1.total_cmp(&strip[*b].1);
     let lowest = (0..strip.len()).min_by(by_value).unwrap_or(0);
@@ -29,10 +28,10 @@ fn extremes(strip: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> + '_ {
     kept.into_iter().map(|index| strip[index])
 }
 
-/// Two places on the floor that are nearer than this look like one, m.
+/// Distance below which two points on the floor look equal, m.
 const NEAR: f64 = 2e-3;
 
-/// A track without the points that are next to the one before.
+/// A track without the points that are close to the previous one.
 pub(crate) fn simplified(track: impl Iterator<Item = (f64, f64)>) -> Curve {
     let mut kept: Curve = Vec::new();
     for (x, y) in track {
@@ -46,11 +45,11 @@ pub(crate) fn simplified(track: impl Iterator<Item = (f64, f64)>) -> Curve {
     kept
 }
 
-/// From one moment to the next, the lowest point leaps this far across the coin rather than runs
-/// along its rim, m.
+/// Distance beyond which the lowest point has jumped across the coin instead of moving along its
+/// rim, m.
 const LEAP: f64 = 0.6 * RADIUS;
 
-/// A track cut where it leaps.
+/// Divides a track where it jumps.
 pub(crate) fn pieces(track: &[(f64, f64)]) -> Vec<Curve> {
     track
         .chunk_by(|a, b| (b.0 - a.0).hypot(b.1 - a.1) < LEAP)

@@ -1,7 +1,7 @@
-//! The coin of the report, run, summed up, drawn and played:
+//! The coin of the coin report: runs, summarises, draws and animates it:
 //! `cargo run --release --example coin -- --help`.
 
-// A program has std; these lints guard the library.
+// A program has the standard library. These lints are meant for the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 use std::error::Error;
@@ -37,7 +37,7 @@ mod summary;
 mod table;
 mod tally;
 
-/// Number of trials in the report.
+/// Number of trials in the coin report.
 const TRIALS: usize = 8;
 
 fn main() -> ExitCode {
@@ -47,7 +47,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Says what went wrong. 2 where the command line is to blame, 1 where something else is.
+/// Prints an error. Returns 2 if the command line is invalid, and 1 for any other error.
 fn complain(error: &(dyn Error + 'static)) -> ExitCode {
     eprintln!("error: {error}");
     if error.is::<UsageError>() {
@@ -111,7 +111,7 @@ fn run_and_tell(setup: Setup, quiet: bool) -> Result<Recording, Box<dyn Error>> 
     Ok(recording)
 }
 
-/// Shows itself only on a terminal.
+/// Progress bar, which is visible only on a terminal.
 fn progress_bar(setup: &Setup, quiet: bool) -> Result<ProgressBar, Box<dyn Error>> {
     if quiet {
         return Ok(ProgressBar::hidden());
@@ -129,7 +129,7 @@ fn make_folder(folder: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Writes table, page and pictures into a folder that is there.
+/// Writes table, page and pictures into an existing folder.
 fn write(recording: &Recording, folder: &Path) -> Result<(), Box<dyn Error>> {
     let explain = |error| format!("cannot write into {}: {error}", folder.display());
     table::write(recording, &folder.join("coin.csv")).map_err(|error| explain(error.into()))?;

@@ -1,38 +1,38 @@
-//! The moments that the report talks about: the end of skidding, the fall, the rest.
+//! The moments that the coin report describes: the end of skidding, the fall, the rest.
 
 use std::f64::consts::FRAC_PI_4;
 
 use crate::recording::{Moment, Recording};
 use crate::setup::{GRAVITY, MASS, RADIUS};
 
-/// Seconds from the start; `None` where it does not happen within the run.
+/// Times from the start, s. `None` if the event does not happen within the run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Milestones {
     pub(crate) skidding: Skidding,
-    /// The coin's plane passes 45 degrees for the first time.
+    /// Time at which the coin's plane passes 45 degrees for the first time.
     pub(crate) halfway_down: Option<f64>,
-    /// From here on its energy is that of the coin lying still.
+    /// Time from which its energy is that of the coin at rest on its face.
     pub(crate) settled: Option<f64>,
 }
 
-/// The first skid: the coin slips where it touches until friction has it rolling.
+/// The first skid: the coin slips at its contact until friction makes it roll.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Skidding {
-    /// It starts with its lowest point at rest, as a spinning coin does.
+    /// The coin starts with its lowest point at rest, as a spinning coin does.
     Never,
-    /// Seconds from the start.
+    /// The skid ends at this time from the start, s.
     Until(f64),
-    /// Until the end of the run.
+    /// The skid lasts until the end of the run.
     Always,
 }
 
-/// A start slower than this is no skid, m/s.
+/// Least initial slip that counts as a skid, m/s.
 const SLOWEST_SKID: f64 = 0.01;
-/// Skidding is over when slip stays below this part of its start ...
+/// Fraction of the initial slip below which the coin rolls.
 const ROLLING_PART: f64 = 0.1;
-/// ... for so many seconds.
+/// Time for which the slip must stay below that fraction, s.
 const ROLLING_TIME: f64 = 0.1;
-/// Settled: energy within this part of `M g r` of its value at rest.
+/// Fraction of `M g r` within which the energy of a settled coin is that at rest.
 const SETTLED_PART: f64 = 1e-3;
 
 impl Milestones {
@@ -44,12 +44,12 @@ impl Milestones {
         }
     }
 
-    /// A little after the coin has settled: nothing that is worth a picture happens later.
+    /// A time soon after the coin has settled. Nothing of interest happens later.
     pub(crate) fn curtain(&self) -> Option<f64> {
         self.settled.map(|time| 1.1 * time + 0.5)
     }
 
-    /// What happens when, with short names for the margin of a picture.
+    /// Times of the events, with short names for the margin of a picture.
     pub(crate) fn events(&self) -> Vec<(&'static str, f64)> {
         let skidding = match self.skidding {
             Skidding::Until(time) => Some(time),

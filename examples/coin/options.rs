@@ -12,17 +12,17 @@ use crate::setup::{Method, Setup};
 
 /// The text of `--help`.
 pub(crate) const HELP: &str = "\
-The coin of the report: a ring of points that rolls or spins on a springy floor with friction,
-tumbles and comes to rest. Writes a table, pictures and a page that plays it in 3-D.
+The coin of the coin report: a ring of points that rolls or spins on an elastic floor with
+friction, tumbles and comes to rest. Writes a table, pictures and a page that shows it in 3-D.
 
 Usage: cargo run --release --example coin -- [OPTIONS]
 
 What to run
-  -t, --trial <1..8>            trial of the report to start from             [default: 1]
+  -t, --trial <1..8>            trial of the coin report to start from        [default: 1]
   -a, --all                     all eight trials, and one page that shows them side by side
       --readme-picture <FILE>   only draw the coin of the trial, as an animated SVG, into FILE
 
-The report's five parameters: each replaces the value of the trial
+The five parameters of the coin report: each replaces the value of the trial
       --direction <DIRECTION>   of the angular momentum: rolling (along the coin's normal)
                                 or spinning (along the upright diameter)
       --size <NUMBER>           of the angular momentum, in kg m2/s
@@ -30,22 +30,22 @@ The report's five parameters: each replaces the value of the trial
       --friction <NUMBER>       coefficient of friction
       --damping <N·s/m>         of the floor, for each point
 
-What the report keeps fixed
+Fixed in the coin report
   -n, --points <NUMBER>         points on the rim                             [default: 120]
       --stiffness <N/m>         of the floor, for each point                  [default: 1000]
-      --slip-speed <M/S>        below this speed friction fades out           [default: 1e-10]
+      --slip-speed <M/S>        below this speed friction falls to 0          [default: 1e-10]
 
 How to compute
   -i, --integrator <METHOD>     energy-momentum, report, forward-euler, symplectic-euler,
                                 strang, rk4 or nystrom; the energy of energy-momentum never
-                                rises, report is the report's own loop, word for word
+                                increases, report is the unchanged loop of the coin report
                                                                    [default: energy-momentum]
   -s, --step <SECONDS>          time step                 [default: 1e-3 for energy-momentum
                                                  and nystrom, 1e-4, the report's, for others]
   -d, --duration <SECONDS>      of the run                                    [default: 160]
-      --no-books                do not keep books of the energy: several times faster
+      --no-books                no energy audit: several times faster
 
-  -o, --out <FOLDER>            where the files go                            [default: out]
+  -o, --out <FOLDER>            folder of the files                           [default: out]
   -q, --quiet                   no progress bar and no summary
   -h, --help                    this text
 
@@ -55,19 +55,19 @@ Trials: 1 rolling, 15 degrees, friction 0.3        5 spinning, 15 degrees, frict
         4 spinning, upright, friction 0.3          8 spinning, 15 degrees, friction 0.3
 ";
 
-/// What the command line asks for.
+/// Options of the command line.
 #[derive(Debug)]
 pub(crate) struct Options {
     pub(crate) task: Task,
-    /// Number in the report.
+    /// Number of the trial in the coin report.
     pub(crate) number: usize,
     pub(crate) overrides: Overrides,
-    /// Folder that receives the files; made if it is not there.
+    /// Output folder, created if it does not exist.
     pub(crate) out: PathBuf,
     pub(crate) quiet: bool,
 }
 
-/// What to do with it.
+/// Task of the program.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Task {
     Help,
@@ -76,7 +76,7 @@ pub(crate) enum Task {
     ReadmePicture(PathBuf),
 }
 
-/// Values that replace those of a trial; units as in [`Setup`].
+/// Values that replace those of a trial, in the units of [`Setup`].
 #[derive(Debug, Default)]
 pub(crate) struct Overrides {
     start: Option<Start>,
@@ -94,7 +94,7 @@ pub(crate) struct Overrides {
 }
 
 impl Overrides {
-    /// A trial of the report with what the command line replaces in it.
+    /// Returns a trial of the coin report with the values of the command line.
     pub(crate) fn apply(&self, number: usize) -> Result<Setup, UsageError> {
         let trial = Trial::report(number).ok_or_else(|| no_trial(number))?;
         let setup = Setup::new(number, self.with_options(trial));
@@ -178,7 +178,7 @@ impl Overrides {
     }
 }
 
-/// `--trial` for `-t` and for `--trial`.
+/// Returns the long name of an option, for example `--trial` for `-t`.
 fn whole_name(argument: lexopt::Arg<'_>) -> Result<String, UsageError> {
     let long = match argument {
         Long(long) => long,
@@ -196,7 +196,7 @@ fn whole_name(argument: lexopt::Arg<'_>) -> Result<String, UsageError> {
     Ok(format!("--{long}"))
 }
 
-/// A command line that cannot be run, in words for its author.
+/// An invalid command line, described for the user.
 #[derive(Debug)]
 pub(crate) struct UsageError(String);
 
@@ -248,7 +248,8 @@ fn method(parser: &mut lexopt::Parser) -> Result<Method, UsageError> {
         .map_err(|choices| UsageError(format!("--integrator must be {choices}, got '{text}'")))
 }
 
-/// More points than this are a slip of the finger: the run would take days.
+/// Largest number of points. A larger number is probably a mistake, because the run would take
+/// days.
 const MOST_POINTS: usize = 1_000_000;
 
 fn points(parser: &mut lexopt::Parser) -> Result<usize, UsageError> {
@@ -261,7 +262,7 @@ fn points(parser: &mut lexopt::Parser) -> Result<usize, UsageError> {
     }
 }
 
-/// A finite number; what the physics accepts of it is for the library to say.
+/// Parses a finite number. The library checks its physical range.
 fn number(parser: &mut lexopt::Parser, option: &str, unit: &str) -> Result<f64, UsageError> {
     let text = text(parser)?;
     let space = if unit.is_empty() { "" } else { " in " };

@@ -1,4 +1,4 @@
-//! The eight trials side by side: `overview.html`, with links to the page of each.
+//! Page of all eight trials: `overview.html`, with links to the page of each.
 
 use std::error::Error;
 use std::fs;
@@ -11,10 +11,10 @@ use crate::setup::Setup;
 use crate::summary::{describe_skidding, describe_time};
 
 const TEMPLATE: &str = include_str!("overview.html");
-/// Where the trials go in the template.
+/// Placeholder of the trials in the template.
 const PLACE: &str = "<!--TRIALS-->";
 
-/// Folder of a trial, beside the overview.
+/// Folder of a trial, next to the overview.
 pub(crate) fn folder(setup: &Setup) -> String {
     format!("trial-{}", setup.number)
 }

@@ -1,4 +1,4 @@
-//! The page that plays the run.
+//! The page with the animation of the run.
 
 use std::path::Path;
 
@@ -15,11 +15,11 @@ pub(crate) fn write(recording: &Recording, path: &Path) -> Outcome<()> {
     let mut lines = vec![setup.parameters(), setup.computation()];
     if shown.len() < recording.moments.len() {
         lines.push(format!(
-            "The run lasts {} s; the film ends when the coin lies still.",
+            "The run lasts {} s; the film ends when the coin is at rest.",
             setup.duration
         ));
     }
-    // Few points make a polygon with the points as its corners; many look round.
+    // A few points make a polygon with the points as corners. Many points look round.
     let corners = if setup.points < 30 { setup.points } else { 120 };
     let film = Film {
         title: format!("{} of the coin", setup.title()),

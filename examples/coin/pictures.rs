@@ -1,4 +1,4 @@
-//! The report's pictures: energy, track, slip speed and centre, each as SVG and PNG.
+//! The pictures of the coin report: energy, track, slip speed and centre, each as SVG and PNG.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use crate::milestones::Milestones;
 use crate::recording::{Moment, Recording};
 use crate::setup::RADIUS;
 
-/// A flat one: two of them stand in one picture.
+/// Size of a flat picture. Two of them form one picture.
 const FLAT: Size = (900.0, 300.0);
 const SQUARE: Size = (820.0, 720.0);
 /// A picture in the overview of the trials.
@@ -39,7 +39,7 @@ pub(crate) fn write(recording: &Recording, folder: &Path) -> Outcome<()> {
     Picture::of("centre", &centre(recording))?.write(folder)
 }
 
-/// Energy and track as two small SVGs, for the overview of the trials.
+/// Returns energy and track as two small SVGs, for the overview of the trials.
 pub(crate) fn small(recording: &Recording) -> [String; 2] {
     let number = recording.setup.number;
     let energy = ("energy", energy(recording, SMALL));
@@ -67,8 +67,10 @@ impl Sketch {
         Self { curves, layout }
     }
 
-    /// With time across. What is positive stands on the axis, also where it ends a hair below zero,
-    /// as the energy does.
+    /// Frame with time on the horizontal axis.
+    ///
+    /// The vertical axis of positive quantities starts at 0, also if rounding makes a value
+    /// slightly negative, such as the energy at the end.
     fn over_time(curves: Vec<LinePlot>, y_label: &str, size: Size) -> Self {
         let values = || {
             curves
@@ -103,7 +105,7 @@ impl Sketch {
         self
     }
 
-    /// Marks when things happen: dashed lines, and a line of text under the title.
+    /// Marks the times of events by dashed lines, and by a line of text under the title.
     fn with_events(self, recording: &Recording) -> Self {
         let events = Milestones::of(recording).events();
         let told: Vec<String> = events
@@ -118,7 +120,7 @@ impl Sketch {
         })
     }
 
-    /// With few ticks and without a legend.
+    /// Reduces the number of ticks and removes the legend.
     fn sparse(self) -> Self {
         self.with(|layout| {
             let layout = layout.with_label_size(16).with_tick_size(14);
@@ -171,7 +173,7 @@ fn track(recording: &Recording, size: Size) -> Sketch {
         })
 }
 
-/// Ends of an axis, m: a margin on both sides, and not less than the coin needs.
+/// Ends of an axis, m: a margin on both sides, and at least the size of the coin.
 fn room_for(places: &[f64]) -> (f64, f64) {
     let least = places.iter().copied().fold(f64::INFINITY, f64::min);
     let most = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -185,7 +187,7 @@ fn slip(recording: &Recording) -> Sketch {
     Sketch::over_time(vec![slip], "slip speed (m/s)", WIDE)
 }
 
-/// Height of the centre over time, and its y below.
+/// Height of the centre over time, and its y coordinate below.
 fn centre(recording: &Recording) -> Scene {
     let height = line(over_time(recording, |moment| moment.centre.z), GREEN);
     let across = line(over_time(recording, |moment| moment.centre.y), BLUE);
@@ -207,7 +209,7 @@ fn centre(recording: &Recording) -> Scene {
         .render()
 }
 
-/// One line for each piece of a track; the first carries the name.
+/// Draws one line for each piece of a track. The first has the name of the track.
 fn track_line(
     track: impl Iterator<Item = (f64, f64)>,
     colour: &str,
@@ -231,7 +233,7 @@ fn line(curve: Curve, colour: &str) -> LinePlot {
         .with_stroke_width(1.5)
 }
 
-/// A quantity over time, until a little after the coin has settled.
+/// A quantity over time, until shortly after the coin has settled.
 fn over_time(recording: &Recording, value: impl Fn(&Moment) -> f64) -> Curve {
     let moving = recording.until(Milestones::of(recording).curtain()).iter();
     thinned(moving.map(|moment| (moment.time, value(moment))).collect())

@@ -1,5 +1,5 @@
-//! The picture of the README: an SVG in which the coin tumbles, over its own traces and the curve
-//! of its energy.
+//! The picture of the README: an SVG in which the coin tumbles, with its track and the curve of its
+//! energy.
 
 use std::fmt::Write;
 use std::fs;
@@ -14,30 +14,31 @@ use crate::setup::RADIUS;
 
 const TEMPLATE: &str = include_str!("poster.svg");
 
-/// Pixels.
+/// Width of the picture, pixels.
 const WIDTH: f64 = 900.0;
-/// The floor takes the upper part of the picture, the curve what is below.
+/// Height of the floor, the upper part of the picture, pixels. The curve is below it.
 const FLOOR_HEIGHT: f64 = 350.0;
-/// Time 0 and no energy.
+/// Point of the curve for time 0 and zero energy.
 const CURVE_START: DVec2 = DVec2::new(30.0, 446.0);
-/// The end and the energy of the start.
+/// Point of the curve for the end of the run and the energy at the start.
 const CURVE_END: DVec2 = DVec2::new(WIDTH - 30.0, 372.0);
 const MARGIN: f64 = 26.0;
 
-/// Length of the film, s, and pictures in it.
+/// Length of the film, s. The next constant is its number of frames.
 const FILM: f64 = 14.0;
 const PICTURES: u32 = 350;
-/// Film seconds of the coins that stay in the picture.
+/// Times of the film at which a coin stays in the picture, s.
 const GHOSTS: [f64; 7] = [0.0, 0.36, 1.3, 3.0, 5.0, 7.4, 10.5];
-/// Half the thickness that the coin is drawn with, m.
+/// Half the thickness of the drawn coin, m.
 const HALF_THICKNESS: f64 = 0.014;
-/// The eye looks down at this angle, rad.
+/// Angle of the view below the horizontal, rad.
 const PITCH: f64 = 0.5;
 
 /// Writes the picture.
 ///
 /// # Errors
-/// Where the file cannot be written.
+///
+/// Returns an error if the file cannot be written.
 pub(crate) fn write(recording: &Recording, path: &Path) -> std::io::Result<()> {
     let film = Film::of(recording);
     let eye = Eye::on(film.moments);
@@ -53,7 +54,7 @@ pub(crate) fn write(recording: &Recording, path: &Path) -> std::io::Result<()> {
     fs::write(path, text)
 }
 
-/// The moments of a run until the coin lies still, run through faster and faster.
+/// The moments of a run until the coin is at rest, played at increasing speed.
 struct Film<'a> {
     moments: &'a [Moment],
 }
@@ -69,20 +70,20 @@ impl<'a> Film<'a> {
         self.moments[0].energy.total()
     }
 
-    /// Simulated seconds.
+    /// Length of the run, simulated seconds.
     fn length(&self) -> f64 {
         self.moments[self.moments.len() - 1].time
     }
 
-    /// Simulated time at a time of the film: `t + c t²`, true to life at the start; evenly fast
-    /// where the run is short.
+    /// Simulated time at a time of the film: `t + c t²`, in real time at the start. A short run has
+    /// constant speed.
     fn time(&self, film: f64) -> f64 {
         let even = (self.length() / FILM).min(1.0);
         let faster = (self.length() - even * FILM) / (FILM * FILM);
         even * film + faster * film * film
     }
 
-    /// The moment that is shown at a time of the film.
+    /// Returns the moment that is shown at a time of the film.
     fn at(&self, film: f64) -> &'a Moment {
         let time = self.time(film);
         let next = self.moments.partition_point(|moment| moment.time < time);
@@ -90,20 +91,20 @@ impl<'a> Film<'a> {
     }
 }
 
-/// A parallel projection. The coin travels from left to right.
+/// A parallel projection, in which the coin moves from left to right.
 struct Eye {
     right: DVec3,
     up: DVec3,
-    /// From the scene to the eye.
+    /// Direction from the scene to the viewer.
     out: DVec3,
     /// Pixels for each metre.
     scale: f64,
-    /// Pixels.
+    /// Position of the scene's origin in the picture, pixels.
     origin: DVec2,
 }
 
 impl Eye {
-    /// Sees all of the run.
+    /// Creates a view of the whole run.
     fn on(moments: &[Moment]) -> Self {
         let travel = moments[moments.len() - 1].centre - moments[0].centre;
         let right = DVec3::new(travel.x, travel.y, 0.0)
@@ -122,7 +123,7 @@ impl Eye {
         eye
     }
 
-    /// Chooses scale and origin such that every coin of the run is in the picture.
+    /// Chooses scale and origin so that every coin of the run is in the picture.
     fn frame(&mut self, moments: &[Moment]) {
         let (mut least, mut most) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for moment in moments {
@@ -137,18 +138,18 @@ impl Eye {
         self.origin = DVec2::new(WIDTH, FLOOR_HEIGHT) / 2.0 - self.scale * (least + most) / 2.0;
     }
 
-    /// Pixels, y down.
+    /// Projects a position to pixels, with y down.
     fn see(&self, place: DVec3) -> DVec2 {
         self.origin + self.see_way(place)
     }
 
-    /// A way from one place to another, as pixels.
+    /// Projects a displacement to pixels.
     fn see_way(&self, way: DVec3) -> DVec2 {
         self.scale * DVec2::new(way.dot(self.right), -way.dot(self.up))
     }
 
-    /// The transform that carries a disc of radius 1 to one with this centre and these radii at
-    /// right angles, as SVG and CSS write it.
+    /// Transform of a disc of radius 1 to one with this centre and these perpendicular radii, in
+    /// the format of SVG and CSS.
     fn disc(&self, centre: DVec3, radii: [DVec3; 2]) -> String {
         let [u, v] = radii.map(|radius| self.see_way(radius));
         let c = self.see(centre);
@@ -159,12 +160,12 @@ impl Eye {
     }
 }
 
-/// Two radii of the coin at right angles; the first one points to the mark.
+/// Two perpendicular radii of the coin. The first points to the mark.
 fn in_plane(moment: &Moment) -> [DVec3; 2] {
     [DVec3::Y, DVec3::Z].map(|axis| moment.orientation * axis * RADIUS)
 }
 
-/// The coin as the picture draws it at one moment: transforms of unit discs.
+/// The coin as drawn at one moment: transforms of unit discs.
 struct Drawn {
     face: String,
     middle: String,
@@ -192,7 +193,7 @@ impl Drawn {
         }
     }
 
-    /// One coin that does not move.
+    /// Returns one coin that does not move.
     fn still(&self) -> String {
         let face = if self.heads { "heads" } else { "tails" };
         format!(
@@ -202,7 +203,7 @@ impl Drawn {
     }
 }
 
-/// The styles that move the coin, its shadow, the point of contact and the cursor on the curve.
+/// CSS rules that move the coin, its shadow, the contact point and the cursor on the curve.
 fn keyframes(film: &Film<'_>, eye: &Eye) -> String {
     let drawn = |when| Drawn::of(film.at(when), eye);
     let shown = |yes| format!("opacity:{}", u8::from(yes));
@@ -223,7 +224,7 @@ fn moved(to: DVec2) -> String {
     format!("transform:translate({:.1}px,{:.1}px)", to.x, to.y)
 }
 
-/// A CSS rule with the style at each picture of the film; what does not change is not repeated.
+/// A CSS rule with the style at each frame of the film. Unchanged styles are not repeated.
 fn rule(name: &str, style: impl Fn(f64) -> String) -> String {
     let mut text = format!("@keyframes {name}{{");
     let mut before = String::new();
@@ -231,7 +232,7 @@ fn rule(name: &str, style: impl Fn(f64) -> String) -> String {
         let part = f64::from(picture) / f64::from(PICTURES);
         let now = style(part * FILM);
         if now != before {
-            // Writing into a string does not fail.
+            // Writing to a string does not fail.
             let _ = write!(text, "{:.2}%{{{now}}}", 100.0 * part);
         }
         before = now;
@@ -239,7 +240,7 @@ fn rule(name: &str, style: impl Fn(f64) -> String) -> String {
     text + "}\n"
 }
 
-/// Lines on the floor every half metre, about the middle of the picture and beyond its edges.
+/// Lines on the floor every half metre, around the middle of the picture and beyond its edges.
 fn grid(eye: &Eye) -> String {
     let middle = eye.right * ((WIDTH / 2.0 - eye.origin.x) / eye.scale);
     let x = (2.0 * middle.x).round() / 2.0;
@@ -254,7 +255,7 @@ fn grid(eye: &Eye) -> String {
     lines.collect()
 }
 
-/// The way of the lowest point.
+/// Track of the lowest point.
 fn track(film: &Film<'_>, eye: &Eye) -> String {
     let lowest = film.moments.iter().map(|m| (m.lowest.x, m.lowest.y));
     let see = |(x, y)| eye.see(DVec3::new(x, y, 0.0));
@@ -265,7 +266,7 @@ fn track(film: &Film<'_>, eye: &Eye) -> String {
     lines.collect()
 }
 
-/// Coins that stay where they were.
+/// Coins that stay in the picture.
 fn ghosts(film: &Film<'_>, eye: &Eye) -> String {
     let ghost = |when: f64| Drawn::of(film.at(when), eye).still();
     GHOSTS.into_iter().map(ghost).collect()
@@ -277,14 +278,14 @@ fn curve(film: &Film<'_>) -> String {
     line_through(some.map(|moment| on_curve(film, moment)))
 }
 
-/// Where a moment is on the curve of the energy.
+/// Position of a moment on the curve of the energy.
 fn on_curve(film: &Film<'_>, moment: &Moment) -> DVec2 {
     let energy = moment.energy.total() / film.energy();
     let part = DVec2::new(moment.time / film.length(), energy);
     CURVE_START + part * (CURVE_END - CURVE_START)
 }
 
-/// `M1 2L3 4`, pixels.
+/// Path of an SVG through points in pixels, such as `M1 2L3 4`.
 fn line_through(places: impl IntoIterator<Item = DVec2>) -> String {
     let mut path = String::new();
     for place in places {

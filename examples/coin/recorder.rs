@@ -1,4 +1,5 @@
-//! Watches a run: keeps a moment now and then, the books at each step, and moves the progress bar.
+//! Observer of a run: stores moments at intervals and the energy audit, and updates the progress
+//! bar.
 
 use std::ops::ControlFlow;
 
@@ -11,9 +12,9 @@ use crate::setup::Setup;
 /// A ring of any number of points.
 pub(crate) type RingCoin = Coin<f64, Vec<ContactPoint>>;
 
-/// Moments for each second, where the run is not too long for that ...
+/// Number of stored moments for each second of a short run.
 const MOMENTS_PER_SECOND: f64 = 100.0;
-/// ... which it is when it would have more moments than this.
+/// Largest number of moments of a run.
 const MOST_MOMENTS: f64 = 200_000.0;
 
 /// An observer of the library that makes a recording.
@@ -21,7 +22,7 @@ const MOST_MOMENTS: f64 = 200_000.0;
 pub(crate) struct Recorder<'a> {
     coin: &'a RingCoin,
     bar: &'a ProgressBar,
-    /// Seconds from moment to moment.
+    /// Interval between two moments, s.
     interval: f64,
     duration: f64,
     ledger: Option<Ledger>,
@@ -46,7 +47,7 @@ impl<'a> Recorder<'a> {
         self.moments.last().map_or(0.0, |moment| moment.time)
     }
 
-    /// The moments and, where they were kept, the books.
+    /// Returns the moments and the energy audit, if there is one.
     pub(crate) fn finish(self) -> (Vec<Moment>, Option<Books>) {
         let books = self.ledger.map(|ledger| Books {
             work: ledger.work(),
@@ -55,8 +56,8 @@ impl<'a> Recorder<'a> {
         (self.moments, books)
     }
 
-    /// Whether the next moment is there, or the end of the run. Times are sums of steps, so they
-    /// may miss by a rounding.
+    /// Returns true if the next moment or the end of the run is reached. Times are sums of steps,
+    /// so they may deviate by rounding.
     fn is_due(&self, time: f64) -> bool {
         let next = self.moments.len() as f64 * self.interval;
         time >= next - 1e-6 * self.interval || time >= self.duration

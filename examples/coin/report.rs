@@ -1,4 +1,4 @@
-//! The report's own loop, shown to the recorder as states of the library.
+//! The loop of the coin report, which passes its states to the recorder.
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -13,10 +13,11 @@ use crate::report_loop::{Direction, ReportLoop, ReportTrial, SLIP_SPEED};
 use crate::run::CoinStepper;
 use crate::setup::{RADIUS, Setup};
 
-/// Runs the loop. The stepper only answers questions about its states.
+/// Runs the loop. The stepper is used only for queries about its states.
 ///
 /// # Errors
-/// Where the loop has no such parameter, or leaves the finite numbers.
+///
+/// Returns an error if the loop does not have a parameter, or if a number is not finite.
 pub(crate) fn run<I: Integrator<f64>>(
     setup: &Setup,
     stepper: &CoinStepper<I>,
@@ -41,7 +42,7 @@ pub(crate) fn run<I: Integrator<f64>>(
             state: &state,
             scene: stepper.scene(),
         };
-        // A hair less than a step before the end is the end.
+        // Slightly less than a step before the end counts as the end.
         let over = report.time() > setup.duration - 1e-6 * setup.time_step;
         if recorder.observe(&sample) == ControlFlow::Break(()) || over {
             return Ok(());
@@ -81,10 +82,10 @@ fn state(report: &ReportLoop, points: usize) -> State {
     }
 }
 
-/// The turn that carries the ring as it was made to the ring as it is.
+/// Rotation from the initial ring to the current one.
 ///
-/// The arm of point k was `r (y cos φ + z sin φ)` with `φ = 2πk/n`, so `2/(n r) Σ arm cos φ` is
-/// where y is now, and the same with sines z.
+/// The arm of point k was `r (y cos φ + z sin φ)` with `φ = 2πk/n`. So `2/(n r) Σ arm cos φ` is the
+/// current y axis, and the same sum with sines is the z axis.
 fn orientation(report: &ReportLoop, points: usize) -> DQuat {
     let (mut y, mut z) = (DVec3::ZERO, DVec3::ZERO);
     for point in 1..=points {

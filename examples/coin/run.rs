@@ -1,4 +1,4 @@
-//! Runs a setup: by an integrator of the library, or by the report's own loop.
+//! Runs a setup, by an integrator of the library or by the loop of the coin report.
 
 use std::error::Error;
 use std::time::Instant;
@@ -16,13 +16,14 @@ use crate::report;
 use crate::setup::{MASS, Method, RADIUS, Setup};
 use crate::tally::Tallied;
 
-/// The coin on its floor, moved on by an integrator.
+/// Stepper of the coin on its floor.
 pub(crate) type CoinStepper<I> = Stepper<f64, RingCoin, FlatGround, Coulomb, UniformGravity, I>;
 
 /// Runs from the start of the trial to the end of its duration.
 ///
 /// # Errors
-/// Where the setup cannot be, or a step fails.
+///
+/// Returns an error if the setup is invalid, or if a step fails.
 pub(crate) fn run(setup: Setup, bar: &ProgressBar) -> Result<Recording, Box<dyn Error>> {
     let time_step = setup.time_step;
     match setup.method {
@@ -36,7 +37,7 @@ pub(crate) fn run(setup: Setup, bar: &ProgressBar) -> Result<Recording, Box<dyn 
     }
 }
 
-/// Composes the scene, runs it by `drive` and keeps what the recorder saw.
+/// Composes the scene, runs it by `drive` and returns the recording.
 fn record<I: Integrator<f64>>(
     setup: Setup,
     bar: &ProgressBar,
@@ -90,12 +91,12 @@ fn by_library<I: Integrator<f64>>(
     Ok(())
 }
 
-/// The first state of a run, looked for every 10 ms, at which the step is too long to be stable.
+/// First state of a run, sampled every 10 ms, at which the step size is unstable.
 #[derive(Default)]
 struct StepLimit {
-    /// s: when to look again.
+    /// Time of the next sample, s.
     next: f64,
-    /// Least limit so far and its time, s.
+    /// Least stability limit so far and its time, s.
     least: Option<(f64, f64)>,
 }
 
@@ -112,12 +113,13 @@ impl StepLimit {
         }
     }
 
-    /// Says so if a contact was stiffer than the step allows, in its springs or in the friction of
-    /// a stuck slip.
+    /// Prints a warning if the step size was unstable for the stiffness of a contact, or for
+    /// friction in stick.
     fn warn(&self, time_step: f64) {
         if let Some((least, time)) = self.least.filter(|(least, _)| *least < time_step) {
             eprintln!(
-                "warning: the step of {time_step:e} s is longer than {least:.1e} s, the largest stable one at {time:.2} s"
+                "warning: the step of {time_step:e} s is longer than {least:.1e} s, the largest \
+                 stable one at {time:.2} s"
             );
         }
     }

@@ -1,4 +1,4 @@
-//! The run in a dozen lines of text.
+//! Summary of a run in about twelve lines of text.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use crate::milestones::{Milestones, Skidding};
 use crate::recording::{Books, Recording};
 use crate::tally::Tally;
 
-/// Prints as the summary of a run.
+/// Summary of a run, with `Display`.
 #[derive(Debug)]
 pub(crate) struct Summary<'a>(pub(crate) &'a Recording);
 
@@ -23,7 +23,7 @@ impl fmt::Display for Summary<'_> {
         write_energy(out, "energy at the end", recording.last().energy)?;
         match recording.books {
             Some(books) => write_books(out, books)?,
-            None => write_line(out, "books", "not kept")?,
+            None => write_line(out, "energy audit", "none")?,
         }
         if recording.tally.iterations > 0 {
             write_tally(out, &recording.tally)?;
@@ -39,7 +39,7 @@ fn write_milestones(out: &mut fmt::Formatter<'_>, milestones: Milestones) -> fmt
     write_line(out, "settles", describe_time(milestones.settled))
 }
 
-/// `until 1.32 s`, `not at all`.
+/// Describes the skid: `until 1.32 s`, `not at the start`.
 pub(crate) fn describe_skidding(skidding: Skidding) -> String {
     match skidding {
         Skidding::Never => "not at the start".to_owned(),
@@ -48,7 +48,7 @@ pub(crate) fn describe_skidding(skidding: Skidding) -> String {
     }
 }
 
-/// `at 0.49 s`, `not within the run`.
+/// Describes a time: `at 0.49 s`, `not within the run`.
 pub(crate) fn describe_time(time: Option<f64>) -> String {
     match time {
         Some(time) => format!("at {time:.2} s"),
@@ -74,16 +74,16 @@ fn write_books(out: &mut fmt::Formatter<'_>, books: Books) -> fmt::Result {
     write_line(out, "change of energy", joules(change))?;
     write_line(out, "  by friction", joules(books.work.friction))?;
     write_line(out, "  by the dampers", joules(books.work.damper))?;
-    write_line(out, "  by springs let go", joules(books.work.clamp))?;
+    write_line(out, "  by separation", joules(books.work.clamp))?;
     let error = format!("{}, of the method", joules(books.residue));
     write_line(out, "  energy error", error)
 }
 
-/// Of an implicit method.
+/// Writes the sums over the steps of an implicit method.
 fn write_tally(out: &mut fmt::Formatter<'_>, tally: &Tally) -> fmt::Result {
     let each = tally.iterations as f64 / tally.steps as f64;
     let text = format!(
-        "{each:.2} a step; {} of {} steps divided, {:.1e} J kept from being added",
+        "{each:.2} a step; {} of {} steps divided, {:.1e} J removed",
         tally.divided, tally.steps, tally.energy_removed
     );
     write_line(out, "iterations", text)
@@ -93,7 +93,7 @@ fn write_speed(out: &mut fmt::Formatter<'_>, recording: &Recording) -> fmt::Resu
     let simulated = recording.last().time;
     let wall = recording.wall_time;
     let speed = simulated / wall;
-    let books = recording.books.map_or("", |_| ", books included");
+    let books = recording.books.map_or("", |_| ", audit included");
     let text = format!("{wall:.3} s{books}: {speed:.0} simulated seconds per second");
     write_line(out, "computed in", text)
 }

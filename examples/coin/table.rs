@@ -1,4 +1,4 @@
-//! The run as a table, `coin.csv`: a row for each moment, units in the header.
+//! The run as a table, `coin.csv`, with a row for each moment and units in the header.
 
 use std::path::Path;
 
@@ -42,12 +42,12 @@ pub(crate) fn write(recording: &Recording, path: &Path) -> Result<(), csv::Error
     Ok(())
 }
 
-/// Numbers with as many digits as it takes to read the same numbers back.
+/// Formats numbers with as many digits as are needed to read the same numbers back.
 fn row(moment: &Moment) -> [String; HEADER.len()] {
     let q = moment.orientation;
     let energy = moment.energy;
     [
-        // A time is a number of steps; six decimals free it of rounding.
+        // A time is a whole number of steps. Six decimals remove its rounding.
         format!("{:.6}", moment.time),
         moment.centre.x.to_string(),
         moment.centre.y.to_string(),

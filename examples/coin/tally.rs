@@ -1,4 +1,4 @@
-//! Adds up what an integrator's steps report.
+//! Sums of the reports of an integrator's steps.
 
 use std::cell::Cell;
 
@@ -9,13 +9,13 @@ use tumble::{Dynamics, Integrator, SceneError, State, Step, StepError};
 pub(crate) struct Tally {
     pub(crate) steps: u64,
     pub(crate) iterations: u64,
-    /// Steps that were too long to be taken whole.
+    /// Number of steps that were too long to be taken as a whole.
     pub(crate) divided: u64,
-    /// Energy that was removed so that the total does not rise, J.
+    /// Energy removed so that the total never increases, J.
     pub(crate) energy_removed: f64,
 }
 
-/// An integrator with its tally: the same steps, counted.
+/// An integrator that counts its steps, and takes the same steps as without counting.
 #[derive(Debug)]
 pub(crate) struct Tallied<I> {
     integrator: I,
@@ -30,7 +30,7 @@ impl<I> Tallied<I> {
         }
     }
 
-    /// The sums so far.
+    /// Returns the sums so far.
     pub(crate) fn tally(&self) -> Tally {
         self.tally.get()
     }

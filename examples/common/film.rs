@@ -1,5 +1,5 @@
-//! A page that plays a run in three dimensions: `film.html` with the run written into it as whole
-//! numbers. It needs no other file.
+//! A page that shows a run in three dimensions. It is `film.html` with the run written into it as
+//! whole numbers, and needs no other file.
 
 use std::fs;
 use std::path::Path;
@@ -12,45 +12,45 @@ use super::Outcome;
 use super::mesh::Mesh;
 
 const TEMPLATE: &str = include_str!("film.html");
-/// Where the run goes in the template.
+/// Placeholder of the run in the template.
 const PLACE: &str = "/*RUN*/null";
 
-/// What one unit of a whole number means: s, parts of the size, and of a quaternion.
+/// Units of the whole numbers: s, fractions of the size, and fractions of a quaternion.
 const TIME: f64 = 1e-4;
 const LENGTH: f64 = 2e-4;
 const ORIENTATION: f64 = 1e-4;
 
-/// A run to play.
+/// A recorded run.
 #[derive(Debug)]
 pub(crate) struct Film {
     pub(crate) title: String,
-    /// Below the title, a line each.
+    /// Lines below the title.
     pub(crate) lines: Vec<String>,
-    /// Half of the body, m: a coin's radius.
+    /// Half the size of the body, m: the radius of a coin.
     pub(crate) size: f64,
-    /// Of the eye from what it looks at, in sizes.
+    /// Distance of the viewer from the point in view, in sizes.
     pub(crate) distance: f64,
-    /// How many times slower than the run it plays at first; one of the page's choices.
+    /// Factor by which the run is slowed down at first. It is one of the page's choices.
     pub(crate) slower: f64,
     pub(crate) bodies: Vec<Mesh>,
-    /// Figures beside the picture.
+    /// Figures next to the picture.
     pub(crate) readouts: Vec<Column>,
-    /// Curves below it, in one unit; the first is the main one.
+    /// Curves below the picture, in one unit. The first is the main curve.
     pub(crate) curves: Vec<Column>,
     /// Marks on the curves.
     pub(crate) events: Vec<(&'static str, f64)>,
-    /// In the order of time, two or more.
+    /// Shots in order of time, at least two.
     pub(crate) shots: Vec<Shot>,
 }
 
-/// What a number of each shot is.
+/// Meaning of a number of each shot.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Column {
     pub(crate) name: &'static str,
     pub(crate) unit: &'static str,
-    /// Behind the point.
+    /// Number of digits after the point.
     pub(crate) digits: i32,
-    /// Of a curve: `ink`, `blue`, `green`, `orange` or `purple`.
+    /// Colour of a curve: `ink`, `blue`, `green`, `orange` or `purple`.
     pub(crate) colour: &'static str,
 }
 
@@ -70,7 +70,7 @@ impl Column {
     }
 }
 
-/// Curves of the energy by kind, whose values [`energies`] gives.
+/// Curves of the energy by kind, with the values of [`energies`].
 pub(crate) fn energy_columns() -> Vec<Column> {
     [
         ("total", "ink"),
@@ -93,30 +93,30 @@ pub(crate) fn energies(energy: &Energy) -> [f64; 5] {
     ]
 }
 
-/// One moment.
+/// A shot of the run at one time.
 #[derive(Clone, Debug)]
 pub(crate) struct Shot {
-    /// s
+    /// Time, s.
     pub(crate) time: f64,
-    /// One for each body.
+    /// Pose of each body.
     pub(crate) poses: Vec<Pose>,
-    /// The readouts, then the curves.
+    /// Values of the readouts, then of the curves.
     pub(crate) values: Vec<f64>,
 }
 
-/// Where a body is.
+/// Pose of a body.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pose {
-    /// Of the mesh's origin, m.
+    /// Position of the mesh's origin, m.
     pub(crate) place: DVec3,
-    /// Body to world.
+    /// Rotation from body to world axes.
     pub(crate) orientation: DQuat,
-    /// Lowest point, m: it draws a track on the floor.
+    /// Lowest point, m, which draws a track on the floor.
     pub(crate) lowest: DVec3,
 }
 
 impl Pose {
-    /// With the mesh's origin at the centre of mass.
+    /// Pose of a body whose mesh has its origin at the centre of mass.
     pub(crate) fn of(sample: &Sample<'_>) -> Self {
         let state = sample.state;
         let lowest = sample.lowest_point();
@@ -127,7 +127,7 @@ impl Pose {
         }
     }
 
-    /// The same elsewhere.
+    /// Returns the pose shifted by a displacement.
     pub(crate) fn moved(self, way: DVec3) -> Self {
         Self {
             place: self.place + way,
@@ -137,12 +137,12 @@ impl Pose {
     }
 }
 
-/// Takes shots of a run at even times.
+/// Takes shots of a run at equal intervals.
 #[derive(Debug)]
 pub(crate) struct Camera {
-    /// s
+    /// Time of the first shot, s.
     start: f64,
-    /// s
+    /// Interval between two shots, s.
     interval: f64,
     pub(crate) shots: Vec<Shot>,
 }
@@ -160,13 +160,13 @@ impl Camera {
         }
     }
 
-    /// A shot where one is due, of these readouts and the energy by kind.
+    /// Takes a shot if one is due, with these readouts and the energy by kind.
     pub(crate) fn look<const N: usize>(
         &mut self,
         sample: &Sample<'_>,
         readouts: impl FnOnce() -> [f64; N],
     ) {
-        // Times are sums of steps.
+        // Times are sums of steps, so they deviate by rounding.
         if sample.time < self.start + self.shots.len() as f64 * self.interval - 1e-9 {
             return;
         }
@@ -218,7 +218,7 @@ impl Film {
             "distance": 0.5 * self.distance,
             "slower": self.slower,
             "follow": self.bodies.len() / 2,
-            // The page's lengths are such that the size is one half.
+            // The page's lengths are scaled so that the size is one half.
             "units": { "time": TIME, "length": 0.5 * LENGTH, "orientation": ORIENTATION },
             "events": self.events,
             "colours": colours,
@@ -230,7 +230,7 @@ impl Film {
         })
     }
 
-    /// The shots that are needed to draw all of them, first and last included.
+    /// Returns the shots from which all of them can be drawn, including first and last.
     fn kept(&self) -> Vec<Shot> {
         let shots = with_steady_signs(&self.shots);
         let mut kept = vec![shots[0].clone()];
@@ -242,7 +242,7 @@ impl Film {
         kept
     }
 
-    /// The farthest shot such that all between it and `from` lie on the line.
+    /// Returns the farthest shot such that all shots between it and `from` lie on a line.
     fn next(&self, shots: &[Shot], from: usize) -> usize {
         let last = shots.len() - 1;
         let mut to = from + 1;
@@ -270,17 +270,19 @@ impl Film {
     }
 }
 
-/// A shot may be left out where the line between its neighbours is this near, in sizes and in each
-/// part of the quaternion (half of an angle in radians).
+/// Deviation from the line between its neighbours within which a shot may be left out, in sizes and
+/// in each part of the quaternion (half of an angle in radians).
 const NEAR: f64 = 1e-3;
-/// The same for the track on the floor, in sizes ...
+/// Deviation of the track on the floor within which a shot may be left out, in sizes.
 const NEAR_ON_FLOOR: f64 = 0.02;
-/// ... but where the lowest point leaps so far across the body, which leaves no track.
+/// Distance, in sizes, beyond which the lowest point has jumped across the body, which leaves no
+/// track.
 const LEAP: f64 = 0.6;
-/// Longest gap between two shots that are kept, in shots.
+/// Longest gap between two stored shots, in shots.
 const LONGEST: usize = 100;
 
-/// `q` and `−q` are the same orientation, but the way from one to the other is a whole turn.
+/// Returns the shots with continuous signs of the quaternions. `q` and `−q` are the same
+/// orientation, but interpolation between them is a whole revolution.
 fn with_steady_signs(shots: &[Shot]) -> Vec<Shot> {
     let mut before = shots[0].poses.clone();
     (shots.iter().cloned())
@@ -296,7 +298,8 @@ fn with_steady_signs(shots: &[Shot]) -> Vec<Shot> {
         .collect()
 }
 
-/// Each value in units, as the difference to the one before: small numbers, a small file.
+/// Returns each value in units as the difference from the previous one. Small numbers make a small
+/// file.
 fn differences(shots: &[Shot], unit: f64, value: &dyn Fn(&Shot) -> f64) -> Vec<i64> {
     let mut before = 0;
     (shots.iter())
@@ -309,7 +312,7 @@ fn differences(shots: &[Shot], unit: f64, value: &dyn Fn(&Shot) -> f64) -> Vec<i
         .collect()
 }
 
-/// The nearest whole number; the ends of the range stand for what is beyond them.
+/// Returns the nearest whole number, limited to the range of the type.
 #[allow(clippy::cast_possible_truncation)] // The cast saturates, which is what is wanted.
 pub(super) fn whole(value: f64) -> i64 {
     value.round() as i64

@@ -1,4 +1,4 @@
-//! Bodies to draw: convex, of coloured faces, and what is painted on a face after it.
+//! Bodies to draw: convex meshes of coloured faces, with marks on the faces.
 
 use core::f64::consts::TAU;
 
@@ -21,12 +21,12 @@ pub(crate) const BLUE: Colour = [60, 110, 180];
 pub(crate) const SAND: Colour = [206, 190, 160];
 pub(crate) const INK: Colour = [40, 44, 56];
 
-/// Faces with their corners against the clock, seen from outside; m, body axes.
+/// Faces with their corners counter-clockwise, seen from outside; m, body axes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Mesh(Vec<(Colour, Vec<DVec3>)>);
 
 impl Mesh {
-    /// The faces in whole units of length: a colour's number, then the coordinates.
+    /// Returns the faces in whole units of length: the number of the colour, then the coordinates.
     pub(super) fn faces(&self, unit: f64, colours: &mut Vec<Colour>) -> Value {
         let face = |(colour, points): &(Colour, Vec<DVec3>)| {
             let place = colours.iter().position(|known| known == colour);
@@ -42,10 +42,12 @@ impl Mesh {
         self.0.iter().map(face).collect()
     }
 
-    /// A coin about its x axis: gold with a star, silver with rings, and a red mark at the rim of
-    /// both, towards y. The rim has so many corners.
+    /// A coin about its x axis with a rim of `corners` corners.
+    ///
+    /// One face is gold with a star, the other silver with rings. Both have a red mark at the rim,
+    /// towards y.
     pub(crate) fn coin(radius: f64, corners: usize) -> Self {
-        // Drawn a little thick so that the edge is seen.
+        // The coin is drawn slightly thick, so that the edge is visible.
         let half = 0.032 * radius;
         let on =
             |side: f64, place: DVec2| DVec3::new(side * half, radius * place.x, radius * place.y);
@@ -91,8 +93,8 @@ impl Mesh {
         mesh
     }
 
-    /// A ball or an egg about a middle, with half axes, in sectors of two colours about z and caps
-    /// of a third around its poles.
+    /// A ball or an egg around a middle, with these semi-axes. It has sectors of two colours about
+    /// z, and caps of a third around its poles.
     pub(crate) fn ellipsoid(
         middle: DVec3,
         half: DVec3,
@@ -130,7 +132,7 @@ impl Mesh {
         mesh
     }
 
-    /// A die about a middle: 1 at x, 2 at y, 3 at z, and 7 together on opposite sides.
+    /// A die around a middle: 1 at x, 2 at y, 3 at z, and a sum of 7 on opposite sides.
     pub(crate) fn die(middle: DVec3, edge: f64, base: Colour, pip: Colour) -> Self {
         let mut mesh = Self::default();
         for (axis, number) in [(0, 1), (1, 2), (2, 3), (2, 4), (1, 5), (0, 6)] {
@@ -156,7 +158,7 @@ impl Mesh {
     }
 }
 
-/// A circle of so many corners, against the clock.
+/// Corners of a regular polygon, counter-clockwise.
 fn ring(radius: f64, corners: usize) -> Vec<DVec2> {
     (0..corners)
         .map(|k| radius * DVec2::from_angle(TAU * k as f64 / corners as f64))

@@ -1,7 +1,7 @@
-//! What the examples share: options, figures that are checked, pictures, films, and a page that
-//! shows them.
+//! Common parts of the examples: options, checked figures, pictures, films, and a page that shows
+//! them.
 
-// Each example uses its part of this.
+// Each example uses a different part of this module.
 #![allow(dead_code, unused_imports)]
 
 pub(crate) mod film;
@@ -23,19 +23,19 @@ pub(crate) use picture::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Picture, line
 
 pub(crate) type Outcome<T> = Result<T, Box<dyn Error>>;
 
-/// What the command line asks for.
+/// Options of the command line.
 #[derive(Debug)]
 pub(crate) struct Options {
-    /// Folder that receives the files; made if it is not there.
+    /// Output folder, created if it does not exist.
     pub(crate) out: PathBuf,
-    /// Less of everything.
+    /// True for a shorter run with fewer results.
     pub(crate) quick: bool,
 }
 
-/// Runs an example: reads the options, works, and says by the exit code whether every figure is
-/// what it should be.
+/// Runs an example: reads the options, runs the example, and returns the exit code.
 ///
-/// 0 where all are, 1 where one is not or the run fails, 2 where the command line is to blame.
+/// The code is 0 if every figure is as expected, 1 if one is not or the run fails, and 2 if the
+/// command line is invalid.
 pub(crate) fn main(
     name: &str,
     about: &str,
@@ -85,12 +85,12 @@ fn parse(name: &str, about: &str) -> Result<Option<Options>, lexopt::Error> {
     Ok(Some(options))
 }
 
-/// A figure beside what it should be.
+/// A figure with its expected value.
 #[derive(Debug)]
 pub(crate) struct Check {
-    /// What it is, with its unit.
+    /// Name of the figure, with its unit.
     pub(crate) what: String,
-    /// Where the expected value comes from.
+    /// Source of the expected value.
     pub(crate) source: String,
     pub(crate) got: f64,
     pub(crate) least: f64,
@@ -98,7 +98,7 @@ pub(crate) struct Check {
 }
 
 impl Check {
-    /// That a figure lies within `tolerance` of what is expected.
+    /// Checks that a figure is within `tolerance` of the expected value.
     pub(crate) fn near(what: &str, source: &str, got: f64, expected: f64, tolerance: f64) -> Self {
         Self::between(
             what,
@@ -109,7 +109,7 @@ impl Check {
         )
     }
 
-    /// That a figure lies in a range.
+    /// Checks that a figure is in a range.
     pub(crate) fn between(what: &str, source: &str, got: f64, least: f64, most: f64) -> Self {
         Self {
             what: what.to_owned(),
@@ -124,7 +124,7 @@ impl Check {
         self.least <= self.got && self.got <= self.most
     }
 
-    /// What it is, what it came to, what it should be, whether it is, and who says so.
+    /// Cells of the table: name, figure, expected value, result and source.
     fn cells(&self) -> [String; 5] {
         let [least, most] = [self.least, self.most].map(rounded);
         let range = match (self.least.is_finite(), self.most.is_finite()) {
@@ -137,13 +137,13 @@ impl Check {
             self.what.clone(),
             rounded(self.got),
             range,
-            if self.holds() { "yes" } else { "NO" }.to_owned(),
+            if self.holds() { "pass" } else { "fail" }.to_owned(),
             self.source.clone(),
         ]
     }
 }
 
-/// To six places that count, without zeros behind them.
+/// Formats a number with six significant digits, without trailing zeros.
 fn rounded(value: f64) -> String {
     let (mantissa, power) = split(value, 5);
     let shown = match power {
@@ -160,30 +160,31 @@ fn rounded(value: f64) -> String {
     }
 }
 
-/// The number between 1 and 10, to so many places, and the power of ten.
+/// Splits a number into a factor between 1 and 10 with `places` places, and a power of ten.
 fn split(value: f64, places: usize) -> (String, i32) {
     let text = format!("{value:.places$e}");
     let (mantissa, power) = text.split_once('e').unwrap_or((&text, "0"));
     (mantissa.to_owned(), power.parse().unwrap_or(0))
 }
 
-/// The film's file, beside the page.
+/// File of the film, next to the page.
 const PLAY: &str = "play.html";
 
-/// What an example has to show.
+/// Page of an example.
 #[derive(Debug)]
 pub(crate) struct Page {
     pub(crate) title: &'static str,
-    /// A paragraph each.
+    /// Paragraphs of the text.
     pub(crate) text: Vec<String>,
     pub(crate) checks: Vec<Check>,
     pub(crate) pictures: Vec<Picture>,
-    /// The run, to be played: `play.html` beside the page.
+    /// Film of the run, written to `play.html` next to the page.
     pub(crate) film: Option<Film>,
 }
 
 impl Page {
-    /// Writes the page and its pictures, prints the figures, and says whether all of them hold.
+    /// Writes the page and its pictures, and prints the figures. Returns true if all figures are as
+    /// expected.
     pub(crate) fn write(&self, name: &str, options: &Options) -> Outcome<bool> {
         let folder = options.out.join(name);
         let shown = folder.display();
@@ -202,9 +203,8 @@ impl Page {
             println!("{paragraph}");
         }
         for check in &self.checks {
-            let [what, got, range, holds, source] = check.cells();
-            let verdict = if holds == "yes" { "ok" } else { "NO" };
-            println!("  {verdict}  {what}: {got}, should be {range}\n      ({source})");
+            let [what, got, range, result, source] = check.cells();
+            println!("  {result}  {what}: {got}, expected {range}\n        ({source})");
         }
         println!("Written: {}", page.display());
         Ok(self.checks.iter().all(Check::holds))
@@ -226,7 +226,7 @@ impl Page {
         if self.film.is_some() {
             writeln!(
                 html,
-                "<iframe src=\"{PLAY}\" title=\"The run, to be played\"></iframe><p><a href=\"{PLAY}\">The film alone</a></p>"
+                "<iframe src=\"{PLAY}\" title=\"Film of the run\"></iframe><p><a href=\"{PLAY}\">The film alone</a></p>"
             )?;
         }
         for (number, picture) in self.pictures.iter().enumerate() {
@@ -234,7 +234,7 @@ impl Page {
             writeln!(html, "<div class=\"wide\">{svg}</div>")?;
         }
         html.push_str(
-            "<div class=\"wide\"><table><tr><th>figure</th><th>got</th><th>should be</th><th>is</th><th>why</th></tr>\n",
+            "<div class=\"wide\"><table><tr><th>figure</th><th>value</th><th>expected</th><th>result</th><th>source</th></tr>\n",
         );
         for check in &self.checks {
             writeln!(
@@ -248,7 +248,8 @@ impl Page {
     }
 }
 
-/// SplitMix64 (Steele, Lea & Flood, OOPSLA 2014): the same numbers in every run.
+/// Generator SplitMix64 (Steele, Lea & Flood, OOPSLA 2014), which gives the same numbers in every
+/// run.
 #[derive(Debug)]
 pub(crate) struct Random(pub(crate) u64);
 
@@ -261,13 +262,13 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Evenly between two numbers.
+    /// Uniform number between two numbers.
     pub(crate) fn between(&mut self, least: f64, most: f64) -> f64 {
         let share = (self.bits() >> 11) as f64 / (1_u64 << 53) as f64;
         least + (most - least) * share
     }
 
-    /// Four numbers of a unit quaternion, any turn as likely as any other (Shoemake, Graphics Gems
+    /// Components of a random unit quaternion, uniform over all rotations (Shoemake, Graphics Gems
     /// III, 1992).
     pub(crate) fn turn(&mut self) -> [f64; 4] {
         let (share, first, second) = (

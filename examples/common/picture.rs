@@ -1,4 +1,4 @@
-//! Plots, each as SVG and PNG.
+//! Plots, written as SVG and PNG.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use kuva::render::render::{Scene, render_multiple};
 
 use super::Outcome;
 
-/// Colours that colour-blind eyes tell apart (Okabe and Ito).
+/// Colours that colour-blind people can distinguish (Okabe and Ito).
 pub(crate) const BLUE: &str = "#0072b2";
 pub(crate) const ORANGE: &str = "#e69f00";
 pub(crate) const GREEN: &str = "#009e73";
@@ -17,10 +17,10 @@ pub(crate) const VERMILION: &str = "#d55e00";
 pub(crate) const GREY: &str = "#888888";
 pub(crate) const BLACK: &str = "#222222";
 
-/// Width and height, pixels of the SVG.
+/// Width and height of the SVG, pixels.
 pub(crate) type Size = (f64, f64);
 pub(crate) const WIDE: Size = (900.0, 480.0);
-/// Pixels of the PNG for each pixel of the SVG.
+/// Number of pixels of the PNG for each pixel of the SVG.
 const PNG_SCALE: f32 = 2.0;
 
 /// A drawing with its name.
@@ -32,7 +32,7 @@ pub(crate) struct Picture {
 }
 
 impl Picture {
-    /// Curves and points in one frame.
+    /// Creates a picture of curves and points in one frame.
     pub(crate) fn new(
         name: &'static str,
         plots: Vec<Plot>,
@@ -42,7 +42,7 @@ impl Picture {
         Self::of(name, &render_multiple(plots, layout))
     }
 
-    /// Whatever was drawn.
+    /// Creates a picture of a drawing.
     pub(crate) fn of(name: &'static str, scene: &Scene) -> Outcome<Self> {
         Ok(Self {
             name,
@@ -53,7 +53,7 @@ impl Picture {
         })
     }
 
-    /// The drawing for a page: its clip paths have names of their own.
+    /// Drawing for a page, with unique names of its clip paths.
     pub(crate) fn svg(&self, tag: &str) -> String {
         with_own_names(&self.svg, tag)
     }
@@ -67,19 +67,19 @@ impl Picture {
     }
 }
 
-/// With a view box, so that a page may scale it.
+/// Drawing with a view box, so that a page can scale it.
 pub(crate) fn svg(scene: &Scene) -> String {
     let view_box = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
     let text = SvgBackend::new().render_scene(scene);
     text.replacen("<svg ", &view_box, 1)
 }
 
-/// Names of clip paths must be a page's only ones.
+/// Replaces names of clip paths, because they must be unique within a page.
 pub(crate) fn with_own_names(svg: &str, tag: &str) -> String {
     svg.replace("kuva-clip", &format!("clip-{tag}"))
 }
 
-/// A frame that fits some plots.
+/// Frame that fits the plots.
 pub(crate) fn layout(plots: &[Plot], (width, height): Size) -> Layout {
     Layout::auto_from_plots(plots)
         .with_width(width)

@@ -1,21 +1,23 @@
-//! A fixed-step Rk4 on the point law, as anyone would write it in an hour: all points in each
-//! evaluation, a quaternion as four more numbers. What the library is compared with.
+//! A fixed-step Rk4 on the point law, as a user would write it in an hour, for comparison with the
+//! library.
+//!
+//! It evaluates all points in each stage, and treats a quaternion as four more numbers.
 
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{ContactPoint, State};
 
-/// One body of contact points on a level spring-damper ground at z = 0, with Coulomb's friction
-/// made finite at zero slip. SI units.
+/// One body of contact points on a level spring-damper ground at z = 0, with Coulomb friction that
+/// is finite at zero slip. SI units.
 #[derive(Clone, Debug)]
 pub(crate) struct Law {
     pub(crate) mass: f64,
-    /// Principal moments, along the body's axes.
+    /// Principal moments along the body axes, kg m².
     pub(crate) inertia: DVec3,
-    /// None where the body is in free flight.
+    /// Contact points. Empty for a body in free flight.
     pub(crate) contacts: Vec<ContactPoint>,
-    /// N/m a contact.
+    /// Stiffness of a contact, N/m.
     pub(crate) stiffness: f64,
-    /// N s/m a contact.
+    /// Damping of a contact, N s/m.
     pub(crate) damping: f64,
     pub(crate) coefficient: f64,
     pub(crate) slip_speed: f64,
@@ -34,7 +36,7 @@ impl Law {
         axes * ((axes.transpose() * angular_momentum) / self.inertia)
     }
 
-    /// The loop over all points.
+    /// Force and torque, summed over all points.
     pub(crate) fn load(&self, state: &State) -> Load {
         let axes = DMat3::from_quat(state.orientation.normalize());
         let spin = self.spin(axes, state.angular_momentum);
@@ -58,7 +60,7 @@ impl Law {
     }
 }
 
-/// Rates of change of a state's four parts.
+/// Rates of change of the four parts of a state.
 #[derive(Clone, Copy)]
 pub(crate) struct Rates {
     pub(crate) position: DVec3,
@@ -67,7 +69,7 @@ pub(crate) struct Rates {
     pub(crate) angular_momentum: DVec3,
 }
 
-/// `x' = v`, `v' = F/m`, `q' = ω q/2`, `L' = T`.
+/// Rates of a state: `x' = v`, `v' = F/m`, `q' = ω q/2`, `L' = T`.
 pub(crate) fn rates(law: &Law, state: &State) -> Rates {
     let load = law.load(state);
     let axes = DMat3::from_quat(state.orientation.normalize());
@@ -80,7 +82,7 @@ pub(crate) fn rates(law: &Law, state: &State) -> Rates {
     }
 }
 
-/// The state after `dt` (s).
+/// Returns the state after `dt` (s).
 pub(crate) fn step(law: &Law, state: &State, dt: f64) -> State {
     let k1 = rates(law, state);
     let k2 = rates(law, &moved(state, &k1, 0.5 * dt));

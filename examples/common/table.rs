@@ -1,11 +1,11 @@
-//! A table that is read in a terminal as it is in a Markdown file.
+//! Tables that are readable in a terminal and valid in a Markdown file.
 
-/// Prints rows of cells, the first one as the head: Markdown, with its columns below each other.
+/// Prints rows of cells as a Markdown table with aligned columns. The first row is the head.
 pub(crate) fn print(rows: &[Vec<String>]) {
     print!("{}", text(rows));
 }
 
-/// The same table as a text.
+/// Returns rows of cells as the text of a Markdown table with aligned columns.
 pub(crate) fn text(rows: &[Vec<String>]) -> String {
     let Some(head) = rows.first() else {
         return String::new();
@@ -30,7 +30,7 @@ pub(crate) fn text(rows: &[Vec<String>]) -> String {
     lines.concat()
 }
 
-/// A row of cells.
+/// Converts values to a row of cells.
 pub(crate) fn cells<const N: usize>(cells: [impl ToString; N]) -> Vec<String> {
     cells.map(|cell| cell.to_string()).to_vec()
 }

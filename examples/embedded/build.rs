@@ -1,5 +1,5 @@
-//! Hands the memory map and the start-up crate's linker script to the linker, on targets without a
-//! system.
+//! Passes the memory map and the linker script of the start-up crate to the linker, for targets
+//! without an operating system.
 
 use std::error::Error;
 use std::path::Path;
@@ -10,7 +10,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     if env::var("CARGO_CFG_TARGET_OS")? != "none" {
         return Ok(());
     }
-    // cortex-m-rt's script includes the map itself.
+    // The script of cortex-m-rt includes the map.
     let (map, scripts) = match env::var("CARGO_CFG_TARGET_ARCH")?.as_str() {
         "arm" => ("memory_cortex_m.x", ["link.x"].as_slice()),
         _ => ("memory_riscv.x", ["memory.x", "link.x"].as_slice()),

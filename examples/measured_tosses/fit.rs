@@ -1,4 +1,4 @@
-//! Fitting: the parameters at which the mean error over some tosses is least.
+//! Fit of the parameters that minimise the mean error over some tosses.
 
 use argmin::core::{CostFunction, Error, Executor, State as _};
 use argmin::solver::neldermead::NelderMead;
@@ -8,17 +8,17 @@ use crate::common::Outcome;
 use crate::model::{Corrections, Model, Parameters, Score, Start, WIDTH, scores};
 use crate::tosses::Toss;
 
-/// Which of the parameters are free.
+/// Set of the free parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Free {
-    /// Stiffness, damping, friction with its transition load if it has one, slip speed.
+    /// Stiffness, damping, friction with its transition load if it has one, and slip speed.
     Ground,
-    /// These, inertia and corner radius.
+    /// The parameters of the ground, the inertia and the corner radius.
     GroundAndBody,
 }
 
-/// The numbers that are free, each with its step: a simplex moves in steps of about 1, and each
-/// number is multiplied by the exponential of its coordinate times the step.
+/// Free parameters, each with its step. A simplex moves in steps of about 1, and each parameter is
+/// multiplied by the exponential of its coordinate times the step.
 fn numbers(parameters: &mut Parameters, free: Free) -> Vec<(&mut f64, f64)> {
     let mut numbers = vec![
         (&mut parameters.stiffness, 0.3),
@@ -38,7 +38,7 @@ fn numbers(parameters: &mut Parameters, free: Free) -> Vec<(&mut f64, f64)> {
     numbers
 }
 
-/// The parameters at some coordinates from a first guess.
+/// Parameters at some coordinates relative to a first guess.
 fn at(mut guess: Parameters, free: Free, coordinates: &[f64]) -> Parameters {
     for ((number, step), coordinate) in numbers(&mut guess, free).into_iter().zip(coordinates) {
         *number *= (coordinate * step).exp();
@@ -47,7 +47,7 @@ fn at(mut guess: Parameters, free: Free, coordinates: &[f64]) -> Parameters {
     guess
 }
 
-/// What the simplex asks: the error at a place.
+/// Objective of the simplex: the error at a point.
 struct Cost<'a> {
     tosses: &'a [Toss],
     guess: Parameters,
@@ -68,12 +68,12 @@ impl CostFunction for Cost<'_> {
             return Ok(f64::MAX);
         };
         let score = Score::mean(scores(&model, self.tosses, self.start).iter());
-        // A percent of the width counts like a degree.
+        // One percent of the width counts like one degree.
         Ok(score.position + score.rotation)
     }
 }
 
-/// The parameters that predict some tosses best, from a first guess.
+/// Returns the parameters that predict some tosses best, from a first guess.
 pub(crate) fn fit(
     tosses: &[Toss],
     guess: Parameters,

@@ -1,5 +1,5 @@
-//! What the flights before the first touch say of cube and tracker, whatever the ground: where the
-//! centre of mass is, and how long a tracked metre is.
+//! Properties of cube and tracker that follow from the flights before the first touch-down,
+//! whatever the ground: the centre of mass, and the scale of lengths.
 
 use tumble::glam::{DMat4, DQuat, DVec3, DVec4};
 
@@ -8,39 +8,40 @@ use crate::model::{Corrections, GRAVITY, Start, WIDTH};
 use crate::statistics;
 use crate::tosses::{RATE, Sample, Toss};
 
-/// Gap that a sample in flight has at least, m: above the tracker's error.
+/// Least gap of a sample in flight, m: above the tracker's error.
 const CLEAR: f64 = 0.005;
-/// Samples of a flight that a start is taken from at most: 0.1 s. Over longer ones a turn is not
-/// steady enough.
+/// Largest number of samples of a flight from which a start is computed: 0.1 s. Over longer times
+/// the rotation rate is not constant enough.
 const LONGEST_START: usize = 15;
 
-/// Samples of a flight that is long enough for the test of [`spin_change`].
+/// Least number of samples of a flight for the test of [`spin_change`].
 const TESTABLE: usize = 6;
 
-/// What the flights say, each with its standard error.
+/// Results of the flights, each with its standard error.
 pub(crate) struct Weighed {
-    /// From the cube's middle, m, body axes.
+    /// Centre of mass from the middle of the cube, m, body axes.
     pub(crate) centre_of_mass: DVec3,
     pub(crate) centre_error: DVec3,
-    /// True lengths over tracked ones.
+    /// True lengths over tracked lengths.
     pub(crate) scale: f64,
     pub(crate) scale_error: f64,
 }
 
-/// Weighs the cube by its flights.
+/// Computes the centre of mass and the scale from the flights.
 ///
-/// The centre of mass flies along a parabola, and the middle that is tracked turns about it:
-/// `middle = x + v t - g t²/2 - R c`, in tracked lengths, with the measured turn R. All flights
-/// together give c and g by least squares, each with a place x and a velocity v of its own, which
-/// are taken out first: what is left of every term is what a straight line in time does not
-/// explain. That g is 9.81 m/s² gives the scale.
+/// The centre of mass moves along a parabola, and the tracked middle rotates about it:
+/// `middle = x + v t - g t²/2 - R c`, in tracked lengths, with the measured rotation R. All flights
+/// together give c and g by least squares. Each flight has its own position x and velocity v, which
+/// are eliminated first: only the deviation of each term from a straight line in time is used. The
+/// scale follows from g = 9.81 m/s².
 ///
-/// The residuals of one flight are not independent: the tracker's error drifts within it. So the
-/// standard errors are those of a bootstrap over whole motions.
+/// The residuals of one flight are not independent, because the tracker's error drifts within it.
+/// The standard errors are therefore those of a bootstrap over whole motions.
 pub(crate) fn weigh(motions: &[Vec<Toss>], seed: u64) -> Outcome<Weighed> {
     let sums: Vec<Sums> = motions.iter().map(|motion| Sums::of(motion)).collect();
     let (centre_of_mass, scale) = Sums::solution(sums.iter()).ok_or(
-        "the flights before the first touch are too short, or turn too little, to weigh the cube by",
+        "the flights before the first touch-down are too short, or rotate too little, to find the \
+         centre of mass",
     )?;
     let drawn: Vec<(DVec3, f64)> = statistics::drawings(sums.len(), seed)
         .filter_map(|drawing| Sums::solution(drawing.iter().map(|&motion| &sums[motion])))
@@ -58,7 +59,7 @@ pub(crate) fn weigh(motions: &[Vec<Toss>], seed: u64) -> Outcome<Weighed> {
     })
 }
 
-/// The normal equations of one motion for c and g.
+/// Normal equations of one motion for c and g.
 struct Sums {
     normal: DMat4,
     right: DVec4,
@@ -68,7 +69,7 @@ impl Sums {
     fn of(motion: &[Toss]) -> Self {
         let (mut normal, mut right) = ([[0.0; 4]; 4], [0.0; 4]);
         for toss in motion {
-            // Close enough to know what is in flight.
+            // A scale of 1 is accurate enough to decide which samples are in flight.
             let flight = flight(toss, 1.0);
             if flight.len() < 3 {
                 continue;
@@ -94,7 +95,7 @@ impl Sums {
         }
     }
 
-    /// Centre of mass in true lengths, and true lengths over tracked ones.
+    /// Centre of mass in true lengths, and true lengths over tracked lengths.
     fn solution<'a>(sums: impl Iterator<Item = &'a Self>) -> Option<(DVec3, f64)> {
         let (mut normal, mut right) = (DMat4::ZERO, DVec4::ZERO);
         for sum in sums {
@@ -159,7 +160,7 @@ pub(crate) fn start(toss: &Toss, body: &Corrections, start: Start) -> Sample {
     }
 }
 
-/// The samples before the first touch.
+/// Samples before the first touch-down.
 fn flight(toss: &Toss, scale: f64) -> &[Sample] {
     let in_flight = |sample: &Sample| {
         let down = (sample.orientation.inverse() * DVec3::NEG_Z).to_array();
@@ -174,7 +175,7 @@ fn times(flight: &[Sample]) -> impl Iterator<Item = (f64, &Sample)> + Clone {
     (flight.iter().enumerate()).map(|(k, sample)| (k as f64 / RATE, sample))
 }
 
-/// What a straight line in time leaves of a quantity in a flight.
+/// Deviation of a quantity from a straight line in time in a flight.
 fn bent(flight: &[Sample], of: &dyn Fn(f64, &Sample) -> DVec3) -> Vec<DVec3> {
     let values = times(flight).map(|(t, sample)| (t, of(t, sample)));
     let (start, rate) = straight(values.clone());
@@ -185,8 +186,7 @@ fn product(a: &[DVec3], b: &[DVec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
 
-/// Value at time 0 and rate of the straight line through some values at some times, by least
-/// squares.
+/// Value at time 0 and rate of the straight line through values at some times, by least squares.
 fn straight(values: impl Iterator<Item = (f64, DVec3)> + Clone) -> (DVec3, DVec3) {
     let (mut count, mut time, mut value) = (0.0, 0.0, DVec3::ZERO);
     for (t, v) in values.clone() {

@@ -1,9 +1,9 @@
-//! Whole tosses of a real cube: fits ground and body on half of them, and measures how far the
-//! predictions of the other half are from what was measured.
+//! Tosses of a real cube: fits ground and body on half of them, and compares the predictions of the
+//! other half with the measurement.
 //!
-//! `cargo run --release --example measured_tosses -- --data FILE`; the guide's page `measured` has
-//! the protocol and the figures. The data are not part of the project: a run without them says what
-//! to get.
+//! Run `cargo run --release --example measured_tosses -- --data FILE`. The guide's page `measured`
+//! has the protocol and the figures. The data are not part of the project. A run without them
+//! prints where to obtain them.
 
 // An example has the standard library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
@@ -35,16 +35,16 @@ use tumble::glam::DVec3;
 
 const HELP: &str = "\
 Fits three models of a real cube and its table on half of its tosses, and predicts the other half:
-the printed body with Coulomb friction, the body as its flights weigh it, and that body with a
-friction that falls with the load. Each toss is predicted from its first sample alone, and from up
-to 15 samples before the first touch.
+the printed body with Coulomb friction, the body with the centre of mass from its flights, and that
+body with a friction that decreases with the load. Each toss is predicted from its first sample
+alone, and from up to 15 samples before the first touch-down.
 
 Usage: cargo run --release --example measured_tosses -- --data <FILE> [OPTIONS]
 
   -d, --data <FILE>     the tosses, CSV or CSV in gzip; see below
-      --seed <NUMBER>   of the split into halves and of the bootstrap                  [default: 1]
-      --synthetic       tosses of the model's own with noise, instead of data: does the fit find what made them?
-  -o, --out <FOLDER>    where the page and its pictures go                             [default: out]
+      --seed <NUMBER>   seed of the split into halves and of the bootstrap      [default: 1]
+      --synthetic       synthetic tosses with noise, to test the fit
+  -o, --out <FOLDER>    folder of the page and its pictures                     [default: out]
   -q, --quick           a short fit
   -h, --help            this text
 ";
@@ -57,7 +57,7 @@ the repository DAIRLab/contact-nets, BSD 3-clause. Write them in SI units as a t
 (148 samples a second; centre, m, z up, table at 0; unit quaternion, body to world; velocity, m/s; angular
 velocity, rad/s, body axes), and give it with --data FILE.";
 
-/// What the command line asks for.
+/// Options of the command line.
 struct Arguments {
     data: Option<PathBuf>,
     seed: u64,
@@ -134,7 +134,8 @@ fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
     let count = |motions: &[Vec<Toss>]| motions.iter().flatten().count();
     let text = vec![
         format!(
-            "Fitted on {} tosses, {} motions; held out: {} tosses, {} motions. Left out: {:?}, whose spin changes in flight by more than {:.2} rad/s.",
+            "Fitted on {} tosses, {} motions; held out: {} tosses, {} motions. Left out: {:?}, \
+             whose spin changes in flight by more than {:.2} rad/s.",
             count(&halves.fitted),
             halves.fitted.len(),
             count(&halves.held),
@@ -144,13 +145,15 @@ fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
         ),
         study::shown(&weighed),
         format!(
-            "{slides} held-out slides on a face have the coefficient {}. The fits have {:.3} there with Coulomb's law, and {:.3} with the load-dependent one.",
+            "{slides} held-out slides on a face have the coefficient {}. The fits have {:.3} there \
+             with Coulomb's law, and {:.3} with the load-dependent one.",
             coefficient.shown(3),
             coulomb.parameters.coefficient_on_a_face(),
             weakening.parameters.coefficient_on_a_face(),
         ),
         format!(
-            "Half the step changes the held-out means of the last model by {:.2} % of the width, {:.2} degrees and {:.1} % of the faces at most.",
+            "Half the step changes the held-out means of the last model by {:.2} % of the width, \
+             {:.2} degrees and {:.1} % of the faces at most.",
             change.x, change.y, change.z
         ),
     ];
@@ -163,7 +166,7 @@ fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
     })
 }
 
-/// The weighed body predicts the same tosses better than the printed one.
+/// Checks that the weighed body predicts the same tosses better than the printed one.
 fn checks(models: &[Fitted; 3], seed: u64) -> Vec<Check> {
     let [printed, weighed, _] = models;
     let mut checks = Vec::new();
@@ -183,15 +186,15 @@ fn checks(models: &[Fitted; 3], seed: u64) -> Vec<Check> {
     checks
 }
 
-/// Height and one way along the table of the held-out toss whose errors are in the middle,
-/// predicted and measured.
+/// Height and one coordinate along the table of the held-out toss with median errors, predicted and
+/// measured.
 fn one_toss(fitted: &Fitted, held: &[Vec<Toss>]) -> Outcome<Picture> {
     let scores = fitted.held[1].iter().flatten();
     let mut ranked: Vec<(&Toss, &Score)> = held.iter().flatten().zip(scores).collect();
     ranked.sort_by(|a, b| (a.1.position + a.1.rotation).total_cmp(&(b.1.position + b.1.rotation)));
     let (toss, score) = ranked.get(ranked.len() / 2).ok_or("no toss is held out")?;
     let model = &fitted.model;
-    let states = (model.predict(toss, Start::Flight)).ok_or("the model cannot go on")?;
+    let states = (model.predict(toss, Start::Flight)).ok_or("a step of the model failed")?;
     let scale = model.scale();
     let first = toss.samples[0].position * scale;
     let course = |of: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
@@ -213,7 +216,8 @@ fn one_toss(fitted: &Fitted, held: &[Vec<Toss>]) -> Outcome<Picture> {
         |layout| {
             layout
                 .with_title(format!(
-                    "Toss {}: height of the centre, and way along the table ({:.0} % of the width, {:.0} degrees)",
+                    "Toss {}: height of the centre, and path along the table ({:.0} % of the \
+                     width, {:.0} degrees)",
                     toss.number, score.position, score.rotation
                 ))
                 .with_x_label("time (s)")
@@ -222,7 +226,7 @@ fn one_toss(fitted: &Fitted, held: &[Vec<Toss>]) -> Outcome<Picture> {
     )
 }
 
-/// How often which error.
+/// Distribution of the errors.
 fn errors(fitted: &Fitted) -> Outcome<Picture> {
     let held: Vec<&Score> = fitted.held[1].iter().flatten().collect();
     let histogram = |of: fn(&Score) -> f64, colour: &str, name: &str| {
@@ -255,13 +259,13 @@ fn errors(fitted: &Fitted) -> Outcome<Picture> {
     )
 }
 
-/// Whether a fit finds the parameters that made its tosses.
+/// Checks that a fit finds the parameters with which its tosses were made.
 fn recover(arguments: &Arguments) -> Outcome<Page> {
     use synthetic::{GUESS, TRUTH};
     let tosses = synthetic::tosses(64, arguments.seed)?;
     let motions: Vec<Vec<Toss>> = tosses.iter().map(|toss| vec![toss.clone()]).collect();
     let weighed_by = flights::weigh(&motions, arguments.seed)?;
-    // A few are enough for the ground.
+    // A few tosses are enough for the parameters of the ground.
     let tosses = &tosses[..16];
     let guess = Parameters {
         body: TRUTH.body,
@@ -276,14 +280,14 @@ fn recover(arguments: &Arguments) -> Outcome<Page> {
     let near = |what: &str, got: f64, truth: f64| {
         Check::near(
             what,
-            "what made the tosses, to a tenth",
+            "parameters of the tosses, to a tenth",
             got,
             truth,
             0.1 * truth,
         )
     };
     Ok(Page {
-        title: "Tosses of the model's own with noise: the fit finds what made them",
+        title: "Synthetic tosses with noise: the fit finds their parameters",
         text: vec![
             study::shown(&weighed_by),
             format!(
@@ -294,14 +298,14 @@ fn recover(arguments: &Arguments) -> Outcome<Page> {
         checks: vec![
             Check::near(
                 "height of the centre of mass over the middle, mm",
-                "what made the tosses, to four standard errors",
+                "parameters of the tosses, to four standard errors",
                 1e3 * weighed_by.centre_of_mass.z,
                 1e3 * TRUTH.body.centre_of_mass.z,
                 4e3 * weighed_by.centre_error.z,
             ),
             Check::near(
                 "true lengths over tracked ones",
-                "what made the tosses, to four standard errors",
+                "parameters of the tosses, to four standard errors",
                 weighed_by.scale,
                 TRUTH.body.scale,
                 4.0 * weighed_by.scale_error,

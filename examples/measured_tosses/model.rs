@@ -13,24 +13,24 @@ use crate::tosses::{RATE, Sample, Toss};
 
 /// Edge of the cube, m (Pfrommer, Halm & Posa).
 pub(crate) const WIDTH: f64 = 0.1048;
-/// kg
+/// Mass, kg.
 const MASS: f64 = 0.37;
-/// kg m², about every axis.
+/// Moment of inertia about every axis, kg m².
 const INERTIA: f64 = 8.1e-4;
-/// m/s²
+/// Acceleration of gravity, m/s².
 pub(crate) const GRAVITY: f64 = 9.81;
 
-/// What is fitted.
+/// Fitted parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Parameters {
-    /// N/m a corner.
+    /// Stiffness of a corner, N/m.
     pub(crate) stiffness: f64,
-    /// N s/m a corner.
+    /// Damping of a corner, N s/m.
     pub(crate) damping: f64,
     pub(crate) coefficient: f64,
-    /// m/s
+    /// Slip speed, m/s.
     pub(crate) slip_speed: f64,
-    /// Load at which the coefficient has begun to fall, N; without one it is constant.
+    /// Load at which the coefficient has begun to decrease, N. `None` for a constant coefficient.
     pub(crate) transition_load: Option<f64>,
     /// Differences between the measured cube and the printed one.
     pub(crate) body: Corrections,
@@ -51,7 +51,8 @@ impl Parameters {
         }
     }
 
-    /// Coefficient of friction of the cube that slides on a face: a quarter of the weight a corner.
+    /// Coefficient of friction of the cube that slides on a face, with a quarter of the weight on
+    /// each corner.
     pub(crate) fn coefficient_on_a_face(&self) -> f64 {
         let load = 0.25 * MASS * GRAVITY;
         let fast = DVec3::X * (1e9 * self.slip_speed);
@@ -59,25 +60,25 @@ impl Parameters {
     }
 }
 
-/// What a prediction takes from the measured toss.
+/// Data of the measured toss that a prediction uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Start {
     /// The first sample alone.
     FirstSample,
-    /// All samples before the first touch, 15 at most.
+    /// All samples before the first touch-down, at most 15.
     Flight,
 }
 
-/// What of the body and of the tracker may be other than printed.
+/// Corrections of the printed values of body and tracker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Corrections {
-    /// Moment of inertia over the nominal one.
+    /// Moment of inertia over the printed one.
     pub(crate) inertia: f64,
     /// Radius of the corners, m.
     pub(crate) corner_radius: f64,
-    /// From the cube's middle, which the tracker follows, m, body axes.
+    /// Centre of mass from the cube's middle, which the tracker follows, m, body axes.
     pub(crate) centre_of_mass: DVec3,
-    /// True lengths over measured ones.
+    /// True lengths over measured lengths.
     pub(crate) scale: f64,
 }
 
@@ -126,11 +127,12 @@ impl RigidPointBody for Cube {
     }
 }
 
-/// Steps between two samples, for the figures and for the fit. The run prints what twice as many
-/// change.
+/// Number of steps between two samples, for the figures. The run prints the change of the results
+/// with twice as many.
 pub(crate) const STEPS: u32 = 32;
 pub(crate) const STEPS_OF_FIT: u32 = 8;
-/// The same for synthetic tosses, which are made and fitted with one step.
+/// Number of steps between two samples of synthetic tosses, which are made and fitted with one step
+/// size.
 pub(crate) const STEPS_OF_SYNTHETIC: u32 = 16;
 
 /// The cube with its table, ready to predict.
@@ -176,7 +178,7 @@ impl Model {
     }
 
     /// Returns the states at the times of a toss's samples, with the cube's middle as their
-    /// position, or `None` if the model cannot go on.
+    /// position, or `None` if a step fails.
     pub(crate) fn predict(&self, toss: &Toss, start: Start) -> Option<Vec<State>> {
         let mut state = self.start(toss, start);
         let mut states = vec![state];
@@ -190,7 +192,7 @@ impl Model {
         Some(states)
     }
 
-    /// How far a prediction is from what was measured.
+    /// Errors of a prediction.
     pub(crate) fn score(&self, toss: &Toss, start: Start) -> Score {
         let Some(states) = self.predict(toss, start) else {
             return Score::LOST;
@@ -220,7 +222,7 @@ impl Model {
     }
 }
 
-/// The face that looks down: an axis and its sign.
+/// The face that points down: an axis and its sign.
 fn face_down(orientation: DQuat) -> (usize, bool) {
     let down = (orientation.inverse() * DVec3::NEG_Z).to_array();
     let axis = (0..3)
@@ -229,26 +231,26 @@ fn face_down(orientation: DQuat) -> (usize, bool) {
     (axis, down[axis] > 0.0)
 }
 
-/// How good the prediction of a toss is.
+/// Errors of the prediction of a toss.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Score {
     /// Mean distance of the centres over the samples, % of the width.
     pub(crate) position: f64,
     /// Mean angle between the orientations, degrees.
     pub(crate) rotation: f64,
-    /// 1 where the face is right that lies down at the end, else 0.
+    /// 1 if the predicted face is down at the end, else 0.
     pub(crate) right_face: f64,
 }
 
 impl Score {
-    /// Of a prediction that could not be made.
+    /// Errors of a failed prediction.
     const LOST: Self = Self {
         position: 1000.0,
         rotation: 180.0,
         right_face: 0.0,
     };
 
-    /// The mean over tosses.
+    /// Mean errors over tosses.
     pub(crate) fn mean<'a>(scores: impl Iterator<Item = &'a Score>) -> Self {
         let mut sum = Self {
             position: 0.0,
@@ -270,7 +272,7 @@ impl Score {
     }
 }
 
-/// The scores of many tosses, by as many threads as the machine has.
+/// Errors of many tosses, computed by as many threads as the machine has.
 pub(crate) fn scores(model: &Model, tosses: &[Toss], start: Start) -> Vec<Score> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let chunk = tosses.len().div_ceil(threads).max(1);

@@ -6,8 +6,7 @@ use tumble::glam::{DMat3, DVec3};
 use crate::model::{GRAVITY, WIDTH};
 use crate::tosses::{RATE, Sample, Toss};
 
-/// Samples of a slide that is long enough for its deceleration: its standard error is then some
-/// 0.02.
+/// Least number of samples of a slide. The standard error of its deceleration is then about 0.02.
 const SHORTEST: usize = 6;
 
 /// Coefficients of friction of the slides of a toss: deceleration over g, both in tracked lengths.
@@ -22,8 +21,8 @@ pub(crate) fn coefficients(toss: &Toss, scale: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Whether a face lies on the table (to 0.02 rad and 1.2 mm) and slides at 0.15 m/s or more without
-/// spin (0.5 rad/s): there the slip is above seven slip speeds at all corners.
+/// Returns true if a face lies on the table (to 0.02 rad and 1.2 mm) and slides at 0.15 m/s or more
+/// without spin (0.5 rad/s). The slip is then above seven slip speeds at all corners.
 fn slides(sample: &Sample, scale: f64) -> bool {
     let down = sample.orientation.inverse() * DVec3::NEG_Z;
     let off = sample.position.z - 0.5 * WIDTH / scale;

@@ -3,11 +3,11 @@
 
 use crate::common::Random;
 
-/// Drawings of a bootstrap. The ends of an interval of 95 % then have a standard error of some
-/// twentieth of its width.
+/// Number of drawings of a bootstrap. The ends of a 95 % interval then have a standard error of
+/// about a twentieth of its width.
 const DRAWINGS: usize = 2000;
 
-/// A mean with the interval that holds 95 % of the means of a bootstrap.
+/// A mean with the interval that contains 95 % of the means of a bootstrap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Interval {
     pub(crate) mean: f64,
@@ -34,11 +34,11 @@ impl Interval {
         }
     }
 
-    /// As it stands in a table, with so many places.
+    /// Formats the interval for a table, with `places` places.
     pub(crate) fn shown(&self, places: usize) -> String {
         let [mean, low, high] = [self.mean, self.low, self.high].map(|number| {
             let text = format!("{number:.places$}");
-            // No "-0.0".
+            // Avoids "-0.0".
             let is_zero = !text.contains(|digit: char| matches!(digit, '1'..='9'));
             if is_zero { text.replace('-', "") } else { text }
         });
@@ -46,7 +46,7 @@ impl Interval {
     }
 }
 
-/// The drawings of a bootstrap: each has `count` of the numbers below `count`, with repetition.
+/// Drawings of a bootstrap. Each has `count` of the numbers below `count`, with repetition.
 pub(crate) fn drawings(count: usize, seed: u64) -> impl Iterator<Item = Vec<usize>> {
     let mut random = Random(seed);
     (0..DRAWINGS).map(move |_| (0..count).map(|_| below(&mut random, count)).collect())

@@ -11,7 +11,7 @@ use crate::slides;
 use crate::statistics::{Interval, below, median};
 use crate::tosses::{self, Toss};
 
-/// Where every fit begins: another program's fit of the first model.
+/// Start of every fit: another program's fit of the first model.
 const GUESS: Parameters = Parameters {
     stiffness: 34_784.0,
     damping: 114.0,
@@ -20,12 +20,11 @@ const GUESS: Parameters = Parameters {
     transition_load: None,
     body: Corrections::NONE,
 };
-/// Radius of a sharp corner and transition load at which their fits begin, m and N.
+/// Initial values of the radius of a sharp corner, m, and of the transition load, N.
 const SHARP: f64 = 0.002;
 const TRANSITION_LOAD: f64 = 30.0;
 
-/// A spin that changes by more than this many medians of the fitted half is not that of free
-/// flight.
+/// Factor on the median of the fitted half above which a change of spin is not that of free flight.
 const MEDIANS: f64 = 10.0;
 
 pub(crate) const STARTS: [(Start, &str); 2] = [
@@ -33,18 +32,18 @@ pub(crate) const STARTS: [(Start, &str); 2] = [
     (Start::Flight, "up to 15 samples of flight"),
 ];
 
-/// The motions, in two halves, without the tosses that are not in free flight.
+/// The motions in two halves, without the tosses that are not in free flight.
 pub(crate) struct Halves {
     pub(crate) fitted: Vec<Vec<Toss>>,
     pub(crate) held: Vec<Vec<Toss>>,
-    /// Numbers of the tosses that are left out, and the change of spin beyond which they are,
+    /// Numbers of the excluded tosses, and the change of spin beyond which they are excluded,
     /// rad/s.
     pub(crate) left_out: Vec<u32>,
     pub(crate) limit: f64,
 }
 
 impl Halves {
-    /// Splits the motions by lot first, so that leaving tosses out does not move others.
+    /// Splits the motions at random first, so that the exclusion of tosses does not move others.
     pub(crate) fn of(tosses: Vec<Toss>, seed: u64) -> Outcome<Self> {
         let [fitted, held] = halves(tosses::motions(tosses), seed);
         let typical = median(fitted.iter().flatten().filter_map(flights::spin_change))
@@ -72,7 +71,7 @@ impl Halves {
     }
 }
 
-/// Two halves of the motions, by lot.
+/// Splits the motions at random into two halves.
 fn halves(mut motions: Vec<Vec<Toss>>, seed: u64) -> [Vec<Vec<Toss>>; 2] {
     let mut random = Random(seed);
     for k in (1..motions.len()).rev() {
@@ -82,18 +81,18 @@ fn halves(mut motions: Vec<Vec<Toss>>, seed: u64) -> [Vec<Vec<Toss>>; 2] {
     [motions, second]
 }
 
-/// A model with what its fit found, and its scores on the held-out half by both protocols.
+/// A model with the result of its fit, and its errors on the held-out half by both protocols.
 pub(crate) struct Fitted {
     pub(crate) name: &'static str,
     pub(crate) parameters: Parameters,
     pub(crate) model: Model,
-    /// Of the fitted half, by the protocol of the fit.
+    /// Errors on the fitted half, by the protocol of the fit.
     pub(crate) known: Score,
-    /// For each of [`STARTS`], by motion.
+    /// Errors on the held-out half for each of [`STARTS`], by motion.
     pub(crate) held: [Vec<Vec<Score>>; 2],
 }
 
-/// Fits the three models one after another, each from where the one before ended.
+/// Fits the three models one after another, each from the result of the previous one.
 pub(crate) fn models(halves: &Halves, weighed: &Weighed, quick: bool) -> Outcome<[Fitted; 3]> {
     let known: Vec<Toss> = halves.fitted.iter().flatten().cloned().collect();
     let iterations = if quick { 10 } else { 40 };
@@ -102,7 +101,7 @@ pub(crate) fn models(halves: &Halves, weighed: &Weighed, quick: bool) -> Outcome
     )?);
     bar.enable_steady_tick(core::time::Duration::from_millis(200));
     let find = |guess, free: (Free, Start)| {
-        // The simplex is begun again at its best place.
+        // The simplex is started again at its best point.
         let found = fit(&known, guess, free, model::STEPS_OF_FIT, iterations, &bar)?;
         fit(&known, found, free, model::STEPS_OF_FIT, iterations, &bar)
     };
@@ -163,14 +162,14 @@ fn by_motion(model: &Model, motions: &[Vec<Toss>], start: Start) -> Vec<Vec<Scor
 
 type Part = fn(&Score) -> f64;
 
-/// What is compared: its name, the part of a score, and the places that are shown.
+/// Compared quantities: name, part of the errors, and number of printed places.
 pub(crate) const PARTS: [(&str, Part, usize); 3] = [
     ("position, % of the width", |score| score.position, 1),
     ("rotation, degrees", |score| score.rotation, 1),
     ("right face, %", |score| 100.0 * score.right_face, 0),
 ];
 
-/// Mean of a part of the scores.
+/// Mean of a part of the errors.
 pub(crate) fn mean(scores: &[Vec<Score>], part: Part, seed: u64) -> Interval {
     let values: Vec<Vec<f64>> = (scores.iter())
         .map(|motion| motion.iter().map(part).collect())
@@ -190,7 +189,7 @@ pub(crate) fn difference([scores, others]: [&[Vec<Score>]; 2], part: Part, seed:
     Interval::of(&values, seed)
 }
 
-/// Coefficient of friction of the slides on a face, by motions that have any.
+/// Coefficient of friction of the slides on a face, over the motions that have any.
 pub(crate) fn coefficient_of_slides(
     motions: &[Vec<Toss>],
     scale: f64,
@@ -209,7 +208,7 @@ pub(crate) fn coefficient_of_slides(
     Ok((found.iter().flatten().count(), Interval::of(&found, seed)))
 }
 
-/// The tables of the guide's page, in the form in which they stand there.
+/// Returns the tables of the guide's page.
 pub(crate) fn tables(models: &[Fitted; 3], seed: u64) -> String {
     let mut text = String::from(
         "| held-out tosses | start of a toss | position, % of the width | rotation, degrees | right face, % |\n|---|---|---|---|---|\n",
@@ -263,17 +262,18 @@ fn row(fitted: &Fitted) -> String {
     )
 }
 
-/// What the flights show.
+/// Describes the results of the flights.
 pub(crate) fn shown(weighed: &Weighed) -> String {
     let [x, y, z] = (1e3 * weighed.centre_of_mass).to_array();
     let [dx, dy, dz] = (1e3 * weighed.centre_error).to_array();
     format!(
-        "The flights give the centre of mass ({x:.1} ± {dx:.1}, {y:.1} ± {dy:.1}, {z:.1} ± {dz:.1}) mm from the middle, and true lengths {:.4} ± {:.4} of the tracked ones.",
+        "The flights give the centre of mass ({x:.1} ± {dx:.1}, {y:.1} ± {dy:.1}, {z:.1} ± \
+         {dz:.1}) mm from the middle, and true lengths {:.4} ± {:.4} of the tracked ones.",
         weighed.scale, weighed.scale_error
     )
 }
 
-/// Changes of the held-out means when the step is halved, by both protocols: the largest.
+/// Largest change of the held-out means, by both protocols, if the step size is halved.
 pub(crate) fn change_by_half_the_step(fitted: &Fitted, held: &[Vec<Toss>]) -> Outcome<DVec3> {
     let finer = Model::new(&fitted.parameters, 2 * STEPS)?;
     let mut largest = DVec3::ZERO;

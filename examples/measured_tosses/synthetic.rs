@@ -1,5 +1,5 @@
-//! Tosses made by the model itself, with the noise of a tracker: a fit must find the parameters
-//! that made them.
+//! Synthetic tosses by the model itself, with the noise of a tracker. A fit must find the
+//! parameters with which they were made.
 
 use tumble::glam::{DQuat, DVec3};
 
@@ -7,7 +7,7 @@ use crate::common::{Outcome, Random};
 use crate::model::{Corrections, Model, Parameters, STEPS_OF_SYNTHETIC, Start};
 use crate::tosses::{Sample, Toss};
 
-/// What made the tosses.
+/// Parameters of the tosses.
 pub(crate) const TRUTH: Parameters = Parameters {
     stiffness: 20_000.0,
     damping: 80.0,
@@ -20,7 +20,7 @@ pub(crate) const TRUTH: Parameters = Parameters {
     },
 };
 
-/// Where a fit starts.
+/// Start of a fit.
 pub(crate) const GUESS: Parameters = Parameters {
     stiffness: 30_000.0,
     damping: 60.0,
@@ -30,9 +30,9 @@ pub(crate) const GUESS: Parameters = Parameters {
     body: Corrections::NONE,
 };
 
-/// Samples of a toss: 0.4 s.
+/// Number of samples of a toss: 0.4 s.
 const SAMPLES: usize = 60;
-/// m, and rad, of each coordinate of each sample but the first.
+/// Noise of each coordinate of each sample except the first, m and rad.
 const NOISE: f64 = 1e-4;
 
 pub(crate) fn tosses(count: u32, seed: u64) -> Outcome<Vec<Toss>> {
@@ -47,7 +47,7 @@ pub(crate) fn tosses(count: u32, seed: u64) -> Outcome<Vec<Toss>> {
         };
         let states = model
             .predict(&toss, Start::FirstSample)
-            .ok_or("the model cannot go on")?;
+            .ok_or("a step of the model failed")?;
         for (sample, state) in toss.samples.iter_mut().zip(states).skip(1) {
             let turn = DQuat::from_scaled_axis(any(&mut random, NOISE));
             sample.position = state.position + any(&mut random, NOISE);
@@ -58,7 +58,7 @@ pub(crate) fn tosses(count: u32, seed: u64) -> Outcome<Vec<Toss>> {
     Ok(tosses)
 }
 
-/// Thrown sideways from a hand's breadth above the table.
+/// First sample of a toss that is thrown sideways from about 0.1 m above the table.
 fn start(random: &mut Random) -> Sample {
     Sample {
         position: DVec3::new(0.0, 0.0, random.between(0.1, 0.15)),

@@ -1,4 +1,4 @@
-//! Measured tosses: reading, and which of them are the same motion.
+//! Measured tosses: input, and groups of tosses of the same motion.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -9,23 +9,23 @@ use std::path::Path;
 use flate2::bufread::GzDecoder;
 use tumble::glam::{DQuat, DVec3};
 
-/// Samples a second.
+/// Sampling rate, 1/s.
 pub(crate) const RATE: f64 = 148.0;
 
-/// What the tracker saw of the cube at one moment.
+/// Tracked pose and velocities of the cube at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sample {
     /// Centre, m, z up, table at z = 0.
     pub(crate) position: DVec3,
-    /// Body to world.
+    /// Rotation from body to world axes.
     pub(crate) orientation: DQuat,
-    /// m/s
+    /// Velocity, m/s.
     pub(crate) velocity: DVec3,
-    /// rad/s, body axes
+    /// Angular velocity, rad/s, body axes.
     pub(crate) spin: DVec3,
 }
 
-/// One toss, a sample every `1/RATE` s.
+/// One toss with a sample every `1/RATE` s.
 #[derive(Clone, Debug)]
 pub(crate) struct Toss {
     pub(crate) number: u32,
@@ -37,7 +37,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<Toss>, Box<dyn Error>> {
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
     BufReader::new(file).read_to_end(&mut bytes)?;
-    // gzip's magic number.
+    // Magic number of gzip.
     let tosses = if bytes.starts_with(&[0x1f, 0x8b]) {
         parse(GzDecoder::new(bytes.as_slice()))
     } else {
@@ -79,10 +79,10 @@ fn parse(text: impl Read) -> Result<Vec<Toss>, Box<dyn Error>> {
         .collect())
 }
 
-/// The tosses in groups of one motion each: some are another turned about the vertical, and one of
-/// them in the fit would tell the answer of the other in the hold-out.
+/// Groups the tosses by motion.
 ///
-/// Heights do not change with such a turn.
+/// Some tosses are copies of others, rotated about the vertical. If a copy were in the fitted half,
+/// the held-out half would not be independent. Such a rotation does not change heights.
 pub(crate) fn motions(tosses: Vec<Toss>) -> Vec<Vec<Toss>> {
     let mut motions: Vec<Vec<Toss>> = Vec::new();
     for toss in tosses {
@@ -94,8 +94,9 @@ pub(crate) fn motions(tosses: Vec<Toss>) -> Vec<Vec<Toss>> {
     motions
 }
 
-/// Whether two tosses have one course of heights, to a tenth of a millimetre: rounding of the table
-/// is 1e-7 m, and two tosses of a hand differ by centimetres.
+/// Returns true if two tosses have the same heights, to a tenth of a millimetre.
+///
+/// The table is rounded to 1e-7 m, and two real tosses differ by centimetres.
 fn is_same(a: &Toss, b: &Toss) -> bool {
     let heights = |toss: &Toss| -> Vec<f64> {
         (toss.samples.iter())

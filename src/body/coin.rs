@@ -333,7 +333,8 @@ pub enum CoinFace {
 impl CoinFace {
     /// Face that points up, by the z component of the unit vector out of heads.
     pub(super) fn up<R: Real>(up: R) -> Self {
-        // Closer to horizontal than the rounding of a unit vector, the normal points neither way.
+        // Within the rounding of a unit vector, the normal is horizontal and points to neither
+        // side.
         if up > R::EPSILON {
             Self::Heads
         } else if up < -R::EPSILON {

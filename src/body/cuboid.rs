@@ -177,7 +177,7 @@ impl<R: Real> RigidPointBody<R> for Cuboid<R> {
         error::above_zero("z edge of the cuboid", self.edges.z(), " m")?;
         error::at_least_zero("radius of the cuboid's corners", self.corner_radius, " m")?;
         for between in self.between_corners() {
-            error::at_least_zero("edge of the cuboid less its round corners", between, " m")?;
+            error::at_least_zero("edge of the cuboid minus its corner radii", between, " m")?;
         }
         error::above_zero("mass of the cuboid", self.distribution.mass, " kg")?;
         self.distribution.check()

@@ -90,9 +90,9 @@ use crate::state::State;
 ///   does not converge to the same limit as its steps get shorter.
 /// - The difference from the limit of many points decreases with the square of their number, if the
 ///   points' contacts are resolved in time. A ring that spins upright on the spot is an exception.
-///   The same points stay near the lowest point, where friction reverses. There the difference
-///   decreases in proportion to the number of points, until their distance times the spin is below
-///   the slip speed.
+///   Its contacts are always the same few points, near the lowest point, where friction reverses.
+///   The difference for such a ring decreases in proportion to the number of points, until their
+///   distance times the spin is below the slip speed.
 /// - Each touch-down of a point is a discontinuity of its damper's force. A fixed step size adds a
 ///   position error in proportion to the step size for a ring of points, but not for the round rim.
 /// - `EnergyMomentum` is of order 2 on the round rim without dampers. With the dampers of the coin
@@ -134,7 +134,7 @@ impl<R: Real> Disc<R> {
         }
     }
 
-    /// How many points the rim stands for.
+    /// Number of points that the rim represents.
     #[cfg(feature = "serde")]
     pub(super) fn points(&self) -> usize {
         let [rim] = &self.rim;

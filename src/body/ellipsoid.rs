@@ -8,8 +8,8 @@ use crate::real::{Real, Vector};
 ///
 /// Its one contact moves over its surface to the point that faces the ground.
 ///
-/// That point is `s = (a² d_x, b² d_y, c² d_z)/h`. Here a, b, c are the semi-axes and d is the
-/// direction to the ground. The distance of the tangent plane from the middle is
+/// The contact point is `s = (a² d_x, b² d_y, c² d_z)/h`. Here a, b, c are the semi-axes and d is
+/// the direction to the ground. The distance of the tangent plane from the middle is
 /// `h = √(a² d_x² + b² d_y² + c² d_z²)`. The point is the gradient of the support function h
 /// (Goldman, *Pyramid Algorithms*, 2003, or any book on quadrics). The force acts at this point.
 /// The slip velocity is that of the body's material there, `v + ω × s`.

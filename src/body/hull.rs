@@ -96,8 +96,8 @@ impl<'a, R: Real> Hull<'a, R> {
     /// Calls `see` with the triangles of the facet to the left of the edge from `first` to
     /// `second`, counter-clockwise from outside.
     ///
-    /// It does so only if this is an edge of the facet and `first` is the least number of a point
-    /// on it. So each facet is visited once.
+    /// Nothing is called unless this is an edge of the facet and `first` is the least number of a
+    /// point on it. So each facet is visited once.
     fn each_triangle(&self, first: usize, second: usize, mut see: impl FnMut([R::Vec3; 3])) {
         let Some(plane) = self.wrap(first, second) else {
             return;
@@ -110,7 +110,8 @@ impl<'a, R: Real> Hull<'a, R> {
         let mut corner = end;
         for _ in 0..self.points.len() {
             let next = self.next_corner(&plane, corner);
-            // Either round the facet, or past a start that lies amid an edge.
+            // The walk is back at the start. A start within an edge is not a corner, so the first
+            // corner is compared as well.
             let is_back = |to: R::Vec3| (next - to).length() <= self.thickness;
             if is_back(start) || is_back(end) {
                 return;

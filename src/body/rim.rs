@@ -23,14 +23,15 @@
 //! **Quadrature.** Substitute `κ = sin(α/2)` and `sin(θ/2) = κ u`, with `u` from -1 to 1:
 //!
 //! ```text
-//! cos θ = 1 - 2 κ² u²     sin θ = 2 κ u √(1 - κ² u²)     dθ = 2 κ du/√(1 - κ² u²)     d = 2 r s κ² (1 - u²)
+//! cos θ = 1 - 2 κ² u²             sin θ = 2 κ u √(1 - κ² u²)
+//! dθ = 2 κ du/√(1 - κ² u²)        d = 2 r s κ² (1 - u²)
 //! ```
-//! This needs no sine and no arc cosine, and has no cancellation at a small penetration depth.
-//! Gauss's rule in `u` has six points on short arcs and eight on longer ones. On an arc of up to a
-//! quarter of the circle (`κ <= 0.38`) it integrates smooth functions to a relative 2e-10. On the
-//! arcs of less than 0.2 rad on which a body rolls it is accurate to rounding. Longer arcs are cut
-//! into quarters. Forces on a level plane need fewer points, for an accuracy of 4e-11. Arcs on
-//! which friction reverses have their own rules (`scene::rims::turning_rules`).
+//! The substitution needs no sine and no arc cosine, and has no cancellation at a small penetration
+//! depth. Gauss's rule in `u` has six points on short arcs and eight on longer ones. On an arc of
+//! up to a quarter of the circle (`κ <= 0.38`) it integrates smooth functions to a relative 2e-10.
+//! On the arcs of less than 0.2 rad on which a body rolls it is accurate to rounding. Longer arcs
+//! are cut into quarters. Forces on a level plane need fewer points, for an accuracy of 4e-11. Arcs
+//! on which friction reverses have their own rules (`scene::rims::turning_rules`).
 
 mod panels;
 
@@ -48,7 +49,7 @@ use crate::real::{Real, Vector};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rim<R: Real = f64> {
     centre: R::Vec3,
-    /// Perpendicular unit vectors in its plane.
+    /// Perpendicular unit vectors in the plane of the rim, body axes.
     axes: [R::Vec3; 2],
     radius: R,
     points: R,
@@ -182,7 +183,7 @@ impl<R: Real> Rim<R> {
         ]
     }
 
-    /// The rim's own axes.
+    /// Perpendicular unit vectors in the plane of the rim, body axes.
     #[inline]
     pub(crate) fn axes(&self) -> [R::Vec3; 2] {
         self.axes
@@ -243,7 +244,7 @@ impl<R: Real> Rim<R> {
     /// breaks, and its value.
     pub fn check(&self) -> Result<(), SceneError> {
         error::above_zero("radius of the rim", self.radius, " m")?;
-        error::above_zero("number of points that the rim stands for", self.points, "")?;
+        error::above_zero("number of points that the rim represents", self.points, "")?;
         error::finite(
             "distance of the rim from the centre of mass",
             self.centre.length(),
@@ -356,7 +357,7 @@ impl<R: Real> Arc<R> {
             .reduce(|a, b| if a.chord() < b.chord() { b } else { a })
     }
 
-    /// `sin(α/2)`.
+    /// Half of the arc's chord over the radius, `sin(α/2)`.
     #[inline]
     pub(crate) fn chord(&self) -> R {
         match *self {

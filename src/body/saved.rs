@@ -1,5 +1,7 @@
-//! Bodies as plain data, by the feature `serde`: the numbers that the constructor takes. What
-//! follows from them is computed again when a body is loaded, with the same bits.
+//! Bodies as plain data, with the feature `serde`.
+//!
+//! A saved body consists of the arguments of its constructor. All other values are computed again
+//! when the body is loaded, with the same bits.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -10,9 +12,9 @@ use super::{
 };
 use crate::real::Real;
 
-/// Places for contacts that a loaded body can have: an array, or a `Vec` with the feature `std`.
+/// Storage for the contacts of a loaded body: an array, or a `Vec` with the feature `std`.
 pub trait Storage<R: Real>: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]> + Sized {
-    /// Storage for so many contacts; `None` if it cannot hold exactly as many.
+    /// Returns storage for `count` contacts, or `None` if it cannot hold exactly that many.
     #[doc(hidden)]
     fn for_contacts(count: usize) -> Option<Self>;
 }
@@ -25,7 +27,7 @@ impl<R: Real, const N: usize> Storage<R> for [ContactPoint<R>; N] {
 
 #[cfg(feature = "std")]
 impl<R: Real> Storage<R> for alloc::vec::Vec<ContactPoint<R>> {
-    /// At most 2²⁴ contacts: a number in a file must not take all memory.
+    /// Returns at most 2²⁴ contacts, so that a number in a file cannot exhaust the memory.
     fn for_contacts(count: usize) -> Option<Self> {
         (count <= 1 << 24).then(|| alloc::vec![ContactPoint::default(); count])
     }
@@ -40,7 +42,7 @@ fn storage<R: Real, P: Storage<R>, E: Error>(count: usize) -> Result<P, E> {
     P::for_contacts(count).ok_or_else(unfit)
 }
 
-/// Whether a scene could be composed with the body.
+/// Checks that a scene can be composed with the body, and returns the body.
 fn checked<R: Real, B: RigidPointBody<R>, E: Error>(body: B) -> Result<B, E> {
     body.check().map_err(E::custom)?;
     check_contacts(body.contacts()).map_err(E::custom)?;
@@ -49,7 +51,7 @@ fn checked<R: Real, B: RigidPointBody<R>, E: Error>(body: B) -> Result<B, E> {
     Ok(body)
 }
 
-/// The numbers of one body, written and read under their names.
+/// Implements saving and loading of one type of body, with named fields.
 macro_rules! saved {
     (
         $body:ident $(<$storage:ident>)?, ($($field:ident: $type:ty),*),

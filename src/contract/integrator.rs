@@ -77,11 +77,11 @@ pub fn check_integrator<R: Real, I: Integrator<R>>(
 
 /// Checks that the computed energy never increases, not even by one unit in the last place.
 ///
-/// It runs one random scene for each case of the plan, with 50 steps of random length. Most scenes
-/// are far too stiff, too fast or too slippery for the step size.
+/// The check runs one random scene for each case of the plan, with 50 steps of random length. Most
+/// scenes are far too stiff, too fast or too slippery for the step size.
 ///
-/// This is not part of the contract of [`Integrator`]. Explicit methods need not pass, and do not.
-/// [`EnergyMomentum`](crate::EnergyMomentum) passes.
+/// The check is not part of the contract of [`Integrator`]. Explicit methods need not pass, and do
+/// not. [`EnergyMomentum`](crate::EnergyMomentum) passes.
 ///
 /// ```
 /// use tumble::contract::{CheckPlan, Requirement, check_energy_never_rises};

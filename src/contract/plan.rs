@@ -7,7 +7,7 @@ use crate::real::{Real, Vector};
 /// Number and seed of the random inputs that a check tries after its fixed extremes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CheckPlan {
-    /// Seed. Other seeds give other inputs.
+    /// Seed of the random inputs.
     pub seed: u64,
     /// Number of random inputs.
     pub cases: u32,

@@ -69,7 +69,7 @@ impl<R: Real> Setup<R> {
         Self::new("a box that falls on a corner", 0, &parameters, time_step)
     }
 
-    /// Any scene. Most of them are far too stiff for the step size.
+    /// Random scene. Most random scenes are far too stiff for the step size.
     pub(super) fn wild(draw: &mut Draw, case: u32, time_step: R) -> Result<Self, SceneError> {
         let around = |draw: &mut Draw, largest: f64, octaves| {
             R::from_f64(largest) * draw.scale::<R>(octaves)

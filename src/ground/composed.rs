@@ -9,7 +9,8 @@ use crate::real::Real;
 /// ```
 /// use tumble::{Carried, Coin, Ground, HuntCrossley, Stepper};
 ///
-/// // A ball of 57 g that goes down by 6 mm when it hits with 7 m/s, and leaves with three quarters of the speed.
+/// // A ball of 57 g that penetrates by 6 mm when it hits with 7 m/s, and leaves with three
+/// // quarters of the speed.
 /// let ball = Carried { mass: 0.057, contacts: 1 };
 /// let court = Ground::level(HuntCrossley::from_bounce(ball, 1.5, 0.75, 7.0, 6e-3)?);
 /// # let stepper = Stepper::new(Coin::ring(1.0, 0.5))?.with_ground(court)?;

@@ -59,8 +59,8 @@ use crate::real::Real;
 /// # Ok::<(), tumble::SceneError>(())
 /// ```
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is not the law of a contact: it does not implement `ContactLaw<{R}>`",
-    label = "this should be a law of contact",
+    message = "`{Self}` is not a contact law: it does not implement `ContactLaw<{R}>`",
+    label = "this should be a contact law",
     note = "implement `spring_force`, `spring_energy` and `normal_force`; the precision `{R}` of body, ground, friction and gravity must be the same"
 )]
 pub trait ContactLaw<R: Real = f64> {

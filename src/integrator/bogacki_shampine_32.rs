@@ -14,8 +14,8 @@ use crate::state::State;
 /// [`guide::choosing`](crate::guide::choosing) says what the tolerance bounds and how large the
 /// error of a run is.
 ///
-/// Of the two adaptive methods, this one suits loose tolerances and contact with many touch-downs.
-/// For tight tolerances use [`DormandPrince54`](crate::DormandPrince54).
+/// Loose tolerances and motions with many touch-downs suit this method. For tight tolerances use
+/// [`DormandPrince54`](crate::DormandPrince54).
 ///
 /// *Error:* 0.17 to 7.1 tolerances in trials 1, 3, 5 and 8 of the coin report, for tolerances of
 /// 1e-3 to 1e-9 m. The slip speed is 1e-3 m/s, and the motion lasts up to 1 s.

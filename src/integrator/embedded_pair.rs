@@ -192,7 +192,7 @@ impl<R: Real> Place<R> {
 
 /// Numbers that distinguish the slopes of one scene from those of another.
 ///
-/// They are the fingerprint of the energies, and the values of damper and friction at one
+/// The numbers are the fingerprint of the energies, and the values of damper and friction at one
 /// penetration depth and slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Answers<R: Real> {

@@ -148,8 +148,9 @@ fn without_gain<R: Real>(start: &State<R>, end: &State<R>, touching: usize) -> [
 
 /// Returns the end of a step, lowered by two units in the last place of the height.
 ///
-/// This applies to a body without support whose height the step has not changed. It takes at least
-/// one unit from the computed gravitational energy, which exceeds the kinetic energy gained.
+/// The function applies to a body without support whose height the step has not changed. It takes
+/// at least one unit from the computed gravitational energy, which exceeds the kinetic energy
+/// gained.
 fn fallen<R: Real, D: Dynamics<R>>(
     scene: &D,
     [start, end]: [&State<R>; 2],

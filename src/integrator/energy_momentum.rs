@@ -14,11 +14,11 @@
 //!    flight, the rounding is corrected in the last places of the orientation, the height or the
 //!    speed (`flight_rounding`). In contact, both velocities are scaled down until the energy no
 //!    longer exceeds it. A body whose motion is below the rounding of its energy comes to rest.
-//! 5. Fallbacks if stage 2 or 4 fails, in this order: `split` (dissipation, conservative motion,
-//!    dissipation); divided steps, down to sixteenths; `descent` (a step downhill, as far as the
-//!    energy allows); a step in which time passes and the body stays. Each end passes through
-//!    stage 4. The induction from step to step therefore needs no assumption on convergence.
-//!    assumption on convergence.
+//! 5. Fallbacks if stage 2 or 4 fails. The first is `split` (dissipation, conservative motion,
+//!    dissipation), the second a divided step, down to sixteenths. The third is `descent`, a step
+//!    downhill as far as the energy allows. In the last one time passes and the body stays. Each
+//!    end passes through stage 4. The induction from step to step therefore needs no assumption on
+//!    convergence.
 
 mod block;
 mod contacts;
@@ -117,10 +117,10 @@ pub struct EnergyMomentum<R = f64> {
 /// The workspace never changes a result: a new one gives the same bits. It may be passed from one
 /// stepper to another. Its data are used only for the same state in a scene with the same
 ///
-/// - mass, moments of inertia and reach,
+/// - mass, moments of inertia and bounding radius,
 /// - number of contacts and of points of the rim,
 /// - gravity and surface,
-/// - spring force and spring energy at a penetration depth equal to the reach.
+/// - spring force and spring energy at a penetration depth equal to the bounding radius.
 ///
 /// Two scenes can agree in all of these, but differ in the springs at other depths or in the
 /// contact points. Use a separate workspace for each of them.
@@ -476,7 +476,7 @@ fn gather<R: Real, D: Dynamics<R>>(
     let bend = bend.at_most(R::TWO * problem.bounding_radius + dt * dt * scene.gravity().length());
     let fall = dt * -motion.linear_velocity.dot(plane.normal);
     let tilt = spin.cross(plane.normal);
-    // For any number of revolutions, a contact stays within the reach.
+    // For any number of revolutions, a contact stays within the bounding radius.
     let swing =
         (dt * tilt.length() * problem.bounding_radius).at_most(R::TWO * problem.bounding_radius);
     let margin = (fall + swing).at_least(R::ZERO) + bend;

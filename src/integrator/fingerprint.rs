@@ -8,7 +8,7 @@ use crate::state::State;
 
 /// Numbers that distinguish the energies of one scene from those of another.
 ///
-/// They belong to the body, the gravity and the ground:
+/// The numbers belong to the body, the gravity and the ground:
 /// - mass, moments and bounding radius
 /// - number of contacts, and number of points that the rim represents
 /// - gravity, and the surface relative to the body

@@ -21,7 +21,8 @@ use crate::state::State;
 /// size.
 ///
 /// ```text
-/// x(t) = x + v t + g t²/2      v(t) = v + g t      q(t) = exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)
+/// x(t) = x + v t + g t²/2      v(t) = v + g t
+/// q(t) = exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)
 /// ```
 /// The flight ends before the first touch-down. From there the wrapped integrator `I` takes the
 /// steps.

@@ -53,7 +53,8 @@ use crate::state::State;
 /// `p = (v, L)` follow from the same loads:
 ///
 /// ```text
-/// y_i = y + c_i h y' + h² Σ_j A_ij y''_j     p_i = p + h Σ_j a_ij p'_j     x'' = F/m + g     q'' = (0, J⁻¹ (T - ω × L)) q/2 - ω² q/4
+/// y_i = y + c_i h y' + h² Σ_j A_ij y''_j     p_i = p + h Σ_j a_ij p'_j
+/// x'' = F/m + g                              q'' = (0, J⁻¹ (T - ω × L)) q/2 - ω² q/4
 /// ```
 /// Here `h` is the step size, `c` are the nodes, and `A` and `a` are the matrices of coefficients.
 /// F and T are force and torque of the contacts, and J is the inertia tensor. `(0, v)` is the

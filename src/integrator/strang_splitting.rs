@@ -13,7 +13,8 @@ use crate::state::State;
 ///
 /// ```text
 /// drift dt/2:  x += dt/2 v;  q = torque-free rotation under L
-/// kick dt:     (v, L) += dt (F/m + g, T)(v*, L*)   with   (v*, L*) = (v, L) + dt/2 (F/m + g, T)(v, L)
+/// kick dt:     (v, L) += dt (F/m + g, T)(v*, L*)
+///              with (v*, L*) = (v, L) + dt/2 (F/m + g, T)(v, L)
 /// drift dt/2
 /// ```
 /// The kick is the explicit midpoint rule in the velocities, because dampers and friction depend on

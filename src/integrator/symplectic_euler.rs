@@ -12,7 +12,9 @@ use crate::state::State;
 /// A kick by the forces updates the velocities. A drift with the new velocities follows.
 ///
 /// ```text
-/// (v', L') = (v, L) + dt (F/m + g, T)(x, q, v, L);   x' = x + dt v';   q' = torque-free rotation of q under L' for dt
+/// (v', L') = (v, L) + dt (F/m + g, T)(x, q, v, L)
+/// x' = x + dt v'
+/// q' = torque-free rotation of q under L' for dt
 /// ```
 /// Order 1, with one force evaluation per step. It is the cheapest method, suited to games and
 /// microcontrollers. The rotation of a symmetric body in flight is exact.

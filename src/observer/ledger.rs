@@ -30,11 +30,11 @@ use reference::{Node, Works};
 ///   integrator is less accurate than order 5. A contact that opens or closes costs some tens more,
 ///   up to a few hundred for a tight tolerance. A run without a ledger has no such cost.
 /// - *Limits.* If a step does not resolve the contact, the exact motion takes too many substeps. An
-///   example is a slip speed far below `mu g` times the step size under
+///   example is a slip speed far below `μ g` times the step size under
 ///   [`EnergyMomentum`](crate::EnergyMomentum). The works then follow from the powers at both ends
-///   of the step and between, and the energy error includes what these miss. A contact that closes
-///   and opens between two substeps is missed. The ledger must receive every step, so it is not
-///   suited for [`Every`](crate::Every).
+///   of the step and between, and the energy error includes the part that these works miss. A
+///   contact that closes and opens between two substeps is missed. The ledger must receive every
+///   step, so it is not suited for [`Every`](crate::Every).
 /// - *Mean velocities.* [`EnergyMomentum`](crate::EnergyMomentum) is accurate in the mean velocity
 ///   of a step, but the exact motion starts from the velocity at its end. The stated energy error
 ///   is up to about 200 times the difference from the true energy, and is of order 2 like that
@@ -144,8 +144,8 @@ impl<R: Real> Ledger<R> {
 
     /// Returns the more accurate of two works of a step that the substeps could not follow.
     ///
-    /// Such steps come in series. So after a step along its chord, some steps use the chord at
-    /// once, twice as many as the last time.
+    /// Steps that the substeps cannot follow come in series. So after a step along its chord, some
+    /// steps use the chord at once, twice as many as the last time.
     fn fall_back(&mut self, followed: Works<R>, chord: Works<R>) -> Works<R> {
         if followed.error <= chord.error {
             return followed;

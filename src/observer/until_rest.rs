@@ -76,7 +76,7 @@ impl<R: Real> UntilRest<R> {
     ) -> Result<Self, SceneError> {
         error::at_least_zero("distance of a body at rest", distance, " m")?;
         error::above_zero("time of a body at rest", seconds, " s")?;
-        error::at_least_zero("reach of the body", body.bounding_radius(), " m")?;
+        error::at_least_zero("bounding radius of the body", body.bounding_radius(), " m")?;
         Ok(Self {
             bounding_radius: body.bounding_radius(),
             distance,

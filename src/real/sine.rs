@@ -1,10 +1,10 @@
-//! Sine and cosine of single precision without double precision: `libm`'s own go through f64, which
-//! a processor with single precision alone has to emulate.
+//! Sine and cosine of single precision, computed without double precision.
 //!
-//! Integers reduce the angle, exactly for every f32; then `+ - *` in one order. Both results are
-//! within a unit in the last place.
+//! The functions of `libm` use f64, which a processor with single precision only has to emulate.
+//! Here integer arithmetic reduces the angle exactly, for every f32. The series then uses `+ - *`
+//! in one fixed order. Both results are accurate to one unit in the last place.
 
-/// The bits of 1/2π, from 2³¹ down.
+/// Bits of `1/(2π)`, from 2³¹ down.
 const TURNS_PER_RADIAN: [u32; 8] = [
     0,
     0x28be_60db,
@@ -16,7 +16,7 @@ const TURNS_PER_RADIAN: [u32; 8] = [
     0x7f94_58ea,
 ];
 
-/// Sine and cosine of an angle in radians; NaN where it is not finite.
+/// Sine and cosine of an angle in radians. NaN if the angle is not finite.
 pub(super) fn sin_cos(angle: f32) -> (f32, f32) {
     if !angle.is_finite() {
         return (f32::NAN, f32::NAN);
@@ -32,23 +32,28 @@ pub(super) fn sin_cos(angle: f32) -> (f32, f32) {
     (if angle < 0.0 { -sin } else { sin }, cos)
 }
 
-/// Quarter turns, 0 to 3, and what is left over, at most an eighth of a turn to either side, rad;
-/// with what rounding has taken from it.
-#[allow(clippy::cast_possible_wrap, reason = "above 2⁶³ it is a turn back")]
+/// Number of quarter revolutions, 0 to 3, and the remaining angle, rad.
+///
+/// The remaining angle is at most an eighth of a revolution, of either sign. Its second element is
+/// the rounding error of the first.
+#[allow(
+    clippy::cast_possible_wrap,
+    reason = "a value above 2⁶³ stands for a negative angle"
+)]
 fn reduce(angle: f32) -> (u64, [f32; 2]) {
     if angle <= core::f32::consts::FRAC_PI_4 {
         return (0, [angle, 0.0]);
     }
-    // angle = m 2^e. Of m 2^e/2π the whole turns do not matter, so m is multiplied by 96 bits of
-    // 1/2π from 2^(-e-1) on: the error is below 2⁻⁷² turns, and no f32 is nearer than 2⁻³⁶ turns to
-    // a quarter.
+    // angle = m 2^e. Whole revolutions in m 2^e/(2π) have no effect. So m is multiplied by 96 bits
+    // of 1/(2π), from 2^(-e-1) on. The error is below 2⁻⁷² revolutions, and no f32 is closer than
+    // 2⁻³⁶ revolutions to a multiple of a quarter.
     let bits = angle.to_bits();
     let m = u64::from(bits & 0x007f_ffff | 0x0080_0000);
     let from = (bits >> 23) + 32 - 150;
     let [high, middle, low] = [0, 32, 64].map(|further| u64::from(window(from + further)));
     let turns = ((m * high) << 32)
         .wrapping_add(m * middle)
-        .wrapping_add((m * low) >> 32); // 2⁻⁶⁴ turns
+        .wrapping_add((m * low) >> 32); // in 2⁻⁶⁴ revolutions
     let quarter = turns.wrapping_add(1 << 61) >> 62;
     let left_over = turns.wrapping_sub(quarter << 62) as i64;
     let rest = radians(left_over.unsigned_abs());
@@ -56,8 +61,11 @@ fn reduce(angle: f32) -> (u64, [f32; 2]) {
     (quarter, rest.map(|part| part * side))
 }
 
-/// 32 bits of [`TURNS_PER_RADIAN`] from this one on; 0 beyond its end.
-#[allow(clippy::cast_possible_truncation, reason = "32 bits are taken")]
+/// 32 bits of [`TURNS_PER_RADIAN`] that begin at bit `from`. Bits beyond its end are 0.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the lower 32 bits are needed"
+)]
 fn window(from: u32) -> u32 {
     let word = |further: u32| {
         let index = from / 32 + further;
@@ -67,30 +75,33 @@ fn window(from: u32) -> u32 {
     (both >> (32 - from % 32)) as u32
 }
 
-/// In radians, from 2⁻⁶⁴ turns, at least 1; and what rounding has taken.
+/// Angle in radians for a number of 2⁻⁶⁴ revolutions, at least 1, and the rounding error of that
+/// angle.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_precision_loss,
     clippy::cast_possible_wrap,
-    reason = "the upper half is taken, and rounded to f32"
+    reason = "the upper half is used, and rounded to f32"
 )]
 fn radians(turns: u64) -> [f32; 2] {
-    const TAU: u64 = 0xc90f_daa2; // 2⁻²⁹
+    const TAU: u64 = 0xc90f_daa2; // 2π in units of 2⁻²⁹
     let zeros = turns.leading_zeros();
     let unit = f32::from_bits((127 - 29 - zeros) << 23);
-    let upper = (((turns << zeros) >> 32) * TAU) >> 32; // in that unit
+    let upper = (((turns << zeros) >> 32) * TAU) >> 32; // in units of `unit`
     let rounded = upper as u32 as f32;
     let lost = (upper as i64 - rounded as i64) as i32;
     [rounded * unit, lost as f32 * unit]
 }
 
-/// Of `x + lost`, by Taylor's series for up to π/4, to terms below 2⁻²⁶ of the sum; of `lost`,
-/// which is below a unit in the last place of `x`, by its first term.
+/// Sine and cosine of `x + lost` by Taylor's series, for angles up to π/4.
+///
+/// The first omitted term is below 2⁻²⁶ of the sum. `lost` is below one unit in the last place of
+/// `x`, so its first term is sufficient.
 fn sin_cos_to_an_eighth(x: f32, lost: f32) -> (f32, f32) {
     let s = x * x;
     let sin = (((1.0 / 362_880.0 * s - 1.0 / 5040.0) * s + 1.0 / 120.0) * s - 1.0 / 6.0) * s;
     let cos = ((-1.0 / 3_628_800.0 * s + 1.0 / 40320.0) * s - 1.0 / 720.0) * s + 1.0 / 24.0;
-    // 1 - s/2 is rounded; what that takes is known exactly and put back.
+    // 1 - s/2 is rounded. Its rounding error is known exactly and added again.
     let half = s * 0.5;
     let near = 1.0 - half;
     (
@@ -103,7 +114,7 @@ fn sin_cos_to_an_eighth(x: f32, lost: f32) -> (f32, f32) {
 mod tests {
     use super::*;
 
-    /// How far apart, in units in the last place of the truth.
+    /// Difference of two numbers in units in the last place of the second, which is exact.
     fn units_apart(ours: f32, truth: f64) -> f64 {
         #[allow(
             clippy::cast_possible_truncation,
@@ -117,7 +128,7 @@ mod tests {
 
     #[test]
     fn sine_and_cosine_are_within_a_unit_in_the_last_place_at_all_sizes() {
-        // A prime step through the bits of all finite numbers meets every exponent some ten
+        // A prime step through the bits of all finite numbers visits every exponent about ten
         // thousand times.
         let mut worst: f64 = 0.0;
         for bits in (0..0x7f80_0000).step_by(9973) {
@@ -133,7 +144,7 @@ mod tests {
 
     #[test]
     fn next_to_a_quarter_turn_no_digit_is_lost() {
-        // The f32 nearest to a multiple of π/2 (Kahan's nearpi), and multiples as they come.
+        // The f32 nearest to a multiple of π/2 (Kahan's nearpi), and ordinary multiples.
         for angle in [
             16_367_173.0 * 2.0_f32.powi(72),
             f32::MAX,

@@ -153,7 +153,7 @@ fn kinks_of<R: Real, D: Dynamics<R> + ?Sized>(
     let normal = under(R::ZERO).normal;
     let depth = |u: R| -under(u * chord).gap;
     let mut kinks = kinks_over(scene, chord, normal, &velocities, depth);
-    // Energies need as many.
+    // The energy needs the same number of points.
     kinks.add_points(if chord <= R::from_f64(SHORT) { 6 } else { 8 });
     kinks
 }

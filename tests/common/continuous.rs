@@ -29,7 +29,7 @@ enum Contact {
 pub(crate) struct Coin {
     friction: f64,
     slip_speed: f64,
-    /// Of the body, body axes.
+    /// Moments of inertia, body axes.
     rim: [DVec3; POINTS],
 }
 

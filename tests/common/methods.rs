@@ -49,7 +49,7 @@ impl Setup {
 #[derive(Clone, Copy)]
 pub(crate) struct Method {
     pub(crate) name: &'static str,
-    /// In smooth motion.
+    /// Order in smooth motion.
     pub(crate) order: i32,
     /// A step (s) that is short enough for whole trials.
     pub(crate) time_step: f64,
@@ -150,7 +150,7 @@ where
     }
 }
 
-/// A moment of a run, and the books up to it.
+/// A state of a run, and the energy audit up to it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Record {
     pub(crate) time: f64,
@@ -184,13 +184,13 @@ impl Observer for Recorder<'_> {
     }
 }
 
-/// How far apart two states of the report's coin (1 kg, 0.5 m) are.
+/// Distance of two states of the report's coin (1 kg, 0.5 m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Distance {
-    /// Of the centres, and of the rim by the angle between the turns: `sqrt(|dx|^2 + (r angle)^2)`,
-    /// m.
+    /// Distance of the centres, and of the rim by the angle between the orientations:
+    /// `sqrt(|dx|^2 + (r angle)^2)`, m.
     pub(crate) place: f64,
-    /// Of the velocities, and of the rim by the angular momenta: `|dv| + |dL|/(m r)`, m/s.
+    /// Distance of the velocities, and of the rim by the angular momenta: `|dv| + |dL|/(m r)`, m/s.
     pub(crate) motion: f64,
 }
 

@@ -1,8 +1,8 @@
-//! What several test files share: the report's own loop, and the tables in `tests/data`.
+//! Common parts of several test files: the loop of the coin report, and the tables in `tests/data`.
 
 // Each test program uses another part of it.
 #![allow(dead_code)]
-// A test helper that cannot go on ends its test.
+// A test helper that fails ends its test.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 pub(crate) mod continuous;

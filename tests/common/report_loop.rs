@@ -35,7 +35,7 @@ pub(crate) enum Direction {
     Spinning,
 }
 
-/// What the report varies, and what it keeps.
+/// Parameters that the report varies, and those that it keeps fixed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ReportTrial {
     /// Rolling or spinning.
@@ -87,7 +87,7 @@ impl ReportTrial {
 type Vector = [f64; 3];
 type Matrix = [[f64; 3]; 3];
 
-/// The state of the report's program between two turns of its loop.
+/// State of the report's program between two passes of its loop.
 #[derive(Clone, Debug)]
 pub(crate) struct ReportLoop {
     trial: ReportTrial,
@@ -167,7 +167,7 @@ impl ReportLoop {
         }
     }
 
-    /// One turn of the report's loop.
+    /// One pass of the report's loop.
     pub(crate) fn step(&mut self) {
         let dt = self.trial.time_step;
         // "% Compute I", "Omega = I\L"
@@ -299,7 +299,7 @@ impl ReportLoop {
         self.l
     }
 
-    /// From the centre to point `num`, m; points count from 1, as in the report.
+    /// Vector from the centre to point `num`, m. Points count from 1, as in the report.
     pub(crate) fn arm(&self, num: usize) -> [f64; 3] {
         self.xrel[num - 1]
     }
@@ -332,8 +332,8 @@ impl ReportLoop {
         MASS * GRAVITY * self.xcm[2] + 0.5 * MASS * dot(self.ucm, self.ucm)
     }
 
-    /// "[values,index] = min(X)": number (from 1) and place of the lowest point, the first of them
-    /// if there are more.
+    /// "[values,index] = min(X)": number (from 1) and position of the lowest point, the first of
+    /// them if there are several.
     pub(crate) fn lowest_point(&self) -> (usize, [f64; 3]) {
         let mut lowest = 0;
         for i in 1..self.x.len() {

@@ -1,9 +1,9 @@
-//! What the property tests share: ranges of input, bodies of several kinds, the integrators one
-//! after another.
+//! Common parts of the property tests: ranges of input, bodies of several kinds, and each
+//! integrator.
 
 // Each test program uses another part of it.
 #![allow(dead_code, unused_imports, unused_macros)]
-// A test helper that cannot go on ends its test.
+// A test helper that fails ends its test.
 #![allow(clippy::unwrap_used)]
 
 pub(crate) mod statistics;
@@ -39,7 +39,8 @@ pub(crate) fn cases(cases: u32) -> ProptestConfig {
     }
 }
 
-/// Whether `PROPTEST_CASES` or `PROPTEST_RNG_SEED` ask for other inputs than a stored result has.
+/// Returns true if `PROPTEST_CASES` or `PROPTEST_RNG_SEED` selects other inputs than those of a
+/// stored result.
 pub(crate) fn asks_for_other_draws() -> bool {
     let asked = ProptestConfig::default();
     asked.cases != 256 || !matches!(asked.rng_seed, RngSeed::Random)
@@ -107,7 +108,7 @@ pub(crate) fn directions() -> impl Strategy<Value = DVec3> {
     prop_oneof![1 => prop::sample::select(axes.to_vec()), 4 => any]
 }
 
-/// Turns from body to world axes: none, half a turn, any.
+/// Rotations from body to world axes: none, half a revolution, any.
 pub(crate) fn orientations() -> impl Strategy<Value = DQuat> {
     let angle = prop_oneof![Just(0.0), Just(core::f64::consts::PI), -3.2..3.2_f64];
     (directions(), angle).prop_map(|(axis, angle)| DQuat::from_axis_angle(axis, angle))
@@ -133,7 +134,7 @@ impl core::ops::Deref for AnyBody {
 }
 
 impl AnyBody {
-    /// Places of the contacts, m, body axes.
+    /// Positions of the contacts, m, body axes.
     pub(crate) fn places(&self) -> Vec<DVec3> {
         self.contacts()
             .iter()
@@ -226,7 +227,7 @@ pub(crate) fn point_mass(mass: f64) -> PointCloud<f64, [ContactPoint; 1]> {
     PointCloud::new([DVec3::ZERO], [mass]).unwrap()
 }
 
-/// Angle of the turn between two orientations, rad.
+/// Angle of the rotation between two orientations, rad.
 pub(crate) fn angle_between(a: DQuat, b: DQuat) -> f64 {
     // The arcsine of the vector part keeps the digits that the arccosine of the scalar part loses
     // at small angles.
@@ -239,7 +240,7 @@ pub(crate) fn order(coarse: f64, fine: f64) -> f64 {
     (coarse / fine).log2()
 }
 
-/// Largest difference of two states: m, m/s, rad and kg m²/s alike.
+/// Largest difference of two states, over their numbers in m, m/s, rad and kg m²/s.
 pub(crate) fn difference(a: &State, b: &State) -> f64 {
     [
         (a.position - b.position).length(),
@@ -254,7 +255,7 @@ pub(crate) fn difference(a: &State, b: &State) -> f64 {
 /// m/s².
 pub(crate) const GRAVITY: f64 = 9.8;
 
-/// Where a body comes to in so many seconds on a level ground.
+/// State of a body after some seconds on level ground.
 pub(crate) fn end<B: RigidPointBody, F: SlidingFriction>(
     body: B,
     (ground, friction): (FlatGround, F),

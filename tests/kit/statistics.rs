@@ -1,4 +1,4 @@
-//! How much a number of random cases can show: the power of a test, computed.
+//! Power of a test with a number of random cases.
 //!
 //! A test that counts among `n` random cases states its null, and an alternative that it rejects
 //! with 99 %. A property that held in all of `n` cases bounds the fraction of cases in which it
@@ -43,7 +43,7 @@ impl FractionTest {
         }
     }
 
-    /// Whether a count agrees with the null.
+    /// Returns true if a count agrees with the null hypothesis.
     pub(crate) fn accepts(&self, count: u32) -> bool {
         (self.accepted[0]..=self.accepted[1]).contains(&count)
     }

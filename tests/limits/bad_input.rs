@@ -1,5 +1,5 @@
-//! Bad input is answered, not simulated (promise G8): one test a parameter, what a step does that
-//! cannot go on, and any bits anywhere without a panic.
+//! Tests of promise G8: invalid input returns an error. There is one test for each parameter.
+//! Others check a step that fails, and arbitrary bits in every number, without a panic.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used, clippy::panic)]
@@ -29,8 +29,8 @@ use tumble::{Dynamics, Every, Flight, Sample, Step, Timed, UntilRest};
 
 const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 
-/// That a scene is refused for each bad value, with its quantity, rule, value and unit, and
-/// accepted for each good one.
+/// Checks that a scene is rejected for each invalid value, with its quantity, rule, value and unit,
+/// and accepted for each valid one.
 fn refuses<T>(
     quantity: &str,
     (rule, bad, good): (Rule, &[f64], &[f64]),
@@ -101,7 +101,7 @@ fn a_coin_needs_a_radius_above_zero() {
     });
 }
 
-/// From where the inverse moment overflows up to where `m r²` does.
+/// Masses from the overflow of the inverse moment to the overflow of `m r²`.
 const MASS: (Rule, &[f64], &[f64]) = (ABOVE_ZERO.0, ABOVE_ZERO.1, &[1e-300, 1e-100, 1.0, 1e300]);
 const LENGTH: (Rule, &[f64], &[f64]) = (ABOVE_ZERO.0, ABOVE_ZERO.1, &[5e-324, 1e-100, 1.0, 1e150]);
 
@@ -207,7 +207,7 @@ fn corners_of_a_box_cannot_be_rounder_than_half_its_shortest_edge() {
     });
     assert_eq!(
         Stepper::new(cube.rounded(0.375)).unwrap_err().to_string(),
-        "edge of the cuboid less its round corners must be at least 0, got -0.25 m"
+        "edge of the cuboid minus its corner radii must be at least 0, got -0.25 m"
     );
 }
 
@@ -306,7 +306,7 @@ fn a_rim_stands_for_points_around_a_place_and_beside_few_contacts() {
     assert_eq!(alone(good), None);
     assert_eq!(
         alone(rim(DVec3::X, DVec3::Y, 0)).unwrap(),
-        "number of points that the rim stands for must be above 0, got 0"
+        "number of points that the rim represents must be above 0, got 0"
     );
     for bad in NOT_FINITE {
         let told = alone(rim(DVec3::X * bad, DVec3::Y, 120)).unwrap();
@@ -325,7 +325,7 @@ fn a_rim_stands_for_points_around_a_place_and_beside_few_contacts() {
     assert_eq!(beside(32), None);
     assert_eq!(
         beside(33).unwrap(),
-        "number of contacts beside a rim must be at most 32, got 33"
+        "number of contacts of a body with a rim must be at most 32, got 33"
     );
     assert_eq!(
         answer(Rimmed(vec![good; 2], vec![])).unwrap(),
@@ -862,7 +862,7 @@ fn what_a_law_is_made_from_is_in_its_range() {
     let error = SpringDamper::from_bounce(nobody, 0.5, 1e-3).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "number of contacts that carry must be at least 1, got 0"
+        "number of contacts that support the body must be at least 1, got 0"
     );
     for made in [
         HuntCrossley::from_bounce(body, 0.5, 0.5, 1.0, 1e-3),
@@ -1191,7 +1191,7 @@ fn a_scene_whose_inverse_mass_or_weight_overflows_is_refused() {
     };
     assert_eq!(
         message(Stepper::new(far).unwrap_err()),
-        "reach of the body must be finite, got inf m"
+        "bounding radius of the body must be finite, got inf m"
     );
 }
 
@@ -1552,7 +1552,7 @@ fn a_step_that_diverges_says_so_and_leaves_the_last_good_state() {
         );
         assert_eq!(state.not_finite(), None, "{method}");
         assert_eq!(Some(&state), good.last(), "{method}");
-        // Asked again, it answers the same, and again leaves the state.
+        // A repeated call returns the same error, and leaves the state unchanged again.
         assert_eq!(
             stepper.step(&mut state),
             Err(StepError::Diverged(quantity)),
@@ -1634,7 +1634,7 @@ fn thrown(
     for _ in 0..500 {
         let last = state;
         if let Err(error) = stepper.step(&mut state) {
-            // The last good state, and no other answer to the same question.
+            // The last valid state, and the same error for a repeated call.
             assert_eq!(bits(&state), bits(&last));
             let again = stepper.step(&mut state).unwrap_err();
             assert_eq!(again.to_string(), error.to_string());
@@ -1646,7 +1646,8 @@ fn thrown(
     Ok(())
 }
 
-/// That every integrator names the value, and its role and rule, before the motion has felt it.
+/// Checks that every integrator reports the value, with its role and rule, before it has an effect
+/// on the motion.
 fn names_the_value(laws: &Spoilt, expected: LawQuantity, is_value: impl Fn(f64) -> bool) {
     let check = |answer: Result<(), StepError>, method: &str| {
         let Err(error @ StepError::BrokenLaw { quantity, value }) = answer else {
@@ -1784,7 +1785,8 @@ fn a_friction_law_that_pushes_is_named_by_every_integrator_and_not_suppressed() 
         ..SOUND
     };
     names_the_value(&belt, LawQuantity::FrictionPower, |value| value > 0.0);
-    // One that runs the other way brakes the ball to its own speed; it pushes only from rest on.
+    // A slip in the other direction brakes the ball to its own speed. Friction pushes only from
+    // rest on.
     let against = Spoilt {
         friction: |load, slip| {
             let past = slip + DVec3::X * 0.5;
@@ -1883,7 +1885,7 @@ fn a_relief_of_nan_does_not_let_a_ball_fall_through() {
 
 #[test]
 fn a_law_that_is_trusted_is_not_checked() {
-    /// As [`Spoilt`], but its author says that it is sound.
+    /// A law like [`Spoilt`] that states that it is trusted.
     struct Trusted(Spoilt);
     impl SlidingFriction for Trusted {
         fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
@@ -2076,8 +2078,8 @@ fn a_run_of_more_samples_than_can_be_told_apart_is_refused() {
     );
 }
 
-/// A coin of a kilogram on springs of 1 kN/m, with numbers so large that a step cannot tell where
-/// it goes. Each method says so, or keeps what nothing changes: in flight the angular momentum.
+/// A coin of a kilogram on springs of 1 kN/m, with numbers so large that a step cannot resolve the
+/// motion. Each method returns an error, or keeps what is constant: in flight the angular momentum.
 #[test]
 fn a_step_beyond_what_numbers_hold_is_refused_or_right() {
     let coin = Stepper::new(Coin::ring(1.0, 0.5))
@@ -2109,7 +2111,7 @@ fn a_step_beyond_what_numbers_hold_is_refused_or_right() {
         .unwrap();
     assert_eq!(
         stepper.step(&mut start.clone()).unwrap_err().to_string(),
-        "the energy before the step must be finite and far from overflow, got inf J: look at the velocities, the depth in the ground and its laws"
+        "the energy before the step must be finite and far from overflow, got inf J: check the velocities, the penetration depths and the laws of the ground"
     );
     for time_step in [1e15, 1e30, 1e50, 1e60, 1e75, 1e100, 1e200, 1e300] {
         let stepper = coin.with_integrator(EnergyMomentum { time_step }).unwrap();
@@ -2197,7 +2199,7 @@ fn positive() -> impl Strategy<Value = f64> {
     )
 }
 
-/// Of either sign.
+/// Values of either sign.
 fn signed() -> impl Strategy<Value = f64> {
     (positive(), any::<bool>()).prop_map(|(size, up)| if up { size } else { -size })
 }
@@ -2277,8 +2279,8 @@ impl Anything {
         }
     }
 
-    /// Everything that can be asked of a scene and done with a state in it. Says whether the scene
-    /// could be composed.
+    /// Calls everything that a scene and a state offer. Returns true if the scene could be
+    /// composed.
     fn live<R: Real>(&self) -> Result<(), SceneError> {
         let [mass, radius] = self.body.map(R::from_f64);
         let coin = Coin::ring_with_storage(vec![ContactPoint::default(); self.count], mass, radius);
@@ -2395,7 +2397,7 @@ impl Anything {
                 Err(error) => assert_eq!(format!("{state:?}"), format!("{before:?}"), "{error}"),
             }
         }
-        // Two steps with the books open; a time step near the end of the numbers has no double.
+        // Two steps with an energy audit. A step size near the largest number has no double.
         let (before, seconds) = (state, R::from_f64(2.0 * self.time_step));
         let mut books = Ledger::new();
         match stepper.run(&mut state, seconds, &mut books) {
@@ -2415,8 +2417,8 @@ impl Anything {
 proptest! {
     #![proptest_config(kit::cases(2000))]
 
-    /// Numbers of every size that a scene and a state may have, and now and then any bits: an
-    /// answer, never a panic, and never a state that is no number.
+    /// Numbers of every size in a scene and a state, and sometimes arbitrary bits. The result is an
+    /// error or a finite state, never a panic.
     #[test]
     fn no_number_in_a_scene_or_a_state_makes_a_panic_in_double_precision(anything in anything()) {
         let _ = anything.live::<f64>();
@@ -2427,7 +2429,7 @@ proptest! {
         let _ = anything.live::<f32>();
     }
 
-    /// The same where the scene is a plain one and the state any bits whatever.
+    /// Arbitrary bits of the state in a plain scene.
     #[test]
     fn no_bits_in_a_state_make_a_panic(numbers in prop::array::uniform13(any_bits()), time_step in prop_oneof![Just(1e-3), Just(f64::MAX), Just(5e-324)]) {
         let [x, y, z, vx, vy, vz, a, b, c, d, lx, ly, lz] = numbers;

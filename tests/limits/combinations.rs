@@ -1,8 +1,7 @@
-//! Every built-in body on every ground with every friction law, moved by every integrator: all of
-//! them go together.
+//! Every built-in body on every ground with every friction law, advanced by every integrator.
 //!
-//! In tame scenes the integrators, which share no formula, have to agree on where the body is; at
-//! the extremes each has to end a step or to say why not.
+//! In well-resolved scenes the integrators, which share no formula, must agree on the position of
+//! the body. At the extremes each must complete a step or return an error.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -110,7 +109,7 @@ fn grounds(stiffness: f64, damping: f64) -> Named<dyn SpringDamperGround> {
     grounds
 }
 
-/// Of the sloping plane; of no length in particular.
+/// Normal of the sloping plane, of arbitrary length.
 const NORMAL: DVec3 = DVec3::new(0.2, -0.1, 1.0);
 
 /// Each law, with a coefficient of about 0.3 times `strength`.
@@ -184,7 +183,7 @@ fn thrown(body: &dyn RigidPointBody) -> State {
         .with_angular_momentum(body.inertia() * spin)
 }
 
-/// The end of a run, and the largest rise of the energy in a step, J.
+/// End of a run, and the largest increase of the energy in a step, J.
 fn run<I: Integrator>(
     (body, ground, friction): Parts<'_>,
     integrator: I,
@@ -208,12 +207,12 @@ fn run<I: Integrator>(
     (state, time, rise)
 }
 
-/// Whether a run has ended at a time (s), but for the rounding of the sum of its steps.
+/// Returns true if a run has ended at a time (s), except for the rounding of the sum of its steps.
 fn covers(run: &Result<f64, StepError>, seconds: f64) -> bool {
     run.is_ok_and(|time| (time - seconds).abs() <= 1e-14)
 }
 
-/// Of any place of a body with this reach (m), m.
+/// Rounding of any position of a body with this bounding radius (m), m.
 fn apart(a: &State, b: &State, bounding_radius: f64) -> f64 {
     let turn = a.orientation.conjugate() * b.orientation;
     (a.position - b.position).length() + bounding_radius * 2.0 * turn.xyz().length()
@@ -239,7 +238,8 @@ fn each(
     count
 }
 
-/// How far the methods may be from the truth after 0.2 s, m: two to three times what they are. One
+/// Largest deviation of the methods from the exact solution after 0.2 s, m: two to three times the
+/// measured one. One
 /// that missed a force would be off by 0.1 m and more: the ground turns 2 m/s round.
 ///
 /// A body that hits with u = 3 m/s on springs of ω = 45 to 170 rad/s is pushed by u ω, up to
@@ -269,7 +269,7 @@ fn in_tame_scenes_all_integrators_agree() {
             // to some tens of its tolerance.
             let (truth, time, _) = run(parts, DormandPrince54::new(1e-6), 0.2);
             assert!(covers(&time, 0.2), "{name}: {time:?}");
-            // Two of the others in turn.
+            // Two of the others, alternately.
             for turn in [turn, turn + 3] {
                 let which = turn % BOUNDS.len();
                 let (method, bound) = BOUNDS[which];

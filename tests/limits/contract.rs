@@ -48,7 +48,7 @@ const SLIDES: FrictionRange = FrictionRange {
     slip: 10.0,
 };
 
-/// What the default battery finds wrong with a ground.
+/// Violation of a ground that the default plan finds.
 fn fault_of_ground(ground: &impl SpringDamperGround) -> Violation {
     check_ground(ground, &RANGE, CheckPlan::default()).unwrap_err()
 }
@@ -123,7 +123,7 @@ fn every_built_in_ground_passes() {
         };
         let shape = Terrain { height_field };
         check_ground(&Ground { law, shape }, &RANGE, plan).unwrap();
-        // Without its bend the search takes longer, to the same place.
+        // Without its hessian the search takes longer, and finds the same point.
         let shape = Terrain::of(|x: f64, y: f64| {
             Elevation::new(0.1 * x * x - 0.05 * x * y, [0.2 * x - 0.05 * y, -0.05 * x])
         });
@@ -304,7 +304,7 @@ fn the_energy_never_rises_with_the_default_integrator_and_does_with_the_others()
 
 // Bodies.
 
-/// A ring that spoils one answer of the coin within.
+/// A ring that changes one result of the inner coin.
 struct Spoilt<const FAULT: char> {
     coin: Coin,
     asked: Cell<u32>,
@@ -372,14 +372,14 @@ impl<const FAULT: char> RigidPointBody for Spoilt<FAULT> {
             },
             // Upside down.
             'u' => self.coin.contacts_below(-normal, offset),
-            // Another answer now and then, though none too small.
+            // A different result from time to time, which is never too small.
             'o' if self.times_asked() % 50 == 0 => ContactRange::all(120),
             _ => run,
         }
     }
     fn contacts_below_near(&self, normal: DVec3, offset: f64, near: ContactRange) -> ContactRange {
         match FAULT {
-            // The old answer, as if nothing had moved.
+            // The previous result, as if nothing had moved.
             'e' => near,
             // None missed, but as many more as were known.
             'l' if near.count > 1 => ContactRange::all(120),
@@ -507,7 +507,7 @@ impl SpringDamperGround for Provided {
     }
 }
 
-/// A ground in which each answer can be wrong.
+/// A ground in which each result can be wrong.
 struct Any {
     surface: fn(DVec3) -> Surface,
     spring_force: fn(f64) -> f64,
@@ -633,7 +633,7 @@ fn a_surface_whose_normal_is_not_that_of_its_gap_is_caught() {
         fault_of_ground(&steep).requirement,
         Requirement::GapAlongNormal
     );
-    // A dome with a normal that looks up everywhere.
+    // A dome with a normal that points up everywhere.
     let dome = Any {
         surface: |p| Surface {
             gap: (p + DVec3::Z * 2.0).length() - 2.0,
@@ -645,7 +645,7 @@ fn a_surface_whose_normal_is_not_that_of_its_gap_is_caught() {
         fault_of_ground(&dome).requirement,
         Requirement::GapAlongNormal
     );
-    // A step of a hair's breadth.
+    // A very small step.
     let step = Any {
         surface: |p| Surface {
             gap: p.z - if p.x > 0.0 { 1e-6 } else { 0.0 },
@@ -736,7 +736,7 @@ fn a_potential_that_is_not_the_integral_of_the_force_is_caught() {
         fault_of_ground(&nearly).requirement,
         Requirement::EnergyIsIntegral
     );
-    // Right from place to place, but not 0 at the surface.
+    // Consistent from point to point, but not 0 at the surface.
     let lifted = Any {
         spring_energy: |d| 5e2 * d * d + 1e-6,
         ..RIGHT
@@ -826,7 +826,8 @@ fn a_mean_force_that_is_not_the_laws_is_caught() {
         }
     }
     check_ground(&with(right), &RANGE, CheckPlan::default()).unwrap();
-    // The force at the end alone takes too much on the way in and gives too much on the way out.
+    // The force at the end alone takes too much during compression and returns too much during
+    // rebound.
     let at_end = with(|start, end, seconds| MeanForce {
         force: (1e3 * end.max(0.0) + 2.0 * (end - start).min(0.0) / seconds).max(0.0),
         ..right(start, end, seconds)
@@ -840,12 +841,12 @@ fn a_mean_force_that_is_not_the_laws_is_caught() {
         force: right(start, end, seconds).force * 0.7,
         ..right(start, end, seconds)
     });
-    // A third more takes enough on the way in, and gives too much on the way out.
+    // A third more takes enough during compression, and returns too much during rebound.
     let strong = with(|start, end, seconds| MeanForce {
         force: right(start, end, seconds).force * 1.3,
         ..right(start, end, seconds)
     });
-    // On the way in, where it takes all the more.
+    // During compression, where it takes even more.
     let greedy = with(|start, end, seconds| MeanForce {
         force: right(start, end, seconds).force * if end > start { 1.3 } else { 1.0 },
         ..right(start, end, seconds)
@@ -871,7 +872,7 @@ fn a_mean_force_that_is_not_the_laws_is_caught() {
 
 // Friction laws.
 
-/// Resists turning as a contact does that pulls.
+/// Resists rotation with a negative torque.
 struct Pushing(f64);
 
 impl SlidingFriction for Pushing {
@@ -1049,9 +1050,9 @@ impl<const FAULT: char> Integrator for Faulty<FAULT> {
         let start = *state;
         let inner = SymplecticEuler {
             time_step: match FAULT {
-                // Goes the whole step whatever is asked.
+                // Takes the whole step, whatever the limit.
                 'l' | 't' => own,
-                // Nine tenths of the way, and ten of the time.
+                // Advances by nine tenths of the displacement, and by the whole time.
                 'n' => dt * 0.9,
                 _ => dt,
             },
@@ -1328,7 +1329,7 @@ fn no_number_that_a_part_returns_makes_a_check_or_a_step_panic() {
             seed,
             contacts: (0..u32::try_from(seed % 7).unwrap()).map(corner).collect(),
         };
-        // Every answer is right but a panic, an overflow, or a loop without an end.
+        // Every result is valid except a panic, an overflow, or an endless loop.
         let _ = check_body(&noise, plan);
         let _ = check_ground(&noise, &RANGE, plan);
         let _ = check_friction(&noise, &SLIDES, plan);

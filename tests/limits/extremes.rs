@@ -166,7 +166,7 @@ enum SolidKind {
 enum GroundKind {
     Flat,
     Limited,
-    /// By its exponent.
+    /// Number given by its exponent.
     HuntCrossley(f64),
     /// Waves of a terrain.
     Waves,
@@ -218,12 +218,12 @@ enum Laws {
     Report,
     /// The others of the crate.
     BuiltIn,
-    /// Those again on a terrain, where a contact costs several looks at the surface.
+    /// Random scenes on a terrain, where a contact costs several evaluations of the surface.
     Terrain,
     Users,
 }
 
-/// How far the ranges go.
+/// Limits of the ranges.
 #[derive(Clone, Copy)]
 struct Ranges {
     time_step: (f64, f64),
@@ -256,10 +256,11 @@ const WIDE: Ranges = Ranges {
     least: 5e-324,
 };
 
-/// What f32 can hold of them. Its largest number is 3e38, and the solver squares impulses:
-/// `(S d dt)²` with d up to ten sizes is 1e34 at most here, the energies `S d²`, `m r² ω²` and
-/// `m v²` are 1e19. Steps shorter than 1e-6 s, or places beyond 1e4 m, would be below the last of
-/// its seven digits.
+/// Ranges that f32 can represent.
+///
+/// Its largest number is 3e38, and the solver squares impulses: `(S d dt)²` with d up to ten sizes
+/// is at most 1e34 here, the energies `S d²`, `m r² ω²` and `m v²` are 1e19. Steps shorter than
+/// 1e-6 s, or positions beyond 1e4 m, would be below the last of its seven digits.
 const SINGLE: Ranges = Ranges {
     time_step: (1e-6, 1e3),
     size: (1e-3, 1e3),
@@ -289,7 +290,7 @@ const EVERYDAY: Ranges = Ranges {
     least: 5e-324,
 };
 
-/// The same where f32 holds it.
+/// The scene limited to the ranges of f32.
 const EVERYDAY_SINGLE: Ranges = Ranges {
     slip_speed: 1e-6,
     least: 1.5e-45,
@@ -513,8 +514,8 @@ impl Case {
         }
     }
 
-    /// Of a damper that grows with the spring: the same force as the damping's at a depth of one
-    /// size and a speed of 1 m/s, or less. s/m.
+    /// Coefficient of a damper that grows with the spring, s/m. At a depth of one size and a speed
+    /// of 1 m/s its force is at most that of the damping.
     fn relative_damping(&self) -> f64 {
         (self.damping / (self.stiffness * self.size).max(1.0)).min(1e6)
     }
@@ -755,7 +756,7 @@ fn frozen<R: Real>(scene: &impl Dynamics<R>, state: &State<R>, seconds: R) -> Op
         let mean = scene
             .ground()
             .mean_force(contact.depth, contact.depth, seconds);
-        // The answer of springs to the step's end is half of their stiffness.
+        // The response of the springs to the end of the step is half of their stiffness.
         let push = mean.slope * R::TWO * contact.weight;
         let drag = scene.friction().jacobian(mean.force, contact.slip);
         // A slip of the size that the step could cause, for a law that says nothing at none.
@@ -807,8 +808,8 @@ fn frozen<R: Real>(scene: &impl Dynamics<R>, state: &State<R>, seconds: R) -> Op
     (moves && drop(&turned) > rounding + rough_by_turn).then_some("it is turned")
 }
 
-/// Whether free motion for a step goes beyond 1e25 sizes of the body, where the documentation
-/// allows `StepTooLong`.
+/// Returns true if free motion in a step goes beyond 1e25 sizes of the body, where the
+/// documentation allows `StepTooLong`.
 fn goes_too_far<R: Real>(scene: &impl Dynamics<R>, start: &State<R>, seconds: R) -> bool {
     let size = scene.bounding_radius();
     let size = if size > R::ZERO { size } else { R::ONE };
@@ -884,7 +885,7 @@ fn keeps_its_promises<R: Real>(case: &Case, tally: &mut Tally) -> TestCaseResult
     Ok(())
 }
 
-/// A share of the sweep over these scenes.
+/// Runs a fraction of the sweep over these scenes.
 fn sweep<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64) {
     sweep_over::<R>(name, cases(ranges, laws), share);
 }
@@ -985,7 +986,7 @@ fn every_step_in_f32_keeps_its_promises_with_a_users_laws() {
     );
 }
 
-/// A share of the sweep over these scenes with solids in them.
+/// Runs a fraction of the sweep over these scenes with solids.
 fn sweep_of_solids<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64) {
     use SolidKind::{Coin, Cone, Disc, Egg, Hull, LoadedSphere, RoundDie};
     let kinds = prop::sample::select(vec![
@@ -1107,7 +1108,7 @@ fn is_refused_or_keeps_its_promises<R: Real>(case: &Case) -> TestCaseResult {
     Ok(())
 }
 
-/// Spins, speeds, places and steps beyond those of [`WIDE`] and [`SINGLE`] by up to `decades`.
+/// Spins, speeds, positions and steps beyond those of [`WIDE`] and [`SINGLE`] by up to `decades`.
 fn sweep_of_overflow<R: Real>(name: &str, ranges: Ranges, laws: Laws, decades: f64) {
     let larger = (0..4_usize, 1.0..decades);
     let scenes = (cases(ranges, laws), larger).prop_map(|(mut case, (which, decades))| {
@@ -1141,7 +1142,7 @@ fn every_step_beyond_what_numbers_hold_is_refused_or_keeps_its_promises() {
 // Laws that break their contract
 // -----------------------------------------------------------------------------------------------
 
-/// What a broken law does wrong, where a contact is deeper than its start.
+/// Violation of a broken law, where a contact is deeper than at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Violation {
     Gap,
@@ -1240,7 +1241,7 @@ impl<R: Real> SpringDamperGround<R> for Broken<'_, R> {
         }
     }
     fn bounds(&self) -> GroundBounds<R> {
-        // A surface that is asked, not one that the solver knows.
+        // A surface that is evaluated, not one that the solver recognises.
         GroundBounds::Everywhere
     }
 }

@@ -169,7 +169,7 @@ fn a_fast_spin_in_contact_is_braked_along_the_chord_of_its_turn() {
 
 #[test]
 fn energies_are_held_up_to_a_sixteenth_of_the_largest_number() {
-    /// Whether a kilogram flies on at this speed, m/s.
+    /// Returns true if a kilogram continues to fly at this speed, m/s.
     fn flies<R: Real>(speed: f64) -> bool {
         let point = Sphere::<R>::solid(R::ONE, R::ONE);
         let stepper = Stepper::new(point)
@@ -196,7 +196,7 @@ fn energies_are_held_up_to_a_sixteenth_of_the_largest_number() {
 
 #[test]
 fn a_start_deep_in_the_ground_is_thrown_out_with_the_energy_of_the_springs() {
-    // One metre deep in springs of 1e6 N/m: 5e5 J, of which g takes 9.8 J on the way up.
+    // One metre deep in springs of 1e6 N/m: 5e5 J, of which g takes 9.8 J during the rise.
     let stepper = scene(
         point_mass(1.0),
         FlatGround::level(1e6, 0.0),
@@ -236,8 +236,8 @@ fn a_slow_slide_goes_on_while_its_energy_is_above_the_rounding_of_the_energies()
 
 #[test]
 fn a_ball_that_rolls_out_has_the_speed_of_half_a_step_before_and_the_right_way() {
-    // A solid ball rolls out at 5/7 ℓ/r g. The last half a step of the torque has turned the ball
-    // alone: friction passes it on in the next step.
+    // A solid ball decelerates at 5/7 ℓ/r g. The last half a step of the torque has acted on the
+    // ball alone, because friction passes it on in the next step.
     let (rolling, radius, speed) = (3e-3, 0.03, 0.7);
     let off = |time_step: f64| {
         let friction = WithResistance {
@@ -276,8 +276,8 @@ fn a_ball_that_rolls_out_has_the_speed_of_half_a_step_before_and_the_right_way()
     }
 }
 
-/// A ring that lies on all of so many points, slides and comes to stick on a slope of 6 degrees:
-/// its place after 0.3 s, and the iterations of the last step.
+/// A ring that lies on all of its points, slides and comes to stick on a slope of 6 degrees.
+/// Returns its position after 0.3 s, and the iterations of the last step.
 fn sticks_on(points: usize) -> (DVec3, u32) {
     // Together as stiff as the report's 120 points.
     let share = 120.0 / points as f64;
@@ -312,8 +312,8 @@ fn sticks_on(points: usize) -> (DVec3, u32) {
 #[test]
 fn contacts_beyond_those_that_are_remembered_cost_iterations_and_beyond_a_third_more_the_stick() {
     let (truth, remembered) = sticks_on(128);
-    // A ring of 100 points stands elsewhere: while it rocks into its bed, friction differs by a
-    // little. Of the 4e-4 m of its way, 1e-7 m.
+    // A ring of 100 points has another position: while it rocks into its bed, friction differs
+    // slightly. Of the 4e-4 m of its displacement, 1e-7 m.
     let (fewer, few) = sticks_on(100);
     println!("{few}, {remembered}: {:e} m", fewer.distance(truth));
     assert!(few.abs_diff(remembered) <= 1 && fewer.distance(truth) < 1e-7);
@@ -353,8 +353,8 @@ impl RigidPointBody for Flyer {
     }
 }
 
-/// Share of the first lean that a body has after 400 steps of flight by `Rk4`, which turns with `y`
-/// rad of nutation a step about the axis of the moment `I₃ = flatness I₁`.
+/// Fraction of the first lean after 400 steps of flight by `Rk4`, with `y` rad of nutation a step
+/// about the axis of the moment `I₃ = flatness I₁`.
 fn lean_after_400_steps(flatness: f64, y: f64) -> f64 {
     let stepper = Stepper::new(Flyer(DVec3::new(1.0, 1.0, flatness)))
         .and_then(|stepper| stepper.with_integrator(Rk4 { time_step: 1.0 }))
@@ -370,9 +370,10 @@ fn lean_after_400_steps(flatness: f64, y: f64) -> f64 {
 
 #[test]
 fn runge_kutta_bears_so_much_nutation_of_a_flat_body_and_tips_a_long_one_over() {
-    // The quaternion of a spin about the axis turns at b = y/(2 I₃/I₁) rad a step, a small lean in
-    // it at a = y - b. Each step multiplies what turns at x by a number of the square 1 - x⁶/72 +
-    // x⁸/576, and scales the whole to length 1: the lean grows where its number is the larger one.
+    // The quaternion of a spin about the axis rotates at b = y/(2 I₃/I₁) rad a step, a small lean
+    // in it at a = y - b. Each step multiplies what rotates at x by a number of the square 1 -
+    // x⁶/72 + x⁸/576, and scales the whole to length 1. So the lean grows if its number is the
+    // larger one.
     let square = |x: f64| 1.0 - x.powi(6) / 72.0 + x.powi(8) / 576.0;
     let growth = |flatness: f64, y: f64| {
         let b = y / (2.0 * flatness);
@@ -399,8 +400,8 @@ fn runge_kutta_bears_so_much_nutation_of_a_flat_body_and_tips_a_long_one_over() 
     }
 }
 
-/// Steps and error of the place (m) of a ball that bounces for a second, against its path by a
-/// tolerance of 1e-12 m.
+/// Number of steps and position error (m) of a ball that bounces for a second, against its path
+/// with a tolerance of 1e-12 m.
 fn bounces<R: Real, I: Integrator<R>>(by: I) -> (u64, f64) {
     let number = R::from_f64;
     let end = |steps: &mut u64| {
@@ -424,7 +425,8 @@ fn bounces<R: Real, I: Integrator<R>>(by: I) -> (u64, f64) {
 
 #[test]
 fn a_tolerance_counts_down_to_the_rounding_of_the_state_and_below_it_as_that() {
-    // 16 ε of place, reach and way in a second, some 2 to 6 m here: 1e-14 m in f64, 7e-6 m in f32.
+    // 16 ε of position, bounding radius and displacement in a second, 2 to 6 m here: 1e-14 m in
+    // f64, 7e-6 m in f32.
     let (_, truth) = bounces::<f64, _>(DormandPrince54::new(1e-12));
     let double = [1e-9, 1e-11, 1e-16, 1e-18].map(|t| bounces::<f64, _>(DormandPrince54::new(t)));
     let single = [1e-3, 1e-4, 1e-8, 1e-10].map(|t| bounces::<f32, _>(DormandPrince54::new(t)));
@@ -448,8 +450,7 @@ fn a_tolerance_counts_down_to_the_rounding_of_the_state_and_below_it_as_that() {
     }
 }
 
-/// A ground whose force jumps by so many newtons at a depth of 1 cm, which no contact's beginning
-/// or end tells of.
+/// A ground whose force jumps at a depth of 1 cm, where no contact opens or closes.
 struct Shelf(f64);
 
 impl SpringDamperGround for Shelf {
@@ -472,8 +473,8 @@ impl SpringDamperGround for Shelf {
 
 #[test]
 fn a_jump_of_the_force_inside_the_ground_is_passed_by_a_step_that_makes_it_harmless_or_refused() {
-    // The shortest step is 2.2e-17 s; a jump of F in a step h makes the velocity of 1 kg wrong by
-    // up to F h, which counts by the way in a second.
+    // The shortest step is 2.2e-17 s. A jump of F in a step h makes the velocity of 1 kg wrong by
+    // up to F h, which counts by the displacement in a second.
     let passes = |jump: f64, tolerance: f64| {
         let stepper = Stepper::new(point_mass(1.0))
             .and_then(|stepper| stepper.with_ground(Shelf(jump)))
@@ -512,7 +513,7 @@ fn slip_after(by: impl Integrator, slip_speed: f64) -> f64 {
 
 #[test]
 fn a_stick_chatters_with_explicit_steps_above_its_limit() {
-    // A point answers by 1/m alone, where a ring has 3/m: the limit is 2 ε/(μ g).
+    // A point responds with 1/m only, a ring with 3/m: the limit is 2 ε/(μ g).
     let slip_speed = 1e-3;
     let limit = 2.0 * slip_speed / (0.5 * G);
     let all = |time_step: f64| {
@@ -540,7 +541,7 @@ fn a_stick_chatters_with_explicit_steps_above_its_limit() {
 // Single precision
 // -----------------------------------------------------------------------------------------------
 
-/// Error of place (m) in trial 1 after a second.
+/// Position error (m) in trial 1 after a second.
 fn error_in_trial_1<R: Real, I: Integrator<R>>(by: I) -> f64 {
     let mut trial = Trial::<R>::report(1).unwrap();
     trial.slip_speed = R::from_f64(1e-6);
@@ -631,8 +632,8 @@ fn restitutions(wanted: f64, resolution: f64) -> [f64; 2] {
     range
 }
 
-/// What a step that does not resolve a bounce makes of its restitution: none where no damper takes
-/// energy, and less and less of what was meant where one does.
+/// Restitution of a bounce that a step does not resolve: without dampers all of it is left. With
+/// dampers it deviates more and more from the specified one.
 #[test]
 fn a_restitution_is_kept_while_the_step_resolves_the_bounce() {
     for resolution in [0.1, 1.0, 10.0, 50.0] {

@@ -1,5 +1,5 @@
-//! The integrators that choose their steps: the error follows the tolerance, nothing is missed,
-//! nothing goes on for ever.
+//! Tests of the adaptive integrators: the error follows the tolerance, no contact is missed, and
+//! every run ends.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -25,7 +25,7 @@ fn trial(number: usize) -> Trial {
     }
 }
 
-/// The largest error of the place (m) against the truth up to 1 s.
+/// Largest error of the position (m) relative to the exact solution up to 1 s.
 fn error_of<I: Integrator>(number: usize, truths: &[Record], integrator: I) -> f64 {
     let stepper = trial(number).stepper(integrator).unwrap();
     let (mut state, mut time) = (trial(number).state(), 0.0);
@@ -45,13 +45,13 @@ fn errors<I: Integrator>(number: usize, truths: &[Record], of: fn(f64) -> I) -> 
         .collect()
 }
 
-/// The error is the tolerance, within a factor of ten to either side.
+/// Checks that the error is the tolerance, within a factor of ten in both directions.
 ///
-/// The tolerance bounds what a step does wrong. How many steps there are, and how the motion makes
-/// errors grow or takes them back, is not the method's choice: a velocity that is wrong by 1 mm/s
-/// makes a way of 1 mm in a second where nothing takes it back, of 0.05 mm where the coin sticks
-/// (trial 3), and more where it falls over (trial 8). So the shares of the tolerance that a step
-/// may take are chosen for what comes between.
+/// The tolerance bounds the error of a step. The number of steps, and the growth or decay of
+/// errors, depend on the motion, not on the method. A velocity error of 1 mm/s changes the position
+/// by 1 mm in a second if nothing reduces it. It is 0.05 mm where the coin sticks (trial 3), and
+/// more where it falls over (trial 8). So the fractions of the tolerance that a step may use are
+/// chosen for the values in between.
 fn assert_errors_follow<I: Integrator>(of: fn(f64) -> I) {
     let (mut least, mut largest) = (f64::MAX, 0.0);
     for number in [1, 3, 5, 8] {
@@ -83,12 +83,12 @@ fn the_error_of_dormand_and_prince_follows_the_tolerance_over_six_decades() {
     assert_errors_follow(DormandPrince54::new);
 }
 
-/// The same in the other trials of the report, on which no constant of the pairs was chosen,
-/// against a run with steps of 10 µs, which is good to 2e-10 m.
+/// Checks the error in the other trials of the coin report, on which no constant of the pairs was
+/// chosen, against a run with steps of 10 µs, which is accurate to 2e-10 m.
 ///
 /// The error is nowhere more than ten tolerances. It may be far less than one: where a coin spins
-/// upright on the spot (trials 4 and 6), single contacts that touch down and slip to and fro bound
-/// the steps, and not the estimate.
+/// upright on the spot (trials 4 and 6), single contacts that touch down and slip in alternating
+/// directions bound the steps, and not the estimate.
 #[test]
 fn in_trials_that_no_constant_was_chosen_on_the_error_is_ten_tolerances_at_most() {
     let (mut pairs, times) = ([(f64::MAX, 0.0); 2], [0.1, 0.25, 0.5, 1.0]);
@@ -114,8 +114,8 @@ fn in_trials_that_no_constant_was_chosen_on_the_error_is_ten_tolerances_at_most(
     }
 }
 
-/// How far the truth moves after 1 s for errors of one tolerance then: of the position, of the
-/// velocity by 1 a second, and of the spin, each in its worst direction, added up.
+/// Displacement of the exact solution after 1 s due to errors of one tolerance: of the position, of
+/// the velocity by 1 a second, and of the spin, each in its worst direction, added up.
 fn growth_after_a_second(number: usize, truths: &[Record], size: f64) -> Vec<f64> {
     let start = truths.iter().find(|truth| (truth.time - 1.0).abs() < 1e-9);
     let start = start.unwrap().state;
@@ -157,8 +157,8 @@ fn growth_after_a_second(number: usize, truths: &[Record], size: f64) -> Vec<f64
     growth
 }
 
-/// After the first second the error is what the motion makes of it: of up to ten tolerances at 1 s,
-/// and of as many that are added on the way and grow no further.
+/// After the first second the error depends on the motion: it amplifies up to ten tolerances at
+/// 1 s, and as many that are added later and grow no further.
 #[test]
 fn after_a_second_the_error_grows_as_the_motion_makes_disturbances_grow() {
     fn check<I: Integrator>(name: &str, of: fn(f64) -> I) {
@@ -264,10 +264,12 @@ fn cost<I: Integrator>(
 
 #[test]
 fn a_thousandfold_tighter_tolerance_costs_what_the_order_says_in_smooth_motion() {
-    // A coin that lies on all of its points, slides and rocks: no contact comes or goes, and none
-    // sticks. The error of a step goes as its power q of the estimate, so the cost goes as
-    // tolerance^(-1/q): 10^(3/5) = 4.0 and 10^(3/3) = 10. The first steps, and lengths that grow in
-    // spurts, cost a share on top.
+    // A coin that lies on all of its points, slides and rocks: no contact opens or closes, and none
+    // sticks.
+    //
+    // The error of a step is proportional to its power q of the estimate, so the cost is
+    // proportional to tolerance^(-1/q): 10^(3/5) = 4.0 and 10^(3/3) = 10. The first steps, and an
+    // uneven growth of the step size, add a fraction to the cost.
     let trial = trial(1);
     let start = State::at(DVec3::new(0.0, 0.0, -9.8 / 1200.0))
         .with_linear_velocity(DVec3::X)
@@ -321,8 +323,7 @@ fn a_spent_budget_is_an_error_with_its_time_and_leaves_the_last_good_state() {
     assert!((state.position - same.position).length() < 1e-5);
 }
 
-/// A ground with a force that jumps by 1e12 N at a depth of 1 cm, which no contact's beginning or
-/// end tells of.
+/// A ground whose force jumps by 1e12 N at a depth of 1 cm, where no contact opens or closes.
 struct Trapdoor;
 
 impl SpringDamperGround for Trapdoor {
@@ -371,8 +372,8 @@ fn a_bounce_within_a_long_step_is_not_missed() {
         .unwrap();
     let start = State::at(DVec3::Z);
     let fall = (2.0_f64 / 9.8).sqrt();
-    // The deepest point, where S d²/2 = m g (h + d), and the time of half a swing about the
-    // balance.
+    // The deepest point, where S d²/2 = m g (h + d), and the time of half an oscillation about the
+    // equilibrium.
     let omega = 1e9_f64.sqrt();
     let swing = core::f64::consts::PI + 2.0 * (9.8 / (omega * 9.8 * fall)).atan();
     let back = 2.0 * fall + swing / omega;
@@ -389,8 +390,8 @@ fn a_bounce_within_a_long_step_is_not_missed() {
 
 #[test]
 fn a_corner_that_dips_into_the_ground_and_out_of_it_within_a_step_is_seen() {
-    // A bar spins above the ground without gravity; its ends dip 1 mm deep, for 7 ms each, in every
-    // half turn.
+    // A bar spins above the ground without gravity. In every half revolution its ends penetrate by
+    // 1 mm, for 7 ms each.
     let bar = PointCloud::new([DVec3::X * 0.5, DVec3::X * -0.5], [0.5, 0.5]).unwrap();
     let stepper = Stepper::new(bar)
         .and_then(|stepper| stepper.with_ground(FlatGround::level(1e4, 5.0)))
@@ -415,7 +416,7 @@ fn a_corner_that_dips_into_the_ground_and_out_of_it_within_a_step_is_seen() {
 
 #[test]
 fn a_body_without_contacts_turns_as_truly_as_its_tolerance_says() {
-    /// Nothing of it can touch, so that it has no reach; its radius of gyration is 0.5 m.
+    /// No contact, so that the bounding radius is zero; the radius of gyration is 0.5 m.
     struct Cloud;
     impl RigidPointBody for Cloud {
         fn mass(&self) -> f64 {
@@ -428,8 +429,8 @@ fn a_body_without_contacts_turns_as_truly_as_its_tolerance_says() {
             &[]
         }
     }
-    // It turns over about its middle axis, at 30 rad/s: by 3 rad in the longest step, which is what
-    // a method would take that does not see a turn.
+    // The body turns over about its middle axis, at 30 rad/s: by 3 rad in the longest step. A
+    // method that ignores rotation would take such steps.
     let start = State::at(DVec3::ZERO).with_angular_momentum(DVec3::new(0.1, 6.0, 0.2));
     fn end<I: Integrator>(start: State, by: I) -> State {
         let mut state = start;
@@ -526,7 +527,7 @@ fn single_precision_takes_a_tolerance_below_its_rounding_for_rounding() {
         let place = state.position.as_dvec3();
         let truth = truths.last().unwrap();
         let off = (place - truth.state.position).length();
-        // Rounding: 1e-7 of places and speeds near 1, in each of some 500 steps.
+        // Rounding: 1e-7 of positions and speeds near 1, in each of about 500 steps.
         assert!(
             off < 10.0 * f64::from(tolerance) + 5e-4,
             "{off:e} for {tolerance:e}"
@@ -536,7 +537,7 @@ fn single_precision_takes_a_tolerance_below_its_rounding_for_rounding() {
 
 #[test]
 fn the_wandering_contact_of_an_egg_is_seen_to_touch() {
-    // It falls, turns and bounces; its one contact is another place of it at each moment.
+    // The body falls, rotates and bounces. Its one contact is another point of it at each time.
     let egg = Ellipsoid::solid(1.0, DVec3::new(0.3, 0.2, 0.2));
     let stepper = Stepper::new(egg)
         .and_then(|stepper| stepper.with_ground(FlatGround::level(1e5, 100.0)))

@@ -1,5 +1,4 @@
-//! Mass properties by two routes that share no formula, and what the bodies of the library answer
-//! about themselves.
+//! Mass properties by two methods that share no formula, and the queries of the built-in bodies.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -95,7 +94,7 @@ proptest! {
             moments.sort_by(f64::total_cmp);
             DVec3::from(moments)
         };
-        // Jacobi's rotations and the turn: a few dozen roundings of the largest moment.
+        // Jacobi's method and the rotation: a few dozen roundings of the largest moment.
         prop_assert!((moments(&own) - moments(&other)).length() <= 64.0 * f64::EPSILON * own.inertia.to_cols_array().into_iter().fold(0.0, f64::max));
     }
 
@@ -148,15 +147,16 @@ proptest! {
             centre_of_mass: DVec3::ZERO,
             inertia: DMat3::from_diagonal(DVec3::new(across, across, along)),
         };
-        // Points within 256 units in the last place of the hull's size from a facet belong to it,
-        // which shifts a thin prism's volume by a share of that.
+        // Points within 256 units in the last place of the hull's size from a facet belong to it.
+        // This changes the volume of a thin prism by a fraction of that.
         agree(&turned(prism, turn), &hull, 10.0).map_err(TestCaseError::fail)?;
     }
 
-    /// Of all orientations, a coin's normal is as level as needed to fall back on the edge in a
-    /// share of `h/√(4r² + h²)` (Archimedes: heights on a sphere are evenly shared), which for a US
-    /// nickel is 9 in 100 (Murray & Teare, Phys. Rev. E 48, 2547, 1993, find 1 in 6000 after
-    /// bounces).
+    /// Checks the fraction `h/√(4r² + h²)` of all orientations in which a coin falls back on its
+    /// edge, because its normal is nearly horizontal.
+    ///
+    /// Heights on a sphere are uniformly distributed (Archimedes). For a US nickel the fraction is
+    /// 9 in 100 (Murray & Teare, Phys. Rev. E 48, 2547, 1993, find 1 in 6000 after bounces).
     #[test]
     fn a_coin_whose_weight_is_over_its_edge_stands(turn in orientations()) {
         let coin = SolidCoin::new(0.005, 10.605e-3, 1.95e-3);

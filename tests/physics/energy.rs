@@ -1,7 +1,6 @@
-//! What the explicit integrators do to the energy: they may raise it, by an amount that belongs to
-//! the method and shrinks with the step at its order.
-//!
-//! And the step at which they stop being stable, from both sides.
+//! Energy of the explicit integrators: it may increase by an amount that depends on the method, and
+//! that decreases with the step size at the method's order. Also tests the stability limit from
+//! both sides.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -16,11 +15,10 @@ use tumble::{
     State, Stepper, StrangSplitting, Surface, SymplecticEuler, Terrain, Trial, UniformGravity,
 };
 
-/// A table on four soft springs without friction and damping: nothing can take energy. It presses
-/// them down by 0.245 m and never leaves one: smooth motion.
+/// A table on four soft springs without friction and damping, so that the energy is conserved.
 ///
-/// Three different moments, lopsided legs, and swings of a fifth of a radian: nothing about it is
-/// linear.
+/// It compresses them by 0.245 m and never leaves one, so the motion is smooth. Three different
+/// moments, unequal legs, and oscillations of a fifth of a radian make it nonlinear.
 fn table() -> (Solid, FlatGround, UniformGravity, State) {
     let leg = |x, y| ContactPoint::bare(DVec3::new(x, y, -0.1));
     let body = Solid {
@@ -75,10 +73,10 @@ fn energy_error_of_the_table(integrator: impl Integrator, seconds: f64) -> [f64;
 
 #[test]
 fn the_error_of_a_conserved_energy_shrinks_with_the_step_at_the_order_of_the_method() {
-    // Three halvings, each of which must show the order to 0.15; the coarsest step resolves the
-    // fastest swing (13 rad/s) by 20 steps or more. Forward Euler starts with shorter ones, or it
-    // throws the table off its springs. The energy is some 0.2 J, and its rounding, 1e-15 J a step,
-    // is far below the smallest error.
+    // Three halvings, each of which must show the order to 0.15. The coarsest step resolves the
+    // fastest oscillation (13 rad/s) by 20 steps or more. Forward Euler starts with shorter ones,
+    // because it would throw the table off its springs. The energy is about 0.2 J, and its
+    // rounding, 1e-15 J a step, is far below the smallest error.
     each_explicit!(0.02, |integrator, method| {
         let coarsest = if method == "ForwardEuler" { 1e-3 } else { 0.02 };
         let errors = [1.0, 0.5, 0.25, 0.125].map(|share| {
@@ -100,8 +98,8 @@ fn the_error_of_a_conserved_energy_shrinks_with_the_step_at_the_order_of_the_met
 
 #[test]
 fn the_energy_of_symplectic_methods_swings_and_does_not_drift() {
-    // 500 s, some 500 swings of the table. A drift of one part in a thousand of the swing each time
-    // would show as half of it.
+    // 500 s, about 500 oscillations of the table. A drift of a thousandth of the oscillation each
+    // time would add up to half of it.
     for [early, late] in [
         energy_error_of_the_table(SymplecticEuler { time_step: 0.005 }, 500.0),
         energy_error_of_the_table(StrangSplitting { time_step: 0.005 }, 500.0),
@@ -120,8 +118,8 @@ fn the_energy_of_an_undamped_contact_grows_without_end_under_forward_euler() {
 proptest! {
     #![proptest_config(kit::cases(200))]
 
-    /// `z' = z + v dt`, `v' = v - g dt`: the parabola's half step is missing, and the energy of
-    /// translation rises by `M g² dt²/2` in each step.
+    /// `z' = z + v dt`, `v' = v - g dt`: the half step of the parabola is missing, and the energy
+    /// of translation increases by `M g² dt²/2` in each step.
     #[test]
     fn forward_euler_gains_half_of_m_g2_dt2_in_every_step_of_flight(
         mass in log_uniform(1e-6, 1e6),
@@ -173,7 +171,7 @@ proptest! {
         let strang = space.with_integrator(StrangSplitting { time_step: dt }).unwrap();
         let bounced = |step: &dyn Fn(&mut State)| {
             let mut state = start;
-            // On the springs for half a swing, π/phase steps; and one before, one after.
+            // On the springs for half an oscillation, π/phase steps, and one before, one after.
             let mut turned = -phase;
             while turned < 4.0 + phase {
                 step(&mut state);
@@ -194,11 +192,11 @@ proptest! {
     }
 }
 
-/// Growth of a small swing about rest in one step, on average: a single point on its spring and
-/// damper under gravity, so near to rest that it never leaves.
+/// Growth of a small oscillation about rest in one step, on average.
 ///
-/// The swing's size is `√(z² + (v/ω)²)` from rest. Stops early where it has grown a hundredfold, or
-/// shrunk to what rounding leaves of it.
+/// The body is a single point on its spring and damper under gravity, so near to rest that it never
+/// leaves the ground. The size of the oscillation is `√(z² + (v/ω)²)` from rest. Stops early if it
+/// has grown a hundredfold, or decreased to rounding.
 fn growth(integrator: impl Integrator, mass: f64, frequency: f64, ratio: f64) -> f64 {
     let stiffness = mass * frequency * frequency;
     let damping = 2.0 * ratio * frequency * mass;
@@ -211,7 +209,7 @@ fn growth(integrator: impl Integrator, mass: f64, frequency: f64, ratio: f64) ->
         .unwrap()
         .with_integrator(integrator)
         .unwrap();
-    // At this place and speed every mode of every method takes part.
+    // At this position and speed every mode of every method takes part.
     let swing = 1e-6;
     let mut state = State::at(DVec3::Z * (swing - 1.0))
         .with_linear_velocity(DVec3::Z * (0.3 * swing * frequency));
@@ -227,7 +225,8 @@ fn growth(integrator: impl Integrator, mass: f64, frequency: f64, ratio: f64) ->
     (last / first).powf(1.0 / f64::from(steps)) - 1.0
 }
 
-/// That a method calms a swing at `margin` below its limit and whips it up at `margin` above.
+/// Checks that a method damps an oscillation at `margin` below its limit and amplifies it at
+/// `margin` above.
 fn stable_up_to<I: Integrator>(
     limit: f64,
     margin: f64,
@@ -305,7 +304,7 @@ proptest! {
         stable_up_to(2.828 / frequency, 0.005, [mass, frequency, 0.0], |time_step| Rk4 { time_step })?;
     }
 
-    /// The same on the negative real axis up to 2.785: `dt < 2.79 m/C`, to the digits stated.
+    /// Limit on the negative real axis up to 2.785: `dt < 2.79 m/C`, to the digits stated.
     #[test]
     fn runge_kutta_with_dampers_alone_is_stable_up_to_2_79_m_over_c(
         mass in log_uniform(1e-3, 1e3), frequency in log_uniform(0.1, 1e4), ratio in log_uniform(20.0, 60.0),
@@ -314,8 +313,8 @@ proptest! {
         stable_up_to(2.785 / (2.0 * ratio * frequency), 0.003, [mass, frequency, ratio], |time_step| Rk4 { time_step })?;
     }
 
-    /// Where the spectral radius of its matrix passes 1: at `ω dt = 3.082` for `ζ = 0.1`, to the
-    /// digits stated.
+    /// Step size at which the spectral radius of its matrix exceeds 1: at `ω dt = 3.082` for
+    /// `ζ = 0.1`, to the digits stated.
     #[test]
     fn nystroms_method_with_weak_dampers_is_stable_up_to_3_08_over_the_frequency(
         mass in log_uniform(1e-3, 1e3), frequency in log_uniform(0.1, 1e4),
@@ -323,8 +322,8 @@ proptest! {
         stable_up_to(3.082 / frequency, 0.005, [mass, frequency, 0.1], |time_step| Nystrom { time_step })?;
     }
 
-    /// Its velocities are a Runge-Kutta method of order 4 in four stages, which have one stability
-    /// function: as of `Rk4`.
+    /// Its velocities are those of a Runge-Kutta method of order 4 in four stages. All such methods
+    /// have one stability function, that of `Rk4`.
     #[test]
     fn nystroms_method_with_dampers_alone_is_stable_up_to_2_79_m_over_c(
         mass in log_uniform(1e-3, 1e3), frequency in log_uniform(0.1, 1e4), ratio in log_uniform(20.0, 60.0),
@@ -417,17 +416,17 @@ impl SlidingFriction for Film {
     }
 }
 
-/// How a leaning body is kept in balance, beside gravity.
+/// Friction that keeps a leaning body in equilibrium, in addition to gravity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Balance {
-    /// By a friction that does not depend on the load.
+    /// Friction that does not depend on the load.
     Steady,
-    /// By Coulomb's friction.
+    /// Coulomb's friction.
     Coulomb,
 }
 
-/// A body on its lowest contacts, in balance: friction turns the ground's force towards the centre
-/// of mass, and gravity is against it.
+/// A body on its lowest contacts, in equilibrium: friction directs the ground's force towards the
+/// centre of mass, and gravity opposes it.
 #[allow(clippy::type_complexity, reason = "a stepper names all of its parts")]
 fn balanced<B: RigidPointBody>(
     body: B,
@@ -514,8 +513,8 @@ fn factor_of_a_step(step: impl Fn(&mut State), start: &State, dt: f64) -> f64 {
     spectral_radius(columns)
 }
 
-/// By the 2^16th power: what stays as it is, or goes on evenly (a factor of 1, twice), comes out
-/// below 1 + 16 ln 2/2^16 = 1.0002.
+/// Spectral radius by the 2^16th power: a constant mode, or one with linear growth (a factor of 1,
+/// twice), gives a value below 1 + 16 ln 2/2^16 = 1.0002.
 fn spectral_radius(mut matrix: Vec<Vec<f64>>) -> f64 {
     let mut logarithm = 0.0;
     for squaring in 0..16 {
@@ -571,8 +570,8 @@ proptest! {
         // ω = 1000 1/s for 1 kg.
         let ground = Layered { stiffness: 1e6, damping: 2e3 * ratio, plane };
         let (mut stepper, mut state) = balanced(&*body, turn, ground, leaning, drag);
-        // A contact that slides under Coulomb's friction while a film holds it flutters by itself,
-        // and no friction has a coefficient of 5.
+        // A contact that slides under Coulomb's friction while a film holds it flutters, and no
+        // friction has a coefficient of 5.
         if drag > 0.0 || stepper.scene().friction().coefficient > 1.0 {
             (stepper, state) = balanced(&*body, turn, ground, Balance::Steady, drag);
         }
@@ -656,8 +655,8 @@ fn a_plate_at_rest_rocks_itself_up_in_steps_that_its_mass_alone_allows() {
         )*};
     }
     check!(SymplecticEuler: old[0], StrangSplitting: old[0], Rk4: old[1], Nystrom: old[2]);
-    // In single precision rounding disturbs the plate by itself, by 1e-7 of its energy of 0.1 J:
-    // what stays below a tenth is 1e-7 J and more.
+    // In single precision rounding disturbs the plate by 1e-7 of its energy of 0.1 J: what stays
+    // below a tenth is 1e-7 J and more.
     let single = |part: f32| {
         let of = |time_step| Rk4 { time_step };
         growth_of_a_rocking_plate(1000, of, |limit: f32, _| limit * part)
@@ -721,7 +720,7 @@ fn the_limit_of_one_contact_is_that_of_its_effective_mass_and_of_its_friction_in
     let damping = 0.5 / 1e-4;
     let expected = 2.0 * 0.1 * (2.0 / 7.0) / damping;
     assert!(near(sticks.largest_stable_step(&at(-1e-3)), expected));
-    // And in a law of one's own, which states no derivative at zero slip.
+    // Also with a user's law, which states no derivative at zero slip.
     struct Own(Coulomb);
     impl SlidingFriction for Own {
         fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
@@ -754,7 +753,7 @@ fn the_limit_of_one_contact_is_that_of_its_effective_mass_and_of_its_friction_in
 #[test]
 fn a_round_rim_and_a_terrain_have_the_limits_of_their_polygon_and_plane() {
     // A disc of 240 points leans at 1 rad and penetrates so far that its arc is 40 points long,
-    // sliding. The polygon of as many points differs by the share of a point, twice.
+    // sliding. The polygon of as many points differs by the fraction of a point, twice.
     let state = State::at(DVec3::Z * (0.5 * 1.0_f64.cos() - 0.02))
         .with_rotation_vector(DVec3::Y)
         .with_linear_velocity(DVec3::X);
@@ -810,8 +809,8 @@ fn a_round_rim_and_a_terrain_have_the_limits_of_their_polygon_and_plane() {
 proptest! {
     #![proptest_config(kit::cases(200))]
 
-    /// What the guide states for any pose, with the stiffness and damping of the contacts that
-    /// touch together.
+    /// Bound of the guide for any pose, with the stiffness and damping of the contacts that touch
+    /// together.
     #[test]
     fn no_pose_of_a_sliding_coin_has_a_shorter_limit_than_the_bound_for_all_poses(
         turn in kit::orientations(),

@@ -46,7 +46,7 @@ fn trial(number: usize, time_step: f64) -> (Scene<Coin, FlatGround, Coulomb>, St
     (stepper, trial.state())
 }
 
-/// A coin that lies on its springs at rest, its place (m) above the plane z = 0 or below.
+/// A coin that lies on its springs at rest, at its position (m) relative to the plane z = 0.
 fn lying(height: f64) -> State {
     State::at(DVec3::Z * height).with_orientation(DQuat::from_rotation_y(FRAC_PI_2))
 }
@@ -55,7 +55,8 @@ fn lying(height: f64) -> State {
 // Accuracy
 // -----------------------------------------------------------------------------------------------
 
-/// Errors of place (m) in trial 1 at the times of the truth table up to 1 s, for each step.
+/// Errors of the position (m) in trial 1 at the times of the truth table up to 1 s, for each step
+/// size.
 fn errors_in_trial_1(slip_speed: f64, steps: &[f64]) -> Vec<Vec<f64>> {
     let (setup, truths) = (Setup::trial(1, slip_speed), truths(1, slip_speed, 1.0));
     let times: Vec<_> = truths.iter().map(|truth| truth.time).collect();
@@ -278,7 +279,7 @@ fn a_body_at_rest_wakes_when_its_state_or_its_scene_is_another() {
         asleep(state, workspace);
         assert!(asleep(state, workspace), "it does not sleep: {state:?}");
     };
-    // Another state: moved a little, pushed, turned.
+    // Another state: slightly moved, pushed, rotated.
     for (nudged, what) in [
         (
             State {
@@ -411,7 +412,8 @@ fn a_body_that_is_let_go_falls_though_a_step_moves_it_by_less_than_its_place_is_
     {
         let (end, _) = ball_after::<f32>(height, 0.0, time_step, steps);
         let share = (height - end) / (0.5 * GRAVITY * 0.01);
-        // Two units in the last place instead of one, as long as a step's way is less than one.
+        // Two units in the last place instead of one, while the displacement in a step is less than
+        // one.
         assert!(
             (0.7..1.8).contains(&share),
             "{height} m, {time_step} s: {share}"
@@ -424,7 +426,7 @@ fn a_body_that_is_let_go_falls_though_a_step_moves_it_by_less_than_its_place_is_
 
 #[test]
 fn a_body_that_just_does_not_touch_sinks_until_it_is_borne() {
-    // A quarter of the swing about m g/K = 9.8 mm, of 50 ms.
+    // A quarter of the oscillation about m g/K = 9.8 mm, of 50 ms.
     for (time_step, steps) in [(1e-3, 50), (1e-4, 500), (2e-5, 2500), (1e-5, 5000)] {
         let (end, _) = ball_after::<f32>(0.5, 0.0, time_step, steps);
         assert!(end < 0.494, "{time_step} s: {end}");
@@ -448,8 +450,8 @@ fn a_body_that_is_thrown_up_in_single_precision_comes_down_again() {
 
 #[test]
 fn a_rocking_coin_does_not_stop_at_a_turning_point() {
-    // At 1e-2 s the step turns the swing by 2π/3: every third step ends at a turning point. The
-    // energy of the swing, 7.5e-9 J, is 1e8 roundings of the whole.
+    // At 1e-2 s the phase of the oscillation advances by 2π/3 in a step: every third step ends at a
+    // turning point. The energy of the oscillation, 7.5e-9 J, is 1e8 roundings of the whole.
     let (ground, step) = (FlatGround::level(1000.0, 0.0), 1e-2);
     let stepper = scene(Coin::ring(1.0, 0.5), ground, Frictionless, step);
     let tilt = DQuat::from_rotation_y(FRAC_PI_2 + 1e-6);
@@ -1208,7 +1210,8 @@ fn a_moment_below_64_units_in_the_last_place_of_the_largest_one_counts_as_none()
 
 #[test]
 fn far_from_the_origin_rest_is_where_the_energy_is_lowest_to_its_rounding() {
-    /// How far from `m g/K` = 9.8 mm a kilogram comes to rest on ground at this height, m.
+    /// Deviation from `m g/K` = 9.8 mm at which a kilogram comes to rest on ground at this
+    /// height, m.
     fn off<R: Real>(height: f64) -> f64 {
         let number = R::from_f64;
         let point = [ContactPoint::bare(R::Vec3::ZERO)];

@@ -1,5 +1,5 @@
-//! Flight in closed form: the same states as step by step, never into the ground, however the body
-//! turns.
+//! Flight in closed form: it has the same states as flight step by step, and never ends in the
+//! ground, for any rotation of the body.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -142,8 +142,8 @@ fn around_energy_momentum_the_energy_never_rises_in_flight_either() {
         [0.4, 0.3, 0.2, 0.6],
     )
     .unwrap();
-    // What is taken, as a share of the energy: the rounding of a parabola and a turn, or the
-    // composed turn's, which swings by some hundredths of 0.02⁴.
+    // Energy removed, as a fraction of the energy: the rounding of a parabola and a rotation. For
+    // the composed rotation it is the error of the composition, some hundredths of 0.02⁴.
     fn watch<B: RigidPointBody>(body: B, share: f64, decades: f64) -> u32 {
         let stepper = table(body, level(), Flight(EnergyMomentum { time_step: 1e-3 }));
         let (mut random, mut flights) = (Random(11), 0);
@@ -188,8 +188,8 @@ impl Random {
     }
 }
 
-/// That nothing touches within the first step of random tosses, and that it ends near the first
-/// touch.
+/// Checks that nothing touches within the first step of random tosses, and that it ends near the
+/// first touch-down.
 fn assert_flights_end_above_ground<B: RigidPointBody + Copy>(body: B, size: f64) {
     let mut random = Random(7);
     let mut flights = 0;

@@ -31,7 +31,7 @@ fn slide(
     )
 }
 
-/// The same for a body of 1 kg whose contacts all lie in the plane of its centre of mass.
+/// Normal force on a body of 1 kg whose contacts all lie in the plane of its centre of mass.
 fn slide_on(
     body: impl RigidPointBody,
     friction: impl SlidingFriction,
@@ -80,7 +80,8 @@ fn a_block_with_stribeck_friction_stops_where_the_curve_says() {
     let far =
         (v * v / k - (s - k) * w * w / (k * k) * (k * v * v / (s * w * w)).ln_1p()) / (2.0 * G);
     let end = slide(law, 0.0, DVec3::X * v, [1.0, 1e-3]);
-    // Of order 2: (μ' g dt)² of the way, 1e-5, and the last step's v dt/2 of 1e-3 · g μ · 1e-3/2.
+    // Order 2: (μ' g dt)² of the displacement, 1e-5, and the last step's v dt/2 of 1e-3 · g μ ·
+    // 1e-3/2.
     assert!(
         (end.position.x - far).abs() < 1e-5 * far + 3e-6,
         "{} m, not {far}",
@@ -270,8 +271,8 @@ proptest! {
         prop_assert!(drag.per_load >= 0.0);
     }
 
-    /// Newton's iteration is told the slope of the force along the slip,
-    /// `c (1 - growth |slip|/width)`, or 0 where the force falls.
+    /// Newton's iteration uses the slope of the force along the slip,
+    /// `c (1 - growth |slip|/width)`, or 0 where the force decreases.
     #[test]
     fn the_drag_of_stribeck_friction_is_the_slope_of_its_force(speed in log_uniform(1e-5, 10.0), viscous in prop_oneof![Just(0.0), log_uniform(1e-3, 10.0)], kinetic in 0.0..1.0_f64) {
         let law = Stribeck { viscous, kinetic_coefficient: kinetic, ..stribeck(1e-3) };

@@ -1,5 +1,5 @@
-//! The laws of contact: bounces as they were asked for, against closed forms; force without a jump;
-//! the same ground by other names.
+//! The contact laws: bounces with the specified restitution and duration, against closed forms;
+//! force without a jump; the same ground by different constructors.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -43,11 +43,11 @@ fn bounce(law: impl ContactLaw, carried: Carried, speed: f64, time_step: f64) ->
         .unwrap()
         .with_integrator(Rk4 { time_step })
         .unwrap();
-    // A hair inside, because some laws' forces jump at the surface.
+    // Slightly inside, because the forces of some laws jump at the surface.
     let mut state =
         State::at(DVec3::NEG_Z * (1e-12 * speed)).with_linear_velocity(DVec3::NEG_Z * speed);
     let (mut depth, mut steps) = (0.0_f64, 0.0);
-    // Until the ground lets go: in it, or on the way out of it.
+    // Until the contact opens, in the ground or at its surface.
     while state.position.z < 0.0
         && law.normal_force(-state.position.z, -state.linear_velocity.z) > 0.0
     {
@@ -72,8 +72,8 @@ proptest! {
 
     /// Both laws whose restitution is the same at every speed. The step is 1/4000 of the bounce;
     /// where the law has a kink within a step of dt, Runge-Kutta misses
-    /// `(slope of the force) dt²/2`: with `ω dt` of at most π/4000 and damping ratios up to 2.2 (e =
-    /// 0.03), below 1e-5 of the speed. The end is seen to a step.
+    /// `(slope of the force) dt²/2`: with `ω dt` of at most π/4000 and damping ratios up to 2.2
+    /// (e = 0.03), below 1e-5 of the speed. The end is known to a step.
     #[test]
     fn a_law_made_for_a_bounce_bounces_so(
         carried in carried(), restitution in 0.03..1.0_f64, seconds in log_uniform(1e-6, 1.0), speed in log_uniform(1e-3, 1e3),
@@ -143,8 +143,10 @@ proptest! {
         prop_assert_eq!(flat.bounds(), ground.bounds());
     }
 
-    /// At a depth of a billionth of the unit, the force is a billionth of the spring's there, or a
-    /// few of them, at any speed: it does not jump at first touch.
+    /// Checks that the force does not jump at touch-down.
+    ///
+    /// At a depth of a billionth of the unit, it is a billionth of the spring's there, or a few of
+    /// them, at any speed.
     #[test]
     fn limited_dampers_and_hunt_crossley_touch_softly(
         stiffness in log_uniform(1.0, 1e9), damping in log_uniform(1e-3, 1e3), speed in -100.0..100.0_f64,

@@ -1,10 +1,10 @@
-//! What the report "Special Topics: Coin Project" says of its eight trials, and the library
-//! reproduces with every integrator.
+//! Statements of the report "Special Topics: Coin Project" about its eight trials, which the
+//! library reproduces with every integrator.
 //!
-//! Two of its claims are not physics and not asked for: that the coin rocks in the end (its lowest
-//! point runs round the rim, ever faster), and when an exactly upright spinning coin falls (in
-//! exact arithmetic never: trials 4 and 6 get a nudge here). That trial 6 strays farther than trial
-//! 4 hangs on rounding.
+//! Two of its statements are not physics and are not tested. One is that the coin rocks in the end:
+//! its lowest point moves round the rim, ever faster. The other is the time at which an exactly
+//! upright spinning coin falls. In exact arithmetic it never falls, so trials 4 and 6 start with a
+//! small disturbance here. Whether trial 6 moves farther than trial 4 depends on rounding.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used, clippy::panic)]
@@ -43,9 +43,9 @@ struct Frame {
     time: f64,
     centre: DVec3,
     lowest: DVec3,
-    /// Of the lowest point, m.
+    /// Position of the lowest point, m.
     gap: f64,
-    /// Of the lowest point, m/s.
+    /// Slip velocity of the lowest point, m/s.
     slip: f64,
     /// Sine of the lean from upright: 0 upright, 1 flat.
     lean: f64,
@@ -257,8 +257,8 @@ fn trials_4_and_6_spin_on_the_spot_and_then_fall() {
             let leans = film.first(|frame| frame.lean > 0.01).unwrap().time;
             assert!(leans > at_least, "{} leans at {leans} s", film.name());
             // On the spot: a lean of 0.01 moves the centre of a coin by 5 mm from its lowest point,
-            // and that point wanders as far again to either side. Which way it goes is up to
-            // rounding: 4.6 to 11.9 mm over 15 starts that differ by 1e-12 rad, by four methods.
+            // and that point moves as far again to either side. Its direction depends on rounding:
+            // 4.6 to 11.9 mm over 15 starts that differ by 1e-12 rad, with four methods.
             let strayed = largest(film.between(0.0, leans - FRAME).map(strays));
             assert!(strayed < 4.0 * RADIUS * 0.01, "{}: {strayed}", film.name());
             // Then it falls: not farther than its radius from where it spun.
@@ -406,7 +406,7 @@ fn spread(track: impl Iterator<Item = DVec3> + Clone) -> (DVec2, f64, f64) {
     (middle, (mean + half).sqrt(), (mean - half).max(0.0).sqrt())
 }
 
-/// How far `ForwardEuler` and the report's own loop are apart after half a second of a trial, m.
+/// Difference between `ForwardEuler` and the report's own loop after half a second of a trial, m.
 fn forward_euler_from_the_loop(trial: &Trial, report: ReportTrial) -> f64 {
     let end = 0.5;
     let mut report = ReportLoop::new(report);

@@ -85,9 +85,9 @@ fn the_loop_agrees_with_the_report_in_every_printed_digit_of_trial_3_until_a_poi
     });
 }
 
-/// Where points stick, their friction of up to `mu M g` flips sign from step to step, and rounding
-/// decides which of two runs is a step ahead. Then velocities differ by what friction does in a
-/// step, angular momenta by `r` times that (`r < 1 m`).
+/// Where points stick, their friction of up to `mu M g` changes sign from step to step, and
+/// rounding decides which of two runs is a step ahead. Velocities then differ by the effect of
+/// friction in a step, and angular momenta by `r` times that (`r < 1 m`).
 fn assert_within_one_step_of_friction(trial: usize) {
     beside_trace(trial, |report, row, _| {
         let ReportTrial {
@@ -98,7 +98,7 @@ fn assert_within_one_step_of_friction(trial: usize) {
         let one_step = coefficient * GRAVITY * time_step;
         let velocity = distance(report.velocity(), row.vector(VELOCITY));
         let angular_momentum = distance(report.angular_momentum(), row.vector(ANGULAR_MOMENTUM));
-        // Positions are integrals of velocities that differ by turns up and down: far less than
+        // Positions are integrals of velocities whose differences alternate in sign: far less than
         // `one_step` times a second.
         let centre = distance(report.centre(), row.vector(CENTRE));
         for difference in [velocity, angular_momentum / MASS, centre] {

@@ -14,13 +14,15 @@ use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{Coulomb, FlatGround, RigidPointBody, State, StepError, Stepper, UniformGravity};
 
-/// The length of a quaternion after a step: a square that differs from 1 by less than 4.4e-16 is
-/// left as it is, and the square is known to the rounding of four squares and three sums (at most 4
-/// units of 1.1e-16); half of both is the length's. So 4.4e-16; measured: 3.3e-16.
+/// Error of the length of a quaternion after a step.
+///
+/// A square that differs from 1 by less than 4.4e-16 is left unchanged. The square is known to the
+/// rounding of four squares and three sums (at most 4 units of 1.1e-16). Half of both is that of
+/// the length: 4.4e-16. Measured: 3.3e-16.
 const LENGTH: f64 = 4.5e-16;
 
-/// Relative change of a distance: twice the quaternion's, and the rounding of the two turned
-/// points, a few units of 1.1e-16 each. The design promises 4e-15; measured: 2.1e-15 over all tests
+/// Relative change of a distance: twice that of the quaternion, and the rounding of the two rotated
+/// points, a few units of 1.1e-16 each. The design promises 4e-15. Measured: 2.1e-15 over all tests
 /// of this file.
 const DISTANCE: f64 = 4e-15;
 
@@ -50,8 +52,8 @@ fn deformation(points: &[DVec3], orientation: DQuat) -> (f64, f64) {
     (excess.abs(), stretch.fold(0.0, f64::max))
 }
 
-/// An angular momentum that turns the body at about `spin` rad/s, or as good as it can: a rod does
-/// not spin about itself, a point not at all.
+/// Angular momentum that rotates the body at about `spin` rad/s, as far as possible: a rod does not
+/// spin about itself, and a point not about any axis.
 fn momentum_for(body: &AnyBody, spin: DVec3) -> DVec3 {
     body.inertia() * spin
 }
@@ -59,8 +61,8 @@ fn momentum_for(body: &AnyBody, spin: DVec3) -> DVec3 {
 proptest! {
     #![proptest_config(kit::cases(200))]
 
-    /// From no spin to 1e4 rad/s, with steps from 1 µs to 1 s: up to a thousand turns a step, where
-    /// Runge-Kutta's answer is nonsense but still a body.
+    /// From no spin to 1e4 rad/s, with steps from 1 µs to 1 s: up to a thousand revolutions a step.
+    /// The result of Runge-Kutta is then wrong, but the body is still rigid.
     #[test]
     fn a_body_in_flight_keeps_its_shape_at_any_spin_and_step(
         body in bodies(),
@@ -83,8 +85,8 @@ proptest! {
         });
     }
 
-    /// Also under steps that are far too long for the ground: until numbers overflow, what is left
-    /// is a body.
+    /// Also with steps that are far too long for the ground: the body stays rigid until numbers
+    /// overflow.
     #[test]
     fn a_body_on_the_ground_keeps_its_shape_also_where_the_step_is_unstable(
         body in bodies(),
@@ -168,8 +170,8 @@ fn tumbles_without_stretching(integrator: impl tumble::Integrator, steps: u32) {
     assert!(last.1 <= first.1 + 4.45e-16, "{first:?} {last:?}");
 }
 
-// At 0.01 s and some 10 rad/s a step turns the body by a tenth of a radian: nothing is too small to
-// round.
+// At 0.01 s and some 10 rad/s a step rotates the body by a tenth of a radian: no number is too
+// small to be rounded.
 #[test]
 fn five_million_steps_of_forward_euler_stretch_no_distance() {
     tumbles_without_stretching(tumble::ForwardEuler { time_step: 0.01 }, 5_000_000);
@@ -196,7 +198,7 @@ fn five_million_steps_of_runge_kutta_stretch_no_distance() {
     tumbles_without_stretching(tumble::Rk4 { time_step: 0.01 }, 5_000_000);
 }
 
-/// The report turned its points a little further in each step; they drifted apart. Here a coin
+/// The report rotated its points a little further in each step, and they drifted apart. Here a coin
 /// rolls and spins down for half a million steps.
 #[test]
 fn half_a_million_steps_on_the_ground_stretch_no_distance() {

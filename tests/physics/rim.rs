@@ -32,7 +32,7 @@ macro_rules! scene {
     };
 }
 
-/// Leaning by an angle (rad), with its lowest place so deep in the ground (m).
+/// A state that leans by an angle (rad), with its lowest point at this depth in the ground (m).
 fn leaning(lean: f64, depth: f64) -> State {
     State::at(DVec3::Z * (RADIUS * lean.cos() - depth)).with_rotation_vector(DVec3::Y * lean)
 }
@@ -120,7 +120,7 @@ proptest! {
         let ground = FlatGround::level(1000.0, 0.5);
         let tilted = ground.on(Plane::through(DVec3::ZERO, DVec3::new(1e-14, 0.0, 1.0)));
         let friction = tumble::Viscous { coefficient: 0.3 };
-        // So that no place leaves: it sinks faster than it turns.
+        // So that no point separates: it penetrates faster than it rotates.
         let spin = DVec3::from(about) * 0.1;
         let extent = RADIUS * lean.cos();
         let state = State::at(DVec3::Z * (share * extent)).with_rotation_vector(DVec3::Y * lean)
@@ -173,7 +173,7 @@ fn integrated(
 const PIECES: i32 = 20_000;
 
 fn bisected(at: &impl Fn(f64) -> [DVec3; 2], [a, b]: [f64; 2], depth: u32) -> [DVec3; 2] {
-    // Places above 0 and weights of Gauss's rules.
+    // Nodes above 0 and weights of Gauss's rules.
     const SIX: [[f64; 2]; 3] = [
         [0.238_619_186_083_196_93, 0.467_913_934_572_691_26],
         [0.661_209_386_466_264_6, 0.360_761_573_048_138_6],
@@ -209,7 +209,7 @@ fn bisected(at: &impl Fn(f64) -> [DVec3; 2], [a, b]: [f64; 2], depth: u32) -> [D
     [left[0] + right[0], left[1] + right[1]]
 }
 
-/// Lean, rising speed and a place along the arc; height over the rim's extent; slip there, by size
+/// Lean, rising speed and a point along the arc; height over the rim's extent; slip there, by size
 /// and direction; direction and speed of the spin; slip speed; damping; slope.
 type Drawn = (
     (f64, f64, f64),
@@ -222,9 +222,11 @@ type Drawn = (
     f64,
 );
 
-/// How far a load is from the integral of the laws over the rim, of the force: on a short arc, a
-/// long one or a whole rim, on a level or a tilted plane, with and without dampers, where friction
-/// reverses on the arc, beside it and far from it, for slip speeds from 1e-10 m/s up.
+/// Deviation of a load from the integral of the laws over the rim, relative to the force.
+///
+/// The cases are a short arc, a long one or a whole rim, on a level or a tilted plane, with and
+/// without dampers. Friction reverses on the arc, next to it or far from it, for slip speeds from
+/// 1e-10 m/s up.
 fn load_errors(states: usize) -> Vec<f64> {
     let strategy = (
         (-1.5..1.5_f64, -0.5..0.5_f64, -1.5..1.5_f64),
@@ -256,7 +258,7 @@ fn load_errors(states: usize) -> Vec<f64> {
         let extent = RADIUS * (lean - slope.atan()).cos();
         let state = State::at(normal * (share * extent)).with_rotation_vector(DVec3::Y * lean);
         let spin = DVec3::from(spin) * speed;
-        // A place on the arc, or beside it, that slips by so much.
+        // A point on the arc, or next to it, with this slip.
         let angle = along * share.clamp(-1.0, 1.0).acos();
         let arm = state.orientation * (DVec3::new(0.0, angle.sin(), -angle.cos()) * RADIUS);
         let there = DVec3::new(slip.0 * slip.1.cos(), slip.0 * slip.1.sin(), rising);
@@ -288,7 +290,7 @@ fn the_load_is_the_integral_of_the_laws_over_the_rim() {
     assert!(errors[392] < 2e-7, "{:e}", errors[392]);
 }
 
-/// Friction turns round at the lowest place of a rim that spins there, also where that stands still
+/// Friction reverses at the lowest point of a rim that spins there, also if that point is at rest
 /// to the last bit: the torque does not jump with a slip far below the slip speed.
 #[test]
 fn a_rim_that_spins_on_the_spot_is_braked_as_one_that_just_does_not() {
@@ -308,7 +310,7 @@ fn a_rim_that_spins_on_the_spot_is_braked_as_one_that_just_does_not() {
             stepper.scene().rates(&state).torque.z
         };
         let (still, moving) = (spinning(0.0), spinning(1e-9));
-        // A shift of the turning point by 1e-9 of the arc's own speeds, 0.06 m/s at its ends.
+        // A shift of the point of reversal by 1e-9 of the arc's own speeds, 0.06 m/s at its ends.
         assert!(
             (still / moving - 1.0).abs() < 1e-6,
             "{still:e} {moving:e} at {depth} m"
@@ -316,9 +318,9 @@ fn a_rim_that_spins_on_the_spot_is_braked_as_one_that_just_does_not() {
     }
 }
 
-/// How far a ring of so many points ends from the round rim after half a second of a trial without
-/// dampers, m: root mean square over starts that differ by a part of the distance between two
-/// points.
+/// Distance between the end of a ring of `points` points and that of the round rim after half a
+/// second of a trial without dampers, m. It is the root mean square over starts that differ by a
+/// part of the distance between two points.
 fn apart(number: usize, points: usize, phases: &[f64]) -> f64 {
     let trial = Trial {
         slip_speed: 1e-3,
@@ -365,7 +367,7 @@ fn points_tend_to_the_rim_with_the_square_of_their_distance_in_all_trials() {
 
 #[test]
 fn the_explicit_orders_hold_while_it_rolls() {
-    // With 120 points Rk4 is of order 1 to 2 here: each point that comes down is a kink.
+    // With 120 points Rk4 is of order 1 to 2 here: each point that touches down is a discontinuity.
     let trial = Trial {
         slip_speed: 1e-3,
         ..Trial::report(1).unwrap()
@@ -411,8 +413,8 @@ fn energy_momentum_keeps_its_order_on_a_rim() {
     );
 }
 
-/// The energy limiter must not be a brake: what it takes of a body that rolls and swings without
-/// friction and dampers is rounding.
+/// The energy limiter must not act as a brake: the energy that it removes from a body that rolls
+/// and oscillates without friction and dampers is rounding.
 #[test]
 fn a_rim_without_friction_keeps_its_energy_for_a_hundred_thousand_steps() {
     let stepper = scene!(
@@ -454,7 +456,7 @@ fn a_flat_rim_rests_on_all_of_itself() {
     stepper.advance(&mut state, 20.0).unwrap();
     assert_eq!(state.linear_velocity, DVec3::ZERO);
     assert_eq!(state.angular_momentum, DVec3::ZERO);
-    // m g/(n S), but for what the last swing left.
+    // m g/(n S), except for the remainder of the last oscillation.
     let sink = GRAVITY / 120_000.0;
     assert!(
         (state.position.z + sink).abs() < 1e-3 * sink,
@@ -463,8 +465,8 @@ fn a_flat_rim_rests_on_all_of_itself() {
     );
 }
 
-/// A hoop upright on an arc sinks until `n S r (sin α - α cos α)/π` bears it, and rolls on as it
-/// is.
+/// A hoop upright on an arc penetrates until `n S r (sin α - α cos α)/π` supports it, and continues
+/// to roll.
 #[test]
 fn an_upright_rim_rolls_steadily_and_does_not_rattle() {
     let weight = GRAVITY;
@@ -564,7 +566,8 @@ fn f32_and_f64_agree_to_single_precision() {
     let mut state = single.state();
     stepper.advance(&mut state, 0.5).unwrap();
     let apart = (state.position.as_dvec3() - wide.position).length();
-    // 500 steps that each round a place of 0.5 m by 3e-8 m, and what of it friction keeps.
+    // 500 steps that each round a position of 0.5 m by 3e-8 m, and the part of it that friction
+    // keeps.
     assert!(apart < 1e-4, "{apart:e}");
 }
 

@@ -1,4 +1,4 @@
-//! A body whose contact wanders over its surface: an ellipsoid.
+//! A body whose contact moves over its surface: an ellipsoid.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -18,8 +18,8 @@ use tumble::{
 proptest! {
     #![proptest_config(cases(128))]
 
-    /// The tangent plane at the place that is farthest in a direction has the whole surface behind
-    /// it, and touches it.
+    /// The whole surface is behind the tangent plane at the point that is farthest in a direction,
+    /// and touches it.
     #[test]
     fn the_support_is_the_farthest_place_of_the_surface(
         axes in (log_uniform(1e-3, 1e3), log_uniform(1e-3, 1e3), log_uniform(1e-3, 1e3)),
@@ -67,7 +67,7 @@ fn an_ellipsoid_with_equal_axes_is_a_sphere() {
         (implicit, explicit)
     };
     let (implicit, explicit) = apart(1.0, 1e-3);
-    // The same forces at the same places but for rounding.
+    // The same forces at the same points, except for rounding.
     assert!(explicit < 1e-11, "{explicit:e}");
     assert!(implicit < 1e-7, "{implicit:e}");
 }
@@ -89,8 +89,8 @@ fn an_ellipsoid_rocks_at_the_rate_of_its_curvature() {
     let by = EnergyMomentum { time_step: 1e-4 };
     let period = |moment: f64| TAU / (push / moment).sqrt();
     let slides = end(egg, (ground, Frictionless), by, &start, period(moment));
-    // The depth takes sink/(ρ - c) = 6e-4 of the lever arm; the turn is of second order in the
-    // amplitude and in the phase of one period.
+    // The depth takes sink/(ρ - c) = 6e-4 of the lever arm. The effect of the rotation is of second
+    // order in the amplitude and in the phase of one period.
     assert!((rocked(&slides) - 1.0).abs() < 1e-4, "{}", rocked(&slides));
     let slides = end(
         egg,
@@ -173,7 +173,7 @@ fn an_egg_keeps_its_energy_where_nothing_takes_it() {
     assert!(lost < 1e-9, "{lost:e}");
 }
 
-/// A smooth body of a user's: a ball told by its support alone, or what he takes for one.
+/// A user's smooth body: a ball that is defined by its support point only, correctly or not.
 struct Ball<const COUNT: usize = 1>([ContactPoint; COUNT], f64);
 
 impl<const COUNT: usize> RigidPointBody for Ball<COUNT> {
@@ -235,8 +235,8 @@ fn a_smooth_body_of_a_user_may_be_a_ball() {
         &end(&ball as &dyn RigidPointBody, laws, by, &start, 1.0),
         &end(Sphere::solid(0.5, 0.1), laws, by, &start, 1.0),
     );
-    // Both round otherwise at each look at a contact, and bounces magnify it: so is a start that is
-    // moved by a few units in its last place. Ten times that, for 4000 looks.
+    // Both round differently at each evaluation of a contact, and bounces amplify it, like a start
+    // that is shifted by a few units in its last place. Ten times that, for 4000 evaluations.
     let rounding = (1..=8).map(|units| {
         let height = 0.2 * (1.0 + f64::from(units) * f64::EPSILON);
         let moved = State::at(DVec3::Z * height).with_linear_velocity(DVec3::X);
@@ -283,8 +283,8 @@ struct Sticking {
     start: State,
 }
 
-/// A state that touches, turned by an angle (rad) about y, with this angular velocity (rad/s), in
-/// which the lowest point stands still.
+/// A touching state, rotated by an angle (rad) about y, with this angular velocity (rad/s), in
+/// which the lowest point is at rest.
 fn rolling(body: &dyn RigidPointBody, lean: f64, spin: DVec3) -> State {
     let orientation = DQuat::from_rotation_y(lean);
     let down = orientation.inverse() * -DVec3::Z;

@@ -1,4 +1,4 @@
-//! What must not matter: left and right, east and west, here and there, stopping and going on, the
+//! Symmetries: mirror images, rotations and shifts of the scene, interruptions of a run, and the
 //! number type.
 
 // Helpers of these tests fail by panicking, like the tests.
@@ -158,15 +158,15 @@ fn throws() -> impl Strategy<Value = Throw> {
 // Mirrors
 // -----------------------------------------------------------------------------------------------
 
-/// The image of a place, velocity or force in the coordinate plane at right angles to an axis.
+/// Mirror image of a position, velocity or force in the coordinate plane perpendicular to an axis.
 fn mirrored(axis: usize, vector: DVec3) -> DVec3 {
     let mut image = vector;
     image[axis] = -image[axis];
     image
 }
 
-/// The image of a state. Angular momentum and the quaternion's vector part are axial: of them the
-/// mirror keeps the one along the axis and turns the others.
+/// Mirror image of a state. Angular momentum and the quaternion's vector part are axial: the mirror
+/// keeps the component along the axis and changes the sign of the others.
 fn mirrored_state(axis: usize, state: &State) -> State {
     let axial = |vector: DVec3| -mirrored(axis, vector);
     let turn = axial(state.orientation.xyz());
@@ -189,7 +189,7 @@ fn mirrored_throw(axis: usize, throw: &Throw) -> Throw {
     }
 }
 
-/// Whether all points lie on one line, to rounding.
+/// Returns true if all points lie on one line, to rounding.
 fn on_a_line(points: &[DVec3]) -> bool {
     let arms = || points.iter().map(|&point| point - points[0]);
     let longest = arms().fold(DVec3::ZERO, |a, b| {
@@ -205,8 +205,8 @@ fn on_a_line(points: &[DVec3]) -> bool {
 proptest! {
     #![proptest_config(kit::cases(150))]
 
-    /// Bit by bit, for every method but `EnergyMomentum`: a mirror in a coordinate plane only
-    /// changes signs, and rounding to the nearest does not look at signs.
+    /// Checks every bit for every method except `EnergyMomentum`: a mirror in a coordinate plane
+    /// only changes signs, and rounding to nearest does not depend on signs.
     #[test]
     fn the_mirror_image_of_a_throw_takes_the_mirror_image_of_the_path(throw in throws(), axis in 0..3_usize) {
         // The principal axes across a rod are any two: which ones are found depends on the sign of
@@ -220,8 +220,8 @@ proptest! {
             let of_image = image.path(integrator, 500);
             let expected = path.map(|path| path.iter().map(|state| mirrored_state(axis, state)).collect::<Vec<_>>());
             // In flight its energy limiter tries last places of the orientation in directions of
-            // the axes, which are not mirrored: the paths differ by such places, which contacts
-            // amplify.
+            // the axes, which are not mirrored. The paths differ by such last places, which
+            // contacts amplify.
             if !method.contains("EnergyMomentum") {
                 prop_assert_eq!(of_image, expected, "{}", method);
             }
@@ -232,7 +232,7 @@ proptest! {
 #[test]
 fn a_coin_that_leans_left_rolls_like_one_that_leans_right() {
     // The coin's points change order in a mirror, so the sums round differently: 1e-16 a step,
-    // which the motion amplifies. How much is measured on the way.
+    // which the motion amplifies. The amplification is measured as well.
     let trial = Trial {
         slip_speed: 1e-3,
         ..Trial::report(1).unwrap()
@@ -262,7 +262,7 @@ fn a_coin_that_leans_left_rolls_like_one_that_leans_right() {
 // Turns about the vertical, and moves along the ground
 // -----------------------------------------------------------------------------------------------
 
-/// A state turned about the origin.
+/// A state rotated about the origin.
 fn turned(turn: DQuat, state: &State) -> State {
     State {
         position: turn * state.position,
@@ -275,8 +275,8 @@ fn turned(turn: DQuat, state: &State) -> State {
 proptest! {
     #![proptest_config(kit::cases(100))]
 
-    /// The world has no north: everything turned about any axis, the ground and gravity as well, is
-    /// the same motion turned.
+    /// No horizontal direction is special: a scene that is rotated about any axis, with ground and
+    /// gravity, has the same motion rotated.
     #[test]
     fn a_throw_in_a_turned_world_takes_the_turned_path(
         throw in throws(), axis in directions(), angle in -3.2..3.2_f64,
@@ -292,8 +292,8 @@ proptest! {
             state: turned(turn, &throw.state),
             ..throw.clone()
         };
-        // What 1e-15 in the turned start becomes is measured beside it, with a nudge of 1e-9 that
-        // stands clear of rounding.
+        // The amplification of 1e-15 in the rotated start is measured by a shift of 1e-9, which is
+        // far above rounding.
         let nudge = 1e-9;
         let nudged = Throw {
             state: State { angular_momentum: throw.state.angular_momentum + DVec3::ONE * nudge, position: throw.state.position + DVec3::ONE * nudge, ..throw.state },
@@ -322,8 +322,8 @@ proptest! {
         });
     }
 
-    /// Level ground is the same everywhere. Only the height enters the forces, so not a bit of
-    /// velocity, turn and angular momentum changes.
+    /// Level ground is the same everywhere. Only the height enters the forces, so no bit of
+    /// velocity, rotation and angular momentum changes.
     #[test]
     fn a_throw_that_begins_elsewhere_on_level_ground_is_the_same_throw(
         throw in throws(), x in -1e6..1e6_f64, y in -1e6..1e6_f64,
@@ -338,7 +338,7 @@ proptest! {
                     prop_assert_eq!(here.orientation, there.orientation, "{}", method);
                     prop_assert_eq!(here.angular_momentum, there.angular_momentum, "{}", method);
                     prop_assert_eq!(here.position.z.to_bits(), there.position.z.to_bits(), "{}", method);
-                    // The place itself is known to its own last digit, 1.2e-10 m at 1e6 m, once or
+                    // The position is known to its own last digit, 1.2e-10 m at 1e6 m, once or
                     // twice a step.
                     let miss = (there.position - here.position - shift).length();
                     prop_assert!(miss <= 1000.0 * f64::EPSILON * (shift.length() + 10.0), "{method}: {miss:e} m");
@@ -355,7 +355,7 @@ proptest! {
 proptest! {
     #![proptest_config(kit::cases(60))]
 
-    /// `State` has nothing hidden: a copy taken anywhere goes on like the original, in another
+    /// `State` has no hidden data: a copy taken at any time continues like the original, in another
     /// stepper of the same scene as well.
     #[test]
     fn a_run_that_is_stopped_anywhere_and_copied_goes_on_with_the_same_bits(throw in throws(), stop in 0..500_u32) {
@@ -433,7 +433,7 @@ where
 proptest! {
     #![proptest_config(kit::cases(40))]
 
-    /// What a session remembers changes no bit of a method with a fixed step.
+    /// The data that a session keeps change no bit of a method with a fixed step.
     #[test]
     fn a_session_with_a_fixed_step_has_the_bits_of_the_stepper(
         throw in throws(), parts in prop::collection::vec(1e-4..0.1_f64, 1..6),
@@ -487,7 +487,8 @@ fn an_adaptive_session_of_each_trial_goes_on_with_the_same_bits_and_not_as_a_new
                 ] {
                     assert_eq!(one, other, "trial {number}, {tolerance} m, {first} s");
                 }
-                // The first call is that of the stepper; later ones go on with the step's length.
+                // The first call is that of the stepper. Later calls continue with the size of the
+                // next step.
                 let (mut state, mut session) = (start, fifth.session(start));
                 fifth.advance(&mut state, first).unwrap();
                 session.advance(first).unwrap();
@@ -589,7 +590,7 @@ fn the_steps_and_samples_of_a_session_are_those_of_a_run() {
     let all = core::iter::once(first).chain(seen);
     let all: Vec<_> = all.map(|m| (m.time, m.steps, m.state)).collect();
     assert_eq!(all, shown);
-    // A run of a session shows its own time, and the session goes on.
+    // A run of a session shows its own time, and the session continues.
     let mut last = 0.0;
     let mut watch = |sample: &Sample<'_>| {
         last = sample.time;
@@ -841,7 +842,7 @@ fn single(vector: DVec3) -> Vec3 {
     vector.as_vec3()
 }
 
-/// The same state with seven digits.
+/// A state rounded to seven digits.
 fn rounded(state: &State) -> State<f32> {
     State {
         position: single(state.position),
@@ -898,7 +899,7 @@ fn f32_and_f64_agree_to_single_precision_in_every_trial_of_the_report() {
 proptest! {
     #![proptest_config(kit::cases(100))]
 
-    /// In flight nothing is amplified but the turn's own angle.
+    /// In flight nothing is amplified except the angle of rotation.
     #[test]
     fn f32_and_f64_agree_to_single_precision_in_flight(
         orientation in kit::orientations(),
@@ -921,8 +922,8 @@ proptest! {
             }
             let single = single_flight(method, &start, 200);
             let moved = (state.position - single.position).length();
-            // 200 steps, half a last place (6e-8) of a number up to `speed` and of one up to a way
-            // of 0.2 `speed` each; the fall of 0.2 m likewise.
+            // 200 steps, half a last place (6e-8) of a number up to `speed` and of one up to a
+            // displacement of 0.2 `speed` each; the fall of 0.2 m as well.
             prop_assert!(moved < 200.0 * 6e-8 * (1.0 + speed), "{method}: {moved:e} m");
             // The angle: half a last place of the start and of each of its few numbers, and of four
             // sums in each step.

@@ -55,8 +55,8 @@ fn each_relief(mut test: impl FnMut(&str, &dyn Shape)) {
     );
 }
 
-/// The work of a spring of 1 N/m round a circle of radius 0.1 m about a place, J: `∮ k d n · ds`,
-/// by the trapezoid rule, which is exact for what is smooth and periodic.
+/// Work of a spring of 1 N/m round a circle of radius 0.1 m about a point, J: `∮ k d n · ds`, by
+/// the trapezoidal rule, which is exact for smooth periodic functions.
 fn work_round(surface: impl Fn(DVec3) -> (f64, DVec3), centre: DVec3, axes: [DVec3; 2]) -> f64 {
     let count = 400;
     let mut work = 0.0;
@@ -77,7 +77,7 @@ fn springs_under_a_terrain_do_no_work_round_a_closed_path() {
         for place in [[0.3, -0.2], [-0.6, 0.5], [0.05, 0.0]] {
             let [at_x, at_y] = place;
             let near = DVec3::new(at_x, at_y, 0.0);
-            // A way under the surface, up to 0.3 m deep: below every radius of curvature.
+            // A path under the surface, up to 0.3 m deep: below every radius of curvature.
             let centre = near - z * (shape.surface(near).gap + 0.15);
             for axes in [[x, z], [y, z], [x, y], [(x + y) * 0.5_f64.sqrt(), z]] {
                 let work = work_round(
@@ -94,8 +94,9 @@ fn springs_under_a_terrain_do_no_work_round_a_closed_path() {
 
 #[test]
 fn a_vertical_depth_along_the_normal_would_do_work_round_a_closed_path() {
-    // What the crate does not do: depth (h - z)/√(1 + |∇h|²) along the normal of the place right
-    // above. The test above would see it: a bowl of radius of curvature 1 m.
+    // A wrong measure of depth, which the crate does not use: (h - z)/√(1 + |∇h|²) along the normal
+    // of the point vertically above. The test above would detect it: a bowl of radius of curvature
+    // 1 m.
     let law = |p: DVec3| {
         let upright = DVec3::new(-p.x, -p.y, 1.0);
         let height = (p.x * p.x + p.y * p.y) / 2.0;
@@ -108,7 +109,7 @@ fn a_vertical_depth_along_the_normal_would_do_work_round_a_closed_path() {
 proptest! {
     #![proptest_config(kit::cases(300))]
 
-    /// A place is made from its nearest point: along the normal, as far as less than the radius of
+    /// A point is constructed from its nearest point: along the normal, by less than the radius of
     /// curvature.
     #[test]
     fn the_gap_is_the_distance_to_the_nearest_point(x in -2.0..2.0_f64, y in -2.0..2.0_f64, gap in -0.5..0.5_f64, curvatures in [-1.0..1.0_f64, -1.0..1.0_f64]) {
@@ -122,8 +123,8 @@ proptest! {
             let normal = DVec3::new(-hx, -hy, 1.0).normalize();
             let foot = DVec3::new(x, y, height_field(x, y).height);
             let surface = Terrain::of(height_field).surface(foot + normal * gap);
-            // Without the bend each look gains a factor of 2, and the gap's error is the square of
-            // the place's: 2^-46. The normal's is the place's.
+            // Without the hessian each evaluation gains a factor of 2, and the error of the gap is
+            // the square of that of the point: 2^-46. The error of the normal is that of the point.
             let (of_gap, of_normal) = if with_hessian { (1e-14, 1e-13) } else { (1e-13, 1e-6) };
             prop_assert!((surface.gap - gap).abs() < of_gap * 10.0, "{} for {gap}", surface.gap);
             prop_assert!((surface.normal - normal).length() < of_normal * 10.0, "{} for {normal}", surface.normal);
@@ -217,7 +218,7 @@ fn a_bead_in_a_cycloid_valley_swings_as_long_at_any_height() {
         let stepper = stepper_on(Cycloid { radius: a }, Frictionless, dt);
         let (x, z) = (a * (angle + angle.sin()), a * (1.0 - angle.cos()));
         let mut state = State::at(DVec3::new(x, 0.0, z));
-        // Quarter periods, at the passages through the bottom: after half a swing each.
+        // Quarter periods, at the passages through the bottom, half an oscillation apart.
         let (mut before, mut passages, mut time) = (x, Vec::new(), 0.0);
         while passages.len() < 3 {
             stepper.step(&mut state).unwrap();
@@ -229,8 +230,8 @@ fn a_bead_in_a_cycloid_valley_swings_as_long_at_any_height() {
             before = here;
         }
         let found = passages[2] - passages[0];
-        // It sinks by N/k, 2e-5 m at most, of the radii of curvature of 4a cos(φ/2) = 0.29 m at
-        // least: 1e-4 of them. Order 2: (2π/4000)²/12.
+        // It penetrates by N/k, 2e-5 m at most, of the radii of curvature of 4a cos(φ/2) = 0.29 m
+        // at least: 1e-4 of them. Order 2: (2π/4000)²/12.
         assert!(
             (found / period - 1.0).abs() < 1e-4,
             "{found} s from {angle}"
@@ -294,8 +295,8 @@ fn a_ball_in_a_bowl_swings_as_on_the_parallel_surface() {
     let z = radius + amplitude * amplitude / 2.0 / (bowl - radius);
     let mut state = State::at(DVec3::new(amplitude, 0.0, z - 1e-5));
     stepper.advance(&mut state, period).unwrap();
-    // The terms that the law of small swings leaves out are (amplitude/length)², 1.6e-5, and it
-    // sinks by 1e-5 of its length; 2π of both make the phase.
+    // The terms that the law of small oscillations leaves out are (amplitude/length)², 1.6e-5, and
+    // the body penetrates by 1e-5 of its length. 2π of both make the phase.
     assert!(
         (state.position.x / amplitude - 1.0).abs() < 1e-4,
         "{}",
@@ -371,7 +372,7 @@ fn a_ball_that_sticks_and_rolls_round_a_wall_does_so_at_order_two() {
     assert!(changes[1] < 2e-6, "{changes:?}");
 }
 
-/// A groove along y: the nearest of two planes that rise to both sides at 45 degrees.
+/// A groove along y: the nearer of two planes that rise to both sides at 45 degrees.
 struct Groove;
 
 impl Shape for Groove {

@@ -1,9 +1,9 @@
-//! Time: a run ends at the asked time, samples come at the times that are asked for, and nobody's
-//! looking changes the path.
+//! Time: a run ends at the requested time, samples are taken at the requested times, and
+//! observation does not change the path.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used, clippy::panic)]
-// The bits of times are compared, and few looks counted.
+// The bits of times are compared, and small numbers of evaluations are counted.
 #![allow(
     clippy::float_cmp,
     clippy::cast_possible_truncation,
@@ -35,8 +35,8 @@ fn watch(seen: &mut Vec<(f64, State)>) -> impl Observer {
     }
 }
 
-/// A look is up to `tolerance` (m) from a run to its time: 0 where the method has its steps from
-/// nobody's end.
+/// A sample agrees within `tolerance` (m) with a run to its time. The tolerance is 0 if the steps
+/// of the method do not depend on the end.
 fn nobodys_looking_changes_the_path<I: Integrator>(name: &str, tolerance: f64, integrator: I) {
     let stepper = trial().stepper(integrator).unwrap();
     let seconds = 0.211;
@@ -71,7 +71,7 @@ fn nobodys_looking_changes_the_path<I: Integrator>(name: &str, tolerance: f64, i
         assert_eq!(looks.len(), (seconds / interval) as usize + 1, "{name}");
         for (k, (time, state)) in looks.iter().enumerate() {
             assert_eq!(*time, interval * k as f64);
-            // Each tenth: what a look sees is the end of a run to its time.
+            // Each tenth: a sample is the end of a run to its time.
             if k % 10 == 7 {
                 let mut to_there = trial().state();
                 stepper.advance(&mut to_there, *time).unwrap();
@@ -83,7 +83,7 @@ fn nobodys_looking_changes_the_path<I: Integrator>(name: &str, tolerance: f64, i
     }
 }
 
-/// A box of observers of any kind: each by itself, as one.
+/// A box of several observers, used as one observer.
 #[test]
 fn a_run_is_watched_by_an_observer_that_is_known_at_run_time_only() {
     let stepper = trial().stepper(Rk4 { time_step: 1e-3 }).unwrap();
@@ -195,7 +195,7 @@ fn run_of_steps<R: Real>(time_step: R, seconds: R) -> (R, u64, f64) {
     (time, steps, sum)
 }
 
-/// Whether two positive numbers are the same or next to each other.
+/// Returns true if two positive numbers are equal or neighbours.
 fn are_neighbours<R: Real>(a: R, b: R) -> bool {
     let apart = (a.to_f64() - b.to_f64()).abs();
     // A unit in the last place is less than `EPSILON` of the number, and half of that below a power
@@ -204,9 +204,11 @@ fn are_neighbours<R: Real>(a: R, b: R) -> bool {
     apart <= b.to_f64() * R::EPSILON.to_f64() && (middle == a || middle == b)
 }
 
-/// Promise: the time of a run is what was asked for, to one unit in the last place, in both
-/// precisions, and a whole number of steps is kept whole. Durations and steps are drawn, as
-/// decimals that a person types and as any numbers, over ranges that no constant was chosen on.
+/// Checks that the time of a run is the requested one, to one unit in the last place, in both
+/// precisions, and that a whole number of steps is kept whole.
+///
+/// Durations and steps are drawn, as decimals that a person types and as arbitrary numbers, over
+/// ranges that no constant was chosen on.
 fn a_run_ends_at_any_time<R: Real>(draws: u32) {
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
     let mut draw = |below: u64| {
@@ -301,8 +303,8 @@ fn samples_at_equal_intervals_come_to_the_end_of_a_run() {
     samples_come_to_the_end::<f32>();
 }
 
-/// Where a step may take no time: at the event itself, above and below it by rounding, pressed in,
-/// at the top of a path, on the way up, and without gravity.
+/// States in which a step might take no time: at the event itself, above and below it by rounding,
+/// penetrating, at the top of a path, during the rise, and without gravity.
 fn starts<R: Real>() -> Vec<State<R>> {
     let at = |height: f64, speed: f64, spin: f64| {
         let vector = |x: f64, z: f64| R::Vec3::new(R::from_f64(x), R::ZERO, R::from_f64(z));
@@ -344,8 +346,8 @@ fn starts<R: Real>() -> Vec<State<R>> {
     starts
 }
 
-/// Promise: no step takes no time, and none is longer than its limit. Limits from one that is 0 in
-/// `f32` to none at all.
+/// Checks that no step takes no time, and that none is longer than its limit. Limits range from one
+/// that is 0 in `f32` to infinity.
 fn every_step_takes_time<R: Real, I: Integrator<R> + Copy>(
     name: &str,
     body: &dyn RigidPointBody<R>,
@@ -371,7 +373,7 @@ fn every_step_takes_time<R: Real, I: Integrator<R> + Copy>(
                 f64::INFINITY,
             ] {
                 // Without gravity, a body of three moments that rotates would fly for a million
-                // parts of a turn.
+                // parts of a revolution.
                 if gravity == 0.0 && limit > 1.0 && start.angular_momentum != R::Vec3::ZERO {
                     continue;
                 }
@@ -390,7 +392,7 @@ fn every_step_takes_time<R: Real, I: Integrator<R> + Copy>(
     }
 }
 
-/// Every method by itself and within closed-form flight.
+/// Every method, alone and within closed-form flight.
 fn every_method_takes_time<R: Real>(body: &dyn RigidPointBody<R>, tolerance: f64) {
     let (time_step, tolerance) = (R::from_f64(1e-4), R::from_f64(tolerance));
     macro_rules! check {

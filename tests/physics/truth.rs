@@ -31,8 +31,8 @@ const GRAVITY: f64 = 9.8;
 const RADIUS: f64 = 0.5;
 /// Slip speeds of the truth table, m/s.
 const SLIP_SPEEDS: [f64; 2] = [1e-3, 1e-6];
-/// A step (s) of which every time of the truth table is a multiple; below the 5e-4 s that
-/// `ForwardEuler` bears.
+/// A step size (s) that divides every time of the truth table. It is below the 5e-4 s up to which
+/// `ForwardEuler` is stable.
 const TIME_STEP: f64 = 1.25e-4;
 
 /// m/s^2: the acceleration that a method's error in the velocity comes from, see the head of the
@@ -60,7 +60,7 @@ fn rate(method: &Method, setup: &Setup) -> f64 {
     }
 }
 
-/// Whether an explicit method is stable where points stick: friction there is a damper of
+/// Returns true if an explicit method is stable where points stick. Friction there is a damper of
 /// `mu m g/v_eps`, against a point that weighs `m/3` (the coin gives way by `1/m` and by turning
 /// about a diameter, `r^2/I = 2/m`), which asks for `dt < 2 v_eps/(3 mu g)`.
 fn slipping_is_resolved(setup: &Setup) -> bool {
@@ -71,10 +71,10 @@ fn slipping_is_resolved(setup: &Setup) -> bool {
     TIME_STEP < 2.0 * slip_speed / (3.0 * coefficient * GRAVITY)
 }
 
-/// How far the truth moves at `times` for a push of 1 m/s (or a change of L by r times as much) in
-/// any direction at the start.
+/// Displacement of the exact solution at `times` for a push of 1 m/s (or a change of L by r times
+/// as much) in any direction at the start.
 fn sensitivity(setup: &Setup, times: &[f64]) -> Vec<Distance> {
-    // As large as the errors whose growth is asked for: a smaller push would ask for the growth of
+    // As large as the errors whose growth is measured. A smaller push would measure the growth of
     // chatter.
     let push = 1e-5;
     let fine = method("Rk4");
@@ -173,8 +173,8 @@ fn the_energy_of_a_true_state_is_the_truth_by_kind() {
                     (energy.rotation, truth.energy.rotation),
                     (energy.gravity, truth.energy.gravity),
                     (energy.springs, truth.energy.springs),
-                    // The table's own books: the library's first energy and the three works give
-                    // the energy now.
+                    // The table's own energy audit: the library's first energy and the three works
+                    // give the final energy.
                     (energy.total(), start + truth.work.total()),
                 ];
                 for (ours, theirs) in kinds {
@@ -342,7 +342,7 @@ fn in_trial_1_the_state_converges_at_the_methods_order_as_far_as_touch_downs_let
         let errors: Vec<_> = (HALVED_STEPS.iter())
             .map(|&time_step| {
                 let time_step = coarser * time_step;
-                // The geometric mean over the rows, so that each counts alike.
+                // Geometric mean over the rows, so that each has the same weight.
                 let records = method.records(&setup, time_step, &times(&truths));
                 let logs: Vec<f64> = (records.iter().zip(&truths))
                     .map(|(record, truth)| apart(&record.state, &truth.state).place.ln())
@@ -358,9 +358,9 @@ fn in_trial_1_the_state_converges_at_the_methods_order_as_far_as_touch_downs_let
             // Order 2 for each touch-down, which come at times without a pattern.
             2.0..3.2
         } else {
-            // The damper's force jumps at touch-down: order 1 with a small constant and chance in
-            // it, in front of what is left of the method's own order at these steps. (An integrator
-            // that sees the jump keeps order 2.)
+            // The damper's force jumps at touch-down: order 1 with a small, random constant, in
+            // front of the remainder of the method's own order at these steps. (An integrator that
+            // averages the jump keeps order 2.)
             0.9..2.5
         };
         assert!(
@@ -455,7 +455,7 @@ mod audit {
         rows
     }
 
-    /// What an audit says, and what is true, J.
+    /// Result of an audit, and the exact value, J.
     #[derive(Clone, Copy, Debug)]
     struct Audit {
         /// Sum of the errors of the three works.
@@ -523,7 +523,7 @@ mod audit {
         assert_eq!(compared, 12);
     }
 
-    /// Geometric means over the rows, so that each trial counts alike.
+    /// Geometric means over the rows, so that each trial has the same weight.
     fn mean(audits: &[Audit]) -> Audit {
         let of = |part: fn(&Audit) -> f64| {
             let logs: f64 = audits.iter().map(|audit| part(audit).ln()).sum();
@@ -657,7 +657,7 @@ mod audit {
     }
 }
 
-/// Where a trial is after a second, on a ground of this kind.
+/// Position in a trial after a second, on a ground of this kind.
 fn end_of(trial: &Trial, ground: impl SpringDamperGround, integrator: impl Integrator) -> State {
     let stepper = Stepper::new(trial.coin())
         .and_then(|stepper| stepper.with_ground(ground))
@@ -707,7 +707,7 @@ fn eight_trials(ground: impl SpringDamperGround + Copy) -> Vec<(Trial, State)> {
         .collect()
 }
 
-/// What the tables of `guide::accuracy` and of the crate's page say of orders.
+/// Orders in the tables of `guide::accuracy` and of the crate's front page.
 #[test]
 fn the_orders_through_touch_downs_are_those_of_the_guide_on_all_eight_trials() {
     fn show(name: &str, law: &str, orders: &[f64]) -> [f64; 2] {

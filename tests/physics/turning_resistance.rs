@@ -1,5 +1,5 @@
-//! Resistance to rolling and spinning: balls roll out and spin down by closed forms, with every
-//! kind of integrator; the books know of it; nothing else does.
+//! Resistance to rolling and spinning: balls come to rest according to closed forms, with every
+//! kind of integrator, and the energy audit includes the resistance.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -18,7 +18,7 @@ const RADIUS: f64 = 0.03;
 
 type Scene<I> = Stepper<f64, Sphere, FlatGround, WithResistance<Coulomb>, UniformGravity, I>;
 
-/// A solid ball of 1 kg on a ground into which it sinks by 0.1 mm.
+/// A solid ball of 1 kg on a ground into which it penetrates by 0.1 mm.
 fn ball<I: Integrator>([rolling, spinning, turn_speed]: [f64; 3], by: I) -> Scene<I> {
     let friction = WithResistance {
         friction: Coulomb {
@@ -41,7 +41,7 @@ fn ball<I: Integrator>([rolling, spinning, turn_speed]: [f64; 3], by: I) -> Scen
         .unwrap()
 }
 
-/// At rest on it, but for a velocity and a spin.
+/// A ball at its penetration depth at rest, with a velocity and a spin.
 fn moving<I: Integrator>(scene: &Scene<I>, velocity: DVec3, spin: DVec3) -> State {
     let state = State::at(DVec3::Z * (RADIUS - G / 1e5)).with_linear_velocity(velocity);
     let axes = state.rotation().axes();
@@ -149,9 +149,9 @@ fn the_books_hold_what_resistance_takes() {
     scene.run(&mut state, 0.5, &mut ledger).unwrap();
     let lost = before - scene.energy(&state).total();
     assert!(lost > 0.1, "{lost} J");
-    // The torque is steady. The books look at the ball right after half a step of it, when it slips
-    // by `ℓ m g h/2 · r/I` = s = 8.2e-4 m/s, which friction would take at `μ m g s²/(s + 1e-3)`,
-    // 1.8e-3 W.
+    // The torque is constant. The audit evaluates the ball right after half a step of it, when it
+    // slips by `ℓ m g h/2 · r/I` = s = 8.2e-4 m/s, which friction would dissipate at
+    // `μ m g s²/(s + 1e-3)`, 1.8e-3 W.
     let slack = 1.8e-3 * 0.5;
     assert!(
         (ledger.work().friction + lost).abs() < slack,
@@ -168,7 +168,7 @@ fn the_books_hold_what_resistance_takes() {
 proptest! {
     #![proptest_config(kit::cases(300))]
 
-    /// Never with the turning, never beyond the limits.
+    /// The torque never acts along the rotation, and never exceeds its limits.
     #[test]
     fn the_torque_opposes_the_turning(rolling in log_uniform(1e-6, 1e3), spinning in log_uniform(1e-6, 1e3), turn_speed in log_uniform(1e-9, 1.0), normal in kit::directions(), axis in kit::directions(), speed in log_uniform(1e-9, 1e3)) {
         let law = RollingResistance { rolling, spinning, turn_speed };

@@ -44,7 +44,7 @@ fn coin<I: Integrator>(integrator: I) -> Thrown<SolidCoin, I> {
         .unwrap()
 }
 
-/// A throw from 20 cm, turning about an axis of its own for each number.
+/// A throw from 20 cm, rotating about a different axis for each number.
 fn thrown<B: tumble::RigidPointBody, I: Integrator>(stepper: &Thrown<B, I>, number: u32) -> State {
     let angle = 2.4 * f64::from(number);
     let axis = DVec3::new(angle.cos(), angle.sin(), (0.7 * angle).sin());
@@ -52,7 +52,7 @@ fn thrown<B: tumble::RigidPointBody, I: Integrator>(stepper: &Thrown<B, I>, numb
     stepper.with_angular_velocity(state, axis * 40.0)
 }
 
-/// How far any place of the body can be from where it was: `|shift| + 2 r sin(φ/2)`.
+/// Upper bound of the displacement of any point of the body: `|shift| + 2 r sin(φ/2)`.
 fn moved(bounding_radius: f64, from: &State, to: &State) -> f64 {
     let turn = to.orientation * from.orientation.inverse();
     (to.position - from.position).length() + 2.0 * bounding_radius * turn.xyz().length()
@@ -89,8 +89,8 @@ fn a_coin_that_rests_stays_where_it_is() {
     rest_lasts(&coin(EnergyMomentum { time_step: 1e-3 }));
 }
 
-/// A ball on springs without a damper bounces for ever between the same two places; in closed form,
-/// a flight begins and ends in one.
+/// A ball on springs without a damper bounces for ever between the same two positions. In closed
+/// form, a flight begins and ends in one of them.
 #[test]
 fn a_bounce_is_no_rest() {
     let stepper = Stepper::new(PointMass::new(0.1))
@@ -107,7 +107,7 @@ fn a_bounce_is_no_rest() {
     assert!(!rest.is_reached());
 }
 
-/// The distance is that of the farthest place: a wheel that turns about its axis is not at rest.
+/// The distance is that of the farthest point: a wheel that rotates about its axis is not at rest.
 #[test]
 fn a_spinning_body_does_not_rest() {
     let stepper = Stepper::new(SolidCoin::new(0.006, 0.012, 0.002)).unwrap();

@@ -47,7 +47,7 @@ fn the_table_has_a_row_for_each_setting_and_its_errors_are_those_of_runs() {
             assert!(row.energy_rise <= 0.0, "{setting}: {:e}", row.energy_rise);
         }
     }
-    // No row of the front is beaten, and the cheapest for an error is one of them.
+    // No row of the Pareto front is dominated, and the cheapest for an error is one of them.
     let front = table.pareto_front();
     for pair in front.windows(2) {
         assert!(pair[0].time <= pair[1].time && pair[0].error > pair[1].error);
@@ -60,7 +60,7 @@ fn the_table_has_a_row_for_each_setting_and_its_errors_are_those_of_runs() {
 
 #[test]
 fn a_setting_that_fails_has_a_row_with_its_error() {
-    // A place that is no number.
+    // A position that is not a number.
     let stepper = Stepper::new(tumble::Coin::<f64>::ring(1.0, 0.5))
         .and_then(|stepper| stepper.with_ground(FlatGround::level(1e4, 1.0)))
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))

@@ -1,4 +1,5 @@
-//! Group A, motion without contact: the parabola of the centre of mass and the torque-free turn.
+//! Group A, motion without contact: the parabola of the centre of mass and the torque-free
+//! rotation.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -17,7 +18,7 @@ use crate::table::{Case, figure, random};
 
 pub(crate) const CASES: &[&Case] = &[&TOSS, &WOBBLE, &ASYMMETRIC_TOP, &WING_NUT, &RING];
 
-/// A body that turns freely, and nothing else.
+/// A body in free rotation, and nothing else.
 fn free<I: Integrator>(body: Solid, integrator: I) -> impl Fn(&mut State, f64) {
     let stepper = Stepper::new(body)
         .unwrap()
@@ -49,7 +50,7 @@ static TOSS: Case = Case::new("A1", "`u²/2g`, `2u/g`", "Galileo, Discorsi (1638
     let apex = state.position.z;
     stepper.advance(&mut state, 0.489_80 - 2.4 / 9.8).unwrap();
     let back = 0.489_80 + state.position.z / 2.4;
-    // Half a unit of the last printed place.
+    // Half a unit of the last printed digit.
     vec![
         figure(
             "a spinning coin tossed at 2.4 m/s: apex, m",
@@ -176,7 +177,7 @@ static WOBBLE: Case = Case::new(
     "`φ' = L/I₁`, `ω₃ = L cos θ/I₃`, `φ'/|ψ'| = 2/cos θ`",
     "Euler (1765); Feynman's plate: Chao, Phys. Today 42 (1989)",
     || {
-        // After one period 2π/8 s the body has turned by -3.034545 rad about its axis (mod 2π).
+        // After one period 2π/8 s the body has rotated by -3.034545 rad about its axis (mod 2π).
         let (coin, start) = wobbling_ring();
         let period = TAU / 8.0;
         let stepper = Stepper::new(coin)
@@ -191,16 +192,16 @@ static WOBBLE: Case = Case::new(
         let (before, after) = (axis(&start), axis(&state));
         let round = before.y.atan2(before.z) - after.y.atan2(after.z);
         assert!((round - FRAC_PI_2).abs() < 1e-12, "{round}");
-        // A whole one: the axis is back, and the body is turned about it.
+        // A whole one: the axis is back, and the body is rotated about it.
         stepper.advance(&mut state, 3.0 * period / 4.0).unwrap();
         assert!((axis(&state) - axis(&start)).length() < 1e-12);
         let own = start.orientation.conjugate() * state.orientation;
         let turned = 2.0 * own.x.atan2(own.w);
         let turned = (turned + PI).rem_euclid(TAU) - PI;
-        // The rate about its own axis, from the turn: a whole turn less than none.
+        // The rate about its own axis, from the turn: a whole revolution less than none.
         let own_rate = turned / period;
         let rates = body_rates(DVec3::new(0.25, 0.125, 0.125), &start);
-        // Half a unit of the last printed place.
+        // Half a unit of the last printed digit.
         vec![
             figure(
                 "ring, 15°: precession, rad/s",
@@ -222,8 +223,8 @@ fn a_wobbling_ring_precesses_by_feynmans_plate_to_the_printed_digits() {
 }
 
 random! {
-    /// A symmetric body's turn is exact at any step: one long step or a hundred short ones, thin as
-    /// a disc, long as a rod, or a ball.
+    /// A symmetric body's rotation is exact at any step: one long step or a hundred short ones,
+    /// thin as a disc, long as a rod, or a ball.
     ANY_WOBBLE = of_rounding(100, "disc, ball or rod, rate and step");
     fn symmetric_bodies_turn_by_the_closed_form_at_any_step(
         ratio in prop_oneof![Just(1.0), Just(2.0), log_uniform(1e-3, 2.0)],
@@ -296,7 +297,7 @@ fn the_other_methods_approach_the_closed_form_of_precession_at_their_order() {
 /// taken.
 ///
 /// The angular momentum has length 1 to the last place and the moments are 1/4 and 1/8, so that a
-/// step of 1/16 s turns by 1/2 rad, a product of dyadic numbers: the closed form knows the angle
+/// step of 1/16 s rotates by 1/2 rad, a product of dyadic numbers: the closed form knows the angle
 /// after n steps, n/2 rad, to its last place.
 fn phase_errors(moments: DVec3) -> [(f64, f64); 4] {
     let dt = 1.0 / 16.0;
@@ -325,9 +326,9 @@ fn phase_errors(moments: DVec3) -> [(f64, f64); 4] {
 
 #[test]
 fn a_million_turns_of_a_ball_add_up_no_more_than_the_rounding_of_each_step() {
-    // In each step the turn's angle, its sine and cosine and the product round: some 4e-16 rad if
-    // all went the same way. Measured: 6.2e-17 rad a step, in proportion to the number of steps to
-    // 1 % from a thousand turns to a million.
+    // In each step the rotation's angle, its sine and cosine and the product round: some 4e-16 rad
+    // if all went in the same direction. Measured: 6.2e-17 rad a step, in proportion to the number
+    // of steps to 1 % from a thousand revolutions to a million.
     for (steps, miss) in phase_errors(DVec3::splat(0.125)) {
         assert!(miss < 4e-16 * steps, "{miss:e} rad off after {steps} steps");
     }
@@ -338,9 +339,9 @@ fn a_million_turns_of_a_coin_leave_its_phase_right_to_a_ten_thousandth_of_a_radi
     // In each step, as of the ball; besides, rounding tilts the axis against the angular momentum a
     // little, and a tilted axis has another rate: a tilt of e rad a step is e n²/2 times the coin's
     // own 1/8 rad a step after n steps. Measured: e = 4e-19 (a 300th of a unit of the last place,
-    // with the sign of the bias that rounding has on this path), 4e-6 rad after a million turns.
-    // (Where each step scaled a quaternion whose length was 1 already, e was three to five times
-    // that.)
+    // with the sign of the bias that rounding has on this path), 4e-6 rad after a million
+    // revolutions. (Where each step scaled a quaternion whose length was 1 already, e was three to
+    // five times that.)
     for (steps, miss) in phase_errors(DVec3::new(0.25, 0.125, 0.125)) {
         let allowed = 4e-16 * steps + 3e-18 * steps * steps / 16.0;
         assert!(
@@ -381,7 +382,7 @@ struct AsymmetricTop {
     /// 1/s: what turns time into the argument of Jacobi's functions.
     rate: f64,
     parameter: f64,
-    /// Whether it turns about its third axis (`L² > 2 E I₂`), or else about its first.
+    /// True if the body rotates about its third axis (`L² > 2 E I₂`), or else about its first.
     about_third: bool,
 }
 
@@ -481,7 +482,7 @@ static ASYMMETRIC_TOP: Case = Case::new(
             // that at up to 17 rad/s².
             assert!(miss < 1.1e-9, "{miss:e} rad/s off after {eighth} eighths");
         }
-        // Half a unit of the last printed place, and the printed period's.
+        // Half a unit of the last printed digit, and the printed period's.
         vec![
             figure(
                 "box, an eighth of a period: ω₁, rad/s",
@@ -608,7 +609,7 @@ static WING_NUT: Case = Case::new(
     "`2K(m)/rate`",
     "Dzhanibekov; Landau & Lifshitz, Mechanics, section 37",
     || {
-        // The box turns about its middle axis, ω = (0.005, 5, 0) rad/s.
+        // The box rotates about its middle axis, ω = (0.005, 5, 0) rad/s.
         let start = DVec3::new(0.005, 5.0, 0.0);
         let found = flips(Rk4 { time_step: 1e-3 }, start, 31.0);
         assert_eq!(found.len(), 5);
@@ -636,8 +637,8 @@ fn a_wing_nut_flips_at_the_times_of_dzhanibekov() {
 
 #[test]
 fn the_flips_of_the_free_turn_approach_dzhanibekovs_at_order_two() {
-    // The splitting knows the middle axis for what it is: a turn about it alone is exact. So a step
-    // of 10 ms, 1/20 rad, is already good to a hundredth of a second.
+    // The splitting knows the middle axis for what it is: a rotation about it alone is exact. So a
+    // step of 10 ms, 1/20 rad, is already good to a hundredth of a second.
     let start = DVec3::new(0.005, 5.0, 0.0);
     let miss =
         |time_step| (flips(StrangSplitting { time_step }, start, 4.0)[0] - 3.393_201_3).abs();
@@ -655,7 +656,7 @@ fn the_flips_of_the_free_turn_approach_dzhanibekovs_at_order_two() {
 #[test]
 fn a_body_turns_steadily_about_its_longest_and_its_shortest_side_and_not_about_the_middle_one() {
     // The tennis racket theorem (Ashbaugh, Chicone & Cushman 1991): a lean of a thousandth of a
-    // radian stays one, or becomes half a turn.
+    // radian stays one, or becomes half a revolution.
     let largest_lean = |axis: DVec3| {
         let stepper = Stepper::new(Solid::with_moments(BOX)).unwrap();
         let slightly = DVec3::new(1.0, 1.0, 1.0) * 0.005;
@@ -679,7 +680,7 @@ fn a_body_turns_steadily_about_its_longest_and_its_shortest_side_and_not_about_t
 #[test]
 fn the_energy_of_an_asymmetric_free_turn_swings_at_order_two_and_never_drifts() {
     // Touma & Wisdom 1994: the composition keeps a modified energy. A million steps of 1/20 rad and
-    // more: 10,000 turns.
+    // more: 10,000 revolutions.
     let worst = |time_step: f64, steps: u32| {
         let stepper = Stepper::new(Solid::with_moments(BOX))
             .unwrap()
@@ -774,8 +775,8 @@ fn a_coin_of_three_points_flies_like_one_of_a_hundred_and_twenty() {
 }
 
 random! {
-    /// The same points in other body axes have a full inertia tensor instead of a diagonal one, and
-    /// fly along the same paths.
+    /// Checks that equal points in other body axes have a full inertia tensor instead of a diagonal
+    /// one, and fly along the same paths.
     OTHER_AXES = of_rounding(100, "body in other body axes");
     fn a_body_in_other_body_axes_moves_through_the_same_places(
         body in bodies(),
@@ -789,7 +790,7 @@ random! {
         let momentum = body.inertia() * (axis * spin);
         prop_assume!(momentum.length() > 0.0);
         let dt = 0.01 / spin;
-        // The body may come to turn about an axis of a lesser moment, by so many radians for one
+        // The body may come to rotate about an axis of a lesser moment, by so many radians for one
         // that was asked for; and the tensor in other axes is rounded as its largest moment is, a
         // greater share of the least.
         let properties = InertiaProperties::new(body.mass(), body.inertia()).unwrap();
@@ -816,7 +817,7 @@ random! {
     }
 }
 
-/// The same body described in axes turned by `axes`.
+/// Body described in axes that are rotated by `axes`.
 fn in_axes(body: &AnyBody, axes: DQuat) -> Solid {
     let to_new = DMat3::from_quat(axes.conjugate());
     let inertia = to_new * body.inertia() * to_new.transpose();

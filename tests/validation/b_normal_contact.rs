@@ -1,4 +1,4 @@
-//! Group B, normal contact: bounces and damped swings.
+//! Group B, normal contact: bounces and damped oscillations.
 //!
 //! The printed numbers are tested with the printed parameters, the formulas with parameters of any
 //! size.
@@ -54,7 +54,7 @@ fn fall(
 // -----------------------------------------------------------------------------------------------
 
 /// Duration and greatest depth of a bounce at speed v of a mass on a spring of frequency ω under
-/// gravity (a harmonic swing about g/ω² under the surface, from the surface to the surface):
+/// gravity (a harmonic oscillation about g/ω² under the surface, from the surface to the surface):
 /// `(2/ω)(π - arctan(vω/g))` and `g/ω² + √((g/ω²)² + (v/ω)²)`.
 fn elastic_bounce(frequency: f64, g: f64, speed: f64) -> [f64; 2] {
     let rest = g / (frequency * frequency);
@@ -75,7 +75,7 @@ static ELASTIC_BOUNCE: Case = Case::new(
             [seconds - z / v, -depth]
         };
         let [under_gravity, without] = [bounce(9.8, 0.118_352_270), bounce(0.0, 0.099_345_883)];
-        // Half a unit of the last printed place; Runge-Kutta: (ω dt)⁴ ωt/120 = 1e-11.
+        // Half a unit of the last printed digit; Runge-Kutta: (ω dt)⁴ ωt/120 = 1e-11.
         vec![
             figure(
                 "under gravity: duration, s",
@@ -112,8 +112,8 @@ random! {
         let frequency = (stiffness / mass).sqrt();
         let [seconds, depth] = elastic_bounce(frequency, g, speed);
         let ground = FlatGround::level(stiffness, 0.0);
-        // Runge-Kutta in 500 steps of at most π/250 of a swing's radian: (4π/1000)⁴ 2π/120 = 1.3e-9
-        // of the swing's size; the force has no jump at either end.
+        // Runge-Kutta in 500 steps of at most π/250 of an oscillation's radian: (4π/1000)⁴ 2π/120 =
+        // 1.3e-9 of the oscillation's size; the force has no jump at either end.
         let swing = depth.max(speed / frequency);
         let [z, v] = fall([mass, g], ground, [0.0, -speed], seconds, 500);
         misses.within("place after it", z.abs(), 2e-9 * swing)?;
@@ -137,7 +137,7 @@ struct Glue {
 }
 
 impl Glue {
-    /// How far above the springs' rest the glue begins, m.
+    /// Height above the springs' rest at which the glue begins, m.
     const REACH: f64 = 1.0;
 }
 
@@ -177,7 +177,7 @@ static DASHPOT: Case = Case::new(
             assert!(z.abs() < 1e-10, "{z:e} m");
             v
         };
-        // Half a unit of the last printed place.
+        // Half a unit of the last printed digit.
         vec![
             figure(
                 "ground that may pull, ζ = 0.1: restitution",
@@ -209,8 +209,8 @@ random! {
         // A tenth of a metre deep at most, well within the glue's reach.
         let speed = 0.1 * frequency;
         let [z, v] = fall([mass, 0.0], ground, [0.0, -speed], PI / (frequency * root), 1000);
-        // Runge-Kutta: (ω dt)⁵/120 a step of the swing's size, in each of 1000; and the rounding of
-        // a depth that is told from 1 m above.
+        // Runge-Kutta: (ω dt)⁵/120 a step of the oscillation's size, in each of 1000; and the
+        // rounding of a depth that is told from 1 m above.
         let step = PI / root / 1000.0;
         let miss = 1000.0 * step.powi(5) / 120.0 + 1e-12;
         misses.within("place", z.abs(), miss * 0.1)?;
@@ -218,8 +218,8 @@ random! {
     }
 }
 
-/// Restitution of the ground that never pulls, and the time after which it lets go: where the
-/// force, not the depth, has come to 0 (Schwager & Pöschel, Granular Matter 9, 465, 2007):
+/// Restitution of the ground that never pulls, and the time after which the contact opens: where
+/// the force, not the depth, has come to 0 (Schwager & Pöschel, Granular Matter 9, 465, 2007):
 /// `exp(-2ζ arccos(ζ)/√(1-ζ²))`, for ζ > 1 with arcosh and √(ζ²-1).
 pub(crate) fn clamped_restitution(ratio: f64) -> [f64; 2] {
     let angle = if ratio < 0.999_999 {
@@ -234,12 +234,12 @@ pub(crate) fn clamped_restitution(ratio: f64) -> [f64; 2] {
 }
 
 /// Speed after a bounce at 1 m/s on the built-in ground without gravity, with some `steps` steps to
-/// the moment when it lets go.
+/// the moment when the contact opens.
 fn restitution_of_flat_ground(mass: f64, frequency: f64, ratio: f64, steps: u32) -> f64 {
     let stiffness = mass * frequency * frequency;
     let ground = FlatGround::level(stiffness, 2.0 * ratio * mass * frequency);
     let [_, radians] = clamped_restitution(ratio);
-    // And a while longer: it has let go, and flies at a steady speed, in the ground or above. It
+    // And a while longer: it has separated, and flies at a steady speed, in the ground or above. It
     // starts a little inside, because at the surface the damper's force jumps.
     let start = [-1e-12 / frequency, -1.0];
     fall(
@@ -247,8 +247,8 @@ fn restitution_of_flat_ground(mass: f64, frequency: f64, ratio: f64, steps: u32)
         ground,
         start,
         1.4 * radians / frequency,
-        // Not a whole number of steps to the moment when it lets go, nor a third of one, where
-        // Runge-Kutta happens to be right.
+        // Not a whole number of steps to the moment when the contact opens, nor a third of one,
+        // where Runge-Kutta happens to be right.
         steps * 7 / 5 - 2,
     )[1]
 }
@@ -282,8 +282,8 @@ fn a_spring_and_damper_that_never_pulls_gives_back_more() {
 }
 
 random! {
-    /// From a hard ball to a sandbag: at every speed alike, so one speed is enough; every mass and
-    /// stiffness.
+    /// Checks the restitution from a hard ball to a sandbag. It is the same at every speed, so one
+    /// speed is enough; every mass and stiffness.
     ANY_DAMPING = new(200, "mass, frequency and damping, from none to ζ = 30");
     fn bounces_of_any_damping_give_back_what_the_closed_form_says(
         mass in log_uniform(1e-6, 1e6),
@@ -324,7 +324,7 @@ random! {
         prop_assert_eq!(skidding.linear_velocity.z.to_bits(), sliding.linear_velocity.z.to_bits());
         let lost = 3.0 - skidding.linear_velocity.dot(forward);
         let expected = coefficient * (skidding.linear_velocity.z + 1.0);
-        // The slip speed's share, 1e-10 m/s of 2 m/s, and rounding in 2000 steps.
+        // The slip speed's fraction, 1e-10 m/s of 2 m/s, and rounding in 2000 steps.
         misses.near("speed lost", [lost, expected], 1e-10 * expected + 1e-12)?;
     }
 }
@@ -417,7 +417,7 @@ random! {
             .with_ground(FlatGround::level(stiffness, damping)).unwrap()
             .with_integrator(EnergyMomentum { time_step: 0.1 / frequency }).unwrap();
         let mut state = State::at(DVec3::Z * radius * arc.cos()).with_rotation_vector(DVec3::X * turn);
-        // After 30/ω, e^-30 of the first swing.
+        // After 30/ω, e^-30 of the first oscillation.
         stepper.advance(&mut state, 30.0 / frequency).unwrap();
         let step = TAU / n;
         let sag = radius * (1.0 - arc.cos());
@@ -432,10 +432,10 @@ fn an_upright_ring_sinks_until_its_springs_carry_it() {
 }
 
 // -----------------------------------------------------------------------------------------------
-// B5: damped swings about rest of a body on all its points
+// B5: damped oscillations about rest of a body on all its points
 // -----------------------------------------------------------------------------------------------
 
-/// Height above rest of an underdamped swing that starts at rest `first` above it.
+/// Height above rest of an underdamped oscillation that starts at rest `first` above it.
 fn damped_swing(frequency: f64, ratio: f64, first: f64, seconds: f64) -> f64 {
     let root = (1.0 - ratio * ratio).sqrt();
     let (sin, cos) = (frequency * root * seconds).sin_cos();
@@ -496,7 +496,8 @@ static SWING_OF_A_COIN: Case = Case::new(
         let mut state = flat(0.9 * rest);
         ring.advance(&mut state, period).unwrap();
         let decrement = (-0.1 * rest / (state.position.z - rest)).ln();
-        // Printed to 5e-7; a period is known to 1.5e-6 of itself, and the swing is level there.
+        // Printed to 5e-7; a period is known to 1.5e-6 of itself, and the oscillation is level
+        // there.
         vec![figure(
             "the report's coin flat: logarithmic decrement",
             0.546_192,
@@ -523,8 +524,8 @@ random! {
         stiffness in log_uniform(1.0, 1e6),
         ratio in prop_oneof![Just(0.0), log_uniform(1e-3, 0.9)],
     ) |misses| {
-        // c = 2ζ√(K m), shared by the points. The swing of 9.8/ω² must stand clear of the rounding
-        // of a turned coin, 1e-16 m.
+        // c = 2ζ√(K m), shared by the points. The oscillation of 9.8/ω² must stand clear of the
+        // rounding of a turned coin, 1e-16 m.
         let total = stiffness * count as f64;
         prop_assume!(0.1 * 9.8 * mass / total > 1e-7);
         let damping = 2.0 * ratio * (total * mass).sqrt() / count as f64;
@@ -568,7 +569,7 @@ static HUNT_AND_CROSSLEY: Case = Case::new(
     "`λv (1 + e) = ln((1 + λv)/(1 - e λv))`",
     "Hunt & Crossley, J. Appl. Mech. 42, 440 (1975)",
     || {
-        // Half a unit of the last printed place, and Runge-Kutta in 4000 steps of 1e-2 rad,
+        // Half a unit of the last printed digit, and Runge-Kutta in 4000 steps of 1e-2 rad,
         // (1e-2)⁴/120 and of order 2.5 where a force d^(3/2) begins and ends.
         let after = restitution_of_hunt_crossley;
         vec![
@@ -674,12 +675,12 @@ static ZENO: Case = Case::new(
     || {
         let (e, frequency) = (0.5, 1e4);
         let ratio = ratio_for(e);
-        // The mean force over a step knows when in the step the point lands: of order 2, (ω dt)²/12 =
-        // 8e-5.
+        // The mean force over a step depends on the time of the landing within the step: order 2,
+        // (ω dt)²/12 = 8e-5.
         let [landings, tops] = landings_and_tops([1.0, 9.8], [frequency, ratio], 0.03, 1.5);
         let contact = clamped_restitution(ratio)[1] / frequency;
         let speed = 19.6_f64.sqrt();
-        // Gravity changes the speed by at most g t_c in a contact: a share of g t_c/v of what it
+        // Gravity changes the speed by at most g t_c in a contact: a fraction of g t_c/v of what it
         // takes in, and the shares double from bounce to bounce.
         let share = |bounce: i32| 9.8 * contact / speed * (f64::powi(2.0, bounce) - 1.0) / e;
         // What is left after landing n (0 the first): flights 2 t₀ eⁿ⁺¹/(1-e); each contact takes
@@ -708,11 +709,11 @@ static ZENO: Case = Case::new(
 .and(&[&ANY_ZENO]);
 
 random! {
-    /// As the printed case: in bounce n the rebound, `e v₀ eⁿ`, is off by up to `g t_c`, so that
-    /// after n bounces the speed is off by `(g t_c/v₀) Σ e^-(k+1) = (g t_c/v₀) (e^-n - 1)/(1 - e)`
-    /// of itself, and by some (ω dt)² a bounce, for its step. A top goes with the square; a flight
-    /// with the first power, and each contact takes up to two of its times longer until the surface
-    /// is reached.
+    /// Tolerance as in the printed case. In bounce n the rebound, `e v₀ eⁿ`, is off by up to
+    /// `g t_c`, so that after n bounces the speed is off by
+    /// `(g t_c/v₀) Σ e^-(k+1) = (g t_c/v₀) (e^-n - 1)/(1 - e)` of itself, and by some (ω dt)² a
+    /// bounce, for its step. A top goes with the square; a flight with the first power, and each
+    /// contact takes up to two of its times longer until the surface is reached.
     ANY_ZENO = new(48, "height, g, restitution of 0.2 to 0.95, and vω/g of 1e4 to 1e7");
     fn balls_of_any_restitution_bounce_down_zenos_stairs(
         height in log_uniform(1e-3, 1e3),
@@ -743,7 +744,7 @@ fn a_bouncing_ball_comes_to_an_end_after_zenos_time() {
     ZENO.holds();
 }
 
-/// What is left of the speed (m/s) when a point comes back to the surface, under 9.8 m/s² and with
+/// Remaining speed (m/s) when a point comes back to the surface, under 9.8 m/s² and with
 /// ω = 100 rad/s; 0 where it stays.
 fn restitution_under_gravity(ratio: f64, speed: f64) -> f64 {
     let frequency = 100.0;
@@ -800,7 +801,7 @@ fn slow_restitution(ratio: f64, speed: f64) -> Option<f64> {
         let [z, v] = swing(t);
         -z - 2.0 * ratio * v
     };
-    // A hundredth of a radian at a time, no further than a whole swing.
+    // A hundredth of a radian at a time, no further than a whole oscillation.
     let first = (1..1000).find(|&i| force(0.01 * f64::from(i)) < 0.0)?;
     let (mut low, mut high) = (0.01 * f64::from(first - 1), 0.01 * f64::from(first));
     for _ in 0..60 {
@@ -817,7 +818,7 @@ fn slow_restitution(ratio: f64, speed: f64) -> Option<f64> {
 }
 
 random! {
-    /// Not only the limit: the whole curve of the restitution over the impact's speed.
+    /// Checks not only the limit, but the whole curve of the restitution over the impact's speed.
     ANY_SLOW_BOUNCE = new(64, "ζ up to 3 and vω/g of 0.1 to 1e6: the damped swing about the loaded rest, until the force is 0");
     fn bounces_at_any_speed_under_gravity_give_back_what_the_damped_swing_says(
         ratio in zero_or(1e-3, 3.0),
@@ -826,15 +827,15 @@ random! {
         prop_assume!((ratio - 1.0).abs() > 1e-3);
         let found = restitution_under_gravity(ratio, speed * 9.8 / 100.0);
         let Some(expected) = slow_restitution(ratio, speed) else {
-            // It stays; or it comes up after all, when the damper has let go, with less than a
+            // It stays; or it comes up after all, when the damper has separated, with less than a
             // tenth of g/ω.
             misses.within("speed of what stays", found * speed, 0.1)?;
             return Ok(());
         };
         // As of B3: the kink falls anywhere into a step, of 1e-3 rad, and moves the speed by up to
         // the force's slope, v + g/ω, times half the step's square, and a few times that. What is
-        // left of the speed after the flight up through the ground knows it by one over its share
-        // of it.
+        // left of the speed after the flight up through the ground knows it by one over its
+        // fraction of it.
         let step = 1e-3 * f64::max(1.0, 2.0 * ratio);
         let miss = 2.0 * step * step * (1.0 + 1.0 / speed) / expected.min(1.0);
         misses.near("restitution", [found, expected], miss)?;
@@ -847,7 +848,7 @@ static SLOW_BOUNCE: Case = Case::new(
     "arXiv 2204.10917",
     || {
         let [restitution, radians] = clamped_restitution(0.3);
-        // As of case B7: gravity is a share of g t_c/v.
+        // As of case B7: gravity is a fraction of g t_c/v.
         [1e5, 1e3]
             .map(|ratio| {
                 let got = restitution_under_gravity(0.3, ratio * 9.8 / 100.0);

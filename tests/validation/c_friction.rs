@@ -32,7 +32,7 @@ pub(crate) const CASES: &[&Case] = &[
 // C1: sliding to rest
 // -----------------------------------------------------------------------------------------------
 
-/// Time and way from speed `v0` to `v` under the report's law: `dv/dt = -a v/(v + ε)` with
+/// Time and distance from speed `v0` to `v` under the report's law: `dv/dt = -a v/(v + ε)` with
 /// `a = μ g`, so `t = (v0 - v + ε ln(v0/v))/a` and `x = ((v0² - v²)/2 + ε (v0 - v))/a`. For ε = 0,
 /// a block's v0/μg and v0²/2μg.
 fn slide(deceleration: f64, eps: f64, v0: f64, v: f64) -> [f64; 2] {
@@ -43,7 +43,7 @@ fn slide(deceleration: f64, eps: f64, v0: f64, v: f64) -> [f64; 2] {
     ]
 }
 
-/// The same under the smooth law, `dv/dt = -a v/√(v² + ε²)`.
+/// Time and distance under the smooth law, `dv/dt = -a v/√(v² + ε²)`.
 fn smooth_slide(deceleration: f64, eps: f64, v0: f64, v: f64) -> [f64; 2] {
     let time = |v: f64| v.hypot(eps) - eps * (eps / v).asinh();
     let way = |v: f64| (v * v.hypot(eps) + eps * eps * (v / eps).asinh()) / 2.0;
@@ -79,7 +79,7 @@ static SLIDING_COIN: Case = Case::new("C1", "`v₀/μg`, `v₀²/2μg`", "Coulom
         })
         .unwrap();
     // It neither tips nor turns: friction acts in the plane of its centre, but for the 8e-5 m that
-    // it has sunk.
+    // it has penetrated.
     let spin = state.angular_momentum.length();
     assert!(spin < 1e-3, "{spin}");
     // In the remaining 0.32 s it is at rest but for one step's worth of speed, which has no
@@ -167,12 +167,12 @@ impl Skid {
         }
     }
 
-    /// Share of the slip that the speed loses.
+    /// Fraction of the slip that the speed loses.
     fn share(&self) -> f64 {
         self.moment / (1.0 + self.moment)
     }
 
-    /// How fast the slip falls, m/s².
+    /// Rate at which the slip decreases, m/s².
     fn loss(&self) -> f64 {
         (1.0 + 1.0 / self.moment) * self.friction.coefficient * self.g
     }
@@ -396,7 +396,7 @@ random! {
 // C4: down a slope
 // -----------------------------------------------------------------------------------------------
 
-/// Acceleration down a slope (m/s²) and slip (m/s) of a ball that has been let go, in the second
+/// Acceleration down a slope (m/s²) and slip (m/s) of a ball that has been released, in the second
 /// half of `seconds`.
 fn down(moment: f64, friction: Coulomb, slope: f64, seconds: f64) -> [f64; 2] {
     let radius = 0.1;
@@ -485,8 +485,8 @@ random! {
         let friction = Coulomb { coefficient, slip_speed: 1e-3 };
         let [acceleration, slip] = down(moment, friction, slope, 1.0);
         if share < 1.0 {
-            // u/(u + ε) is the share of the friction that rolling takes. It is reached at a rate of
-            // a (1 - share)²/ε, 0.5 m/s² · 0.01/1e-3 at least.
+            // u/(u + ε) is the fraction of the friction that rolling takes. It is reached at a rate
+            // of a (1 - share)²/ε, 0.5 m/s² · 0.01/1e-3 at least.
             let steady = 1e-3 * share / (1.0 - share);
             misses.near("slip", [slip, steady], 0.05 * steady)?;
             let rolls = 9.8 * slope.sin() / (1.0 + moment);
@@ -503,8 +503,8 @@ random! {
 // C9: creep on a slope
 // -----------------------------------------------------------------------------------------------
 
-/// Speed (m/s, downhill) of a point of 1 kg after it has been let go on a slope, long enough to be
-/// steady.
+/// Speed (m/s, downhill) of a point of 1 kg after it has been released on a slope, long enough to
+/// be steady.
 fn creep(friction: impl SlidingFriction, coefficient: f64, eps: f64, tangent: f64) -> f64 {
     let slope = tangent.atan();
     let normal = DVec3::new(slope.sin(), 0.0, slope.cos());
@@ -533,7 +533,7 @@ static CREEP: Case = Case::new(
     "`ε t/(μ - t)`, `ε t/√(μ² - t²)`, t = tan θ",
     "the balance of weight and regularised friction",
     || {
-        // μ = 0.3. Half a unit of the last printed place.
+        // μ = 0.3. Half a unit of the last printed digit.
         let eps = 1e-3;
         let law = |degrees: f64| {
             let friction = Coulomb {
@@ -611,7 +611,7 @@ fn sliding_rod(half: f64, angle: f64, depth: f64) -> State {
         .with_linear_velocity(-DVec3::X)
 }
 
-/// By how much the touching end of a rod is accelerated upwards, in `normal force/mass`.
+/// Upward acceleration of the touching end of a rod, in `normal force/mass`.
 fn lift_of(rod_of: [f64; 3], friction: Coulomb, state: &State, normal_force: f64) -> f64 {
     let [mass, half, moment] = rod_of;
     let stiffness = 1000.0;
@@ -632,7 +632,7 @@ fn lift_of(rod_of: [f64; 3], friction: Coulomb, state: &State, normal_force: f64
     acceleration.z * mass / normal_force
 }
 
-/// The same of the uniform rod, on 1 N.
+/// Upward acceleration of the touching end of the uniform rod, on 1 N.
 fn lift(coefficient: f64, angle: f64) -> f64 {
     let friction = Coulomb::as_in_the_report(coefficient);
     lift_of(UNIFORM, friction, &sliding_rod(1.0, angle, 0.0), 1.0)
@@ -668,8 +668,8 @@ random! {
         let reaction = 1.0 + cos * (cos + coefficient * slip.signum() * sin) / moment;
         let centripetal = spin * spin * half * sin * mass / load;
         let found = lift_of(rod_of, friction, &start, load);
-        // The slip speed's share, 1e-10 m/s of the slip; and the rounding of the depth, which is a
-        // difference of heights of up to 10 m, on 1000 N/m.
+        // The slip speed's fraction, 1e-10 m/s of the slip; and the rounding of the depth, which is
+        // a difference of heights of up to 10 m, on 1000 N/m.
         let size = 1.0 + (1.0 + coefficient) / moment;
         let rounding = 4e-16 * (1.0 + half) * 1000.0 / load + 1e-14;
         misses.near("lift", [found, reaction + centripetal], size * (1e-10 / slip.abs() + rounding) + 1e-14 * centripetal)?;
@@ -726,8 +726,8 @@ fn the_end_of_a_sliding_rod_is_pressed_down_by_its_own_reaction_from_painleves_c
 
 #[test]
 fn a_rod_in_painleves_paradox_jams_and_is_thrown_without_gaining_energy() {
-    // The depth grows by z'' = λ² z + g, λ² ~ S, until the force has taken the slip: N = c (cosh λt -
-    // 1), N's impulse = c (sinh λt - λt)/λ ~ v. So N ~ λ v ~ √S, ten times as high on a ground a
+    // The depth grows by z'' = λ² z + g, λ² ~ S, until the force has ended the slip:
+    // N = c (cosh λt - 1), N's impulse = c (sinh λt - λt)/λ ~ v. So N ~ λ v ~ √S, ten times as high on a ground a
     // hundred times as stiff, but for (1 + λt)/cosh λt of it: N is 30 g on the softer ground, λt =
     // 4, so a sixth.
     let peak = |stiffness: f64| {
@@ -772,7 +772,7 @@ fn a_rod_in_painleves_paradox_jams_and_is_thrown_without_gaining_energy() {
 // -----------------------------------------------------------------------------------------------
 
 /// Rate (rad/s) about the vertical of a body that lies flat (body x down) on its points, each with
-/// its share of the weight, after it has drilled for some time.
+/// its fraction of the weight, after it has drilled for some time.
 fn drill(
     body: impl RigidPointBody,
     friction: Coulomb,

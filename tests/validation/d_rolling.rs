@@ -1,4 +1,5 @@
-//! Group D, a hoop or a disc on its rim: steady tumbling and rolling, and small swings about it.
+//! Group D, a hoop or a disc on its rim: steady tumbling and rolling, and small oscillations about
+//! it.
 //!
 //! `α`: between the plane of the disc and the ground, 90 degrees upright. `w`: spin about the
 //! normal. `Ω`: rate at which the normal goes round the vertical. `k_a`, `k_d`: moments about the
@@ -37,7 +38,7 @@ pub(crate) const CASES: &[&Case] = &[
     &NUTATION_OF_ANY,
 ];
 
-/// A disc of 1 kg and 0.5 m with 8000 points on its rim, which sinks in so little that it is one.
+/// A disc of 1 kg and 0.5 m with 8000 points on its rim, which penetrates so little that it is one.
 struct Disc {
     rim: Coin<f64, Vec<ContactPoint>>,
     moments: [f64; 2],
@@ -103,9 +104,9 @@ fn start(moments: [f64; 2], alpha: f64, spin: f64, rate: f64) -> State {
 struct Moment {
     time: f64,
     alpha: f64,
-    /// Of the normal, about the vertical, whole turns counted.
+    /// Angle of the normal about the vertical, including whole revolutions.
     azimuth: f64,
-    /// Of the centre, m.
+    /// Position of the centre, m.
     place: DVec3,
 }
 
@@ -195,8 +196,8 @@ fn mean_rate(path: &[Moment]) -> f64 {
     (last.azimuth - first.azimuth) / (last.time - first.time)
 }
 
-/// Angular frequency (rad/s) of the swings of `α` near `guess`: of the sine that, with a constant
-/// and a steady drift, fits best.
+/// Angular frequency (rad/s) of the oscillations of `α` near `guess`: of the sine that, with a
+/// constant and a steady drift, fits best.
 fn frequency(path: &[Moment], guess: f64) -> f64 {
     let (mut low, mut high) = (0.8 * guess, 1.2 * guess);
     // Golden section.
@@ -212,8 +213,8 @@ fn frequency(path: &[Moment], guess: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// What a constant, a drift and a swing of one frequency leave of the squares of `α`, by the normal
-/// equations.
+/// Remainder that a constant, a drift and an oscillation of one frequency leave of the squares of
+/// `α`, by the normal equations.
 fn misfit(path: &[Moment], frequency: f64) -> f64 {
     let last = path[path.len() - 1].time;
     let mut products = DMat4::ZERO;
@@ -326,9 +327,9 @@ fn steady_rate([axial, diametral]: [f64; 2], alpha: f64, spin: f64) -> f64 {
     -weight / (half + half.signum() * (half * half + diametral * sin * cos * weight).sqrt())
 }
 
-/// How fast (rad/s) a disc that rolls steadily under friction of the rate γ (1/s) leans over. The
-/// friction that holds it on its circle, a share of the load, slips outwards at ε share/(1 -
-/// share), over the radius; and the patch resists the turn about the vertical,
+/// Rate (rad/s) at which a disc that rolls steadily under friction of the rate γ (1/s) leans over.
+/// The friction that holds it on its circle, a share of the load, slips outwards at ε share/(1 -
+/// share), over the radius; and the patch resists the rotation about the vertical,
 /// `Ω + (w - Ω cos α) cos α` there, with a torque of `γ M r² φ²/5` of it, which turns the spin's
 /// angular momentum, `(k_a + 1) w M r²` with that of the rolling.
 fn leans(moments: [f64; 2], alpha: f64, [spin, rate]: [f64; 2], friction: f64) -> f64 {
@@ -341,9 +342,9 @@ fn leans(moments: [f64; 2], alpha: f64, [spin, rate]: [f64; 2], friction: f64) -
 }
 
 random! {
-    /// As it leans over, Ω goes with `cot α`; on average over the second, half of it. The start,
-    /// which knows nothing of that, makes it nod besides, by the rate of leaning over the nod's ω.
-    /// The radius is known by Ω.
+    /// Effect of the lean on the rate. As the disc leans over, Ω changes with `cot α`; on average
+    /// over the second, half of it. The start, which knows nothing of that, makes it nod besides,
+    /// by the rate of leaning over the nod's ω. The radius is known by Ω.
     ANY_STEADY = new(16, "moments, 40° to 85° and spin whose circle is stable");
     fn discs_of_any_moments_roll_round_the_circle_of_routh(
         diametral in 0.15..0.6_f64,
@@ -366,9 +367,10 @@ random! {
     }
 }
 
-/// By how much (of itself) friction of the rate γ, 1/s, moves the square of a swing's frequency ω.
-/// The force that holds the contact slips by 1/γ of its acceleration, out of phase: (ω/γ)². The
-/// patch resists the turn about the vertical: `γ φ²/(5 k_d)` of it a second, a share of ω.
+/// Relative effect of friction of the rate γ, 1/s, on the square of an oscillation's
+/// frequency ω. The force that holds the contact slips by 1/γ of its acceleration, out of phase:
+/// (ω/γ)². The patch resists the rotation about the vertical: `γ φ²/(5 k_d)` of it a second, a
+/// fraction of ω.
 fn softness(moments: [f64; 2], alpha: f64, frequency: f64, friction: f64) -> f64 {
     let spinning = friction * arc(alpha).powi(2) / (5.0 * moments[1]);
     (frequency / friction).powi(2) + spinning / frequency
@@ -439,8 +441,8 @@ static NUTATION_ROLLING: Case = Case::new(
             let rolling_start = swinging(moments, alpha, [0.0, rate]);
             let path = path(moments, grip(100.0), rolling_start, 2.0);
             let got = (frequency(&path, rate * square.sqrt()) / mean_rate(&path)).powi(2);
-            // The patch resists the turn about the vertical: in the run it takes γ φ² t/(5 k_d) of
-            // it.
+            // The patch resists the rotation about the vertical: in the run it takes γ φ² t/(5 k_d)
+            // of it.
             let spinning = 100.0 * arc(alpha).powi(2) * 2.0 / (5.0 * moments[1]);
             figures.push(figure(
                 format!("{name}, {degrees}°: ω²/Ω²"),
@@ -455,7 +457,8 @@ static NUTATION_ROLLING: Case = Case::new(
 .and(&[&ANY_NUTATION_ROLLING]);
 
 random! {
-    /// As the printed ones, with the softness of friction beside the spinning.
+    /// Tolerance as in the printed cases, with the softness of friction in addition to the
+    /// spinning.
     ANY_NUTATION_ROLLING = new(16, "moments, 15° to 75°");
     fn discs_of_any_moments_that_tumble_rolling_nod_at_the_rate_of_small_swings(
         diametral in 0.15..0.6_f64,
@@ -474,8 +477,9 @@ random! {
     }
 }
 
-/// What the bed under the rim adds to `ω²/Ω²` of small swings about tumbling on ice, as a share of
-/// it: `φ² (1/45 + X (1 - X)/9 - tan² α k_d/(15 (k_d + cos² α)))` with `X = ω² r sin α/g`.
+/// Contribution of the bed under the rim to `ω²/Ω²` of small oscillations about tumbling on ice, as
+/// a fraction of it: `φ² (1/45 + X (1 - X)/9 - tan² α k_d/(15 (k_d + cos² α)))` with
+/// `X = ω² r sin α/g`.
 ///
 /// In units of M and r, with `z = sin α (1 - ψ/2)`, `ψ = φ²`, the springs hold
 /// `V = B sin² α ψ^(5/2)` and the energy of the motion is
@@ -496,9 +500,9 @@ fn of_bed(diametral: f64, square: f64, alpha: f64) -> f64 {
     arc(alpha).powi(2) * (1.0 / 45.0 + x * (1.0 - x) / 9.0 - steeper)
 }
 
-/// What a measured `ω²/Ω²` may miss of itself: Ω swings by 2δ cot α, and the mean over some swings
-/// and a part misses up to 2/ωt of that; and what follows in turn of the bed's share, twice its
-/// square.
+/// Relative error of a measured `ω²/Ω²`: Ω oscillates by 2δ cot α, and the mean over some
+/// oscillations and a part misses up to 2/ωt of that; and what follows in turn of the bed's share,
+/// twice its square.
 fn misses_of_swing(aside: f64, alpha: f64, of_bed: f64) -> f64 {
     8.0 * aside / alpha.tan() / (3.2 * TAU) + 2.0 * of_bed * of_bed
 }
@@ -544,7 +548,7 @@ static NUTATION_SLIDING: Case = Case::new(
 .and(&[&ANY_NUTATION_SLIDING]);
 
 random! {
-    /// As the printed ones.
+    /// Tolerance as in the printed cases.
     ANY_NUTATION_SLIDING = new(16, "moments, 15° to 75°");
     fn discs_of_any_moments_that_tumble_on_ice_nod_at_the_rate_of_small_swings(
         diametral in 0.15..0.6_f64,
@@ -592,7 +596,7 @@ static SLIDING_UPRIGHT: Case = Case::new(
 .and(&[&ANY_SLIDING_UPRIGHT]);
 
 random! {
-    /// As the printed ones; half a swing is seen whole.
+    /// Tolerance as in the printed cases; half an oscillation is observed as a whole.
     ANY_SLIDING_UPRIGHT = new(16, "moments, 1.05 to 2 times the least spin");
     fn spin_alone_keeps_discs_of_any_moments_on_ice_upright(
         diametral in 0.15..0.6_f64,
@@ -618,9 +622,9 @@ random! {
 
 /// Springs S and dampers D under a rim whose points pass the contact at σ. A point at θ from the
 /// lowest is `r sin α (φ² - θ²)/2` deep and sinks at `r sin α σ θ`: with `x = θ/φ` and `δ = τσ/φ`,
-/// τ = D/S, it bears `(1 - x²)/2 + δx`, from where it comes in, x = 1, to where that is 0, x = -1 +
-/// δ. The balance of the load gives φ, as without dampers; the moment of the force, `2δ/3 - δ²/2`
-/// for an arc cut at -1 + δ, the power:
+/// τ = D/S, it supports `(1 - x²)/2 + δx`, from where it comes in, x = 1, to where that is 0, x =
+/// -1 + δ. The balance of the load gives φ, as without dampers; the moment of the force,
+/// `2δ/3 - δ²/2` for an arc cut at -1 + δ, the power:
 ///
 /// `P = τ M g r sin α σ² (1 - 3δ/4)`, for any number of points and any springs.
 ///
@@ -637,13 +641,13 @@ fn damped_power(alpha: f64, passing: f64, damping: f64) -> [f64; 2] {
     [power * (1.0 - 0.75 * delta), delta]
 }
 
-/// What a disc loses in half a second, J, and the formula's with the angle and the rates of each
-/// moment, with its tolerance.
+/// Energy that a disc loses in half a second, J, and the formula's with the angle and the rates of
+/// each moment, with its tolerance.
 ///
 /// Of the next order in δ, 2δ². The damper's force begins with a jump, at x = 1: as points come in
 /// one by one, the sum over h/φ of x differs from the integral by up to δh/2φ of 2δ/3, to and fro,
-/// a share of the time between two points of the run at its end. The heave that is left over from
-/// the start, a thousandth of the sag, is an energy of `M g r φ²/2 · 1e-3` at most.
+/// a fraction of the time between two points of the run at its end. The heave that is left over
+/// from the start, a thousandth of the sag, is an energy of `M g r φ²/2 · 1e-3` at most.
 fn loss(moments: [f64; 2], alpha: f64, [spin, rate]: [f64; 2], damping: f64) -> [f64; 3] {
     let friction = if spin == 0.0 { ICE } else { grip(1000.0) };
     let steady = spin - rate * alpha.cos();
@@ -754,8 +758,8 @@ random! {
 // D11: swings about any steady rolling
 // -----------------------------------------------------------------------------------------------
 
-/// Square of the frequency of small swings about steady rolling. With `(k_a + 1) w' = Ω α' sin α`
-/// and `k_d (Ω' sin α + 2 Ω α' cos α) = k_a w α'` in
+/// Square of the frequency of small oscillations about steady rolling. With
+/// `(k_a + 1) w' = Ω α' sin α` and `k_d (Ω' sin α + 2 Ω α' cos α) = k_a w α'` in
 /// `(1 + k_d) α'' = -(g/r) cos α + k_d Ω² sin α cos α - (k_a + 1) w Ω sin α`, a small change of α
 /// obeys
 /// `(1 + k_d) ω² = k_a (k_a + 1) w²/k_d - (3 k_a + 1) w Ω cos α + Ω² (sin² α + k_d (1 + 2 cos² α)) - (g/r) sin α`.
@@ -768,7 +772,8 @@ fn nutation([axial, diametral]: [f64; 2], alpha: f64, [spin, rate]: [f64; 2]) ->
     (gyroscopic + centrifugal - GRAVITY / RADIUS * sin) / (1.0 + diametral)
 }
 
-/// Rolling, at the end of a swing of 5 mrad about steady motion: spin and rate as they are there.
+/// Rolling, at the end of an oscillation of 5 mrad about steady motion: spin and rate as they are
+/// there.
 fn swinging(moments: [f64; 2], alpha: f64, [spin, rate]: [f64; 2]) -> State {
     let [axial, diametral] = moments;
     let (sin, cos) = alpha.sin_cos();
@@ -858,8 +863,8 @@ fn largest_lean(spin: f64, friction: [f64; 2]) -> f64 {
 
 #[test]
 fn a_hoop_that_rolls_slower_than_half_the_root_of_gr_falls_over() {
-    // Case D3: v² > gr/4. The swing about the mean lean grows without end on one side of it only;
-    // how fast it grows, √|ω²| = 1.3/s, tells within 4 s 5 % below the limit.
+    // Case D3: v² > gr/4. The oscillation about the mean lean grows without end on one side of it
+    // only; how fast it grows, √|ω²| = 1.3/s, tells within 4 s 5 % below the limit.
     let limit = (GRAVITY / (4.0 * RADIUS)).sqrt();
     assert!(largest_lean(1.1 * limit, grip(1000.0)) < 0.05);
     assert!(largest_lean(0.9 * limit, grip(1000.0)) > 0.2);
@@ -883,7 +888,7 @@ random! {
         let rate = (GRAVITY / (diametral * RADIUS * alpha.sin())).sqrt();
         let path = path(moments, ICE, start(moments, alpha, 0.0, rate), 1.0);
         let got = mean_rate(&path) * (mean_alpha(&path).sin() / alpha.sin()).sqrt();
-        // As there, in half the time: the mean over a swing and a part is less good.
+        // As there, in half the time: the mean over an oscillation and a part is less good.
         misses.near("rate", [got, rate], arc(alpha).powi(2) / 10.0 * rate)?;
     }
 }

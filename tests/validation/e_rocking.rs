@@ -62,8 +62,8 @@ fn fall(alpha: f64, share: f64) -> f64 {
 }
 
 /// A block of `b` = 0.1 m and an angle that leans at rest by `first` (rad) over its corner +x: the
-/// time until it is upright, the share of the rate that the impact leaves, and the depth at which
-/// it stands.
+/// time until it is upright, the fraction of the rate that the impact leaves, and the depth at
+/// which it stands.
 fn rock(alpha: f64, first: f64) -> [f64; 3] {
     let (b, h) = (0.1, 0.1 / alpha.tan());
     // Hard, and so strongly damped that a corner leaves with a thousandth of its speed (ζ = 16).
@@ -174,7 +174,7 @@ random! {
 // -----------------------------------------------------------------------------------------------
 
 /// Largest tilt (rad) to the other side, and out of the plane, of a flat body of 1 kg and a radius
-/// (m), its normal along body x, that is let go at `first` (rad) over its point at +z.
+/// (m), its normal along body x, that is released at `first` (rad) over its point at +z.
 fn tilts(
     body: impl RigidPointBody,
     ground: FlatGround,
@@ -219,11 +219,11 @@ fn flat_body(radius: f64, moment: f64, contacts: Vec<ContactPoint>) -> Solid {
 }
 
 random! {
-    /// From a hub (k_d = 0.1) to a ring (1/2): after the first impact the rate would have to be
-    /// negative, so it stays down, but for the bed, which gives way as in the printed case: by the
-    /// depth at which a whole arc, half of the points, stops a rim at √(2 g r ε (k_d + 1))/(k_d +
-    /// 1), that of a fall from the tilt ε: `v/ω`, and half as much for the arc's ends, over the
-    /// radius.
+    /// Checks moments from a hub (k_d = 0.1) to a ring (1/2). After the first impact the rate would
+    /// have to be negative, so it stays down, but for the bed, which gives way as in the printed
+    /// case: by the depth at which a whole arc, half of the points, stops a rim at √(2 g r ε (k_d +
+    /// 1))/(k_d + 1), that of a fall from the tilt ε: `v/ω`, and half as much for the arc's ends,
+    /// over the radius.
     ANY_FLAT_RING = new(12, "moment k_d of 0.1 to 1/2, 8 to 200 points, tilt of 0.02 to 0.2 rad: no rocking");
     fn flat_bodies_with_less_than_a_rings_moment_do_not_rock(
         pairs in 4..100_usize,
@@ -246,13 +246,14 @@ random! {
 }
 
 random! {
-    /// A dumbbell with more than that does rock, and with the share that the formula says: two
+    /// A dumbbell with more than that does rock, and with the fraction that the formula says: two
     /// opposite points, k_d > 1. About a point on the ground `ε'² = 2 g sin ε/((k_d + 1) r)`, so
-    /// that the share is the root of the sines' ratio.
+    /// that the fraction is the root of the sines' ratio.
     ///
-    /// The dampers (1e5 N s/m under 1 kg) stop a point within 10 µs: it sinks by `v m/D`, which the
-    /// springs (1e7 N/m) hand back at 100/s; and the step, 20 µs, decides to its first order when
-    /// the points change places. Each counts as `v m/D` or `v dt` of the height `r ε` of a swing.
+    /// The dampers (1e5 N s/m under 1 kg) stop a point within 10 µs: it penetrates by `v m/D`,
+    /// which the springs (1e7 N/m) hand back at 100/s; and the step, 20 µs, decides to its first
+    /// order when the points change places. Each counts as `v m/D` or `v dt` of the height `r ε` of
+    /// an oscillation.
     FLAT_ROCKER = new(12, "dumbbell, k_d of 1.5 to 6, on two points: `(k_d - 1)/(k_d + 1)`");
     fn flat_bodies_with_more_than_a_pairs_moment_rock_and_lose_their_share(
         moment in 1.5..6.0_f64,
@@ -275,7 +276,7 @@ static FLAT_RING: Case = Case::new(
     "impact of opposite points `θ'₁/θ'₀ = (k_d - 1)/(k_d + 1) < 0`",
     "plastic impact of a rigid ring",
     || {
-        // A ring of 120 points on 1e4 N/m a point, ζ = 3 a point of the mass, let go at a tilt of
+        // A ring of 120 points on 1e4 N/m a point, ζ = 3 a point of the mass, released at a tilt of
         // 0.1 rad.
         let ground = FlatGround::level(1e4, 600.0);
         let [other, aside] = tilts(Coin::ring(1.0, 0.5), ground, 0.5, 0.1, [2.0, 5e-4]);
@@ -303,7 +304,7 @@ fn a_flat_ring_does_not_rock_from_side_to_side() {
 // E4: toppling on a slope
 // -----------------------------------------------------------------------------------------------
 
-/// Whether a block that is set down on a slope of tangent `t` topples within some seconds.
+/// Returns true if a block that is set down on a slope of tangent `t` topples within some seconds.
 fn topples(half: [f64; 2], coefficient: f64, tangent: f64, longest: f64) -> bool {
     let (sin, cos) = tangent.atan().sin_cos();
     let normal = DVec3::new(sin, 0.0, cos);
@@ -351,8 +352,8 @@ fn steepest(half: [f64; 2], coefficient: f64, bounds: [f64; 2], halvings: u32) -
 }
 
 random! {
-    /// As the printed case: the sag, by `1 + (b/h)²` of it, what the bisection leaves, and e^-18 of
-    /// the excess. With less friction than that it slides, at any slope, and stands.
+    /// Tolerance as in the printed case: the sag, by `1 + (b/h)²` of it, what the bisection leaves,
+    /// and e^-18 of the excess. With less friction than that it slides, at any slope, and stands.
     ANY_TIPPING = new(8, "block, `b/h` of 0.2 to 1, `μ` on both sides of it");
     fn blocks_of_any_shape_topple_on_a_slope_steeper_than_their_diagonal_unless_they_slide(
         ratio in 0.2..1.0_f64,
@@ -374,7 +375,7 @@ static TIPPING: Case = Case::new(
     || {
         let half = [0.1, 0.2];
         let low = steepest(half, 1.0, [0.4, 0.6], 10);
-        // The corners stand in 5 µm; the block turns by as much over its width, b/h moves by 1 +
+        // The corners stand in 5 µm; the block rotates by as much over its width, b/h moves by 1 +
         // (b/h)² of it. Then what is left of the bisection, and what needs more than 3 s: the fall
         // begins as e^{pt} of the excess, p = 6/s, e^-18 of it.
         let sag = GRAVITY / 2e6 / 0.2;

@@ -92,7 +92,7 @@ static JELLETT: Case = Case::new(
     "`-L · a` stays",
     "Jellett, Theory of Friction (1872); Ueda et al., arXiv physics/0507198",
     || {
-        // 100 rad/s in steps of 50 µs: Runge-Kutta turns by 5e-3 rad a step with (5e-3)⁵/120 of
+        // 100 rad/s in steps of 50 µs: Runge-Kutta rotates by 5e-3 rad a step with (5e-3)⁵/120 of
         // error, 1e5 times: 3e-9 at most; where a contact opens or closes it is of order 1 or 2,
         // but the force there is small.
         let drift = drift_of_jellett(spinning_top(0.3, 100.0), 5.0, 5e-5);
@@ -140,7 +140,7 @@ fn rattle(askew: f64, spin: f64, seconds: f64) -> Vec<State> {
     let semi_axes = DVec3::new(0.2, 0.03, 0.02);
     let (sin, cos) = askew.sin_cos();
     let [long, broad, upright] = [2.6e-4, 8.08e-3, 8.18e-3];
-    // The moments about the long and the broad axis, turned about z.
+    // The moments about the long and the broad axis, rotated about z.
     let inertia = DMat3::from_cols(
         DVec3::new(
             long * cos * cos + broad * sin * sin,
@@ -234,8 +234,8 @@ fn a_rattleback_turns_back_from_one_sense_and_runs_as_its_mirror_image_mirrored(
 // F5: a tumbler doll's swing
 // -----------------------------------------------------------------------------------------------
 
-/// Time of a swing (s) of a body that stands at a height on its lowest place and starts at rest
-/// with a lean of `first` rad about y, from its passages upright.
+/// Time of an oscillation (s) of a body that stands at a height on its lowest point and starts at
+/// rest with a lean of `first` rad about y, from its passages upright.
 fn swing(body: impl RigidPointBody, height: f64, friction: Coulomb, first: f64) -> f64 {
     let stepper = Stepper::new(body)
         .unwrap()
@@ -269,7 +269,7 @@ fn swing_of_doll(low: f64, moment: f64, friction: Coulomb, first: f64) -> f64 {
     swing(body, RADIUS - low * first.cos(), friction, first)
 }
 
-/// Friction enough to roll: 30/s of slip, or 600 times the swing's rate.
+/// Friction enough to roll: 30/s of slip, or 600 times the oscillation's rate.
 const GRIP: Coulomb = Coulomb {
     coefficient: 1.0,
     slip_speed: GRAVITY / 3000.0,
@@ -281,7 +281,7 @@ const ICE: Coulomb = Coulomb {
 };
 
 /// Period (s) of a body of 1 kg that rocks in a plane with any amplitude: with its centre of mass
-/// at the height h(θ) over its lowest place, which is h'(θ) aside, the centre moves at `h' θ'` up
+/// at the height h(θ) over its lowest point, which is h'(θ) aside, the centre moves at `h' θ'` up
 /// and, rolling, `h θ'` along: `(I + h'² + h²) θ'²/2 + g h = const`, on ice without h². So
 /// `T = 4 ∫ √((I + h'² + h²)/(2 g (h(θ₀) - h(θ)))) dθ`, with `θ = θ₀ sin s` a smooth periodic
 /// integrand, for which the midpoint rule leaves nothing.
@@ -299,15 +299,15 @@ fn period_of(height: impl Fn(f64) -> [f64; 2], inertia: f64, rolls: bool, first:
     4.0 * sum * FRAC_PI_2 / f64::from(parts)
 }
 
-/// The first swing's time (s) of a body that starts at rest at a lean, as in `swing`, on a ground
-/// so hard and with a friction so firm that it rolls at any amplitude; and what they and the step
-/// may miss of it.
+/// The first oscillation's time (s) of a body that starts at rest at a lean, as in `swing`, on a
+/// ground so hard and with a friction so firm that it rolls at any amplitude; and what they and the
+/// step may miss of it.
 ///
-/// The ground's springs, 1e6 N/m under 1 kg, take part in the swing ω with the square of ω over
-/// their 1000 rad/s; they give way by m g/S, which shortens the arm h, of I + h², by `2 h` of that,
-/// and bends the rim's curvature by its share of the radius of curvature; friction of the rate γ =
-/// 1e5/s slips by 1/γ of its acceleration, and takes `ω²/γ` of the energy a radian; the step dt is
-/// of order 2, (ω dt)²/12.
+/// The ground's springs, 1e6 N/m under 1 kg, take part in the oscillation ω with the square of ω
+/// over their 1000 rad/s; they give way by m g/S, which shortens the arm h, of I + h², by `2 h` of
+/// that, and bends the rim's curvature by its fraction of the radius of curvature; friction of the
+/// rate γ = 1e5/s slips by 1/γ of its acceleration, and takes `ω²/γ` of the energy a radian; the
+/// step dt is of order 2, (ω dt)²/12.
 fn first_swing(
     body: impl RigidPointBody,
     [height, curvature]: [f64; 2],
@@ -315,7 +315,7 @@ fn first_swing(
     [first, expected]: [f64; 2],
 ) -> [f64; 2] {
     let (stiffness, rate, time_step) = (1e6, 1e5, 2e-4);
-    // A coefficient of 10 holds at any load that a swing leaves.
+    // A coefficient of 10 holds at any load that an oscillation leaves.
     let friction = Coulomb {
         coefficient: if rolls { 10.0 } else { 0.0 },
         slip_speed: 10.0 * GRAVITY / rate,
@@ -343,7 +343,8 @@ fn first_swing(
             core::ops::ControlFlow::Continue(())
         })
         .unwrap();
-    // From upright to upright the same way; the first quarter has the springs' own start in it.
+    // From upright to upright in the same direction; the first quarter has the springs' own start
+    // in it.
     let got = passages[2] - passages[0];
     let swing = TAU / expected;
     let share = swing * swing / stiffness
@@ -354,7 +355,7 @@ fn first_swing(
 }
 
 random! {
-    /// Not only small swings.
+    /// Checks oscillations of any amplitude.
     ANY_ROLY_POLY = new(24, "tumbler doll, l of 0.1 r to 0.8 r, moment, amplitude of 0.05 to 1.5 rad: the quadrature of its energy");
     fn tumbler_dolls_of_any_kind_swing_with_any_amplitude_by_the_quadrature_of_their_energy(
         share in 0.1..0.8_f64,
@@ -380,8 +381,8 @@ static ROLY_POLY: Case = Case::new(
         let (low, moment, first) = (0.02, 0.3, 0.05_f64);
         let inertia = moment * RADIUS * RADIUS;
         let period = |inertia: f64| TAU * (inertia / (GRAVITY * low)).sqrt();
-        // The swing's own (first/4)², and rolling, l r/(I + ..) of it again: a few times that. The
-        // slip is out of step by the square of ω/3000.
+        // The oscillation's own (first/4)², and rolling, l r/(I + ..) of it again: a few times
+        // that. The slip is out of step by the square of ω/3000.
         let share = 4.0 * (first / 4.0).powi(2);
         let [rolling, sliding] = [period(inertia + (RADIUS - low).powi(2)), period(inertia)];
         vec![
@@ -423,7 +424,7 @@ fn a_tumbler_doll_swings_at_the_rate_of_a_pendulum_that_rolls() {
 // -----------------------------------------------------------------------------------------------
 
 random! {
-    /// Not only small swings: the centre of an ellipse at the lean θ is
+    /// Checks oscillations of any amplitude. The centre of an ellipse at the lean θ is
     /// `h = √(a² sin² θ + c² cos² θ)` high, and `h' = (a² - c²) sin θ cos θ/h` aside of its lowest
     /// place, whose radius of curvature is `a² c²/h³`.
     ANY_EGG = new(24, "lens, c of 0.35 a to 0.85 a, amplitude of 0.03 to 1 rad: the quadrature of its energy");
@@ -569,7 +570,7 @@ impl Top {
     }
 
     /// Frequency (rad/s) of small nutations: from the times between passages of the steady lean,
-    /// the same way, over some swings.
+    /// in the same direction, over some oscillations.
     fn measured_nutation(&self, lean: f64, spin: f64, rate: f64, expected: f64) -> f64 {
         let aside = Self::ASIDE;
         let (sin, cos) = lean.sin_cos();
@@ -609,8 +610,9 @@ impl Top {
     }
 
     /// Relative error of the frequency of nutation: the springs take part with the square of ω over
-    /// theirs, for the share that the heave has; the swing's own square of δ over the lean, by the
-    /// mean it is taken about; three swings are timed by chords, `(ω dt)²/8` of a radian of them.
+    /// theirs, for the fraction that the heave has; the oscillation's own square of δ over the
+    /// lean, by the mean it is taken about; three oscillations are timed by chords, `(ω dt)²/8` of
+    /// a radian of them.
     fn miss_of_nutation(lean: f64, frequency: f64, spin: f64) -> f64 {
         frequency * frequency / Self::STIFFNESS
             + 10.0 * Self::ASIDE / lean.tan().min(1.0 / lean.tan()) / (3.0 * TAU)
@@ -695,10 +697,10 @@ fn grown(top: Top, spin: f64) -> [f64; 2] {
     [largest / first, top.about * spin / square.sqrt()]
 }
 
-/// What it may miss: the lean's square, by which the weight's moment is not linear, on a difference
-/// of which the weight is `4 A m g l` over what is left; and the largest lean lies between two
-/// steps, up to half a step of the beat off: `(beat dt)²/8`. The springs' part of the heave, the
-/// lean's square by `l²/A` of ω² over theirs, is smaller.
+/// Relative error of the largest lean: the lean's square, by which the weight's moment is not
+/// linear, on a difference of which the weight is `4 A m g l` over what is left; and the largest
+/// lean lies between two steps, up to half a step of the beat off: `(beat dt)²/8`. The springs'
+/// part of the heave, the lean's square by `l²/A` of ω² over theirs, is smaller.
 fn miss_of_grown(top: Top, spin: f64, grown: f64) -> f64 {
     let weight = 4.0 * top.across * GRAVITY * top.length;
     let left = (top.about * spin).powi(2) - weight;

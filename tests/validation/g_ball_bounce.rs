@@ -13,7 +13,7 @@ pub(crate) const CASES: &[&Case] = &[&BRODY, &PACE, &REBOUND, &GRIP];
 /// m
 const RADIUS: f64 = 0.033;
 
-/// A bounce without gravity: contacts of a millisecond bear thousands of m/s².
+/// A bounce without gravity: contacts of a millisecond transmit thousands of m/s².
 struct Bounce {
     moment: f64,
     coefficient: f64,
@@ -106,7 +106,7 @@ static BRODY: Case = Case::new(
         };
         let ([slides, spin, _], [grips, rolling, _]) = (after(0.5), after(0.8));
         // Sliding, the friction passes on what the restitution misses, and is short by ε/u; half a
-        // unit of the last printed place.
+        // unit of the last printed digit.
         let miss = MISS * 30.0 + 5e-7;
         vec![
             figure(
@@ -129,7 +129,7 @@ fn a_tennis_ball_slides_or_grips_as_a_rigid_ball_does() {
 }
 
 random! {
-    /// With topspin, backspin and none, on ice and on clay.
+    /// Checks topspin, backspin and no spin, on ice and on clay.
     ANY_BRODY = new(100, "ball, μ, e, speeds and spin");
     fn balls_of_any_spin_bounce_as_rigid_ones_with_coulombs_law(
         moment in 0.3..0.7_f64,
@@ -152,10 +152,10 @@ random! {
 }
 
 random! {
-    /// Within the test's rules: 28 to 32 m/s at 14 to 18 degrees, at most 3 turns a second either
-    /// way. What the restitution misses counts 150 times, and again 100 times through the apparent
-    /// coefficient, by some `1 + 1/e`; a bounce that is about to grip keeps some slip speeds, as
-    /// there.
+    /// Within the test's rules: 28 to 32 m/s at 14 to 18 degrees, at most 3 revolutions a second
+    /// either way. What the restitution misses counts 150 times, and again 100 times through the
+    /// apparent coefficient, by some `1 + 1/e`; a bounce that is about to grip keeps some slip
+    /// speeds, as there.
     ANY_PACE = new(48, "court (μ and e), speed, angle and spin that the test allows");
     fn any_court_has_the_pace_that_a_rigid_ball_would_find(
         coefficient in 0.1..1.2_f64,
@@ -173,8 +173,8 @@ random! {
 }
 
 random! {
-    /// The share of the height is the restitution's square, from any height: the speed is the only
-    /// length or time there is.
+    /// The fraction of the height is the restitution's square, from any height: the speed is the
+    /// only length or time there is.
     ANY_REBOUND = new(48, "restitution of 0.3 to 0.95, height of 1 cm to 100 m: `e² h`");
     fn balls_of_any_restitution_rebound_to_its_square_of_any_height(
         restitution in 0.3..0.95_f64,
@@ -190,7 +190,7 @@ random! {
 }
 
 random! {
-    /// Where the bounce is long enough to end the slip, `μ (1 + e) v (1 + 1/β) > r w`, by some
+    /// Checks bounces that are long enough to end the slip, `μ (1 + e) v (1 + 1/β) > r w`, by some
     /// margin.
     ANY_GRIP = new(48, "ball, spin and speed that grips: `β/(1 + β)` of the spin is left, **never** the other sense");
     fn any_ball_that_grips_leaves_with_the_rolling_share_of_its_spin(
@@ -225,7 +225,7 @@ static PACE: Case = Case::new(
             };
             pace(serve(), bounce.after(serve()))
         };
-        // 250 times what the restitution misses; half a unit of the last printed place.
+        // 250 times what the restitution misses; half a unit of the last printed digit.
         let miss = 250.0 * MISS;
         vec![
             figure("μ = 0.6: rating", 40.0, rating(0.6), miss),
@@ -259,7 +259,7 @@ static REBOUND: Case = Case::new(
         let [_, _, up] = bounce.after([0.0, 0.0, down]);
         let rebound = 100.0 * (up / down).powi(2);
         assert!((53.0..58.0).contains(&rebound), "{rebound} in");
-        // Half a unit of the last printed place.
+        // Half a unit of the last printed digit.
         vec![
             figure(
                 "damping ratio for e = 0.75",

@@ -60,7 +60,7 @@ fn caught(start: State, speed: f64) -> State {
 }
 
 // -----------------------------------------------------------------------------------------------
-// H1: a coin that turns about a diameter
+// H1: a coin that rotates about a diameter
 // -----------------------------------------------------------------------------------------------
 
 static KELLER: Case = Case::new(
@@ -110,7 +110,7 @@ fn a_coin_of_38_turns_a_second_is_caught_on_its_other_face() {
 
 random! {
     /// Flight is exact at any step, so not one label is wrong that is further from a strip's edge
-    /// than the rounding of hundreds of turns.
+    /// than the rounding of hundreds of revolutions.
     ANY_KELLER = of_rounding(1000, "toss: not one face is another");
     fn every_toss_about_a_diameter_is_labelled_as_kellers_map_says(
         speed in log_uniform(0.1, 10.0),
@@ -133,7 +133,7 @@ random! {
 /// Lowest height of the normal of a coin whose angular momentum makes an angle with its vertical
 /// normal.
 fn lowest_normal(angle: f64) -> f64 {
-    // Total angular momentum for a precession of 20 turns a second.
+    // Total angular momentum for a precession of 20 revolutions a second.
     let momentum = MOMENTS[0] * 20.0 * TAU;
     let start = State::default()
         .with_rotation_vector(DVec3::Y * -FRAC_PI_2)
@@ -218,14 +218,14 @@ fn heads_again(angle: f64, phase: f64) -> bool {
     coin().face_up(&caught(start, speed)) == CoinFace::Heads
 }
 
-/// Share of tosses at ψ that show the side that was up: `cos² ψ + sin² ψ cos(phase) > 0` for
+/// Fraction of tosses at ψ that show the side that was up: `cos² ψ + sin² ψ cos(phase) > 0` for
 /// `1/2 + arcsin(cot² ψ)/π` of all phases, and for all of them up to 45°.
 fn same_side(angle: f64) -> f64 {
     0.5 + (1.0 / angle.tan().powi(2)).min(1.0).asin() / PI
 }
 
-/// Random tosses at ψ with 17 to 20 turns, as many as reject a fair coin with 99 %: with the 1 %
-/// that a right model may fail, some `((2.58 + 2.33) 0.5/0.008)²` of them.
+/// Random tosses at ψ with 17 to 20 revolutions, as many as reject a fair coin with 99 %: with the
+/// 1 % that a right model may fail, some `((2.58 + 2.33) 0.5/0.008)²` of them.
 fn random_tosses(angle: f64) -> Figure {
     let test = FractionTest::at_level(0.01, 100_000, same_side(angle));
     let config = kit::cases(test.cases);
@@ -240,9 +240,9 @@ fn random_tosses(angle: f64) -> Figure {
     fraction(what, &test, heads, ("a half", 0.5))
 }
 
-/// **The limit of the model**: mechanics has the share for a ψ, not the ψ of a hand. 350,757 tosses
-/// of 48 people show the same side in 50.8 % (a standard error of 0.0844 %, 9.5 of them from a
-/// half): as of coins that all wobble at ψ = 81.0°, or of any mixture with the same mean.
+/// **The limit of the model**: mechanics has the fraction for a ψ, not the ψ of a hand. 350,757
+/// tosses of 48 people show the same side in 50.8 % (a standard error of 0.0844 %, 9.5 of them from
+/// a half): as of coins that all wobble at ψ = 81.0°, or of any mixture with the same mean.
 static SAME_SIDE: Case = Case::new(
     "H3",
     "share of the same side `1/2 + arcsin(cot² ψ)/π`; **not** the ψ of a hand",
@@ -250,8 +250,8 @@ static SAME_SIDE: Case = Case::new(
     || {
         // cot² ψ = sin(π 0.008).
         let angle = (1.0 / (PI * 0.008).sin()).sqrt().atan();
-        // 36,000 tosses of 17 to 20 turns, evenly spread: the three turns have six ends, each of
-        // which counts a toss.
+        // 36,000 tosses of 17 to 20 revolutions, evenly spread: the three turns have six ends, each
+        // of which counts a toss.
         let count = 36_000_u32;
         let turns = |toss: u32| 17.0 + 3.0 * (f64::from(toss) + 0.5) / f64::from(count);
         let heads = (0..count).filter(|&toss| heads_again(angle, TAU * turns(toss)));
@@ -349,7 +349,7 @@ static ON_EDGE: Case = Case::new(
         });
         let share = on_edge.count() as f64 / f64::from(count);
         vec![
-            // Half a unit of the last printed place.
+            // Half a unit of the last printed digit.
             figure(
                 "nickel, orientations with the weight over the edge: share",
                 0.0916,
@@ -384,7 +384,7 @@ fn a_count_of_64_tosses_on_edge_rejects_nothing_of_interest() {
 #[test]
 fn a_nickel_that_does_not_bounce_stands_where_its_weight_is_over_its_edge() {
     ON_EDGE.holds();
-    // Let go at rest, and damped so much that it does not bounce: it stands where its weight is
+    // Released at rest, and damped so much that it does not bounce: it stands where its weight is
     // over the edge, and falls over where it is not.
     let corner = (0.975_f64 / 10.605).atan();
     for (lean, expected) in [
@@ -444,7 +444,7 @@ fn faces(count: u32, damping_ratio: f64, time_step: f64) -> Vec<CoinFace> {
         .collect()
 }
 
-/// Places at which a face differs from the one before.
+/// Positions at which a face differs from the previous one.
 fn borders(faces: &[CoinFace]) -> Vec<usize> {
     (1..faces.len())
         .filter(|&i| faces[i] != faces[i - 1])
@@ -539,7 +539,7 @@ fn falls(offset: f64, lean: f64, rate: f64) -> CoinFace {
 
 /// **The limit of the model**: 80 % tails of spun pennies come from their rims and where their mass
 /// lies. A symmetric rim has a mirror image for every start, and so one half; a centre of mass that
-/// is off by d falls down on its own side from all leans up to d/r, and the share is that of the
+/// is off by d falls down on its own side from all leans up to d/r, and the fraction is that of the
 /// leans of a hand.
 static SPUN: Case = Case::new(
     "H8",
@@ -569,7 +569,7 @@ static SPUN: Case = Case::new(
                 alike as f64,
                 0.0,
             ),
-            // The rim sinks in by some 10 µm, which rounds it: up to as much of its radius.
+            // The rim penetrates by some 10 µm, which rounds it: up to as much of its radius.
             figure(
                 "centre of mass 0.1 mm towards heads: lean from which heads comes up, rad",
                 offset / 0.012,

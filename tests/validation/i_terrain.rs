@@ -90,7 +90,7 @@ const GRIP: Coulomb = Coulomb {
     slip_speed: GRAVITY / 3000.0,
 };
 
-/// Time of a swing of 0.05 rad of a ball in a bowl of 1 m.
+/// Time of an oscillation of 0.05 rad of a ball in a bowl of 1 m.
 fn swing_in_bowl(moment: f64, radius: f64, friction: impl SlidingFriction) -> f64 {
     let arm = 1.0 - radius + GRAVITY / FIRM.stiffness;
     let (sin, cos) = 0.05_f64.sin_cos();
@@ -99,8 +99,8 @@ fn swing_in_bowl(moment: f64, radius: f64, friction: impl SlidingFriction) -> f6
     swing(ball(moment, radius), bowl, friction, start, FIRM, 6.0)
 }
 
-/// What a swing in a bowl may miss of its period: the swing's own `θ²/16`, the ground's depth
-/// `m g/k` of the arm's length by half, and the slip's phase.
+/// Error of the period of an oscillation in a bowl: the oscillation's own `θ²/16`, the
+/// ground's depth `m g/k` of the arm's length by half, and the slip's phase.
 const MISS: f64 = 1.5 * (0.05 * 0.05 / 16.0 + 0.5 * GRAVITY / 1e5);
 
 static SPHERE_IN_BOWL: Case = Case::new(
@@ -166,11 +166,11 @@ impl Shape for Hole {
     }
 }
 
-/// A ball that rolls round the wall of a hole at Ω, let go without a vertical speed: rolling turns
-/// its spin about the radius into a vertical force, `z'' = -g/(1 + β) - k² z` with
-/// `k = Ω √(β/(1 + β))`. So it sinks by `2g/(β Ω²)` and comes up again.
+/// A ball that rolls round the wall of a hole at Ω, released without a vertical speed: rolling
+/// turns its spin about the radius into a vertical force, `z'' = -g/(1 + β) - k² z` with
+/// `k = Ω √(β/(1 + β))`. So it descends by `2g/(β Ω²)` and comes up again.
 ///
-/// Returns k over Ω, and the depth of the lowest place (m).
+/// Returns k over Ω, and the depth of the lowest point (m).
 fn dip(moment: f64, [hole, radius]: [f64; 2], rate: f64) -> [f64; 2] {
     let arm = hole - radius;
     let law = SpringDamper {
@@ -210,7 +210,7 @@ fn dip(moment: f64, [hole, radius]: [f64; 2], rate: f64) -> [f64; 2] {
             '_,
         >| {
             let now = (sample.time, sample.state.linear_velocity.z);
-            // Half a swing: it is lowest where the vertical speed changes sign.
+            // Half an oscillation: the ball is lowest where the vertical speed changes sign.
             if before.1 < 0.0 && now.1 >= 0.0 {
                 let time = before.0 + (now.0 - before.0) * before.1 / (before.1 - now.1);
                 let place = sample.state.position;
@@ -226,10 +226,10 @@ fn dip(moment: f64, [hole, radius]: [f64; 2], rate: f64) -> [f64; 2] {
 }
 
 random! {
-    /// As the printed case: friction carries the weight, a share `g/(R - r) Ω²` of the wall's load
-    /// on average, and slips meanwhile by that of ε; a tenth more as the load comes and goes. The
-    /// wall's depth, arm Ω²/S of the arm, makes the speed larger by as much. The time is late as
-    /// the way is long.
+    /// Tolerance as in the printed case. Friction supports the weight, a fraction `g/(R - r) Ω²` of
+    /// the wall's load on average, and slips meanwhile by that of ε; a tenth more as the load comes
+    /// and goes. The wall's depth, arm Ω²/S of the arm, makes the speed larger by as much. The time
+    /// is late as the way is long.
     ANY_HOLE = new(16, "ball, hole of 0.3 to 1 m, rate whose wall bears 3 to 20 times the weight");
     fn balls_of_any_kind_come_up_again_in_a_hole_of_any_size(
         moment in 0.2..1.0_f64,
@@ -258,14 +258,14 @@ static GOLF_BALL: Case = Case::new(
         let dip = |moment| dip(moment, [0.5, 0.1], 10.0);
         let ([sphere, lowest], [shell, lowest_of_shell]) = (dip(0.4), dip(2.0 / 3.0));
         let depth = |moment: f64| 2.0 * GRAVITY / (moment * 100.0);
-        // Friction carries the weight, g of the wall's 40 m/s² on average: for half a swing it
-        // slips by so much of ε, a tenth more as the load comes and goes. The wall's depth is
+        // Friction carries the weight, g of the wall's 40 m/s² on average: for half an oscillation
+        // it slips by so much of ε, a tenth more as the load comes and goes. The wall's depth is
         // 4e-5 m of 0.4 m.
         let sunk = |moment: f64| {
             let (share, rate) = (GRAVITY / 40.0, 10.0 * (moment / (1.0 + moment)).sqrt());
             1.1 * 40.0 / 3e4 * share / (1.0 - share) * PI / rate + 1e-4 * depth(moment)
         };
-        // Of the time as of the way, a share of 2.5e-4 m in 0.5 m.
+        // Of the time as of the way, a fraction of 2.5e-4 m in 0.5 m.
         let miss = 6e-4;
         vec![
             figure(
@@ -309,7 +309,7 @@ fn cycloid(wheel: f64, x: f64) -> Elevation {
     Elevation::new(height, [half.tan(), 0.0]).with_hessian([bend, 0.0, 0.0])
 }
 
-/// Time of a swing of a point in the cycloid that starts at rest at φ.
+/// Time of an oscillation of a point in the cycloid that starts at rest at φ.
 fn swing_in_cycloid(wheel: f64, angle: f64) -> f64 {
     let law = SpringDamper {
         stiffness: 1e6,
@@ -337,8 +337,8 @@ fn miss_in_cycloid(wheel: f64, angle: f64) -> f64 {
 }
 
 random! {
-    /// As the printed case, and the step's `(ω_c dt)²/24` of the ground's springs, 1000 rad/s, with
-    /// their share of the swing.
+    /// Tolerance as in the printed case, and the step's `(ω_c dt)²/24` of the ground's springs,
+    /// 1000 rad/s, with their share of the oscillation.
     ANY_CYCLOID = new(16, "wheel of 0.03 to 0.4 m, amplitude of 0.05 to 2.6 rad");
     fn points_in_any_cycloid_swing_at_one_rate_at_every_amplitude(
         wheel in log_uniform(0.03, 0.4),
@@ -346,7 +346,7 @@ random! {
     ) |misses| {
         let expected = 4.0 * PI * (wheel / GRAVITY).sqrt();
         let got = swing_in_cycloid(wheel, angle);
-        // The swing's own rate over the springs', by the square.
+        // The oscillation's own rate over the springs', by the square.
         let soft = GRAVITY / (4.0 * wheel) / 1e6;
         misses.near("period", [got, expected], expected * (miss_in_cycloid(wheel, angle) + soft))?;
     }
@@ -360,7 +360,7 @@ static CYCLOID: Case = Case::new(
         [0.2, 1.0, 2.0]
             .map(|angle| {
                 let got = swing_in_cycloid(WHEEL, angle);
-                // Half a unit of the last printed place.
+                // Half a unit of the last printed digit.
                 let tolerance = 1.269_395 * miss_in_cycloid(WHEEL, angle) + 5e-7;
                 figure(
                     format!("cycloid of 0.1 m, from φ = {angle}: period, s"),
@@ -392,8 +392,8 @@ const TROUGH: Terrain<Bowl> = Terrain {
     },
 };
 
-/// Where a point is (x, m) some seconds after it has been let go in the trough at x, moving along
-/// it.
+/// Position of a point (x, m) some seconds after it has been released in the trough at x, moving
+/// along it.
 fn after(x: f64, speed: f64, coefficient: f64, seconds: f64) -> State {
     let law = SpringDamper {
         stiffness: 1e5,
@@ -452,7 +452,7 @@ fn a_point_in_a_trough_stays_where_the_slope_is_below_the_coefficient() {
 }
 
 random! {
-    /// From anywhere, at any speed along the trough.
+    /// Checks the motion from any position, at any speed along the trough.
     ANY_TROUGH = new(20, "place, speed and μ");
     fn whatever_slides_in_a_trough_comes_to_rest_within_the_coefficient(
         x in -0.9..0.9_f64,
@@ -461,7 +461,7 @@ random! {
     ) |misses| {
         let state = after(x, speed, coefficient, 8.0);
         misses.within("speed", state.linear_velocity.length(), 1e-5)?;
-        // It is let go by the ground's depth, m g/k.
+        // It is released by the ground's depth, m g/k.
         misses.within("place beyond", (state.position.x.abs() - coefficient).max(0.0), 1e-4)?;
     }
 }
@@ -470,8 +470,8 @@ random! {
 // I6: a spherical pendulum
 // -----------------------------------------------------------------------------------------------
 
-/// Turn about the vertical (rad) of a point on a sphere of radius R, from its highest place, at z₁
-/// over the middle with the level speed v, to its lowest and up to its highest again:
+/// Rotation about the vertical (rad) of a point on a sphere of radius R, from its highest point, at
+/// z₁ over the middle with the level speed v, to its lowest and up to its highest again:
 /// `φ' = R₁ v/(R² - z²)` with `R₁² = R² - z₁²`, and
 /// `R² z'² = 2 g (z₁ - z) (R² - z²) + v² (z₁² - z²) = 2 g (z₁ - z) (z - z₂) (z₃ - z)`, where z₂ and
 /// z₃ are the roots of `z² - u z - R² - u z₁`, `u = v²/2g`. With
@@ -494,8 +494,8 @@ fn apsidal_turn(radius: f64, high: f64, speed: f64) -> f64 {
     2.0 * sum * PI / f64::from(parts)
 }
 
-/// The same of the model in a frictionless bowl of 1 m; from rest but for the level speed at θ from
-/// the bottom.
+/// Rotation about the vertical of the model in a frictionless bowl of 1 m; from rest but for the
+/// level speed at θ from the bottom.
 fn turn_in_bowl(theta: f64, speed: f64) -> f64 {
     let law = SpringDamper {
         stiffness: 1e6,
@@ -538,8 +538,9 @@ fn turn_in_bowl(theta: f64, speed: f64) -> f64 {
 /// The bowl gives way by the load over its stiffness, up to `g + 2 g (1 - cos θ) + v²` over 1e6/s²:
 /// so much longer is the pendulum, and so much more or less where it is fast; the turn beyond half
 /// a turn is of the first order in that. The step of Runge-Kutta follows the springs, 1000 rad/s,
-/// at 0.2 rad: what is left of their swing there, a hundredth of the depth, is not seen. A turning
-/// point between two steps is known to the second order of one, 2e-4 s: `(ω dt)²` of a radian.
+/// at 0.2 rad: what is left of their oscillation there, a hundredth of the depth, is not seen. A
+/// turning point between two steps is known to the second order of one, 2e-4 s: `(ω dt)²` of a
+/// radian.
 fn miss_of_turn(theta: f64, speed: f64) -> f64 {
     let load = GRAVITY * (3.0 - 2.0 * theta.cos()) + speed * speed;
     2.0 * PI * load / 1e6 + (2e-4 * PI).powi(2)
@@ -580,7 +581,7 @@ fn the_apsides_of_a_spherical_pendulum_advance_as_airy_says() {
 }
 
 random! {
-    /// Slower than the cone, where the start is the highest place.
+    /// Slower than the cone, where the start is the highest point.
     ANY_PENDULUM = new(24, "amplitude of 0.1 to 1.4 rad, 0.1 to 0.9 of the speed on a cone: the quadrature");
     fn the_apsides_of_any_spherical_pendulum_turn_by_the_quadrature_of_its_energy(
         theta in 0.1..1.4_f64,

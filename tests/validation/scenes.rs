@@ -1,4 +1,4 @@
-//! What several groups set up.
+//! Common scenes of several groups.
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -37,8 +37,8 @@ pub(crate) fn flat(height: f64) -> State {
     State::at(DVec3::Z * height).with_rotation_vector(DVec3::Y * FRAC_PI_2)
 }
 
-/// A ground whose springs swing `mass` on `count` contacts by 0.3 rad in a step, without dampers:
-/// as stiff as Runge-Kutta follows with ease.
+/// A ground whose springs oscillate with `mass` on `count` contacts by 0.3 rad in a step, without
+/// dampers: a stiffness that Runge-Kutta resolves easily.
 pub(crate) fn ground_for(time_step: f64, mass: f64, count: usize) -> FlatGround {
     FlatGround::level(mass * (0.3 / time_step).powi(2) / count as f64, 0.0)
 }

@@ -22,14 +22,14 @@ pub(crate) struct Case {
     pub(crate) source: &'static str,
     /// Computed once, for the case's own test and for the table.
     pub(crate) figures: LazyLock<Vec<Figure>>,
-    /// The same formula with random parameters.
+    /// Cases of the formula with random parameters.
     pub(crate) random: &'static [&'static Random],
 }
 
 /// A number that is known, and what the model gets.
 #[derive(Clone, Debug)]
 pub(crate) struct Figure {
-    /// What it is, with its unit: `duration, s`.
+    /// Name of the number, with its unit: `duration, s`.
     pub(crate) what: String,
     pub(crate) expected: f64,
     pub(crate) got: f64,
@@ -84,7 +84,7 @@ impl Case {
         }
     }
 
-    /// With its random versions.
+    /// Adds the random versions of the case.
     pub(crate) const fn and(self, random: &'static [&'static Random]) -> Self {
         // Not `..self`: a constant function cannot drop what that leaves.
         let mut case = self;
@@ -146,9 +146,9 @@ impl Case {
 
 /// A case's formula with random parameters: a property that tells how near it came to failing.
 pub(crate) struct Random {
-    /// What is drawn, as the table shows it.
+    /// Random parameters, as the table shows them.
     what: &'static str,
-    /// Whether the tolerances are those of rounding, whose share is the machine's.
+    /// True if the tolerances are those of rounding, which depends on the machine.
     of_rounding: bool,
     /// Computed once, for the property's own test and for the table.
     drawn: LazyLock<Drawn>,
@@ -166,7 +166,7 @@ impl Random {
         }
     }
 
-    /// With tolerances of nothing but rounding.
+    /// Sets tolerances that include rounding only.
     pub(crate) const fn of_rounding(what: &'static str, drawn: fn() -> Drawn) -> Self {
         Self {
             what,
@@ -223,7 +223,7 @@ impl Misses {
         Err(TestCaseError::fail(message))
     }
 
-    /// The same for a number that the formula says.
+    /// Checks a number against the value of the formula.
     pub(crate) fn near(
         &self,
         what: &str,

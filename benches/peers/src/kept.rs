@@ -1,12 +1,12 @@
-//! The tables that are kept: RESULTS.md in this folder, and the part of the guide's page between
-//! its marks.
+//! The stored tables: RESULTS.md in this folder, and the part of the guide's page between its
+//! markers.
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// What was compared: the programs' versions.
+/// Returns the versions of the compared programs.
 pub(crate) fn versions() -> String {
     format!(
         "rapier3d {}, rapier3d-f64 {}, ode_solvers {}, diffsol {}",
@@ -17,8 +17,8 @@ pub(crate) fn versions() -> String {
     )
 }
 
-/// Writes all tables into RESULTS.md, and the summary and the costs of an error into the guide's
-/// page.
+/// Writes all tables into RESULTS.md, and the summary and the costs of an error into the page of
+/// the guide.
 pub(crate) fn write(all: &str, summary: &str, within: &str) -> Result<(), String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let measured = format!(
@@ -40,7 +40,7 @@ pub(crate) fn write(all: &str, summary: &str, within: &str) -> Result<(), String
     )
 }
 
-/// Replaces what stands between the marks of a page.
+/// Replaces the text between the markers of a page.
 fn put_between_marks(page: &Path, table: &str) -> Result<(), String> {
     let text = fs::read_to_string(page).map_err(|error| format!("{}: {error}", page.display()))?;
     let [begin, end] = ["<!-- peers: begin -->", "<!-- peers: end -->"];
@@ -56,7 +56,7 @@ fn store(path: &Path, text: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// The version of a package in this folder's Cargo.lock.
+/// Returns the version of a package in the Cargo.lock of this folder.
 fn version_in_lock(package: &str) -> &'static str {
     let lock = include_str!("../Cargo.lock");
     let entry = lock.split("[[package]]").find(|entry| {
@@ -77,7 +77,9 @@ fn compiler() -> String {
     words.split(' ').take(2).collect::<Vec<_>>().join(" ")
 }
 
-/// `2026-11-21`, by the calendar's cycle of 400 years of 146 097 days, counted from the first of
+/// Returns the date, such as `2026-11-21`.
+///
+/// It follows from the calendar's cycle of 400 years of 146 097 days, counted from the first of
 /// March of the year 0.
 fn today() -> String {
     let days = SystemTime::now()

@@ -1,5 +1,5 @@
-//! The point law in plain numbers: what every program but rapier integrates, and what the energies
-//! are computed by.
+//! The point law in plain numbers, which every program except rapier integrates. It also computes
+//! the energies of all programs.
 
 pub(crate) mod euler;
 #[path = "../../../examples/common/plain_rk4.rs"]
@@ -10,7 +10,7 @@ use tumble::State;
 use tumble::glam::{DMat3, DQuat, DVec3};
 
 impl Law {
-    /// Kinetic energy and that of gravity, J.
+    /// Kinetic energy and energy of gravity, J.
     pub(crate) fn energy_without_springs(&self, state: &State) -> f64 {
         let axes = DMat3::from_quat(state.orientation.normalize());
         let spin = self.spin(axes, state.angular_momentum);
@@ -19,7 +19,7 @@ impl Law {
             + self.mass * self.gravity * state.position.z
     }
 
-    /// The height at which the springs carry the weight of a body that is turned so, m, by
+    /// Height at which the springs support the weight of a body with this orientation, m, by
     /// bisection.
     pub(crate) fn height_at_rest(&self, orientation: DQuat) -> f64 {
         let bounding_radius = self.bounding_radius();
@@ -36,7 +36,7 @@ impl Law {
         0.5 * (low + high)
     }
 
-    /// Distance from the centre of mass to the farthest place of the surface, m.
+    /// Distance from the centre of mass to the farthest point of the surface, m.
     pub(crate) fn bounding_radius(&self) -> f64 {
         (self.contacts.iter())
             .map(|contact| contact.position.length() + contact.radius)

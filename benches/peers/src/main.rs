@@ -1,4 +1,4 @@
-//! The same work by tumble and by what its users would take instead: error, energy, price.
+//! Error, energy and cost of tumble and of other programs on the same scenes.
 
 mod answers;
 mod kept;
@@ -11,17 +11,18 @@ mod table;
 use std::process::ExitCode;
 
 const HELP: &str = "\
-The same scenes by tumble, rapier3d, rapier3d-f64, a plain Rk4, ode_solvers and diffsol: error against a known answer,
-worst rise of the energy, ns a step, CPU time for a simulated second, and ratios.
+The same scenes by tumble, rapier3d, rapier3d-f64, a plain Rk4, ode_solvers and diffsol: error
+relative to a known result, largest increase of the energy, ns a step, CPU time for a simulated
+second, and ratios.
 
     cargo run --release -- [OPTIONS]
 
-  --write        all of it into RESULTS.md, and the summary into the guide's page (src/guide/peers.md)
+  --write        write all tables to RESULTS.md, and the summary to src/guide/peers.md
   --markdown     tables in markdown
-  --summary      only the table with a row a scene
-  --turns N      how often each program is timed, in turns (5)
-  --scene TEXT   only scenes whose name holds TEXT
-  -h, --help     this";
+  --summary      only the table with one row for each scene
+  --turns N      number of measurements of each program (5)
+  --scene TEXT   only scenes whose name contains TEXT
+  -h, --help     this text";
 
 struct Options {
     write: bool,
@@ -75,7 +76,7 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), String> {
     let markdown = options.markdown || options.write;
-    // A table that is kept has all scenes.
+    // A stored table contains all scenes.
     let wanted = |name: &str| options.write || name.contains(&options.scene);
     let mut measured = Vec::new();
     let mut tables = String::new();

@@ -1,4 +1,4 @@
-//! Error, energy and price of each program on a scene, taking turns.
+//! Error, energy and cost of each program on a scene. The programs run alternately.
 
 use cpu_time::ThreadTime;
 use tumble::State;
@@ -7,50 +7,50 @@ use crate::programs::rapier::{Rapier, Tuning};
 use crate::programs::{Program, ode, ours, plain, stiff};
 use crate::scene::{Case, Scene, Shape};
 
-/// What is known of one program on one scene.
+/// Result of one program on one scene.
 pub(crate) struct Row {
     pub(crate) name: String,
     pub(crate) settings: String,
     pub(crate) is_ours: bool,
-    /// Whether its state is read 240 times a second.
+    /// True if its state is sampled 240 times a second.
     pub(crate) is_sampled: bool,
-    /// Or why the program could not go on.
+    /// Outcome of the run, or the reason why the program failed.
     pub(crate) outcome: Result<Outcome, String>,
 }
 
 #[derive(Clone, Copy)]
 pub(crate) struct Outcome {
-    /// In the scene's unit.
+    /// Error in the unit of the scene.
     pub(crate) error: f64,
-    /// The most that the energy rose above any earlier value, over the kinetic energy at the start
-    /// and the weight's over the scene's length.
+    /// Largest increase of the energy above any earlier value, over the sum of the kinetic energy
+    /// at the start and the weight times the length of the scene.
     pub(crate) rise: f64,
     pub(crate) steps: u64,
-    /// CPU seconds a simulated second: the median of the turns.
+    /// Cost in CPU seconds for a simulated second: the median over the repetitions.
     pub(crate) price: f64,
-    /// Price over that of the cheapest of our rows that is as accurate.
+    /// Cost over that of the cheapest row of tumble that is as accurate.
     pub(crate) ratio: Ratio,
 }
 
-/// How a price compares with ours.
+/// Comparison of a cost with that of tumble.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Ratio {
-    /// So many times ours at the same accuracy.
+    /// Ratio to the cost of tumble at the same accuracy.
     Times(f64),
-    /// None of our rows is as accurate.
+    /// No row of tumble is as accurate.
     NotReached,
-    /// The error is too large for an answer.
+    /// The error is as large as the result.
     NoAnswer,
 }
 
 impl Outcome {
-    /// ns a step.
+    /// Returns the cost of a step, ns.
     pub(crate) fn step(&self, scene: &Scene) -> f64 {
         self.price * scene.seconds / self.steps as f64 * 1e9
     }
 }
 
-/// All programs on a scene, measured.
+/// Measures all programs on a scene.
 pub(crate) fn rows(scene: &Scene, turns: usize) -> Result<Vec<Row>, String> {
     let mut programs = ours::programs(scene)?;
     programs.extend(peers(scene));
@@ -75,7 +75,7 @@ pub(crate) fn rows(scene: &Scene, turns: usize) -> Result<Vec<Row>, String> {
     Ok(rows)
 }
 
-/// Everything but the library.
+/// Returns all programs except the library.
 fn peers(scene: &Scene) -> Vec<Box<dyn Program + '_>> {
     let mut all = plain(scene);
     for is_sampled in [false, true] {
@@ -88,7 +88,8 @@ fn peers(scene: &Scene) -> Vec<Box<dyn Program + '_>> {
     all
 }
 
-/// A Rk4 written by hand; in free flight on Euler's equations in body axes, too.
+/// Returns a Rk4 written by hand. In free flight, Euler's equations in body axes are included as
+/// well.
 fn plain(scene: &Scene) -> Vec<Box<dyn Program + '_>> {
     let (law, start, seconds) = (&scene.law, scene.soft.start, scene.seconds);
     let mut all: Vec<Box<dyn Program>> = Vec::new();
@@ -113,7 +114,7 @@ fn plain(scene: &Scene) -> Vec<Box<dyn Program + '_>> {
     all
 }
 
-/// Relative tolerances of each method, down to where rounding ends what it can do.
+/// Relative tolerances of each method, down to the limit set by rounding.
 const DOPRI5: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11];
 const DOP853: [f64; 10] = [
     1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13,
@@ -171,7 +172,8 @@ fn rapier(scene: &Scene) -> Vec<Box<dyn Program + '_>> {
     all
 }
 
-/// The most accurate of rapier's settings at a step: it is tuned on the very scene and answer.
+/// Returns the most accurate of rapier's settings at a step size. It is tuned on this scene and its
+/// result.
 fn best<'a, P: Program + 'a>(
     scene: &'a Scene,
     time_step: f64,
@@ -191,7 +193,7 @@ fn best<'a, P: Program + 'a>(
     Box::new(program)
 }
 
-/// Error and energy of a run, without its price.
+/// Measures error and energy of a run, without its cost.
 fn accuracy(
     scene: &Scene,
     program: &dyn Program,
@@ -202,7 +204,7 @@ fn accuracy(
     } else {
         scene.soft
     };
-    // rapier's ground holds no energy.
+    // The ground of rapier stores no energy.
     let energy = |state: &State| match program.is_rigid() {
         true => scene.law.energy_without_springs(state),
         false => energy(state),
@@ -228,11 +230,11 @@ fn accuracy(
     })
 }
 
-/// CPU seconds that a turn of a program lasts at least, so that the clock's grain does not show.
+/// Least CPU time of a repetition, s, so that the resolution of the clock does not matter.
 const LEAST_TURN: f64 = 2e-3;
 
-/// CPU seconds a simulated second: the programs take turns, and each price is the median of its
-/// turns.
+/// Measures the CPU seconds for a simulated second. The programs run alternately, and each cost is
+/// the median over the repetitions.
 fn prices(
     scene: &Scene,
     programs: &[Box<dyn Program + '_>],
@@ -253,8 +255,8 @@ fn prices(
                 preparation += end.map_or(0.0, |end| end.preparation);
             }
             let spent = (clock.elapsed().as_secs_f64() - preparation) / f64::from(repeats[i]);
-            // The turn before the first finds out how often a program has to run, and warms the
-            // machine up.
+            // The first repetition determines how often a program must run, and warms up the
+            // machine.
             if turn == 0 {
                 repeats[i] = (LEAST_TURN / spent).ceil().clamp(1.0, 1e5) as u32;
             } else {
@@ -270,11 +272,11 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Ours is as accurate with an error up to a tenth larger: two programs with the same method differ
-/// by that much.
+/// Factor within which a row of tumble counts as equally accurate. Two programs with the same
+/// method differ by so much.
 const AS_ACCURATE: f64 = 1.1;
 
-/// Price of each row over that of our cheapest that is as accurate.
+/// Computes the cost of each row over that of the cheapest row of tumble that is as accurate.
 fn compare(scene: &Scene, rows: &mut [Row]) {
     let ours = |is_sampled: bool| -> Vec<Outcome> {
         (rows.iter())

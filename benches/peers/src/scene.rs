@@ -1,64 +1,64 @@
-//! What a scene is: a law, a start, a time, and the known answer.
+//! Definition of a scene: a law, a start, a duration, and the known result.
 
 use tumble::State;
 use tumble::glam::{DMat3, DVec3};
 
 use crate::law::Law;
 
-/// What the body is to a program that wants a shape.
+/// Shape of the body, for a program that needs one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Shape {
-    /// In free flight: nothing can touch.
+    /// Body in free flight, which cannot touch.
     Free,
-    /// One contact, at the centre, with this radius (m).
+    /// Body with one contact, at the centre, with this radius (m).
     Ball(f64),
-    /// A rim of this radius (m) about the body's x axis.
+    /// Body with a rim of this radius (m) about the body's x axis.
     Coin(f64),
 }
 
-/// What is compared with the answer.
+/// Quantity that is compared with the known result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Measure {
     /// Distance of the centres.
     Centre,
-    /// Distance of the centres, and how far the turn between the two moves a rim of this radius
-    /// (m).
+    /// Distance of the centres, and the displacement of a rim of this radius (m) by the rotation
+    /// between the two states.
     Rim(f64),
     /// Angular velocity in body axes.
     BodySpin,
 }
 
-/// A scene with a known answer.
+/// A scene with a known result.
 pub(crate) struct Scene {
     pub(crate) name: &'static str,
-    /// What happens, and where the answer comes from.
+    /// Description of the motion, and the source of the known result.
     pub(crate) about: String,
     pub(crate) law: Law,
     pub(crate) shape: Shape,
-    /// Coefficient of restitution, for a program that wants one.
+    /// Coefficient of restitution, for a program that needs one.
     pub(crate) restitution: f64,
-    /// s
+    /// Duration, s.
     pub(crate) seconds: f64,
-    /// Of the point law, at its own height of rest where the scene starts in contact.
+    /// Start and result of the point law, at its own height at rest if the scene starts in contact.
     pub(crate) soft: Case,
-    /// Of rigid bodies, for rapier, which knows no stiffness.
+    /// Start and result of rigid bodies, for rapier, which has no stiffness.
     pub(crate) rigid: Case,
     pub(crate) measure: Measure,
-    /// The error is divided by this, and has the unit that stands beside it.
+    /// Divisor of the error, and the unit of the quotient.
     pub(crate) unit: (f64, &'static str),
-    /// An error above this is no answer, in the same unit.
+    /// Error above which a result is not usable, in the same unit.
     pub(crate) useful: f64,
-    /// Steps (s) of tumble's integrators.
+    /// Step sizes (s) of tumble's integrators.
     pub(crate) steps: Vec<f64>,
-    /// Steps (s) of the plain Rk4.
+    /// Step sizes (s) of the plain Rk4.
     pub(crate) plain_steps: Vec<f64>,
-    /// Steps (s) of a tuned rapier.
+    /// Step sizes (s) of a tuned rapier.
     pub(crate) rapier_steps: Vec<f64>,
     /// A length (m) and a time (s) that make the numbers of the scene about 1.
     pub(crate) scale: (f64, f64),
 }
 
-/// A start and the answer at the end.
+/// A start and the known result at the end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Case {
     pub(crate) start: State,
@@ -66,7 +66,7 @@ pub(crate) struct Case {
 }
 
 impl Scene {
-    /// Error of an end against an answer, in the scene's unit.
+    /// Error of an end state against the known result, in the unit of the scene.
     pub(crate) fn error(&self, end: &State, answer: &State) -> f64 {
         let centre = (end.position - answer.position).length();
         let error = match self.measure {
@@ -83,8 +83,8 @@ impl Scene {
     }
 }
 
-/// The angle of the turn between two states, rad; small ones to rounding, for it is taken from the
-/// sine.
+/// Angle of the rotation between two states, rad. It is computed from the sine, so small angles are
+/// accurate to rounding.
 fn angle_between(a: &State, b: &State) -> f64 {
     let turn = a.orientation.normalize().inverse() * b.orientation.normalize();
     2.0 * turn.xyz().length().atan2(turn.w.abs())

@@ -1,9 +1,9 @@
-//! The tables.
+//! Tables of the results.
 
 use crate::measure::{Outcome, Ratio, Row};
 use crate::scene::Scene;
 
-/// One scene: a row a program and setting.
+/// Table of one scene, with one row for each program and setting.
 pub(crate) fn of_scene(scene: &Scene, rows: &[Row], markdown: bool) -> String {
     let (heading, unit) = (scene.name, scene.unit.1);
     let above = format!(
@@ -42,9 +42,10 @@ pub(crate) fn of_scene(scene: &Scene, rows: &[Row], markdown: bool) -> String {
     above + &table(&head, lines.collect(), markdown)
 }
 
-/// What an error of so much costs each program on a scene: the longest step or the loosest
-/// tolerance that keeps it, as every shorter and tighter one that was tried does; beside the plain
-/// Rk4.
+/// Cost of an error for each program on a scene.
+///
+/// A row has the longest step or the loosest tolerance that keeps the error, if every shorter and
+/// tighter setting that was tried keeps it as well. Costs are relative to the plain Rk4.
 pub(crate) fn within(error: f64, scene: &Scene, rows: &[Row], markdown: bool) -> String {
     let cheapest = |name: &str| -> Option<(&Row, Outcome)> {
         (rows.iter())
@@ -87,8 +88,8 @@ pub(crate) fn within(error: f64, scene: &Scene, rows: &[Row], markdown: bool) ->
     above + &table(&head, lines.collect(), markdown)
 }
 
-/// A column of the summary: its heading, how the names of its programs begin, and whether they are
-/// sampled.
+/// Column of the summary: its heading, the beginning of the names of its programs, and whether they
+/// are sampled.
 const PEERS: [(&str, &str, bool); 6] = [
     ("plain Rk4", "plain Rk4", false),
     ("ode_solvers", "ode_solvers", false),
@@ -98,8 +99,8 @@ const PEERS: [(&str, &str, bool); 6] = [
     ("rapier3d-f64", "rapier3d-f64 ", false),
 ];
 
-/// A row a scene: for each peer its least error, and the range of its costs over ours at the same
-/// accuracy.
+/// Summary with one row for each scene: the least error of each other program, and the range of its
+/// costs over tumble's at the same accuracy.
 pub(crate) fn summary(measured: &[(Scene, Vec<Row>)], markdown: bool) -> String {
     let mut head = vec!["scene".to_string(), "tumble, least error".into()];
     head.extend(PEERS.iter().map(|(heading, ..)| heading.to_string()));
@@ -126,7 +127,7 @@ pub(crate) fn summary(measured: &[(Scene, Vec<Row>)], markdown: bool) -> String 
     table(&head, lines, markdown)
 }
 
-/// Where a peer is cheaper or more accurate: its best setting on a scene, a row a program.
+/// Table of the scenes on which another program is cheaper or more accurate, with its best setting.
 pub(crate) fn where_a_peer_is_better(measured: &[(Scene, Vec<Row>)], markdown: bool) -> String {
     let head = ["scene", "program", "settings", "error", "against tumble"].map(String::from);
     let mut lines = Vec::new();
@@ -163,7 +164,7 @@ pub(crate) fn where_a_peer_is_better(measured: &[(Scene, Vec<Row>)], markdown: b
     )
 }
 
-/// What a peer costs over tumble, where that is less than 1; 0 where tumble does not reach its
+/// Cost of another program over tumble's, if it is less than 1; 0 if tumble does not reach its
 /// accuracy.
 fn advantage(outcome: &Outcome) -> Option<f64> {
     match outcome.ratio {
@@ -186,7 +187,7 @@ fn least(outcomes: &[Outcome]) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// The least and the largest ratio of a program's rows that are an answer.
+/// Least and largest ratio of a program's usable rows.
 fn range(outcomes: &[Outcome]) -> String {
     let ratios: Vec<Ratio> = outcomes.iter().map(|outcome| outcome.ratio).collect();
     let times = || {
@@ -228,7 +229,7 @@ fn ratio(ratio: Ratio) -> String {
     }
 }
 
-/// Two digits, or all before the point.
+/// Formats a number with two digits, or with all digits before the point.
 fn digits(value: f64) -> String {
     match value {
         v if v < 0.1 => format!("{v:.3}"),
@@ -238,7 +239,7 @@ fn digits(value: f64) -> String {
     }
 }
 
-/// A table in markdown, or in columns.
+/// Formats a table in Markdown or in columns.
 fn table<L: AsRef<[String]>>(head: &[String], lines: Vec<L>, markdown: bool) -> String {
     let (open, between, close) = if markdown {
         ("| ", " | ", " |")

@@ -1,8 +1,8 @@
-//! What the program runs on: start, console, clock, stack. All `unsafe` of the program is here, and
-//! all that another board has to replace.
+//! Board support: start, console, clock, stack.
 //!
-//! A Cortex-M is started by `cortex-m-rt`, a RISC-V by `riscv-rt`; the console is the debugger's
-//! (semihosting). With an operating system, there is `std`.
+//! All `unsafe` code of the program is here, and so is everything that must be replaced for another
+//! board. A Cortex-M is started by `cortex-m-rt`, a RISC-V by `riscv-rt`. The console is that of
+//! the debugger (semihosting). With an operating system, `std` is used.
 #![allow(unsafe_code)]
 
 #[cfg(all(target_os = "none", target_arch = "arm"))]
@@ -17,7 +17,7 @@ pub fn write(text: &[u8]) {
     #[cfg(target_os = "none")]
     {
         use semihosting::io::{Write, stdout};
-        // Without a debugger nobody reads it.
+        // Without a debugger, nobody reads the text.
         let _ = stdout().and_then(|mut out| out.write_all(text));
     }
     #[cfg(not(target_os = "none"))]
@@ -28,7 +28,7 @@ pub fn write(text: &[u8]) {
     }
 }
 
-/// Ends the program, with 0 where all went well.
+/// Ends the program, with 0 on success.
 pub fn exit(code: i32) -> ! {
     #[cfg(target_os = "none")]
     semihosting::process::exit(code);
@@ -43,34 +43,35 @@ pub fn exit(code: i32) -> ! {
 #[derive(Debug)]
 pub struct Lent<T>(UnsafeCell<T>);
 
-// SAFETY: `lend` gives the only reference to what is inside.
+// SAFETY: `lend` returns the only reference to the content.
 unsafe impl<T> Sync for Lent<T> {}
 
 impl<T> Lent<T> {
-    /// Memory with this content.
+    /// Creates memory with this content.
     pub const fn new(content: T) -> Self {
         Self(UnsafeCell::new(content))
     }
 
-    /// The content.
+    /// Returns the content.
     ///
     /// # Safety
-    /// It is called once.
+    ///
+    /// The caller calls it only once.
     #[allow(clippy::mut_from_ref, reason = "once")]
     pub unsafe fn lend(&'static self) -> &'static mut T {
-        // SAFETY: the caller calls once.
+        // SAFETY: the caller calls it only once.
         unsafe { &mut *self.0.get() }
     }
 }
 
-/// The program's start: `program!(function, Memory, initial memory)` calls
+/// Start of the program: `program!(function, Memory, initial memory)` calls
 /// `function(&'static mut Memory) -> exit code` once.
 #[macro_export]
 macro_rules! program {
     ($program:path, $memory:ty, $initial:expr) => {
         static MEMORY: $crate::board::Lent<$memory> = $crate::board::Lent::new($initial);
 
-        /// What the start-up code calls when memory is set up and the floating-point unit is on.
+        /// Called by the start-up code after memory and floating-point unit have been initialised.
         #[cfg(target_os = "none")]
         #[unsafe(export_name = "main")]
         extern "C" fn start() -> ! {
@@ -81,13 +82,13 @@ macro_rules! program {
 
         #[cfg(not(target_os = "none"))]
         fn main() {
-            // SAFETY: the only call, in a function that nobody calls again.
+            // SAFETY: this is the only call, in a function that is called once.
             let memory = unsafe { MEMORY.lend() };
             $crate::board::exit($program(memory))
         }
 
-        /// Never linked: nothing panics. With the feature `control` something does, and the image
-        /// shows it.
+        /// Never linked, because nothing panics. With the feature `control` a panic exists, and the
+        /// check of the image must find it.
         #[cfg(target_os = "none")]
         #[panic_handler]
         fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
@@ -96,7 +97,7 @@ macro_rules! program {
     };
 }
 
-/// What steps of one kind have cost, in clocks of the processor.
+/// Cost of steps of one kind, in clocks of the processor.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cost {
     steps: u32,
@@ -105,35 +106,35 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Takes a step in.
+    /// Adds a step.
     pub fn add(&mut self, clocks: u32) {
         self.steps += 1;
         self.sum += u64::from(clocks);
         self.longest = self.longest.max(clocks);
     }
 
-    /// Mean of all steps, 0 without a step.
+    /// Mean over all steps, 0 without a step.
     #[must_use]
     pub fn mean(&self) -> u32 {
         let mean = self.sum.checked_div(u64::from(self.steps)).unwrap_or(0);
         u32::try_from(mean).unwrap_or(u32::MAX)
     }
 
-    /// The longest step.
+    /// Cost of the longest step.
     #[must_use]
     pub fn longest(&self) -> u32 {
         self.longest
     }
 }
 
-/// Counts the processor's clocks by its SysTick timer, which counts down from 2²⁴. Where there is
-/// none, all counts are 0.
+/// Counter of the processor's clocks by its SysTick timer, which counts down from 2²⁴.
 ///
-/// The timer need not run at the processor's speed: it is compared with a loop of known length.
-/// QEMU with `-icount shift=0` counts an instruction as a clock.
+/// Without such a timer, all counts are 0. The timer need not have the frequency of the processor:
+/// it is calibrated by a loop of known length. QEMU with `-icount shift=0` counts an instruction as
+/// a clock.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
-    /// Of the timer, in [`LOOP`](Self::LOOP) clocks.
+    /// Ticks of the timer in [`LOOP`](Self::LOOP) clocks.
     ticks: u32,
     started: u32,
 }
@@ -142,7 +143,7 @@ impl Clock {
     const WRAP: u32 = 0xff_ffff;
     const LOOP: u32 = 1 << 20;
 
-    /// Starts the timer and learns its speed.
+    /// Starts and calibrates the timer.
     #[must_use]
     pub fn new() -> Self {
         #[cfg(all(target_os = "none", target_arch = "arm"))]
@@ -167,12 +168,12 @@ impl Clock {
         start.wrapping_sub(Self::now()) & Self::WRAP
     }
 
-    /// A step begins.
+    /// Marks the start of a step.
     pub fn start(&mut self) {
         self.started = Self::now();
     }
 
-    /// Clocks since the step began.
+    /// Returns the clocks since the start of the step.
     #[must_use]
     pub fn stop(&self) -> u32 {
         let ticks = u64::from(Self::ticks_since(self.started));
@@ -200,8 +201,10 @@ fn start_timer() {
     }
 }
 
-/// How deep the stack has been, bytes: the start-up code has painted it, and what is still painted
-/// was never used. `None` where nobody paints.
+/// Largest depth of the stack, bytes.
+///
+/// The start-up code has painted the stack, and painted memory was never used. Returns `None` if
+/// the stack is not painted.
 #[must_use]
 pub fn stack_used() -> Option<u32> {
     #[cfg(all(target_os = "none", target_arch = "arm"))]
@@ -211,7 +214,7 @@ pub fn stack_used() -> Option<u32> {
             static _stack_end: u32;
         }
         let (top, mut place) = (&raw const _stack_start, &raw const _stack_end);
-        // SAFETY: the linker script puts the stack, and nothing else, between the two; reading it
+        // SAFETY: the linker script puts only the stack between the two addresses, and reading
         // changes nothing.
         while place < top && unsafe { place.read_volatile() } == cortex_m_rt::STACK_PAINT_VALUE {
             place = place.wrapping_add(1);

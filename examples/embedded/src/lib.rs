@@ -1,10 +1,10 @@
-//! A coin of 120 points is thrown, bounces, tumbles and comes to rest on a microcontroller: no
-//! operating system, no allocator, no panic.
+//! A coin of 120 points on a microcontroller, without operating system, allocator or panic: it is
+//! thrown, bounces, tumbles and comes to rest.
 //!
-//! Each program in `src/bin` is this scene with one integrator in one precision, and nothing else:
-//! what is linked is what such a scene needs. It prints the states, the energies and a hash of all
-//! bits, and then what the run has cost. For a computer with a system, it prints the same without
-//! the cost.
+//! Each program in `src/bin` is this scene with one integrator in one precision, and nothing else.
+//! Its size is therefore that of such a scene. It prints the states, the energies and a hash of all
+//! bits, and then the cost of the run. On a computer with an operating system, it prints the same
+//! without the cost.
 #![no_std]
 #![deny(unsafe_code)]
 
@@ -20,8 +20,7 @@ use tumble::{
     UniformGravity,
 };
 
-/// What a toss keeps outside of the stack: the coin's rim, and what the integrator remembers from
-/// step to step.
+/// Memory of a toss outside of the stack: the rim of the coin, and the workspace of the integrator.
 #[derive(Debug)]
 pub struct Memory<R: Number, W> {
     rim: [ContactPoint<R>; 120],
@@ -29,7 +28,7 @@ pub struct Memory<R: Number, W> {
 }
 
 impl<R: Number, W> Memory<R, W> {
-    /// Memory for a coin and this workspace.
+    /// Creates memory for a coin and this workspace.
     pub const fn new(workspace: W) -> Self {
         Self {
             rim: [ContactPoint {
@@ -41,30 +40,31 @@ impl<R: Number, W> Memory<R, W> {
     }
 }
 
-/// Why a toss ended early. Neither happens here; a device would answer.
+/// Reason for the early end of a toss. It does not occur here. A device would handle it.
 #[derive(Clone, Copy, Debug)]
 pub enum Fault {
-    /// A parameter cannot be.
+    /// A parameter is invalid.
     Scene(SceneError),
-    /// A step could not go on.
+    /// A step failed.
     Step(StepError),
 }
 
-/// Of 1 ms.
+/// Number of steps, of 1 ms each.
 const STEPS: u32 = 2000;
 const STEPS_A_LINE: u32 = 200;
 
-/// What a toss has cost.
+/// Cost of a toss.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Account {
     flight: board::Cost,
     contact: board::Cost,
 }
 
-/// Tosses the coin for 2 s, and prints what it does.
+/// Tosses the coin for 2 s, and prints its motion.
 ///
 /// # Errors
-/// None with these parameters.
+///
+/// Does not occur with these parameters.
 pub fn toss<R: Number, I: Integrator<R>>(
     memory: &mut Memory<R, I::Workspace>,
     integrator: I,
@@ -102,7 +102,7 @@ pub fn toss<R: Number, I: Integrator<R>>(
     Ok(account)
 }
 
-/// What the checks of the image must find: an index that nobody has checked, and arithmetic in f64.
+/// Code that the checks of the image must find: an unchecked index, and arithmetic in f64.
 #[cfg(feature = "control")]
 fn control<R: Number>(rim: &[ContactPoint<R>]) {
     let count = core::hint::black_box(rim.len());
@@ -112,7 +112,7 @@ fn control<R: Number>(rim: &[ContactPoint<R>]) {
     );
 }
 
-/// The README's scene.
+/// Composes the scene of the README.
 fn compose<R: Number, I: Integrator<R>>(
     rim: &mut [ContactPoint<R>; 120],
     integrator: I,
@@ -131,8 +131,8 @@ fn compose<R: Number, I: Integrator<R>>(
         .with_integrator(integrator)
 }
 
-/// Prints what the run has cost, where it can be measured; `fixed` is the size of the memory
-/// outside of the stack.
+/// Prints the cost of the run, if it can be measured. `fixed` is the size of the memory outside of
+/// the stack.
 pub fn print_account(account: &Account, fixed: usize) {
     if let Some(stack) = board::stack_used() {
         print_count("clocks a step in flight  ", account.flight.mean());
@@ -143,7 +143,7 @@ pub fn print_account(account: &Account, fixed: usize) {
     }
 }
 
-/// A program that tosses the coin:
+/// Defines a program that tosses the coin:
 /// `firmware!(f32, EnergyMomentum, EnergyMomentumWorkspace::new())`.
 #[macro_export]
 macro_rules! firmware {

@@ -1,5 +1,5 @@
-//! Numbers as text, without the language's own formatting: that alone would be larger than the
-//! simulation, and can panic.
+//! Output of numbers as text without `core::fmt`, which alone would be larger than the simulation,
+//! and can panic.
 
 use crate::board;
 use tumble::State;
@@ -7,9 +7,9 @@ use tumble::real::{Quaternion, Real, Vector};
 
 /// A number that can be printed.
 pub trait Number: Real {
-    /// In millionths, rounded towards 0, up to 2147.
+    /// Returns the number in millionths, rounded towards 0, up to 2147.
     fn millionths(self) -> i32;
-    /// All its bits.
+    /// Returns all bits of the number.
     fn bits(self) -> u64;
 }
 
@@ -31,7 +31,7 @@ impl Number for f64 {
     }
 }
 
-/// FNV-1a.
+/// Hash by FNV-1a.
 pub(crate) struct Hash(u64);
 
 impl Hash {
@@ -80,7 +80,7 @@ pub(crate) fn print(text: &str) {
     board::write(text.as_bytes());
 }
 
-/// A line of the table, after so many milliseconds.
+/// Prints a line of the table for a time in milliseconds.
 pub(crate) fn line<R: Number>(time: u32, state: &State<R>, energy: R) {
     board::write(&decimal(time, 0, false));
     let at = state.position;
@@ -97,7 +97,7 @@ pub(crate) fn print_count(what: &str, count: u32) {
     print("\n");
 }
 
-/// A number with so many decimal places, right-aligned.
+/// Formats a number with `places` decimal places, right-aligned.
 fn decimal(mut value: u32, places: usize, mut negative: bool) -> [u8; 12] {
     let mut text = [b' '; 12];
     for (place, slot) in text.iter_mut().rev().enumerate() {

@@ -24,7 +24,7 @@ impl<R: Real> Carried<R> {
         if self.contacts == 0 {
             let rule = Rule::AtLeast(1);
             return Err(SceneError::new(
-                "number of contacts that carry",
+                "number of contacts that support the body",
                 rule,
                 0.0,
                 "",

@@ -23,9 +23,9 @@ use crate::real::{Real, Vector};
 /// # Ok::<(), tumble::SceneError>(())
 /// ```
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is not the relief of a terrain: it does not implement `HeightField<{R}>`",
-    label = "this should be a relief",
-    note = "implement `elevation`, or take a closure from x and y to an `Elevation`"
+    message = "`{Self}` is not a height field: it does not implement `HeightField<{R}>`",
+    label = "this should be a height field",
+    note = "implement `elevation`, or use a closure from x and y to an `Elevation`"
 )]
 pub trait HeightField<R: Real = f64> {
     /// Height, gradient and hessian at the point (x, y) of the level plane (m, world axes).

@@ -44,7 +44,8 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         }
     }
 
-    /// Returns the same error for a given fraction of the step at which the slip is smallest.
+    /// Returns the error in the velocity of the farthest point, m/s, if the slip is smallest at the
+    /// fraction `share` of the step.
     #[inline(never)]
     fn wrong_of_friction(
         &self,

@@ -67,12 +67,13 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     None
 }
 
-/// A step may be refused if its free motion exceeds this number of body sizes. Rounding hides the
+/// A step may be rejected if its free motion exceeds this number of body sizes. Rounding hides the
 /// body much earlier, from 4.5e15 sizes in f64 and 1e7 in f32. Up to this limit such steps still
 /// end at a lower energy, as `tests/limits/extremes.rs` shows.
 const FARTHEST: f64 = 1e25;
 
-/// Returns true if free motion for this time goes so far that rounding hides its end.
+/// Returns true if the displacement of free motion in this time is so large that rounding hides its
+/// end.
 #[cold]
 pub(super) fn is_unresolved<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -114,13 +115,13 @@ fn free_shift<R: Real, D: Dynamics<R>>(scene: &D, start: &State<R>, seconds: R) 
 /// Method by which a search determines its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// Along the forces.
+    /// Direction along the forces.
     ByNormals,
-    /// With constant orientation: the rounding of a rotation may change the energy by more than a
-    /// small shift does.
+    /// Direction of a shift with constant orientation, because the rounding of a rotation may
+    /// change the energy by more than a small shift does.
     WithoutTurn,
-    /// Along the gradient of the spring energy. Away from the surface of a curved ground, the
-    /// normal need not be the gradient of the gap.
+    /// Direction along the gradient of the spring energy. Away from the surface of a curved ground,
+    /// the normal need not be the gradient of the gap.
     ByDifferences,
 }
 

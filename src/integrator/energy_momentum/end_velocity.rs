@@ -28,8 +28,8 @@
 //! mean slip, which is nearly 0 in a slide. A slide that begins or continues in spite of friction
 //! is therefore not changed.
 //!
-//! *The energy.* Let `y` be the velocities (v, ω). The impulses change the energy by `Σ pᵢ·uₘᵢ` plus
-//! a negative part. That part is negative because the impulses draw `y` towards the mean, by
+//! *The energy.* Let `y` be the velocities (v, ω). The impulses change the energy by `Σ pᵢ·uₘᵢ`
+//! plus a negative part. That part is negative because the impulses draw `y` towards the mean, by
 //! factors of 0 to 1 in the metric of the mass. If `u'` has not changed its direction,
 //! `p·uₘ <= h θ c uₘ²`. This is less than half of what friction and dampers have dissipated in the
 //! step.

@@ -218,7 +218,8 @@ impl<R: Real> Factored<R> {
 /// The factors of six equations.
 #[derive(Clone, Copy, Debug)]
 struct Factors<R: Real> {
-    /// Above the diagonal the upper factor, below it the lower factor, whose diagonal is 1.
+    /// Triangular factors: the upper one above the diagonal, the lower one below it. The diagonal
+    /// of the lower factor is 1.
     rows: [[R; 6]; 6],
     /// Inverse of the diagonal of the upper factor.
     inverse: [R; 6],

@@ -347,9 +347,9 @@ fn rounding_of_lever<R: Real, D: Dynamics<R>>(
 /// Residual of the torque beyond the effect of rounding of a smooth body's surface, in single
 /// precision. In double precision, the whole residual.
 ///
-/// That rounding is along the torque of the lever and does the work of the springs to rounding. A
-/// residual of the same size in another direction would do much more work: in f32, at a rotation of
-/// 1e-3 rad, a thousandth of the energy.
+/// The rounding of the surface is along the torque of the lever, so its work is that of the springs
+/// to rounding. A residual of the same size in another direction would do much more work: in f32,
+/// at a rotation of 1e-3 rad, a thousandth of the energy.
 #[inline]
 fn beyond_lever<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,

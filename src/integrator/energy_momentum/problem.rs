@@ -35,7 +35,7 @@ pub(super) struct Problem<'a, R: Real, D> {
     /// Inertia tensor at the start, world axes. A principal moment of zero is replaced by the
     /// largest moment, and the angular momentum about that axis by zero.
     pub(super) inertia: Block<R>,
-    /// Length of the size of the body, m, positive.
+    /// Length that represents the size of the body, m, positive.
     pub(super) bounding_radius: R,
     /// Size of the numbers whose difference is the depth of a contact, m.
     pub(super) place: R,

@@ -26,7 +26,7 @@ const PASSES: u32 = 4;
 /// A contact that resists, with its largest allowed impulses.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Resisting<R: Real> {
-    /// From the centre of mass to the point at which the impulse acts, m, world axes.
+    /// Vector from the centre of mass to the point at which the impulse acts, m, world axes.
     pub(super) place: R::Vec3,
     /// Normal of the ground, unit vector.
     pub(super) normal: R::Vec3,

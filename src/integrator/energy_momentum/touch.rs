@@ -12,7 +12,7 @@ use crate::scene::{Dynamics, facing_ground};
 /// One contact of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Touch<R: Real> {
-    /// From the centre of mass to the contact's centre at the start of the step, m.
+    /// Vector from the centre of mass to the contact's centre at the start of the step, m.
     pub(super) arm: R::Vec3,
     /// Motion and force of the contact over the last trial step.
     pub(super) push: Push<R>,
@@ -42,9 +42,9 @@ pub(super) struct Push<R: Real> {
     pub(super) force: R::Vec3,
     /// Mean slip, m/s.
     pub(super) slip: R::Vec3,
-    /// From the centre of mass to the point at which the mean force acts, m.
+    /// Vector from the centre of mass to the point at which the mean force acts, m.
     pub(super) arm: R::Vec3,
-    /// From the centre of mass to the contact's centre at the end of the step, m.
+    /// Vector from the centre of mass to the contact's centre at the end of the step, m.
     pub(super) end_arm: R::Vec3,
     /// Penetration depth at the start of the step, m; negative above ground.
     pub(super) depth: R,
@@ -439,8 +439,8 @@ impl<R: Real> Touch<R> {
     }
 }
 
-/// From the centre of mass to the point of a smooth body that faces the ground at the end of a
-/// trial step, m, world axes.
+/// Vector from the centre of mass to the point of a smooth body that faces the ground at the end of
+/// a trial step, m, world axes.
 #[inline]
 fn wandered<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<R>) -> R::Vec3 {
     let (position, axes) = problem.place_at_end(trial);

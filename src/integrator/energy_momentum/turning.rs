@@ -4,8 +4,8 @@
 //! (I + h Σ K) ω' = I ω,     K = k_r (1 - n nᵀ) + k_d n nᵀ,     k_r, k_d >= 0
 //! ```
 //!
-//! This is backward Euler, for all contacts at once. `k_r` and `k_d` are the resistances to rolling
-//! and to spinning, which fit the law at ω' after a few passes. For any `k_r, k_d >= 0` the
+//! The equation is backward Euler, for all contacts at once. `k_r` and `k_d` are the resistances to
+//! rolling and to spinning, which fit the law at ω' after a few passes. For any `k_r, k_d >= 0` the
 //! rotational energy decreases, by `h (2 ω'ᵀ Σ K ω' + ...)/2`, as for the impulses of
 //! [`resist`](super::resist). If the computed energy is not lower because of rounding, the state is
 //! not changed.

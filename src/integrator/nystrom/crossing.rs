@@ -142,7 +142,7 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
 
     /// Returns force and torque on the body per newton of the contact's normal force, world axes.
     ///
-    /// They are evaluated in a motion and for a `load` (N).
+    /// Both are evaluated in a motion and for a `load` (N).
     #[inline(always)]
     fn direction(&self, point: &ContactPoint<R>, motion: &Motion<R>, load: R) -> [R::Vec3; 2] {
         let (arm, normal) = arm(self.scene, motion, point);
@@ -193,7 +193,7 @@ impl<R: Real> Missed<R> {
 
 /// Returns the fractions of the step between which a contact pushes that does so at only one end.
 ///
-/// That end is the start if `at_start`, else the end of the step.
+/// The contact pushes at the start of the step if `at_start` is true, otherwise at its end.
 #[inline(always)]
 fn pushing<R: Real>(path: &Path<R>, force: impl Fn(R) -> R, at_start: bool) -> [R; 2] {
     let surface = path.surface();

@@ -18,7 +18,8 @@ use crate::scene::{Contact, Dynamics, Load};
 /// lowest point below its middle. Then
 ///
 /// ```text
-/// sin θ = 2 s √(1 - s²)     1 - cos θ = 2 s²     depth = 2 extent (κ - s)(κ + s)     dθ = 2 ds/√(1 - s²)
+/// sin θ = 2 s √(1 - s²)                1 - cos θ = 2 s²
+/// depth = 2 extent (κ - s)(κ + s)      dθ = 2 ds/√(1 - s²)
 /// velocity = lowest + across sin θ - down (1 - cos θ)
 /// ```
 /// A force f has the torque `(lowest + across sin θ - down (1 - cos θ)) × f`, with the positions

@@ -23,15 +23,15 @@ use tumble::{
     WithResistance,
 };
 
-/// What a scene has come to.
+/// Result of a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
     pub precision: &'static str,
     pub integrator: &'static str,
     pub scene: &'static str,
-    /// Of all bits.
+    /// Hash of all bits.
     pub hash: u64,
-    /// Whether an error ended the run, which none should.
+    /// True if an error ended the run, which must not occur.
     pub ended_early: bool,
 }
 
@@ -95,7 +95,7 @@ pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
             }))?;
         )*};
     }
-    // Each is made from the time step (s) that the scene asks for.
+    // Integrators, each created from the step size (s) of the scene.
     with_each! {
         ForwardEuler: |time_step| ForwardEuler { time_step };
         SymplecticEuler: |time_step| SymplecticEuler { time_step };
@@ -198,7 +198,7 @@ fn vector<R: Real>(x: f64, y: f64, z: f64) -> R::Vec3 {
     R::Vec3::new(real(x), real(y), real(z))
 }
 
-/// At a place, with a velocity, a turn (as a rotation vector) and an angular momentum.
+/// Start at a position, with a velocity, a rotation vector and an angular momentum.
 fn start<R: Real>([at, moves, turned, spins]: [[f64; 3]; 4]) -> State<R> {
     let vector = |[x, y, z]: [f64; 3]| vector::<R>(x, y, z);
     State::<R>::at(vector(at))
@@ -218,7 +218,7 @@ fn cloud<R: Real, const N: usize>(
     PointCloud::with_storage(places, &points.map(|[.., mass]| real(mass)))
 }
 
-/// What follows a run with the energy audited, as a fraction of it.
+/// Duration of a run with the energy audit, as a fraction of the run.
 const AUDITED: f64 = 1.0 / 16.0;
 
 /// The hash of a run of so many time steps and a bit, so that the last step is a short one; and
@@ -323,7 +323,8 @@ fn scenes<R: Bits, I: Integrator<R>>(
 
     let disc = Disc::<R>::solid(real(1.0), real(0.5), 40);
     let nickel = SolidCoin::new(real(1.0), real(0.3), real(0.06));
-    // Solids joined and turned, a hull, and round corners: all of the mass properties' arithmetic.
+    // Joined and rotated solids, a hull, and round corners: all of the arithmetic of the mass
+    // properties.
     let edges = vector::<R>(0.3, 0.4, 0.5);
     let hull = MassProperties::hull(
         real(0.4),
@@ -432,7 +433,7 @@ fn scenes<R: Bits, I: Integrator<R>>(
         shape: Terrain { height_field },
     };
 
-    // Place, velocity, turn (a rotation vector) and angular momentum.
+    // Position, velocity, rotation vector and angular momentum.
     let thrown = start::<R>([
         [0.0, 0.0, 0.6],
         [0.7, -0.4, -0.5],

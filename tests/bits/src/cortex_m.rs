@@ -23,7 +23,7 @@ const EXIT_EXTENDED: usize = 0x20;
 /// `argument` is the address of the operation's block, whose pointers are valid.
 unsafe fn call(operation: usize, argument: *const usize) -> usize {
     let result;
-    // SAFETY: the debugger reads the block, changes r0 and goes on behind the breakpoint.
+    // SAFETY: the debugger reads the block, changes r0 and continues behind the breakpoint.
     unsafe {
         asm!("bkpt #0xAB", inout("r0") operation => result, in("r1") argument, options(nostack));
     }

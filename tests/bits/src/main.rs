@@ -28,7 +28,7 @@ fn main() {
     assert_eq!(written, Ok(()), "a scene cannot be composed");
 }
 
-/// What the startup code of a bare target calls.
+/// Called by the start-up code of a bare target.
 #[cfg(target_os = "none")]
 fn main() -> ! {
     match tumble_bits::battery::write(&mut Out, cfg!(feature = "scenes")) {

@@ -1,5 +1,5 @@
-//! AArch64 and RISC-V: a program without a library, which asks Linux for two things. QEMU's user
-//! mode answers.
+//! AArch64 and RISC-V: a program without a library, which calls Linux for two functions. QEMU's
+//! user mode provides them.
 
 use core::arch::{asm, global_asm};
 use core::fmt;

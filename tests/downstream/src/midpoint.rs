@@ -4,8 +4,9 @@ use tumble::integrator::step_length;
 use tumble::rotation::Rotation;
 use tumble::{Dynamics, Integrator, Real, SceneError, State, Step, StepError, error};
 
-/// The explicit midpoint rule, with the body turned exactly by the angular velocity at the middle.
-/// Order 2, two evaluations a step.
+/// Explicit midpoint rule, with an exact rotation by the angular velocity at the middle.
+///
+/// Order 2, with two evaluations a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Midpoint<R = f64> {
     /// s, above 0.

@@ -1,4 +1,4 @@
-//! An author checks his own parts: what each trait asks of him in words, asked in numbers.
+//! An author checks his own parts: the contract of each trait, in numbers.
 
 use downstream::{Ball, Midpoint, Turf, Viscous};
 use tumble::contract::{

@@ -1,5 +1,5 @@
-//! What a user writes is as good as what is built in: it fits everywhere, and a copy of a built-in
-//! law has its bits.
+//! A user's parts have the same rights as built-in ones: they fit everywhere, and a copy of a
+//! built-in law has its bits.
 
 use core::ops::ControlFlow;
 
@@ -15,7 +15,7 @@ use tumble::{
     UniformGravity, error,
 };
 
-/// A ball thrown forward with a turn, in the air for its first 40 ms.
+/// A ball that is thrown forward with a rotation, in the air for its first 40 ms.
 fn thrown<R: Real>() -> State<R> {
     let v = |x, y, z| R::Vec3::new(R::from_f64(x), R::from_f64(y), R::from_f64(z));
     State::at(v(0.1, -0.2, 0.22))
@@ -86,8 +86,8 @@ fn oil<R: Real>() -> Viscous<R> {
     }
 }
 
-/// A user's body, ground and friction, handed over in four ways; all must end in the same state, to
-/// the last bit.
+/// A user's body, ground and friction, passed in four forms. All must end in the same state, to the
+/// last bit.
 fn four_ways<R: Real>(integrator: impl Integrator<R> + Copy) {
     let (body, ground, friction) = (&ball::<R>(), &turf::<R>(), &oil::<R>());
     let by_value = run(*body, *ground, *friction, integrator);
@@ -166,7 +166,7 @@ fn each_part_fits_among_built_in_ones() {
     }
 }
 
-/// The same laws as built in, line by line, in a user's hand.
+/// The built-in laws, line by line, in a user's type.
 mod copies {
     use super::*;
 
@@ -200,7 +200,7 @@ mod copies {
         }
     }
 
-    /// A built-in ring, its contacts copied; where it is low is asked of the original.
+    /// A built-in ring whose contacts are copied. The original computes which contacts are low.
     pub struct Ring(pub Coin<f64, [ContactPoint; 12]>, pub Vec<ContactPoint>);
     impl RigidPointBody for Ring {
         fn mass(&self) -> f64 {
@@ -244,7 +244,7 @@ mod copies {
         fn order(&self) -> u32 {
             1
         }
-        // By this a run knows that its last step is a whole one.
+        // The run uses this to recognise that its last step is a whole one.
         fn fixed_step(&self) -> Option<f64> {
             Some(self.0)
         }
@@ -320,7 +320,8 @@ fn a_sliding_ball_ends_rolling_at_five_sevenths_of_its_speed() {
     );
 }
 
-/// With the default integrator, whatever the step and the precision: no tolerance.
+/// Checks the energy with the default integrator for any step size and precision, without a
+/// tolerance.
 fn energy_never_rises_with_the_users_parts<R: Real>() {
     for time_step in [1e-4, 1e-3, 1e-2, 0.1, 1.0] {
         let time_step = R::from_f64(time_step);

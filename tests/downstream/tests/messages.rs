@@ -1,7 +1,7 @@
-//! What the compiler says of a part that is half done: it names the role and what is missing.
+//! Messages of the compiler for an incomplete part: they name the role and what is missing.
 //!
-//! Each program of `tests/half_done` does not compile; the quoted lines at its top are what the
-//! compiler must say. Its version adds more around them, and may change that.
+//! Each program of `tests/half_done` does not compile. The quoted lines at its top must appear in
+//! the message. The compiler's version adds more lines, which may change.
 
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 use std::process::Command;
@@ -11,7 +11,7 @@ fn programs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../half_done")
 }
 
-/// What the compiler says of all programs, each error by itself.
+/// Messages of the compiler for all programs, each error separately.
 fn errors() -> String {
     let output = Command::new(env!("CARGO"))
         .args([

@@ -14,7 +14,7 @@ use tumble::{
     State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity, UntilRest,
 };
 
-/// The system's allocator, with a count of how often this thread has asked for memory.
+/// The system's allocator, with a count of this thread's allocations.
 struct Counting;
 
 thread_local! {
@@ -25,8 +25,8 @@ fn count() {
     REQUESTS.with(|requests| requests.set(requests.get() + 1));
 }
 
-// SAFETY: every call is handed on to the system's allocator as it is; the count is a plain number
-// of this thread and asks for no memory itself.
+// SAFETY: every call is passed to the system's allocator unchanged. The count is a plain number of
+// this thread and does not allocate.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
@@ -48,15 +48,15 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// How often `work` asks for memory.
+/// Number of allocations of `work`.
 fn requests(work: impl FnOnce()) -> u64 {
     let before = REQUESTS.get();
     work();
     REQUESTS.get() - before
 }
 
-/// Composes a scene, steps, advances and watches a run with closed books; falls at first, then
-/// touches and slides.
+/// Composes a scene, steps, advances and observes a run with the energy audit. The body falls at
+/// first, then touches and slides.
 fn live<I: Integrator>(
     body: impl RigidPointBody,
     ground: impl SpringDamperGround,

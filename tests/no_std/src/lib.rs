@@ -20,7 +20,7 @@ use tumble::{
 };
 
 unsafe extern "C" {
-    // Nobody defines it.
+    // Not defined anywhere.
     safe fn a_panic_remains() -> !;
 }
 
@@ -43,7 +43,7 @@ pub struct Parameters<R: Real> {
     seconds: R,
 }
 
-/// The energy left over in the books after the run, or nothing where scene or run is bad.
+/// Energy error of the audit after the run, or nothing if scene or run fails.
 fn run<R: Real>(
     body: impl RigidPointBody<R>,
     integrator: impl Integrator<R>,
@@ -201,7 +201,7 @@ pub fn probe_solids(
     Some(sum + run(&solid, Rk4 { time_step }, parameters, state)?)
 }
 
-/// What an author asks of his own parts, asked on the target.
+/// The checks of a user's parts, run on the target.
 #[unsafe(no_mangle)]
 pub fn probe_contract(
     room: &mut [ContactPoint],

@@ -1,4 +1,4 @@
-//! A ball that bounces and loses nothing.
+//! Elastic bounces of a ball.
 
 use tumble::glam::DVec3;
 use tumble::{ContactPoint, State};
@@ -7,10 +7,10 @@ use super::GRAVITY;
 use crate::law::Law;
 use crate::scene::{Case, Measure, Scene, Shape};
 
-/// A ball let fall on a spring without a damper comes back to its height each time.
+/// A ball that is dropped on a spring without a damper returns to its height each time.
 ///
-/// In flight it is for `2 v/g` between touches at `v = √(2 g h)`; it touches for
-/// `(2/ω)(π - arctan(v ω/g))`, `ω = √(S/m)`; a rigid one for no time at all.
+/// A flight between two contacts at the speed `v = √(2 g h)` lasts `2 v/g`. A contact lasts
+/// `(2/ω)(π - arctan(v ω/g))` with `ω = √(S/m)`. The contact of a rigid ball has no duration.
 pub(crate) fn elastic(stiffness: f64) -> Scene {
     let (mass, radius, height, seconds): (f64, f64, f64, f64) = (1.0, 0.1, 1.0, 10.0);
     let speed = (2.0 * GRAVITY * height).sqrt();
@@ -29,7 +29,7 @@ pub(crate) fn elastic(stiffness: f64) -> Scene {
         slip_speed: 1e-3,
         gravity: GRAVITY,
     };
-    // The time of the last top, and of the answer a tenth of a second after one.
+    // Time of the last top, and of the end a tenth of a second after a top.
     let period = |touch: f64| 2.0 * speed / GRAVITY + touch;
     let seconds = (seconds / period(touches)).floor() * period(touches) + 0.1;
     let case = |touch: f64| {

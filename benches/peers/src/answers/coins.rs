@@ -1,5 +1,5 @@
-//! The coin on its ground: rolling round a circle, the report's trials at three sizes, and
-//! spinning.
+//! The coin on its ground: rolling round a circle, the trials of the coin report at three sizes,
+//! and spinning on the spot.
 
 use tumble::glam::{DQuat, DVec3};
 use tumble::{Coin, ContactPoint, RigidPointBody, State, Trial};
@@ -50,10 +50,11 @@ fn scene(
     }
 }
 
-/// Lean of the steadily rolling hoop from flat, rad, its spin about its own normal, rad/s, and the
-/// rate at which its lean turns about the vertical, rad/s: a root of
-/// `(k_a + 1) ω Ω sin α - k_d Ω² sin α cos α + (g/r) cos α = 0` with `k_a = 1`, `k_d = 1/2` (Routh;
-/// McDonald & McDonald).
+/// Lean of the steadily rolling hoop from flat, rad.
+///
+/// Its spin about its own normal is in rad/s. The rate Ω at which its lean rotates about the
+/// vertical, rad/s, is a root of `(k_a + 1) ω Ω sin α - k_d Ω² sin α cos α + (g/r) cos α = 0` with
+/// `k_a = 1`, `k_d = 1/2` (Routh; McDonald & McDonald).
 const LEAN: f64 = 75.0 * core::f64::consts::PI / 180.0;
 const SPIN: f64 = 4.0;
 const RADIUS: f64 = 0.5;
@@ -61,7 +62,7 @@ const RADIUS: f64 = 0.5;
 fn turning_rate() -> f64 {
     let (sin, cos) = LEAN.sin_cos();
     let (a, b, c) = (-0.5 * sin * cos, 2.0 * SPIN * sin, GRAVITY / RADIUS * cos);
-    // The slow root, without a difference of equal numbers.
+    // The slow root, without a difference of nearly equal numbers.
     -2.0 * c / (b + (b * b - 4.0 * a * c).sqrt())
 }
 
@@ -70,14 +71,14 @@ pub(super) fn circle(seconds: f64) -> (State, State) {
     let omega = turning_rate();
     let at = |time: f64, own: f64| {
         let round = DQuat::from_rotation_z(omega * time);
-        // The normal leans by α from the vertical, in the xz plane; the lowest point lies on the
-        // side to which it leans down.
+        // The normal leans by α from the vertical, in the xz plane. The lowest point is on the side
+        // to which the normal leans down.
         let lean = DQuat::from_rotation_y(LEAN - core::f64::consts::FRAC_PI_2);
         let turned = round * lean;
         let normal = turned * DVec3::X;
         let spin = normal * SPIN + (DVec3::Z - normal * normal.z) * omega;
         let arm = (normal * normal.z - DVec3::Z).normalize() * RADIUS;
-        // It rolls: the lowest point is at rest.
+        // Rolling: the lowest point of the body is at rest.
         let velocity = -(spin.cross(arm));
         // v = Ω z × R about the circle's centre.
         let position = velocity.cross(DVec3::Z) / omega;
@@ -89,7 +90,8 @@ pub(super) fn circle(seconds: f64) -> (State, State) {
             angular_momentum: along * 0.25 + (spin - along) * 0.125,
         }
     };
-    // The spin about the normal, 4 rad/s, holds Ω cos α of the turning; the body's own is the rest.
+    // The spin about the normal, 4 rad/s, includes Ω cos α of the rotation about the vertical. The
+    // rest is the rotation of the body relative to its lean.
     let own = (SPIN - omega * LEAN.cos()) * seconds;
     (at(0.0, 0.0), at(seconds, own))
 }
@@ -123,8 +125,10 @@ pub(crate) fn rolling_hoop() -> Result<Scene, String> {
     })
 }
 
-/// A trial of the report with a slip speed of 1e-3 m/s, all lengths multiplied by `size`: with
-/// masses by its cube, times by its root and the rest to match, the motion is the same.
+/// A trial of the coin report with a slip speed of 1e-3 m/s and all lengths multiplied by `size`.
+///
+/// Masses scale with the cube of `size` and times with its root. The other parameters follow, so
+/// that the motion is similar.
 pub(crate) fn trial(number: usize, size: f64) -> Result<Scene, String> {
     let trial = Trial {
         slip_speed: 1e-3,
@@ -188,7 +192,7 @@ pub(crate) fn trial(number: usize, size: f64) -> Result<Scene, String> {
             (RADIUS * size, "radii")
         },
         useful: if size == 1.0 { 0.1 } else { 0.2 },
-        // Finer than the others', so that the cheapest step for 1e-4 m is among them.
+        // Finer than those of the other scenes, so that the cheapest step for 1e-4 m is among them.
         steps: scaled(vec![
             1.25e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5,
         ]),
@@ -199,7 +203,7 @@ pub(crate) fn trial(number: usize, size: f64) -> Result<Scene, String> {
     })
 }
 
-/// The row of the table of truth.
+/// Returns the row of the table of reference solutions.
 fn truth(trial: usize, slip_speed: f64, seconds: f64) -> Result<State, String> {
     let path = concat!(
         env!("CARGO_MANIFEST_DIR"),
@@ -238,7 +242,7 @@ fn truth(trial: usize, slip_speed: f64, seconds: f64) -> Result<State, String> {
     Err(format!("the table of truth lacks trial {trial}"))
 }
 
-/// A flat coin that spins on the spot is slowed by `μ g/r`.
+/// A flat coin that spins on the spot; friction slows it by `μ g/r`.
 pub(crate) fn spinning() -> Scene {
     let (spin, seconds, coefficient) = (1e4, 1.0, 0.3);
     let law = law(120, 1000.0, 0.5, coefficient, 1e-3);

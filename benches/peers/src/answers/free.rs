@@ -1,4 +1,4 @@
-//! Bodies that turn in empty space.
+//! Bodies that rotate in empty space.
 
 use tumble::State;
 use tumble::glam::{DQuat, DVec3};
@@ -39,14 +39,15 @@ fn scene(name: &'static str, about: String, law: Law, seconds: f64, case: Case) 
     }
 }
 
-/// The coin of the report in flight, its axis 15 degrees from its angular momentum of 1 kg m²/s.
+/// The coin of the coin report in flight, its axis 15 degrees from its angular momentum of 1 kg
+/// m²/s.
 pub(crate) fn coin() -> Scene {
     let case = symmetric(DVec3::new(0.25, 0.125, 0.125), 1.0, 10.0);
     let about = "ring of 0.5 m, 8 rad/s, wobbling by 15°; its turn after 10 s, closed form".into();
     scene("coin in flight", about, law(1.0, case.0), 10.0, case.1)
 }
 
-/// The same, spun up to 1e4 rad/s.
+/// The coin of the coin report in flight, with a spin of 1e4 rad/s.
 pub(crate) fn fast_coin() -> Scene {
     let case = symmetric(DVec3::new(0.25, 0.125, 0.125), 1250.0, 1.0);
     let about = "the same at 10⁴ rad/s; its turn after 1 s, closed form".into();
@@ -65,7 +66,7 @@ pub(crate) fn fast_coin() -> Scene {
     }
 }
 
-/// A symmetric top turns about its angular momentum at `L/I1` and about its own axis at
+/// A symmetric top, which rotates about its angular momentum at `L/I1` and about its own axis at
 /// `L cos θ (1/I3 - 1/I1)` (Euler).
 fn symmetric(inertia: DVec3, momentum: f64, seconds: f64) -> (DVec3, Case) {
     let tilt = core::f64::consts::PI / 12.0;
@@ -81,11 +82,11 @@ fn symmetric(inertia: DVec3, momentum: f64, seconds: f64) -> (DVec3, Case) {
     (inertia, Case { start, answer })
 }
 
-/// A box spun about its middle axis turns over every `2 K(m)/p`: Landau & Lifshitz, Mechanics,
-/// section 37, with its axes numbered by moment.
+/// A box that spins about its middle axis and turns over every `2 K(m)/p` (Landau & Lifshitz,
+/// Mechanics, section 37, with axes numbered by moment).
 pub(crate) fn middle_axis() -> Scene {
-    // 1 kg, 0.1 m by 0.2 m by 0.3 m: moments (b² + c²)/12, smallest about the longest edge. x, y, z
-    // are numbered by moment.
+    // 1 kg, 0.1 m by 0.2 m by 0.3 m: moments (b² + c²)/12, the smallest about the longest edge. The
+    // axes x, y, z are numbered by moment.
     let inertia = DVec3::new(0.05, 0.10, 0.13) / 12.0;
     let seconds = 10.0;
     let spin = DVec3::new(0.005, 5.0, 0.0);
@@ -110,13 +111,13 @@ pub(crate) fn middle_axis() -> Scene {
     }
 }
 
-/// Spin in body axes by Jacobi's functions, of a body that starts with no spin about the axis of
+/// Spin in body axes by Jacobi's functions, for a body that starts without spin about the axis of
 /// its largest moment, and with `L² < 2 E I2`.
 ///
 /// `ω1 = A1 dn`, `ω2 = A2 sn`, `ω3 = A3 cn` solve Euler's equations: the textbook's with the axes 1
-/// and 3 exchanged. The start is a quarter of the period after u = 0, which makes them `ω1(0)/dn`,
-/// `ω2(0) cn/dn` and `-A3 k' sn/dn`. Differences of nearly equal numbers (`2 E I2 - L²` and its
-/// like) are written as products, for the parameter is within 1e-6 of 1.
+/// and 3 exchanged. The start is a quarter of the period after u = 0. The functions are then
+/// `ω1(0)/dn`, `ω2(0) cn/dn` and `-A3 k' sn/dn`. Differences of nearly equal numbers, such as
+/// `2 E I2 - L²`, are written as products, because the parameter is within 1e-6 of 1.
 fn euler(inertia: DVec3, start: DVec3, seconds: f64) -> DVec3 {
     let (i1, i2, i3) = (inertia.x, inertia.y, inertia.z);
     let (n1, n2) = (i1 * start.x * start.x, i2 * start.y * start.y);
@@ -131,7 +132,7 @@ fn euler(inertia: DVec3, start: DVec3, seconds: f64) -> DVec3 {
     DVec3::new(start.x, start.y * cn, -last * sn) / dn
 }
 
-/// sn and cn of `u` for the parameter `1 - complement`, by the arithmetic-geometric mean
+/// Computes sn and cn of `u` for the parameter `1 - complement`, by the arithmetic-geometric mean
 /// (Abramowitz & Stegun, 16.4).
 fn jacobi(u: f64, complement: f64) -> (f64, f64) {
     let (mut a, mut b) = (1.0, complement.sqrt());
@@ -153,8 +154,8 @@ fn jacobi(u: f64, complement: f64) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    /// Zero of the middle spin after a quarter of the period, 3.393201 s; the box has turned over
-    /// after twice that.
+    /// Checks that the middle spin is zero after a quarter of the period, 3.393201 s, and that the
+    /// box has turned over after twice that time.
     #[test]
     fn the_box_turns_over_when_the_quarter_period_says() {
         let (inertia, start) = (

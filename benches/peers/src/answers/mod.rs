@@ -1,4 +1,4 @@
-//! The scenes, a file a kind of motion, each with the answer that is known of it.
+//! The scenes, one file for each kind of motion, each with its known result.
 
 mod bounces;
 mod coins;
@@ -8,7 +8,7 @@ mod rolling_ball;
 
 use crate::scene::Scene;
 
-/// m/s²
+/// Acceleration of gravity, m/s².
 const GRAVITY: f64 = 9.8;
 
 /// All scenes, in the order of the table.

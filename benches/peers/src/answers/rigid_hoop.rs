@@ -1,8 +1,8 @@
-//! A rigid hoop on a rigid floor: what the trials are where the ground does not give way.
+//! A rigid hoop on a rigid floor: the limit of the trials on rigid ground.
 //!
-//! The lowest point of a smooth rim stays on the floor, which pushes with whatever force that
-//! takes, and Coulomb's friction acts there. It is the limit of the point law for a stiff ground
-//! and many points, and what rapier solves.
+//! The lowest point of a smooth rim stays on the floor, which exerts the constraint force, and
+//! Coulomb's friction acts there. The hoop is the limit of the point law for a stiff ground and
+//! many points, and it is what rapier solves.
 
 use ode_solvers::System;
 use tumble::State;
@@ -19,14 +19,14 @@ struct RigidHoop {
 
 const RADIUS: f64 = 0.5;
 const MASS: f64 = 1.0;
-/// kg m²: about the normal, and about a diameter.
+/// Moments of inertia, kg m²: about the normal, and about a diameter.
 const MOMENTS: (f64, f64) = (0.25, 0.125);
 
-/// Where the hoop is after `seconds`.
+/// Returns the state of the hoop after `seconds`.
 pub(super) fn after(start: &State, coefficient: f64, seconds: f64) -> Result<State, String> {
     let hoop = RigidHoop {
         coefficient,
-        // Small against the slips of some cm/s: a tenth of it moves the answer of trial 1 by
+        // Small compared with slips of some cm/s: a tenth of it changes the result of trial 1 by
         // 1e-5 m.
         slip_speed: 1e-4,
     };
@@ -61,11 +61,11 @@ fn unpack(y: &Vector) -> State {
     }
 }
 
-/// What the equations need of a state.
+/// Quantities of a state that the equations contain.
 struct Pose {
     axes: DMat3,
     spin: DVec3,
-    /// From the centre to the lowest point of the rim.
+    /// Vector from the centre to the lowest point of the rim.
     arm: DVec3,
 }
 
@@ -74,7 +74,7 @@ impl RigidHoop {
         let axes = DMat3::from_quat(state.orientation);
         let moments = DVec3::new(MOMENTS.0, MOMENTS.1, MOMENTS.1);
         let normal = axes.x_axis;
-        // Down, less its part along the normal.
+        // The downward direction, minus its component along the normal.
         let down = (normal * normal.z - DVec3::Z).normalize();
         Pose {
             axes,
@@ -83,7 +83,7 @@ impl RigidHoop {
         }
     }
 
-    /// Force and torque for a floor that pushes with `push` newtons.
+    /// Force and torque for a normal force of `push` newtons.
     fn load(&self, state: &State, pose: &Pose, push: f64) -> (DVec3, DVec3) {
         let slip = (state.linear_velocity + pose.spin.cross(pose.arm)).with_z(0.0);
         let friction = slip * (-self.coefficient * push / (slip.length() + self.slip_speed));
@@ -92,8 +92,8 @@ impl RigidHoop {
         (at_contact + weight, pose.arm.cross(at_contact))
     }
 
-    /// Second time derivative of the lowest point's height `z - r √(1 - n²)`, `n` the vertical part
-    /// of the normal, for a push.
+    /// Second time derivative of the lowest point's height `z - r √(1 - n²)` for a normal force,
+    /// with `n` the vertical component of the normal.
     fn lift(&self, state: &State, pose: &Pose, push: f64) -> f64 {
         let (force, torque) = self.load(state, pose, push);
         let (spin, normal) = (pose.spin, pose.axes.x_axis);
@@ -115,7 +115,7 @@ impl System<f64, Vector> for RigidHoop {
     fn system(&self, _: f64, y: &Vector, dy: &mut Vector) {
         let state = unpack(y);
         let pose = Self::pose(&state);
-        // The lift is linear in the push; the floor does not pull.
+        // The acceleration is linear in the normal force, and the floor does not pull.
         let (free, pushed) = (self.lift(&state, &pose, 0.0), self.lift(&state, &pose, 1.0));
         let push = (-free / (pushed - free)).max(0.0);
         let (force, torque) = self.load(&state, &pose, push);
@@ -134,12 +134,12 @@ mod tests {
     use super::*;
     use crate::answers::coins;
 
-    /// The steady circle of the closed form is a solution of these equations.
+    /// Checks that the steady circle of the closed form is a solution of these equations.
     #[test]
     fn the_hoop_rolls_round_the_circle_of_the_closed_form() {
         let (start, answer) = coins::circle(1.0);
         let end = after(&start, 0.3, 1.0).unwrap();
-        // Friction's slip speed lets the rim creep by some 0.8e-4 m/s.
+        // The slip speed of friction lets the rim creep by about 0.8e-4 m/s.
         assert!(
             (end.position - answer.position).length() < 2e-4,
             "{end:?} {answer:?}"

@@ -7,12 +7,12 @@ use super::GRAVITY;
 use crate::law::Law;
 use crate::scene::{Case, Measure, Scene, Shape};
 
-/// A ball set down sliding at `v` without a spin slides until it rolls at `(5/7) v`, whatever the
-/// friction.
+/// A ball that starts with the speed `v` and no spin, slides, and then rolls at `(5/7) v`, whatever
+/// the friction.
 ///
-/// Its slip s begins at v and falls as `s' = -a s/(s + ε)`, `a = (7/2) μ g`, and each metre a
-/// second of it is 2/7 of the centre's speed. So the way is `(5/7) v t + (2/7) ∫ s dt` with
-/// `∫ s dt = (v²/2 + ε v)/a` once it rolls; Coulomb's own friction has ε = 0.
+/// Its slip s begins at v and decreases as `s' = -a s/(s + ε)`, `a = (7/2) μ g`. Of each m/s of
+/// slip, 2/7 belong to the speed of the centre. So the displacement is `(5/7) v t + (2/7) ∫ s dt`
+/// with `∫ s dt = (v²/2 + ε v)/a` once it rolls. Coulomb's own friction has ε = 0.
 pub(crate) fn slides_then_rolls(stiffness: f64, slip_speed: f64) -> Scene {
     let (mass, radius, speed, coefficient, seconds): (f64, f64, f64, f64, f64) =
         (1.0, 0.1, 2.0, 0.3, 1.0);
@@ -28,7 +28,7 @@ pub(crate) fn slides_then_rolls(stiffness: f64, slip_speed: f64) -> Scene {
             radius,
         }],
         stiffness,
-        // A fifth of what stops every swing; nothing swings, for the ball starts at its height of
+        // A fifth of critical damping. Nothing oscillates, because the ball starts at its height at
         // rest.
         damping: 0.4 * (stiffness * mass).sqrt(),
         coefficient,

@@ -29,7 +29,7 @@ impl Free {
         }
     }
 
-    /// The whole state, `seconds` after `start`.
+    /// Returns the whole state, `seconds` after `start`.
     pub(crate) fn state(&self, law: &Law, start: &State, seconds: f64) -> State {
         let orientation = self.orientation.normalize();
         let gravity = DVec3::NEG_Z * law.gravity;

@@ -1,4 +1,4 @@
-//! The programs that are compared.
+//! The compared programs.
 
 pub(crate) mod ode;
 pub(crate) mod ours;
@@ -10,44 +10,45 @@ use tumble::State;
 
 use crate::law::Law;
 
-/// Sees the states of a run, the first and that after each step.
+/// Receives the states of a run, at the start and after each step.
 pub(crate) type Watch<'a> = &'a mut dyn FnMut(&State);
 
-/// One program with its settings, ready to run one scene from its start to its end.
+/// A program with its settings, which runs one scene from its start to its end.
 pub(crate) trait Program {
-    /// Who it is.
+    /// Name of the program.
     fn name(&self) -> String;
-    /// Its settings.
+    /// Settings of the program.
     fn settings(&self) -> String;
-    /// A whole run.
+    /// Runs the scene.
     ///
     /// # Errors
-    /// Says why the program could not go on.
+    ///
+    /// Returns the reason if the program fails.
     fn run(&self, watch: Option<Watch<'_>>) -> Result<End, String>;
-    /// Whether its contacts are rigid, so that the rigid answer is its own.
+    /// Returns true if its contacts are rigid, so that its result is the rigid one.
     fn is_rigid(&self) -> bool {
         false
     }
-    /// Whether its state is read 240 times a second, and not at the end alone.
+    /// Returns true if its state is sampled 240 times a second, and not only at the end.
     fn is_sampled(&self) -> bool {
         false
     }
-    /// Whether it is this library.
+    /// Returns true if it is this library.
     fn is_ours(&self) -> bool {
         false
     }
 }
 
-/// Where a run ended.
+/// End of a run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct End {
     pub(crate) state: State,
     pub(crate) steps: u64,
-    /// CPU seconds before the first step, where that is worth mentioning: no part of the price.
+    /// CPU seconds before the first step, if worth mentioning. They are not part of the cost.
     pub(crate) preparation: f64,
 }
 
-/// `1e-2 s`, `1.25e-2 s`: with as many digits as it takes.
+/// Returns a step size as text, `1e-2 s` or `1.25e-2 s`, with as many digits as needed.
 fn name_of_step(time_step: f64) -> String {
     let short = format!("{time_step:.0e}");
     let is_exact = short
@@ -60,13 +61,14 @@ fn name_of_step(time_step: f64) -> String {
     }
 }
 
-/// `tol 1e-6`, with the samples where there are any.
+/// Returns a tolerance as text, `tol 1e-6`, followed by the sampling rate if there is one.
 fn name_of_tolerance(tolerance: f64, is_sampled: bool) -> String {
     let samples = if is_sampled { ", 240 Hz" } else { "" };
     format!("tol {tolerance:.0e}{samples}")
 }
 
-/// Most steps of an adaptive method in a run. What takes more is no choice for the scene.
+/// Largest number of steps of an adaptive method in a run. A setting that takes more is not
+/// suitable.
 fn most_steps(law: &Law) -> u32 {
     if law.contacts.is_empty() {
         500_000
@@ -75,10 +77,10 @@ fn most_steps(law: &Law) -> u32 {
     }
 }
 
-/// Samples a second of a program that is sampled: four for each picture of a film.
+/// Samples a second of a sampled program: four for each frame of a film.
 const SAMPLES_A_SECOND: f64 = 240.0;
 
-/// Time between two samples of a run, s: a whole number of them fills it.
+/// Interval between two samples of a run, s. A whole number of intervals fills the run.
 fn sample_interval(seconds: f64) -> f64 {
     seconds / (seconds * SAMPLES_A_SECOND).round().max(1.0)
 }

@@ -1,7 +1,7 @@
-//! The point law by `ode_solvers`: Dormand and Prince's methods of orders 5 and 8 with error
+//! The point law by `ode_solvers`: the methods of Dormand and Prince of orders 5 and 8 with error
 //! control.
 //!
-//! A body in free flight is given to them as Euler's equations in body axes, seven numbers, which
+//! A body in free flight is passed to them as Euler's equations in body axes, seven numbers, which
 //! is how a user would write free rotation.
 
 use std::cell::RefCell;
@@ -14,20 +14,20 @@ use super::{End, Program, Watch};
 use crate::law::euler::Free;
 use crate::law::{Law, rates};
 
-/// Thirteen numbers: position, velocity, orientation, angular momentum.
+/// State of thirteen numbers: position, velocity, orientation, angular momentum.
 pub(crate) type Vector = SVector<f64, 13>;
 
-/// Seven numbers: orientation, angular velocity in body axes.
+/// State of seven numbers: orientation, angular velocity in body axes.
 type FreeVector = SVector<f64, 7>;
 
-/// Which of its methods.
+/// Method of the program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Method {
     Dopri5,
     Dop853,
 }
 
-/// In which form the equations are given.
+/// Form of the equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Form {
     /// The point law in world axes.
@@ -42,16 +42,16 @@ pub(crate) struct OdeSolvers<'a> {
     pub(crate) seconds: f64,
     pub(crate) method: Method,
     pub(crate) form: Form,
-    /// Relative, and absolute in the scene's own units.
+    /// Relative tolerance, and absolute tolerance in the units of the scene.
     pub(crate) tolerance: f64,
-    /// Length (m) and time (s) of those units: the crate has one absolute tolerance for all
+    /// Length (m) and time (s) of these units. The program has one absolute tolerance for all
     /// numbers.
     pub(crate) scale: (f64, f64),
-    /// Whether its dense output is read 240 times a second.
+    /// True if its dense output is sampled 240 times a second.
     pub(crate) is_sampled: bool,
 }
 
-/// Length, time and mass by which the numbers are made about 1.
+/// Length, time and mass by which the numbers are scaled to about 1.
 #[derive(Clone, Copy)]
 pub(crate) struct Units {
     pub(crate) length: f64,
@@ -109,7 +109,7 @@ impl Units {
     }
 }
 
-/// The law as the crate wants it.
+/// Point law in the form that the program requires.
 struct Equations<'a, 'w> {
     law: &'a Law,
     units: Units,
@@ -129,7 +129,7 @@ impl System<f64, Vector> for Equations<'_, '_> {
     }
 }
 
-/// Euler's equations as the crate wants them.
+/// Euler's equations in the form that the program requires.
 struct FreeEquations<'a, 'w> {
     law: &'a Law,
     start: State,
@@ -253,7 +253,7 @@ impl OdeSolvers<'_> {
     }
 }
 
-/// From time 0 to the end, and the interval of the samples, in the scene's units.
+/// End time of a run from time 0, and the interval of the samples, in the units of the scene.
 #[derive(Clone, Copy)]
 pub(crate) struct Span {
     pub(crate) end: f64,
@@ -261,7 +261,7 @@ pub(crate) struct Span {
     pub(crate) most_steps: u32,
 }
 
-/// The end of a run from time 0, and how many steps it took, with the rejected ones.
+/// Returns the end of a run from time 0, and the number of steps, including rejected ones.
 pub(crate) fn solve<const N: usize>(
     equations: impl System<f64, SVector<f64, N>>,
     method: Method,
@@ -274,8 +274,8 @@ pub(crate) fn solve<const N: usize>(
         Some(interval) => (OutputType::Dense, interval),
         None => (OutputType::Sparse, end),
     };
-    // The crate's defaults but for the number of steps, and for its test of stiffness, which would
-    // end runs that go through.
+    // The defaults of the program, except for the number of steps and for the stiffness test, which
+    // would end runs that succeed.
     macro_rules! run {
         ($solver:ident, $beta:expr, $least:expr, $most:expr) => {{
             let mut solver = $solver::from_param(

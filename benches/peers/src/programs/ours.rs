@@ -12,7 +12,7 @@ use core::ops::ControlFlow;
 use super::{End, Program, Watch};
 use crate::scene::{Scene, Shape};
 
-/// A composed scene and what it is called.
+/// A composed scene and its name.
 struct Ours<S> {
     stepper: S,
     name: &'static str,
@@ -22,12 +22,12 @@ struct Ours<S> {
     is_sampled: bool,
 }
 
-/// A body whose mass, inertia and contacts are given.
+/// A body with given mass, inertia and contacts.
 struct Given {
     mass: f64,
     inertia: DVec3,
     contacts: Vec<ContactPoint>,
-    /// m
+    /// Bounding radius, m.
     bounding_radius: f64,
 }
 
@@ -41,8 +41,8 @@ impl RigidPointBody for Given {
     fn contacts(&self) -> &[ContactPoint] {
         &self.contacts
     }
-    // A body in flight has no contact here, but a tolerance in metres wants to know how large it
-    // is.
+    // A body in flight has no contact here, but a tolerance in metres requires the size of the
+    // body.
     fn bounding_radius(&self) -> f64 {
         self.bounding_radius
     }
@@ -131,11 +131,13 @@ where
     }
 }
 
-/// Tolerances in the scene's length.
+/// Tolerances, in units of the scene's length.
 const TOLERANCES: [f64; 8] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
 
-/// The library on a scene: each integrator at each of the scene's steps, and with each tolerance.
-/// The methods with a tolerance are sampled at 240 Hz as well.
+/// Returns the library on a scene: each integrator with each step size of the scene, and with each
+/// tolerance.
+///
+/// The adaptive methods are also sampled at 240 Hz.
 pub(crate) fn programs(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, String> {
     let mut all = with_steps(scene)?;
     all.extend(with_tolerances(scene, false)?);
@@ -235,12 +237,12 @@ fn with_tolerances(scene: &Scene, is_sampled: bool) -> Result<Vec<Box<dyn Progra
             }
         }
     }
-    // The rows of one method stand together.
+    // The rows of one method are adjacent.
     all.sort_by_key(|program| program.name().contains("DormandPrince54"));
     Ok(all)
 }
 
-/// The energy of a state by the library's own books, J.
+/// Energy of a state as the library computes it, J.
 pub(crate) fn energy(scene: &Scene) -> Result<impl Fn(&State) -> f64 + use<>, String> {
     let integrator = EnergyMomentum { time_step: 1e-3 };
     let stepper =
@@ -248,7 +250,7 @@ pub(crate) fn energy(scene: &Scene) -> Result<impl Fn(&State) -> f64 + use<>, St
     Ok(move |state: &State| stepper.energy(state).total())
 }
 
-/// A scene with an integrator, behind one type.
+/// Composes a scene with an integrator as one type.
 fn composed<'a, I: Integrator + 'a>(
     scene: &'a Scene,
     name: &'static str,

@@ -38,7 +38,7 @@ impl Program for PlainRk4<'_> {
     }
 }
 
-/// The same method on Euler's equations in body axes, for a body in free flight.
+/// The classical Runge-Kutta method on Euler's equations in body axes, for a body in free flight.
 pub(crate) struct PlainEuler<'a> {
     pub(crate) law: &'a Law,
     pub(crate) start: State,
@@ -73,7 +73,7 @@ impl Program for PlainEuler<'_> {
     }
 }
 
-/// Number and length of equal steps that are at most so long.
+/// Number and size of equal steps that are at most `time_step`.
 fn even_steps(seconds: f64, time_step: f64) -> (u64, f64) {
     let steps = (seconds / time_step).ceil();
     (steps as u64, seconds / steps)

@@ -1,4 +1,4 @@
-//! rapier, in both its precisions: the same code against the two crates.
+//! rapier in both precisions: the same code for the two crates.
 
 use super::{End, Program, Watch};
 use tumble::State;
@@ -6,31 +6,32 @@ use tumble::glam::{DMat3, DQuat, DVec3};
 
 use crate::scene::{Scene, Shape};
 
-/// How rapier's contacts are solved: what there is to tune beside the step.
+/// Settings of rapier's contact solver, besides the step size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Tuning {
-    /// rapier's defaults: 60 steps a second.
+    /// Defaults of rapier: 60 steps a second.
     Default,
-    /// Coulomb's friction, fast rotation, no sleep, no caps of speed, no reuse of old contacts, no
-    /// motion clamping, and these.
+    /// Coulomb's friction, fast rotation, no sleep, no speed limit, no reuse of old contacts, no
+    /// motion clamping, and the following settings.
     Careful {
-        /// s
+        /// Step size, s.
         time_step: f64,
-        /// Each is a part of a step of its own.
+        /// Number of iterations, each of which is a substep.
         iterations: usize,
-        /// Hz; the damping ratio stays rapier's.
+        /// Contact frequency, Hz. The damping ratio is rapier's default.
         contact_frequency: f64,
-        /// Friction also in the pass that pushes bodies out of each other.
+        /// Applies friction also in the pass that corrects penetration.
         friction_in_both_passes: bool,
     },
 }
 
 impl Tuning {
-    /// What a careful user would try at one step: the best of these is the tuned rapier.
+    /// Settings that a careful user would try at one step size. The best of them is the tuned
+    /// rapier.
     pub(crate) fn all(time_step: f64, scene: &Scene) -> Vec<Self> {
         let mut all = Vec::new();
-        // rapier's own is 60 Hz; the others are as stiff as the step resolves. In flight nothing is
-        // there to be tuned but the iterations.
+        // rapier's default is 60 Hz. The other frequencies are as high as the step resolves. In
+        // flight only the number of iterations can be tuned.
         let own = 60.0 / scene.scale.1;
         let (frequencies, passes) = match scene.shape != Shape::Free {
             true => (
@@ -74,7 +75,7 @@ impl Tuning {
     }
 }
 
-/// One rapier on one scene. `F` is its number.
+/// One version of rapier on one scene. `F` is its number type.
 pub(crate) struct Rapier<F> {
     work: Work,
     tuning: Tuning,
@@ -91,12 +92,14 @@ impl<F> Rapier<F> {
     }
 }
 
-/// A scene in the units that rapier works in. As it comes: m, s, kg. Tuned: those that make the
-/// scene's numbers about 1, for a coin of 1 mm in metres does not feel rapier's friction.
+/// A scene in the units that rapier uses.
+///
+/// With default settings these are m, s, kg. Tuned, they scale the numbers of the scene to about 1,
+/// because rapier's friction has no effect on a coin of 1 mm in metres.
 struct Work {
     length: f64,
     time: f64,
-    /// kg, of the unit of mass.
+    /// Mass in kg of one unit of mass.
     unit_mass: f64,
     mass: f64,
     /// Principal moments.
@@ -143,7 +146,7 @@ impl Work {
         work
     }
 
-    /// How much higher than a ring the coin lies that has a thickness.
+    /// Height by which the coin lies higher than a ring, because it has a thickness.
     fn raised(&self, orientation: DQuat) -> f64 {
         match self.shape {
             Shape::Coin(radius) => radius * HALF_THICKNESS * (orientation * DVec3::X).z.abs(),
@@ -157,7 +160,7 @@ impl Work {
         axes * ((axes.transpose() * self.start.angular_momentum) / self.inertia)
     }
 
-    /// A state of rapier's in SI units, without what its thickness raised it.
+    /// Converts a state of rapier to SI units, without the height due to the thickness.
     fn state(&self, position: DVec3, velocity: DVec3, orientation: DQuat, spin: DVec3) -> State {
         let orientation = orientation.normalize();
         let axes = DMat3::from_quat(orientation);
@@ -171,12 +174,15 @@ impl Work {
     }
 }
 
-/// Half the thickness of the coin, in radii: rapier has no ring.
+/// Half the thickness of the coin, in radii. rapier has no ring.
 const HALF_THICKNESS: f64 = 3e-3;
 
-/// Corners of the tuned coin. Of prisms with 60 to 1920 sides and half thicknesses of 1e-4 to 1e-2
-/// radii, rings of small balls and rapier's own cylinder (two points of one line touch: 0.4 m off
-/// after 1 s on the circle), this one errs least on circle and trials together.
+/// Number of corners of the tuned coin.
+///
+/// It has the least error on circle and trials together. The alternatives were prisms with 60 to
+/// 1920 sides and half thicknesses of 1e-4 to 1e-2 radii, rings of small balls, and rapier's own
+/// cylinder. The cylinder touches with two points of one line, and is 0.4 m off after 1 s on the
+/// circle.
 const SIDES: u32 = 240;
 
 /// Corners of a coin as a prism, body axes.
@@ -223,8 +229,8 @@ macro_rules! rapier {
                     let preparation = clock.elapsed().as_secs_f64();
                     let whole = f64::from(world.integration_parameters.dt);
                     let steps = (self.work.seconds / whole * (1.0 - 1e-6)).ceil();
-                    // The last step is what is left of the time, so that the run ends with the
-                    // answer.
+                    // The last step takes the remaining time, so that the run ends at the time of
+                    // the known result.
                     let rest = self.work.seconds - whole * (steps - 1.0);
                     for step in 0..steps as u64 {
                         if let Some(watch) = &mut watch {
@@ -285,7 +291,7 @@ macro_rules! rapier {
                 world
             }
 
-            /// The body with its collider, on a half-space if it can touch one.
+            /// Inserts the body with its collider, and a half-space if the body can touch one.
             fn insert(world: &mut PhysicsWorld, work: &Work, tuning: Tuning) -> RigidBodyHandle {
                 let (mass, inertia) = (work.mass as $number, vector(work.inertia));
                 let properties = InertiaProperties::new(vector(DVec3::ZERO), mass, inertia);
@@ -326,7 +332,7 @@ macro_rules! rapier {
                 ColliderBuilder::convex_hull(&corners).expect("a prism is a convex hull")
             }
 
-            /// A cylinder's axis is y, a coin's is x.
+            /// Cylinder with its axis along x, as for a coin. The axis of rapier's cylinder is y.
             fn cylinder(radius: f64) -> ColliderBuilder {
                 let turn = vector(DVec3::Z * core::f64::consts::FRAC_PI_2);
                 let half = (radius * HALF_THICKNESS) as $number;

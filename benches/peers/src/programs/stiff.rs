@@ -1,7 +1,7 @@
 //! The point law by a stiff method: the backward differentiation formulas of `diffsol`.
 //!
-//! They are implicit, of order 1 to 5, with error control: what a user takes where stiff friction
-//! makes explicit steps short. The Jacobian is given by central differences.
+//! They are implicit, of orders 1 to 5, with error control. A user would choose them if stiff
+//! friction makes explicit steps short. The Jacobian is computed by central differences.
 
 use std::cell::Cell;
 
@@ -16,9 +16,9 @@ pub(crate) struct Bdf<'a> {
     pub(crate) law: &'a Law,
     pub(crate) start: State,
     pub(crate) seconds: f64,
-    /// Relative, and absolute in the scene's own units.
+    /// Relative tolerance, and absolute tolerance in the units of the scene.
     pub(crate) tolerance: f64,
-    /// Length (m) and time (s) of those units.
+    /// Length (m) and time (s) of these units.
     pub(crate) scale: (f64, f64),
     pub(crate) is_sampled: bool,
 }
@@ -94,7 +94,8 @@ impl Program for Bdf<'_> {
 }
 
 impl Bdf<'_> {
-    /// Half-width of the differences, in the scene's units: small beside the slip speed.
+    /// Half-width of the differences, in the units of the scene: small compared with the slip
+    /// speed.
     fn nudge(&self, units: Units) -> f64 {
         1e-3 * (self.law.slip_speed / units.speed()).min(1e-3)
     }
@@ -104,7 +105,7 @@ fn unpacked(units: Units, y: &diffsol::NalgebraVec<f64>) -> State {
     units.unpack(&Vector::from_column_slice(y.batch_as_slice(0)))
 }
 
-/// The times at which a sampled run is asked for its state, in the scene's units.
+/// Times at which a sampled run returns its state, in the units of the scene.
 struct Samples {
     interval: Option<f64>,
     taken: Cell<u32>,

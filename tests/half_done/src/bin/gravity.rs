@@ -1,8 +1,8 @@
-//! A gravity that implements nothing. The compiler says:
+//! A gravity field that implements nothing. The compiler says:
 //!
-//! > ` is not a gravity: it does not implement `Gravity<
-//! > this should be a gravity
-//! > take `UniformGravity::down(9.8)`, or implement `acceleration`; the precision
+//! > ` is not a gravity field: it does not implement `Gravity<
+//! > this should be a gravity field
+//! > use `UniformGravity::down(9.8)`, or implement `acceleration`; the precision
 
 use tumble::{Coin, Stepper};
 

@@ -1,7 +1,7 @@
 //! A ground whose law implements nothing. The compiler says:
 //!
-//! > `Sand` is not the law of a contact: it does not implement `ContactLaw<
-//! > this should be a law of contact
+//! > `Sand` is not a contact law: it does not implement `ContactLaw<
+//! > this should be a contact law
 //! > implement `spring_force`, `spring_energy` and `normal_force`; the precision
 
 use tumble::{Coin, Ground, Stepper};

@@ -1,6 +1,6 @@
 //! An observer that implements nothing. The compiler says:
 //!
-//! > `Camera` does not watch: it does not implement `Observer<
+//! > `Camera` is not an observer: it does not implement `Observer<
 //! > this should be an observer
 //! > implement `observe`, or write a closure
 

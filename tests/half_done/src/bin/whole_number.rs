@@ -1,6 +1,6 @@
 //! A whole number where a mass should be. The compiler says:
 //!
-//! > `{integer}` is not a number that bodies are counted in: that is `f64` or `f32`
+//! > `{integer}` is not a number type of this crate: use `f64` or `f32`
 //! > write `1.0` for `1`
 
 use tumble::{Sphere, Stepper};
