@@ -1,8 +1,9 @@
 //! A fixed number of steps, for `callgrind` to count the instructions: see `.ci/instructions`.
 //!
-//! The arguments are `instructions INTEGRATOR PHASE POINTS STEPS`, with `round` for a rim without
-//! points. The instructions of a step are the difference of two counts over the difference of their
-//! numbers of steps.
+//! The arguments are `instructions INTEGRATOR PHASE POINTS STEPS`. `POINTS` is a number, `round` for a
+//! rim without points, or `own` for 120 points on a user's ground and friction law, whose values
+//! every step tests. The instructions of a step are the difference of two counts over the
+//! difference of their numbers of steps.
 
 // A benchmark that fails ends with a panic.
 #![allow(clippy::unwrap_used, clippy::panic)]
@@ -10,7 +11,7 @@
 mod scenes;
 
 use core::hint::black_box;
-use scenes::{Advance, Phase, TIME_STEP, ring, round, stepper};
+use scenes::{Advance, Phase, TIME_STEP, own_laws, ring, round, stepper};
 use tumble::{
     EnergyMomentum, ForwardEuler, Integrator, Nystrom, Rk4, StrangSplitting, SymplecticEuler,
 };
@@ -37,11 +38,13 @@ fn main() {
 }
 
 fn run(integrator: impl Integrator, phase: Phase, points: &str, steps: u32) {
-    if points == "round" {
-        measure(&stepper(round(), integrator), phase, steps);
-    } else {
-        let points = points.parse().unwrap();
-        measure(&stepper(ring(points), integrator), phase, steps);
+    match points {
+        "round" => measure(&stepper(round(), integrator), phase, steps),
+        "own" => measure(&own_laws(integrator), phase, steps),
+        _ => {
+            let points = points.parse().unwrap();
+            measure(&stepper(ring(points), integrator), phase, steps);
+        }
     }
 }
 

@@ -7,8 +7,9 @@
 
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    Coin, ContactPoint, Coulomb, Disc, FlatGround, Gravity, Integrator, RigidPointBody,
-    SlidingFriction, SpringDamperGround, State, Stepper, Trial, UniformGravity,
+    Coin, ContactPoint, Coulomb, Disc, FlatGround, FrictionJacobian, Gravity, GroundBounds,
+    Integrator, MeanForce, RigidPointBody, SlidingFriction, SpringDamperGround, State, Stepper,
+    Surface, Trial, UniformGravity,
 };
 
 /// Step size of the coin report, s.
@@ -128,6 +129,52 @@ pub(crate) fn stepper<B: RigidPointBody, I: Integrator>(
     Stepper::new(body)
         .and_then(|stepper| stepper.with_ground(ground(points)))
         .and_then(|stepper| stepper.with_friction(trial_1().friction()))
+        .and_then(|stepper| stepper.with_gravity(trial_1().gravity()))
+        .and_then(|stepper| stepper.with_integrator(integrator))
+        .unwrap()
+}
+
+/// A law that does not say that it is trusted, as a user writes it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Own<L>(L);
+
+impl<G: SpringDamperGround> SpringDamperGround for Own<G> {
+    fn surface(&self, point: DVec3) -> Surface {
+        self.0.surface(point)
+    }
+    fn spring_force(&self, depth: f64) -> f64 {
+        self.0.spring_force(depth)
+    }
+    fn spring_energy(&self, depth: f64) -> f64 {
+        self.0.spring_energy(depth)
+    }
+    fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
+        self.0.normal_force(depth, closing_speed)
+    }
+    fn mean_force(&self, start: f64, end: f64, seconds: f64) -> MeanForce {
+        self.0.mean_force(start, end, seconds)
+    }
+    fn bounds(&self) -> GroundBounds {
+        self.0.bounds()
+    }
+}
+
+impl<F: SlidingFriction> SlidingFriction for Own<F> {
+    fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
+        self.0.force(normal_force, slip)
+    }
+    fn jacobian(&self, normal_force: f64, slip: DVec3) -> FrictionJacobian {
+        self.0.jacobian(normal_force, slip)
+    }
+}
+
+/// The report's coin in the scene of trial 1, on laws that every step tests.
+pub(crate) fn own_laws<I: Integrator>(
+    integrator: I,
+) -> Stepper<f64, Ring, Own<FlatGround>, Own<Coulomb>, UniformGravity, I> {
+    Stepper::new(ring(120))
+        .and_then(|stepper| stepper.with_ground(Own(ground(120))))
+        .and_then(|stepper| stepper.with_friction(Own(trial_1().friction())))
         .and_then(|stepper| stepper.with_gravity(trial_1().gravity()))
         .and_then(|stepper| stepper.with_integrator(integrator))
         .unwrap()

@@ -1,12 +1,14 @@
 //! Body, ground, friction and gravity together: contacts that touch, with their force and torque.
 
-mod checked;
+mod diagnosed;
 mod level;
 mod rims;
+mod screened;
 
-pub(crate) use checked::{CheckedScene, Record};
+pub(crate) use diagnosed::{DiagnosedScene, Record};
 use rims::Touching;
 pub(crate) use rims::{Kinks, Velocities, arc_below, kinks};
+pub(crate) use screened::{Alarm, ScreenedScene};
 
 use crate::body::{ContactPoint, ContactRange, InertiaProperties, RigidPointBody};
 use crate::error::{self, SceneError};

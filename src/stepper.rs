@@ -11,7 +11,7 @@ use crate::ground::{NoGround, SpringDamperGround};
 use crate::integrator::{EnergyMomentum, Integrator, Step};
 use crate::observer::{Observer, Sample, SceneQuery};
 use crate::real::{Real, Vector};
-use crate::scene::{CheckedScene, Dynamics, LowestPoint, Record, Scene};
+use crate::scene::{Alarm, DiagnosedScene, Dynamics, LowestPoint, Record, Scene, ScreenedScene};
 use crate::stability;
 use crate::state::State;
 
@@ -383,48 +383,39 @@ where
         workspace: &mut I::Workspace,
     ) -> Result<Step<R>, StepError> {
         if !self.scene.is_trusted() {
-            return self.move_on_checked(state, limit, workspace);
+            return self.move_on_screened(state, limit, workspace);
         }
         let before = *state;
         let step = self.integrator.step(&self.scene, state, limit, workspace);
-        let error = match (step, state.not_finite()) {
-            (Ok(step), None) if step.elapsed > R::ZERO || limit <= R::ZERO => return Ok(step),
-            (Ok(_), None) => StepError::Stalled,
-            (Ok(_), Some(quantity)) => blame(&before, quantity),
-            // An invalid state can also cause an error of the energy, so the state is checked
-            // first.
-            (Err(error), _) => before.not_finite().map_or(error, StepError::BadState),
-        };
-        *state = before;
-        Err(error)
+        match (&step, state.not_finite()) {
+            (Ok(step), None) if step.elapsed > R::ZERO || limit <= R::ZERO => Ok(*step),
+            _ => self.examined(step, limit, (&before, state), workspace),
+        }
     }
 
-    /// Takes a step like [`move_on`](Self::move_on) and checks every value that a law returns.
-    // A separate function: for trusted laws none of this code is left in the program.
-    #[inline(never)]
-    fn move_on_checked(
+    /// Takes a step like [`move_on`](Self::move_on) and tests every value that a law returns.
+    #[inline]
+    fn move_on_screened(
         &self,
         state: &mut State<R>,
         limit: R,
         workspace: &mut I::Workspace,
     ) -> Result<Step<R>, StepError> {
-        let before = *state;
-        let record = Record::new();
-        let scene = CheckedScene::of(&self.scene, &record);
-        match self.integrator.step(&scene, state, limit, workspace) {
-            Ok(step)
-                if record.is_empty()
-                    && state.not_finite().is_none()
-                    && (step.elapsed > R::ZERO || limit <= R::ZERO) =>
+        let (before, alarm) = (*state, Alarm::default());
+        let scene = ScreenedScene::of(&self.scene, &alarm);
+        let step = self.integrator.step(&scene, state, limit, workspace);
+        match (&step, state.not_finite()) {
+            (Ok(step), None)
+                if !alarm.is_raised() && (step.elapsed > R::ZERO || limit <= R::ZERO) =>
             {
-                Ok(step)
+                Ok(*step)
             }
-            outcome => self.examined(outcome, limit, (&before, state), &record, workspace),
+            _ => self.examined(step, limit, (&before, state), workspace),
         }
     }
 
-    /// Result of a step that failed, or during which a value broke a contract. Returns the outcome
-    /// if rounding explains the value. Otherwise returns an error and restores the state from
+    /// Result of a step that failed, or during which a value of a law failed a test. Returns the
+    /// step if rounding explains the value. Otherwise returns an error and restores the state from
     /// before the step.
     #[cold]
     #[inline(never)]
@@ -433,10 +424,10 @@ where
         outcome: Result<Step<R>, StepError>,
         limit: R,
         (before, state): (&State<R>, &mut State<R>),
-        record: &Record<R>,
         workspace: &mut I::Workspace,
     ) -> Result<Step<R>, StepError> {
-        let broken_law = broken_law(&self.scene, before, record);
+        let covered = outcome.map_or(limit, |step| step.elapsed);
+        let broken_law = self.broken_law(before, covered);
         let error = match (broken_law, outcome, state.not_finite()) {
             (None, Ok(step), None) if step.elapsed > R::ZERO || limit <= R::ZERO => {
                 return Ok(step);
@@ -448,10 +439,36 @@ where
                 error
             }
             (None, Ok(_), Some(quantity)) => blame(before, quantity),
+            // An invalid state can also cause an error of the energy, so the state is checked
+            // first.
             (None, Err(error), _) => before.not_finite().map_or(error, StepError::BadState),
         };
         *state = *before;
         Err(error)
+    }
+
+    /// Integrates the motion from `before` again for `seconds` and examines every value that a law
+    /// returns. Returns the error of the first value that breaks the contract by more than
+    /// rounding.
+    fn broken_law(&self, before: &State<R>, seconds: R) -> Option<StepError> {
+        if self.scene.is_trusted() {
+            return None;
+        }
+        let record = Record::new();
+        let scene = DiagnosedScene::of(&self.scene, &record);
+        let (mut state, mut workspace) = (*before, I::Workspace::default());
+        let mut left = seconds;
+        // A method that chooses its steps may take several, because its memory is not the same.
+        for _ in 0..STEPS_OF_A_DIAGNOSIS {
+            let step = self
+                .integrator
+                .step(&scene, &mut state, left, &mut workspace);
+            left -= step.map_or(left, |step| step.elapsed);
+            if left <= R::ZERO || !record.is_empty() {
+                break;
+            }
+        }
+        broken_law(&self.scene, before, &record)
     }
 
     /// Advances a state by exactly `seconds`, which must be at least 0.
@@ -676,6 +693,9 @@ fn energy_at_a_metre<R: Real>(ground: &impl SpringDamperGround<R>) -> R {
     }
     R::ZERO
 }
+
+/// Largest number of steps by which a step of an adaptive method is repeated to find a broken law.
+const STEPS_OF_A_DIAGNOSIS: u32 = 256;
 
 /// Largest number of steps of one length in a run: 2⁵³ in `f64`, 2⁴⁰ in `f32`.
 ///

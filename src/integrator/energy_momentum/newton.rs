@@ -98,6 +98,20 @@ struct Place<R: Real> {
     size: R,
 }
 
+/// Momentum balance of a trial.
+struct Balance<R: Real> {
+    /// Unknowns and size of the residual.
+    place: Place<R>,
+    /// Residual of the linear momentum, N s.
+    force_lack: R::Vec3,
+    /// Residual of the angular momentum, N m s.
+    torque_lack: R::Vec3,
+    /// Unit of the thresholds for the residual, √J.
+    tolerance: R,
+    /// Part of the residual that rounding of a smooth body's surface explains, √J.
+    rounding: R,
+}
+
 /// Newton's step from a set of unknowns.
 #[derive(Clone, Copy, Debug)]
 struct Base<R: Real> {
@@ -111,137 +125,271 @@ struct Base<R: Real> {
 ///
 /// Full steps come first. With the dual unknown they pass from slip to stick and back, which a line
 /// search would prevent. They can run in a cycle, for example if a spring is so stiff that the step
-/// out of contact overshoots. The iteration then returns to the best trial and takes only steps
-/// that reduce the residual.
+/// out of contact overshoots. The iteration then starts again from the best trial and takes only
+/// steps that reduce the residual.
 pub(super) fn solve<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
     trial: &mut Trial<R>,
     step: &mut Step<R>,
 ) -> Option<Strain<R>> {
-    let mut matrix = Factored::NONE;
-    let mut strain = Strain::NONE;
-    let mut base: Option<Base<R>> = None;
-    let mut best: Option<Place<R>> = None;
-    let mut share = R::ONE;
-    let mut increment = None;
-    let mut with_increments = false;
-    let scale = Scale::of(problem);
-    let is_smooth = problem.scene.body().is_smooth();
-    let exact = R::EPSILON.sqrt().sqrt() * R::from_f64(EXACT);
-    let close = R::ONE / exact;
-    // Scale of the body's own motion only, so that a slow creep is accurate to its own rounding.
-    let close_of_own = scale.own * tolerance::<R>() * close;
+    let mut newton = Newton::new(problem);
     for iteration in 0..LIMIT {
+        let here = newton.balance(contacts, trial);
+        step.evaluations += 1;
+        if newton.has_converged(&here) {
+            return Some(Strain::at(problem, contacts, trial));
+        }
+        newton.choose_unknowns(&here, trial);
+        if newton.is_worse(&here, iteration) {
+            newton.shorten_the_step(contacts, trial)?;
+            continue;
+        }
+        step.iterations += 1;
+        let is_last = newton.step_from(&here, contacts, trial);
+        // Newton's next step squares the residual, so no further evaluation is needed.
+        if is_last {
+            return Some(newton.strain);
+        }
+        newton.remember(&here);
+        if iteration == BOLD {
+            newton.return_to_the_best(trial);
+        }
+    }
+    None
+}
+
+/// State of the iteration.
+struct Newton<'a, 'b, R: Real, D> {
+    problem: &'a Problem<'b, R, D>,
+    scale: Scale<R>,
+    matrix: Factored<R>,
+    /// Strain on friction and dampers at the last derivatives.
+    strain: Strain<R>,
+    /// Last accepted trial and the step from there, or `None` before the first step.
+    base: Option<Base<R>>,
+    best: Option<Place<R>>,
+    /// Fraction of the step from `base` that the trial takes.
+    share: R,
+    /// Whether slips are carried along as unknowns.
+    with_increments: bool,
+    /// Change of the unknowns by the last step, if slips are carried along.
+    increment: Option<Increment<R>>,
+    /// Multiple of the tolerance that counts as rounding.
+    exact: R,
+    /// Multiple of the tolerance from which one step is enough.
+    close: R,
+    is_smooth: bool,
+}
+
+impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
+    #[inline(always)]
+    fn new(problem: &'a Problem<'b, R, D>) -> Self {
+        let exact = R::EPSILON.sqrt().sqrt() * R::from_f64(EXACT);
+        Self {
+            problem,
+            scale: Scale::of(problem),
+            matrix: Factored::NONE,
+            strain: Strain::NONE,
+            base: None,
+            best: None,
+            share: R::ONE,
+            with_increments: false,
+            increment: None,
+            exact,
+            close: R::ONE / exact,
+            is_smooth: problem.scene.body().is_smooth(),
+        }
+    }
+
+    /// Evaluates the momentum balance at a trial.
+    #[inline(always)]
+    fn balance(&mut self, contacts: &mut Contacts<R>, trial: &Trial<R>) -> Balance<R> {
+        let problem = self.problem;
         let mut sum = Sum::NONE;
-        match increment.take() {
+        match self.increment.take() {
             None => contacts.respond(problem, trial, |push| sum.add(push)),
             Some(by) => {
                 contacts.respond_by_increment(problem, trial, &by, &mut |push| sum.add(push));
             }
         }
         sum.torque += contacts.lever.torque * sum.normal;
-        step.evaluations += 1;
         let (force_lack, torque_lack) = lack(problem, trial, &sum);
-        let here = Place {
-            velocity: trial.velocity,
-            spin: trial.spin,
-            size: norm(
-                problem,
-                force_lack,
-                beyond_lever(problem, contacts, sum.normal, torque_lack),
-            ),
-        };
-        let tolerance = scale.at(problem, trial, &sum) * tolerance::<R>();
-        let rounding = rounding_of_lever(problem, contacts, sum.normal);
-        if here.size <= tolerance * exact + rounding {
-            return Some(Strain::at(problem, contacts, trial));
+        let angular = beyond_lever(problem, contacts, sum.normal, torque_lack);
+        Balance {
+            place: Place {
+                velocity: trial.velocity,
+                spin: trial.spin,
+                size: norm(problem, force_lack, angular),
+            },
+            force_lack,
+            torque_lack,
+            tolerance: self.scale.at(problem, trial, &sum) * tolerance::<R>(),
+            rounding: rounding_of_lever(problem, contacts, sum.normal),
         }
-        let progress = best.is_none_or(|best| here.size < best.size * R::HALF);
-        // No further progress near the end: rounding is reached. In f32 the end is so far from
-        // rounding that slow progress counts.
-        let stalls = !progress && best.is_none_or(|best| here.size > best.size * slowest::<R>());
-        if stalls && here.size <= tolerance * close * R::from_f64(STALLED) + rounding {
-            return Some(Strain::at(problem, contacts, trial));
+    }
+
+    /// Returns true if the residual halves at least, compared with the best trial before.
+    #[inline(always)]
+    fn is_progress(&self, here: &Balance<R>) -> bool {
+        (self.best).is_none_or(|best| here.place.size < best.size * R::HALF)
+    }
+
+    /// Returns true if the residual is rounding, or if it is small and no longer decreases.
+    ///
+    /// No further progress near the end means that rounding is reached. In f32 the end is so far
+    /// from rounding that slow progress counts.
+    #[inline(always)]
+    fn has_converged(&self, here: &Balance<R>) -> bool {
+        let size = here.place.size;
+        if size <= here.tolerance * self.exact + here.rounding {
+            return true;
         }
-        if !(with_increments || strain.of_step(problem).is_resolved()) {
-            let of_slips = scale.rounding_of_slips(problem, trial, &strain);
-            with_increments = here.size <= of_slips && of_slips > tolerance * close;
+        let stalls = !self.is_progress(here)
+            && (self.best).is_none_or(|best| size > best.size * slowest::<R>());
+        stalls && size <= here.tolerance * self.close * R::from_f64(STALLED) + here.rounding
+    }
+
+    /// Carries the slips along as unknowns from the moment at which the residual is within the
+    /// rounding of slips that are computed from the velocities.
+    #[inline(always)]
+    fn choose_unknowns(&mut self, here: &Balance<R>, trial: &Trial<R>) {
+        if !(self.with_increments || self.strain.of_step(self.problem).is_resolved()) {
+            let of_slips = (self.scale).rounding_of_slips(self.problem, trial, &self.strain);
+            self.with_increments =
+                here.place.size <= of_slips && of_slips > here.tolerance * self.close;
         }
-        if let Some(base) = &base {
-            let worse =
-                !here.size.is_finite() || (iteration > BOLD && here.size >= base.place.size);
-            if worse {
-                share *= R::HALF;
-                if share < R::EPSILON {
-                    return None;
-                }
-                // The dual unknowns continue from here.
-                contacts.note_answers(problem, trial);
-                change(
-                    problem,
-                    trial,
-                    &base.place,
-                    base.shift * share,
-                    base.turn * share,
-                );
-                continue;
-            }
-        } else if !here.size.is_finite() {
+    }
+
+    /// Returns true if the step to this trial is to be shortened. Among the full steps, only a
+    /// residual that is not finite is worse.
+    #[inline(always)]
+    fn is_worse(&self, here: &Balance<R>, iteration: u32) -> bool {
+        let is_larger =
+            (self.base).is_some_and(|base| iteration > BOLD && here.place.size >= base.place.size);
+        !here.place.size.is_finite() || is_larger
+    }
+
+    /// Halves the step from the last accepted trial. Returns `None` if there is no such trial, or
+    /// if the step is below rounding.
+    #[inline(always)]
+    fn shorten_the_step(&mut self, contacts: &mut Contacts<R>, trial: &mut Trial<R>) -> Option<()> {
+        let base = self.base?;
+        self.share *= R::HALF;
+        if self.share < R::EPSILON {
             return None;
         }
-        step.iterations += 1;
-        // Expected residual after one more step with the last derivatives, if it reduces the
-        // residual by the same factor again.
-        let once_more = base.map_or(R::MAX, |base| here.size * (here.size / base.place.size));
-        let enough = once_more <= tolerance * exact;
-        let is_close = here.size <= tolerance * close
-            && (!is_single::<R>() || scale.turns_closely(problem, torque_lack, here.size));
-        let last = enough || (progress && is_close && !(is_smooth && is_single::<R>()));
-        if enough {
+        // The dual unknowns continue from here.
+        contacts.note_answers(self.problem, trial);
+        let (shift, turn) = (base.shift * self.share, base.turn * self.share);
+        change(self.problem, trial, &base.place, shift, turn);
+        Some(())
+    }
+
+    /// Moves the trial by Newton's step. Returns true if it is the last one.
+    #[inline(always)]
+    fn step_from(
+        &mut self,
+        here: &Balance<R>,
+        contacts: &mut Contacts<R>,
+        trial: &mut Trial<R>,
+    ) -> bool {
+        let problem = self.problem;
+        let is_enough = self.is_enough(here);
+        self.derive(is_enough, contacts, trial);
+        let (shift, turn) =
+            (self.matrix).solve(-here.force_lack, -here.torque_lack, problem.bounding_radius);
+        let is_last =
+            is_enough || self.is_close(here) || self.is_close_in_stick(here, contacts, shift, turn);
+        change(problem, trial, &here.place, shift, turn);
+        if self.with_increments {
+            self.increment = Some(Increment::of(shift, turn, here.place.spin));
+        }
+        self.share = R::ONE;
+        self.base = Some(Base {
+            place: here.place,
+            shift,
+            turn,
+        });
+        is_last
+    }
+
+    /// Returns true if one more step with the last derivatives is expected to reach rounding,
+    /// because it reduces the residual by the same factor again.
+    #[inline(always)]
+    fn is_enough(&self, here: &Balance<R>) -> bool {
+        let size = here.place.size;
+        let once_more = (self.base).map_or(R::MAX, |base| size * (size / base.place.size));
+        once_more <= here.tolerance * self.exact
+    }
+
+    /// Computes strain and derivatives at a trial, unless those of the step before are enough.
+    #[inline(always)]
+    fn derive(&mut self, is_enough: bool, contacts: &mut Contacts<R>, trial: &Trial<R>) {
+        let problem = self.problem;
+        if !is_enough {
+            self.strain =
+                stiffness::equations(problem, contacts, trial, &mut self.matrix.equations);
+            self.matrix.factor(problem.bounding_radius);
+        } else if !self.strain.of_step(problem).is_resolved() {
             // A step that is resolved is resolved here too. For any other step, the strain is
             // evaluated at its end.
-            if !strain.of_step(problem).is_resolved() {
-                strain = Strain::at(problem, contacts, trial);
-            }
-        } else {
-            strain = stiffness::equations(problem, contacts, trial, &mut matrix.equations);
-            matrix.factor(problem.bounding_radius);
+            self.strain = Strain::at(problem, contacts, trial);
         }
-        let (shift, turn) = matrix.solve(-force_lack, -torque_lack, problem.bounding_radius);
-        let last = last
-            || base.is_some()
-                && !strain.of_step(problem).is_resolved()
-                && size_of_motion(problem, shift, turn) <= close_of_own
-                && is_close_by_dual(
-                    problem,
-                    contacts,
-                    [force_lack, torque_lack],
-                    tolerance * close,
-                );
-        change(problem, trial, &here, shift, turn);
-        if with_increments && iteration < BOLD {
-            increment = Some(Increment::of(shift, turn, here.spin));
-        }
-        // Newton's next step squares the residual, so no further evaluation is needed.
-        if last {
-            return Some(strain);
-        }
-        if best.is_none_or(|best| here.size < best.size) {
-            best = Some(here);
-        }
-        share = R::ONE;
-        let mut place = here;
-        if iteration == BOLD {
-            if let Some(best) = best {
-                problem.set(trial, best.velocity, best.spin);
-                // The next evaluation is at the best trial itself and must pass.
-                place.size = best.size * R::TWO;
-            }
-        }
-        base = Some(Base { place, shift, turn });
     }
-    None
+
+    /// Returns true if the residual is so small that Newton's step squares it to rounding.
+    #[inline(always)]
+    fn is_close(&self, here: &Balance<R>) -> bool {
+        let size = here.place.size;
+        let is_close = size <= here.tolerance * self.close
+            && (!is_single::<R>()
+                || (self.scale).turns_closely(self.problem, here.torque_lack, size));
+        self.is_progress(here) && is_close && !(self.is_smooth && is_single::<R>())
+    }
+
+    /// Returns true if the momenta balance with the dual forces and Newton's step is small. The
+    /// balance with the forces of the laws cannot show it in stick.
+    #[inline(always)]
+    fn is_close_in_stick(
+        &self,
+        here: &Balance<R>,
+        contacts: &Contacts<R>,
+        shift: R::Vec3,
+        turn: R::Vec3,
+    ) -> bool {
+        // Scale of the body's own motion only, so that a slow creep is accurate to its own
+        // rounding.
+        let close_of_own = || self.scale.own * tolerance::<R>() * self.close;
+        self.base.is_some()
+            && !self.strain.of_step(self.problem).is_resolved()
+            && size_of_motion(self.problem, shift, turn) <= close_of_own()
+            && is_close_by_dual(
+                self.problem,
+                contacts,
+                [here.force_lack, here.torque_lack],
+                here.tolerance * self.close,
+            )
+    }
+
+    /// Notes the trial if it is the best so far.
+    #[inline(always)]
+    fn remember(&mut self, here: &Balance<R>) {
+        if (self.best).is_none_or(|best| here.place.size < best.size) {
+            self.best = Some(here.place);
+        }
+    }
+
+    /// Starts the iteration again from the best trial, as if it were the first one.
+    #[cold]
+    #[inline(never)]
+    fn return_to_the_best(&mut self, trial: &mut Trial<R>) {
+        if let Some(best) = self.best {
+            self.problem.set(trial, best.velocity, best.spin);
+            self.base = None;
+            self.increment = None;
+        }
+    }
 }
 
 /// Returns true for single precision. One Newton step from the close distance then leaves errors

@@ -1,27 +1,22 @@
-//! Scene whose laws are checked while a step evaluates them.
+//! Scene whose laws are examined value by value, to name what a law does wrong.
 //!
 //! A comparison with NaN is false. So a contact with a NaN gap would not touch, and a NaN force
 //! would be lost in the next maximum. An implicit method would treat the push of an active friction
-//! law as an error of its own. The integrator therefore receives this scene instead of the
-//! stepper's scene. It forwards all calls and records the first value that breaks a contract,
-//! wherever the method evaluates it. The stepper converts the record into an error.
-//!
-//! A scene whose laws are trusted ([`SpringDamperGround::is_trusted`]), as all built-in ones are,
-//! does not use it. For other scenes the cost is calls through pointers and one or two comparisons
-//! for each value.
+//! law as an error of its own. The stepper therefore takes a step again with this scene if the
+//! [`ScreenedScene`](super::ScreenedScene) has raised its alarm. It forwards all calls and records
+//! the first value that breaks a contract, wherever the method evaluates it. The stepper converts
+//! the record into an error.
 
 use core::cell::Cell;
 
 use super::Dynamics;
+use super::screened::NORMAL;
 use crate::body::{InertiaProperties, RigidPointBody};
 use crate::error::LawQuantity;
 use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
 use crate::ground::{GroundBounds, MeanForce, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 
-/// Units in the last place by which the square of a normal's length may differ from 1: twice the
-/// tolerance of `check_ground`.
-const NORMAL: f64 = 128.0;
 /// Units in the last place of `|force| |slip|` by which the power of friction may exceed 0: 16
 /// times the tolerance of `check_friction`.
 const POWER: f64 = 64.0;
@@ -78,20 +73,20 @@ impl<R: Real> Record<R> {
     }
 }
 
-/// Scene with its laws checked.
+/// Scene with its laws examined.
 ///
-/// Its parts are behind pointers, so that an integrator is compiled only once for all checked
+/// Its parts are behind pointers, so that an integrator is compiled only once for all examined
 /// scenes.
-pub(crate) struct CheckedScene<'a, R: Real> {
+pub(crate) struct DiagnosedScene<'a, R: Real> {
     body: &'a dyn RigidPointBody<R>,
-    ground: CheckedGround<'a, R>,
-    friction: CheckedFriction<'a, R>,
+    ground: DiagnosedGround<'a, R>,
+    friction: DiagnosedFriction<'a, R>,
     gravity: R::Vec3,
     inertia_properties: &'a InertiaProperties<R>,
     has_radii: bool,
 }
 
-impl<'a, R: Real> CheckedScene<'a, R> {
+impl<'a, R: Real> DiagnosedScene<'a, R> {
     pub(crate) fn of<D: Dynamics<R>>(scene: &'a D, record: &'a Record<R>) -> Self
     where
         D::Body: Sized,
@@ -100,12 +95,12 @@ impl<'a, R: Real> CheckedScene<'a, R> {
     {
         Self {
             body: scene.body(),
-            ground: CheckedGround {
+            ground: DiagnosedGround {
                 ground: scene.ground(),
                 bounding_radius: scene.bounding_radius(),
                 record,
             },
-            friction: CheckedFriction {
+            friction: DiagnosedFriction {
                 friction: scene.friction(),
                 record,
             },
@@ -116,10 +111,10 @@ impl<'a, R: Real> CheckedScene<'a, R> {
     }
 }
 
-impl<'a, R: Real> Dynamics<R> for CheckedScene<'a, R> {
+impl<'a, R: Real> Dynamics<R> for DiagnosedScene<'a, R> {
     type Body = &'a dyn RigidPointBody<R>;
-    type Ground = CheckedGround<'a, R>;
-    type Friction = CheckedFriction<'a, R>;
+    type Ground = DiagnosedGround<'a, R>;
+    type Friction = DiagnosedFriction<'a, R>;
 
     #[inline]
     fn body(&self) -> &Self::Body {
@@ -163,15 +158,15 @@ impl<'a, R: Real> Dynamics<R> for CheckedScene<'a, R> {
     }
 }
 
-/// Ground whose values are checked.
-pub(crate) struct CheckedGround<'a, R: Real> {
+/// Ground whose values are examined.
+pub(crate) struct DiagnosedGround<'a, R: Real> {
     ground: &'a dyn SpringDamperGround<R>,
     /// Bounding radius of the body, m. No contact has a larger radius.
     bounding_radius: R,
     record: &'a Record<R>,
 }
 
-impl<R: Real> CheckedGround<'_, R> {
+impl<R: Real> DiagnosedGround<'_, R> {
     /// Checks a force (N) that the law returns for two numbers.
     #[inline]
     fn check_force(&self, quantity: LawQuantity, force: R, input: [R; 2]) {
@@ -241,7 +236,7 @@ impl<R: Real> CheckedGround<'_, R> {
     }
 }
 
-impl<R: Real> SpringDamperGround<R> for CheckedGround<'_, R> {
+impl<R: Real> SpringDamperGround<R> for DiagnosedGround<'_, R> {
     #[inline]
     fn surface(&self, point: R::Vec3) -> Surface<R> {
         let surface = self.ground.surface(point);
@@ -303,13 +298,13 @@ impl<R: Real> SpringDamperGround<R> for CheckedGround<'_, R> {
     }
 }
 
-/// Friction law whose values are checked.
-pub(crate) struct CheckedFriction<'a, R: Real> {
+/// Friction law whose values are examined.
+pub(crate) struct DiagnosedFriction<'a, R: Real> {
     friction: &'a dyn SlidingFriction<R>,
     record: &'a Record<R>,
 }
 
-impl<R: Real> CheckedFriction<'_, R> {
+impl<R: Real> DiagnosedFriction<'_, R> {
     #[cold]
     #[inline(never)]
     fn blame(&self, force: R::Vec3, normal_force: R, slip: R::Vec3) {
@@ -341,7 +336,7 @@ impl<R: Real> CheckedFriction<'_, R> {
     }
 }
 
-impl<R: Real> SlidingFriction<R> for CheckedFriction<'_, R> {
+impl<R: Real> SlidingFriction<R> for DiagnosedFriction<'_, R> {
     #[inline]
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
         let force = self.friction.force(normal_force, slip);

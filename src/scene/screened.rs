@@ -1,0 +1,223 @@
+//! Scene whose laws are screened while a step evaluates them.
+//!
+//! Every value that a law returns is tested by a comparison that a broken contract fails. An
+//! overflow or rounding may fail it too. A failed test sets a flag, and the step goes on. The
+//! stepper then takes the step again with a [`DiagnosedScene`](super::DiagnosedScene), which tells
+//! a broken contract from rounding.
+//!
+//! A call in the loops over contacts would cost several times as much as the tests, so there is
+//! only the flag. For trusted laws ([`SpringDamperGround::is_trusted`]) nothing of this is left in
+//! the program.
+
+use core::cell::Cell;
+
+use super::Dynamics;
+use crate::body::InertiaProperties;
+use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
+use crate::ground::{GroundBounds, MeanForce, SpringDamperGround, Surface};
+use crate::real::{Real, Vector};
+
+/// Units in the last place by which the square of a normal's length may differ from 1: twice the
+/// tolerance of `check_ground`.
+pub(super) const NORMAL: f64 = 128.0;
+
+/// Flag that a value has failed its test during a step.
+#[derive(Default)]
+pub(crate) struct Alarm(Cell<bool>);
+
+impl Alarm {
+    /// Returns true if a value has failed its test.
+    #[inline(always)]
+    pub(crate) fn is_raised(&self) -> bool {
+        self.0.get()
+    }
+
+    #[inline(always)]
+    fn expect(&self, sound: bool) {
+        if !sound {
+            self.0.set(true);
+        }
+    }
+}
+
+/// Scene with its laws screened.
+pub(crate) struct ScreenedScene<'a, R: Real, D: Dynamics<R>> {
+    scene: &'a D,
+    ground: ScreenedGround<'a, D::Ground>,
+    friction: ScreenedFriction<'a, D::Friction>,
+    alarm: &'a Alarm,
+}
+
+impl<'a, R: Real, D: Dynamics<R>> ScreenedScene<'a, R, D> {
+    #[inline(always)]
+    pub(crate) fn of(scene: &'a D, alarm: &'a Alarm) -> Self {
+        Self {
+            scene,
+            ground: ScreenedGround {
+                ground: scene.ground(),
+                alarm,
+            },
+            friction: ScreenedFriction {
+                friction: scene.friction(),
+                alarm,
+            },
+            alarm,
+        }
+    }
+}
+
+impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for ScreenedScene<'a, R, D> {
+    type Body = D::Body;
+    type Ground = ScreenedGround<'a, D::Ground>;
+    type Friction = ScreenedFriction<'a, D::Friction>;
+
+    #[inline(always)]
+    fn body(&self) -> &Self::Body {
+        self.scene.body()
+    }
+    #[inline(always)]
+    fn ground(&self) -> &Self::Ground {
+        &self.ground
+    }
+    #[inline(always)]
+    fn friction(&self) -> &Self::Friction {
+        &self.friction
+    }
+    #[inline(always)]
+    fn gravity(&self) -> R::Vec3 {
+        self.scene.gravity()
+    }
+    #[inline(always)]
+    fn inertia_properties(&self) -> &InertiaProperties<R> {
+        self.scene.inertia_properties()
+    }
+    #[inline(always)]
+    fn bounding_radius(&self) -> R {
+        self.scene.bounding_radius()
+    }
+    #[inline(always)]
+    fn has_radii(&self) -> bool {
+        self.scene.has_radii()
+    }
+
+    #[inline(always)]
+    fn probe<T>(&self, evaluate: impl FnOnce() -> T) -> T {
+        let known = self.alarm.is_raised();
+        let value = evaluate();
+        self.alarm.0.set(known);
+        value
+    }
+}
+
+/// Ground whose values are screened.
+pub(crate) struct ScreenedGround<'a, G> {
+    ground: &'a G,
+    alarm: &'a Alarm,
+}
+
+impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for ScreenedGround<'_, G> {
+    #[inline(always)]
+    fn surface(&self, point: R::Vec3) -> Surface<R> {
+        let surface = self.ground.surface(point);
+        if !self.ground.is_trusted() {
+            let off = (surface.normal.length_squared() - R::ONE).abs();
+            let is_unit = off <= R::EPSILON * R::from_f64(NORMAL);
+            self.alarm.expect(is_unit & (surface.gap.abs() <= R::MAX));
+        }
+        surface
+    }
+
+    #[inline(always)]
+    fn spring_force(&self, depth: R) -> R {
+        let force = self.ground.spring_force(depth);
+        if !self.ground.is_trusted() {
+            self.alarm.expect(force.abs() <= R::MAX);
+        }
+        force
+    }
+
+    #[inline(always)]
+    fn spring_energy(&self, depth: R) -> R {
+        let energy = self.ground.spring_energy(depth);
+        if !self.ground.is_trusted() {
+            self.alarm.expect(energy >= R::ZERO);
+        }
+        energy
+    }
+
+    #[inline(always)]
+    fn normal_force(&self, depth: R, closing_speed: R) -> R {
+        let force = self.ground.normal_force(depth, closing_speed);
+        if !self.ground.is_trusted() {
+            // An explicit method evaluates neither of the two, but the energy of its states does.
+            let spring_force = self.ground.spring_force(depth);
+            let energy = self.ground.spring_energy(depth);
+            // NaN and infinity times 0 are NaN, so one comparison tests all three.
+            let zero = (force + spring_force) * R::ZERO;
+            self.alarm.expect(energy >= zero);
+        }
+        force
+    }
+
+    #[inline(always)]
+    fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
+        let mean = self.ground.mean_force(start, end, seconds);
+        if !self.ground.is_trusted() {
+            self.alarm.expect(mean.force.abs() <= R::MAX);
+        }
+        mean
+    }
+
+    #[inline(always)]
+    fn bounds(&self) -> GroundBounds<R> {
+        self.ground.bounds()
+    }
+
+    #[inline(always)]
+    fn is_trusted(&self) -> bool {
+        self.ground.is_trusted()
+    }
+}
+
+/// Friction law whose values are screened.
+pub(crate) struct ScreenedFriction<'a, F> {
+    friction: &'a F,
+    alarm: &'a Alarm,
+}
+
+impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for ScreenedFriction<'_, F> {
+    #[inline(always)]
+    fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        let force = self.friction.force(normal_force, slip);
+        if !self.friction.is_trusted() {
+            let power = force.dot(slip);
+            self.alarm.expect(power <= R::ZERO);
+        }
+        force
+    }
+
+    #[inline(always)]
+    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
+        self.friction.jacobian(normal_force, slip)
+    }
+
+    #[inline(always)]
+    fn rolling_resistance(&self, normal_force: R) -> Option<RollingResistance<R>> {
+        let resistance = self.friction.rolling_resistance(normal_force);
+        if let (Some(values), false) = (&resistance, self.friction.is_trusted()) {
+            let RollingResistance {
+                rolling,
+                spinning,
+                turn_speed,
+            } = values;
+            let sound = [rolling, spinning, turn_speed].map(|&value| value >= R::ZERO);
+            self.alarm.expect(sound[0] & sound[1] & sound[2]);
+        }
+        resistance
+    }
+
+    #[inline(always)]
+    fn is_trusted(&self) -> bool {
+        self.friction.is_trusted()
+    }
+}
