@@ -170,6 +170,7 @@ pub mod gravity;
 pub mod ground;
 pub mod integrator;
 pub mod observer;
+pub mod outcome;
 pub mod real;
 pub mod rotation;
 pub mod scene;
@@ -203,7 +204,8 @@ pub use integrator::{
     AnyIntegrator, BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, ForwardEuler,
     Integrator, Nystrom, Rk4, Step, StepControl, StrangSplitting, SymplecticEuler,
 };
-pub use observer::{Every, Ledger, Observer, Sample, SceneQuery, Timed, UntilRest};
+pub use observer::{Every, Ledger, Observer, Sample, SceneQuery, Timed, UntilDecided, UntilRest};
+pub use outcome::{Barriers, Basin, Faces, HullFace, Outcome};
 pub use real::Real;
 pub use rotation::Rotation;
 pub use scene::{Contact, Dynamics, Load, LowestPoint, Motion, Rates, Scene};
