@@ -7,6 +7,8 @@
 //! alone, which no other work on the machine changes.
 
 mod conservative;
+#[path = "../common/marked.rs"]
+mod marked;
 #[path = "../common/plain_rk4.rs"]
 mod plain_rk4;
 #[path = "../../tests/common/report_loop.rs"]

@@ -134,26 +134,22 @@ impl<'a, R: Real, T> Hull<'a, R, T> {
         None
     }
 
-    /// A facet at the farthest point in a direction: the supporting plane there is rotated about a
-    /// line in it, and then about the edge that it meets.
+    /// A facet at the farthest point in a direction.
+    ///
+    /// The second farthest point is a neighbour of the farthest one, so that their line is an edge.
+    /// If rounding prevents it, or if points coincide, other lines are tried.
     fn facet_near(&self, direction: R::Vec3) -> Option<FacetPlane<R>> {
         let first = self.farthest(|point| point.dot(direction))?;
-        let (x, y) = (direction.x(), direction.y());
-        let across = if x.abs() > y.abs() {
-            R::Vec3::new(R::ZERO, R::ONE, R::ZERO)
-        } else {
-            R::Vec3::new(R::ONE, R::ZERO, R::ZERO)
-        };
-        let plane = self.wrap_about(first, direction.cross(across))?;
         let second = self.farthest(|point| {
-            let is_on = self.height(&plane, point).abs() <= self.thickness;
-            if is_on {
-                (point - first).length()
+            let is_other = (point - first).length() > self.thickness;
+            if is_other {
+                point.dot(direction)
             } else {
-                R::ZERO
+                -R::MAX
             }
-        })?;
-        self.wrap_about(first, second - first)
+        });
+        let mut others = second.into_iter().chain(self.positions());
+        others.find_map(|other| self.wrap_about(first, other - first))
     }
 
     fn farthest(&self, measure: impl Fn(R::Vec3) -> R) -> Option<R::Vec3> {
