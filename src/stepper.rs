@@ -289,6 +289,7 @@ where
     /// that does not point along -z, or springs that do not carry the body. Call it once for many
     /// states.
     #[must_use]
+    #[allow(clippy::type_complexity, reason = "the scene's parts are its type")]
     pub fn barriers(&self) -> Option<Barriers<'_, R, Scene<R, B, G, F, A>>>
     where
         B: Faces<R>,

@@ -1,6 +1,6 @@
 //! Text of a page between two marks, which a command writes.
 
-use std::error::Error;
+use core::error::Error;
 use std::fs;
 use std::path::Path;
 
