@@ -167,7 +167,8 @@ fn answer(curves: &[Vec<Point>]) -> String {
          60° the side that points up at the start ends up in {} of the tosses that roll and in {} \
          of those that spin at 1 kg m²/s, against {} of all that start upright (99.9 % intervals). \
          It must pass upright for the other side, which {} % and {} % of those tosses do before \
-         they are decided, and {} % of those that spin at 5 kg m²/s: there it is {}.",
+         they are decided, and {} % of those that spin at 5 kg m²/s: there it is {}, with {} % still \
+         undecided after a minute.",
         shown(rolling),
         shown(spinning),
         shown(&upright),
@@ -175,6 +176,7 @@ fn answer(curves: &[Vec<Point>]) -> String {
         passed(spinning),
         passed(fast),
         shown(fast),
+        percent(fast.undecided as f64 / (fast.decided() + fast.undecided).max(1) as f64),
         effect = if has_effect(curves) {
             "changes"
         } else {
