@@ -218,6 +218,7 @@ pub use trial::{Start, Trial};
 ///
 /// - Which integrator, which step? [`choosing`](guide::choosing)
 /// - How do I throw dice and coins in a game? [`game`](guide::game)
+/// - When is heads or tails decided, and how sure is a count? [`outcomes`](guide::outcomes)
 /// - How accurate is a run at the extremes, and where is it only stable?
 ///   [`accuracy`](guide::accuracy)
 /// - How do I add a body, a ground, a friction law, an integrator, an observer?
@@ -241,6 +242,9 @@ pub mod guide {
 
     #[doc = include_str!("guide/game.md")]
     pub mod game {}
+
+    #[doc = include_str!("guide/outcomes.md")]
+    pub mod outcomes {}
 
     #[doc = include_str!("guide/peers.md")]
     pub mod peers {}
