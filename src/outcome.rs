@@ -9,7 +9,8 @@
 //! energy `U(d)` of the lowest point alone, its potential energy is
 //!
 //! ```text
-//! V >= m g z + U(d) = m g h(u) + U(d) - m g d >= m g h(u) - s        s = max over d of (m g d - U(d))
+//! V >= m g z + U(d) = m g h(u) + U(d) - m g d >= m g h(u) - s
+//! s = max over d of (m g d - U(d))
 //! ```
 //! For a spring of stiffness k the softness s is `(m g)²/(2 k)`. For any other law it is bounded
 //! from above by the fact that U never decreases: between two depths a and b, `m g d - U(d)` is at
@@ -106,9 +107,9 @@ pub enum Outcome<F> {
 
 /// Energy barriers between the faces of a body on level ground.
 ///
-/// Created by [`Stepper::barriers`](crate::Stepper::barriers), once for a scene. A body whose energy
-/// is below the barrier of its face never leaves the face; the [module](self) has the proof and its
-/// limits.
+/// Created by [`Stepper::barriers`](crate::Stepper::barriers), once for a scene. A body whose
+/// energy is below the barrier of its face never leaves the face. The [module](self) has the proof
+/// and its limits.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -188,16 +189,20 @@ where
     /// Returns the basin that the body is in, if it is low and slow enough that a face may be
     /// decided.
     fn basin(&self, state: &State<R>) -> Option<Basin<<D::Body as Faces<R>>::Face, R>> {
-        let axes = state.rotation().axes();
         let radius = self.scene.bounding_radius();
         let gap = state.position.z() - self.ground;
         let masses = self.scene.inertia_properties();
-        let kinetic = masses.mass() * state.linear_velocity.length_squared() * R::HALF
-            + masses.rotational_energy(&axes, state.angular_momentum);
+        let translation = masses.mass() * state.linear_velocity.length_squared() * R::HALF;
         // No barrier exceeds that of the bounding radius. Below the deepest point that the springs
         // were searched to, nothing is known.
-        let is_low = gap > -radius && kinetic + self.weight * (gap - radius) < R::ZERO;
-        if is_low {
+        let left = self.weight * (radius - gap) - translation;
+        let is_low = gap > -radius && left > R::ZERO;
+        if !is_low {
+            return None;
+        }
+        let axes = state.rotation().axes();
+        let is_slow = masses.rotational_energy(&axes, state.angular_momentum) < left;
+        if is_slow {
             self.scene.body().basin(-axes.rise())
         } else {
             None

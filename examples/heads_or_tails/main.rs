@@ -26,8 +26,8 @@ use kuva::prelude::*;
 use spun::{LEAN_SPREAD, LEANS, Point, SPIN_SPREAD, STEP, THROWS};
 
 const HELP: &str = "\
-Sets the coin of the coin report rolling or spinning at leans of 0 to 60 degrees, each time until its
-face is decided, and counts heads and tails; and tosses a coin that is caught. Answers the question
+Sets the coin of the coin report rolling or spinning at leans of 0 to 60 degrees, each time until
+its face is decided, and counts heads and tails; and tosses a coin that is caught. Answers the question
 of the report: has the lean an effect?
 
 Usage: cargo run --release --example heads_or_tails -- [OPTIONS]
@@ -167,8 +167,8 @@ fn answer(curves: &[Vec<Point>]) -> String {
          60° the side that points up at the start ends up in {} of the tosses that roll and in {} \
          of those that spin at 1 kg m²/s, against {} of all that start upright (99.9 % intervals). \
          It must pass upright for the other side, which {} % and {} % of those tosses do before \
-         they are decided, and {} % of those that spin at 5 kg m²/s: there it is {}, with {} % still \
-         undecided after a minute.",
+         they are decided, and {} % of those that spin at 5 kg m²/s: there it is {}, with {} % \
+         still undecided after a minute.",
         shown(rolling),
         shown(spinning),
         shown(&upright),
@@ -275,7 +275,11 @@ fn checks(curves: &[Vec<Point>], catches: &Catches) -> Vec<Check> {
         .filter_map(|(throw, curve)| {
             let [low, high] = curve.first()?.count.interval();
             Some(Check::between(
-                &format!("one half lies in the interval at 0°: its distance from the middle over half its width, {}", throw.name),
+                &format!(
+                    "one half in the interval at 0°: distance from its middle over half its \
+                     width, {}",
+                    throw.name
+                ),
                 "symmetry of the start, 99.9 %",
                 (0.5 - 0.5 * (low + high)).abs() / (0.5 * (high - low)),
                 0.0,
@@ -291,7 +295,10 @@ fn checks(curves: &[Vec<Point>], catches: &Catches) -> Vec<Check> {
             (changed + point.changed, more + difference)
         });
     checks.push(Check::between(
-        &format!("heads fewer at a quarter of the step, over the spread of the {changed} faces that change"),
+        &format!(
+            "heads fewer at a quarter of the step, over the spread of the {changed} faces that \
+             change"
+        ),
         "McNemar's test, 99.9 %: the motion is chaotic, so that fractions are compared",
         more / (changed as f64).sqrt().max(1.0),
         -3.29,

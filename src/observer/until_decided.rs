@@ -22,7 +22,8 @@ use crate::scene::Dynamics;
 ///     .with_gravity(UniformGravity::down(9.81))?
 ///     .with_ground(FlatGround::level(4000.0, 1.2))?
 ///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?;
-/// let state = stepper.with_angular_velocity(State::at(DVec3::Z * 0.2), DVec3::new(20.0, 35.0, 5.0)); // m, rad/s
+/// let spin = DVec3::new(20.0, 35.0, 5.0); // rad/s
+/// let state = stepper.with_angular_velocity(State::at(DVec3::Z * 0.2), spin); // m
 /// let mut decided = UntilDecided::new(stepper.barriers().ok_or("no level ground")?);
 /// let mut session = stepper.session(state);
 /// let seconds = session.run(60.0, &mut decided)?;
