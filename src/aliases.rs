@@ -12,9 +12,10 @@ macro_rules! names_for {
         pub mod $real {
             #[doc(no_inline)]
             pub use crate::{
-                CoinFace, ContactLaw, CuboidFace, Every, Flight, Frictionless, Gravity,
-                HeightField, Integrator, NoGravity, NoGround, Observer, RigidPointBody, SceneError,
-                SceneQuery, Shape, SlidingFriction, SpringDamperGround, Start, StepError, Terrain,
+                CoinFace, ContactLaw, CuboidFace, Every, Faces, Flight, Frictionless, Gravity,
+                HeightField, HullFace, Integrator, NoGravity, NoGround, Observer, Outcome,
+                RigidPointBody, SceneError, SceneQuery, Shape, SlidingFriction, SpringDamperGround,
+                Start, StepError, Terrain,
             };
 
             /// Energy, dissipation and rates of a state.
@@ -171,6 +172,12 @@ macro_rules! names_for {
             pub type UniformGravity = crate::UniformGravity<$real>;
             /// A friction law that also resists rolling and spinning.
             pub type WithResistance<F> = crate::WithResistance<F, $real>;
+            /// Energy barriers between the faces of a body.
+            pub type Barriers<'a, D> = crate::Barriers<'a, $real, D>;
+            /// Directions of a body that belong to one face.
+            pub type Basin<F> = crate::Basin<F, $real>;
+            /// Ends a run when the face is decided.
+            pub type UntilDecided<'a, D> = crate::UntilDecided<'a, $real, D>;
             /// Ends a run when the body is at rest.
             pub type UntilRest = crate::UntilRest<$real>;
             /// Height field of waves along x.

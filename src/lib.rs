@@ -176,6 +176,7 @@ pub mod gravity;
 pub mod ground;
 pub mod integrator;
 pub mod observer;
+pub mod outcome;
 pub mod real;
 pub mod rotation;
 pub mod scene;
@@ -209,7 +210,8 @@ pub use integrator::{
     AnyIntegrator, BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, ForwardEuler,
     Integrator, Nystrom, Rk4, Step, StepControl, StrangSplitting, SymplecticEuler,
 };
-pub use observer::{Every, Ledger, Observer, Sample, SceneQuery, Timed, UntilRest};
+pub use observer::{Every, Ledger, Observer, Sample, SceneQuery, Timed, UntilDecided, UntilRest};
+pub use outcome::{Barriers, Basin, Faces, HullFace, Outcome};
 pub use real::Real;
 pub use rotation::Rotation;
 pub use scene::{Contact, Dynamics, Load, LowestPoint, Motion, Rates, Scene};
@@ -222,6 +224,7 @@ pub use trial::{Start, Trial};
 ///
 /// - Which integrator, which step? [`choosing`](guide::choosing)
 /// - How do I throw dice and coins in a game? [`game`](guide::game)
+/// - When is heads or tails decided, and how sure is a count? [`outcomes`](guide::outcomes)
 /// - How accurate is a run at the extremes, and where is it only stable?
 ///   [`accuracy`](guide::accuracy)
 /// - How do I add a body, a ground, a friction law, an integrator, an observer?
@@ -245,6 +248,9 @@ pub mod guide {
 
     #[doc = include_str!("guide/game.md")]
     pub mod game {}
+
+    #[doc = include_str!("guide/outcomes.md")]
+    pub mod outcomes {}
 
     #[doc = include_str!("guide/peers.md")]
     pub mod peers {}

@@ -4,11 +4,13 @@
 mod every;
 mod ledger;
 mod timed;
+mod until_decided;
 mod until_rest;
 
 pub use every::Every;
 pub use ledger::Ledger;
 pub use timed::Timed;
+pub use until_decided::UntilDecided;
 pub use until_rest::UntilRest;
 
 use core::ops::ControlFlow;

@@ -10,6 +10,7 @@ use crate::gravity::{Gravity, NoGravity};
 use crate::ground::{NoGround, SpringDamperGround};
 use crate::integrator::{EnergyMomentum, Integrator, Step};
 use crate::observer::{Observer, Sample, SceneQuery};
+use crate::outcome::{Barriers, Faces};
 use crate::real::{Real, Vector};
 use crate::scene::{Alarm, DiagnosedScene, Dynamics, LowestPoint, Record, Scene, ScreenedScene};
 use crate::stability;
@@ -279,6 +280,21 @@ where
     #[must_use]
     pub fn touching(&self, state: &State<R>) -> usize {
         self.scene.touching(state)
+    }
+
+    /// Computes the energy barriers between the faces of the body, which prove on which face it
+    /// stays.
+    ///
+    /// Returns `None` if there is no bound: no ground, ground that is not a level plane, gravity
+    /// that does not point along -z, or springs that do not carry the body. Call it once for many
+    /// states.
+    #[must_use]
+    #[allow(clippy::type_complexity, reason = "the scene's parts are its type")]
+    pub fn barriers(&self) -> Option<Barriers<'_, R, Scene<R, B, G, F, A>>>
+    where
+        B: Faces<R>,
+    {
+        Barriers::of(&self.scene)
     }
 }
 

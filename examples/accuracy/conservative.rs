@@ -4,8 +4,6 @@
 //! The figures do not depend on a clock or a machine.
 
 use core::error::Error;
-use std::fs;
-use std::path::Path;
 
 use crate::table::{cells, text};
 use tumble::f32::{
@@ -31,15 +29,7 @@ pub(crate) fn tables(is_written: bool) -> Result<(), Failure> {
         print!("{tables}");
         return Ok(());
     }
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/guide/accuracy.md");
-    let old = fs::read_to_string(&page)?;
-    let (before, rest) = old.split_once(BEGIN).ok_or("the page has lost its mark")?;
-    let (_, after) = rest
-        .split_once(END)
-        .ok_or("the page has lost its end mark")?;
-    fs::write(&page, format!("{before}{BEGIN}\n\n{tables}\n{END}{after}"))?;
-    println!("written: {}", page.display());
-    Ok(())
+    super::marked::write("src/guide/accuracy.md", [BEGIN, END], &tables)
 }
 
 /// Bodies of a kilogram. The first three have three different moments.

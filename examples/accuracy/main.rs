@@ -9,6 +9,8 @@
 //! errors only, which do not depend on other work of the machine.
 
 mod conservative;
+#[path = "../common/marked.rs"]
+mod marked;
 #[path = "../common/plain_rk4.rs"]
 mod plain_rk4;
 #[path = "../../tests/common/report_loop.rs"]

@@ -24,7 +24,7 @@ impl<R: Real> MassProperties<R> {
     {
         check_vertices::<R>(points)?;
         let mut volume = Volume::<R>::about(points)?;
-        let hull = Hull::<R>::of(points);
+        let hull = Hull::<R, V>::of(points, |&point| point);
         for first in 0..points.len() {
             for second in first + 1..points.len() {
                 hull.each_triangle(first, second, |corners| volume.add(corners));
@@ -64,33 +64,126 @@ impl<R: Real, const N: usize> Solid<R, [ContactPoint<R>; N]> {
     }
 }
 
-/// Points, with the distance within which a point counts as on a plane or a line, m.
-struct Hull<'a, R: Real> {
-    points: &'a [R::Vec3],
+/// Convex hull of points, with the distance within which a point counts as on a plane or a line, m.
+pub(crate) struct Hull<'a, R: Real, T> {
+    points: &'a [T],
+    position: fn(&T) -> R::Vec3,
     thickness: R,
 }
 
 /// Plane with all points on it or behind it.
-struct FacetPlane<R: Real> {
+pub(crate) struct FacetPlane<R: Real> {
     place: R::Vec3,
     /// Outward normal, of length 1.
     normal: R::Vec3,
 }
 
-impl<'a, R: Real> Hull<'a, R> {
-    fn of(points: &'a [R::Vec3]) -> Self {
-        let middle = points.first().copied().unwrap_or_default();
-        let size = points.iter().fold(R::ZERO, |size, &point| {
-            size.at_least((point - middle).length())
+impl<R: Real> FacetPlane<R> {
+    /// Signed distance of the plane from the origin along its normal, m.
+    pub(crate) fn distance(&self) -> R {
+        self.normal.dot(self.place)
+    }
+}
+
+impl<'a, R: Real, T> Hull<'a, R, T> {
+    /// Hull of the positions of `points`.
+    pub(crate) fn of(points: &'a [T], position: fn(&T) -> R::Vec3) -> Self {
+        let middle = points.first().map(position).unwrap_or_default();
+        let size = points.iter().fold(R::ZERO, |size, point| {
+            size.at_least((position(point) - middle).length())
         });
         Self {
             points,
+            position,
             thickness: size * R::EPSILON * R::from_f64(256.0),
         }
     }
 
+    /// Distance within which a point counts as on a plane, m.
+    pub(crate) fn thickness(&self) -> R {
+        self.thickness
+    }
+
+    fn positions(&self) -> impl Iterator<Item = R::Vec3> {
+        self.points.iter().map(self.position)
+    }
+
     fn point(&self, index: usize) -> R::Vec3 {
-        self.points.get(index).copied().unwrap_or_default()
+        self.points
+            .get(index)
+            .map(self.position)
+            .unwrap_or_default()
+    }
+
+    /// Facet through which a ray from the origin leaves the hull. `None` if the walk over the
+    /// facets finds none, as for points in a plane.
+    ///
+    /// The walk crosses an edge whenever the direction is on its far side. The cones over the
+    /// facets are a regular subdivision of the directions if the origin is inside, so that no facet
+    /// is visited twice.
+    pub(crate) fn facet_along(&self, direction: R::Vec3) -> Option<FacetPlane<R>> {
+        let mut plane = self.facet_near(direction)?;
+        for _ in 0..2 * self.points.len() {
+            let crossed = (self.edges(&plane))
+                .find(|&[start, end]| start.cross(end).dot(direction) < R::ZERO);
+            let Some([start, end]) = crossed else {
+                return Some(plane);
+            };
+            plane = self.wrap_about(end, start - end)?;
+        }
+        None
+    }
+
+    /// A facet at the farthest point in a direction.
+    ///
+    /// The second farthest point is a neighbour of the farthest one, so that their line is an edge.
+    /// If rounding prevents it, or if points coincide, other lines are tried.
+    fn facet_near(&self, direction: R::Vec3) -> Option<FacetPlane<R>> {
+        let first = self.farthest(|point| point.dot(direction))?;
+        let second = self.farthest(|point| {
+            let is_other = (point - first).length() > self.thickness;
+            if is_other {
+                point.dot(direction)
+            } else {
+                -R::MAX
+            }
+        });
+        let mut others = second.into_iter().chain(self.positions());
+        others.find_map(|other| self.wrap_about(first, other - first))
+    }
+
+    fn farthest(&self, measure: impl Fn(R::Vec3) -> R) -> Option<R::Vec3> {
+        let farther = |best: R::Vec3, point| {
+            let is_farther = measure(point) > measure(best);
+            if is_farther { point } else { best }
+        };
+        self.positions().reduce(farther)
+    }
+
+    /// Edges of a facet from corner to corner, counter-clockwise from outside.
+    pub(crate) fn edges(&self, plane: &FacetPlane<R>) -> impl Iterator<Item = [R::Vec3; 2]> {
+        // The farthest of the facet's points from the origin is a corner.
+        let first = self.farthest(|point| {
+            let is_on = self.height(plane, point).abs() <= self.thickness;
+            if is_on { point.length() } else { R::ZERO }
+        });
+        let mut start = first;
+        (0..self.points.len()).map_while(move |_| {
+            let (from, first) = (start?, first?);
+            let next = self.next_corner(plane, from);
+            let is_last = (next - first).length() <= self.thickness;
+            start = (!is_last).then_some(next);
+            Some([from, if is_last { first } else { next }])
+        })
+    }
+
+    /// Numbers of the points on a facet, in increasing order.
+    pub(crate) fn numbers_on(&self, plane: &FacetPlane<R>) -> impl Iterator<Item = usize> {
+        (0..self.points.len()).filter(|&index| self.is_on(plane, index))
+    }
+
+    fn height(&self, plane: &FacetPlane<R>, point: R::Vec3) -> R {
+        plane.normal.dot(point - plane.place)
     }
 
     /// Calls `see` with the triangles of the facet to the left of the edge from `first` to
@@ -126,9 +219,14 @@ impl<'a, R: Real> Hull<'a, R> {
     /// Returns `None` if the two points are not an edge of the hull.
     fn wrap(&self, first: usize, second: usize) -> Option<FacetPlane<R>> {
         let place = self.point(first);
-        let along = self.point(second) - place;
+        self.wrap_about(place, self.point(second) - place)
+    }
+
+    /// Plane through the line from `place` in the direction `along` that has no point in front of
+    /// it, with its normal to the left of the line.
+    fn wrap_about(&self, place: R::Vec3, along: R::Vec3) -> Option<FacetPlane<R>> {
         let mut plane: Option<FacetPlane<R>> = None;
-        for &third in self.points {
+        for third in self.positions() {
             let normal = along.cross(third - place);
             let size = normal.length();
             // The third point is on the line of the two.
@@ -143,14 +241,13 @@ impl<'a, R: Real> Hull<'a, R> {
             }
         }
         plane.filter(|plane| {
-            let height = |point: &R::Vec3| plane.normal.dot(*point - plane.place);
-            (self.points.iter()).all(|point| height(point) <= self.thickness)
+            self.positions()
+                .all(|point| self.height(plane, point) <= self.thickness)
         })
     }
 
     fn is_on(&self, plane: &FacetPlane<R>, index: usize) -> bool {
-        let height = plane.normal.dot(self.point(index) - plane.place);
-        height.abs() <= self.thickness
+        self.height(plane, self.point(index)).abs() <= self.thickness
     }
 
     /// Returns true if the facet in this plane lies to the left of the line and no other point is
@@ -160,7 +257,7 @@ impl<'a, R: Real> Hull<'a, R> {
         let length = (self.point(second) - start).length();
         let along = (self.point(second) - start) * (R::ONE / length);
         let left = plane.normal.cross(along);
-        self.points.iter().enumerate().all(|(index, &point)| {
+        self.positions().enumerate().all(|(index, point)| {
             let way = point - start;
             let (side, ahead) = (left.dot(way), along.dot(way));
             let is_elsewhere = side > self.thickness || !self.is_on(plane, index);
@@ -174,7 +271,7 @@ impl<'a, R: Real> Hull<'a, R> {
     /// right, and none beyond it on the same line.
     fn next_corner(&self, plane: &FacetPlane<R>, corner: R::Vec3) -> R::Vec3 {
         let mut next = corner;
-        for (index, &point) in self.points.iter().enumerate() {
+        for (index, point) in self.positions().enumerate() {
             let way = point - corner;
             if way.length() <= self.thickness || !self.is_on(plane, index) {
                 continue;

@@ -21,6 +21,7 @@ mod turning_resistance;
 // What holds for each integrator.
 mod energy;
 mod flight;
+mod outcome;
 mod rigidity;
 mod symmetry;
 mod time;

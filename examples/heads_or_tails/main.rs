@@ -1,0 +1,363 @@
+//! Has the lean of a coin at its start an effect on heads and tails? The question of the coin
+//! report, with proven outcomes. `cargo run --release --example heads_or_tails -- --help`.
+
+// An example has the standard library.
+#![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
+
+mod caught;
+mod count;
+mod spun;
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/marked.rs"]
+mod marked;
+#[path = "../common/table.rs"]
+mod table;
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use common::{BLUE, Check, GREEN, GREY, ORANGE, Options, Outcome, Page, Picture, line};
+use count::Count;
+use indicatif::{ProgressBar, ProgressStyle};
+use kuva::prelude::*;
+use spun::{LEAN_SPREAD, LEANS, Point, SPIN_SPREAD, STEP, THROWS};
+
+const HELP: &str = "\
+Sets the coin of the coin report rolling or spinning at leans of 0 to 60 degrees, each time until
+its face is decided, and counts heads and tails; and tosses a coin that is caught. Answers the question
+of the report: has the lean an effect?
+
+Usage: cargo run --release --example heads_or_tails -- [OPTIONS]
+
+      --write           writes the answer into README.md
+      --full            eight times the tosses
+  -o, --out <FOLDER>    where the page and its pictures go   [default: out]
+  -q, --quick           a twentieth of the tosses
+  -h, --help            this text
+";
+
+const MARKS: [&str; 2] = [
+    "<!-- heads or tails: begin; written by `heads_or_tails -- --write` -->",
+    "<!-- heads or tails: end -->",
+];
+const COLOURS: [&str; 3] = [BLUE, ORANGE, GREEN];
+
+struct Arguments {
+    is_written: bool,
+    is_full: bool,
+    options: Options,
+}
+
+fn main() -> ExitCode {
+    let arguments = match parse() {
+        Ok(Some(arguments)) => arguments,
+        Ok(None) => {
+            print!("{HELP}");
+            return ExitCode::SUCCESS;
+        }
+        Err(error) => {
+            eprintln!("error: {error}\nThe options are listed by --help.");
+            return ExitCode::from(2);
+        }
+    };
+    match work(&arguments) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn parse() -> Result<Option<Arguments>, lexopt::Error> {
+    use lexopt::prelude::*;
+    let mut arguments = Arguments {
+        is_written: false,
+        is_full: false,
+        options: Options {
+            out: PathBuf::from("out"),
+            quick: false,
+        },
+    };
+    let given: Vec<OsString> = std::env::args_os().skip(1).collect();
+    let mut parser = lexopt::Parser::from_args(given);
+    while let Some(argument) = parser.next()? {
+        match argument {
+            Long("write") => arguments.is_written = true,
+            Long("full") => arguments.is_full = true,
+            Short('o') | Long("out") => arguments.options.out = parser.value()?.into(),
+            Short('q') | Long("quick") => arguments.options.quick = true,
+            Short('h') | Long("help") => return Ok(None),
+            other => return Err(other.unexpected()),
+        }
+    }
+    Ok(Some(arguments))
+}
+
+fn work(arguments: &Arguments) -> Outcome<bool> {
+    let (spun_tosses, caught_tosses) = match (arguments.options.quick, arguments.is_full) {
+        (true, _) => (80, 2_000),
+        (_, true) => (12_800, 280_000),
+        _ => (1_600, 35_000),
+    };
+    let bar = bar(spun_tosses, caught_tosses)?;
+    let mut curves = Vec::new();
+    for throw in &THROWS {
+        let tosses = spun_tosses / throw.thinned;
+        curves.push(spun::curve(throw, tosses, &bar)?);
+    }
+    let mut catches = Vec::new();
+    for tilt in caught::TILTS {
+        let counts = caught::ANGLES.map(|psi| {
+            let chi = tilt.unwrap_or(psi);
+            let count = caught::count(psi, chi, caught_tosses, &bar)?;
+            Ok((psi, chi, count))
+        });
+        catches.push(counts.into_iter().collect::<Outcome<Vec<_>>>()?);
+    }
+    bar.finish_and_clear();
+    let answer = answer(&curves);
+    table::print(&spun_rows(&curves));
+    if arguments.is_written {
+        marked::write("README.md", MARKS, &format!("{answer}\n"))?;
+    }
+    page(answer, &curves, &catches)?.write("heads_or_tails", &arguments.options)
+}
+
+/// Shows itself only on a terminal.
+fn bar(spun_tosses: u64, caught_tosses: u64) -> Outcome<ProgressBar> {
+    let counts = THROWS.map(|throw| spun_tosses / throw.thinned);
+    let spun: u64 = counts
+        .iter()
+        .map(|count| count + count / spun::REPEATED)
+        .sum();
+    let spun = spun * LEANS.len() as u64;
+    let caught = (caught::TILTS.len() * caught::ANGLES.len()) as u64 * caught_tosses;
+    let style =
+        ProgressStyle::with_template("tosses {wide_bar} {percent} %, {per_sec}, {eta} left")?;
+    Ok(ProgressBar::new(spun + caught).with_style(style))
+}
+
+/// The answer to the question of the report, in two sentences.
+fn answer(curves: &[Vec<Point>]) -> String {
+    let pooled = |curve: &[Point], leans: core::ops::RangeInclusive<f64>| {
+        let points = curve.iter().filter(|point| leans.contains(&point.lean));
+        points.fold(Count::default(), |sum, point| sum.plus(point.count))
+    };
+    let shown = |count: &Count| {
+        let [low, high] = count.interval().map(percent);
+        format!("{} % [{low}, {high}]", percent(count.fraction()))
+    };
+    let upright = curves.iter().map(|curve| pooled(curve, 0.0..=0.0));
+    let upright = upright.fold(Count::default(), Count::plus);
+    let leaning: Vec<Count> = (curves.iter())
+        .map(|curve| pooled(curve, 5.0..=60.0))
+        .collect();
+    let [rolling, spinning, fast] = leaning.as_slice() else {
+        return String::new();
+    };
+    let passed =
+        |count: &Count| percent(1.0 - count.straight as f64 / count.decided().max(1) as f64);
+    wrapped(&format!(
+        "**Does the lean at the start bias heads or tails? {effect}:** of coins set rolling at 5° to \
+         60°, {} end with the side up that pointed up at the start, and of coins set spinning at \
+         1 kg m²/s {}, against {} of those that start upright (99.9 % intervals; \
+         [more](src/guide/outcomes.md)). A coin that spins at 5 kg m²/s first rises until it is \
+         upright ({} % do) and forgets its lean: {}, with {} % undecided after a minute.",
+        shown(rolling),
+        shown(spinning),
+        shown(&upright),
+        passed(fast),
+        shown(fast),
+        percent(fast.undecided as f64 / (fast.decided() + fast.undecided).max(1) as f64),
+        effect = if has_effect(curves) { "Yes" } else { "No" },
+    ))
+}
+
+/// Whether any lean differs from one half at the level of 1e-3, for all leans together.
+fn has_effect(curves: &[Vec<Point>]) -> bool {
+    let leaning = || curves.iter().flatten().filter(|point| point.lean > 0.0);
+    let level = 1e-3 / leaning().count() as f64;
+    leaning().any(|point| point.count.p_value() < level)
+}
+
+fn percent(fraction: f64) -> String {
+    format!("{:.1}", 100.0 * fraction)
+}
+
+/// Lines of at most 100 columns.
+fn wrapped(text: &str) -> String {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let line = lines.last_mut().filter(|line| {
+            line.is_empty() || line.chars().count() + 1 + word.chars().count() <= 100
+        });
+        match line {
+            Some(line) if line.is_empty() => line.push_str(word),
+            Some(line) => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            None => lines.push(word.to_owned()),
+        }
+    }
+    lines.join("\n")
+}
+
+fn spun_rows(curves: &[Vec<Point>]) -> Vec<Vec<String>> {
+    let head = [
+        "start",
+        "lean",
+        "side up at the start comes up, 99.9 %",
+        "p",
+        "never upright again",
+        "undecided",
+        "repeated, heads, heads at a quarter of the step",
+    ];
+    let mut rows = vec![table::cells(head)];
+    for (throw, curve) in THROWS.iter().zip(curves) {
+        rows.extend(curve.iter().map(|point| {
+            let count = &point.count;
+            let [low, high] = count.interval();
+            table::cells([
+                throw.name.to_owned(),
+                format!("{}°", point.lean),
+                format!("{:.3} [{low:.3}, {high:.3}]", count.fraction()),
+                format!("{:.0e}", count.p_value()),
+                format!("{} of {}", count.straight, count.decided()),
+                count.undecided.to_string(),
+                format!(
+                    "{}, {}, {}",
+                    point.repeated, point.long.heads, point.short.heads
+                ),
+            ])
+        }));
+    }
+    rows
+}
+
+type Catches = Vec<Vec<(f64, f64, Count)>>;
+
+fn page(answer: String, curves: &[Vec<Point>], catches: &Catches) -> Outcome<Page> {
+    Ok(Page {
+        title: "Heads or tails",
+        text: vec![
+            answer,
+            format!(
+                "The coin of the coin report (friction 0.3, slip speed 1 mm/s) starts at each lean \
+                 within {LEAN_SPREAD}° of it, with an angular momentum within {} % of the stated \
+                 one and at any angle of its polygon. A toss ends when its energy is below the \
+                 barrier between the faces (`Nystrom`, {} ms), or undecided after a minute. \
+                 Fractions are those of the decided tosses, bars intervals of Wilson, 99.9 %.",
+                100.0 * SPIN_SPREAD,
+                1e3 * STEP,
+            ),
+        ],
+        checks: checks(curves, catches),
+        pictures: vec![spun_picture(curves)?, caught_picture(catches)?],
+        film: None,
+    })
+}
+
+fn checks(curves: &[Vec<Point>], catches: &Catches) -> Vec<Check> {
+    let mut checks: Vec<Check> = (THROWS.iter().zip(curves))
+        .filter_map(|(throw, curve)| {
+            let [low, high] = curve.first()?.count.interval();
+            Some(Check::between(
+                &format!(
+                    "one half in the interval at 0°: distance from its middle over half its \
+                     width, {}",
+                    throw.name
+                ),
+                "symmetry of the start, 99.9 %",
+                (0.5 - 0.5 * (low + high)).abs() / (0.5 * (high - low)),
+                0.0,
+                1.0,
+            ))
+        })
+        .collect();
+    let (changed, more) = curves
+        .iter()
+        .flatten()
+        .fold((0, 0.0), |(changed, more), point| {
+            let difference = point.long.heads as f64 - point.short.heads as f64;
+            (changed + point.changed, more + difference)
+        });
+    checks.push(Check::between(
+        &format!(
+            "heads fewer at a quarter of the step, over the spread of the {changed} faces that \
+             change"
+        ),
+        "McNemar's test, 99.9 %: the motion is chaotic, so that fractions are compared",
+        more / (changed as f64).sqrt().max(1.0),
+        -3.29,
+        3.29,
+    ));
+    let errors = catches.iter().flatten().map(|(psi, chi, count)| {
+        (count.fraction() - caught::formula(*psi, *chi)).abs() * count.decided() as f64
+    });
+    checks.push(Check::between(
+        "tossed and caught: largest difference from the formula, in tosses of one point",
+        "1/2 + asin(min(1, cot ψ cot χ))/π; equally spaced phases miss it by 2 tosses at most",
+        errors.fold(0.0, f64::max),
+        0.0,
+        2.0,
+    ));
+    checks
+}
+
+fn spun_picture(curves: &[Vec<Point>]) -> Outcome<Picture> {
+    let mut plots = vec![line(vec![(0.0, 0.5), (60.0, 0.5)], GREY, "one half")];
+    for ((throw, curve), colour) in THROWS.iter().zip(curves).zip(COLOURS) {
+        let places: Vec<(f64, f64)> = (curve.iter())
+            .map(|point| (point.lean, point.count.fraction()))
+            .collect();
+        let errors = curve.iter().map(|point| {
+            let ([low, high], middle) = (point.count.interval(), point.count.fraction());
+            (middle - low, high - middle)
+        });
+        plots.push(line(places.clone(), colour, throw.name));
+        let dots = ScatterPlot::new()
+            .with_data(places)
+            .with_y_err_asymmetric(errors.collect::<Vec<_>>())
+            .with_color(colour)
+            .with_size(4.0);
+        plots.push(Plot::Scatter(dots));
+    }
+    Picture::new("lean", plots, |layout| {
+        layout
+            .with_title("The side that points up at the start comes up")
+            .with_x_label("lean from upright at the start, degrees")
+            .with_y_label("fraction of the decided tosses")
+            .with_legend_position(LegendPosition::InsideBottomRight)
+    })
+}
+
+fn caught_picture(catches: &Catches) -> Outcome<Picture> {
+    let mut plots = Vec::new();
+    for ((catch, tilt), colour) in catches.iter().zip(caught::TILTS).zip(COLOURS) {
+        let name = tilt.map_or("χ = ψ".to_owned(), |chi| format!("χ = {chi}°"));
+        let curve = (160..=360).map(|step| {
+            let psi = 0.25 * f64::from(step);
+            (psi, caught::formula(psi, tilt.unwrap_or(psi)))
+        });
+        plots.push(line(curve.collect(), colour, &name));
+        let places = (catch.iter()).map(|(psi, _, count)| (*psi, count.fraction()));
+        let dots = ScatterPlot::new()
+            .with_data(places.collect::<Vec<_>>())
+            .with_color(colour)
+            .with_size(4.0);
+        plots.push(Plot::Scatter(dots));
+    }
+    Picture::new("caught", plots, |layout| {
+        layout
+            .with_title("Tossed and caught: the same side comes up (lines: formula)")
+            .with_x_label("angle ψ between normal and angular momentum, degrees")
+            .with_y_label("fraction of the tosses")
+            .with_legend_position(LegendPosition::InsideTopRight)
+    })
+}

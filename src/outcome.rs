@@ -1,0 +1,247 @@
+//! Outcomes that are proven: the face on which a body will stay.
+//!
+//! # Derivation
+//!
+//! Let `u` be the direction, in body axes, that points down. Let `h(u)` be the height of the centre
+//! of mass over the plane when the body just touches it, which is the body's
+//! [support](RigidPointBody::support) in the direction `u`. A body whose centre of mass is at the
+//! height z has a lowest point at the depth `d = h(u) - z`. With the weight `m g` and the springs'
+//! energy `U(d)` of the lowest point alone, its potential energy is
+//!
+//! ```text
+//! V >= m g z + U(d) = m g h(u) + U(d) - m g d >= m g h(u) - s
+//! s = max over d of (m g d - U(d))
+//! ```
+//! For a spring of stiffness k the softness s is `(m g)²/(2 k)`. For any other law it is bounded
+//! from above by the fact that U never decreases: between two depths a and b, `m g d - U(d)` is at
+//! most `m g b - U(a)`. Intervals that can contain the maximum are divided until they are short.
+//!
+//! The *basin* of a face is a set of directions. Let H be a lower bound of `h` on its boundary. To
+//! leave the basin, `u` must cross the boundary, and there `V >= m g H - s`. This is the face's
+//! *barrier*. The kinetic energy is never negative, and the energy of the model never increases.
+//! Therefore a body whose energy is below the barrier of the basin that it is in never leaves it.
+//!
+//! # Limits
+//!
+//! - The statement is about the model, from the given state on. An explicit integrator may add
+//!   energy. With [`EnergyMomentum`](crate::EnergyMomentum) the computed energy stays below the
+//!   barrier at every later step. A step so long that it rotates the body past the directions whose
+//!   `V` exceeds its energy, from one side of the barrier to the other, is not excluded.
+//! - The ground is a level plane, and gravity points along -z. On a slope or on hills the potential
+//!   energy has no lower bound, and [`Barriers::of`] returns `None`.
+//! - The bound counts one contact. On soft ground it is lower than the true barrier, so that a body
+//!   is decided later. A face whose barrier is below the energy of the body at rest on it is never
+//!   decided, and it may be no equilibrium any more.
+//! - How accurate the motion was that led to the state is another question.
+
+mod built_in;
+mod hull;
+mod springs;
+
+pub use hull::HullFace;
+
+use crate::body::RigidPointBody;
+use crate::energy::Energy;
+use crate::ground::{GroundBounds, SpringDamperGround};
+use crate::real::{Real, Vector};
+use crate::scene::Dynamics;
+use crate::state::State;
+use springs::Springs;
+
+/// A body with faces on which it can come to rest.
+///
+/// Implement it for a body of your own to use [`Barriers`]. For a body that lies on facets of the
+/// convex hull of its contacts, [`HullFace::basin`] does all of the work:
+///
+/// ```
+/// use tumble::glam::{DMat3, DVec3};
+/// use tumble::{Basin, ContactPoint, Faces, HullFace, RigidPointBody};
+///
+/// struct Wedge {
+///     contacts: [ContactPoint; 6],
+/// }
+/// # impl RigidPointBody for Wedge {
+/// #     fn mass(&self) -> f64 { 0.1 }
+/// #     fn inertia(&self) -> DMat3 { DMat3::from_diagonal(DVec3::splat(1e-5)) }
+/// #     fn contacts(&self) -> &[ContactPoint] { &self.contacts }
+/// # }
+///
+/// impl Faces for Wedge {
+///     type Face = HullFace;
+///     fn basin(&self, down: DVec3) -> Option<Basin<HullFace>> {
+///         HullFace::basin(self, down)
+///     }
+/// }
+/// ```
+pub trait Faces<R: Real = f64>: RigidPointBody<R> {
+    /// Name of a face.
+    type Face: Copy + PartialEq + core::fmt::Debug;
+
+    /// Returns the basin of the face that contains the direction `down`, a unit vector in body axes
+    /// that points down. Returns `None` if the direction belongs to no face.
+    ///
+    /// *To the implementer:* each direction belongs to at most one face. On the boundary of the
+    /// directions of a face, the [support](RigidPointBody::support) of the body is at least the
+    /// `height` of its basin. Rounding of the direction is allowed for.
+    fn basin(&self, down: R::Vec3) -> Option<Basin<Self::Face, R>>;
+}
+
+/// Directions of a body that belong to one face, with the height of their boundary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Basin<F, R = f64> {
+    /// Face of the body.
+    pub face: F,
+    /// Lower bound of the height of the centre of mass over the ground at the boundary, m.
+    pub height: R,
+}
+
+/// What is proven about the face on which a body comes to rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Outcome<F> {
+    /// The body never leaves the basin of this face.
+    Decided(F),
+    /// The energy suffices to leave the basin, or the bound is too weak to exclude it.
+    Undecided,
+}
+
+/// Energy barriers between the faces of a body on level ground.
+///
+/// Created by [`Stepper::barriers`](crate::Stepper::barriers), once for a scene. A body whose
+/// energy is below the barrier of its face never leaves the face. The [module](self) has the proof
+/// and its limits.
+///
+/// ```
+/// use tumble::glam::DVec3;
+/// use tumble::{CoinFace, Coin, Coulomb, FlatGround, Outcome, State, Stepper, UniformGravity};
+///
+/// let stepper = Stepper::new(Coin::ring(1.0, 0.5))? // kg, m
+///     .with_ground(FlatGround::level(1000.0, 0.5))? // N/m and N s/m, for each point
+///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })? // -, m/s
+///     .with_gravity(UniformGravity::down(9.8))?; // m/s²
+/// let barriers = stepper.barriers().ok_or("no level ground")?;
+/// // Upright the energy suffices for both faces. Leaning by half a radian it does not.
+/// let upright = State::at(DVec3::Z * 0.5);
+/// assert_eq!(barriers.outcome(&upright), Outcome::Undecided);
+/// let leaning = State::at(DVec3::Z * 0.44).with_rotation_vector(DVec3::Y * -0.5);
+/// assert_eq!(barriers.outcome(&leaning), Outcome::Decided(CoinFace::Heads));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Barriers<'a, R: Real, D> {
+    scene: &'a D,
+    /// Height of the plane, m.
+    ground: R,
+    /// Weight of the body, N.
+    weight: R,
+    /// Most energy that the body gains by sinking into the springs, J.
+    softness: R,
+}
+
+impl<'a, R, D> Barriers<'a, R, D>
+where
+    R: Real,
+    D: Dynamics<R>,
+    D::Body: Faces<R>,
+{
+    /// Computes the barriers of a scene.
+    ///
+    /// Returns `None` if there is no bound: no ground, ground that is not a level plane, gravity
+    /// that does not point along -z, or springs so soft that the body sinks in completely.
+    ///
+    /// It costs some thousand evaluations of the springs' energy, and for a body with a round rim
+    /// some hundred thousand.
+    #[must_use]
+    pub fn of(scene: &'a D) -> Option<Self> {
+        let GroundBounds::Plane(plane) = scene.ground().bounds() else {
+            return None;
+        };
+        let gravity = scene.gravity();
+        let is_level = plane.is_level() && gravity.x() == R::ZERO && gravity.y() == R::ZERO;
+        let weight = scene.inertia_properties().mass() * -gravity.z();
+        if !is_level || weight <= R::ZERO {
+            return None;
+        }
+        let softness = Springs { scene, weight }.softness()?;
+        (softness < weight * scene.bounding_radius()).then_some(Self {
+            scene,
+            ground: plane.height,
+            weight,
+            softness,
+        })
+    }
+
+    /// Returns the face on which the body stays, if the energy of the state proves it.
+    ///
+    /// A state high above the barriers costs no evaluation of a contact.
+    #[must_use]
+    pub fn outcome(&self, state: &State<R>) -> Outcome<<D::Body as Faces<R>>::Face> {
+        let Some(basin) = self.basin(state) else {
+            return Outcome::Undecided;
+        };
+        if self.most_energy(state) < self.barrier(&basin) {
+            Outcome::Decided(basin.face)
+        } else {
+            Outcome::Undecided
+        }
+    }
+
+    /// Returns the basin that the body is in, if it is low and slow enough that a face may be
+    /// decided.
+    fn basin(&self, state: &State<R>) -> Option<Basin<<D::Body as Faces<R>>::Face, R>> {
+        let radius = self.scene.bounding_radius();
+        let gap = state.position.z() - self.ground;
+        let masses = self.scene.inertia_properties();
+        let translation = masses.mass() * state.linear_velocity.length_squared() * R::HALF;
+        // No barrier exceeds that of the bounding radius. Below the deepest point that the springs
+        // were searched to, nothing is known.
+        let left = self.weight * (radius - gap) - translation;
+        let is_low = gap > -radius && left > R::ZERO;
+        if !is_low {
+            return None;
+        }
+        let axes = state.rotation().axes();
+        let is_slow = masses.rotational_energy(&axes, state.angular_momentum) < left;
+        if is_slow {
+            self.scene.body().basin(-axes.rise())
+        } else {
+            None
+        }
+    }
+
+    /// Returns the barrier of a basin, J: energy above that of a body at rest with its centre of
+    /// mass in the plane of the ground.
+    #[must_use]
+    pub fn barrier<F>(&self, basin: &Basin<F, R>) -> R {
+        self.weight * basin.height - self.softness
+    }
+
+    /// Returns the energy by which the ground's softness lowers each barrier, J.
+    #[must_use]
+    pub fn softness(&self) -> R {
+        self.softness
+    }
+
+    /// Returns an upper bound of the energy, J, from the same zero as the barriers.
+    ///
+    /// The depth of a contact has an absolute rounding error. So the springs' energy is that of the
+    /// body lowered by a bound of this error. The other terms are bounded by their relative errors.
+    /// Twice those errors are added, because the energies of later steps have them too.
+    fn most_energy(&self, state: &State<R>) -> R {
+        let rounding = R::EPSILON * R::from_f64(64.0);
+        let gap = state.position.z() - self.ground;
+        let lengths = gap.abs() + self.ground.abs() + self.scene.bounding_radius();
+        let mut lowered = *state;
+        lowered.position -= R::Vec3::new(R::ZERO, R::ZERO, lengths * rounding);
+        let energy = Energy::of(self.scene, &lowered);
+        let kinetic = energy.translation + energy.rotation;
+        let masses = self.scene.inertia_properties();
+        // The components of the angular momentum along the axes have an error relative to its
+        // length.
+        let rotation = state.angular_momentum.length_squared() * masses.largest_inverse_moment();
+        let contacts = R::from_usize(self.scene.body().contacts().len());
+        let errors = rounding * (kinetic + rotation + energy.springs + self.weight * lengths)
+            + R::EPSILON * R::TWO * contacts * energy.springs;
+        kinetic + self.weight * gap + energy.springs + errors
+    }
+}

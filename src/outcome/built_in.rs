@@ -1,0 +1,119 @@
+//! Faces of the built-in coins and of the cuboid, in closed form.
+
+use super::{Basin, Faces};
+use crate::body::{
+    Coin, CoinFace, ContactPoint, Cuboid, CuboidFace, Disc, RigidPointBody, SolidCoin,
+};
+use crate::real::{Real, Vector};
+
+/// Face of a thin coin over which body x points up, for the direction that points down.
+fn thin<R: Real>(down: R::Vec3) -> CoinFace {
+    if down.x() < R::ZERO {
+        CoinFace::Heads
+    } else {
+        CoinFace::Tails
+    }
+}
+
+/// Smallest extent of a ring of `count` points in any direction of its plane, m: `r cos(π/n)`.
+fn inscribed<R: Real>(radius: R, count: usize) -> R {
+    let (_, cos) = (R::from_f64(core::f64::consts::PI) / R::from_usize(count)).sin_cos();
+    radius * cos
+}
+
+/// Heads and tails. Between them the coin is upright, on a point or between two: `r cos(π/n)`.
+impl<R: Real, P: AsRef<[ContactPoint<R>]>> Faces<R> for Coin<R, P> {
+    type Face = CoinFace;
+
+    #[inline]
+    fn basin(&self, down: R::Vec3) -> Option<Basin<CoinFace, R>> {
+        Some(Basin {
+            face: thin::<R>(down),
+            height: inscribed(self.radius(), self.contacts().len()),
+        })
+    }
+}
+
+/// Heads and tails. Between them the disc is upright: `r`.
+impl<R: Real> Faces<R> for Disc<R> {
+    type Face = CoinFace;
+
+    #[inline]
+    fn basin(&self, down: R::Vec3) -> Option<Basin<CoinFace, R>> {
+        Some(Basin {
+            face: thin::<R>(down),
+            height: self.radius(),
+        })
+    }
+}
+
+/// Heads, tails and edge, as [`SolidCoin::face_up`] tells them apart.
+///
+/// Between edge and face the centre of mass is above a rim, with the normal at the angle
+/// `tan θ = 2 r/h` from the vertical. With the thickness h and n points on each rim, the height is
+/// at least `(h/2) cos θ + r cos(π/n) sin θ = (h²/4 + r² cos(π/n))/√(r² + h²/4)`.
+///
+/// The edge is decided only on a ground so hard that its barrier exceeds the energy of a coin at
+/// rest on it: about `m g h²/(8 r)` must exceed the energy that the body gains by sinking in.
+impl<R: Real, P: AsRef<[ContactPoint<R>]>> Faces<R> for SolidCoin<R, P> {
+    type Face = CoinFace;
+
+    fn basin(&self, down: R::Vec3) -> Option<Basin<CoinFace, R>> {
+        let (radius, half) = (self.radius(), self.thickness() * R::HALF);
+        let level = (down.y() * down.y() + down.z() * down.z()).sqrt();
+        let face = if radius * down.x().abs() < half * level {
+            CoinFace::Edge
+        } else {
+            thin::<R>(down)
+        };
+        let extent = inscribed(radius, self.contacts().len() / 2);
+        let corner = (radius * radius + half * half).sqrt();
+        Some(Basin {
+            face,
+            height: (half * half + radius * extent) / corner,
+        })
+    }
+}
+
+/// The six sides, each named by the side that is up. Between two sides the centre of mass is above
+/// their edge.
+///
+/// No face is reported if the centre of mass is not between the corners.
+impl<R: Real> Faces<R> for Cuboid<R> {
+    type Face = CuboidFace;
+
+    fn basin(&self, down: R::Vec3) -> Option<Basin<CuboidFace, R>> {
+        use CuboidFace::{MinusX, MinusY, MinusZ, X, Y, Z};
+        let [low, .., high] = self.contacts() else {
+            return None;
+        };
+        let [low, high] = [-low.position, high.position].map(|v| [v.x(), v.y(), v.z()]);
+        let opposite = [[X, MinusX], [Y, MinusY], [Z, MinusZ]];
+        // The side through which the direction leaves the box: the least distance along it.
+        let mut nearest: Option<(R, usize, R, CuboidFace)> = None;
+        for (axis, along) in [down.x(), down.y(), down.z()].into_iter().enumerate() {
+            let is_high = along > R::ZERO;
+            let distance = *(if is_high { &high } else { &low }).get(axis)?;
+            let face = *opposite.get(axis)?.get(usize::from(is_high))?;
+            if distance <= R::ZERO {
+                return None;
+            }
+            let path = distance / along.abs();
+            if nearest.is_none_or(|(least, ..)| path < least) {
+                nearest = Some((path, axis, distance, face));
+            }
+        }
+        let (_, axis, distance, face) = nearest?;
+        let others = (0..3).filter(|&other| other != axis);
+        let sides = others.filter_map(|other| Some(low.get(other)?.at_most(*high.get(other)?)));
+        let side = sides.reduce(R::at_most)?;
+        if side <= R::ZERO {
+            return None;
+        }
+        let edge = (distance * distance + side * side).sqrt();
+        Some(Basin {
+            face,
+            height: edge + self.corner_radius(),
+        })
+    }
+}

@@ -1,0 +1,84 @@
+//! Faces of the convex hull of contacts.
+
+use super::{Basin, Faces};
+use crate::body::{ContactPoint, Hull, PointCloud, RigidPointBody, Solid};
+use crate::real::{Real, Vector};
+
+/// Facet of the convex hull of a body's contacts, on which the body lies.
+///
+/// It is named by the three smallest numbers of the contacts on it. Contacts within 256 units in
+/// the last place of the hull's size from the facet's plane are on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct HullFace {
+    /// Numbers of three contacts, in increasing order.
+    pub contacts: [usize; 3],
+}
+
+impl HullFace {
+    /// Returns the facet below the centre of mass for a direction that points down, with the height
+    /// of its barrier. Use it to implement [`Faces`] for a body of your own.
+    ///
+    /// For a point q of an edge between the contacts a and b, the body reaches at least
+    /// `|q| + min(ρ_a, ρ_b)` in the direction of q, with the radii ρ. So the height is the distance
+    /// of the centre of mass from the nearest edge of the facet, plus the least radius.
+    ///
+    /// Returns `None` if the centre of mass is outside the hull of the contacts' positions.
+    ///
+    /// *Limit:* a facet on which the body does not rest has a basin of its own, so that the barrier
+    /// of its neighbour is lower than it could be. *Cost:* of the order of the number of contacts
+    /// times the number of corners of the facets that are passed.
+    #[must_use]
+    pub fn basin<R: Real, B: RigidPointBody<R> + ?Sized>(
+        body: &B,
+        down: R::Vec3,
+    ) -> Option<Basin<Self, R>> {
+        let contacts = body.contacts();
+        let hull = Hull::<R, ContactPoint<R>>::of(contacts, |contact| contact.position);
+        let plane = hull.facet_along(down)?;
+        let edges = hull.edges(&plane).map(|edge| distance_of_segment(edge));
+        let nearest = edges.reduce(R::at_most)?;
+        if plane.distance() <= hull.thickness() {
+            return None;
+        }
+        let mut numbers = hull.numbers_on(&plane);
+        let contacts_on = [numbers.next()?, numbers.next()?, numbers.next()?];
+        let radii = (hull.numbers_on(&plane)).filter_map(|index| Some(contacts.get(index)?.radius));
+        Some(Basin {
+            face: Self {
+                contacts: contacts_on,
+            },
+            // Corners are on the facet to within the thickness.
+            height: nearest + radii.reduce(R::at_most)? - hull.thickness() * R::from_f64(4.0),
+        })
+    }
+}
+
+/// Distance of a segment from the origin, m.
+fn distance_of_segment<R: Real, V: Vector<R>>([start, end]: [V; 2]) -> R {
+    let along = end - start;
+    let square = along.length_squared();
+    if square <= R::ZERO {
+        return start.length();
+    }
+    let part = (-start.dot(along) / square).at_least(R::ZERO);
+    (start + along * part.at_most(R::ONE)).length()
+}
+
+/// The facets of the contacts' convex hull.
+impl<R: Real, P: AsRef<[ContactPoint<R>]>> Faces<R> for Solid<R, P> {
+    type Face = HullFace;
+
+    fn basin(&self, down: R::Vec3) -> Option<Basin<HullFace, R>> {
+        HullFace::basin(self, down)
+    }
+}
+
+/// The facets of the points' convex hull.
+impl<R: Real, P: AsRef<[ContactPoint<R>]>> Faces<R> for PointCloud<R, P> {
+    type Face = HullFace;
+
+    fn basin(&self, down: R::Vec3) -> Option<Basin<HullFace, R>> {
+        HullFace::basin(self, down)
+    }
+}

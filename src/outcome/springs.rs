@@ -1,0 +1,109 @@
+//! Bounds of the springs' energy by the penetration depth of the lowest point.
+
+use crate::body::{RigidPointBody, Rim};
+use crate::ground::SpringDamperGround;
+use crate::real::Real;
+use crate::scene::Dynamics;
+
+/// Number of intervals of a sum over half an arc.
+const ARC: usize = 64;
+/// Number of parts of an interval that is searched further.
+const PARTS: usize = 32;
+/// How often an interval is searched further. Depths are then resolved to 1 in `PARTS²`.
+const LEVELS: u32 = 2;
+/// Number of halvings of the largest depth.
+const HALVINGS: usize = 64;
+
+/// Springs of a scene that carry a weight (N).
+pub(super) struct Springs<'a, R, D> {
+    pub(super) scene: &'a D,
+    pub(super) weight: R,
+}
+
+impl<R: Real, D: Dynamics<R>> Springs<'_, R, D> {
+    /// Returns the most energy that a body gains by sinking into the springs, J: an upper bound of
+    /// `m g d - U(d)` over all depths.
+    ///
+    /// Returns `None` if the springs do not stop a body that falls from the height of twice its
+    /// bounding radius.
+    pub(super) fn softness(&self) -> Option<R> {
+        let deepest = self.deepest()?;
+        let halves = || {
+            let half = |depth: &R| Some(*depth * R::HALF);
+            core::iter::successors(Some(deepest), half).take(HALVINGS)
+        };
+        let gain = |depth: R| self.weight * depth - self.energy(depth);
+        let best = halves().map(gain).fold(R::ZERO, R::at_least);
+        let bounds = halves().map(|to| self.gain_between(to * R::HALF, to, best, LEVELS));
+        // Below the last of the halves the springs are neglected.
+        let last = halves().last().map(|depth| self.weight * depth);
+        Some(bounds.chain(last).fold(best, R::at_least))
+    }
+
+    /// Returns a depth (m) of at least twice the bounding radius that no body below the barriers
+    /// reaches.
+    ///
+    /// The height of the centre of mass over the lowest point is at least `-R`, and no barrier is
+    /// above `m g R`. So the body stays above a depth `d` with `U(d) >= m g (d + 2 R)`.
+    fn deepest(&self) -> Option<R> {
+        let twice = self.scene.bounding_radius() * R::TWO;
+        let double = |depth: &R| Some(*depth * R::TWO);
+        core::iter::successors(Some(twice), double)
+            .take(HALVINGS)
+            .find(|&depth| self.energy(depth) >= self.weight * (depth + twice))
+    }
+
+    /// Upper bound of the gain between two depths, or a value of at most `best`.
+    ///
+    /// The springs' energy never decreases with the depth, so that no gain between two depths
+    /// exceeds `m g to - U(from)`.
+    fn gain_between(&self, from: R, to: R, best: R, levels: u32) -> R {
+        let bound = self.weight * to - self.energy(from);
+        if levels == 0 || bound <= best {
+            return bound;
+        }
+        let width = (to - from) / R::from_usize(PARTS);
+        let depth = |part: usize| from + width * R::from_usize(part);
+        (0..PARTS)
+            .map(|part| self.gain_between(depth(part), depth(part + 1), best, levels - 1))
+            .fold(R::ZERO, R::at_least)
+    }
+
+    /// Lower bound of the springs' energy (J) of a body whose lowest point is at a depth (m).
+    ///
+    /// The lowest point is a contact or a point of a rim, and each stores at least its own energy.
+    fn energy(&self, depth: R) -> R {
+        let body = self.scene.body();
+        let contact = (!body.contacts().is_empty()).then(|| self.contact_energy(depth));
+        let rims = (body.rims().iter()).map(|rim| self.rim_energy(rim, depth));
+        contact
+            .into_iter()
+            .chain(rims)
+            .reduce(R::at_most)
+            .unwrap_or(R::ZERO)
+    }
+
+    fn contact_energy(&self, depth: R) -> R {
+        if depth > R::ZERO {
+            self.scene.ground().spring_energy(depth)
+        } else {
+            R::ZERO
+        }
+    }
+
+    /// Lower bound of the energy under a rim (J) whose lowest point is at a depth (m).
+    ///
+    /// At the angle θ from it, the rim is at the depth `d - r s (1 - cos θ) >= d - r θ²/2`. The
+    /// energy decreases with the angle, so that each interval has at least that of its far end.
+    fn rim_energy(&self, rim: &Rim<R>, depth: R) -> R {
+        let pi = R::from_f64(core::f64::consts::PI);
+        let end = (R::TWO * depth / rim.radius()).sqrt().at_most(pi);
+        let width = end / R::from_usize(ARC);
+        let energies = (1..=ARC).map(|far| {
+            let angle = width * R::from_usize(far);
+            self.contact_energy(depth - rim.radius() * angle * angle * R::HALF)
+        });
+        let sum = energies.fold(R::ZERO, |sum, energy| sum + energy);
+        sum * width * (rim.points() / pi)
+    }
+}
