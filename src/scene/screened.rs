@@ -43,7 +43,7 @@ impl Alarm {
 /// Scene with its laws screened.
 pub(crate) struct ScreenedScene<'a, R: Real, D: Dynamics<R>> {
     scene: &'a D,
-    ground: ScreenedGround<'a, D::Ground>,
+    ground: ScreenedGround<'a, R, D::Ground>,
     friction: ScreenedFriction<'a, D::Friction>,
     alarm: &'a Alarm,
 }
@@ -55,6 +55,7 @@ impl<'a, R: Real, D: Dynamics<R>> ScreenedScene<'a, R, D> {
             scene,
             ground: ScreenedGround {
                 ground: scene.ground(),
+                bounding_radius: scene.bounding_radius(),
                 alarm,
             },
             friction: ScreenedFriction {
@@ -68,7 +69,7 @@ impl<'a, R: Real, D: Dynamics<R>> ScreenedScene<'a, R, D> {
 
 impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for ScreenedScene<'a, R, D> {
     type Body = D::Body;
-    type Ground = ScreenedGround<'a, D::Ground>;
+    type Ground = ScreenedGround<'a, R, D::Ground>;
     type Friction = ScreenedFriction<'a, D::Friction>;
 
     #[inline(always)]
@@ -110,19 +111,24 @@ impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for ScreenedScene<'a, R, D> {
 }
 
 /// Ground whose values are screened.
-pub(crate) struct ScreenedGround<'a, G> {
+pub(crate) struct ScreenedGround<'a, R, G> {
     ground: &'a G,
+    /// Bounding radius of the body, m. No contact has a larger radius.
+    bounding_radius: R,
     alarm: &'a Alarm,
 }
 
-impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for ScreenedGround<'_, G> {
+impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for ScreenedGround<'_, R, G> {
     #[inline(always)]
     fn surface(&self, point: R::Vec3) -> Surface<R> {
         let surface = self.ground.surface(point);
         if !self.ground.is_trusted() {
             let off = (surface.normal.length_squared() - R::ONE).abs();
             let is_unit = off <= R::EPSILON * R::from_f64(NORMAL);
-            self.alarm.expect(is_unit & (surface.gap.abs() <= R::MAX));
+            // Farther away than the bounding radius no contact touches, and the normal is not used.
+            let is_far = surface.gap > self.bounding_radius;
+            self.alarm
+                .expect(is_far | (is_unit & (surface.gap >= -R::MAX)));
         }
         surface
     }

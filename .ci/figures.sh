@@ -1,0 +1,20 @@
+#!/bin/bash
+# Writes the figures that depend on arithmetic only, and fails where a page has another figure than its program prints now.
+# Figures that depend on the speed of a machine are not compared. The table of the literature is compared by its own test, that of the firmware by .ci/embedded.sh.
+#   bash .ci/figures.sh          the table of single precision, half a minute
+#   bash .ci/figures.sh --all    the answer of heads_or_tails too, some minutes
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+pages=(README.md src/guide)
+before=$(mktemp -d)
+trap 'rm -rf "$before"' EXIT
+cp -r "${pages[@]}" "$before"
+
+cargo run -q --release --example accuracy -- --f32-motion --write
+if [ "${1-}" = --all ]; then
+  cargo run -q --release --example heads_or_tails -- --write --out "$before/out"
+fi
+for page in "${pages[@]}"; do
+  diff -r "$before/$(basename "$page")" "$page" || { echo "figures: $page is stale (< stored, > now); the new figures are written"; exit 1; }
+done
+echo 'figures: as the programs print them'
