@@ -11,7 +11,7 @@ mkdir -p "$results"
 cross_tools "$results"
 
 differ=0
-compare() { # compare NAME COMMAND…: runs the battery, and says in a line whether it has the stored bits
+compare() { # compare NAME COMMAND…: runs the battery, and says in a line whether it has the stored bits; fails if not
   local code=0 seconds=$SECONDS
   timeout 1500 "${@:2}" >"$results/$1.scenes" || code=$?
   # A line for a scene is indented.
@@ -21,7 +21,7 @@ compare() { # compare NAME COMMAND…: runs the battery, and says in a line whet
   else
     echo "DIFFERENT: $1 (exit $code)"
     diff "$stored" "$results/$1.txt" || true
-    differ=1
+    return 1
   fi
 }
 build() { cargo build -q --locked --manifest-path tests/bits/Cargo.toml --bin tumble_bits "$@"; }
@@ -33,7 +33,7 @@ build() { cargo build -q --locked --manifest-path tests/bits/Cargo.toml --bin tu
 # needs an unstable compiler.
 host() { # host NAME FOLDER OPTION…
   build "${@:3}"
-  compare "$1" "$CARGO_TARGET_DIR/$2/tumble_bits"
+  compare "$1" "$CARGO_TARGET_DIR/$2/tumble_bits" || differ=1
 }
 host host-dev debug --features "$detail"
 for set in '' std,serde,mint,approx-05 glam-std glam-libm glam-scalar-math; do
@@ -58,15 +58,18 @@ semihosting="-nographic -monitor none -serial none -semihosting-config enable=on
 
 each_processor() { # each_processor PROFILE FOLDER
   others "$1" --target={aarch64-unknown-none,riscv32imac-unknown-none-elf,wasm32-unknown-unknown,thumbv7em-none-eabihf}
-  compare "aarch64-$1" qemu-aarch64 "$(program "aarch64-unknown-none/$2")"
-  compare "riscv32imac-$1" qemu-riscv32 "$(program "riscv32imac-unknown-none-elf/$2")"
-  compare "wasm32-$1" node tests/bits/run.mjs "$(program "wasm32-unknown-unknown/$2").wasm"
+  # An emulator uses one core and takes minutes, so they run side by side.
+  local runs=() run
+  compare "aarch64-$1" qemu-aarch64 "$(program "aarch64-unknown-none/$2")" & runs+=($!)
+  compare "riscv32imac-$1" qemu-riscv32 "$(program "riscv32imac-unknown-none-elf/$2")" & runs+=($!)
+  compare "wasm32-$1" node tests/bits/run.mjs "$(program "wasm32-unknown-unknown/$2").wasm" & runs+=($!)
   # shellcheck disable=SC2086 # several options
-  compare "thumbv7em-hf-$1" qemu-system-arm -M mps2-an386 $semihosting -kernel "$(program "thumbv7em-none-eabihf/$2")"
+  compare "thumbv7em-hf-$1" qemu-system-arm -M mps2-an386 $semihosting -kernel "$(program "thumbv7em-none-eabihf/$2")" & runs+=($!)
+  for run in "${runs[@]}"; do wait "$run" || differ=1; done
 }
 each_processor release release
 # Unoptimised code on one of them: where double precision is emulated as well it takes too long.
 others dev --target=aarch64-unknown-none
-compare aarch64-dev qemu-aarch64 "$(program aarch64-unknown-none/debug)"
+compare aarch64-dev qemu-aarch64 "$(program aarch64-unknown-none/debug)" || differ=1
 
 exit "$differ"
