@@ -1,7 +1,7 @@
 //! A fixed number of steps, for `callgrind` to count the instructions: see `.ci/instructions`.
 //!
-//! The arguments are `instructions INTEGRATOR PHASE POINTS STEPS`. `POINTS` is a number, `round` for a
-//! rim without points, or `own` for 120 points on a user's ground and friction law, whose values
+//! The arguments are `instructions INTEGRATOR PHASE POINTS STEPS`. `POINTS` is a number, `round` for
+//! a rim without points, or `own` for 120 points on a user's ground and friction law, whose values
 //! every step tests. The instructions of a step are the difference of two counts over the
 //! difference of their numbers of steps.
 
