@@ -123,11 +123,21 @@ impl<R: Real> Ledger<R> {
         self.now().total() - self.start().total() - self.work.total() - self.handed_in
     }
 
+    /// Energy, powers and rates at a sample. They are known if a step did not change the state.
+    fn node(&self, sample: &Sample<'_, R>) -> Node<R> {
+        match self.last {
+            Some(last) if sample.step > 0 && last.node.state == *sample.state => last.node,
+            _ => Node::at(sample.scene, sample.state),
+        }
+    }
+
     /// Adds the works between two samples of the same run.
     fn enter(&mut self, before: &Moment<R>, now: &Moment<R>, scene: &dyn SceneQuery<R>) {
         let seconds = now.time - before.time;
         let nodes = [&before.node, &now.node];
-        let works = if self.to_skip > 0 {
+        let works = if before.node.state == now.node.state {
+            at_rest(&now.node, seconds)
+        } else if self.to_skip > 0 {
             self.to_skip -= 1;
             chord(scene, nodes, seconds)
         } else {
@@ -166,7 +176,7 @@ impl<R: Real> Observer<R> for Ledger<R> {
     fn observe(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
         let now = Moment {
             time: sample.time,
-            node: Node::at(sample.scene, sample.state),
+            node: self.node(sample),
         };
         let energy = now.node.account.energy;
         match self.last {
@@ -184,6 +194,14 @@ impl<R: Real> Observer<R> for Ledger<R> {
 
 /// Most steps that use the chord after one that could not be followed.
 const MOST_SKIPPED: u32 = 64;
+
+/// Works of a step that did not change the state: its powers act during the whole step.
+fn at_rest<R: Real>(node: &Node<R>, seconds: R) -> Works<R> {
+    Works {
+        work: Dissipation::default().plus(&node.account.dissipation, seconds),
+        error: R::ZERO,
+    }
+}
 
 /// Works of a step that does not resolve its contacts, by Simpson's rule along the straight line
 /// between its ends.

@@ -19,6 +19,7 @@ mod terrain;
 mod turning_resistance;
 
 // What holds for each integrator.
+mod audit;
 mod energy;
 mod flight;
 mod outcome;

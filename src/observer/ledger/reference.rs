@@ -51,7 +51,8 @@ pub(super) struct Works<R: Real> {
     pub(super) error: R,
 }
 
-/// Fraction of the energy error of a step that the error of its works may reach.
+/// Fraction of the energy error of a step that the error of its works may reach, or else of the
+/// works themselves.
 const FRACTION: f64 = 1.0 / 8.0;
 /// Fraction of the last energy error that a substep of the next pass may add.
 const PER_SUBSTEP: f64 = 1.0 / 64.0;
@@ -68,6 +69,11 @@ const SHORT: f64 = 1.0 / 64.0;
 
 /// Returns the works of the step between two nodes. If the substeps cannot follow the motion,
 /// returns the best works found as an error.
+///
+/// Substeps follow the motion if there are not too many, and if the error of the works is a
+/// fraction of the works. Sticking friction is so stiff that it may exchange its sign in every
+/// substep, each within its tolerance. The works are then an artefact, and their error is as large
+/// as they are.
 ///
 /// The energy error of the step is the change of the energy minus these works. An error of the
 /// works matters only in comparison with it. So the energy error sets the tolerance, down to the
@@ -89,8 +95,12 @@ pub(super) fn works<R: Real>(
         let next = (unaccounted * R::from_f64(PER_SUBSTEP))
             .at_least(found.error * R::from_f64(PER_PASS))
             .at_least(rounding);
-        if found.error <= suffices || tolerance <= next * R::TWO {
+        if found.error <= suffices {
             return Ok(found);
+        }
+        if tolerance <= next * R::TWO {
+            let is_known = found.error <= sizes(&found.work) * R::from_f64(FRACTION);
+            return if is_known { Ok(found) } else { Err(found) };
         }
         tolerance = next;
         found = march(scene, start, seconds, tolerance).ok_or(found)?;
