@@ -4,14 +4,11 @@
 //! `cargo run --release --example round_rim -- --help` describes the options. The example prints
 //! the tables of the documentation of `Disc`, and `.ci/instructions` counts its costs.
 
-#[path = "common/table.rs"]
-mod table;
-
 use core::error::Error;
 use core::ops::ControlFlow;
 
+use common::table::{self, cells};
 use lexopt::prelude::*;
-use table::cells;
 use tumble::glam::DVec3;
 use tumble::{
     Coin, ContactPoint, Coulomb, Disc, EnergyMomentum, FlatGround, Frictionless, Integrator,

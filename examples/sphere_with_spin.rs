@@ -6,8 +6,6 @@
 // A program has the standard library. These lints are meant for the library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
-mod common;
-
 use std::ops::ControlFlow;
 use std::process::ExitCode;
 

@@ -5,7 +5,8 @@
 
 use core::error::Error;
 
-use crate::table::{cells, text};
+use common::marked;
+use common::table::{cells, text};
 use tumble::f32::{
     Capsule, Coin, Cone, Cuboid, Disc, Ellipsoid, EnergyMomentum, FlatGround, PointCloud,
     SolidCoin, Sphere, State, Stepper, UniformGravity,
@@ -29,7 +30,7 @@ pub(crate) fn tables(is_written: bool) -> Result<(), Failure> {
         print!("{tables}");
         return Ok(());
     }
-    super::marked::write("src/guide/accuracy.md", [BEGIN, END], &tables)
+    marked::write("src/guide/accuracy.md", [BEGIN, END], &tables)
 }
 
 /// Bodies of a kilogram. The first three have three different moments.

@@ -9,21 +9,18 @@
 //! errors only, which do not depend on other work of the machine.
 
 mod conservative;
-#[path = "../common/marked.rs"]
-mod marked;
 #[path = "../common/plain_rk4.rs"]
 mod plain_rk4;
 #[path = "../../tests/common/report_loop.rs"]
 mod report_loop;
 mod single;
-#[path = "../common/table.rs"]
-mod table;
 mod truth;
 mod within;
 
 use core::error::Error;
 use std::time::Instant;
 
+use common::table;
 use lexopt::prelude::*;
 use truth::{DURATION, distance, trial, truth};
 use tumble::{

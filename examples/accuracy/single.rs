@@ -8,8 +8,8 @@
 
 use core::error::Error;
 
-use crate::table::cells;
 use crate::truth::{DURATION, SLIP_SPEED, distance, truth};
+use common::table::{self, cells};
 use tumble::error::SceneError;
 use tumble::glam::{DQuat, DVec3, Vec3};
 use tumble::integrator::step_length;
@@ -69,7 +69,7 @@ fn table(what: &str, measured: &[Measured], figure: impl Fn(&End) -> f64) {
         row.push(milliseconds(best.1));
         rows.push(row);
     }
-    crate::table::print(&rows);
+    table::print(&rows);
 }
 
 /// Measures the gain of compensated summation, near the origin and far from it.
@@ -100,7 +100,7 @@ fn compensation(truth: &State) {
             ]));
         }
     }
-    crate::table::print(&rows);
+    table::print(&rows);
 }
 
 fn error_of<R: Widen, I: Integrator<R>>(integrator: I, away: f64, truth: &State) -> String {

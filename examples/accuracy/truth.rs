@@ -31,7 +31,7 @@ pub(crate) fn distance(a: &State, b: &State) -> f64 {
 
 /// State of trial 1 at the end, to 13 digits.
 pub(crate) fn truth() -> Result<State, Box<dyn Error>> {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/truth_table.csv");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/data/truth_table.csv");
     let mut table = csv::Reader::from_path(path)?;
     let headings = table.headers()?.clone();
     for line in table.records() {

@@ -15,8 +15,8 @@ use tumble::{
 
 use super::plain_rk4::{self, Law};
 use super::report_loop::{ReportLoop, ReportTrial};
-use super::table;
 use super::truth::{DURATION, distance, trial};
+use common::table;
 
 /// Numbers of steps in a second.
 ///

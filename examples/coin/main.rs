@@ -17,8 +17,6 @@ use recording::Recording;
 use setup::Setup;
 use summary::Summary;
 
-#[path = "../common/mod.rs"]
-mod common;
 mod curve;
 mod milestones;
 mod options;

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use crate::common::{Column, Film, Mesh, Outcome, Pose, Shot, energies, energy_columns};
 use crate::milestones::Milestones;
 use crate::recording::{Moment, Recording};
 use crate::setup::RADIUS;
+use common::{Column, Film, Mesh, Outcome, Pose, Shot, energies, energy_columns};
 
 /// Writes the page.
 pub(crate) fn write(recording: &Recording, path: &Path) -> Outcome<()> {

@@ -7,8 +7,8 @@ use kuva::render::figure::Figure;
 use kuva::render::render::{Scene, render_multiple};
 use tumble::Energy;
 
-use crate::common::Outcome;
-use crate::common::picture::{
+use common::Outcome;
+use common::picture::{
     self, BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Picture, Size, VERMILION, WIDE,
 };
 

@@ -22,45 +22,40 @@ const ORIENTATION: f64 = 1e-4;
 
 /// A recorded run.
 #[derive(Debug)]
-pub(crate) struct Film {
-    pub(crate) title: String,
+pub struct Film {
+    pub title: String,
     /// Lines below the title.
-    pub(crate) lines: Vec<String>,
+    pub lines: Vec<String>,
     /// Half the size of the body, m: the radius of a coin.
-    pub(crate) size: f64,
+    pub size: f64,
     /// Distance of the viewer from the point in view, in sizes.
-    pub(crate) distance: f64,
+    pub distance: f64,
     /// Factor by which the run is slowed down at first. It is one of the page's choices.
-    pub(crate) slower: f64,
-    pub(crate) bodies: Vec<Mesh>,
+    pub slower: f64,
+    pub bodies: Vec<Mesh>,
     /// Figures next to the picture.
-    pub(crate) readouts: Vec<Column>,
+    pub readouts: Vec<Column>,
     /// Curves below the picture, in one unit. The first is the main curve.
-    pub(crate) curves: Vec<Column>,
+    pub curves: Vec<Column>,
     /// Marks on the curves.
-    pub(crate) events: Vec<(&'static str, f64)>,
+    pub events: Vec<(&'static str, f64)>,
     /// Shots in order of time, at least two.
-    pub(crate) shots: Vec<Shot>,
+    pub shots: Vec<Shot>,
 }
 
 /// Meaning of a number of each shot.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Column {
-    pub(crate) name: &'static str,
-    pub(crate) unit: &'static str,
+pub struct Column {
+    pub name: &'static str,
+    pub unit: &'static str,
     /// Number of digits after the point.
-    pub(crate) digits: i32,
+    pub digits: i32,
     /// Colour of a curve: `ink`, `blue`, `green`, `orange` or `purple`.
-    pub(crate) colour: &'static str,
+    pub colour: &'static str,
 }
 
 impl Column {
-    pub(crate) fn new(
-        name: &'static str,
-        unit: &'static str,
-        digits: i32,
-        colour: &'static str,
-    ) -> Self {
+    pub fn new(name: &'static str, unit: &'static str, digits: i32, colour: &'static str) -> Self {
         Self {
             name,
             unit,
@@ -71,7 +66,7 @@ impl Column {
 }
 
 /// Curves of the energy by kind, with the values of [`energies`].
-pub(crate) fn energy_columns() -> Vec<Column> {
+pub fn energy_columns() -> Vec<Column> {
     [
         ("total", "ink"),
         ("gravity", "green"),
@@ -83,7 +78,7 @@ pub(crate) fn energy_columns() -> Vec<Column> {
     .to_vec()
 }
 
-pub(crate) fn energies(energy: &Energy) -> [f64; 5] {
+pub fn energies(energy: &Energy) -> [f64; 5] {
     [
         energy.total(),
         energy.gravity,
@@ -95,29 +90,29 @@ pub(crate) fn energies(energy: &Energy) -> [f64; 5] {
 
 /// A shot of the run at one time.
 #[derive(Clone, Debug)]
-pub(crate) struct Shot {
+pub struct Shot {
     /// Time, s.
-    pub(crate) time: f64,
+    pub time: f64,
     /// Pose of each body.
-    pub(crate) poses: Vec<Pose>,
+    pub poses: Vec<Pose>,
     /// Values of the readouts, then of the curves.
-    pub(crate) values: Vec<f64>,
+    pub values: Vec<f64>,
 }
 
 /// Pose of a body.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pose {
+pub struct Pose {
     /// Position of the mesh's origin, m.
-    pub(crate) place: DVec3,
+    pub place: DVec3,
     /// Rotation from body to world axes.
-    pub(crate) orientation: DQuat,
+    pub orientation: DQuat,
     /// Lowest point, m, which draws a track on the floor.
-    pub(crate) lowest: DVec3,
+    pub lowest: DVec3,
 }
 
 impl Pose {
     /// Pose of a body whose mesh has its origin at the centre of mass.
-    pub(crate) fn of(sample: &Sample<'_>) -> Self {
+    pub fn of(sample: &Sample<'_>) -> Self {
         let state = sample.state;
         let lowest = sample.lowest_point();
         Self {
@@ -128,7 +123,7 @@ impl Pose {
     }
 
     /// Returns the pose shifted by a displacement.
-    pub(crate) fn moved(self, way: DVec3) -> Self {
+    pub fn moved(self, way: DVec3) -> Self {
         Self {
             place: self.place + way,
             lowest: self.lowest + way,
@@ -139,20 +134,20 @@ impl Pose {
 
 /// Takes shots of a run at equal intervals.
 #[derive(Debug)]
-pub(crate) struct Camera {
+pub struct Camera {
     /// Time of the first shot, s.
     start: f64,
     /// Interval between two shots, s.
     interval: f64,
-    pub(crate) shots: Vec<Shot>,
+    pub shots: Vec<Shot>,
 }
 
 impl Camera {
-    pub(crate) fn new(interval: f64) -> Self {
+    pub fn new(interval: f64) -> Self {
         Self::starting(0.0, interval)
     }
 
-    pub(crate) fn starting(start: f64, interval: f64) -> Self {
+    pub fn starting(start: f64, interval: f64) -> Self {
         Self {
             start,
             interval,
@@ -161,7 +156,7 @@ impl Camera {
     }
 
     /// Takes a shot if one is due, with these readouts and the energy by kind.
-    pub(crate) fn look<const N: usize>(
+    pub fn look<const N: usize>(
         &mut self,
         sample: &Sample<'_>,
         readouts: impl FnOnce() -> [f64; N],
@@ -181,7 +176,7 @@ impl Camera {
 
 impl Film {
     /// Writes the page.
-    pub(crate) fn write(&self, path: &Path) -> Outcome<()> {
+    pub fn write(&self, path: &Path) -> Outcome<()> {
         let run = serde_json::to_string(&self.run())?;
         fs::write(path, TEMPLATE.replace(PLACE, &run))?;
         Ok(())
@@ -314,6 +309,6 @@ fn differences(shots: &[Shot], unit: f64, value: &dyn Fn(&Shot) -> f64) -> Vec<i
 
 /// Returns the nearest whole number, limited to the range of the type.
 #[allow(clippy::cast_possible_truncation)] // The cast saturates, which is what is wanted.
-pub(super) fn whole(value: f64) -> i64 {
+pub(crate) fn whole(value: f64) -> i64 {
     value.round() as i64
 }

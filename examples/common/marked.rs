@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 /// Replaces the text between two marks of a page of the repository.
-pub(crate) fn write(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<(), Box<dyn Error>> {
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
+pub fn write(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<(), Box<dyn Error>> {
+    let page = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join(page);
     let old = fs::read_to_string(&page)?;
     let (before, rest) = old.split_once(begin).ok_or("the page has lost its mark")?;
     let (_, after) = rest

@@ -7,27 +7,27 @@ use tumble::glam::{DVec2, DVec3};
 
 use super::film::whole;
 
-pub(crate) type Colour = [u8; 3];
+pub type Colour = [u8; 3];
 
 const GOLD: Colour = [222, 170, 60];
 const GOLD_RELIEF: Colour = [176, 124, 28];
 const SILVER: Colour = [188, 198, 210];
 const SILVER_RELIEF: Colour = [128, 140, 156];
-pub(crate) const RED: Colour = [208, 52, 44];
-pub(crate) const IVORY: Colour = [240, 234, 220];
-pub(crate) const ORANGE: Colour = [224, 140, 40];
-pub(crate) const GREEN: Colour = [40, 150, 110];
-pub(crate) const BLUE: Colour = [60, 110, 180];
-pub(crate) const SAND: Colour = [206, 190, 160];
-pub(crate) const INK: Colour = [40, 44, 56];
+pub const RED: Colour = [208, 52, 44];
+pub const IVORY: Colour = [240, 234, 220];
+pub const ORANGE: Colour = [224, 140, 40];
+pub const GREEN: Colour = [40, 150, 110];
+pub const BLUE: Colour = [60, 110, 180];
+pub const SAND: Colour = [206, 190, 160];
+pub const INK: Colour = [40, 44, 56];
 
 /// Faces with their corners counter-clockwise, seen from outside; m, body axes.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Mesh(Vec<(Colour, Vec<DVec3>)>);
+pub struct Mesh(Vec<(Colour, Vec<DVec3>)>);
 
 impl Mesh {
     /// Returns the faces in whole units of length: the number of the colour, then the coordinates.
-    pub(super) fn faces(&self, unit: f64, colours: &mut Vec<Colour>) -> Value {
+    pub(crate) fn faces(&self, unit: f64, colours: &mut Vec<Colour>) -> Value {
         let face = |(colour, points): &(Colour, Vec<DVec3>)| {
             let place = colours.iter().position(|known| known == colour);
             let number = place.unwrap_or_else(|| {
@@ -46,7 +46,7 @@ impl Mesh {
     ///
     /// One face is gold with a star, the other silver with rings. Both have a red mark at the rim,
     /// towards y.
-    pub(crate) fn coin(radius: f64, corners: usize) -> Self {
+    pub fn coin(radius: f64, corners: usize) -> Self {
         // The coin is drawn slightly thick, so that the edge is visible.
         let half = 0.032 * radius;
         let on =
@@ -95,7 +95,7 @@ impl Mesh {
 
     /// A ball or an egg around a middle, with these semi-axes. It has sectors of two colours about
     /// z, and caps of a third around its poles.
-    pub(crate) fn ellipsoid(
+    pub fn ellipsoid(
         middle: DVec3,
         half: DVec3,
         [first, second]: [Colour; 2],
@@ -133,7 +133,7 @@ impl Mesh {
     }
 
     /// A die around a middle: 1 at x, 2 at y, 3 at z, and a sum of 7 on opposite sides.
-    pub(crate) fn die(middle: DVec3, edge: f64, base: Colour, pip: Colour) -> Self {
+    pub fn die(middle: DVec3, edge: f64, base: Colour, pip: Colour) -> Self {
         let mut mesh = Self::default();
         for (axis, number) in [(0, 1), (1, 2), (2, 3), (2, 4), (1, 5), (0, 6)] {
             let out = DVec3::AXES[axis] * if number > 3 { -1.0 } else { 1.0 };

@@ -9,23 +9,23 @@ use kuva::render::render::{Scene, render_multiple};
 use super::Outcome;
 
 /// Colours that colour-blind people can distinguish (Okabe and Ito).
-pub(crate) const BLUE: &str = "#0072b2";
-pub(crate) const ORANGE: &str = "#e69f00";
-pub(crate) const GREEN: &str = "#009e73";
-pub(crate) const PURPLE: &str = "#cc79a7";
-pub(crate) const VERMILION: &str = "#d55e00";
-pub(crate) const GREY: &str = "#888888";
-pub(crate) const BLACK: &str = "#222222";
+pub const BLUE: &str = "#0072b2";
+pub const ORANGE: &str = "#e69f00";
+pub const GREEN: &str = "#009e73";
+pub const PURPLE: &str = "#cc79a7";
+pub const VERMILION: &str = "#d55e00";
+pub const GREY: &str = "#888888";
+pub const BLACK: &str = "#222222";
 
 /// Width and height of the SVG, pixels.
-pub(crate) type Size = (f64, f64);
-pub(crate) const WIDE: Size = (900.0, 480.0);
+pub type Size = (f64, f64);
+pub const WIDE: Size = (900.0, 480.0);
 /// Number of pixels of the PNG for each pixel of the SVG.
 const PNG_SCALE: f32 = 2.0;
 
 /// A drawing with its name.
 #[derive(Debug)]
-pub(crate) struct Picture {
+pub struct Picture {
     name: &'static str,
     svg: String,
     png: Vec<u8>,
@@ -33,7 +33,7 @@ pub(crate) struct Picture {
 
 impl Picture {
     /// Creates a picture of curves and points in one frame.
-    pub(crate) fn new(
+    pub fn new(
         name: &'static str,
         plots: Vec<Plot>,
         arrange: impl FnOnce(Layout) -> Layout,
@@ -43,7 +43,7 @@ impl Picture {
     }
 
     /// Creates a picture of a drawing.
-    pub(crate) fn of(name: &'static str, scene: &Scene) -> Outcome<Self> {
+    pub fn of(name: &'static str, scene: &Scene) -> Outcome<Self> {
         Ok(Self {
             name,
             svg: svg(scene),
@@ -54,12 +54,12 @@ impl Picture {
     }
 
     /// Drawing for a page, with unique names of its clip paths.
-    pub(crate) fn svg(&self, tag: &str) -> String {
+    pub fn svg(&self, tag: &str) -> String {
         with_own_names(&self.svg, tag)
     }
 
     /// Writes both files into a folder.
-    pub(crate) fn write(&self, folder: &Path) -> Outcome<()> {
+    pub fn write(&self, folder: &Path) -> Outcome<()> {
         let file = folder.join(self.name);
         fs::write(file.with_extension("svg"), &self.svg)?;
         fs::write(file.with_extension("png"), &self.png)?;
@@ -68,19 +68,19 @@ impl Picture {
 }
 
 /// Drawing with a view box, so that a page can scale it.
-pub(crate) fn svg(scene: &Scene) -> String {
+pub fn svg(scene: &Scene) -> String {
     let view_box = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
     let text = SvgBackend::new().render_scene(scene);
     text.replacen("<svg ", &view_box, 1)
 }
 
 /// Replaces names of clip paths, because they must be unique within a page.
-pub(crate) fn with_own_names(svg: &str, tag: &str) -> String {
+pub fn with_own_names(svg: &str, tag: &str) -> String {
     svg.replace("kuva-clip", &format!("clip-{tag}"))
 }
 
 /// Frame that fits the plots.
-pub(crate) fn layout(plots: &[Plot], (width, height): Size) -> Layout {
+pub fn layout(plots: &[Plot], (width, height): Size) -> Layout {
     Layout::auto_from_plots(plots)
         .with_width(width)
         .with_height(height)
@@ -92,7 +92,7 @@ pub(crate) fn layout(plots: &[Plot], (width, height): Size) -> Layout {
         })
 }
 
-pub(crate) fn line(curve: Vec<(f64, f64)>, colour: &str, name: &str) -> Plot {
+pub fn line(curve: Vec<(f64, f64)>, colour: &str, name: &str) -> Plot {
     let line = LinePlot::new()
         .with_data(curve)
         .with_color(colour)

@@ -1,12 +1,12 @@
 //! Tables that are readable in a terminal and valid in a Markdown file.
 
 /// Prints rows of cells as a Markdown table with aligned columns. The first row is the head.
-pub(crate) fn print(rows: &[Vec<String>]) {
+pub fn print(rows: &[Vec<String>]) {
     print!("{}", text(rows));
 }
 
 /// Returns rows of cells as the text of a Markdown table with aligned columns.
-pub(crate) fn text(rows: &[Vec<String>]) -> String {
+pub fn text(rows: &[Vec<String>]) -> String {
     let Some(head) = rows.first() else {
         return String::new();
     };
@@ -31,6 +31,6 @@ pub(crate) fn text(rows: &[Vec<String>]) -> String {
 }
 
 /// Converts values to a row of cells.
-pub(crate) fn cells<const N: usize>(cells: [impl ToString; N]) -> Vec<String> {
+pub fn cells<const N: usize>(cells: [impl ToString; N]) -> Vec<String> {
     cells.map(|cell| cell.to_string()).to_vec()
 }

@@ -14,8 +14,8 @@ use tumble::{
     CoinFace, Disc, EnergyMomentum, RigidPointBody, State, StepError, Stepper, UniformGravity,
 };
 
-use crate::common::Outcome;
 use crate::count::Count;
+use common::Outcome;
 
 /// Angles between normal and angular momentum, degrees.
 pub(crate) const ANGLES: [f64; 10] = [40.0, 46.0, 50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 89.0];

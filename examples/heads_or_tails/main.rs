@@ -8,18 +8,13 @@ mod caught;
 mod count;
 mod spun;
 
-#[path = "../common/mod.rs"]
-mod common;
-#[path = "../common/marked.rs"]
-mod marked;
-#[path = "../common/table.rs"]
-mod table;
-
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use common::{BLUE, Check, GREEN, GREY, ORANGE, Options, Outcome, Page, Picture, line};
+use common::{
+    BLUE, Check, GREEN, GREY, ORANGE, Options, Outcome, Page, Picture, line, marked, table,
+};
 use count::Count;
 use indicatif::{ProgressBar, ProgressStyle};
 use kuva::prelude::*;

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use tumble::glam::DQuat;
 use tumble::{CoinFace, Nystrom, Sample, Start, State, StepError, Trial, UntilDecided};
 
-use crate::common::Outcome;
 use crate::count::Count;
+use common::Outcome;
 
 /// Leans at which the coin starts, degrees from upright.
 pub(crate) const LEANS: [f64; 9] = [0.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0];

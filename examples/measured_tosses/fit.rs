@@ -4,9 +4,9 @@ use argmin::core::{CostFunction, Error, Executor, State as _};
 use argmin::solver::neldermead::NelderMead;
 use indicatif::ProgressBar;
 
-use crate::common::Outcome;
 use crate::model::{Corrections, Model, Parameters, Score, Start, WIDTH, scores};
 use crate::tosses::Toss;
+use common::Outcome;
 
 /// Set of the free parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,10 +3,10 @@
 
 use tumble::glam::{DMat4, DQuat, DVec3, DVec4};
 
-use crate::common::Outcome;
 use crate::model::{Corrections, GRAVITY, Start, WIDTH};
 use crate::statistics;
 use crate::tosses::{RATE, Sample, Toss};
+use common::Outcome;
 
 /// Least gap of a sample in flight, m: above the tracker's error.
 const CLEAR: f64 = 0.005;

@@ -17,9 +17,6 @@ mod study;
 mod synthetic;
 mod tosses;
 
-#[path = "../common/mod.rs"]
-mod common;
-
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;

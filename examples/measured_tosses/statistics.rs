@@ -1,7 +1,7 @@
 //! Bootstrap over whole motions: the tosses of one motion, and the samples of one toss, are not
 //! independent.
 
-use crate::common::Random;
+use common::Random;
 
 /// Number of drawings of a bootstrap. The ends of a 95 % interval then have a standard error of
 /// about a twentieth of its width.

@@ -3,13 +3,13 @@
 use indicatif::{ProgressBar, ProgressStyle};
 use tumble::glam::DVec3;
 
-use crate::common::{Outcome, Random};
 use crate::fit::{Free, fit};
 use crate::flights::{self, Weighed};
 use crate::model::{self, Corrections, Model, Parameters, STEPS, Score, Start, scores};
 use crate::slides;
 use crate::statistics::{Interval, below, median};
 use crate::tosses::{self, Toss};
+use common::{Outcome, Random};
 
 /// Start of every fit: another program's fit of the first model.
 const GUESS: Parameters = Parameters {

@@ -3,9 +3,9 @@
 
 use tumble::glam::{DQuat, DVec3};
 
-use crate::common::{Outcome, Random};
 use crate::model::{Corrections, Model, Parameters, STEPS_OF_SYNTHETIC, Start};
 use crate::tosses::{Sample, Toss};
+use common::{Outcome, Random};
 
 /// Parameters of the tosses.
 pub(crate) const TRUTH: Parameters = Parameters {

@@ -1,46 +1,48 @@
 //! Common parts of the examples: options, checked figures, pictures, films, and a page that shows
 //! them.
 
-// Each example uses a different part of this module.
-#![allow(dead_code, unused_imports)]
+#![allow(
+    missing_docs,
+    clippy::missing_errors_doc,
+    clippy::must_use_candidate,
+    reason = "only the examples use it"
+)]
 
-pub(crate) mod film;
-pub(crate) mod mesh;
-pub(crate) mod picture;
+pub mod film;
+pub mod marked;
+pub mod mesh;
+pub mod picture;
+pub mod table;
 
-use std::error::Error;
+use core::error::Error;
+use core::fmt::Write as _;
 use std::ffi::OsString;
-use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use lexopt::prelude::*;
 
-pub(crate) use film::{Camera, Column, Film, Pose, Shot, energies, energy_columns};
-pub(crate) use mesh::Mesh;
-pub(crate) use picture::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Picture, line};
+pub use film::{Camera, Column, Film, Pose, Shot, energies, energy_columns};
+pub use mesh::Mesh;
+pub use picture::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Picture, line};
 
-pub(crate) type Outcome<T> = Result<T, Box<dyn Error>>;
+pub type Outcome<T> = Result<T, Box<dyn Error>>;
 
 /// Options of the command line.
 #[derive(Debug)]
-pub(crate) struct Options {
+pub struct Options {
     /// Output folder, created if it does not exist.
-    pub(crate) out: PathBuf,
+    pub out: PathBuf,
     /// True for a shorter run with fewer results.
-    pub(crate) quick: bool,
+    pub quick: bool,
 }
 
 /// Runs an example: reads the options, runs the example, and returns the exit code.
 ///
 /// The code is 0 if every figure is as expected, 1 if one is not or the run fails, and 2 if the
 /// command line is invalid.
-pub(crate) fn main(
-    name: &str,
-    about: &str,
-    work: impl FnOnce(&Options) -> Outcome<Page>,
-) -> ExitCode {
+pub fn main(name: &str, about: &str, work: impl FnOnce(&Options) -> Outcome<Page>) -> ExitCode {
     let options = match parse(name, about) {
         Ok(Some(options)) => options,
         Ok(None) => return ExitCode::SUCCESS,
@@ -87,19 +89,19 @@ fn parse(name: &str, about: &str) -> Result<Option<Options>, lexopt::Error> {
 
 /// A figure with its expected value.
 #[derive(Debug)]
-pub(crate) struct Check {
+pub struct Check {
     /// Name of the figure, with its unit.
-    pub(crate) what: String,
+    pub what: String,
     /// Source of the expected value.
-    pub(crate) source: String,
-    pub(crate) got: f64,
-    pub(crate) least: f64,
-    pub(crate) most: f64,
+    pub source: String,
+    pub got: f64,
+    pub least: f64,
+    pub most: f64,
 }
 
 impl Check {
     /// Checks that a figure is within `tolerance` of the expected value.
-    pub(crate) fn near(what: &str, source: &str, got: f64, expected: f64, tolerance: f64) -> Self {
+    pub fn near(what: &str, source: &str, got: f64, expected: f64, tolerance: f64) -> Self {
         Self::between(
             what,
             source,
@@ -110,7 +112,7 @@ impl Check {
     }
 
     /// Checks that a figure is in a range.
-    pub(crate) fn between(what: &str, source: &str, got: f64, least: f64, most: f64) -> Self {
+    pub fn between(what: &str, source: &str, got: f64, least: f64, most: f64) -> Self {
         Self {
             what: what.to_owned(),
             source: source.to_owned(),
@@ -172,20 +174,20 @@ const PLAY: &str = "play.html";
 
 /// Page of an example.
 #[derive(Debug)]
-pub(crate) struct Page {
-    pub(crate) title: &'static str,
+pub struct Page {
+    pub title: &'static str,
     /// Paragraphs of the text.
-    pub(crate) text: Vec<String>,
-    pub(crate) checks: Vec<Check>,
-    pub(crate) pictures: Vec<Picture>,
+    pub text: Vec<String>,
+    pub checks: Vec<Check>,
+    pub pictures: Vec<Picture>,
     /// Film of the run, written to `play.html` next to the page.
-    pub(crate) film: Option<Film>,
+    pub film: Option<Film>,
 }
 
 impl Page {
     /// Writes the page and its pictures, and prints the figures. Returns true if all figures are as
     /// expected.
-    pub(crate) fn write(&self, name: &str, options: &Options) -> Outcome<bool> {
+    pub fn write(&self, name: &str, options: &Options) -> Outcome<bool> {
         let folder = options.out.join(name);
         let shown = folder.display();
         fs::create_dir_all(&folder)
@@ -210,7 +212,7 @@ impl Page {
         Ok(self.checks.iter().all(Check::holds))
     }
 
-    fn html(&self) -> Result<String, std::fmt::Error> {
+    fn html(&self) -> Result<String, core::fmt::Error> {
         let mut html = format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>{0}</title>\n\
@@ -251,7 +253,7 @@ impl Page {
 /// Generator SplitMix64 (Steele, Lea & Flood, OOPSLA 2014), which gives the same numbers in every
 /// run.
 #[derive(Debug)]
-pub(crate) struct Random(pub(crate) u64);
+pub struct Random(pub u64);
 
 impl Random {
     fn bits(&mut self) -> u64 {
@@ -263,14 +265,14 @@ impl Random {
     }
 
     /// Uniform number between two numbers.
-    pub(crate) fn between(&mut self, least: f64, most: f64) -> f64 {
+    pub fn between(&mut self, least: f64, most: f64) -> f64 {
         let share = (self.bits() >> 11) as f64 / (1_u64 << 53) as f64;
         least + (most - least) * share
     }
 
     /// Components of a random unit quaternion, uniform over all rotations (Shoemake, Graphics Gems
     /// III, 1992).
-    pub(crate) fn turn(&mut self) -> [f64; 4] {
+    pub fn turn(&mut self) -> [f64; 4] {
         let (share, first, second) = (
             self.between(0.0, 1.0),
             self.between(0.0, core::f64::consts::TAU),
