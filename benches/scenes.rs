@@ -114,7 +114,7 @@ pub(crate) fn ground(points: usize) -> FlatGround {
 }
 
 /// Stepper of any body in the scene of trial 1, with the ground of [`ground`].
-pub(crate) type SceneStepper<B, I> = Stepper<f64, B, FlatGround, Coulomb, UniformGravity, I>;
+pub(crate) type SceneStepper<B, I> = Stepper<B, FlatGround, Coulomb, UniformGravity, I>;
 
 /// Returns the stepper of `body` in the scene of trial 1.
 pub(crate) fn stepper<B: RigidPointBody, I: Integrator>(
@@ -171,7 +171,7 @@ impl<F: SlidingFriction> SlidingFriction for Own<F> {
 /// The report's coin in the scene of trial 1, on laws that every step tests.
 pub(crate) fn own_laws<I: Integrator>(
     integrator: I,
-) -> Stepper<f64, Ring, Own<FlatGround>, Own<Coulomb>, UniformGravity, I> {
+) -> Stepper<Ring, Own<FlatGround>, Own<Coulomb>, UniformGravity, I> {
     Stepper::new(ring(120))
         .and_then(|stepper| stepper.with_ground(Own(ground(120))))
         .and_then(|stepper| stepper.with_friction(Own(trial_1().friction())))
@@ -186,7 +186,7 @@ pub(crate) trait Advance {
     fn advance(&self, state: &mut State, workspace: &mut Self::Workspace);
 }
 
-impl<B, G, F, A, I> Advance for Stepper<f64, B, G, F, A, I>
+impl<B, G, F, A, I> Advance for Stepper<B, G, F, A, I>
 where
     B: RigidPointBody,
     G: SpringDamperGround,

@@ -37,7 +37,7 @@ const CRITICAL: f64 = 20.515;
 /// Longest time of a throw, s. A die that moves for longer is an error.
 const PATIENCE: f64 = 20.0;
 
-type Die = Stepper<f64, Cuboid, FlatGround, Coulomb, UniformGravity>;
+type Die = Stepper<Cuboid, FlatGround, Coulomb, UniformGravity>;
 
 fn main() -> ExitCode {
     common::main("dice", ABOUT, work)

@@ -125,7 +125,7 @@ macro_rules! names_for {
             pub type Sample<'a> = crate::Sample<'a, $real>;
             /// Body, ground, friction and gravity.
             pub type Scene<B, G = NoGround, F = Frictionless, A = NoGravity> =
-                crate::Scene<$real, B, G, F, A>;
+                crate::Scene<B, G, F, A, $real>;
             /// Time, number of steps and state at one moment of a session.
             pub type Moment = crate::Moment<$real>;
             /// A session as plain data.
@@ -138,7 +138,7 @@ macro_rules! names_for {
                 F = Frictionless,
                 A = NoGravity,
                 I = EnergyMomentum,
-            > = crate::Session<'a, $real, B, G, F, A, I>;
+            > = crate::Session<'a, B, G, F, A, I, $real>;
             /// Step size and related data from which an adaptive method continues.
             pub type StepControl = crate::StepControl<$real>;
             /// Coulomb friction with a smooth transition at small slip.
@@ -151,7 +151,7 @@ macro_rules! names_for {
             pub type Step = crate::Step<$real>;
             /// Advances states in time.
             pub type Stepper<B, G = NoGround, F = Frictionless, A = NoGravity, I = EnergyMomentum> =
-                crate::Stepper<$real, B, G, F, A, I>;
+                crate::Stepper<B, G, F, A, I, $real>;
             /// The splitting integrator of order 2.
             pub type StrangSplitting = crate::StrangSplitting<$real>;
             /// Friction with a static and a kinetic coefficient.
@@ -165,7 +165,7 @@ macro_rules! names_for {
             /// A trial of the coin report.
             pub type Trial = crate::Trial<$real>;
             /// The stepper of a trial.
-            pub type TrialStepper<I> = crate::trial::TrialStepper<$real, I>;
+            pub type TrialStepper<I> = crate::trial::TrialStepper<I, $real>;
             /// Torque of a contact against rolling and spinning.
             pub type RollingResistance = crate::RollingResistance<$real>;
             /// Uniform gravity.
@@ -173,11 +173,11 @@ macro_rules! names_for {
             /// A friction law that also resists rolling and spinning.
             pub type WithResistance<F> = crate::WithResistance<F, $real>;
             /// Energy barriers between the faces of a body.
-            pub type Barriers<'a, D> = crate::Barriers<'a, $real, D>;
+            pub type Barriers<'a, D> = crate::Barriers<'a, D, $real>;
             /// Directions of a body that belong to one face.
             pub type Basin<F> = crate::Basin<F, $real>;
             /// Ends a run when the face is decided.
-            pub type UntilDecided<'a, D> = crate::UntilDecided<'a, $real, D>;
+            pub type UntilDecided<'a, D> = crate::UntilDecided<'a, D, $real>;
             /// Ends a run when the body is at rest.
             pub type UntilRest = crate::UntilRest<$real>;
             /// Height field of waves along x.

@@ -128,7 +128,7 @@ pub enum Outcome<F> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct Barriers<'a, R: Real, D> {
+pub struct Barriers<'a, D, R: Real = f64> {
     scene: &'a D,
     /// Height of the plane, m.
     ground: R,
@@ -138,7 +138,7 @@ pub struct Barriers<'a, R: Real, D> {
     softness: R,
 }
 
-impl<'a, R, D> Barriers<'a, R, D>
+impl<'a, R, D> Barriers<'a, D, R>
 where
     R: Real,
     D: Dynamics<R>,

@@ -628,7 +628,7 @@ impl<R: Real> LowestPoint<R> {
 
 /// Body, ground, friction and gravity, checked, with the computed mass properties of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scene<R: Real, B, G, F, A> {
+pub struct Scene<B, G, F, A, R: Real = f64> {
     body: B,
     ground: G,
     friction: F,
@@ -638,7 +638,7 @@ pub struct Scene<R: Real, B, G, F, A> {
     has_radii: bool,
 }
 
-impl<R, B, G, F, A> Scene<R, B, G, F, A>
+impl<R, B, G, F, A> Scene<B, G, F, A, R>
 where
     R: Real,
     B: RigidPointBody<R>,
@@ -681,14 +681,14 @@ where
     }
 }
 
-impl<R: Real, B, G, F, A> Scene<R, B, G, F, A> {
+impl<R: Real, B, G, F, A> Scene<B, G, F, A, R> {
     /// Returns the four parts.
     pub(crate) fn into_parts(self) -> (B, G, F, A) {
         (self.body, self.ground, self.friction, self.gravity)
     }
 }
 
-impl<R, B, G, F, A> Scene<R, B, G, F, A>
+impl<R, B, G, F, A> Scene<B, G, F, A, R>
 where
     R: Real,
     G: SpringDamperGround<R>,
@@ -701,7 +701,7 @@ where
     }
 }
 
-impl<R, B, G, F, A> Dynamics<R> for Scene<R, B, G, F, A>
+impl<R, B, G, F, A> Dynamics<R> for Scene<B, G, F, A, R>
 where
     R: Real,
     B: RigidPointBody<R>,

@@ -52,14 +52,14 @@ use crate::stepper::{Clock, End, Stepper, check_duration};
 /// [`advance`](Self::advance) by the same time as before.
 pub struct Session<
     'a,
-    R: Real,
     B,
     G = NoGround,
     F = Frictionless,
     A = NoGravity,
-    I: Integrator<R> = EnergyMomentum<R>,
+    I: Integrator<R> = EnergyMomentum,
+    R: Real = f64,
 > {
-    stepper: &'a Stepper<R, B, G, F, A, I>,
+    stepper: &'a Stepper<B, G, F, A, I, R>,
     state: State<R>,
     workspace: I::Workspace,
     clock: Clock<R>,
@@ -145,7 +145,7 @@ impl<R: Real> SavedSession<R> {
     }
 }
 
-impl<R, B, G, F, A, I> Stepper<R, B, G, F, A, I>
+impl<R, B, G, F, A, I> Stepper<B, G, F, A, I, R>
 where
     R: Real,
     B: RigidPointBody<R>,
@@ -156,7 +156,7 @@ where
 {
     /// Creates a session with this state, at the time 0 s.
     #[must_use]
-    pub fn session(&self, state: State<R>) -> Session<'_, R, B, G, F, A, I> {
+    pub fn session(&self, state: State<R>) -> Session<'_, B, G, F, A, I, R> {
         Session {
             stepper: self,
             state,
@@ -177,7 +177,7 @@ where
     pub fn resume(
         &self,
         saved: &SavedSession<R>,
-    ) -> Result<Session<'_, R, B, G, F, A, I>, SceneError> {
+    ) -> Result<Session<'_, B, G, F, A, I, R>, SceneError> {
         saved.check()?;
         let mut session = self.session(saved.state);
         session.clock = saved.clock;
@@ -188,7 +188,7 @@ where
     }
 }
 
-impl<'a, R, B, G, F, A, I> Session<'a, R, B, G, F, A, I>
+impl<'a, R, B, G, F, A, I> Session<'a, B, G, F, A, I, R>
 where
     R: Real,
     B: RigidPointBody<R>,
@@ -394,7 +394,7 @@ where
 
     /// Returns the stepper.
     #[must_use]
-    pub fn stepper(&self) -> &'a Stepper<R, B, G, F, A, I> {
+    pub fn stepper(&self) -> &'a Stepper<B, G, F, A, I, R> {
         self.stepper
     }
 
@@ -577,7 +577,7 @@ fn has_bits_of<R: Real>(state: &State<R>, other: &State<R>) -> bool {
         && p.into_iter().zip(q).all(|(a, b)| same(a, b))
 }
 
-impl<R: Real, B, G, F, A, I: Integrator<R>> Clone for Session<'_, R, B, G, F, A, I> {
+impl<R: Real, B, G, F, A, I: Integrator<R>> Clone for Session<'_, B, G, F, A, I, R> {
     fn clone(&self) -> Self {
         Self {
             workspace: self.workspace.clone(),
@@ -586,7 +586,7 @@ impl<R: Real, B, G, F, A, I: Integrator<R>> Clone for Session<'_, R, B, G, F, A,
     }
 }
 
-impl<R: Real, B, G, F, A, I: Integrator<R>> core::fmt::Debug for Session<'_, R, B, G, F, A, I> {
+impl<R: Real, B, G, F, A, I: Integrator<R>> core::fmt::Debug for Session<'_, B, G, F, A, I, R> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Session")
             .field("state", &self.state)

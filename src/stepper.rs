@@ -24,10 +24,27 @@ use crate::state::State;
 /// The caller owns the state. One stepper therefore serves any number of states, also from several
 /// threads.
 ///
-/// The type names precision, body, ground, friction, gravity and integrator. For a field of your
-/// own struct, use the alias in [`mod@crate::f64`] or [`mod@crate::f32`]. Name only what differs
-/// from empty space and from [`EnergyMomentum`]:
-/// `tumble::f64::Stepper<Coin, FlatGround, Coulomb, UniformGravity>`.
+/// The type names body, ground, friction, gravity, integrator and precision, in this order. For a
+/// field of your own struct, name only what differs from empty space, from [`EnergyMomentum`] and
+/// from `f64`:
+///
+/// ```
+/// use tumble::{Coin, Coulomb, FlatGround, SceneError, Stepper, UniformGravity};
+///
+/// struct Game {
+///     table: Stepper<Coin, FlatGround, Coulomb, UniformGravity>,
+/// }
+///
+/// let table = Stepper::new(Coin::ring(0.01, 0.01))?
+///     .with_gravity(UniformGravity::down(9.81))?
+///     .with_ground(FlatGround::level(1e4, 0.5))?
+///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?;
+/// let game = Game { table };
+/// # assert_eq!(game.table.body().radius(), 0.01);
+/// # Ok::<(), SceneError>(())
+/// ```
+///
+/// In single precision, [`crate::f32::Stepper`] has the defaults of `f32`.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -45,13 +62,21 @@ use crate::state::State;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stepper<R: Real, B, G = NoGround, F = Frictionless, A = NoGravity, I = EnergyMomentum<R>>
-{
-    scene: Scene<R, B, G, F, A>,
+pub struct Stepper<
+    B,
+    G = NoGround,
+    F = Frictionless,
+    A = NoGravity,
+    I = EnergyMomentum,
+    R: Real = f64,
+> {
+    scene: Scene<B, G, F, A, R>,
     integrator: I,
 }
 
-impl<R: Real, B: RigidPointBody<R>> Stepper<R, B> {
+impl<R: Real, B: RigidPointBody<R>>
+    Stepper<B, NoGround, Frictionless, NoGravity, EnergyMomentum<R>, R>
+{
     /// Creates a stepper for `body` in empty space, without gravity. The integrator is
     /// [`EnergyMomentum`] with a step size of 1 ms.
     ///
@@ -68,7 +93,7 @@ impl<R: Real, B: RigidPointBody<R>> Stepper<R, B> {
     }
 }
 
-impl<R, B, G, F, A, I> Stepper<R, B, G, F, A, I>
+impl<R, B, G, F, A, I> Stepper<B, G, F, A, I, R>
 where
     R: Real,
     B: RigidPointBody<R>,
@@ -84,7 +109,7 @@ where
     pub fn with_ground<G2: SpringDamperGround<R>>(
         self,
         ground: G2,
-    ) -> Result<Stepper<R, B, G2, F, A, I>, SceneError> {
+    ) -> Result<Stepper<B, G2, F, A, I, R>, SceneError> {
         let (body, _, friction, gravity) = self.scene.into_parts();
         Stepper::compose(body, ground, friction, gravity, self.integrator)
     }
@@ -97,7 +122,7 @@ where
     pub fn with_friction<F2: SlidingFriction<R>>(
         self,
         friction: F2,
-    ) -> Result<Stepper<R, B, G, F2, A, I>, SceneError> {
+    ) -> Result<Stepper<B, G, F2, A, I, R>, SceneError> {
         let (body, ground, _, gravity) = self.scene.into_parts();
         Stepper::compose(body, ground, friction, gravity, self.integrator)
     }
@@ -109,7 +134,7 @@ where
     pub fn with_gravity<A2: Gravity<R>>(
         self,
         gravity: A2,
-    ) -> Result<Stepper<R, B, G, F, A2, I>, SceneError> {
+    ) -> Result<Stepper<B, G, F, A2, I, R>, SceneError> {
         let (body, ground, friction, _) = self.scene.into_parts();
         Stepper::compose(body, ground, friction, gravity, self.integrator)
     }
@@ -122,7 +147,7 @@ where
     pub fn with_integrator<I2: Integrator<R>>(
         self,
         integrator: I2,
-    ) -> Result<Stepper<R, B, G, F, A, I2>, SceneError> {
+    ) -> Result<Stepper<B, G, F, A, I2, R>, SceneError> {
         integrator.check()?;
         Ok(Stepper {
             scene: self.scene,
@@ -146,7 +171,7 @@ where
     /// Returns the scene: body, ground, friction and gravity. Use it for queries about a state.
     #[inline]
     #[must_use]
-    pub fn scene(&self) -> &Scene<R, B, G, F, A> {
+    pub fn scene(&self) -> &Scene<B, G, F, A, R> {
         &self.scene
     }
 
@@ -290,7 +315,7 @@ where
     /// states.
     #[must_use]
     #[allow(clippy::type_complexity, reason = "the scene's parts are its type")]
-    pub fn barriers(&self) -> Option<Barriers<'_, R, Scene<R, B, G, F, A>>>
+    pub fn barriers(&self) -> Option<Barriers<'_, Scene<B, G, F, A, R>, R>>
     where
         B: Faces<R>,
     {
@@ -298,7 +323,7 @@ where
     }
 }
 
-impl<R, B, G, F, A, I> Stepper<R, B, G, F, A, I>
+impl<R, B, G, F, A, I> Stepper<B, G, F, A, I, R>
 where
     R: Real,
     B: RigidPointBody<R>,

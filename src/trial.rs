@@ -57,7 +57,8 @@ pub struct Trial<R = f64> {
 }
 
 /// Stepper of the scene of a trial.
-pub type TrialStepper<R, I> = Stepper<R, Coin<R>, FlatGround<R>, Coulomb<R>, UniformGravity<R>, I>;
+pub type TrialStepper<I, R = f64> =
+    Stepper<Coin<R>, FlatGround<R>, Coulomb<R>, UniformGravity<R>, I, R>;
 
 impl<R: Real> Trial<R> {
     /// Mass of the coin, kg.
@@ -149,7 +150,7 @@ impl<R: Real> Trial<R> {
     pub fn stepper<I: Integrator<R>>(
         &self,
         integrator: I,
-    ) -> Result<TrialStepper<R, I>, SceneError> {
+    ) -> Result<TrialStepper<I, R>, SceneError> {
         Stepper::new(self.coin())?
             .with_ground(self.ground())?
             .with_friction(self.friction())?

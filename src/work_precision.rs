@@ -342,12 +342,12 @@ struct Bench<'a, R: Real, D> {
 }
 
 type Borrowed<'a, R, D, I> = Stepper<
-    R,
     &'a <D as Dynamics<R>>::Body,
     &'a <D as Dynamics<R>>::Ground,
     &'a <D as Dynamics<R>>::Friction,
     UniformGravity<R>,
     I,
+    R,
 >;
 
 impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {

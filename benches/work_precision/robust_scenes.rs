@@ -221,7 +221,7 @@ fn case<B: RigidPointBody + 'static>(
     })
 }
 
-type OnGround<B, I> = Stepper<f64, B, FlatGround, Coulomb, UniformGravity, I>;
+type OnGround<B, I> = Stepper<B, FlatGround, Coulomb, UniformGravity, I>;
 
 fn run<B: RigidPointBody>(
     stepper: &OnGround<B, EnergyMomentum>,

@@ -10,7 +10,7 @@ use tumble::{
     SlidingFriction, SmoothCoulomb, State, Trial, UniformGravity,
 };
 
-type CoinScene<R, F> = Scene<R, Coin<R, Vec<ContactPoint<R>>>, FlatGround<R>, F, UniformGravity<R>>;
+type CoinScene<R, F> = Scene<Coin<R, Vec<ContactPoint<R>>>, FlatGround<R>, F, UniformGravity<R>, R>;
 
 /// Measures settings on a scene, in single or double precision.
 pub(crate) type Measured = Box<dyn Fn(&[Setting], bool) -> WorkPrecision>;

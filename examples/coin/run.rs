@@ -17,7 +17,7 @@ use crate::setup::{MASS, Method, RADIUS, Setup};
 use crate::tally::Tallied;
 
 /// Stepper of the coin on its floor.
-pub(crate) type CoinStepper<I> = Stepper<f64, RingCoin, FlatGround, Coulomb, UniformGravity, I>;
+pub(crate) type CoinStepper<I> = Stepper<RingCoin, FlatGround, Coulomb, UniformGravity, I>;
 
 /// Runs from the start of the trial to the end of its duration.
 ///

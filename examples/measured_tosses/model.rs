@@ -138,7 +138,6 @@ pub(crate) const STEPS_OF_SYNTHETIC: u32 = 16;
 /// The cube with its table, ready to predict.
 pub(crate) struct Model {
     stepper: Stepper<
-        f64,
         Cube,
         FlatGround,
         Box<dyn SlidingFriction + Send + Sync>,

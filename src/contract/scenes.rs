@@ -17,7 +17,7 @@ type BoxBody<R> = PointCloud<R, [ContactPoint<R>; 8]>;
 pub(super) struct Setup<R: Real> {
     pub(super) name: &'static str,
     pub(super) case: u32,
-    pub(super) scene: Scene<R, BoxBody<R>, FlatGround<R>, SmoothCoulomb<R>, UniformGravity<R>>,
+    pub(super) scene: Scene<BoxBody<R>, FlatGround<R>, SmoothCoulomb<R>, UniformGravity<R>, R>,
     pub(super) start: State<R>,
 }
 

@@ -34,15 +34,15 @@ use crate::scene::Dynamics;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct UntilDecided<'a, R: Real, D: Dynamics<R>>
+pub struct UntilDecided<'a, D: Dynamics<R>, R: Real = f64>
 where
     D::Body: Faces<R>,
 {
-    barriers: Barriers<'a, R, D>,
+    barriers: Barriers<'a, D, R>,
     outcome: Outcome<<D::Body as Faces<R>>::Face>,
 }
 
-impl<'a, R, D> UntilDecided<'a, R, D>
+impl<'a, R, D> UntilDecided<'a, D, R>
 where
     R: Real,
     D: Dynamics<R>,
@@ -50,7 +50,7 @@ where
 {
     /// Creates an observer from the barriers of a scene.
     #[must_use]
-    pub fn new(barriers: Barriers<'a, R, D>) -> Self {
+    pub fn new(barriers: Barriers<'a, D, R>) -> Self {
         Self {
             barriers,
             outcome: Outcome::Undecided,
@@ -73,7 +73,7 @@ where
     }
 }
 
-impl<R, D> Observer<R> for UntilDecided<'_, R, D>
+impl<R, D> Observer<R> for UntilDecided<'_, D, R>
 where
     R: Real,
     D: Dynamics<R>,

@@ -132,7 +132,7 @@ pub(crate) trait Run {
     fn energy(&self, state: &State) -> Energy;
 }
 
-impl<B, G, F, I> Run for Stepper<f64, B, G, F, UniformGravity, I>
+impl<B, G, F, I> Run for Stepper<B, G, F, UniformGravity, I>
 where
     B: RigidPointBody,
     G: SpringDamperGround,

@@ -2379,7 +2379,7 @@ impl Anything {
 
     /// A few steps: each leads from a finite state to a finite one, or says why not and leaves the
     /// state. And every question about the state where they end.
-    fn steps<R, B, G, F, A, I>(&self, stepper: &Stepper<R, B, G, F, A, I>)
+    fn steps<R, B, G, F, A, I>(&self, stepper: &Stepper<B, G, F, A, I, R>)
     where
         R: Real,
         B: RigidPointBody<R>,

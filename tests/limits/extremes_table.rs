@@ -21,7 +21,7 @@ use tumble::{
 
 const G: f64 = 9.8;
 
-type Scene<B, F, I> = Stepper<f64, B, FlatGround, F, UniformGravity, I>;
+type Scene<B, F, I> = Stepper<B, FlatGround, F, UniformGravity, I>;
 
 fn scene<B: RigidPointBody, F: SlidingFriction, I: Integrator>(
     body: B,

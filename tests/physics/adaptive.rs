@@ -247,7 +247,7 @@ fn a_rolling_ball_that_sticks_is_told_to_take_an_implicit_step() {
 
 /// Evaluations of the forces for a quarter of a second.
 fn cost<I: Integrator>(
-    stepper: &Stepper<f64, Coin, FlatGround, Coulomb, UniformGravity, I>,
+    stepper: &Stepper<Coin, FlatGround, Coulomb, UniformGravity, I>,
     start: State,
 ) -> u32 {
     let (mut state, mut workspace) = (start, I::Workspace::default());

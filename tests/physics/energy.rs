@@ -434,7 +434,7 @@ fn balanced<B: RigidPointBody>(
     ground: Layered,
     balance: Balance,
     drag: f64,
-) -> (Stepper<f64, B, Layered, Film, UniformGravity>, State) {
+) -> (Stepper<B, Layered, Film, UniformGravity>, State) {
     let normal = ground.plane.normal;
     let arms = || (body.contacts().iter()).map(|c| orientation * c.position - normal * c.radius);
     let lowest = arms().map(|arm| -arm.dot(normal)).fold(0.0, f64::max);

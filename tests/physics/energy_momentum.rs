@@ -23,7 +23,7 @@ use tumble::{
 
 const GRAVITY: f64 = 9.8;
 
-type Scene<B, G, F> = Stepper<f64, B, G, F, UniformGravity, EnergyMomentum>;
+type Scene<B, G, F> = Stepper<B, G, F, UniformGravity, EnergyMomentum>;
 
 fn scene<B: RigidPointBody, G: SpringDamperGround, F: SlidingFriction>(
     body: B,

@@ -25,7 +25,7 @@ fn table<I: Integrator, B: RigidPointBody>(
     body: B,
     plane: Plane,
     integrator: I,
-) -> Stepper<f64, B, FlatGround, Coulomb, UniformGravity, I> {
+) -> Stepper<B, FlatGround, Coulomb, UniformGravity, I> {
     Stepper::new(body)
         .and_then(|stepper| stepper.with_ground(FlatGround::level(1000.0, 0.5).on(plane)))
         .and_then(|stepper| {
@@ -45,7 +45,7 @@ fn level() -> Plane {
 
 /// The states at multiples of 0.05 s, and the number of steps.
 fn film<B: RigidPointBody, I: Integrator>(
-    stepper: &Stepper<f64, B, FlatGround, Coulomb, UniformGravity, I>,
+    stepper: &Stepper<B, FlatGround, Coulomb, UniformGravity, I>,
     seconds: f64,
 ) -> (Vec<State>, u64) {
     let (mut states, mut steps) = (Vec::new(), 0);

@@ -292,7 +292,7 @@ fn a_decided_body_never_leaves_its_face() {
     assert!(count < 1_000 || bound < 4e-3, "{bound}");
 }
 
-type Level<B, G> = Stepper<f64, B, G, tumble::Frictionless, UniformGravity>;
+type Level<B, G> = Stepper<B, G, tumble::Frictionless, UniformGravity>;
 
 fn on<B: RigidPointBody, G: SpringDamperGround>(body: B, ground: G) -> Level<B, G> {
     Stepper::new(body)
@@ -552,7 +552,7 @@ fn the_edge_of_a_thick_coin_is_decided_on_hard_ground_only() {
     }
 }
 
-fn has_barriers<B, G, A>(stepper: &Stepper<f64, B, G, tumble::Frictionless, A>) -> bool
+fn has_barriers<B, G, A>(stepper: &Stepper<B, G, tumble::Frictionless, A>) -> bool
 where
     B: Faces,
     G: SpringDamperGround,
@@ -602,7 +602,7 @@ fn there_is_no_barrier_where_there_is_no_bound() {
 #[test]
 fn states_that_prove_nothing_are_undecided() {
     let stepper = on(die(), FlatGround::level(1e5, 10.0));
-    let barriers: Barriers<'_, f64, Scene<_, _, _, _, _>> = stepper.barriers().unwrap();
+    let barriers: Barriers<'_, Scene<_, _, _, _, _>> = stepper.barriers().unwrap();
     let flat = State::at(DVec3::Z * 0.5 / 3.0_f64.sqrt());
     assert!(matches!(barriers.outcome(&flat), Outcome::Decided(_)));
     let nan = State::at(DVec3::Z * f64::NAN);

@@ -38,7 +38,7 @@ struct Throw {
 }
 
 type Cloud = PointCloud<f64, Vec<ContactPoint>>;
-type ThrowStepper<I> = Stepper<f64, Cloud, FlatGround, SmoothCoulomb, UniformGravity, I>;
+type ThrowStepper<I> = Stepper<Cloud, FlatGround, SmoothCoulomb, UniformGravity, I>;
 
 impl Throw {
     fn body(&self) -> Cloud {
@@ -409,7 +409,7 @@ trait Sessions {
     fn saved_or_not(&self, parts: [f64; 2], start: State) -> [(State, f64, u64); 2];
 }
 
-impl<B, G, F, A, I> Sessions for Stepper<f64, B, G, F, A, I>
+impl<B, G, F, A, I> Sessions for Stepper<B, G, F, A, I>
 where
     B: RigidPointBody,
     G: SpringDamperGround,
@@ -503,7 +503,7 @@ fn an_adaptive_session_of_each_trial_goes_on_with_the_same_bits_and_not_as_a_new
 }
 
 /// A coin that lies still, and where it lies.
-fn coin_at_rest<I: Integrator>(integrator: I) -> (TrialStepper<f64, I>, State) {
+fn coin_at_rest<I: Integrator>(integrator: I) -> (TrialStepper<I>, State) {
     let trial = Trial {
         slip_speed: 1e-3,
         ..Trial::report(1).unwrap()

@@ -181,7 +181,6 @@ fn stepper_on<H: HeightField, F: SlidingFriction>(
     friction: F,
     time_step: f64,
 ) -> Stepper<
-    f64,
     tumble::PointCloud<f64, [tumble::ContactPoint; 1]>,
     impl SpringDamperGround,
     F,

@@ -16,7 +16,7 @@ use tumble::{
 const G: f64 = 9.8;
 const RADIUS: f64 = 0.03;
 
-type Scene<I> = Stepper<f64, Sphere, FlatGround, WithResistance<Coulomb>, UniformGravity, I>;
+type Scene<I> = Stepper<Sphere, FlatGround, WithResistance<Coulomb>, UniformGravity, I>;
 
 /// A solid ball of 1 kg on a ground into which it penetrates by 0.1 mm.
 fn ball<I: Integrator>([rolling, spinning, turn_speed]: [f64; 3], by: I) -> Scene<I> {

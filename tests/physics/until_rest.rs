@@ -16,7 +16,7 @@ const FRICTION: Coulomb = Coulomb {
     slip_speed: 1e-4,
 };
 
-type Thrown<B, I> = Stepper<f64, B, FlatGround, Coulomb, UniformGravity, I>;
+type Thrown<B, I> = Stepper<B, FlatGround, Coulomb, UniformGravity, I>;
 
 fn die<I: Integrator>(integrator: I) -> Thrown<Cuboid, I> {
     Stepper::new(Cuboid::cube(0.005, 0.016).rounded(0.0015))

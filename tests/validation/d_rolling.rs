@@ -123,7 +123,7 @@ fn scene(
     moments: [f64; 2],
     [coefficient, slip_speed]: [f64; 2],
     damping: f64,
-) -> Stepper<f64, Disc, FlatGround, Coulomb, UniformGravity, StrangSplitting> {
+) -> Stepper<Disc, FlatGround, Coulomb, UniformGravity, StrangSplitting> {
     // In stick the splitting is stable up to 2 ε/(3 μ g).
     let time_step = f64::min(2e-4, 0.5 * slip_speed / (coefficient * GRAVITY));
     Stepper::new(Disc::new(moments))

@@ -117,7 +117,7 @@ fn compose<R: Number, I: Integrator<R>>(
     rim: &mut [ContactPoint<R>; 120],
     integrator: I,
 ) -> Result<
-    Stepper<R, Coin<R, &mut [ContactPoint<R>]>, FlatGround<R>, Coulomb<R>, UniformGravity<R>, I>,
+    Stepper<Coin<R, &mut [ContactPoint<R>]>, FlatGround<R>, Coulomb<R>, UniformGravity<R>, I, R>,
     SceneError,
 > {
     let real = R::from_f64;

@@ -225,12 +225,12 @@ const AUDITED: f64 = 1.0 / 16.0;
 /// whether an error ended it.
 fn follow<R: Bits, I: Integrator<R>>(
     stepper: &Stepper<
-        R,
         impl RigidPointBody<R>,
         impl SpringDamperGround<R>,
         impl SlidingFriction<R>,
         impl Gravity<R>,
         I,
+        R,
     >,
     mut state: State<R>,
     seconds: f64,

@@ -29,7 +29,7 @@ fn compose<R, B, G, F, I>(
     ground: G,
     friction: F,
     integrator: I,
-) -> Stepper<R, B, G, F, UniformGravity<R>, I>
+) -> Stepper<B, G, F, UniformGravity<R>, I, R>
 where
     R: Real,
     B: RigidPointBody<R>,

@@ -48,7 +48,7 @@ impl RigidPointBody for Given {
     }
 }
 
-impl<B, G, F, A, I> Program for Ours<Stepper<f64, B, G, F, A, I>>
+impl<B, G, F, A, I> Program for Ours<Stepper<B, G, F, A, I>>
 where
     B: RigidPointBody,
     G: SpringDamperGround,
@@ -81,7 +81,7 @@ where
     }
 }
 
-impl<B, G, F, A, I> Ours<Stepper<f64, B, G, F, A, I>>
+impl<B, G, F, A, I> Ours<Stepper<B, G, F, A, I>>
 where
     B: RigidPointBody,
     G: SpringDamperGround,
@@ -313,7 +313,7 @@ fn given(scene: &Scene) -> Given {
     }
 }
 
-type OnGround<B, I> = Stepper<f64, B, FlatGround, Coulomb, UniformGravity, I>;
+type OnGround<B, I> = Stepper<B, FlatGround, Coulomb, UniformGravity, I>;
 
 fn composed_of<B: RigidPointBody, I: Integrator>(
     scene: &Scene,
