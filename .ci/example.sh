@@ -21,6 +21,29 @@ done
 cargo run -q --release --example choose_accuracy -- --quick --out "$out/all"
 cargo run -q --release --example round_rim >"$out/round_rim"
 cargo run -q --release --example measured_tosses -- --synthetic --out "$out/all"
+
+# Tosses that are killed and resumed in other parts, on another number of threads, have the bytes of those that are not.
+cargo build -q --release --example tosses
+# The program itself, so that the kill does not reach a shell in its place.
+tosses=("${CARGO_TARGET_DIR:-target}/release/examples/tosses" --to 2000)
+"${tosses[@]}" --out "$out/whole" --part 2000 --threads 1
+"${tosses[@]}" --out "$out/killed" --part 7 >/dev/null &
+killed=$!
+until [ "$(find "$out/killed" -name '*.part.json' 2>/dev/null | wc -l)" -ge 5 ]; do sleep 0.01; done
+kill -9 "$killed"
+wait "$killed" 2>/dev/null || true
+before=$(find "$out/killed" -name '*.part.json' | wc -l)
+if [ "$before" -ge 286 ] || [ -e "$out/killed/result.json" ]; then
+  echo "all $before parts were done before the kill: it shows nothing"
+  exit 1
+fi
+"${tosses[@]}" --out "$out/killed" --merge >"$out/gaps"
+grep -q '^missing: --from ' "$out/gaps" || { echo "the gaps are not listed"; exit 1; }
+"${tosses[@]}" --out "$out/killed" --part 7 >/dev/null
+cmp "$out/whole/result.json" "$out/killed/result.json"
+echo "tosses: the same bytes after kill -9 with $before of 286 parts"
+"${tosses[@]}" --out "$out/replay" --toss 123456
+
 python3 .ci/read_pictures.py "$out/all" >"$out/list"
 echo "all trials and the gallery: $(wc -l <"$out/list") files"
 

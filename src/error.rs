@@ -13,6 +13,8 @@ pub enum Rule {
     AtLeastZero,
     /// Greater than 0 and at most 1.
     AboveZeroToOne,
+    /// Greater than 0 and less than 1.
+    BetweenZeroAndOne,
     /// Zero within rounding.
     Zero,
     /// At most 0.
@@ -51,6 +53,7 @@ impl core::fmt::Display for Rule {
             Self::AboveZero => "must be above 0",
             Self::AtLeastZero => "must be at least 0",
             Self::AboveZeroToOne => "must be above 0 and at most 1",
+            Self::BetweenZeroAndOne => "must be above 0 and below 1",
             Self::Zero => "must be 0",
             Self::AtMostZero => "must be at most 0",
             Self::NotNan => "must not be NaN",

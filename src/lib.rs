@@ -157,6 +157,7 @@
 //! | `approx-05` | comparison of states by `approx` 0.5 |
 //! | `serde` | saves and loads states, sessions, parameters, laws, and bodies except `PointCloud` and `Solid` |
 //! | `mint` | glam's conversions from and to `mint` |
+//! | `ensemble` | tosses by the million with one answer: the module `ensemble`; brings `std`, `rayon` and `rand_chacha` |
 
 #[cfg(any(test, feature = "std"))]
 extern crate std;
@@ -170,6 +171,8 @@ mod aliases;
 pub mod body;
 pub mod contract;
 pub mod energy;
+#[cfg(feature = "ensemble")]
+pub mod ensemble;
 pub mod error;
 pub mod friction;
 pub mod gravity;

@@ -96,7 +96,7 @@ pub struct Basin<F, R = f64> {
 }
 
 /// What is proven about the face on which a body comes to rest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Outcome<F> {
     /// The body never leaves the basin of this face.
@@ -127,7 +127,7 @@ pub enum Outcome<F> {
 /// assert_eq!(barriers.outcome(&leaning), Outcome::Decided(CoinFace::Heads));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct Barriers<'a, D, R: Real = f64> {
     scene: &'a D,
     /// Height of the plane, m.
@@ -136,6 +136,15 @@ pub struct Barriers<'a, D, R: Real = f64> {
     weight: R,
     /// Most energy that the body gains by sinking into the springs, J.
     softness: R,
+}
+
+// A derived copy would need a scene that is `Copy`, though only its reference is copied.
+impl<R: Real, D> Copy for Barriers<'_, D, R> {}
+
+impl<R: Real, D> Clone for Barriers<'_, D, R> {
+    fn clone(&self) -> Self {
+        *self
+    }
 }
 
 impl<'a, R, D> Barriers<'a, D, R>

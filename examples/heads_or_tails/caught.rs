@@ -8,10 +8,11 @@
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use indicatif::ProgressBar;
-use rayon::prelude::*;
+use tumble::ensemble::{Ensemble, SceneHash, Toss};
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    CoinFace, Disc, EnergyMomentum, RigidPointBody, State, StepError, Stepper, UniformGravity,
+    CoinFace, Disc, EnergyMomentum, Outcome as Ended, RigidPointBody, State, Stepper,
+    UniformGravity,
 };
 
 use crate::count::Count;
@@ -47,18 +48,19 @@ pub(crate) fn count(psi: f64, chi: f64, tosses: u64, bar: &ProgressBar) -> Outco
         .with_linear_velocity(DVec3::Z * 2.4)
         .with_orientation(orientation)
         .with_angular_momentum(axis * (diameter * rate));
-    let toss = |number: u64| -> Result<Count, StepError> {
+    let ensemble = Ensemble::new(0, SceneHash::of_bytes(b"caught"));
+    let tally = ensemble.run(0..tosses, |toss: &mut Toss<'_>| {
         let mut state = start;
-        let phase = TAU * (19.0 + (number as f64 + 0.5) / tosses as f64);
+        let phase = TAU * (19.0 + (toss.number() as f64 + 0.5) / tosses as f64);
         stepper.advance(&mut state, phase / rate)?;
         bar.inc(1);
-        let face = stepper.body().face_up(&state);
-        Ok(Count {
-            heads: u64::from(face == CoinFace::Heads),
-            tails: u64::from(face != CoinFace::Heads),
-            ..Count::default()
-        })
-    };
-    let counts: Result<Vec<Count>, StepError> = (0..tosses).into_par_iter().map(toss).collect();
-    Ok(counts?.into_iter().fold(Count::default(), Count::plus))
+        Ok(Ended::Decided(stepper.body().face_up(&state)))
+    })?;
+    crate::spun::check(&tally)?;
+    let heads = tally.count(&CoinFace::Heads);
+    Ok(Count {
+        heads,
+        tails: tosses - heads,
+        ..Count::default()
+    })
 }

@@ -4,11 +4,9 @@ use core::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use indicatif::ProgressBar;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{RngCore, SeedableRng};
-use rayon::prelude::*;
+use tumble::ensemble::{Ensemble, Pair, SceneHash, Tally, Toss, TossError};
 use tumble::glam::DQuat;
-use tumble::{CoinFace, Nystrom, Sample, Start, State, StepError, Trial, UntilDecided};
+use tumble::{CoinFace, Nystrom, Outcome as Ended, Sample, Start, State, Trial, UntilDecided};
 
 use crate::count::Count;
 use common::Outcome;
@@ -89,26 +87,75 @@ fn point(
     bar: &ProgressBar,
 ) -> Outcome<Point> {
     let first = (place + 100 * throw_number(throw)) << 32;
-    let run = |numbers: core::ops::Range<u64>, step: f64| -> Result<Vec<Count>, StepError> {
-        (numbers.into_par_iter())
-            .map(|number| {
-                let count = toss(throw, lean, first + number, step);
-                bar.inc(1);
-                count
-            })
-            .collect()
+    // The results are not saved, so that a name suffices as their scene.
+    let ensemble = Ensemble::new(SEED, SceneHash::of_bytes(b"heads or tails"));
+    let play = |toss: &mut Toss<'_>, step: f64| {
+        let outcome = self::toss(throw, lean, toss, step);
+        bar.inc(1);
+        outcome
     };
-    let long = run(0..tosses, STEP)?;
-    let short = run(0..tosses / REPEATED, 0.25 * STEP)?;
-    let changed = (long.iter().zip(&short)).filter(|(a, b)| a.heads != b.heads);
+    let middle = first + tosses / REPEATED;
+    let pairs = ensemble.compare(
+        first..middle,
+        |toss| play(toss, STEP),
+        |toss| play(toss, 0.25 * STEP),
+    )?;
+    let others = ensemble.run(middle..first + tosses, |toss| play(toss, STEP))?;
+    check(&pairs)?;
+    check(&others)?;
+    let of = |choose: fn(&Pair<Face>) -> Ended<Face>| {
+        let counts = pairs.decided().iter();
+        let counts = counts.map(|(pair, count)| counted(choose(pair), count.count()));
+        counts.fold(Count::default(), Count::plus)
+    };
+    let long = of(|pair| pair.coarse);
+    let is_heads = |outcome| counted(outcome, 1).heads;
+    let changed = (pairs.decided().iter())
+        .filter(|(pair, _)| is_heads(pair.coarse) != is_heads(pair.fine))
+        .map(|(_, count)| count.count());
+    let undecided = counted(Ended::Undecided, others.undecided().count());
+    let decided = others.decided().iter();
+    let decided = decided.map(|(face, count)| counted(Ended::Decided(*face), count.count()));
     Ok(Point {
         lean,
-        changed: changed.count() as u64,
-        repeated: short.len() as u64,
-        long: (long.iter().take(short.len())).fold(Count::default(), |sum, count| sum.plus(*count)),
-        count: long.into_iter().fold(Count::default(), Count::plus),
-        short: short.into_iter().fold(Count::default(), Count::plus),
+        changed: changed.sum(),
+        repeated: pairs.compared(),
+        long,
+        short: of(|pair| pair.fine),
+        count: decided.fold(long.plus(undecided), Count::plus),
     })
+}
+
+/// Face that comes up, and true if the coin never passed upright.
+type Face = (CoinFace, bool);
+
+fn counted(outcome: Ended<Face>, tosses: u64) -> Count {
+    let mut count = Count::default();
+    match outcome {
+        Ended::Decided((face, is_straight)) => {
+            let counter = match face {
+                CoinFace::Heads => &mut count.heads,
+                _ => &mut count.tails,
+            };
+            *counter = tosses;
+            count.straight = if is_straight { tosses } else { 0 };
+        }
+        Ended::Undecided => count.undecided = tosses,
+    }
+    count
+}
+
+/// No toss may fail.
+pub(crate) fn check<L>(tally: &Tally<L>) -> Outcome<()> {
+    if tally.errors().is_empty() && tally.panics().count() == 0 {
+        return Ok(());
+    }
+    Err(format!(
+        "tosses failed: {:?}, panics: {:?}",
+        tally.errors(),
+        tally.panics()
+    )
+    .into())
 }
 
 fn throw_number(throw: &Throw) -> u64 {
@@ -117,10 +164,13 @@ fn throw_number(throw: &Throw) -> u64 {
 }
 
 /// One toss: its random numbers are those of the stream with its number.
-fn toss(throw: &Throw, lean: f64, number: u64, time_step: f64) -> Result<Count, StepError> {
-    let mut stream = ChaCha8Rng::seed_from_u64(SEED);
-    stream.set_stream(number);
-    let mut spread = || 2.0 * ((stream.next_u64() >> 11) as f64 / (1_u64 << 53) as f64) - 1.0;
+fn toss(
+    throw: &Throw,
+    lean: f64,
+    toss: &mut Toss<'_>,
+    time_step: f64,
+) -> Result<Ended<Face>, TossError> {
+    let mut spread = || 2.0 * toss.fraction() - 1.0;
     let trial = Trial {
         start: throw.start,
         // Heads points up, if the tilt is negative.
@@ -132,13 +182,9 @@ fn toss(throw: &Throw, lean: f64, number: u64, time_step: f64) -> Result<Count, 
     };
     // Any of the polygon's angles: the coin is turned about its normal.
     let phase = DQuat::from_rotation_x(0.5 * spread() * TAU / 120.0);
-    let stepper = match trial.stepper(Nystrom { time_step }) {
-        Ok(stepper) => stepper,
-        Err(_) => return Ok(Count::default()),
-    };
-    let Some(barriers) = stepper.barriers() else {
-        return Ok(Count::default());
-    };
+    let stepper = trial.stepper(Nystrom { time_step })?;
+    let barriers = (stepper.barriers())
+        .ok_or_else(|| TossError::new("no barriers", "the ground must be level"))?;
     let state = trial.state();
     let mut state = State {
         orientation: state.orientation * phase,
@@ -152,11 +198,8 @@ fn toss(throw: &Throw, lean: f64, number: u64, time_step: f64) -> Result<Count, 
     };
     let mut both = (pass, UntilDecided::new(barriers));
     stepper.run(&mut state, PATIENCE, &mut both)?;
-    let face = both.1.face();
-    Ok(Count {
-        heads: u64::from(face == Some(CoinFace::Heads)),
-        tails: u64::from(face == Some(CoinFace::Tails)),
-        undecided: u64::from(face.is_none()),
-        straight: u64::from(face.is_some() && !passed),
+    Ok(match both.1.outcome() {
+        Ended::Decided(face) => Ended::Decided((face, !passed)),
+        Ended::Undecided => Ended::Undecided,
     })
 }

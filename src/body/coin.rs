@@ -320,7 +320,8 @@ pub(super) fn lowest_guess<R: Real>(count: usize, y: R, z: R) -> usize {
 }
 
 /// Side of a coin that points up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum CoinFace {
     /// The face on the side of body x.
     Heads,

@@ -118,7 +118,8 @@ impl<R: Real> Cuboid<R> {
 }
 
 /// Side of a box, named by the body axis that points out of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum CuboidFace {
     /// Side on the positive x side, body axes.
     X,

@@ -8,7 +8,7 @@ use crate::real::{Real, Vector};
 ///
 /// It is named by the three smallest numbers of the contacts on it. Contacts within 256 units in
 /// the last place of the hull's size from the facet's plane are on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HullFace {
     /// Numbers of three contacts, in increasing order.

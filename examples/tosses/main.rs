@@ -1,0 +1,130 @@
+//! Tosses of a coin in parts, on any number of machines, with one answer: each part is a file, and
+//! the files are merged. `cargo run --release --example tosses -- --help`.
+
+// An example has the standard library.
+#![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
+
+mod measure;
+mod parts;
+mod replay;
+mod scene;
+
+use std::ffi::OsString;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use common::Outcome;
+
+const HELP: &str = "\
+Tosses a coin of steel until its face is decided, and counts heads, tails and edge. Each part of the
+tosses is a file, written when it is complete. A part that is there is not played again: run the same
+command after an interruption. The result has the same bytes for any parts, threads and machines.
+
+Usage: cargo run --release --example tosses -- [OPTIONS]
+
+      --from <TOSS>       first toss                               [default: 0]
+      --to <TOSS>         end of the tosses, exclusive             [default: 1000]
+      --part <COUNT>      tosses in a part                         [default: 250]
+      --seed <SEED>       seed of the random numbers               [default: 1]
+      --threads <COUNT>   threads                                  [default: as many as the processor]
+  -o, --out <FOLDER>      where the parts and the result go        [default: out/tosses]
+      --merge             plays nothing: merges the parts that are there, and lists the gaps
+      --toss <TOSS>       replays one toss: film play.html and path path.csv
+      --label-error       repeats the tosses at a hundredth of the tolerance, and counts the labels
+                          that change
+      --efficiency        time on one thread and on all threads
+  -h, --help              this text
+";
+
+/// What to do with the tosses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Task {
+    Play,
+    Merge,
+    Replay(u64),
+    LabelError,
+    Efficiency,
+}
+
+#[derive(Debug)]
+pub(crate) struct Arguments {
+    pub(crate) tosses: Range<u64>,
+    pub(crate) part: u64,
+    pub(crate) seed: u64,
+    pub(crate) threads: usize,
+    pub(crate) out: PathBuf,
+    pub(crate) task: Task,
+}
+
+fn main() -> ExitCode {
+    let arguments = match parse() {
+        Ok(Some(arguments)) => arguments,
+        Ok(None) => {
+            print!("{HELP}");
+            return ExitCode::SUCCESS;
+        }
+        Err(error) => {
+            eprintln!("error: {error}\nThe options are listed by --help.");
+            return ExitCode::from(2);
+        }
+    };
+    match work(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn parse() -> Result<Option<Arguments>, lexopt::Error> {
+    use lexopt::prelude::*;
+    let mut arguments = Arguments {
+        tosses: 0..1000,
+        part: 250,
+        seed: 1,
+        threads: 0,
+        out: PathBuf::from("out/tosses"),
+        task: Task::Play,
+    };
+    let given: Vec<OsString> = std::env::args_os().skip(1).collect();
+    let mut parser = lexopt::Parser::from_args(given);
+    while let Some(argument) = parser.next()? {
+        match argument {
+            Long("from") => arguments.tosses.start = parser.value()?.parse()?,
+            Long("to") => arguments.tosses.end = parser.value()?.parse()?,
+            Long("part") => arguments.part = parser.value()?.parse()?,
+            Long("seed") => arguments.seed = parser.value()?.parse()?,
+            Long("threads") => arguments.threads = parser.value()?.parse()?,
+            Short('o') | Long("out") => arguments.out = parser.value()?.into(),
+            Long("merge") => arguments.task = Task::Merge,
+            Long("toss") => arguments.task = Task::Replay(parser.value()?.parse()?),
+            Long("label-error") => arguments.task = Task::LabelError,
+            Long("efficiency") => arguments.task = Task::Efficiency,
+            Short('h') | Long("help") => return Ok(None),
+            other => return Err(other.unexpected()),
+        }
+    }
+    if arguments.tosses.end < arguments.tosses.start || arguments.part == 0 {
+        return Err("--to must be at least --from, and --part at least 1".into());
+    }
+    Ok(Some(arguments))
+}
+
+fn work(arguments: &Arguments) -> Outcome<()> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads);
+    let pool = pool.build()?;
+    // The error of `work` need not be sent between threads, its text can.
+    let worked = pool.install(|| {
+        let worked = match arguments.task {
+            Task::Play => parts::play(arguments),
+            Task::Merge => parts::merge(arguments),
+            Task::Replay(toss) => replay::replay(arguments, toss),
+            Task::LabelError => measure::label_error(arguments),
+            Task::Efficiency => measure::efficiency(arguments),
+        };
+        worked.map_err(|error| error.to_string())
+    });
+    Ok(worked?)
+}

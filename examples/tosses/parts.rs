@@ -1,0 +1,129 @@
+//! One file for each part of the tosses.
+
+use std::fs::{self, File};
+use std::io::{ErrorKind, Write as _};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use tumble::CoinFace;
+use tumble::ensemble::{Ensemble, Stop, Tally};
+
+use crate::Arguments;
+use crate::scene;
+use common::Outcome;
+
+/// Plays the parts that are not there, and merges all of them.
+pub(crate) fn play(arguments: &Arguments) -> Outcome<()> {
+    let table = scene::table(scene::TOLERANCE)?;
+    let throw = scene::throw(&table)?;
+    let ensemble = scene::ensemble(&throw, arguments.seed);
+    fs::create_dir_all(&arguments.out)?;
+    let bar = bar(arguments.tosses.end - arguments.tosses.start)?;
+    for tosses in parts(arguments) {
+        let file = arguments.out.join(name(&tosses));
+        let done = tosses.start - arguments.tosses.start;
+        if !is_complete(&file, &tosses, &ensemble)? {
+            let tally = ensemble.run_until(
+                tosses.clone(),
+                &Stop::at_end(),
+                |progress| bar.set_position(done + progress.done),
+                |toss| throw.play(toss),
+            )?;
+            write(&file, &serde_json::to_string(&tally)?)?;
+        }
+        bar.set_position(tosses.end - arguments.tosses.start);
+    }
+    bar.finish_and_clear();
+    merge(arguments)
+}
+
+/// Merges all parts of the folder, lists the gaps, and writes the result.
+pub(crate) fn merge(arguments: &Arguments) -> Outcome<()> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(&arguments.out)? {
+        let path = entry?.path();
+        if path.to_string_lossy().ends_with(".part.json") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    let mut merged: Option<Tally<CoinFace>> = None;
+    for file in &files {
+        let part = read(file).map_err(|error| format!("{}: {error}", file.display()))?;
+        match &mut merged {
+            None => merged = Some(part),
+            Some(merged) => merged
+                .merge(&part)
+                .map_err(|error| format!("{}: {error}", file.display()))?,
+        }
+    }
+    let merged = merged.ok_or_else(|| format!("no part in {}", arguments.out.display()))?;
+    let result = arguments.out.join("result.json");
+    write(&result, &serde_json::to_string(&merged)?)?;
+    println!("{merged}");
+    for gap in merged.gaps(arguments.tosses.clone()) {
+        println!("missing: --from {} --to {}", gap.start, gap.end);
+    }
+    println!("Written: {}", result.display());
+    Ok(())
+}
+
+/// Parts of the range, which end at multiples of their length.
+fn parts(arguments: &Arguments) -> impl Iterator<Item = Range<u64>> {
+    let (Range { start, end }, part) = (arguments.tosses.clone(), arguments.part);
+    let mut next = start;
+    std::iter::from_fn(move || {
+        let first = next;
+        next = (first / part + 1).saturating_mul(part).min(end);
+        (first < end).then_some(first..next)
+    })
+}
+
+fn name(tosses: &Range<u64>) -> String {
+    format!("{:012}-{:012}.part.json", tosses.start, tosses.end)
+}
+
+/// Returns true if the file has the result of these tosses. A file that cannot be read is played
+/// again. A result of another ensemble is not replaced.
+fn is_complete(file: &Path, tosses: &Range<u64>, ensemble: &Ensemble) -> Outcome<bool> {
+    let Ok(part) = read(file) else {
+        return Ok(false);
+    };
+    if part.seed() != ensemble.seed() || part.scene() != ensemble.scene() {
+        let shown = file.display();
+        return Err(format!("{shown} has another seed or scene: choose another folder").into());
+    }
+    Ok(part.ranges() == std::slice::from_ref(tosses))
+}
+
+fn read(file: &Path) -> Outcome<Tally<CoinFace>> {
+    Ok(serde_json::from_str(&fs::read_to_string(file)?)?)
+}
+
+/// Writes a file under a name of its own, and renames it when it is complete. So the file is there
+/// as a whole or not at all, even if several machines write it.
+fn write(file: &Path, text: &str) -> Outcome<()> {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH)?;
+    let own = format!("{}-{}.tmp", std::process::id(), now.as_nanos());
+    let temporary: PathBuf = file.with_extension(own);
+    let written = File::create_new(&temporary).and_then(|mut file| {
+        file.write_all(text.as_bytes())?;
+        file.sync_all()
+    });
+    let renamed = written.and_then(|()| fs::rename(&temporary, file));
+    if let Err(error) = &renamed {
+        if error.kind() != ErrorKind::AlreadyExists {
+            let _ = fs::remove_file(&temporary);
+        }
+    }
+    Ok(renamed?)
+}
+
+/// Shows itself only on a terminal.
+fn bar(tosses: u64) -> Outcome<ProgressBar> {
+    let style =
+        ProgressStyle::with_template("tosses {wide_bar} {percent} %, {per_sec}, {eta} left")?;
+    Ok(ProgressBar::new(tosses).with_style(style))
+}

@@ -1,0 +1,81 @@
+//! Film and path of one toss, by its number.
+
+use std::fs;
+use std::ops::ControlFlow;
+
+use tumble::{Sample, Timed, UntilDecided};
+
+use crate::Arguments;
+use crate::scene;
+use common::{Camera, Column, Film, Mesh, Outcome, energy_columns};
+
+/// Time between two shots of the film and two rows of the path, s.
+const INTERVAL: f64 = 0.002;
+
+pub(crate) fn replay(arguments: &Arguments, toss: u64) -> Outcome<()> {
+    let table = scene::table(scene::TOLERANCE)?;
+    let throw = scene::throw(&table)?;
+    let ensemble = scene::ensemble(&throw, arguments.seed);
+    let outcome = throw.play(&mut ensemble.toss(toss))?;
+    let mut state = throw.start(&mut ensemble.toss(toss))?;
+    println!("toss {toss}: {outcome:?}\nstart: {state:.9}");
+    fs::create_dir_all(&arguments.out)?;
+    let path = arguments.out.join("path.csv");
+    let mut rows = csv::Writer::from_path(&path)?;
+    rows.write_record([
+        "time (s)",
+        "x (m)",
+        "y (m)",
+        "z (m)",
+        "qx",
+        "qy",
+        "qz",
+        "qw",
+        "energy (J)",
+    ])?;
+    let mut camera = Camera::new(INTERVAL);
+    let mut written = Ok(());
+    let watch = |sample: &Sample<'_>| {
+        let height = 1e3 * sample.state.position.z;
+        camera.look(sample, || [height, sample.touching() as f64]);
+        let ([x, y, z], quaternion) = (
+            sample.state.position.to_array(),
+            sample.state.orientation.to_array(),
+        );
+        let energy = sample.energy().total();
+        written = rows.serialize((sample.time, x, y, z, quaternion, energy));
+        match written {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        }
+    };
+    let barriers = table.barriers().ok_or("no level ground")?;
+    let mut both = (Timed::every(INTERVAL, watch)?, UntilDecided::new(barriers));
+    let seconds = table.run(&mut state, throw.seconds(), &mut both)?;
+    let decided = both.1.outcome();
+    written?;
+    rows.flush()?;
+    // The observers may not change the motion.
+    if decided != outcome {
+        return Err(format!("the replay is {decided:?}, the toss was {outcome:?}").into());
+    }
+    let film = arguments.out.join("play.html");
+    Film {
+        title: format!("Toss {toss}"),
+        lines: vec![format!("{outcome:?} after {seconds:.3} s.")],
+        size: scene::RADIUS,
+        distance: 14.0,
+        slower: 4.0,
+        bodies: vec![Mesh::coin(scene::RADIUS, 48)],
+        readouts: vec![
+            Column::new("height of the centre", "mm", 1, "ink"),
+            Column::new("points that touch", "", 0, "ink"),
+        ],
+        curves: energy_columns(),
+        events: vec![("end", seconds)],
+        shots: camera.shots,
+    }
+    .write(&film)?;
+    println!("Written: {}, {}", film.display(), path.display());
+    Ok(())
+}

@@ -1,0 +1,224 @@
+//! Histogram of an observable, with whole numbers.
+
+use alloc::vec::Vec;
+
+use crate::error::{self, Rule, SceneError};
+
+/// Number of values in each of some equal bins.
+///
+/// Bin k of n contains `low + k w <= x < low + (k + 1) w` with `w = (high - low)/n`. A value within
+/// rounding of an edge may count in the neighbouring bin, but in the same bin on every machine.
+/// Values outside are counted too. Counts are whole numbers, so they do not depend on the order.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Histogram {
+    low: f64,
+    high: f64,
+    bins: Vec<u64>,
+    below: u64,
+    above: u64,
+    nan: u64,
+}
+
+/// Largest number of bins, 8 MB.
+const MOST_BINS: usize = 1 << 20;
+
+impl Histogram {
+    /// Creates an empty histogram of `bins` equal bins from `low` to `high`.
+    ///
+    /// # Errors
+    /// Returns [`SceneError`] if an end or the width is not finite, if `high` is not above `low`,
+    /// or if there are no bins or more than 2²⁰. The error names the quantity, the rule and the
+    /// value.
+    pub fn new(low: f64, high: f64, bins: usize) -> Result<Self, SceneError> {
+        error::finite("low end of a histogram", low, "")?;
+        error::finite("high end of a histogram", high, "")?;
+        error::above_zero("width of a histogram", high - low, "")?;
+        let count = |rule| SceneError::new("number of bins", rule, bins as f64, "");
+        if bins == 0 {
+            return Err(count(Rule::AtLeast(1)));
+        }
+        if bins > MOST_BINS {
+            return Err(count(Rule::AtMost(MOST_BINS)));
+        }
+        Ok(Self {
+            low,
+            high,
+            bins: alloc::vec![0; bins],
+            below: 0,
+            above: 0,
+            nan: 0,
+        })
+    }
+
+    /// Counts a value.
+    pub fn add(&mut self, value: f64) {
+        let counter = if value.is_nan() {
+            &mut self.nan
+        } else if value < self.low {
+            &mut self.below
+        } else if value >= self.high {
+            &mut self.above
+        } else {
+            let last = self.bins.len() - 1;
+            let fraction = (value - self.low) / (self.high - self.low);
+            // At least 0 and at most 2²⁰.
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            let bin = (fraction * self.bins.len() as f64) as usize;
+            &mut self.bins[bin.min(last)]
+        };
+        *counter += 1;
+    }
+
+    /// Returns the number of values in each bin.
+    #[must_use]
+    pub fn bins(&self) -> &[u64] {
+        &self.bins
+    }
+
+    /// Returns the number of values below the first bin.
+    #[must_use]
+    pub fn below(&self) -> u64 {
+        self.below
+    }
+
+    /// Returns the number of values above the last bin.
+    #[must_use]
+    pub fn above(&self) -> u64 {
+        self.above
+    }
+
+    /// Returns the number of values that were NaN.
+    #[must_use]
+    pub fn nan(&self) -> u64 {
+        self.nan
+    }
+
+    /// Returns the number of values, without NaN.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.below + self.bins.iter().sum::<u64>() + self.above
+    }
+
+    /// Returns both edges of a bin. The last bin ends at the high end of the histogram.
+    #[must_use]
+    pub fn edges(&self, bin: usize) -> [f64; 2] {
+        let edge = |at: usize| {
+            let fraction = at as f64 / self.bins.len() as f64;
+            self.low + (self.high - self.low) * fraction
+        };
+        [edge(bin), edge(bin.saturating_add(1))]
+    }
+
+    /// Returns an interval that contains the quantile of a fraction, such as 0.5 for the median:
+    /// the edges of its bin. An end is infinite if the quantile is outside of the bins.
+    ///
+    /// The quantile is the least value with at least `fraction` of all values at or below it.
+    /// Returns `None` if there is no value, or if the fraction is not above 0 and at most 1.
+    #[must_use]
+    pub fn quantile(&self, fraction: f64) -> Option<[f64; 2]> {
+        let is_valid = fraction > 0.0 && fraction <= 1.0 && self.count() > 0;
+        let rank = is_valid.then(|| fraction * self.count() as f64)?;
+        let mut until = self.below;
+        if until as f64 >= rank {
+            return Some([f64::NEG_INFINITY, self.low]);
+        }
+        for (bin, count) in self.bins.iter().enumerate() {
+            until += count;
+            if until as f64 >= rank {
+                return Some(self.edges(bin));
+            }
+        }
+        Some([self.high, f64::INFINITY])
+    }
+
+    /// Returns true if both histograms have the same bins.
+    pub(crate) fn has_bins_of(&self, other: &Self) -> bool {
+        let ends = |h: &Self| (h.low.to_bits(), h.high.to_bits(), h.bins.len());
+        ends(self) == ends(other)
+    }
+
+    /// Number of all values, or `None` if it exceeds 64 bits, as in a loaded histogram it may.
+    fn total(&self) -> Option<u64> {
+        let outside = [self.below, self.above, self.nan];
+        let mut counts = self.bins.iter().chain(&outside);
+        counts.try_fold(0_u64, |sum, count| sum.checked_add(*count))
+    }
+
+    /// Returns true if the sum of both histograms fits in 64 bits.
+    pub(crate) fn can_join(&self, other: &Self) -> bool {
+        let totals = self.total().zip(other.total());
+        totals.is_some_and(|(ours, theirs)| ours.checked_add(theirs).is_some())
+    }
+
+    /// Adds the counts of a histogram with the same bins.
+    pub(crate) fn join(&mut self, other: &Self) {
+        for (ours, theirs) in self.bins.iter_mut().zip(&other.bins) {
+            *ours += theirs;
+        }
+        self.below += other.below;
+        self.above += other.above;
+        self.nan += other.nan;
+    }
+
+    /// Returns true if a loaded histogram has bins that [`new`](Self::new) allows.
+    pub(crate) fn is_valid(&self) -> bool {
+        Self::new(self.low, self.high, self.bins.len()).is_ok() && self.total().is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::string::ToString;
+
+    use super::*;
+
+    #[test]
+    fn each_value_is_counted_once() {
+        let mut histogram = Histogram::new(-1.0, 1.0, 4).unwrap();
+        let values = [
+            -2.0,
+            -1.0,
+            -0.6,
+            0.0,
+            0.9,
+            1.0_f64.next_down(),
+            1.0,
+            f64::NAN,
+        ];
+        values.into_iter().for_each(|value| histogram.add(value));
+        assert_eq!(histogram.bins(), [2, 0, 1, 2]);
+        assert_eq!(
+            [histogram.below(), histogram.above(), histogram.nan()],
+            [1; 3]
+        );
+        assert_eq!(histogram.count(), 7);
+        assert_eq!(histogram.edges(3), [0.5, 1.0]);
+    }
+
+    #[test]
+    fn a_quantile_is_within_its_edges() {
+        let mut histogram = Histogram::new(0.0, 10.0, 10).unwrap();
+        for value in 0..100 {
+            histogram.add(f64::from(value) * 0.1 + 0.05);
+        }
+        assert_eq!(histogram.quantile(0.5), Some([4.0, 5.0]));
+        assert_eq!(histogram.quantile(0.51), Some([5.0, 6.0]));
+        assert_eq!(histogram.quantile(0.0), None);
+        histogram.add(11.0);
+        assert_eq!(histogram.quantile(1.0), Some([10.0, f64::INFINITY]));
+    }
+
+    #[test]
+    fn invalid_bins_are_refused() {
+        let error = Histogram::new(1.0, 1.0, 4).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "width of a histogram must be above 0, got 0"
+        );
+        assert!(Histogram::new(0.0, f64::INFINITY, 4).is_err());
+        assert!(Histogram::new(-f64::MAX, f64::MAX, 4).is_err());
+        assert!(Histogram::new(0.0, 1.0, 0).is_err());
+        assert!(Histogram::new(0.0, 1.0, usize::MAX).is_err());
+    }
+}
