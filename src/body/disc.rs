@@ -52,18 +52,16 @@ use crate::state::State;
 /// | 120 points | 6.5e-5 | 1.8e-3 | 2.3e-3 | 2.9e-2 | 2.4e-3 | 5.5e-2 |
 /// | 1200 points | 5.8e-7 | 6.8e-6 | 1.1e-5 | 4.7e-5 | 4.2e-6 | 4.7e-4 |
 ///
-/// | upright, 4 rad/s | vertical acceleration, rms, over g | energy lost in 1 s with dampers and friction, J | instructions of a step of `SymplecticEuler`, start of trial 1 |
-/// |---|---|---|---|
-/// | 12 points | 2.4e0 | 0.2936 | 678 |
-/// | 120 points | 7.0e-3 | 0.0430 | 990 |
-/// | 1200 points | 2.1e-4 | 0.0431 | 4012 |
-/// | round | 4.8e-14 | 0.0431 | 1614 |
+/// | upright, 4 rad/s | vertical acceleration, rms, over g | energy lost in 1 s with dampers and friction, J |
+/// |---|---|---|
+/// | 12 points | 2.4e0 | 0.2936 |
+/// | 120 points | 7.0e-3 | 0.0430 |
+/// | 1200 points | 2.1e-4 | 0.0431 |
+/// | round | 4.8e-14 | 0.0431 |
 ///
-/// At the start of trial 1, a step of `SymplecticEuler` on the round rim costs 1.6 times the
-/// instructions of a step with 120 points. In flight it costs no more. It costs 5.4 times as much
-/// if the coin tumbles, because friction reverses on the arc and more than twice as many points are
-/// needed there. A step of [`EnergyMomentum`](crate::EnergyMomentum) costs 5.5 and 4.4 times as
-/// much (`cargo bench --bench ratios`).
+/// A step on the round rim takes more time than a step with 120 points, except in flight. The ratio
+/// is largest if the coin tumbles, because friction reverses on the arc and more quadrature points
+/// are needed there. `cargo bench --bench ratios` prints the ratios for each integrator.
 ///
 /// Position error of the round coin after one second of trial 1:
 ///

@@ -82,7 +82,7 @@ use crate::state::State;
 /// |---|---|
 /// | 16.1 ms | 8.6e-5 m |
 /// | 4 ms | 1.1e-6 m |
-/// | 1 ms | 6e-8 m, a 290th of that of [`Rk4`](crate::Rk4) |
+/// | 1 ms | 6e-8 m |
 ///
 /// *Limits.* ω and δ are the highest frequency and damping rate that the contacts give the body at
 /// their arms (see [integrators](crate#integrators)), and `ζ = δ/2ω`.

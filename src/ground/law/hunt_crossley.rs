@@ -101,7 +101,7 @@ impl<R: Real> HuntCrossley<R> {
     ///
     /// Without loss, `c = 2/(n + 1) B(1/2, 1/(n + 1))` with Euler's beta function: π for a linear
     /// spring, 2.943 for Hertz's. With loss, c is an integral, computed by Gauss's rule. The
-    /// constructor then costs about 400 powers and exponentials, 40 µs. A faster bounce of the same
+    /// constructor then costs about 400 powers and exponentials. A faster bounce of the same
     /// law is shorter, in proportion to `speed^(-(n-1)/(n+1))` where the loss is small.
     ///
     /// # Errors
