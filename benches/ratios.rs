@@ -7,36 +7,31 @@
 //!
 //! # Cost of a step
 //!
-//! The coin with 120 points stands upright, and 4 of them touch. A step of `SymplecticEuler` then
-//! takes 969 instructions (`.ci/instructions`; its parts by `callgrind --dump-instr=yes` on the
-//! bench `instructions`):
+//! `instructions.txt` has the number of instructions of a step. `callgrind --dump-instr=yes` on the
+//! bench `instructions` shows its parts. For the coin with 120 points that stands upright on four of
+//! them, these parts of a step of `SymplecticEuler` are, the largest first:
 //!
-//! * 445 for the body, as many as a step in flight: the rotation matrix, the angular velocity, the
-//!   rotation by two quaternion products, two normalisations, the finite check, and the state from
-//!   and to memory. A third of them is arithmetic. Most of the rest are moves, because operations
-//!   of SSE2 overwrite an operand, and a state with its matrix does not fit into 16 registers.
-//! * 110 to find the arc: the z components of the body's axes, and the heights of the points on
+//! - *Body,* as in flight: the rotation matrix, the angular velocity, the rotation by two quaternion
+//!   products, two normalisations, the finite check, and the state from and to memory. Most of the
+//!   instructions are moves, because operations of SSE2 overwrite an operand, and a state with its
+//!   matrix does not fit into 16 registers.
+//! - *Contacts that touch,* in pairs, one in each lane: arm, velocity, force and torque. The torque
+//!   could also follow from sums of force times position in the body. With a few contacts this saves
+//!   nothing, because the velocity for each metre along three axes and the torque at the end cost as
+//!   much as several arms, and go through memory.
+//! - *Search for the arc:* the z components of the body's axes, and the heights of the points on
 //!   both sides of the two ends of the previous arc.
-//! * 60 to load common data into both lanes, 120 for each pair of contacts with their sums, 110 for
-//!   a single contact: its arm, velocity, force and torque. The torque could also follow from sums
-//!   of force times position in the body. With a few contacts this saves nothing: the velocity for
-//!   each metre along three axes and the torque at the end cost as much as seven arms, and their 28
-//!   numbers go through memory.
 //!
-//! On a tilted plane, or with a radius, a contact takes about 130.
+//! At rest all contacts are computed in lanes, 24 at a time, two in a register. Half of their time
+//! is the root and the division, which one unit computes for all. This is the lower limit for any
+//! program with the law of the coin report.
 //!
-//! At rest all 120 contacts are computed in lanes, 24 at a time, two in a register, with 67
-//! instructions each. Half of their time is the root and the division, which one unit computes for
-//! all, 3.1 ns a pair. This is the lower limit for any program with the law of the coin report.
+//! What limits the time of a step:
 //!
-//! `Rk4` takes 3060 instructions. 1000 are those of flight: four matrices, four sums of states, and
-//! moves of them. The others are four times the contacts and the search for their arc.
-//!
-//! * *Memory:* the state, the scene and the visited points, under 1 kB, are in the first cache. At
-//!   rest there are 4 kB of points.
-//! * *Branches:* the branch at the end of the arc is mispredicted when the number of touching
+//! - *Memory:* the state, the scene and the visited points are in the first cache.
+//! - *Branches:* the branch at the end of the arc is mispredicted when the number of touching
 //!   points changes. The others depend on the phase only.
-//! * *Time:* roots and divisions wait for all previous operations, so they are computed for all
+//! - *Order:* roots and divisions wait for all previous operations, so they are computed for all
 //!   contacts before the first sum. A load of two numbers that were stored separately waits until
 //!   both stores have ended. Instruction counts alone are therefore misleading.
 
