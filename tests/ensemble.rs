@@ -1,5 +1,13 @@
 //! Ensembles: one answer for any split, honest counts, and the distributions of the starts.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::std_instead_of_alloc,
+    clippy::std_instead_of_core,
+    clippy::cast_possible_truncation,
+    reason = "a program has the standard library, its numbers are small, and an error ends it"
+)]
+
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};

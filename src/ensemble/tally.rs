@@ -74,6 +74,14 @@ pub(crate) enum Ending<L> {
     Panic,
 }
 
+/// A toss that was played.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Played<L> {
+    pub(crate) ending: Ending<L>,
+    /// Values of observables, each with the number of its histogram.
+    pub(crate) records: Vec<(usize, f64)>,
+}
+
 /// Counts of the outcomes of some tosses of an ensemble, with the label type `L`.
 ///
 /// All counts are whole numbers, and depend on the tosses only. They do not depend on their order,
@@ -118,10 +126,10 @@ impl<L: Ord> Tally<L> {
         }
     }
 
-    /// Counts the tosses of a range by their endings.
-    pub(crate) fn add(&mut self, range: Range<u64>, ended: Vec<(Ending<L>, Vec<(usize, f64)>)>) {
-        for (toss, (ending, records)) in range.clone().zip(ended) {
-            match ending {
+    /// Counts the tosses of a range.
+    pub(crate) fn add(&mut self, range: Range<u64>, played: Vec<Played<L>>) {
+        for (toss, played) in range.clone().zip(played) {
+            match played.ending {
                 Ending::Outcome(Outcome::Decided(label)) => {
                     entry(&mut self.decided, label).add(toss);
                 }
@@ -129,7 +137,7 @@ impl<L: Ord> Tally<L> {
                 Ending::Error(kind) => entry(&mut self.errors, String::from(kind)).add(toss),
                 Ending::Panic => self.panics.add(toss),
             }
-            for (at, value) in records {
+            for (at, value) in played.records {
                 if let Some((_, histogram)) = self.histograms.get_mut(at) {
                     histogram.add(value);
                 }
