@@ -58,6 +58,7 @@ impl Count {
         self.first.truncate(Self::KEPT);
     }
 
+    #[cfg(feature = "serde")]
     fn is_valid(&self, ranges: &Ranges) -> bool {
         let kept = usize::try_from(self.count).map_or(Self::KEPT, |count| count.min(Self::KEPT));
         let is_sorted = self.first.windows(2).all(|pair| pair[0] < pair[1]);
