@@ -81,13 +81,14 @@ pub use toss::Toss;
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use core::panic::AssertUnwindSafe;
+use std::panic::catch_unwind;
 use std::time::Instant;
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 use crate::outcome::Outcome;
-use tally::Ending;
+use tally::{Ending, Played};
 
 /// Tosses that are numbered from 0, with a seed and a scene hash. See the [module](self).
 ///
@@ -256,8 +257,8 @@ impl Ensemble {
         (toss / size).saturating_add(1).saturating_mul(size)
     }
 
-    /// Endings and recorded values of the tosses of a block, in order.
-    fn play_block<L, P>(&self, block: Range<u64>, play: &P) -> Vec<(Ending<L>, Vec<(usize, f64)>)>
+    /// The tosses of a block, in order.
+    fn play_block<L, P>(&self, block: Range<u64>, play: &P) -> Vec<Played<L>>
     where
         L: Send,
         P: Fn(&mut Toss<'_>) -> Result<Outcome<L>, TossError> + Sync,
@@ -271,17 +272,18 @@ impl Ensemble {
             .collect()
     }
 
-    fn play_toss<L, P>(&self, number: u64, play: &P) -> (Ending<L>, Vec<(usize, f64)>)
+    fn play_toss<L, P>(&self, number: u64, play: &P) -> Played<L>
     where
         P: Fn(&mut Toss<'_>) -> Result<Outcome<L>, TossError>,
     {
         let mut toss = self.toss(number);
         // What a panic leaves half done is dropped with the toss.
         let ended = catch_unwind(AssertUnwindSafe(|| play(&mut toss)));
-        match ended {
+        let (ending, records) = match ended {
             Ok(Ok(outcome)) => (Ending::Outcome(outcome), toss.records),
             Ok(Err(error)) => (Ending::Error(error.kind()), Vec::new()),
             Err(_) => (Ending::Panic, Vec::new()),
-        }
+        };
+        Played { ending, records }
     }
 }

@@ -1,5 +1,13 @@
 //! Ensembles: one answer for any split, honest counts, and the distributions of the starts.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::std_instead_of_alloc,
+    clippy::std_instead_of_core,
+    clippy::cast_possible_truncation,
+    reason = "a program has the standard library, its numbers are small, and an error ends it"
+)]
+
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -11,8 +19,8 @@ use tumble::ensemble::{
 };
 use tumble::glam::DVec3;
 use tumble::{
-    Coin, CoinFace, ContactPoint, Coulomb, EnergyMomentum, FlatGround, Outcome, State, Stepper,
-    UniformGravity,
+    Coin, CoinFace, ContactPoint, Coulomb, EnergyMomentum, FlatGround, Outcome, PointCloud, State,
+    Stepper, UniformGravity,
 };
 
 #[allow(dead_code, reason = "other programs use the other part")]
@@ -417,6 +425,41 @@ fn bounds_hold_whatever_the_undecided_tosses_show() {
     assert!((low - 0.4).abs() < 2e-3 && (high - 0.6).abs() < 2e-3);
     let [low, high] = tally.interval(&'h', 0.99).unwrap();
     assert!((low - 0.4).abs() < 2e-3 && (high - 0.4).abs() < 2e-3);
+}
+
+/// The program of the guide. Chi-square of four equal faces with 3 degrees of freedom, 99.9 %. A
+/// tetrahedron with a face of probability 1/3 has a noncentrality of 37, and passes with 1 %.
+#[test]
+fn a_regular_tetrahedron_shows_its_faces_alike() {
+    let corners = [[1., 1., 1.], [1., -1., -1.], [-1., 1., -1.], [-1., -1., 1.]];
+    let places = corners.map(|p| DVec3::from(p) * 0.008);
+    let stepper = Stepper::new(PointCloud::new(places, [1e-3; 4]).unwrap())
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.81)))
+        .and_then(|stepper| stepper.with_ground(FlatGround::level(1000.0, 0.5)))
+        .and_then(|stepper| {
+            stepper.with_friction(Coulomb {
+                coefficient: 0.3,
+                slip_speed: 1e-3,
+            })
+        })
+        .unwrap();
+    let spin = RandomSpin::Isotropic {
+        rate: (20.0..=40.0).into(),
+    };
+    let start = RandomStart::at_height(0.1).with_spin(spin);
+    let throw = Throw::new(&stepper, start, 10.0).unwrap();
+    let tally = Ensemble::new(1, throw.scene_hash()).run(0..1000, |toss| throw.play(toss));
+    let tally = tally.unwrap();
+    assert!(
+        tally.decided().len() == 4 && tally.undecided().count() == 0,
+        "{tally}"
+    );
+    let counts = tally
+        .decided()
+        .iter()
+        .map(|(_, count)| count.count() as f64);
+    let chi_square: f64 = counts.map(|count| (count - 250.0).powi(2) / 250.0).sum();
+    assert!(chi_square < 16.27, "{tally}");
 }
 
 /// Starts of a number of tosses, of the ring.

@@ -162,6 +162,7 @@ impl Histogram {
     }
 
     /// Returns true if a loaded histogram has bins that [`new`](Self::new) allows.
+    #[cfg(feature = "serde")]
     pub(crate) fn is_valid(&self) -> bool {
         Self::new(self.low, self.high, self.bins.len()).is_ok() && self.total().is_some()
     }

@@ -22,6 +22,7 @@ impl Ranges {
         self.0.iter().map(|range| range.end - range.start).sum()
     }
 
+    #[cfg(any(test, feature = "serde"))]
     pub(crate) fn contains(&self, toss: u64) -> bool {
         let after = self.0.partition_point(|range| range.end <= toss);
         self.0.get(after).is_some_and(|range| range.start <= toss)
@@ -76,6 +77,7 @@ impl Ranges {
     }
 
     /// Returns true if the ranges are as the type promises.
+    #[cfg(any(test, feature = "serde"))]
     pub(crate) fn is_valid(&self) -> bool {
         let has_tosses = self.0.iter().all(|range| range.start < range.end);
         has_tosses && self.0.windows(2).all(|pair| pair[0].end < pair[1].start)

@@ -58,6 +58,7 @@ impl Count {
         self.first.truncate(Self::KEPT);
     }
 
+    #[cfg(feature = "serde")]
     fn is_valid(&self, ranges: &Ranges) -> bool {
         let kept = usize::try_from(self.count).map_or(Self::KEPT, |count| count.min(Self::KEPT));
         let is_sorted = self.first.windows(2).all(|pair| pair[0] < pair[1]);
@@ -72,6 +73,14 @@ pub(crate) enum Ending<L> {
     Outcome(Outcome<L>),
     Error(&'static str),
     Panic,
+}
+
+/// A toss that was played.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Played<L> {
+    pub(crate) ending: Ending<L>,
+    /// Values of observables, each with the number of its histogram.
+    pub(crate) records: Vec<(usize, f64)>,
 }
 
 /// Counts of the outcomes of some tosses of an ensemble, with the label type `L`.
@@ -118,10 +127,10 @@ impl<L: Ord> Tally<L> {
         }
     }
 
-    /// Counts the tosses of a range by their endings.
-    pub(crate) fn add(&mut self, range: Range<u64>, ended: Vec<(Ending<L>, Vec<(usize, f64)>)>) {
-        for (toss, (ending, records)) in range.clone().zip(ended) {
-            match ending {
+    /// Counts the tosses of a range.
+    pub(crate) fn add(&mut self, range: Range<u64>, played: Vec<Played<L>>) {
+        for (toss, played) in range.clone().zip(played) {
+            match played.ending {
                 Ending::Outcome(Outcome::Decided(label)) => {
                     entry(&mut self.decided, label).add(toss);
                 }
@@ -129,7 +138,7 @@ impl<L: Ord> Tally<L> {
                 Ending::Error(kind) => entry(&mut self.errors, String::from(kind)).add(toss),
                 Ending::Panic => self.panics.add(toss),
             }
-            for (at, value) in records {
+            for (at, value) in played.records {
                 if let Some((_, histogram)) = self.histograms.get_mut(at) {
                     histogram.add(value);
                 }
