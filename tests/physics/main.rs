@@ -21,6 +21,7 @@ mod turning_resistance;
 // What holds for each integrator.
 mod energy;
 mod flight;
+mod free_rotation;
 mod outcome;
 mod rigidity;
 mod symmetry;
