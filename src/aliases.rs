@@ -24,6 +24,8 @@ macro_rules! names_for {
             pub type AnisotropicCoulomb = crate::AnisotropicCoulomb<$real>;
             /// A built-in integrator chosen at run time.
             pub type AnyIntegrator = crate::AnyIntegrator<$real>;
+            /// Torque-free rotation in closed form.
+            pub type FreeRotation = crate::FreeRotation<$real>;
             /// Axes of the body in the world.
             pub type Axes = crate::rotation::Axes<$real>;
             /// Height field of a bowl, a trough, a hill or a saddle.

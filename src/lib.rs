@@ -34,6 +34,7 @@
 //! | measure the error on your scene | [`work_precision`](mod@work_precision) |
 //! | audit the energy of a run | [`Ledger`] |
 //! | sample a run at given times | [`Timed`] |
+//! | compute the orientation of a free body at any time | [`FreeRotation`] |
 //! | throw dice and coins in a game | [`guide::game`] |
 //! | advance one state by many calls, at almost no cost while the body is at rest | [`Session`] |
 //! | add a body, a ground, a friction law or an integrator | [`guide::extending`] |
@@ -48,7 +49,7 @@
 //!
 //! - One rigid body with its full inertia tensor and with one to ten thousand contacts. A contact
 //!   is a point of the body, or a small ball ([`ContactPoint`]). Gyroscopic motion is included. It
-//!   is exact in flight for a body with two equal moments.
+//!   is exact in [`Flight`] for any moments of inertia.
 //! - A ground with a spring and a damper under each contact, which never pulls. [`FlatGround`] is a
 //!   plane at any height and tilt. [`Ground`] combines a law ([`ContactLaw`]) with a shape
 //!   ([`Shape`]), for example hills and valleys ([`Terrain`]). You can implement your own.
@@ -174,6 +175,7 @@ pub mod energy;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 pub mod error;
+pub mod free_rotation;
 pub mod friction;
 pub mod gravity;
 pub mod ground;
@@ -199,6 +201,7 @@ pub use body::{
 };
 pub use energy::{Dissipation, Energy, EnergyRates};
 pub use error::{SceneError, StepError};
+pub use free_rotation::FreeRotation;
 pub use friction::{
     AnisotropicCoulomb, Coulomb, FrictionJacobian, Frictionless, LoadDependentCoulomb,
     RollingResistance, SlidingFriction, SmoothCoulomb, Stribeck, Viscous, WithResistance,

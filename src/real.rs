@@ -107,6 +107,11 @@ pub trait Real:
     #[doc(hidden)]
     #[must_use]
     fn low_bits(self) -> u32;
+    /// Largest power of two that is not above the absolute value, at least the smallest normal
+    /// number. Infinity for numbers that are not finite.
+    #[doc(hidden)]
+    #[must_use]
+    fn power_of_two(self) -> Self;
 
     /// Returns the larger of the two numbers, or `other` if `self` is NaN.
     #[inline]
@@ -314,6 +319,11 @@ macro_rules! implement_real {
             )]
             fn low_bits(self) -> u32 {
                 self.to_bits() as u32
+            }
+            #[inline]
+            fn power_of_two(self) -> Self {
+                let exponent = $real::INFINITY.to_bits();
+                $real::from_bits(self.to_bits() & exponent).max($real::MIN_POSITIVE)
             }
         }
 

@@ -5,6 +5,7 @@ use core::ops::ControlFlow;
 use crate::body::RigidPointBody;
 use crate::energy::Energy;
 use crate::error::{Quantity, SceneError, StepError};
+use crate::free_rotation::FreeRotation;
 use crate::friction::{Frictionless, SlidingFriction};
 use crate::gravity::{Gravity, NoGravity};
 use crate::ground::{NoGround, SpringDamperGround};
@@ -280,6 +281,15 @@ where
     #[must_use]
     pub fn angular_velocity(&self, state: &State<R>) -> R::Vec3 {
         self.scene.motion(state).angular_velocity
+    }
+
+    /// Torque-free rotation of the body from `state`, in closed form.
+    ///
+    /// The rotation is that of the body in flight, whatever the ground.
+    #[must_use]
+    pub fn free_rotation(&self, state: &State<R>) -> FreeRotation<R> {
+        let inertia = self.scene.inertia_properties();
+        FreeRotation::new(inertia, state.rotation(), state.angular_momentum)
     }
 
     /// Energy of a state by kind, J.

@@ -111,11 +111,6 @@ impl<R: Real> Excess<R> {
     }
 }
 
-/// Largest partial rotation of a body with three different moments, rad. The next constant is the
-/// largest number of parts.
-const LARGEST_PART: f64 = 0.02;
-const MOST_PARTS: usize = 1_000_000;
-
 impl<R: Real> InertiaProperties<R> {
     /// Computes the properties from the mass (kg) and the inertia tensor about the centre of mass
     /// (kg m², body axes).
@@ -129,7 +124,7 @@ impl<R: Real> InertiaProperties<R> {
         error::finite_inverse("mass", mass, " kg")?;
         let (moments, principal) = principal_axes(check_tensor::<R>(inertia)?);
         let largest = moments[0].at_least(moments[1]).at_least(moments[2]);
-        let rounding = largest * (R::EPSILON * R::from_f64(64.0));
+        let rounding = rounding_of(largest);
         check_moments(moments, rounding)?;
         for moment in moments.into_iter().filter(|&moment| moment > rounding) {
             error::finite_inverse("a principal moment of inertia", moment, " kg m²")?;
@@ -194,12 +189,19 @@ impl<R: Real> InertiaProperties<R> {
         &self.principal
     }
 
-    /// Returns true if all three moments differ. The torque-free rotation is then approximate, see
-    /// [`turn_freely`](Self::turn_freely).
+    /// Returns true if all three moments differ. [`turn_freely`](Self::turn_freely) is then
+    /// approximate.
     #[inline]
     #[must_use]
     pub fn is_asymmetric(&self) -> bool {
         self.asymmetry.inverse != R::ZERO
+    }
+
+    /// Returns true if the body does not rotate about the axis of this principal moment.
+    #[inline]
+    pub(crate) fn is_dead(&self, moment: R) -> bool {
+        let [x, y, z] = [self.moments.x(), self.moments.y(), self.moments.z()];
+        moment <= rounding_of(x.at_least(y).at_least(z))
     }
 
     /// Radius of gyration about the axis of the largest moment, m: `√(moment/mass)`.
@@ -355,7 +357,8 @@ impl<R: Real> InertiaProperties<R> {
     /// `exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)`. For three different moments it is Strang's
     /// composition of the symmetric body's rotation with the remaining rotation. This is of order
     /// 2, with an energy error that is bounded for all times and with exact `|L|` (Touma & Wisdom
-    /// 1994; McLachlan & Zanna 2005).
+    /// 1994; McLachlan & Zanna 2005). [`FreeRotation`](crate::FreeRotation) is exact for any
+    /// moments.
     #[inline(always)]
     #[must_use]
     pub fn turn_freely(
@@ -370,63 +373,6 @@ impl<R: Real> InertiaProperties<R> {
         } else {
             self.turn_symmetric(rotation, axes, angular_momentum, seconds)
                 .normalised()
-        }
-    }
-
-    /// Orientation after any number of `seconds` of torque-free rotation.
-    ///
-    /// For a body with two equal moments this is [`turn_freely`](Self::turn_freely).
-    ///
-    /// For three different moments it is composed of steps of at most 0.02 rad. Beyond 20 000 rad
-    /// it is composed of a million longer steps. Each step is the triple jump of Yoshida (Physics
-    /// Letters A 150, 1990), of order 4.
-    #[inline]
-    #[must_use]
-    pub fn turn_far(
-        &self,
-        rotation: Rotation<R>,
-        angular_momentum: R::Vec3,
-        seconds: R,
-    ) -> Rotation<R> {
-        if self.is_asymmetric() {
-            self.turn_asymmetric_far(rotation, angular_momentum, seconds)
-        } else {
-            self.turn_freely(rotation, &rotation.axes(), angular_momentum, seconds)
-        }
-    }
-
-    fn turn_asymmetric_far(
-        &self,
-        rotation: Rotation<R>,
-        angular_momentum: R::Vec3,
-        seconds: R,
-    ) -> Rotation<R> {
-        // 1/(2 - 2^(1/3)), and the remainder of 1 for the middle part.
-        let outer = R::from_f64(1.351_207_191_959_657_6);
-        let inner = R::ONE - R::TWO * outer;
-        let spin = angular_momentum.length() * self.largest_inverse_moment();
-        let parts = (spin * seconds.abs() / R::from_f64(LARGEST_PART)).floor_index() + 1;
-        let parts = parts.min(MOST_PARTS);
-        let step = seconds / R::from_usize(parts);
-        let mut turned = rotation;
-        for _ in 0..parts {
-            for share in [outer, inner, outer] {
-                let axes = turned.axes();
-                turned = self.turn_asymmetric(turned, &axes, angular_momentum, step * share);
-            }
-        }
-        turned
-    }
-
-    /// Longest time for which [`turn_far`](Self::turn_far) keeps its parts small, s. Unlimited for
-    /// a body with two equal moments.
-    #[inline]
-    pub(crate) fn longest_turn(&self, angular_momentum: R::Vec3) -> R {
-        let spin = angular_momentum.length() * self.largest_inverse_moment();
-        if self.is_asymmetric() && spin > R::ZERO {
-            R::from_f64(LARGEST_PART) * R::from_usize(MOST_PARTS) / spin
-        } else {
-            R::MAX
         }
     }
 
@@ -472,6 +418,12 @@ impl<R: Real> InertiaProperties<R> {
             .turn(middle, &middle.axes(), angular_momentum, half)
             .normalised()
     }
+}
+
+/// Returns the rounding of a moment of 0, for the largest moment.
+#[inline]
+fn rounding_of<R: Real>(largest: R) -> R {
+    largest * (R::EPSILON * R::from_f64(64.0))
 }
 
 /// Checks the tensor without its principal axes, and returns its entries.

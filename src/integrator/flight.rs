@@ -6,11 +6,16 @@
 //! of the body has a gap below `m + (n·v - |n × ω| r) s + (n·g - ω² r) s²/2`. In torque-free motion
 //! |ω| is constant for a body with two equal moments. No contact can close before the root of this
 //! bound. The bound is evaluated again at the root, until the gain is not worth a step.
+//!
+//! For three different moments the acceleration of a point is at most `(|ω|² + |ω'|) r`. Let `j` be
+//! the inverse moments. Then `|ω| ≤ j_max |L|`, and `ω' = J⁻¹ (L × J⁻¹ L)`. The part of `J⁻¹ L`
+//! across `L` is at most half of `(j_max - j_min) |L|`. So `3/2 (j_max |L|)²` replaces `ω²`.
 
 use super::{Integrator, Step, StepControl, energy_limit};
-use crate::body::RigidPointBody;
+use crate::body::{InertiaProperties, RigidPointBody};
 use crate::energy::Energy;
 use crate::error::{SceneError, StepError};
+use crate::free_rotation::FreeRotation;
 use crate::ground::{GroundBounds, Plane, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
@@ -22,10 +27,10 @@ use crate::state::State;
 ///
 /// ```text
 /// x(t) = x + v t + g t²/2      v(t) = v + g t
-/// q(t) = exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)
+/// q(t) = exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)      for two equal moments
 /// ```
-/// The flight ends before the first touch-down. From there the wrapped integrator `I` takes the
-/// steps.
+/// For three different moments the rotation is [`FreeRotation`]. The flight ends before the first
+/// touch-down. From there the wrapped integrator `I` takes the steps.
 ///
 /// *Fixed steps:* with a method of a [fixed step](Integrator::fixed_step) the flight lasts a whole
 /// number of steps. The body then reaches the ground at the same point of the time grid as without
@@ -38,9 +43,8 @@ use crate::state::State;
 /// The factor is 1 to rounding. With `EnergyMomentum` as the wrapped integrator, the energy never
 /// increases in contact either.
 ///
-/// *Body:* exact for two equal moments. For three different moments the rotation is composed of
-/// steps of at most 0.02 rad, of order 4. Its error is below 1e-9 rad for each radian of rotation
-/// in the flight, and a step ends after 20 000 rad.
+/// *Body:* any moments of inertia. For two equal moments the angles are rounded once. For three
+/// different moments they have twice the digits.
 ///
 /// *Ground:* over a ground with [`GroundBounds::Everywhere`] there is no gain. While the body is in
 /// contact, each step costs one more search for its lowest point.
@@ -79,9 +83,10 @@ impl<R: Real, I: Integrator<R>> Integrator<R> for Flight<I> {
         limit: R,
         workspace: &mut I::Workspace,
     ) -> Result<Step<R>, StepError> {
-        let flight = Leg::from(scene, state)
-            .and_then(|leg| leg.seconds(self.0.fixed_step(), limit))
-            .and_then(|seconds| fly_without_rise(scene, state, seconds));
+        let flight = Leg::from(scene, state).and_then(|mut leg| {
+            let seconds = leg.seconds(self.0.fixed_step(), limit)?;
+            fly_without_rise(scene, state, leg.turn.at(seconds), seconds)
+        });
         match flight {
             Some((end, step)) => {
                 *state = end;
@@ -130,9 +135,10 @@ impl<R: Real, I: Integrator<R>> Integrator<R> for Flight<I> {
 fn fly_without_rise<R: Real, D: Dynamics<R>>(
     scene: &D,
     state: &State<R>,
+    rotation: Rotation<R>,
     seconds: R,
 ) -> Option<(State<R>, Step<R>)> {
-    let end = fly(scene, state, seconds);
+    let end = fly(scene, state, rotation, seconds);
     let mut step = Step::new(seconds, 0);
     let (before, after) = (Energy::of(scene, state), Energy::of(scene, &end));
     let excess = after.total() - before.total();
@@ -144,20 +150,53 @@ fn fly_without_rise<R: Real, D: Dynamics<R>>(
     Some((end, step))
 }
 
-/// Returns the state after `seconds` without contact.
+/// Returns the state after `seconds` without contact, with the given `rotation`.
 #[inline]
-fn fly<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
-    let mass = scene.inertia_properties();
-    let rotation = state.rotation();
+fn fly<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    state: &State<R>,
+    rotation: Rotation<R>,
+    seconds: R,
+) -> State<R> {
     let gravity = scene.gravity();
     let mean_velocity = state.linear_velocity + gravity * (seconds * R::HALF);
     State {
         position: state.position + mean_velocity * seconds,
         linear_velocity: state.linear_velocity + gravity * seconds,
-        orientation: mass
-            .turn_far(rotation, state.angular_momentum, seconds)
-            .to_quat(),
+        orientation: rotation.to_quat(),
         angular_momentum: state.angular_momentum,
+    }
+}
+
+/// Rotation in flight. The constants of three different moments are computed when they are needed
+/// first, because a body in contact does not need them.
+struct Turn<'a, R: Real> {
+    inertia: &'a InertiaProperties<R>,
+    start: Rotation<R>,
+    momentum: R::Vec3,
+    free: Option<FreeRotation<R>>,
+}
+
+impl<R: Real> Turn<'_, R> {
+    #[inline]
+    fn at(&mut self, seconds: R) -> Rotation<R> {
+        let (inertia, start, momentum) = (self.inertia, self.start, self.momentum);
+        if !inertia.is_asymmetric() {
+            return inertia.turn_freely(start, &start.axes(), momentum, seconds);
+        }
+        self.free
+            .get_or_insert_with(|| FreeRotation::new(inertia, start, momentum))
+            .rotation_at(seconds)
+    }
+
+    /// Bound of the acceleration of a point over its distance from the centre of mass, 1/s².
+    #[inline]
+    fn bend(&self, spin: R::Vec3) -> R {
+        if !self.inertia.is_asymmetric() {
+            return spin.length_squared();
+        }
+        let fastest = self.inertia.largest_inverse_moment() * self.momentum.length();
+        fastest * fastest * R::from_f64(1.5)
     }
 }
 
@@ -165,7 +204,7 @@ fn fly<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> Stat
 struct Leg<'a, R: Real, D> {
     scene: &'a D,
     state: &'a State<R>,
-    rotation: Rotation<R>,
+    turn: Turn<'a, R>,
     plane: Option<Plane<R>>,
 }
 
@@ -181,19 +220,22 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         Some(Self {
             scene,
             state,
-            rotation: state.rotation(),
+            turn: Turn {
+                inertia: scene.inertia_properties(),
+                start: state.rotation(),
+                momentum: state.angular_momentum,
+                free: None,
+            },
             plane,
         })
     }
 
     /// Returns the duration of the flight, s, or `None` if it is not worth a step.
     #[inline]
-    fn seconds(&self, fixed_step: Option<R>, limit: R) -> Option<R> {
+    fn seconds(&mut self, fixed_step: Option<R>, limit: R) -> Option<R> {
         // An infinite limit is no limit.
         let limit = limit.at_most(R::MAX);
-        let turn = (self.scene.inertia_properties()).longest_turn(self.state.angular_momentum);
-        let Some(plane) = &self.plane else {
-            let limit = limit.at_most(turn);
+        let Some(plane) = self.plane else {
             // Without ground and limit the flight has no end.
             return (limit < R::MAX && limit > R::ZERO).then_some(limit);
         };
@@ -201,10 +243,10 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
             Some(step) => step * R::TWO,
             // The rest of a run is more than half of `EPSILON` of its time. The clock resolves an
             // eighth of the square of that, which is `EPSILON` of the rest.
-            None if limit < R::MAX => self.resolution(plane).at_least(limit * R::EPSILON),
-            None => self.resolution(plane),
+            None if limit < R::MAX => self.resolution(&plane).at_least(limit * R::EPSILON),
+            None => self.resolution(&plane),
         };
-        let free = self.free(plane, worth, limit).at_most(turn);
+        let free = self.free(&plane, worth, limit);
         if free >= limit {
             // The body rises for ever and there is no limit: the flight has no end.
             return (limit < R::MAX && limit > R::ZERO).then_some(limit);
@@ -248,7 +290,7 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
     ///
     /// It ends before the first touch-down by at most `worth`, or is at least `limit`.
     #[inline]
-    fn free(&self, plane: &Plane<R>, worth: R, limit: R) -> R {
+    fn free(&mut self, plane: &Plane<R>, worth: R, limit: R) -> R {
         let mass = self.scene.inertia_properties();
         let (gravity, bounding_radius) = (self.scene.gravity(), self.scene.bounding_radius());
         let fall = -gravity.dot(plane.normal);
@@ -259,15 +301,15 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         // The bounding sphere falls along a parabola.
         let rounding = self.rounding(plane);
         let mut time = safe(gap - bounding_radius - rounding, rising, fall).at_least(R::ZERO);
-        if mass.is_asymmetric() || time >= limit {
+        if time >= limit {
             return time;
         }
         let momentum = self.state.angular_momentum;
         for _ in 0..LOOKS {
             let rotation = if time > R::ZERO {
-                mass.turn_far(self.rotation, momentum, time)
+                self.turn.at(time)
             } else {
-                self.rotation
+                self.turn.start
             };
             let axes = rotation.axes();
             let spin = mass.angular_velocity(&axes, momentum);
@@ -275,7 +317,7 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
             let height = gap + time * (rising - time * (fall * R::HALF));
             let sinking =
                 rising - fall * time - spin.cross(plane.normal).length() * bounding_radius;
-            let bend = fall + spin.length_squared() * bounding_radius;
+            let bend = fall + self.turn.bend(spin) * bounding_radius;
             let more = safe(height - lowest - rounding, sinking, bend);
             // Replaces negative values and NaN by 0.
             let more = if more > R::ZERO { more } else { R::ZERO };

@@ -6,11 +6,11 @@
 
 use core::ops::ControlFlow;
 use tumble::contract::{CheckPlan, check_integrator};
-use tumble::glam::{DQuat, DVec3};
+use tumble::glam::DVec3;
 use tumble::{
     Coin, ContactPoint, Coulomb, DormandPrince54, Dynamics, EnergyMomentum, FlatGround, Flight,
-    InertiaProperties, Integrator, Plane, PointCloud, RigidPointBody, Rk4, Rotation, Sample,
-    SceneQuery, State, Stepper, StrangSplitting, SymplecticEuler, Timed, UniformGravity,
+    Integrator, Plane, PointCloud, RigidPointBody, Rk4, Sample, SceneQuery, State, Stepper,
+    StrangSplitting, SymplecticEuler, Timed, UniformGravity,
 };
 
 /// A toss that lands after 1.3 s.
@@ -142,14 +142,13 @@ fn around_energy_momentum_the_energy_never_rises_in_flight_either() {
         [0.4, 0.3, 0.2, 0.6],
     )
     .unwrap();
-    // Energy removed, as a fraction of the energy: the rounding of a parabola and a rotation. For
-    // the composed rotation it is the error of the composition, some hundredths of 0.02⁴.
-    fn watch<B: RigidPointBody>(body: B, share: f64, decades: f64) -> u32 {
+    // Energy removed, as a fraction of the energy: the rounding of a parabola and a rotation.
+    fn watch<B: RigidPointBody>(body: B) -> u32 {
         let stepper = table(body, level(), Flight(EnergyMomentum { time_step: 1e-3 }));
         let (mut random, mut flights) = (Random(11), 0);
         for _ in 0..2000 {
             let throw = 10.0_f64.powf(3.0 * random.number());
-            let spin = 10.0_f64.powf(decades * random.number());
+            let spin = 10.0_f64.powf(4.0 * random.number());
             let mut state = State::at(DVec3::new(1e3 * random.number(), 0.0, 3.0 * throw))
                 .with_linear_velocity(random.vector() * throw)
                 .with_rotation_vector(random.vector() * 3.0)
@@ -160,7 +159,7 @@ fn around_energy_momentum_the_energy_never_rises_in_flight_either() {
                 let after = stepper.energy(&state).total();
                 assert!(after <= before, "{before:e} to {after:e} in {step:?}");
                 assert!(
-                    step.energy_removed <= share * before,
+                    step.energy_removed <= 1e-13 * before,
                     "{step:?} of {before:e}"
                 );
                 flights += u32::from(step.elapsed > 0.01);
@@ -168,8 +167,8 @@ fn around_energy_momentum_the_energy_never_rises_in_flight_either() {
         }
         flights
     }
-    assert!(watch(Coin::ring(1.0, 0.5), 1e-13, 4.0) > 1000);
-    assert!(watch(asymmetric, 1e-8, 1.5) > 1000);
+    assert!(watch(Coin::ring(1.0, 0.5)) > 1000);
+    assert!(watch(asymmetric) > 1000);
 }
 
 /// Numbers between -1 and 1 without a pattern.
@@ -285,7 +284,7 @@ fn empty_space_takes_one_step_of_any_length() {
 }
 
 #[test]
-fn a_flight_ends_where_the_parts_of_its_turn_would_grow() {
+fn a_body_with_three_moments_flies_for_any_number_of_revolutions() {
     let body = PointCloud::new(
         [DVec3::X, DVec3::Y * 0.7, DVec3::Z * -0.4, -DVec3::ONE],
         [0.4, 0.3, 0.2, 0.6],
@@ -295,47 +294,18 @@ fn a_flight_ends_where_the_parts_of_its_turn_would_grow() {
     let stepper = Stepper::new(body)
         .and_then(|stepper| stepper.with_integrator(Flight(EnergyMomentum { time_step: 1e-3 })))
         .unwrap();
-    let mut state = State::default().with_angular_momentum(DVec3::new(0.3, 0.8, 0.2) * spin);
+    let start = State::default().with_angular_momentum(DVec3::new(0.3, 0.8, 0.2) * spin);
+    let mut state = start;
     let before = stepper.energy(&state).total();
     let step = stepper
-        .step_within(&mut state, 1e9, &mut Default::default())
+        .step_within(&mut state, 1e5, &mut Default::default())
         .unwrap();
-    let turn = state.angular_momentum.length()
-        * stepper
-            .scene()
-            .inertia_properties()
-            .largest_inverse_moment()
-        * step.elapsed;
-    assert!((turn / 20_000.0 - 1.0).abs() < 1e-12, "{turn}");
+    assert_eq!(step.elapsed, 1e5);
+    let end = stepper.free_rotation(&start).rotation_at(1e5).to_quat();
+    assert_eq!(state.orientation, end);
     let after = stepper.energy(&state).total();
-    assert!(after <= before && after > before * (1.0 - 1e-8));
-}
-
-#[test]
-fn three_different_moments_turn_as_far_to_nine_digits() {
-    let mass = InertiaProperties::<f64>::new(
-        1.0,
-        tumble::glam::DMat3::from_diagonal(DVec3::new(1.0, 1.6, 2.3)),
-    )
-    .unwrap();
-    // Close to the middle axis, where it tumbles most.
-    let momentum = DVec3::new(0.02, 3.2, 0.05);
-    let start = Rotation::<f64>::from_rotation_vector(DVec3::new(0.2, -0.4, 0.7));
-    let end = mass.turn_far(start, momentum, 10.0);
-    // Strang's composition in steps of 1e-5 s and half of that, extrapolated.
-    let fine = |steps: u32| {
-        let mut turned = start;
-        for _ in 0..steps {
-            turned = mass.turn_freely(turned, &turned.axes(), momentum, 10.0 / f64::from(steps));
-        }
-        turned.to_quat()
-    };
-    let (coarse, twice) = (fine(100_000), fine(200_000));
-    let truth = (twice + (twice - coarse) * (1.0 / 3.0)).normalize();
-    let between: DQuat = end.to_quat() * truth.conjugate();
-    let angle = 2.0 * between.xyz().length();
-    // 3.2 rad/s for 10 s.
-    assert!(angle < 1e-9 * 32.0, "{angle:e}");
+    // The limiter removes what rounding adds, some units in the last place.
+    assert!(after <= before && after > before * (1.0 - 1e-14));
 }
 
 #[test]

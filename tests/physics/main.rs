@@ -22,6 +22,7 @@ mod turning_resistance;
 mod audit;
 mod energy;
 mod flight;
+mod free_rotation;
 mod outcome;
 mod rigidity;
 mod symmetry;
