@@ -129,7 +129,7 @@ mod tests {
     fn gaps_are_what_a_range_lacks() {
         let set = set(&[2..3, 5..8]);
         assert_eq!(set.gaps(0..10), [0..2, 3..5, 8..10]);
-        assert_eq!(set.gaps(2..4), [3..4]);
+        assert_eq!(set.gaps(2..4).as_slice(), core::slice::from_ref(&(3..4)));
         assert!(set.gaps(5..8).is_empty() && set.gaps(6..6).is_empty());
         assert_eq!(set.gaps(9..u64::MAX).len(), 1);
     }

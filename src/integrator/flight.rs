@@ -2,14 +2,16 @@
 //! contact.
 //!
 //! A lower bound of the gap gives the safe duration of flight. Let `m` be the gap of the lowest
-//! point, `n` the normal of the ground and `r` the bounding radius. After `s` more seconds no point
-//! of the body has a gap below `m + (n·v - |n × ω| r) s + (n·g - ω² r) s²/2`. In torque-free motion
-//! |ω| is constant for a body with two equal moments. No contact can close before the root of this
-//! bound. The bound is evaluated again at the root, until the gain is not worth a step.
+//! point, `n` the normal of the ground and `r` the bounding radius. The acceleration of a point
+//! about the centre of mass is at most `b r`, with a bound `b` of `|ω|² + |ω'|`. After `s` more
+//! seconds no point of the body has a gap below `m + (n·v - |n × ω| r) s + (n·g - b r) s²/2`. No
+//! contact can close before the root of this bound. The bound is evaluated again at the root, until
+//! the gain is not worth a step.
 //!
-//! For three different moments the acceleration of a point is at most `(|ω|² + |ω'|) r`. Let `j` be
-//! the inverse moments. Then `|ω| ≤ j_max |L|`, and `ω' = J⁻¹ (L × J⁻¹ L)`. The part of `J⁻¹ L`
-//! across `L` is at most half of `(j_max - j_min) |L|`. So `3/2 (j_max |L|)²` replaces `ω²`.
+//! In torque-free motion `ω' = J⁻¹ (L × ω)`. Let `j` be the inverse moments. For two equal moments
+//! `|ω|` and `|L × ω|` are constant, and `b = |ω|² + j_max |L × ω|`. For three different moments
+//! `|ω| ≤ j_max |L|`, and the part of `ω` across `L` is at most half of `(j_max - j_min) |L|`. So
+//! `b = 3/2 (j_max |L|)²`.
 
 use super::{Integrator, Step, StepControl, energy_limit};
 use crate::body::{InertiaProperties, RigidPointBody};
@@ -192,10 +194,11 @@ impl<R: Real> Turn<'_, R> {
     /// Bound of the acceleration of a point over its distance from the centre of mass, 1/s².
     #[inline]
     fn bend(&self, spin: R::Vec3) -> R {
+        let fastest = self.inertia.largest_inverse_moment();
         if !self.inertia.is_asymmetric() {
-            return spin.length_squared();
+            return spin.length_squared() + fastest * self.momentum.cross(spin).length();
         }
-        let fastest = self.inertia.largest_inverse_moment() * self.momentum.length();
+        let fastest = fastest * self.momentum.length();
         fastest * fastest * R::from_f64(1.5)
     }
 }

@@ -300,7 +300,7 @@ fn a_body_with_three_moments_flies_for_any_number_of_revolutions() {
     let step = stepper
         .step_within(&mut state, 1e5, &mut Default::default())
         .unwrap();
-    assert_eq!(step.elapsed, 1e5);
+    assert!((step.elapsed - 1e5).abs() < 1e-9);
     let end = stepper.free_rotation(&start).rotation_at(1e5).to_quat();
     assert_eq!(state.orientation, end);
     let after = stepper.energy(&state).total();

@@ -3,6 +3,8 @@
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
+// A test in single precision rounds its inputs, and a test program has the standard library.
+#![allow(clippy::cast_possible_truncation, clippy::std_instead_of_alloc)]
 
 use proptest::prelude::*;
 use tumble::glam::{DMat3, DQuat, DVec3, Mat3};
