@@ -44,6 +44,13 @@ cmp "$out/whole/result.json" "$out/killed/result.json"
 echo "tosses: the same bytes after kill -9 with $before of 286 parts"
 "${tosses[@]}" --out "$out/replay" --toss 123456
 
+# So have the tasks of a Slurm array.
+for task in 3 1 0 2; do
+  SLURM_ARRAY_TASK_ID=$task SIZE=500 PART=100 PROGRAM="${tosses[0]}" FOLDER="$out/array" bash examples/tosses/on_slurm.sh >/dev/null
+done
+"${tosses[@]}" --out "$out/array" --merge >/dev/null
+cmp "$out/whole/result.json" "$out/array/result.json"
+
 python3 .ci/read_pictures.py "$out/all" >"$out/list"
 echo "all trials and the gallery: $(wc -l <"$out/list") files"
 

@@ -18,7 +18,7 @@ const PATIENCE: f64 = 10.0;
 type Coin = SolidCoin<f64, [ContactPoint; 48]>;
 pub(crate) type Table = Stepper<Coin, FlatGround, Coulomb, UniformGravity, Flight<DormandPrince54>>;
 pub(crate) type CoinThrow<'a> =
-    Throw<'a, f64, Coin, FlatGround, Coulomb, UniformGravity, Flight<DormandPrince54>, RandomStart>;
+    Throw<'a, Coin, FlatGround, Coulomb, UniformGravity, Flight<DormandPrince54>, RandomStart>;
 
 pub(crate) fn table(tolerance: f64) -> Result<Table, SceneError> {
     let points = [ContactPoint::default(); 48];

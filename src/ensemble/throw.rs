@@ -22,14 +22,14 @@ use crate::stepper::Stepper;
 /// [`Barriers`](crate::Barriers) prove the face. A toss that is not decided within the given time
 /// is undecided, and is counted as such.
 #[derive(Debug)]
-pub struct Throw<'a, R: Real, B, G, F, A, I, S> {
+pub struct Throw<'a, B, G, F, A, I, S, R: Real = f64> {
     stepper: &'a Stepper<B, G, F, A, I, R>,
     barriers: Barriers<'a, Scene<B, G, F, A, R>, R>,
     start: S,
     seconds: R,
 }
 
-impl<'a, R, B, G, F, A, I, S> Throw<'a, R, B, G, F, A, I, S>
+impl<'a, R, B, G, F, A, I, S> Throw<'a, B, G, F, A, I, S, R>
 where
     R: Real,
     B: Faces<R>,
