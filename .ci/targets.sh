@@ -27,16 +27,16 @@ compare() { # compare NAME COMMAND…: runs the battery, and says in a line whet
 build() { cargo build -q --locked --manifest-path tests/bits/Cargo.toml --bin tumble_bits "$@"; }
 
 # This machine, with rustup's compiler, in both profiles and with all that the tree may switch on:
-# without tumble's features, with all of them (std takes the machine's square root, the others only add
-# implementations; std alone is what `cargo test` has), and with glam's features as somebody else in
-# the tree would set them. glam's `fast-math` of earlier versions is gone since 0.34, and `core-simd`
+# without tumble's features, with all of them (std, glam's too, takes the machine's square root, the
+# others only add implementations), and with glam's other features as somebody else in the tree would
+# set them. glam's `fast-math` of earlier versions is gone since 0.34, and `core-simd`
 # needs an unstable compiler.
 host() { # host NAME FOLDER OPTION…
   build "${@:3}"
   compare "$1" "$CARGO_TARGET_DIR/$2/tumble_bits" || differ=1
 }
 host host-dev debug --features "$detail"
-for set in '' std,serde,mint,approx-05 glam-std glam-libm glam-scalar-math; do
+for set in '' std,serde,mint,approx-05 glam-libm glam-scalar-math; do
   host "host-release $set" release --release --features "$detail,$set"
 done
 # Fused operations are there to be used, and must not be.
@@ -50,24 +50,19 @@ for target in THUMBV7EM_NONE_EABIHF AARCH64_UNKNOWN_NONE RISCV32IMAC_UNKNOWN_NON
 done
 export CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="-Clink-arg=-T$PWD/tests/bits/cortex_m.ld"
 export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS="-Clink-arg=--no-entry -Clink-arg=--export=run"
-others() { # others PROFILE TARGET…
-  build -Zbuild-std=core --profile "$1" --features "$detail" "${@:2}"
-}
-program() { echo "$CARGO_TARGET_DIR/$1/tumble_bits"; }
+program() { echo "$CARGO_TARGET_DIR/$1/release/tumble_bits"; }
 semihosting="-nographic -monitor none -serial none -semihosting-config enable=on,target=native"
 
-others release --target={aarch64-unknown-none,riscv32imac-unknown-none-elf,wasm32-unknown-unknown,thumbv7em-none-eabihf}
-# Unoptimised code on one of them: where double precision is emulated as well it takes too long.
-others dev --target=aarch64-unknown-none
+build -Zbuild-std=core --release --features "$detail" \
+  --target={aarch64-unknown-none,riscv32imac-unknown-none-elf,wasm32-unknown-unknown,thumbv7em-none-eabihf}
 
 # An emulator uses one core and takes minutes, so they run side by side.
 runs=()
 # shellcheck disable=SC2086 # several options
-compare thumbv7em-hf-release qemu-system-arm -M mps2-an386 $semihosting -kernel "$(program thumbv7em-none-eabihf/release)" & runs+=($!)
-compare riscv32imac-release qemu-riscv32 "$(program riscv32imac-unknown-none-elf/release)" & runs+=($!)
-compare aarch64-dev qemu-aarch64 "$(program aarch64-unknown-none/debug)" & runs+=($!)
-compare aarch64-release qemu-aarch64 "$(program aarch64-unknown-none/release)" & runs+=($!)
-compare wasm32-release node tests/bits/run.mjs "$(program wasm32-unknown-unknown/release).wasm" & runs+=($!)
+compare thumbv7em-hf-release qemu-system-arm -M mps2-an386 $semihosting -kernel "$(program thumbv7em-none-eabihf)" & runs+=($!)
+compare riscv32imac-release qemu-riscv32 "$(program riscv32imac-unknown-none-elf)" & runs+=($!)
+compare aarch64-release qemu-aarch64 "$(program aarch64-unknown-none)" & runs+=($!)
+compare wasm32-release node tests/bits/run.mjs "$(program wasm32-unknown-unknown).wasm" & runs+=($!)
 for run in "${runs[@]}"; do wait "$run" || differ=1; done
 
 exit "$differ"
