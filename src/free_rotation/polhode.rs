@@ -37,7 +37,7 @@ pub(super) struct Principal<R: Real> {
 }
 
 impl<R: Real> Principal<R> {
-    /// The same with the axis reversed.
+    /// Reverses the direction of the axis.
     fn reversed(self) -> Self {
         Self {
             axis: -self.axis,
