@@ -12,9 +12,9 @@
 //! of them, these parts of a step of `SymplecticEuler` are, the largest first:
 //!
 //! - *Body,* as in flight: the rotation matrix, the angular velocity, the rotation by two
-//!   quaternion products, two normalisations, the finite check, and the state from and to memory. Most of the
-//!   instructions are moves, because operations of SSE2 overwrite an operand, and a state with its
-//!   matrix does not fit into 16 registers.
+//!   quaternion products, two normalisations, the finite check, and the state from and to memory.
+//!   Most of the instructions are moves, because operations of SSE2 overwrite an operand, and a
+//!   state with its matrix does not fit into 16 registers.
 //! - *Contacts that touch,* in pairs, one in each lane: arm, velocity, force and torque. The torque
 //!   could also follow from sums of force times position in the body. With a few contacts this
 //!   saves nothing, because the velocity for each metre along three axes and the torque at the end
