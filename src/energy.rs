@@ -1,12 +1,11 @@
 //! Energy by kind, and the power at which contacts dissipate it.
 
 use crate::body::RigidPointBody;
+use crate::contact::{Contact, Load, Motion};
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
-use crate::scene::{
-    Contact, Dynamics, Load, Motion, Rates, rims_energy, spring_energy, visit_points,
-};
+use crate::scene::{Dynamics, Rates};
 use crate::state::State;
 
 /// Energy of a body on its ground by kind, J.
@@ -36,7 +35,7 @@ impl<R: Real> Energy<R> {
     #[inline]
     pub(crate) fn with_touching(scene: &impl Dynamics<R>, state: &State<R>) -> (Self, usize) {
         let motion = scene.motion(state);
-        let (springs, touching) = spring_energy(scene, &motion);
+        let (springs, touching) = scene.contact_model().spring_energy(&motion);
         (Self::moving(scene, state, &motion, springs), touching)
     }
 
@@ -219,16 +218,22 @@ impl<R: Real> EnergyRates<R> {
             }
             dissipation = dissipation.plus(&power, R::ONE);
         };
-        let run = scene.contacts_within(R::ZERO, motion.position, &motion.axes);
+        let run = scene
+            .contact_model()
+            .range_within(R::ZERO, motion.position, &motion.axes);
         let mut springs = R::ZERO;
-        visit_points(scene, run, &motion, &mut |contact: &Contact<R>| {
-            enter(contact, if smooth { 1 } else { checksum(contact) });
-            springs += scene.ground().spring_energy(contact.depth);
-        });
+        scene
+            .contact_model()
+            .visit_points(run, &motion, &mut |contact: &Contact<R>| {
+                enter(contact, if smooth { 1 } else { checksum(contact) });
+                springs += scene.ground().spring_energy(contact.depth);
+            });
         // The points of a circular edge touch one after the other, so the force has no
         // discontinuity.
-        scene.visit_rims(&motion, |contact| enter(contact, 0));
-        let (of_rims, _) = rims_energy(scene, &motion);
+        scene
+            .contact_model()
+            .visit_rims(&motion, |contact| enter(contact, 0));
+        let (of_rims, _) = scene.contact_model().rims_energy(&motion);
         Self {
             energy: Energy::moving(scene, state, &motion, springs + of_rims),
             dissipation,

@@ -170,6 +170,7 @@ pub use glam;
 
 mod aliases;
 pub mod body;
+pub mod contact;
 pub mod contract;
 pub mod energy;
 #[cfg(feature = "ensemble")]
@@ -199,6 +200,7 @@ pub use body::{
     InertiaProperties, MassProperties, PointCloud, PointMass, RigidPointBody, Rim, Rod, Solid,
     SolidCoin, Sphere,
 };
+pub use contact::{Contact, ContactModel, Load, LowestPoint, Motion};
 pub use energy::{Dissipation, Energy, EnergyRates};
 pub use error::{SceneError, StepError};
 pub use free_rotation::FreeRotation;
@@ -220,7 +222,7 @@ pub use observer::{Every, Ledger, Observer, Sample, SceneQuery, Timed, UntilDeci
 pub use outcome::{Barriers, Basin, Faces, HullFace, Outcome};
 pub use real::Real;
 pub use rotation::Rotation;
-pub use scene::{Contact, Dynamics, Load, LowestPoint, Motion, Rates, Scene};
+pub use scene::{Dynamics, Rates, Scene};
 pub use session::{Moment, SavedSession, Session};
 pub use state::State;
 pub use stepper::Stepper;

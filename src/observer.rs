@@ -15,9 +15,10 @@ pub use until_rest::UntilRest;
 
 use core::ops::ControlFlow;
 
+use crate::contact::LowestPoint;
 use crate::energy::{Dissipation, Energy, EnergyRates};
 use crate::real::Real;
-use crate::scene::{Dynamics, LowestPoint, Rates};
+use crate::scene::{Dynamics, Rates};
 use crate::state::State;
 
 /// Observer of a run.
@@ -241,7 +242,7 @@ impl<R: Real, D: Dynamics<R>> SceneQuery<R> for D {
         EnergyRates::of(self, state)
     }
     fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>> {
-        LowestPoint::of(self, state)
+        self.contact_model().lowest_point(&self.motion(state))
     }
     fn touching(&self, state: &State<R>) -> usize {
         let mut count = 0;

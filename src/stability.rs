@@ -43,10 +43,11 @@
 //! slip speed, where the motion itself can flutter. Two effects are neglected: the rotation of
 //! lever arms and normals under load (of relative size depth/arm), and the gyroscopic torque.
 
+use crate::contact::{Contact, Motion};
 use crate::friction::{FrictionJacobian, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
-use crate::scene::{Contact, Dynamics, Motion, size};
+use crate::scene::{Dynamics, size};
 use crate::state::State;
 
 /// Longest stable step of a method at a state, s, from its scalar `limit(κ, δ)`, s. `None` if there

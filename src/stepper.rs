@@ -3,6 +3,7 @@
 use core::ops::ControlFlow;
 
 use crate::body::RigidPointBody;
+use crate::contact::LowestPoint;
 use crate::energy::Energy;
 use crate::error::{Quantity, SceneError, StepError};
 use crate::free_rotation::FreeRotation;
@@ -13,7 +14,7 @@ use crate::integrator::{EnergyMomentum, Integrator, Step};
 use crate::observer::{Observer, Sample, SceneQuery};
 use crate::outcome::{Barriers, Faces};
 use crate::real::{Real, Vector};
-use crate::scene::{Alarm, DiagnosedScene, Dynamics, LowestPoint, Record, Scene, ScreenedScene};
+use crate::scene::{Alarm, DiagnosedScene, Dynamics, Record, Scene, ScreenedScene};
 use crate::stability;
 use crate::state::State;
 

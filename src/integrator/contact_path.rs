@@ -4,9 +4,10 @@
 //! For the methods that treat contacts which begin or cease to push within a step.
 
 use crate::body::{ContactPoint, RigidPointBody};
+use crate::contact::{Motion, facing_ground};
 use crate::ground::{GroundBounds, Plane, SpringDamperGround};
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, Motion, facing_ground};
+use crate::scene::Dynamics;
 
 /// A contact at one end or stage of the step.
 #[derive(Clone, Copy)]

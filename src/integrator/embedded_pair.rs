@@ -18,12 +18,13 @@ mod touch;
 use super::fingerprint::Fingerprint;
 use super::rk4::Point;
 use super::{Step, StepControl};
+use crate::contact::{Load, Motion};
 use crate::error::{self, Quantity, Rule, SceneError, StepError};
 use crate::friction::{RollingResistance, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
-use crate::scene::{Dynamics, Load, Motion};
+use crate::scene::Dynamics;
 use crate::state::State;
 use control::{Control, Errors};
 

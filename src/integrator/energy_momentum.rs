@@ -37,12 +37,13 @@ mod turning;
 use super::fingerprint::Fingerprint;
 use super::{Integrator, Step, energy_limit, flight_rounding, step_length};
 use crate::body::{ContactRange, RigidPointBody, Rim};
+use crate::contact::{Contact, Motion};
 use crate::energy::Energy;
 use crate::error::{self, Quantity, SceneError, StepError};
 use crate::ground::{GroundBounds, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
-use crate::scene::{Contact, Dynamics, Motion};
+use crate::scene::Dynamics;
 use crate::state::State;
 use contacts::Contacts;
 use end_velocity::Strain;
@@ -480,7 +481,9 @@ fn gather<R: Real, D: Dynamics<R>>(
     let swing =
         (dt * tilt.length() * problem.bounding_radius).at_most(R::TWO * problem.bounding_radius);
     let margin = (fall + swing).at_least(R::ZERO) + bend;
-    let run = scene.contacts_within(margin, motion.position, &motion.axes);
+    let run = scene
+        .contact_model()
+        .range_within(margin, motion.position, &motion.axes);
     // -n · (ω × r) = (ω × n) · r
     let keep = |depth: R, arm: R::Vec3| {
         depth > R::ZERO || depth + fall + dt * tilt.dot(arm) + bend > R::ZERO

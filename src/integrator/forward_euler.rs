@@ -5,7 +5,7 @@ use crate::body::ContactRange;
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
 use crate::rotation::Rotation;
-use crate::scene::{Dynamics, load_with_arms};
+use crate::scene::Dynamics;
 use crate::state::State;
 
 /// Forward Euler method in the order of operations of the coin report, applied to a plain state.
@@ -52,8 +52,12 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
         let motion = scene.motion_along(state, old_rotation.axes());
         let turn = Rotation::from_rotation_vector(motion.angular_velocity * dt);
         let rotation = turn.after(old_rotation).normalised();
-        *near = scene.contacts_near(*near, motion.position, &motion.axes);
-        let load = load_with_arms(scene, *near, &motion, Some(&rotation.axes()));
+        *near = scene
+            .contact_model()
+            .range_near(*near, motion.position, &motion.axes);
+        let load = scene
+            .contact_model()
+            .load_with_arms(*near, &motion, Some(&rotation.axes()));
 
         state.position += state.linear_velocity * dt;
         state.linear_velocity += (load.force * mass.inverse_mass() + scene.gravity()) * dt;

@@ -38,10 +38,11 @@ mod oscillator;
 use super::rk4::Point;
 use super::{Integrator, Step, step_length};
 use crate::body::ContactRange;
+use crate::contact::Motion;
 use crate::error::{self, SceneError, StepError};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
-use crate::scene::{Dynamics, Motion};
+use crate::scene::Dynamics;
 use crate::state::State;
 
 /// Nyström's method of order 4, corrected for contacts that close or open within a step.
@@ -215,8 +216,10 @@ impl<R: Real> Stage<R> {
     #[inline(never)]
     fn at<D: Dynamics<R>>(scene: &D, point: Point<R>, near: ContactRange) -> Self {
         let motion = point.motion(scene);
-        let run = scene.contacts_near(near, motion.position, &motion.axes);
-        let load = scene.load_on(run, &motion);
+        let run = scene
+            .contact_model()
+            .range_near(near, motion.position, &motion.axes);
+        let load = scene.contact_model().load_on(run, &motion);
         let mass = scene.inertia_properties();
         let spin = motion.angular_velocity;
         let turn = load.torque - spin.cross(point.angular_momentum);

@@ -2,10 +2,11 @@
 
 use super::{Integrator, Step, step_length};
 use crate::body::ContactRange;
+use crate::contact::{Load, Motion};
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
 use crate::rotation::{Axes, Rotation};
-use crate::scene::{Dynamics, Load, Motion};
+use crate::scene::Dynamics;
 use crate::state::State;
 
 /// Classical Runge-Kutta method of order 4.
@@ -178,8 +179,14 @@ impl<R: Real> Point<R> {
     #[inline(always)]
     fn slope_along(&self, scene: &impl Dynamics<R>, axes: Axes<R>, run: &mut ContactRange) -> Self {
         let motion = self.motion_along(scene, axes);
-        *run = scene.contacts_near(*run, motion.position, &motion.axes);
-        self.slope_under(scene, &motion, &scene.load_on(*run, &motion))
+        *run = scene
+            .contact_model()
+            .range_near(*run, motion.position, &motion.axes);
+        self.slope_under(
+            scene,
+            &motion,
+            &scene.contact_model().load_on(*run, &motion),
+        )
     }
 
     /// Returns pose, axes and velocities at this point, on which the forces depend.

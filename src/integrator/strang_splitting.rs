@@ -2,10 +2,11 @@
 
 use super::{Integrator, Step, step_length};
 use crate::body::ContactRange;
+use crate::contact::Load;
 use crate::error::{self, SceneError, StepError};
 use crate::real::Real;
 use crate::rotation::{Axes, Rotation};
-use crate::scene::{Dynamics, Load};
+use crate::scene::Dynamics;
 use crate::state::State;
 
 /// Strang splitting: half a step of exact flight, a kick by the contact forces, half a step of
@@ -129,15 +130,21 @@ fn kick<R: Real>(
     near: &mut ContactRange,
 ) -> u32 {
     // The pose is fixed, and with it the set of penetrating contacts.
-    *near = scene.contacts_near(*near, state.position, &axes);
-    let load = scene.load_on(*near, &scene.motion_along(state, axes));
+    *near = scene
+        .contact_model()
+        .range_near(*near, state.position, &axes);
+    let load = scene
+        .contact_model()
+        .load_on(*near, &scene.motion_along(state, axes));
     if load.touching == 0 {
         state.linear_velocity += scene.gravity() * seconds;
         return 1;
     }
     let mut middle = *state;
     push(scene, &mut middle, &load, seconds * R::HALF);
-    let load = scene.load_on(*near, &scene.motion_along(&middle, axes));
+    let load = scene
+        .contact_model()
+        .load_on(*near, &scene.motion_along(&middle, axes));
     push(scene, state, &load, seconds);
     2
 }

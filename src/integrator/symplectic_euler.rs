@@ -49,8 +49,10 @@ impl<R: Real> Integrator<R> for SymplecticEuler<R> {
         let mass = scene.inertia_properties();
         let rotation = state.rotation();
         let motion = scene.motion_along(state, rotation.axes());
-        *near = scene.contacts_near(*near, motion.position, &motion.axes);
-        let load = scene.load_on(*near, &motion);
+        *near = scene
+            .contact_model()
+            .range_near(*near, motion.position, &motion.axes);
+        let load = scene.contact_model().load_on(*near, &motion);
 
         // Position and rotation use the new velocities. With the old ones each step would add
         // energy to a spring.

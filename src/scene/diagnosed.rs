@@ -12,6 +12,7 @@ use core::cell::Cell;
 use super::Dynamics;
 use super::screened::NORMAL;
 use crate::body::{InertiaProperties, RigidPointBody};
+use crate::contact::ContactModel;
 use crate::error::LawQuantity;
 use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
 use crate::ground::{GroundBounds, MeanForce, SpringDamperGround, Surface};
@@ -106,7 +107,7 @@ impl<'a, R: Real> DiagnosedScene<'a, R> {
             },
             gravity: scene.gravity(),
             inertia_properties: scene.inertia_properties(),
-            has_radii: scene.has_radii(),
+            has_radii: scene.contact_model().has_radii,
         }
     }
 }
@@ -117,16 +118,14 @@ impl<'a, R: Real> Dynamics<R> for DiagnosedScene<'a, R> {
     type Friction = DiagnosedFriction<'a, R>;
 
     #[inline]
-    fn body(&self) -> &Self::Body {
-        &self.body
-    }
-    #[inline]
-    fn ground(&self) -> &Self::Ground {
-        &self.ground
-    }
-    #[inline]
-    fn friction(&self) -> &Self::Friction {
-        &self.friction
+    fn contact_model(&self) -> ContactModel<'_, Self::Body, Self::Ground, Self::Friction, R> {
+        ContactModel {
+            body: &self.body,
+            ground: &self.ground,
+            friction: &self.friction,
+            bounding_radius: self.ground.bounding_radius,
+            has_radii: self.has_radii,
+        }
     }
     #[inline]
     fn gravity(&self) -> R::Vec3 {
@@ -135,14 +134,6 @@ impl<'a, R: Real> Dynamics<R> for DiagnosedScene<'a, R> {
     #[inline]
     fn inertia_properties(&self) -> &InertiaProperties<R> {
         self.inertia_properties
-    }
-    #[inline]
-    fn bounding_radius(&self) -> R {
-        self.ground.bounding_radius
-    }
-    #[inline]
-    fn has_radii(&self) -> bool {
-        self.has_radii
     }
 
     #[inline]

@@ -13,6 +13,7 @@ use core::cell::Cell;
 
 use super::Dynamics;
 use crate::body::InertiaProperties;
+use crate::contact::ContactModel;
 use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
 use crate::ground::{GroundBounds, MeanForce, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
@@ -73,16 +74,15 @@ impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for ScreenedScene<'a, R, D> {
     type Friction = ScreenedFriction<'a, D::Friction>;
 
     #[inline(always)]
-    fn body(&self) -> &Self::Body {
-        self.scene.body()
-    }
-    #[inline(always)]
-    fn ground(&self) -> &Self::Ground {
-        &self.ground
-    }
-    #[inline(always)]
-    fn friction(&self) -> &Self::Friction {
-        &self.friction
+    fn contact_model(&self) -> ContactModel<'_, Self::Body, Self::Ground, Self::Friction, R> {
+        let model = self.scene.contact_model();
+        ContactModel {
+            body: model.body,
+            ground: &self.ground,
+            friction: &self.friction,
+            bounding_radius: model.bounding_radius,
+            has_radii: model.has_radii,
+        }
     }
     #[inline(always)]
     fn gravity(&self) -> R::Vec3 {
@@ -91,14 +91,6 @@ impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for ScreenedScene<'a, R, D> {
     #[inline(always)]
     fn inertia_properties(&self) -> &InertiaProperties<R> {
         self.scene.inertia_properties()
-    }
-    #[inline(always)]
-    fn bounding_radius(&self) -> R {
-        self.scene.bounding_radius()
-    }
-    #[inline(always)]
-    fn has_radii(&self) -> bool {
-        self.scene.has_radii()
     }
 
     #[inline(always)]

@@ -2,11 +2,12 @@
 
 use super::touch::Kinks;
 use super::{Place, Settings};
+use crate::contact::Motion;
 use crate::error::{Quantity, StepError};
 use crate::integrator::rk4::Point;
 use crate::integrator::{StepControl, step_length};
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, Motion, size};
+use crate::scene::{Dynamics, size};
 
 /// Time over which an error of a velocity counts as a displacement, s.
 const HORIZON: f64 = 1.0;

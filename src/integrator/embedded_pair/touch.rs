@@ -8,10 +8,11 @@
 
 use super::{Attempt, Pair, Place};
 use crate::body::{ContactPoint, RigidPointBody};
+use crate::contact::{Contact, Load, Motion};
 use crate::friction::SlidingFriction;
 use crate::integrator::contact_path::{ContactEnd, Path, arm, push, slip};
 use crate::real::{Real, Vector};
-use crate::scene::{Contact, Dynamics, Load, Motion, size, visit_points};
+use crate::scene::{Dynamics, size};
 use core::ops::{Add, Mul};
 
 /// Errors caused by contacts in a step within which their force or its derivative is discontinuous.
@@ -60,8 +61,11 @@ pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
     };
     let contacts = scene.body().contacts();
     let margin = dip(scene, places, seconds);
-    let [before, after] = places
-        .map(|place| scene.contacts_within(margin, place.motion.position, &place.motion.axes));
+    let [before, after] = places.map(|place| {
+        scene
+            .contact_model()
+            .range_within(margin, place.motion.position, &place.motion.axes)
+    });
     // If a step is too large in any case, and has many contacts near the ground, this evaluation is
     // not worth its cost.
     if smooth > allowed && before.count.saturating_add(after.count) > MANY {
@@ -95,14 +99,18 @@ pub(super) fn load_before<R: Real, D: Dynamics<R>>(
         load.add(contact, contact.force(laws.0, laws.1));
         load.torque += contact.turning_torque(laws.0, laws.1, motion.angular_velocity);
     };
-    let run = scene.contacts_within(R::ZERO, motion.position, &motion.axes);
-    visit_points(scene, run, motion, &mut |contact| {
-        if !comes_late(&ContactEnd::of(scene, start, &contact.point), seconds) {
-            add(contact);
-        }
-    });
+    let run = scene
+        .contact_model()
+        .range_within(R::ZERO, motion.position, &motion.axes);
+    scene
+        .contact_model()
+        .visit_points(run, motion, &mut |contact| {
+            if !comes_late(&ContactEnd::of(scene, start, &contact.point), seconds) {
+                add(contact);
+            }
+        });
     // Points of a rim touch down one after the other, without a jump of the rim's force.
-    scene.visit_rims(motion, add);
+    scene.contact_model().visit_rims(motion, add);
     load
 }
 

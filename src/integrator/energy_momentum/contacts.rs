@@ -5,10 +5,11 @@ use super::block::Block;
 use super::problem::{Problem, Trial};
 use super::touch::{Answer, Increment, Lever, Push, Reversal, Touch};
 use crate::body::{Arc, ContactPoint, ContactRange, Panels, RigidPointBody, Rim};
+use crate::contact::{Kinks, Velocities, arc_below, kinks};
 use crate::friction::FrictionJacobian;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, Kinks, Velocities, arc_below, kinks};
+use crate::scene::Dynamics;
 
 /// Number of contacts that a step remembers from iteration to iteration. For additional contacts
 /// the direction of slip is not stored, so sticking takes more iterations. All guarantees hold for
@@ -439,5 +440,10 @@ fn mean_kinks<R: Real, D: Dynamics<R>>(
             ground.surface(problem.motion.position + centre).normal
         }
     };
-    kinks(problem.scene, arc, normal, &velocities)
+    kinks(
+        (problem.scene.ground(), problem.scene.friction()),
+        arc,
+        normal,
+        &velocities,
+    )
 }

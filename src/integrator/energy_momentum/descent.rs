@@ -17,13 +17,14 @@
 use super::block::Block;
 use super::linear::SixBySix;
 use super::{motion_of, visit_contacts};
+use crate::contact::Contact;
 use crate::energy::Energy;
 use crate::friction::SlidingFriction;
 use crate::ground::{GroundBounds, SpringDamperGround};
 use crate::integrator::{Step, energy_limit};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
-use crate::scene::{Contact, Dynamics};
+use crate::scene::Dynamics;
 use crate::state::State;
 
 /// Number of lengths that are tried, each a sixteenth of the one before: down to 2⁻¹²⁰ of the step.

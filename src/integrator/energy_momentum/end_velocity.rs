@@ -39,10 +39,11 @@ use super::motion_of;
 use super::problem::{Problem, Trial};
 use super::resist::Resistance;
 use super::touch::Push;
+use crate::contact::Motion;
 use crate::friction::FrictionJacobian;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, Motion};
+use crate::scene::Dynamics;
 use crate::state::State;
 
 /// Number of passes that fit the impulses of the dampers to their limits.

@@ -2,12 +2,13 @@
 //! that a trial represents.
 
 use super::block::Block;
+use crate::contact::Motion;
 use crate::energy::Energy;
 use crate::friction::{FrictionJacobian, SlidingFriction};
 use crate::ground::{GroundBounds, MeanForce, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::rotation::{Axes, Rotation};
-use crate::scene::{Dynamics, Motion};
+use crate::scene::Dynamics;
 use crate::state::State;
 
 /// Data of a step at its start.
@@ -91,7 +92,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             GroundBounds::Plane(plane) => Some(plane),
             _ => None,
         };
-        let has_radii = scene.has_radii();
+        let has_radii = scene.contact_model().has_radii;
         let up = R::Vec3::new(R::ZERO, R::ZERO, R::ONE);
         Self {
             scene,

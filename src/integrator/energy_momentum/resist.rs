@@ -15,8 +15,9 @@
 use super::block::Block;
 use super::linear::SixBySix;
 use super::motion_of;
+use crate::contact::Motion;
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, Motion};
+use crate::scene::Dynamics;
 use crate::state::State;
 
 /// Number of passes that fit the resistances to their limits. No pass increases the energy. More

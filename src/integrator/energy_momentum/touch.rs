@@ -4,10 +4,11 @@ use super::block::Block;
 use super::newton::is_single;
 use super::problem::{Problem, Trial};
 use crate::body::{ContactPoint, RigidPointBody};
+use crate::contact::facing_ground;
 use crate::friction::FrictionJacobian;
 use crate::ground::{MeanForce, SpringDamperGround};
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, facing_ground};
+use crate::scene::Dynamics;
 
 /// One contact of a step.
 #[derive(Clone, Copy, Debug)]

@@ -11,11 +11,12 @@
 //! not changed.
 
 use super::{motion_of, visit_contacts};
+use crate::contact::Motion;
 use crate::energy::Energy;
 use crate::friction::{RollingResistance, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, Motion};
+use crate::scene::Dynamics;
 use crate::state::State;
 
 /// Number of passes that fit the resistances to the law. No pass increases the energy.

@@ -3,12 +3,13 @@
 
 use super::{END, SECOND, Stage};
 use crate::body::{ContactPoint, RigidPointBody};
+use crate::contact::{Load, Motion};
 use crate::friction::SlidingFriction;
 use crate::integrator::contact_path::{ContactEnd, Path, Sight, arm, push, slip};
 use crate::integrator::rk4::Point;
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
-use crate::scene::{Dynamics, Load, Motion};
+use crate::scene::Dynamics;
 
 /// Returns the `end` of a step, corrected for the error of its stages.
 #[inline(always)]

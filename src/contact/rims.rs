@@ -16,8 +16,10 @@ use kinks::kinks_over;
 pub(crate) use kinks::{Kinks, Velocities, kinks};
 use sweep::{Sweep, visit_between};
 
-use super::{Contact, Dynamics, Motion};
+use super::motion::Motion;
+use super::point::Contact;
 use crate::body::{Arc, ContactPoint, Panel, Panels, QUARTER, Rim, SHORT};
+use crate::friction::SlidingFriction;
 use crate::ground::{GroundBounds, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
@@ -80,18 +82,22 @@ pub(super) enum Touching<R: Real> {
 
 impl<R: Real> Touching<R> {
     #[inline(always)]
-    pub(super) fn of<D: Dynamics<R> + ?Sized>(scene: &D, rim: &Rim<R>, motion: &Motion<R>) -> Self {
-        match scene.ground().bounds() {
+    pub(super) fn of<G: SpringDamperGround<R>, F: SlidingFriction<R>>(
+        laws: (&G, &F),
+        rim: &Rim<R>,
+        motion: &Motion<R>,
+    ) -> Self {
+        match laws.0.bounds() {
             GroundBounds::Plane(plane) if plane == Plane::level(plane.height) => {
-                Self::above(scene, plane.height, rim, motion)
+                Self::above(laws, plane.height, rim, motion)
             }
             _ => Self::Any,
         }
     }
 
     #[inline(always)]
-    fn above<D: Dynamics<R> + ?Sized>(
-        scene: &D,
+    fn above<G: SpringDamperGround<R>, F: SlidingFriction<R>>(
+        laws: (&G, &F),
         height: R,
         rim: &Rim<R>,
         motion: &Motion<R>,
@@ -108,7 +114,7 @@ impl<R: Real> Touching<R> {
             } if chord <= R::from_f64(QUARTER) => {
                 let spokes = rim.spokes(axes, lowest);
                 let velocities = Velocities::of_spokes(motion, centre, spokes);
-                Self::Arc(Sweep::of(scene, rim, velocities, [chord, extent], lowest))
+                Self::Arc(Sweep::of(laws, rim, velocities, [chord, extent], lowest))
             }
             _ => Self::Any,
         }
@@ -117,17 +123,17 @@ impl<R: Real> Touching<R> {
 
 /// Energy of the springs under a rim, J, and the number of quadrature points that touch.
 #[inline]
-pub(super) fn spring_energy<R: Real, D: Dynamics<R> + ?Sized>(
-    scene: &D,
+pub(super) fn spring_energy<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
+    laws: (&G, &F),
     rim: &Rim<R>,
     at_rest: &Motion<R>,
 ) -> (R, usize) {
     let (mut energy, mut touching) = (R::ZERO, 0);
-    match Touching::of(scene, rim, at_rest) {
+    match Touching::of(laws, rim, at_rest) {
         Touching::Nothing => {}
-        Touching::Arc(sweep) => (energy, touching) = sweep.spring_energy(scene.ground()),
-        Touching::Any => visit_any(scene, rim, at_rest, &mut |contact| {
-            energy += scene.ground().spring_energy(contact.depth) * contact.weight;
+        Touching::Arc(sweep) => (energy, touching) = sweep.spring_energy(laws.0),
+        Touching::Any => visit_any(laws, rim, at_rest, &mut |contact| {
+            energy += laws.0.spring_energy(contact.depth) * contact.weight;
             touching += 1;
         }),
     }
@@ -136,13 +142,13 @@ pub(super) fn spring_energy<R: Real, D: Dynamics<R> + ?Sized>(
 
 /// Discontinuities of the forces on a panel. They are computed for the plane under its middle, with
 /// the penetration depths of the actual ground.
-fn kinks_of<R: Real, D: Dynamics<R> + ?Sized>(
-    scene: &D,
+fn kinks_of<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
+    laws: (&G, &F),
     rim: &Rim<R>,
     motion: &Motion<R>,
     panel: Panel<R>,
 ) -> Kinks<R> {
-    let (ground, axes) = (scene.ground(), &motion.axes);
+    let (ground, axes) = (laws.0, &motion.axes);
     let under = |s: R| ground.surface(motion.position + axes.to_world(rim.place_on(panel, s)));
     let spokes = rim.spokes(rim.axes().map(|axis| axes.to_world(axis)), panel.middle());
     let velocities = Velocities::of_slopes(
@@ -152,7 +158,7 @@ fn kinks_of<R: Real, D: Dynamics<R> + ?Sized>(
     let chord = panel.chord();
     let normal = under(R::ZERO).normal;
     let depth = |u: R| -under(u * chord).gap;
-    let mut kinks = kinks_over(scene, chord, normal, &velocities, depth);
+    let mut kinks = kinks_over(laws, chord, normal, &velocities, depth);
     // The energy needs the same number of points.
     kinks.add_points(if chord <= R::from_f64(SHORT) { 6 } else { 8 });
     kinks
@@ -161,21 +167,21 @@ fn kinks_of<R: Real, D: Dynamics<R> + ?Sized>(
 /// Calls `visit` with each quadrature point of a rim. This is the general method, valid for every
 /// arc and ground.
 #[inline(never)]
-pub(super) fn visit_any<R: Real, D: Dynamics<R> + ?Sized>(
-    scene: &D,
+pub(super) fn visit_any<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
+    laws: (&G, &F),
     rim: &Rim<R>,
     motion: &Motion<R>,
     visit: &mut dyn FnMut(&Contact<R>),
 ) {
-    let arc = arc_below(rim, scene.ground(), motion.position, &motion.axes);
+    let arc = arc_below(rim, laws.0, motion.position, &motion.axes);
     let density = rim.points() * R::from_f64(core::f64::consts::FRAC_1_PI);
     for panel in Panels::of(arc, core::iter::empty()).iter() {
-        let kinks = kinks_of(scene, rim, motion, panel);
+        let kinks = kinks_of(laws, rim, motion, panel);
         visit_between(&kinks, panel.chord(), [-R::ONE, R::ONE], |s, length| {
             let point = ContactPoint::bare(rim.place_on(panel, s));
             // dθ = 2 ds/√(1 - s²)
             let weight = density * length / ((R::ONE - s) * (R::ONE + s)).sqrt();
-            if let Some(contact) = Contact::of(scene.ground(), motion, &point, weight) {
+            if let Some(contact) = Contact::of(laws.0, motion, &point, weight) {
                 visit(&contact);
             }
         });

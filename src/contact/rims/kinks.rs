@@ -7,10 +7,10 @@
 //! `1 + tan²(θ/2)` are polynomials of degree 2 in `tan(θ/2)`.
 
 use crate::body::{Arc, CUTS, sink_last};
+use crate::contact::motion::Motion;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, Motion};
 
 /// Velocities of the material along an arc: `lowest + across sin θ - down (1 - cos θ)`.
 pub(crate) struct Velocities<R: Real> {
@@ -76,8 +76,8 @@ impl<R: Real> Velocities<R> {
 /// Discontinuities of the forces on an arc, in order, as `u = sin(θ/2)/κ`, for the ground's unit
 /// normal in world axes.
 #[inline]
-pub(crate) fn kinks<R: Real, D: Dynamics<R> + ?Sized>(
-    scene: &D,
+pub(crate) fn kinks<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
+    laws: (&G, &F),
     arc: &Arc<R>,
     normal: R::Vec3,
     velocities: &Velocities<R>,
@@ -85,13 +85,13 @@ pub(crate) fn kinks<R: Real, D: Dynamics<R> + ?Sized>(
     let chord = arc.chord();
     let deepest = arc.bounds() * (chord * chord) * R::TWO;
     let depth = |u: R| deepest * ((R::ONE - u) * (R::ONE + u));
-    kinks_over(scene, chord, normal, velocities, depth)
+    kinks_over(laws, chord, normal, velocities, depth)
 }
 
 /// Discontinuities on any piece of arc, for the penetration depth (m) along it.
 #[inline]
-pub(super) fn kinks_over<R: Real, D: Dynamics<R> + ?Sized>(
-    scene: &D,
+pub(super) fn kinks_over<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
+    (ground, law): (&G, &F),
     chord: R,
     normal: R::Vec3,
     velocities: &Velocities<R>,
@@ -101,9 +101,9 @@ pub(super) fn kinks_over<R: Real, D: Dynamics<R> + ?Sized>(
     let (rising, slips) = velocities.over(normal, [first, second]);
     let friction = |slip: Complex<R>| {
         let slip = first * slip.0 + second * slip.1;
-        scene.friction().force(R::ONE, slip).length()
+        law.force(R::ONE, slip).length()
     };
-    kinks_by(scene.ground(), friction, chord, rising, slips, depth)
+    kinks_by(ground, friction, chord, rising, slips, depth)
 }
 
 /// Two unit vectors perpendicular to a third and to each other.
@@ -122,8 +122,8 @@ fn tangents<R: Real>(normal: R::Vec3) -> [R::Vec3; 2] {
 /// Discontinuities on a short arc below a level plane, for the velocities along the normal and
 /// along the ground.
 #[inline(always)]
-pub(super) fn kinks_along<R: Real, D: Dynamics<R> + ?Sized>(
-    scene: &D,
+pub(super) fn kinks_along<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
+    (ground, law): (&G, &F),
     [chord, extent]: [R; 2],
     rising: [R; 3],
     slips: [R::Vec3; 3],
@@ -132,10 +132,10 @@ pub(super) fn kinks_along<R: Real, D: Dynamics<R> + ?Sized>(
     let depth = |u: R| deepest * ((R::ONE - u) * (R::ONE + u));
     let friction = |slip: Complex<R>| {
         let slip = R::Vec3::new(slip.0, slip.1, R::ZERO);
-        scene.friction().force(R::ONE, slip).length()
+        law.force(R::ONE, slip).length()
     };
     let slips = slips.map(|slip| Complex(slip.x(), slip.y()));
-    kinks_by(scene.ground(), friction, chord, rising, slips, depth)
+    kinks_by(ground, friction, chord, rising, slips, depth)
 }
 
 /// Discontinuities for the friction force (N) of a slip under a load of 1 N, and for the

@@ -9,7 +9,8 @@
 //! depth = (h - x.z) - r.z        velocity = v + ω × r        slip = (velocity.x, velocity.y, 0)
 //! ```
 
-use super::{Load, Motion};
+use super::load::Load;
+use super::motion::Motion;
 use crate::body::ContactPoint;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
@@ -327,7 +328,6 @@ impl<R: Real> Pairs<R> {
 
 #[cfg(test)]
 mod tests {
-    use crate::scene::load_with_arms;
     use crate::*;
     use glam::{DMat3, DVec3};
 
@@ -407,12 +407,13 @@ mod tests {
                     .with_rotation_vector(DVec3::new(0.3, -0.2, 0.1))
                     .rotation()
                     .axes();
-                let run = scene.contacts_within(0.0, motion.position, &motion.axes);
-                let load = load_with_arms(&scene, run, &motion, Some(&arm_axes));
+                let model = scene.contact_model();
+                let run = model.range_within(0.0, motion.position, &motion.axes);
+                let load = model.load_with_arms(run, &motion, Some(&arm_axes));
 
                 let (mut force, mut torque, mut touching) = (DVec3::ZERO, DVec3::ZERO, 0);
                 let (mut forces, mut gaps) = (0.0, f64::MAX);
-                scene.visit_run(run, &motion, |contact| {
+                model.visit_on(run, &motion, |contact| {
                     let push = contact.force(&ground, &Own);
                     force += push;
                     torque += contact.arm_along(&arm_axes).cross(push);
@@ -455,7 +456,8 @@ mod tests {
                     .with_linear_velocity(DVec3::new(0.2, -0.1, -0.05))
                     .with_rotation_vector(DVec3::X * (points * core::f64::consts::TAU / 120.0));
                 let motion = scene.motion(&state);
-                let run = scene.contacts_within(0.0, motion.position, &motion.axes);
+                let model = scene.contact_model();
+                let run = model.range_within(0.0, motion.position, &motion.axes);
                 let tail = run.parts(scene.body().contacts())[1].len();
                 (scene.load(&motion), tail)
             };

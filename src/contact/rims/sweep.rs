@@ -3,11 +3,12 @@
 use super::kinks::{Kink, Kinks, Velocities, kinks_along};
 use super::turning_rules::{Rule, turning_rule};
 use crate::body::{ContactPoint, Rim, SHORT};
+use crate::contact::load::Load;
+use crate::contact::point::Contact;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
-use crate::scene::{Contact, Dynamics, Load};
 
 /// Short arc below a level plane, along which all quantities are linear in 1, `sin θ` and the fall
 /// `1 - cos θ`.
@@ -25,7 +26,7 @@ use crate::scene::{Contact, Dynamics, Load};
 /// A force f has the torque `(lowest + across sin θ - down (1 - cos θ)) × f`, with the positions
 /// written in the same form. So the torque of all forces needs no arms, but only the sums of `f`,
 /// `f sin θ` and `f (1 - cos θ)`.
-pub(in crate::scene) struct Sweep<R: Real> {
+pub(in crate::contact) struct Sweep<R: Real> {
     chord: R,
     /// Depth of the lowest point below the rim's middle, m.
     extent: R,
@@ -88,7 +89,7 @@ const fn both<const HALF: usize, const ALL: usize>(half: [[f64; 2]; HALF]) -> [[
 }
 
 /// Quadrature point of a sweep.
-pub(in crate::scene) struct Node<R: Real> {
+pub(in crate::contact) struct Node<R: Real> {
     /// Sine of the angle from the lowest point.
     sin: R,
     /// 1 minus the cosine of that angle.
@@ -177,8 +178,8 @@ const SAFETY: f64 = 1.5;
 impl<R: Real> Sweep<R> {
     /// Sweep with this chord, and an extent in m, to both sides of the lowest point.
     #[inline(always)]
-    pub(super) fn of<D: Dynamics<R> + ?Sized>(
-        scene: &D,
+    pub(super) fn of<G: SpringDamperGround<R>, F: SlidingFriction<R>>(
+        laws: (&G, &F),
         rim: &Rim<R>,
         velocities: Velocities<R>,
         [chord, extent]: [R; 2],
@@ -190,7 +191,7 @@ impl<R: Real> Sweep<R> {
             extent,
             rising,
             slips,
-            kinks: kinks_along(scene, [chord, extent], rising, slips),
+            kinks: kinks_along(laws, [chord, extent], rising, slips),
             density: rim.points() * R::from_f64(core::f64::consts::FRAC_1_PI),
             lowest,
         }
@@ -198,7 +199,7 @@ impl<R: Real> Sweep<R> {
 
     /// Calls `visit` with each quadrature point of the arc.
     #[inline(always)]
-    pub(in crate::scene) fn visit(&self, mut visit: impl FnMut(&Node<R>)) {
+    pub(in crate::contact) fn visit(&self, mut visit: impl FnMut(&Node<R>)) {
         self.visit_within([-R::ONE, R::ONE], &mut visit);
     }
 
@@ -257,14 +258,13 @@ impl<R: Real> Sweep<R> {
 
     /// Adds the load of the rim, with its torque on a body with these axes.
     #[inline(always)]
-    pub(in crate::scene) fn load<D: Dynamics<R> + ?Sized>(
+    pub(in crate::contact) fn load<G: SpringDamperGround<R>, F: SlidingFriction<R>>(
         &self,
-        scene: &D,
+        (ground, friction): (&G, &F),
         rim: &Rim<R>,
         axes: &Axes<R>,
         load: &mut Load<R>,
     ) {
-        let (ground, friction) = (scene.ground(), scene.friction());
         let zero = R::Vec3::ZERO;
         let (mut force, mut with_sin, mut with_fall) = (zero, zero, zero);
         self.visit_within(self.kinks.pushed, &mut |node: &Node<R>| {
@@ -283,7 +283,7 @@ impl<R: Real> Sweep<R> {
     }
 
     #[inline]
-    pub(in crate::scene) fn contact(
+    pub(in crate::contact) fn contact(
         &self,
         rim: &Rim<R>,
         axes: &Axes<R>,

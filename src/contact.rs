@@ -1,0 +1,24 @@
+//! Contact mechanics: the contacts of a body that touch a ground, and their force and torque.
+//!
+//! [`ContactModel`] holds the three parts that contact depends on: body, ground and friction law.
+//! Whether a body consists of points, is smooth or has circular rims, and whether the ground is a
+//! level plane, is decided here.
+
+mod level;
+mod load;
+mod lowest_point;
+mod model;
+mod motion;
+mod point;
+mod range;
+mod rims;
+mod spring_energy;
+mod visit;
+
+pub use load::Load;
+pub use lowest_point::LowestPoint;
+pub use model::ContactModel;
+pub use motion::Motion;
+pub use point::Contact;
+pub(crate) use point::facing_ground;
+pub(crate) use rims::{Kinks, Velocities, arc_below, kinks};

@@ -1,0 +1,142 @@
+//! One contact that touches: its geometry, its velocity and its force.
+
+use super::motion::Motion;
+use crate::body::{ContactPoint, RigidPointBody};
+use crate::friction::SlidingFriction;
+use crate::ground::SpringDamperGround;
+use crate::real::{Real, Vector};
+use crate::rotation::Axes;
+
+/// Contact that touches, with position, penetration depth and velocity, world axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact<R: Real = f64> {
+    /// Contact as defined by the body.
+    pub point: ContactPoint<R>,
+    /// Vector from the centre of mass to the point at which the force acts, m.
+    pub arm: R::Vec3,
+    /// Outward normal of the ground, unit vector.
+    pub normal: R::Vec3,
+    /// Penetration depth, m, above 0.
+    pub depth: R,
+    /// Rate of increase of the penetration depth, m/s.
+    pub closing_speed: R,
+    /// Velocity along the surface, m/s.
+    pub slip: R::Vec3,
+    /// Number of contacts of the body that it represents: 1, except for a quadrature point of a
+    /// [`Rim`](crate::Rim).
+    pub weight: R,
+}
+
+impl<R: Real> Contact<R> {
+    /// Contact of `point` with the ground, if it touches.
+    #[inline]
+    pub(super) fn at<B: RigidPointBody<R>, G: SpringDamperGround<R>>(
+        body: &B,
+        ground: &G,
+        motion: &Motion<R>,
+        point: &ContactPoint<R>,
+    ) -> Option<Self> {
+        let facing;
+        let point = if body.is_smooth() {
+            facing = facing_ground(body, ground, motion.position, &motion.axes);
+            &facing
+        } else {
+            point
+        };
+        Self::of(ground, motion, point, R::ONE)
+    }
+
+    /// Contact of a fixed `point` with the ground, if it touches.
+    #[inline]
+    pub(super) fn of<G: SpringDamperGround<R>>(
+        ground: &G,
+        motion: &Motion<R>,
+        point: &ContactPoint<R>,
+        weight: R,
+    ) -> Option<Self> {
+        let centre_arm = motion.axes.to_world(point.position);
+        let surface = ground.surface(motion.position + centre_arm);
+        let depth = point.radius - surface.gap;
+        (depth > R::ZERO).then(|| {
+            let normal = surface.normal;
+            let arm = surface_arm(point, centre_arm, normal);
+            let velocity = motion.velocity_at(arm);
+            let rising = velocity.dot(normal);
+            Self {
+                point: *point,
+                arm,
+                normal,
+                depth,
+                closing_speed: -rising,
+                slip: velocity - normal * rising,
+                weight,
+            }
+        })
+    }
+
+    /// Arm of the same contact for a body with other axes.
+    #[inline]
+    pub(crate) fn arm_along(&self, axes: &Axes<R>) -> R::Vec3 {
+        let centre_arm = axes.to_world(self.point.position);
+        surface_arm(&self.point, centre_arm, self.normal)
+    }
+
+    /// Force of the ground on the body at this contact, normal and friction together, N.
+    #[inline]
+    pub fn force<G, F>(&self, ground: &G, friction: &F) -> R::Vec3
+    where
+        G: SpringDamperGround<R>,
+        F: SlidingFriction<R>,
+    {
+        let normal_force = ground.normal_force(self.depth, self.closing_speed);
+        (self.normal * normal_force + friction.force(normal_force, self.slip)) * self.weight
+    }
+
+    /// Torque of rolling resistance on a rotating body (rad/s), in addition to that of the force, N
+    /// m.
+    ///
+    /// It is 0 unless the friction law has rolling resistance.
+    #[inline]
+    pub fn turning_torque<G, F>(
+        &self,
+        ground: &G,
+        friction: &F,
+        angular_velocity: R::Vec3,
+    ) -> R::Vec3
+    where
+        G: SpringDamperGround<R>,
+        F: SlidingFriction<R>,
+    {
+        let normal_force = ground.normal_force(self.depth, self.closing_speed);
+        match friction.rolling_resistance(normal_force) {
+            Some(resistance) => resistance.torque(self.normal, angular_velocity) * self.weight,
+            None => R::Vec3::ZERO,
+        }
+    }
+}
+
+/// Point of a smooth body that faces the ground, as a bare contact for the current orientation. The
+/// normal is that under the contact which represents the body.
+#[inline]
+pub(crate) fn facing_ground<R: Real, B: RigidPointBody<R>, G: SpringDamperGround<R>>(
+    body: &B,
+    ground: &G,
+    position: R::Vec3,
+    axes: &Axes<R>,
+) -> ContactPoint<R> {
+    let middle = body.contacts().first().copied().unwrap_or_default();
+    let surface = ground.surface(position + axes.to_world(middle.position));
+    ContactPoint::bare(body.support_point(axes.to_body(-surface.normal)))
+}
+
+/// Vector from the centre of mass to the point of a contact's surface that faces the ground, m,
+/// world axes.
+#[inline]
+fn surface_arm<R: Real>(point: &ContactPoint<R>, centre_arm: R::Vec3, normal: R::Vec3) -> R::Vec3 {
+    // A bare point, the most frequent case, needs no arithmetic.
+    if point.radius == R::ZERO {
+        centre_arm
+    } else {
+        centre_arm - normal * point.radius
+    }
+}

@@ -1,0 +1,98 @@
+//! Which contacts can touch: a range that includes all of them, from the body's hint.
+
+use super::model::ContactModel;
+use super::motion::Motion;
+use crate::body::{ContactRange, RigidPointBody};
+use crate::friction::SlidingFriction;
+use crate::ground::{GroundBounds, SpringDamperGround};
+use crate::real::{Real, Vector};
+use crate::rotation::Axes;
+
+impl<R, B, G, F> ContactModel<'_, B, G, F, R>
+where
+    R: Real,
+    B: RigidPointBody<R>,
+    G: SpringDamperGround<R>,
+    F: SlidingFriction<R>,
+{
+    /// Contact range that includes every contact less than `margin` (m) above the ground.
+    ///
+    /// In flight no contact is evaluated to compute it.
+    #[inline(always)]
+    #[must_use]
+    pub fn range_within(&self, margin: R, position: R::Vec3, axes: &Axes<R>) -> ContactRange {
+        self.low_contacts(margin, position, axes, |normal, offset| {
+            self.body.contacts_below(normal, offset)
+        })
+    }
+
+    /// Contact range that includes every touching contact, found faster from a previous range
+    /// `near`.
+    ///
+    /// It equals that of [`range_within`](Self::range_within) with a margin of 0, for every value
+    /// of `near`.
+    #[inline(always)]
+    #[must_use]
+    pub fn range_near(
+        &self,
+        near: ContactRange,
+        position: R::Vec3,
+        axes: &Axes<R>,
+    ) -> ContactRange {
+        self.low_contacts(R::ZERO, position, axes, |normal, offset| {
+            self.body.contacts_below_near(normal, offset, near)
+        })
+    }
+
+    #[inline(always)]
+    fn low_contacts(
+        &self,
+        margin: R,
+        position: R::Vec3,
+        axes: &Axes<R>,
+        below: impl FnOnce(R::Vec3, R) -> ContactRange,
+    ) -> ContactRange {
+        match self.ground.bounds() {
+            GroundBounds::Nowhere => ContactRange::NONE,
+            GroundBounds::Everywhere => ContactRange::all(self.body.contacts().len()),
+            GroundBounds::Plane(plane) | GroundBounds::Below(plane) => {
+                let (gap, normal) = if plane.is_level() {
+                    (position.z() - plane.height, axes.rise())
+                } else {
+                    (plane.gap(position), axes.to_body(plane.normal))
+                };
+                // Bound of the rounding of a gap, far larger than the rounding of the body's own
+                // arithmetic.
+                let rounding = (gap.abs() + plane.height.abs() + self.bounding_radius)
+                    * (R::EPSILON * R::from_f64(8.0));
+                let offset = margin + rounding - gap;
+                if offset < -self.bounding_radius {
+                    ContactRange::NONE
+                } else {
+                    below(normal, offset)
+                }
+            }
+        }
+    }
+
+    /// Returns true if a body is so high above a plane that no part of it touches.
+    #[inline]
+    pub(super) fn is_aloft(&self, motion: &Motion<R>) -> bool {
+        match self.ground.bounds() {
+            GroundBounds::Nowhere => true,
+            GroundBounds::Plane(plane) | GroundBounds::Below(plane) => {
+                plane.gap(motion.position) > self.bounding_radius
+            }
+            GroundBounds::Everywhere => false,
+        }
+    }
+
+    /// Height of a ground that is a level plane, if all contacts are bare points of the body.
+    #[inline(always)]
+    pub(super) fn height_under_bare_points(&self) -> Option<R> {
+        match self.ground.bounds() {
+            GroundBounds::Plane(plane) if !self.has_radii && plane.is_level() => Some(plane.height),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! A visit to each contact that touches, on the points of a body and on its rims.
+
+use super::model::ContactModel;
+use super::motion::Motion;
+use super::point::Contact;
+use super::rims::{self, Touching};
+use crate::body::{ContactRange, RigidPointBody};
+use crate::friction::SlidingFriction;
+use crate::ground::SpringDamperGround;
+use crate::real::Real;
+
+// The inlining hints here and in `load` make the compiler treat a step as one piece, without
+// passing data between stages through memory. The loop over contacts as a separate function took
+// 8 % fewer instructions and 1.2 to 1.8 times as long.
+impl<R, B, G, F> ContactModel<'_, B, G, F, R>
+where
+    R: Real,
+    B: RigidPointBody<R>,
+    G: SpringDamperGround<R>,
+    F: SlidingFriction<R>,
+{
+    /// Calls `visit` with each contact that touches, in the order of the contact range.
+    #[inline(always)]
+    pub fn visit(&self, motion: &Motion<R>, visit: impl FnMut(&Contact<R>)) {
+        let run = self.range_within(R::ZERO, motion.position, &motion.axes);
+        self.visit_on(run, motion, visit);
+    }
+
+    /// Calls `visit` with each contact in `run` that touches, and with the quadrature points of the
+    /// rims.
+    #[inline(always)]
+    pub(super) fn visit_on(
+        &self,
+        run: ContactRange,
+        motion: &Motion<R>,
+        mut visit: impl FnMut(&Contact<R>),
+    ) {
+        self.visit_points(run, motion, &mut visit);
+        if !self.body.rims().is_empty() {
+            self.visit_rims(motion, visit);
+        }
+    }
+
+    /// Calls `visit` with each contact point in `run` that touches, without the quadrature points
+    /// of a rim.
+    #[inline(always)]
+    pub(crate) fn visit_points(
+        &self,
+        run: ContactRange,
+        motion: &Motion<R>,
+        visit: &mut impl FnMut(&Contact<R>),
+    ) {
+        let contacts = self.body.contacts();
+        // One loop for both parts of a range that continues at the first contact, so that `visit`
+        // is compiled once.
+        let mut ahead = contacts.get(run.first..).unwrap_or_default().iter();
+        for _ in 0..run.count.min(contacts.len()) {
+            let Some(point) = ahead.next().or_else(|| {
+                ahead = contacts.iter();
+                ahead.next()
+            }) else {
+                break;
+            };
+            if let Some(contact) = Contact::at(self.body, self.ground, motion, point) {
+                visit(&contact);
+            }
+        }
+    }
+
+    /// Calls `visit` with each quadrature point of the rims that touches.
+    #[inline(always)]
+    pub(crate) fn visit_rims(&self, motion: &Motion<R>, mut visit: impl FnMut(&Contact<R>)) {
+        let laws = (self.ground, self.friction);
+        for rim in self.body.rims() {
+            match Touching::of(laws, rim, motion) {
+                Touching::Nothing => {}
+                Touching::Arc(sweep) => {
+                    sweep.visit(|node| visit(&sweep.contact(rim, &motion.axes, node)));
+                }
+                Touching::Any => rims::visit_any(laws, rim, motion, &mut visit),
+            }
+        }
+    }
+}
