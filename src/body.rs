@@ -53,7 +53,7 @@ pub use mass_properties::MassProperties;
 pub use point_cloud::PointCloud;
 use rim::MOST_NODES;
 pub use rim::Rim;
-pub(crate) use rim::{Arc, CUTS, GAUSS_6, GAUSS_8, Panel, Panels, QUARTER, SHORT, sink_last};
+pub(crate) use rim::{Arc, CUTS, Panel, Panels, QUARTER, SHORT, sink_last};
 pub use rod::{PointMass, Rod};
 #[cfg(feature = "serde")]
 pub use saved::Storage;

@@ -243,23 +243,11 @@ impl<R: Real> core::fmt::Display for Step<R> {
     }
 }
 
-/// Returns the last number before a condition begins to hold, by bisection.
+/// Bisections of a stability limit.
 ///
-/// `bracket` consists of a number at which the condition does not hold and one at which it does.
-fn last_before<R: Real>(bracket: [R; 2], holds: impl Fn(R) -> bool) -> R {
-    let [mut low, mut high] = bracket;
-    // The bracket is at most as wide as its start, or a 64th of the result. 24 halvings resolve
-    // f32, and 6e-8 of the result in f64.
-    for _ in 0..24 {
-        let middle = (low + high) * R::HALF;
-        if holds(middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    low
-}
+/// The bracket is at most as wide as its start, or a 64th of the result. They resolve f32, and 6e-8
+/// of the result in f64.
+const LIMIT_HALVINGS: u32 = 24;
 
 /// Returns the size of the next step of a method with a fixed `time_step`: `limit` if that is less.
 ///

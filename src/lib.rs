@@ -183,6 +183,7 @@ pub mod ground;
 pub mod integrator;
 pub mod observer;
 pub mod outcome;
+mod quadrature;
 pub mod real;
 pub mod rotation;
 pub mod scene;

@@ -39,6 +39,7 @@ use panels::half_turn;
 pub(crate) use panels::{CUTS, MOST_NODES, Panel, Panels, sink_last};
 
 use crate::error::{self, SceneError};
+use crate::quadrature::{HALF_OF_6, HALF_OF_8};
 use crate::real::{Real, Vector};
 
 /// Circle fixed in a body that can touch the ground along its whole length.
@@ -224,9 +225,9 @@ impl<R: Real> Rim<R> {
         let (chord, density) = (panel.chord, panel.chord * self.points);
         let rim = *self;
         let rule = if chord <= R::from_f64(SHORT) {
-            GAUSS_6.as_slice()
+            HALF_OF_6.as_slice()
         } else {
-            GAUSS_8.as_slice()
+            HALF_OF_8.as_slice()
         };
         rule.iter().flat_map(move |&[u, weight]| {
             let t = chord * R::from_f64(u);
@@ -264,18 +265,6 @@ fn unit<R: Real<Vec3 = V>, V: Vector<R>>(v: V) -> V {
     v * (R::ONE / v.length())
 }
 
-/// Gauss's rule on [-1, 1]: the nodes above 0, and their weights.
-pub(crate) const GAUSS_8: [[f64; 2]; 4] = [
-    [0.183_434_642_495_649_8, 0.362_683_783_378_362],
-    [0.525_532_409_916_329, 0.313_706_645_877_887_3],
-    [0.796_666_477_413_626_7, 0.222_381_034_453_374_5],
-    [0.960_289_856_497_536_3, 0.101_228_536_290_376_3],
-];
-pub(crate) const GAUSS_6: [[f64; 2]; 3] = [
-    [0.23861918608319693, 0.46791393457269126],
-    [0.6612093864662646, 0.3607615730481386],
-    [0.932469514203152, 0.1713244923791705],
-];
 /// Chord of a panel below which six points are accurate to rounding. The relative error of the
 /// springs' energy is `2e-4 κ⁸`, 1e-14.
 pub(crate) const SHORT: f64 = 0.05;

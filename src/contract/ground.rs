@@ -6,6 +6,7 @@ use super::{
     wide,
 };
 use crate::ground::{GroundBounds, Plane, SpringDamperGround};
+use crate::quadrature::UNIT_3;
 use crate::real::{Real, Vector};
 
 /// Region, penetration depths and speeds for which a ground is intended. The check evaluates
@@ -427,7 +428,7 @@ fn integral<R: Real>(from: R, to: R, mut f: impl FnMut(R) -> R) -> (R, R) {
         let mut sum = R::ZERO;
         for part in 0..parts {
             let start = from + width * R::from_usize(part);
-            for (place, weight) in GAUSS {
+            for [place, weight] in UNIT_3 {
                 sum += f(start + width * R::from_f64(place)) * R::from_f64(weight);
             }
         }
@@ -443,8 +444,8 @@ fn integral<R: Real>(from: R, to: R, mut f: impl FnMut(R) -> R) -> (R, R) {
 /// Possible contribution between the border of an integral and the point next to it. It is the
 /// deviation of `f` at the border from the line through the next two points.
 fn unseen<R: Real>(f: &mut impl FnMut(R) -> R, border: R, width: R) -> R {
-    let [near, middle] = [GAUSS[0].0, 0.5].map(|place| f(border + width * R::from_f64(place)));
-    let share = R::from_f64(GAUSS[0].0);
+    let [near, middle] = [UNIT_3[0][0], 0.5].map(|place| f(border + width * R::from_f64(place)));
+    let share = R::from_f64(UNIT_3[0][0]);
     let line = near + (near - middle) * (share / (R::HALF - share));
     // Slightly inside, because laws are not evaluated at the surface itself.
     let at_border = f(border + width * ulps(4.0));
@@ -453,10 +454,3 @@ fn unseen<R: Real>(f: &mut impl FnMut(R) -> R, border: R, width: R) -> R {
 
 /// Number of parts of the finest partition.
 const PARTS: usize = 64;
-
-/// Gauss's rule on [0, 1] with three points: position and weight.
-const GAUSS: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_31, 5.0 / 18.0),
-    (0.5, 8.0 / 18.0),
-    (0.887_298_334_620_741_7, 5.0 / 18.0),
-];

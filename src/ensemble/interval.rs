@@ -1,6 +1,7 @@
 //! Confidence interval of a fraction.
 
 use crate::error::{Rule, SceneError};
+use crate::quadrature::bisect;
 
 /// Returns the interval of Wilson for the probability behind `count` successes in `total` trials.
 ///
@@ -49,15 +50,9 @@ fn normal_quantile(confidence: f64) -> Result<f64, SceneError> {
         return Err(SceneError::new("confidence", rule, confidence, ""));
     }
     // Beyond 40 the complement is below the least f64. 64 halvings leave less than an ulp of it.
-    let (mut low, mut high) = (0.0, 40.0);
-    for _ in 0..64 {
-        let middle = 0.5 * (low + high);
-        if libm::erfc(middle * core::f64::consts::FRAC_1_SQRT_2) > 1.0 - confidence {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    let complement = |z: f64| libm::erfc(z * core::f64::consts::FRAC_1_SQRT_2);
+    let is_beyond = |z: f64| complement(z) <= 1.0 - confidence;
+    let [_, high] = bisect([0.0, 40.0], 64, is_beyond);
     Ok(high)
 }
 

@@ -12,6 +12,7 @@ pub use spring_damper::SpringDamper;
 
 use super::MeanForce;
 use crate::error::SceneError;
+use crate::quadrature::UNIT_3;
 use crate::real::Real;
 
 /// The normal force of one contact as a function of depth (m) and closing speed (m/s).
@@ -216,7 +217,7 @@ fn mean_parts<R: Real, L: ContactLaw<R> + ?Sized>(law: &L, start: R, end: R, sec
         submerged / path
     };
     let mut damper = zero;
-    for [place, weight] in gauss() {
+    for [place, weight] in UNIT_3.map(|node| node.map(R::from_f64)) {
         let depth = from + submerged * place;
         if depth > zero {
             let beyond = law.normal_force(depth, closing_speed) - law.spring_force(depth);
@@ -224,15 +225,4 @@ fn mean_parts<R: Real, L: ContactLaw<R> + ?Sized>(law: &L, start: R, end: R, sec
         }
     }
     (spring, damper * share)
-}
-
-/// Nodes and weights of Gauss's rule on [0, 1] with three points.
-#[inline]
-fn gauss<R: Real>() -> [[R; 2]; 3] {
-    let n = R::from_f64;
-    [
-        [n(0.112_701_665_379_258_31), n(5.0 / 18.0)],
-        [n(0.5), n(8.0 / 18.0)],
-        [n(0.887_298_334_620_741_7), n(5.0 / 18.0)],
-    ]
 }

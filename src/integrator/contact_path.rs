@@ -6,6 +6,7 @@
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::contact::{Motion, facing_ground};
 use crate::ground::{GroundBounds, Plane, SpringDamperGround};
+use crate::quadrature::bisect;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
@@ -235,18 +236,12 @@ impl<R: Real> Path<R> {
 
     #[cold]
     fn surface_by_halving(&self) -> R {
-        let (mut below, mut above) = (R::ZERO, R::ONE);
-        if self.start <= R::ZERO {
-            core::mem::swap(&mut below, &mut above);
-        }
-        for _ in 0..HALVINGS {
-            let middle = (below + above) * R::HALF;
-            if self.at(middle).0 > R::ZERO {
-                below = middle;
-            } else {
-                above = middle;
-            }
-        }
+        let ends = if self.start <= R::ZERO {
+            [R::ZERO, R::ONE]
+        } else {
+            [R::ONE, R::ZERO]
+        };
+        let [above, below] = bisect(ends, HALVINGS, |share| self.at(share).0 > R::ZERO);
         (below + above) * R::HALF
     }
 

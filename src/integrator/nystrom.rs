@@ -40,6 +40,7 @@ use super::{Integrator, Step, step_length};
 use crate::body::ContactRange;
 use crate::contact::Motion;
 use crate::error::{self, SceneError, StepError};
+use crate::quadrature::bisect;
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;
@@ -157,7 +158,8 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
         while end < longest && !grows(end) {
             end += part;
         }
-        Some(super::last_before([end - part, end], grows))
+        let [stable, _] = bisect([end - part, end], super::LIMIT_HALVINGS, grows);
+        Some(stable)
     }
 
     fn check(&self) -> Result<(), SceneError> {

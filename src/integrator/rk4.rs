@@ -4,6 +4,7 @@ use super::{Integrator, Step, step_length};
 use crate::body::ContactRange;
 use crate::contact::{Load, Motion};
 use crate::error::{self, SceneError, StepError};
+use crate::quadrature::bisect;
 use crate::real::Real;
 use crate::rotation::{Axes, Rotation};
 use crate::scene::Dynamics;
@@ -84,8 +85,9 @@ impl<R: Real> Integrator<R> for Rk4<R> {
         // left half plane with |z| > 2.97 is stable.
         let frequency = stiffness.sqrt();
         let [real, imaginary] = [-half / frequency, (-discriminant).sqrt() / frequency];
-        let [low, high] = [R::from_f64(2.6), R::from_f64(3.0)];
-        let limit = super::last_before([low, high], |size| grows(real * size, imaginary * size));
+        let bracket = [2.6, 3.0].map(R::from_f64);
+        let grows_at = |size: R| grows(real * size, imaginary * size);
+        let [limit, _] = bisect(bracket, super::LIMIT_HALVINGS, grows_at);
         Some(limit / frequency)
     }
 

@@ -1,6 +1,7 @@
 //! One arc or two arcs, divided into panels for Gauss's rule.
 
-use super::{Arc, Direction, GAUSS_8, QUARTER, turned};
+use super::{Arc, Direction, QUARTER, turned};
+use crate::quadrature::HALF_OF_8;
 use crate::real::Real;
 
 /// Piece of arc of at most a quarter of the circle, given by its middle and
@@ -28,7 +29,7 @@ const MOST: usize = 8 + CUTS;
 /// Most further cuts.
 pub(crate) const CUTS: usize = 4;
 /// Most nodes of a rim in a step.
-pub(crate) const MOST_NODES: usize = MOST * GAUSS_8.len() * 2;
+pub(crate) const MOST_NODES: usize = MOST * HALF_OF_8.len() * 2;
 
 /// Panels of the arc below ground at one time, or at either of two times. No end of an arc lies
 /// within a panel.

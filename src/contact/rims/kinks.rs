@@ -10,6 +10,7 @@ use crate::body::{Arc, CUTS, sink_last};
 use crate::contact::motion::Motion;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
+use crate::quadrature::bisect;
 use crate::real::{Real, Vector};
 
 /// Velocities of the material along an arc: `lowest + across sin θ - down (1 - cos θ)`.
@@ -461,22 +462,12 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
     #[inline(never)]
     fn seek(&self, leaves: [bool; 2], kinks: &mut Kinks<R>) {
         for (side, end) in [-R::ONE, R::ONE].into_iter().enumerate() {
-            let (mut out, mut within) = (end, -end);
             // Search from the other end, which pushes, or does not separate.
             if !leaves[side] || leaves[1 - side] && self.force(R::ZERO) <= R::ZERO {
                 continue;
             }
-            if leaves[1 - side] {
-                within = R::ZERO;
-            }
-            for _ in 0..BISECTIONS {
-                let middle = (out + within) * R::HALF;
-                if self.force(middle) > R::ZERO {
-                    within = middle;
-                } else {
-                    out = middle;
-                }
-            }
+            let within = if leaves[1 - side] { R::ZERO } else { -end };
+            let [out, _] = bisect([end, within], HALVINGS, |u| self.force(u) > R::ZERO);
             if (out - end).abs() > R::from_f64(1e-5) && (out + end).abs() > R::from_f64(1e-5) {
                 self.add(kinks, side, out);
             }
@@ -485,7 +476,7 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
 }
 
 /// Number of bisections, for an accuracy of 5e-7 of an arc.
-const BISECTIONS: u32 = 22;
+const HALVINGS: u32 = 22;
 
 /// Points of discontinuity of an arc, in order.
 pub(crate) struct Kinks<R> {

@@ -1,12 +1,13 @@
 //! Short arc below a level plane, with Gauss's rules for it.
 
 use super::kinks::{Kink, Kinks, Velocities, kinks_along};
-use super::turning_rules::{Rule, turning_rule};
+use super::turning_rules::turning_rule;
 use crate::body::{ContactPoint, Rim, SHORT};
 use crate::contact::load::Load;
 use crate::contact::point::Contact;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
+use crate::quadrature::{GAUSS_2, GAUSS_4, GAUSS_5, GAUSS_6, GAUSS_8, HALF_OF_6, HALF_OF_8, Rule};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 
@@ -60,32 +61,6 @@ fn gauss_rule<R: Real>(half: R, chord: R, least: usize) -> Rule {
     } else {
         &GAUSS_4
     }
-}
-
-const GAUSS_2: [[f64; 2]; 2] = both([[0.577_350_269_189_625_8, 1.0]]);
-const GAUSS_4: [[f64; 2]; 4] = both([
-    [0.339_981_043_584_856_3, 0.652_145_154_862_546_1],
-    [0.861_136_311_594_052_6, 0.347_854_845_137_453_9],
-]);
-const GAUSS_5: [[f64; 2]; 5] = [
-    [0.0, 0.568_888_888_888_888_9],
-    [0.538_469_310_105_683_1, 0.478_628_670_499_366_5],
-    [-0.538_469_310_105_683_1, 0.478_628_670_499_366_5],
-    [0.906_179_845_938_664, 0.236_926_885_056_189_1],
-    [-0.906_179_845_938_664, 0.236_926_885_056_189_1],
-];
-const GAUSS_6: [[f64; 2]; 6] = both(crate::body::GAUSS_6);
-const GAUSS_8: [[f64; 2]; 8] = both(crate::body::GAUSS_8);
-/// Nodes above 0, and their mirror images below.
-const fn both<const HALF: usize, const ALL: usize>(half: [[f64; 2]; HALF]) -> [[f64; 2]; ALL] {
-    let mut all = [[0.0; 2]; ALL];
-    let mut i = 0;
-    while i < ALL {
-        let [place, weight] = half[i / 2];
-        all[i] = [if i % 2 == 0 { place } else { -place }, weight];
-        i += 1;
-    }
-    all
 }
 
 /// Quadrature point of a sweep.
@@ -220,9 +195,9 @@ impl<R: Real> Sweep<R> {
     #[inline]
     pub(super) fn spring_energy<G: SpringDamperGround<R>>(&self, ground: &G) -> (R, usize) {
         let rule: &[[f64; 2]] = if self.chord <= R::from_f64(SHORT) {
-            &crate::body::GAUSS_6
+            &HALF_OF_6
         } else {
-            &crate::body::GAUSS_8
+            &HALF_OF_8
         };
         let (mut energy, mut touching) = (R::ZERO, 0);
         for &[place, weight] in rule {

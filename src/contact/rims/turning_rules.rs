@@ -12,13 +12,10 @@
 //! Numerical Methods in Engineering 62, 2005). Y increases only with the logarithm of `length/σ`,
 //! and so does the number of points.
 //!
-//! The rules are computed at compile time, [`legendre`] by Newton's iteration and `sinh` by its
-//! series.
+//! The rules are computed at compile time.
 
+use crate::quadrature::{Rule, crowded, legendre};
 use crate::real::Real;
-
-/// Points from -1 to 1, with weights.
-pub(super) type Rule = &'static [[f64; 2]];
 
 /// Rules for a piece that begins at a point of least slip. Each has the largest ratio of the
 /// piece's length to the width of the reversal for which it is used.
@@ -52,72 +49,4 @@ pub(super) fn turning_rule<R: Real>(lengths: R) -> Option<Rule> {
     }
     let serves = |&&(largest, _): &&(f64, Rule)| lengths <= R::from_f64(largest);
     RULES.iter().find(serves).map(|&(_, rule)| rule)
-}
-
-/// Gauss's rule with points concentrated towards -1: `x = 2 sinh(Y y)/sinh(Y) - 1`.
-const fn crowded<const N: usize>(span: f64) -> [[f64; 2]; N] {
-    let mut rule = legendre::<N>();
-    let [all, _] = hyperbolic(span);
-    let mut i = 0;
-    while i < N {
-        let [place, weight] = rule[i];
-        let [sinh, cosh] = hyperbolic(span * (0.5 + 0.5 * place));
-        rule[i] = [2.0 * sinh / all - 1.0, weight * span * cosh / all];
-        i += 1;
-    }
-    rule
-}
-
-/// `sinh z` and `cosh z` for `z >= 0`, by their series, in which no term is negative.
-const fn hyperbolic(z: f64) -> [f64; 2] {
-    let (mut sums, mut term, mut k) = ([0.0, 1.0], 1.0, 1);
-    while k < 120 {
-        term *= z / k as f64;
-        sums[(k + 1) % 2] += term;
-        k += 1;
-    }
-    sums
-}
-
-/// Gauss's rule: the zeros of Legendre's polynomial, with weights `2/((1 - x²) P'(x)²)`.
-const fn legendre<const N: usize>() -> [[f64; 2]; N] {
-    let mut rule = [[0.0; 2]; N];
-    let mut i = 0;
-    while i < N {
-        let angle = (i as f64 + 0.75) / (N as f64 + 0.5);
-        let mut x = cosine(core::f64::consts::PI * angle);
-        let mut slope = 1.0;
-        let mut step = 0;
-        while step < 8 {
-            let [value, before] = legendre_polynomials(N, x);
-            slope = N as f64 * (x * value - before) / (x * x - 1.0);
-            x -= value / slope;
-            step += 1;
-        }
-        rule[i] = [x, 2.0 / ((1.0 - x * x) * slope * slope)];
-        i += 1;
-    }
-    rule
-}
-
-/// Legendre's polynomials of degree `n` and `n - 1`, `n >= 1`.
-const fn legendre_polynomials(n: usize, x: f64) -> [f64; 2] {
-    let (mut before, mut value, mut k) = (1.0, x, 2);
-    while k <= n {
-        let next = ((2 * k - 1) as f64 * x * value - (k - 1) as f64 * before) / k as f64;
-        (before, value) = (value, next);
-        k += 1;
-    }
-    [value, before]
-}
-
-/// Cosine by its series, for angles up to π, as an initial guess.
-const fn cosine(angle: f64) -> f64 {
-    let (mut sum, mut term, mut k) = (1.0, 1.0, 1);
-    while k < 14 {
-        term *= -angle * angle / ((2 * k) * (2 * k - 1)) as f64;
-        sum += term;
-        k += 1;
-    }
-    sum
 }

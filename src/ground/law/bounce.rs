@@ -2,6 +2,7 @@
 
 use super::SpringDamper;
 use crate::error::{self, Rule, SceneError};
+use crate::quadrature::UNIT_3;
 use crate::real::Real;
 
 /// The mass of a body, and the number of contacts that carry it together under its centre.
@@ -221,7 +222,7 @@ fn way_time(exponent: f64, swing: f64, panels: u32) -> f64 {
     let power = exponent + 1.0;
     let mut mean = 0.0;
     for panel in 0..panels {
-        for [place, weight] in super::gauss::<f64>() {
+        for [place, weight] in UNIT_3 {
             let x = libm::pow((f64::from(panel) + place) / f64::from(panels), power);
             // A large exponent rounds nodes near the surface to 0.
             let share = if x > 0.0 {

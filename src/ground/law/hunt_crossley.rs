@@ -3,6 +3,7 @@
 use super::bounce::{self, Carried};
 use super::{ContactLaw, MeanForce};
 use crate::error::{self, Rule, SceneError};
+use crate::quadrature::OUTER_OF_3;
 use crate::real::Real;
 
 /// Hunt and Crossley's law (J. Appl. Mech. 42, 440, 1975): a nonlinear spring with a damper force
@@ -220,7 +221,7 @@ impl<R: Real> HuntCrossley<R> {
         // Gauss's rule with three points.
         let middle = sum * R::HALF;
         let force = self.spring_force(middle);
-        let aside = path * R::from_f64(0.387_298_334_620_741_7);
+        let aside = path * R::from_f64(0.5 * OUTER_OF_3);
         let outer = self.spring_force(middle + aside) + self.spring_force(middle - aside);
         let mean = outer * R::from_f64(5.0 / 18.0) + force * R::from_f64(4.0 / 9.0);
         let slope = if middle > R::ZERO {

@@ -8,10 +8,11 @@
 //! is 0.003. If the friction of a contact reverses in a step, the sum over the stages is therefore
 //! compared with the integral along the path of the slip.
 
-use super::touch::{Taken, mean};
+use super::touch::Taken;
 use crate::body::ContactPoint;
 use crate::friction::SlidingFriction;
 use crate::integrator::contact_path::{ContactEnd, Path, arm, push, slip};
+use crate::quadrature::integral_of_3;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
 
@@ -72,7 +73,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
             return R::ZERO;
         }
         // Each side of the reversal is smooth.
-        let truth = mean(force, R::ZERO, share) + mean(force, share, R::ONE);
+        let truth = integral_of_3(force, R::ZERO, share) + integral_of_3(force, share, R::ONE);
         let impulse = (truth - self.friction_of_stages(point)) * self.seconds;
         self.way_of(point, impulse)
     }

@@ -11,9 +11,9 @@ use crate::body::{ContactPoint, RigidPointBody};
 use crate::contact::{Contact, Load, Motion};
 use crate::friction::SlidingFriction;
 use crate::integrator::contact_path::{ContactEnd, Path, arm, push, slip};
+use crate::quadrature::{bisect, integral_of_3};
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
-use core::ops::{Add, Mul};
 
 /// Errors caused by contacts in a step within which their force or its derivative is discontinuous.
 #[derive(Clone, Copy, Debug)]
@@ -204,9 +204,9 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         let pushes = start.pushes();
         let share = last.map_or(R::ONE, |last| first_change(force, pushes, last));
         let truth = if pushes {
-            mean(force, R::ZERO, share)
+            integral_of_3(force, R::ZERO, share)
         } else {
-            mean(force, share, R::ONE)
+            integral_of_3(force, share, R::ONE)
         };
         let taken = if self.to_kink && comes_late(start, self.seconds) {
             R::ZERO
@@ -256,16 +256,9 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
 ///
 /// The result is slightly beyond the change. The change is known to occur.
 fn first_change<R: Real>(force: impl Fn(R) -> R, pushes: bool, last: R) -> R {
-    let (mut low, mut high) = (R::ZERO, last);
-    for _ in 0..HALVINGS {
-        let middle = (low + high) * R::HALF;
-        if (force(middle) > R::ZERO) == pushes {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
+    let changed = |share: R| (force(share) > R::ZERO) != pushes;
+    let [_, first] = bisect([R::ZERO, last], HALVINGS, changed);
+    first
 }
 
 /// Fraction of the computed velocity error that counts.
@@ -286,18 +279,6 @@ const AHEAD: f64 = 0.5;
 const MANY: usize = 48;
 /// Bisections to locate a discontinuity. They resolve a millionth of the step.
 const HALVINGS: u32 = 20;
-
-/// Returns the integral of a force over a part of the step, in units of the step, by Gauss's rule
-/// with three points.
-pub(super) fn mean<R: Real, F>(force: impl Fn(R) -> F, from: R, to: R) -> F
-where
-    F: Add<Output = F> + Mul<R, Output = F>,
-{
-    let (middle, half) = ((from + to) * R::HALF, (to - from) * R::HALF);
-    let out = half * R::from_f64(0.774_596_669_241_483_4);
-    let [inner, outer] = [8.0 / 9.0, 5.0 / 9.0].map(R::from_f64);
-    ((force(middle - out) + force(middle + out)) * outer + force(middle) * inner) * half
-}
 
 /// Returns the speed of the farthest point of the body per normal impulse at a contact, 1/kg.
 ///

@@ -7,6 +7,7 @@ use crate::contact::{Load, Motion};
 use crate::friction::SlidingFriction;
 use crate::integrator::contact_path::{ContactEnd, Path, Sight, arm, push, slip};
 use crate::integrator::rk4::Point;
+use crate::quadrature::{bisect, nodes_of_2};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::scene::Dynamics;
@@ -249,15 +250,11 @@ fn beyond<R: Real>((first, more): (R, R), (second, less): (R, R), limit: R) -> R
 /// decide between two fractions.
 #[inline(never)]
 fn edge_by_halving<R: Real>(force: impl Fn(R) -> R, inside: R, outside: R) -> R {
-    let [mut near, mut far] = [inside, outside];
-    for _ in 0..HALVINGS {
-        let middle = (near + far) * R::HALF;
-        if force(middle) > R::ZERO {
-            near = middle;
-        } else {
-            far = middle;
-        }
-    }
+    let has_ceased = |share: R| {
+        let pushes = force(share) > R::ZERO;
+        !pushes
+    };
+    let [near, far] = bisect([inside, outside], HALVINGS, has_ceased);
     let last = near - (far - near);
     beyond((last, force(last)), (near, force(near)), far)
 }
@@ -271,9 +268,7 @@ const HALVINGS: u32 = 6;
 /// The force of a spring-damper is a cubic there.
 #[inline(always)]
 fn means<R: Real>(force: impl Fn(R) -> R, from: R, to: R) -> [R; 2] {
-    let (middle, half) = ((from + to) * R::HALF, (to - from) * R::HALF);
-    let out = half * R::from_f64(0.577_350_269_189_625_8);
-    let (early, late) = (middle - out, middle + out);
+    let ([early, late], half) = nodes_of_2(from, to);
     let (first, second) = (force(early), force(late));
     [
         (first + second) * half,
