@@ -13,6 +13,7 @@ mod point;
 mod range;
 mod rims;
 mod spring_energy;
+mod total_load;
 mod visit;
 
 pub use load::Load;

@@ -66,17 +66,19 @@ mod stop;
 mod tally;
 mod throw;
 mod toss;
+mod uniform;
 
 pub use error::{EnsembleError, TossError};
 pub use histogram::Histogram;
 pub use interval::wilson;
 pub use pair::Pair;
 pub use scene_hash::SceneHash;
-pub use start::{RandomOrientation, RandomSpin, RandomStart, Sampling, StartDistribution, Uniform};
+pub use start::{RandomOrientation, RandomSpin, RandomStart, Sampling, StartDistribution};
 pub use stop::{Progress, Stop};
 pub use tally::{Count, Tally};
 pub use throw::Throw;
 pub use toss::Toss;
+pub use uniform::Uniform;
 
 use alloc::string::String;
 use alloc::vec::Vec;

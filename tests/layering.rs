@@ -1,11 +1,13 @@
 //! Checks that imports point in one direction: a file of `src` uses only the layers below its own,
-//! so that each can be read without those above it.
+//! so that each can be read without those above it. Inside a folder the imports form no circle, and
+//! the stages of a step do not import from the module that calls them.
 
 #![allow(
     clippy::expect_used,
     reason = "a source file that cannot be read ends the test"
 )]
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -37,6 +39,170 @@ fn every_import_points_down() {
     }
     assert!(imports_seen > 0, "no import found in {}", src.display());
     assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+}
+
+/// Modules whose parts are the stages of a step. A part imports from its siblings and never from
+/// the module that it is a part of.
+const OF_STAGES: &[&str] = &["contact", "integrator"];
+
+#[test]
+fn inside_a_folder_imports_form_no_circle() {
+    let folders = folders();
+    let mut faults = Vec::new();
+    for (folder, imports) in &folders {
+        if let Some(circle) = circle(imports) {
+            faults.push(format!("src/{folder}: {}", circle.join(" -> ")));
+        }
+    }
+    assert!(folders.len() > 10, "{}", folders.len());
+    assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+}
+
+#[test]
+fn a_circle_is_found() {
+    let edges = |list: &[(&str, &str)]| {
+        let mut imports = BTreeMap::<String, BTreeSet<String>>::new();
+        for (from, to) in list {
+            let targets = imports.entry((*from).to_owned()).or_default();
+            targets.insert((*to).to_owned());
+        }
+        imports
+    };
+    assert!(circle(&edges(&[("a", "b"), ("b", "c"), ("a", "c")])).is_none());
+    let found = circle(&edges(&[("a", "b"), ("b", "c"), ("c", "b")]));
+    assert_eq!(found.expect("b and c import each other").len(), 3);
+}
+
+#[test]
+fn a_stage_does_not_import_from_the_module_that_calls_it() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut faults = Vec::new();
+    let mut looked_at = 0;
+    for (file, path, source) in sources(&src) {
+        if path.len() < 2 || !OF_STAGES.contains(&path[0].as_str()) {
+            continue;
+        }
+        let parent = &path[..path.len() - 1];
+        looked_at += 1;
+        for import in absolute_imports(&code(&source), &path) {
+            let from_parent = import.len() == path.len() && import[..parent.len()] == *parent;
+            let is_module = is_module(&src, &import);
+            if from_parent && !is_module {
+                faults.push(format!("{file}: `{}`", import.join("::")));
+            }
+        }
+    }
+    assert!(looked_at > 40, "{looked_at}");
+    assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+}
+
+/// For each folder of `src`: the siblings that each of its modules imports from.
+fn folders() -> BTreeMap<String, BTreeMap<String, BTreeSet<String>>> {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut folders = BTreeMap::<String, BTreeMap<String, BTreeSet<String>>>::new();
+    for (_, path, source) in sources(&src) {
+        for import in absolute_imports(&code(&source), &path) {
+            // The deepest folder that contains both.
+            let shared = (path.iter().zip(&import))
+                .take_while(|(own, other)| own == other)
+                .count();
+            let (Some(own), Some(other)) = (path.get(shared), import.get(shared)) else {
+                continue;
+            };
+            if shared > 0 && is_module(&src, &import[..=shared]) {
+                let folder = folders.entry(path[..shared].join("/")).or_default();
+                folder.entry(own.clone()).or_default().insert(other.clone());
+            }
+        }
+    }
+    folders
+}
+
+/// A circle of imports, if there is one: its modules in order, with the first one again at the end.
+fn circle(imports: &BTreeMap<String, BTreeSet<String>>) -> Option<Vec<String>> {
+    fn follow(
+        at: &str,
+        imports: &BTreeMap<String, BTreeSet<String>>,
+        way: &mut Vec<String>,
+        done: &mut BTreeSet<String>,
+    ) -> Option<Vec<String>> {
+        if let Some(start) = way.iter().position(|module| module == at) {
+            let mut circle = way[start..].to_vec();
+            circle.push(at.to_owned());
+            return Some(circle);
+        }
+        if !done.insert(at.to_owned()) {
+            return None;
+        }
+        way.push(at.to_owned());
+        for next in imports.get(at).into_iter().flatten() {
+            if let Some(circle) = follow(next, imports, way, done) {
+                return Some(circle);
+            }
+        }
+        way.pop();
+        None
+    }
+    let mut done = BTreeSet::new();
+    let mut starts = imports.keys();
+    starts.find_map(|start| follow(start, imports, &mut Vec::new(), &mut done))
+}
+
+/// Name, module path and text of each source file.
+fn sources(src: &Path) -> Vec<(String, Vec<String>, String)> {
+    let files = rust_files(src).into_iter().map(|file| {
+        let path = file
+            .strip_prefix(src)
+            .expect("the file was found below src");
+        let parts = path.with_extension("");
+        let parts = parts.iter().map(|part| part.to_string_lossy().into_owned());
+        let source = fs::read_to_string(&file).expect("a source file is readable text");
+        (format!("src/{}", path.display()), parts.collect(), source)
+    });
+    files.collect()
+}
+
+/// Returns true if a path from the crate's root is that of a source file.
+fn is_module(src: &Path, path: &[String]) -> bool {
+    let file: PathBuf = path.iter().collect();
+    src.join(file).with_extension("rs").is_file()
+}
+
+/// The paths after each `crate::` and `super::` of a module, from the crate's root.
+fn absolute_imports(code: &str, module: &[String]) -> Vec<Vec<String>> {
+    let mut paths = Vec::new();
+    for (start, base) in [
+        ("crate::", &[][..]),
+        ("super::", &module[..module.len() - 1]),
+    ] {
+        for (at, _) in code.match_indices(start) {
+            // A module declared in a block has another parent.
+            let is_whole_line = code[..at].rsplit('\n').next().is_some_and(|line| {
+                start == "crate::" || line.ends_with("use ") && !line.starts_with(' ')
+            });
+            if is_whole_line {
+                paths.extend(paths_at(code, at + start.len(), base.to_vec()));
+            }
+        }
+    }
+    paths
+}
+
+/// The paths that begin at a place of the source: one, or one for each item of a group.
+fn paths_at(code: &str, at: usize, mut path: Vec<String>) -> Vec<Vec<String>> {
+    if code[at..].starts_with('{') {
+        let items = items_of_group(code, at).into_iter();
+        return items
+            .flat_map(|item| paths_at(code, item, path.clone()))
+            .collect();
+    }
+    let name = first_name(&code[at..]);
+    path.push(name.to_owned());
+    let after = at + name.len();
+    if code[after..].starts_with("::") && !name.is_empty() {
+        return paths_at(code, after + 2, path);
+    }
+    vec![path]
 }
 
 /// Module path of a source file.

@@ -9,7 +9,7 @@ use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::Real;
 
-// The inlining hints here and in `load` make the compiler treat a step as one piece, without
+// The inlining hints here and in `total_load` make the compiler treat a step as one piece, without
 // passing data between stages through memory. The loop over contacts as a separate function took
 // 8 % fewer instructions and 1.2 to 1.8 times as long.
 impl<R, B, G, F> ContactModel<'_, B, G, F, R>

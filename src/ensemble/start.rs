@@ -1,10 +1,10 @@
 //! Distributions of the start of a toss.
 
 use core::f64::consts::TAU;
-use core::ops::RangeInclusive;
 
 use super::error::TossError;
 use super::toss::Toss;
+use super::uniform::Uniform;
 use crate::body::InertiaProperties;
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Quaternion, Real, Vector};
@@ -41,47 +41,6 @@ pub trait StartDistribution<R: Real = f64> {
 impl<R: Real, F: Fn(&mut Toss<'_>) -> State<R>> StartDistribution<R> for F {
     fn draw(&self, _: &InertiaProperties<R>, toss: &mut Toss<'_>) -> Result<State<R>, TossError> {
         Ok(self(toss))
-    }
-}
-
-/// A parameter that is uniform in an interval, or fixed. Created from a number, or from an interval
-/// such as `0.1..=0.3`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Uniform {
-    /// Low end.
-    pub low: f64,
-    /// High end, at least `low`.
-    pub high: f64,
-}
-
-impl Uniform {
-    /// Number at a fraction of the interval.
-    pub(crate) fn at(self, fraction: f64) -> f64 {
-        self.low + (self.high - self.low) * fraction
-    }
-
-    fn check(self, [low, width]: [&'static str; 2], unit: &'static str) -> Result<(), SceneError> {
-        error::finite(low, self.low, unit)?;
-        error::at_least_zero(width, self.high - self.low, unit)
-    }
-}
-
-impl From<f64> for Uniform {
-    fn from(fixed: f64) -> Self {
-        Self {
-            low: fixed,
-            high: fixed,
-        }
-    }
-}
-
-impl From<RangeInclusive<f64>> for Uniform {
-    fn from(interval: RangeInclusive<f64>) -> Self {
-        Self {
-            low: *interval.start(),
-            high: *interval.end(),
-        }
     }
 }
 

@@ -7,7 +7,7 @@ use rand_chacha::rand_core::{RngCore, SeedableRng};
 
 use super::Ensemble;
 use super::error::TossError;
-use super::start::Uniform;
+use super::uniform::Uniform;
 
 /// A toss of an ensemble, with its number and its own stream of random numbers.
 ///

@@ -1,12 +1,11 @@
 //! Built-in integrator chosen at run time.
 
-use super::{
-    BogackiShampine32, DormandPrince54, EmbeddedPairWorkspace, EnergyMomentum,
-    EnergyMomentumWorkspace, ForwardEuler, Integrator, Nystrom, Rk4, Step, StepControl,
-    StrangSplitting, SymplecticEuler,
-};
 use crate::body::ContactRange;
 use crate::error::{SceneError, StepError};
+use crate::integrator::adaptive::{BogackiShampine32, DormandPrince54, EmbeddedPairWorkspace};
+use crate::integrator::energy_momentum::{EnergyMomentum, Workspace as EnergyMomentumWorkspace};
+use crate::integrator::explicit::{ForwardEuler, Nystrom, Rk4, StrangSplitting, SymplecticEuler};
+use crate::integrator::interface::{Integrator, Step, StepControl};
 use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;

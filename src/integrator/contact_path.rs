@@ -12,15 +12,15 @@ use crate::scene::Dynamics;
 
 /// A contact at one end or stage of the step.
 #[derive(Clone, Copy)]
-pub(super) struct ContactEnd<R: Real> {
-    pub(super) depth: R,
-    pub(super) closing_speed: R,
-    pub(super) normal_force: R,
+pub(in crate::integrator) struct ContactEnd<R: Real> {
+    pub(in crate::integrator) depth: R,
+    pub(in crate::integrator) closing_speed: R,
+    pub(in crate::integrator) normal_force: R,
 }
 
 impl<R: Real> ContactEnd<R> {
     #[inline(always)]
-    pub(super) fn of<D: Dynamics<R>>(
+    pub(in crate::integrator) fn of<D: Dynamics<R>>(
         scene: &D,
         motion: &Motion<R>,
         point: &ContactPoint<R>,
@@ -41,14 +41,14 @@ impl<R: Real> ContactEnd<R> {
     }
 
     #[inline]
-    pub(super) fn pushes(&self) -> bool {
+    pub(in crate::integrator) fn pushes(&self) -> bool {
         self.normal_force > R::ZERO
     }
 }
 
 /// Returns the contact point in the body. That of a smooth body moves over its surface.
 #[inline]
-pub(super) fn place_of<R: Real, D: Dynamics<R>>(
+pub(in crate::integrator) fn place_of<R: Real, D: Dynamics<R>>(
     scene: &D,
     motion: &Motion<R>,
     point: &ContactPoint<R>,
@@ -62,7 +62,11 @@ pub(super) fn place_of<R: Real, D: Dynamics<R>>(
 
 /// Returns the normal force of one contact, N. It is 0 above ground.
 #[inline]
-pub(super) fn push<R: Real, D: Dynamics<R>>(scene: &D, depth: R, closing_speed: R) -> R {
+pub(in crate::integrator) fn push<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    depth: R,
+    closing_speed: R,
+) -> R {
     if depth > R::ZERO {
         scene.ground().normal_force(depth, closing_speed)
     } else {
@@ -73,7 +77,7 @@ pub(super) fn push<R: Real, D: Dynamics<R>>(scene: &D, depth: R, closing_speed: 
 /// Returns the arm of the contact force from the centre of mass (m), and the ground normal there,
 /// world axes.
 #[inline(always)]
-pub(super) fn arm<R: Real, D: Dynamics<R>>(
+pub(in crate::integrator) fn arm<R: Real, D: Dynamics<R>>(
     scene: &D,
     motion: &Motion<R>,
     point: &ContactPoint<R>,
@@ -87,7 +91,10 @@ pub(super) fn arm<R: Real, D: Dynamics<R>>(
 /// Returns the slip velocity of the body at an arm, along the ground with this normal, m/s, world
 /// axes.
 #[inline(always)]
-pub(super) fn slip<R: Real>(motion: &Motion<R>, (arm, normal): (R::Vec3, R::Vec3)) -> R::Vec3 {
+pub(in crate::integrator) fn slip<R: Real>(
+    motion: &Motion<R>,
+    (arm, normal): (R::Vec3, R::Vec3),
+) -> R::Vec3 {
     let velocity = motion.velocity_at(arm);
     velocity - normal * velocity.dot(normal)
 }
@@ -101,9 +108,9 @@ pub(super) fn slip<R: Real>(motion: &Motion<R>, (arm, normal): (R::Vec3, R::Vec3
 /// ```text
 /// depth = radius + (height - n · x) - Qᵀn · b        closing speed = -n · v - Qᵀ(n × ω) · b
 /// ```
-pub(super) struct Sight<'a, R: Real, D> {
+pub(in crate::integrator) struct Sight<'a, R: Real, D> {
     scene: &'a D,
-    pub(super) motion: &'a Motion<R>,
+    pub(in crate::integrator) motion: &'a Motion<R>,
     plane: Option<AbovePlane<R>>,
 }
 
@@ -142,7 +149,7 @@ impl<R: Real> AbovePlane<R> {
 
 impl<'a, R: Real, D: Dynamics<R>> Sight<'a, R, D> {
     #[inline(always)]
-    pub(super) fn of(scene: &'a D, motion: &'a Motion<R>) -> Self {
+    pub(in crate::integrator) fn of(scene: &'a D, motion: &'a Motion<R>) -> Self {
         let plane = match scene.ground().bounds() {
             GroundBounds::Plane(plane) if !scene.body().is_smooth() => {
                 Some(AbovePlane::of(&plane, motion))
@@ -157,7 +164,7 @@ impl<'a, R: Real, D: Dynamics<R>> Sight<'a, R, D> {
     }
 
     #[inline(always)]
-    pub(super) fn side(&self, point: &ContactPoint<R>) -> ContactEnd<R> {
+    pub(in crate::integrator) fn side(&self, point: &ContactPoint<R>) -> ContactEnd<R> {
         let Some(plane) = &self.plane else {
             return ContactEnd::of(self.scene, self.motion, point);
         };
@@ -173,7 +180,7 @@ impl<'a, R: Real, D: Dynamics<R>> Sight<'a, R, D> {
 
 /// Path of a contact through the step: its penetration depth as Hermite's cubic of the fraction of
 /// the step.
-pub(super) struct Path<R: Real> {
+pub(in crate::integrator) struct Path<R: Real> {
     start: R,
     end: R,
     start_slope: R,
@@ -184,7 +191,11 @@ pub(super) struct Path<R: Real> {
 
 impl<R: Real> Path<R> {
     #[inline]
-    pub(super) fn between(start: &ContactEnd<R>, end: &ContactEnd<R>, seconds: R) -> Self {
+    pub(in crate::integrator) fn between(
+        start: &ContactEnd<R>,
+        end: &ContactEnd<R>,
+        seconds: R,
+    ) -> Self {
         let slopes = [start.closing_speed * seconds, end.closing_speed * seconds];
         let rise = end.depth - start.depth;
         Self {
@@ -201,7 +212,7 @@ impl<R: Real> Path<R> {
     ///
     /// `d(s) = d₀ + m₀ s + (3Δ - 2m₀ - m₁) s² + (m₀ + m₁ - 2Δ) s³`
     #[inline]
-    pub(super) fn at(&self, share: R) -> (R, R) {
+    pub(in crate::integrator) fn at(&self, share: R) -> (R, R) {
         let (square, cube) = (self.square, self.cube);
         let depth = self.start + share * (self.start_slope + share * (square + share * cube));
         let slope =
@@ -215,7 +226,7 @@ impl<R: Real> Path<R> {
     /// Newton's method starts at the crossing of the chord. Bisection is used if it does not
     /// converge.
     #[inline(always)]
-    pub(super) fn surface(&self) -> Option<R> {
+    pub(in crate::integrator) fn surface(&self) -> Option<R> {
         if (self.start > R::ZERO) == (self.end > R::ZERO) {
             return None;
         }
@@ -248,13 +259,13 @@ impl<R: Real> Path<R> {
     /// Returns the approximate fraction of greatest depth on a path that first descends and then
     /// rises.
     #[inline]
-    pub(super) fn turn(&self) -> R {
+    pub(in crate::integrator) fn turn(&self) -> R {
         self.start_slope / (self.start_slope - self.end_slope)
     }
 
     /// Returns true if a path with both ends above ground is below it in between.
     #[inline]
-    pub(super) fn turns_under_ground(&self) -> bool {
+    pub(in crate::integrator) fn turns_under_ground(&self) -> bool {
         let above = self.start <= R::ZERO && self.end <= R::ZERO;
         let turns = self.start_slope > R::ZERO && self.end_slope < R::ZERO;
         above && turns && self.at(self.turn()).0 > R::ZERO

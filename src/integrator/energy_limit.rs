@@ -2,9 +2,10 @@
 //!
 //! A step that cannot satisfy this is not taken.
 
-use super::{Step, flight_rounding};
 use crate::energy::{Dissipation, Energy};
 use crate::ground::SpringDamperGround;
+use crate::integrator::flight_rounding;
+use crate::integrator::interface::Step;
 use crate::real::{Quaternion, Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -15,11 +16,11 @@ const ROUNDING: f64 = 64.0;
 
 /// Summary of the contacts during a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Touched {
+pub(in crate::integrator) struct Touched {
     /// Number of contacts that penetrate at the end of the step.
-    pub(super) touching: usize,
+    pub(in crate::integrator) touching: usize,
     /// True if contacts have pushed during the step, without friction and without dampers.
-    pub(super) is_lossless: bool,
+    pub(in crate::integrator) is_lossless: bool,
 }
 
 /// Advances a state and its energy to the end of a step, and limits the computed energy to that of
@@ -36,7 +37,7 @@ pub(super) struct Touched {
 /// - In flight such a body keeps its old velocity.
 /// - If a step is too short to change the height of an unsupported body, the body falls by two
 ///   units in the last place. Otherwise it would hover.
-pub(super) fn hold<R: Real, D: Dynamics<R>>(
+pub(in crate::integrator) fn hold<R: Real, D: Dynamics<R>>(
     scene: &D,
     (state, energy): (&mut State<R>, &mut Energy<R>),
     (end, after): (&State<R>, &Energy<R>),
@@ -186,7 +187,7 @@ fn is_borne<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> bool {
 
 /// Returns the end with its velocities scaled down, or with zero velocities, if its energy is then
 /// at most `ceiling`.
-pub(super) fn lowered<R: Real, D: Dynamics<R>>(
+pub(in crate::integrator) fn lowered<R: Real, D: Dynamics<R>>(
     scene: &D,
     ceiling: R,
     end: &State<R>,
@@ -209,7 +210,7 @@ pub(super) fn lowered<R: Real, D: Dynamics<R>>(
 /// Returns the end with its velocities scaled down until the computed energy is at most `ceiling`.
 ///
 /// The energy removed is the smallest doubling of `excess` that suffices.
-pub(super) fn scaled_down<R: Real, D: Dynamics<R>>(
+pub(in crate::integrator) fn scaled_down<R: Real, D: Dynamics<R>>(
     scene: &D,
     ceiling: R,
     excess: R,
@@ -241,7 +242,7 @@ pub(super) fn scaled_down<R: Real, D: Dynamics<R>>(
 ///
 /// If a force sets a body in motion, the body gains more velocity than that in any step, however
 /// short.
-pub(super) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
+pub(in crate::integrator) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     scene: &D,
     [start, end]: [&State<R>; 2],
     [before, after]: [&Energy<R>; 2],
@@ -281,7 +282,7 @@ pub(super) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
 }
 
 /// Returns the rounding error of the sum of the terms of two energies, J.
-pub(super) fn rounding_of<R: Real>(before: &Energy<R>, after: &Energy<R>) -> R {
+pub(in crate::integrator) fn rounding_of<R: Real>(before: &Energy<R>, after: &Energy<R>) -> R {
     let terms = after.translation
         + after.rotation
         + after.gravity.abs()
@@ -292,7 +293,7 @@ pub(super) fn rounding_of<R: Real>(before: &Energy<R>, after: &Energy<R>) -> R {
 }
 
 /// Returns the same pose without motion.
-pub(super) fn stopped<R: Real>(state: &State<R>) -> State<R> {
+pub(in crate::integrator) fn stopped<R: Real>(state: &State<R>) -> State<R> {
     State {
         linear_velocity: R::Vec3::ZERO,
         angular_momentum: R::Vec3::ZERO,

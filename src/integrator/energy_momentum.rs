@@ -29,18 +29,19 @@ mod linear;
 mod newton;
 mod problem;
 mod resist;
+mod shared;
 mod split;
 mod stiffness;
 mod touch;
 mod turning;
 
-use super::fingerprint::Fingerprint;
-use super::{Integrator, Step, energy_limit, flight_rounding, step_length};
 use crate::body::{ContactRange, RigidPointBody, Rim};
-use crate::contact::{Contact, Motion};
 use crate::energy::Energy;
 use crate::error::{self, Quantity, SceneError, StepError};
 use crate::ground::{GroundBounds, SpringDamperGround};
+use crate::integrator::fingerprint::Fingerprint;
+use crate::integrator::interface::{Integrator, Step, step_length};
+use crate::integrator::{energy_limit, flight_rounding};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;
@@ -294,23 +295,6 @@ fn too_long<R: Real>(dt: R) -> StepError {
     StepError::StepTooLong {
         seconds: dt.to_f64(),
     }
-}
-
-/// Calls [`Dynamics::motion`], but is compiled once, for the stages that a step seldom needs.
-#[inline(never)]
-fn motion_of<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> Motion<R> {
-    scene.motion(state)
-}
-
-/// Calls [`Dynamics::visit_contacts`], but is compiled once, for the stages that a step seldom
-/// needs.
-#[inline(never)]
-fn visit_contacts<R: Real, D: Dynamics<R>>(
-    scene: &D,
-    motion: &Motion<R>,
-    visit: &mut dyn FnMut(&Contact<R>),
-) {
-    scene.visit_contacts(motion, visit);
 }
 
 fn sixteenths<R: Real>(dt: R, count: u32) -> R {

@@ -14,7 +14,7 @@ use crate::state::State;
 /// - gravity, and the surface relative to the body
 /// - force and energy of a spring at a penetration depth of the bounding radius
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Fingerprint<R: Real> {
+pub(in crate::integrator) struct Fingerprint<R: Real> {
     body: [R; 2],
     moments: R::Vec3,
     contacts: usize,
@@ -26,7 +26,7 @@ pub(super) struct Fingerprint<R: Real> {
 
 impl<R: Real> Fingerprint<R> {
     #[inline]
-    pub(super) fn of<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Self {
+    pub(in crate::integrator) fn of<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Self {
         let (ground, bounding_radius) = (scene.ground(), scene.bounding_radius());
         Self {
             body: [scene.inertia_properties().mass(), bounding_radius],

@@ -13,12 +13,13 @@
 //! `|ω| ≤ j_max |L|`, and the part of `ω` across `L` is at most half of `(j_max - j_min) |L|`. So
 //! `b = 3/2 (j_max |L|)²`.
 
-use super::{Integrator, Step, StepControl, energy_limit};
 use crate::body::{InertiaProperties, RigidPointBody};
 use crate::energy::Energy;
 use crate::error::{SceneError, StepError};
 use crate::free_rotation::FreeRotation;
 use crate::ground::{GroundBounds, Plane, SpringDamperGround};
+use crate::integrator::energy_limit;
+use crate::integrator::interface::{Integrator, Step, StepControl};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;

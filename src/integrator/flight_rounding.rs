@@ -28,7 +28,7 @@ const SLOPES: u32 = 4;
 
 /// Returns true if energy lost by rounding is restored.
 #[inline(always)]
-pub(super) fn holds_both_ways<R: Real>() -> bool {
+pub(in crate::integrator) fn holds_both_ways<R: Real>() -> bool {
     R::EPSILON > R::from_f64(1e-10)
 }
 
@@ -37,7 +37,7 @@ pub(super) fn holds_both_ways<R: Real>() -> bool {
 /// Its energy is as close to the energy before, from below, as the last places allow. Returns
 /// `None` if no trial lowers it to the energy before.
 #[inline(never)]
-pub(super) fn rounded<R: Real, D: Dynamics<R>>(
+pub(in crate::integrator) fn rounded<R: Real, D: Dynamics<R>>(
     scene: &D,
     before: &Energy<R>,
     (end, after): (&State<R>, &Energy<R>),
@@ -65,7 +65,7 @@ pub(super) fn rounded<R: Real, D: Dynamics<R>>(
 /// Returns the end of a conservative step in contact without its rounding, which both velocities
 /// take.
 #[inline(never)]
-pub(super) fn rounded_in_contact<R: Real, D: Dynamics<R>>(
+pub(in crate::integrator) fn rounded_in_contact<R: Real, D: Dynamics<R>>(
     scene: &D,
     before: &Energy<R>,
     (end, after): (&State<R>, &Energy<R>),
@@ -289,7 +289,11 @@ fn last_places<R: Real>(trial: u32) -> R::Vec3 {
 /// that adds less than some hundred last places is otherwise rounded alike in each step. A body at
 /// 10 m/s that falls for 0.1 ms at a time would gain 0.5 % too little or too much. The choice
 /// depends on `seed` alone, which is computed from the state: the same state takes the same step.
-pub(super) fn advanced<R: Real>(sum: R::Vec3, term: R::Vec3, seed: &mut u32) -> R::Vec3 {
+pub(in crate::integrator) fn advanced<R: Real>(
+    sum: R::Vec3,
+    term: R::Vec3,
+    seed: &mut u32,
+) -> R::Vec3 {
     R::Vec3::new(
         added(sum.x(), term.x(), seed),
         added(sum.y(), term.y(), seed),
@@ -332,7 +336,7 @@ fn scrambled(seed: &mut u32) -> u32 {
 }
 
 /// Returns a hash of the state. States that differ in a bit have different values.
-pub(super) fn seed_of<R: Real>(state: &State<R>) -> u32 {
+pub(in crate::integrator) fn seed_of<R: Real>(state: &State<R>) -> u32 {
     let [x, y, z, w] = state.orientation.xyzw();
     let (p, v) = (state.position, state.linear_velocity);
     let mut seed = 0_u32;

@@ -16,7 +16,7 @@
 
 use super::block::Block;
 use super::linear::SixBySix;
-use super::{motion_of, visit_contacts};
+use super::shared::{motion_of, visit_contacts};
 use crate::contact::Contact;
 use crate::energy::Energy;
 use crate::friction::SlidingFriction;

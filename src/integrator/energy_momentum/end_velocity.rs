@@ -35,9 +35,9 @@
 //! step.
 
 use super::contacts::Contacts;
-use super::motion_of;
 use super::problem::{Problem, Trial};
 use super::resist::Resistance;
+use super::shared::motion_of;
 use super::touch::Push;
 use crate::contact::Motion;
 use crate::friction::FrictionJacobian;

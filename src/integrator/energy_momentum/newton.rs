@@ -32,6 +32,7 @@ use super::contacts::Contacts;
 use super::end_velocity::Strain;
 use super::linear::Factored;
 use super::problem::{Problem, Trial};
+use super::shared::is_single;
 use super::stiffness;
 use super::touch::{Increment, Push};
 use crate::body::RigidPointBody;
@@ -390,13 +391,6 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             self.increment = None;
         }
     }
-}
-
-/// Returns true for single precision. One Newton step from the close distance then leaves errors
-/// that accumulate to a noticeable size within thousands of steps.
-#[inline(always)]
-pub(super) fn is_single<R: Real>() -> bool {
-    R::EPSILON > R::from_f64(1e-10)
 }
 
 /// Largest ratio of the residual after an iteration to the residual before it that counts as

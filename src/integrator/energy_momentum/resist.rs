@@ -14,7 +14,7 @@
 
 use super::block::Block;
 use super::linear::SixBySix;
-use super::motion_of;
+use super::shared::motion_of;
 use crate::contact::Motion;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;

@@ -10,7 +10,7 @@ use super::contacts::Contacts;
 use super::newton;
 use super::problem::Problem;
 use super::resist::{Resisting, resisted};
-use super::visit_contacts;
+use super::shared::visit_contacts;
 use crate::energy::Energy;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;

@@ -1,8 +1,8 @@
 //! One contact of an implicit step: its path over a trial step, and the corresponding force.
 
 use super::block::Block;
-use super::newton::is_single;
 use super::problem::{Problem, Trial};
+use super::shared::is_single;
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::contact::facing_ground;
 use crate::friction::FrictionJacobian;

@@ -10,7 +10,7 @@
 //! [`resist`](super::resist). If the computed energy is not lower because of rounding, the state is
 //! not changed.
 
-use super::{motion_of, visit_contacts};
+use super::shared::{motion_of, visit_contacts};
 use crate::contact::Motion;
 use crate::energy::Energy;
 use crate::friction::{RollingResistance, SlidingFriction};

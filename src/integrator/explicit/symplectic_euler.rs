@@ -1,8 +1,8 @@
 //! Semi-implicit Euler: first the velocities, then the positions with the new velocities.
 
-use super::{Integrator, Step, step_length};
 use crate::body::ContactRange;
 use crate::error::{self, SceneError, StepError};
+use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;

@@ -1,8 +1,8 @@
 //! Dormand-Prince pair, of order 5 with an error estimate of order 4.
 
 use super::embedded_pair::{self, Pair, Settings, Workspace};
-use super::{Integrator, Step, StepControl};
 use crate::error::{SceneError, StepError};
+use crate::integrator::interface::{Integrator, Step, StepControl};
 use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;

@@ -6,7 +6,7 @@
 //! may be small by chance. Each contact is therefore evaluated separately at both ends of the step.
 //! Its gap in between follows from cubic Hermite interpolation.
 
-use super::{Attempt, Pair, Place};
+use super::attempt::{Attempt, Pair, Place};
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::contact::{Contact, Load, Motion};
 use crate::friction::SlidingFriction;

@@ -1,9 +1,9 @@
 //! Drift, kick, drift: exact flight before and after a kick by the forces.
 
-use super::{Integrator, Step, step_length};
 use crate::body::ContactRange;
 use crate::contact::Load;
 use crate::error::{self, SceneError, StepError};
+use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::real::Real;
 use crate::rotation::{Axes, Rotation};
 use crate::scene::Dynamics;

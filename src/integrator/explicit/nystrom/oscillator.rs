@@ -1,6 +1,6 @@
 //! Stability of the method on `y'' + damping y' + stiffness y = 0`.
 
-use super::{END, FOURTH, Row, SECOND, THIRD};
+use super::stages::{END, FOURTH, Row, SECOND, THIRD};
 use crate::real::Real;
 
 /// Returns true if an amplification factor of a step exceeds 1 in magnitude. The arguments are

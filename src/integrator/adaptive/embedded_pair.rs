@@ -11,75 +11,24 @@
 //! 3. `control`: the step is accepted if the total error is within the tolerance. Otherwise it is
 //!    repeated up to the first discontinuity that matters, or with a smaller step size.
 
+mod attempt;
 mod control;
 mod slip;
 mod touch;
 
-use super::fingerprint::Fingerprint;
-use super::rk4::Point;
-use super::{Step, StepControl};
-use crate::contact::{Load, Motion};
-use crate::error::{self, Quantity, Rule, SceneError, StepError};
+use crate::error::{Quantity, StepError};
 use crate::friction::{RollingResistance, SlidingFriction};
 use crate::ground::SpringDamperGround;
+use crate::integrator::fingerprint::Fingerprint;
+use crate::integrator::interface::{Step, StepControl};
+use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
+use attempt::{Attempt, Place, attempt_under};
+pub(crate) use attempt::{Pair, Settings};
 use control::{Control, Errors};
-
-/// Coefficients of a pair whose last stage is the first stage of the next step.
-pub(crate) struct Pair<const STAGES: usize> {
-    /// Row i holds the weights of the slopes 0 to i for the point of slope i + 1. The last row but
-    /// one gives the result, and the last row is unused.
-    pub(crate) stages: [[f64; STAGES]; STAGES],
-    /// Weights of the slopes in the estimate: those of the result minus those of the lower order.
-    pub(crate) error: [f64; STAGES],
-    /// Fraction of the estimated velocity error that counts.
-    ///
-    /// The result has a higher order than the estimate and a smaller error, and contacts remove a
-    /// part of that error.
-    pub(super) trust: f64,
-    /// Number of square roots that the controller takes of the error.
-    ///
-    /// The 2^roots-th root is the next below the order of the estimate in the step size.
-    pub(super) roots: u32,
-}
-
-impl<const STAGES: usize> Pair<STAGES> {
-    /// Returns the weights of the slopes in the result.
-    fn weights(&self) -> &[f64] {
-        self.stages.iter().rev().nth(1).map_or(&[], |row| row)
-    }
-}
-
-/// Parameters set by the user.
-pub(super) struct Settings<R> {
-    pub(super) tolerance: R,
-    pub(super) longest_step: R,
-    pub(super) budget: u32,
-}
-
-impl<R: Real> Settings<R> {
-    pub(super) fn check(&self) -> Result<(), SceneError> {
-        error::above_zero("tolerance", self.tolerance, " m")?;
-        error::above_zero("longest step", self.longest_step, " s")?;
-        if self.budget == 0 {
-            return Err(SceneError::new(
-                "budget of steps",
-                Rule::AtLeast(1),
-                0.0,
-                "",
-            ));
-        }
-        Ok(())
-    }
-
-    /// Returns the size below which a step is given up, s: the rounding of the longest step.
-    fn shortest_step(&self) -> R {
-        self.longest_step * R::EPSILON
-    }
-}
 
 /// Workspace of an adaptive Runge-Kutta method: proposed step size, last error and used budget.
 ///
@@ -101,7 +50,7 @@ pub struct Workspace<R: Real = f64> {
 impl<R: Real> Workspace<R> {
     /// Returns the data, besides the state, that determine the next step.
     #[inline]
-    pub(super) fn step_control(&self, state: &State<R>) -> StepControl<R> {
+    pub(crate) fn step_control(&self, state: &State<R>) -> StepControl<R> {
         let known = self.known.as_ref().filter(|known| known.state == *state);
         let orientation = known.map(|known| known.place.point.orientation);
         StepControl {
@@ -112,7 +61,7 @@ impl<R: Real> Workspace<R> {
 
     /// Restores the choice of the next step, with a full budget.
     #[inline]
-    pub(super) fn set_step_control(&mut self, control: StepControl<R>) {
+    pub(crate) fn set_step_control(&mut self, control: StepControl<R>) {
         self.resumed = control.orientation.map(Rotation::unscaled);
         self.control = Control::carrying(control);
     }
@@ -162,35 +111,6 @@ impl<R: Real> Known<R> {
     }
 }
 
-/// Point, slope and motion at one end of a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Place<R: Real> {
-    point: Point<R>,
-    slope: Point<R>,
-    motion: Motion<R>,
-}
-
-impl<R: Real> Place<R> {
-    #[inline(always)]
-    fn at<D: Dynamics<R>>(scene: &D, point: Point<R>) -> Self {
-        Self::under(scene, point, |motion| scene.load(motion))
-    }
-
-    #[inline(always)]
-    fn under<D: Dynamics<R>>(
-        scene: &D,
-        point: Point<R>,
-        load: impl FnOnce(&Motion<R>) -> Load<R>,
-    ) -> Self {
-        let motion = point.motion(scene);
-        Self {
-            point,
-            slope: point.slope_under(scene, &motion, &load(&motion)),
-            motion,
-        }
-    }
-}
-
 /// Numbers that distinguish the slopes of one scene from those of another.
 ///
 /// The numbers are the fingerprint of the energies, and the values of damper and friction at one
@@ -219,7 +139,7 @@ impl<R: Real> Answers<R> {
 }
 
 /// Takes one step with an error below the tolerance, of at most `limit` seconds.
-pub(super) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
+pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
     pair: &Pair<STAGES>,
     settings: &Settings<R>,
     scene: &D,
@@ -295,15 +215,6 @@ fn start_of<R: Real, D: Dynamics<R>>(
     Ok(Place::at(scene, workspace.point(state)))
 }
 
-/// An attempted step of the higher order.
-struct Attempt<R: Real, const STAGES: usize> {
-    end: Place<R>,
-    /// Motions at which the forces of the stages were evaluated.
-    motions: [Motion<R>; STAGES],
-    /// Difference between the results of the higher and the lower order.
-    difference: Point<R>,
-}
-
 /// Attempts a step. A step to a discontinuity leaves out the contacts that begin to push at its
 /// end.
 #[inline(always)]
@@ -320,41 +231,5 @@ fn attempt<R: Real, D: Dynamics<R>, const STAGES: usize>(
         })
     } else {
         attempt_under(pair, scene, start, seconds, |motion| scene.load(motion))
-    }
-}
-
-#[inline(always)]
-fn attempt_under<R: Real, D: Dynamics<R>, const STAGES: usize>(
-    pair: &Pair<STAGES>,
-    scene: &D,
-    start: &Place<R>,
-    seconds: R,
-    load: impl Fn(&Motion<R>) -> Load<R>,
-) -> Attempt<R, STAGES> {
-    let mut slopes = [start.slope; STAGES];
-    let mut motions = [start.motion; STAGES];
-    let mut end = *start;
-    for (i, row) in pair.stages.iter().enumerate().take(STAGES - 1) {
-        let mut point = start.point;
-        for (slope, &weight) in slopes.iter().zip(row).take(i + 1) {
-            point = point.plus(slope, seconds * R::from_f64(weight));
-        }
-        if i + 2 == STAGES {
-            point = point.normalised();
-        }
-        end = Place::under(scene, point, &load);
-        if let (Some(slope), Some(motion)) = (slopes.get_mut(i + 1), motions.get_mut(i + 1)) {
-            *slope = end.slope;
-            *motion = end.motion;
-        }
-    }
-    let mut difference = start.slope.plus(&start.slope, -R::ONE);
-    for (slope, &weight) in slopes.iter().zip(&pair.error) {
-        difference = difference.plus(slope, seconds * R::from_f64(weight));
-    }
-    Attempt {
-        end,
-        motions,
-        difference,
     }
 }

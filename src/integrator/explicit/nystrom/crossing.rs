@@ -1,12 +1,12 @@
 //! Correction for contacts that begin or cease to push within a step: the error of the stages in
 //! the integral of their forces.
 
-use super::{END, SECOND, Stage};
+use super::stages::{END, SECOND, Stage};
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::contact::{Load, Motion};
 use crate::friction::SlidingFriction;
 use crate::integrator::contact_path::{ContactEnd, Path, Sight, arm, push, slip};
-use crate::integrator::rk4::Point;
+use crate::integrator::point::Point;
 use crate::quadrature::{bisect, nodes_of_2};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;

@@ -1,11 +1,11 @@
 //! Step size control: acceptance of a step, and the size of the next attempt.
 
+use super::attempt::{Place, Settings};
 use super::touch::Kinks;
-use super::{Place, Settings};
 use crate::contact::Motion;
 use crate::error::{Quantity, StepError};
-use crate::integrator::rk4::Point;
-use crate::integrator::{StepControl, step_length};
+use crate::integrator::interface::{StepControl, step_length};
+use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
 

@@ -1,8 +1,8 @@
 //! Forward Euler method of the coin report, with an exact rotation.
 
-use super::{Integrator, Step, step_length};
 use crate::body::ContactRange;
 use crate::error::{self, SceneError, StepError};
+use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::real::Real;
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;

@@ -1,8 +1,8 @@
 //! Bogacki-Shampine pair, of order 3 with an error estimate of order 2.
 
 use super::embedded_pair::{self, Pair, Settings, Workspace};
-use super::{Integrator, Step, StepControl};
 use crate::error::{SceneError, StepError};
+use crate::integrator::interface::{Integrator, Step, StepControl};
 use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;

@@ -1,0 +1,99 @@
+//! Force and torque of all contacts together.
+
+use super::level;
+use super::load::Load;
+use super::model::ContactModel;
+use super::motion::Motion;
+use super::rims::{self, Touching};
+use crate::body::{ContactRange, RigidPointBody};
+use crate::friction::SlidingFriction;
+use crate::ground::SpringDamperGround;
+use crate::real::{Real, Vector};
+use crate::rotation::Axes;
+
+impl<R, B, G, F> ContactModel<'_, B, G, F, R>
+where
+    R: Real,
+    B: RigidPointBody<R>,
+    G: SpringDamperGround<R>,
+    F: SlidingFriction<R>,
+{
+    /// Force and torque of all contacts, without gravity.
+    ///
+    /// The sums equal those of [`visit`](Self::visit) except for rounding. The torque of bare
+    /// points on a level plane is summed differently, in another fixed order.
+    #[inline(always)]
+    pub fn load(&self, motion: &Motion<R>) -> Load<R> {
+        let run = self.range_within(R::ZERO, motion.position, &motion.axes);
+        self.load_on(run, motion)
+    }
+
+    /// Force and torque of the contacts in `run`, without gravity.
+    ///
+    /// Use it to evaluate the same pose again with other velocities.
+    #[inline(always)]
+    pub fn load_on(&self, run: ContactRange, motion: &Motion<R>) -> Load<R> {
+        self.load_with_arms(run, motion, None)
+    }
+
+    /// Load of the contacts in `run`. With `arm_axes`, the torque is that of the same forces on a
+    /// body with these axes.
+    #[inline(always)]
+    pub(crate) fn load_with_arms(
+        &self,
+        run: ContactRange,
+        motion: &Motion<R>,
+        arm_axes: Option<&Axes<R>>,
+    ) -> Load<R> {
+        if run.count == 0 && (self.body.rims().is_empty() || self.is_aloft(motion)) {
+            return Load::default();
+        }
+        let mut load = self.load_of_forces(run, motion, arm_axes);
+        if let Some(torque) = self.turning_torque(run, motion) {
+            load.torque += torque;
+        }
+        load
+    }
+
+    #[inline(always)]
+    fn load_of_forces(
+        &self,
+        run: ContactRange,
+        motion: &Motion<R>,
+        arm_axes: Option<&Axes<R>>,
+    ) -> Load<R> {
+        let laws = (self.ground, self.friction);
+        let axes = arm_axes.unwrap_or(&motion.axes);
+        let mut load = Load::default();
+        if let Some(height) = self.height_under_bare_points() {
+            let parts = run.parts(self.body.contacts());
+            load = level::load(laws, height, parts, motion, arm_axes);
+            for rim in self.body.rims() {
+                match Touching::of(laws, rim, motion) {
+                    Touching::Nothing => {}
+                    Touching::Arc(sweep) => sweep.load(laws, rim, axes, &mut load),
+                    Touching::Any => rims::visit_any(laws, rim, motion, &mut |contact| {
+                        load.add_along(axes, contact, contact.force(laws.0, laws.1));
+                    }),
+                }
+            }
+            return load;
+        }
+        self.visit_on(run, motion, |contact| {
+            load.add_along(axes, contact, contact.force(laws.0, laws.1));
+        });
+        load
+    }
+
+    /// Torque of rolling resistance of the contacts in `run`, N m. Returns `None` if the friction
+    /// law has no rolling resistance.
+    #[inline(always)]
+    pub(super) fn turning_torque(&self, run: ContactRange, motion: &Motion<R>) -> Option<R::Vec3> {
+        self.friction.rolling_resistance(R::ZERO)?;
+        let mut sum = R::Vec3::ZERO;
+        self.visit_on(run, motion, |contact| {
+            sum += contact.turning_torque(self.ground, self.friction, motion.angular_velocity);
+        });
+        Some(sum)
+    }
+}

@@ -1,0 +1,134 @@
+//! A pair of Runge-Kutta methods, and one attempted step by it.
+
+use crate::contact::{Load, Motion};
+use crate::error::{self, Rule, SceneError};
+use crate::integrator::point::Point;
+use crate::real::Real;
+use crate::scene::Dynamics;
+
+/// Coefficients of a pair whose last stage is the first stage of the next step.
+pub(crate) struct Pair<const STAGES: usize> {
+    /// Row i holds the weights of the slopes 0 to i for the point of slope i + 1. The last row but
+    /// one gives the result, and the last row is unused.
+    pub(crate) stages: [[f64; STAGES]; STAGES],
+    /// Weights of the slopes in the estimate: those of the result minus those of the lower order.
+    pub(crate) error: [f64; STAGES],
+    /// Fraction of the estimated velocity error that counts.
+    ///
+    /// The result has a higher order than the estimate and a smaller error, and contacts remove a
+    /// part of that error.
+    pub(crate) trust: f64,
+    /// Number of square roots that the controller takes of the error.
+    ///
+    /// The 2^roots-th root is the next below the order of the estimate in the step size.
+    pub(crate) roots: u32,
+}
+
+impl<const STAGES: usize> Pair<STAGES> {
+    /// Returns the weights of the slopes in the result.
+    pub(super) fn weights(&self) -> &[f64] {
+        self.stages.iter().rev().nth(1).map_or(&[], |row| row)
+    }
+}
+
+/// Parameters set by the user.
+pub(crate) struct Settings<R> {
+    pub(crate) tolerance: R,
+    pub(crate) longest_step: R,
+    pub(crate) budget: u32,
+}
+
+impl<R: Real> Settings<R> {
+    pub(crate) fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("tolerance", self.tolerance, " m")?;
+        error::above_zero("longest step", self.longest_step, " s")?;
+        if self.budget == 0 {
+            return Err(SceneError::new(
+                "budget of steps",
+                Rule::AtLeast(1),
+                0.0,
+                "",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Returns the size below which a step is given up, s: the rounding of the longest step.
+    pub(super) fn shortest_step(&self) -> R {
+        self.longest_step * R::EPSILON
+    }
+}
+
+/// Point, slope and motion at one end of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place<R: Real> {
+    pub(super) point: Point<R>,
+    pub(super) slope: Point<R>,
+    pub(super) motion: Motion<R>,
+}
+
+impl<R: Real> Place<R> {
+    #[inline(always)]
+    pub(super) fn at<D: Dynamics<R>>(scene: &D, point: Point<R>) -> Self {
+        Self::under(scene, point, |motion| scene.load(motion))
+    }
+
+    #[inline(always)]
+    pub(super) fn under<D: Dynamics<R>>(
+        scene: &D,
+        point: Point<R>,
+        load: impl FnOnce(&Motion<R>) -> Load<R>,
+    ) -> Self {
+        let motion = point.motion(scene);
+        Self {
+            point,
+            slope: point.slope_under(scene, &motion, &load(&motion)),
+            motion,
+        }
+    }
+}
+
+/// An attempted step of the higher order.
+pub(super) struct Attempt<R: Real, const STAGES: usize> {
+    pub(super) end: Place<R>,
+    /// Motions at which the forces of the stages were evaluated.
+    pub(super) motions: [Motion<R>; STAGES],
+    /// Difference between the results of the higher and the lower order.
+    pub(super) difference: Point<R>,
+}
+
+#[inline(always)]
+pub(super) fn attempt_under<R: Real, D: Dynamics<R>, const STAGES: usize>(
+    pair: &Pair<STAGES>,
+    scene: &D,
+    start: &Place<R>,
+    seconds: R,
+    load: impl Fn(&Motion<R>) -> Load<R>,
+) -> Attempt<R, STAGES> {
+    let mut slopes = [start.slope; STAGES];
+    let mut motions = [start.motion; STAGES];
+    let mut end = *start;
+    for (i, row) in pair.stages.iter().enumerate().take(STAGES - 1) {
+        let mut point = start.point;
+        for (slope, &weight) in slopes.iter().zip(row).take(i + 1) {
+            point = point.plus(slope, seconds * R::from_f64(weight));
+        }
+        if i + 2 == STAGES {
+            point = point.normalised();
+        }
+        end = Place::under(scene, point, &load);
+        if let (Some(slope), Some(motion)) = (slopes.get_mut(i + 1), motions.get_mut(i + 1)) {
+            *slope = end.slope;
+            *motion = end.motion;
+        }
+    }
+    let mut difference = start.slope.plus(&start.slope, -R::ONE);
+    for (slope, &weight) in slopes.iter().zip(&pair.error) {
+        difference = difference.plus(slope, seconds * R::from_f64(weight));
+    }
+    Attempt {
+        end,
+        motions,
+        difference,
+    }
+}
