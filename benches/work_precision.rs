@@ -185,7 +185,7 @@ fn table() -> Vec<(String, Start, bool)> {
 }
 
 fn measure(name: &str, start: &Start, single: bool, whole: bool) {
-    let mut settings = Setting::ladder();
+    let mut settings = Setting::built_in();
     if !whole {
         settings.retain(|setting| (setting.parameter - 1e-3).abs() < 1e-12);
     }

@@ -10,8 +10,8 @@
 //! The error is a length, in m. It is the error of the position, plus the error of the orientation
 //! times the bounding radius of the body. The cost is the time on this machine, in a program built
 //! with `--release`. Compare rows, not machines. The number of force evaluations is the same on
-//! every machine. [`Setting::ladder`] has 58 settings, which together take about a second for a
-//! second of trial 1.
+//! every machine. [`Setting::built_in`] lists 58 settings of the integrators of this crate.
+//! [`measure_integrator`] takes any other [`Integrator`].
 //!
 //! ```
 //! use tumble::work_precision::{Setting, measure};
@@ -19,7 +19,7 @@
 //!
 //! let trial = Trial { slip_speed: 1e-3, ..Trial::report(1).ok_or("no such trial")? };
 //! let stepper = trial.stepper(tumble::Rk4 { time_step: 1e-3 })?;
-//! let table = measure(stepper.scene(), &trial.state(), 0.1, &Setting::ladder())?;
+//! let table = measure(stepper.scene(), &trial.state(), 0.1, &Setting::built_in())?;
 //! let best = table.cheapest(1e-4).ok_or("no setting is so good")?;
 //! println!("{}: {:.1e} m for {} evaluations", best.setting, best.error, best.evaluations);
 //! println!("\nall of them, good to {:.0e} m:\n{table}", table.resolution);
@@ -27,6 +27,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 use core::ops::ControlFlow;
@@ -118,23 +119,23 @@ impl Setting {
     /// Returns each method with seven or eight parameters: time steps from 10 ms to 0.1 ms,
     /// tolerances from 1e-2 to 1e-9 m. Flight is computed step by step.
     #[must_use]
-    pub fn ladder() -> Vec<Self> {
+    pub fn built_in() -> Vec<Self> {
         const TIME_STEPS: [f64; 7] = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4];
         const TOLERANCES: [f64; 8] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
-        let mut ladder = Vec::new();
+        let mut settings = Vec::new();
         for method in Method::ALL {
             let parameters: &[f64] = if method.has_tolerance() {
                 &TOLERANCES
             } else {
                 &TIME_STEPS
             };
-            ladder.extend(parameters.iter().map(|&parameter| Self {
+            settings.extend(parameters.iter().map(|&parameter| Self {
                 method,
                 parameter,
                 flight: false,
             }));
         }
-        ladder
+        settings
     }
 }
 
@@ -156,11 +157,13 @@ impl fmt::Display for Setting {
     }
 }
 
-/// Result of one setting on a scene.
+/// Result of one integrator on a scene.
+///
+/// `S` is what names it: a [`Setting`] of a built-in integrator, or a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct Row<S = Setting> {
     /// Integrator with its parameter.
-    pub setting: Setting,
+    pub setting: S,
     /// Error at the end of the run, m; infinite if the run failed.
     ///
     /// It is the error of the position, plus the error of the orientation times the bounding radius
@@ -195,18 +198,18 @@ pub enum Failure {
 
 /// Error and cost of several settings on one scene.
 #[derive(Clone, Debug, PartialEq)]
-pub struct WorkPrecision {
+pub struct WorkPrecision<S = Setting> {
     /// One row for each setting, in the order of the settings.
-    pub rows: Vec<Row>,
+    pub rows: Vec<Row<S>>,
     /// Difference between the reference and a reference of one tenth of its accuracy, m. Errors
     /// below this difference have no meaning.
     pub resolution: f64,
 }
 
-impl WorkPrecision {
+impl<S> WorkPrecision<S> {
     /// Returns the row with the least time for an error of at most `error` (m).
     #[must_use]
-    pub fn cheapest(&self, error: f64) -> Option<&Row> {
+    pub fn cheapest(&self, error: f64) -> Option<&Row<S>> {
         (self.rows.iter())
             .filter(|row| row.error <= error)
             .min_by_key(|row| row.time)
@@ -214,7 +217,7 @@ impl WorkPrecision {
 
     /// Returns the rows for which no other row is better in both error and time, in order of time.
     #[must_use]
-    pub fn pareto_front(&self) -> Vec<&Row> {
+    pub fn pareto_front(&self) -> Vec<&Row<S>> {
         let mut rows: Vec<_> = (self.rows.iter())
             .filter(|row| row.failure.is_none())
             .collect();
@@ -229,8 +232,29 @@ impl WorkPrecision {
     }
 }
 
+impl<S: fmt::Display> WorkPrecision<S> {
+    /// Names each row by its text, so that a row of another integrator can be added.
+    #[must_use]
+    pub fn with_text(self) -> WorkPrecision<String> {
+        let rows = self.rows.into_iter().map(|row| Row {
+            setting: row.setting.to_string(),
+            error: row.error,
+            time: row.time,
+            evaluations: row.evaluations,
+            steps: row.steps,
+            rejected: row.rejected,
+            energy_rise: row.energy_rise,
+            failure: row.failure,
+        });
+        WorkPrecision {
+            rows: rows.collect(),
+            resolution: self.resolution,
+        }
+    }
+}
+
 /// Writes `setting, error, time, evaluations, energy rise`, one row a line.
-impl fmt::Display for WorkPrecision {
+impl<S: fmt::Display> fmt::Display for WorkPrecision<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
@@ -239,7 +263,7 @@ impl fmt::Display for WorkPrecision {
         )?;
         for row in &self.rows {
             let (error, micros) = (row.error, row.time.as_secs_f64() * 1e6);
-            let setting = alloc::format!("{}", row.setting);
+            let setting = row.setting.to_string();
             write!(
                 f,
                 "{setting:<36} {error:>9.1e} {micros:>11.1} {:>11} {:>12.1e}",
@@ -295,6 +319,46 @@ pub fn measure_against<R: Real, D: Dynamics<R>>(
             .collect(),
         resolution: reference.resolution,
     }
+}
+
+/// Runs a scene with any [`Integrator`], and compares the final state with that of a
+/// [`reference()`].
+///
+/// `setting` names the integrator in its row. `WorkPrecision::with_text` gives the table of the
+/// built-in integrators the same type, so that the row can be added:
+///
+/// ```
+/// use tumble::work_precision::{Setting, measure_against, measure_integrator, reference};
+/// use tumble::{Rk4, Trial};
+///
+/// let trial = Trial { slip_speed: 1e-3, ..Trial::report(1).ok_or("no such trial")? };
+/// let own = Rk4 { time_step: 5e-4 };
+/// let stepper = trial.stepper(own)?;
+/// let (scene, start) = (stepper.scene(), trial.state());
+/// let truth = reference(scene, &start, 0.1)?;
+///
+/// let table = measure_against(scene, &start, 0.1, &Setting::built_in()[..3], &truth);
+/// let mut table = table.with_text();
+/// let row = measure_integrator(scene, &start, 0.1, "own, 0.5 ms".to_owned(), own, &truth);
+/// table.rows.push(row);
+/// println!("{table}");
+/// # assert!(table.rows.iter().all(|row| row.failure.is_none()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn measure_integrator<R: Real, D: Dynamics<R>, I: Integrator<R>, S>(
+    scene: &D,
+    start: &State<R>,
+    seconds: R,
+    setting: S,
+    integrator: I,
+    reference: &Reference<R>,
+) -> Row<S> {
+    let bench = Bench {
+        scene,
+        start,
+        seconds,
+    };
+    bench.row(setting, integrator, &reference.end)
 }
 
 /// Reference result that settings are compared with.
@@ -412,12 +476,7 @@ impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
         }
     }
 
-    fn row<I: Integrator<R> + Copy>(
-        &self,
-        setting: Setting,
-        integrator: I,
-        reference: &State<R>,
-    ) -> Row {
+    fn row<I: Integrator<R>, S>(&self, setting: S, integrator: I, reference: &State<R>) -> Row<S> {
         let mut row = Row {
             setting,
             error: f64::INFINITY,
@@ -453,7 +512,7 @@ impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
 
     /// Counts steps and evaluations, and the largest increase of the energy, in a run that is not
     /// timed.
-    fn count<I: Integrator<R>>(&self, stepper: &Borrowed<'a, R, D, I>, row: &mut Row) {
+    fn count<I: Integrator<R>, S>(&self, stepper: &Borrowed<'a, R, D, I>, row: &mut Row<S>) {
         let mut last: Option<R> = None;
         let mut rise = R::ZERO;
         let mut state = *self.start;

@@ -145,10 +145,10 @@ impl Combination {
 
 /// Measures every setting of the sequence, except those that follow a long run.
 fn try_all(measured: &Measured, single: bool) -> WorkPrecision {
-    let ladder = Setting::ladder();
+    let settings = Setting::built_in();
     let mut whole = measured(&[], single);
     for method in Method::ALL {
-        for setting in ladder.iter().filter(|setting| setting.method == method) {
+        for setting in settings.iter().filter(|setting| setting.method == method) {
             let rows = measured(&[*setting], single).rows;
             let long = rows.iter().any(is_long);
             whole.rows.extend(rows);

@@ -79,7 +79,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn measure(options: &Options) -> Result<WorkPrecision, Box<dyn Error>> {
-    let mut settings = Setting::ladder();
+    let mut settings = Setting::built_in();
     for setting in &mut settings {
         setting.flight = options.flight;
     }

@@ -4,12 +4,14 @@
 #![allow(clippy::unwrap_used)]
 
 use tumble::error::Quantity;
-use tumble::work_precision::{Failure, Method, Setting, measure, measure_against, reference};
+use tumble::work_precision::{
+    Failure, Method, Setting, measure, measure_against, measure_integrator, reference,
+};
 use tumble::{FlatGround, Rk4, State, StepError, Stepper, Trial, UniformGravity};
 
 fn settings() -> Vec<Setting> {
-    let mut ladder = Setting::ladder();
-    ladder.retain(|setting| {
+    let mut settings = Setting::built_in();
+    settings.retain(|setting| {
         setting.parameter
             >= if setting.method.has_tolerance() {
                 1e-6
@@ -17,7 +19,7 @@ fn settings() -> Vec<Setting> {
                 1e-3
             }
     });
-    ladder
+    settings
 }
 
 #[test]
@@ -105,4 +107,40 @@ fn a_setting_whose_knob_cannot_be_is_told_so() {
             "tolerance must be above 0, got -1 m"
         ]
     );
+}
+
+#[test]
+fn any_integrator_gets_the_row_that_a_built_in_setting_of_it_gets() {
+    let trial = Trial::<f64> {
+        slip_speed: 1e-3,
+        ..Trial::report(3).unwrap()
+    };
+    let own = Rk4 { time_step: 1e-3 };
+    let stepper = trial.stepper(own).unwrap();
+    let (scene, start) = (stepper.scene(), trial.state());
+    let truth = reference(scene, &start, 0.2).unwrap();
+    let setting = Setting {
+        method: Method::Rk4,
+        parameter: 1e-3,
+        flight: false,
+    };
+    let built_in = measure_against(scene, &start, 0.2, &[setting], &truth).with_text();
+    let row = measure_integrator(scene, &start, 0.2, "own".to_owned(), own, &truth);
+    let known = &built_in.rows[0];
+    assert_eq!(known.setting, "Rk4 1e-3 s");
+    assert_eq!(row.setting, "own");
+    assert_eq!(row.error.to_bits(), known.error.to_bits());
+    assert_eq!(row.energy_rise.to_bits(), known.energy_rise.to_bits());
+    assert_eq!(
+        (row.steps, row.evaluations, row.rejected, row.failure),
+        (
+            known.steps,
+            known.evaluations,
+            known.rejected,
+            known.failure
+        )
+    );
+    let mut table = built_in;
+    table.rows.push(row);
+    assert!(table.to_string().contains("own "));
 }
