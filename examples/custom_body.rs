@@ -251,14 +251,15 @@ fn mirrored(state: &State) -> State {
 
 /// Runs the stone and returns the moment after every step.
 fn run(askew: f64, mut state: State, duration: f64) -> Outcome<Vec<Moment>> {
-    let stepper = Stepper::new(Celt::new(askew))?
-        .with_gravity(UniformGravity::down(GRAVITY))?
-        .with_ground(FlatGround::level(STIFFNESS, 10.0))?
-        .with_friction(Coulomb {
+    let stepper = Stepper::builder(Celt::new(askew))
+        .gravity(UniformGravity::down(GRAVITY))
+        .ground(FlatGround::level(STIFFNESS, 10.0))
+        .friction(Coulomb {
             coefficient: 1.0,
             slip_speed: 1e-3,
-        })?
-        .with_integrator(EnergyMomentum { time_step: 5e-4 })?;
+        })
+        .integrator(EnergyMomentum { time_step: 5e-4 })
+        .build()?;
     let mut moments = Vec::new();
     let mut watch = |sample: &Sample<'_>| {
         moments.push(Moment {

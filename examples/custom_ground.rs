@@ -174,10 +174,11 @@ fn swing(
     time_step: f64,
     seconds: f64,
 ) -> Outcome<Way> {
-    let stepper = Stepper::new(PointCloud::new([DVec3::ZERO], [1.0])?)?
-        .with_gravity(UniformGravity::down(GRAVITY))?
-        .with_ground(ground)?
-        .with_integrator(EnergyMomentum { time_step })?;
+    let stepper = Stepper::builder(PointCloud::new([DVec3::ZERO], [1.0])?)
+        .gravity(UniformGravity::down(GRAVITY))
+        .ground(ground)
+        .integrator(EnergyMomentum { time_step })
+        .build()?;
     let mut way = Way::new();
     let mut watch = |sample: &Sample<'_>| {
         way.push((

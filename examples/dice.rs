@@ -146,14 +146,17 @@ fn stepper(load: f64) -> Outcome<Die> {
     let heavy = MassProperties::cuboid(MASS, edges).at(DVec3::NEG_Z * load);
     // A corner that supports the whole weight penetrates by 12 µm, and bounces at 0.6 of its speed.
     let ground = FlatGround::level(4000.0, 1.2);
-    Ok(Stepper::new(Cuboid::loaded(edges, heavy).rounded(CORNER))?
-        .with_gravity(UniformGravity::down(GRAVITY))?
-        .with_ground(ground)?
-        .with_friction(Coulomb {
-            coefficient: 0.3,
-            slip_speed: 1e-4,
-        })?
-        .with_integrator(EnergyMomentum { time_step: 1e-3 })?)
+    Ok(
+        Stepper::builder(Cuboid::loaded(edges, heavy).rounded(CORNER))
+            .gravity(UniformGravity::down(GRAVITY))
+            .ground(ground)
+            .friction(Coulomb {
+                coefficient: 0.3,
+                slip_speed: 1e-4,
+            })
+            .integrator(EnergyMomentum { time_step: 1e-3 })
+            .build()?,
+    )
 }
 
 fn listed(faces: [u32; 6]) -> String {

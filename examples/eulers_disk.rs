@@ -133,10 +133,11 @@ fn work(options: &Options) -> Outcome<Page> {
 
 /// Returns time (s) and angle (rad) until the disk is nearly flat, and the shots of the film.
 fn run(time_step: f64) -> Outcome<(Curve, Vec<Shot>)> {
-    let stepper = Stepper::new(Coin::ring(MASS, RADIUS))?
-        .with_gravity(UniformGravity::down(GRAVITY))?
-        .with_ground(FlatGround::level(STIFFNESS, DAMPING))?
-        .with_integrator(EnergyMomentum { time_step })?;
+    let stepper = Stepper::builder(Coin::ring(MASS, RADIUS))
+        .gravity(UniformGravity::down(GRAVITY))
+        .ground(FlatGround::level(STIFFNESS, DAMPING))
+        .integrator(EnergyMomentum { time_step })
+        .build()?;
     // The plane leans by a rotation about y from upright.
     let turned = State::at(DVec3::ZERO)
         .with_rotation_vector(DVec3::Y * (FIRST - core::f64::consts::FRAC_PI_2));

@@ -83,11 +83,12 @@ struct Ride {
 impl<F: SlidingFriction + Copy, I: Integrator + Copy> Run<Ride> for Scene<F, I> {
     fn run<B: RigidPointBody>(self, body: &B) -> Outcome<Ride> {
         let each = |whole: f64| whole / self.points;
-        let stepper = Stepper::new(body)?
-            .with_gravity(UniformGravity::down(GRAVITY))?
-            .with_ground(FlatGround::level(each(STIFFNESS), each(self.damping)))?
-            .with_friction(self.friction)?
-            .with_integrator(self.integrator)?;
+        let stepper = Stepper::builder(body)
+            .gravity(UniformGravity::down(GRAVITY))
+            .ground(FlatGround::level(each(STIFFNESS), each(self.damping)))
+            .friction(self.friction)
+            .integrator(self.integrator)
+            .build()?;
         let mut state = self.start;
         let (mut squares, mut samples) = (0.0, 0);
         let mut shake = |sample: &Sample<'_>| {

@@ -178,14 +178,15 @@ fn run(ball: Sphere, rim: f64, time_step: f64) -> Outcome<Vec<Moment>> {
         stiffness,
         damping: (MASS * stiffness).sqrt(),
     };
-    let stepper = Stepper::new(ball)?
-        .with_gravity(UniformGravity::down(GRAVITY))?
-        .with_ground(FlatGround::level(law.stiffness, law.damping))?
-        .with_friction(Coulomb {
+    let stepper = Stepper::builder(ball)
+        .gravity(UniformGravity::down(GRAVITY))
+        .ground(FlatGround::level(law.stiffness, law.damping))
+        .friction(Coulomb {
             coefficient: COEFFICIENT,
             slip_speed: SLIP_SPEED,
-        })?
-        .with_integrator(EnergyMomentum { time_step })?;
+        })
+        .integrator(EnergyMomentum { time_step })
+        .build()?;
     let start = State::at(DVec3::Z * (RADIUS - sink)).with_linear_velocity(DVec3::X * SPEED);
     let spin = DVec3::Y * (rim / RADIUS);
     let axes = start.rotation().axes();

@@ -231,14 +231,15 @@ fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Path,
         contacts: 1,
     };
     let law = SpringDamper::from_bounce(carried, RESTITUTION, CONTACT_TIME)?;
-    let stepper = Stepper::new(Sphere::shell(MASS, RADIUS))?
-        .with_gravity(UniformGravity::down(GRAVITY))?
-        .with_ground(Ground::level(law))?
-        .with_friction(Coulomb {
+    let stepper = Stepper::builder(Sphere::shell(MASS, RADIUS))
+        .gravity(UniformGravity::down(GRAVITY))
+        .ground(Ground::level(law))
+        .friction(Coulomb {
             coefficient,
             slip_speed: 1e-4,
-        })?
-        .with_integrator(EnergyMomentum { time_step })?;
+        })
+        .integrator(EnergyMomentum { time_step })
+        .build()?;
     let angle = ANGLE.to_radians();
     // The ball is thrown so that it touches down after 0.1 s with the velocity of the test.
     let before = 0.1;

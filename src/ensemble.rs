@@ -11,10 +11,11 @@
 //! use tumble::ensemble::{Ensemble, RandomSpin, RandomStart, Throw};
 //! use tumble::{Coulomb, FlatGround, SolidCoin, Stepper, UniformGravity};
 //!
-//! let stepper = Stepper::new(SolidCoin::new(0.006, 0.012, 0.002))? // kg, m, m
-//!     .with_gravity(UniformGravity::down(9.81))? // m/s²
-//!     .with_ground(FlatGround::level(2000.0, 0.2))? // N/m and N s/m, for each point
-//!     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?; // -, m/s
+//! let stepper = Stepper::builder(SolidCoin::new(0.006, 0.012, 0.002)) // kg, m, m
+//!     .gravity(UniformGravity::down(9.81)) // m/s²
+//!     .ground(FlatGround::level(2000.0, 0.2)) // N/m and N s/m, for each point
+//!     .friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 }) // -, m/s
+//!     .build()?;
 //! let start = RandomStart::at_height(0.1) // m
 //!     .with_spin(RandomSpin::Isotropic { rate: (20.0..=40.0).into() }); // rad/s
 //! let throw = Throw::new(&stepper, start, 10.0)?; // s

@@ -10,10 +10,11 @@
 //! use tumble::glam::DVec3;
 //! use tumble::{Coin, Coulomb, FlatGround, State, Stepper, UniformGravity};
 //!
-//! let stepper = Stepper::new(Coin::ring(1.0, 0.5))? // kg, m
-//!     .with_gravity(UniformGravity::down(9.8))? // m/s²
-//!     .with_ground(FlatGround::level(1000.0, 0.5))? // N/m and N s/m, for each point
-//!     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?; // -, m/s
+//! let stepper = Stepper::builder(Coin::ring(1.0, 0.5)) // kg, m
+//!     .gravity(UniformGravity::down(9.8)) // m/s²
+//!     .ground(FlatGround::level(1000.0, 0.5)) // N/m and N s/m, for each point
+//!     .friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 }) // -, m/s
+//!     .build()?;
 //! let mut state = State::at(DVec3::Z) // m
 //!     .with_angular_momentum(DVec3::new(0.3, 1.0, 0.2)); // kg m²/s
 //! let before = stepper.energy(&state).total();
@@ -226,7 +227,7 @@ pub use rotation::Rotation;
 pub use scene::{Dynamics, Rates, Scene};
 pub use session::{Moment, SavedSession, Session};
 pub use state::State;
-pub use stepper::Stepper;
+pub use stepper::{Stepper, StepperBuilder};
 pub use trial::{Start, Trial};
 
 /// Guide to the crate, with one page for each question.

@@ -115,10 +115,11 @@ pub enum Outcome<F> {
 /// use tumble::glam::DVec3;
 /// use tumble::{CoinFace, Coin, Coulomb, FlatGround, Outcome, State, Stepper, UniformGravity};
 ///
-/// let stepper = Stepper::new(Coin::ring(1.0, 0.5))? // kg, m
-///     .with_ground(FlatGround::level(1000.0, 0.5))? // N/m and N s/m, for each point
-///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })? // -, m/s
-///     .with_gravity(UniformGravity::down(9.8))?; // m/s²
+/// let stepper = Stepper::builder(Coin::ring(1.0, 0.5)) // kg, m
+///     .ground(FlatGround::level(1000.0, 0.5)) // N/m and N s/m, for each point
+///     .friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 }) // -, m/s
+///     .gravity(UniformGravity::down(9.8)) // m/s²
+///     .build()?;
 /// let barriers = stepper.barriers().ok_or("no level ground")?;
 /// // Upright the energy suffices for both faces. Leaning by half a radian it does not.
 /// let upright = State::at(DVec3::Z * 0.5);

@@ -30,10 +30,11 @@ use crate::stepper::{Clock, End, Stepper, check_duration};
 /// use tumble::glam::DVec3;
 /// use tumble::{Coin, Coulomb, FlatGround, State, Stepper, UniformGravity};
 ///
-/// let stepper = Stepper::new(Coin::ring(1.0, 0.5))? // kg, m
-///     .with_gravity(UniformGravity::down(9.8))? // m/s²
-///     .with_ground(FlatGround::level(1000.0, 0.5))? // N/m and N s/m, for each point
-///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?; // -, m/s
+/// let stepper = Stepper::builder(Coin::ring(1.0, 0.5)) // kg, m
+///     .gravity(UniformGravity::down(9.8)) // m/s²
+///     .ground(FlatGround::level(1000.0, 0.5)) // N/m and N s/m, for each point
+///     .friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 }) // -, m/s
+///     .build()?;
 /// let mut session = stepper.session(State::at(DVec3::Z)); // m
 /// for _ in 0..60 {
 ///     session.advance(1.0 / 60.0)?; // s, one frame
@@ -297,9 +298,10 @@ where
     /// use tumble::glam::DVec3;
     /// use tumble::{Coin, FlatGround, State, Stepper, UniformGravity};
     ///
-    /// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?
-    ///     .with_gravity(UniformGravity::down(9.8))?
-    ///     .with_ground(FlatGround::level(1000.0, 0.5))?;
+    /// let stepper = Stepper::builder(Coin::ring(1.0, 0.5))
+    ///     .gravity(UniformGravity::down(9.8))
+    ///     .ground(FlatGround::level(1000.0, 0.5))
+    ///     .build()?;
     /// let mut session = stepper.session(State::at(DVec3::Z));
     /// let mut heights = Vec::new();
     /// for moment in session.samples(1.0 / 60.0)?.take(61) {

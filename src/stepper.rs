@@ -1,5 +1,9 @@
 //! The stepper: combines a scene with an integrator and advances states in time.
 
+mod builder;
+
+pub use builder::StepperBuilder;
+
 use core::ops::ControlFlow;
 
 use crate::body::RigidPointBody;
@@ -20,8 +24,8 @@ use crate::state::State;
 
 /// Advances the states of one body in one scene in time.
 ///
-/// [`new`](Self::new) starts with a body in empty space. Each `with_*` method adds one part of the
-/// scene. A part that is not added costs nothing.
+/// [`builder`](Self::builder) takes the parts of the scene and checks them once. A part that is not
+/// named costs nothing. Each `with_*` method replaces one part of an existing stepper.
 ///
 /// The caller owns the state. One stepper therefore serves any number of states, also from several
 /// threads.
@@ -37,10 +41,11 @@ use crate::state::State;
 ///     table: Stepper<Coin, FlatGround, Coulomb, UniformGravity>,
 /// }
 ///
-/// let table = Stepper::new(Coin::ring(0.01, 0.01))?
-///     .with_gravity(UniformGravity::down(9.81))?
-///     .with_ground(FlatGround::level(1e4, 0.5))?
-///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?;
+/// let table = Stepper::builder(Coin::ring(0.01, 0.01))
+///     .gravity(UniformGravity::down(9.81))
+///     .ground(FlatGround::level(1e4, 0.5))
+///     .friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })
+///     .build()?;
 /// let game = Game { table };
 /// # assert_eq!(game.table.body().radius(), 0.01);
 /// # Ok::<(), SceneError>(())
@@ -52,11 +57,12 @@ use crate::state::State;
 /// use tumble::glam::DVec3;
 /// use tumble::{Coin, Coulomb, FlatGround, State, Stepper, StrangSplitting, UniformGravity};
 ///
-/// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?
-///     .with_gravity(UniformGravity::down(9.8))?
-///     .with_ground(FlatGround::level(1000.0, 0.5))?
-///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?
-///     .with_integrator(StrangSplitting { time_step: 1e-3 })?;
+/// let stepper = Stepper::builder(Coin::ring(1.0, 0.5))
+///     .gravity(UniformGravity::down(9.8))
+///     .ground(FlatGround::level(1000.0, 0.5))
+///     .friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })
+///     .integrator(StrangSplitting { time_step: 1e-3 })
+///     .build()?;
 /// let mut state = State::at(DVec3::Z).with_angular_momentum(DVec3::new(0.3, 1.0, 0.2));
 /// let before = stepper.energy(&state).total();
 /// stepper.advance(&mut state, 2.0)?;
@@ -86,12 +92,18 @@ impl<R: Real, B: RigidPointBody<R>>
     /// Returns [`SceneError`] if the body is invalid. The error names the quantity, the rule and
     /// the value.
     pub fn new(body: B) -> Result<Self, SceneError> {
-        Ok(Self {
-            scene: Scene::new(body, NoGround, Frictionless, NoGravity)?,
-            integrator: EnergyMomentum {
-                time_step: R::from_f64(1e-3),
-            },
-        })
+        Self::builder(body).build()
+    }
+
+    /// Starts the composition of a stepper for `body`. The defaults are those of
+    /// [`new`](Self::new).
+    #[inline]
+    pub fn builder(
+        body: B,
+    ) -> StepperBuilder<B, NoGround, Frictionless, NoGravity, EnergyMomentum<R>, R> {
+        let time_step = R::from_f64(1e-3);
+        let integrator = EnergyMomentum { time_step };
+        StepperBuilder::new(body, NoGround, Frictionless, NoGravity, integrator)
     }
 }
 

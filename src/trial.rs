@@ -151,10 +151,11 @@ impl<R: Real> Trial<R> {
         &self,
         integrator: I,
     ) -> Result<TrialStepper<I, R>, SceneError> {
-        Stepper::new(self.coin())?
-            .with_ground(self.ground())?
-            .with_friction(self.friction())?
-            .with_gravity(self.gravity())?
-            .with_integrator(integrator)
+        Stepper::builder(self.coin())
+            .ground(self.ground())
+            .friction(self.friction())
+            .gravity(self.gravity())
+            .integrator(integrator)
+            .build()
     }
 }

@@ -419,13 +419,14 @@ impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
         &self,
         integrator: I,
     ) -> Result<Borrowed<'a, R, D, I>, SceneError> {
-        Stepper::new(self.scene.body())?
-            .with_ground(self.scene.ground())?
-            .with_friction(self.scene.friction())?
-            .with_gravity(UniformGravity {
+        Stepper::builder(self.scene.body())
+            .ground(self.scene.ground())
+            .friction(self.scene.friction())
+            .gravity(UniformGravity {
                 acceleration: self.scene.gravity(),
-            })?
-            .with_integrator(integrator)
+            })
+            .integrator(integrator)
+            .build()
     }
 
     fn end<I: Integrator<R>>(&self, integrator: I) -> Result<State<R>, Failure> {

@@ -6,6 +6,10 @@
     clippy::expect_used,
     reason = "a source file that cannot be read ends the test"
 )]
+#![allow(
+    clippy::std_instead_of_alloc,
+    reason = "a test has the standard library"
+)]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

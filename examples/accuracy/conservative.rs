@@ -120,10 +120,11 @@ fn bounces() -> Result<String, Failure> {
 
 /// Relative change of the energy of bounces from 1 m, with a spin, on 1e5 N/m.
 fn bounce(body: &dyn RigidPointBody<f32>, time_step: f32) -> Result<f32, Failure> {
-    let stepper = Stepper::new(body)?
-        .with_gravity(UniformGravity::down(9.8))?
-        .with_ground(FlatGround::level(1e5, 0.0))?
-        .with_integrator(EnergyMomentum { time_step })?;
+    let stepper = Stepper::builder(body)
+        .gravity(UniformGravity::down(9.8))
+        .ground(FlatGround::level(1e5, 0.0))
+        .integrator(EnergyMomentum { time_step })
+        .build()?;
     let state = State::at(Vec3::Z).with_linear_velocity(Vec3::new(0.3, 0.2, 0.0));
     let mut state = stepper.with_angular_velocity(state, Vec3::new(0.6, 2.0, 0.9));
     let before = stepper.energy(&state).total();

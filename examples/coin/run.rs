@@ -68,11 +68,12 @@ fn compose<I: Integrator<f64>>(
     integrator: I,
 ) -> Result<CoinStepper<I>, tumble::SceneError> {
     let points = vec![ContactPoint::default(); setup.points];
-    Stepper::new(Coin::ring_with_storage(points, MASS, RADIUS))?
-        .with_ground(FlatGround::level(setup.stiffness, setup.trial.damping))?
-        .with_friction(setup.trial.friction())?
-        .with_gravity(setup.trial.gravity())?
-        .with_integrator(integrator)
+    Stepper::builder(Coin::ring_with_storage(points, MASS, RADIUS))
+        .ground(FlatGround::level(setup.stiffness, setup.trial.damping))
+        .friction(setup.trial.friction())
+        .gravity(setup.trial.gravity())
+        .integrator(integrator)
+        .build()
 }
 
 fn by_library<I: Integrator<f64>>(

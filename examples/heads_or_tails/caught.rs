@@ -33,9 +33,10 @@ pub(crate) fn formula(psi: f64, chi: f64) -> f64 {
 /// Tosses with catches at equally spaced phases of the normal's motion.
 pub(crate) fn count(psi: f64, chi: f64, tosses: u64, bar: &ProgressBar) -> Outcome<Count> {
     // A half-dollar: kg, m.
-    let stepper = Stepper::new(Disc::solid(0.0113, 0.0153, 48))?
-        .with_gravity(UniformGravity::down(9.81))?
-        .with_integrator(EnergyMomentum { time_step: 0.01 })?;
+    let stepper = Stepper::builder(Disc::solid(0.0113, 0.0153, 48))
+        .gravity(UniformGravity::down(9.81))
+        .integrator(EnergyMomentum { time_step: 0.01 })
+        .build()?;
     // Normal along x of the body; at the start as near to the vertical as it comes.
     let lean = chi.to_radians() - psi.to_radians();
     let orientation = DQuat::from_rotation_y(-FRAC_PI_2 + lean);

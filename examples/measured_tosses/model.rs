@@ -150,11 +150,12 @@ pub(crate) struct Model {
 impl Model {
     pub(crate) fn new(parameters: &Parameters, steps: u32) -> Result<Self, Box<dyn Error>> {
         let time_step = 1.0 / (RATE * f64::from(steps));
-        let stepper = Stepper::new(Cube::new(&parameters.body))?
-            .with_gravity(UniformGravity::down(GRAVITY))?
-            .with_ground(FlatGround::level(parameters.stiffness, parameters.damping))?
-            .with_friction(parameters.friction())?
-            .with_integrator(EnergyMomentum { time_step })?;
+        let stepper = Stepper::builder(Cube::new(&parameters.body))
+            .gravity(UniformGravity::down(GRAVITY))
+            .ground(FlatGround::level(parameters.stiffness, parameters.damping))
+            .friction(parameters.friction())
+            .integrator(EnergyMomentum { time_step })
+            .build()?;
         Ok(Self {
             stepper,
             corrections: parameters.body,

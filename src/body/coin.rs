@@ -24,10 +24,11 @@ use crate::state::State;
 /// use tumble::{Coin, Coulomb, CoinFace, FlatGround, State, Stepper, UniformGravity};
 ///
 /// let coin = Coin::ring(1.0, 0.5); // kg, m
-/// let stepper = Stepper::new(coin)?
-///     .with_ground(FlatGround::level(1000.0, 0.5))? // N/m and N s/m a point
-///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })? // m/s
-///     .with_gravity(UniformGravity::down(9.8))?; // m/s²
+/// let stepper = Stepper::builder(coin)
+///     .ground(FlatGround::level(1000.0, 0.5)) // N/m and N s/m a point
+///     .friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 }) // m/s
+///     .gravity(UniformGravity::down(9.8)) // m/s²
+///     .build()?;
 /// // Dropped from 0.7 m, heads up and leaning, with a spin of 6 rad/s about its normal.
 /// let state = State::at(DVec3::new(0.0, 0.0, 0.7)).with_rotation_vector(DVec3::new(0.0, -1.2, 0.0));
 /// let mut state = stepper.with_angular_velocity(state, state.orientation * DVec3::X * 6.0);

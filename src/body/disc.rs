@@ -19,10 +19,11 @@ use crate::state::State;
 ///
 /// // The disc on the ground of the 120 points of the coin report: it rolls upright at 4 rad/s.
 /// // Its height stays constant to 1 µm. The corners of such a ring of points are 170 µm high.
-/// let stepper = Stepper::new(Disc::ring(1.0, 0.5, 120))? // kg, m
-///     .with_gravity(UniformGravity::down(9.8))? // m/s²
-///     .with_ground(FlatGround::level(1000.0, 0.5))? // N/m and N s/m, for each of 120 points
-///     .with_integrator(StrangSplitting { time_step: 1e-3 })?; // s
+/// let stepper = Stepper::builder(Disc::ring(1.0, 0.5, 120)) // kg, m
+///     .gravity(UniformGravity::down(9.8)) // m/s²
+///     .ground(FlatGround::level(1000.0, 0.5)) // N/m and N s/m, for each of 120 points
+///     .integrator(StrangSplitting { time_step: 1e-3 }) // s
+///     .build()?;
 /// let mut state = State::at(DVec3::Z * 0.49);
 /// stepper.advance(&mut state, 20.0)?; // until it has settled
 /// let height = state.position.z;

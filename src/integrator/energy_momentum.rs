@@ -64,11 +64,12 @@ use problem::Problem;
 ///
 /// // The step size is a fiftieth of a second. On this ground an explicit method needs a
 /// // three-hundredth of it, or less.
-/// let stepper = Stepper::new(Coin::ring(1.0, 0.5))? // kg, m
-///     .with_gravity(UniformGravity::down(9.8))? // m/s²
-///     .with_ground(FlatGround::level(1e9, 0.0))? // N/m and N s/m, for each point
-///     .with_friction(Coulomb { coefficient: 0.8, slip_speed: 1e-10 })? // -, m/s
-///     .with_integrator(EnergyMomentum { time_step: 0.02 })?; // s
+/// let stepper = Stepper::builder(Coin::ring(1.0, 0.5)) // kg, m
+///     .gravity(UniformGravity::down(9.8)) // m/s²
+///     .ground(FlatGround::level(1e9, 0.0)) // N/m and N s/m, for each point
+///     .friction(Coulomb { coefficient: 0.8, slip_speed: 1e-10 }) // -, m/s
+///     .integrator(EnergyMomentum { time_step: 0.02 }) // s
+///     .build()?;
 /// let mut state = State::at(DVec3::Z).with_angular_momentum(DVec3::new(3.0, 10.0, 2.0)); // m, kg m²/s
 /// for _ in 0..500 {
 ///     let before = stepper.energy(&state).total();

@@ -56,10 +56,11 @@ use crate::state::State;
 /// use tumble::glam::DVec3;
 /// use tumble::{Coin, FlatGround, Flight, State, Stepper, StrangSplitting, UniformGravity};
 ///
-/// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?
-///     .with_gravity(UniformGravity::down(9.8))?
-///     .with_ground(FlatGround::level(1000.0, 0.5))?
-///     .with_integrator(Flight(StrangSplitting { time_step: 1e-3 }))?;
+/// let stepper = Stepper::builder(Coin::ring(1.0, 0.5))
+///     .gravity(UniformGravity::down(9.8))
+///     .ground(FlatGround::level(1000.0, 0.5))
+///     .integrator(Flight(StrangSplitting { time_step: 1e-3 }))
+///     .build()?;
 /// let mut state = State::at(DVec3::Z * 5.0).with_angular_momentum(DVec3::new(0.3, 1.0, 0.2));
 /// let step = stepper.step(&mut state)?;
 /// assert!(step.elapsed > 0.9);

@@ -18,10 +18,11 @@ use crate::scene::Dynamics;
 /// use tumble::glam::DVec3;
 /// use tumble::{Coulomb, Cuboid, FlatGround, State, Stepper, UniformGravity, UntilDecided};
 ///
-/// let stepper = Stepper::new(Cuboid::cube(0.005, 0.016).rounded(0.0015))? // kg, m, m
-///     .with_gravity(UniformGravity::down(9.81))?
-///     .with_ground(FlatGround::level(4000.0, 1.2))?
-///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?;
+/// let stepper = Stepper::builder(Cuboid::cube(0.005, 0.016).rounded(0.0015)) // kg, m, m
+///     .gravity(UniformGravity::down(9.81))
+///     .ground(FlatGround::level(4000.0, 1.2))
+///     .friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })
+///     .build()?;
 /// let spin = DVec3::new(20.0, 35.0, 5.0); // rad/s
 /// let state = stepper.with_angular_velocity(State::at(DVec3::Z * 0.2), spin); // m
 /// let mut decided = UntilDecided::new(stepper.barriers().ok_or("no level ground")?);

@@ -23,10 +23,11 @@ use crate::state::State;
 /// use tumble::glam::DVec3;
 /// use tumble::{Coulomb, Cuboid, FlatGround, State, Stepper, UniformGravity, UntilRest};
 ///
-/// let stepper = Stepper::new(Cuboid::cube(0.005, 0.016).rounded(0.0015))? // kg, m, m
-///     .with_gravity(UniformGravity::down(9.81))?
-///     .with_ground(FlatGround::level(4000.0, 1.2))?
-///     .with_friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })?;
+/// let stepper = Stepper::builder(Cuboid::cube(0.005, 0.016).rounded(0.0015)) // kg, m, m
+///     .gravity(UniformGravity::down(9.81))
+///     .ground(FlatGround::level(4000.0, 1.2))
+///     .friction(Coulomb { coefficient: 0.3, slip_speed: 1e-3 })
+///     .build()?;
 /// let mut state = stepper.with_angular_velocity(State::at(DVec3::Z * 0.2), DVec3::new(20.0, 35.0, 5.0)); // m, rad/s
 /// // At most a tenth of a millimetre in a quarter of a second.
 /// let mut rest = UntilRest::new(stepper.body(), 1e-4, 0.25)?;

@@ -121,14 +121,15 @@ fn compose<R: Number, I: Integrator<R>>(
     SceneError,
 > {
     let real = R::from_f64;
-    Stepper::new(Coin::ring_with_storage(rim.as_mut_slice(), R::ONE, R::HALF))? // kg, m
-        .with_gravity(UniformGravity::down(real(9.8)))? // m/s²
-        .with_ground(FlatGround::level(real(1000.0), R::HALF))? // N/m and N s/m, for each point
-        .with_friction(Coulomb {
+    Stepper::builder(Coin::ring_with_storage(rim.as_mut_slice(), R::ONE, R::HALF)) // kg, m
+        .gravity(UniformGravity::down(real(9.8))) // m/s²
+        .ground(FlatGround::level(real(1000.0), R::HALF)) // N/m and N s/m, for each point
+        .friction(Coulomb {
             coefficient: real(0.3),
             slip_speed: real(1e-3), // m/s
-        })?
-        .with_integrator(integrator)
+        })
+        .integrator(integrator)
+        .build()
 }
 
 /// Prints the cost of the run, if it can be measured. `fixed` is the size of the memory outside of

@@ -1,0 +1,156 @@
+//! Composition of a stepper from its parts, with one check at the end.
+
+use core::marker::PhantomData;
+
+use crate::body::RigidPointBody;
+use crate::error::SceneError;
+use crate::friction::SlidingFriction;
+use crate::gravity::Gravity;
+use crate::ground::SpringDamperGround;
+use crate::integrator::Integrator;
+use crate::real::Real;
+use crate::scene::Scene;
+use crate::stepper::Stepper;
+
+/// Parts of a scene and its integrator, before they are checked.
+///
+/// Created by [`Stepper::builder`]. Each method replaces one part, and [`build`](Self::build)
+/// checks all of them once.
+#[derive(Clone, Copy, Debug)]
+#[must_use = "a builder does nothing before `build`"]
+pub struct StepperBuilder<B, G, F, A, I, R: Real = f64> {
+    body: B,
+    ground: G,
+    friction: F,
+    gravity: A,
+    integrator: I,
+    precision: PhantomData<R>,
+}
+
+impl<R: Real, B, G, F, A, I> StepperBuilder<B, G, F, A, I, R> {
+    pub(super) fn new(body: B, ground: G, friction: F, gravity: A, integrator: I) -> Self {
+        Self {
+            body,
+            ground,
+            friction,
+            gravity,
+            integrator,
+            precision: PhantomData,
+        }
+    }
+
+    /// Sets the ground. Default: none.
+    pub fn ground<G2>(self, ground: G2) -> StepperBuilder<B, G2, F, A, I, R>
+    where
+        G2: SpringDamperGround<R>,
+    {
+        let (friction, gravity) = (self.friction, self.gravity);
+        StepperBuilder::new(self.body, ground, friction, gravity, self.integrator)
+    }
+
+    /// Sets the friction law. Default: no friction.
+    pub fn friction<F2>(self, friction: F2) -> StepperBuilder<B, G, F2, A, I, R>
+    where
+        F2: SlidingFriction<R>,
+    {
+        let (ground, gravity) = (self.ground, self.gravity);
+        StepperBuilder::new(self.body, ground, friction, gravity, self.integrator)
+    }
+
+    /// Sets gravity. Default: none.
+    pub fn gravity<A2>(self, gravity: A2) -> StepperBuilder<B, G, F, A2, I, R>
+    where
+        A2: Gravity<R>,
+    {
+        let (ground, friction) = (self.ground, self.friction);
+        StepperBuilder::new(self.body, ground, friction, gravity, self.integrator)
+    }
+
+    /// Sets the integrator. Default: [`EnergyMomentum`](crate::EnergyMomentum) with a step size of
+    /// 1 ms.
+    pub fn integrator<I2>(self, integrator: I2) -> StepperBuilder<B, G, F, A, I2, R>
+    where
+        I2: Integrator<R>,
+    {
+        let (ground, friction) = (self.ground, self.friction);
+        StepperBuilder::new(self.body, ground, friction, self.gravity, integrator)
+    }
+
+    /// Checks the parts and composes the stepper.
+    ///
+    /// # Errors
+    /// Returns [`SceneError`] if a part is invalid, or if the weight, the bounding radius, or the
+    /// inverse of the mass or of a moment of inertia overflows. The error names the quantity, the
+    /// rule and the value.
+    pub fn build(self) -> Result<Stepper<B, G, F, A, I, R>, SceneError>
+    where
+        B: RigidPointBody<R>,
+        G: SpringDamperGround<R>,
+        F: SlidingFriction<R>,
+        A: Gravity<R>,
+        I: Integrator<R>,
+    {
+        self.integrator.check()?;
+        Ok(Stepper {
+            scene: Scene::new(self.body, self.ground, self.friction, self.gravity)?,
+            integrator: self.integrator,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::string::ToString;
+
+    use crate::*;
+
+    #[test]
+    fn a_builder_composes_what_the_parts_one_by_one_do() {
+        let (coin, gravity) = (Coin::<f64>::ring(1.0, 0.5), UniformGravity::down(9.8));
+        let (ground, viscous) = (FlatGround::level(1e3, 0.5), Viscous { coefficient: 0.2 });
+        let integrator = Rk4 { time_step: 1e-3 };
+        let at_once = Stepper::builder(coin)
+            .friction(viscous)
+            .integrator(integrator)
+            .ground(ground)
+            .gravity(gravity)
+            .build()
+            .unwrap();
+        let one_by_one = Stepper::new(coin)
+            .and_then(|stepper| stepper.with_gravity(gravity))
+            .and_then(|stepper| stepper.with_ground(ground))
+            .and_then(|stepper| stepper.with_friction(viscous))
+            .and_then(|stepper| stepper.with_integrator(integrator))
+            .unwrap();
+        assert_eq!(at_once, one_by_one);
+    }
+
+    #[test]
+    fn each_invalid_part_is_named_when_it_is_built() {
+        let builder = || Stepper::builder(Coin::<f64>::ring(1.0, 0.5));
+        let errors = [
+            Stepper::builder(Coin::<f64>::ring(-1.0, 0.5)).build().err(),
+            builder().ground(FlatGround::level(-1.0, 0.0)).build().err(),
+            builder()
+                .friction(Viscous { coefficient: -1.0 })
+                .build()
+                .err(),
+            builder()
+                .gravity(UniformGravity::down(f64::NAN))
+                .build()
+                .err(),
+            builder().integrator(Rk4 { time_step: -1.0 }).build().err(),
+        ];
+        let named = [
+            "mass",
+            "stiffness",
+            "viscous friction",
+            "gravity",
+            "time step",
+        ];
+        for (error, name) in errors.into_iter().zip(named) {
+            let text = error.unwrap().to_string();
+            assert!(text.contains(name), "{text}");
+        }
+    }
+}
