@@ -243,35 +243,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
     let mut energy = before;
     let mut step = Step::new(dt, 0);
     turning::resisted(scene, state, &mut energy, dt * R::HALF);
-    // In sixteenths of the step: the part that is done, and the length that is tried.
-    let (mut done, mut length) = (0, PARTS);
-    let mut lost = 0;
-    while done < PARTS {
-        let seconds = sixteenths(dt, length);
-        if attempt(scene, state, &mut energy, seconds, workspace, &mut step) {
-            done += length;
-            length = longest_part(done);
-        } else if length > 1 {
-            length /= 2;
-            step.fallback = true;
-        } else {
-            lost += 1;
-            // After repeated failures, the rest of the step goes downhill at once.
-            if lost > MOST_LOST {
-                length = PARTS - done;
-            }
-            let seconds = sixteenths(dt, length);
-            let from = *state;
-            if let Some(lower) = descent::step(scene, state, energy.total(), seconds, &mut step) {
-                (*state, energy) = lower;
-            }
-            let is_stuck = descent::is_left_in_the_air(scene, [&from, state], seconds);
-            if is_stuck && descent::is_unresolved(scene, &from, seconds) {
-                return Err(too_long(dt));
-            }
-            done += length;
-        }
-    }
+    move_in_parts(scene, state, &mut energy, dt, workspace, &mut step)?;
     let is_suspect = step.fallback || (step.iterations > 0 && dt > R::from_f64(LONG));
     if is_suspect && descent::is_unresolved(scene, &start, dt) {
         return Err(too_long(dt));
@@ -289,6 +261,49 @@ fn move_on<R: Real, D: Dynamics<R>>(
     workspace.known = Some((*state, energy, Fingerprint::of(scene, state)));
     workspace.rest = (*state == start).then_some(dt);
     Ok(step)
+}
+
+/// Takes a step as a whole, or in parts where that fails: in halves, down to sixteenths, and the
+/// smallest parts downhill in energy.
+#[inline(always)]
+fn move_in_parts<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    state: &mut State<R>,
+    energy: &mut Energy<R>,
+    dt: R,
+    workspace: &mut Workspace<R>,
+    step: &mut Step<R>,
+) -> Result<(), StepError> {
+    // In sixteenths of the step: the part that is done, and the length that is tried.
+    let (mut done, mut length) = (0, PARTS);
+    let mut lost = 0;
+    while done < PARTS {
+        let seconds = sixteenths(dt, length);
+        if attempt(scene, state, energy, seconds, workspace, step) {
+            done += length;
+            length = longest_part(done);
+        } else if length > 1 {
+            length /= 2;
+            step.fallback = true;
+        } else {
+            lost += 1;
+            // After repeated failures, the rest of the step goes downhill at once.
+            if lost > MOST_LOST {
+                length = PARTS - done;
+            }
+            let seconds = sixteenths(dt, length);
+            let from = *state;
+            if let Some(lower) = descent::step(scene, state, energy.total(), seconds, step) {
+                (*state, *energy) = lower;
+            }
+            let is_stuck = descent::is_left_in_the_air(scene, [&from, state], seconds);
+            if is_stuck && descent::is_unresolved(scene, &from, seconds) {
+                return Err(too_long(dt));
+            }
+            done += length;
+        }
+    }
+    Ok(())
 }
 
 #[cold]

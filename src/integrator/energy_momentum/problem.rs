@@ -79,6 +79,22 @@ impl<R: Real> Trial<R> {
     };
 }
 
+/// Upward unit vector.
+#[inline(always)]
+fn up<R: Real>() -> R::Vec3 {
+    R::Vec3::new(R::ZERO, R::ZERO, R::ONE)
+}
+
+/// Size of the numbers whose rounding a gap has, m. On level ground the horizontal position does
+/// not count.
+#[inline(always)]
+fn distance_from<R: Real>(plane: Option<Plane<R>>, position: R::Vec3) -> R {
+    match plane {
+        Some(plane) if plane.normal == up::<R>() => position.z().abs() + plane.height.abs(),
+        _ => position.length(),
+    }
+}
+
 impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     pub(super) fn new(scene: &'a D, start: &State<R>, energy: &Energy<R>, seconds: R) -> Self {
         let rotation = start.rotation();
@@ -93,7 +109,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             _ => None,
         };
         let has_radii = scene.contact_model().has_radii;
-        let up = R::Vec3::new(R::ZERO, R::ZERO, R::ONE);
+        let is_level = plane.is_some_and(|plane| plane.normal == up::<R>());
         Self {
             scene,
             start: *start,
@@ -106,7 +122,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             },
             angular_momentum,
             plane,
-            is_bare: plane.is_some_and(|plane| plane.normal == up) && !has_radii,
+            is_bare: is_level && !has_radii,
             has_radii,
             is_conservative: false,
             seconds,
@@ -122,14 +138,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             } else {
                 R::ONE
             },
-            place: bounding_radius
-                + match plane {
-                    // On level ground the horizontal position does not count.
-                    Some(plane) if plane.normal == up => {
-                        start.position.z().abs() + plane.height.abs()
-                    }
-                    _ => start.position.length(),
-                },
+            place: bounding_radius + distance_from(plane, start.position),
             kinetic_energy: energy.translation + energy.rotation,
         }
     }
