@@ -196,11 +196,7 @@ impl<R: Real> Level<'_, R> {
                 contacts = rest;
             }
             // No square root and no division had to wait for these sums.
-            for i in 0..count.min(FEW) {
-                load.force += forces.get(i);
-                load.torque += torques.get(i);
-            }
-            load.touching += count;
+            load.add_first(count, &forces, &torques);
             if count < FEW {
                 break;
             }
@@ -251,6 +247,18 @@ impl<R: Real> Level<'_, R> {
         load.force += force.sum();
         load.torque += torque.sum();
         (load, contacts)
+    }
+}
+
+impl<R: Real> Load<R> {
+    /// Adds the first contacts of a block.
+    #[inline(always)]
+    fn add_first(&mut self, count: usize, forces: &Block<R, FEW>, torques: &Block<R, FEW>) {
+        for i in 0..count.min(FEW) {
+            self.force += forces.get(i);
+            self.torque += torques.get(i);
+        }
+        self.touching += count;
     }
 }
 

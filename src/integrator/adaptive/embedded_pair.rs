@@ -29,6 +29,7 @@ use crate::state::State;
 use attempt::{Attempt, Place, attempt_under};
 pub(crate) use attempt::{Pair, Settings};
 use control::{Control, Errors};
+use touch::Kinks;
 
 /// Workspace of an adaptive Runge-Kutta method: proposed step size, last error and used budget.
 ///
@@ -169,11 +170,8 @@ pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
         let attempt = attempt(pair, scene, &start, seconds, to_kink);
         report.evaluations += u32::try_from(STAGES).unwrap_or(u32::MAX) - 1;
         let end = &attempt.end;
-        let mut errors = Errors::of(scene, &attempt.difference, &end.motion).within(pair.trust);
         let allowed = control::allowed(settings, scene, &end.motion);
-        let bounds = [errors.total(), allowed];
-        let kinks = touch::kinks(pair, scene, &start, &attempt, seconds, to_kink, bounds);
-        errors.add_kinks(&kinks);
+        let (errors, kinks) = errors_of(pair, scene, &start, &attempt, seconds, to_kink, allowed);
         let error = errors.total() / allowed;
         if errors.total() <= allowed {
             control.accept(pair.roots, &trial, seconds, error);
@@ -190,6 +188,25 @@ pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
             return Err(control.too_short(settings, errors.largest()));
         }
     }
+}
+
+/// Returns the errors of an attempt, with those that its discontinuities cause.
+#[inline(always)]
+fn errors_of<R: Real, D: Dynamics<R>, const STAGES: usize>(
+    pair: &Pair<STAGES>,
+    scene: &D,
+    start: &Place<R>,
+    attempt: &Attempt<R, STAGES>,
+    seconds: R,
+    to_kink: bool,
+    allowed: R,
+) -> (Errors<R>, Kinks<R>) {
+    let motion = &attempt.end.motion;
+    let mut errors = Errors::of(scene, &attempt.difference, motion).within(pair.trust);
+    let bounds = [errors.total(), allowed];
+    let kinks = touch::kinks(pair, scene, start, attempt, seconds, to_kink, bounds);
+    errors.add_kinks(&kinks);
+    (errors, kinks)
 }
 
 /// Returns the start of the step: known from the previous step, or evaluated.
