@@ -157,7 +157,7 @@
 //! |---|---|
 //! | `std` (default) | the standard library for the dependencies and the square root, parts in boxes, and [`work_precision`](mod@work_precision); it changes no bit of any result |
 //! | `approx-05` | comparison of states by `approx` 0.5 |
-//! | `serde` | saves and loads states, sessions, parameters, laws, and bodies except `PointCloud` and `Solid` |
+//! | `serde` | saves and loads states, sessions, parameters, laws, bodies and whole steppers |
 //! | `mint` | glam's conversions from and to `mint` |
 //! | `ensemble` | tosses by the million with one answer: the module `ensemble`; brings `std`, `rayon` and `rand_chacha` |
 

@@ -1,6 +1,8 @@
 //! Body, ground, friction and gravity together, checked once.
 
 mod diagnosed;
+#[cfg(feature = "serde")]
+mod saved;
 mod screened;
 
 pub(crate) use diagnosed::{DiagnosedScene, Record};

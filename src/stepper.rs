@@ -1,6 +1,8 @@
 //! The stepper: combines a scene with an integrator and advances states in time.
 
 mod builder;
+#[cfg(feature = "serde")]
+mod saved;
 
 pub use builder::StepperBuilder;
 

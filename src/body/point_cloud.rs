@@ -25,10 +25,10 @@ use crate::real::{Matrix, Real, Vector};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointCloud<R: Real, P> {
-    mass: R,
-    inertia: R::Mat3,
-    centre: R::Vec3,
-    points: P,
+    pub(super) mass: R,
+    pub(super) inertia: R::Mat3,
+    pub(super) centre: R::Vec3,
+    pub(super) points: P,
 }
 
 impl<R: Real, const N: usize> PointCloud<R, [ContactPoint<R>; N]> {

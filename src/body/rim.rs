@@ -31,14 +31,14 @@
 //! up to a quarter of the circle (`κ <= 0.38`) it integrates smooth functions to a relative 2e-10.
 //! On the arcs of less than 0.2 rad on which a body rolls it is accurate to rounding. Longer arcs
 //! are cut into quarters. Forces on a level plane need fewer points, for an accuracy of 4e-11. Arcs
-//! on which friction reverses have their own rules (`scene::rims::turning_rules`).
+//! on which friction reverses have their own rules (`contact::rims::turning_rules`).
 
 mod panels;
 
 use panels::half_turn;
 pub(crate) use panels::{CUTS, MOST_NODES, Panel, Panels, sink_last};
 
-use crate::error::{self, SceneError};
+use crate::error::{self, Rule, SceneError};
 use crate::quadrature::{HALF_OF_6, HALF_OF_8};
 use crate::real::{Real, Vector};
 
@@ -48,6 +48,14 @@ use crate::real::{Real, Vector};
 /// proportionally softer points. Forces and energies are integrals over the arc below ground. The
 /// ground's stiffness and damping are given per contact and are multiplied by `points`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "R: serde::Serialize, R::Vec3: serde::Serialize",
+        deserialize = "R: serde::Deserialize<'de>, R::Vec3: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Rim<R: Real = f64> {
     centre: R::Vec3,
     /// Perpendicular unit vectors in the plane of the rim, body axes.
@@ -252,7 +260,22 @@ impl<R: Real> Rim<R> {
             " m",
         )?;
         let [first, second] = self.axes;
-        error::finite("normal of the rim", first.cross(second).length(), "")
+        let normal = first.cross(second).length();
+        error::finite("normal of the rim", normal, "")?;
+        // A rim from a file may have any axes.
+        let off = [first.length(), second.length(), normal].map(|length| (length - R::ONE).abs());
+        let is_sound = off.iter().all(|&off| off <= R::EPSILON.sqrt());
+        let longest = first.length().at_least(second.length());
+        if is_sound {
+            Ok(())
+        } else {
+            Err(SceneError::new(
+                "axes of the rim",
+                Rule::UnitLength,
+                longest.to_f64(),
+                "",
+            ))
+        }
     }
 }
 

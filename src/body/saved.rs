@@ -1,35 +1,79 @@
 //! Bodies as plain data, with the feature `serde`.
 //!
 //! A saved body consists of the arguments of its constructor. All other values are computed again
-//! when the body is loaded, with the same bits.
+//! when the body is loaded, with the same bits. `PointCloud` and `Solid` are saved as they are, since
+//! their contacts have been shifted to the centre of mass.
 
-use serde::de::Error;
+use core::fmt;
+use core::marker::PhantomData;
+
+use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{
     Capsule, Coin, Cone, ContactPoint, Cuboid, Disc, Ellipsoid, InertiaProperties, MassProperties,
-    PointMass, RigidPointBody, Rod, SolidCoin, Sphere, check_contacts,
+    PointCloud, PointMass, RigidPointBody, Rod, Solid, SolidCoin, Sphere, check_contacts,
 };
-use crate::real::Real;
+use crate::error;
+use crate::real::{Real, Vector};
 
 /// Storage for the contacts of a loaded body: an array, or a `Vec` with the feature `std`.
 pub trait Storage<R: Real>: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]> + Sized {
     /// Returns storage for `count` contacts, or `None` if it cannot hold exactly that many.
     #[doc(hidden)]
     fn for_contacts(count: usize) -> Option<Self>;
+
+    /// Reads all contacts of a list.
+    #[doc(hidden)]
+    fn read<'de, A: SeqAccess<'de>>(list: A) -> Result<Self, A::Error>
+    where
+        ContactPoint<R>: Deserialize<'de>;
 }
+
+/// Largest number of contacts that is loaded, so that a file cannot exhaust the memory.
+#[cfg(feature = "std")]
+const MOST_CONTACTS: usize = 1 << 24;
 
 impl<R: Real, const N: usize> Storage<R> for [ContactPoint<R>; N] {
     fn for_contacts(count: usize) -> Option<Self> {
         (count == N).then(|| [ContactPoint::default(); N])
     }
+
+    fn read<'de, A: SeqAccess<'de>>(mut list: A) -> Result<Self, A::Error>
+    where
+        ContactPoint<R>: Deserialize<'de>,
+    {
+        let unfit = || A::Error::custom(format_args!("the body must have {N} contacts"));
+        let mut contacts = [ContactPoint::default(); N];
+        for contact in &mut contacts {
+            *contact = list.next_element()?.ok_or_else(unfit)?;
+        }
+        match list.next_element::<ContactPoint<R>>()? {
+            None => Ok(contacts),
+            Some(_) => Err(unfit()),
+        }
+    }
 }
 
 #[cfg(feature = "std")]
 impl<R: Real> Storage<R> for alloc::vec::Vec<ContactPoint<R>> {
-    /// Returns at most 2²⁴ contacts, so that a number in a file cannot exhaust the memory.
     fn for_contacts(count: usize) -> Option<Self> {
-        (count <= 1 << 24).then(|| alloc::vec![ContactPoint::default(); count])
+        (count <= MOST_CONTACTS).then(|| alloc::vec![ContactPoint::default(); count])
+    }
+
+    fn read<'de, A: SeqAccess<'de>>(mut list: A) -> Result<Self, A::Error>
+    where
+        ContactPoint<R>: Deserialize<'de>,
+    {
+        let mut contacts = Self::new();
+        while let Some(contact) = list.next_element()? {
+            if contacts.len() == MOST_CONTACTS {
+                let most = format_args!("the body has more than {MOST_CONTACTS} contacts");
+                return Err(A::Error::custom(most));
+            }
+            contacts.push(contact);
+        }
+        Ok(contacts)
     }
 }
 
@@ -127,3 +171,101 @@ saved!(Rod, (mass: R, length: R),
     |rod| [rod.mass(), rod.length()],
     Rod::new(mass, length));
 saved!(PointMass, (mass: R), |point| [point.mass()], PointMass::new(mass));
+
+/// Contacts as a list.
+struct List<R, P>(P, PhantomData<R>);
+
+impl<R: Real, P: AsRef<[ContactPoint<R>]>> Serialize for List<R, P>
+where
+    ContactPoint<R>: Serialize,
+{
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.as_ref())
+    }
+}
+
+impl<'de, R: Real, P: Storage<R>> Deserialize<'de> for List<R, P>
+where
+    ContactPoint<R>: Deserialize<'de>,
+{
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader<R, P>(PhantomData<(R, P)>);
+
+        impl<'de, R: Real, P: Storage<R>> Visitor<'de> for Reader<R, P>
+        where
+            ContactPoint<R>: Deserialize<'de>,
+        {
+            type Value = P;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a list of contacts")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<P, A::Error> {
+                P::read(list)
+            }
+        }
+
+        let contacts = deserializer.deserialize_seq(Reader(PhantomData))?;
+        Ok(Self(contacts, PhantomData))
+    }
+}
+
+/// Implements saving and loading of a body that stores its contacts, field by field.
+macro_rules! saved_with_contacts {
+    (
+        $body:ident, ($($field:ident: $type:ty),*), $contacts:ident,
+        |$loaded:ident| $check:expr
+    ) => {
+        const _: () = {
+            #[derive(Serialize, Deserialize)]
+            #[serde(rename = "Body", bound(
+                serialize = "R: Serialize, R::Vec3: Serialize, R::Mat3: Serialize, \
+                    P: AsRef<[ContactPoint<R>]>",
+                deserialize = "R: Deserialize<'de>, R::Vec3: Deserialize<'de>, \
+                    R::Mat3: Deserialize<'de>, P: Storage<R>"
+            ))]
+            struct Parts<R: Real, P> {
+                $($field: $type,)*
+                $contacts: List<R, P>,
+            }
+
+            impl<R: Real, P: AsRef<[ContactPoint<R>]>> Serialize for $body<R, P>
+            where
+                R: Serialize,
+                R::Vec3: Serialize,
+                R::Mat3: Serialize,
+            {
+                fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                    Parts {
+                        $($field: self.$field,)*
+                        $contacts: List(self.$contacts.as_ref(), PhantomData),
+                    }
+                    .serialize(serializer)
+                }
+            }
+
+            impl<'de, R: Real, P: Storage<R>> Deserialize<'de> for $body<R, P>
+            where
+                R: Deserialize<'de>,
+                R::Vec3: Deserialize<'de>,
+                R::Mat3: Deserialize<'de>,
+            {
+                fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                    let parts = Parts::<R, P>::deserialize(deserializer)?;
+                    let $loaded = Self {
+                        $($field: parts.$field,)*
+                        $contacts: parts.$contacts.0,
+                    };
+                    $check.map_err(D::Error::custom)?;
+                    checked($loaded)
+                }
+            }
+        };
+    };
+}
+
+saved_with_contacts!(PointCloud, (mass: R, inertia: R::Mat3, centre: R::Vec3), points,
+    |cloud| error::finite("centre of mass", cloud.centre.length(), " m"));
+saved_with_contacts!(Solid, (distribution: MassProperties<R>), contacts,
+    |solid| solid.distribution.check());

@@ -32,8 +32,8 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid<R: Real, P> {
     /// Mass distribution, with its centre of mass in the axes in which it was given.
-    distribution: MassProperties<R>,
-    contacts: P,
+    pub(super) distribution: MassProperties<R>,
+    pub(super) contacts: P,
 }
 
 impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Solid<R, P> {

@@ -12,7 +12,7 @@ use tumble::f64::{Capsule, Cone, MassProperties, Rotation};
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::{
     CoinFace, ContactPoint, Cuboid, CuboidFace, Ellipsoid, FlatGround, InertiaProperties,
-    PointCloud, PointMass, RigidPointBody, Rod, Solid, SolidCoin, Sphere, State, Stepper,
+    PointCloud, PointMass, RigidPointBody, Rim, Rod, Solid, SolidCoin, Sphere, State, Stepper,
     UniformGravity,
 };
 
@@ -550,4 +550,84 @@ fn a_body_that_is_saved_and_loaded_has_the_same_bits_and_must_be_valid() {
     let text = serde_json::to_string(&many).unwrap();
     let error = serde_json::from_str::<Coin>(&text).unwrap_err().to_string();
     assert!(error.contains("cannot hold 31 contacts"), "{error}");
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn a_body_with_contacts_of_its_own_is_saved_with_them() {
+    let points = [
+        DVec3::new(0.3, 0.1, -0.2),
+        DVec3::new(-0.4, 0.2, 0.6),
+        DVec3::new(0.1, -0.7, 0.05),
+        DVec3::new(0.2, 0.3, 0.9),
+    ];
+    let masses = [0.1, 0.23, 0.31, 0.017];
+    let contacts = points.map(ContactPoint::bare);
+    let tetrahedron = PointCloud::new(points, masses).unwrap();
+    saved_and_loaded!(PointCloud<f64, [ContactPoint; 4]>, tetrahedron, "/mass");
+    let cloud = PointCloud::with_storage(contacts.to_vec(), &masses).unwrap();
+    saved_and_loaded!(PointCloud<f64, Vec<ContactPoint>>, cloud, "/mass");
+    let ball = MassProperties::ball(0.37, 0.2).at(DVec3::new(0.01, -0.02, 0.03));
+    let solid = Solid::new(ball, contacts).unwrap();
+    saved_and_loaded!(Solid<f64, [ContactPoint; 4]>, solid, "/distribution/mass");
+    let text = serde_json::to_string(&solid).unwrap();
+    for other in [
+        serde_json::from_str::<Solid<f64, [ContactPoint; 3]>>(&text).err(),
+        serde_json::from_str::<Solid<f64, [ContactPoint; 5]>>(&text).err(),
+    ] {
+        let error = other.unwrap().to_string();
+        assert!(error.contains("contacts"), "{error}");
+    }
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn a_stepper_that_is_saved_and_loaded_is_the_same_and_must_be_valid() {
+    use tumble::{Coin, Coulomb, FlatGround, StrangSplitting, UniformGravity};
+    type Table = Stepper<Coin, FlatGround, Coulomb, UniformGravity, StrangSplitting>;
+    let table: Table = Stepper::builder(Coin::ring(0.01, 0.013))
+        .ground(FlatGround::level(1e4, 0.5))
+        .friction(Coulomb {
+            coefficient: 0.3,
+            slip_speed: 1e-3,
+        })
+        .gravity(UniformGravity::down(9.81))
+        .integrator(StrangSplitting { time_step: 1e-3 })
+        .build()
+        .unwrap();
+    let text = serde_json::to_string(&table).unwrap();
+    let loaded: Table = serde_json::from_str(&text).unwrap();
+    assert_eq!(loaded, table, "{text}");
+    for (from, to, name) in [
+        ("\"mass\":0.01", "\"mass\":-0.01", "mass"),
+        ("\"coefficient\":0.3", "\"coefficient\":-0.3", "friction"),
+        ("\"time_step\":0.001", "\"time_step\":0.0", "time step"),
+    ] {
+        let wrong = text.replacen(from, to, 1);
+        assert_ne!(wrong, text, "{from} in {text}");
+        let error = serde_json::from_str::<Table>(&wrong)
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(name), "{error}");
+    }
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn a_rim_is_saved_and_a_skew_one_is_refused() {
+    let rim = Rim::new(DVec3::Z * 0.01, DVec3::new(0.3, 0.1, 0.9), 0.2, 60);
+    let text = serde_json::to_string(&rim).unwrap();
+    let loaded: Rim = serde_json::from_str(&text).unwrap();
+    assert_eq!(loaded, rim);
+    assert_eq!(loaded.check(), Ok(()));
+    let mut value: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let axis = value.pointer("/axes/0").unwrap().clone();
+    *value.pointer_mut("/axes/1").unwrap() = axis;
+    let skew: Rim = serde_json::from_value(value).unwrap();
+    assert!(
+        skew.check()
+            .unwrap_err()
+            .to_string()
+            .contains("axes of the rim")
+    );
 }
