@@ -5,6 +5,7 @@ set -euo pipefail
 missing=()
 need() { command -v "$1" >/dev/null || missing+=("$2"); } # need PROGRAM PACKAGE
 need cc gcc
+need c++ g++
 need ld binutils
 need nm binutils
 need python3 python3

@@ -185,11 +185,26 @@ impl<R: Real> Rotation<R> {
         } else {
             // An overflowed length gives NaN, which is detected, instead of a rotation of length 0.
             let overflow = excess * R::ZERO;
-            (R::ONE + overflow) / self.length_squared().sqrt()
+            let square = self.length_squared();
+            let scale = (R::ONE + overflow) / square.sqrt();
+            // A subnormal square has lost digits. The length that it gives is then near 1, and its
+            // square has all of them.
+            let is_subnormal = square * R::EPSILON <= R::ZERO;
+            if is_subnormal {
+                let near = self.scaled(scale);
+                return near.scaled(R::ONE / near.length_squared().sqrt());
+            }
+            scale
         };
+        self.scaled(scale)
+    }
+
+    /// Returns the quaternion with each number multiplied by a factor.
+    #[inline]
+    fn scaled(self, factor: R) -> Self {
         Self {
-            w: self.w * scale,
-            v: self.v * scale,
+            w: self.w * factor,
+            v: self.v * factor,
         }
     }
 
@@ -379,6 +394,21 @@ mod tests {
                 (ours - theirs).length() < 4.0 * f64::EPSILON,
                 "angle {angle}: {ours} {theirs}"
             );
+        }
+    }
+
+    #[test]
+    fn a_tiny_quaternion_is_scaled_to_length_one() {
+        // The squares of the first ones are normal numbers, of the others subnormal ones.
+        for size in [1e-150, 1e-155, 1e-158, 1e-160, 3e-162] {
+            let tiny = DQuat::from_xyzw(size, -size, 0.0, 2.0 * size);
+            let excess = Rotation::<f64>::from_quat(tiny).length_squared() - 1.0;
+            assert!(excess.abs() <= 4.0 * f64::EPSILON, "{size}: {excess}");
+        }
+        for size in [1e-18, 1e-20, 1e-22, 3e-23] {
+            let tiny = glam::Quat::from_xyzw(size, -size, 0.0, 2.0 * size);
+            let excess = Rotation::<f32>::from_quat(tiny).length_squared() - 1.0;
+            assert!(excess.abs() <= 4.0 * f32::EPSILON, "{size}: {excess}");
         }
     }
 

@@ -413,20 +413,20 @@ where
         self.clock.time
     }
 
-    /// Returns the number of steps since the start of the session.
+    /// Returns the number of steps since the start of the session, modulo 2⁶⁴.
     #[must_use]
     pub fn step_count(&self) -> u64 {
         self.clock.steps
     }
 
-    /// Returns the number of contact force evaluations since the start of the session.
+    /// Returns the number of contact force evaluations since the start of the session, modulo 2⁶⁴.
     #[must_use]
     pub fn evaluation_count(&self) -> u64 {
         self.clock.evaluations
     }
 
     /// Returns the number of attempts that an adaptive method has rejected since the start of the
-    /// session.
+    /// session, modulo 2⁶⁴.
     #[must_use]
     pub fn rejected_count(&self) -> u64 {
         self.clock.rejected

@@ -867,7 +867,13 @@ fn last_place<R: Real>(number: R) -> R {
     // More than half a unit and, apart from rounding, at most one: the sum rounds to the next
     // number.
     let share = R::EPSILON * R::HALF * (R::ONE + R::EPSILON);
-    (number + number * share) - number
+    let next = number + number * share;
+    if next.is_finite() {
+        next - number
+    } else {
+        // The largest number has no next one. Its unit is that of the numbers below.
+        number * R::EPSILON * R::HALF
+    }
 }
 
 /// Start of a step, from which states between the start and the end of the step are computed.
@@ -880,6 +886,9 @@ struct Before<R: Real, W> {
 
 /// Time since the start of a run and the number of steps and evaluations. The time uses Kahan
 /// summation: a million steps of 1e-4 s are 100 s to the last place.
+///
+/// The counts are modulo 2⁶⁴. Steps that are taken do not come so far, but a saved session may have
+/// any counts, and those of a body at rest grow by up to 2⁵³ in a call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Clock<R> {
@@ -920,9 +929,9 @@ impl<R: Real> Clock<R> {
         let next = self.time + corrected;
         self.lost = (next - self.time) - corrected;
         self.time = next;
-        self.steps += 1;
-        self.evaluations += u64::from(step.evaluations);
-        self.rejected += u64::from(step.rejected);
+        self.steps = self.steps.wrapping_add(1);
+        self.evaluations = self.evaluations.wrapping_add(step.evaluations.into());
+        self.rejected = self.rejected.wrapping_add(step.rejected.into());
         Ok(())
     }
 
@@ -931,9 +940,9 @@ impl<R: Real> Clock<R> {
     pub(crate) fn add(&mut self, other: &Self) {
         self.advance_by(other.time);
         self.advance_by(-other.lost);
-        self.steps += other.steps;
-        self.evaluations += other.evaluations;
-        self.rejected += other.rejected;
+        self.steps = self.steps.wrapping_add(other.steps);
+        self.evaluations = self.evaluations.wrapping_add(other.evaluations);
+        self.rejected = self.rejected.wrapping_add(other.rejected);
     }
 
     /// Counts whole steps of one length that need not be taken, as many as fit before the end.
@@ -941,8 +950,8 @@ impl<R: Real> Clock<R> {
     /// that fits, so its length is exact.
     #[inline]
     pub(crate) fn skip(&mut self, end: &End<R>, length: R) -> bool {
-        let steps = self.steps;
         let mut left = self.left(end.seconds);
+        let skips = left >= length * R::TWO;
         while left >= length * R::TWO {
             let (mut stride, mut count) = (length, 1_u64);
             while stride * R::TWO <= left {
@@ -950,10 +959,10 @@ impl<R: Real> Clock<R> {
                 count *= 2;
             }
             self.advance_by(stride);
-            self.steps += count;
+            self.steps = self.steps.wrapping_add(count);
             left = self.left(end.seconds);
         }
-        self.steps > steps
+        skips
     }
 
     /// Adds seconds by Knuth's two-sum, which is exact whichever number is larger.

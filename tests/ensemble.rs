@@ -272,6 +272,38 @@ fn overlaps_and_strangers_are_refused_and_change_nothing() {
 }
 
 #[test]
+fn a_loaded_histogram_without_bins_or_with_too_many_values_is_refused() {
+    let good = serde_json::to_value(Histogram::new(0.0, 1.0, 2).unwrap()).unwrap();
+    for (key, bad, rule) in [
+        (
+            "bins",
+            serde_json::json!([]),
+            "histograms have bins of a finite width",
+        ),
+        (
+            "high",
+            serde_json::json!(0.0),
+            "histograms have bins of a finite width",
+        ),
+        (
+            "below",
+            serde_json::json!(u64::MAX),
+            "a histogram has at most 2⁶³ values",
+        ),
+    ] {
+        let mut saved = good.clone();
+        saved[key] = bad;
+        let refused = serde_json::from_value::<Histogram>(saved).unwrap_err();
+        assert!(refused.to_string().contains(rule), "{refused}");
+    }
+    let mut full = good.clone();
+    full["bins"] = serde_json::json!([1_u64 << 63, 0]);
+    let mut full: Histogram = serde_json::from_value(full).unwrap();
+    full.add(0.1);
+    assert_eq!(full.count(), (1 << 63) + 1);
+}
+
+#[test]
 fn gaps_are_listed_and_can_be_filled() {
     let ensemble = mixed_ensemble();
     let mut tally = ensemble.run(10..20, mixed).unwrap();

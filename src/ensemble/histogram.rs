@@ -10,7 +10,11 @@ use crate::error::{self, Rule, SceneError};
 /// rounding of an edge may count in the neighbouring bin, but in the same bin on every machine.
 /// Values outside are counted too. Counts are whole numbers, so they do not depend on the order.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "saved::Saved")
+)]
 pub struct Histogram {
     low: f64,
     high: f64,
@@ -22,6 +26,9 @@ pub struct Histogram {
 
 /// Largest number of bins, 8 MB.
 const MOST_BINS: usize = 1 << 20;
+/// Largest number of values of a loaded or merged histogram. Further values that are counted one by
+/// one then never reach the 2⁶⁴ at which a counter overflows.
+const MOST_VALUES: u64 = 1 << 63;
 
 impl Histogram {
     /// Creates an empty histogram of `bins` equal bins from `low` to `high`.
@@ -138,17 +145,18 @@ impl Histogram {
         ends(self) == ends(other)
     }
 
-    /// Number of all values, or `None` if it exceeds 64 bits, as in a loaded histogram it may.
+    /// Number of all values, or `None` if it exceeds 64 bits, as in a file it may.
     fn total(&self) -> Option<u64> {
         let outside = [self.below, self.above, self.nan];
         let mut counts = self.bins.iter().chain(&outside);
         counts.try_fold(0_u64, |sum, count| sum.checked_add(*count))
     }
 
-    /// Returns true if the sum of both histograms fits in 64 bits.
+    /// Returns true if the sum of both histograms has at most 2⁶³ values.
     pub(crate) fn can_join(&self, other: &Self) -> bool {
         let totals = self.total().zip(other.total());
-        totals.is_some_and(|(ours, theirs)| ours.checked_add(theirs).is_some())
+        let sum = totals.and_then(|(ours, theirs)| ours.checked_add(theirs));
+        sum.is_some_and(|sum| sum <= MOST_VALUES)
     }
 
     /// Adds the counts of a histogram with the same bins.
@@ -160,11 +168,44 @@ impl Histogram {
         self.above += other.above;
         self.nan += other.nan;
     }
+}
 
-    /// Returns true if a loaded histogram has bins that [`new`](Self::new) allows.
-    #[cfg(feature = "serde")]
-    pub(crate) fn is_valid(&self) -> bool {
-        Self::new(self.low, self.high, self.bins.len()).is_ok() && self.total().is_some()
+#[cfg(feature = "serde")]
+mod saved {
+    //! A histogram as it is loaded, before it is checked.
+
+    use super::super::error::EnsembleError;
+    use super::super::tally::require;
+    use super::{Histogram, MOST_VALUES, Vec};
+
+    #[derive(serde::Deserialize)]
+    pub(super) struct Saved {
+        low: f64,
+        high: f64,
+        bins: Vec<u64>,
+        below: u64,
+        above: u64,
+        nan: u64,
+    }
+
+    impl TryFrom<Saved> for Histogram {
+        type Error = EnsembleError;
+
+        fn try_from(saved: Saved) -> Result<Self, EnsembleError> {
+            let histogram = Self {
+                low: saved.low,
+                high: saved.high,
+                bins: saved.bins,
+                below: saved.below,
+                above: saved.above,
+                nan: saved.nan,
+            };
+            let empty = Self::new(histogram.low, histogram.high, histogram.bins.len());
+            require(empty.is_ok(), "histograms have bins of a finite width")?;
+            let fits = histogram.total().is_some_and(|total| total <= MOST_VALUES);
+            require(fits, "a histogram has at most 2⁶³ values")?;
+            Ok(histogram)
+        }
     }
 }
 

@@ -813,6 +813,23 @@ fn an_invalid_session_is_refused_when_it_is_resumed() {
     }
 }
 
+#[cfg(feature = "serde")]
+#[test]
+fn a_saved_session_with_the_largest_counts_goes_on_without_an_overflow() {
+    let trial = Trial::<f64>::report(1).unwrap();
+    let stepper = trial.stepper(Rk4 { time_step: 1e-3 }).unwrap();
+    let mut saved = serde_json::to_value(stepper.session(trial.state()).save()).unwrap();
+    for count in ["steps", "evaluations", "rejected"] {
+        saved["clock"][count] = u64::MAX.into();
+    }
+    let saved: SavedSession = serde_json::from_value(saved).unwrap();
+    let mut session = stepper.resume(&saved).unwrap();
+    session.step().unwrap();
+    assert_eq!(session.step_count(), 0);
+    session.advance(2e-3).unwrap();
+    assert_eq!(session.step_count(), 2);
+}
+
 proptest! {
     #![proptest_config(kit::cases(100))]
 

@@ -17,7 +17,7 @@ use tumble::real::Vector;
 use tumble::{
     BogackiShampine32, Cuboid, DormandPrince54, EnergyMomentum, FlatGround, Flight, ForwardEuler,
     Integrator, Ledger, Nystrom, Observer, PointMass, Real, RigidPointBody, Rk4, Sample, Sphere,
-    State, Stepper, StrangSplitting, SymplecticEuler, Timed, Trial, UniformGravity,
+    State, StepError, Stepper, StrangSplitting, SymplecticEuler, Timed, Trial, UniformGravity,
 };
 
 fn trial() -> Trial {
@@ -448,4 +448,22 @@ fn a_closed_form_flight_around_an_adaptive_method_goes_on_in_contact() {
     assert_eq!(ball.advance(&mut state, 1.0), Ok(()));
     // It has left upwards.
     assert!(state.position.z > 0.1, "{state:?}");
+}
+
+/// The unit in the last place of the largest number was infinite, so that the run was over before
+/// its first step.
+#[test]
+fn a_run_of_the_largest_number_of_seconds_is_not_over_at_once() {
+    let adaptive = DormandPrince54 {
+        budget: 10,
+        ..DormandPrince54::new(1e-6)
+    };
+    let stepper = Stepper::new(PointMass::new(1.0))
+        .and_then(|it| it.with_integrator(adaptive))
+        .unwrap();
+    let outcome = stepper.advance(&mut State::at(DVec3::Z), f64::MAX);
+    assert!(
+        matches!(outcome, Err(StepError::BudgetSpent { .. })),
+        "{outcome:?}"
+    );
 }

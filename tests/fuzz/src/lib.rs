@@ -1,0 +1,28 @@
+//! What must hold for every input of the public interface, with inputs composed from arbitrary
+//! bytes.
+//!
+//! Each module has a function `run` that decodes bytes, plays the input and panics if a promise is
+//! broken. `.ci/fuzz.sh` lets libFuzzer search for such bytes, guided by the coverage.
+//! `tests/fuzz.rs` replays the stored inputs of `tests/fuzz/corpus` without libFuzzer.
+
+// An oracle fails by panicking.
+#![allow(clippy::panic, clippy::unwrap_used, clippy::expect_used)]
+
+pub mod contract;
+pub mod input;
+pub mod load;
+pub mod outcome;
+pub mod parts;
+pub mod scene;
+pub mod session;
+pub mod terrain;
+
+/// The targets by name, each with the function that plays an input.
+pub const TARGETS: [(&str, fn(&[u8])); 6] = [
+    ("scene", scene::run),
+    ("contract", contract::run),
+    ("load", load::run),
+    ("outcome", outcome::run),
+    ("terrain", terrain::run),
+    ("session", session::run),
+];

@@ -1,0 +1,5 @@
+//! The target `terrain` of libFuzzer.
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| tumble_fuzz::terrain::run(data));
