@@ -1,6 +1,7 @@
 // Mouse, touch and pen: grab the body and flick it; drag beside it to move the view.
 
-const MEMORY = 90; // ms of the pointer's motion that give the throw
+const MEMORY = 90; // ms of the pointer's last motion that give the throw
+const STILL = 150; // ms after which a pointer that has not moved is at rest
 
 class Hand {
   constructor(canvas, view, page) {
@@ -44,9 +45,9 @@ class Hand {
       Object.assign(this.turning, { x: event.clientX, y: event.clientY });
     }
     if (this.held?.id !== event.pointerId) return;
-    const point = this.onPlane(event, this.held.plane);
-    this.motion.push([event.timeStamp, point]);
-    this.page.hold(sub(point, this.held.arm));
+    const events = event.getCoalescedEvents?.() ?? [];
+    for (const each of events.length > 0 ? events : [event]) this.motion.push([each.timeStamp, this.onPlane(each, this.held.plane)]);
+    this.page.hold(sub(this.motion[this.motion.length - 1][1], this.held.arm));
   }
 
   release(event) {
@@ -61,9 +62,10 @@ class Hand {
   // Velocity of the pointer over the last moments, m a second of the clock on the wall. An upward
   // flick also throws away from the eye.
   velocity(now) {
-    const recent = this.motion.filter(([time]) => now - time < MEMORY);
-    if (recent.length < 2) return [0, 0, 0];
-    const [[from, start], [to, end]] = [recent[0], recent[recent.length - 1]];
+    const [to, end] = this.motion[this.motion.length - 1];
+    const recent = this.motion.filter(([time]) => to - time < MEMORY);
+    const [from, start] = recent.length > 1 ? recent[0] : this.motion[Math.max(0, this.motion.length - 2)];
+    if (now - to > STILL || from === to) return [0, 0, 0];
     const speed = scale(sub(end, start), 1000 / Math.max(1, to - from));
     const forward = unit([this.view.into[0], this.view.into[1], 0]);
     return add(speed, scale(forward, 0.5 * speed[2]));

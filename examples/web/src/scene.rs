@@ -168,6 +168,7 @@ impl Knobs {
 }
 
 /// Height of the centre of mass at which the lowest point of the body is on the ground, m.
+#[must_use]
 pub fn height_on_the_ground(body: &Body, state: &State) -> f64 {
     body.support(state.rotation().inverse().apply(DVec3::NEG_Z))
 }
@@ -176,6 +177,7 @@ pub fn height_on_the_ground(body: &Body, state: &State) -> f64 {
 pub const STATE: usize = 13;
 
 /// Reads a state from the first numbers of a block.
+#[must_use]
 pub fn read_state<const N: usize>(block: &Block<N>) -> State {
     let vector = |at| DVec3::new(block.get(at), block.get(at + 1), block.get(at + 2));
     let orientation = [6, 7, 8, 9].map(|at| block.get(at));
