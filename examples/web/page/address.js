@@ -11,8 +11,14 @@ function writtenAddress(tumble) {
 function readAddress(tumble, address) {
   if (address.length < 2) return false;
   const found = ADDRESS.exec(address);
-  if (!found) throw new Refusal('the address of this page names no throw: a part of it is missing or changed');
-  const words = found[1].slice(1).split('.').map((word) => BigInt(`0x${word}`));
+  if (!found)
+    throw new Refusal(
+      'the address of this page names no throw: a part of it is missing or changed',
+    );
+  const words = found[1]
+    .slice(1)
+    .split('.')
+    .map((word) => BigInt(`0x${word}`));
   const before = [[...tumble.knobBits], [...tumble.startBits]];
   tumble.knobBits.set(words.slice(0, KNOBS));
   tumble.startBits.set(words.slice(KNOBS));

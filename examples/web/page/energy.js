@@ -8,7 +8,14 @@ function shown(value, unitName = 'J') {
   if (value === 0) return `0 ${unitName}`;
   const size = Math.abs(value);
   if (size >= 1e5 || size < 1e-12) return `${value.toExponential(1)} ${unitName}`;
-  const prefixes = [[1e-3, 'k'], [1, ''], [1e3, 'm'], [1e6, 'µ'], [1e9, 'n'], [1e12, 'p']];
+  const prefixes = [
+    [1e-3, 'k'],
+    [1, ''],
+    [1e3, 'm'],
+    [1e6, 'µ'],
+    [1e9, 'n'],
+    [1e12, 'p'],
+  ];
   const [factor, prefix] = prefixes.find(([times]) => size * times >= 1);
   return `${Number((value * factor).toPrecision(3))} ${prefix}${unitName}`;
 }
@@ -49,9 +56,11 @@ class EnergyPanel {
 
   // The finding in words. A reader of the screen hears it when its sense changes.
   state(run, other, method) {
-    const rose = run[RUN.largest] > 0, steps = run[RUN.steps].toLocaleString('en');
+    const rose = run[RUN.largest] > 0,
+      steps = run[RUN.steps].toLocaleString('en');
     const verdict = rose
-      ? `${method} has gained energy: ${shown(run[RUN.sum])} in ${steps} steps, at most ${shown(run[RUN.largest])} in one.`
+      ? `${method} has gained energy: ${shown(run[RUN.sum])} in ${steps} steps, ` +
+        `at most ${shown(run[RUN.largest])} in one.`
       : `The energy never increased. Largest increase in ${steps} steps of ${method}: 0 J.`;
     const beside = other
       ? ` EnergyMomentum, from the same start: largest increase ${shown(other[RUN.largest])}.`
@@ -66,9 +75,11 @@ class EnergyPanel {
   }
 
   drawCourse(both) {
-    const { draw, canvas, course } = this, density = Math.min(window.devicePixelRatio || 1, 2);
+    const { draw, canvas, course } = this,
+      density = Math.min(window.devicePixelRatio || 1, 2);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-    if (canvas.width !== Math.round(width * density)) [canvas.width, canvas.height] = [Math.round(width * density), Math.round(height * density)];
+    if (canvas.width !== Math.round(width * density))
+      [canvas.width, canvas.height] = [Math.round(width * density), Math.round(height * density)];
     draw.setTransform(density, 0, 0, density, 0, 0);
     draw.clearRect(0, 0, width, height);
     if (course.length < 2) return;
@@ -83,7 +94,9 @@ class EnergyPanel {
       draw.lineWidth = 2;
       draw.setLineDash(dash);
       draw.beginPath();
-      course.forEach((point, i) => (i ? draw.lineTo(x(point[0]), y(point[at])) : draw.moveTo(x(point[0]), y(point[at]))));
+      course.forEach((point, i) =>
+        i ? draw.lineTo(x(point[0]), y(point[at])) : draw.moveTo(x(point[0]), y(point[at])),
+      );
       draw.stroke();
       draw.setLineDash([]);
     };

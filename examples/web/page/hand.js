@@ -15,7 +15,8 @@ class Hand {
 
   // Point under the pointer in the upright plane through `centre` that faces the eye.
   onPlane(event, centre) {
-    const box = this.canvas.getBoundingClientRect(), { view } = this;
+    const box = this.canvas.getBoundingClientRect(),
+      { view } = this;
     const ray = view.ray(event.clientX - box.left, event.clientY - box.top);
     const normal = unit([view.into[0], view.into[1], 0]);
     const along = dot(sub(centre, view.eye), normal) / dot(ray, normal);
@@ -25,7 +26,8 @@ class Hand {
   press(event) {
     if (event.button !== 0 || this.held || this.turning) return;
     this.canvas.setPointerCapture(event.pointerId);
-    const centre = this.page.position(), point = this.onPlane(event, centre);
+    const centre = this.page.position(),
+      point = this.onPlane(event, centre);
     const arm = sub(point, centre);
     if (Math.hypot(...arm) > 1.25 * this.view.radius) {
       this.turning = { id: event.pointerId, x: event.clientX, y: event.clientY };
@@ -46,7 +48,8 @@ class Hand {
     }
     if (this.held?.id !== event.pointerId) return;
     const events = event.getCoalescedEvents?.() ?? [];
-    for (const each of events.length > 0 ? events : [event]) this.motion.push([each.timeStamp, this.onPlane(each, this.held.plane)]);
+    for (const each of events.length > 0 ? events : [event])
+      this.motion.push([each.timeStamp, this.onPlane(each, this.held.plane)]);
     this.page.hold(sub(this.motion[this.motion.length - 1][1], this.held.arm));
   }
 
@@ -64,7 +67,8 @@ class Hand {
   velocity(now) {
     const [to, end] = this.motion[this.motion.length - 1];
     const recent = this.motion.filter(([time]) => to - time < MEMORY);
-    const [from, start] = recent.length > 1 ? recent[0] : this.motion[Math.max(0, this.motion.length - 2)];
+    const [from, start] =
+      recent.length > 1 ? recent[0] : this.motion[Math.max(0, this.motion.length - 2)];
     if (now - to > STILL || from === to) return [0, 0, 0];
     const speed = scale(sub(end, start), 1000 / Math.max(1, to - from));
     const forward = unit([this.view.into[0], this.view.into[1], 0]);

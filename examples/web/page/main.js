@@ -5,10 +5,23 @@ const CHUNK = 8; // steps between two looks at the clock
 
 class Page {
   constructor(tumble, bytes) {
-    Object.assign(this, { tumble, bytes, running: true, held: false, rate: 1, owed: 0, behind: false, simulated: 0 });
+    Object.assign(this, {
+      tumble,
+      bytes,
+      running: true,
+      held: false,
+      rate: 1,
+      owed: 0,
+      behind: false,
+      simulated: 0,
+    });
     this.view = new View(byId('view'));
     this.energy = new EnergyPanel();
-    this.panel = new Panel(tumble, (index, value, starts) => this.change(index, value, starts), (body) => this.choose(body));
+    this.panel = new Panel(
+      tumble,
+      (index, value, starts) => this.change(index, value, starts),
+      (body) => this.choose(body),
+    );
     tumble.call('choose', 0);
     this.hand = new Hand(byId('view'), this.view, this);
     this.tosses = new Tosses(tumble, bytes);
@@ -25,8 +38,12 @@ class Page {
     click('share', () => this.share());
     click('too-long', () => this.tooLong());
     click('bits-again', () => checkBits(this.bytes, byId('bits')));
-    byId('rate').addEventListener('change', (event) => { this.rate = Number(event.target.value); });
-    window.addEventListener('hashchange', () => { if (location.hash !== this.address) this.open(); });
+    byId('rate').addEventListener('change', (event) => {
+      this.rate = Number(event.target.value);
+    });
+    window.addEventListener('hashchange', () => {
+      if (location.hash !== this.address) this.open();
+    });
     document.addEventListener('keydown', (event) => this.key(event));
     const dark = matchMedia('(prefers-color-scheme: dark)');
     dark.addEventListener('change', () => this.view.readTheme());
@@ -34,16 +51,20 @@ class Page {
 
   // Starts with the throw in the address, or with the first scene of the coin.
   open() {
-    this.attempt(() => {
-      const given = readAddress(this.tumble, location.hash);
-      if (given) this.adopt();
-      else this.choose(0);
-    }, () => this.choose(0));
+    this.attempt(
+      () => {
+        const given = readAddress(this.tumble, location.hash);
+        if (given) this.adopt();
+        else this.choose(0);
+      },
+      () => this.choose(0),
+    );
   }
 
   // Shows a body and a scene that are already set.
   adopt() {
-    const body = this.tumble.knobs[KNOB.body], kept = [...this.tumble.knobBits];
+    const body = this.tumble.knobs[KNOB.body],
+      kept = [...this.tumble.knobBits];
     this.tumble.call('choose', body);
     this.panel.centre(this.tumble.knobs);
     this.tumble.knobBits.set(kept);
@@ -67,7 +88,11 @@ class Page {
     this.view.zoom = 1;
     this.rate = rate;
     byId('rate').value = rate;
-    byId('view').setAttribute('aria-label', `${name} on a level floor, seen from the side. Drag the body and let go to throw it. The arrow keys turn the view.`);
+    byId('view').setAttribute(
+      'aria-label',
+      `${name} on a level floor, seen from the side. Drag the body and let go to throw it. ` +
+        'The arrow keys turn the view.',
+    );
     this.tosses.reset();
   }
 
@@ -87,27 +112,34 @@ class Page {
   // Applies a parameter, or shows why the library refuses it.
   change(index, value, starts) {
     const before = this.tumble.knobBits[index];
-    this.attempt(() => {
-      this.tumble.knobs[index] = value;
-      this.begun(starts ? 'place' : 'restart_here');
-      if (!starts && index !== KNOB.method) this.tosses.reset();
-    }, () => {
-      this.tumble.knobBits[index] = before;
-      this.tumble.call('restart_here');
-    });
+    this.attempt(
+      () => {
+        this.tumble.knobs[index] = value;
+        this.begun(starts ? 'place' : 'restart_here');
+        if (!starts && index !== KNOB.method) this.tosses.reset();
+      },
+      () => {
+        this.tumble.knobBits[index] = before;
+        this.tumble.call('restart_here');
+      },
+    );
   }
 
   attempt(act, undo) {
-    const shownIn = byId('error');
     try {
       act();
-      shownIn.hidden = true;
+      byId('error').hidden = true;
     } catch (error) {
-      shownIn.textContent = error.message;
-      shownIn.hidden = false;
       undo?.();
-      if (!(error instanceof Refusal)) throw error;
+      this.refuse(error);
     }
+  }
+
+  // Shows why the library refuses an input, or why a step failed.
+  refuse(error) {
+    byId('error').textContent = error.message;
+    byId('error').hidden = false;
+    if (!(error instanceof Refusal)) throw error;
   }
 
   position(run = 0) {
@@ -115,7 +147,10 @@ class Page {
   }
 
   pose(run) {
-    return { position: this.position(run), rotate: rotation([...this.tumble.runs[run].subarray(6, 10)]) };
+    return {
+      position: this.position(run),
+      rotate: rotation([...this.tumble.runs[run].subarray(6, 10)]),
+    };
   }
 
   hasTwin() {
@@ -131,7 +166,8 @@ class Page {
     this.attempt(() => this.tumble.call('hold', ...point));
   }
 
-  // A velocity of the hand, as it is seen: in slow motion the body is as much faster as time is slower.
+  // Throws with the velocity of the hand as it is seen. In slow motion the body is faster by the
+  // factor by which time is slower.
   letGo(velocity, arm) {
     this.held = false;
     const seen = scale(velocity, 1 / this.rate);
@@ -145,11 +181,16 @@ class Page {
   // A throw from a random pose, for the keyboard: speeds in units of √(g R).
   throwAtRandom() {
     const random = () => crypto.getRandomValues(new Uint32Array(1))[0] / 2 ** 31 - 1;
-    const { radius } = this.view, speed = Math.sqrt(Math.abs(this.tumble.knobs[KNOB.gravity]) * radius);
+    const { radius } = this.view,
+      speed = Math.sqrt(Math.abs(this.tumble.knobs[KNOB.gravity]) * radius);
     const [x, y] = this.position();
     this.attempt(() => {
       this.tumble.call('hold', x, y, 1.5 * radius);
-      const velocity = [1.2 * speed * random(), 1.2 * speed * random(), speed * (2.2 + 0.5 * random())];
+      const velocity = [
+        1.2 * speed * random(),
+        1.2 * speed * random(),
+        speed * (2.2 + 0.5 * random()),
+      ];
       this.tumble.call('flick', ...velocity, ...[0, 0, 0].map(() => 0.5 * radius * random()));
       this.begun();
       this.play(true);
@@ -178,6 +219,7 @@ class Page {
 
   play(running) {
     this.running = running;
+    this.behind = false;
     byId('play').textContent = running ? 'Pause' : 'Play';
   }
 
@@ -187,19 +229,38 @@ class Page {
   }
 
   share() {
-    navigator.clipboard?.writeText(location.href).then(() => { byId('spoken').textContent = byId('shared').textContent = 'copied'; }, () => {});
+    navigator.clipboard?.writeText(location.href).then(
+      () => {
+        byId('spoken').textContent = byId('shared').textContent = 'copied';
+      },
+      () => {},
+    );
     byId('shared').textContent = 'in the address bar';
   }
 
   key(event) {
     const typing = /^(INPUT|SELECT|TEXTAREA|BUTTON)$/.test(event.target.tagName);
-    if (event.ctrlKey || event.metaKey || event.altKey || (typing && event.target.type !== 'radio')) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || (typing && event.target.type !== 'radio'))
+      return;
     const { view } = this;
     const keys = {
-      ' ': () => this.play(!this.running), '.': () => this.oneStep(), r: () => this.attempt(() => this.begun('restart')), t: () => this.throwAtRandom(),
-      '+': () => { view.zoom *= 0.9; }, '-': () => { view.zoom *= 1.1; },
+      ' ': () => this.play(!this.running),
+      '.': () => this.oneStep(),
+      r: () => this.attempt(() => this.begun('restart')),
+      t: () => this.throwAtRandom(),
+      '+': () => {
+        view.zoom *= 0.9;
+      },
+      '-': () => {
+        view.zoom *= 1.1;
+      },
     };
-    const turns = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.06], ArrowDown: [0, -0.06] };
+    const turns = {
+      ArrowLeft: [-0.1, 0],
+      ArrowRight: [0.1, 0],
+      ArrowUp: [0, 0.06],
+      ArrowDown: [0, -0.06],
+    };
     const turn = event.target === byId('view') && turns[event.key];
     if (turn) {
       view.azimuth += turn[0];
@@ -211,25 +272,29 @@ class Page {
 
   // Takes steps in the run, and in that of the default method beside it.
   advance(steps) {
-    this.attempt(() => {
-      try {
-        this.tumble.call('advance', 0, steps);
-        if (this.hasTwin()) this.tumble.call('advance', 1, steps);
-      } catch (refusal) {
-        this.play(false);
-        throw refusal;
-      }
-      this.remember();
+    try {
+      this.tumble.call('advance', 0, steps);
+      if (this.hasTwin()) this.tumble.call('advance', 1, steps);
       this.simulated += steps;
-    });
+    } catch (error) {
+      this.play(false);
+      this.refuse(error);
+    }
+    this.remember();
   }
 
   // Keeps the samples of the path and of the energy.
   remember() {
-    const [run, twin] = this.tumble.runs, samples = [];
-    for (let i = 0; i < run[RUN.samples]; i += 1) samples.push([...run.subarray(RUN.path + 3 * i, RUN.path + 3 * i + 3)]);
+    const [run, twin] = this.tumble.runs,
+      samples = [];
+    for (let i = 0; i < run[RUN.samples]; i += 1)
+      samples.push([...run.subarray(RUN.path + 3 * i, RUN.path + 3 * i + 3)]);
     this.view.trace(samples);
-    this.energy.record(run[RUN.steps] * this.tumble.knobs[KNOB.step], run[RUN.total], twin[RUN.total]);
+    this.energy.record(
+      run[RUN.steps] * this.tumble.knobs[KNOB.step],
+      run[RUN.total],
+      twin[RUN.total],
+    );
   }
 
   // Steps for the time since the last picture. What does not fit is left out, and said.
@@ -255,7 +320,12 @@ class Page {
     if (!this.held) this.view.aim(this.position(), still ? 1 : 1 - Math.exp(-elapsed / 250));
     const twin = this.hasTwin() && !this.held;
     this.view.render(this.pose(0), twin ? this.pose(1) : null);
-    this.energy.show(this.tumble.runs[0], twin ? this.tumble.runs[1] : null, now, METHODS[this.tumble.knobs[KNOB.method]]);
+    this.energy.show(
+      this.tumble.runs[0],
+      twin ? this.tumble.runs[1] : null,
+      now,
+      METHODS[this.tumble.knobs[KNOB.method]],
+    );
     this.showState(now);
     requestAnimationFrame((next) => this.frame(next));
   }
@@ -264,14 +334,18 @@ class Page {
   showState(now) {
     if (now < (this.nextState ?? 0)) return;
     this.nextState = now + 250;
-    const run = this.tumble.runs[0], seconds = run[RUN.steps] * this.tumble.knobs[KNOB.step];
-    byId('clock').textContent = `${seconds.toFixed(2)} s${this.behind ? ', slower than the clock' : ''}`;
+    const run = this.tumble.runs[0],
+      seconds = run[RUN.steps] * this.tumble.knobs[KNOB.step];
+    byId('clock').textContent =
+      `${seconds.toFixed(2)} s${this.behind ? ', slower than the clock' : ''}`;
     byId('square').textContent = shown(this.view.square(), 'm');
     if (this.held) return;
-    const face = this.tumble.calls.face(), { faces } = BODIES[this.tumble.knobs[KNOB.body]];
+    const face = this.tumble.calls.face(),
+      { faces } = BODIES[this.tumble.knobs[KNOB.body]];
     const text = face < 0 ? '' : `${faces[face]}: proven`;
     byId('face').textContent = text;
-    if (face >= 0 && face !== this.face) byId('spoken').textContent = `${faces[face]}, proven by the energy`;
+    if (face >= 0 && face !== this.face)
+      byId('spoken').textContent = `${faces[face]}, proven by the energy`;
     this.face = face;
   }
 }

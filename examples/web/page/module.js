@@ -1,10 +1,32 @@
 // The library in WebAssembly: its functions, and its blocks of numbers as arrays.
 'use strict';
 
-const KNOB = { body: 0, method: 1, step: 2, stiffness: 3, damping: 4, friction: 5, slip: 6, gravity: 7, start: 8, lean: 9, spin: 10 };
+const KNOB = {
+  body: 0,
+  method: 1,
+  step: 2,
+  stiffness: 3,
+  damping: 4,
+  friction: 5,
+  slip: 6,
+  gravity: 7,
+  start: 8,
+  lean: 9,
+  spin: 10,
+};
 const KNOBS = 11;
 const STATE = 13;
-const RUN = { steps: 13, energies: 14, total: 18, largest: 19, sum: 20, touching: 21, turning: 22, samples: 25, path: 26 };
+const RUN = {
+  steps: 13,
+  energies: 14,
+  total: 18,
+  largest: 19,
+  sum: 20,
+  touching: 21,
+  turning: 22,
+  samples: 25,
+  path: 26,
+};
 const RUN_LENGTH = 26 + 3 * 32;
 const FACES = 6;
 

@@ -24,9 +24,10 @@ class Tosses {
     const { faces } = BODIES[this.tumble.knobs[KNOB.body]];
     byId('toss').disabled = faces.length === 0;
     byId('bars').innerHTML = '';
-    byId('toss-state').textContent = faces.length === 0
-      ? 'Choose a coin or the die: the other bodies have no faces to count.'
-      : 'From random heights, orientations and spins, on the ground that is set above, by EnergyMomentum.';
+    byId('toss-state').textContent =
+      faces.length === 0
+        ? 'Choose a coin or the die: the other bodies have no faces to count.'
+        : 'Random heights, orientations and spins, on the ground set above, by EnergyMomentum.';
   }
 
   stop(text) {
@@ -38,7 +39,14 @@ class Tosses {
 
   run() {
     byId('toss').textContent = 'Stop';
-    const message = { task: 'toss', bytes: this.bytes, knobs: [...this.tumble.knobBits], seed: this.seed, tosses: TOSSES, places: FACES + 2 };
+    const message = {
+      task: 'toss',
+      bytes: this.bytes,
+      knobs: [...this.tumble.knobBits],
+      seed: this.seed,
+      tosses: TOSSES,
+      places: FACES + 2,
+    };
     this.seed += 1;
     this.worker = startWorker(message, (answer) => this.receive(answer));
   }
@@ -58,16 +66,22 @@ class Tosses {
     const rows = [...faces.map((name, i) => [name, counts[i]]), ['undecided', undecided]];
     if (failed > 0) rows.push(['failed', failed]);
     byId('bars').innerHTML = rows.map(([name, count]) => this.bar(name, count, done)).join('');
-    byId('toss-state').textContent = `${done} of ${TOSSES} throws, seed ${this.seed - 1}. Each face is proven by the energy; undecided throws are counted. Lines: 95 % intervals of Wilson.`;
-    if (done === TOSSES) byId('spoken').textContent = `${TOSSES} throws: ${rows.map(([name, count]) => `${name} ${count}`).join(', ')}`;
+    byId('toss-state').textContent =
+      `${done} of ${TOSSES} throws, seed ${this.seed - 1}. Each face is proven by the energy. ` +
+      'Undecided throws are counted. Lines: 95 % intervals of Wilson.';
+    if (done === TOSSES)
+      byId('spoken').textContent =
+        `${TOSSES} throws: ${rows.map(([name, count]) => `${name} ${count}`).join(', ')}`;
   }
 
   bar(name, count, done) {
     const [low, high] = this.tumble.wilson(count, done).map((end) => 100 * end);
     const percent = (100 * count) / done;
     return `<tr><th scope="row">${name}</th><td class="count">${count}</td>
-      <td class="graph"><div class="bar" style="width:${percent}%"></div><div class="whisker" style="left:${low}%;width:${high - low}%"></div></td>
-      <td class="interval">${percent.toFixed(1)} % <span>[${low.toFixed(1)}, ${high.toFixed(1)}]</span></td></tr>`;
+      <td class="graph"><div class="bar" style="width:${percent}%"></div>
+        <div class="whisker" style="left:${low}%;width:${high - low}%"></div></td>
+      <td class="interval">${percent.toFixed(1)} %
+        <span>[${low.toFixed(1)}, ${high.toFixed(1)}]</span></td></tr>`;
   }
 }
 

@@ -1,7 +1,7 @@
 //! `tumble` for a page in a browser: blocks of numbers, and functions that the page calls.
 //!
-//! The module imports nothing and allocates nothing. A function returns 0, or 1 with the reason as a
-//! text.
+//! The module imports nothing and allocates nothing. A function returns 0, or 1 with the reason as
+//! a text.
 #![cfg_attr(target_family = "wasm", no_std)]
 
 // Not as a crate of its own, which would compile all rows.

@@ -1,7 +1,7 @@
 //! Numbers and text that the page reads and writes in the memory of the module.
 //!
-//! The page and the module share blocks of 64-bit words at fixed addresses. A word is the bits of an
-//! `f64`. Words are atomic because a static that changes must be, and the module has one thread.
+//! The page and the module share blocks of 64-bit words at fixed addresses. A word is the bits of
+//! an `f64`. Words are atomic because a static that changes must be, and the module has one thread.
 
 use core::fmt;
 use core::sync::atomic::{AtomicU8, AtomicU32, AtomicU64, Ordering::Relaxed};

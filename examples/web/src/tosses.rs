@@ -34,8 +34,8 @@ pub struct Starts {
 impl Starts {
     /// Returns the starts for a body of this bounding radius (m) under this gravity (m/s²).
     ///
-    /// Lengths are measured in radii, and times in `√(radius/gravity)`, so that bodies of all sizes
-    /// are thrown alike.
+    /// Lengths are measured in radii, and times in `√(radius/gravity)`, so that bodies of
+    /// all sizes are thrown alike.
     #[must_use]
     pub fn of(radius: f64, gravity: f64) -> Self {
         let unit = Real::sqrt(radius / gravity);
@@ -48,7 +48,7 @@ impl Starts {
 
     /// Returns the start of a toss: any orientation, and a spin about any axis.
     ///
-    /// The random numbers are those of `tumble::ensemble`: stream `number` of ChaCha8 with the seed.
+    /// The random numbers are those of `tumble::ensemble`: stream `number` of ChaCha8.
     #[must_use]
     pub fn draw(&self, stepper: &PageStepper, seed: u64, number: u64) -> State {
         let mut stream = ChaCha8Rng::seed_from_u64(seed);
@@ -141,8 +141,8 @@ pub fn proven_face(stepper: &PageStepper, state: &State) -> Option<usize> {
 /// Quantile of the normal distribution for a two-sided confidence of 95 %.
 const Z95: f64 = 1.959_963_984_540_054;
 
-/// Interval of Wilson (J. Am. Stat. Assoc. 22, 209, 1927) at 95 % for the probability behind `count`
-/// successes in `total` trials.
+/// Interval of Wilson (J. Am. Stat. Assoc. 22, 209, 1927) at 95 % for the probability behind
+/// `count` successes in `total` trials.
 #[must_use]
 pub fn wilson(count: f64, total: f64) -> [f64; 2] {
     if total <= 0.0 {

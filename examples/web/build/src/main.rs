@@ -142,11 +142,11 @@ fn joined(wasm: &[u8]) -> Outcome<String> {
     let source = |name: &str| read(folder.join("page").join(name));
     let mut script = String::new();
     for name in SCRIPTS {
-        script += &source(name)?;
+        script += &dense(&source(name)?);
     }
     let parts = [
-        ("/* style.css */", source("style.css")?),
-        ("/* worker.js */", source("worker.js")?),
+        ("/* style.css */", dense(&source("style.css")?)),
+        ("/* worker.js */", dense(&source("worker.js")?)),
         ("/* scripts */", script),
         (
             "<!-- hashes.txt -->",
@@ -157,7 +157,7 @@ fn joined(wasm: &[u8]) -> Outcome<String> {
             STANDARD.encode(compressed(wasm)?),
         ),
     ];
-    let mut page = source("index.html")?;
+    let mut page = dense(&source("index.html")?);
     for (marker, text) in parts {
         if page.matches(marker).count() != 1 {
             return Err(format!("index.html must have one {marker}").into());
@@ -165,6 +165,13 @@ fn joined(wasm: &[u8]) -> Outcome<String> {
         page = page.replace(marker, &text);
     }
     Ok(page)
+}
+
+/// Leaves out indentation, empty lines and lines of comments, which a visitor does not read.
+fn dense(source: &str) -> String {
+    let lines = source.lines().map(str::trim_start);
+    let kept = lines.filter(|line| !line.is_empty() && !line.starts_with("// "));
+    kept.flat_map(|line| [line, "\n"]).collect()
 }
 
 fn compressed(bytes: &[u8]) -> Outcome<Vec<u8>> {
