@@ -32,6 +32,16 @@ fn this_machine_has_the_stored_bits() {
     );
 }
 
+/// A program without room for all rows computes this one, as the page of `examples/web` does.
+#[test]
+fn a_row_by_itself_has_the_stored_bits() {
+    let method = |time_step| tumble::EnergyMomentum { time_step };
+    let row = battery::row::<f64, _>(method).unwrap();
+    let stored = include_str!("bits/hashes.txt");
+    let line = format!("f64 EnergyMomentum {row:016x}");
+    assert!(stored.lines().any(|row| row == line), "{line}");
+}
+
 #[test]
 fn every_scene_of_the_battery_is_run_to_its_end_and_is_another() {
     let mut outcomes = Vec::new();

@@ -75,6 +75,19 @@ pub fn write(out: &mut dyn fmt::Write, scenes: bool) -> fmt::Result {
     visited.map_err(|_| fmt::Error).and(result)
 }
 
+/// Hash of one row: all scenes with one integrator, which is made from its time step (s).
+///
+/// A program that needs one row only contains the code of one integrator in one precision.
+///
+/// # Errors
+/// If a scene cannot be composed, which is a fault of the battery.
+pub fn row<R: Bits, I: Integrator<R>>(method: impl Fn(R) -> I) -> Result<u64, SceneError> {
+    let mut row = Hash::new();
+    scenes::<R, I>(method, &mut |_, (hash, _)| row.word(hash))?;
+    let Hash(hash) = row;
+    Ok(hash)
+}
+
 /// Runs all scenes, in one order.
 ///
 /// # Errors
@@ -117,7 +130,8 @@ fn tolerance<R: Real>(time_step: R) -> R {
 }
 
 /// A number's bits.
-trait Bits: Real {
+pub trait Bits: Real {
+    /// Bits of the number.
     fn bits(self) -> u64;
 }
 

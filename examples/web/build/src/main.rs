@@ -1,0 +1,181 @@
+//! Builds the live page: the library in WebAssembly, the style and the scripts in one HTML file.
+
+use std::env;
+use std::error::Error;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use lexopt::prelude::*;
+
+const HELP: &str = "\
+Builds the live page and writes it as one HTML file, which needs no network and no server.
+
+Usage: cargo run --manifest-path examples/web/build/Cargo.toml -- [OPTIONS]
+
+Options:
+  --out FILE    page to write [default: out/tumble.html]
+  --wasm FILE   the library, if it is already built; otherwise cargo builds it, which needs
+                `rustup target add wasm32-unknown-unknown`
+  --help        this text";
+
+/// Scripts in the order in which they are joined. Each uses names of those before it.
+const SCRIPTS: [&str; 9] = [
+    "module.js",
+    "address.js",
+    "mesh.js",
+    "view.js",
+    "hand.js",
+    "energy.js",
+    "panel.js",
+    "tosses.js",
+    "main.js",
+];
+
+/// Largest page, bytes.
+const MOST: usize = 300_000;
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+struct Options {
+    out: PathBuf,
+    wasm: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    match options().and_then(|options| options.map_or(Ok(()), |options| work(&options))) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Reads the arguments. Returns `None` after the help text.
+fn options() -> Outcome<Option<Options>> {
+    let mut options = Options {
+        out: "out/tumble.html".into(),
+        wasm: None,
+    };
+    let mut arguments = lexopt::Parser::from_env();
+    while let Some(argument) = arguments.next()? {
+        match argument {
+            Long("out") => options.out = arguments.value()?.into(),
+            Long("wasm") => options.wasm = Some(arguments.value()?.into()),
+            Long("help") => {
+                println!("{HELP}");
+                return Ok(None);
+            }
+            _ => return Err(argument.unexpected().into()),
+        }
+    }
+    Ok(Some(options))
+}
+
+fn work(options: &Options) -> Outcome<()> {
+    let wasm = match &options.wasm {
+        Some(file) => file.clone(),
+        None => built()?,
+    };
+    let page = joined(&fs::read(&wasm).map_err(|error| format!("{}: {error}", wasm.display()))?)?;
+    if page.len() > MOST {
+        return Err(format!(
+            "the page must have at most {MOST} bytes, got {}",
+            page.len()
+        )
+        .into());
+    }
+    if let Some(folder) = options.out.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    fs::write(&options.out, &page)?;
+    println!("{}: {} bytes", options.out.display(), page.len());
+    Ok(())
+}
+
+/// Folder of the page's crate.
+fn crate_folder() -> Outcome<&'static Path> {
+    Ok(Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .ok_or("no folder of the page")?)
+}
+
+/// Builds the library for WebAssembly in the target folder of this program.
+fn built() -> Outcome<PathBuf> {
+    let program = env::current_exe()?;
+    let target = program.ancestors().nth(2).ok_or("no target folder")?;
+    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let status = Command::new(cargo)
+        .args([
+            "build",
+            "--release",
+            "--lib",
+            "--locked",
+            "--target",
+            "wasm32-unknown-unknown",
+        ])
+        .arg("--manifest-path")
+        .arg(crate_folder()?.join("Cargo.toml"))
+        .arg("--target-dir")
+        .arg(target)
+        .status()?;
+    if !status.success() {
+        return Err("the library is not built; \
+                    `rustup target add wasm32-unknown-unknown` installs the target"
+            .into());
+    }
+    Ok(target.join("wasm32-unknown-unknown/release/tumble_page.wasm"))
+}
+
+/// Joins the page.
+fn joined(wasm: &[u8]) -> Outcome<String> {
+    let folder = crate_folder()?;
+    let read = |path: PathBuf| {
+        fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))
+    };
+    let source = |name: &str| read(folder.join("page").join(name));
+    let mut script = String::new();
+    for name in SCRIPTS {
+        script += &dense(&source(name)?);
+    }
+    let parts = [
+        ("/* style.css */", dense(&source("style.css")?)),
+        ("/* worker.js */", dense(&source("worker.js")?)),
+        ("/* scripts */", script),
+        (
+            "<!-- hashes.txt -->",
+            read(folder.join("../../tests/bits/hashes.txt"))?,
+        ),
+        (
+            "<!-- tumble_page.wasm -->",
+            STANDARD.encode(compressed(wasm)?),
+        ),
+    ];
+    let mut page = dense(&source("index.html")?);
+    for (marker, text) in parts {
+        if page.matches(marker).count() != 1 {
+            return Err(format!("index.html must have one {marker}").into());
+        }
+        page = page.replace(marker, &text);
+    }
+    Ok(page)
+}
+
+/// Leaves out indentation, empty lines and lines of comments, which a visitor does not read.
+fn dense(source: &str) -> String {
+    let lines = source.lines().map(str::trim_start);
+    let kept = lines.filter(|line| !line.is_empty() && !line.starts_with("// "));
+    kept.flat_map(|line| [line, "\n"]).collect()
+}
+
+fn compressed(bytes: &[u8]) -> Outcome<Vec<u8>> {
+    let mut gzip = GzEncoder::new(Vec::new(), Compression::best());
+    gzip.write_all(bytes)?;
+    Ok(gzip.finish()?)
+}
