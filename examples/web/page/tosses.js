@@ -65,7 +65,10 @@ class Tosses {
     const [undecided, failed] = counts.slice(FACES);
     const rows = [...faces.map((name, i) => [name, counts[i]]), ['undecided', undecided]];
     if (failed > 0) rows.push(['failed', failed]);
-    byId('bars').innerHTML = rows.map(([name, count]) => this.bar(name, count, done)).join('');
+    // The widest line ends at the end of its column. All bars have one scale, from 0.
+    const most = Math.max(...rows.map(([, count]) => this.tumble.wilson(count, done)[1]));
+    const bars = rows.map(([name, count]) => this.bar(name, count, done, most));
+    byId('bars').innerHTML = bars.join('');
     byId('toss-state').textContent =
       `${done} of ${TOSSES} throws, seed ${this.seed - 1}. Each face is proven by the energy. ` +
       'Undecided throws are counted. Lines: 95 % intervals of Wilson.';
@@ -74,12 +77,13 @@ class Tosses {
         `${TOSSES} throws: ${rows.map(([name, count]) => `${name} ${count}`).join(', ')}`;
   }
 
-  bar(name, count, done) {
+  bar(name, count, done, most) {
     const [low, high] = this.tumble.wilson(count, done).map((end) => 100 * end);
     const percent = (100 * count) / done;
+    const [width, left, span] = [percent, low, high - low].map((part) => part / most);
     return `<tr><th scope="row">${name}</th><td class="count">${count}</td>
-      <td class="graph"><div class="bar" style="width:${percent}%"></div>
-        <div class="whisker" style="left:${low}%;width:${high - low}%"></div></td>
+      <td class="graph"><div class="bar" style="width:${width}%"></div>
+        <div class="whisker" style="left:${left}%;width:${span}%"></div></td>
       <td class="interval">${percent.toFixed(1)} %
         <span>[${low.toFixed(1)}, ${high.toFixed(1)}]</span></td></tr>`;
   }
