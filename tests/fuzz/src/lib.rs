@@ -17,8 +17,11 @@ pub mod scene;
 pub mod session;
 pub mod terrain;
 
-/// The targets by name, each with the function that plays an input.
-pub const TARGETS: [(&str, fn(&[u8])); 6] = [
+/// A target: its name, and the function that plays an input.
+pub type Target = (&'static str, fn(&[u8]));
+
+/// All targets.
+pub const TARGETS: [Target; 6] = [
     ("scene", scene::run),
     ("contract", contract::run),
     ("load", load::run),
