@@ -49,6 +49,14 @@ pub(crate) const UNIT_3: [[f64; 2]; 3] = [
     [0.5, 8.0 / 18.0],
     [0.887_298_334_620_741_7, 5.0 / 18.0],
 ];
+/// [`UNIT_3`] in the precision of the caller, without a conversion at run time.
+#[inline]
+pub(crate) fn unit_3<R: Real>() -> [[R; 2]; 3] {
+    let [first, middle, last] = UNIT_3;
+    let node = |[place, weight]: [f64; 2]| [R::from_f64(place), R::from_f64(weight)];
+    [node(first), node(middle), node(last)]
+}
+
 /// Distance of the outer nodes of three from the middle, as a fraction of the interval's half.
 pub(crate) const OUTER_OF_3: f64 = 0.774_596_669_241_483_4;
 

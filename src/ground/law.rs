@@ -12,7 +12,7 @@ pub use spring_damper::SpringDamper;
 
 use super::MeanForce;
 use crate::error::SceneError;
-use crate::quadrature::UNIT_3;
+use crate::quadrature::unit_3;
 use crate::real::Real;
 
 /// The normal force of one contact as a function of depth (m) and closing speed (m/s).
@@ -217,7 +217,7 @@ fn mean_parts<R: Real, L: ContactLaw<R> + ?Sized>(law: &L, start: R, end: R, sec
         submerged / path
     };
     let mut damper = zero;
-    for [place, weight] in UNIT_3.map(|node| node.map(R::from_f64)) {
+    for [place, weight] in unit_3::<R>() {
         let depth = from + submerged * place;
         if depth > zero {
             let beyond = law.normal_force(depth, closing_speed) - law.spring_force(depth);
