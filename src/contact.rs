@@ -22,4 +22,4 @@ pub use model::ContactModel;
 pub use motion::Motion;
 pub use point::Contact;
 pub(crate) use point::facing_ground;
-pub(crate) use rims::{Kinks, Velocities, arc_below, kinks};
+pub(crate) use rims::{Discontinuities, Velocities, arc_below, discontinuities};

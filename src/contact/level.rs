@@ -22,7 +22,7 @@ use crate::rotation::Axes;
 /// Each stage of a block is a loop of this length over arrays. The compiler vectorises it for the
 /// lanes of the processor. It would unroll a shorter loop first, and then find no lanes. The number
 /// is a divisor of the 120 points of the coin.
-const ABREAST: usize = 24;
+const BLOCK_LEN: usize = 24;
 
 /// Whether the processor computes on two numbers at once.
 ///
@@ -110,7 +110,7 @@ impl<R: Real> Level<'_, R> {
         F: SlidingFriction<R>,
     {
         let mut rest = contacts;
-        if contacts.len() >= ABREAST {
+        if contacts.len() >= BLOCK_LEN {
             let motion = &{ *self.motion };
             let level = Level { motion, ..*self };
             (load, rest) = level.with_blocks(load, laws, contacts, arm_axes);
@@ -221,17 +221,17 @@ impl<R: Real> Level<'_, R> {
         G: SpringDamperGround<R>,
         F: SlidingFriction<R>,
     {
-        let (mut arms, mut forces) = (Block::<R, ABREAST>::ZERO, Block::<R, ABREAST>::ZERO);
+        let (mut arms, mut forces) = (Block::<R, BLOCK_LEN>::ZERO, Block::<R, BLOCK_LEN>::ZERO);
         let (mut force, mut torque) = (Pairs::<R>::ZERO, Pairs::<R>::ZERO);
-        let mut depths = [R::ZERO; ABREAST];
-        while let Some((block, rest)) = contacts.split_first_chunk::<ABREAST>() {
+        let mut depths = [R::ZERO; BLOCK_LEN];
+        while let Some((block, rest)) = contacts.split_first_chunk::<BLOCK_LEN>() {
             arms.put(|i| self.motion.axes.to_world(block[i].position));
             let mut touching = 0;
             for (i, depth) in depths.iter_mut().enumerate() {
                 *depth = self.depth(arms.get(i));
                 touching += usize::from(*depth > R::ZERO);
             }
-            if touching < ABREAST {
+            if touching < BLOCK_LEN {
                 break;
             }
             contacts = rest;
@@ -242,7 +242,7 @@ impl<R: Real> Level<'_, R> {
             arms.cross(&forces);
             force.add(&forces);
             torque.add(&arms);
-            load.touching += ABREAST;
+            load.touching += BLOCK_LEN;
         }
         load.force += force.sum();
         load.torque += torque.sum();
@@ -318,7 +318,7 @@ impl<R: Real> Pairs<R> {
     const ZERO: Self = Self([[R::ZERO; 2]; 3]);
 
     #[inline(always)]
-    fn add(&mut self, block: &Block<R, ABREAST>) {
+    fn add(&mut self, block: &Block<R, BLOCK_LEN>) {
         for (sum, values) in self.0.iter_mut().zip(&block.0) {
             for pair in values.chunks_exact(2) {
                 sum[0] += pair[0];
@@ -392,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn contacts_that_go_abreast_load_the_body_as_they_do_one_by_one() {
+    fn contacts_in_blocks_load_the_body_as_they_do_one_by_one() {
         let ground = FlatGround::level(100.0, 0.5);
         let mut whole = 0;
         for (count, depth) in [

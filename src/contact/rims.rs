@@ -1,19 +1,19 @@
 //! Rims on the ground: the arc that touches.
 //!
 //! A Gauss rule is accurate for smooth functions. So the arc is cut at the discontinuities of its
-//! forces ([`kinks`](mod@kinks)). Quadrature points are concentrated near points at which friction
+//! forces ([`discontinuities`](mod@discontinuities)). Quadrature points are concentrated near points at which friction
 //! reverses ([`turning_rules`]).
 //!
 //! On a level plane, penetration depth and velocity are linear in sine and cosine along the arc,
 //! and a short arc is evaluated as a [`Sweep`]. Any other arc is evaluated point by point
 //! ([`visit_any`]).
 
-mod kinks;
+mod discontinuities;
 mod sweep;
 mod turning_rules;
 
-use kinks::kinks_over;
-pub(crate) use kinks::{Kinks, Velocities, kinks};
+use discontinuities::discontinuities_over;
+pub(crate) use discontinuities::{Discontinuities, Velocities, discontinuities};
 use sweep::{Sweep, visit_between};
 
 use super::motion::Motion;
@@ -142,12 +142,12 @@ pub(super) fn spring_energy<R: Real, G: SpringDamperGround<R>, F: SlidingFrictio
 
 /// Discontinuities of the forces on a panel. They are computed for the plane under its middle, with
 /// the penetration depths of the actual ground.
-fn kinks_of<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
+fn discontinuities_of<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
     laws: (&G, &F),
     rim: &Rim<R>,
     motion: &Motion<R>,
     panel: Panel<R>,
-) -> Kinks<R> {
+) -> Discontinuities<R> {
     let (ground, axes) = (laws.0, &motion.axes);
     let under = |s: R| ground.surface(motion.position + axes.to_world(rim.place_on(panel, s)));
     let spokes = rim.spokes(rim.axes().map(|axis| axes.to_world(axis)), panel.middle());
@@ -158,10 +158,10 @@ fn kinks_of<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
     let chord = panel.chord();
     let normal = under(R::ZERO).normal;
     let depth = |u: R| -under(u * chord).gap;
-    let mut kinks = kinks_over(laws, chord, normal, &velocities, depth);
+    let mut discontinuities = discontinuities_over(laws, chord, normal, &velocities, depth);
     // The energy needs the same number of points.
-    kinks.add_points(if chord <= R::from_f64(SHORT) { 6 } else { 8 });
-    kinks
+    discontinuities.add_points(if chord <= R::from_f64(SHORT) { 6 } else { 8 });
+    discontinuities
 }
 
 /// Calls `visit` with each quadrature point of a rim. This is the general method, valid for every
@@ -176,14 +176,19 @@ pub(super) fn visit_any<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>
     let arc = arc_below(rim, laws.0, motion.position, &motion.axes);
     let density = rim.points() * R::from_f64(core::f64::consts::FRAC_1_PI);
     for panel in Panels::of(arc, core::iter::empty()).iter() {
-        let kinks = kinks_of(laws, rim, motion, panel);
-        visit_between(&kinks, panel.chord(), [-R::ONE, R::ONE], |s, length| {
-            let point = ContactPoint::bare(rim.place_on(panel, s));
-            // dθ = 2 ds/√(1 - s²)
-            let weight = density * length / ((R::ONE - s) * (R::ONE + s)).sqrt();
-            if let Some(contact) = Contact::of(laws.0, motion, &point, weight) {
-                visit(&contact);
-            }
-        });
+        let discontinuities = discontinuities_of(laws, rim, motion, panel);
+        visit_between(
+            &discontinuities,
+            panel.chord(),
+            [-R::ONE, R::ONE],
+            |s, length| {
+                let point = ContactPoint::bare(rim.place_on(panel, s));
+                // dθ = 2 ds/√(1 - s²)
+                let weight = density * length / ((R::ONE - s) * (R::ONE + s)).sqrt();
+                if let Some(contact) = Contact::of(laws.0, motion, &point, weight) {
+                    visit(&contact);
+                }
+            },
+        );
     }
 }

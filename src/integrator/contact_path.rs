@@ -108,7 +108,7 @@ pub(in crate::integrator) fn slip<R: Real>(
 /// ```text
 /// depth = radius + (height - n · x) - Qᵀn · b        closing speed = -n · v - Qᵀ(n × ω) · b
 /// ```
-pub(in crate::integrator) struct Sight<'a, R: Real, D> {
+pub(in crate::integrator) struct ContactView<'a, R: Real, D> {
     scene: &'a D,
     pub(in crate::integrator) motion: &'a Motion<R>,
     plane: Option<AbovePlane<R>>,
@@ -147,7 +147,7 @@ impl<R: Real> AbovePlane<R> {
     }
 }
 
-impl<'a, R: Real, D: Dynamics<R>> Sight<'a, R, D> {
+impl<'a, R: Real, D: Dynamics<R>> ContactView<'a, R, D> {
     #[inline(always)]
     pub(in crate::integrator) fn of(scene: &'a D, motion: &'a Motion<R>) -> Self {
         let plane = match scene.ground().bounds() {

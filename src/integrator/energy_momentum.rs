@@ -447,7 +447,7 @@ fn whole<R: Real, D: Dynamics<R>>(
     *end = problem.end_of(&trial);
     let strain = strain.of_step(problem);
     if !strain.is_resolved() {
-        *end = end_velocity::settle(problem, contacts, &trial, strain, end);
+        *end = end_velocity::corrected(problem, contacts, &trial, strain, end);
     }
     end.not_finite().is_none().then_some(strain)
 }
@@ -478,9 +478,9 @@ fn gather<R: Real, D: Dynamics<R>>(
     let fall = dt * -motion.linear_velocity.dot(plane.normal);
     let tilt = spin.cross(plane.normal);
     // For any number of revolutions, a contact stays within the bounding radius.
-    let swing =
+    let turned =
         (dt * tilt.length() * problem.bounding_radius).at_most(R::TWO * problem.bounding_radius);
-    let margin = (fall + swing).at_least(R::ZERO) + bend;
+    let margin = (fall + turned).at_least(R::ZERO) + bend;
     let run = scene
         .contact_model()
         .range_within(margin, motion.position, &motion.axes);

@@ -1,6 +1,6 @@
 //! Short arc below a level plane, with Gauss's rules for it.
 
-use super::kinks::{Kink, Kinks, Velocities, kinks_along};
+use super::discontinuities::{Discontinuities, Discontinuity, Velocities, discontinuities_along};
 use super::turning_rules::turning_rule;
 use crate::body::{ContactPoint, Rim, SHORT};
 use crate::contact::load::Load;
@@ -35,7 +35,7 @@ pub(in crate::contact) struct Sweep<R: Real> {
     rising: [R; 3],
     /// Velocities along the ground, m/s, in the same form.
     slips: [R::Vec3; 3],
-    kinks: Kinks<R>,
+    discontinuities: Discontinuities<R>,
     /// Points on the rim for half a radian.
     density: R,
     lowest: [R; 2],
@@ -81,19 +81,19 @@ pub(in crate::contact) struct Node<R: Real> {
 /// It proceeds piece by piece between discontinuities, none of which divides the part.
 #[inline(always)]
 pub(super) fn visit_between<R: Real>(
-    kinks: &Kinks<R>,
+    discontinuities: &Discontinuities<R>,
     chord: R,
     [first, last]: [R; 2],
     mut visit: impl FnMut(R, R),
 ) {
-    let mut from = Kink {
+    let mut from = Discontinuity {
         u: -R::ONE,
         width: R::MAX,
     };
-    for to in kinks.iter().chain([Kink::end()]) {
+    for to in discontinuities.iter().chain([Discontinuity::end()]) {
         if from.u >= first && to.u <= last && to.u - from.u > R::EPSILON {
             for piece in pieces(from, to) {
-                visit_piece(piece, chord, kinks.points, &mut visit);
+                visit_piece(piece, chord, discontinuities.points, &mut visit);
             }
         }
         from = to;
@@ -103,7 +103,7 @@ pub(super) fn visit_between<R: Real>(
 /// Pieces between two discontinuities or ends. It is one piece from the end at which friction
 /// reverses, if it does so at one of them. Otherwise two pieces meet in the middle.
 #[inline(always)]
-fn pieces<R: Real>(from: Kink<R>, to: Kink<R>) -> [Piece<R>; 2] {
+fn pieces<R: Real>(from: Discontinuity<R>, to: Discontinuity<R>) -> [Piece<R>; 2] {
     let none = R::MAX;
     let meet = if to.width >= none {
         to.u
@@ -112,31 +112,37 @@ fn pieces<R: Real>(from: Kink<R>, to: Kink<R>) -> [Piece<R>; 2] {
     } else {
         (from.u + to.u) * R::HALF
     };
-    [from, to].map(|kink| Piece { kink, meet })
+    [from, to].map(|discontinuity| Piece {
+        discontinuity,
+        meet,
+    })
 }
 
 /// Piece from a discontinuity to the start of the next piece, in either direction.
 struct Piece<R> {
-    kink: Kink<R>,
+    discontinuity: Discontinuity<R>,
     meet: R,
 }
 
 #[inline(always)]
 fn visit_piece<R: Real>(
-    Piece { kink, meet }: Piece<R>,
+    Piece {
+        discontinuity,
+        meet,
+    }: Piece<R>,
     chord: R,
     least: usize,
     visit: &mut impl FnMut(R, R),
 ) {
-    let bounding_radius = meet - kink.u;
+    let bounding_radius = meet - discontinuity.u;
     if bounding_radius == R::ZERO {
         return;
     }
     // Negative if the rule runs from right to left.
     let half = bounding_radius * chord * R::HALF;
-    let middle = (kink.u + meet) * chord * R::HALF;
+    let middle = (discontinuity.u + meet) * chord * R::HALF;
     let length = half.abs();
-    let rule = turning_rule(bounding_radius.abs() / kink.width * R::from_f64(SAFETY))
+    let rule = turning_rule(bounding_radius.abs() / discontinuity.width * R::from_f64(SAFETY))
         .unwrap_or_else(|| gauss_rule(length, chord, least));
     for &[place, weight] in rule {
         visit(
@@ -166,7 +172,7 @@ impl<R: Real> Sweep<R> {
             extent,
             rising,
             slips,
-            kinks: kinks_along(laws, [chord, extent], rising, slips),
+            discontinuities: discontinuities_along(laws, [chord, extent], rising, slips),
             density: rim.points() * R::from_f64(core::f64::consts::FRAC_1_PI),
             lowest,
         }
@@ -182,7 +188,7 @@ impl<R: Real> Sweep<R> {
     /// divides.
     #[inline(always)]
     fn visit_within(&self, part: [R; 2], visit: &mut impl FnMut(&Node<R>)) {
-        visit_between(&self.kinks, self.chord, part, |s, length| {
+        visit_between(&self.discontinuities, self.chord, part, |s, length| {
             let node = self.node(s, length * self.density);
             if node.depth > R::ZERO {
                 visit(&node);
@@ -242,7 +248,7 @@ impl<R: Real> Sweep<R> {
     ) {
         let zero = R::Vec3::ZERO;
         let (mut force, mut with_sin, mut with_fall) = (zero, zero, zero);
-        self.visit_within(self.kinks.pushed, &mut |node: &Node<R>| {
+        self.visit_within(self.discontinuities.pushed, &mut |node: &Node<R>| {
             let normal_force = ground.normal_force(node.depth, node.closing_speed);
             let rub = friction.force(normal_force, node.slip);
             let push = R::Vec3::new(rub.x(), rub.y(), rub.z() + normal_force) * node.weight;

@@ -217,8 +217,8 @@ pub(super) fn hunt_crossley_time(exponent: f64, restitution: f64, loss: f64) -> 
 const PANELS: u32 = 64;
 
 /// The integral `A` of [`hunt_crossley_time`].
-fn way_time(exponent: f64, swing: f64, panels: u32) -> f64 {
-    let [start, whole] = [way_slope(swing), way_work(swing, 1.0)];
+fn way_time(exponent: f64, loss: f64, panels: u32) -> f64 {
+    let [start, whole] = [way_slope(loss), way_work(loss, 1.0)];
     let power = exponent + 1.0;
     let mut mean = 0.0;
     for panel in 0..panels {
@@ -226,7 +226,7 @@ fn way_time(exponent: f64, swing: f64, panels: u32) -> f64 {
             let x = libm::pow((f64::from(panel) + place) / f64::from(panels), power);
             // A large exponent rounds nodes near the surface to 0.
             let share = if x > 0.0 {
-                way_work(swing, x) / x
+                way_work(loss, x) / x
             } else {
                 start
             };
@@ -238,26 +238,26 @@ fn way_time(exponent: f64, swing: f64, panels: u32) -> f64 {
 
 /// Size of L below which g is computed by its series over L², whose next term is `L³/24`. Above it
 /// the difference loses `2⁻⁵²/L²`.
-const SHORT_SWING: f64 = 1e-3;
+const SMALL_LOSS: f64 = 1e-3;
 
 /// Function `g(X)`, over L² where L is small.
-fn way_work(swing: f64, x: f64) -> f64 {
-    if swing.abs() < SHORT_SWING {
+fn way_work(loss: f64, x: f64) -> f64 {
+    if loss.abs() < SMALL_LOSS {
         let second = x * (1.0 - x * 0.5);
         let third = x * (1.0 - x * (1.0 - x / 3.0));
         let fourth = x * (1.0 - x * (1.5 - x * (1.0 - x * 0.25)));
-        second - swing * (third * 0.5 - swing * fourth / 6.0)
+        second - loss * (third * 0.5 - loss * fourth / 6.0)
     } else {
-        swing * x + libm::exp(-swing * (1.0 - x)) * libm::expm1(-swing * x)
+        loss * x + libm::exp(-loss * (1.0 - x)) * libm::expm1(-loss * x)
     }
 }
 
 /// Derivative `g′(0) = L (1 - exp(-L))`, over L² where L is small.
-fn way_slope(swing: f64) -> f64 {
-    if swing.abs() < SHORT_SWING {
-        1.0 - swing * (0.5 - swing / 6.0)
+fn way_slope(loss: f64) -> f64 {
+    if loss.abs() < SMALL_LOSS {
+        1.0 - loss * (0.5 - loss / 6.0)
     } else {
-        -swing * libm::expm1(-swing)
+        -loss * libm::expm1(-loss)
     }
 }
 
@@ -352,18 +352,18 @@ mod tests {
     fn the_time_of_a_bounce_is_that_of_a_finer_rule() {
         for exponent in [1.0, 1.5, 2.0, 2.7, 4.0, 10.0] {
             let tolerance = if exponent <= 4.0 { 1e-8 } else { 1e-6 };
-            for swing in [
+            for loss in [
                 -300.0, -20.0, -1.0, -1e-3, -9.99e-4, 0.0, 9.99e-4, 1e-3, 1.0, 20.0, 1e6,
             ] {
-                let [found, finer] = [PANELS, 16 * PANELS].map(|n| way_time(exponent, swing, n));
+                let [found, finer] = [PANELS, 16 * PANELS].map(|n| way_time(exponent, loss, n));
                 assert!(
                     (found / finer - 1.0).abs() < tolerance,
-                    "{exponent}, {swing}: {found}, not {finer}"
+                    "{exponent}, {loss}: {found}, not {finer}"
                 );
             }
             // The slope of A is of the order of 1.
             let [series, difference] =
-                [9.999_999e-4, 1.000_000_1e-3].map(|swing| way_time(exponent, swing, PANELS));
+                [9.999_999e-4, 1.000_000_1e-3].map(|loss| way_time(exponent, loss, PANELS));
             assert!(
                 (series - difference).abs() < 1e-9,
                 "{exponent}: {series}, {difference}"

@@ -29,7 +29,7 @@ use crate::state::State;
 use attempt::{Attempt, Place, attempt_under};
 pub(crate) use attempt::{Pair, Settings};
 use control::{Control, Errors};
-use touch::Kinks;
+use touch::Discontinuities;
 
 /// Workspace of an adaptive Runge-Kutta method: proposed step size, last error and used budget.
 ///
@@ -98,8 +98,13 @@ impl<R: Real> Known<R> {
     /// A step to a discontinuity has left out the contacts that begin to push there, so its slope
     /// is evaluated again.
     #[inline(always)]
-    fn of<D: Dynamics<R>>(scene: &D, state: &State<R>, end: &Place<R>, to_kink: bool) -> Self {
-        let place = if to_kink {
+    fn of<D: Dynamics<R>>(
+        scene: &D,
+        state: &State<R>,
+        end: &Place<R>,
+        to_discontinuity: bool,
+    ) -> Self {
+        let place = if to_discontinuity {
             Place::at(scene, end.point)
         } else {
             *end
@@ -166,24 +171,32 @@ pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
             // The proposed step size has underflowed.
             return Err(control.too_short(settings, Quantity::Position));
         }
-        let to_kink = trial.is_to_kink(seconds);
-        let attempt = attempt(pair, scene, &start, seconds, to_kink);
+        let to_discontinuity = trial.is_to_discontinuity(seconds);
+        let attempt = attempt(pair, scene, &start, seconds, to_discontinuity);
         report.evaluations += u32::try_from(STAGES).unwrap_or(u32::MAX) - 1;
         let end = &attempt.end;
         let allowed = control::allowed(settings, scene, &end.motion);
-        let (errors, kinks) = errors_of(pair, scene, &start, &attempt, seconds, to_kink, allowed);
+        let (errors, discontinuities) = errors_of(
+            pair,
+            scene,
+            &start,
+            &attempt,
+            seconds,
+            to_discontinuity,
+            allowed,
+        );
         let error = errors.total() / allowed;
         if errors.total() <= allowed {
             control.accept(pair.roots, &trial, seconds, error);
             *state = end.point.to_state();
             report.elapsed = seconds;
-            report.evaluations += u32::from(to_kink);
-            workspace.known = Some(Known::of(scene, state, end, to_kink));
+            report.evaluations += u32::from(to_discontinuity);
+            workspace.known = Some(Known::of(scene, state, end, to_discontinuity));
             workspace.resumed = None;
             return Ok(report);
         }
         report.rejected += 1;
-        trial.shorten(pair.roots, seconds, error, &kinks);
+        trial.shorten(pair.roots, seconds, error, &discontinuities);
         if trial.seconds(limit) < settings.shortest_step() {
             return Err(control.too_short(settings, errors.largest()));
         }
@@ -198,15 +211,23 @@ fn errors_of<R: Real, D: Dynamics<R>, const STAGES: usize>(
     start: &Place<R>,
     attempt: &Attempt<R, STAGES>,
     seconds: R,
-    to_kink: bool,
+    to_discontinuity: bool,
     allowed: R,
-) -> (Errors<R>, Kinks<R>) {
+) -> (Errors<R>, Discontinuities<R>) {
     let motion = &attempt.end.motion;
     let mut errors = Errors::of(scene, &attempt.difference, motion).within(pair.trust);
     let bounds = [errors.total(), allowed];
-    let kinks = touch::kinks(pair, scene, start, attempt, seconds, to_kink, bounds);
-    errors.add_kinks(&kinks);
-    (errors, kinks)
+    let discontinuities = touch::discontinuities(
+        pair,
+        scene,
+        start,
+        attempt,
+        seconds,
+        to_discontinuity,
+        bounds,
+    );
+    errors.add_discontinuities(&discontinuities);
+    (errors, discontinuities)
 }
 
 /// Returns the start of the step: known from the previous step, or evaluated.
@@ -240,9 +261,9 @@ fn attempt<R: Real, D: Dynamics<R>, const STAGES: usize>(
     scene: &D,
     start: &Place<R>,
     seconds: R,
-    to_kink: bool,
+    to_discontinuity: bool,
 ) -> Attempt<R, STAGES> {
-    if to_kink {
+    if to_discontinuity {
         attempt_under(pair, scene, start, seconds, |motion| {
             touch::load_before(scene, &start.motion, motion, seconds)
         })

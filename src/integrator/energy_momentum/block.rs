@@ -36,7 +36,7 @@ impl<R: Real> Block<R> {
     /// Difference between a vector rotated by the Cayley map of `a` and the vector itself, as a
     /// matrix: `2 (â + â²)/(1 + |a|²)`, with `â² = a aᵀ - |a|²`.
     #[inline]
-    pub(super) fn swing(a: R::Vec3) -> Self {
+    pub(super) fn rotation_change(a: R::Vec3) -> Self {
         let (x, y, z) = (a.x() * a.x(), a.y() * a.y(), a.z() * a.z());
         let scale = R::TWO / (R::ONE + (x + y + z));
         let (xy, yz, zx) = (a.x() * a.y(), a.y() * a.z(), a.z() * a.x());

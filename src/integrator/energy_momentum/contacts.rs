@@ -5,7 +5,7 @@ use super::block::Block;
 use super::problem::{Problem, Trial};
 use super::touch::{Answer, Increment, Lever, Push, Reversal, Touch};
 use crate::body::{Arc, ContactPoint, ContactRange, Panels, RigidPointBody, Rim};
-use crate::contact::{Kinks, Velocities, arc_below, kinks};
+use crate::contact::{Discontinuities, Velocities, arc_below, discontinuities};
 use crate::friction::FrictionJacobian;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
@@ -226,8 +226,8 @@ impl<R: Real> Contacts<R> {
             ];
             let panels = match Arc::longer(&arcs) {
                 Some(arc) => {
-                    let kinks = mean_kinks(problem, trial, rim, &arc);
-                    Panels::of_both(arcs, kinks.places().map(|u| arc.place(u)))
+                    let discontinuities = mean_discontinuities(problem, trial, rim, &arc);
+                    Panels::of_both(arcs, discontinuities.places().map(|u| arc.place(u)))
                 }
                 None => Panels::of_both(arcs, core::iter::empty()),
             };
@@ -421,14 +421,14 @@ impl<R: Real> Contacts<R> {
 
 /// Positions on an arc at which the forces of mean velocities over a trial step have a
 /// discontinuity of their derivative.
-fn mean_kinks<R: Real, D: Dynamics<R>>(
+fn mean_discontinuities<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     trial: &Trial<R>,
     rim: &Rim<R>,
     arc: &Arc<R>,
-) -> Kinks<R> {
+) -> Discontinuities<R> {
     let axes = &problem.motion.axes;
-    let velocity = |v: R::Vec3| trial.swing.times(axes.to_world(v)) * problem.per_second;
+    let velocity = |v: R::Vec3| trial.rotation_change.times(axes.to_world(v)) * problem.per_second;
     let turning = rim.axes().map(|axis| velocity(axis * rim.radius()));
     let middle = trial.velocity + velocity(rim.centre());
     let velocities = Velocities::along(arc, middle, turning);
@@ -440,7 +440,7 @@ fn mean_kinks<R: Real, D: Dynamics<R>>(
             ground.surface(problem.motion.position + centre).normal
         }
     };
-    kinks(
+    discontinuities(
         (problem.scene.ground(), problem.scene.friction()),
         arc,
         normal,

@@ -114,25 +114,25 @@ impl<R: Real> Strain<R> {
 }
 
 /// Returns the end of a trial after friction and dampers have corrected its velocities.
-pub(super) fn settle<R: Real, D: Dynamics<R>>(
+pub(super) fn corrected<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &Contacts<R>,
     trial: &Trial<R>,
     strain: Strain<R>,
     end: &State<R>,
 ) -> State<R> {
-    let settling = Settling {
+    let correction = Correction {
         problem,
         strain,
         motion: motion_of(problem.scene, end),
     };
-    let mut settled = *end;
+    let mut corrected_end = *end;
     for pass in 0..PASSES {
-        let after = (pass > 0).then(|| motion_of(problem.scene, &settled));
-        let mut sum = Resistance::of_body(problem.scene, &settling.motion, end.angular_momentum);
+        let after = (pass > 0).then(|| motion_of(problem.scene, &corrected_end));
+        let mut sum = Resistance::of_body(problem.scene, &correction.motion, end.angular_momentum);
         let mut is_limited = false;
         contacts.recall(problem, trial, |push, drag| {
-            is_limited |= settling.add(&mut sum, push, drag, after.as_ref());
+            is_limited |= correction.add(&mut sum, push, drag, after.as_ref());
         });
         // If no limit is active, another pass gives the same result.
         if pass > 0 && !is_limited {
@@ -141,20 +141,20 @@ pub(super) fn settle<R: Real, D: Dynamics<R>>(
         let Some(next) = sum.resisted(problem.scene, end, problem.bounding_radius) else {
             break;
         };
-        settled = next;
+        corrected_end = next;
     }
-    settled
+    corrected_end
 }
 
 /// Data from which the impulses of the contacts are computed.
-struct Settling<'a, R: Real, D> {
+struct Correction<'a, R: Real, D> {
     problem: &'a Problem<'a, R, D>,
     strain: Strain<R>,
     /// Motion at the end of the step.
     motion: Motion<R>,
 }
 
-impl<R: Real, D: Dynamics<R>> Settling<'_, R, D> {
+impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
     /// Adds the resistances of one contact. Returns true if its damper has reached its limit in the
     /// motion `after` the last pass.
     fn add(

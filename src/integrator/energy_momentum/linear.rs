@@ -61,7 +61,7 @@ impl<R: Real> SixBySix<R> {
     /// Adds the torque of a force whose lever arm a rotation moves by `ϑ × place`:
     /// `(ϑ × place) × force`.
     #[inline(always)]
-    pub(super) fn add_swing(&mut self, place: R::Vec3, force: R::Vec3) {
+    pub(super) fn add_rotation(&mut self, place: R::Vec3, force: R::Vec3) {
         let along = force.dot(place);
         let [_, _, _, x, y, z] = &mut self.rows;
         let by = |row: &mut [R; 6], arm: R| {

@@ -104,9 +104,9 @@ struct Balance<R: Real> {
     /// Unknowns and size of the residual.
     place: Place<R>,
     /// Residual of the linear momentum, N s.
-    force_lack: R::Vec3,
+    force_residual: R::Vec3,
     /// Residual of the angular momentum, N m s.
-    torque_lack: R::Vec3,
+    torque_residual: R::Vec3,
     /// Unit of the thresholds for the residual, √J.
     tolerance: R,
     /// Part of the residual that rounding of a smooth body's surface explains, √J.
@@ -215,16 +215,16 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             }
         }
         sum.torque += contacts.lever.torque * sum.normal;
-        let (force_lack, torque_lack) = lack(problem, trial, &sum);
-        let angular = beyond_lever(problem, contacts, sum.normal, torque_lack);
+        let (force_residual, torque_residual) = residual(problem, trial, &sum);
+        let angular = beyond_lever(problem, contacts, sum.normal, torque_residual);
         Balance {
             place: Place {
                 velocity: trial.velocity,
                 spin: trial.spin,
-                size: norm(problem, force_lack, angular),
+                size: norm(problem, force_residual, angular),
             },
-            force_lack,
-            torque_lack,
+            force_residual,
+            torque_residual,
             tolerance: self.scale.at(problem, trial, &sum) * tolerance::<R>(),
             rounding: rounding_of_lever(problem, contacts, sum.normal),
         }
@@ -298,8 +298,11 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let problem = self.problem;
         let is_enough = self.is_enough(here);
         self.derive(is_enough, contacts, trial);
-        let (shift, turn) =
-            (self.matrix).solve(-here.force_lack, -here.torque_lack, problem.bounding_radius);
+        let (shift, turn) = (self.matrix).solve(
+            -here.force_residual,
+            -here.torque_residual,
+            problem.bounding_radius,
+        );
         let is_last =
             is_enough || self.is_close(here) || self.is_close_in_stick(here, contacts, shift, turn);
         change(problem, trial, &here.place, shift, turn);
@@ -345,7 +348,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let size = here.place.size;
         let is_close = size <= here.tolerance * self.close
             && (!is_single::<R>()
-                || (self.scale).turns_closely(self.problem, here.torque_lack, size));
+                || (self.scale).turns_closely(self.problem, here.torque_residual, size));
         self.is_progress(here) && is_close && !(self.is_smooth && is_single::<R>())
     }
 
@@ -368,7 +371,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             && is_close_by_dual(
                 self.problem,
                 contacts,
-                [here.force_lack, here.torque_lack],
+                [here.force_residual, here.torque_residual],
                 here.tolerance * self.close,
             )
     }
@@ -424,7 +427,7 @@ fn change<R: Real, D: Dynamics<R>>(
 
 /// Residual of the momentum balance.
 #[inline]
-fn lack<R: Real, D: Dynamics<R>>(
+fn residual<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     trial: &Trial<R>,
     sum: &Sum<R>,
@@ -459,15 +462,15 @@ fn norm<R: Real, D: Dynamics<R>>(
 fn is_close_by_dual<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &Contacts<R>,
-    [force_lack, torque_lack]: [R::Vec3; 2],
+    [force_residual, torque_residual]: [R::Vec3; 2],
     close: R,
 ) -> bool {
     let half = problem.seconds * R::HALF;
     let (force, torque) = contacts.dual_excess(problem);
     norm(
         problem,
-        force_lack - force * half,
-        torque_lack - torque * half,
+        force_residual - force * half,
+        torque_residual - torque * half,
     ) <= close
 }
 
@@ -497,16 +500,16 @@ fn beyond_lever<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &Contacts<R>,
     normal_force: R,
-    torque_lack: R::Vec3,
+    torque_residual: R::Vec3,
 ) -> R::Vec3 {
     let along = contacts.lever.rounding;
     let square = along.length_squared();
     if !(is_single::<R>() && problem.scene.body().is_smooth() && square > R::ZERO) {
-        return torque_lack;
+        return torque_residual;
     }
     let most = problem.seconds * R::HALF * normal_force;
-    let part = torque_lack.dot(along) / square;
-    torque_lack - along * part.at_most(most).at_least(-most)
+    let part = torque_residual.dot(along) / square;
+    torque_residual - along * part.at_most(most).at_least(-most)
 }
 
 /// Size of a shift and a rotation over the step in the norm of the kinetic energy, √J.
@@ -543,12 +546,12 @@ impl<R: Real> Scale<R> {
     fn turns_closely<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        torque_lack: R::Vec3,
+        torque_residual: R::Vec3,
         size: R,
     ) -> bool {
         let angular = norm(problem, R::Vec3::ZERO, problem.angular_momentum);
-        let lack = norm(problem, R::Vec3::ZERO, torque_lack);
-        angular == R::ZERO || lack * size <= angular * self.own * R::EPSILON * R::from_f64(4.0)
+        let residual = norm(problem, R::Vec3::ZERO, torque_residual);
+        angular == R::ZERO || residual * size <= angular * self.own * R::EPSILON * R::from_f64(4.0)
     }
 
     /// Upper bound for the effect of rounding of the slips on friction, √J.
@@ -568,8 +571,8 @@ impl<R: Real> Scale<R> {
     fn at<D>(&self, problem: &Problem<'_, R, D>, trial: &Trial<R>, sum: &Sum<R>) -> R {
         let half = problem.seconds * R::HALF;
         let path = trial.shift.length() + trial.spin.length() * (R::TWO * problem.bounding_radius);
-        let rounding =
-            (sum.stiffness * problem.place + sum.slope * path) * (R::EPSILON / tolerance::<R>());
+        let rounding = (sum.stiffness * problem.depth_scale + sum.slope * path)
+            * (R::EPSILON / tolerance::<R>());
         self.own + half * (self.weight + sum.normal + rounding) / self.root_of_mass
     }
 }

@@ -39,7 +39,7 @@ pub(super) struct Problem<'a, R: Real, D> {
     /// Length that represents the size of the body, m, positive.
     pub(super) bounding_radius: R,
     /// Size of the numbers whose difference is the depth of a contact, m.
-    pub(super) place: R,
+    pub(super) depth_scale: R,
     /// Kinetic energy at the start, J.
     pub(super) kinetic_energy: R,
 }
@@ -57,7 +57,7 @@ pub(super) struct Trial<R: Real> {
     /// Change of a vector by the rotation of the step:
     /// `(1 - â)⁻¹ (1 + â) - 1 = 2 (â + â²)/(1 + |a|²)`. It is small if the rotation is small, so
     /// that there is no cancellation.
-    pub(super) swing: Block<R>,
+    pub(super) rotation_change: Block<R>,
     /// Velocity at the end, `2 vₘ - v`.
     pub(super) end_velocity: R::Vec3,
     /// Angular momentum at the end, `R (2 J ωₘ - L)`.
@@ -69,7 +69,7 @@ impl<R: Real> Trial<R> {
         velocity: R::Vec3::ZERO,
         spin: R::Vec3::ZERO,
         shift: R::Vec3::ZERO,
-        swing: Block {
+        rotation_change: Block {
             x: R::Vec3::ZERO,
             y: R::Vec3::ZERO,
             z: R::Vec3::ZERO,
@@ -138,7 +138,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             } else {
                 R::ONE
             },
-            place: bounding_radius + distance_from(plane, start.position),
+            depth_scale: bounding_radius + distance_from(plane, start.position),
             kinetic_energy: energy.translation + energy.rotation,
         }
     }
@@ -204,15 +204,15 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     /// Sets the unknowns of a trial in place.
     #[inline(never)]
     pub(super) fn set(&self, trial: &mut Trial<R>, velocity: R::Vec3, spin: R::Vec3) {
-        let swing = Block::swing(spin);
+        let change = Block::rotation_change(spin);
         let mean_momentum = self.inertia.times(spin) * (R::TWO * self.per_second);
         let turned = mean_momentum * R::TWO - self.angular_momentum;
         trial.velocity = velocity;
         trial.spin = spin;
         trial.shift = velocity * self.seconds;
-        trial.swing = swing;
+        trial.rotation_change = change;
         trial.end_velocity = velocity * R::TWO - self.start.linear_velocity;
-        trial.end_angular_momentum = turned + swing.times(turned);
+        trial.end_angular_momentum = turned + change.times(turned);
     }
 
     /// Rounding of a contact's path over a trial, m: some units in the last place of the two paths

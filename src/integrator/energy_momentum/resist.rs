@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Each contact responds to its new velocity `uᵢ' = Jᵢ y'` with the impulse `-kᵢ uᵢ'`. This is
-//! backward Euler, for all contacts at once. ([`settle`](super::end_velocity::settle) uses a target
-//! velocity other than 0.)
+//! backward Euler, for all contacts at once. ([`corrected`](super::end_velocity::corrected) uses a
+//! target velocity other than 0.)
 //!
 //! The kinetic energy decreases for any resistances `kᵢ >= 0`. With `K = Σ Jᵢᵀ kᵢ Jᵢ`, the decrease
 //! is `yᵀ M y - y'ᵀ M y' = 2 y'ᵀ K y' + (K y')ᵀ M⁻¹ (K y') >= 0`. The resistances may therefore be
@@ -47,7 +47,7 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
 ) -> State<R> {
     let motion = motion_of(scene, state);
     let mut known = motion;
-    let mut settled = *state;
+    let mut slowed = *state;
     for _ in 0..PASSES {
         let mut sum = Resistance::of_body(scene, &motion, state.angular_momentum);
         visit(&motion, &mut |contact| {
@@ -56,10 +56,10 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
         let Some(next) = sum.resisted(scene, state, bounding_radius) else {
             break;
         };
-        settled = next;
-        known = motion_of(scene, &settled);
+        slowed = next;
+        known = motion_of(scene, &slowed);
     }
-    settled
+    slowed
 }
 
 impl<R: Real> Resisting<R> {

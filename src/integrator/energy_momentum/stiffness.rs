@@ -51,7 +51,7 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
                 [&argument, by_turn.as_ref().unwrap_or(&argument)],
                 equations,
             );
-            equations.add_swing(push.end_arm, push.force * share);
+            equations.add_rotation(push.end_arm, push.force * share);
         });
         // Without this term the iteration converges, but not quadratically. In f64 it still reaches
         // rounding.
@@ -127,7 +127,7 @@ fn inertial<R: Real, D>(
 ) -> (R, Block<R>) {
     let mean = problem.inertia.times_block(argument);
     let mean = mean
-        .plus(&trial.swing.times_block(&mean))
+        .plus(&trial.rotation_change.times_block(&mean))
         .scaled(problem.per_second);
     let turned = Block::hat(trial.end_angular_momentum * -R::HALF);
     (problem.mass * problem.per_second, mean.plus(&turned))

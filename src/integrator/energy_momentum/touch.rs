@@ -207,7 +207,7 @@ impl<R: Real> Touch<R> {
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
     ) -> bool {
-        let swung = trial.swing.times(self.arm);
+        let swung = trial.rotation_change.times(self.arm);
         let moved = trial.shift + swung;
         let end_depth = self.push.depth - moved.z();
         let mean = self.push.mean_force(problem, end_depth);
@@ -237,7 +237,7 @@ impl<R: Real> Touch<R> {
         let swung = if is_smooth {
             wandered(problem, trial) - self.arm
         } else {
-            trial.swing.times(self.arm)
+            trial.rotation_change.times(self.arm)
         };
         let moved = trial.shift + swung;
         let (normal, end_depth) = self.fall(problem, moved);
@@ -330,9 +330,9 @@ impl<R: Real> Touch<R> {
         let middle = ground.surface(start + moved * R::HALF).normal;
         let end_depth = self.push.radius - ground.surface(start + moved).gap;
         let square = moved.length_squared();
-        let lack = (self.push.depth - end_depth) - middle.dot(moved);
-        if square > R::ZERO && lack.abs() < square.sqrt() {
-            (middle + moved * (lack / square), end_depth)
+        let residual = (self.push.depth - end_depth) - middle.dot(moved);
+        if square > R::ZERO && residual.abs() < square.sqrt() {
+            (middle + moved * (residual / square), end_depth)
         } else {
             (middle, end_depth)
         }
@@ -485,25 +485,25 @@ impl<R: Real> Lever<R> {
     fn new(mean: R::Vec3, normal: R::Vec3, swung: R::Vec3, spin: R::Vec3) -> Self {
         let across = (spin - normal * normal.dot(spin)) * R::TWO;
         let square = across.length_squared();
-        let lack = normal.dot(swung) - normal.cross(spin).dot(mean) * R::TWO;
+        let residual = normal.dot(swung) - normal.cross(spin).dot(mean) * R::TWO;
         let most = mean.length() * (square * spin.length_squared()).sqrt();
         let rounding = mean.length() * (R::EPSILON * R::from_f64(4.0));
         let is_large = is_single::<R>()
-            && lack.abs() > rounding * R::from_f64(64.0)
-            && lack * lack <= square * mean.length_squared();
-        let is_known = lack.abs() > rounding && (lack.abs() <= most || is_large);
-        let may_be_known = is_single::<R>() && rounding <= most && lack.abs() <= rounding;
+            && residual.abs() > rounding * R::from_f64(64.0)
+            && residual * residual <= square * mean.length_squared();
+        let is_known = residual.abs() > rounding && (residual.abs() <= most || is_large);
+        let may_be_known = is_single::<R>() && rounding <= most && residual.abs() <= rounding;
         if !(square > R::ZERO && (is_known || may_be_known)) {
             return Self::NONE;
         }
-        let per_lack = across * (R::ONE / square);
+        let per_residual = across * (R::ONE / square);
         Self {
             torque: if is_known {
-                per_lack * lack
+                per_residual * residual
             } else {
                 R::Vec3::ZERO
             },
-            rounding: per_lack * rounding,
+            rounding: per_residual * rounding,
         }
     }
 }

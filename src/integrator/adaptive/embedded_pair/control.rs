@@ -1,7 +1,7 @@
 //! Step size control: acceptance of a step, and the size of the next attempt.
 
 use super::attempt::{Place, Settings};
-use super::touch::Kinks;
+use super::touch::Discontinuities;
 use crate::contact::Motion;
 use crate::error::{Quantity, StepError};
 use crate::integrator::interface::{StepControl, step_length};
@@ -60,8 +60,8 @@ impl<R: Real> Errors<R> {
     }
 
     #[inline]
-    pub(super) fn add_kinks(&mut self, kinks: &Kinks<R>) {
-        self.linear_velocity += kinks.velocity * R::from_f64(HORIZON);
+    pub(super) fn add_discontinuities(&mut self, discontinuities: &Discontinuities<R>) {
+        self.linear_velocity += discontinuities.velocity * R::from_f64(HORIZON);
     }
 
     #[inline]
@@ -123,7 +123,7 @@ pub(super) struct Trial<R> {
     /// Size proposed by the controller, s.
     pub(super) length: R,
     /// Size of a step to a discontinuity, s. `None` if there is none.
-    to_kink: Option<R>,
+    to_discontinuity: Option<R>,
     /// Number of further attempts at a step to a discontinuity.
     kinks_left: u32,
     /// True if an attempt was rejected because of its size.
@@ -139,28 +139,38 @@ impl<R: Real> Trial<R> {
     #[inline]
     pub(super) fn seconds(&self, limit: R) -> R {
         let length = step_length(self.length, limit);
-        match self.to_kink {
-            Some(to_kink) => length.at_most(to_kink),
+        match self.to_discontinuity {
+            Some(to_discontinuity) => length.at_most(to_discontinuity),
             None => length,
         }
     }
 
     /// Returns true if a step of this size ends at a discontinuity.
     #[inline]
-    pub(super) fn is_to_kink(&self, seconds: R) -> bool {
-        self.to_kink.is_some_and(|to_kink| seconds >= to_kink)
+    pub(super) fn is_to_discontinuity(&self, seconds: R) -> bool {
+        self.to_discontinuity
+            .is_some_and(|to_discontinuity| seconds >= to_discontinuity)
     }
 
     /// Reduces the step size after a step of `seconds` whose `error`, relative to the allowed
     /// error, exceeds 1.
-    pub(super) fn shorten(&mut self, roots: u32, seconds: R, error: R, kinks: &Kinks<R>) {
-        let first_kink = kinks.first.map(|share| share * seconds);
+    pub(super) fn shorten(
+        &mut self,
+        roots: u32,
+        seconds: R,
+        error: R,
+        discontinuities: &Discontinuities<R>,
+    ) {
+        let first_kink = discontinuities.first.map(|share| share * seconds);
         match first_kink {
             // Most of the error is due to the discontinuity: the step size may be right.
-            Some(to_kink)
-                if self.kinks_left > 0 && self.to_kink.is_none_or(|known| to_kink < known) =>
+            Some(to_discontinuity)
+                if self.kinks_left > 0
+                    && self
+                        .to_discontinuity
+                        .is_none_or(|known| to_discontinuity < known) =>
             {
-                self.to_kink = Some(to_kink);
+                self.to_discontinuity = Some(to_discontinuity);
                 self.kinks_left -= 1;
             }
             _ => {
@@ -168,7 +178,7 @@ impl<R: Real> Trial<R> {
                 // An error that is NaN gives the smallest factor.
                 let factor = factor.at_least(R::from_f64(SHRINKAGE));
                 self.length = seconds * factor.at_most(R::from_f64(SAFETY));
-                self.to_kink = None;
+                self.to_discontinuity = None;
                 self.shortened = true;
             }
         }
@@ -198,7 +208,7 @@ impl<R: Real> Control<R> {
     pub(super) fn first_trial(&self, first_length: impl FnOnce() -> R) -> Trial<R> {
         Trial {
             length: self.next.unwrap_or_else(first_length),
-            to_kink: None,
+            to_discontinuity: None,
             kinks_left: KINKS,
             shortened: false,
         }

@@ -17,14 +17,14 @@ use crate::scene::{Dynamics, size};
 
 /// Errors caused by contacts in a step within which their force or its derivative is discontinuous.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Kinks<R> {
+pub(super) struct Discontinuities<R> {
     /// Bound of the error in the velocity of the farthest point of the body, m/s.
     pub(super) velocity: R,
     /// Fraction of the step just after the first discontinuity that matters.
     pub(super) first: Option<R>,
 }
 
-impl<R: Real> Kinks<R> {
+impl<R: Real> Discontinuities<R> {
     /// Returns the value for a step without discontinuities.
     pub(super) fn none() -> Self {
         Self {
@@ -39,16 +39,16 @@ impl<R: Real> Kinks<R> {
 /// `smooth` is the error estimate of the step without them. A step to a discontinuity has been
 /// taken with [`load_before`].
 #[inline]
-pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
+pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
     pair: &Pair<STAGES>,
     scene: &D,
     start: &Place<R>,
     attempt: &Attempt<R, STAGES>,
     seconds: R,
-    to_kink: bool,
+    to_discontinuity: bool,
     [smooth, allowed]: [R; 2],
-) -> Kinks<R> {
-    let mut kinks = Kinks::none();
+) -> Discontinuities<R> {
+    let mut discontinuities = Discontinuities::none();
     let places = [start, &attempt.end];
     let step = Taken {
         pair,
@@ -56,7 +56,7 @@ pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
         motions: &attempt.motions,
         ends: places.map(|place| &place.motion),
         seconds,
-        to_kink,
+        to_discontinuity,
         allowed,
     };
     let contacts = scene.body().contacts();
@@ -69,17 +69,17 @@ pub(super) fn kinks<R: Real, D: Dynamics<R>, const STAGES: usize>(
     // If a step is too large in any case, and has many contacts near the ground, this evaluation is
     // not worth its cost.
     if smooth > allowed && before.count.saturating_add(after.count) > MANY {
-        return kinks;
+        return discontinuities;
     }
     for run in [before]
         .into_iter()
         .chain(after.without(before, contacts.len()))
     {
         for point in run.parts(contacts).into_iter().flatten() {
-            step.look_at(point, &mut kinks);
+            step.look_at(point, &mut discontinuities);
         }
     }
-    kinks
+    discontinuities
 }
 
 /// Returns the load in a step to a discontinuity at its end, without the contacts that begin to
@@ -147,19 +147,19 @@ pub(super) struct Taken<'a, R: Real, D, const STAGES: usize> {
     motions: &'a [Motion<R>; STAGES],
     pub(super) ends: [&'a Motion<R>; 2],
     pub(super) seconds: R,
-    to_kink: bool,
+    to_discontinuity: bool,
     allowed: R,
 }
 
 impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     #[inline]
-    fn look_at(&self, point: &ContactPoint<R>, kinks: &mut Kinks<R>) {
+    fn look_at(&self, point: &ContactPoint<R>, discontinuities: &mut Discontinuities<R>) {
         let [start, end] = self
             .ends
             .map(|motion| ContactEnd::of(self.scene, motion, point));
         if start.pushes() && end.pushes() {
             let wrong = self.wrong_of_slip(point, &[start, end]);
-            kinks.velocity += wrong;
+            discontinuities.velocity += wrong;
             return;
         }
         let path = Path::between(&start, &end, self.seconds);
@@ -172,7 +172,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         } else {
             return;
         };
-        self.weigh(point, &path, &[start, end], last, kinks);
+        self.weigh(point, &path, &[start, end], last, discontinuities);
     }
 
     /// Returns true if a contact ends above ground, but would be below it soon afterwards.
@@ -184,7 +184,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         end.depth <= R::ZERO && end.depth + ahead > R::ZERO
     }
 
-    /// Adds the error of one contact to `kinks`.
+    /// Adds the error of one contact to `discontinuities`.
     ///
     /// The contact begins or ceases to push before the fraction `last` of the step. `None` means
     /// that it comes close without doing so.
@@ -195,7 +195,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         path: &Path<R>,
         [start, end]: &[ContactEnd<R>; 2],
         last: Option<R>,
-        kinks: &mut Kinks<R>,
+        discontinuities: &mut Discontinuities<R>,
     ) {
         let force = |share: R| {
             let (depth, slope) = path.at(share);
@@ -208,7 +208,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         } else {
             integral_of_3(force, share, R::ONE)
         };
-        let taken = if self.to_kink && comes_late(start, self.seconds) {
+        let taken = if self.to_discontinuity && comes_late(start, self.seconds) {
             R::ZERO
         } else {
             self.mean_of_stages(point)
@@ -216,11 +216,15 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         let motion = self.ends[usize::from(!pushes)];
         let mobility = mobility(self.scene, point, motion);
         let velocity = (truth - taken).abs() * (self.seconds * mobility) * R::from_f64(WEIGHT);
-        kinks.velocity += velocity;
+        discontinuities.velocity += velocity;
         if velocity * R::from_f64(4.0) > self.allowed {
             let change = force(share) + (start.normal_force - end.normal_force).abs();
             let there = self.just_beyond(share, mobility * change);
-            kinks.first = Some(kinks.first.map_or(there, |first| first.at_most(there)));
+            discontinuities.first = Some(
+                discontinuities
+                    .first
+                    .map_or(there, |first| first.at_most(there)),
+            );
         }
     }
 

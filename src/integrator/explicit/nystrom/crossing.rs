@@ -5,7 +5,7 @@ use super::stages::{END, SECOND, Stage};
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::contact::{Load, Motion};
 use crate::friction::SlidingFriction;
-use crate::integrator::contact_path::{ContactEnd, Path, Sight, arm, push, slip};
+use crate::integrator::contact_path::{ContactEnd, ContactView, Path, arm, push, slip};
 use crate::integrator::point::Point;
 use crate::quadrature::{bisect, nodes_of_2};
 use crate::real::{Real, Vector};
@@ -59,10 +59,13 @@ fn missed<R: Real, D: Dynamics<R>>(
     };
     let step = Taken {
         scene,
-        ends: [Sight::of(scene, &first.motion), Sight::of(scene, end)],
+        ends: [
+            ContactView::of(scene, &first.motion),
+            ContactView::of(scene, end),
+        ],
         late: [
-            Sight::of(scene, &third.motion),
-            Sight::of(scene, &last.motion),
+            ContactView::of(scene, &third.motion),
+            ContactView::of(scene, &last.motion),
         ],
         seconds,
         per_second: R::ONE / seconds,
@@ -84,9 +87,9 @@ fn missed<R: Real, D: Dynamics<R>>(
 /// A step that has been taken.
 struct Taken<'a, R: Real, D> {
     scene: &'a D,
-    ends: [Sight<'a, R, D>; 2],
+    ends: [ContactView<'a, R, D>; 2],
     /// Third and last stage.
-    late: [Sight<'a, R, D>; 2],
+    late: [ContactView<'a, R, D>; 2],
     seconds: R,
     per_second: R,
 }

@@ -215,7 +215,7 @@ mod tests {
     ///
     /// The phase error is positive if the computed phase is late. The growth is the excess of the
     /// amplification factor over 1.
-    fn swing(
+    fn oscillation(
         angle: f64,
         matrix: Matrix,
         [places, speeds]: [Weights; 2],
@@ -238,10 +238,10 @@ mod tests {
     }
 
     #[test]
-    fn a_swing_keeps_its_time_and_its_size_better_than_with_the_numbers_of_nystrom() {
-        let of = |angle| swing(angle, places(), [END.places, END.speeds], NODES);
+    fn an_oscillation_keeps_its_period_and_amplitude_better_than_with_the_numbers_of_nystrom() {
+        let of = |angle| oscillation(angle, places(), [END.places, END.speeds], NODES);
         let ours = of(1.0);
-        let theirs = swing(
+        let theirs = oscillation(
             1.0,
             [
                 [0.0; 4],

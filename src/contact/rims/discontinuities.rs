@@ -77,34 +77,34 @@ impl<R: Real> Velocities<R> {
 /// Discontinuities of the forces on an arc, in order, as `u = sin(θ/2)/κ`, for the ground's unit
 /// normal in world axes.
 #[inline]
-pub(crate) fn kinks<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
+pub(crate) fn discontinuities<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
     laws: (&G, &F),
     arc: &Arc<R>,
     normal: R::Vec3,
     velocities: &Velocities<R>,
-) -> Kinks<R> {
+) -> Discontinuities<R> {
     let chord = arc.chord();
     let deepest = arc.bounds() * (chord * chord) * R::TWO;
     let depth = |u: R| deepest * ((R::ONE - u) * (R::ONE + u));
-    kinks_over(laws, chord, normal, velocities, depth)
+    discontinuities_over(laws, chord, normal, velocities, depth)
 }
 
 /// Discontinuities on any piece of arc, for the penetration depth (m) along it.
 #[inline]
-pub(super) fn kinks_over<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
+pub(super) fn discontinuities_over<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
     (ground, law): (&G, &F),
     chord: R,
     normal: R::Vec3,
     velocities: &Velocities<R>,
     depth: impl Fn(R) -> R,
-) -> Kinks<R> {
+) -> Discontinuities<R> {
     let [first, second] = tangents::<R>(normal);
     let (rising, slips) = velocities.over(normal, [first, second]);
     let friction = |slip: Complex<R>| {
         let slip = first * slip.0 + second * slip.1;
         law.force(R::ONE, slip).length()
     };
-    kinks_by(ground, friction, chord, rising, slips, depth)
+    discontinuities_by(ground, friction, chord, rising, slips, depth)
 }
 
 /// Two unit vectors perpendicular to a third and to each other.
@@ -123,12 +123,12 @@ fn tangents<R: Real>(normal: R::Vec3) -> [R::Vec3; 2] {
 /// Discontinuities on a short arc below a level plane, for the velocities along the normal and
 /// along the ground.
 #[inline(always)]
-pub(super) fn kinks_along<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
+pub(super) fn discontinuities_along<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
     (ground, law): (&G, &F),
     [chord, extent]: [R; 2],
     rising: [R; 3],
     slips: [R::Vec3; 3],
-) -> Kinks<R> {
+) -> Discontinuities<R> {
     let deepest = extent * (chord * chord) * R::TWO;
     let depth = |u: R| deepest * ((R::ONE - u) * (R::ONE + u));
     let friction = |slip: Complex<R>| {
@@ -136,32 +136,32 @@ pub(super) fn kinks_along<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<
         law.force(R::ONE, slip).length()
     };
     let slips = slips.map(|slip| Complex(slip.x(), slip.y()));
-    kinks_by(ground, friction, chord, rising, slips, depth)
+    discontinuities_by(ground, friction, chord, rising, slips, depth)
 }
 
 /// Discontinuities for the friction force (N) of a slip under a load of 1 N, and for the
 /// penetration depth along the arc.
 #[inline(always)]
-fn kinks_by<R: Real, G: SpringDamperGround<R>>(
+fn discontinuities_by<R: Real, G: SpringDamperGround<R>>(
     ground: &G,
     friction: impl Fn(Complex<R>) -> R,
     chord: R,
     [lowest, across, down]: [R; 3],
     slips: [Complex<R>; 3],
     depth: impl Fn(R) -> R,
-) -> Kinks<R> {
-    let mut kinks = Kinks::none();
+) -> Discontinuities<R> {
+    let mut discontinuities = Discontinuities::none();
     let edges = Edges {
         ground,
         depth,
         chord,
         speeds: [-lowest, -across, down],
     };
-    edges.let_go(&mut kinks);
+    edges.let_go(&mut discontinuities);
     if may_turn(slips, chord) {
-        Slips::along(slips, chord).add_reversals(&friction, &mut kinks);
+        Slips::along(slips, chord).add_reversals(&friction, &mut discontinuities);
     }
-    kinks
+    discontinuities
 }
 
 /// Returns true if the slip may come close to 0 on an arc. If the slip varies by no more than a
@@ -209,8 +209,12 @@ impl<R: Real> Slips<R> {
     /// Adds the points, at most two, at which friction reverses on the part of the arc on which the
     /// ground pushes.
     #[inline]
-    fn add_reversals(&self, friction: &impl Fn(Complex<R>) -> R, kinks: &mut Kinks<R>) {
-        let pushed = kinks.pushed;
+    fn add_reversals(
+        &self,
+        friction: &impl Fn(Complex<R>) -> R,
+        discontinuities: &mut Discontinuities<R>,
+    ) {
+        let pushed = discontinuities.pushed;
         let [first, last] = pushed.map(|u| self.tangent_at(u));
         let zeros = self.zeros();
         for zero in zeros {
@@ -222,7 +226,7 @@ impl<R: Real> Slips<R> {
             if !is_near {
                 continue;
             }
-            kinks.add_points(if distance < R::from_f64(4.0) { 8 } else { 6 });
+            discontinuities.add_points(if distance < R::from_f64(4.0) { 8 } else { 6 });
             if distance < R::TWO {
                 let distance = (zeros.map(distance_of).into_iter())
                     .fold(distance, |least, one| if one < least { one } else { least });
@@ -235,7 +239,7 @@ impl<R: Real> Slips<R> {
                     self.sine_at(place)
                 };
                 if width < R::TWO {
-                    kinks.add(Kink { u, width });
+                    discontinuities.add(Discontinuity { u, width });
                 }
             }
         }
@@ -411,7 +415,7 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
     /// `a + b ω - c ω²` along the arc. Three points determine its roots. The roots are used for
     /// other laws too, if the force is 0 beyond them.
     #[inline(always)]
-    fn let_go(&self, kinks: &mut Kinks<R>) {
+    fn let_go(&self, discontinuities: &mut Discontinuities<R>) {
         let leaves = [-R::ONE, R::ONE].map(|end| self.closing_speed(end) < R::ZERO);
         if leaves == [false; 2] {
             return;
@@ -426,7 +430,7 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
             self.force(half) * beside,
         );
         if left <= R::ZERO || right <= R::ZERO || a <= R::ZERO {
-            self.seek(leaves, kinks);
+            self.seek(leaves, discontinuities);
             return;
         }
         let (b, c) = (right - left, R::TWO * (a + a - left - right));
@@ -442,25 +446,25 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
         for (side, root) in roots.into_iter().enumerate() {
             let u = root * (all / (R::ONE + square * root * root)).sqrt();
             if leaves[side] && u.abs() < R::from_f64(1.0 - 1e-5) && (u > R::ZERO) == (side == 1) {
-                self.add(kinks, side, u);
+                self.add(discontinuities, side, u);
             }
         }
     }
 
     /// Adds a cut at the point at which one side opens.
     #[inline(always)]
-    fn add(&self, kinks: &mut Kinks<R>, side: usize, u: R) {
-        kinks.add(Kink { u, width: R::MAX });
+    fn add(&self, discontinuities: &mut Discontinuities<R>, side: usize, u: R) {
+        discontinuities.add(Discontinuity { u, width: R::MAX });
         let end = if side == 0 { -R::ONE } else { R::ONE };
         if self.force((u + end) * R::HALF) <= R::ZERO {
-            kinks.pushed[side] = u;
+            discontinuities.pushed[side] = u;
         }
     }
 
     /// Finds the points of opening by bisection, for dampers so strong that they cancel the force
     /// on half of an arc.
     #[inline(never)]
-    fn seek(&self, leaves: [bool; 2], kinks: &mut Kinks<R>) {
+    fn seek(&self, leaves: [bool; 2], discontinuities: &mut Discontinuities<R>) {
         for (side, end) in [-R::ONE, R::ONE].into_iter().enumerate() {
             // Search from the other end, which pushes, or does not separate.
             if !leaves[side] || leaves[1 - side] && self.force(R::ZERO) <= R::ZERO {
@@ -469,7 +473,7 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
             let within = if leaves[1 - side] { R::ZERO } else { -end };
             let [out, _] = bisect([end, within], HALVINGS, |u| self.force(u) > R::ZERO);
             if (out - end).abs() > R::from_f64(1e-5) && (out + end).abs() > R::from_f64(1e-5) {
-                self.add(kinks, side, out);
+                self.add(discontinuities, side, out);
             }
         }
     }
@@ -479,8 +483,8 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
 const HALVINGS: u32 = 22;
 
 /// Points of discontinuity of an arc, in order.
-pub(crate) struct Kinks<R> {
-    places: [Kink<R>; CUTS],
+pub(crate) struct Discontinuities<R> {
+    places: [Discontinuity<R>; CUTS],
     count: usize,
     /// Interval between two of them, or the ends, in which the ground pushes.
     pub(super) pushed: [R; 2],
@@ -490,7 +494,7 @@ pub(crate) struct Kinks<R> {
 
 /// Point at which a force or its derivative is discontinuous.
 #[derive(Clone, Copy)]
-pub(super) struct Kink<R> {
+pub(super) struct Discontinuity<R> {
     /// Position, `sin(θ/2)/κ`.
     pub(super) u: R,
     /// Distance over which friction reverses, in half arcs, or [`Real::MAX`] if it does not
@@ -498,11 +502,11 @@ pub(super) struct Kink<R> {
     pub(super) width: R,
 }
 
-impl<R: Real> Kinks<R> {
+impl<R: Real> Discontinuities<R> {
     #[inline(always)]
     fn none() -> Self {
         Self {
-            places: [Kink::end(); CUTS],
+            places: [Discontinuity::end(); CUTS],
             count: 0,
             pushed: [-R::ONE, R::ONE],
             points: 0,
@@ -515,37 +519,37 @@ impl<R: Real> Kinks<R> {
     }
 
     #[inline]
-    fn add(&mut self, kink: Kink<R>) {
+    fn add(&mut self, discontinuity: Discontinuity<R>) {
         // The slip may be least exactly where the contact opens, or twice at the same end.
         for place in self.places.iter_mut().take(self.count) {
-            if place.u == kink.u {
-                place.width = place.width.at_most(kink.width);
+            if place.u == discontinuity.u {
+                place.width = place.width.at_most(discontinuity.width);
                 return;
             }
         }
         let Some(place) = self.places.get_mut(self.count) else {
             return;
         };
-        *place = kink;
+        *place = discontinuity;
         self.count += 1;
         sink_last(
             self.places.get_mut(..self.count).unwrap_or_default(),
-            |kink| kink.u,
+            |discontinuity| discontinuity.u,
         );
     }
 
     #[inline(always)]
-    pub(super) fn iter(&self) -> impl Iterator<Item = Kink<R>> + '_ {
+    pub(super) fn iter(&self) -> impl Iterator<Item = Discontinuity<R>> + '_ {
         self.places.iter().take(self.count).copied()
     }
 
     /// Positions as `sin(θ/2)/κ`.
     pub(crate) fn places(&self) -> impl Iterator<Item = R> + '_ {
-        self.iter().map(|kink| kink.u)
+        self.iter().map(|discontinuity| discontinuity.u)
     }
 }
 
-impl<R: Real> Kink<R> {
+impl<R: Real> Discontinuity<R> {
     /// End of the arc, where friction does not reverse.
     #[inline(always)]
     pub(super) fn end() -> Self {
