@@ -18,3 +18,10 @@ cargo package -q -p tumble --allow-dirty
 archive="${CARGO_TARGET_DIR:-$PWD/target}/package/tumble-$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1).crate"
 echo "$(wc -l <<<"$files") files, $(stat -c %s "$archive") bytes"
 [ "$(stat -c %s "$archive")" -lt 1000000 ] || { echo "the package is above 1 MB"; exit 1; }
+
+# A user's first program, with the package in place of the repository.
+program="${CARGO_TARGET_DIR:-$PWD/target}/package/template"
+rm -rf "$program" && cp -r examples/template "$program"
+sed -i "s#path = \"../..\"#path = \"${archive%.crate}\"#" "$program/Cargo.toml"
+cargo fmt --check --manifest-path examples/template/Cargo.toml
+cargo run -q --manifest-path "$program/Cargo.toml" | grep -E '^(Heads|Tails) up$' || { echo "the template does not throw a coin"; exit 1; }

@@ -37,6 +37,7 @@
 //! | sample a run at given times | [`Timed`] |
 //! | compute the orientation of a free body at any time | [`FreeRotation`] |
 //! | throw dice and coins in a game | [`guide::game`] |
+//! | know on which face a body ends, or toss it a million times | [`guide::outcomes`] |
 //! | advance one state by many calls, at almost no cost while the body is at rest | [`Session`] |
 //! | add a body, a ground, a friction law or an integrator | [`guide::extending`] |
 //!
