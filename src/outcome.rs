@@ -183,6 +183,11 @@ where
 
     /// Returns the face on which the body stays, if the energy of the state proves it.
     ///
+    /// The proof holds for all later states. The outcome of a later state may still be
+    /// [`Undecided`](Outcome::Undecided), if the error bound of its energy is larger: more contacts
+    /// touch, or their depths have a larger rounding error, as in single precision. Keep the first
+    /// decision.
+    ///
     /// A state high above the barriers costs no evaluation of a contact.
     #[must_use]
     pub fn outcome(&self, state: &State<R>) -> Outcome<<D::Body as Faces<R>>::Face> {
