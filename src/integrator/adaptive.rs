@@ -3,6 +3,7 @@
 mod bogacki_shampine_32;
 mod dormand_prince_54;
 mod embedded_pair;
+mod method;
 
 pub use bogacki_shampine_32::BogackiShampine32;
 pub use dormand_prince_54::DormandPrince54;

@@ -1,11 +1,7 @@
 //! Bogacki-Shampine pair, of order 3 with an error estimate of order 2.
 
-use super::embedded_pair::{self, Pair, Settings, Workspace};
-use crate::error::{SceneError, StepError};
-use crate::integrator::interface::{Integrator, Step, StepControl};
-use crate::real::Real;
-use crate::scene::Dynamics;
-use crate::state::State;
+use super::embedded_pair::Pair;
+use super::method::adaptive_method;
 
 /// Adaptive Runge-Kutta method of order 3, for loose tolerances and many touch-downs.
 ///
@@ -40,27 +36,6 @@ pub struct BogackiShampine32<R = f64> {
     pub budget: u32,
 }
 
-impl<R: Real> BogackiShampine32<R> {
-    /// Creates the method for a tolerance (m), with steps of at most 0.1 s and a budget of a
-    /// million steps.
-    #[must_use]
-    pub fn new(tolerance: R) -> Self {
-        Self {
-            tolerance,
-            longest_step: R::from_f64(0.1),
-            budget: 1_000_000,
-        }
-    }
-
-    fn settings(&self) -> Settings<R> {
-        Settings {
-            tolerance: self.tolerance,
-            longest_step: self.longest_step,
-            budget: self.budget,
-        }
-    }
-}
-
 const PAIR: Pair<4> = Pair {
     stages: [
         [1.0 / 2.0, 0.0, 0.0, 0.0],
@@ -81,40 +56,4 @@ const PAIR: Pair<4> = Pair {
     roots: 2,
 };
 
-impl<R: Real> Integrator<R> for BogackiShampine32<R> {
-    type Workspace = Workspace<R>;
-
-    const ADAPTIVE: bool = true;
-
-    fn step<D: Dynamics<R>>(
-        &self,
-        scene: &D,
-        state: &mut State<R>,
-        limit: R,
-        workspace: &mut Workspace<R>,
-    ) -> Result<Step<R>, StepError> {
-        embedded_pair::step(&PAIR, &self.settings(), scene, state, limit, workspace)
-    }
-
-    fn order(&self) -> u32 {
-        3
-    }
-
-    #[inline]
-    fn step_control(
-        &self,
-        workspace: &Self::Workspace,
-        state: &State<R>,
-    ) -> Option<StepControl<R>> {
-        Some(workspace.step_control(state))
-    }
-
-    #[inline]
-    fn set_step_control(&self, workspace: &mut Self::Workspace, control: StepControl<R>) {
-        workspace.set_step_control(control);
-    }
-
-    fn check(&self) -> Result<(), SceneError> {
-        self.settings().check()
-    }
-}
+adaptive_method!(BogackiShampine32, order 3);

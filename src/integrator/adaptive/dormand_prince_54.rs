@@ -1,11 +1,7 @@
 //! Dormand-Prince pair, of order 5 with an error estimate of order 4.
 
-use super::embedded_pair::{self, Pair, Settings, Workspace};
-use crate::error::{SceneError, StepError};
-use crate::integrator::interface::{Integrator, Step, StepControl};
-use crate::real::Real;
-use crate::scene::Dynamics;
-use crate::state::State;
+use super::embedded_pair::Pair;
+use super::method::adaptive_method;
 
 /// Adaptive Runge-Kutta method of order 5, for tight tolerances.
 ///
@@ -37,27 +33,6 @@ pub struct DormandPrince54<R = f64> {
     pub longest_step: R,
     /// Largest number of attempted steps in a run, rejected ones included, at least 1.
     pub budget: u32,
-}
-
-impl<R: Real> DormandPrince54<R> {
-    /// Creates the method for a tolerance (m), with steps of at most 0.1 s and a budget of a
-    /// million steps.
-    #[must_use]
-    pub fn new(tolerance: R) -> Self {
-        Self {
-            tolerance,
-            longest_step: R::from_f64(0.1),
-            budget: 1_000_000,
-        }
-    }
-
-    fn settings(&self) -> Settings<R> {
-        Settings {
-            tolerance: self.tolerance,
-            longest_step: self.longest_step,
-            budget: self.budget,
-        }
-    }
 }
 
 pub(crate) const PAIR: Pair<7> = Pair {
@@ -110,40 +85,4 @@ pub(crate) const PAIR: Pair<7> = Pair {
     roots: 3,
 };
 
-impl<R: Real> Integrator<R> for DormandPrince54<R> {
-    type Workspace = Workspace<R>;
-
-    const ADAPTIVE: bool = true;
-
-    fn step<D: Dynamics<R>>(
-        &self,
-        scene: &D,
-        state: &mut State<R>,
-        limit: R,
-        workspace: &mut Workspace<R>,
-    ) -> Result<Step<R>, StepError> {
-        embedded_pair::step(&PAIR, &self.settings(), scene, state, limit, workspace)
-    }
-
-    fn order(&self) -> u32 {
-        5
-    }
-
-    #[inline]
-    fn step_control(
-        &self,
-        workspace: &Self::Workspace,
-        state: &State<R>,
-    ) -> Option<StepControl<R>> {
-        Some(workspace.step_control(state))
-    }
-
-    #[inline]
-    fn set_step_control(&self, workspace: &mut Self::Workspace, control: StepControl<R>) {
-        workspace.set_step_control(control);
-    }
-
-    fn check(&self) -> Result<(), SceneError> {
-        self.settings().check()
-    }
-}
+adaptive_method!(DormandPrince54, order 5);
