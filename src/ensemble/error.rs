@@ -119,3 +119,12 @@ impl From<StepError> for TossError {
         Self::new(kind, error.to_string())
     }
 }
+
+/// Returns [`EnsembleError::Inconsistent`] if a rule does not hold.
+pub(super) fn require(holds: bool, rule: &'static str) -> Result<(), EnsembleError> {
+    if holds {
+        Ok(())
+    } else {
+        Err(EnsembleError::Inconsistent { rule })
+    }
+}

@@ -174,9 +174,8 @@ impl Histogram {
 mod saved {
     //! A histogram as it is loaded, before it is checked.
 
-    use super::super::error::EnsembleError;
-    use super::super::tally::require;
     use super::{Histogram, MOST_VALUES, Vec};
+    use crate::ensemble::error::{EnsembleError, require};
 
     #[derive(serde::Deserialize)]
     pub(super) struct Saved {

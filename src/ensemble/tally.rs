@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::ops::Range;
 
-use super::error::EnsembleError;
+use super::error::{EnsembleError, require};
 use super::histogram::Histogram;
 use super::interval::wilson;
 use super::ranges::Ranges;
@@ -288,15 +288,6 @@ impl<L> Tally<L> {
     pub fn histogram(&self, name: &str) -> Option<&Histogram> {
         let mut named = self.histograms.iter().filter(|(own, _)| own == name);
         named.next().map(|(_, histogram)| histogram)
-    }
-}
-
-/// Returns [`EnsembleError::Inconsistent`] if a rule does not hold.
-pub(super) fn require(holds: bool, rule: &'static str) -> Result<(), EnsembleError> {
-    if holds {
-        Ok(())
-    } else {
-        Err(EnsembleError::Inconsistent { rule })
     }
 }
 

@@ -16,8 +16,8 @@ macro_rules! adaptive_method {
                 }
             }
 
-            fn settings(&self) -> $crate::integrator::adaptive::embedded_pair::Settings<R> {
-                $crate::integrator::adaptive::embedded_pair::Settings {
+            fn settings(&self) -> crate::integrator::adaptive::embedded_pair::Settings<R> {
+                crate::integrator::adaptive::embedded_pair::Settings {
                     tolerance: self.tolerance,
                     longest_step: self.longest_step,
                     budget: self.budget,
@@ -26,12 +26,12 @@ macro_rules! adaptive_method {
         }
 
         const _: () = {
-            use $crate::error::{SceneError, StepError};
-            use $crate::integrator::adaptive::embedded_pair::{self, Workspace};
-            use $crate::integrator::interface::{Integrator, Step, StepControl};
-            use $crate::real::Real;
-            use $crate::scene::Dynamics;
-            use $crate::state::State;
+            use crate::error::{SceneError, StepError};
+            use crate::integrator::adaptive::embedded_pair::{self, Workspace};
+            use crate::integrator::interface::{Integrator, Step, StepControl};
+            use crate::real::Real;
+            use crate::scene::Dynamics;
+            use crate::state::State;
 
             impl<R: Real> Integrator<R> for $method<R> {
                 type Workspace = Workspace<R>;
