@@ -17,9 +17,10 @@ use std::process::ExitCode;
 use common::Outcome;
 
 const HELP: &str = "\
-Tosses a coin of steel until its face is decided, and counts heads, tails and edge. Each part of the
-tosses is a file, written when it is complete. A part that is there is not played again: run the same
-command after an interruption. The result has the same bytes for any parts, threads and machines.
+Tosses a coin of steel until its face is decided, and counts heads, tails and edge. Each part of
+the tosses is a file, written when it is complete. A part that is there is not played again: run the
+same command after an interruption. The result has the same bytes for any parts, threads and
+machines.
 
 Usage: cargo run --release --example tosses -- [OPTIONS]
 
@@ -34,6 +35,8 @@ Usage: cargo run --release --example tosses -- [OPTIONS]
       --label-error       repeats the tosses at a hundredth of the tolerance, and counts the labels
                           that change
       --efficiency        time on one thread and on all threads
+      --cost              time of a toss, and of up to a million million tosses
+      --write             with --cost: writes the table into the guide
   -h, --help              this text
 ";
 
@@ -45,6 +48,7 @@ pub(crate) enum Task {
     Replay(u64),
     LabelError,
     Efficiency,
+    Cost,
 }
 
 #[derive(Debug)]
@@ -55,6 +59,7 @@ pub(crate) struct Arguments {
     pub(crate) threads: usize,
     pub(crate) out: PathBuf,
     pub(crate) task: Task,
+    pub(crate) write: bool,
 }
 
 fn main() -> ExitCode {
@@ -87,6 +92,7 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
         threads: 0,
         out: PathBuf::from("out/tosses"),
         task: Task::Play,
+        write: false,
     };
     let given: Vec<OsString> = std::env::args_os().skip(1).collect();
     let mut parser = lexopt::Parser::from_args(given);
@@ -102,6 +108,8 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
             Long("toss") => arguments.task = Task::Replay(parser.value()?.parse()?),
             Long("label-error") => arguments.task = Task::LabelError,
             Long("efficiency") => arguments.task = Task::Efficiency,
+            Long("cost") => arguments.task = Task::Cost,
+            Long("write") => arguments.write = true,
             Short('h') | Long("help") => return Ok(None),
             other => return Err(other.unexpected()),
         }
@@ -123,6 +131,7 @@ fn work(arguments: &Arguments) -> Outcome<()> {
             Task::Replay(toss) => replay::replay(arguments, toss),
             Task::LabelError => measure::label_error(arguments),
             Task::Efficiency => measure::efficiency(arguments),
+            Task::Cost => measure::cost(arguments),
         };
         worked.map_err(|error| error.to_string())
     });
