@@ -68,8 +68,9 @@ impl<R: Real> Storage<R> for alloc::vec::Vec<ContactPoint<R>> {
         let mut contacts = Self::new();
         while let Some(contact) = list.next_element()? {
             if contacts.len() == MOST_CONTACTS {
-                let most = format_args!("the body has more than {MOST_CONTACTS} contacts");
-                return Err(A::Error::custom(most));
+                return Err(A::Error::custom(format_args!(
+                    "the body has more than {MOST_CONTACTS} contacts"
+                )));
             }
             contacts.push(contact);
         }
