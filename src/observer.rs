@@ -30,7 +30,10 @@ use crate::state::State;
 /// use tumble::glam::DVec3;
 /// use tumble::{Coin, FlatGround, Ledger, State, Stepper, UniformGravity, UntilRest};
 ///
-/// let stepper = Stepper::builder(Coin::ring(1.0, 0.5)).gravity(UniformGravity::down(9.8)).ground(FlatGround::level(1e3, 2.0)).build()?;
+/// let stepper = Stepper::builder(Coin::ring(1.0, 0.5))
+///     .gravity(UniformGravity::down(9.8))
+///     .ground(FlatGround::level(1e3, 2.0))
+///     .build()?;
 /// let mut both = (Ledger::new(), UntilRest::new(stepper.body(), 1e-3, 0.1)?);
 /// let mut state = State::at(DVec3::Z).with_rotation_vector(DVec3::Y * 1.2);
 /// let seconds = stepper.run(&mut state, 100.0, &mut both)?;

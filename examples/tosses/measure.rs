@@ -1,5 +1,5 @@
-//! Labels that change under a smaller tolerance, the time on one thread and on many, and the cost of
-//! many tosses.
+//! Labels that change under a smaller tolerance, the time on one thread and on many, and the cost
+//! of many tosses.
 
 use std::time::Instant;
 

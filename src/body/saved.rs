@@ -1,8 +1,8 @@
 //! Bodies as plain data, with the feature `serde`.
 //!
 //! A saved body consists of the arguments of its constructor. All other values are computed again
-//! when the body is loaded, with the same bits. `PointCloud` and `Solid` are saved as they are, since
-//! their contacts have been shifted to the centre of mass.
+//! when the body is loaded, with the same bits. `PointCloud` and `Solid` are saved as they are,
+//! since their contacts have been shifted to the centre of mass.
 
 use core::fmt;
 use core::marker::PhantomData;

@@ -1,8 +1,8 @@
 //! Rims on the ground: the arc that touches.
 //!
 //! A Gauss rule is accurate for smooth functions. So the arc is cut at the discontinuities of its
-//! forces ([`discontinuities`](mod@discontinuities)). Quadrature points are concentrated near points at which friction
-//! reverses ([`turning_rules`]).
+//! forces ([`discontinuities`](mod@discontinuities)). Quadrature points are concentrated near
+//! points at which friction reverses ([`turning_rules`]).
 //!
 //! On a level plane, penetration depth and velocity are linear in sine and cosine along the arc,
 //! and a short arc is evaluated as a [`Sweep`]. Any other arc is evaluated point by point

@@ -222,7 +222,7 @@ async function refusesByName(tab) {
   await wait(300);
   assert.equal(await tab.$eval('#error', (shown) => shown.hidden), false, 'the error stays');
   assert.equal(
-    await tab.evaluate(() => window.page.tumble.knobs[2]),
+    await tab.evaluate(() => window.page.tumble.parameters[2]),
     1e-3,
     'the last valid step size',
   );
@@ -426,7 +426,7 @@ async function keepsUp(tab) {
     ratios.push(
       await tab.evaluate(
         () =>
-          ((window.page.simulated - window.from[0]) * window.page.tumble.knobs[2] * 1000) /
+          ((window.page.simulated - window.from[0]) * window.page.tumble.parameters[2] * 1000) /
           (performance.now() - window.from[1]),
       ),
     );

@@ -3,7 +3,7 @@
 const ADDRESS = /^#1((\.[0-9a-f]{16}){24})$/;
 
 function writtenAddress(tumble) {
-  const words = [...tumble.knobBits, ...tumble.startBits];
+  const words = [...tumble.parameterBits, ...tumble.startBits];
   return `#1${words.map((word) => '.' + word.toString(16).padStart(16, '0')).join('')}`;
 }
 
@@ -19,14 +19,14 @@ function readAddress(tumble, address) {
     .slice(1)
     .split('.')
     .map((word) => BigInt(`0x${word}`));
-  const before = [[...tumble.knobBits], [...tumble.startBits]];
-  tumble.knobBits.set(words.slice(0, KNOBS));
-  tumble.startBits.set(words.slice(KNOBS));
+  const before = [[...tumble.parameterBits], [...tumble.startBits]];
+  tumble.parameterBits.set(words.slice(0, PARAMETERS));
+  tumble.startBits.set(words.slice(PARAMETERS));
   try {
     tumble.call('check');
     tumble.call('restart');
   } catch (refusal) {
-    tumble.knobBits.set(before[0]);
+    tumble.parameterBits.set(before[0]);
     tumble.startBits.set(before[1]);
     throw refusal;
   }

@@ -63,11 +63,11 @@ class Page {
 
   // Shows a body and a scene that are already set.
   adopt() {
-    const body = this.tumble.knobs[KNOB.body],
-      kept = [...this.tumble.knobBits];
+    const body = this.tumble.parameters[PARAMETER.body],
+      kept = [...this.tumble.parameterBits];
     this.tumble.call('choose', body);
-    this.panel.centre(this.tumble.knobs);
-    this.tumble.knobBits.set(kept);
+    this.panel.centre(this.tumble.parameters);
+    this.tumble.parameterBits.set(kept);
     this.showBody(body);
     this.begun();
   }
@@ -75,7 +75,7 @@ class Page {
   choose(body) {
     this.attempt(() => {
       this.tumble.call('choose', body);
-      this.panel.centre(this.tumble.knobs);
+      this.panel.centre(this.tumble.parameters);
       this.showBody(body);
       this.begun('place');
     });
@@ -111,15 +111,15 @@ class Page {
 
   // Applies a parameter, or shows why the library refuses it.
   change(index, value, starts) {
-    const before = this.tumble.knobBits[index];
+    const before = this.tumble.parameterBits[index];
     this.attempt(
       () => {
-        this.tumble.knobs[index] = value;
+        this.tumble.parameters[index] = value;
         this.begun(starts ? 'place' : 'restart_here');
-        if (!starts && index !== KNOB.method) this.tosses.reset();
+        if (!starts && index !== PARAMETER.method) this.tosses.reset();
       },
       () => {
-        this.tumble.knobBits[index] = before;
+        this.tumble.parameterBits[index] = before;
         this.tumble.call('restart_here');
       },
     );
@@ -154,7 +154,7 @@ class Page {
   }
 
   hasTwin() {
-    return this.tumble.knobs[KNOB.method] !== 0;
+    return this.tumble.parameters[PARAMETER.method] !== 0;
   }
 
   grab() {
@@ -182,7 +182,7 @@ class Page {
   throwAtRandom() {
     const random = () => crypto.getRandomValues(new Uint32Array(1))[0] / 2 ** 31 - 1;
     const { radius } = this.view,
-      speed = Math.sqrt(Math.abs(this.tumble.knobs[KNOB.gravity]) * radius);
+      speed = Math.sqrt(Math.abs(this.tumble.parameters[PARAMETER.gravity]) * radius);
     const [x, y] = this.position();
     this.attempt(() => {
       this.tumble.call('hold', x, y, 1.5 * radius);
@@ -201,17 +201,17 @@ class Page {
   // landed. Beside it is the default with the same step.
   tooLong() {
     this.attempt(() => {
-      const { knobs, calls } = this.tumble;
-      this.tumble.call('choose', knobs[KNOB.body]);
-      knobs[KNOB.method] = METHODS.indexOf('Rk4');
-      knobs[KNOB.start] = 2;
+      const { parameters, calls } = this.tumble;
+      this.tumble.call('choose', parameters[PARAMETER.body]);
+      parameters[PARAMETER.method] = METHODS.indexOf('Rk4');
+      parameters[PARAMETER.start] = 2;
       this.tumble.call('place');
       let limit = Infinity;
       for (let steps = 0; steps < 20000 && limit === Infinity; steps += 10) {
         this.tumble.call('advance', 0, 10);
         limit = calls.stable_step();
       }
-      if (limit < Infinity) knobs[KNOB.step] = Number((1.2 * limit).toPrecision(3));
+      if (limit < Infinity) parameters[PARAMETER.step] = Number((1.2 * limit).toPrecision(3));
       this.begun('place');
       this.play(true);
     });
@@ -291,7 +291,7 @@ class Page {
       samples.push([...run.subarray(RUN.path + 3 * i, RUN.path + 3 * i + 3)]);
     this.view.trace(samples);
     this.energy.record(
-      run[RUN.steps] * this.tumble.knobs[KNOB.step],
+      run[RUN.steps] * this.tumble.parameters[PARAMETER.step],
       run[RUN.total],
       twin[RUN.total],
     );
@@ -299,7 +299,7 @@ class Page {
 
   // Steps for the time since the last picture. What does not fit is left out, and said.
   keepUp(milliseconds) {
-    const step = this.tumble.knobs[KNOB.step];
+    const step = this.tumble.parameters[PARAMETER.step];
     this.owed += (Math.min(milliseconds, 100) / 1000) * this.rate;
     const until = performance.now() + AT_MOST;
     while (this.running && this.owed >= step && performance.now() < until) {
@@ -324,7 +324,7 @@ class Page {
       this.tumble.runs[0],
       twin ? this.tumble.runs[1] : null,
       now,
-      METHODS[this.tumble.knobs[KNOB.method]],
+      METHODS[this.tumble.parameters[PARAMETER.method]],
     );
     this.showState(now);
     requestAnimationFrame((next) => this.frame(next));
@@ -335,13 +335,13 @@ class Page {
     if (now < (this.nextState ?? 0)) return;
     this.nextState = now + 250;
     const run = this.tumble.runs[0],
-      seconds = run[RUN.steps] * this.tumble.knobs[KNOB.step];
+      seconds = run[RUN.steps] * this.tumble.parameters[PARAMETER.step];
     byId('clock').textContent =
       `${seconds.toFixed(2)} s${this.behind ? ', slower than the clock' : ''}`;
     byId('square').textContent = shown(this.view.square(), 'm');
     if (this.held) return;
     const face = this.tumble.calls.face(),
-      { faces } = BODIES[this.tumble.knobs[KNOB.body]];
+      { faces } = BODIES[this.tumble.parameters[PARAMETER.body]];
     const text = face < 0 ? '' : `${faces[face]}: proven`;
     byId('face').textContent = text;
     if (face >= 0 && face !== this.face)

@@ -1,7 +1,7 @@
 // The library in WebAssembly: its functions, and its blocks of numbers as arrays.
 'use strict';
 
-const KNOB = {
+const PARAMETER = {
   body: 0,
   method: 1,
   step: 2,
@@ -14,7 +14,7 @@ const KNOB = {
   lean: 9,
   spin: 10,
 };
-const KNOBS = 11;
+const PARAMETERS = 11;
 const STATE = 13;
 const RUN = {
   steps: 13,
@@ -41,8 +41,8 @@ class Tumble {
     const calls = instance.exports;
     const memory = calls.memory.buffer; // never grows: the library does not allocate
     this.calls = calls;
-    this.knobs = new Float64Array(memory, calls.knobs(), KNOBS);
-    this.knobBits = new BigUint64Array(memory, calls.knobs(), KNOBS);
+    this.parameters = new Float64Array(memory, calls.parameters(), PARAMETERS);
+    this.parameterBits = new BigUint64Array(memory, calls.parameters(), PARAMETERS);
     this.startBits = new BigUint64Array(memory, calls.start(), STATE);
     this.runs = [0, 1].map((number) => new Float64Array(memory, calls.run(number), RUN_LENGTH));
     this.runBits = [0, 1].map((number) => new BigUint64Array(memory, calls.run(number), STATE));

@@ -63,11 +63,11 @@ class Slider {
   }
 
   set(value) {
-    this.changed(KNOB[this.id], value * this.per, Boolean(this.starts));
+    this.changed(PARAMETER[this.id], value * this.per, Boolean(this.starts));
   }
 
   show() {
-    const value = Number((this.tumble.knobs[KNOB[this.id]] / this.per).toPrecision(12));
+    const value = Number((this.tumble.parameters[PARAMETER[this.id]] / this.per).toPrecision(12));
     this.number.value = value;
     this.range.value = this.place(value);
     this.range.setAttribute('aria-valuetext', `${value} ${this.unit}`.trim());
@@ -96,29 +96,29 @@ class Panel {
       (name, i) => `<option value="${i}">${name}${i ? '' : ', default'}</option>`,
     ).join('');
     byId('method').addEventListener('change', (event) =>
-      changed(KNOB.method, Number(event.target.value), false),
+      changed(PARAMETER.method, Number(event.target.value), false),
     );
     byId('start').addEventListener('change', (event) =>
-      changed(KNOB.start, Number(event.target.value), true),
+      changed(PARAMETER.start, Number(event.target.value), true),
     );
   }
 
   // Centres the sliders on the present scene, which is the first of a body.
   centre(first) {
-    this.sliders.forEach((slider) => slider.centre(first[KNOB[slider.id]]));
+    this.sliders.forEach((slider) => slider.centre(first[PARAMETER[slider.id]]));
   }
 
   show() {
-    const { knobs } = this.tumble,
-      body = knobs[KNOB.body];
+    const { parameters } = this.tumble,
+      body = parameters[PARAMETER.body];
     this.sliders.forEach((slider) => slider.show());
     document.querySelectorAll('input[name=body]').forEach((input, i) => {
       input.checked = i === body;
     });
-    byId('method').value = knobs[KNOB.method];
+    byId('method').value = parameters[PARAMETER.method];
     byId('start').innerHTML = BODIES[body].starts
       .map((text, i) => `<option value="${i}">${text}</option>`)
       .join('');
-    byId('start').value = knobs[KNOB.start];
+    byId('start').value = parameters[PARAMETER.start];
   }
 }

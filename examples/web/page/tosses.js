@@ -21,7 +21,7 @@ class Tosses {
   // Clears the counts: they belong to one scene.
   reset() {
     this.stop('');
-    const { faces } = BODIES[this.tumble.knobs[KNOB.body]];
+    const { faces } = BODIES[this.tumble.parameters[PARAMETER.body]];
     byId('toss').disabled = faces.length === 0;
     byId('bars').innerHTML = '';
     byId('toss-state').textContent =
@@ -42,7 +42,7 @@ class Tosses {
     const message = {
       task: 'toss',
       bytes: this.bytes,
-      knobs: [...this.tumble.knobBits],
+      parameters: [...this.tumble.parameterBits],
       seed: this.seed,
       tosses: TOSSES,
       places: FACES + 2,
@@ -61,7 +61,7 @@ class Tosses {
   }
 
   show(counts, done) {
-    const { faces } = BODIES[this.tumble.knobs[KNOB.body]];
+    const { faces } = BODIES[this.tumble.parameters[PARAMETER.body]];
     const [undecided, failed] = counts.slice(FACES);
     const rows = [...faces.map((name, i) => [name, counts[i]]), ['undecided', undecided]];
     if (failed > 0) rows.push(['failed', failed]);

@@ -15,7 +15,7 @@ onmessage = async ({ data }) => {
     postMessage({ failed, text: text() });
     return;
   }
-  new BigUint64Array(calls.memory.buffer, calls.knobs(), data.knobs.length).set(data.knobs);
+  new BigUint64Array(calls.memory.buffer, calls.parameters(), data.parameters.length).set(data.parameters);
   const counts = new Float64Array(calls.memory.buffer, calls.tosses(), data.places);
   for (let first = 0; first < data.tosses; first += AT_ONCE) {
     const end = Math.min(first + AT_ONCE, data.tosses);

@@ -11,7 +11,7 @@ use tumble::{
 };
 
 use crate::error::PageError;
-use crate::scene::Knobs;
+use crate::scene::Parameters;
 
 /// Body of the page: one type, so that each integrator is compiled once.
 #[derive(Clone, Copy, Debug)]
@@ -47,7 +47,7 @@ pub struct Exhibit {
     /// Axis of the rotation when the body starts to roll or is dropped, body axes.
     pub roll_axis: DVec3,
     /// Parameters of its first scene.
-    pub knobs: Knobs,
+    pub parameters: Parameters,
 }
 
 impl Exhibit {
@@ -76,31 +76,31 @@ impl Exhibit {
 }
 
 /// Upright along body z, with a spin about it.
-fn upright(body: Body, knobs: Knobs) -> Exhibit {
+fn upright(body: Body, parameters: Parameters) -> Exhibit {
     Exhibit {
         body,
         upright: DVec3::ZERO,
         spin_axis: DVec3::Z,
         roll_axis: DVec3::X,
-        knobs,
+        parameters,
     }
 }
 
 /// Coin, ground and friction of the coin report, whose trial 8 spins with a lean of 15 degrees.
 fn coin() -> Exhibit {
-    let knobs = Knobs {
+    let parameters = Parameters {
         body: 0.0,
         lean: 15.0_f64.to_radians(),
         spin: 8.0,
-        ..Knobs::REPORT
+        ..Parameters::REPORT
     };
-    upright(Body::Coin(Coin::ring(1.0, 0.5)), knobs)
+    upright(Body::Coin(Coin::ring(1.0, 0.5)), parameters)
 }
 
 /// Steel, 24 mm wide and 8.5 mm thick: a third of all orientations have the edge below.
 fn thick_coin() -> Exhibit {
     let (radius, thickness) = (0.012, 0.012 * FRAC_1_SQRT_2);
-    let knobs = Knobs {
+    let parameters = Parameters {
         body: 1.0,
         stiffness: 2000.0,
         damping: 0.6,
@@ -108,17 +108,17 @@ fn thick_coin() -> Exhibit {
         gravity: 9.81,
         lean: 6.0_f64.to_radians(),
         spin: 120.0,
-        ..Knobs::REPORT
+        ..Parameters::REPORT
     };
     upright(
         Body::ThickCoin(SolidCoin::new(0.03, radius, thickness)),
-        knobs,
+        parameters,
     )
 }
 
 /// Billiard ball.
 fn ball() -> Exhibit {
-    let knobs = Knobs {
+    let parameters = Parameters {
         body: 2.0,
         stiffness: 2e4,
         damping: 4.0,
@@ -127,15 +127,15 @@ fn ball() -> Exhibit {
         start: 2.0,
         lean: 20.0_f64.to_radians(),
         spin: 60.0,
-        ..Knobs::REPORT
+        ..Parameters::REPORT
     };
-    upright(Body::Ball(Sphere::solid(0.17, 0.0286)), knobs)
+    upright(Body::Ball(Sphere::solid(0.17, 0.0286)), parameters)
 }
 
 /// Fair die of `examples/dice.rs`, on a corner.
 fn die() -> Exhibit {
     let body = Cuboid::cube(0.0048, 0.016).rounded(0.0015);
-    let knobs = Knobs {
+    let parameters = Parameters {
         body: 3.0,
         stiffness: 4000.0,
         damping: 1.2,
@@ -143,7 +143,7 @@ fn die() -> Exhibit {
         gravity: 9.81,
         lean: 3.0_f64.to_radians(),
         spin: 150.0,
-        ..Knobs::REPORT
+        ..Parameters::REPORT
     };
     // From the body's diagonal to the vertical, about an axis that is normal to both.
     let diagonal = DVec3::ONE.normalize();
@@ -153,7 +153,7 @@ fn die() -> Exhibit {
         upright: DVec3::new(FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0) * angle,
         spin_axis: diagonal,
         roll_axis: DVec3::new(FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0),
-        knobs,
+        parameters,
     }
 }
 
@@ -169,7 +169,7 @@ fn tippe_top() -> Exhibit {
         centre_of_mass: DVec3::NEG_Z * (0.3 * radius),
         inertia: DMat3::from_diagonal(DVec3::new(131.0 / 350.0, 131.0 / 350.0, 0.4) * moment),
     };
-    let knobs = Knobs {
+    let parameters = Parameters {
         body: 4.0,
         step: 2e-4,
         stiffness: 1e4,
@@ -178,15 +178,15 @@ fn tippe_top() -> Exhibit {
         gravity: 9.82,
         lean: 6.0_f64.to_radians(),
         spin: 155.0,
-        ..Knobs::REPORT
+        ..Parameters::REPORT
     };
-    upright(Body::Ball(Sphere::loaded(radius, distribution)), knobs)
+    upright(Body::Ball(Sphere::loaded(radius, distribution)), parameters)
 }
 
 /// Egg of `examples/rising_egg.rs`, on its side.
 fn egg() -> Exhibit {
     let body = Ellipsoid::solid(0.06, DVec3::new(0.02, 0.02, 0.03));
-    let knobs = Knobs {
+    let parameters = Parameters {
         body: 5.0,
         step: 2e-4,
         stiffness: 1e4,
@@ -196,14 +196,14 @@ fn egg() -> Exhibit {
         gravity: 9.81,
         lean: 3.0_f64.to_radians(),
         spin: 150.0,
-        ..Knobs::REPORT
+        ..Parameters::REPORT
     };
     Exhibit {
         body: Body::Smooth(body),
         upright: DVec3::Y * FRAC_PI_2,
         spin_axis: DVec3::NEG_X,
         roll_axis: DVec3::Z,
-        knobs,
+        parameters,
     }
 }
 
@@ -214,7 +214,7 @@ fn rattleback() -> Exhibit {
     let solid = MassProperties::ellipsoid(1.0, semi_axes);
     let askew = tumble::f64::Rotation::from_rotation_vector(DVec3::Z * 8.0_f64.to_radians());
     let body = Ellipsoid::loaded(semi_axes, solid.turned(askew));
-    let knobs = Knobs {
+    let parameters = Parameters {
         body: 6.0,
         step: 5e-4,
         stiffness: 1e5,
@@ -223,9 +223,9 @@ fn rattleback() -> Exhibit {
         slip_speed: 1e-3,
         lean: 0.6_f64.to_radians(),
         spin: -4.0,
-        ..Knobs::REPORT
+        ..Parameters::REPORT
     };
-    upright(Body::Smooth(body), knobs)
+    upright(Body::Smooth(body), parameters)
 }
 
 /// Evaluates the same expression with the body of each variant.

@@ -15,10 +15,10 @@ use crate::bodies::Exhibit;
 use crate::error::PageError;
 use crate::memory::{self, Block};
 use crate::run::{self, RUN};
-use crate::scene::{Knobs, PageStepper, STATE, height_on_the_ground, read_state, write_state};
+use crate::scene::{PageStepper, Parameters, STATE, height_on_the_ground, read_state, write_state};
 use crate::tosses::{self, COUNTS};
 
-static KNOBS: Block<{ Knobs::COUNT }> = Block::new();
+static PARAMETERS: Block<{ Parameters::COUNT }> = Block::new();
 static START: Block<STATE> = Block::new();
 /// The run of the chosen method, and that of the default method from the same start.
 static RUNS: [Block<RUN>; 2] = [Block::new(), Block::new()];
@@ -38,11 +38,11 @@ fn code(result: Result<(), PageError>) -> u32 {
 
 /// Scene of a run: 0 has the chosen method, 1 the default method.
 fn stepper_of(number: usize) -> Result<PageStepper, PageError> {
-    let knobs = Knobs::read(&KNOBS);
+    let parameters = Parameters::read(&PARAMETERS);
     if number == 0 {
-        knobs.stepper()
+        parameters.stepper()
     } else {
-        knobs.default_stepper()
+        parameters.default_stepper()
     }
 }
 
@@ -57,8 +57,8 @@ fn begin_at(state: &State) -> Result<(), PageError> {
 
 /// Address of the parameters.
 #[unsafe(no_mangle)]
-pub extern "C" fn knobs() -> *const AtomicU64 {
-    KNOBS.address()
+pub extern "C" fn parameters() -> *const AtomicU64 {
+    PARAMETERS.address()
 }
 
 /// Address of the start of the runs.
@@ -105,13 +105,14 @@ pub extern "C" fn text_length() -> u32 {
 /// Writes the parameters of the first scene of a body.
 #[unsafe(no_mangle)]
 pub extern "C" fn choose(body: f64) -> u32 {
-    code(Exhibit::from_number(body).map(|exhibit| exhibit.knobs.write(&KNOBS)))
+    code(Exhibit::from_number(body).map(|exhibit| exhibit.parameters.write(&PARAMETERS)))
 }
 
 /// Bounding radius of the chosen body, m; NaN if there is none.
 #[unsafe(no_mangle)]
 pub extern "C" fn radius() -> f64 {
-    Exhibit::from_number(KNOBS.get(0)).map_or(f64::NAN, |exhibit| exhibit.body.bounding_radius())
+    Exhibit::from_number(PARAMETERS.get(0))
+        .map_or(f64::NAN, |exhibit| exhibit.body.bounding_radius())
 }
 
 /// Checks the parameters.
@@ -124,7 +125,7 @@ pub extern "C" fn check() -> u32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn place() -> u32 {
     code(
-        Knobs::read(&KNOBS)
+        Parameters::read(&PARAMETERS)
             .start()
             .and_then(|state| begin_at(&state)),
     )
@@ -208,7 +209,7 @@ pub extern "C" fn stable_step() -> f64 {
 pub extern "C" fn toss(seed: u32, first: u32, end: u32) -> u32 {
     code(tosses::play(
         &TOSSES,
-        &Knobs::read(&KNOBS),
+        &Parameters::read(&PARAMETERS),
         seed.into(),
         first..end,
     ))

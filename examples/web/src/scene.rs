@@ -14,7 +14,7 @@ pub type PageStepper = Stepper<Body, FlatGround, Coulomb, UniformGravity, Method
 
 /// Parameters of a scene and of its start, in the order of their block.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Knobs {
+pub struct Parameters {
     /// Number of the body.
     pub body: f64,
     /// Number of the integrator.
@@ -39,7 +39,7 @@ pub struct Knobs {
     pub spin: f64,
 }
 
-impl Knobs {
+impl Parameters {
     /// Count of the parameters.
     pub const COUNT: usize = 11;
 

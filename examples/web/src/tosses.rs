@@ -11,7 +11,7 @@ use tumble::{Coulomb, FlatGround, UniformGravity};
 use crate::bodies::{Body, FACES};
 use crate::error::PageError;
 use crate::memory::Block;
-use crate::scene::{Knobs, PageStepper};
+use crate::scene::{PageStepper, Parameters};
 
 /// Place of the undecided tosses in the counts.
 pub const UNDECIDED: usize = FACES;
@@ -90,16 +90,16 @@ type PageScene = Scene<Body, FlatGround, Coulomb, UniformGravity>;
 /// Returns [`PageError`] if the scene is invalid, or if no face of it can be proven.
 pub fn play(
     counts: &Block<COUNTS>,
-    knobs: &Knobs,
+    parameters: &Parameters,
     seed: u64,
     tosses: core::ops::Range<u32>,
 ) -> Result<(), PageError> {
-    let stepper = knobs.default_stepper()?;
+    let stepper = parameters.default_stepper()?;
     if !stepper.body().has_faces() {
         return Err(PageError::NoFaces);
     }
     let barriers = stepper.barriers().ok_or(PageError::NoBarriers)?;
-    let starts = Starts::of(stepper.body().bounding_radius(), knobs.gravity);
+    let starts = Starts::of(stepper.body().bounding_radius(), parameters.gravity);
     for number in tosses {
         let state = starts.draw(&stepper, seed, number.into());
         let place = end_of(&stepper, barriers, state, starts.seconds);

@@ -9,19 +9,19 @@ use tumble::{Dynamics, RigidPointBody, State};
 use tumble_page::bodies::Exhibit;
 use tumble_page::memory::Block;
 use tumble_page::run::{self, RUN};
-use tumble_page::scene::{Knobs, read_state};
+use tumble_page::scene::{Parameters, read_state};
 use tumble_page::tosses::{self, COUNTS, FAILED, Starts, UNDECIDED};
 
 const LARGEST_INCREASE: usize = 19;
 
-fn knobs(body: u32) -> Knobs {
-    Exhibit::from_number(f64::from(body)).unwrap().knobs
+fn parameters(body: u32) -> Parameters {
+    Exhibit::from_number(f64::from(body)).unwrap().parameters
 }
 
 /// Follows the first scene of a body and returns the states at equal intervals.
-fn followed(knobs: &Knobs, seconds: f64, interval: f64) -> Vec<State> {
-    let stepper = knobs.stepper().unwrap();
-    let mut session = stepper.session(knobs.start().unwrap());
+fn followed(parameters: &Parameters, seconds: f64, interval: f64) -> Vec<State> {
+    let stepper = parameters.stepper().unwrap();
+    let mut session = stepper.session(parameters.start().unwrap());
     let count = (seconds / interval) as usize;
     let moments = session.samples(interval).unwrap().take(count + 1);
     moments.map(|moment| moment.unwrap().state).collect()
@@ -31,11 +31,11 @@ fn followed(knobs: &Knobs, seconds: f64, interval: f64) -> Vec<State> {
 fn each_body_starts_with_its_lowest_point_on_the_ground() {
     for body in 0..7 {
         for start in [0.0, 1.0] {
-            let knobs = Knobs {
+            let parameters = Parameters {
                 start,
-                ..knobs(body)
+                ..parameters(body)
             };
-            let (stepper, state) = (knobs.stepper().unwrap(), knobs.start().unwrap());
+            let (stepper, state) = (parameters.stepper().unwrap(), parameters.start().unwrap());
             let gap = stepper.lowest_point(&state).unwrap().gap;
             // Rounding of lengths of the body.
             let rounding = 8.0 * f64::EPSILON * stepper.body().bounding_radius();
@@ -48,12 +48,12 @@ fn each_body_starts_with_its_lowest_point_on_the_ground() {
 fn the_energy_of_each_body_never_increases() {
     for body in 0..7 {
         for start in [0.0, 1.0, 2.0] {
-            let knobs = Knobs {
+            let parameters = Parameters {
                 start,
-                ..knobs(body)
+                ..parameters(body)
             };
-            let (stepper, block) = (knobs.stepper().unwrap(), Block::<RUN>::new());
-            run::begin(&block, &stepper, &knobs.start().unwrap());
+            let (stepper, block) = (parameters.stepper().unwrap(), Block::<RUN>::new());
+            run::begin(&block, &stepper, &parameters.start().unwrap());
             run::advance(&block, &stepper, 2000).unwrap();
             assert_eq!(block.get(LARGEST_INCREASE).to_bits(), 0, "body {body}");
         }
@@ -63,14 +63,14 @@ fn the_energy_of_each_body_never_increases() {
 #[test]
 fn an_explicit_step_too_long_gains_energy_and_says_so() {
     // Ten times the first step: the springs alone allow 2.8/ω = 4 ms for a die of 4.8 g.
-    let knobs = Knobs {
+    let parameters = Parameters {
         method: 3.0,
         step: 1e-2,
         start: 2.0,
-        ..knobs(3)
+        ..parameters(3)
     };
-    let (stepper, block) = (knobs.stepper().unwrap(), Block::<RUN>::new());
-    run::begin(&block, &stepper, &knobs.start().unwrap());
+    let (stepper, block) = (parameters.stepper().unwrap(), Block::<RUN>::new());
+    run::begin(&block, &stepper, &parameters.start().unwrap());
     run::advance(&block, &stepper, 200).unwrap();
     assert!(block.get(LARGEST_INCREASE) > 0.0);
 }
@@ -79,15 +79,15 @@ fn an_explicit_step_too_long_gains_energy_and_says_so() {
 fn steps_in_parts_have_the_bits_of_steps_at_once() {
     for body in 0..7 {
         for method in 0..6 {
-            let knobs = Knobs {
+            let parameters = Parameters {
                 method: f64::from(method),
                 start: 2.0,
-                ..knobs(body)
+                ..parameters(body)
             };
-            let stepper = knobs.stepper().unwrap();
+            let stepper = parameters.stepper().unwrap();
             let [whole, parts] = [(); 2].map(|()| Block::<RUN>::new());
             for block in [&whole, &parts] {
-                run::begin(block, &stepper, &knobs.start().unwrap());
+                run::begin(block, &stepper, &parameters.start().unwrap());
             }
             run::advance(&whole, &stepper, 300).unwrap();
             for steps in [1, 7, 92, 200] {
@@ -105,14 +105,14 @@ fn steps_in_parts_have_the_bits_of_steps_at_once() {
 /// Moffatt & Shimomura, Nature 416, 385 (2002).
 #[test]
 fn the_egg_rises() {
-    let states = followed(&knobs(5), 6.0, 0.01);
+    let states = followed(&parameters(5), 6.0, 0.01);
     let rises = states.iter().map(|s| (s.orientation * DVec3::Z).z.abs());
     assert!(rises.fold(0.0, f64::max) > 80.0_f64.to_radians().sin());
 }
 
 #[test]
 fn the_tippe_top_turns_upside_down() {
-    let states = followed(&knobs(4), 15.0, 0.1);
+    let states = followed(&parameters(4), 15.0, 0.1);
     let lean = (states[states.len() - 1].orientation * DVec3::Z).z;
     assert!(lean < 170.0_f64.to_radians().cos(), "{lean}");
 }
@@ -121,9 +121,12 @@ fn the_tippe_top_turns_upside_down() {
 #[test]
 fn the_rattleback_reverses_far_sooner_in_one_direction() {
     let first_reversal = |spin: f64| {
-        let knobs = Knobs { spin, ..knobs(6) };
-        let stepper = knobs.stepper().unwrap();
-        let states = followed(&knobs, 8.0, 0.01);
+        let parameters = Parameters {
+            spin,
+            ..parameters(6)
+        };
+        let stepper = parameters.stepper().unwrap();
+        let states = followed(&parameters, 8.0, 0.01);
         let reversed = |state: &State| spin * stepper.angular_velocity(state).z < 0.0;
         states.iter().position(reversed).unwrap_or(states.len())
     };
@@ -134,12 +137,12 @@ fn the_rattleback_reverses_far_sooner_in_one_direction() {
 #[test]
 fn the_tosses_are_those_of_the_library() {
     for (body, faces) in [(0, 2), (1, 3), (3, 6)] {
-        let (knobs, counts) = (knobs(body), Block::<COUNTS>::new());
+        let (parameters, counts) = (parameters(body), Block::<COUNTS>::new());
         for part in [0..3, 3..4, 4..30] {
-            tosses::play(&counts, &knobs, 7, part).unwrap();
+            tosses::play(&counts, &parameters, 7, part).unwrap();
         }
-        let stepper = knobs.default_stepper().unwrap();
-        let starts = Starts::of(stepper.body().bounding_radius(), knobs.gravity);
+        let stepper = parameters.default_stepper().unwrap();
+        let starts = Starts::of(stepper.body().bounding_radius(), parameters.gravity);
         let [height, rate] = [starts.height, starts.rate].map(|[low, high]| low..=high);
         let start =
             RandomStart::at_height(height).with_spin(RandomSpin::Isotropic { rate: rate.into() });
@@ -172,44 +175,44 @@ fn the_interval_is_that_of_the_library() {
 
 #[test]
 fn invalid_parameters_are_refused_by_name() {
-    let cases: [(Knobs, &str); 4] = [
+    let cases: [(Parameters, &str); 4] = [
         (
-            Knobs {
+            Parameters {
                 step: -1e-3,
-                ..knobs(0)
+                ..parameters(0)
             },
             "time step must be above 0, got -0.001 s",
         ),
         (
-            Knobs {
+            Parameters {
                 friction: f64::NAN,
-                ..knobs(0)
+                ..parameters(0)
             },
             "NaN",
         ),
         (
-            Knobs {
+            Parameters {
                 body: 7.0,
-                ..knobs(0)
+                ..parameters(0)
             },
             "there is no body with the number 7",
         ),
         (
-            Knobs {
+            Parameters {
                 method: 0.5,
-                ..knobs(0)
+                ..parameters(0)
             },
             "there is no integrator with the number 0.5",
         ),
     ];
-    for (knobs, text) in cases {
-        let error = knobs.stepper().unwrap_err().to_string();
+    for (parameters, text) in cases {
+        let error = parameters.stepper().unwrap_err().to_string();
         assert!(error.contains(text), "{error}");
     }
     assert!(
-        Knobs {
+        Parameters {
             spin: f64::INFINITY,
-            ..knobs(0)
+            ..parameters(0)
         }
         .start()
         .is_err()
@@ -218,8 +221,8 @@ fn invalid_parameters_are_refused_by_name() {
 
 #[test]
 fn the_mass_of_the_thick_coin_is_that_of_steel() {
-    let knobs = knobs(1);
-    let stepper = knobs.stepper().unwrap();
+    let parameters = parameters(1);
+    let stepper = parameters.stepper().unwrap();
     let volume = std::f64::consts::PI * 0.012 * 0.012 * 0.012 * std::f64::consts::FRAC_1_SQRT_2;
     let density = stepper.scene().inertia_properties().mass() / volume;
     assert!((7700.0..8000.0).contains(&density), "{density} kg/m³");

@@ -1,7 +1,7 @@
 //! What all adaptive methods have in common: their parameters, and the interface to their pair.
 
-/// Implements an adaptive method, a struct with the fields `tolerance`, `longest_step` and `budget`,
-/// by the `PAIR` of its file.
+/// Implements an adaptive method by the `PAIR` of its file. The method is a struct with the fields
+/// `tolerance`, `longest_step` and `budget`.
 macro_rules! adaptive_method {
     ($method:ident, order $order:literal) => {
         impl<R: crate::real::Real> $method<R> {
