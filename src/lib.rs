@@ -178,6 +178,7 @@ pub mod energy;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 pub mod error;
+pub mod force;
 pub mod free_rotation;
 pub mod friction;
 pub mod gravity;
@@ -203,9 +204,12 @@ pub use body::{
     InertiaProperties, MassProperties, PointCloud, PointMass, RigidPointBody, Rim, Rod, Solid,
     SolidCoin, Sphere,
 };
-pub use contact::{Contact, ContactModel, Load, LowestPoint, Motion};
+pub use contact::{Contact, ContactModel, Load, LowestPoint};
 pub use energy::{Dissipation, Energy, EnergyRates};
 pub use error::{SceneError, StepError};
+pub use force::{
+    AirDrag, ConstantForce, Force, ForcePower, NoForce, SpinDrag, SpinLift, Wind, Wrench,
+};
 pub use free_rotation::FreeRotation;
 pub use friction::{
     AnisotropicCoulomb, Coulomb, FrictionJacobian, Frictionless, LoadDependentCoulomb,
@@ -227,7 +231,7 @@ pub use real::Real;
 pub use rotation::Rotation;
 pub use scene::{Dynamics, Rates, Scene};
 pub use session::{Moment, SavedSession, Session};
-pub use state::State;
+pub use state::{Motion, State};
 pub use stepper::{Stepper, StepperBuilder};
 pub use trial::{Start, Trial};
 

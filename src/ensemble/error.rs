@@ -109,6 +109,7 @@ impl From<StepError> for TossError {
             StepError::BudgetSpent { .. } => "budget spent",
             StepError::BadEnergy { .. } => "invalid energy",
             StepError::StepTooLong { .. } => "step too long",
+            StepError::ForceTooSteep { .. } => "force too steep",
             StepError::Stalled => "stalled",
             StepError::BadDuration { .. } => "invalid duration",
             StepError::BadLimit { .. } => "invalid limit",

@@ -10,6 +10,7 @@ mod common;
 mod kit;
 
 // The parts of a scene.
+mod applied_forces;
 mod bodies;
 mod friction_laws;
 mod ground_laws;

@@ -58,6 +58,7 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
         let load = scene
             .contact_model()
             .load_with_arms(*near, &motion, Some(&rotation.axes()));
+        let load = scene.with_applied_force(load, &motion);
 
         state.position += state.linear_velocity * dt;
         state.linear_velocity += (load.force * mass.inverse_mass() + scene.gravity()) * dt;

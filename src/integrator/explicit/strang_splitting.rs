@@ -3,6 +3,7 @@
 use crate::body::ContactRange;
 use crate::contact::Load;
 use crate::error::{self, SceneError, StepError};
+use crate::force::Force;
 use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::real::Real;
 use crate::rotation::{Axes, Rotation};
@@ -133,19 +134,23 @@ fn kick<R: Real>(
     *near = scene
         .contact_model()
         .range_near(*near, state.position, &axes);
-    let load = scene
-        .contact_model()
-        .load_on(*near, &scene.motion_along(state, axes));
-    if load.touching == 0 {
+    let motion = scene.motion_along(state, axes);
+    let load = scene.contact_model().load_on(*near, &motion);
+    if load.touching == 0 && !scene.force().acts() {
         state.linear_velocity += scene.gravity() * seconds;
         return 1;
     }
     let mut middle = *state;
+    let load = scene.with_applied_force(load, &motion);
     push(scene, &mut middle, &load, seconds * R::HALF);
-    let load = scene
-        .contact_model()
-        .load_on(*near, &scene.motion_along(&middle, axes));
-    push(scene, state, &load, seconds);
+    let motion = scene.motion_along(&middle, axes);
+    let load = scene.contact_model().load_on(*near, &motion);
+    push(
+        scene,
+        state,
+        &scene.with_applied_force(load, &motion),
+        seconds,
+    );
     2
 }
 

@@ -63,6 +63,7 @@ impl<R: Real> Stage<R> {
             .contact_model()
             .range_near(near, motion.position, &motion.axes);
         let load = scene.contact_model().load_on(run, &motion);
+        let load = scene.with_applied_force(load, &motion);
         let mass = scene.inertia_properties();
         let spin = motion.angular_velocity;
         let turn = load.torque - spin.cross(point.angular_momentum);
