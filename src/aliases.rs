@@ -89,6 +89,8 @@ macro_rules! names_for {
             pub type FlatGround = crate::FlatGround<$real>;
             /// The integrator of the coin report.
             pub type ForwardEuler = crate::ForwardEuler<$real>;
+            /// Range of motions for the check of an applied force.
+            pub type ForceRange = crate::contract::ForceRange<$real>;
             /// Power of an applied force by kind.
             pub type ForcePower = crate::ForcePower<$real>;
             /// Range of loads and slips for the check of a friction law.

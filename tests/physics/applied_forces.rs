@@ -6,6 +6,7 @@
 
 use core::ops::ControlFlow;
 use proptest::prelude::*;
+use tumble::contract::{CheckPlan, ForceRange, Requirement, check_force};
 use tumble::error::LawQuantity;
 use tumble::glam::{DVec3, Vec3};
 use tumble::{
@@ -676,4 +677,75 @@ fn a_body_in_wind_is_held_by_friction_where_it_would_be() {
     );
     // The last half of a step's push is still in the velocity.
     assert!(fastest < 1e-3, "{fastest}");
+}
+
+/// A force given by a function, for the contract checks.
+struct Custom<F> {
+    passive: bool,
+    force: F,
+}
+
+impl<F: Fn(DVec3) -> DVec3> Force for Custom<F> {
+    fn wrench(&self, motion: &Motion) -> Wrench {
+        Wrench::of_force((self.force)(motion.linear_velocity))
+    }
+    fn is_passive(&self) -> bool {
+        self.passive
+    }
+}
+
+fn checked(force: &dyn Force) -> Result<(), Requirement> {
+    let range = ForceRange {
+        centre: DVec3::Z,
+        size: 5.0,
+        speed: 60.0,
+        angular_speed: 600.0,
+    };
+    check_force(force, &range, CheckPlan::default()).map_err(|violation| {
+        assert!(!violation.to_string().is_empty());
+        violation.requirement
+    })
+}
+
+#[test]
+fn the_contract_check_passes_the_built_in_forces_and_finds_the_broken_ones() {
+    let spin = SpinDrag {
+        linear: 1e-6,
+        quadratic: 1e-9,
+    };
+    let wind = Wind {
+        velocity: DVec3::new(3.0, 2.0, 1.0),
+        force: drag(),
+    };
+    let push = ConstantForce { force: DVec3::X };
+    let built_in: [&dyn Force; 8] = [
+        &NoForce,
+        &drag(),
+        &lift(),
+        &spin,
+        &wind,
+        &push,
+        &(drag(), lift(), spin),
+        &(wind, push, spin, lift()),
+    ];
+    for force in built_in {
+        assert_eq!(checked(force), Ok(()));
+    }
+    let passive = |force: fn(DVec3) -> DVec3| Custom {
+        passive: true,
+        force,
+    };
+    let thrust = passive(|v| v * 0.1);
+    assert_eq!(checked(&thrust), Err(Requirement::PassiveTakes));
+    let late = passive(|v| if v.length() > 55.0 { v * 0.1 } else { -v });
+    assert_eq!(checked(&late), Err(Requirement::PassiveTakes));
+    let infinite = passive(|v| -v / v.length_squared());
+    assert_eq!(checked(&infinite), Err(Requirement::Finite));
+    let jump = passive(|v| DVec3::new(-v.x.signum(), 0.0, 0.0));
+    assert_eq!(checked(&jump), Err(Requirement::Continuous));
+    let drive = Custom {
+        passive: false,
+        force: |v: DVec3| v * 0.1,
+    };
+    assert_eq!(checked(&drive), Ok(()));
 }
