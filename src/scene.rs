@@ -109,15 +109,11 @@ pub trait Dynamics<R: Real = f64> {
     /// Adds the applied force to the load of the contacts. Its constant part belongs to
     /// [`gravity`](Self::gravity). A scene without an applied force costs nothing.
     #[inline(always)]
-    fn with_applied_force(&self, load: Load<R>, motion: &Motion<R>) -> Load<R> {
-        if !self.force().acts() {
-            return load;
-        }
-        let applied = self.force().wrench(motion);
-        Load {
-            force: load.force + applied.force,
-            torque: load.torque + applied.torque,
-            touching: load.touching,
+    fn add_applied_force(&self, load: &mut Load<R>, motion: &Motion<R>) {
+        if self.force().acts() {
+            let applied = self.force().wrench(motion);
+            load.force += applied.force;
+            load.torque += applied.torque;
         }
     }
 }
@@ -151,7 +147,8 @@ impl<R: Real> Rates<R> {
     #[inline]
     #[must_use]
     pub fn under(load: &Load<R>, scene: &impl Dynamics<R>, motion: &Motion<R>) -> Self {
-        let load = scene.with_applied_force(*load, motion);
+        let mut load = *load;
+        scene.add_applied_force(&mut load, motion);
         Self {
             acceleration: load.force * scene.inertia_properties().inverse_mass() + scene.gravity(),
             torque: load.torque,

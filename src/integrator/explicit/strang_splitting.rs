@@ -135,22 +135,18 @@ fn kick<R: Real>(
         .contact_model()
         .range_near(*near, state.position, &axes);
     let motion = scene.motion_along(state, axes);
-    let load = scene.contact_model().load_on(*near, &motion);
+    let mut load = scene.contact_model().load_on(*near, &motion);
     if load.touching == 0 && !scene.force().acts() {
         state.linear_velocity += scene.gravity() * seconds;
         return 1;
     }
     let mut middle = *state;
-    let load = scene.with_applied_force(load, &motion);
+    scene.add_applied_force(&mut load, &motion);
     push(scene, &mut middle, &load, seconds * R::HALF);
     let motion = scene.motion_along(&middle, axes);
-    let load = scene.contact_model().load_on(*near, &motion);
-    push(
-        scene,
-        state,
-        &scene.with_applied_force(load, &motion),
-        seconds,
-    );
+    let mut load = scene.contact_model().load_on(*near, &motion);
+    scene.add_applied_force(&mut load, &motion);
+    push(scene, state, &load, seconds);
     2
 }
 

@@ -3,16 +3,16 @@
 
 use core::ops::ControlFlow;
 
-use downstream::{Ball, Midpoint, Turf, Viscous};
+use downstream::{Ball, Midpoint, Sail, Turf, Viscous};
 use tumble::body::ContactRange;
 use tumble::glam::{DMat3, DVec3};
 use tumble::integrator::step_length;
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    Coin, ContactPoint, Coulomb, Dynamics, EnergyMomentum, FlatGround, ForwardEuler, GroundBounds,
-    Integrator, Nystrom, Real, RigidPointBody, Rk4, Sample, SceneError, SlidingFriction,
-    SpringDamperGround, State, Step, StepError, Stepper, StrangSplitting, Surface, SymplecticEuler,
-    UniformGravity, error,
+    Coin, ContactPoint, Coulomb, Dynamics, EnergyMomentum, FlatGround, Force, ForwardEuler,
+    GroundBounds, Integrator, Nystrom, Real, RigidPointBody, Rk4, Sample, SceneError,
+    SlidingFriction, SpringDamperGround, State, Step, StepError, Stepper, StrangSplitting, Surface,
+    SymplecticEuler, UniformGravity, error,
 };
 
 /// A ball that is thrown forward with a rotation, in the air for its first 40 ms.
@@ -128,6 +128,38 @@ fn value_reference_dyn_and_box_give_the_same_bits_in_f64() {
 #[test]
 fn value_reference_dyn_and_box_give_the_same_bits_in_f32() {
     four_ways_with_every_integrator::<f32>();
+}
+
+/// The state of a ball under a user's force, after 0.3 s in the air and in contact.
+fn sailed<R: Real>(force: impl Force<R>, integrator: impl Integrator<R>) -> State<R> {
+    let stepper = compose(ball(), turf(), oil(), integrator)
+        .with_force(force)
+        .expect("the force is valid");
+    let mut state = thrown();
+    stepper
+        .advance(&mut state, R::from_f64(0.3))
+        .expect("the step is short enough");
+    state
+}
+
+#[test]
+fn a_users_force_has_the_same_bits_by_value_reference_dyn_and_box() {
+    let sail = Sail {
+        normal: DVec3::Y,
+        drag: 0.3,
+    };
+    let integrators = || EnergyMomentum { time_step: 1e-3 };
+    let by_value = sailed(sail, integrators());
+    assert_eq!(by_value, sailed(&sail, integrators()));
+    assert_eq!(by_value, sailed(&sail as &dyn Force, integrators()));
+    let boxed = Box::new(sail) as Box<dyn Force + Send>;
+    assert_eq!(by_value, sailed(boxed, integrators()));
+    // A user's integrator knows the force as well: both methods agree to their order.
+    let theirs = sailed(sail, Midpoint { time_step: 1e-4 });
+    let gap = (theirs.position - by_value.position).length();
+    let still = run(ball(), turf(), oil(), integrators());
+    assert!(gap < 1e-4, "{gap:e}");
+    assert!((still.position - by_value.position).length() > 1e-2);
 }
 
 /// Two precisions of one motion differ by the rounding of f32, 500 steps of it: position below 1,
