@@ -330,8 +330,6 @@ pub enum Input {
     },
     /// Motion of a body.
     Motion {
-        /// Centre of mass, m.
-        position: DVec3,
         /// Velocity of the centre of mass, m/s.
         linear_velocity: DVec3,
         /// Angular velocity, rad/s.
@@ -391,14 +389,10 @@ impl fmt::Display for Input {
                 write!(f, "under {normal_force:e} N at a slip of {slip} m/s")
             }
             Self::Motion {
-                position,
                 linear_velocity,
                 angular_velocity,
             } => {
-                write!(
-                    f,
-                    "at {position} m, {linear_velocity} m/s, {angular_velocity} rad/s"
-                )
+                write!(f, "at {linear_velocity} m/s and {angular_velocity} rad/s")
             }
             Self::Step {
                 scene,

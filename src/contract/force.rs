@@ -206,7 +206,6 @@ impl<R: Real, E: Force<R> + ?Sized> Check<'_, R, E> {
 
 fn input<R: Real>(motion: &Motion<R>) -> Input {
     Input::Motion {
-        position: wide::<R>(motion.position),
         linear_velocity: wide::<R>(motion.linear_velocity),
         angular_velocity: wide::<R>(motion.angular_velocity),
     }

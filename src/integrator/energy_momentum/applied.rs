@@ -31,8 +31,9 @@ use crate::state::{Motion, State};
 
 /// `1 - 1/√2`
 const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
-/// Number of iterations after which a stage counts as not solved.
-const MOST_ITERATIONS: u32 = 40;
+/// Number of iterations after which a stage counts as not solved. Far from the solution, quadratic
+/// drag divides the velocity by 2 in each.
+const MOST_ITERATIONS: u32 = 100;
 /// Number of halvings of a step whose stages are not solved.
 const MOST_HALVINGS: u32 = 12;
 
@@ -151,32 +152,27 @@ impl<R: Real, D: Dynamics<R>> Pose<'_, R, D> {
         }
     }
 
-    /// Change of both velocities by an impulse.
-    fn change(&self, impulse: &Wrench<R>) -> [R::Vec3; 2] {
+    /// Momentum that changes of both velocities carry, N s and N m s.
+    fn impulse(&self, [linear, angular]: [R::Vec3; 2]) -> Wrench<R> {
         let properties = self.scene.inertia_properties();
-        [
-            impulse.force * properties.inverse_mass(),
-            properties.angular_velocity(&self.motion.axes, impulse.torque),
-        ]
-    }
-
-    /// Motion after an impulse.
-    fn motion_after(&self, impulse: &Wrench<R>) -> Motion<R> {
-        let [linear, angular] = self.change(impulse);
-        Motion {
-            linear_velocity: self.motion.linear_velocity + linear,
-            angular_velocity: self.motion.angular_velocity + angular,
-            ..self.motion
+        let (inertia, _) =
+            properties.inertia_for_solving(&self.motion.axes, self.state.angular_momentum);
+        let [x, y, z] = inertia;
+        Wrench {
+            force: linear * properties.mass(),
+            torque: x * angular.x() + y * angular.y() + z * angular.z(),
         }
     }
 
-    /// Matrix `1 - factor ∂W/∂u M⁻¹` at a motion.
+    /// Matrix `M - factor ∂W/∂u` at a motion.
+    ///
+    /// It is well conditioned for a slender body, unlike `1 - factor ∂W/∂u M⁻¹`.
     fn matrix(&self, motion: &Motion<R>, factor: R) -> SixBySix<R> {
         let mut rows = [[R::ZERO; 6]; 6];
-        for (index, column) in units::<R>().iter().enumerate() {
-            let [linear, angular] = self.change(column);
+        for (index, velocities) in units::<R>().into_iter().enumerate() {
+            let [linear, angular] = velocities;
             let change = (self.scene.force()).wrench_change(motion, linear, angular);
-            let entries = numbers(&column.plus(&change, -factor));
+            let entries = numbers(&self.impulse(velocities).plus(&change, -factor));
             for (row, entry) in rows.iter_mut().zip(entries) {
                 row[index] = entry;
             }
@@ -184,41 +180,66 @@ impl<R: Real, D: Dynamics<R>> Pose<'_, R, D> {
         SixBySix { rows }
     }
 
-    /// Solves `W = W(u + M⁻¹ (base + factor W))` for the force and torque of a stage, from a first
-    /// guess. Returns `None` if Newton's iteration does not converge.
-    fn stage(&self, base: &Wrench<R>, factor: R, guess: Wrench<R>) -> Option<Wrench<R>> {
-        let mut wrench = guess;
+    /// Solves `M (u - u₀) = base + factor W(u)` for the velocities of a stage, from a first guess.
+    /// Returns `None` if Newton's iteration does not converge.
+    ///
+    /// It has converged when a correction is within the rounding of the momentum.
+    fn stage(&self, base: &Wrench<R>, factor: R, guess: Motion<R>) -> Option<Stage<R>> {
+        let mut motion = guess;
         let mut last = R::MAX;
         for _ in 0..MOST_ITERATIONS {
-            let motion = self.motion_after(&base.plus(&wrench, factor));
-            let found = self.scene.force().wrench(&motion);
-            let residual = found.plus(&wrench, -R::ONE);
-            let size = self.size(&residual);
+            let wrench = self.scene.force().wrench(&motion);
+            let taken = self.impulse([
+                motion.linear_velocity - self.motion.linear_velocity,
+                motion.angular_velocity - self.motion.angular_velocity,
+            ]);
+            let given = base.plus(&wrench, factor);
+            let residual = given.plus(&taken, -R::ONE);
+            let matrix = self.matrix(&motion, factor);
+            let (linear, angular) = matrix.solve(residual.force, residual.torque, self.radius());
+            motion.linear_velocity += linear;
+            motion.angular_velocity += angular;
+            let size = self.size(&self.impulse([linear, angular]));
             if !size.is_finite() {
                 return None;
             }
-            let rounding = self.size(&found) * (R::EPSILON * R::from_f64(4.0));
-            if size <= rounding || (size >= last * R::HALF && size <= rounding * R::from_f64(1e3)) {
-                return Some(found);
+            let rounding = (self.momentum() + self.size(&given)) * R::EPSILON;
+            // The second condition ends an iteration that rounding keeps from falling further.
+            let is_stalled = size >= last * R::HALF && size <= rounding * R::from_f64(1e3);
+            if size <= rounding || is_stalled {
+                let wrench = self.scene.force().wrench(&motion);
+                return wrench.is_finite().then_some(Stage { motion, wrench });
             }
             last = size;
-            let matrix = self.matrix(&motion, factor);
-            let (force, torque) = matrix.solve(residual.force, residual.torque, R::ONE);
-            wrench = wrench.plus(&Wrench { force, torque }, R::ONE);
         }
         None
     }
 
+    /// Size of the momentum at the start, N s, with the angular momentum as in [`size`](Self::size).
+    fn momentum(&self) -> R {
+        let mass = self.scene.inertia_properties().mass();
+        self.size(&Wrench {
+            force: self.motion.linear_velocity * mass,
+            torque: self.state.angular_momentum,
+        })
+    }
+
     /// Size of a wrench as a force, N: torques act at the radius of gyration.
     fn size(&self, wrench: &Wrench<R>) -> R {
-        let radius = self.scene.inertia_properties().radius_of_gyration();
-        let torque = if radius > R::ZERO {
-            wrench.torque.length() / radius
-        } else {
-            R::ZERO
-        };
-        wrench.force.length() + torque
+        wrench.force.length() + wrench.torque.length() / self.radius()
     }
+
+    /// Radius of gyration, or 1 m for a body without one.
+    fn radius(&self) -> R {
+        let radius = self.scene.inertia_properties().radius_of_gyration();
+        if radius > R::ZERO { radius } else { R::ONE }
+    }
+}
+
+/// Motion of a stage, with the force and torque there.
+struct Stage<R: Real> {
+    motion: Motion<R>,
+    wrench: Wrench<R>,
 }
 
 /// Both stages of a push. Returns `None` if one is not solved.
@@ -229,32 +250,33 @@ fn two_stages<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) 
         state: *state,
     };
     let factor = seconds * R::from_f64(GAMMA);
-    let first = pose.stage(&Wrench::ZERO, factor, scene.force().wrench(&pose.motion))?;
-    let base = Wrench::ZERO.plus(&first, seconds - factor * R::TWO);
-    let second = pose.stage(&base, factor, first)?;
+    let first = pose.stage(&Wrench::ZERO, factor, pose.motion)?;
+    let base = Wrench::ZERO.plus(&first.wrench, seconds - factor * R::TWO);
+    let second = pose.stage(&base, factor, first.motion)?;
     let half = seconds * R::HALF;
-    let drive = |impulse: &Wrench<R>| scene.force().power(&pose.motion_after(impulse)).drive;
+    let drive = |stage: &Stage<R>| scene.force().power(&stage.motion).drive;
     let work = if scene.force().is_passive() {
         R::ZERO
     } else {
-        half * (drive(&Wrench::ZERO.plus(&first, factor)) + drive(&base.plus(&second, factor)))
+        half * (drive(&first) + drive(&second))
     };
-    let end = pose.after(&Wrench::ZERO.plus(&first.plus(&second, R::ONE), half));
+    let sum = first.wrench.plus(&second.wrench, R::ONE);
+    let end = pose.after(&Wrench::ZERO.plus(&sum, half));
     let is_finite = end.not_finite().is_none() && work.is_finite();
     is_finite.then_some(End { state: end, work })
 }
 
-/// Unit force and torque along each axis.
-fn units<R: Real>() -> [Wrench<R>; 6] {
+/// Unit velocity and unit angular velocity along each axis.
+fn units<R: Real>() -> [[R::Vec3; 2]; 6] {
     let (o, i) = (R::ZERO, R::ONE);
     let axes = [
         R::Vec3::new(i, o, o),
         R::Vec3::new(o, i, o),
         R::Vec3::new(o, o, i),
     ];
-    let [fx, fy, fz] = axes.map(Wrench::of_force);
-    let [tx, ty, tz] = axes.map(Wrench::of_torque);
-    [fx, fy, fz, tx, ty, tz]
+    let [x, y, z] = axes.map(|axis| [axis, R::Vec3::ZERO]);
+    let [a, b, c] = axes.map(|axis| [R::Vec3::ZERO, axis]);
+    [x, y, z, a, b, c]
 }
 
 /// The six components of a wrench.
