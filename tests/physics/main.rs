@@ -36,6 +36,7 @@ mod energy_momentum;
 mod truth;
 mod work_precision;
 
-// The coin report.
+// The coin report, and the further study that it names.
 mod report;
 mod report_loop;
+mod tennis;
