@@ -12,8 +12,9 @@ macro_rules! names_for {
         pub mod $real {
             #[doc(no_inline)]
             pub use crate::{
-                CoinFace, ContactLaw, CuboidFace, Every, Faces, Flight, Force, Frictionless,
-                Gravity, HeightField, HullFace, Integrator, NoForce, NoGravity, NoGround, Observer,
+                Apex, CoinFace, ContactCloses, ContactLaw, ContactOpens, CuboidFace, Event,
+                EventDirection, Every, Faces, Flight, Force, Frictionless, Gravity, HeightField,
+                HullFace, Integrator, Landing, LiftOff, NoForce, NoGravity, NoGround, Observer,
                 Outcome, RigidPointBody, SceneError, SceneQuery, Shape, SlidingFriction,
                 SpringDamperGround, Start, StepError, Terrain,
             };
@@ -150,6 +151,24 @@ macro_rules! names_for {
                 I = EnergyMomentum,
                 E = NoForce,
             > = crate::Session<'a, B, G, F, A, I, $real, E>;
+            /// One step of a session, with the states within it.
+            pub type DenseStep<
+                'a,
+                B,
+                G = NoGround,
+                F = Frictionless,
+                A = NoGravity,
+                I = EnergyMomentum,
+                E = NoForce,
+            > = crate::DenseStep<'a, B, G, F, A, I, $real, E>;
+            /// How a run with events has ended.
+            pub type EventEnd = crate::EventEnd<$real>;
+            /// Event with a chosen direction, count or interval.
+            pub type EventWith<E> = crate::EventWith<E, $real>;
+            /// One occurrence of an event in a run.
+            pub type Occurrence = crate::Occurrence<$real>;
+            /// Event that the slip of the lowest point ends.
+            pub type SlipEnds = crate::SlipEnds<$real>;
             /// Step size and related data from which an adaptive method continues.
             pub type StepControl = crate::StepControl<$real>;
             /// Coulomb friction with a smooth transition at small slip.

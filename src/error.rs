@@ -269,6 +269,22 @@ pub enum StepError {
         /// Requested time, s.
         seconds: f64,
     },
+    /// The time within a step is negative, NaN, or above the length of the step.
+    #[error("the time within a step must be from 0 s to its length of {length} s, got {seconds} s")]
+    BadTime {
+        /// Requested time, s.
+        seconds: f64,
+        /// Length of the step, s.
+        length: f64,
+    },
+    /// The value of an event is NaN.
+    #[error("the value of the event with index {event} must not be NaN, got NaN at {time} s")]
+    BadEvent {
+        /// Index of the event in the array of the run.
+        event: usize,
+        /// Time since the start of the session, s.
+        time: f64,
+    },
     /// The limit of a step is negative or NaN.
     #[error("the limit of a step must be at least 0 s, got {seconds} s")]
     BadLimit {

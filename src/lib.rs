@@ -35,6 +35,8 @@
 //! | measure the error on your scene | [`work_precision`](mod@work_precision) |
 //! | audit the energy of a run | [`Ledger`] |
 //! | sample a run at given times | [`Timed`] |
+//! | find the moments of touch-downs, apexes or the end of a slip | [`Event`], [`Session::run_until_event`] |
+//! | sample a state within a step | [`Session::dense_step`] |
 //! | compute the orientation of a free body at any time | [`FreeRotation`] |
 //! | throw dice and coins in a game | [`guide::game`] |
 //! | know on which face a body ends, or toss it a million times | [`guide::outcomes`] |
@@ -149,6 +151,7 @@
 //! - [an integrator](guide::extending::integrator): [`Integrator`], [`contract::check_integrator`],
 //!   [`contract::check_energy_never_rises`]
 //! - [an observer](guide::extending::observer): [`Observer`], or a closure
+//! - an event: [`Event`], or a closure
 //!
 //! [`guide::extending`] has a page for each role: what to implement, what is provided, what the
 //! check tests, and a complete example. `tests/downstream` in the repository is a crate with one
@@ -182,6 +185,7 @@ pub mod energy;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 pub mod error;
+pub mod event;
 pub mod force;
 pub mod free_rotation;
 pub mod friction;
@@ -211,6 +215,10 @@ pub use body::{
 pub use contact::{Contact, ContactModel, Load, LowestPoint};
 pub use energy::{Dissipation, Energy, EnergyRates};
 pub use error::{SceneError, StepError};
+pub use event::{
+    Apex, ContactCloses, ContactOpens, Event, EventDirection, EventEnd, EventWith, Landing,
+    LiftOff, Occurrence, SlipEnds,
+};
 pub use force::{
     AirDrag, ConstantForce, Force, ForcePower, NoForce, SpinDrag, SpinLift, Wind, Wrench,
 };
@@ -234,7 +242,7 @@ pub use outcome::{Barriers, Basin, Faces, HullFace, Outcome};
 pub use real::Real;
 pub use rotation::Rotation;
 pub use scene::{Dynamics, Rates, Scene};
-pub use session::{Moment, SavedSession, Session};
+pub use session::{DenseStep, Moment, SavedSession, Session};
 pub use state::{Motion, State};
 pub use stepper::{Stepper, StepperBuilder};
 pub use trial::{Start, Trial};

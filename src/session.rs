@@ -1,5 +1,9 @@
 //! Session: one state that is advanced in time, with its clock and the data kept from step to step.
 
+mod events;
+
+pub use events::DenseStep;
+
 use crate::body::RigidPointBody;
 use crate::energy::Energy;
 use crate::error::{self, SceneError, StepError};

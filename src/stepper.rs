@@ -797,7 +797,7 @@ fn most_steps<R: Real>() -> R {
 
 /// Returns [`StepError::TooManySamples`] if the interval is too short. It is too short if the
 /// sample times are not distinct numbers, or if a run has more than 4·10⁹ samples.
-fn check_samples<R: Real>(seconds: R, interval: Option<R>) -> Result<(), StepError> {
+pub(crate) fn check_samples<R: Real>(seconds: R, interval: Option<R>) -> Result<(), StepError> {
     let most = (R::TWO / R::EPSILON).at_most(R::from_f64(4.0e9));
     match interval {
         Some(interval) if seconds > interval * most => Err(StepError::TooManySamples {
@@ -933,7 +933,7 @@ impl<R: Real> Clock<R> {
     }
 
     #[inline]
-    fn left(&self, seconds: R) -> R {
+    pub(crate) fn left(&self, seconds: R) -> R {
         (seconds - self.time) + self.lost
     }
 
@@ -989,7 +989,7 @@ impl<R: Real> Clock<R> {
 
     /// Adds seconds by Knuth's two-sum, which is exact whichever number is larger.
     #[inline]
-    fn advance_by(&mut self, seconds: R) {
+    pub(crate) fn advance_by(&mut self, seconds: R) {
         let corrected = seconds - self.lost;
         let next = self.time + corrected;
         let part = next - self.time;

@@ -116,6 +116,8 @@ impl From<StepError> for TossError {
             StepError::BadImpulse { .. } => "invalid impulse",
             StepError::TooManySteps { .. } => "too many steps",
             StepError::TooManySamples { .. } => "too many samples",
+            StepError::BadTime { .. } => "time outside of a step",
+            StepError::BadEvent { .. } => "event without a value",
         };
         Self::new(kind, error.to_string())
     }

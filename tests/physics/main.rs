@@ -22,6 +22,7 @@ mod turning_resistance;
 // What holds for each integrator.
 mod audit;
 mod energy;
+mod events;
 mod flight;
 mod free_rotation;
 mod outcome;
