@@ -12,10 +12,10 @@ macro_rules! names_for {
         pub mod $real {
             #[doc(no_inline)]
             pub use crate::{
-                CoinFace, ContactLaw, CuboidFace, Every, Faces, Flight, Frictionless, Gravity,
-                HeightField, HullFace, Integrator, NoGravity, NoGround, Observer, Outcome,
-                RigidPointBody, SceneError, SceneQuery, Shape, SlidingFriction, SpringDamperGround,
-                Start, StepError, Terrain,
+                CoinFace, ContactLaw, CuboidFace, Every, Faces, Flight, FrictionField,
+                Frictionless, Gravity, HeightField, HullFace, Integrator, NoGravity, NoGround,
+                Observer, Outcome, RigidPointBody, SceneError, SceneQuery, Shape, SlidingFriction,
+                SpringDamperGround, Start, StepError, Terrain,
             };
 
             /// Energy, dissipation and rates of a state.
@@ -85,6 +85,8 @@ macro_rules! names_for {
             pub type FlatGround = crate::FlatGround<$real>;
             /// The integrator of the coin report.
             pub type ForwardEuler = crate::ForwardEuler<$real>;
+            /// One friction law in a region of the ground and another one around it.
+            pub type FrictionPatch<O, I> = crate::FrictionPatch<O, I, $real>;
             /// Range of loads and slips for the check of a friction law.
             pub type FrictionRange = crate::contract::FrictionRange<$real>;
             /// A contact law on a shape.
@@ -184,6 +186,8 @@ macro_rules! names_for {
             pub type UntilRest = crate::UntilRest<$real>;
             /// Height field of waves along x.
             pub type Waves = crate::Waves<$real>;
+            /// Region of the ground with another friction law.
+            pub type Region = crate::Region<$real>;
             /// Friction proportional to load and slip.
             pub type Viscous = crate::Viscous<$real>;
         }

@@ -166,6 +166,8 @@ pub enum Requirement {
     /// Friction: `rolling_resistance` is always `Some` or never, with torques of at least 0 and a
     /// rotation speed above 0.
     TurningOpposes,
+    /// Friction: if `depends_on_position` is false, the force is the same at every position.
+    SameEverywhere,
     /// Friction: `jacobian` has a coefficient of `|force|/|slip|`, a width above 0, and a growth
     /// between 0 and 1.
     DragFits,
@@ -235,6 +237,9 @@ impl fmt::Display for Requirement {
             Self::NoSlipNoForce => "friction must be 0 without slip",
             Self::TurningOpposes => {
                 "rolling_resistance must be always Some or always None, with valid values"
+            }
+            Self::SameEverywhere => {
+                "a force that varies over the ground needs depends_on_position to be true"
             }
             Self::DragFits => "the Jacobian must be consistent with the force",
             Self::TakesTime => "a step must take more than 0 s",
@@ -307,6 +312,8 @@ pub enum Input {
     },
     /// Sliding contact.
     Slide {
+        /// Position of the contact, m, world axes.
+        position: DVec3,
         /// Normal force, N.
         normal_force: f64,
         /// Slip velocity, m/s.
@@ -362,8 +369,15 @@ impl fmt::Display for Input {
                     "from depth {start:e} m to {end:e} m within {seconds:e} s"
                 )
             }
-            Self::Slide { normal_force, slip } => {
-                write!(f, "under {normal_force:e} N at a slip of {slip} m/s")
+            Self::Slide {
+                position,
+                normal_force,
+                slip,
+            } => {
+                write!(
+                    f,
+                    "at {position} m under {normal_force:e} N at a slip of {slip} m/s"
+                )
             }
             Self::Step {
                 scene,

@@ -6,11 +6,13 @@
 //! that a built-in of the same law has, and without an allocation.
 
 mod ball;
+mod carpet;
 mod midpoint;
 mod turf;
 mod viscous;
 
 pub use ball::Ball;
+pub use carpet::Carpet;
 pub use midpoint::Midpoint;
 pub use turf::Turf;
 pub use viscous::Viscous;
