@@ -13,9 +13,9 @@ macro_rules! names_for {
             #[doc(no_inline)]
             pub use crate::{
                 Apex, CoinFace, ContactCloses, ContactLaw, ContactOpens, CuboidFace, Event,
-                EventDirection, Every, Faces, Flight, Force, Frictionless, Gravity, HeightField,
-                HullFace, Integrator, Landing, LiftOff, NoForce, NoGravity, NoGround, Observer,
-                Outcome, RigidPointBody, SceneError, SceneQuery, Shape, SlidingFriction,
+                EventDirection, Every, Faces, Flight, Force, FrictionField, Frictionless, Gravity,
+                HeightField, HullFace, Integrator, Landing, LiftOff, NoForce, NoGravity, NoGround,
+                Observer, Outcome, RigidPointBody, SceneError, SceneQuery, Shape, SlidingFriction,
                 SpringDamperGround, Start, StepError, Terrain,
             };
 
@@ -94,6 +94,8 @@ macro_rules! names_for {
             pub type ForceRange = crate::contract::ForceRange<$real>;
             /// Power of an applied force by kind.
             pub type ForcePower = crate::ForcePower<$real>;
+            /// One friction law in a region of the ground and another one around it.
+            pub type FrictionPatch<O, I> = crate::FrictionPatch<O, I, $real>;
             /// Range of loads and slips for the check of a friction law.
             pub type FrictionRange = crate::contract::FrictionRange<$real>;
             /// A contact law on a shape.
@@ -226,6 +228,8 @@ macro_rules! names_for {
             pub type Wind<E> = crate::Wind<E, $real>;
             /// Force and torque of an applied force.
             pub type Wrench = crate::Wrench<$real>;
+            /// Region of the ground with another friction law.
+            pub type Region = crate::Region<$real>;
             /// Friction proportional to load and slip.
             pub type Viscous = crate::Viscous<$real>;
         }

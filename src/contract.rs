@@ -169,6 +169,8 @@ pub enum Requirement {
     /// Friction: `rolling_resistance` is always `Some` or never, with torques of at least 0 and a
     /// rotation speed above 0.
     TurningOpposes,
+    /// Friction: if `depends_on_position` is false, the force is the same at every position.
+    SameEverywhere,
     /// Friction: `jacobian` has a coefficient of `|force|/|slip|`, a width above 0, and a growth
     /// between 0 and 1.
     DragFits,
@@ -248,6 +250,9 @@ impl fmt::Display for Requirement {
             Self::TurningOpposes => {
                 "rolling_resistance must be always Some or always None, with valid values"
             }
+            Self::SameEverywhere => {
+                "a force that varies over the ground needs depends_on_position to be true"
+            }
             Self::DragFits => "the Jacobian must be consistent with the force",
             Self::PassiveTakes => "a passive force must not do positive work",
             Self::PowerFits => "drag and drive must add up to the power of force and torque",
@@ -323,6 +328,8 @@ pub enum Input {
     },
     /// Sliding contact.
     Slide {
+        /// Position of the contact, m, world axes.
+        position: DVec3,
         /// Normal force, N.
         normal_force: f64,
         /// Slip velocity, m/s.
@@ -385,8 +392,15 @@ impl fmt::Display for Input {
                     "from depth {start:e} m to {end:e} m within {seconds:e} s"
                 )
             }
-            Self::Slide { normal_force, slip } => {
-                write!(f, "under {normal_force:e} N at a slip of {slip} m/s")
+            Self::Slide {
+                position,
+                normal_force,
+                slip,
+            } => {
+                write!(
+                    f,
+                    "at {position} m under {normal_force:e} N at a slip of {slip} m/s"
+                )
             }
             Self::Motion {
                 linear_velocity,

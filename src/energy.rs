@@ -180,7 +180,10 @@ fn force_and_power<R: Real>(
 ) -> (R::Vec3, Dissipation<R>) {
     let ground = scene.ground();
     let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
-    let friction = scene.friction().force(normal_force, contact.slip) * contact.weight;
+    let rub = scene
+        .friction()
+        .force_at(contact.position, normal_force, contact.slip);
+    let friction = rub * contact.weight;
     let lost = (ground.spring_force(contact.depth) - normal_force) * contact.closing_speed;
     let (damper, clamp) = if normal_force > R::ZERO {
         (lost, R::ZERO)

@@ -2,14 +2,18 @@
 
 mod anisotropic;
 mod coulomb;
+mod field;
 mod load_dependent;
+mod patch;
 mod resistance;
 mod stribeck;
 mod viscous;
 
 pub use anisotropic::AnisotropicCoulomb;
 pub use coulomb::{Coulomb, SmoothCoulomb};
+pub use field::FrictionField;
 pub use load_dependent::LoadDependentCoulomb;
+pub use patch::{FrictionPatch, Region};
 pub use resistance::{RollingResistance, WithResistance};
 pub use stribeck::Stribeck;
 pub use viscous::Viscous;
@@ -41,6 +45,8 @@ use crate::real::{Real, Vector};
 /// | [`AnisotropicCoulomb`] | on an ellipse of half axes `μ₁ N`, `μ₂ N` | grain: wood, brushed metal |
 /// | [`Viscous`] | `c N u` | wet ground |
 /// | any of them in [`WithResistance`] | the same, and torques against rolling and spinning | balls that roll to rest, tops that spin to rest |
+/// | two of them in [`FrictionPatch`] | that of the law of the region | an ice patch, a carpet, a line |
+/// | a function of the position, [`FrictionField`] | that of the law at the contact | any other ground whose friction varies |
 /// | [`Frictionless`] | 0 | ice, and scenes without friction |
 ///
 /// ```
@@ -77,7 +83,66 @@ pub trait SlidingFriction<R: Real = f64> {
     /// Newton's iteration: an error in them costs iterations, not accuracy.
     #[inline]
     fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
-        drag_by_differences(self, normal_force, slip)
+        drag_by_differences(|load, slip| self.force(load, slip), normal_force, slip)
+    }
+
+    /// Friction force on the body at a contact at `position` (m, world axes), N, world axes.
+    ///
+    /// The crate evaluates this method wherever it needs the force. The provided method returns
+    /// [`force`](Self::force), so a law without a position implements `force` only. A law that
+    /// varies over the ground overrides this method and
+    /// [`depends_on_position`](Self::depends_on_position), and `force` is then its value at the
+    /// origin. [`FrictionField`] makes such a law from a function of the position.
+    ///
+    /// The contract is that of [`force`](Self::force), at each position.
+    #[inline]
+    fn force_at(&self, position: R::Vec3, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        let _ = position;
+        self.force(normal_force, slip)
+    }
+
+    /// Derivatives of [`force_at`](Self::force_at) with respect to slip and normal force, at a
+    /// contact at `position` (m, world axes).
+    ///
+    /// The provided method returns [`jacobian`](Self::jacobian), or takes differences of
+    /// [`force_at`](Self::force_at) if the law [depends on the
+    /// position](Self::depends_on_position).
+    #[inline]
+    fn jacobian_at(
+        &self,
+        position: R::Vec3,
+        normal_force: R,
+        slip: R::Vec3,
+    ) -> FrictionJacobian<R> {
+        if self.depends_on_position() {
+            let force = |load, slip| self.force_at(position, load, slip);
+            drag_by_differences(force, normal_force, slip)
+        } else {
+            self.jacobian(normal_force, slip)
+        }
+    }
+
+    /// Resistance to rolling and spinning of a contact at `position` (m, world axes).
+    ///
+    /// The provided method returns [`rolling_resistance`](Self::rolling_resistance). A law must
+    /// return `Some` from both methods at every position, or `None` from both.
+    #[inline]
+    fn rolling_resistance_at(
+        &self,
+        position: R::Vec3,
+        normal_force: R,
+    ) -> Option<RollingResistance<R>> {
+        let _ = position;
+        self.rolling_resistance(normal_force)
+    }
+
+    /// Returns true if force or resistance depend on the position of the contact. Default: false.
+    ///
+    /// A law for which this is false costs nothing more, because the integrators do not compute
+    /// positions for it. It must have the same values at all positions.
+    #[inline]
+    fn depends_on_position(&self) -> bool {
+        false
     }
 
     /// Resistance of a contact with `normal_force` (N) to rolling and spinning of the body, if the
@@ -131,6 +196,31 @@ macro_rules! forward {
                 (**self).rolling_resistance(normal_force)
             }
             #[inline]
+            fn force_at(&self, position: R::Vec3, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+                (**self).force_at(position, normal_force, slip)
+            }
+            #[inline]
+            fn jacobian_at(
+                &self,
+                position: R::Vec3,
+                normal_force: R,
+                slip: R::Vec3,
+            ) -> FrictionJacobian<R> {
+                (**self).jacobian_at(position, normal_force, slip)
+            }
+            #[inline]
+            fn rolling_resistance_at(
+                &self,
+                position: R::Vec3,
+                normal_force: R,
+            ) -> Option<RollingResistance<R>> {
+                (**self).rolling_resistance_at(position, normal_force)
+            }
+            #[inline]
+            fn depends_on_position(&self) -> bool {
+                (**self).depends_on_position()
+            }
+            #[inline]
             fn check(&self) -> Result<(), SceneError> {
                 (**self).check()
             }
@@ -173,9 +263,9 @@ impl<R: Real> FrictionJacobian<R> {
     };
 }
 
-/// Provided [`SlidingFriction::jacobian`], computed by differences.
-fn drag_by_differences<R: Real, F: SlidingFriction<R> + ?Sized>(
-    friction: &F,
+/// Provided [`SlidingFriction::jacobian`], computed by differences of a force.
+fn drag_by_differences<R: Real>(
+    force_of: impl Fn(R, R::Vec3) -> R::Vec3,
     normal_force: R,
     slip: R::Vec3,
 ) -> FrictionJacobian<R> {
@@ -185,7 +275,7 @@ fn drag_by_differences<R: Real, F: SlidingFriction<R> + ?Sized>(
     }
     let nudged = R::ONE + R::EPSILON.sqrt();
     let nudge = R::EPSILON.sqrt();
-    let along = |load: R, factor: R| -(friction.force(load, slip * factor).dot(slip) / speed);
+    let along = |load: R, factor: R| -(force_of(load, slip * factor).dot(slip) / speed);
     let force = along(normal_force, R::ONE);
     let coefficient = force / speed;
     if coefficient <= R::ZERO {

@@ -61,7 +61,8 @@
 //!   own. Coulomb's law is finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]). Other laws have a
 //!   static and a kinetic coefficient ([`Stribeck`]), a coefficient that decreases with the load
 //!   ([`LoadDependentCoulomb`]), or two directions ([`AnisotropicCoulomb`]). [`WithResistance`]
-//!   adds resistance to rolling and spinning to any law.
+//!   adds resistance to rolling and spinning to any law. The law may vary over the ground
+//!   ([`FrictionPatch`], [`FrictionField`]).
 //! - An applied force: drag, lift of a spinning ball, wind, a constant force, or your own
 //!   ([`Force`]).
 //! - Bodies: rings of points ([`Coin`]), solids ([bodies](body#bodies)), and composites of solids
@@ -224,8 +225,9 @@ pub use force::{
 };
 pub use free_rotation::FreeRotation;
 pub use friction::{
-    AnisotropicCoulomb, Coulomb, FrictionJacobian, Frictionless, LoadDependentCoulomb,
-    RollingResistance, SlidingFriction, SmoothCoulomb, Stribeck, Viscous, WithResistance,
+    AnisotropicCoulomb, Coulomb, FrictionField, FrictionJacobian, FrictionPatch, Frictionless,
+    LoadDependentCoulomb, Region, RollingResistance, SlidingFriction, SmoothCoulomb, Stribeck,
+    Viscous, WithResistance,
 };
 pub use gravity::{Gravity, NoGravity, UniformGravity};
 pub use ground::{

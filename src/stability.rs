@@ -194,7 +194,11 @@ impl<R: Real> Response<R> {
         load: R,
         tangents: [R::Vec3; 2],
     ) {
-        let Some(resistance) = frame.scene.friction().rolling_resistance(load) else {
+        let Some(resistance) = frame
+            .scene
+            .friction()
+            .rolling_resistance_at(contact.position, load)
+        else {
             return;
         };
         let spin = frame.motion.angular_velocity;
@@ -342,12 +346,12 @@ fn drag_at<R: Real, F: SlidingFriction<R>>(
     load: R,
     contact: &Contact<R>,
 ) -> FrictionJacobian<R> {
-    let drag = friction.jacobian(load, contact.slip);
+    let drag = friction.jacobian_at(contact.position, load, contact.slip);
     if drag.coefficient > R::ZERO || contact.slip != R::Vec3::ZERO {
         return drag;
     }
     let [direction, _] = tangents(contact.normal, contact.slip, R::ZERO);
-    friction.jacobian(load, direction * R::from_f64(1e-12))
+    friction.jacobian_at(contact.position, load, direction * R::from_f64(1e-12))
 }
 
 /// Two unit vectors along the surface, the first along the slip if the slip is not zero.

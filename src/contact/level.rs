@@ -92,7 +92,8 @@ impl<R: Real> Level<'_, R> {
         let normal_force = ground.normal_force(depth, -velocity.z());
         let slip = R::Vec3::new(velocity.x(), velocity.y(), R::ZERO);
         // Component in the plane of the slip, where the force of any law lies.
-        let rub = friction.force(normal_force, slip);
+        let position = self.motion.position + arm;
+        let rub = friction.force_at(position, normal_force, slip);
         R::Vec3::new(rub.x(), rub.y(), normal_force)
     }
 

@@ -12,6 +12,8 @@ use crate::state::Motion;
 pub struct Contact<R: Real = f64> {
     /// Contact as defined by the body.
     pub point: ContactPoint<R>,
+    /// Position of the point at which the force acts, m.
+    pub position: R::Vec3,
     /// Vector from the centre of mass to the point at which the force acts, m.
     pub arm: R::Vec3,
     /// Outward normal of the ground, unit vector.
@@ -55,7 +57,8 @@ impl<R: Real> Contact<R> {
         weight: R,
     ) -> Option<Self> {
         let centre_arm = motion.axes.to_world(point.position);
-        let surface = ground.surface(motion.position + centre_arm);
+        let centre = motion.position + centre_arm;
+        let surface = ground.surface(centre);
         let depth = point.radius - surface.gap;
         (depth > R::ZERO).then(|| {
             let normal = surface.normal;
@@ -64,6 +67,7 @@ impl<R: Real> Contact<R> {
             let rising = velocity.dot(normal);
             Self {
                 point: *point,
+                position: surface_arm(point, centre, normal),
                 arm,
                 normal,
                 depth,
@@ -89,7 +93,8 @@ impl<R: Real> Contact<R> {
         F: SlidingFriction<R>,
     {
         let normal_force = ground.normal_force(self.depth, self.closing_speed);
-        (self.normal * normal_force + friction.force(normal_force, self.slip)) * self.weight
+        let rub = friction.force_at(self.position, normal_force, self.slip);
+        (self.normal * normal_force + rub) * self.weight
     }
 
     /// Torque of rolling resistance on a rotating body (rad/s), in addition to that of the force, N
@@ -108,7 +113,7 @@ impl<R: Real> Contact<R> {
         F: SlidingFriction<R>,
     {
         let normal_force = ground.normal_force(self.depth, self.closing_speed);
-        match friction.rolling_resistance(normal_force) {
+        match friction.rolling_resistance_at(self.position, normal_force) {
             Some(resistance) => resistance.torque(self.normal, angular_velocity) * self.weight,
             None => R::Vec3::ZERO,
         }

@@ -114,7 +114,13 @@ impl<R: Real> Touching<R> {
             } if chord <= R::from_f64(QUARTER) => {
                 let spokes = rim.spokes(axes, lowest);
                 let velocities = Velocities::of_spokes(motion, centre, spokes);
-                Self::Arc(Sweep::of(laws, rim, velocities, [chord, extent], lowest))
+                let position = if laws.1.depends_on_position() {
+                    motion.position + (centre + spokes[0])
+                } else {
+                    motion.position
+                };
+                let sweep = Sweep::of(laws, rim, velocities, [chord, extent], lowest, position);
+                Self::Arc(sweep)
             }
             _ => Self::Any,
         }
@@ -156,9 +162,11 @@ fn discontinuities_of<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
         spokes.map(|spoke| motion.angular_velocity.cross(spoke)),
     );
     let chord = panel.chord();
-    let normal = under(R::ZERO).normal;
+    let middle = motion.position + axes.to_world(rim.place_on(panel, R::ZERO));
+    let normal = ground.surface(middle).normal;
     let depth = |u: R| -under(u * chord).gap;
-    let mut discontinuities = discontinuities_over(laws, chord, normal, &velocities, depth);
+    let mut discontinuities =
+        discontinuities_over(laws, chord, [middle, normal], &velocities, depth);
     // The energy needs the same number of points.
     discontinuities.add_points(if chord <= R::from_f64(SHORT) { 6 } else { 8 });
     discontinuities

@@ -71,7 +71,9 @@ where
             for rim in self.body.rims() {
                 match Touching::of(laws, rim, motion) {
                     Touching::Nothing => {}
-                    Touching::Arc(sweep) => sweep.load(laws, rim, axes, &mut load),
+                    Touching::Arc(sweep) => {
+                        sweep.load(laws, rim, [&motion.axes, axes], motion.position, &mut load)
+                    }
                     Touching::Any => rims::visit_any(laws, rim, motion, &mut |contact| {
                         load.add_along(axes, contact, contact.force(laws.0, laws.1));
                     }),

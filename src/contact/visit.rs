@@ -75,7 +75,7 @@ where
             match Touching::of(laws, rim, motion) {
                 Touching::Nothing => {}
                 Touching::Arc(sweep) => {
-                    sweep.visit(|node| visit(&sweep.contact(rim, &motion.axes, node)));
+                    sweep.visit(|node| visit(&sweep.contact(rim, motion, node)));
                 }
                 Touching::Any => rims::visit_any(laws, rim, motion, &mut visit),
             }

@@ -8,10 +8,15 @@ use super::{
 use crate::friction::SlidingFriction;
 use crate::real::{Real, Vector};
 
-/// Range of loads and slips for which a friction law is intended, with the surface. The check
-/// evaluates nothing beyond it.
+/// Range of positions, loads and slips for which a friction law is intended, with the surface. The
+/// check evaluates nothing beyond it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionRange<R: Real = f64> {
+    /// Middle of the region, m, world axes.
+    pub centre: R::Vec3,
+    /// Distance from the middle to each side of the region, m, at least 0. Patches should be at
+    /// least some hundredths of it wide.
+    pub size: R,
     /// Normal of the surface, any length above 0. Slips lie in the surface.
     pub normal: R::Vec3,
     /// Largest normal force of a contact, N, above 0.
@@ -20,10 +25,13 @@ pub struct FrictionRange<R: Real = f64> {
     pub slip: R,
 }
 
-/// Checks a friction law at loads and slips from 10⁻¹² of the largest to the largest, at 0, and in
-/// all directions of the surface.
+/// Checks a friction law at loads and slips from 10⁻¹² of the largest to the largest, at 0, in all
+/// directions of the surface, and at positions of the region.
 ///
 /// The requirements are:
+///
+/// - If [`depends_on_position`](SlidingFriction::depends_on_position) is false, the force is the
+///   same at every position.
 ///
 /// - The force is finite, lies in the surface, and opposes the slip (`force · slip <= 0`).
 /// - The force is 0 without load and 0 without slip.
@@ -37,7 +45,13 @@ pub struct FrictionRange<R: Real = f64> {
 /// use tumble::contract::{CheckPlan, FrictionRange, check_friction};
 /// use tumble::glam::DVec3;
 ///
-/// let range = FrictionRange { normal: DVec3::Z, normal_force: 1e3, slip: 10.0 };
+/// let range = FrictionRange {
+///     centre: DVec3::ZERO,
+///     size: 1.0, // m
+///     normal: DVec3::Z,
+///     normal_force: 1e3, // N
+///     slip: 10.0, // m/s
+/// };
 /// let ice = tumble::Coulomb { coefficient: 0.02, slip_speed: 1e-3 };
 /// check_friction(&ice, &range, CheckPlan::default())?;
 /// # Ok::<(), tumble::contract::Violation>(())
@@ -53,21 +67,24 @@ pub fn check_friction<R: Real, F: SlidingFriction<R> + ?Sized>(
 ) -> Result<(), Violation> {
     friction.check().map_err(cannot_be)?;
     let normal = unit::<R>(range.normal);
-    let check = Check { friction, normal };
-    for load in SHARES {
-        let load = range.normal_force * R::from_f64(load);
-        for direction in cube_directions::<R>() {
-            let direction = across::<R>(normal, direction);
-            for speed in SHARES {
-                check.at(load, direction * (range.slip * R::from_f64(speed)))?;
-            }
-        }
+    let check = |position: R::Vec3| Check {
+        friction,
+        normal,
+        position: range.centre + position * range.size,
+        centre: range.centre,
+    };
+    let places = [R::Vec3::ZERO]
+        .into_iter()
+        .chain(cube_directions::<R>().filter(|_| friction.depends_on_position()));
+    for place in places {
+        check(place).at_all(range)?;
     }
     let mut draw = plan.draw();
     for _ in 0..plan.cases {
         let direction = across::<R>(normal, draw.direction::<R>());
         let slip = direction * (range.slip * draw.scale(40));
-        check.at(range.normal_force * draw.scale(40), slip)?;
+        let load = range.normal_force * draw.scale(40);
+        check(draw.place::<R>()).at(load, slip)?;
     }
     Ok(())
 }
@@ -79,15 +96,36 @@ const SHARES: [f64; 7] = [1.0, 0.3, 1e-2, 1e-4, 1e-8, 1e-12, 0.0];
 struct Check<'a, R: Real, F: ?Sized> {
     friction: &'a F,
     normal: R::Vec3,
+    position: R::Vec3,
+    /// Middle of the region.
+    centre: R::Vec3,
 }
 
 impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
-    fn at(&self, load: R, slip: R::Vec3) -> Result<(), Violation> {
-        let input = || Input::Slide {
+    fn at_all(&self, range: &FrictionRange<R>) -> Result<(), Violation> {
+        for load in SHARES {
+            let load = range.normal_force * R::from_f64(load);
+            for direction in cube_directions::<R>() {
+                let direction = across::<R>(self.normal, direction);
+                for speed in SHARES {
+                    self.at(load, direction * (range.slip * R::from_f64(speed)))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn input(&self, load: R, slip: R::Vec3) -> Input {
+        Input::Slide {
+            position: wide::<R>(self.position),
             normal_force: load.to_f64(),
             slip: wide::<R>(slip),
-        };
-        let force = self.friction.force(load, slip);
+        }
+    }
+
+    fn at(&self, load: R, slip: R::Vec3) -> Result<(), Violation> {
+        let input = || self.input(load, slip);
+        let force = self.friction.force_at(self.position, load, slip);
         let (size, speed) = (force.length(), slip.length());
         demand_finite(size, input)?;
         if load == R::ZERO {
@@ -101,16 +139,26 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         demand_at_most(force.dot(slip), bound, Requirement::Opposes, input)?;
         let lifted = force.dot(self.normal).abs();
         demand_at_most(lifted, size * ulps(16.0), Requirement::InSurface, input)?;
+        self.same_everywhere(load, slip, force)?;
         self.turning_at(load, slip)?;
         self.drag_at(load, slip, force)
     }
 
+    fn same_everywhere(&self, load: R, slip: R::Vec3, force: R::Vec3) -> Result<(), Violation> {
+        if self.friction.depends_on_position() {
+            return Ok(());
+        }
+        let input = || self.input(load, slip);
+        let elsewhere = self.friction.force_at(self.centre, load, slip);
+        let without = self.friction.force(load, slip);
+        let off = (force - elsewhere).length() + (force - without).length();
+        demand_at_most(off, R::ZERO, Requirement::SameEverywhere, input)
+    }
+
     fn turning_at(&self, load: R, slip: R::Vec3) -> Result<(), Violation> {
-        let input = || Input::Slide {
-            normal_force: load.to_f64(),
-            slip: wide::<R>(slip),
-        };
-        let (found, o) = (self.friction.rolling_resistance(load), R::ZERO);
+        let input = || self.input(load, slip);
+        let found = (self.friction).rolling_resistance_at(self.position, load);
+        let o = R::ZERO;
         let says = |resists: bool| if resists { R::ONE } else { o };
         let never = says(self.friction.rolling_resistance(o).is_some());
         let off = (says(found.is_some()) - never).abs();
@@ -131,11 +179,8 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
     }
 
     fn drag_at(&self, load: R, slip: R::Vec3, force: R::Vec3) -> Result<(), Violation> {
-        let input = || Input::Slide {
-            normal_force: load.to_f64(),
-            slip: wide::<R>(slip),
-        };
-        let drag = self.friction.jacobian(load, slip);
+        let input = || self.input(load, slip);
+        let drag = self.friction.jacobian_at(self.position, load, slip);
         for number in [drag.coefficient, drag.per_load, drag.width, drag.growth] {
             demand_finite(number, input)?;
         }

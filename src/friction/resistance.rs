@@ -111,6 +111,26 @@ impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for WithResistance<F, R>
         })
     }
 
+    #[inline]
+    fn force_at(&self, position: R::Vec3, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        self.friction.force_at(position, normal_force, slip)
+    }
+
+    #[inline]
+    fn jacobian_at(
+        &self,
+        position: R::Vec3,
+        normal_force: R,
+        slip: R::Vec3,
+    ) -> FrictionJacobian<R> {
+        self.friction.jacobian_at(position, normal_force, slip)
+    }
+
+    #[inline]
+    fn depends_on_position(&self) -> bool {
+        self.friction.depends_on_position()
+    }
+
     fn check(&self) -> Result<(), SceneError> {
         self.friction.check()?;
         error::at_least_zero("length of the rolling resistance", self.rolling, " m")?;

@@ -33,9 +33,10 @@ use crate::real::Real;
 ///
 /// For this reason a law takes the depth and not the position.
 ///
-/// Damping and friction store no energy, so both may differ from region to region. Use one stepper
-/// for each region, and advance the state by the stepper of its region ([an
-/// example](crate::guide::extending::friction)).
+/// Friction stores no energy, so its coefficient may depend on the position:
+/// [`FrictionPatch`](crate::FrictionPatch), [`FrictionField`](crate::FrictionField). Damping stores
+/// none either. For a ground whose damping differs from region to region, use one stepper for each
+/// region, and advance the state by the stepper of its region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ground<L, S = Plane> {

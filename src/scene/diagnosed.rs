@@ -311,6 +311,33 @@ pub(crate) struct DiagnosedFriction<'a, R: Real> {
 }
 
 impl<R: Real> DiagnosedFriction<'_, R> {
+    #[inline]
+    fn examine(&self, force: R::Vec3, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        let power = force.dot(slip);
+        let sound = power <= R::ZERO && power >= -R::MAX;
+        if !sound && !self.friction.is_trusted() {
+            self.blame(force, normal_force, slip);
+        }
+        force
+    }
+
+    #[inline]
+    fn examine_turning(
+        &self,
+        turning: Option<RollingResistance<R>>,
+        normal_force: R,
+    ) -> Option<RollingResistance<R>> {
+        if let Some(values) = &turning {
+            let sound = values.rolling >= R::ZERO
+                && values.spinning >= R::ZERO
+                && values.turn_speed >= R::ZERO;
+            if !sound && !self.friction.is_trusted() {
+                self.blame_turning(values, normal_force);
+            }
+        }
+        turning
+    }
+
     #[cold]
     #[inline(never)]
     fn blame(&self, force: R::Vec3, normal_force: R, slip: R::Vec3) {
@@ -346,12 +373,17 @@ impl<R: Real> SlidingFriction<R> for DiagnosedFriction<'_, R> {
     #[inline]
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
         let force = self.friction.force(normal_force, slip);
-        let power = force.dot(slip);
-        let sound = power <= R::ZERO && power >= -R::MAX;
-        if !sound && !self.friction.is_trusted() {
-            self.blame(force, normal_force, slip);
+        self.examine(force, normal_force, slip)
+    }
+
+    #[inline]
+    fn force_at(&self, position: R::Vec3, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        let force = self.friction.force_at(position, normal_force, slip);
+        // Beyond the largest number, a position is as good as any number.
+        if !position.length_squared().is_finite() {
+            return force;
         }
-        force
+        self.examine(force, normal_force, slip)
     }
 
     #[inline]
@@ -360,17 +392,33 @@ impl<R: Real> SlidingFriction<R> for DiagnosedFriction<'_, R> {
     }
 
     #[inline]
+    fn jacobian_at(
+        &self,
+        position: R::Vec3,
+        normal_force: R,
+        slip: R::Vec3,
+    ) -> FrictionJacobian<R> {
+        self.friction.jacobian_at(position, normal_force, slip)
+    }
+
+    #[inline]
+    fn depends_on_position(&self) -> bool {
+        self.friction.depends_on_position()
+    }
+
+    #[inline]
     fn rolling_resistance(&self, normal_force: R) -> Option<RollingResistance<R>> {
-        let turning = self.friction.rolling_resistance(normal_force);
-        if let Some(values) = &turning {
-            let sound = values.rolling >= R::ZERO
-                && values.spinning >= R::ZERO
-                && values.turn_speed >= R::ZERO;
-            if !sound && !self.friction.is_trusted() {
-                self.blame_turning(values, normal_force);
-            }
-        }
-        turning
+        self.examine_turning(self.friction.rolling_resistance(normal_force), normal_force)
+    }
+
+    #[inline]
+    fn rolling_resistance_at(
+        &self,
+        position: R::Vec3,
+        normal_force: R,
+    ) -> Option<RollingResistance<R>> {
+        let turning = self.friction.rolling_resistance_at(position, normal_force);
+        self.examine_turning(turning, normal_force)
     }
 
     #[inline]

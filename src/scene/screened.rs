@@ -195,10 +195,12 @@ pub(crate) struct ScreenedFriction<'a, F> {
     alarm: &'a Alarm,
 }
 
-impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for ScreenedFriction<'_, F> {
+impl<F> ScreenedFriction<'_, F> {
     #[inline(always)]
-    fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
-        let force = self.friction.force(normal_force, slip);
+    fn screen<R: Real>(&self, force: R::Vec3, slip: R::Vec3) -> R::Vec3
+    where
+        F: SlidingFriction<R>,
+    {
         if !self.friction.is_trusted() {
             let power = force.dot(slip);
             self.alarm.expect(power <= R::ZERO);
@@ -207,13 +209,13 @@ impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for ScreenedFriction<'_,
     }
 
     #[inline(always)]
-    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
-        self.friction.jacobian(normal_force, slip)
-    }
-
-    #[inline(always)]
-    fn rolling_resistance(&self, normal_force: R) -> Option<RollingResistance<R>> {
-        let resistance = self.friction.rolling_resistance(normal_force);
+    fn screen_resistance<R: Real>(
+        &self,
+        resistance: Option<RollingResistance<R>>,
+    ) -> Option<RollingResistance<R>>
+    where
+        F: SlidingFriction<R>,
+    {
         if let (Some(values), false) = (&resistance, self.friction.is_trusted()) {
             let RollingResistance {
                 rolling,
@@ -224,6 +226,52 @@ impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for ScreenedFriction<'_,
             self.alarm.expect(sound[0] & sound[1] & sound[2]);
         }
         resistance
+    }
+}
+
+impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for ScreenedFriction<'_, F> {
+    #[inline(always)]
+    fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        self.screen(self.friction.force(normal_force, slip), slip)
+    }
+
+    #[inline(always)]
+    fn force_at(&self, position: R::Vec3, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        self.screen(self.friction.force_at(position, normal_force, slip), slip)
+    }
+
+    #[inline(always)]
+    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
+        self.friction.jacobian(normal_force, slip)
+    }
+
+    #[inline(always)]
+    fn jacobian_at(
+        &self,
+        position: R::Vec3,
+        normal_force: R,
+        slip: R::Vec3,
+    ) -> FrictionJacobian<R> {
+        self.friction.jacobian_at(position, normal_force, slip)
+    }
+
+    #[inline(always)]
+    fn depends_on_position(&self) -> bool {
+        self.friction.depends_on_position()
+    }
+
+    #[inline(always)]
+    fn rolling_resistance(&self, normal_force: R) -> Option<RollingResistance<R>> {
+        self.screen_resistance(self.friction.rolling_resistance(normal_force))
+    }
+
+    #[inline(always)]
+    fn rolling_resistance_at(
+        &self,
+        position: R::Vec3,
+        normal_force: R,
+    ) -> Option<RollingResistance<R>> {
+        self.screen_resistance(self.friction.rolling_resistance_at(position, normal_force))
     }
 
     #[inline(always)]

@@ -14,12 +14,12 @@ use tumble::real::{Quaternion, Vector};
 use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Carried, Coin, Cone, ContactLaw,
     ContactPoint, Coulomb, Cuboid, Disc, Dissipation, DormandPrince54, Elevation, Ellipsoid,
-    EnergyMomentum, FlatGround, ForwardEuler, Gravity, Ground, HeightField, HuntCrossley,
-    Integrator, Ledger, LimitedDamper, LoadDependentCoulomb, MassProperties, Plane, PointCloud,
-    PointMass, Ramp, Real, RigidPointBody, Rim, Rk4, Rod, RollingResistance, SceneError,
-    SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround,
-    State, StepError, Stepper, StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, Trial,
-    UniformGravity, Viscous, Waves, WithResistance,
+    EnergyMomentum, FlatGround, ForwardEuler, FrictionField, FrictionPatch, Gravity, Ground,
+    HeightField, HuntCrossley, Integrator, Ledger, LimitedDamper, LoadDependentCoulomb,
+    MassProperties, Plane, PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rim, Rk4,
+    Rod, RollingResistance, SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere,
+    SpringDamper, SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck,
+    Surface, SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves, WithResistance,
 };
 use tumble::{Dynamics, Every, Flight, Sample, Step, Timed, UntilRest};
 
@@ -1110,6 +1110,87 @@ fn the_numbers_of_friction_with_a_grain_are_in_their_ranges() {
         refusal(DVec3::X, DVec3::X),
         "cosine between the directions of the friction must be 0, got 1"
     );
+}
+
+#[test]
+fn a_friction_region_is_finite_with_a_unit_direction_and_a_width_of_at_least_zero() {
+    let law = Coulomb {
+        coefficient: 0.3,
+        slip_speed: 1e-3,
+    };
+    let refusal = |region: Region| {
+        let friction = FrictionPatch {
+            outside: law,
+            inside: law,
+            region,
+        };
+        let result = Stepper::new(point_mass(1.0))
+            .unwrap()
+            .with_friction(friction);
+        result.err().map(|error| error.to_string())
+    };
+    let strip = |across, from, to| refusal(Region::Strip { across, from, to });
+    let half = |across, from| refusal(Region::HalfSpace { across, from });
+    let ball = |centre, radius| refusal(Region::Ball { centre, radius });
+    for found in [strip(DVec3::X * 2.0, 0.0, 1.0), half(DVec3::X * 2.0, 0.0)] {
+        assert_eq!(
+            found.as_deref(),
+            Some("direction of the friction region must have length 1, got 2")
+        );
+    }
+    for value in NOT_FINITE {
+        let edge = format!("edge of the friction region must be finite, got {value} m");
+        assert_eq!(strip(DVec3::X, value, 1.0).as_ref(), Some(&edge));
+        assert_eq!(strip(DVec3::X, 0.0, value).as_ref(), Some(&edge));
+        assert_eq!(half(DVec3::X, value).as_ref(), Some(&edge));
+        assert!(ball(DVec3::Y * value, 1.0).is_some());
+        assert!(ball(DVec3::ZERO, value).is_some());
+    }
+    assert_eq!(
+        strip(DVec3::X, 1.0, 0.5).as_deref(),
+        Some("width of the friction region must be at least 0, got -0.5 m")
+    );
+    assert_eq!(
+        ball(DVec3::ZERO, -0.5).as_deref(),
+        Some("radius of the friction region must be at least 0, got -0.5 m")
+    );
+    assert_eq!(strip(DVec3::X, 0.0, 0.0), None);
+}
+
+/// The law of a position is not known when the scene is composed, so a step refuses it.
+#[test]
+fn a_field_of_invalid_laws_ends_the_step_that_meets_one() {
+    for bad in [-0.3, f64::NAN, f64::INFINITY] {
+        let field = FrictionField::new(|position: DVec3| Coulomb {
+            coefficient: if position.x < 0.2 { 0.3 } else { bad },
+            slip_speed: 1e-3,
+        });
+        each_method!(1e-3, |integrator, name| {
+            let stepper = Stepper::new(point_mass(1.0))
+                .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
+                .and_then(|stepper| stepper.with_ground(FlatGround::level(1e4, 100.0)))
+                .and_then(|stepper| stepper.with_friction(&field))
+                .and_then(|stepper| stepper.with_integrator(integrator))
+                .unwrap();
+            let mut state = State::at(DVec3::Z * -9.8e-4).with_linear_velocity(DVec3::X * 2.0);
+            let error = stepper.advance(&mut state, 1.0).unwrap_err();
+            assert!(
+                matches!(
+                    error,
+                    StepError::BrokenLaw {
+                        quantity: LawQuantity::FrictionForce | LawQuantity::FrictionPower,
+                        ..
+                    }
+                ),
+                "{name}: {error}"
+            );
+            let x = state.position.x;
+            assert!(
+                state.not_finite().is_none() && x > 0.19 && x < 0.21,
+                "{name}: {x} m"
+            );
+        });
+    }
 }
 
 #[test]

@@ -11,12 +11,12 @@ use core::ops::ControlFlow;
 use tumble::glam::DVec3;
 use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Coin, Cone, Coulomb, Cuboid, Disc,
-    DormandPrince54, Ellipsoid, EnergyMomentum, Flight, ForwardEuler, Frictionless, Ground,
-    HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MassProperties, Nystrom, Plane,
-    PointCloud, PointMass, Ramp, RigidPointBody, Rk4, Rod, Sample, SlidingFriction, SmoothCoulomb,
-    Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, StepError, Stepper,
-    StrangSplitting, Stribeck, SymplecticEuler, Terrain, UniformGravity, Viscous, Waves,
-    WithResistance,
+    DormandPrince54, Ellipsoid, EnergyMomentum, Flight, ForwardEuler, FrictionField, FrictionPatch,
+    Frictionless, Ground, HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb,
+    MassProperties, Nystrom, Plane, PointCloud, PointMass, Ramp, Region, RigidPointBody, Rk4, Rod,
+    Sample, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
+    SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck, SymplecticEuler,
+    Terrain, UniformGravity, Viscous, Waves, WithResistance,
 };
 
 type Named<T> = Vec<(&'static str, Box<T>)>;
@@ -170,6 +170,26 @@ fn frictions(strength: f64, slip_speed: f64) -> Named<dyn SlidingFriction> {
                 spinning: 5e-3 * strength,
                 turn_speed: 0.1,
             }),
+        ),
+        (
+            "FrictionPatch",
+            Box::new(FrictionPatch {
+                outside: smooth,
+                inside: Viscous {
+                    coefficient: strength,
+                },
+                region: Region::Ball {
+                    centre: DVec3::X * 0.3,
+                    radius: 0.2,
+                },
+            }),
+        ),
+        (
+            "FrictionField",
+            Box::new(FrictionField::new(move |position: DVec3| Coulomb {
+                coefficient: coefficient * (1.0 + 0.5 * (9.0 * position.x).sin()),
+                slip_speed,
+            })),
         ),
     ]
 }

@@ -43,6 +43,8 @@ const RANGE_32: GroundRange<f32> = GroundRange {
 };
 
 const SLIDES: FrictionRange = FrictionRange {
+    centre: DVec3::ZERO,
+    size: 1.0,
     normal: DVec3::Z,
     normal_force: 1e3,
     slip: 10.0,
@@ -151,6 +153,8 @@ fn every_built_in_ground_passes() {
 #[test]
 fn every_built_in_friction_passes() {
     let slides_32 = FrictionRange {
+        centre: Vec3::ZERO,
+        size: 1.0,
         normal: Vec3::new(1.0, 2.0, 3.0),
         normal_force: 1e3,
         slip: 10.0,
@@ -981,6 +985,57 @@ fn friction_that_is_no_number_at_zero_slip_is_caught() {
     );
 }
 
+/// A law with a coefficient from the position, and what it reports about that.
+struct Patchy<F> {
+    coefficient: F,
+    reports: bool,
+}
+
+impl<F: Fn(DVec3) -> f64> SlidingFriction for Patchy<F> {
+    fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
+        self.force_at(DVec3::ZERO, normal_force, slip)
+    }
+    fn force_at(&self, position: DVec3, normal_force: f64, slip: DVec3) -> DVec3 {
+        slip * -((self.coefficient)(position) * normal_force / (slip.length() + 1e-3))
+    }
+    fn depends_on_position(&self) -> bool {
+        self.reports
+    }
+}
+
+#[test]
+fn friction_is_checked_at_several_positions() {
+    let ice = Patchy {
+        coefficient: |position: DVec3| if position.x > 0.5 { 0.02 } else { 0.3 },
+        reports: true,
+    };
+    for plan in batteries() {
+        check_friction(&ice, &SLIDES, plan).unwrap();
+    }
+    let hidden = Patchy {
+        reports: false,
+        ..ice
+    };
+    let violation = fault_of_friction(&hidden);
+    assert_eq!(violation.requirement, Requirement::SameEverywhere);
+    let motor = Patchy {
+        coefficient: |position: DVec3| if position.x > 0.5 { -0.02 } else { 0.3 },
+        reports: true,
+    };
+    let violation = fault_of_friction(&motor);
+    assert_eq!(violation.requirement, Requirement::Opposes);
+    assert!(
+        matches!(violation.input, Input::Slide { position, .. } if position.x > 0.5),
+        "{violation}"
+    );
+    // Outside the region that is stated, the law is not evaluated.
+    let near = FrictionRange {
+        size: 0.4,
+        ..SLIDES
+    };
+    check_friction(&motor, &near, CheckPlan::default()).unwrap();
+}
+
 #[test]
 fn friction_without_load_is_caught() {
     let sticky = Rub(|load: f64, slip: DVec3| -slip * (load + 1.0));
@@ -1341,6 +1396,8 @@ fn no_number_that_a_part_returns_makes_a_check_or_a_step_panic() {
         };
         let _ = check_ground(&RIGHT, &range, plan);
         let slides = FrictionRange {
+            centre: DVec3::splat(wild),
+            size: wild,
             normal: DVec3::splat(wild),
             slip: wild,
             ..SLIDES

@@ -18,6 +18,7 @@ mod rim;
 mod smooth;
 mod terrain;
 mod turning_resistance;
+mod varying_friction;
 
 // What holds for each integrator.
 mod audit;

@@ -75,26 +75,27 @@ impl<R: Real> Velocities<R> {
 }
 
 /// Discontinuities of the forces on an arc, in order, as `u = sin(θ/2)/κ`, for the ground's unit
-/// normal in world axes.
+/// normal in world axes. The friction is that of a `position` on the arc (m, world axes).
 #[inline]
 pub(crate) fn discontinuities<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
     laws: (&G, &F),
     arc: &Arc<R>,
-    normal: R::Vec3,
+    [position, normal]: [R::Vec3; 2],
     velocities: &Velocities<R>,
 ) -> Discontinuities<R> {
     let chord = arc.chord();
     let deepest = arc.bounds() * (chord * chord) * R::TWO;
     let depth = |u: R| deepest * ((R::ONE - u) * (R::ONE + u));
-    discontinuities_over(laws, chord, normal, velocities, depth)
+    discontinuities_over(laws, chord, [position, normal], velocities, depth)
 }
 
-/// Discontinuities on any piece of arc, for the penetration depth (m) along it.
+/// Discontinuities on any piece of arc, for a position on it with the normal there, and for the
+/// penetration depth (m) along it.
 #[inline]
 pub(super) fn discontinuities_over<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
     (ground, law): (&G, &F),
     chord: R,
-    normal: R::Vec3,
+    [position, normal]: [R::Vec3; 2],
     velocities: &Velocities<R>,
     depth: impl Fn(R) -> R,
 ) -> Discontinuities<R> {
@@ -102,7 +103,7 @@ pub(super) fn discontinuities_over<R: Real, G: SpringDamperGround<R>, F: Sliding
     let (rising, slips) = velocities.over(normal, [first, second]);
     let friction = |slip: Complex<R>| {
         let slip = first * slip.0 + second * slip.1;
-        law.force(R::ONE, slip).length()
+        law.force_at(position, R::ONE, slip).length()
     };
     discontinuities_by(ground, friction, chord, rising, slips, depth)
 }
@@ -121,19 +122,20 @@ fn tangents<R: Real>(normal: R::Vec3) -> [R::Vec3; 2] {
 }
 
 /// Discontinuities on a short arc below a level plane, for the velocities along the normal and
-/// along the ground.
+/// along the ground. The friction is that of a `position` on the arc.
 #[inline(always)]
 pub(super) fn discontinuities_along<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
     (ground, law): (&G, &F),
     [chord, extent]: [R; 2],
     rising: [R; 3],
     slips: [R::Vec3; 3],
+    position: R::Vec3,
 ) -> Discontinuities<R> {
     let deepest = extent * (chord * chord) * R::TWO;
     let depth = |u: R| deepest * ((R::ONE - u) * (R::ONE + u));
     let friction = |slip: Complex<R>| {
         let slip = R::Vec3::new(slip.0, slip.1, R::ZERO);
-        law.force(R::ONE, slip).length()
+        law.force_at(position, R::ONE, slip).length()
     };
     let slips = slips.map(|slip| Complex(slip.x(), slip.y()));
     discontinuities_by(ground, friction, chord, rising, slips, depth)

@@ -10,6 +10,7 @@ use crate::ground::SpringDamperGround;
 use crate::quadrature::{GAUSS_2, GAUSS_4, GAUSS_5, GAUSS_6, GAUSS_8, HALF_OF_6, HALF_OF_8, Rule};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
+use crate::state::Motion;
 
 /// Short arc below a level plane, along which all quantities are linear in 1, `sin θ` and the fall
 /// `1 - cos θ`.
@@ -157,7 +158,8 @@ fn visit_piece<R: Real>(
 const SAFETY: f64 = 1.5;
 
 impl<R: Real> Sweep<R> {
-    /// Sweep with this chord, and an extent in m, to both sides of the lowest point.
+    /// Sweep with this chord, and an extent in m, to both sides of the lowest point, which is at a
+    /// position in world axes.
     #[inline(always)]
     pub(super) fn of<G: SpringDamperGround<R>, F: SlidingFriction<R>>(
         laws: (&G, &F),
@@ -165,6 +167,7 @@ impl<R: Real> Sweep<R> {
         velocities: Velocities<R>,
         [chord, extent]: [R; 2],
         lowest: [R; 2],
+        position: R::Vec3,
     ) -> Self {
         let (rising, slips) = velocities.over_level();
         Self {
@@ -172,7 +175,7 @@ impl<R: Real> Sweep<R> {
             extent,
             rising,
             slips,
-            discontinuities: discontinuities_along(laws, [chord, extent], rising, slips),
+            discontinuities: discontinuities_along(laws, [chord, extent], rising, slips, position),
             density: rim.points() * R::from_f64(core::f64::consts::FRAC_1_PI),
             lowest,
         }
@@ -237,20 +240,30 @@ impl<R: Real> Sweep<R> {
         }
     }
 
-    /// Adds the load of the rim, with its torque on a body with these axes.
+    /// Adds the load of the rim on a body with the first axes, at a position. The torque is that on
+    /// a body with the second axes.
     #[inline(always)]
     pub(in crate::contact) fn load<G: SpringDamperGround<R>, F: SlidingFriction<R>>(
         &self,
         (ground, friction): (&G, &F),
         rim: &Rim<R>,
-        axes: &Axes<R>,
+        [pose, axes]: [&Axes<R>; 2],
+        position: R::Vec3,
         load: &mut Load<R>,
     ) {
+        let varies = friction.depends_on_position();
+        let place = |node: &Node<R>| {
+            if varies {
+                position + pose.to_world(self.place(rim, node))
+            } else {
+                position
+            }
+        };
         let zero = R::Vec3::ZERO;
         let (mut force, mut with_sin, mut with_fall) = (zero, zero, zero);
         self.visit_within(self.discontinuities.pushed, &mut |node: &Node<R>| {
             let normal_force = ground.normal_force(node.depth, node.closing_speed);
-            let rub = friction.force(normal_force, node.slip);
+            let rub = friction.force_at(place(node), normal_force, node.slip);
             let push = R::Vec3::new(rub.x(), rub.y(), rub.z() + normal_force) * node.weight;
             force += push;
             with_sin += push * node.sin;
@@ -263,18 +276,26 @@ impl<R: Real> Sweep<R> {
         load.torque += lowest.cross(force) + across.cross(with_sin) - down.cross(with_fall);
     }
 
+    /// Position of a quadrature point in the body, m, body axes.
+    #[inline]
+    fn place(&self, rim: &Rim<R>, node: &Node<R>) -> R::Vec3 {
+        let [down, across] = rim.spokes(rim.axes(), self.lowest);
+        rim.centre() + down + across * node.sin - down * node.fall
+    }
+
     #[inline]
     pub(in crate::contact) fn contact(
         &self,
         rim: &Rim<R>,
-        axes: &Axes<R>,
+        motion: &Motion<R>,
         node: &Node<R>,
     ) -> Contact<R> {
-        let [down, across] = rim.spokes(rim.axes(), self.lowest);
-        let place = rim.centre() + down + across * node.sin - down * node.fall;
+        let place = self.place(rim, node);
+        let arm = motion.axes.to_world(place);
         Contact {
             point: ContactPoint::bare(place),
-            arm: axes.to_world(place),
+            position: motion.position + arm,
+            arm,
             normal: R::Vec3::new(R::ZERO, R::ZERO, R::ONE),
             depth: node.depth,
             closing_speed: node.closing_speed,

@@ -89,7 +89,8 @@ impl<R: Real> Workspace<R> {
 struct Known<R: Real> {
     state: State<R>,
     place: Place<R>,
-    answers: Answers<R>,
+    /// `None` for a friction law that depends on the position, which no number of values identifies.
+    answers: Option<Answers<R>>,
 }
 
 impl<R: Real> Known<R> {
@@ -112,7 +113,7 @@ impl<R: Real> Known<R> {
         Self {
             state: *state,
             place,
-            answers: Answers::of(scene, state),
+            answers: Answers::of_uniform(scene, state),
         }
     }
 }
@@ -130,15 +131,21 @@ struct Answers<R: Real> {
 }
 
 impl<R: Real> Answers<R> {
+    /// Returns the numbers, if the friction law does not depend on the position.
+    #[inline]
+    fn of_uniform<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Option<Self> {
+        (!scene.friction().depends_on_position()).then(|| Self::of(scene, state))
+    }
+
     #[inline]
     fn of<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Self {
         let friction = scene.friction();
+        let slip = R::Vec3::new(R::ONE, R::ZERO, R::ZERO);
         Self {
             fingerprint: Fingerprint::of(scene, state),
             normal_force: scene
                 .probe(|| scene.ground().normal_force(scene.bounding_radius(), R::ONE)),
-            friction: scene
-                .probe(|| friction.force(R::ONE, R::Vec3::new(R::ONE, R::ZERO, R::ZERO))),
+            friction: scene.probe(|| friction.force(R::ONE, slip)),
             turning: scene.probe(|| friction.rolling_resistance(R::ONE)),
         }
     }
@@ -239,8 +246,14 @@ fn start_of<R: Real, D: Dynamics<R>>(
     report: &mut Step<R>,
 ) -> Result<Place<R>, StepError> {
     if let Some(known) = &workspace.known {
-        if known.state == *state && known.answers == Answers::of(scene, state) {
-            return Ok(known.place);
+        if known.state == *state {
+            if known.answers.is_some() && known.answers == Answers::of_uniform(scene, state) {
+                return Ok(known.place);
+            }
+            if scene.friction().depends_on_position() {
+                report.evaluations += 1;
+                return Ok(Place::at(scene, known.place.point));
+            }
         }
     }
     if let Some(quantity) = state.not_finite() {

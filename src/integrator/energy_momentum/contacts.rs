@@ -6,7 +6,7 @@ use super::problem::{Problem, Trial};
 use super::touch::{Answer, Increment, Lever, Push, Reversal, Touch};
 use crate::body::{Arc, ContactPoint, ContactRange, Panels, RigidPointBody, Rim};
 use crate::contact::{Discontinuities, Velocities, arc_below, discontinuities};
-use crate::friction::FrictionJacobian;
+use crate::friction::{FrictionJacobian, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
@@ -391,7 +391,7 @@ impl<R: Real> Contacts<R> {
             };
             if touch.push.is_felt() {
                 let push = &touch.push;
-                feel(push, &push.jacobian(problem, push.slip));
+                feel(push, &touch.jacobian(problem));
             }
         }
     }
@@ -433,6 +433,12 @@ fn mean_discontinuities<R: Real, D: Dynamics<R>>(
     let middle = trial.velocity + velocity(rim.centre());
     let velocities = Velocities::along(arc, middle, turning);
     let ground = problem.scene.ground();
+    let position = if problem.scene.friction().depends_on_position() {
+        let [lowest, _] = rim.spokes(rim.axes(), arc.place(R::ZERO));
+        problem.motion.position + axes.to_world(rim.centre() + lowest)
+    } else {
+        problem.motion.position
+    };
     let normal = match &problem.plane {
         Some(plane) => plane.normal,
         None => {
@@ -443,7 +449,7 @@ fn mean_discontinuities<R: Real, D: Dynamics<R>>(
     discontinuities(
         (problem.scene.ground(), problem.scene.friction()),
         arc,
-        normal,
+        [position, normal],
         &velocities,
     )
 }

@@ -258,7 +258,10 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             equations.add_at(&Block::outer(slope * stiffness, slope), centre, centre);
 
             let n = contact.normal;
-            let along = friction.jacobian(mean.force, contact.slip).coefficient * (h * weight);
+            let along = friction
+                .jacobian_at(contact.position, mean.force, contact.slip)
+                .coefficient
+                * (h * weight);
             let across = n * (mean.damping * h * weight - along);
             let resistance = Block::diagonal(along).plus(&Block::outer(across, n));
             let resisted = resistance.times(way.shift + way.turn.cross(contact.arm));

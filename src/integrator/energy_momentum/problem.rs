@@ -2,7 +2,8 @@
 //! that a trial represents.
 
 use super::block::Block;
-use crate::contact::Motion;
+use crate::body::RigidPointBody;
+use crate::contact::{Motion, facing_ground};
 use crate::energy::Energy;
 use crate::friction::{FrictionJacobian, SlidingFriction};
 use crate::ground::{GroundBounds, MeanForce, Plane, SpringDamperGround, Surface};
@@ -168,20 +169,52 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     }
 
     #[inline(always)]
-    pub(super) fn friction(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+    pub(super) fn friction(&self, position: R::Vec3, normal_force: R, slip: R::Vec3) -> R::Vec3 {
         if self.is_without_loss() {
             R::Vec3::ZERO
         } else {
-            self.scene.friction().force(normal_force, slip)
+            (self.scene.friction()).force_at(position, normal_force, slip)
         }
     }
 
     #[inline]
-    pub(super) fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
+    pub(super) fn jacobian(
+        &self,
+        position: R::Vec3,
+        normal_force: R,
+        slip: R::Vec3,
+    ) -> FrictionJacobian<R> {
         if self.is_without_loss() {
             FrictionJacobian::NONE
         } else {
-            self.scene.friction().jacobian(normal_force, slip)
+            (self.scene.friction()).jacobian_at(position, normal_force, slip)
+        }
+    }
+
+    /// Position of a contact at the middle of the step (m, world axes), for the velocities of the
+    /// start. `arm` and `radius` are those of the contact's centre at the start.
+    ///
+    /// Friction is evaluated there. The position does not depend on the trial. Otherwise the
+    /// equations would have no solution if the law has a jump there, and Newton's matrix would need
+    /// the derivative of the law. Its error is of order h², so the step stays of order 2.
+    #[inline(never)]
+    pub(super) fn middle_of(&self, arm: R::Vec3, radius: R) -> R::Vec3 {
+        let half = self.seconds * R::HALF;
+        let centre = self.motion.position + self.motion.linear_velocity * half;
+        // Argument of the Cayley map for the rotation of half a step.
+        let spin = self.motion.angular_velocity * (half * R::HALF);
+        let (body, ground) = (self.scene.body(), self.scene.ground());
+        if body.is_smooth() {
+            let rotation = Rotation::cayley_unscaled(spin).after(self.rotation);
+            let axes = rotation.normalised().axes();
+            let facing = facing_ground(body, ground, centre, &axes);
+            return centre + axes.to_world(facing.position);
+        }
+        let place = centre + arm + Block::<R>::rotation_change(spin).times(arm);
+        if radius > R::ZERO {
+            place - ground.surface(place).normal * radius
+        } else {
+            place
         }
     }
 

@@ -56,7 +56,9 @@ fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -
             resist(&Resisting {
                 place: contact.arm,
                 normal: contact.normal,
-                along: friction.force(normal_force, contact.slip).length()
+                along: friction
+                    .force_at(contact.position, normal_force, contact.slip)
+                    .length()
                     * (seconds * contact.weight),
                 across: damper.abs() * (seconds * contact.weight),
             });

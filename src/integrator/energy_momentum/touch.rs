@@ -5,7 +5,7 @@ use super::problem::{Problem, Trial};
 use super::shared::is_single;
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::contact::facing_ground;
-use crate::friction::FrictionJacobian;
+use crate::friction::{FrictionJacobian, SlidingFriction};
 use crate::ground::{MeanForce, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
@@ -134,37 +134,6 @@ impl<R: Real> Push<R> {
             None => mean,
         }
     }
-
-    #[inline]
-    fn friction<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>, slip: R::Vec3) -> R::Vec3 {
-        match self.weights(problem) {
-            Some([weight, each]) => problem.friction(self.mean.force * each, slip) * weight,
-            None => problem.friction(self.mean.force, slip),
-        }
-    }
-
-    /// Derivative of the friction of one point with respect to the magnitude of the slip, N s/m.
-    fn friction_slope<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> R {
-        let drag = self.jacobian(problem, self.slip);
-        let steepness = R::ONE - drag.growth * (self.slip.length() / drag.width);
-        drag.coefficient * steepness.at_least(R::ZERO) / self.weight
-    }
-
-    #[inline]
-    pub(super) fn jacobian<D: Dynamics<R>>(
-        &self,
-        problem: &Problem<'_, R, D>,
-        slip: R::Vec3,
-    ) -> FrictionJacobian<R> {
-        let Some([weight, each]) = self.weights(problem) else {
-            return problem.jacobian(self.mean.force, slip);
-        };
-        let drag = problem.jacobian(self.mean.force * each, slip);
-        FrictionJacobian {
-            coefficient: drag.coefficient * weight,
-            ..drag
-        }
-    }
 }
 
 impl<R: Real> Touch<R> {
@@ -196,6 +165,53 @@ impl<R: Real> Touch<R> {
                 ..Push::NONE
             },
             dual: None,
+        }
+    }
+
+    /// Position at which friction is evaluated, m, world axes. It is computed only for a law that
+    /// depends on it.
+    #[inline(always)]
+    fn friction_position<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> R::Vec3 {
+        if problem.scene.friction().depends_on_position() {
+            problem.middle_of(self.arm, self.push.radius)
+        } else {
+            R::Vec3::ZERO
+        }
+    }
+
+    /// Friction (N) of a slip under the mean normal force of the last trial.
+    #[inline]
+    fn friction<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>, slip: R::Vec3) -> R::Vec3 {
+        let (push, position) = (&self.push, self.friction_position(problem));
+        match push.weights(problem) {
+            Some([weight, each]) => {
+                problem.friction(position, push.mean.force * each, slip) * weight
+            }
+            None => problem.friction(position, push.mean.force, slip),
+        }
+    }
+
+    /// Derivative of the friction of one point with respect to the magnitude of the slip, N s/m.
+    fn friction_slope<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> R {
+        let drag = self.jacobian(problem);
+        let steepness = R::ONE - drag.growth * (self.push.slip.length() / drag.width);
+        drag.coefficient * steepness.at_least(R::ZERO) / self.push.weight
+    }
+
+    /// Derivatives of the friction at the last trial.
+    #[inline]
+    pub(super) fn jacobian<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+    ) -> FrictionJacobian<R> {
+        let (push, position) = (&self.push, self.friction_position(problem));
+        let Some([weight, each]) = push.weights(problem) else {
+            return problem.jacobian(position, push.mean.force, push.slip);
+        };
+        let drag = problem.jacobian(position, push.mean.force * each, push.slip);
+        FrictionJacobian {
+            coefficient: drag.coefficient * weight,
+            ..drag
         }
     }
 
@@ -295,7 +311,7 @@ impl<R: Real> Touch<R> {
         let rounding = problem.rounding_of_path(trial) * problem.per_second;
         if (slip - self.push.slip).length() <= rounding {
             self.push.slip = slip;
-            self.push.force = n * self.push.mean.force + self.push.friction(problem, slip);
+            self.push.force = n * self.push.mean.force + self.friction(problem, slip);
         }
         lever
     }
@@ -313,7 +329,7 @@ impl<R: Real> Touch<R> {
         self.push.slip = slip;
         self.push.arm = arm;
         self.push.end_arm = end_arm;
-        self.push.friction(problem, slip)
+        self.friction(problem, slip)
     }
 
     /// Normal along which the force does the work of the springs, and the depth at the end, for a
@@ -384,8 +400,8 @@ impl<R: Real> Touch<R> {
     /// Computes the response of friction at the last trial step.
     #[inline(always)]
     pub(super) fn answer<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Answer<R> {
-        let (push, slip) = (&self.push, self.push.slip);
-        let drag = push.jacobian(problem, slip);
+        let slip = self.push.slip;
+        let drag = self.jacobian(problem);
         Answer {
             drag,
             dual: self.next_dual(problem, &drag),
@@ -399,7 +415,7 @@ impl<R: Real> Touch<R> {
         let Some(dual) = &self.dual else {
             return R::Vec3::ZERO;
         };
-        let drag = push.jacobian(problem, push.slip);
+        let drag = self.jacobian(problem);
         (push.slip - dual.direction * drag.width) * drag.coefficient
     }
 
@@ -542,7 +558,7 @@ impl<R: Real> Reversal<R> {
         let direction = direction::<R>(change);
         let braking = |push: &Push<R>| -push.force.dot(direction) / push.weight;
         let slope = (braking(b) - braking(a)) / change.length();
-        let of_points = (a.friction_slope(problem) + b.friction_slope(problem)) * R::HALF;
+        let of_points = (left.friction_slope(problem) + right.friction_slope(problem)) * R::HALF;
         let points = (right.arm - left.arm).length() * points_per_metre;
         let coefficient = (slope - of_points) * points;
         (coefficient > R::ZERO).then(|| Self {

@@ -84,7 +84,10 @@ fn resistance<R: Real, D: Dynamics<R>>(
         let normal_force = scene
             .ground()
             .normal_force(contact.depth, contact.closing_speed);
-        let Some(law) = scene.friction().rolling_resistance(normal_force) else {
+        let Some(law) = scene
+            .friction()
+            .rolling_resistance_at(contact.position, normal_force)
+        else {
             return;
         };
         let [roll, drill] = of_contact(&law, contact.normal, angular_velocity)

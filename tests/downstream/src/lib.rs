@@ -6,12 +6,14 @@
 //! that a built-in of the same law has, and without an allocation.
 
 mod ball;
+mod carpet;
 mod midpoint;
 mod sail;
 mod turf;
 mod viscous;
 
 pub use ball::Ball;
+pub use carpet::Carpet;
 pub use midpoint::Midpoint;
 pub use sail::Sail;
 pub use turf::Turf;

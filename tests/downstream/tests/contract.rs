@@ -1,6 +1,6 @@
 //! An author checks his own parts: the contract of each trait, in numbers.
 
-use downstream::{Ball, Midpoint, Sail, Turf, Viscous};
+use downstream::{Ball, Carpet, Midpoint, Sail, Turf, Viscous};
 use tumble::contract::{
     CheckPlan, ForceRange, FrictionRange, GroundRange, Requirement, Violation, check_body,
     check_energy_never_rises, check_force, check_friction, check_ground, check_integrator,
@@ -29,13 +29,20 @@ fn the_turf_keeps_the_contract_of_a_ground() -> Result<(), Violation> {
 }
 
 #[test]
-fn the_oil_keeps_the_contract_of_friction() -> Result<(), Violation> {
+fn the_oil_and_the_carpet_keep_the_contract_of_friction() -> Result<(), Violation> {
     let range = FrictionRange {
+        centre: DVec3::ZERO,
+        size: 1.0,
         normal: DVec3::Z,
         normal_force: 1e3,
         slip: 10.0,
     };
-    check_friction(&Viscous { drag: 0.5 }, &range, CheckPlan::default())
+    check_friction(&Viscous { drag: 0.5 }, &range, CheckPlan::default())?;
+    let carpet = Carpet {
+        drag: 0.5,
+        width: 0.3,
+    };
+    check_friction(&carpet, &range, CheckPlan::default())
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use core::ops::ControlFlow;
 
-use downstream::{Ball, Midpoint, Sail, Turf, Viscous};
+use downstream::{Ball, Carpet, Midpoint, Sail, Turf, Viscous};
 use tumble::body::ContactRange;
 use tumble::glam::{DMat3, DVec3};
 use tumble::integrator::step_length;
@@ -86,10 +86,26 @@ fn oil<R: Real>() -> Viscous<R> {
     }
 }
 
+/// A law that varies over the ground: the edge of the carpet is where the ball touches down.
+fn carpet<R: Real>() -> Carpet<R> {
+    Carpet {
+        drag: R::from_f64(0.5),
+        width: R::from_f64(0.3),
+    }
+}
+
+fn four_ways<R: Real>(integrator: impl Integrator<R> + Copy) {
+    four_ways_on(&oil::<R>(), integrator);
+    four_ways_on(&carpet::<R>(), integrator);
+}
+
 /// A user's body, ground and friction, passed in four forms. All must end in the same state, to the
 /// last bit.
-fn four_ways<R: Real>(integrator: impl Integrator<R> + Copy) {
-    let (body, ground, friction) = (&ball::<R>(), &turf::<R>(), &oil::<R>());
+fn four_ways_on<R: Real>(
+    friction: &(impl SlidingFriction<R> + Copy + Send + 'static),
+    integrator: impl Integrator<R> + Copy,
+) {
+    let (body, ground) = (&ball::<R>(), &turf::<R>());
     let by_value = run(*body, *ground, *friction, integrator);
     let by_reference = run(body, ground, friction, integrator);
     let by_dyn = run(
@@ -150,7 +166,8 @@ fn a_users_force_has_the_same_bits_by_value_reference_dyn_and_box() {
     };
     let integrators = || EnergyMomentum { time_step: 1e-3 };
     let by_value = sailed(sail, integrators());
-    assert_eq!(by_value, sailed(&sail, integrators()));
+    let by_reference: &Sail<f64> = &sail;
+    assert_eq!(by_value, sailed(by_reference, integrators()));
     assert_eq!(by_value, sailed(&sail as &dyn Force, integrators()));
     let boxed = Box::new(sail) as Box<dyn Force + Send>;
     assert_eq!(by_value, sailed(boxed, integrators()));

@@ -284,6 +284,8 @@ fn play<R: Real>(input: &mut Input<'_>) {
         speed: input.size(0.1, 10.0),
     };
     let slides = FrictionRange {
+        centre: range.centre,
+        size: range.size,
         normal: input.vector::<R>(0.1, 1.0),
         normal_force: input.size(1.0, 1e3),
         slip: input.size(0.1, 10.0),

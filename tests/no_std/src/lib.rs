@@ -222,6 +222,8 @@ pub fn probe_contract(
         speed: parameters.gravity,
     };
     let slides = FrictionRange {
+        centre: range.centre,
+        size: range.size,
         normal,
         normal_force: parameters.mass,
         slip: parameters.gravity,

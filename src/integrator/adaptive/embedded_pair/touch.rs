@@ -291,7 +291,10 @@ fn mobility<R: Real, D: Dynamics<R>>(scene: &D, point: &ContactPoint<R>, motion:
     let mass = scene.inertia_properties();
     let (arm, normal) = arm(scene, motion, point);
     let slip = slip(motion, (arm, normal));
-    let force = normal + scene.friction().force(R::ONE, slip);
+    let force = normal
+        + scene
+            .friction()
+            .force_at(motion.position + arm, R::ONE, slip);
     let spin = mass.angular_velocity(&motion.axes, arm.cross(force));
     force.length() * mass.inverse_mass() + spin.length() * size(scene)
 }
