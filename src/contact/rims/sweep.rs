@@ -251,19 +251,16 @@ impl<R: Real> Sweep<R> {
         position: R::Vec3,
         load: &mut Load<R>,
     ) {
-        let varies = friction.depends_on_position();
-        let place = |node: &Node<R>| {
-            if varies {
-                position + pose.to_world(self.place(rim, node))
-            } else {
-                position
-            }
-        };
         let zero = R::Vec3::ZERO;
         let (mut force, mut with_sin, mut with_fall) = (zero, zero, zero);
         self.visit_within(self.discontinuities.pushed, &mut |node: &Node<R>| {
             let normal_force = ground.normal_force(node.depth, node.closing_speed);
-            let rub = friction.force_at(place(node), normal_force, node.slip);
+            let rub = if friction.depends_on_position() {
+                let place = position + pose.to_world(self.place(rim, node));
+                friction.force_at(place, normal_force, node.slip)
+            } else {
+                friction.force(normal_force, node.slip)
+            };
             let push = R::Vec3::new(rub.x(), rub.y(), rub.z() + normal_force) * node.weight;
             force += push;
             with_sin += push * node.sin;
