@@ -267,6 +267,7 @@ impl<R: Real> EnergyRates<R> {
             .contact_model()
             .visit_rims(&motion, |contact| enter(contact, 0));
         let (of_rims, _) = scene.contact_model().rims_energy(&motion);
+        scene.add_applied_force(&mut load, &motion);
         Self {
             energy: Energy::moving(scene, state, &motion, springs + of_rims),
             dissipation,

@@ -100,10 +100,12 @@ pub trait Dynamics<R: Real = f64> {
         self.contact_model().visit(motion, visit);
     }
 
-    /// Force and torque of all contacts, without gravity and without the applied force.
+    /// Force and torque of all contacts and of the applied force, without gravity.
     #[inline(always)]
     fn load(&self, motion: &Motion<R>) -> Load<R> {
-        self.contact_model().load(motion)
+        let mut load = self.contact_model().load(motion);
+        self.add_applied_force(&mut load, motion);
+        load
     }
 
     /// Adds the applied force to the load of the contacts. Its constant part belongs to
@@ -142,13 +144,11 @@ pub struct Rates<R: Real = f64> {
 }
 
 impl<R: Real> Rates<R> {
-    /// Rates for a motion of a scene under the load of its contacts, gravity and the applied
-    /// force.
+    /// Rates for a motion of a scene under a load and gravity. [`Dynamics::load`] contains the
+    /// contacts and the applied force.
     #[inline]
     #[must_use]
     pub fn under(load: &Load<R>, scene: &impl Dynamics<R>, motion: &Motion<R>) -> Self {
-        let mut load = *load;
-        scene.add_applied_force(&mut load, motion);
         Self {
             acceleration: load.force * scene.inertia_properties().inverse_mass() + scene.gravity(),
             torque: load.torque,
