@@ -204,7 +204,8 @@ where
         })
     }
 
-    /// Returns the scene: body, ground, friction, gravity and applied force. Use it for queries about a state.
+    /// Returns the scene: body, ground, friction, gravity and applied force. Use it for queries
+    /// about a state.
     #[inline]
     #[must_use]
     pub fn scene(&self) -> &Scene<B, G, F, A, R, E> {
