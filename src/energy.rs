@@ -100,7 +100,8 @@ impl<R: Real> core::fmt::Display for Energy<R> {
 /// cause, W. Each term but the drive is at most 0 if the laws keep their contracts.
 ///
 /// The energy changes at the rate of their sum:
-/// `dE/dt = friction + damper + clamp + drag + drive`. With `N` the normal force, `S` its spring part and `c` the closing speed, one contact contributes:
+/// `dE/dt = friction + damper + clamp + drag + drive`. With `N` the normal force, `S` its spring part
+/// and `c` the closing speed, one contact contributes:
 ///
 /// | term | power |
 /// |---|---|
