@@ -266,7 +266,7 @@ impl<R: Real> EnergyRates<R> {
         // discontinuity.
         scene
             .contact_model()
-            .visit_rims(&motion, |contact| enter(contact, 0));
+            .visit_rims(&motion, &mut |contact| enter(contact, 0));
         let (of_rims, _) = scene.contact_model().rims_energy(&motion);
         scene.add_applied_force(&mut load, &motion);
         Self {

@@ -324,6 +324,12 @@ impl<R: Real> Axes<R> {
         self.x * body.x() + self.y * body.y() + self.z * body.z()
     }
 
+    /// Converts two body vectors to world axes.
+    #[inline]
+    pub(crate) fn both_to_world(&self, [first, second]: [R::Vec3; 2]) -> [R::Vec3; 2] {
+        [self.to_world(first), self.to_world(second)]
+    }
+
     /// World z axis in body axes: the z component of each body axis.
     #[inline]
     pub(crate) fn rise(&self) -> R::Vec3 {

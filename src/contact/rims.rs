@@ -103,9 +103,9 @@ impl<R: Real> Touching<R> {
         motion: &Motion<R>,
     ) -> Self {
         let centre = motion.axes.to_world(rim.centre());
-        let axes = rim.axes().map(|axis| motion.axes.to_world(axis));
+        let axes = motion.axes.both_to_world(rim.axes());
         let gap = motion.position.z() + centre.z() - height;
-        match rim.arc_of(axes.map(|axis| axis.z()), gap) {
+        match rim.arc_of([axes[0].z(), axes[1].z()], gap) {
             Arc::Nothing => Self::Nothing,
             Arc::Part {
                 lowest,
@@ -156,17 +156,18 @@ fn discontinuities_of<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
 ) -> Discontinuities<R> {
     let (ground, axes) = (laws.0, &motion.axes);
     let under = |s: R| ground.surface(motion.position + axes.to_world(rim.place_on(panel, s)));
-    let spokes = rim.spokes(rim.axes().map(|axis| axes.to_world(axis)), panel.middle());
+    let [down, across] = rim.spokes(axes.both_to_world(rim.axes()), panel.middle());
+    let spin = motion.angular_velocity;
     let velocities = Velocities::of_slopes(
         motion.velocity_at(axes.to_world(rim.centre())),
-        spokes.map(|spoke| motion.angular_velocity.cross(spoke)),
+        [spin.cross(down), spin.cross(across)],
     );
     let chord = panel.chord();
     let middle = motion.position + axes.to_world(rim.place_on(panel, R::ZERO));
     let normal = ground.surface(middle).normal;
     let depth = |u: R| -under(u * chord).gap;
     let mut discontinuities =
-        discontinuities_over(laws, chord, [middle, normal], &velocities, depth);
+        discontinuities_over(laws, chord, [middle, normal], &velocities, &depth);
     // The energy needs the same number of points.
     discontinuities.add_points(if chord <= R::from_f64(SHORT) { 6 } else { 8 });
     discontinuities

@@ -25,6 +25,9 @@ where
             energy += self.ground.spring_energy(contact.depth);
             touching += 1;
         });
+        if self.body.rims().is_empty() {
+            return (energy, touching);
+        }
         let (of_rims, places) = self.rims_energy(motion);
         (energy + of_rims, touching + places)
     }
@@ -33,7 +36,6 @@ where
     ///
     /// The energy is evaluated for a body at rest in the same pose. The quadrature of the forces of
     /// a rim depends on the velocities, but an energy must depend on the pose only.
-    #[inline]
     pub(crate) fn rims_energy(&self, motion: &Motion<R>) -> (R, usize) {
         let (mut energy, mut touching) = (R::ZERO, 0);
         for rim in self.body.rims() {

@@ -68,16 +68,8 @@ where
         if let Some(height) = self.height_under_bare_points() {
             let parts = run.parts(self.body.contacts());
             load = level::load(laws, height, parts, motion, arm_axes);
-            for rim in self.body.rims() {
-                match Touching::of(laws, rim, motion) {
-                    Touching::Nothing => {}
-                    Touching::Arc(sweep) => {
-                        sweep.load(laws, rim, [&motion.axes, axes], motion.position, &mut load)
-                    }
-                    Touching::Any => rims::visit_any(laws, rim, motion, &mut |contact| {
-                        load.add_along(axes, contact, contact.force(laws.0, laws.1));
-                    }),
-                }
+            if !self.body.rims().is_empty() {
+                self.add_load_of_rims(motion, axes, &mut load);
             }
             return load;
         }
@@ -85,6 +77,23 @@ where
             load.add_along(axes, contact, contact.force(laws.0, laws.1));
         });
         load
+    }
+
+    /// Adds the load of the rims on a body with these axes.
+    #[inline(never)]
+    fn add_load_of_rims(&self, motion: &Motion<R>, axes: &Axes<R>, load: &mut Load<R>) {
+        let laws = (self.ground, self.friction);
+        for rim in self.body.rims() {
+            match Touching::of(laws, rim, motion) {
+                Touching::Nothing => {}
+                Touching::Arc(sweep) => {
+                    sweep.load(laws, rim, [&motion.axes, axes], motion.position, load)
+                }
+                Touching::Any => rims::visit_any(laws, rim, motion, &mut |contact| {
+                    load.add_along(axes, contact, contact.force(laws.0, laws.1));
+                }),
+            }
+        }
     }
 
     /// Torque of rolling resistance of the contacts in `run`, N m. Returns `None` if the friction

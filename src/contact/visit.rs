@@ -37,7 +37,7 @@ where
     ) {
         self.visit_points(run, motion, &mut visit);
         if !self.body.rims().is_empty() {
-            self.visit_rims(motion, visit);
+            self.visit_rims(motion, &mut visit);
         }
     }
 
@@ -68,8 +68,11 @@ where
     }
 
     /// Calls `visit` with each quadrature point of the rims that touches.
-    #[inline(always)]
-    pub(crate) fn visit_rims(&self, motion: &Motion<R>, mut visit: impl FnMut(&Contact<R>)) {
+    ///
+    /// It is compiled once for all visitors. A call for each quadrature point costs far less than
+    /// the point itself.
+    #[inline(never)]
+    pub(crate) fn visit_rims(&self, motion: &Motion<R>, visit: &mut dyn FnMut(&Contact<R>)) {
         let laws = (self.ground, self.friction);
         for rim in self.body.rims() {
             match Touching::of(laws, rim, motion) {
@@ -77,7 +80,7 @@ where
                 Touching::Arc(sweep) => {
                     sweep.visit(|node| visit(&sweep.contact(rim, motion, node)));
                 }
-                Touching::Any => rims::visit_any(laws, rim, motion, &mut visit),
+                Touching::Any => rims::visit_any(laws, rim, motion, visit),
             }
         }
     }

@@ -78,9 +78,8 @@ fn without_rounding<R: Real, D: Dynamics<R>>(
     if contact.touching == 0 && before.springs == R::ZERO && !has_pushed {
         return flight_rounding::rounded(scene, before, (end, after));
     }
-    let is_conservative =
-        || [start, end].map(|state| Dissipation::of(scene, state).total()) == [R::ZERO; 2];
-    (both_ways && is_conservative())
+    let is_lossless = |state: &State<R>| Dissipation::of(scene, state).total() == R::ZERO;
+    (both_ways && is_lossless(start) && is_lossless(end))
         .then(|| flight_rounding::rounded_in_contact(scene, before, (end, after)))
         .flatten()
 }

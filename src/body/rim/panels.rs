@@ -65,8 +65,8 @@ impl<R: Real> Panels<R> {
                 panels.push_between(lowest, from, half_turn(chord));
             }
             _ => {
-                let places = cuts.map(|cut| arc.place(cut));
-                return Self::of_both([arc, Arc::Nothing], places);
+                let mut places = cuts.map(|cut| arc.place(cut));
+                return Self::of_both([arc, Arc::Nothing], &mut places);
             }
         }
         panels
@@ -85,7 +85,10 @@ impl<R: Real> Panels<R> {
 
     /// Panels of two arcs together, cut at these positions.
     #[inline(never)]
-    pub(crate) fn of_both(arcs: [Arc<R>; 2], places: impl Iterator<Item = Direction<R>>) -> Self {
+    pub(crate) fn of_both(
+        arcs: [Arc<R>; 2],
+        places: &mut dyn Iterator<Item = Direction<R>>,
+    ) -> Self {
         let mut panels = Self::NONE;
         if arcs == [Arc::Nothing; 2] {
             return panels;

@@ -86,7 +86,7 @@ pub(crate) fn discontinuities<R: Real, G: SpringDamperGround<R>, F: SlidingFrict
     let chord = arc.chord();
     let deepest = arc.bounds() * (chord * chord) * R::TWO;
     let depth = |u: R| deepest * ((R::ONE - u) * (R::ONE + u));
-    discontinuities_over(laws, chord, [position, normal], velocities, depth)
+    discontinuities_over(laws, chord, [position, normal], velocities, &depth)
 }
 
 /// Discontinuities on any piece of arc, for a position on it with the normal there, and for the
@@ -97,15 +97,19 @@ pub(super) fn discontinuities_over<R: Real, G: SpringDamperGround<R>, F: Sliding
     chord: R,
     [position, normal]: [R::Vec3; 2],
     velocities: &Velocities<R>,
-    depth: impl Fn(R) -> R,
+    depth: &dyn Fn(R) -> R,
 ) -> Discontinuities<R> {
     let [first, second] = tangents::<R>(normal);
     let (rising, slips) = velocities.over(normal, [first, second]);
-    let friction = |slip: Complex<R>| {
-        let slip = first * slip.0 + second * slip.1;
-        law.force_at(position, R::ONE, slip).length()
+    let laws = Laws {
+        normal_force: &|depth, speed| ground.normal_force(depth, speed),
+        friction: &|slip: Complex<R>| {
+            let slip = first * slip.0 + second * slip.1;
+            law.force_at(position, R::ONE, slip).length()
+        },
+        depth,
     };
-    discontinuities_by(ground, friction, chord, rising, slips, depth)
+    discontinuities_by(laws, chord, rising, slips)
 }
 
 /// Two unit vectors perpendicular to a third and to each other.
@@ -132,36 +136,48 @@ pub(super) fn discontinuities_along<R: Real, G: SpringDamperGround<R>, F: Slidin
     position: R::Vec3,
 ) -> Discontinuities<R> {
     let deepest = extent * (chord * chord) * R::TWO;
-    let depth = |u: R| deepest * ((R::ONE - u) * (R::ONE + u));
-    let friction = |slip: Complex<R>| {
-        let slip = R::Vec3::new(slip.0, slip.1, R::ZERO);
-        law.force_at(position, R::ONE, slip).length()
+    let laws = Laws {
+        normal_force: &|depth, speed| ground.normal_force(depth, speed),
+        friction: &|slip: Complex<R>| {
+            let slip = R::Vec3::new(slip.0, slip.1, R::ZERO);
+            law.force_at(position, R::ONE, slip).length()
+        },
+        depth: &|u: R| deepest * ((R::ONE - u) * (R::ONE + u)),
     };
-    let slips = slips.map(|slip| Complex(slip.x(), slip.y()));
-    discontinuities_by(ground, friction, chord, rising, slips, depth)
+    discontinuities_by(laws, chord, rising, slips.map(Complex::along))
 }
 
-/// Discontinuities for the friction force (N) of a slip under a load of 1 N, and for the
-/// penetration depth along the arc.
+/// What the discontinuities of an arc depend on. They are found by a few calls in rare steps, so
+/// that this file is compiled once for all laws.
+struct Laws<'a, R> {
+    /// Normal force, N, for a penetration depth and a closing speed.
+    normal_force: &'a dyn Fn(R, R) -> R,
+    /// Friction force, N, of a slip under a load of 1 N.
+    friction: &'a dyn Fn(Complex<R>) -> R,
+    /// Penetration depth along the arc as a function of u, m.
+    depth: &'a dyn Fn(R) -> R,
+}
+
+/// Discontinuities for the velocities along the normal and along the ground.
 #[inline(always)]
-fn discontinuities_by<R: Real, G: SpringDamperGround<R>>(
-    ground: &G,
-    friction: impl Fn(Complex<R>) -> R,
+fn discontinuities_by<R: Real>(
+    laws: Laws<'_, R>,
     chord: R,
     [lowest, across, down]: [R; 3],
     slips: [Complex<R>; 3],
-    depth: impl Fn(R) -> R,
 ) -> Discontinuities<R> {
     let mut discontinuities = Discontinuities::none();
     let edges = Edges {
-        ground,
-        depth,
+        laws: &laws,
         chord,
         speeds: [-lowest, -across, down],
     };
-    edges.let_go(&mut discontinuities);
+    let leaves = [-R::ONE, R::ONE].map(|end| edges.closing_speed(end) < R::ZERO);
+    if leaves != [false; 2] {
+        edges.let_go(leaves, &mut discontinuities);
+    }
     if may_turn(slips, chord) {
-        Slips::along(slips, chord).add_reversals(&friction, &mut discontinuities);
+        Slips::along(slips, chord).add_reversals(laws.friction, &mut discontinuities);
     }
     discontinuities
 }
@@ -210,10 +226,9 @@ impl<R: Real> Slips<R> {
 
     /// Adds the points, at most two, at which friction reverses on the part of the arc on which the
     /// ground pushes.
-    #[inline]
     fn add_reversals(
         &self,
-        friction: &impl Fn(Complex<R>) -> R,
+        friction: &dyn Fn(Complex<R>) -> R,
         discontinuities: &mut Discontinuities<R>,
     ) {
         let pushed = discontinuities.pushed;
@@ -291,7 +306,7 @@ impl<R: Real> Slips<R> {
     /// slip and at the point of largest slip give the slip speed of any law. It is 0 for Coulomb's
     /// law, and infinite for a viscous one.
     #[inline]
-    fn slip_speed_width(&self, friction: &impl Fn(Complex<R>) -> R, place: R) -> R {
+    fn slip_speed_width(&self, friction: &dyn Fn(Complex<R>) -> R, place: R) -> R {
         let [near, slope] = self.at(place);
         let [far, middle, other] = [-R::ONE, R::ZERO, R::ONE].map(|place| self.at(place)[0]);
         let larger = |a: Complex<R>, b: Complex<R>| if a.square() < b.square() { b } else { a };
@@ -326,6 +341,12 @@ const SMOOTH: f64 = 12.0;
 pub(super) struct Complex<R>(R, R);
 
 impl<R: Real> Complex<R> {
+    /// Components along a level ground.
+    #[inline]
+    fn along(vector: R::Vec3) -> Self {
+        Self(vector.x(), vector.y())
+    }
+
     #[inline(always)]
     fn minus(self, other: Self) -> Self {
         Self(self.0 - other.0, self.1 - other.1)
@@ -380,16 +401,14 @@ impl<R: Real> Complex<R> {
 }
 
 /// Ends of an arc, at which the contact may open.
-struct Edges<'a, R, G, F> {
-    ground: &'a G,
-    /// Penetration depth as a function of u, m.
-    depth: F,
+struct Edges<'a, R> {
+    laws: &'a Laws<'a, R>,
     chord: R,
     /// Closing speed of the lowest point, and the coefficients of sine and fall, m/s.
     speeds: [R; 3],
 }
 
-impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
+impl<R: Real> Edges<'_, R> {
     /// Closing speed at `sin(θ/2) = κ u`, m/s.
     #[inline(always)]
     fn closing_speed(&self, u: R) -> R {
@@ -402,26 +421,22 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
     /// Normal force of a point at u, N.
     #[inline(always)]
     fn force(&self, u: R) -> R {
-        let depth = (self.depth)(u);
+        let depth = (self.laws.depth)(u);
         if depth > R::ZERO {
-            self.ground.normal_force(depth, self.closing_speed(u))
+            (self.laws.normal_force)(depth, self.closing_speed(u))
         } else {
             R::ZERO
         }
     }
 
-    /// Adds the points at which the contact opens, if an end separates so fast that the normal
-    /// force reaches 0 before the penetration depth does.
+    /// Adds the points at which the contact opens, if an end that leaves separates so fast that the
+    /// normal force reaches 0 before the penetration depth does.
     ///
     /// For a law that is linear in penetration depth and speed, the force times `1 + w²` is
     /// `a + b ω - c ω²` along the arc. Three points determine its roots. The roots are used for
     /// other laws too, if the force is 0 beyond them.
     #[inline(always)]
-    fn let_go(&self, discontinuities: &mut Discontinuities<R>) {
-        let leaves = [-R::ONE, R::ONE].map(|end| self.closing_speed(end) < R::ZERO);
-        if leaves == [false; 2] {
-            return;
-        }
+    fn let_go(&self, leaves: [bool; 2], discontinuities: &mut Discontinuities<R>) {
         // In terms of ω as in `Slips`, the force times 1 + w² is a polynomial.
         let square = self.chord * self.chord / ((R::ONE - self.chord) * (R::ONE + self.chord));
         let (all, beside) = (R::ONE + square, R::ONE + square * R::from_f64(0.25));
@@ -465,7 +480,6 @@ impl<R: Real, G: SpringDamperGround<R>, F: Fn(R) -> R> Edges<'_, R, G, F> {
 
     /// Finds the points of opening by bisection, for dampers so strong that they cancel the force
     /// on half of an arc.
-    #[inline(never)]
     fn seek(&self, leaves: [bool; 2], discontinuities: &mut Discontinuities<R>) {
         for (side, end) in [-R::ONE, R::ONE].into_iter().enumerate() {
             // Search from the other end, which pushes, or does not separate.

@@ -267,7 +267,7 @@ impl<R: Real> Sweep<R> {
             with_fall += push * node.fall;
             load.touching += 1;
         });
-        let [down, across] = rim.spokes(rim.axes().map(|axis| axes.to_world(axis)), self.lowest);
+        let [down, across] = rim.spokes(axes.both_to_world(rim.axes()), self.lowest);
         let lowest = axes.to_world(rim.centre()) + down;
         load.force += force;
         load.torque += lowest.cross(force) + across.cross(with_sin) - down.cross(with_fall);

@@ -227,9 +227,9 @@ impl<R: Real> Contacts<R> {
             let panels = match Arc::longer(&arcs) {
                 Some(arc) => {
                     let discontinuities = mean_discontinuities(problem, trial, rim, &arc);
-                    Panels::of_both(arcs, discontinuities.places().map(|u| arc.place(u)))
+                    Panels::of_both(arcs, &mut discontinuities.places().map(|u| arc.place(u)))
                 }
-                None => Panels::of_both(arcs, core::iter::empty()),
+                None => Panels::of_both(arcs, &mut core::iter::empty()),
             };
             for panel in panels.iter() {
                 for (place, weight) in rim.nodes(panel) {
@@ -274,8 +274,8 @@ impl<R: Real> Contacts<R> {
         for (left, right) in ends.iter().zip(ends.iter().skip(1)) {
             // The outermost points of a panel are its last two. The point farther along the rim
             // comes first.
-            let [left, right] = [left.checked_sub(2), right.checked_sub(1)].map(touch);
-            if let (Some(left), Some(right)) = (left, right) {
+            let outermost = (touch(left.checked_sub(2)), touch(right.checked_sub(1)));
+            if let (Some(left), Some(right)) = outermost {
                 if let Some(reversal) = Reversal::between(problem, [left, right], per_metre) {
                     feel(&reversal);
                 }
@@ -326,10 +326,9 @@ impl<R: Real> Contacts<R> {
     ) -> Block<R> {
         let [touch, ..] = &self.touches;
         let force = touch.push.force * factor;
-        let [first, second] = touch
-            .over_surface(problem, trial)
-            .map(|(moved, turn)| Block::outer(moved.cross(force), turn));
-        first.plus(&second)
+        let [first, second] = touch.over_surface(problem, trial);
+        let torque = |(moved, turn): (R::Vec3, R::Vec3)| Block::outer(moved.cross(force), turn);
+        torque(first).plus(&torque(second))
     }
 
     /// Calls [`answer`](Self::answer) only to store its results.
@@ -429,7 +428,11 @@ fn mean_discontinuities<R: Real, D: Dynamics<R>>(
 ) -> Discontinuities<R> {
     let axes = &problem.motion.axes;
     let velocity = |v: R::Vec3| trial.rotation_change.times(axes.to_world(v)) * problem.per_second;
-    let turning = rim.axes().map(|axis| velocity(axis * rim.radius()));
+    let [down, across] = rim.axes();
+    let turning = [
+        velocity(down * rim.radius()),
+        velocity(across * rim.radius()),
+    ];
     let middle = trial.velocity + velocity(rim.centre());
     let velocities = Velocities::along(arc, middle, turning);
     let ground = problem.scene.ground();

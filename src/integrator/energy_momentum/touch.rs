@@ -367,12 +367,13 @@ impl<R: Real> Touch<R> {
         argument: &Block<R>,
     ) -> Block<R> {
         let (push, a) = (&self.push, trial.spin);
-        let over = self
-            .over_surface(problem, trial)
-            .map(|(moved, turn)| Block::outer(a.cross(moved), turn));
+        let [first, second] = self.over_surface(problem, trial);
+        let over = |(moved, turn): (R::Vec3, R::Vec3)| Block::outer(a.cross(moved), turn);
         let carried = argument.crossed_by(-push.arm);
         let turned = Block::hat(-push.end_arm).crossed_by(a);
-        carried.plus(&turned).plus(&over[0]).plus(&over[1])
+        (carried.plus(&turned))
+            .plus(&over(first))
+            .plus(&over(second))
     }
 
     /// Displacement of a smooth body's contact point over its surface by a rotation ϑ of the step's
@@ -391,10 +392,11 @@ impl<R: Real> Touch<R> {
         let nudge = R::EPSILON.sqrt();
         let first = any_across::<R>(n);
         let here = point(-n);
-        [first, n.cross(first)].map(|along| {
+        let pair = |along: R::Vec3| {
             let moved = (point(along * nudge - n) - here) * (R::ONE / nudge);
             (moved, n.cross(along))
-        })
+        };
+        [pair(first), pair(n.cross(first))]
     }
 
     /// Computes the response of friction at the last trial step.

@@ -61,8 +61,7 @@ fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> S
         if resisted == R::Vec3::ZERO {
             return *state;
         }
-        let [x, y, z] = [0, 1, 2].map(|i| nth::<R>(&inertia, i) + nth::<R>(&resistance, i));
-        let change = solved::<R>([x, y, z], -resisted);
+        let change = solved::<R>(sum::<R>(&inertia, &resistance), -resisted);
         taken = times::<R>(&inertia, change);
         after = before + change;
     }
@@ -90,8 +89,8 @@ fn resistance<R: Real, D: Dynamics<R>>(
         else {
             return;
         };
-        let [roll, drill] = of_contact(&law, contact.normal, angular_velocity)
-            .map(|resistance| resistance * contact.weight);
+        let [roll, drill] = of_contact(&law, contact.normal, angular_velocity);
+        let (roll, drill) = (roll * contact.weight, drill * contact.weight);
         let (roll, beyond) = (roll * seconds, (drill - roll) * seconds);
         let (n, o) = (contact.normal, R::ZERO);
         sum[0] += R::Vec3::new(roll, o, o) + n * (n.x() * beyond);
@@ -111,12 +110,8 @@ fn of_contact<R: Real>(
     law.per_turn(rolling.length(), spinning.abs())
 }
 
-fn nth<R: Real>([x, y, z]: &Columns<R>, index: usize) -> R::Vec3 {
-    match index {
-        0 => *x,
-        1 => *y,
-        _ => *z,
-    }
+fn sum<R: Real>([x, y, z]: &Columns<R>, [a, b, c]: &Columns<R>) -> Columns<R> {
+    [*x + *a, *y + *b, *z + *c]
 }
 
 fn times<R: Real>([x, y, z]: &Columns<R>, v: R::Vec3) -> R::Vec3 {

@@ -67,8 +67,8 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     /// less than its smallest value, the direction of friction cannot change much.
     #[inline]
     pub(super) fn wrong_of_slip(&self, point: &ContactPoint<R>, sides: &[ContactEnd<R>; 2]) -> R {
-        let arms = self.ends.map(|motion| arm(self.scene, motion, point));
-        let slide = Slide::between(self.ends, arms);
+        let arm_in = |motion| arm(self.scene, motion, point);
+        let slide = Slide::between(self.ends, [arm_in(self.ends[0]), arm_in(self.ends[1])]);
         let (first, change) = (slide.slip, slide.slip_change);
         let square = change.length_squared();
         let share = (-first.dot(change) / square)
@@ -136,11 +136,9 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     ) -> R {
         let path = Path::between(start, end, self.seconds);
         let force = |share: R| self.friction_on(&path, slide, share);
-        let [from, to] = [-ABOUT, ABOUT].map(|about| {
-            (share + R::from_f64(about))
-                .at_least(R::ZERO)
-                .at_most(R::ONE)
-        });
+        let about = R::from_f64(ABOUT);
+        let from = (share - about).at_least(R::ZERO).at_most(R::ONE);
+        let to = (share + about).at_least(R::ZERO).at_most(R::ONE);
         let about = (force(to) - force(from)).length();
         let steadily = (force(R::ONE) - force(R::ZERO)).length() * (to - from);
         if about <= steadily * R::from_f64(QUICK) {

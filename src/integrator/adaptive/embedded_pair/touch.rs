@@ -49,23 +49,21 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
     [smooth, allowed]: [R; 2],
 ) -> Discontinuities<R> {
     let mut discontinuities = Discontinuities::none();
-    let places = [start, &attempt.end];
     let step = Taken {
         pair,
         scene,
         motions: &attempt.motions,
-        ends: places.map(|place| &place.motion),
+        ends: [&start.motion, &attempt.end.motion],
         seconds,
         to_discontinuity,
         allowed,
     };
     let contacts = scene.body().contacts();
-    let margin = dip(scene, places, seconds);
-    let [before, after] = places.map(|place| {
-        scene
-            .contact_model()
-            .range_within(margin, place.motion.position, &place.motion.axes)
-    });
+    let margin = dip(scene, [start, &attempt.end], seconds);
+    let near_ground = |place: &Place<R>| {
+        (scene.contact_model()).range_within(margin, place.motion.position, &place.motion.axes)
+    };
+    let (before, after) = (near_ground(start), near_ground(&attempt.end));
     // If a step is too large in any case, and has many contacts near the ground, this evaluation is
     // not worth its cost.
     if smooth > allowed && before.count.saturating_add(after.count) > MANY {
@@ -110,7 +108,7 @@ pub(super) fn load_before<R: Real, D: Dynamics<R>>(
             }
         });
     // Points of a rim touch down one after the other, without a jump of the rim's force.
-    scene.contact_model().visit_rims(motion, add);
+    scene.contact_model().visit_rims(motion, &mut add);
     load
 }
 
@@ -118,18 +116,17 @@ pub(super) fn load_before<R: Real, D: Dynamics<R>>(
 ///
 /// It is `a h²/8`, with the acceleration `a` of the farthest point of the body.
 #[inline]
-fn dip<R: Real, D: Dynamics<R>>(scene: &D, places: [&Place<R>; 2], seconds: R) -> R {
+fn dip<R: Real, D: Dynamics<R>>(scene: &D, [start, end]: [&Place<R>; 2], seconds: R) -> R {
     let bounding_radius = scene.bounding_radius();
-    let acceleration = places.map(|place| {
+    let acceleration = |place: &Place<R>| {
         let spin = place.motion.angular_velocity;
         let turn = scene
             .inertia_properties()
             .angular_velocity(&place.motion.axes, place.slope.angular_momentum);
         place.slope.linear_velocity.length()
             + (turn.length() + spin.length_squared()) * bounding_radius
-    });
-    let [first, last] = acceleration;
-    first.at_least(last) * (seconds * seconds * R::from_f64(0.125))
+    };
+    acceleration(start).at_least(acceleration(end)) * (seconds * seconds * R::from_f64(0.125))
 }
 
 /// Returns true if a contact is above ground, and would be for the first half of a step at constant
@@ -154,9 +151,8 @@ pub(super) struct Taken<'a, R: Real, D, const STAGES: usize> {
 impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     #[inline]
     fn look_at(&self, point: &ContactPoint<R>, discontinuities: &mut Discontinuities<R>) {
-        let [start, end] = self
-            .ends
-            .map(|motion| ContactEnd::of(self.scene, motion, point));
+        let end_of = |motion| ContactEnd::of(self.scene, motion, point);
+        let (start, end) = (end_of(self.ends[0]), end_of(self.ends[1]));
         if start.pushes() && end.pushes() {
             let wrong = self.wrong_of_slip(point, &[start, end]);
             discontinuities.velocity += wrong;
