@@ -1,8 +1,8 @@
 //! A fixed number of steps, for `callgrind` to count the instructions: see `.ci/instructions`.
 //!
-//! The arguments are `instructions INTEGRATOR PHASE POINTS STEPS`. `POINTS` is a number, `round` for
-//! a rim without points, or `own` for 120 points on a user's ground and friction law, whose values
-//! every step tests. The instructions of a step are the difference of two counts over the
+//! The arguments are `instructions INTEGRATOR PHASE SCENE STEPS`. `SCENE` is a number of points,
+//! `round` for a rim without points, `own` for 120 points on a user's ground and friction law, whose
+//! values every step tests, or the name of a part that is added to 120 points. The instructions of a step are the difference of two counts over the
 //! difference of their numbers of steps.
 
 // A benchmark that fails ends with a panic.
@@ -11,7 +11,7 @@
 mod scenes;
 
 use core::hint::black_box;
-use scenes::{Advance, Phase, TIME_STEP, own_laws, ring, round, stepper};
+use scenes::{Advance, Part, Phase, TIME_STEP, own_laws, ring, round, stepper};
 use tumble::{
     EnergyMomentum, ForwardEuler, Integrator, Nystrom, Rk4, StrangSplitting, SymplecticEuler,
 };
@@ -19,32 +19,54 @@ use tumble::{
 fn main() {
     let arguments = Vec::from_iter(std::env::args().skip(1));
     // `cargo bench` and `cargo test` start every benchmark with their own options.
-    let [integrator, phase, points, steps] = &arguments[..] else {
-        println!("instructions INTEGRATOR PHASE POINTS STEPS");
+    let [integrator, phase, scene, steps] = &arguments[..] else {
+        println!("instructions INTEGRATOR PHASE SCENE STEPS");
         return;
     };
     let phase = Phase::ALL.into_iter().find(|p| p.name() == phase).unwrap();
     let steps = steps.parse().unwrap();
     let time_step = TIME_STEP;
     match &integrator[..] {
-        "ForwardEuler" => run(ForwardEuler { time_step }, phase, points, steps),
-        "SymplecticEuler" => run(SymplecticEuler { time_step }, phase, points, steps),
-        "StrangSplitting" => run(StrangSplitting { time_step }, phase, points, steps),
-        "Rk4" => run(Rk4 { time_step }, phase, points, steps),
-        "Nystrom" => run(Nystrom { time_step }, phase, points, steps),
-        "EnergyMomentum" => run(EnergyMomentum { time_step }, phase, points, steps),
+        "ForwardEuler" => run(ForwardEuler { time_step }, phase, scene, steps),
+        "SymplecticEuler" => run(SymplecticEuler { time_step }, phase, scene, steps),
+        "StrangSplitting" => run(StrangSplitting { time_step }, phase, scene, steps),
+        "Rk4" => run(Rk4 { time_step }, phase, scene, steps),
+        "Nystrom" => run(Nystrom { time_step }, phase, scene, steps),
+        "EnergyMomentum" => run(EnergyMomentum { time_step }, phase, scene, steps),
         other => panic!("no integrator {other}"),
     }
 }
 
-fn run(integrator: impl Integrator, phase: Phase, points: &str, steps: u32) {
-    match points {
+fn run(integrator: impl Integrator, phase: Phase, scene: &str, steps: u32) {
+    if let Some(part) = Part::named(scene) {
+        return run_with(part, integrator, phase, steps);
+    }
+    match scene {
         "round" => measure(&stepper(round(), integrator), phase, steps),
         "own" => measure(&own_laws(integrator), phase, steps),
         _ => {
-            let points = points.parse().unwrap();
+            let points = scene.parse().unwrap();
             measure(&stepper(ring(points), integrator), phase, steps);
         }
+    }
+}
+
+fn run_with(part: Part, integrator: impl Integrator, phase: Phase, steps: u32) {
+    let plain = stepper(ring(120), integrator);
+    match part {
+        Part::Tilt => measure(&plain.with_ground(scenes::tilted()).unwrap(), phase, steps),
+        Part::HuntCrossley => {
+            let stepper = plain.with_ground(scenes::hunt_crossley()).unwrap();
+            measure(&stepper, phase, steps);
+        }
+        Part::Patch => measure(&plain.with_friction(scenes::patch()).unwrap(), phase, steps),
+        Part::Resistance => {
+            let stepper = plain.with_friction(scenes::resistance()).unwrap();
+            measure(&stepper, phase, steps);
+        }
+        Part::Drag => measure(&plain.with_force(scenes::drag()).unwrap(), phase, steps),
+        Part::Air => measure(&plain.with_force(scenes::air()).unwrap(), phase, steps),
+        Part::Wind => measure(&plain.with_force(scenes::wind()).unwrap(), phase, steps),
     }
 }
 

@@ -7,9 +7,10 @@
 
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    Coin, ContactPoint, Coulomb, Disc, FlatGround, FrictionJacobian, Gravity, GroundBounds,
-    Integrator, MeanForce, RigidPointBody, SlidingFriction, SpringDamperGround, State, Stepper,
-    Surface, Trial, UniformGravity,
+    AirDrag, Coin, ContactPoint, Coulomb, Disc, FlatGround, Force, FrictionJacobian, FrictionPatch,
+    Gravity, Ground, GroundBounds, HuntCrossley, Integrator, MeanForce, Plane, Region,
+    RigidPointBody, SlidingFriction, SpinDrag, SpinLift, SpringDamperGround, State, Stepper,
+    Surface, Trial, UniformGravity, Wind, WithResistance,
 };
 
 /// Step size of the coin report, s.
@@ -180,19 +181,120 @@ pub(crate) fn own_laws<I: Integrator>(
         .unwrap()
 }
 
+/// What a scene may have beside a body on a level ground with Coulomb's friction, with the names of
+/// the tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// A ground that is not level, by a millionth, so that the motion stays the same.
+    Tilt,
+    /// Hunt and Crossley's law with Hertz's exponent.
+    HuntCrossley,
+    /// Another coefficient of friction on a half of the ground.
+    Patch,
+    /// Rolling resistance and spinning friction.
+    Resistance,
+    /// Quadratic drag.
+    Drag,
+    /// Quadratic drag, lift and drag of the spin.
+    Air,
+    /// These in wind.
+    Wind,
+}
+
+impl Part {
+    pub(crate) const ALL: [(&'static str, Self); 7] = [
+        ("tilt", Self::Tilt),
+        ("hertz", Self::HuntCrossley),
+        ("patch", Self::Patch),
+        ("rolling", Self::Resistance),
+        ("drag", Self::Drag),
+        ("air", Self::Air),
+        ("wind", Self::Wind),
+    ];
+
+    pub(crate) fn named(name: &str) -> Option<Self> {
+        let found = Self::ALL.into_iter().find(|(one, _)| *one == name);
+        found.map(|(_, part)| part)
+    }
+}
+
+/// Drag, lift and drag of the spin of a ball as large as the coin, in air of 1.2 kg/m³.
+pub(crate) fn air() -> (AirDrag, SpinLift, SpinDrag) {
+    (
+        drag(),
+        SpinLift::tennis_ball(Trial::<f64>::RADIUS, 1.2),
+        SpinDrag::quadratic(0.05, Trial::<f64>::RADIUS, 1.2),
+    )
+}
+
+pub(crate) fn drag() -> AirDrag {
+    let area = core::f64::consts::PI * Trial::<f64>::RADIUS * Trial::<f64>::RADIUS;
+    AirDrag::quadratic(0.5, area, 1.2)
+}
+
+pub(crate) fn wind() -> Wind<(AirDrag, SpinLift, SpinDrag)> {
+    Wind {
+        velocity: DVec3::new(3.0, 1.0, 0.0),
+        force: air(),
+    }
+}
+
+pub(crate) fn tilted() -> FlatGround {
+    let normal = DVec3::new(1e-6, 0.0, 1.0).normalize();
+    ground(120).on(Plane {
+        normal,
+        height: 0.0,
+    })
+}
+
+/// Hertz's law that holds the coin at the depth of the linear ground.
+pub(crate) fn hunt_crossley() -> Ground<HuntCrossley> {
+    let depth = Trial::<f64>::MASS * Trial::<f64>::GRAVITY / (120.0 * Trial::<f64>::STIFFNESS);
+    Ground::level(HuntCrossley {
+        stiffness: Trial::<f64>::STIFFNESS / depth.sqrt(),
+        exponent: 1.5,
+        damping: 0.5,
+    })
+}
+
+pub(crate) fn patch() -> FrictionPatch<Coulomb, Coulomb> {
+    let outside = trial_1().friction();
+    FrictionPatch {
+        outside,
+        inside: Coulomb {
+            coefficient: 0.1,
+            ..outside
+        },
+        region: Region::HalfSpace {
+            across: DVec3::X,
+            from: 1.0,
+        },
+    }
+}
+
+pub(crate) fn resistance() -> WithResistance<Coulomb> {
+    WithResistance {
+        friction: trial_1().friction(),
+        rolling: 1e-4,
+        spinning: 1e-4,
+        turn_speed: 1e-2,
+    }
+}
+
 /// Advances a state by one step, for any type of stepper.
 pub(crate) trait Advance {
     type Workspace: Default;
     fn advance(&self, state: &mut State, workspace: &mut Self::Workspace);
 }
 
-impl<B, G, F, A, I> Advance for Stepper<B, G, F, A, I>
+impl<B, G, F, A, I, E> Advance for Stepper<B, G, F, A, I, f64, E>
 where
     B: RigidPointBody,
     G: SpringDamperGround,
     F: SlidingFriction,
     A: Gravity,
     I: Integrator,
+    E: Force,
 {
     type Workspace = I::Workspace;
 

@@ -38,6 +38,7 @@
 //! | find the moments of touch-downs, apexes or the end of a slip | [`Event`], [`Session::run_until_event`] |
 //! | sample a state within a step | [`Session::dense_step`] |
 //! | compute the orientation of a free body at any time | [`FreeRotation`] |
+//! | know which parts a scene needs, and what they cost | [`guide::modelling`] |
 //! | throw dice and coins in a game | [`guide::game`] |
 //! | know on which face a body ends, or toss it a million times | [`guide::outcomes`] |
 //! | advance one state by many calls, at almost no cost while the body is at rest | [`Session`] |
@@ -252,6 +253,7 @@ pub use trial::{Start, Trial};
 /// Guide to the crate, with one page for each question.
 ///
 /// - Which integrator, which step? [`choosing`](guide::choosing)
+/// - Which parts does my scene need, and what do they cost? [`modelling`](guide::modelling)
 /// - How do I throw dice and coins in a game? [`game`](guide::game)
 /// - When is heads or tails decided, and how sure is a count? [`outcomes`](guide::outcomes)
 /// - How accurate is a run at the extremes, and where is it only stable?
@@ -274,6 +276,9 @@ pub mod guide {
     #[doc = ""]
     #[doc = include_str!("../assets/work_precision.svg")]
     pub mod choosing {}
+
+    #[doc = include_str!("guide/modelling.md")]
+    pub mod modelling {}
 
     #[doc = include_str!("guide/game.md")]
     pub mod game {}
