@@ -34,6 +34,9 @@ const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 /// Number of iterations after which a stage counts as not solved. Far from the solution, quadratic
 /// drag divides the velocity by 2 in each.
 const MOST_ITERATIONS: u32 = 100;
+/// Largest ratio of two corrections at which substitution goes on. It then takes 13 evaluations of
+/// the force for all bits of a double, and each iteration of Newton's takes 7 and a matrix.
+const FALL: f64 = 1.0 / 16.0;
 /// Number of halvings of a step whose stages are not solved.
 const MOST_HALVINGS: u32 = 12;
 
@@ -152,6 +155,17 @@ impl<R: Real, D: Dynamics<R>> Pose<'_, R, D> {
         }
     }
 
+    /// Motion after an impulse, in the same pose.
+    fn motion_after(&self, impulse: &Wrench<R>) -> Motion<R> {
+        let end = self.after(impulse);
+        let properties = self.scene.inertia_properties();
+        Motion {
+            linear_velocity: end.linear_velocity,
+            angular_velocity: properties.angular_velocity(&self.motion.axes, end.angular_momentum),
+            ..self.motion
+        }
+    }
+
     /// Momentum that changes of both velocities carry, N s and N m s.
     fn impulse(&self, [linear, angular]: [R::Vec3; 2]) -> Wrench<R> {
         let properties = self.scene.inertia_properties();
@@ -181,10 +195,48 @@ impl<R: Real, D: Dynamics<R>> Pose<'_, R, D> {
     }
 
     /// Solves `M (u - u₀) = base + factor W(u)` for the velocities of a stage, from a first guess.
-    /// Returns `None` if Newton's iteration does not converge.
+    /// Returns `None` if no iteration converges.
     ///
-    /// It has converged when a correction is within the rounding of the momentum.
+    /// An iteration has converged when a correction is within the rounding of the momentum.
     fn stage(&self, base: &Wrench<R>, factor: R, guess: Motion<R>) -> Option<Stage<R>> {
+        self.stage_by_substitution(base, factor, guess)
+            .or_else(|| self.stage_by_newton(base, factor, guess))
+    }
+
+    /// Solves a stage by substitution: each iterate is put into the right-hand side.
+    ///
+    /// Each correction is the last one times about `factor ∂W/∂u M⁻¹`. That is a small number for
+    /// the air around most bodies, so that a few evaluations of the force replace the matrices of
+    /// Newton's iteration. Returns `None` if a correction is not far below the last one.
+    fn stage_by_substitution(
+        &self,
+        base: &Wrench<R>,
+        factor: R,
+        guess: Motion<R>,
+    ) -> Option<Stage<R>> {
+        let (force, momentum) = (self.scene.force(), self.momentum());
+        let (mut motion, mut given) = (guess, Wrench::ZERO);
+        let mut last = R::MAX;
+        loop {
+            let next = base.plus(&force.wrench(&motion), factor);
+            let size = self.size(&next.plus(&given, -R::ONE));
+            given = next;
+            motion = self.motion_after(&given);
+            if size <= (momentum + self.size(&given)) * R::EPSILON {
+                let wrench = force.wrench(&motion);
+                return wrench.is_finite().then_some(Stage { motion, wrench });
+            }
+            // It is false for NaN too.
+            let falls = size <= last * R::from_f64(FALL);
+            if !falls {
+                return None;
+            }
+            last = size;
+        }
+    }
+
+    /// Solves a stage by Newton's iteration.
+    fn stage_by_newton(&self, base: &Wrench<R>, factor: R, guess: Motion<R>) -> Option<Stage<R>> {
         let mut motion = guess;
         let mut last = R::MAX;
         for _ in 0..MOST_ITERATIONS {
