@@ -195,6 +195,7 @@ fn film(shots: Vec<Shot>) -> Film {
             "A ring on its rim, without friction. It falls at a constant rate, because only the \
              dampers dissipate energy."
                 .to_owned(),
+            "The ring has no thickness. It is drawn with one.".to_owned(),
         ],
         size: RADIUS,
         distance: 5.4,
