@@ -27,16 +27,16 @@ compare() { # compare NAME COMMAND…: runs the battery, and says in a line whet
 build() { cargo build -q --locked --manifest-path tests/bits/Cargo.toml --bin tumble_bits "$@"; }
 
 # This machine, with rustup's compiler, in both profiles and with all that the tree may switch on:
-# without tumble's features, with all of them (std, glam's too, takes the machine's square root, the
-# others only add implementations), and with glam's other features as somebody else in the tree would
-# set them. glam's `fast-math` of earlier versions is gone since 0.34, and `core-simd`
+# without tumble's features (here in the dev profile, on the other processors in the release profile),
+# with all of them (std, glam's too, takes the machine's square root, the others only add
+# implementations), and with glam's other features as somebody else in the tree would set them. glam's `fast-math` of earlier versions is gone since 0.34, and `core-simd`
 # needs an unstable compiler.
 host() { # host NAME FOLDER OPTION…
   build "${@:3}"
   compare "$1" "$CARGO_TARGET_DIR/$2/tumble_bits" || differ=1
 }
 host host-dev debug --features "$detail"
-for set in '' std,serde,mint,approx-05 glam-libm glam-scalar-math; do
+for set in std,serde,mint,approx-05,glam-scalar-math glam-libm; do
   host "host-release $set" release --release --features "$detail,$set"
 done
 # Fused operations are there to be used, and must not be.

@@ -12,14 +12,17 @@ macro_rules! names_for {
         pub mod $real {
             #[doc(no_inline)]
             pub use crate::{
-                CoinFace, ContactLaw, CuboidFace, Every, Faces, Flight, FrictionField,
-                Frictionless, Gravity, HeightField, HullFace, Integrator, NoGravity, NoGround,
+                Apex, CoinFace, ContactCloses, ContactLaw, ContactOpens, CuboidFace, Event,
+                EventDirection, Every, Faces, Flight, Force, FrictionField, Frictionless, Gravity,
+                HeightField, HullFace, Integrator, Landing, LiftOff, NoForce, NoGravity, NoGround,
                 Observer, Outcome, RigidPointBody, SceneError, SceneQuery, Shape, SlidingFriction,
                 SpringDamperGround, Start, StepError, Terrain,
             };
 
             /// Energy, dissipation and rates of a state.
             pub type EnergyRates = crate::EnergyRates<$real>;
+            /// Drag of still air.
+            pub type AirDrag = crate::AirDrag<$real>;
             /// Coulomb friction with two coefficients, along and across the grain of the ground.
             pub type AnisotropicCoulomb = crate::AnisotropicCoulomb<$real>;
             /// A built-in integrator chosen at run time.
@@ -61,6 +64,8 @@ macro_rules! names_for {
             pub type BogackiShampine32 = crate::BogackiShampine32<$real>;
             /// The coin of the coin report.
             pub type Coin<P = [ContactPoint; 120]> = crate::Coin<$real, P>;
+            /// A constant force at the centre of mass.
+            pub type ConstantForce = crate::ConstantForce<$real>;
             /// A contact that penetrates the ground.
             pub type Contact = crate::Contact<$real>;
             /// A point of the body that can touch the ground.
@@ -85,6 +90,10 @@ macro_rules! names_for {
             pub type FlatGround = crate::FlatGround<$real>;
             /// The integrator of the coin report.
             pub type ForwardEuler = crate::ForwardEuler<$real>;
+            /// Range of motions for the check of an applied force.
+            pub type ForceRange = crate::contract::ForceRange<$real>;
+            /// Power of an applied force by kind.
+            pub type ForcePower = crate::ForcePower<$real>;
             /// One friction law in a region of the ground and another one around it.
             pub type FrictionPatch<O, I> = crate::FrictionPatch<O, I, $real>;
             /// Range of loads and slips for the check of a friction law.
@@ -127,9 +136,9 @@ macro_rules! names_for {
             pub type Rotation = crate::Rotation<$real>;
             /// Sample of a run at one time.
             pub type Sample<'a> = crate::Sample<'a, $real>;
-            /// Body, ground, friction and gravity.
-            pub type Scene<B, G = NoGround, F = Frictionless, A = NoGravity> =
-                crate::Scene<B, G, F, A, $real>;
+            /// Body, ground, friction, gravity and applied force.
+            pub type Scene<B, G = NoGround, F = Frictionless, A = NoGravity, E = NoForce> =
+                crate::Scene<B, G, F, A, $real, E>;
             /// Time, number of steps and state at one moment of a session.
             pub type Moment = crate::Moment<$real>;
             /// A session as plain data.
@@ -142,7 +151,26 @@ macro_rules! names_for {
                 F = Frictionless,
                 A = NoGravity,
                 I = EnergyMomentum,
-            > = crate::Session<'a, B, G, F, A, I, $real>;
+                E = NoForce,
+            > = crate::Session<'a, B, G, F, A, I, $real, E>;
+            /// One step of a session, with the states within it.
+            pub type DenseStep<
+                'a,
+                B,
+                G = NoGround,
+                F = Frictionless,
+                A = NoGravity,
+                I = EnergyMomentum,
+                E = NoForce,
+            > = crate::DenseStep<'a, B, G, F, A, I, $real, E>;
+            /// How a run with events has ended.
+            pub type EventEnd = crate::EventEnd<$real>;
+            /// Event with a chosen direction, count or interval.
+            pub type EventWith<E> = crate::EventWith<E, $real>;
+            /// One occurrence of an event in a run.
+            pub type Occurrence = crate::Occurrence<$real>;
+            /// Event that the slip of the lowest point ends.
+            pub type SlipEnds = crate::SlipEnds<$real>;
             /// Step size and related data from which an adaptive method continues.
             pub type StepControl = crate::StepControl<$real>;
             /// Coulomb friction with a smooth transition at small slip.
@@ -154,8 +182,18 @@ macro_rules! names_for {
             /// Result of a step: time advanced and work.
             pub type Step = crate::Step<$real>;
             /// Advances states in time.
-            pub type Stepper<B, G = NoGround, F = Frictionless, A = NoGravity, I = EnergyMomentum> =
-                crate::Stepper<B, G, F, A, I, $real>;
+            pub type Stepper<
+                B,
+                G = NoGround,
+                F = Frictionless,
+                A = NoGravity,
+                I = EnergyMomentum,
+                E = NoForce,
+            > = crate::Stepper<B, G, F, A, I, $real, E>;
+            /// Torque of still air against spin.
+            pub type SpinDrag = crate::SpinDrag<$real>;
+            /// Lift of a spinning ball.
+            pub type SpinLift = crate::SpinLift<$real>;
             /// The splitting integrator of order 2.
             pub type StrangSplitting = crate::StrangSplitting<$real>;
             /// Friction with a static and a kinetic coefficient.
@@ -186,6 +224,10 @@ macro_rules! names_for {
             pub type UntilRest = crate::UntilRest<$real>;
             /// Height field of waves along x.
             pub type Waves = crate::Waves<$real>;
+            /// A force of the air in moving air.
+            pub type Wind<E> = crate::Wind<E, $real>;
+            /// Force and torque of an applied force.
+            pub type Wrench = crate::Wrench<$real>;
             /// Region of the ground with another friction law.
             pub type Region = crate::Region<$real>;
             /// Friction proportional to load and slip.

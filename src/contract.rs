@@ -1,5 +1,5 @@
-//! Checks for the user's own implementation of a body, ground, friction law or integrator, to be
-//! run in the user's tests.
+//! Checks for the user's own implementation of a body, ground, friction law, force or integrator,
+//! to be run in the user's tests.
 //!
 //! The traits state their contracts in words. These functions check the contracts in numbers. Each
 //! check tries a fixed set of inputs, extremes first, and then as many random inputs as a
@@ -41,10 +41,12 @@
 //! | [`check_body`] | valid mass and inertia; contacts, bounding radius and [`contacts_below`](crate::RigidPointBody::contacts_below) that are consistent and never change |
 //! | [`check_ground`] | a surface whose gap decreases along its normal; a force that never pulls; springs that return what they stored; dampers that only dissipate; a mean force and bounds that are consistent with them |
 //! | [`check_friction`] | a force along the surface that opposes the slip, and a Jacobian that is consistent with it |
+//! | [`check_force`] | finite, continuous; a passive force does no positive work; powers that add up |
 //! | [`check_integrator`] | steps that respect their limit, arrive at it, give the same bits each time, keep the orientation normalised, and converge at the stated order |
 //! | [`check_energy_never_rises`] | computed energy that never increases: only [`EnergyMomentum`](crate::EnergyMomentum) among the built-in integrators passes |
 
 mod body;
+mod force;
 mod friction;
 mod ground;
 mod integrator;
@@ -52,6 +54,7 @@ mod plan;
 mod scenes;
 
 pub use body::check_body;
+pub use force::{ForceRange, check_force};
 pub use friction::{FrictionRange, check_friction};
 pub use ground::{GroundRange, check_ground};
 pub use integrator::{check_energy_never_rises, check_integrator};
@@ -172,6 +175,15 @@ pub enum Requirement {
     /// between 0 and 1.
     DragFits,
 
+    /// Force: a passive force does no positive work, and drag is at most 0.
+    PassiveTakes,
+    /// Force: the powers of drag and drive add up to the power of force and torque.
+    PowerFits,
+    /// Force: it is zero if it says that it does not act.
+    ActsOrZero,
+    /// Force: it is continuous in the velocities.
+    Continuous,
+
     /// Integrator: a step of a well-resolved scene succeeds.
     Steps(StepError),
     /// Integrator: the duration of a step is above 0 s.
@@ -182,7 +194,7 @@ pub enum Requirement {
     LandsOnLimit,
     /// Integrator: the duration that a step returns is the time by which the state was advanced.
     TellsTime,
-    /// Integrator: the same input gives the same bits.
+    /// Force, integrator: the same input gives the same bits.
     SameBits,
     /// Integrator: the content of the workspace changes no bit.
     WorkspaceChangesNothing,
@@ -242,6 +254,10 @@ impl fmt::Display for Requirement {
                 "a force that varies over the ground needs depends_on_position to be true"
             }
             Self::DragFits => "the Jacobian must be consistent with the force",
+            Self::PassiveTakes => "a passive force must not do positive work",
+            Self::PowerFits => "drag and drive must add up to the power of force and torque",
+            Self::ActsOrZero => "a force that does not act must be 0",
+            Self::Continuous => "the force must be continuous in the velocities",
             Self::TakesTime => "a step must take more than 0 s",
             Self::KeepsToLimit => "a step must not exceed its limit",
             Self::LandsOnLimit => "steps towards a time must arrive at it",
@@ -319,6 +335,13 @@ pub enum Input {
         /// Slip velocity, m/s.
         slip: DVec3,
     },
+    /// Motion of a body.
+    Motion {
+        /// Velocity of the centre of mass, m/s.
+        linear_velocity: DVec3,
+        /// Angular velocity, rad/s.
+        angular_velocity: DVec3,
+    },
     /// Step of one of the test scenes.
     Step {
         /// Name of the scene.
@@ -378,6 +401,12 @@ impl fmt::Display for Input {
                     f,
                     "at {position} m under {normal_force:e} N at a slip of {slip} m/s"
                 )
+            }
+            Self::Motion {
+                linear_velocity,
+                angular_velocity,
+            } => {
+                write!(f, "at {linear_velocity} m/s and {angular_velocity} rad/s")
             }
             Self::Step {
                 scene,

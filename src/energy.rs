@@ -1,12 +1,13 @@
-//! Energy by kind, and the power at which contacts dissipate it.
+//! Energy by kind, and the power at which contacts and the applied force change it.
 
 use crate::body::RigidPointBody;
-use crate::contact::{Contact, Load, Motion};
+use crate::contact::{Contact, Load};
+use crate::force::Force;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Rates};
-use crate::state::State;
+use crate::state::{Motion, State};
 
 /// Energy of a body on its ground by kind, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -16,7 +17,8 @@ pub struct Energy<R = f64> {
     pub translation: R,
     /// Kinetic energy of rotation, `L · ω/2`; never negative.
     pub rotation: R,
-    /// Potential energy of gravity, `-m g · x`. Zero with the centre of mass at the origin.
+    /// Potential energy of gravity and of a constant force, `-(m g + F) · x`. Zero with the centre
+    /// of mass at the origin.
     pub gravity: R,
     /// Elastic energy of the springs under every contact below the ground. It includes contacts
     /// whose force the clamp limits to 0.
@@ -37,6 +39,12 @@ impl<R: Real> Energy<R> {
         let motion = scene.motion(state);
         let (springs, touching) = scene.contact_model().spring_energy(&motion);
         (Self::moving(scene, state, &motion, springs), touching)
+    }
+
+    /// Energy of a state without that of the springs.
+    #[inline]
+    pub(crate) fn without_springs(scene: &impl Dynamics<R>, state: &State<R>) -> Self {
+        Self::moving(scene, state, &scene.motion(state), R::ZERO)
     }
 
     /// Energy of a state with the given motion and spring energy.
@@ -88,11 +96,12 @@ impl<R: Real> core::fmt::Display for Energy<R> {
     }
 }
 
-/// Power of the contacts on the body, excluding what the springs store, by cause, W. Each term is
-/// at most 0 if the ground and the friction law keep their contracts.
+/// Power of the contacts and of the applied force on the body, excluding what the springs store, by
+/// cause, W. Each term but the drive is at most 0 if the laws keep their contracts.
 ///
-/// The energy decreases at the rate of their sum: `dE/dt = friction + damper + clamp`. With `N` the
-/// normal force, `S` its spring part and `c` the closing speed, one contact contributes:
+/// The energy changes at the rate of their sum:
+/// `dE/dt = friction + damper + clamp + drag + drive`. With `N` the normal force, `S` its spring part
+/// and `c` the closing speed, one contact contributes:
 ///
 /// | term | power |
 /// |---|---|
@@ -109,14 +118,18 @@ pub struct Dissipation<R = f64> {
     /// Power of the clamp, W: springs that expand under a contact which separates faster than they
     /// do.
     pub clamp: R,
+    /// Power of the passive part of the applied force, W: air drag.
+    pub drag: R,
+    /// Power of the drives of the scene, W, of either sign: wind.
+    pub drive: R,
 }
 
 impl<R: Real> Dissipation<R> {
     /// Power at a state of a scene, W.
     #[must_use]
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Self {
-        let mut power = Self::default();
         let motion = scene.motion(state);
+        let mut power = Self::of_applied_force(scene, &motion);
         let turning = motion.angular_velocity;
         scene.visit_contacts(&motion, |contact| {
             power = power.plus(&force_and_power(scene, contact, turning).1, R::ONE);
@@ -124,11 +137,25 @@ impl<R: Real> Dissipation<R> {
         power
     }
 
+    /// Power of the applied force alone, W.
+    #[inline]
+    fn of_applied_force(scene: &impl Dynamics<R>, motion: &Motion<R>) -> Self {
+        if !scene.force().acts() {
+            return Self::default();
+        }
+        let power = scene.force().power(motion);
+        Self {
+            drag: power.drag,
+            drive: power.drive,
+            ..Self::default()
+        }
+    }
+
     /// Sum over all causes.
     #[inline]
     #[must_use]
     pub fn total(&self) -> R {
-        self.friction + self.damper + self.clamp
+        self.friction + self.damper + self.clamp + self.drag + self.drive
     }
 
     /// Returns `self + other * factor` for each cause.
@@ -139,6 +166,8 @@ impl<R: Real> Dissipation<R> {
             friction: self.friction + other.friction * factor,
             damper: self.damper + other.damper * factor,
             clamp: self.clamp + other.clamp * factor,
+            drag: self.drag + other.drag * factor,
+            drive: self.drive + other.drive * factor,
         }
     }
 }
@@ -170,6 +199,7 @@ fn force_and_power<R: Real>(
         friction: rubbed,
         damper: damper * contact.weight,
         clamp: clamp * contact.weight,
+        ..Dissipation::default()
     };
     (
         contact.normal * (normal_force * contact.weight) + friction,
@@ -208,7 +238,8 @@ impl<R: Real> EnergyRates<R> {
     #[must_use]
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Self {
         let motion = scene.motion(state);
-        let (mut load, mut dissipation) = (Load::default(), Dissipation::default());
+        let mut load = Load::default();
+        let mut dissipation = Dissipation::of_applied_force(scene, &motion);
         let (mut contacts, smooth) = (0_u64, scene.body().is_smooth());
         let mut enter = |contact: &Contact<R>, number: u64| {
             let (force, power) = force_and_power(scene, contact, motion.angular_velocity);
@@ -237,6 +268,7 @@ impl<R: Real> EnergyRates<R> {
             .contact_model()
             .visit_rims(&motion, |contact| enter(contact, 0));
         let (of_rims, _) = scene.contact_model().rims_energy(&motion);
+        scene.add_applied_force(&mut load, &motion);
         Self {
             energy: Energy::moving(scene, state, &motion, springs + of_rims),
             dissipation,

@@ -184,15 +184,25 @@ pub enum StepError {
     /// the length is 0 or infinite.
     #[error("the {0} before the step must be finite{nor_zero}", nor_zero = if_orientation(*.0))]
     BadState(Quantity),
+    /// The applied force changes so fast with the velocities that no part of the step could be
+    /// solved. Examples are a lift that would turn the velocity by a thousand radians
+    /// in a step, and quadratic drag on the spin of a needle about its own axis.
+    #[error(
+        "the applied force must change little within a step, got a step of {seconds:e} s: shorten the time step, or check the force with `contract::check_force`"
+    )]
+    ForceTooSteep {
+        /// Length of the step, s.
+        seconds: f64,
+    },
     /// The result of the step is not finite. Either the step size exceeds the stability limit of
     /// the integrator, or a number has overflowed.
     #[error(
         "the {0} is no longer finite after the step: shorten the time step or choose an integrator that is stable for it"
     )]
     Diverged(Quantity),
-    /// A ground or a friction law has returned a value that violates its contract.
+    /// A ground, a friction law or an applied force has returned a value that violates its contract.
     #[error(
-        "the {quantity} {}, got {value:e}{}; `contract::check_ground` and `contract::check_friction` find such values before a run",
+        "the {quantity} {}, got {value:e}{}; `contract::check_ground`, `check_friction` and `check_force` find such values before a run",
         .quantity.rule(),
         .quantity.unit()
     )]
@@ -258,6 +268,22 @@ pub enum StepError {
     BadDuration {
         /// Requested time, s.
         seconds: f64,
+    },
+    /// The time within a step is negative, NaN, or above the length of the step.
+    #[error("the time within a step must be from 0 s to its length of {length} s, got {seconds} s")]
+    BadTime {
+        /// Requested time, s.
+        seconds: f64,
+        /// Length of the step, s.
+        length: f64,
+    },
+    /// The value of an event is NaN.
+    #[error("the value of the event with index {event} must not be NaN, got NaN at {time} s")]
+    BadEvent {
+        /// Index of the event in the array of the run.
+        event: usize,
+        /// Time since the start of the session, s.
+        time: f64,
     },
     /// The limit of a step is negative or NaN.
     #[error("the limit of a step must be at least 0 s, got {seconds} s")]
@@ -345,6 +371,8 @@ pub enum Role {
     GroundLaw,
     /// A [`SlidingFriction`](crate::SlidingFriction) law.
     FrictionLaw,
+    /// An applied [`Force`](crate::Force).
+    AppliedForce,
 }
 
 impl core::fmt::Display for Role {
@@ -353,6 +381,7 @@ impl core::fmt::Display for Role {
             Self::GroundShape => "shape of the ground",
             Self::GroundLaw => "contact law of the ground",
             Self::FrictionLaw => "friction law",
+            Self::AppliedForce => "applied force",
         })
     }
 }
@@ -379,6 +408,12 @@ pub enum LawQuantity {
     FrictionPower,
     /// Torque or rotation speed of a [`RollingResistance`](crate::RollingResistance).
     RollingResistance,
+    /// Magnitude of an applied [`Force`](crate::Force), N.
+    AppliedForce,
+    /// Magnitude of the torque of an applied [`Force`](crate::Force), N m.
+    AppliedTorque,
+    /// Power of an applied force that is passive, W.
+    AppliedPower,
 }
 
 impl LawQuantity {
@@ -393,6 +428,7 @@ impl LawQuantity {
             Self::FrictionForce | Self::FrictionPower | Self::RollingResistance => {
                 Role::FrictionLaw
             }
+            Self::AppliedForce | Self::AppliedTorque | Self::AppliedPower => Role::AppliedForce,
         }
     }
 
@@ -403,8 +439,8 @@ impl LawQuantity {
             Self::Gap | Self::SpringForce | Self::NormalForce | Self::MeanForce => Rule::NotNan,
             Self::Normal => Rule::UnitLength,
             Self::SpringEnergy | Self::RollingResistance => Rule::AtLeastZero,
-            Self::FrictionForce => Rule::Finite,
-            Self::FrictionPower => Rule::AtMostZero,
+            Self::FrictionForce | Self::AppliedForce | Self::AppliedTorque => Rule::Finite,
+            Self::FrictionPower | Self::AppliedPower => Rule::AtMostZero,
         }
     }
 
@@ -415,7 +451,8 @@ impl LawQuantity {
             Self::Gap => " m",
             Self::Normal | Self::RollingResistance => "",
             Self::SpringEnergy => " J",
-            Self::FrictionPower => " W",
+            Self::FrictionPower | Self::AppliedPower => " W",
+            Self::AppliedTorque => " N m",
             _ => " N",
         }
     }
@@ -433,6 +470,9 @@ impl core::fmt::Display for LawQuantity {
             Self::FrictionForce => "friction force",
             Self::FrictionPower => "power of the friction force",
             Self::RollingResistance => "rolling resistance",
+            Self::AppliedForce => "force",
+            Self::AppliedTorque => "torque",
+            Self::AppliedPower => "power",
         })?;
         write!(f, " of the {}", self.role())
     }

@@ -35,6 +35,8 @@
 //! | measure the error on your scene | [`work_precision`](mod@work_precision) |
 //! | audit the energy of a run | [`Ledger`] |
 //! | sample a run at given times | [`Timed`] |
+//! | find the moments of touch-downs, apexes or the end of a slip | [`Event`], [`Session::run_until_event`] |
+//! | sample a state within a step | [`Session::dense_step`] |
 //! | compute the orientation of a free body at any time | [`FreeRotation`] |
 //! | throw dice and coins in a game | [`guide::game`] |
 //! | know on which face a body ends, or toss it a million times | [`guide::outcomes`] |
@@ -61,13 +63,16 @@
 //!   ([`LoadDependentCoulomb`]), or two directions ([`AnisotropicCoulomb`]). [`WithResistance`]
 //!   adds resistance to rolling and spinning to any law. The law may vary over the ground
 //!   ([`FrictionPatch`], [`FrictionField`]).
+//! - An applied force: drag, lift of a spinning ball, wind, a constant force, or your own
+//!   ([`Force`]).
 //! - Bodies: rings of points ([`Coin`]), solids ([bodies](body#bodies)), and composites of solids
 //!   and points ([`Solid`], [`MassProperties`], [`PointCloud`]).
 //! - The energy by kind ([`Energy`]) and the energy audit of a run ([`Ledger`]).
 //!
 //! # What is not modelled
 //!
-//! - Several bodies, joints, motors, air drag, a ground that moves or is deformed for good.
+//! - Several bodies, joints, motors, a ground that moves or is deformed for good. An applied force
+//!   acts at the centre of mass and does not depend on time.
 //! - Sticking: on a slope of angle θ a body creeps at `slip_speed · tan θ/(coefficient - tan θ)`.
 //!   At a slip speed of 1e-10 m/s this is a millimetre in four months.
 //! - A given coefficient of restitution: bounces follow from spring and damper.
@@ -91,7 +96,7 @@
 //!
 //! | | promise | shown by |
 //! |---|---|---|
-//! | G1 | With [`EnergyMomentum`] the computed energy never increases, not even by one unit in the last place, at any step size, stiffness, damping, friction, spin, size, shape and precision. | `tests/limits/contract.rs` (random scenes), `tests/limits/extremes.rs` (a sweep of the extremes), [derivation](guide::energy) |
+//! | G1 | With [`EnergyMomentum`] the computed energy never increases, not even by one unit in the last place, at any step size, stiffness, damping, friction, spin, size, shape and precision. If an applied force drives the body, the energy increases at most by the work that the step states. | `tests/limits/contract.rs` (random scenes), `tests/limits/extremes.rs` (a sweep of the extremes), [derivation](guide::energy) |
 //! | G2 | The body stays rigid: distances and the orientation's length stay at rounding, however long the run. | `tests/physics/rigidity.rs`, up to 10⁷ steps |
 //! | G3 | The energy audit adds up: the energy equals the energy at the start, minus the energy that friction, dampers and separation dissipated, plus the energy error. The energy error is the integrator's own. It falls at the integrator's order, through touch-downs too, and with the tolerance of an adaptive method. | `tests/physics/truth.rs`, against the true works of all eight trials |
 //! | G4 | Accuracy is a number: each integrator states order, cost, stability limit, and when it can add energy. | `tests/physics/truth.rs`, `tests/physics/energy.rs` (both sides of each limit), `examples/accuracy`, [tables](guide::accuracy); `tests/validation`, [closed forms and printed numbers](guide::validation) |
@@ -100,7 +105,7 @@
 //! | G7 | Same input, same bits, on every machine that follows IEEE 754: `+ - * /` and square root in one order, other functions from `libm` or, for `f32`, from the crate, and no fused operations. | [`real`], by construction; `tests/bits.rs`, stored hashes of every integrator and law, on any machine and profile; `.ci/targets.sh`, the same hashes on other processors; `tests/physics/symmetry.rs` |
 //! | G8 | Invalid input returns a typed error with the quantity, its rule and its value. If a step fails, or a law breaks its contract, the last valid state is kept. | `tests/limits/bad_input.rs`, one test for each parameter |
 //! | G9 | [`State`] is plain data: a run from a saved and loaded state has the same bits, and so has a saved [`Session`] that is resumed. | `tests/physics/symmetry.rs` |
-//! | G10 | Your own body, ground, friction law or integrator is as good as a built-in one, and its contract can be checked. | `tests/downstream`, `tests/limits/contract.rs` |
+//! | G10 | Your own body, ground, friction law, force or integrator is as good as a built-in one, and its contract can be checked. | `tests/downstream`, `tests/limits/contract.rs` |
 //!
 //! # Integrators
 //!
@@ -143,9 +148,11 @@
 //! - [a ground](guide::extending::ground): [`SpringDamperGround`], [`contract::check_ground`]
 //! - [a friction law](guide::extending::friction): [`SlidingFriction`],
 //!   [`contract::check_friction`]
+//! - [an applied force](guide::extending::force): [`Force`], [`contract::check_force`]
 //! - [an integrator](guide::extending::integrator): [`Integrator`], [`contract::check_integrator`],
 //!   [`contract::check_energy_never_rises`]
 //! - [an observer](guide::extending::observer): [`Observer`], or a closure
+//! - an event: [`Event`], or a closure
 //!
 //! [`guide::extending`] has a page for each role: what to implement, what is provided, what the
 //! check tests, and a complete example. `tests/downstream` in the repository is a crate with one
@@ -179,6 +186,8 @@ pub mod energy;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 pub mod error;
+pub mod event;
+pub mod force;
 pub mod free_rotation;
 pub mod friction;
 pub mod gravity;
@@ -204,9 +213,16 @@ pub use body::{
     InertiaProperties, MassProperties, PointCloud, PointMass, RigidPointBody, Rim, Rod, Solid,
     SolidCoin, Sphere,
 };
-pub use contact::{Contact, ContactModel, Load, LowestPoint, Motion};
+pub use contact::{Contact, ContactModel, Load, LowestPoint};
 pub use energy::{Dissipation, Energy, EnergyRates};
 pub use error::{SceneError, StepError};
+pub use event::{
+    Apex, ContactCloses, ContactOpens, Event, EventDirection, EventEnd, EventWith, Landing,
+    LiftOff, Occurrence, SlipEnds,
+};
+pub use force::{
+    AirDrag, ConstantForce, Force, ForcePower, NoForce, SpinDrag, SpinLift, Wind, Wrench,
+};
 pub use free_rotation::FreeRotation;
 pub use friction::{
     AnisotropicCoulomb, Coulomb, FrictionField, FrictionJacobian, FrictionPatch, Frictionless,
@@ -228,8 +244,8 @@ pub use outcome::{Barriers, Basin, Faces, HullFace, Outcome};
 pub use real::Real;
 pub use rotation::Rotation;
 pub use scene::{Dynamics, Rates, Scene};
-pub use session::{Moment, SavedSession, Session};
-pub use state::State;
+pub use session::{DenseStep, Moment, SavedSession, Session};
+pub use state::{Motion, State};
 pub use stepper::{Stepper, StepperBuilder};
 pub use trial::{Start, Trial};
 
@@ -240,7 +256,7 @@ pub use trial::{Start, Trial};
 /// - When is heads or tails decided, and how sure is a count? [`outcomes`](guide::outcomes)
 /// - How accurate is a run at the extremes, and where is it only stable?
 ///   [`accuracy`](guide::accuracy)
-/// - How do I add a body, a ground, a friction law, an integrator, an observer?
+/// - How do I add a body, a ground, a friction law, a force, an integrator, an observer?
 ///   [`extending`](guide::extending)
 /// - Why does the energy never increase? [`energy`](guide::energy)
 /// - Does the model reproduce known results? [`validation`](guide::validation), and a comparison
@@ -287,6 +303,9 @@ pub mod guide {
 
         #[doc = include_str!("guide/extending/friction.md")]
         pub mod friction {}
+
+        #[doc = include_str!("guide/extending/force.md")]
+        pub mod force {}
 
         #[doc = include_str!("guide/extending/integrator.md")]
         pub mod integrator {}

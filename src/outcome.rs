@@ -42,6 +42,7 @@ pub use hull::HullFace;
 
 use crate::body::RigidPointBody;
 use crate::energy::Energy;
+use crate::force::Force;
 use crate::ground::{GroundBounds, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
@@ -157,7 +158,8 @@ where
     /// Computes the barriers of a scene.
     ///
     /// Returns `None` if there is no bound: no ground, ground that is not a level plane, gravity
-    /// that does not point along -z, or springs so soft that the body sinks in completely.
+    /// that does not point along -z, springs so soft that the body sinks in completely, or an
+    /// applied force that is not passive.
     ///
     /// It costs some thousand evaluations of the springs' energy, and for a body with a round rim
     /// some hundred thousand.
@@ -166,6 +168,10 @@ where
         let GroundBounds::Plane(plane) = scene.ground().bounds() else {
             return None;
         };
+        // A drive can lift the body over any barrier.
+        if scene.force().acts() && !scene.force().is_passive() {
+            return None;
+        }
         let gravity = scene.gravity();
         let is_level = plane.is_level() && gravity.x() == R::ZERO && gravity.y() == R::ZERO;
         let weight = scene.inertia_properties().mass() * -gravity.z();

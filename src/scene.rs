@@ -1,4 +1,4 @@
-//! Body, ground, friction and gravity together, checked once.
+//! Body, ground, friction, gravity and applied force together, checked once.
 
 mod diagnosed;
 #[cfg(feature = "serde")]
@@ -11,6 +11,7 @@ pub(crate) use screened::{Alarm, ScreenedScene};
 use crate::body::{InertiaProperties, RigidPointBody};
 use crate::contact::{Contact, ContactModel, Load, Motion};
 use crate::error::{self, SceneError};
+use crate::force::{Force, NoForce};
 use crate::friction::SlidingFriction;
 use crate::gravity::Gravity;
 use crate::ground::{GroundBounds, SpringDamperGround};
@@ -18,7 +19,7 @@ use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::State;
 
-/// Body on a ground under gravity, as an integrator uses it.
+/// Body on a ground under gravity and an applied force, as an integrator uses it.
 ///
 /// *For authors of integrators:* [`motion`](Self::motion) converts a state into the quantities on
 /// which forces depend. [`load`](Self::load) returns the force and torque of all contacts there,
@@ -32,11 +33,16 @@ pub trait Dynamics<R: Real = f64> {
     type Ground: SpringDamperGround<R>;
     /// Type of the friction law.
     type Friction: SlidingFriction<R>;
+    /// Type of the applied force.
+    type Force: Force<R>;
 
     /// Body, ground and friction law, with the functions of contact.
     fn contact_model(&self) -> ContactModel<'_, Self::Body, Self::Ground, Self::Friction, R>;
-    /// Acceleration of gravity, m/s², world axes.
+    /// Acceleration by gravity and by the [constant part](Force::constant_force) of the applied
+    /// force, m/s², world axes.
     fn gravity(&self) -> R::Vec3;
+    /// Applied force, in addition to gravity and contacts.
+    fn force(&self) -> &Self::Force;
     /// Mass and inertia of the body.
     fn inertia_properties(&self) -> &InertiaProperties<R>;
 
@@ -94,10 +100,23 @@ pub trait Dynamics<R: Real = f64> {
         self.contact_model().visit(motion, visit);
     }
 
-    /// Force and torque of all contacts, without gravity.
+    /// Force and torque of all contacts and of the applied force, without gravity.
     #[inline(always)]
     fn load(&self, motion: &Motion<R>) -> Load<R> {
-        self.contact_model().load(motion)
+        let mut load = self.contact_model().load(motion);
+        self.add_applied_force(&mut load, motion);
+        load
+    }
+
+    /// Adds the applied force to the load of the contacts. Its constant part belongs to
+    /// [`gravity`](Self::gravity). A scene without an applied force costs nothing.
+    #[inline(always)]
+    fn add_applied_force(&self, load: &mut Load<R>, motion: &Motion<R>) {
+        if self.force().acts() {
+            let applied = self.force().wrench(motion);
+            load.force += applied.force;
+            load.torque += applied.torque;
+        }
     }
 }
 
@@ -116,16 +135,17 @@ pub(crate) fn size<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> R {
 /// Rates of change of a state, world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates<R: Real = f64> {
-    /// Acceleration of the centre of mass by contacts and gravity, m/s².
+    /// Acceleration of the centre of mass, m/s².
     pub acceleration: R::Vec3,
-    /// Torque of the contacts about the centre of mass, N m: the rate of the angular momentum.
+    /// Torque about the centre of mass, N m: the rate of the angular momentum.
     pub torque: R::Vec3,
     /// Angular velocity, rad/s.
     pub angular_velocity: R::Vec3,
 }
 
 impl<R: Real> Rates<R> {
-    /// Rates for a motion of a scene under the load of its contacts.
+    /// Rates for a motion of a scene under a load and gravity. [`Dynamics::load`] contains the
+    /// contacts and the applied force.
     #[inline]
     #[must_use]
     pub fn under(load: &Load<R>, scene: &impl Dynamics<R>, motion: &Motion<R>) -> Self {
@@ -137,13 +157,15 @@ impl<R: Real> Rates<R> {
     }
 }
 
-/// Body, ground, friction and gravity, checked, with the computed mass properties of the body.
+/// Body, ground, friction, gravity and applied force, checked, with the computed mass properties of
+/// the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scene<B, G, F, A, R: Real = f64> {
+pub struct Scene<B, G, F, A, R: Real = f64, E = NoForce> {
     body: B,
     ground: G,
     friction: F,
     gravity: A,
+    force: E,
     inertia_properties: InertiaProperties<R>,
     bounding_radius: R,
     has_radii: bool,
@@ -157,7 +179,7 @@ where
     F: SlidingFriction<R>,
     A: Gravity<R>,
 {
-    /// Composes a scene.
+    /// Composes a scene without an applied force. [`with_force`](Self::with_force) adds one.
     ///
     /// # Errors
     /// Returns [`SceneError`] if body, ground, friction or gravity is invalid, or if the weight,
@@ -191,41 +213,99 @@ where
             ground,
             friction,
             gravity,
+            force: NoForce,
         })
     }
 }
 
-impl<R: Real, B, G, F, A> Scene<B, G, F, A, R> {
-    /// Returns the four parts.
-    pub(crate) fn into_parts(self) -> (B, G, F, A) {
-        (self.body, self.ground, self.friction, self.gravity)
+impl<R, B, G, F, A, E> Scene<B, G, F, A, R, E>
+where
+    R: Real,
+    A: Gravity<R>,
+{
+    /// Replaces the applied force.
+    ///
+    /// # Errors
+    /// Returns [`SceneError`] if a parameter of the force is invalid, or if the acceleration by its
+    /// constant part overflows. The error names the quantity, the rule and the value.
+    pub fn with_force<E2: Force<R>>(
+        self,
+        force: E2,
+    ) -> Result<Scene<B, G, F, A, R, E2>, SceneError> {
+        force.check()?;
+        let scene = Scene {
+            body: self.body,
+            ground: self.ground,
+            friction: self.friction,
+            gravity: self.gravity,
+            force,
+            inertia_properties: self.inertia_properties,
+            bounding_radius: self.bounding_radius,
+            has_radii: self.has_radii,
+        };
+        let weight = scene.acceleration().length() * scene.inertia_properties.mass();
+        error::finite("weight and constant force", weight, " N")?;
+        Ok(scene)
     }
 }
 
-impl<R, B, G, F, A> Scene<B, G, F, A, R>
+impl<R, B, G, F, A, E> Scene<B, G, F, A, R, E>
+where
+    R: Real,
+    A: Gravity<R>,
+    E: Force<R>,
+{
+    /// Acceleration by gravity and by the constant part of the applied force, m/s².
+    #[inline(always)]
+    fn acceleration(&self) -> R::Vec3 {
+        let gravity = self.gravity.acceleration();
+        match self.force.constant_force() {
+            Some(force) => gravity + force * self.inertia_properties.inverse_mass(),
+            None => gravity,
+        }
+    }
+}
+
+impl<R: Real, B, G, F, A, E> Scene<B, G, F, A, R, E> {
+    /// Returns the five parts.
+    pub(crate) fn into_parts(self) -> (B, G, F, A, E) {
+        (
+            self.body,
+            self.ground,
+            self.friction,
+            self.gravity,
+            self.force,
+        )
+    }
+}
+
+impl<R, B, G, F, A, E> Scene<B, G, F, A, R, E>
 where
     R: Real,
     G: SpringDamperGround<R>,
     F: SlidingFriction<R>,
+    E: Force<R>,
 {
     /// Returns true if a step need not check the values that the laws return.
     #[inline(always)]
     pub(crate) fn is_trusted(&self) -> bool {
-        self.ground.is_trusted() && self.friction.is_trusted()
+        self.ground.is_trusted() && self.friction.is_trusted() && self.force.is_trusted()
     }
 }
 
-impl<R, B, G, F, A> Dynamics<R> for Scene<B, G, F, A, R>
+impl<R, B, G, F, A, E> Dynamics<R> for Scene<B, G, F, A, R, E>
 where
     R: Real,
     B: RigidPointBody<R>,
     G: SpringDamperGround<R>,
     F: SlidingFriction<R>,
     A: Gravity<R>,
+    E: Force<R>,
 {
     type Body = B;
     type Ground = G;
     type Friction = F;
+    type Force = E;
 
     #[inline(always)]
     fn contact_model(&self) -> ContactModel<'_, B, G, F, R> {
@@ -239,7 +319,11 @@ where
     }
     #[inline]
     fn gravity(&self) -> R::Vec3 {
-        self.gravity.acceleration()
+        self.acceleration()
+    }
+    #[inline(always)]
+    fn force(&self) -> &E {
+        &self.force
     }
     #[inline]
     fn inertia_properties(&self) -> &InertiaProperties<R> {

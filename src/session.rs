@@ -1,8 +1,13 @@
 //! Session: one state that is advanced in time, with its clock and the data kept from step to step.
 
+mod events;
+
+pub use events::DenseStep;
+
 use crate::body::RigidPointBody;
 use crate::energy::Energy;
 use crate::error::{self, SceneError, StepError};
+use crate::force::{Force, NoForce};
 use crate::friction::{Frictionless, SlidingFriction};
 use crate::gravity::{Gravity, NoGravity};
 use crate::ground::{NoGround, SpringDamperGround};
@@ -60,8 +65,9 @@ pub struct Session<
     A = NoGravity,
     I: Integrator<R> = EnergyMomentum,
     R: Real = f64,
+    E = NoForce,
 > {
-    stepper: &'a Stepper<B, G, F, A, I, R>,
+    stepper: &'a Stepper<B, G, F, A, I, R, E>,
     state: State<R>,
     workspace: I::Workspace,
     clock: Clock<R>,
@@ -147,7 +153,7 @@ impl<R: Real> SavedSession<R> {
     }
 }
 
-impl<R, B, G, F, A, I> Stepper<B, G, F, A, I, R>
+impl<R, B, G, F, A, I, E> Stepper<B, G, F, A, I, R, E>
 where
     R: Real,
     B: RigidPointBody<R>,
@@ -155,10 +161,11 @@ where
     F: SlidingFriction<R>,
     A: Gravity<R>,
     I: Integrator<R>,
+    E: Force<R>,
 {
     /// Creates a session with this state, at the time 0 s.
     #[must_use]
-    pub fn session(&self, state: State<R>) -> Session<'_, B, G, F, A, I, R> {
+    pub fn session(&self, state: State<R>) -> Session<'_, B, G, F, A, I, R, E> {
         Session {
             stepper: self,
             state,
@@ -179,7 +186,7 @@ where
     pub fn resume(
         &self,
         saved: &SavedSession<R>,
-    ) -> Result<Session<'_, B, G, F, A, I, R>, SceneError> {
+    ) -> Result<Session<'_, B, G, F, A, I, R, E>, SceneError> {
         saved.check()?;
         let mut session = self.session(saved.state);
         session.clock = saved.clock;
@@ -190,7 +197,7 @@ where
     }
 }
 
-impl<'a, R, B, G, F, A, I> Session<'a, B, G, F, A, I, R>
+impl<'a, R, B, G, F, A, I, E> Session<'a, B, G, F, A, I, R, E>
 where
     R: Real,
     B: RigidPointBody<R>,
@@ -198,6 +205,7 @@ where
     F: SlidingFriction<R>,
     A: Gravity<R>,
     I: Integrator<R>,
+    E: Force<R>,
 {
     /// Takes one step of the integrator's own size.
     ///
@@ -397,7 +405,7 @@ where
 
     /// Returns the stepper.
     #[must_use]
-    pub fn stepper(&self) -> &'a Stepper<B, G, F, A, I, R> {
+    pub fn stepper(&self) -> &'a Stepper<B, G, F, A, I, R, E> {
         self.stepper
     }
 
@@ -586,7 +594,7 @@ fn has_bits_of<R: Real>(state: &State<R>, other: &State<R>) -> bool {
         && p.into_iter().zip(q).all(|(a, b)| same(a, b))
 }
 
-impl<R: Real, B, G, F, A, I: Integrator<R>> Clone for Session<'_, B, G, F, A, I, R> {
+impl<R: Real, B, G, F, A, I: Integrator<R>, E> Clone for Session<'_, B, G, F, A, I, R, E> {
     fn clone(&self) -> Self {
         Self {
             workspace: self.workspace.clone(),
@@ -595,7 +603,9 @@ impl<R: Real, B, G, F, A, I: Integrator<R>> Clone for Session<'_, B, G, F, A, I,
     }
 }
 
-impl<R: Real, B, G, F, A, I: Integrator<R>> core::fmt::Debug for Session<'_, B, G, F, A, I, R> {
+impl<R: Real, B, G, F, A, I: Integrator<R>, E> core::fmt::Debug
+    for Session<'_, B, G, F, A, I, R, E>
+{
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Session")
             .field("state", &self.state)

@@ -1,5 +1,9 @@
 //! The state of a body: position, orientation and motion. Plain data.
 
+mod motion;
+
+pub use motion::Motion;
+
 use crate::error::Quantity;
 use crate::real::{Quaternion, Real, Vector};
 use crate::rotation::Rotation;

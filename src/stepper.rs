@@ -12,6 +12,7 @@ use crate::body::RigidPointBody;
 use crate::contact::LowestPoint;
 use crate::energy::Energy;
 use crate::error::{Quantity, SceneError, StepError};
+use crate::force::{Force, NoForce};
 use crate::free_rotation::FreeRotation;
 use crate::friction::{Frictionless, SlidingFriction};
 use crate::gravity::{Gravity, NoGravity};
@@ -32,7 +33,8 @@ use crate::state::State;
 /// The caller owns the state. One stepper therefore serves any number of states, also from several
 /// threads.
 ///
-/// The type names body, ground, friction, gravity, integrator and precision, in this order. For a
+/// The type names body, ground, friction, gravity, integrator, precision and applied force, in this
+/// order. For a
 /// field of your own struct, name only what differs from empty space, from [`EnergyMomentum`] and
 /// from `f64`:
 ///
@@ -79,8 +81,9 @@ pub struct Stepper<
     A = NoGravity,
     I = EnergyMomentum,
     R: Real = f64,
+    E = NoForce,
 > {
-    scene: Scene<B, G, F, A, R>,
+    scene: Scene<B, G, F, A, R, E>,
     integrator: I,
 }
 
@@ -105,17 +108,18 @@ impl<R: Real, B: RigidPointBody<R>>
     ) -> StepperBuilder<B, NoGround, Frictionless, NoGravity, EnergyMomentum<R>, R> {
         let time_step = R::from_f64(1e-3);
         let integrator = EnergyMomentum { time_step };
-        StepperBuilder::new(body, NoGround, Frictionless, NoGravity, integrator)
+        StepperBuilder::new(body, NoGround, Frictionless, NoGravity, integrator, NoForce)
     }
 }
 
-impl<R, B, G, F, A, I> Stepper<B, G, F, A, I, R>
+impl<R, B, G, F, A, I, E> Stepper<B, G, F, A, I, R, E>
 where
     R: Real,
     B: RigidPointBody<R>,
     G: SpringDamperGround<R>,
     F: SlidingFriction<R>,
     A: Gravity<R>,
+    E: Force<R>,
 {
     /// Replaces the ground.
     ///
@@ -125,9 +129,9 @@ where
     pub fn with_ground<G2: SpringDamperGround<R>>(
         self,
         ground: G2,
-    ) -> Result<Stepper<B, G2, F, A, I, R>, SceneError> {
-        let (body, _, friction, gravity) = self.scene.into_parts();
-        Stepper::compose(body, ground, friction, gravity, self.integrator)
+    ) -> Result<Stepper<B, G2, F, A, I, R, E>, SceneError> {
+        let (body, _, friction, gravity, force) = self.scene.into_parts();
+        Stepper::compose(body, ground, friction, gravity, force, self.integrator)
     }
 
     /// Replaces the friction law.
@@ -138,9 +142,9 @@ where
     pub fn with_friction<F2: SlidingFriction<R>>(
         self,
         friction: F2,
-    ) -> Result<Stepper<B, G, F2, A, I, R>, SceneError> {
-        let (body, ground, _, gravity) = self.scene.into_parts();
-        Stepper::compose(body, ground, friction, gravity, self.integrator)
+    ) -> Result<Stepper<B, G, F2, A, I, R, E>, SceneError> {
+        let (body, ground, _, gravity, force) = self.scene.into_parts();
+        Stepper::compose(body, ground, friction, gravity, force, self.integrator)
     }
 
     /// Replaces gravity.
@@ -150,9 +154,24 @@ where
     pub fn with_gravity<A2: Gravity<R>>(
         self,
         gravity: A2,
-    ) -> Result<Stepper<B, G, F, A2, I, R>, SceneError> {
-        let (body, ground, friction, _) = self.scene.into_parts();
-        Stepper::compose(body, ground, friction, gravity, self.integrator)
+    ) -> Result<Stepper<B, G, F, A2, I, R, E>, SceneError> {
+        let (body, ground, friction, _, force) = self.scene.into_parts();
+        Stepper::compose(body, ground, friction, gravity, force, self.integrator)
+    }
+
+    /// Replaces the applied force, for example [`AirDrag`](crate::AirDrag). A tuple applies several.
+    ///
+    /// # Errors
+    /// Returns [`SceneError`] if a parameter of the force is invalid. The error names the quantity,
+    /// the rule and the value.
+    pub fn with_force<E2: Force<R>>(
+        self,
+        force: E2,
+    ) -> Result<Stepper<B, G, F, A, I, R, E2>, SceneError> {
+        Ok(Stepper {
+            scene: self.scene.with_force(force)?,
+            integrator: self.integrator,
+        })
     }
 
     /// Replaces the integrator.
@@ -163,7 +182,7 @@ where
     pub fn with_integrator<I2: Integrator<R>>(
         self,
         integrator: I2,
-    ) -> Result<Stepper<B, G, F, A, I2, R>, SceneError> {
+    ) -> Result<Stepper<B, G, F, A, I2, R, E>, SceneError> {
         integrator.check()?;
         Ok(Stepper {
             scene: self.scene,
@@ -176,18 +195,20 @@ where
         ground: G,
         friction: F,
         gravity: A,
+        force: E,
         integrator: I,
     ) -> Result<Self, SceneError> {
         Ok(Self {
-            scene: Scene::new(body, ground, friction, gravity)?,
+            scene: Scene::new(body, ground, friction, gravity)?.with_force(force)?,
             integrator,
         })
     }
 
-    /// Returns the scene: body, ground, friction and gravity. Use it for queries about a state.
+    /// Returns the scene: body, ground, friction, gravity and applied force. Use it for queries
+    /// about a state.
     #[inline]
     #[must_use]
-    pub fn scene(&self) -> &Scene<B, G, F, A, R> {
+    pub fn scene(&self) -> &Scene<B, G, F, A, R, E> {
         &self.scene
     }
 
@@ -336,11 +357,12 @@ where
     /// stays.
     ///
     /// Returns `None` if there is no bound: no ground, ground that is not a level plane, gravity
-    /// that does not point along -z, or springs that do not carry the body. Call it once for many
+    /// that does not point along -z, springs that do not carry the body, or an applied force that
+    /// is not passive. Call it once for many
     /// states.
     #[must_use]
     #[allow(clippy::type_complexity, reason = "the scene's parts are its type")]
-    pub fn barriers(&self) -> Option<Barriers<'_, Scene<B, G, F, A, R>, R>>
+    pub fn barriers(&self) -> Option<Barriers<'_, Scene<B, G, F, A, R, E>, R>>
     where
         B: Faces<R>,
     {
@@ -348,7 +370,7 @@ where
     }
 }
 
-impl<R, B, G, F, A, I> Stepper<B, G, F, A, I, R>
+impl<R, B, G, F, A, I, E> Stepper<B, G, F, A, I, R, E>
 where
     R: Real,
     B: RigidPointBody<R>,
@@ -356,6 +378,7 @@ where
     F: SlidingFriction<R>,
     A: Gravity<R>,
     I: Integrator<R>,
+    E: Force<R>,
 {
     /// Largest step size (s) for which the integrator is stable on the contacts that touch in
     /// `state`. Returns `None` if there is no bound: an implicit or adaptive integrator, a body in
@@ -775,7 +798,7 @@ fn most_steps<R: Real>() -> R {
 
 /// Returns [`StepError::TooManySamples`] if the interval is too short. It is too short if the
 /// sample times are not distinct numbers, or if a run has more than 4·10⁹ samples.
-fn check_samples<R: Real>(seconds: R, interval: Option<R>) -> Result<(), StepError> {
+pub(crate) fn check_samples<R: Real>(seconds: R, interval: Option<R>) -> Result<(), StepError> {
     let most = (R::TWO / R::EPSILON).at_most(R::from_f64(4.0e9));
     match interval {
         Some(interval) if seconds > interval * most => Err(StepError::TooManySamples {
@@ -911,7 +934,7 @@ impl<R: Real> Clock<R> {
     }
 
     #[inline]
-    fn left(&self, seconds: R) -> R {
+    pub(crate) fn left(&self, seconds: R) -> R {
         (seconds - self.time) + self.lost
     }
 
@@ -967,7 +990,7 @@ impl<R: Real> Clock<R> {
 
     /// Adds seconds by Knuth's two-sum, which is exact whichever number is larger.
     #[inline]
-    fn advance_by(&mut self, seconds: R) {
+    pub(crate) fn advance_by(&mut self, seconds: R) {
         let corrected = seconds - self.lost;
         let next = self.time + corrected;
         let part = next - self.time;

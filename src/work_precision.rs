@@ -35,6 +35,7 @@ use core::time::Duration;
 use std::time::Instant;
 
 use crate::error::{SceneError, StepError};
+use crate::force::Force;
 use crate::gravity::UniformGravity;
 use crate::integrator::{
     BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, ForwardEuler, Integrator, Nystrom,
@@ -412,9 +413,19 @@ type Borrowed<'a, R, D, I> = Stepper<
     UniformGravity<R>,
     I,
     R,
+    &'a <D as Dynamics<R>>::Force,
 >;
 
 impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
+    /// Gravity without the constant part of the applied force, m/s².
+    fn gravity(&self) -> R::Vec3 {
+        let gravity = self.scene.gravity();
+        match self.scene.force().constant_force() {
+            Some(force) => gravity - force * self.scene.inertia_properties().inverse_mass(),
+            None => gravity,
+        }
+    }
+
     fn stepper<I: Integrator<R>>(
         &self,
         integrator: I,
@@ -423,8 +434,9 @@ impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
             .ground(self.scene.ground())
             .friction(self.scene.friction())
             .gravity(UniformGravity {
-                acceleration: self.scene.gravity(),
+                acceleration: self.gravity(),
             })
+            .force(self.scene.force())
             .integrator(integrator)
             .build()
     }

@@ -10,12 +10,12 @@
 //! ```
 
 use super::load::Load;
-use super::motion::Motion;
 use crate::body::ContactPoint;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
+use crate::state::Motion;
 
 /// Number of contacts of a block, which are computed in lanes.
 ///

@@ -1,13 +1,13 @@
 //! The point of a body that is lowest above the ground.
 
 use super::model::ContactModel;
-use super::motion::Motion;
 use super::point::facing_ground;
 use super::rims;
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
+use crate::state::Motion;
 
 /// Lowest point of a body's surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

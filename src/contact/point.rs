@@ -1,11 +1,11 @@
 //! One contact that touches: its geometry, its velocity and its force.
 
-use super::motion::Motion;
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
+use crate::state::Motion;
 
 /// Contact that touches, with position, penetration depth and velocity, world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]

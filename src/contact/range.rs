@@ -1,12 +1,12 @@
 //! Which contacts can touch: a range that includes all of them, from the body's hint.
 
 use super::model::ContactModel;
-use super::motion::Motion;
 use crate::body::{ContactRange, RigidPointBody};
 use crate::friction::SlidingFriction;
 use crate::ground::{GroundBounds, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
+use crate::state::Motion;
 
 impl<R, B, G, F> ContactModel<'_, B, G, F, R>
 where

@@ -16,13 +16,13 @@ use discontinuities::discontinuities_over;
 pub(crate) use discontinuities::{Discontinuities, Velocities, discontinuities};
 use sweep::{Sweep, visit_between};
 
-use super::motion::Motion;
 use super::point::Contact;
 use crate::body::{Arc, ContactPoint, Panel, Panels, QUARTER, Rim, SHORT};
 use crate::friction::SlidingFriction;
 use crate::ground::{GroundBounds, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
+use crate::state::Motion;
 
 /// Arc of a rim below the plane that touches the ground under the rim's lowest point.
 #[inline]

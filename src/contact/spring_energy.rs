@@ -1,13 +1,13 @@
 //! Energy in the springs of the ground under a body.
 
 use super::model::ContactModel;
-use super::motion::Motion;
 use super::point::Contact;
 use super::rims;
 use crate::body::RigidPointBody;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
+use crate::state::Motion;
 
 impl<R, B, G, F> ContactModel<'_, B, G, F, R>
 where

@@ -3,13 +3,13 @@
 use super::level;
 use super::load::Load;
 use super::model::ContactModel;
-use super::motion::Motion;
 use super::rims::{self, Touching};
 use crate::body::{ContactRange, RigidPointBody};
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
+use crate::state::Motion;
 
 impl<R, B, G, F> ContactModel<'_, B, G, F, R>
 where

@@ -1,13 +1,13 @@
 //! A visit to each contact that touches, on the points of a body and on its rims.
 
 use super::model::ContactModel;
-use super::motion::Motion;
 use super::point::Contact;
 use super::rims::{self, Touching};
 use crate::body::{ContactRange, RigidPointBody};
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::Real;
+use crate::state::Motion;
 
 // The inlining hints here and in `total_load` make the compiler treat a step as one piece, without
 // passing data between stages through memory. The loop over contacts as a separate function took

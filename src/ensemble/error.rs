@@ -109,12 +109,15 @@ impl From<StepError> for TossError {
             StepError::BudgetSpent { .. } => "budget spent",
             StepError::BadEnergy { .. } => "invalid energy",
             StepError::StepTooLong { .. } => "step too long",
+            StepError::ForceTooSteep { .. } => "force too steep",
             StepError::Stalled => "stalled",
             StepError::BadDuration { .. } => "invalid duration",
             StepError::BadLimit { .. } => "invalid limit",
             StepError::BadImpulse { .. } => "invalid impulse",
             StepError::TooManySteps { .. } => "too many steps",
             StepError::TooManySamples { .. } => "too many samples",
+            StepError::BadTime { .. } => "time outside of a step",
+            StepError::BadEvent { .. } => "event without a value",
         };
         Self::new(kind, error.to_string())
     }

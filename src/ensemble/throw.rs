@@ -6,6 +6,7 @@ use super::error::{EnsembleError, TossError};
 use super::scene_hash::SceneHash;
 use super::start::StartDistribution;
 use super::toss::Toss;
+use crate::force::{Force, NoForce};
 use crate::friction::SlidingFriction;
 use crate::gravity::Gravity;
 use crate::ground::SpringDamperGround;
@@ -22,14 +23,14 @@ use crate::stepper::Stepper;
 /// [`Barriers`](crate::Barriers) prove the face. A toss that is not decided within the given time
 /// is undecided, and is counted as such.
 #[derive(Debug)]
-pub struct Throw<'a, B, G, F, A, I, S, R: Real = f64> {
-    stepper: &'a Stepper<B, G, F, A, I, R>,
-    barriers: Barriers<'a, Scene<B, G, F, A, R>, R>,
+pub struct Throw<'a, B, G, F, A, I, S, R: Real = f64, E = NoForce> {
+    stepper: &'a Stepper<B, G, F, A, I, R, E>,
+    barriers: Barriers<'a, Scene<B, G, F, A, R, E>, R>,
     start: S,
     seconds: R,
 }
 
-impl<'a, R, B, G, F, A, I, S> Throw<'a, B, G, F, A, I, S, R>
+impl<'a, R, B, G, F, A, I, S, E> Throw<'a, B, G, F, A, I, S, R, E>
 where
     R: Real,
     B: Faces<R>,
@@ -38,6 +39,7 @@ where
     A: Gravity<R>,
     I: Integrator<R>,
     S: StartDistribution<R>,
+    E: Force<R>,
 {
     /// Creates a toss that is followed for at most `seconds`, at least 0.
     ///
@@ -45,7 +47,7 @@ where
     /// Returns [`EnsembleError::NoBarriers`] if the scene has no energy barriers, and
     /// [`EnsembleError::Scene`] if a parameter of the start or the time is invalid.
     pub fn new(
-        stepper: &'a Stepper<B, G, F, A, I, R>,
+        stepper: &'a Stepper<B, G, F, A, I, R, E>,
         start: S,
         seconds: R,
     ) -> Result<Self, EnsembleError> {
@@ -95,7 +97,7 @@ where
     #[must_use]
     pub fn scene_hash(&self) -> SceneHash
     where
-        Stepper<B, G, F, A, I, R>: Debug,
+        Stepper<B, G, F, A, I, R, E>: Debug,
         S: Debug,
     {
         SceneHash::of_debug(&(self.stepper, &self.start, self.seconds))

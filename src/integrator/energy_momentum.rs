@@ -9,7 +9,8 @@
 //!    arithmetic). Only the residual of that solution could increase the energy.
 //! 3. `end_velocity`, `resist`: end-velocity correction for steps that do not resolve friction or
 //!    damping. It uses impulses that only dissipate energy. `turning`: resistance to rolling and
-//!    spinning, if the friction law has it, half before and half after the step.
+//!    spinning, if the friction law has it, half before and half after the step. `applied`: the
+//!    applied force, likewise.
 //! 4. `energy_limit`: a correction if the computed energy exceeds the energy before the step. In
 //!    flight, the rounding is corrected in the last places of the orientation, the height or the
 //!    speed (`flight_rounding`). In contact, both velocities are scaled down until the energy no
@@ -20,6 +21,7 @@
 //!    end passes through stage 4. The induction from step to step therefore needs no assumption on
 //!    convergence.
 
+mod applied;
 mod block;
 mod contacts;
 mod descent;
@@ -242,6 +244,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
     check_energy(&before)?;
     let mut energy = before;
     let mut step = Step::new(dt, 0);
+    applied::pushed(scene, state, &mut energy, dt * R::HALF, &mut step)?;
     turning::resisted(scene, state, &mut energy, dt * R::HALF);
     move_in_parts(scene, state, &mut energy, dt, workspace, &mut step)?;
     let is_suspect = step.fallback || (step.iterations > 0 && dt > R::from_f64(LONG));
@@ -249,6 +252,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
         return Err(too_long(dt));
     }
     turning::resisted(scene, state, &mut energy, dt * R::HALF);
+    applied::pushed(scene, state, &mut energy, dt * R::HALF, &mut step)?;
     if energy.springs > R::ZERO
         && energy_limit::has_come_to_rest(scene, [&start, state], [&before, &energy], dt)
     {
@@ -258,6 +262,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
     if *state == start {
         fall(scene, state, &mut energy, dt, &mut step);
     }
+    applied::close_account(before.total(), energy.total(), &mut step);
     workspace.known = Some((*state, energy, Fingerprint::of(scene, state)));
     workspace.rest = (*state == start).then_some(dt);
     Ok(step)

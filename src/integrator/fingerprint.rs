@@ -1,6 +1,7 @@
 //! Fingerprint of a scene, for a workspace that may be passed from one stepper to another.
 
 use crate::body::RigidPointBody;
+use crate::force::Force;
 use crate::ground::{SpringDamperGround, Surface};
 use crate::real::Real;
 use crate::scene::Dynamics;
@@ -11,7 +12,7 @@ use crate::state::State;
 /// The numbers belong to the body, the gravity and the ground:
 /// - mass, moments and bounding radius
 /// - number of contacts, and number of points that the rim represents
-/// - gravity, and the surface relative to the body
+/// - gravity with the applied force, and the surface relative to the body
 /// - force and energy of a spring at a penetration depth of the bounding radius
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::integrator) struct Fingerprint<R: Real> {
@@ -33,7 +34,7 @@ impl<R: Real> Fingerprint<R> {
             moments: scene.inertia_properties().moments(),
             contacts: scene.body().contacts().len(),
             rim: (scene.body().rims().first()).map_or(R::ZERO, |rim| rim.points()),
-            gravity: scene.gravity(),
+            gravity: accelerated(scene, state),
             surface: scene.probe(|| ground.surface(state.position)),
             spring: scene.probe(|| {
                 [
@@ -43,4 +44,18 @@ impl<R: Real> Fingerprint<R> {
             }),
         }
     }
+}
+
+/// Acceleration by gravity, with the applied force at the state. Its torque is added as the
+/// acceleration at a lever arm of the radius of gyration, whatever the direction.
+#[inline]
+fn accelerated<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> R::Vec3 {
+    let gravity = scene.gravity();
+    if !scene.force().acts() {
+        return gravity;
+    }
+    let applied = scene.probe(|| scene.force().wrench(&scene.motion(state)));
+    let properties = scene.inertia_properties();
+    let per_torque = properties.largest_inverse_moment() * properties.radius_of_gyration();
+    gravity + applied.force * properties.inverse_mass() + applied.torque * per_torque
 }

@@ -16,6 +16,7 @@
 use crate::body::{InertiaProperties, RigidPointBody};
 use crate::energy::Energy;
 use crate::error::{SceneError, StepError};
+use crate::force::Force;
 use crate::free_rotation::FreeRotation;
 use crate::ground::{GroundBounds, Plane, SpringDamperGround};
 use crate::integrator::energy_limit;
@@ -48,6 +49,9 @@ use crate::state::State;
 ///
 /// *Body:* any moments of inertia. For two equal moments the angles are rounded once. For three
 /// different moments they have twice the digits.
+///
+/// *Applied force:* a scene with an applied force ([`Force`](crate::Force)) has no closed form, and
+/// the wrapped integrator takes all steps. A constant force does not matter.
 ///
 /// *Ground:* over a ground with [`GroundBounds::Everywhere`] there is no gain. While the body is in
 /// contact, each step costs one more search for its lowest point.
@@ -214,9 +218,13 @@ struct Leg<'a, R: Real, D> {
 }
 
 impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
-    /// Returns `None` if the ground may be anywhere.
+    /// Returns `None` if the ground may be anywhere, or if an applied force acts. The flight then
+    /// has no closed form.
     #[inline]
     fn from(scene: &'a D, state: &'a State<R>) -> Option<Self> {
+        if scene.force().acts() {
+            return None;
+        }
         let plane = match scene.ground().bounds() {
             GroundBounds::Nowhere => None,
             GroundBounds::Plane(plane) | GroundBounds::Below(plane) => Some(plane),

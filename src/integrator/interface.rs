@@ -180,6 +180,11 @@ pub struct Step<R = f64> {
     ///
     /// It is the energy that the error of the solver would have added.
     pub energy_removed: R,
+    /// Work of the [drives](crate::Force::is_passive) of the scene, J, from
+    /// [`EnergyMomentum`](crate::EnergyMomentum). The energy after the step is at most the energy
+    /// before it plus this work, as computed. It is 0 without a drive. Other integrators state 0;
+    /// the [`Ledger`](crate::Ledger) computes the work for every integrator.
+    pub drive_work: R,
 }
 
 impl<R: Real> Step<R> {
@@ -195,6 +200,7 @@ impl<R: Real> Step<R> {
             iterations: 0,
             fallback: false,
             energy_removed: R::ZERO,
+            drive_work: R::ZERO,
         }
     }
 }

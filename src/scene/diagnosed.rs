@@ -14,9 +14,11 @@ use super::screened::NORMAL;
 use crate::body::{InertiaProperties, RigidPointBody};
 use crate::contact::ContactModel;
 use crate::error::LawQuantity;
+use crate::force::{Force, ForcePower, Wrench};
 use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
 use crate::ground::{GroundBounds, MeanForce, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
+use crate::state::Motion;
 
 /// Units in the last place of `|force| |slip|` by which the power of friction may exceed 0: 16
 /// times the tolerance of `check_friction`.
@@ -82,6 +84,7 @@ pub(crate) struct DiagnosedScene<'a, R: Real> {
     body: &'a dyn RigidPointBody<R>,
     ground: DiagnosedGround<'a, R>,
     friction: DiagnosedFriction<'a, R>,
+    force: DiagnosedForce<'a, R>,
     gravity: R::Vec3,
     inertia_properties: &'a InertiaProperties<R>,
     has_radii: bool,
@@ -93,6 +96,7 @@ impl<'a, R: Real> DiagnosedScene<'a, R> {
         D::Body: Sized,
         D::Ground: Sized,
         D::Friction: Sized,
+        D::Force: Sized,
     {
         Self {
             body: scene.body(),
@@ -103,6 +107,10 @@ impl<'a, R: Real> DiagnosedScene<'a, R> {
             },
             friction: DiagnosedFriction {
                 friction: scene.friction(),
+                record,
+            },
+            force: DiagnosedForce {
+                force: scene.force(),
                 record,
             },
             gravity: scene.gravity(),
@@ -116,6 +124,7 @@ impl<'a, R: Real> Dynamics<R> for DiagnosedScene<'a, R> {
     type Body = &'a dyn RigidPointBody<R>;
     type Ground = DiagnosedGround<'a, R>;
     type Friction = DiagnosedFriction<'a, R>;
+    type Force = DiagnosedForce<'a, R>;
 
     #[inline]
     fn contact_model(&self) -> ContactModel<'_, Self::Body, Self::Ground, Self::Friction, R> {
@@ -132,13 +141,19 @@ impl<'a, R: Real> Dynamics<R> for DiagnosedScene<'a, R> {
         self.gravity
     }
     #[inline]
+    fn force(&self) -> &Self::Force {
+        &self.force
+    }
+    #[inline]
     fn inertia_properties(&self) -> &InertiaProperties<R> {
         self.inertia_properties
     }
 
     #[inline]
     fn probe<T>(&self, evaluate: impl FnOnce() -> T) -> T {
-        if self.ground.is_trusted() && self.friction.is_trusted() {
+        let is_trusted =
+            self.ground.is_trusted() && self.friction.is_trusted() && self.force.is_trusted();
+        if is_trusted {
             return evaluate();
         }
         let record = self.ground.record;
@@ -409,6 +424,86 @@ impl<R: Real> SlidingFriction<R> for DiagnosedFriction<'_, R> {
     #[inline]
     fn is_trusted(&self) -> bool {
         self.friction.is_trusted()
+    }
+}
+
+/// Applied force whose values are examined.
+pub(crate) struct DiagnosedForce<'a, R: Real> {
+    force: &'a dyn Force<R>,
+    record: &'a Record<R>,
+}
+
+impl<R: Real> DiagnosedForce<'_, R> {
+    #[cold]
+    #[inline(never)]
+    fn blame(&self, wrench: &Wrench<R>, motion: &Motion<R>) {
+        let (velocity, spin) = (motion.linear_velocity, motion.angular_velocity);
+        let is_far = !motion.position.length_squared().is_finite();
+        if is_far || !(velocity.length_squared() + spin.length_squared()).is_finite() {
+            return;
+        }
+        let (force, torque) = (wrench.force.length(), wrench.torque.length());
+        let power = wrench.power(motion);
+        let terms = force * velocity.length() + torque * spin.length();
+        let rounding = terms * (R::EPSILON * R::from_f64(POWER));
+        if !wrench.force.is_finite() {
+            self.record.note(LawQuantity::AppliedForce, force);
+        } else if !wrench.torque.is_finite() {
+            self.record.note(LawQuantity::AppliedTorque, torque);
+        } else if self.force.is_passive() && power > rounding {
+            self.record.note(LawQuantity::AppliedPower, power);
+        }
+    }
+}
+
+impl<R: Real> Force<R> for DiagnosedForce<'_, R> {
+    #[inline]
+    fn wrench(&self, motion: &Motion<R>) -> Wrench<R> {
+        let wrench = self.force.wrench(motion);
+        if !self.force.is_trusted() {
+            let power = wrench.power(motion);
+            let sound = wrench.is_finite() && (power <= R::ZERO || !self.force.is_passive());
+            if !sound {
+                self.blame(&wrench, motion);
+            }
+        }
+        wrench
+    }
+
+    #[inline]
+    fn is_passive(&self) -> bool {
+        self.force.is_passive()
+    }
+
+    #[inline]
+    fn constant_force(&self) -> Option<R::Vec3> {
+        self.force.constant_force()
+    }
+
+    #[inline]
+    fn power(&self, motion: &Motion<R>) -> ForcePower<R> {
+        self.force.power(motion)
+    }
+
+    #[inline]
+    fn wrench_change(
+        &self,
+        motion: &Motion<R>,
+        linear_change: R::Vec3,
+        angular_change: R::Vec3,
+    ) -> Wrench<R> {
+        self.force
+            .wrench_change(motion, linear_change, angular_change)
+    }
+
+    #[inline]
+    fn acts(&self) -> bool {
+        self.force.acts()
+    }
+
+    #[inline]
+    fn is_trusted(&self) -> bool {
+        self.force.is_trusted()
     }
 }
 

@@ -14,9 +14,11 @@ use core::cell::Cell;
 use super::Dynamics;
 use crate::body::InertiaProperties;
 use crate::contact::ContactModel;
+use crate::force::{Force, ForcePower, Wrench};
 use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
 use crate::ground::{GroundBounds, MeanForce, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
+use crate::state::Motion;
 
 /// Units in the last place by which the square of a normal's length may differ from 1: twice the
 /// tolerance of `check_ground`.
@@ -46,6 +48,7 @@ pub(crate) struct ScreenedScene<'a, R: Real, D: Dynamics<R>> {
     scene: &'a D,
     ground: ScreenedGround<'a, R, D::Ground>,
     friction: ScreenedFriction<'a, D::Friction>,
+    force: ScreenedForce<'a, D::Force>,
     alarm: &'a Alarm,
 }
 
@@ -63,6 +66,10 @@ impl<'a, R: Real, D: Dynamics<R>> ScreenedScene<'a, R, D> {
                 friction: scene.friction(),
                 alarm,
             },
+            force: ScreenedForce {
+                force: scene.force(),
+                alarm,
+            },
             alarm,
         }
     }
@@ -72,6 +79,7 @@ impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for ScreenedScene<'a, R, D> {
     type Body = D::Body;
     type Ground = ScreenedGround<'a, R, D::Ground>;
     type Friction = ScreenedFriction<'a, D::Friction>;
+    type Force = ScreenedForce<'a, D::Force>;
 
     #[inline(always)]
     fn contact_model(&self) -> ContactModel<'_, Self::Body, Self::Ground, Self::Friction, R> {
@@ -87,6 +95,10 @@ impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for ScreenedScene<'a, R, D> {
     #[inline(always)]
     fn gravity(&self) -> R::Vec3 {
         self.scene.gravity()
+    }
+    #[inline(always)]
+    fn force(&self) -> &Self::Force {
+        &self.force
     }
     #[inline(always)]
     fn inertia_properties(&self) -> &InertiaProperties<R> {
@@ -265,5 +277,64 @@ impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for ScreenedFriction<'_,
     #[inline(always)]
     fn is_trusted(&self) -> bool {
         self.friction.is_trusted()
+    }
+}
+
+/// Applied force whose values are screened.
+pub(crate) struct ScreenedForce<'a, E> {
+    force: &'a E,
+    alarm: &'a Alarm,
+}
+
+impl<R: Real, E: Force<R>> Force<R> for ScreenedForce<'_, E> {
+    #[inline(always)]
+    fn wrench(&self, motion: &Motion<R>) -> Wrench<R> {
+        let wrench = self.force.wrench(motion);
+        if !self.force.is_trusted() {
+            let power = wrench.power(motion);
+            let bound = if self.force.is_passive() {
+                R::ZERO
+            } else {
+                R::MAX
+            };
+            self.alarm.expect(wrench.is_finite() & (power <= bound));
+        }
+        wrench
+    }
+
+    #[inline(always)]
+    fn is_passive(&self) -> bool {
+        self.force.is_passive()
+    }
+
+    #[inline(always)]
+    fn constant_force(&self) -> Option<R::Vec3> {
+        self.force.constant_force()
+    }
+
+    #[inline(always)]
+    fn power(&self, motion: &Motion<R>) -> ForcePower<R> {
+        self.force.power(motion)
+    }
+
+    #[inline(always)]
+    fn wrench_change(
+        &self,
+        motion: &Motion<R>,
+        linear_change: R::Vec3,
+        angular_change: R::Vec3,
+    ) -> Wrench<R> {
+        self.force
+            .wrench_change(motion, linear_change, angular_change)
+    }
+
+    #[inline(always)]
+    fn acts(&self) -> bool {
+        self.force.acts()
+    }
+
+    #[inline(always)]
+    fn is_trusted(&self) -> bool {
+        self.force.is_trusted()
     }
 }

@@ -4,6 +4,7 @@ use core::marker::PhantomData;
 
 use crate::body::RigidPointBody;
 use crate::error::SceneError;
+use crate::force::{Force, NoForce};
 use crate::friction::SlidingFriction;
 use crate::gravity::Gravity;
 use crate::ground::SpringDamperGround;
@@ -18,62 +19,81 @@ use crate::stepper::Stepper;
 /// checks all of them once.
 #[derive(Clone, Copy, Debug)]
 #[must_use = "a builder does nothing before `build`"]
-pub struct StepperBuilder<B, G, F, A, I, R: Real = f64> {
+pub struct StepperBuilder<B, G, F, A, I, R: Real = f64, E = NoForce> {
     body: B,
     ground: G,
     friction: F,
     gravity: A,
     integrator: I,
+    force: E,
     precision: PhantomData<R>,
 }
 
-impl<R: Real, B, G, F, A, I> StepperBuilder<B, G, F, A, I, R> {
-    pub(super) fn new(body: B, ground: G, friction: F, gravity: A, integrator: I) -> Self {
+impl<R: Real, B, G, F, A, I, E> StepperBuilder<B, G, F, A, I, R, E> {
+    pub(super) fn new(
+        body: B,
+        ground: G,
+        friction: F,
+        gravity: A,
+        integrator: I,
+        force: E,
+    ) -> Self {
         Self {
             body,
             ground,
             friction,
             gravity,
             integrator,
+            force,
             precision: PhantomData,
         }
     }
 
     /// Sets the ground. Default: none.
-    pub fn ground<G2>(self, ground: G2) -> StepperBuilder<B, G2, F, A, I, R>
+    pub fn ground<G2>(self, ground: G2) -> StepperBuilder<B, G2, F, A, I, R, E>
     where
         G2: SpringDamperGround<R>,
     {
-        let (friction, gravity) = (self.friction, self.gravity);
-        StepperBuilder::new(self.body, ground, friction, gravity, self.integrator)
+        let (friction, gravity, force) = (self.friction, self.gravity, self.force);
+        StepperBuilder::new(self.body, ground, friction, gravity, self.integrator, force)
     }
 
     /// Sets the friction law. Default: no friction.
-    pub fn friction<F2>(self, friction: F2) -> StepperBuilder<B, G, F2, A, I, R>
+    pub fn friction<F2>(self, friction: F2) -> StepperBuilder<B, G, F2, A, I, R, E>
     where
         F2: SlidingFriction<R>,
     {
-        let (ground, gravity) = (self.ground, self.gravity);
-        StepperBuilder::new(self.body, ground, friction, gravity, self.integrator)
+        let (ground, gravity, force) = (self.ground, self.gravity, self.force);
+        StepperBuilder::new(self.body, ground, friction, gravity, self.integrator, force)
     }
 
     /// Sets gravity. Default: none.
-    pub fn gravity<A2>(self, gravity: A2) -> StepperBuilder<B, G, F, A2, I, R>
+    pub fn gravity<A2>(self, gravity: A2) -> StepperBuilder<B, G, F, A2, I, R, E>
     where
         A2: Gravity<R>,
     {
-        let (ground, friction) = (self.ground, self.friction);
-        StepperBuilder::new(self.body, ground, friction, gravity, self.integrator)
+        let (ground, friction, force) = (self.ground, self.friction, self.force);
+        StepperBuilder::new(self.body, ground, friction, gravity, self.integrator, force)
     }
 
     /// Sets the integrator. Default: [`EnergyMomentum`](crate::EnergyMomentum) with a step size of
     /// 1 ms.
-    pub fn integrator<I2>(self, integrator: I2) -> StepperBuilder<B, G, F, A, I2, R>
+    pub fn integrator<I2>(self, integrator: I2) -> StepperBuilder<B, G, F, A, I2, R, E>
     where
         I2: Integrator<R>,
     {
-        let (ground, friction) = (self.ground, self.friction);
-        StepperBuilder::new(self.body, ground, friction, self.gravity, integrator)
+        let (ground, friction, force) = (self.ground, self.friction, self.force);
+        StepperBuilder::new(self.body, ground, friction, self.gravity, integrator, force)
+    }
+
+    /// Sets the applied force, for example [`AirDrag`](crate::AirDrag). Default: none. A tuple
+    /// applies several forces.
+    pub fn force<E2>(self, force: E2) -> StepperBuilder<B, G, F, A, I, R, E2>
+    where
+        E2: Force<R>,
+    {
+        let (ground, friction, gravity) = (self.ground, self.friction, self.gravity);
+        StepperBuilder::new(self.body, ground, friction, gravity, self.integrator, force)
     }
 
     /// Checks the parts and composes the stepper.
@@ -82,17 +102,19 @@ impl<R: Real, B, G, F, A, I> StepperBuilder<B, G, F, A, I, R> {
     /// Returns [`SceneError`] if a part is invalid, or if the weight, the bounding radius, or the
     /// inverse of the mass or of a moment of inertia overflows. The error names the quantity, the
     /// rule and the value.
-    pub fn build(self) -> Result<Stepper<B, G, F, A, I, R>, SceneError>
+    pub fn build(self) -> Result<Stepper<B, G, F, A, I, R, E>, SceneError>
     where
         B: RigidPointBody<R>,
         G: SpringDamperGround<R>,
         F: SlidingFriction<R>,
         A: Gravity<R>,
         I: Integrator<R>,
+        E: Force<R>,
     {
         self.integrator.check()?;
         Ok(Stepper {
-            scene: Scene::new(self.body, self.ground, self.friction, self.gravity)?,
+            scene: Scene::new(self.body, self.ground, self.friction, self.gravity)?
+                .with_force(self.force)?,
             integrator: self.integrator,
         })
     }

@@ -4,6 +4,7 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::body::RigidPointBody;
+use crate::force::Force;
 use crate::friction::SlidingFriction;
 use crate::gravity::Gravity;
 use crate::ground::SpringDamperGround;
@@ -19,9 +20,9 @@ struct Parts<S, I> {
     integrator: I,
 }
 
-impl<B, G, F, A, I, R> Serialize for Stepper<B, G, F, A, I, R>
+impl<B, G, F, A, I, R, E> Serialize for Stepper<B, G, F, A, I, R, E>
 where
-    Scene<B, G, F, A, R>: Serialize,
+    Scene<B, G, F, A, R, E>: Serialize,
     I: Serialize,
     R: Real,
 {
@@ -34,7 +35,7 @@ where
     }
 }
 
-impl<'de, B, G, F, A, I, R> Deserialize<'de> for Stepper<B, G, F, A, I, R>
+impl<'de, B, G, F, A, I, R, E> Deserialize<'de> for Stepper<B, G, F, A, I, R, E>
 where
     B: Deserialize<'de> + RigidPointBody<R>,
     G: Deserialize<'de> + SpringDamperGround<R>,
@@ -42,9 +43,10 @@ where
     A: Deserialize<'de> + Gravity<R>,
     I: Deserialize<'de> + Integrator<R>,
     R: Real,
+    E: Deserialize<'de> + Force<R>,
 {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let parts = Parts::<Scene<B, G, F, A, R>, I>::deserialize(deserializer)?;
+        let parts = Parts::<Scene<B, G, F, A, R, E>, I>::deserialize(deserializer)?;
         parts.integrator.check().map_err(D::Error::custom)?;
         Ok(Self {
             scene: parts.scene,

@@ -239,6 +239,7 @@ fn truth(row: super::Row<'_>) -> Record {
         friction: row.get("W_friction"),
         damper: row.get("W_damper"),
         clamp: row.get("W_clamped"),
+        ..Dissipation::default()
     };
     let [x, y, z, w] = ["qx", "qy", "qz", "qw"].map(|name| row.get(name));
     let vector = |names| DVec3::from(row.vector(names));

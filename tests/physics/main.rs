@@ -10,6 +10,7 @@ mod common;
 mod kit;
 
 // The parts of a scene.
+mod applied_forces;
 mod bodies;
 mod friction_laws;
 mod ground_laws;
@@ -22,6 +23,7 @@ mod varying_friction;
 // What holds for each integrator.
 mod audit;
 mod energy;
+mod events;
 mod flight;
 mod free_rotation;
 mod outcome;
@@ -36,6 +38,7 @@ mod energy_momentum;
 mod truth;
 mod work_precision;
 
-// The coin report.
+// The coin report, and the further study that it names.
 mod report;
 mod report_loop;
+mod tennis;

@@ -442,6 +442,7 @@ mod audit {
                 friction: row.get("W_friction"),
                 damper: row.get("W_damper"),
                 clamp: row.get("W_clamped"),
+                ..Dissipation::default()
             },
             energy: row.get("E"),
         };

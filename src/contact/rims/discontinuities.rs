@@ -7,11 +7,11 @@
 //! `1 + tan²(θ/2)` are polynomials of degree 2 in `tan(θ/2)`.
 
 use crate::body::{Arc, CUTS, sink_last};
-use crate::contact::motion::Motion;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::quadrature::bisect;
 use crate::real::{Real, Vector};
+use crate::state::Motion;
 
 /// Velocities of the material along an arc: `lowest + across sin θ - down (1 - cos θ)`.
 pub(crate) struct Velocities<R: Real> {

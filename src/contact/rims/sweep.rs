@@ -4,13 +4,13 @@ use super::discontinuities::{Discontinuities, Discontinuity, Velocities, discont
 use super::turning_rules::turning_rule;
 use crate::body::{ContactPoint, Rim, SHORT};
 use crate::contact::load::Load;
-use crate::contact::motion::Motion;
 use crate::contact::point::Contact;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::quadrature::{GAUSS_2, GAUSS_4, GAUSS_5, GAUSS_6, GAUSS_8, HALF_OF_6, HALF_OF_8, Rule};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
+use crate::state::Motion;
 
 /// Short arc below a level plane, along which all quantities are linear in 1, `sin θ` and the fall
 /// `1 - cos θ`.

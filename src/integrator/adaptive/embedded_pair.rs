@@ -281,6 +281,8 @@ fn attempt<R: Real, D: Dynamics<R>, const STAGES: usize>(
             touch::load_before(scene, &start.motion, motion, seconds)
         })
     } else {
-        attempt_under(pair, scene, start, seconds, |motion| scene.load(motion))
+        attempt_under(pair, scene, start, seconds, |motion| {
+            scene.contact_model().load(motion)
+        })
     }
 }

@@ -3,6 +3,7 @@
 use crate::body::ContactRange;
 use crate::contact::Load;
 use crate::error::{self, SceneError, StepError};
+use crate::force::Force;
 use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::real::Real;
 use crate::rotation::{Axes, Rotation};
@@ -133,18 +134,18 @@ fn kick<R: Real>(
     *near = scene
         .contact_model()
         .range_near(*near, state.position, &axes);
-    let load = scene
-        .contact_model()
-        .load_on(*near, &scene.motion_along(state, axes));
-    if load.touching == 0 {
+    let motion = scene.motion_along(state, axes);
+    let mut load = scene.contact_model().load_on(*near, &motion);
+    if load.touching == 0 && !scene.force().acts() {
         state.linear_velocity += scene.gravity() * seconds;
         return 1;
     }
     let mut middle = *state;
+    scene.add_applied_force(&mut load, &motion);
     push(scene, &mut middle, &load, seconds * R::HALF);
-    let load = scene
-        .contact_model()
-        .load_on(*near, &scene.motion_along(&middle, axes));
+    let motion = scene.motion_along(&middle, axes);
+    let mut load = scene.contact_model().load_on(*near, &motion);
+    scene.add_applied_force(&mut load, &motion);
     push(scene, state, &load, seconds);
     2
 }

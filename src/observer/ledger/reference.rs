@@ -231,7 +231,7 @@ fn weighted<R: Real>(powers: &[Dissipation<R>], row: &[f64], seconds: R) -> Diss
 
 /// Sum of the absolute values of the three causes.
 pub(super) fn sizes<R: Real>(of: &Dissipation<R>) -> R {
-    of.friction.abs() + of.damper.abs() + of.clamp.abs()
+    of.friction.abs() + of.damper.abs() + of.clamp.abs() + of.drag.abs() + of.drive.abs()
 }
 
 /// Largest difference of any of the powers from the first.

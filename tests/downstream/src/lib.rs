@@ -1,5 +1,5 @@
-//! A crate as somebody else writes it: his own body, ground, friction and integrator for `tumble`,
-//! through its public traits alone.
+//! A crate as somebody else writes it: his own body, ground, friction, force and integrator for
+//! `tumble`, through its public traits alone.
 //!
 //! Its tests show that they are first-class citizens: they work in the same stepper with everything
 //! that is built in, by value, by reference and behind `dyn`, in both precisions, with the bits
@@ -8,11 +8,13 @@
 mod ball;
 mod carpet;
 mod midpoint;
+mod sail;
 mod turf;
 mod viscous;
 
 pub use ball::Ball;
 pub use carpet::Carpet;
 pub use midpoint::Midpoint;
+pub use sail::Sail;
 pub use turf::Turf;
 pub use viscous::Viscous;

@@ -1,9 +1,9 @@
 //! An author checks his own parts: the contract of each trait, in numbers.
 
-use downstream::{Ball, Carpet, Midpoint, Turf, Viscous};
+use downstream::{Ball, Carpet, Midpoint, Sail, Turf, Viscous};
 use tumble::contract::{
-    CheckPlan, FrictionRange, GroundRange, Requirement, Violation, check_body,
-    check_energy_never_rises, check_friction, check_ground, check_integrator,
+    CheckPlan, ForceRange, FrictionRange, GroundRange, Requirement, Violation, check_body,
+    check_energy_never_rises, check_force, check_friction, check_ground, check_integrator,
 };
 use tumble::glam::DVec3;
 
@@ -43,6 +43,21 @@ fn the_oil_and_the_carpet_keep_the_contract_of_friction() -> Result<(), Violatio
         width: 0.3,
     };
     check_friction(&carpet, &range, CheckPlan::default())
+}
+
+#[test]
+fn the_sail_keeps_the_contract_of_a_force() -> Result<(), Violation> {
+    let range = ForceRange {
+        centre: DVec3::ZERO,
+        size: 10.0,
+        speed: 30.0,
+        angular_speed: 50.0,
+    };
+    let sail = Sail {
+        normal: DVec3::Z,
+        drag: 0.01,
+    };
+    check_force(&sail, &range, CheckPlan::default())
 }
 
 #[test]

@@ -3,16 +3,16 @@
 
 use core::ops::ControlFlow;
 
-use downstream::{Ball, Carpet, Midpoint, Turf, Viscous};
+use downstream::{Ball, Carpet, Midpoint, Sail, Turf, Viscous};
 use tumble::body::ContactRange;
 use tumble::glam::{DMat3, DVec3};
 use tumble::integrator::step_length;
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    Coin, ContactPoint, Coulomb, Dynamics, EnergyMomentum, FlatGround, ForwardEuler, GroundBounds,
-    Integrator, Nystrom, Real, RigidPointBody, Rk4, Sample, SceneError, SlidingFriction,
-    SpringDamperGround, State, Step, StepError, Stepper, StrangSplitting, Surface, SymplecticEuler,
-    UniformGravity, error,
+    Apex, Coin, ContactPoint, Coulomb, Dynamics, EnergyMomentum, Event, EventDirection, FlatGround,
+    Force, ForwardEuler, GroundBounds, Integrator, Nystrom, Real, RigidPointBody, Rk4, Sample,
+    SceneError, SlidingFriction, SpringDamperGround, State, Step, StepError, Stepper,
+    StrangSplitting, Surface, SymplecticEuler, UniformGravity, error,
 };
 
 /// A ball that is thrown forward with a rotation, in the air for its first 40 ms.
@@ -144,6 +144,43 @@ fn value_reference_dyn_and_box_give_the_same_bits_in_f64() {
 #[test]
 fn value_reference_dyn_and_box_give_the_same_bits_in_f32() {
     four_ways_with_every_integrator::<f32>();
+}
+
+/// The state of a ball under a user's force after some time (s), of which 40 ms are in the air.
+fn sailed(force: impl Force, integrator: impl Integrator, seconds: f64) -> State {
+    let stepper = compose(ball(), turf(), oil(), integrator)
+        .with_force(force)
+        .expect("the force is valid");
+    let mut state = thrown();
+    stepper
+        .advance(&mut state, seconds)
+        .expect("the step is short enough");
+    state
+}
+
+#[test]
+fn a_users_force_has_the_same_bits_by_value_reference_dyn_and_box() {
+    let sail = Sail {
+        normal: DVec3::Y,
+        drag: 0.3,
+    };
+    let integrators = || EnergyMomentum { time_step: 1e-3 };
+    let by_value = sailed(sail, integrators(), 0.3);
+    let by_reference: &Sail<f64> = &sail;
+    assert_eq!(by_value, sailed(by_reference, integrators(), 0.3));
+    assert_eq!(by_value, sailed(&sail as &dyn Force, integrators(), 0.3));
+    let boxed = Box::new(sail) as Box<dyn Force + Send>;
+    assert_eq!(by_value, sailed(boxed, integrators(), 0.3));
+    // A user's integrator knows the force as well. In the air both methods agree to their order, and
+    // the sail brakes by 0.15 m/s².
+    let [ours, theirs] = [
+        sailed(sail, integrators(), 0.03),
+        sailed(sail, Midpoint { time_step: 1e-3 }, 0.03),
+    ];
+    let still = sailed(tumble::NoForce, integrators(), 0.03);
+    let gap = (theirs.position - ours.position).length();
+    assert!(gap < 1e-7, "{gap:e}");
+    assert!((still.position - ours.position).length() > 1e-5);
 }
 
 /// Two precisions of one motion differ by the rounding of f32, 500 steps of it: position below 1,
@@ -384,4 +421,39 @@ fn the_users_integrator_has_the_order_that_it_states() {
     let truth = swing(1e-6);
     let [coarse, fine] = [1e-3, 5e-4].map(|step| (swing(step) - truth).length());
     assert!((2.0..8.0).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
+}
+
+/// A user's event: the body passes a plane `x = place` (m) forwards.
+struct Passes<R>(R);
+
+impl<R: Real> Event<R> for Passes<R> {
+    fn value(&self, sample: &Sample<'_, R>) -> R {
+        sample.state.position.x() - self.0
+    }
+    fn direction(&self) -> EventDirection {
+        EventDirection::Rising
+    }
+}
+
+/// With a user's parts and a user's method. A ball that flies at 1 m/s from 0.1 m passes 0.13 m after
+/// 30 ms, before its first touch. A step of the midpoint rule is exact in flight.
+fn a_users_event_is_located<R: Real>(tolerance: f64) {
+    let time_step = R::from_f64(7e-4);
+    let stepper = compose(ball::<R>(), turf(), oil(), Midpoint { time_step });
+    let mut session = stepper.session(thrown());
+    let plane = Passes(R::from_f64(0.13));
+    let end = session
+        .run_until_event(R::HALF, [&Apex, &plane.nth(1).expect("1 is a count")])
+        .expect("the steps are good");
+    let found = end.occurrence().expect("the ball passes the plane");
+    assert_eq!((found.event, found.count), (1, 1));
+    let off = found.time.to_f64() - 0.03;
+    assert!(off.abs() < tolerance, "{off:e}");
+}
+
+#[test]
+fn a_users_event_is_located_in_both_precisions() {
+    a_users_event_is_located::<f64>(1e-12);
+    // The place is rounded to 6e-8 of 0.13 m in each of 43 steps, at 1 m/s.
+    a_users_event_is_located::<f32>(43.0 * 1e-8);
 }

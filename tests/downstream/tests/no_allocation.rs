@@ -9,9 +9,10 @@ use std::ops::ControlFlow;
 use downstream::{Ball, Midpoint, Turf, Viscous};
 use tumble::glam::DVec3;
 use tumble::{
-    BogackiShampine32, Coin, Coulomb, DormandPrince54, EnergyMomentum, FlatGround, ForwardEuler,
-    Integrator, Ledger, Nystrom, RigidPointBody, Rk4, Sample, SlidingFriction, SpringDamperGround,
-    State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity, UntilRest,
+    Apex, BogackiShampine32, Coin, Coulomb, DormandPrince54, EnergyMomentum, FlatGround,
+    ForwardEuler, Integrator, Landing, Ledger, Nystrom, RigidPointBody, Rk4, Sample,
+    SlidingFriction, SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler,
+    UniformGravity, UntilRest,
 };
 
 /// The system's allocator, with a count of this thread's allocations.
@@ -94,6 +95,10 @@ fn live<I: Integrator>(
         stepper.lowest_point(&state),
     ));
     assert!(touched > 0, "the body has touched the ground");
+    let mut session = stepper.session(state);
+    session
+        .run_with_events(0.05, [&Landing, &Apex], |_| ControlFlow::Continue(()))
+        .expect("the steps are good");
 }
 
 fn live_with_every_integrator(

@@ -3,15 +3,13 @@
 use std::env;
 use std::error::Error;
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use flate2::Compression;
-use flate2::write::GzEncoder;
 use lexopt::prelude::*;
+use zopfli::Format;
 
 const HELP: &str = "\
 Builds the live page and writes it as one HTML file, which needs no network and no server.
@@ -175,7 +173,7 @@ fn dense(source: &str) -> String {
 }
 
 fn compressed(bytes: &[u8]) -> Outcome<Vec<u8>> {
-    let mut gzip = GzEncoder::new(Vec::new(), Compression::best());
-    gzip.write_all(bytes)?;
-    Ok(gzip.finish()?)
+    let mut gzip = Vec::new();
+    zopfli::compress(zopfli::Options::default(), Format::Gzip, bytes, &mut gzip)?;
+    Ok(gzip)
 }

@@ -70,7 +70,7 @@ pub(super) struct Place<R: Real> {
 impl<R: Real> Place<R> {
     #[inline(always)]
     pub(super) fn at<D: Dynamics<R>>(scene: &D, point: Point<R>) -> Self {
-        Self::under(scene, point, |motion| scene.load(motion))
+        Self::under(scene, point, |motion| scene.contact_model().load(motion))
     }
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! Pose and velocities of a body, on which the forces of its contacts depend.
+//! Pose and velocities of a body, on which forces depend.
 
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;

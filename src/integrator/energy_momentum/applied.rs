@@ -1,0 +1,286 @@
+//! Applied force at a fixed pose: half of it before a step, half of it after.
+//!
+//! With `u = (v, ω)`, `M` the mass and the inertia at the pose, and `W(u)` the force and torque,
+//! the velocities obey `M u' = W(u)`. Two implicit stages of length `h` solve it:
+//!
+//! ```text
+//! u₁ = u + h γ M⁻¹ W(u₁)
+//! u₂ = u + h M⁻¹ ((1 - 2γ) W(u₁) + γ W(u₂))         γ = 1 - 1/√2
+//! u' = u + h/2 M⁻¹ (W(u₁) + W(u₂))
+//! ```
+//!
+//! The method has order 2 and is L-stable: a drag that stops the body within the step stops it. It
+//! is also algebraically stable (Burrage & Butcher, SIAM J. Numer. Anal. 16, 46, 1979; Hairer &
+//! Wanner II, section IV.12): with `s = γ - 1/4 > 0`,
+//!
+//! ```text
+//! E' - E = h/2 (W₁ · u₁ + W₂ · u₂) - h² s/2 (W₁ - W₂) · M⁻¹ (W₁ - W₂)
+//! ```
+//! A passive force has `W · u <= 0`, so its kinetic energy never increases. The work of a drive is
+//! `h/2 (P₁ + P₂)`, with its powers at the stages.
+
+use super::linear::SixBySix;
+use crate::energy::Energy;
+use crate::error::StepError;
+use crate::force::{Force, Wrench};
+use crate::integrator::energy_limit;
+use crate::integrator::interface::Step;
+use crate::real::{Real, Vector};
+use crate::scene::Dynamics;
+use crate::state::{Motion, State};
+
+/// `1 - 1/√2`
+const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
+/// Number of iterations after which a stage counts as not solved. Far from the solution, quadratic
+/// drag divides the velocity by 2 in each.
+const MOST_ITERATIONS: u32 = 100;
+/// Number of halvings of a step whose stages are not solved.
+const MOST_HALVINGS: u32 = 12;
+
+/// Applies the force for a time (s) to the velocities of a state, and to its energy. The work of
+/// drives is added to the step. Nothing changes if no force acts.
+#[inline(always)]
+pub(super) fn pushed<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    state: &mut State<R>,
+    energy: &mut Energy<R>,
+    seconds: R,
+    step: &mut Step<R>,
+) -> Result<(), StepError> {
+    if scene.force().acts() {
+        push(scene, state, energy, seconds, step)
+    } else {
+        Ok(())
+    }
+}
+
+#[inline(never)]
+fn push<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    state: &mut State<R>,
+    energy: &mut Energy<R>,
+    seconds: R,
+    step: &mut Step<R>,
+) -> Result<(), StepError> {
+    let (mut done, mut parts) = (0_u32, 1_u32);
+    while done < parts {
+        let part = seconds / R::from_usize(parts as usize);
+        if let Some(end) = two_stages(scene, state, part) {
+            hold(scene, (state, energy), &end, step);
+            done += 1;
+        } else if parts < 1 << MOST_HALVINGS {
+            (done, parts) = (done * 2, parts * 2);
+        } else {
+            return Err(StepError::ForceTooSteep {
+                seconds: seconds.to_f64(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// End of a push: the state, and the work of the drives, J.
+struct End<R: Real> {
+    state: State<R>,
+    work: R,
+}
+
+/// Accepts the end of a push. Its computed energy is at most the one before plus the work of the
+/// drives: rounding is taken from the velocities, and the push is left out where that is
+/// impossible.
+fn hold<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    (state, energy): (&mut State<R>, &mut Energy<R>),
+    end: &End<R>,
+    step: &mut Step<R>,
+) {
+    let after = Energy {
+        springs: energy.springs,
+        ..Energy::without_springs(scene, &end.state)
+    };
+    let ceiling = energy.total() + end.work;
+    if after.total() <= ceiling {
+        (*state, *energy) = (end.state, after);
+        step.drive_work += end.work;
+        return;
+    }
+    let excess = after.total() - ceiling;
+    let held = energy_limit::scaled_down(scene, ceiling, excess, &end.state, after);
+    if let Some(held) = held {
+        (*state, *energy) = held;
+        step.drive_work += end.work;
+        step.energy_removed += excess;
+    }
+}
+
+/// Raises the stated work by the rounding of the sums, so that the energy after the step is at most
+/// the energy before it plus the work, as computed.
+pub(super) fn close_account<R: Real>(before: R, after: R, step: &mut Step<R>) {
+    if step.drive_work == R::ZERO {
+        return;
+    }
+    let mut excess = after - (before + step.drive_work);
+    while excess > R::ZERO {
+        let raised = step.drive_work + excess;
+        // The excess is below the resolution of the work.
+        let unit = step.drive_work.abs() * R::EPSILON;
+        step.drive_work = if raised > step.drive_work {
+            raised
+        } else {
+            step.drive_work + unit
+        };
+        excess = after - (before + step.drive_work);
+    }
+}
+
+/// The velocities at a fixed pose, as functions of the force and torque that act on them.
+struct Pose<'a, R: Real, D> {
+    scene: &'a D,
+    motion: Motion<R>,
+    state: State<R>,
+}
+
+impl<R: Real, D: Dynamics<R>> Pose<'_, R, D> {
+    /// State after an impulse.
+    fn after(&self, impulse: &Wrench<R>) -> State<R> {
+        let properties = self.scene.inertia_properties();
+        let momentum = self.state.angular_momentum + impulse.torque;
+        State {
+            linear_velocity: self.state.linear_velocity + impulse.force * properties.inverse_mass(),
+            angular_momentum: properties.without_dead_spin(self.state.rotation(), momentum),
+            ..self.state
+        }
+    }
+
+    /// Momentum that changes of both velocities carry, N s and N m s.
+    fn impulse(&self, [linear, angular]: [R::Vec3; 2]) -> Wrench<R> {
+        let properties = self.scene.inertia_properties();
+        let (inertia, _) =
+            properties.inertia_for_solving(&self.motion.axes, self.state.angular_momentum);
+        let [x, y, z] = inertia;
+        Wrench {
+            force: linear * properties.mass(),
+            torque: x * angular.x() + y * angular.y() + z * angular.z(),
+        }
+    }
+
+    /// Matrix `M - factor ∂W/∂u` at a motion.
+    ///
+    /// It is well conditioned for a slender body, unlike `1 - factor ∂W/∂u M⁻¹`.
+    fn matrix(&self, motion: &Motion<R>, factor: R) -> SixBySix<R> {
+        let mut rows = [[R::ZERO; 6]; 6];
+        for (index, velocities) in units::<R>().into_iter().enumerate() {
+            let [linear, angular] = velocities;
+            let change = (self.scene.force()).wrench_change(motion, linear, angular);
+            let entries = numbers(&self.impulse(velocities).plus(&change, -factor));
+            for (row, entry) in rows.iter_mut().zip(entries) {
+                row[index] = entry;
+            }
+        }
+        SixBySix { rows }
+    }
+
+    /// Solves `M (u - u₀) = base + factor W(u)` for the velocities of a stage, from a first guess.
+    /// Returns `None` if Newton's iteration does not converge.
+    ///
+    /// It has converged when a correction is within the rounding of the momentum.
+    fn stage(&self, base: &Wrench<R>, factor: R, guess: Motion<R>) -> Option<Stage<R>> {
+        let mut motion = guess;
+        let mut last = R::MAX;
+        for _ in 0..MOST_ITERATIONS {
+            let wrench = self.scene.force().wrench(&motion);
+            let taken = self.impulse([
+                motion.linear_velocity - self.motion.linear_velocity,
+                motion.angular_velocity - self.motion.angular_velocity,
+            ]);
+            let given = base.plus(&wrench, factor);
+            let residual = given.plus(&taken, -R::ONE);
+            let matrix = self.matrix(&motion, factor);
+            let (linear, angular) = matrix.solve(residual.force, residual.torque, self.radius());
+            motion.linear_velocity += linear;
+            motion.angular_velocity += angular;
+            let size = self.size(&self.impulse([linear, angular]));
+            if !size.is_finite() {
+                return None;
+            }
+            let rounding = (self.momentum() + self.size(&given)) * R::EPSILON;
+            // The second condition ends an iteration that rounding keeps from falling further.
+            let is_stalled = size >= last * R::HALF && size <= rounding * R::from_f64(1e3);
+            if size <= rounding || is_stalled {
+                let wrench = self.scene.force().wrench(&motion);
+                return wrench.is_finite().then_some(Stage { motion, wrench });
+            }
+            last = size;
+        }
+        None
+    }
+
+    /// Size of the momentum at the start, N s, with the angular momentum as in [`size`](Self::size).
+    fn momentum(&self) -> R {
+        let mass = self.scene.inertia_properties().mass();
+        self.size(&Wrench {
+            force: self.motion.linear_velocity * mass,
+            torque: self.state.angular_momentum,
+        })
+    }
+
+    /// Size of a wrench as a force, N: torques act at the radius of gyration.
+    fn size(&self, wrench: &Wrench<R>) -> R {
+        wrench.force.length() + wrench.torque.length() / self.radius()
+    }
+
+    /// Radius of gyration, or 1 m for a body without one.
+    fn radius(&self) -> R {
+        let radius = self.scene.inertia_properties().radius_of_gyration();
+        if radius > R::ZERO { radius } else { R::ONE }
+    }
+}
+
+/// Motion of a stage, with the force and torque there.
+struct Stage<R: Real> {
+    motion: Motion<R>,
+    wrench: Wrench<R>,
+}
+
+/// Both stages of a push. Returns `None` if one is not solved.
+fn two_stages<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> Option<End<R>> {
+    let pose = Pose {
+        scene,
+        motion: scene.motion(state),
+        state: *state,
+    };
+    let factor = seconds * R::from_f64(GAMMA);
+    let first = pose.stage(&Wrench::ZERO, factor, pose.motion)?;
+    let base = Wrench::ZERO.plus(&first.wrench, seconds - factor * R::TWO);
+    let second = pose.stage(&base, factor, first.motion)?;
+    let half = seconds * R::HALF;
+    let drive = |stage: &Stage<R>| scene.force().power(&stage.motion).drive;
+    let work = if scene.force().is_passive() {
+        R::ZERO
+    } else {
+        half * (drive(&first) + drive(&second))
+    };
+    let sum = first.wrench.plus(&second.wrench, R::ONE);
+    let end = pose.after(&Wrench::ZERO.plus(&sum, half));
+    let is_finite = end.not_finite().is_none() && work.is_finite();
+    is_finite.then_some(End { state: end, work })
+}
+
+/// Unit velocity and unit angular velocity along each axis.
+fn units<R: Real>() -> [[R::Vec3; 2]; 6] {
+    let (o, i) = (R::ZERO, R::ONE);
+    let axes = [
+        R::Vec3::new(i, o, o),
+        R::Vec3::new(o, i, o),
+        R::Vec3::new(o, o, i),
+    ];
+    let [x, y, z] = axes.map(|axis| [axis, R::Vec3::ZERO]);
+    let [a, b, c] = axes.map(|axis| [R::Vec3::ZERO, axis]);
+    [x, y, z, a, b, c]
+}
+
+/// The six components of a wrench.
+fn numbers<R: Real>(wrench: &Wrench<R>) -> [R; 6] {
+    let (f, t) = (wrench.force, wrench.torque);
+    [f.x(), f.y(), f.z(), t.x(), t.y(), t.z()]
+}
