@@ -60,8 +60,15 @@ fn work(options: &Options) -> Outcome<Page> {
                 f64::from(count) / f64::from(throws),
             )
         });
+        let places = places.collect::<Vec<_>>();
+        // Standard deviation of a fraction p of n throws, √(p (1 - p)/n).
+        let errors = places
+            .iter()
+            .map(|&(_, p)| (p * (1.0 - p) / f64::from(throws)).sqrt())
+            .collect::<Vec<_>>();
         let dots = ScatterPlot::new()
-            .with_data(places.collect::<Vec<_>>())
+            .with_data(places)
+            .with_y_err(errors)
             .with_color(colour)
             .with_size(7.0)
             .with_legend(name);
@@ -79,9 +86,12 @@ fn work(options: &Options) -> Outcome<Page> {
     ];
     let picture = Picture::new("faces", plots, |layout| {
         layout
-            .with_title("fraction of throws by face")
+            .with_title("fraction of throws by face, with its standard deviation")
+            .with_x_tick_step(1.0)
+            .with_x_axis_min(0.5)
+            .with_x_axis_max(6.5)
             .with_x_label("face")
-            .with_y_label("share")
+            .with_y_label("fraction")
             .with_y_axis_min(0.0)
             .with_legend_position(LegendPosition::InsideTopRight)
     })?;

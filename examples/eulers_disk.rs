@@ -34,6 +34,11 @@ const FIRST: f64 = 0.2;
 /// contact patch is no longer a small part of the rim.
 const WINDOW: [f64; 2] = [0.05, 0.16];
 
+/// Angle at which the curve ends, rad. Below it, half of the rim touches.
+const FLAT: f64 = 0.02;
+/// Time from there to the end of the film, s, in which the disk comes to rest.
+const AFTERWARDS: f64 = 3.0;
+
 /// Error of the formulas of a small patch: the square of its half-angle, which is
 /// `∛(3π M g/(n S r α))` = 0.25 rad in the middle of the range.
 const PATCH: f64 = 0.06;
@@ -59,15 +64,15 @@ fn work(options: &Options) -> Outcome<Page> {
     // with Ω² α = g/(k r) and k = 1/2 for a ring.
     let rate = 4.0 / 3.0 * DAMPING / STIFFNESS * GRAVITY / RADIUS;
     let slope = rate_of(&fallen);
-    let log = |(time, angle): (f64, f64)| ((fit.end - time).log10(), angle.log10());
+    let left = |(time, angle): (f64, f64)| (fit.end - time, angle);
     let before: Vec<(f64, f64)> = (curve.iter())
         .filter(|&&(time, angle)| time < fit.end - 0.05 && angle > 0.01)
-        .map(|&point| log(point))
+        .map(|&point| left(point))
         .collect();
-    let middle = log(fallen[fallen.len() / 2]);
+    let middle = left(fallen[fallen.len() / 2]);
     let power = |exponent: f64| {
-        let at = |x: f64| (x, middle.1 + exponent * (x - middle.0));
-        vec![at(middle.0 - 0.7), at(middle.0 + 0.4)]
+        let at = |factor: f64| (middle.0 * factor, middle.1 * factor.powf(exponent));
+        vec![at(0.2), at(2.5)]
     };
     let plots = vec![
         common::line(power(1.0 / 3.0), GREY, "1/3: film of air"),
@@ -79,8 +84,9 @@ fn work(options: &Options) -> Outcome<Page> {
     let exponents = Picture::new("exponent", plots, |layout| {
         layout
             .with_title("Euler's disk: angle over the remaining time")
-            .with_x_label("log10 of the remaining time (s)")
-            .with_y_label("log10 of the angle (rad)")
+            .with_log_scale()
+            .with_x_label("remaining time (s)")
+            .with_y_label("angle (rad)")
             .with_legend_position(LegendPosition::InsideBottomRight)
     })?;
     let fall = vec![
@@ -131,7 +137,8 @@ fn work(options: &Options) -> Outcome<Page> {
     })
 }
 
-/// Returns time (s) and angle (rad) until the disk is nearly flat, and the shots of the film.
+/// Returns time (s) and angle (rad) until the disk is nearly flat, and the shots of the film, which
+/// goes on until it rests.
 fn run(time_step: f64) -> Outcome<(Curve, Vec<Shot>)> {
     let stepper = Stepper::builder(Coin::ring(MASS, RADIUS))
         .gravity(UniformGravity::down(GRAVITY))
@@ -163,16 +170,18 @@ fn run(time_step: f64) -> Outcome<(Curve, Vec<Shot>)> {
         ..turned
     }
     .with_angular_momentum(momentum);
-    let mut curve = Vec::new();
+    let (mut curve, mut flat) = (Vec::new(), None);
     let mut camera = Camera::new(0.01);
     let mut watch = |sample: &Sample<'_>| {
         let angle = stepper.body().tilt(sample.state);
-        curve.push((sample.time, angle));
         camera.look(sample, || [angle.to_degrees()]);
-        if angle > 0.02 {
-            ControlFlow::Continue(())
-        } else {
-            ControlFlow::Break(())
+        if flat.is_none() {
+            curve.push((sample.time, angle));
+            flat = (angle <= FLAT).then_some(sample.time);
+        }
+        match flat {
+            Some(flat) if sample.time > flat + AFTERWARDS => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
         }
     };
     stepper.run(&mut state, 40.0, &mut watch)?;
@@ -186,6 +195,7 @@ fn film(shots: Vec<Shot>) -> Film {
             "A ring on its rim, without friction. It falls at a constant rate, because only the \
              dampers dissipate energy."
                 .to_owned(),
+            "The ring has no thickness. It is drawn with one.".to_owned(),
         ],
         size: RADIUS,
         distance: 5.4,

@@ -8,7 +8,10 @@
 use std::ops::ControlFlow;
 use std::process::ExitCode;
 
-use common::{BLUE, Check, GREEN, ORANGE, Options, Outcome, PURPLE, Page, Picture};
+use common::{
+    BLUE, Camera, Check, Column, Film, GREEN, Mesh, ORANGE, Options, Outcome, PURPLE, Page,
+    Picture, Shot, mesh,
+};
 use kuva::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
@@ -46,10 +49,10 @@ fn main() -> ExitCode {
 
 fn work(options: &Options) -> Outcome<Page> {
     let time_step = if options.quick { 2e-4 } else { 5e-5 };
-    let solid = run(Sphere::solid(MASS, RADIUS), 0.0, time_step)?;
-    let shell = run(Sphere::shell(MASS, RADIUS), 0.0, time_step)?;
+    let (solid, solid_shots) = run(Sphere::solid(MASS, RADIUS), 0.0, time_step)?;
+    let (shell, shell_shots) = run(Sphere::shell(MASS, RADIUS), 0.0, time_step)?;
     // Backspin: the rim moves back four times as fast as the ball moves forward.
-    let back = run(Sphere::solid(MASS, RADIUS), -4.0 * SPEED, time_step)?;
+    let (back, back_shots) = run(Sphere::solid(MASS, RADIUS), -4.0 * SPEED, time_step)?;
     let mut checks = Vec::new();
     for (name, moments, beta) in [("solid ball", &solid, 0.4), ("shell", &shell, 2.0 / 3.0)] {
         checks.extend(figures(name, moments, beta, time_step));
@@ -115,7 +118,7 @@ fn work(options: &Options) -> Outcome<Page> {
         )],
         checks,
         pictures: vec![without, with],
-        film: None,
+        film: Some(film(&[solid_shots, shell_shots, back_shots])),
     })
 }
 
@@ -170,7 +173,54 @@ fn figures(name: &str, moments: &[Moment], beta: f64, time_step: f64) -> Vec<Che
     ]
 }
 
-fn run(ball: Sphere, rim: f64, time_step: f64) -> Outcome<Vec<Moment>> {
+/// The three balls side by side, three diameters apart.
+fn film(films: &[Vec<Shot>; 3]) -> Film {
+    let together = |k: usize| {
+        let shots = films.each_ref().map(|shots| &shots[k]);
+        let lanes = shots.iter().zip([1.0, 0.0, -1.0]);
+        let poses = lanes.map(|(shot, lane)| shot.poses[0].moved(DVec3::Y * (lane * 6.0 * RADIUS)));
+        let speeds = shots.map(|shot| shot.values[0]);
+        let slips = shots.map(|shot| shot.values[1]);
+        Shot {
+            time: shots[0].time,
+            poses: poses.collect(),
+            values: [slips, speeds].concat(),
+        }
+    };
+    let count = films.iter().map(Vec::len).min().unwrap_or(0);
+    let ball = |colour| {
+        let colours = [colour, mesh::IVORY];
+        Mesh::ellipsoid(DVec3::ZERO, DVec3::splat(RADIUS), colours, [mesh::SAND; 2])
+    };
+    let speed = |name, digits, colour| Column::new(name, "m/s", digits, colour);
+    Film {
+        title: "From sliding to rolling".to_owned(),
+        lines: vec![
+            "Solid ball blue, shell green, solid ball with backspin orange. A ball rolls when its \
+             slip is 0."
+                .to_owned(),
+        ],
+        size: RADIUS,
+        distance: 26.0,
+        slower: 4.0,
+        bodies: vec![ball(mesh::BLUE), ball(mesh::GREEN), ball(mesh::ORANGE)],
+        readouts: vec![
+            speed("slip of the solid ball", 2, "ink"),
+            speed("slip of the shell", 2, "ink"),
+            speed("slip with backspin", 2, "ink"),
+        ],
+        curves: vec![
+            speed("speed: solid ball", 2, "blue"),
+            speed("shell", 2, "green"),
+            speed("with backspin", 2, "orange"),
+        ],
+        events: Vec::new(),
+        shots: (0..count).map(together).collect(),
+    }
+}
+
+/// Returns every moment of the run, and the shots of the film with speed and slip (m/s).
+fn run(ball: Sphere, rim: f64, time_step: f64) -> Outcome<(Vec<Moment>, Vec<Shot>)> {
     // The ball starts at its penetration depth at rest, 10 µm.
     let sink = 1e-5;
     let stiffness = MASS * GRAVITY / sink;
@@ -195,19 +245,21 @@ fn run(ball: Sphere, rim: f64, time_step: f64) -> Outcome<Vec<Moment>> {
         .inertia_properties()
         .angular_momentum(&axes, spin);
     let mut state = start.with_angular_momentum(momentum);
-    let mut moments = Vec::new();
+    let (mut moments, mut camera) = (Vec::new(), Camera::new(0.005));
     let mut watch = |sample: &Sample<'_>| {
         let state = sample.state;
         let spin = stepper.scene().motion(state).angular_velocity;
+        let (speed, rim) = (state.linear_velocity.x, spin.y * RADIUS);
+        camera.look(sample, || [speed, speed - rim]);
         moments.push(Moment {
             time: sample.time,
-            speed: state.linear_velocity.x,
-            rim: spin.y * RADIUS,
+            speed,
+            rim,
             place: state.position.x,
             energy: sample.energy().total(),
         });
         ControlFlow::Continue(())
     };
     stepper.run(&mut state, 2.0, &mut watch)?;
-    Ok(moments)
+    Ok((moments, camera.shots))
 }

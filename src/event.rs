@@ -221,7 +221,7 @@ pub struct Occurrence<R: Real = f64> {
     pub event: usize,
     /// Number of this occurrence of the event since the start of the run, from 1.
     pub count: u64,
-    /// EventDirection in which the value changes.
+    /// Direction in which the value changes.
     pub direction: EventDirection,
     /// Time since the start of the session, s.
     pub time: R,

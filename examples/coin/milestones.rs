@@ -57,7 +57,7 @@ impl Milestones {
         };
         let named = [
             ("passes 45°", self.halfway_down),
-            ("rolls", skidding),
+            ("slip below 10 %", skidding),
             ("settled", self.settled),
         ];
         let happens = |(name, time): (_, Option<f64>)| Some((name, time?));

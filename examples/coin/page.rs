@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::milestones::Milestones;
+use crate::milestones::{Milestones, Skidding};
 use crate::recording::{Moment, Recording};
 use crate::setup::RADIUS;
 use common::{Column, Film, Mesh, Outcome, Pose, Shot, energies, energy_columns};
@@ -19,6 +19,16 @@ pub(crate) fn write(recording: &Recording, path: &Path) -> Outcome<()> {
             setup.duration
         ));
     }
+    if matches!(milestones.skidding, Skidding::Until(_)) {
+        lines.push(
+            "The skid ends where the slip falls below 10 % of its first value for 0.1 s."
+                .to_owned(),
+        );
+    }
+    lines.push(
+        "The ring has no thickness. It is drawn with one, so that its faces can be told apart."
+            .to_owned(),
+    );
     // A few points make a polygon with the points as corners. Many points look round.
     let corners = if setup.points < 30 { setup.points } else { 120 };
     let film = Film {

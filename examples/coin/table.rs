@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::milestones::Milestones;
 use crate::recording::{Moment, Recording};
 
 const HEADER: [&str; 24] = [
@@ -31,11 +32,12 @@ const HEADER: [&str; 24] = [
     "energy_springs_J",
 ];
 
-/// Writes the table.
+/// Writes the table. It ends when the coin has settled.
 pub(crate) fn write(recording: &Recording, path: &Path) -> Result<(), csv::Error> {
     let mut table = csv::Writer::from_path(path)?;
     table.write_record(HEADER)?;
-    for moment in &recording.moments {
+    let shown = recording.until(Milestones::of(recording).curtain());
+    for moment in shown {
         table.write_record(row(moment))?;
     }
     table.flush()?;
