@@ -88,6 +88,10 @@ macro_rules! names_for {
             pub type GroundBounds = crate::GroundBounds<$real>;
             /// A plane ground of springs and dampers.
             pub type FlatGround = crate::FlatGround<$real>;
+            /// Motion of a ground's material.
+            pub type GroundMotion = crate::GroundMotion<$real>;
+            /// A ground whose material moves along its surface.
+            pub type MovingGround<G> = crate::MovingGround<G, $real>;
             /// The integrator of the coin report.
             pub type ForwardEuler = crate::ForwardEuler<$real>;
             /// Range of motions for the check of an applied force.

@@ -120,7 +120,7 @@ pub struct Dissipation<R = f64> {
     pub clamp: R,
     /// Power of the passive part of the applied force, W: air drag.
     pub drag: R,
-    /// Power of the drives of the scene, W, of either sign: wind.
+    /// Power of the drives of the scene, W, of either sign: wind, and ground that moves.
     pub drive: R,
 }
 
@@ -130,10 +130,14 @@ impl<R: Real> Dissipation<R> {
     pub fn of(scene: &impl Dynamics<R>, state: &State<R>) -> Self {
         let motion = scene.motion(state);
         let mut power = Self::of_applied_force(scene, &motion);
-        let turning = motion.angular_velocity;
+        let turning = scene.contact_model().seen(&motion).angular_velocity;
         scene.visit_contacts(&motion, |contact| {
             power = power.plus(&force_and_power(scene, contact, turning).1, R::ONE);
         });
+        if scene.ground().motion().is_some() {
+            let load = scene.contact_model().load(&motion);
+            power.drive += power_of_ground(scene, &motion, &load);
+        }
         power
     }
 
@@ -169,6 +173,15 @@ impl<R: Real> Dissipation<R> {
             drag: self.drag + other.drag * factor,
             drive: self.drive + other.drive * factor,
         }
+    }
+}
+
+/// Power of a moving ground on a body, by the load of all contacts, W.
+#[inline]
+fn power_of_ground<R: Real>(scene: &impl Dynamics<R>, motion: &Motion<R>, load: &Load<R>) -> R {
+    match scene.ground().motion() {
+        Some(ground) => ground.power(motion.position, [load.force, load.torque]),
+        None => R::ZERO,
     }
 }
 
@@ -240,14 +253,15 @@ impl<R: Real> EnergyRates<R> {
         let motion = scene.motion(state);
         let mut load = Load::default();
         let mut dissipation = Dissipation::of_applied_force(scene, &motion);
+        let turning = scene.contact_model().seen(&motion).angular_velocity;
         let (mut contacts, smooth) = (0_u64, scene.body().is_smooth());
         let mut enter = |contact: &Contact<R>, number: u64| {
-            let (force, power) = force_and_power(scene, contact, motion.angular_velocity);
+            let (force, power) = force_and_power(scene, contact, turning);
             // A contact that touches counts once. A contact that pushes counts a second time.
             let pushes = force.dot(contact.normal) > R::ZERO;
             contacts = contacts.wrapping_add(number << u32::from(pushes));
             load.add(contact, force);
-            if let Some(torque) = torque_on(scene, contact, motion.angular_velocity) {
+            if let Some(torque) = torque_on(scene, contact, turning) {
                 load.torque += torque;
             }
             dissipation = dissipation.plus(&power, R::ONE);
@@ -268,6 +282,7 @@ impl<R: Real> EnergyRates<R> {
             .contact_model()
             .visit_rims(&motion, &mut |contact| enter(contact, 0));
         let (of_rims, _) = scene.contact_model().rims_energy(&motion);
+        dissipation.drive += power_of_ground(scene, &motion, &load);
         scene.add_applied_force(&mut load, &motion);
         Self {
             energy: Energy::moving(scene, state, &motion, springs + of_rims),

@@ -6,17 +6,20 @@
 //! | a spring and damper fitted to a bounce, or to the penetration depth at rest | [`Ground::level`] of [`SpringDamper::from_bounce`] or [`from_rest`](SpringDamper::from_rest), with the body's [`Carried`] mass |
 //! | another contact law | [`Ground::level`] of [`LimitedDamper`] or [`HuntCrossley`]; [`ContactLaw`] compares the laws |
 //! | hills, valleys, bowls, waves | [`Ground`] of a law and a [`Terrain`] |
+//! | a conveyor or a turntable | [`MovingGround`] of any of these |
 //! | flight without ground | [`NoGround`], the default of a scene |
 //! | your own ground | [`Shape`], [`ContactLaw`] or [`SpringDamperGround`]: [`guide::extending::ground`](crate::guide::extending::ground) |
 
 mod composed;
 mod flat;
 mod law;
+mod motion;
 mod shape;
 
 pub use composed::Ground;
 pub use flat::FlatGround;
 pub use law::{Carried, ContactLaw, HuntCrossley, LimitedDamper, SpringDamper};
+pub use motion::{GroundMotion, MovingGround};
 pub use shape::{Bowl, Elevation, HeightField, Ramp, Shape, Terrain, Waves};
 
 use law::mean_force_by_quadrature;
@@ -118,6 +121,16 @@ pub trait SpringDamperGround<R: Real = f64> {
         GroundBounds::Everywhere
     }
 
+    /// Motion of the ground's material along its surface, or `None` if it is at rest. Default:
+    /// `None`.
+    ///
+    /// Friction acts on the slip relative to the material. The answer never changes, and the
+    /// material never moves across the surface. See [`MovingGround`].
+    #[inline]
+    fn motion(&self) -> Option<GroundMotion<R>> {
+        None
+    }
+
     /// Checks that the ground is valid. Called once, when a scene is composed.
     ///
     /// # Errors
@@ -168,6 +181,10 @@ macro_rules! forward {
             #[inline]
             fn bounds(&self) -> GroundBounds<R> {
                 (**self).bounds()
+            }
+            #[inline]
+            fn motion(&self) -> Option<GroundMotion<R>> {
+                (**self).motion()
             }
             #[inline]
             fn check(&self) -> Result<(), SceneError> {

@@ -232,9 +232,9 @@ pub use friction::{
 };
 pub use gravity::{Gravity, NoGravity, UniformGravity};
 pub use ground::{
-    Bowl, Carried, ContactLaw, Elevation, FlatGround, Ground, GroundBounds, HeightField,
-    HuntCrossley, LimitedDamper, MeanForce, NoGround, Plane, Ramp, Shape, SpringDamper,
-    SpringDamperGround, Surface, Terrain, Waves,
+    Bowl, Carried, ContactLaw, Elevation, FlatGround, Ground, GroundBounds, GroundMotion,
+    HeightField, HuntCrossley, LimitedDamper, MeanForce, MovingGround, NoGround, Plane, Ramp,
+    Shape, SpringDamper, SpringDamperGround, Surface, Terrain, Waves,
 };
 pub use integrator::{
     AnyIntegrator, BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, ForwardEuler,

@@ -158,8 +158,8 @@ where
     /// Computes the barriers of a scene.
     ///
     /// Returns `None` if there is no bound: no ground, ground that is not a level plane, gravity
-    /// that does not point along -z, springs so soft that the body sinks in completely, or an
-    /// applied force that is not passive.
+    /// that does not point along -z, springs so soft that the body sinks in completely, an applied
+    /// force that is not passive, or ground that moves.
     ///
     /// It costs some thousand evaluations of the springs' energy, and for a body with a round rim
     /// some hundred thousand.
@@ -169,7 +169,8 @@ where
             return None;
         };
         // A drive can lift the body over any barrier.
-        if scene.force().acts() && !scene.force().is_passive() {
+        let is_driven = scene.force().acts() && !scene.force().is_passive();
+        if is_driven || scene.ground().motion().is_some() {
             return None;
         }
         let gravity = scene.gravity();

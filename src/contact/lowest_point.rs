@@ -18,7 +18,8 @@ pub struct LowestPoint<R: Real = f64> {
     pub position: R::Vec3,
     /// Height above the ground, m, negative below ground.
     pub gap: R,
-    /// Velocity of the body's material at the point, along the surface, m/s.
+    /// Velocity of the body's material at the point, along the surface and relative to the ground,
+    /// m/s.
     pub slip: R::Vec3,
 }
 
@@ -67,7 +68,7 @@ where
         let centre = motion.position + motion.axes.to_world(point.position);
         let surface = self.ground.surface(centre);
         let position = centre - surface.normal * point.radius;
-        let velocity = motion.velocity_at(position - motion.position);
+        let velocity = self.seen(motion).velocity_at(position - motion.position);
         LowestPoint {
             index,
             position,

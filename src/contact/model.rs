@@ -4,6 +4,7 @@ use crate::body::RigidPointBody;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::Real;
+use crate::state::Motion;
 
 /// Body, ground and friction law, as the parts on which contact depends.
 ///
@@ -59,6 +60,18 @@ where
     #[must_use]
     pub fn ground(&self) -> &'a G {
         self.ground
+    }
+
+    /// Motion of the body as the ground sees it: relative to the ground's material, if that moves.
+    ///
+    /// Slip, friction and rolling resistance are those of this motion. Depths, closing speeds and
+    /// arms are those of the motion itself, because the material moves along its surface.
+    #[inline(always)]
+    pub(crate) fn seen(&self, motion: &Motion<R>) -> Motion<R> {
+        match self.ground.motion() {
+            Some(ground) => ground.seen_by(motion),
+            None => *motion,
+        }
     }
 
     /// Friction law.

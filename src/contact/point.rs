@@ -22,7 +22,7 @@ pub struct Contact<R: Real = f64> {
     pub depth: R,
     /// Rate of increase of the penetration depth, m/s.
     pub closing_speed: R,
-    /// Velocity along the surface, m/s.
+    /// Velocity along the surface, relative to the ground, m/s.
     pub slip: R::Vec3,
     /// Number of contacts of the body that it represents: 1, except for a quadrature point of a
     /// [`Rim`](crate::Rim).
@@ -97,8 +97,8 @@ impl<R: Real> Contact<R> {
         (self.normal * normal_force + rub) * self.weight
     }
 
-    /// Torque of rolling resistance on a rotating body (rad/s), in addition to that of the force, N
-    /// m.
+    /// Torque of rolling resistance on a body that rotates relative to the ground (rad/s), in
+    /// addition to that of the force, N m.
     ///
     /// It is 0 unless the friction law has rolling resistance.
     #[inline]

@@ -67,7 +67,7 @@ where
         let mut load = Load::default();
         if let Some(height) = self.height_under_bare_points() {
             let parts = run.parts(self.body.contacts());
-            load = level::load(laws, height, parts, motion, arm_axes);
+            load = level::load(laws, height, parts, &self.seen(motion), arm_axes);
             if !self.body.rims().is_empty() {
                 self.add_load_of_rims(motion, axes, &mut load);
             }
@@ -82,6 +82,7 @@ where
     /// Adds the load of the rims on a body with these axes.
     #[inline(never)]
     fn add_load_of_rims(&self, motion: &Motion<R>, axes: &Axes<R>, load: &mut Load<R>) {
+        let motion = &self.seen(motion);
         let laws = (self.ground, self.friction);
         for rim in self.body.rims() {
             match Touching::of(laws, rim, motion) {
@@ -102,8 +103,9 @@ where
     pub(super) fn turning_torque(&self, run: ContactRange, motion: &Motion<R>) -> Option<R::Vec3> {
         self.friction.rolling_resistance(R::ZERO)?;
         let mut sum = R::Vec3::ZERO;
+        let turning = self.seen(motion).angular_velocity;
         self.visit_on(run, motion, |contact| {
-            sum += contact.turning_torque(self.ground, self.friction, motion.angular_velocity);
+            sum += contact.turning_torque(self.ground, self.friction, turning);
         });
         Some(sum)
     }

@@ -50,6 +50,7 @@ where
         motion: &Motion<R>,
         visit: &mut impl FnMut(&Contact<R>),
     ) {
+        let motion = &self.seen(motion);
         let contacts = self.body.contacts();
         // One loop for both parts of a range that continues at the first contact, so that `visit`
         // is compiled once.
@@ -73,6 +74,7 @@ where
     /// the point itself.
     #[inline(never)]
     pub(crate) fn visit_rims(&self, motion: &Motion<R>, visit: &mut dyn FnMut(&Contact<R>)) {
+        let motion = &self.seen(motion);
         let laws = (self.ground, self.friction);
         for rim in self.body.rims() {
             match Touching::of(laws, rim, motion) {

@@ -88,14 +88,15 @@ pub(in crate::integrator) fn arm<R: Real, D: Dynamics<R>>(
     (arm - normal * point.radius, normal)
 }
 
-/// Returns the slip velocity of the body at an arm, along the ground with this normal, m/s, world
-/// axes.
+/// Returns the slip velocity of the body at an arm, along the ground with this normal and relative
+/// to it, m/s, world axes.
 #[inline(always)]
-pub(in crate::integrator) fn slip<R: Real>(
+pub(in crate::integrator) fn slip<R: Real, D: Dynamics<R>>(
+    scene: &D,
     motion: &Motion<R>,
     (arm, normal): (R::Vec3, R::Vec3),
 ) -> R::Vec3 {
-    let velocity = motion.velocity_at(arm);
+    let velocity = scene.contact_model().seen(motion).velocity_at(arm);
     velocity - normal * velocity.dot(normal)
 }
 

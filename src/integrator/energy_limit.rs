@@ -16,15 +16,17 @@ const ROUNDING: f64 = 64.0;
 
 /// Summary of the contacts during a step.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::integrator) struct Touched {
+pub(in crate::integrator) struct Touched<R> {
     /// Number of contacts that penetrate at the end of the step.
     pub(in crate::integrator) touching: usize,
     /// True if contacts have pushed during the step, without friction and without dampers.
     pub(in crate::integrator) is_lossless: bool,
+    /// Work of a ground that moves, J.
+    pub(in crate::integrator) work: R,
 }
 
 /// Advances a state and its energy to the end of a step, and limits the computed energy to that of
-/// the start.
+/// the start, plus the work of a ground that moves.
 ///
 /// The velocities are scaled down until the computed energy is no higher. Returns `false` if that
 /// is impossible.
@@ -41,18 +43,19 @@ pub(in crate::integrator) fn hold<R: Real, D: Dynamics<R>>(
     scene: &D,
     (state, energy): (&mut State<R>, &mut Energy<R>),
     (end, after): (&State<R>, &Energy<R>),
-    contact: Touched,
+    contact: Touched<R>,
     step: &mut Step<R>,
 ) -> bool {
-    let ceiling = energy.total();
+    let ceiling = energy.total() + contact.work;
     let excess = after.total() - ceiling;
     let is_kept =
         excess == R::ZERO || (excess < R::ZERO && !flight_rounding::holds_both_ways::<R>());
     // The exact step has the energy of the start. Rounding of the penetration depths of hard
     // springs is therefore compensated in both directions, whatever its size. A compensation that
     // only removes energy would remove a part of it in each bounce.
+    let is_driven = contact.work != R::ZERO;
     let is_exact = flight_rounding::holds_both_ways::<R>() && contact.is_lossless;
-    if !is_kept && (is_exact || excess.abs() <= rounding_of(energy, after)) {
+    if !is_kept && !is_driven && (is_exact || excess.abs() <= rounding_of(energy, after)) {
         if let Some(rounded) = without_rounding(scene, (state, energy), (end, after), contact) {
             (*state, *energy) = rounded;
             return true;
@@ -60,9 +63,10 @@ pub(in crate::integrator) fn hold<R: Real, D: Dynamics<R>>(
     }
     if excess <= R::ZERO {
         (*state, *energy) = (*end, *after);
+        step.drive_work += contact.work;
         return true;
     }
-    hold_down(scene, (state, energy), (end, after), contact.touching, step)
+    hold_down(scene, (state, energy), (end, after), contact, step)
 }
 
 /// Returns an end of the step without the rounding of its energy, if nothing else has changed the
@@ -71,7 +75,7 @@ fn without_rounding<R: Real, D: Dynamics<R>>(
     scene: &D,
     (start, before): (&State<R>, &Energy<R>),
     (end, after): (&State<R>, &Energy<R>),
-    contact: Touched,
+    contact: Touched<R>,
 ) -> Option<(State<R>, Energy<R>)> {
     let both_ways = flight_rounding::holds_both_ways::<R>();
     let has_pushed = both_ways && contact.is_lossless;
@@ -90,10 +94,10 @@ fn hold_down<R: Real, D: Dynamics<R>>(
     scene: &D,
     (state, energy): (&mut State<R>, &mut Energy<R>),
     (end, after): (&State<R>, &Energy<R>),
-    touching: usize,
+    Touched { touching, work, .. }: Touched<R>,
     step: &mut Step<R>,
 ) -> bool {
-    let ceiling = energy.total();
+    let ceiling = energy.total() + work;
     let excess = after.total() - ceiling;
     if !excess.is_finite() {
         return false;
@@ -105,10 +109,12 @@ fn hold_down<R: Real, D: Dynamics<R>>(
         .flatten();
     if let Some(fallen) = fallen.filter(|(_, energy)| energy.total() <= ceiling) {
         (*state, *energy) = fallen;
+        step.drive_work += work;
         return true;
     }
     if let Some(held) = scaled_down(scene, ceiling, excess, end, *after) {
         step.energy_removed += excess;
+        step.drive_work += work;
         (*state, *energy) = held;
         return true;
     }
@@ -119,6 +125,7 @@ fn hold_down<R: Real, D: Dynamics<R>>(
     for other in without_gain(state, end, touching) {
         let other_energy = Energy::of(scene, &other);
         if other_energy.total() <= ceiling {
+            step.drive_work += work;
             (*state, *energy) = (other, other_energy);
             break;
         }
@@ -247,6 +254,10 @@ pub(in crate::integrator) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     [before, after]: [&Energy<R>; 2],
     seconds: R,
 ) -> bool {
+    // A ground that moves would set the body in motion.
+    if scene.ground().motion().is_some() {
+        return false;
+    }
     let kinetic = |energy: &Energy<R>| energy.translation + energy.rotation;
     let (first, last) = (kinetic(before), kinetic(after));
     let bounding_radius = scene.bounding_radius();

@@ -36,6 +36,7 @@ mod split;
 mod stiffness;
 mod touch;
 mod turning;
+mod work;
 
 use crate::body::{ContactRange, RigidPointBody, Rim};
 use crate::energy::Energy;
@@ -245,13 +246,13 @@ fn move_on<R: Real, D: Dynamics<R>>(
     let mut energy = before;
     let mut step = Step::new(dt, 0);
     applied::pushed(scene, state, &mut energy, dt * R::HALF, &mut step)?;
-    turning::resisted(scene, state, &mut energy, dt * R::HALF);
+    turning::resisted(scene, state, &mut energy, dt * R::HALF, &mut step);
     move_in_parts(scene, state, &mut energy, dt, workspace, &mut step)?;
     let is_suspect = step.fallback || (step.iterations > 0 && dt > R::from_f64(LONG));
     if is_suspect && descent::is_unresolved(scene, &start, dt) {
         return Err(too_long(dt));
     }
-    turning::resisted(scene, state, &mut energy, dt * R::HALF);
+    turning::resisted(scene, state, &mut energy, dt * R::HALF, &mut step);
     applied::pushed(scene, state, &mut energy, dt * R::HALF, &mut step)?;
     if energy.springs > R::ZERO
         && energy_limit::has_come_to_rest(scene, [&start, state], [&before, &energy], dt)
@@ -361,12 +362,12 @@ fn attempt<R: Real, D: Dynamics<R>>(
     let problem = Problem::new(scene, state, energy, seconds);
     let contacts = &mut workspace.contacts;
     let mut end = *state;
-    let mut is_lossless = false;
+    let (mut is_lossless, mut work) = (false, R::ZERO);
     for wide in [false, true] {
         gather(&problem, contacts, wide);
         if contacts.is_empty() {
             end = fly(&problem);
-        } else if let Some(strain) = whole(&problem, contacts, &mut end, step) {
+        } else if let Some(strain) = whole(&problem, contacts, &mut end, &mut work, step) {
             is_lossless = strain.is_none();
         } else {
             break;
@@ -380,6 +381,7 @@ fn attempt<R: Real, D: Dynamics<R>>(
         let contact = Touched {
             touching,
             is_lossless,
+            work,
         };
         if energy_limit::hold(scene, known, (&end, &end_energy), contact, step) {
             return true;
@@ -387,13 +389,14 @@ fn attempt<R: Real, D: Dynamics<R>>(
         break;
     }
     step.fallback = true;
-    let Some((end, is_lossless)) = split::step(scene, state, seconds, contacts, step) else {
+    let Some((end, is_lossless, work)) = split::step(scene, state, seconds, contacts, step) else {
         return false;
     };
     let (end_energy, touching) = Energy::with_touching(scene, &end);
     let contact = Touched {
         touching,
         is_lossless,
+        work,
     };
     energy_limit::hold(scene, (state, energy), (&end, &end_energy), contact, step)
 }
@@ -440,20 +443,23 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
 
 /// Solves the whole step by Newton's method, and then applies the end-velocity correction of
 /// friction and dampers. Returns how well the step resolves friction and dampers, or `None` if its
-/// `end` could not be computed.
+/// `end` could not be computed. `work` is that of a ground that moves, J.
 fn whole<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
     end: &mut State<R>,
+    work: &mut R,
     step: &mut Step<R>,
 ) -> Option<Strain<R>> {
     let mut trial = problem.first_trial();
     let strain = newton::solve(problem, contacts, &mut trial, step)?;
-    *end = problem.end_of(&trial);
+    let before = problem.end_of(&trial);
+    *end = before;
     let strain = strain.of_step(problem);
     if !strain.is_resolved() {
-        *end = end_velocity::corrected(problem, contacts, &trial, strain, end);
+        *end = end_velocity::corrected(problem, contacts, &trial, strain, &before);
     }
+    *work = work::of_whole(problem, [&before, end]);
     end.not_finite().is_none().then_some(strain)
 }
 

@@ -12,7 +12,8 @@ use crate::state::State;
 /// The numbers belong to the body, the gravity and the ground:
 /// - mass, moments and bounding radius
 /// - number of contacts, and number of points that the rim represents
-/// - gravity with the applied force, and the surface relative to the body
+/// - gravity with the applied force and with the motion of the ground, and the surface relative to
+///   the body
 /// - force and energy of a spring at a penetration depth of the bounding radius
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::integrator) struct Fingerprint<R: Real> {
@@ -47,10 +48,14 @@ impl<R: Real> Fingerprint<R> {
 }
 
 /// Acceleration by gravity, with the applied force at the state. Its torque is added as the
-/// acceleration at a lever arm of the radius of gyration, whatever the direction.
+/// acceleration at a lever arm of the radius of gyration, whatever the direction. The motion of the
+/// ground is added as numbers, so that a body does not sleep on when the ground begins to move.
 #[inline]
 fn accelerated<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> R::Vec3 {
-    let gravity = scene.gravity();
+    let mut gravity = scene.gravity();
+    if let Some(ground) = scene.ground().motion() {
+        gravity += ground.velocity + ground.angular_velocity;
+    }
     if !scene.force().acts() {
         return gravity;
     }

@@ -16,7 +16,7 @@ use crate::contact::ContactModel;
 use crate::error::LawQuantity;
 use crate::force::{Force, ForcePower, Wrench};
 use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
-use crate::ground::{GroundBounds, MeanForce, SpringDamperGround, Surface};
+use crate::ground::{GroundBounds, GroundMotion, MeanForce, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::state::Motion;
 
@@ -296,6 +296,10 @@ impl<R: Real> SpringDamperGround<R> for DiagnosedGround<'_, R> {
     #[inline]
     fn bounds(&self) -> GroundBounds<R> {
         self.ground.bounds()
+    }
+    #[inline]
+    fn motion(&self) -> Option<GroundMotion<R>> {
+        self.ground.motion()
     }
 
     #[inline]

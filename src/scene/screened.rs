@@ -16,7 +16,7 @@ use crate::body::InertiaProperties;
 use crate::contact::ContactModel;
 use crate::force::{Force, ForcePower, Wrench};
 use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
-use crate::ground::{GroundBounds, MeanForce, SpringDamperGround, Surface};
+use crate::ground::{GroundBounds, GroundMotion, MeanForce, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::state::Motion;
 
@@ -181,6 +181,10 @@ impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for ScreenedGround
     #[inline(always)]
     fn bounds(&self) -> GroundBounds<R> {
         self.ground.bounds()
+    }
+    #[inline]
+    fn motion(&self) -> Option<GroundMotion<R>> {
+        self.ground.motion()
     }
 
     #[inline(always)]

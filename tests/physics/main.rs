@@ -14,6 +14,7 @@ mod applied_forces;
 mod bodies;
 mod friction_laws;
 mod ground_laws;
+mod moving_ground;
 mod rim;
 mod smooth;
 mod terrain;

@@ -427,13 +427,16 @@ fn mean_discontinuities<R: Real, D: Dynamics<R>>(
     arc: &Arc<R>,
 ) -> Discontinuities<R> {
     let axes = &problem.motion.axes;
-    let velocity = |v: R::Vec3| trial.rotation_change.times(axes.to_world(v)) * problem.per_second;
+    let velocity = |v: R::Vec3| {
+        let v = axes.to_world(v);
+        trial.rotation_change.times(v) * problem.per_second - problem.swing_of_ground(v)
+    };
     let [down, across] = rim.axes();
     let turning = [
         velocity(down * rim.radius()),
         velocity(across * rim.radius()),
     ];
-    let middle = trial.velocity + velocity(rim.centre());
+    let middle = trial.velocity + velocity(rim.centre()) - problem.drift_of_ground();
     let velocities = Velocities::along(arc, middle, turning);
     let ground = problem.scene.ground();
     let position = if problem.scene.friction().depends_on_position() {

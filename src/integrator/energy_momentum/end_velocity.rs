@@ -37,7 +37,7 @@
 use super::contacts::Contacts;
 use super::problem::{Problem, Trial};
 use super::resist::Resistance;
-use super::shared::motion_of;
+use super::shared::seen;
 use super::touch::Push;
 use crate::contact::Motion;
 use crate::friction::FrictionJacobian;
@@ -124,11 +124,11 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>>(
     let correction = Correction {
         problem,
         strain,
-        motion: motion_of(problem.scene, end),
+        motion: seen(problem.scene, end),
     };
     let mut corrected_end = *end;
     for pass in 0..PASSES {
-        let after = (pass > 0).then(|| motion_of(problem.scene, &corrected_end));
+        let after = (pass > 0).then(|| seen(problem.scene, &corrected_end));
         let mut sum = Resistance::of_body(problem.scene, &correction.motion, end.angular_momentum);
         let mut is_limited = false;
         contacts.recall(problem, trial, |push, drag| {
@@ -150,7 +150,7 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>>(
 struct Correction<'a, R: Real, D> {
     problem: &'a Problem<'a, R, D>,
     strain: Strain<R>,
-    /// Motion at the end of the step.
+    /// Motion at the end of the step, relative to the ground.
     motion: Motion<R>,
 }
 

@@ -218,6 +218,39 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         }
     }
 
+    /// Velocity of the ground's material below an arm (m, world axes) at the middle of the step,
+    /// along the ground with this normal, m/s.
+    ///
+    /// The position of the body is that of [`middle_of`](Self::middle_of), for the same reasons.
+    #[inline(always)]
+    pub(super) fn ground_velocity(&self, arm: R::Vec3, normal: R::Vec3) -> R::Vec3 {
+        if self.scene.ground().motion().is_none() {
+            return R::Vec3::ZERO;
+        }
+        let velocity = self.drift_of_ground() + self.swing_of_ground(arm);
+        velocity - normal * velocity.dot(normal)
+    }
+
+    /// Velocity of the ground's material under the body at the middle of the step, m/s.
+    #[inline]
+    pub(super) fn drift_of_ground(&self) -> R::Vec3 {
+        let half = self.seconds * R::HALF;
+        let middle = self.motion.position + self.motion.linear_velocity * half;
+        match self.scene.ground().motion() {
+            Some(ground) => ground.velocity_at(middle),
+            None => R::Vec3::ZERO,
+        }
+    }
+
+    /// What the rotation of the ground adds to that velocity at an arm (m, world axes), m/s.
+    #[inline]
+    pub(super) fn swing_of_ground(&self, arm: R::Vec3) -> R::Vec3 {
+        match self.scene.ground().motion() {
+            Some(ground) => ground.angular_velocity.cross(arm),
+            None => R::Vec3::ZERO,
+        }
+    }
+
     /// First trial: the mean velocity under gravity, and the spin of the start.
     pub(super) fn first_trial(&self) -> Trial<R> {
         let half = self.seconds * R::HALF;

@@ -11,10 +11,14 @@
 //! The kinetic energy decreases for any resistances `kᵢ >= 0`. With `K = Σ Jᵢᵀ kᵢ Jᵢ`, the decrease
 //! is `yᵀ M y - y'ᵀ M y' = 2 y'ᵀ K y' + (K y')ᵀ M⁻¹ (K y') >= 0`. The resistances may therefore be
 //! fitted to limits of the impulses in a few passes, and the order of the contacts does not matter.
+//!
+//! On a ground that moves, `y` is the motion relative to the ground. The relative kinetic energy
+//! decreases, so the kinetic energy increases by at most the work of the ground
+//! ([`work`](super::work)).
 
 use super::block::Block;
 use super::linear::SixBySix;
-use super::shared::motion_of;
+use super::shared::{motion_of, seen};
 use crate::contact::Motion;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
@@ -46,25 +50,26 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
     mut visit: impl FnMut(&Motion<R>, &mut dyn FnMut(&Resisting<R>)),
 ) -> State<R> {
     let motion = motion_of(scene, state);
-    let mut known = motion;
+    let relative = seen(scene, state);
+    let mut known = relative;
     let mut slowed = *state;
     for _ in 0..PASSES {
         let mut sum = Resistance::of_body(scene, &motion, state.angular_momentum);
         visit(&motion, &mut |contact| {
-            contact.add_to(&mut sum, &motion, &known);
+            contact.add_to(&mut sum, &relative, &known);
         });
         let Some(next) = sum.resisted(scene, state, bounding_radius) else {
             break;
         };
         slowed = next;
-        known = motion_of(scene, &slowed);
+        known = seen(scene, &slowed);
     }
     slowed
 }
 
 impl<R: Real> Resisting<R> {
     /// Adds the contact, with the resistances that would give the impulses of the limits in the
-    /// motion `known`.
+    /// motion `known`. Both motions are relative to the ground.
     fn add_to(&self, sum: &mut Resistance<R>, motion: &Motion<R>, known: &Motion<R>) {
         let n = self.normal;
         let (before, after) = (

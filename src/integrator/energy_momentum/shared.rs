@@ -18,6 +18,12 @@ pub(super) fn motion_of<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) ->
     scene.motion(state)
 }
 
+/// Motion of a state relative to the ground's material.
+#[inline(always)]
+pub(super) fn seen<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> Motion<R> {
+    scene.contact_model().seen(&motion_of(scene, state))
+}
+
 /// Calls [`Dynamics::visit_contacts`], but is compiled once, for the stages that a step seldom
 /// needs.
 #[inline(never)]

@@ -11,6 +11,7 @@ use super::newton;
 use super::problem::Problem;
 use super::resist::{Resisting, resisted};
 use super::shared::visit_contacts;
+use super::work;
 use crate::energy::Energy;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
@@ -19,15 +20,15 @@ use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// Takes the step. Also returns whether friction and dampers have done no work in it. Returns
-/// `None` if the conservative part has no solution either.
+/// Takes the step. Also returns whether friction and dampers have done no work in it, and the work
+/// of a ground that moves, J. Returns `None` if the conservative part has no solution either.
 pub(super) fn step<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &State<R>,
     seconds: R,
     contacts: &mut Contacts<R>,
     step: &mut Step<R>,
-) -> Option<(State<R>, bool)> {
+) -> Option<(State<R>, bool, R)> {
     let half = seconds * R::HALF;
     let slowed = dissipate(scene, start, half);
     let problem = Problem {
@@ -41,7 +42,9 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     let moved = problem.end_of(&trial);
     let end = dissipate(scene, &moved, half);
     let is_lossless = slowed == *start && end == moved;
-    end.not_finite().is_none().then_some((end, is_lossless))
+    let work = work::of_impulse(scene, start.position, [start, &slowed])
+        + work::of_impulse(scene, end.position, [&moved, &end]);
+    (end.not_finite().is_none()).then_some((end, is_lossless, work))
 }
 
 /// Applies friction and dampers to a body at a fixed pose for a time. Each contact resists with the

@@ -325,7 +325,7 @@ impl<R: Real> Touch<R> {
         arm: R::Vec3,
         end_arm: R::Vec3,
     ) -> R::Vec3 {
-        let slip = along * problem.per_second;
+        let slip = along * problem.per_second - problem.ground_velocity(arm, self.push.normal);
         self.push.slip = slip;
         self.push.arm = arm;
         self.push.end_arm = end_arm;

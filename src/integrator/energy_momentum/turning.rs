@@ -8,13 +8,15 @@
 //! rolling and to spinning, which fit the law at ω' after a few passes. For any `k_r, k_d >= 0` the
 //! rotational energy decreases, by `h (2 ω'ᵀ Σ K ω' + ...)/2`, as for the impulses of
 //! [`resist`](super::resist). If the computed energy is not lower because of rounding, the state is
-//! not changed.
+//! not changed. On a ground that rotates, ω is relative to it.
 
 use super::shared::{motion_of, visit_contacts};
+use super::work;
 use crate::contact::Motion;
 use crate::energy::Energy;
 use crate::friction::{RollingResistance, SlidingFriction};
 use crate::ground::SpringDamperGround;
+use crate::integrator::interface::Step;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -34,6 +36,7 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
     state: &mut State<R>,
     energy: &mut Energy<R>,
     seconds: R,
+    step: &mut Step<R>,
 ) {
     if scene.friction().rolling_resistance(R::ZERO).is_none() {
         return;
@@ -43,8 +46,10 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
         return;
     }
     let lower = Energy::of(scene, &slowed);
-    if lower.total() <= energy.total() {
+    let work = work::of_impulse(scene, state.position, [state, &slowed]);
+    if lower.total() <= energy.total() + work {
         (*state, *energy) = (slowed, lower);
+        step.drive_work += work;
     }
 }
 
@@ -52,7 +57,7 @@ fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> S
     let motion = motion_of(scene, state);
     let properties = scene.inertia_properties();
     let (inertia, momentum) = properties.inertia_for_solving(&motion.axes, state.angular_momentum);
-    let before = motion.angular_velocity;
+    let before = scene.contact_model().seen(&motion).angular_velocity;
     let mut after = before;
     let mut taken = R::Vec3::ZERO;
     for _ in 0..PASSES {

@@ -37,9 +37,13 @@ struct Slide<R: Real> {
 impl<R: Real> Slide<R> {
     /// Returns the slide between two motions, with the arm and the normal of the contact in each.
     #[inline]
-    fn between(ends: [&Motion<R>; 2], arms: [(R::Vec3, R::Vec3); 2]) -> Self {
-        let [first, last] = [0, 1].map(|i| slip(ends[i], arms[i]));
-        let [from, to] = [0, 1].map(|i| ends[i].position + arms[i].0);
+    fn between<D: Dynamics<R>>(
+        scene: &D,
+        [start, end]: [&Motion<R>; 2],
+        arms: [(R::Vec3, R::Vec3); 2],
+    ) -> Self {
+        let (first, last) = (slip(scene, start, arms[0]), slip(scene, end, arms[1]));
+        let (from, to) = (start.position + arms[0].0, end.position + arms[1].0);
         Self {
             slip: first,
             slip_change: last - first,
@@ -68,7 +72,8 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     #[inline]
     pub(super) fn wrong_of_slip(&self, point: &ContactPoint<R>, sides: &[ContactEnd<R>; 2]) -> R {
         let arm_in = |motion| arm(self.scene, motion, point);
-        let slide = Slide::between(self.ends, [arm_in(self.ends[0]), arm_in(self.ends[1])]);
+        let arms = [arm_in(self.ends[0]), arm_in(self.ends[1])];
+        let slide = Slide::between(self.scene, self.ends, arms);
         let (first, change) = (slide.slip, slide.slip_change);
         let square = change.length_squared();
         let share = (-first.dot(change) / square)
@@ -155,7 +160,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         let mut sum = R::Vec3::ZERO;
         for (motion, weight) in self.weighed_motions() {
             let arm = arm(self.scene, motion, point);
-            let (position, slip) = (motion.position + arm.0, slip(motion, arm));
+            let (position, slip) = (motion.position + arm.0, slip(self.scene, motion, arm));
             let normal_force = ContactEnd::of(self.scene, motion, point).normal_force;
             sum += (self.scene.friction()).force_at(position, normal_force, slip) * weight;
         }

@@ -92,10 +92,11 @@ pub(super) fn load_before<R: Real, D: Dynamics<R>>(
     seconds: R,
 ) -> Load<R> {
     let mut load = Load::default();
+    let turning = scene.contact_model().seen(motion).angular_velocity;
     let mut add = |contact: &Contact<R>| {
         let laws = (scene.ground(), scene.friction());
         load.add(contact, contact.force(laws.0, laws.1));
-        load.torque += contact.turning_torque(laws.0, laws.1, motion.angular_velocity);
+        load.torque += contact.turning_torque(laws.0, laws.1, turning);
     };
     let run = scene
         .contact_model()
@@ -286,7 +287,7 @@ const HALVINGS: u32 = 20;
 fn mobility<R: Real, D: Dynamics<R>>(scene: &D, point: &ContactPoint<R>, motion: &Motion<R>) -> R {
     let mass = scene.inertia_properties();
     let (arm, normal) = arm(scene, motion, point);
-    let slip = slip(motion, (arm, normal));
+    let slip = slip(scene, motion, (arm, normal));
     let force = normal
         + scene
             .friction()

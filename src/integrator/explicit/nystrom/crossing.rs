@@ -151,7 +151,7 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
     #[inline(always)]
     fn direction(&self, point: &ContactPoint<R>, motion: &Motion<R>, load: R) -> [R::Vec3; 2] {
         let (arm, normal) = arm(self.scene, motion, point);
-        let along = slip(motion, (arm, normal));
+        let along = slip(self.scene, motion, (arm, normal));
         let rub = (self.scene.friction()).force_at(motion.position + arm, load, along);
         let push = normal + rub * (R::ONE / load);
         [push, arm.cross(push)]
