@@ -134,6 +134,8 @@ pub enum Requirement {
 
     /// Ground: the normal has length 1.
     UnitNormal,
+    /// Ground: the material of a ground that moves stays on its surface.
+    MotionAlongSurface,
     /// Ground: the gap changes by `normal · path` between two points.
     GapAlongNormal,
     /// Ground: the `bounds` are true.
@@ -222,6 +224,7 @@ impl fmt::Display for Requirement {
             Self::Support => {
                 "support_point must be the farthest point of one contact, within bounding_radius"
             }
+            Self::MotionAlongSurface => "the ground's material must move along its surface",
             Self::UnitNormal => "the surface's normal must have length 1",
             Self::GapAlongNormal => {
                 "the gap must change by normal · displacement, as a distance does; \

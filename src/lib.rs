@@ -58,6 +58,7 @@
 //! - A ground with a spring and a damper under each contact, which never pulls. [`FlatGround`] is a
 //!   plane at any height and tilt. [`Ground`] combines a law ([`ContactLaw`]) with a shape
 //!   ([`Shape`]), for example hills and valleys ([`Terrain`]). You can implement your own.
+//!   Its material may move along its surface ([`MovingGround`]): a conveyor, a turntable.
 //! - Sliding friction at each contact, with a law from the [list of laws](SlidingFriction) or your
 //!   own. Coulomb's law is finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]). Other laws have a
 //!   static and a kinetic coefficient ([`Stribeck`]), a coefficient that decreases with the load
@@ -97,7 +98,7 @@
 //!
 //! | | promise | shown by |
 //! |---|---|---|
-//! | G1 | With [`EnergyMomentum`] the computed energy never increases, not even by one unit in the last place, at any step size, stiffness, damping, friction, spin, size, shape and precision. If an applied force drives the body, the energy increases at most by the work that the step states. | `tests/limits/contract.rs` (random scenes), `tests/limits/extremes.rs` (a sweep of the extremes), [derivation](guide::energy) |
+//! | G1 | With [`EnergyMomentum`] the computed energy never increases, not even by one unit in the last place, at any step size, stiffness, damping, friction, spin, size, shape and precision. If an applied force or a moving ground drives the body, the energy increases at most by the work that the step states. | `tests/limits/contract.rs` (random scenes), `tests/limits/extremes.rs` (a sweep of the extremes), [derivation](guide::energy) |
 //! | G2 | The body stays rigid: distances and the orientation's length stay at rounding, however long the run. | `tests/physics/rigidity.rs`, up to 10⁷ steps |
 //! | G3 | The energy audit adds up: the energy equals the energy at the start, minus the energy that friction, dampers and separation dissipated, plus the energy error. The energy error is the integrator's own. It falls at the integrator's order, through touch-downs too, and with the tolerance of an adaptive method. | `tests/physics/truth.rs`, against the true works of all eight trials |
 //! | G4 | Accuracy is a number: each integrator states order, cost, stability limit, and when it can add energy. | `tests/physics/truth.rs`, `tests/physics/energy.rs` (both sides of each limit), `examples/accuracy`, [tables](guide::accuracy); `tests/validation`, [closed forms and printed numbers](guide::validation) |

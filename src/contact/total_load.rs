@@ -65,9 +65,14 @@ where
         let laws = (self.ground, self.friction);
         let axes = arm_axes.unwrap_or(&motion.axes);
         let mut load = Load::default();
-        if let Some(height) = self.height_under_bare_points() {
+        let height = match self.ground.motion() {
+            None => self.height_under_bare_points(),
+            // The fast path knows the velocities of the body alone.
+            Some(_) => None,
+        };
+        if let Some(height) = height {
             let parts = run.parts(self.body.contacts());
-            load = level::load(laws, height, parts, &self.seen(motion), arm_axes);
+            load = level::load(laws, height, parts, motion, arm_axes);
             if !self.body.rims().is_empty() {
                 self.add_load_of_rims(motion, axes, &mut load);
             }
@@ -82,7 +87,6 @@ where
     /// Adds the load of the rims on a body with these axes.
     #[inline(never)]
     fn add_load_of_rims(&self, motion: &Motion<R>, axes: &Axes<R>, load: &mut Load<R>) {
-        let motion = &self.seen(motion);
         let laws = (self.ground, self.friction);
         for rim in self.body.rims() {
             match Touching::of(laws, rim, motion) {

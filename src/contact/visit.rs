@@ -50,7 +50,19 @@ where
         motion: &Motion<R>,
         visit: &mut impl FnMut(&Contact<R>),
     ) {
-        let motion = &self.seen(motion);
+        match self.ground.motion() {
+            None => self.visit_seen(run, motion, visit),
+            Some(ground) => self.visit_seen(run, &ground.seen_by(motion), visit),
+        }
+    }
+
+    #[inline(always)]
+    fn visit_seen(
+        &self,
+        run: ContactRange,
+        motion: &Motion<R>,
+        visit: &mut impl FnMut(&Contact<R>),
+    ) {
         let contacts = self.body.contacts();
         // One loop for both parts of a range that continues at the first contact, so that `visit`
         // is compiled once.

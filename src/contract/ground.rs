@@ -5,7 +5,7 @@ use super::{
     Input, Requirement, Violation, cannot_be, demand_at_least, demand_at_most, demand_finite, ulps,
     wide,
 };
-use crate::ground::{GroundBounds, Plane, SpringDamperGround};
+use crate::ground::{GroundBounds, Plane, SpringDamperGround, Surface};
 use crate::quadrature::UNIT_3;
 use crate::real::{Real, Vector};
 
@@ -31,6 +31,8 @@ pub struct GroundRange<R: Real = f64> {
 /// would generate energy as a contact moves along. So the gap is a distance. A height field's
 /// `(z - h(x, y)) cos θ` is a distance at the surface only, and fails by penetration depth times
 /// curvature.
+///
+/// *The motion* of a ground that moves is along the surface at each of these points.
 ///
 /// *The law*, from 10⁻¹² of the penetration depth to the full depth, at speeds of both signs and 0:
 /// springs push and never pull. Their energy increases and is the integral of the force, by Gauss's
@@ -138,6 +140,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         let off = (surface.normal.length() - R::ONE).abs();
         demand_at_most(off, ulps(32.0), Requirement::UnitNormal, input)?;
         self.extent_at(place)?;
+        self.motion_along(&surface, place)?;
         if self.ground.bounds() == GroundBounds::Nowhere {
             return Ok(());
         }
@@ -147,6 +150,23 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
             self.gap_along(place, way)?;
         }
         Ok(())
+    }
+
+    /// Checks that the material of a ground that moves stays on its surface.
+    fn motion_along(&self, surface: &Surface<R>, place: R::Vec3) -> Result<(), Violation> {
+        let Some(motion) = self.ground.motion() else {
+            return Ok(());
+        };
+        let input = || Input::Place {
+            point: wide::<R>(place),
+        };
+        let foot = place - surface.normal * surface.gap;
+        let across = motion.velocity_at(foot).dot(surface.normal);
+        demand_finite(across, input)?;
+        let fastest = motion.velocity.length() + motion.angular_velocity.length() * foot.length();
+        let allowed = fastest * ulps(64.0);
+        let requirement = Requirement::MotionAlongSurface;
+        demand_at_most(across.abs(), allowed, requirement, input)
     }
 
     /// Compares the change of the gap over a short displacement with `∫ normal · ds` by Simpson's

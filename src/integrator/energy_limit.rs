@@ -25,6 +25,17 @@ pub(in crate::integrator) struct Touched<R> {
     pub(in crate::integrator) work: R,
 }
 
+impl<R: Real> Touched<R> {
+    /// Work of the ground, J. For a ground at rest the compiler knows that it is 0.
+    #[inline(always)]
+    fn work_of_ground<D: Dynamics<R>>(&self, scene: &D) -> R {
+        match scene.ground().motion() {
+            Some(_) => self.work,
+            None => R::ZERO,
+        }
+    }
+}
+
 /// Advances a state and its energy to the end of a step, and limits the computed energy to that of
 /// the start, plus the work of a ground that moves.
 ///
@@ -46,14 +57,15 @@ pub(in crate::integrator) fn hold<R: Real, D: Dynamics<R>>(
     contact: Touched<R>,
     step: &mut Step<R>,
 ) -> bool {
-    let ceiling = energy.total() + contact.work;
+    let work = contact.work_of_ground(scene);
+    let ceiling = energy.total() + work;
     let excess = after.total() - ceiling;
     let is_kept =
         excess == R::ZERO || (excess < R::ZERO && !flight_rounding::holds_both_ways::<R>());
     // The exact step has the energy of the start. Rounding of the penetration depths of hard
     // springs is therefore compensated in both directions, whatever its size. A compensation that
     // only removes energy would remove a part of it in each bounce.
-    let is_driven = contact.work != R::ZERO;
+    let is_driven = work != R::ZERO;
     let is_exact = flight_rounding::holds_both_ways::<R>() && contact.is_lossless;
     if !is_kept && !is_driven && (is_exact || excess.abs() <= rounding_of(energy, after)) {
         if let Some(rounded) = without_rounding(scene, (state, energy), (end, after), contact) {
@@ -63,7 +75,7 @@ pub(in crate::integrator) fn hold<R: Real, D: Dynamics<R>>(
     }
     if excess <= R::ZERO {
         (*state, *energy) = (*end, *after);
-        step.drive_work += contact.work;
+        step.drive_work += work;
         return true;
     }
     hold_down(scene, (state, energy), (end, after), contact, step)
@@ -94,9 +106,10 @@ fn hold_down<R: Real, D: Dynamics<R>>(
     scene: &D,
     (state, energy): (&mut State<R>, &mut Energy<R>),
     (end, after): (&State<R>, &Energy<R>),
-    Touched { touching, work, .. }: Touched<R>,
+    contact: Touched<R>,
     step: &mut Step<R>,
 ) -> bool {
+    let (touching, work) = (contact.touching, contact.work_of_ground(scene));
     let ceiling = energy.total() + work;
     let excess = after.total() - ceiling;
     if !excess.is_finite() {

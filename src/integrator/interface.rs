@@ -180,8 +180,9 @@ pub struct Step<R = f64> {
     ///
     /// It is the energy that the error of the solver would have added.
     pub energy_removed: R,
-    /// Work of the [drives](crate::Force::is_passive) of the scene, J, from
-    /// [`EnergyMomentum`](crate::EnergyMomentum). The energy after the step is at most the energy
+    /// Work of the drives of the scene, J, from [`EnergyMomentum`](crate::EnergyMomentum): of a force
+    /// that is [not passive](crate::Force::is_passive), and of a [ground that
+    /// moves](crate::MovingGround). The energy after the step is at most the energy
     /// before it plus this work, as computed. It is 0 without a drive. Other integrators state 0;
     /// the [`Ledger`](crate::Ledger) computes the work for every integrator.
     pub drive_work: R,

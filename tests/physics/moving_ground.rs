@@ -10,12 +10,14 @@ use core::f64::consts::PI;
 
 use crate::kit;
 use proptest::prelude::*;
+use tumble::contract::{CheckPlan, GroundRange, Requirement, check_ground};
 use tumble::error::Rule;
 use tumble::glam::{DVec3, Vec3};
 use tumble::{
-    Barriers, Coulomb, Cuboid, Dissipation, DormandPrince54, Dynamics, EnergyMomentum, FlatGround,
-    GroundMotion, Integrator, Ledger, MovingGround, PointMass, SceneError, SolidCoin, Sphere,
-    SpringDamperGround, State, Stepper, UniformGravity, Viscous, WithResistance,
+    Barriers, Bowl, Coulomb, Cuboid, Dissipation, DormandPrince54, Dynamics, EnergyMomentum,
+    FlatGround, Ground, GroundMotion, Integrator, Ledger, MovingGround, PointMass, SceneError,
+    SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Stepper, Terrain, UniformGravity,
+    Viscous, WithResistance,
 };
 
 const G: f64 = 9.8;
@@ -537,4 +539,35 @@ fn ground_that_would_leave_its_plane_is_named() {
         named(GroundMotion::rotation(DVec3::X * f64::INFINITY, DVec3::Z)),
         ("velocity of the ground", Rule::Finite)
     );
+}
+
+/// A bowl that turns about its own axis stays where it is. A bowl on a belt does not.
+#[test]
+fn the_contract_check_finds_material_that_leaves_its_surface() {
+    let law = SpringDamper {
+        stiffness: 1e4,
+        damping: 1.0,
+    };
+    let bowl = Ground {
+        law,
+        shape: Terrain::of(Bowl {
+            curvatures: [1.0; 2],
+        }),
+    };
+    let range = GroundRange {
+        centre: DVec3::ZERO,
+        size: 0.5,
+        depth: 0.01,
+        speed: 5.0,
+    };
+    let check = |motion: GroundMotion| {
+        let ground = MovingGround {
+            ground: bowl,
+            motion,
+        };
+        check_ground(&ground, &range, CheckPlan::default())
+    };
+    check(GroundMotion::rotation(DVec3::ZERO, DVec3::Z * 3.0)).unwrap();
+    let fault = check(GroundMotion::translation(DVec3::X)).unwrap_err();
+    assert_eq!(fault.requirement, Requirement::MotionAlongSurface);
 }
