@@ -14,10 +14,10 @@ use tumble::contract::{CheckPlan, GroundRange, Requirement, check_ground};
 use tumble::error::Rule;
 use tumble::glam::{DVec3, Vec3};
 use tumble::{
-    Barriers, Bowl, Coulomb, Cuboid, Dissipation, DormandPrince54, Dynamics, EnergyMomentum,
-    FlatGround, Ground, GroundMotion, Integrator, Ledger, MovingGround, PointMass, SceneError,
-    SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Stepper, Terrain, UniformGravity,
-    Viscous, WithResistance,
+    Barriers, Bowl, Capsule, Coulomb, Cuboid, Disc, Dissipation, DormandPrince54, Dynamics,
+    Ellipsoid, EnergyMomentum, FlatGround, Ground, GroundMotion, Integrator, Ledger, MovingGround,
+    PointMass, RigidPointBody, SceneError, SolidCoin, Sphere, SpringDamper, SpringDamperGround,
+    State, Stepper, Terrain, UniformGravity, Viscous, WithResistance,
 };
 
 const G: f64 = 9.8;
@@ -114,6 +114,54 @@ fn a_belt_is_a_ground_at_rest_in_another_frame() {
         let turned = kit::angle_between(carried.orientation, still.orientation);
         assert!(turned < 1e-7, "{name}: {turned:e}");
     });
+}
+
+/// The same for round rims, smooth bodies and balls of a body, by the implicit method and by one
+/// that looks for reversals of the slip.
+#[test]
+fn rims_and_smooth_bodies_feel_the_belt() {
+    fn compared<B: RigidPointBody + Copy, I: Integrator + Copy>(
+        name: &str,
+        body: B,
+        integrator: I,
+    ) {
+        let belt = DVec3::new(0.7, -0.4, 0.0);
+        let plain = Stepper::builder(body)
+            .gravity(UniformGravity::down(G))
+            .ground(FlatGround::level(2e3, 2.0))
+            .friction(coulomb(0.4))
+            .integrator(integrator)
+            .build()
+            .unwrap();
+        let moving = plain
+            .with_ground(MovingGround::conveyor(*plain.scene().ground(), belt))
+            .unwrap();
+        let start = State::at(DVec3::Z * 0.045)
+            .with_rotation_vector(DVec3::new(0.3, 0.9, -0.2))
+            .with_linear_velocity(DVec3::new(0.4, 0.5, -0.3))
+            .with_angular_momentum(DVec3::new(2e-4, -3e-4, 5e-4));
+        let (mut still, seconds) = (start, 0.1);
+        plain.advance(&mut still, seconds).unwrap();
+        let falls = start.linear_velocity.z - G * seconds;
+        let lifted = still.linear_velocity.z - falls;
+        assert!(lifted > 0.01, "{name}: it does not touch");
+        let mut carried = start.with_linear_velocity(start.linear_velocity + belt);
+        moving.advance(&mut carried, seconds).unwrap();
+        let off = carried.position - still.position - belt * seconds;
+        assert!(off.length() < 1e-8, "{name}: {off}");
+        let turned = kit::angle_between(carried.orientation, still.orientation);
+        assert!(turned < 1e-6, "{name}: {turned:e}");
+    }
+    fn each<B: RigidPointBody + Copy>(name: &str, body: B) {
+        compared(name, body, EnergyMomentum { time_step: 1e-4 });
+        compared(name, body, DormandPrince54::new(1e-10));
+    }
+    each("disc", Disc::solid(0.2, 0.05, 120));
+    each(
+        "ellipsoid",
+        Ellipsoid::solid(0.2, DVec3::new(0.06, 0.05, 0.04)),
+    );
+    each("capsule", Capsule::solid(0.2, 0.03, 0.08));
 }
 
 /// State of a ball at `place` on a turntable, that moves with `velocity` and rolls without slip.
