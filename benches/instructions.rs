@@ -1,9 +1,10 @@
 //! A fixed number of steps, for `callgrind` to count the instructions: see `.ci/instructions`.
 //!
 //! The arguments are `instructions INTEGRATOR PHASE SCENE STEPS`. `SCENE` is a number of points,
-//! `round` for a rim without points, `own` for 120 points on a user's ground and friction law, whose
-//! values every step tests, or the name of a part that is added to 120 points. The instructions of a step are the difference of two counts over the
-//! difference of their numbers of steps.
+//! `round` for a rim without points, `own` for 120 points on a user's ground and friction law,
+//! whose values every step tests, or the name of a part that is added to 120 points. The
+//! instructions of a step are the difference of two counts over the difference of their numbers of
+//! steps.
 
 // A benchmark that fails ends with a panic.
 #![allow(clippy::unwrap_used, clippy::panic)]

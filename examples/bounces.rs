@@ -22,7 +22,8 @@ use tumble::{
 const ABOUT: &str = "\
 Drops a table tennis ball from 305 mm, finds each touch-down, each lift-off and each apex as an
 event, and compares them with the geometric series of a ball without air and with the closed form of
-a ball with quadratic drag. The intervals between the sounds give the restitution (Bernstein 1977).";
+a ball with quadratic drag. The intervals between the sounds give the restitution
+(Bernstein 1977).";
 
 /// Mass (kg) and radius (m) of a ball of 40 mm by the rules of table tennis.
 const MASS: f64 = 0.0027;
