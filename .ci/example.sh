@@ -15,7 +15,7 @@ for method in energy-momentum report forward-euler symplectic-euler strang rk4; 
 done
 
 coin --quiet --all --duration 2 --out "$out/all"
-for example in heads_or_tails custom_body dice tippe_top rising_egg eulers_disk slide_to_roll custom_ground sphere_with_spin tennis bounces; do
+for example in heads_or_tails custom_body dice tippe_top rising_egg eulers_disk slide_to_roll custom_ground sphere_with_spin tennis bounces dice_tray; do
   cargo run -q --release --example "$example" -- --quick --out "$out/all"
 done
 cargo run -q --release --example choose_accuracy -- --quick --out "$out/all"

@@ -192,11 +192,9 @@ fn force_and_power<R: Real>(
     contact: &Contact<R>,
     angular_velocity: R::Vec3,
 ) -> (R::Vec3, Dissipation<R>) {
-    let ground = scene.ground();
+    let (ground, friction) = contact.laws(scene.ground(), scene.friction());
     let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
-    let rub = scene
-        .friction()
-        .force_at(contact.position, normal_force, contact.slip);
+    let rub = friction.force_at(contact.position, normal_force, contact.slip);
     let friction = rub * contact.weight;
     let lost = (ground.spring_force(contact.depth) - normal_force) * contact.closing_speed;
     let (damper, clamp) = if normal_force > R::ZERO {
@@ -273,8 +271,10 @@ impl<R: Real> EnergyRates<R> {
         scene
             .contact_model()
             .visit_points(run, &motion, &mut |contact: &Contact<R>| {
-                enter(contact, if smooth { 1 } else { checksum(contact) });
-                springs += scene.ground().spring_energy(contact.depth);
+                let number = if smooth { 1 } else { checksum(contact) };
+                enter(contact, number.rotate_left(contact.surface as u32));
+                let (ground, _) = contact.laws(scene.ground(), scene.friction());
+                springs += ground.spring_energy(contact.depth);
             });
         // The points of a circular edge touch one after the other, so the force has no
         // discontinuity.

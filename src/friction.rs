@@ -6,6 +6,7 @@ mod field;
 mod load_dependent;
 mod patch;
 mod resistance;
+mod several;
 mod stribeck;
 mod viscous;
 
@@ -15,6 +16,7 @@ pub use field::FrictionField;
 pub use load_dependent::LoadDependentCoulomb;
 pub use patch::{FrictionPatch, Region};
 pub use resistance::{RollingResistance, WithResistance};
+pub(crate) use several::LawOfSurface;
 pub use stribeck::Stribeck;
 pub use viscous::Viscous;
 
@@ -48,6 +50,12 @@ use crate::real::{Real, Vector};
 /// | two of them in [`FrictionPatch`] | that of the law of the region | an ice patch, a carpet, a line |
 /// | a function of the position, [`FrictionField`] | that of the law at the contact | any other ground whose friction varies |
 /// | [`Frictionless`] | 0 | ice, and scenes without friction |
+///
+/// # Several surfaces
+///
+/// On a ground of [several surfaces](crate::SpringDamperGround#several-surfaces), a law holds for
+/// all of them. A tuple of two to six laws, an array or a slice of laws has one law for each
+/// surface, in the same order. Their numbers must agree when a scene is composed.
 ///
 /// ```
 /// use tumble::SlidingFriction;
@@ -156,6 +164,24 @@ pub trait SlidingFriction<R: Real = f64> {
         None
     }
 
+    /// Number of surfaces, if the law differs between the surfaces of a ground. Default: `None`,
+    /// the law holds for every surface.
+    ///
+    /// See [several surfaces](Self#several-surfaces).
+    #[inline]
+    fn surfaces(&self) -> Option<usize> {
+        None
+    }
+
+    /// Calls `visit` once with the law of one of [several](Self::surfaces) surfaces. Default: does
+    /// nothing.
+    ///
+    /// The index is below the number of surfaces. The law itself holds for one surface.
+    #[inline]
+    fn with_surface(&self, index: usize, visit: &mut dyn FnMut(&dyn SlidingFriction<R>)) {
+        let _ = (index, visit);
+    }
+
     /// Checks that the law is valid. Called once, when a scene is composed.
     ///
     /// # Errors
@@ -219,6 +245,14 @@ macro_rules! forward {
             #[inline]
             fn depends_on_position(&self) -> bool {
                 (**self).depends_on_position()
+            }
+            #[inline]
+            fn surfaces(&self) -> Option<usize> {
+                (**self).surfaces()
+            }
+            #[inline]
+            fn with_surface(&self, index: usize, visit: &mut dyn FnMut(&dyn SlidingFriction<R>)) {
+                (**self).with_surface(index, visit);
             }
             #[inline]
             fn check(&self) -> Result<(), SceneError> {

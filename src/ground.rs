@@ -7,6 +7,8 @@
 //! | another contact law | [`Ground::level`] of [`LimitedDamper`] or [`HuntCrossley`]; [`ContactLaw`] compares the laws |
 //! | hills, valleys, bowls, waves | [`Ground`] of a law and a [`Terrain`] |
 //! | a conveyor or a turntable | [`MovingGround`] of any of these |
+//! | a table with an edge, a step, a post | [`Ground`] of a law and a [`Block`] |
+//! | a floor and walls, a groove, a lid | a tuple or an array of any of these: [several surfaces](SpringDamperGround#several-surfaces) |
 //! | flight without ground | [`NoGround`], the default of a scene |
 //! | your own ground | [`Shape`], [`ContactLaw`] or [`SpringDamperGround`]: [`guide::extending::ground`](crate::guide::extending::ground) |
 
@@ -14,13 +16,15 @@ mod composed;
 mod flat;
 mod law;
 mod motion;
+mod several;
 mod shape;
 
 pub use composed::Ground;
 pub use flat::FlatGround;
 pub use law::{Carried, ContactLaw, HuntCrossley, LimitedDamper, SpringDamper};
 pub use motion::{GroundMotion, MovingGround};
-pub use shape::{Bowl, Elevation, HeightField, Ramp, Shape, Terrain, Waves};
+pub(crate) use several::OneSurface;
+pub use shape::{Block, Bowl, Elevation, HeightField, Ramp, Shape, Terrain, Waves};
 
 use law::mean_force_by_quadrature;
 
@@ -46,6 +50,34 @@ use crate::real::{Real, Vector};
 /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) for a NaN, for a negative spring energy,
 /// and for a normal whose length is not 1.
 /// [`contract::check_ground`](crate::contract::check_ground) tests an implementation.
+///
+/// # Several surfaces
+///
+/// A tuple of two to six grounds, an array or a slice of grounds is a ground of several surfaces. A
+/// contact presses on each surface that it penetrates, with the law of that surface. So the energy
+/// in the springs and the forces are sums over contacts and surfaces.
+///
+/// ```
+/// use tumble::glam::DVec3;
+/// use tumble::{FlatGround, Plane, Sphere, Stepper};
+///
+/// // A groove of 90 degrees.
+/// let wall = |x: f64| {
+///     FlatGround::level(1e4, 1.0).on(Plane::through(DVec3::ZERO, DVec3::new(x, 0.0, 1.0)))
+/// };
+/// let stepper = Stepper::new(Sphere::solid(0.1, 0.02))?.with_ground([wall(1.0), wall(-1.0)])?;
+/// # Ok::<(), tumble::SceneError>(())
+/// ```
+///
+/// * *Friction:* one law for all surfaces, or a tuple or an array with
+///   [one law for each](crate::SlidingFriction#several-surfaces).
+/// * *Edges:* a half-space has none. A [`Block`] has faces and edges. Beyond an edge a contact
+///   feels nothing of it.
+/// * *Motion:* the surfaces are at rest, or [`MovingGround`] moves all of them as one. A surface
+///   that moves among others is refused when a scene is composed.
+/// * *The methods of the whole:* [`surface`](Self::surface) is the surface nearest to a point, and
+///   the laws are those of the first surface. A step asks each surface by
+///   [`with_surface`](Self::with_surface) instead.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -121,6 +153,23 @@ pub trait SpringDamperGround<R: Real = f64> {
         GroundBounds::Everywhere
     }
 
+    /// Number of surfaces, if the ground is made of several. Default: `None`, it is one surface.
+    ///
+    /// See [several surfaces](Self#several-surfaces).
+    #[inline]
+    fn surfaces(&self) -> Option<usize> {
+        None
+    }
+
+    /// Calls `visit` once with one of [several](Self::surfaces) surfaces, as a ground of its own.
+    /// Default: does nothing.
+    ///
+    /// The index is below the number of surfaces. The surface itself is not made of several.
+    #[inline]
+    fn with_surface(&self, index: usize, visit: &mut dyn FnMut(&dyn SpringDamperGround<R>)) {
+        let _ = (index, visit);
+    }
+
     /// Motion of the ground's material along its surface, or `None` if it is at rest. Default:
     /// `None`.
     ///
@@ -181,6 +230,18 @@ macro_rules! forward {
             #[inline]
             fn bounds(&self) -> GroundBounds<R> {
                 (**self).bounds()
+            }
+            #[inline]
+            fn surfaces(&self) -> Option<usize> {
+                (**self).surfaces()
+            }
+            #[inline]
+            fn with_surface(
+                &self,
+                index: usize,
+                visit: &mut dyn FnMut(&dyn SpringDamperGround<R>),
+            ) {
+                (**self).with_surface(index, visit);
             }
             #[inline]
             fn motion(&self) -> Option<GroundMotion<R>> {

@@ -58,7 +58,9 @@
 //! - A ground with a spring and a damper under each contact, which never pulls. [`FlatGround`] is a
 //!   plane at any height and tilt. [`Ground`] combines a law ([`ContactLaw`]) with a shape
 //!   ([`Shape`]), for example hills and valleys ([`Terrain`]). You can implement your own.
-//!   Its material may move along its surface ([`MovingGround`]): a conveyor, a turntable.
+//!   Its material may move along its surface ([`MovingGround`]): a conveyor, a turntable. A tuple or
+//!   an array of grounds is a ground of [several surfaces](SpringDamperGround#several-surfaces): a
+//!   tray, a groove, a table with an edge ([`Block`]).
 //! - Sliding friction at each contact, with a law from the [list of laws](SlidingFriction) or your
 //!   own. Coulomb's law is finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]). Other laws have a
 //!   static and a kinetic coefficient ([`Stribeck`]), a coefficient that decreases with the load
@@ -233,7 +235,7 @@ pub use friction::{
 };
 pub use gravity::{Gravity, NoGravity, UniformGravity};
 pub use ground::{
-    Bowl, Carried, ContactLaw, Elevation, FlatGround, Ground, GroundBounds, GroundMotion,
+    Block, Bowl, Carried, ContactLaw, Elevation, FlatGround, Ground, GroundBounds, GroundMotion,
     HeightField, HuntCrossley, LimitedDamper, MeanForce, MovingGround, NoGround, Plane, Ramp,
     Shape, SpringDamper, SpringDamperGround, Surface, Terrain, Waves,
 };

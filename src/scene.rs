@@ -1,16 +1,18 @@
 //! Body, ground, friction, gravity and applied force together, checked once.
 
 mod diagnosed;
+mod on_surface;
 #[cfg(feature = "serde")]
 mod saved;
 mod screened;
 
 pub(crate) use diagnosed::{DiagnosedScene, Record};
+pub(crate) use on_surface::OnSurface;
 pub(crate) use screened::{Alarm, ScreenedScene};
 
 use crate::body::{InertiaProperties, RigidPointBody};
 use crate::contact::{Contact, ContactModel, Load, Motion};
-use crate::error::{self, SceneError};
+use crate::error::{self, Rule, SceneError};
 use crate::force::{Force, NoForce};
 use crate::friction::SlidingFriction;
 use crate::gravity::Gravity;
@@ -202,6 +204,7 @@ where
         let inertia_properties = InertiaProperties::new(body.mass(), body.inertia())?;
         let weight = inertia_properties.mass() * gravity.acceleration().length();
         error::finite("weight (mass times gravity)", weight, " N")?;
+        check_numbers_of_surfaces(&ground, &friction)?;
         if let GroundBounds::Plane(plane) | GroundBounds::Below(plane) = ground.bounds() {
             plane.check()?;
         }
@@ -215,6 +218,23 @@ where
             gravity,
             force: NoForce,
         })
+    }
+}
+
+/// Checks that there is one friction law for all surfaces, or one for each.
+fn check_numbers_of_surfaces<R: Real>(
+    ground: &impl SpringDamperGround<R>,
+    friction: &impl SlidingFriction<R>,
+) -> Result<(), SceneError> {
+    let count = ground.surfaces().unwrap_or(1);
+    match friction.surfaces() {
+        Some(laws) if laws != count => Err(SceneError::new(
+            "number of friction laws",
+            Rule::Exactly(count),
+            laws as f64,
+            "",
+        )),
+        _ => Ok(()),
     }
 }
 

@@ -148,9 +148,10 @@ impl<R: Real> Response<R> {
 
     /// Adds a contact. Returns its stiffness and its damping along the normal.
     fn add<D: Dynamics<R>>(&mut self, frame: &Frame<'_, R, D>, contact: &Contact<R>) -> [R; 2] {
-        let (ground, normal) = (frame.scene.ground(), contact.normal);
+        let normal = contact.normal;
+        let (ground, friction) = contact.laws(frame.scene.ground(), frame.scene.friction());
         let load = ground.normal_force(contact.depth, contact.closing_speed);
-        let drag = drag_at(frame.scene.friction(), load, contact);
+        let drag = drag_at(&friction, load, contact);
         let by_load = contact.slip * -drag.per_load;
         self.is_coupled |= by_load != R::Vec3::ZERO;
         let pushed = match self.load {
@@ -160,7 +161,7 @@ impl<R: Real> Response<R> {
         let answer = frame.acceleration(pushed, contact.arm.cross(pushed));
         let row = frame.row(normal, contact.arm.cross(normal));
         let [k, c] =
-            slopes(ground, contact, dot(&answer, &row)).map(|slope| slope * contact.weight);
+            slopes(&ground, contact, dot(&answer, &row)).map(|slope| slope * contact.weight);
         self.stiffness.add_outer(k, &answer, &row);
         self.damping.add_outer(c, &answer, &row);
 

@@ -756,7 +756,7 @@ fn broken_law<R: Real>(
         + energy.rotation
         + energy.gravity.abs()
         + energy.springs.abs()
-        + energy_at_a_metre(scene.ground());
+        + energy_at_a_metre_of_all(scene);
     let rounding = terms * (R::EPSILON * R::from_f64(LAW_ROUNDING));
     let (quantity, value) = record.violation(rounding)?;
     Some(StepError::BrokenLaw {
@@ -768,6 +768,14 @@ fn broken_law<R: Real>(
 /// Units in the last place of the sum of all terms below which a negative spring energy counts as
 /// rounding.
 const LAW_ROUNDING: f64 = 8.0;
+
+/// Sum over the surfaces of the ground of [`energy_at_a_metre`], J.
+fn energy_at_a_metre_of_all<R: Real>(scene: &impl Dynamics<R>) -> R {
+    let model = scene.contact_model();
+    (0..model.surfaces()).fold(R::ZERO, |sum, surface| {
+        sum + energy_at_a_metre(&model.laws_of(surface).0)
+    })
+}
 
 /// Spring energy of a contact at a penetration depth of 1 m, J. If it is not finite there, the
 /// depth is halved until it is. The result is at least 0.

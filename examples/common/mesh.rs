@@ -132,6 +132,22 @@ impl Mesh {
         mesh
     }
 
+    /// A block around its middle, with these lengths along the axes (m).
+    pub fn block(lengths: DVec3, colour: Colour) -> Self {
+        let mut mesh = Self::default();
+        for axis in 0..3 {
+            for side in [1.0, -1.0] {
+                let out = DVec3::AXES[axis] * side;
+                let right = DVec3::AXES[(axis + 1) % 3];
+                let up = out.cross(right);
+                let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+                let on = |(x, y): (f64, f64)| 0.5 * lengths * (out + right * x + up * y);
+                mesh.0.push((colour, corners.map(on).to_vec()));
+            }
+        }
+        mesh
+    }
+
     /// A die around a middle: 1 at x, 2 at y, 3 at z, and a sum of 7 on opposite sides.
     pub fn die(middle: DVec3, edge: f64, base: Colour, pip: Colour) -> Self {
         let mut mesh = Self::default();

@@ -5,7 +5,7 @@ use super::point::facing_ground;
 use super::rims;
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::friction::SlidingFriction;
-use crate::ground::SpringDamperGround;
+use crate::ground::{OneSurface, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::state::Motion;
 
@@ -37,23 +37,26 @@ where
         let Motion { position, axes, .. } = motion;
         let contacts = self.body.contacts();
         let mut lowest: Option<LowestPoint<R>> = None;
-        let mut look_at = |index: usize, point: &ContactPoint<R>| {
-            let candidate = self.surface_point(index, point, motion);
-            if lowest.is_none_or(|known| candidate.gap < known.gap) {
-                lowest = Some(candidate);
+        for surface in 0..self.surfaces() {
+            let ground = OneSurface::of(self.ground, surface);
+            let mut look_at = |index: usize, point: &ContactPoint<R>| {
+                let candidate = self.surface_point(&ground, index, point, motion);
+                if lowest.is_none_or(|known| candidate.gap < known.gap) {
+                    lowest = Some(candidate);
+                }
+            };
+            for (index, point) in contacts.iter().enumerate() {
+                if self.body.is_smooth() {
+                    let facing = facing_ground(self.body, &ground, *position, axes);
+                    look_at(index, &facing);
+                } else {
+                    look_at(index, point);
+                }
             }
-        };
-        for (index, point) in contacts.iter().enumerate() {
-            if self.body.is_smooth() {
-                let facing = facing_ground(self.body, self.ground, *position, axes);
-                look_at(index, &facing);
-            } else {
-                look_at(index, point);
+            for (number, rim) in self.body.rims().iter().enumerate() {
+                let (_, place) = rims::lowest(rim, &ground, *position, axes);
+                look_at(contacts.len() + number, &ContactPoint::bare(place));
             }
-        }
-        for (number, rim) in self.body.rims().iter().enumerate() {
-            let (_, place) = rims::lowest(rim, self.ground, *position, axes);
-            look_at(contacts.len() + number, &ContactPoint::bare(place));
         }
         lowest
     }
@@ -61,12 +64,13 @@ where
     /// Point of a contact's surface that faces the ground.
     fn surface_point(
         &self,
+        ground: &OneSurface<'_, G>,
         index: usize,
         point: &ContactPoint<R>,
         motion: &Motion<R>,
     ) -> LowestPoint<R> {
         let centre = motion.position + motion.axes.to_world(point.position);
-        let surface = self.ground.surface(centre);
+        let surface = ground.surface(centre);
         let position = centre - surface.normal * point.radius;
         let velocity = self.seen(motion).velocity_at(position - motion.position);
         LowestPoint {

@@ -1,8 +1,8 @@
 //! The parts of a scene on which contact depends.
 
 use crate::body::RigidPointBody;
-use crate::friction::SlidingFriction;
-use crate::ground::SpringDamperGround;
+use crate::friction::{LawOfSurface, SlidingFriction};
+use crate::ground::{OneSurface, SpringDamperGround};
 use crate::real::Real;
 use crate::state::Motion;
 
@@ -60,6 +60,21 @@ where
     #[must_use]
     pub fn ground(&self) -> &'a G {
         self.ground
+    }
+
+    /// Number of surfaces of the ground.
+    #[inline(always)]
+    pub(crate) fn surfaces(&self) -> usize {
+        self.ground.surfaces().unwrap_or(1)
+    }
+
+    /// Ground and friction law of one surface.
+    #[inline(always)]
+    pub(crate) fn laws_of(&self, surface: usize) -> (OneSurface<'a, G>, LawOfSurface<'a, F>) {
+        (
+            OneSurface::of(self.ground, surface),
+            LawOfSurface::of(self.friction, surface),
+        )
     }
 
     /// Motion of the body as the ground sees it: relative to the ground's material, if that moves.

@@ -1,8 +1,8 @@
 //! One contact that touches: its geometry, its velocity and its force.
 
 use crate::body::{ContactPoint, RigidPointBody};
-use crate::friction::SlidingFriction;
-use crate::ground::SpringDamperGround;
+use crate::friction::{LawOfSurface, SlidingFriction};
+use crate::ground::{OneSurface, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::Motion;
@@ -12,6 +12,8 @@ use crate::state::Motion;
 pub struct Contact<R: Real = f64> {
     /// Contact as defined by the body.
     pub point: ContactPoint<R>,
+    /// Index of the surface that it touches; 0 if the ground is one surface.
+    pub surface: usize,
     /// Position of the point at which the force acts, m.
     pub position: R::Vec3,
     /// Vector from the centre of mass to the point at which the force acts, m.
@@ -30,11 +32,11 @@ pub struct Contact<R: Real = f64> {
 }
 
 impl<R: Real> Contact<R> {
-    /// Contact of `point` with the ground, if it touches.
+    /// Contact of `point` with a surface, if it touches.
     #[inline]
     pub(super) fn at<B: RigidPointBody<R>, G: SpringDamperGround<R>>(
         body: &B,
-        ground: &G,
+        ground: &OneSurface<'_, G>,
         motion: &Motion<R>,
         point: &ContactPoint<R>,
     ) -> Option<Self> {
@@ -48,25 +50,26 @@ impl<R: Real> Contact<R> {
         Self::of(ground, motion, point, R::ONE)
     }
 
-    /// Contact of a fixed `point` with the ground, if it touches.
+    /// Contact of a fixed `point` with a surface, if it touches.
     #[inline]
     pub(super) fn of<G: SpringDamperGround<R>>(
-        ground: &G,
+        ground: &OneSurface<'_, G>,
         motion: &Motion<R>,
         point: &ContactPoint<R>,
         weight: R,
     ) -> Option<Self> {
         let centre_arm = motion.axes.to_world(point.position);
         let centre = motion.position + centre_arm;
-        let surface = ground.surface(centre);
-        let depth = point.radius - surface.gap;
+        let under = ground.surface(centre);
+        let depth = point.radius - under.gap;
         (depth > R::ZERO).then(|| {
-            let normal = surface.normal;
+            let normal = under.normal;
             let arm = surface_arm(point, centre_arm, normal);
             let velocity = motion.velocity_at(arm);
             let rising = velocity.dot(normal);
             Self {
                 point: *point,
+                surface: ground.index(),
                 position: surface_arm(point, centre, normal),
                 arm,
                 normal,
@@ -85,6 +88,23 @@ impl<R: Real> Contact<R> {
         surface_arm(&self.point, centre_arm, self.normal)
     }
 
+    /// Laws of the surface that the contact touches.
+    #[inline(always)]
+    pub(crate) fn laws<'a, G, F>(
+        &self,
+        ground: &'a G,
+        friction: &'a F,
+    ) -> (OneSurface<'a, G>, LawOfSurface<'a, F>)
+    where
+        G: SpringDamperGround<R>,
+        F: SlidingFriction<R>,
+    {
+        (
+            OneSurface::of(ground, self.surface),
+            LawOfSurface::of(friction, self.surface),
+        )
+    }
+
     /// Force of the ground on the body at this contact, normal and friction together, N.
     #[inline]
     pub fn force<G, F>(&self, ground: &G, friction: &F) -> R::Vec3
@@ -92,6 +112,7 @@ impl<R: Real> Contact<R> {
         G: SpringDamperGround<R>,
         F: SlidingFriction<R>,
     {
+        let (ground, friction) = self.laws::<G, F>(ground, friction);
         let normal_force = ground.normal_force(self.depth, self.closing_speed);
         let rub = friction.force_at(self.position, normal_force, self.slip);
         (self.normal * normal_force + rub) * self.weight
@@ -112,6 +133,7 @@ impl<R: Real> Contact<R> {
         G: SpringDamperGround<R>,
         F: SlidingFriction<R>,
     {
+        let (ground, friction) = self.laws::<G, F>(ground, friction);
         let normal_force = ground.normal_force(self.depth, self.closing_speed);
         match friction.rolling_resistance_at(self.position, normal_force) {
             Some(resistance) => resistance.torque(self.normal, angular_velocity) * self.weight,

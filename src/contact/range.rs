@@ -3,7 +3,7 @@
 use super::model::ContactModel;
 use crate::body::{ContactRange, RigidPointBody};
 use crate::friction::SlidingFriction;
-use crate::ground::{GroundBounds, SpringDamperGround};
+use crate::ground::{GroundBounds, OneSurface, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::Motion;
@@ -52,7 +52,50 @@ where
         axes: &Axes<R>,
         below: impl FnOnce(R::Vec3, R) -> ContactRange,
     ) -> ContactRange {
-        match self.ground.bounds() {
+        if self.ground.surfaces().is_some() {
+            return self.range_of_all_surfaces(margin, position, axes);
+        }
+        self.low_contacts_of(self.ground.bounds(), margin, position, axes, below)
+    }
+
+    /// Contact range that includes every contact less than `margin` (m) above any of several
+    /// surfaces: all contacts, or none, because several ranges are not one range.
+    #[cold]
+    #[inline(never)]
+    fn range_of_all_surfaces(&self, margin: R, position: R::Vec3, axes: &Axes<R>) -> ContactRange {
+        let is_near = |surface| self.range_of_surface(surface, margin, position, axes).count > 0;
+        if (0..self.surfaces()).any(is_near) {
+            ContactRange::all(self.body.contacts().len())
+        } else {
+            ContactRange::NONE
+        }
+    }
+
+    /// Contact range that includes every contact less than `margin` (m) above one surface.
+    #[inline]
+    pub(crate) fn range_of_surface(
+        &self,
+        surface: usize,
+        margin: R,
+        position: R::Vec3,
+        axes: &Axes<R>,
+    ) -> ContactRange {
+        let bounds = OneSurface::of(self.ground, surface).bounds();
+        self.low_contacts_of(bounds, margin, position, axes, |normal, offset| {
+            self.body.contacts_below(normal, offset)
+        })
+    }
+
+    #[inline(always)]
+    fn low_contacts_of(
+        &self,
+        bounds: GroundBounds<R>,
+        margin: R,
+        position: R::Vec3,
+        axes: &Axes<R>,
+        below: impl FnOnce(R::Vec3, R) -> ContactRange,
+    ) -> ContactRange {
+        match bounds {
             GroundBounds::Nowhere => ContactRange::NONE,
             GroundBounds::Everywhere => ContactRange::all(self.body.contacts().len()),
             GroundBounds::Plane(plane) | GroundBounds::Below(plane) => {
@@ -78,13 +121,14 @@ where
     /// Returns true if a body is so high above a plane that no part of it touches.
     #[inline]
     pub(super) fn is_aloft(&self, motion: &Motion<R>) -> bool {
-        match self.ground.bounds() {
+        let is_above = |surface| match OneSurface::of(self.ground, surface).bounds() {
             GroundBounds::Nowhere => true,
             GroundBounds::Plane(plane) | GroundBounds::Below(plane) => {
                 plane.gap(motion.position) > self.bounding_radius
             }
             GroundBounds::Everywhere => false,
-        }
+        };
+        (0..self.surfaces()).all(is_above)
     }
 
     /// Height of a ground that is a level plane, if all contacts are bare points of the body.

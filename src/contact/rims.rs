@@ -19,7 +19,7 @@ use sweep::{Sweep, visit_between};
 use super::point::Contact;
 use crate::body::{Arc, ContactPoint, Panel, Panels, QUARTER, Rim, SHORT};
 use crate::friction::SlidingFriction;
-use crate::ground::{GroundBounds, Plane, SpringDamperGround, Surface};
+use crate::ground::{GroundBounds, OneSurface, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::Motion;
@@ -130,7 +130,7 @@ impl<R: Real> Touching<R> {
 /// Energy of the springs under a rim, J, and the number of quadrature points that touch.
 #[inline]
 pub(super) fn spring_energy<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
-    laws: (&G, &F),
+    laws: (&OneSurface<'_, G>, &F),
     rim: &Rim<R>,
     at_rest: &Motion<R>,
 ) -> (R, usize) {
@@ -177,7 +177,7 @@ fn discontinuities_of<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
 /// arc and ground.
 #[inline(never)]
 pub(super) fn visit_any<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>>(
-    laws: (&G, &F),
+    laws: (&OneSurface<'_, G>, &F),
     rim: &Rim<R>,
     motion: &Motion<R>,
     visit: &mut dyn FnMut(&Contact<R>),

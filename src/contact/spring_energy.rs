@@ -5,7 +5,7 @@ use super::point::Contact;
 use super::rims;
 use crate::body::RigidPointBody;
 use crate::friction::SlidingFriction;
-use crate::ground::SpringDamperGround;
+use crate::ground::{OneSurface, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::state::Motion;
 
@@ -22,7 +22,8 @@ where
         let (mut energy, mut touching) = (R::ZERO, 0);
         let run = self.range_within(R::ZERO, motion.position, &motion.axes);
         self.visit_points(run, motion, &mut |contact: &Contact<R>| {
-            energy += self.ground.spring_energy(contact.depth);
+            let ground = OneSurface::of(self.ground, contact.surface);
+            energy += ground.spring_energy(contact.depth);
             touching += 1;
         });
         if self.body.rims().is_empty() {
@@ -38,15 +39,18 @@ where
     /// a rim depends on the velocities, but an energy must depend on the pose only.
     pub(crate) fn rims_energy(&self, motion: &Motion<R>) -> (R, usize) {
         let (mut energy, mut touching) = (R::ZERO, 0);
-        for rim in self.body.rims() {
-            let at_rest = Motion {
-                linear_velocity: R::Vec3::ZERO,
-                angular_velocity: R::Vec3::ZERO,
-                ..*motion
-            };
-            let (stored, places) = rims::spring_energy((self.ground, self.friction), rim, &at_rest);
-            energy += stored;
-            touching += places;
+        let at_rest = Motion {
+            linear_velocity: R::Vec3::ZERO,
+            angular_velocity: R::Vec3::ZERO,
+            ..*motion
+        };
+        for surface in 0..self.surfaces() {
+            let laws = self.laws_of(surface);
+            for rim in self.body.rims() {
+                let (stored, places) = rims::spring_energy((&laws.0, &laws.1), rim, &at_rest);
+                energy += stored;
+                touching += places;
+            }
         }
         (energy, touching)
     }

@@ -87,7 +87,9 @@ where
     /// Adds the load of the rims on a body with these axes.
     #[inline(never)]
     fn add_load_of_rims(&self, motion: &Motion<R>, axes: &Axes<R>, load: &mut Load<R>) {
-        let laws = (self.ground, self.friction);
+        // Only a ground of one surface is a level plane.
+        let laws = self.laws_of(0);
+        let laws = (&laws.0, &laws.1);
         for rim in self.body.rims() {
             match Touching::of(laws, rim, motion) {
                 Touching::Nothing => {}
@@ -95,7 +97,7 @@ where
                     sweep.load(laws, rim, [&motion.axes, axes], motion.position, load)
                 }
                 Touching::Any => rims::visit_any(laws, rim, motion, &mut |contact| {
-                    load.add_along(axes, contact, contact.force(laws.0, laws.1));
+                    load.add_along(axes, contact, contact.force(self.ground, self.friction));
                 }),
             }
         }

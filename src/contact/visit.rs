@@ -5,7 +5,7 @@ use super::point::Contact;
 use super::rims::{self, Touching};
 use crate::body::{ContactRange, RigidPointBody};
 use crate::friction::SlidingFriction;
-use crate::ground::SpringDamperGround;
+use crate::ground::{OneSurface, SpringDamperGround};
 use crate::real::Real;
 use crate::state::Motion;
 
@@ -56,6 +56,7 @@ where
         }
     }
 
+    /// Visits the contacts of the motion relative to the ground's material.
     #[inline(always)]
     fn visit_seen(
         &self,
@@ -63,6 +64,32 @@ where
         motion: &Motion<R>,
         visit: &mut impl FnMut(&Contact<R>),
     ) {
+        if self.ground.surfaces().is_none() {
+            self.visit_on_surface(0, run, motion, visit);
+        } else if run.count > 0 {
+            self.visit_each_surface(motion, visit);
+        }
+    }
+
+    /// Visits the contacts with each of several surfaces, which has its own contact range.
+    #[cold]
+    #[inline(never)]
+    fn visit_each_surface(&self, motion: &Motion<R>, mut visit: &mut dyn FnMut(&Contact<R>)) {
+        for surface in 0..self.surfaces() {
+            let run = self.range_of_surface(surface, R::ZERO, motion.position, &motion.axes);
+            self.visit_on_surface(surface, run, motion, &mut visit);
+        }
+    }
+
+    #[inline(always)]
+    fn visit_on_surface(
+        &self,
+        surface: usize,
+        run: ContactRange,
+        motion: &Motion<R>,
+        visit: &mut impl FnMut(&Contact<R>),
+    ) {
+        let ground = OneSurface::of(self.ground, surface);
         let contacts = self.body.contacts();
         // One loop for both parts of a range that continues at the first contact, so that `visit`
         // is compiled once.
@@ -74,7 +101,7 @@ where
             }) else {
                 break;
             };
-            if let Some(contact) = Contact::at(self.body, self.ground, motion, point) {
+            if let Some(contact) = Contact::at(self.body, &ground, motion, point) {
                 visit(&contact);
             }
         }
@@ -87,14 +114,17 @@ where
     #[inline(never)]
     pub(crate) fn visit_rims(&self, motion: &Motion<R>, visit: &mut dyn FnMut(&Contact<R>)) {
         let motion = &self.seen(motion);
-        let laws = (self.ground, self.friction);
-        for rim in self.body.rims() {
-            match Touching::of(laws, rim, motion) {
-                Touching::Nothing => {}
-                Touching::Arc(sweep) => {
-                    sweep.visit(|node| visit(&sweep.contact(rim, motion, node)));
+        for surface in 0..self.surfaces() {
+            let laws = self.laws_of(surface);
+            let laws = (&laws.0, &laws.1);
+            for rim in self.body.rims() {
+                match Touching::of(laws, rim, motion) {
+                    Touching::Nothing => {}
+                    Touching::Arc(sweep) => {
+                        sweep.visit(|node| visit(&sweep.contact(surface, rim, motion, node)));
+                    }
+                    Touching::Any => rims::visit_any(laws, rim, motion, visit),
                 }
-                Touching::Any => rims::visit_any(laws, rim, motion, visit),
             }
         }
     }

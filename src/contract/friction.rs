@@ -5,7 +5,7 @@ use super::{
     Input, Requirement, Violation, cannot_be, demand, demand_at_least, demand_at_most,
     demand_finite, ulps, wide,
 };
-use crate::friction::SlidingFriction;
+use crate::friction::{LawOfSurface, SlidingFriction};
 use crate::real::{Real, Vector};
 
 /// Range of positions, loads and slips for which a friction law is intended, with the surface. The
@@ -66,6 +66,18 @@ pub fn check_friction<R: Real, F: SlidingFriction<R> + ?Sized>(
     plan: CheckPlan,
 ) -> Result<(), Violation> {
     friction.check().map_err(cannot_be)?;
+    (0..friction.surfaces().unwrap_or(1)).try_for_each(|index| {
+        let law = LawOfSurface::of(friction, index);
+        check_law(&law, range, plan)
+    })
+}
+
+/// Checks a law that holds for one surface.
+fn check_law<R: Real>(
+    friction: &impl SlidingFriction<R>,
+    range: &FrictionRange<R>,
+    plan: CheckPlan,
+) -> Result<(), Violation> {
     let normal = unit::<R>(range.normal);
     let check = |position: R::Vec3| Check {
         friction,

@@ -5,7 +5,7 @@ use super::{
     Input, Requirement, Violation, cannot_be, demand_at_least, demand_at_most, demand_finite, ulps,
     wide,
 };
-use crate::ground::{GroundBounds, Plane, SpringDamperGround, Surface};
+use crate::ground::{GroundBounds, OneSurface, Plane, SpringDamperGround, Surface};
 use crate::quadrature::UNIT_3;
 use crate::real::{Real, Vector};
 
@@ -33,6 +33,8 @@ pub struct GroundRange<R: Real = f64> {
 /// curvature.
 ///
 /// *The motion* of a ground that moves is along the surface at each of these points.
+///
+/// Each of several surfaces is checked as a ground of its own.
 ///
 /// *The law*, from 10⁻¹² of the penetration depth to the full depth, at speeds of both signs and 0:
 /// springs push and never pull. Their energy increases and is the integral of the force, by Gauss's
@@ -80,6 +82,18 @@ pub fn check_ground<R: Real, G: SpringDamperGround<R> + ?Sized>(
     plan: CheckPlan,
 ) -> Result<(), Violation> {
     ground.check().map_err(cannot_be)?;
+    (0..ground.surfaces().unwrap_or(1)).try_for_each(|index| {
+        let surface = OneSurface::of(ground, index);
+        check_surface(&surface, range, plan)
+    })
+}
+
+/// Checks a ground of one surface.
+fn check_surface<R: Real>(
+    ground: &impl SpringDamperGround<R>,
+    range: &GroundRange<R>,
+    plan: CheckPlan,
+) -> Result<(), Violation> {
     let check = Check { ground, range };
     check.surface_everywhere(plan)?;
     check.law_everywhere(plan)?;

@@ -1,6 +1,6 @@
 //! Ground whose material moves along its own surface: conveyors and turntables.
 
-use super::{GroundBounds, MeanForce, Plane, SpringDamperGround, Surface};
+use super::{GroundBounds, MeanForce, OneSurface, Plane, SpringDamperGround, Surface};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
 use crate::state::Motion;
@@ -199,6 +199,16 @@ impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for MovingGround<G
     }
 
     #[inline]
+    fn surfaces(&self) -> Option<usize> {
+        self.ground.surfaces()
+    }
+
+    #[inline]
+    fn with_surface(&self, index: usize, visit: &mut dyn FnMut(&dyn SpringDamperGround<R>)) {
+        self.ground.with_surface(index, visit);
+    }
+
+    #[inline]
     fn motion(&self) -> Option<GroundMotion<R>> {
         Some(self.motion)
     }
@@ -206,10 +216,13 @@ impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for MovingGround<G
     fn check(&self) -> Result<(), SceneError> {
         self.ground.check()?;
         self.motion.check()?;
-        match self.ground.bounds() {
-            GroundBounds::Plane(plane) => self.motion.check_along(&plane),
-            _ => Ok(()),
+        let mut checked = Ok(());
+        for index in 0..self.ground.surfaces().unwrap_or(1) {
+            if let GroundBounds::Plane(plane) = OneSurface::of(&self.ground, index).bounds() {
+                checked = checked.and_then(|()| self.motion.check_along(&plane));
+            }
         }
+        checked
     }
 
     #[inline]

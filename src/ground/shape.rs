@@ -1,8 +1,10 @@
 //! Shapes of a ground's surface, independent of the contact law.
 
+mod block;
 mod reliefs;
 mod terrain;
 
+pub use block::Block;
 pub use reliefs::{Bowl, Ramp, Waves};
 pub use terrain::{Elevation, HeightField, Terrain};
 
@@ -19,11 +21,11 @@ use crate::real::Real;
 /// [`SpringDamperGround`](crate::SpringDamperGround). The gap must be a distance: for a small
 /// displacement of the point it changes by `normal · displacement`.
 ///
-/// *Limit:* one contact touches one surface. Consider a groove of two planes at a right angle,
-/// where the gap is the distance to the nearest plane. The ground then pushes a ball along one
-/// normal at a time. Two surfaces would push with `k d` each and lift with `√2 k d`. One surface
-/// lifts with `k d/√2`, so the ball penetrates twice as deep: 1.9 mm instead of 0.98 mm for 1 kg on
-/// 7071 N/m.
+/// *Limit:* a shape is one surface. Consider a groove of two planes at a right angle, where the gap
+/// is the distance to the nearest plane. The ground then pushes a ball along one normal at a time.
+/// Two surfaces push with `k d` each and lift with `√2 k d`. One surface lifts with `k d/√2`, so the
+/// ball penetrates twice as deep: 1.9 mm instead of 0.98 mm for 1 kg on 7071 N/m. A groove is
+/// therefore a ground of [several surfaces](crate::SpringDamperGround#several-surfaces).
 ///
 /// ```
 /// use tumble::glam::DVec3;

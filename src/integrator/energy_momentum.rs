@@ -41,7 +41,7 @@ mod work;
 use crate::body::{ContactRange, RigidPointBody, Rim};
 use crate::energy::Energy;
 use crate::error::{self, Quantity, SceneError, StepError};
-use crate::ground::{GroundBounds, SpringDamperGround};
+use crate::ground::{GroundBounds, Plane, SpringDamperGround};
 use crate::integrator::fingerprint::Fingerprint;
 use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::integrator::{energy_limit, flight_rounding};
@@ -470,16 +470,62 @@ fn gather<R: Real, D: Dynamics<R>>(
     contacts: &mut Contacts<R>,
     wide: bool,
 ) {
-    let (scene, motion, dt) = (problem.scene, &problem.motion, problem.seconds);
-    let Some(plane) = problem.plane.filter(|_| !wide) else {
-        let run = match scene.ground().bounds() {
-            GroundBounds::Nowhere => ContactRange::NONE,
-            _ => ContactRange::all(scene.body().contacts().len()),
-        };
-        let anywhere = !matches!(scene.ground().bounds(), GroundBounds::Nowhere);
-        contacts.gather(problem, run, |_, _| true, |_| anywhere);
-        return;
+    contacts.clear();
+    for surface in 0..problem.surfaces() {
+        match problem.plane_of(surface).filter(|_| !wide) {
+            Some(plane) => gather_near(problem, contacts, surface, &plane),
+            None if wide || problem.surfaces() == 1 => gather_all(problem, contacts, surface),
+            None => gather_within(problem, contacts, surface),
+        }
+    }
+}
+
+/// Collects all contacts with a surface.
+fn gather_all<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &mut Contacts<R>,
+    surface: u32,
+) {
+    let bounds = problem.ground(surface).bounds();
+    let anywhere = !matches!(bounds, GroundBounds::Nowhere);
+    let run = if anywhere || problem.surfaces() > 1 {
+        ContactRange::all(problem.scene.body().contacts().len())
+    } else {
+        ContactRange::NONE
     };
+    contacts.gather(problem, surface, run, |_, _| anywhere, |_| anywhere);
+}
+
+/// Collects the contacts that a surface of any shape is so near to that the initial motion and
+/// gravity may bring them there.
+fn gather_within<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &mut Contacts<R>,
+    surface: u32,
+) {
+    let (scene, motion, dt) = (problem.scene, &problem.motion, problem.seconds);
+    let all = ContactRange::all(scene.body().contacts().len());
+    let spin = motion.angular_velocity.length();
+    // A contact turns about the centre of mass by no more than a diameter.
+    let turned = (dt * spin).at_most(R::TWO) * problem.bounding_radius;
+    let fallen = dt * dt * scene.gravity().length();
+    let path = motion.linear_velocity.length() * dt + turned + fallen;
+    let model = scene.contact_model();
+    let near = model.range_of_surface(surface as usize, path, motion.position, &motion.axes);
+    let is_near = near.count > 0 || !scene.body().rims().is_empty();
+    let keep = |depth: R, _| is_near && depth + path > R::ZERO;
+    contacts.gather(problem, surface, all, keep, |_| is_near);
+}
+
+/// Collects the contacts that are below a plane, and those that the initial motion brings near.
+#[inline(always)]
+fn gather_near<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &mut Contacts<R>,
+    surface: u32,
+    plane: &Plane<R>,
+) {
+    let (scene, motion, dt) = (problem.scene, &problem.motion, problem.seconds);
     let spin = motion.angular_velocity;
     // Upper bound for what gravity and the curvature of the rotation add to the path of a contact
     // along the normal.
@@ -492,17 +538,20 @@ fn gather<R: Real, D: Dynamics<R>>(
     let turned =
         (dt * tilt.length() * problem.bounding_radius).at_most(R::TWO * problem.bounding_radius);
     let margin = (fall + turned).at_least(R::ZERO) + bend;
-    let run = scene
-        .contact_model()
-        .range_within(margin, motion.position, &motion.axes);
+    let model = scene.contact_model();
+    let mut run = model.range_of_surface(surface as usize, margin, motion.position, &motion.axes);
+    let is_near = run.count > 0;
+    if problem.surfaces() > 1 {
+        run = ContactRange::all(scene.body().contacts().len());
+    }
     // -n · (ω × r) = (ω × n) · r
     let keep = |depth: R, arm: R::Vec3| {
-        depth > R::ZERO || depth + fall + dt * tilt.dot(arm) + bend > R::ZERO
+        is_near && (depth > R::ZERO || depth + fall + dt * tilt.dot(arm) + bend > R::ZERO)
     };
     // A rim counts as a whole, because its lowest point may be another one at the end.
     let may_touch = |rim: &Rim<R>| {
         let lowest = rim.support(-motion.axes.to_body(plane.normal));
         plane.gap(motion.position) - lowest <= margin
     };
-    contacts.gather(problem, run, keep, may_touch);
+    contacts.gather(problem, surface, run, keep, may_touch);
 }

@@ -29,22 +29,39 @@ pub(in crate::integrator) struct Fingerprint<R: Real> {
 impl<R: Real> Fingerprint<R> {
     #[inline]
     pub(in crate::integrator) fn of<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Self {
-        let (ground, bounding_radius) = (scene.ground(), scene.bounding_radius());
+        let bounding_radius = scene.bounding_radius();
+        let (surface, spring) = scene.probe(|| sums_of_surfaces(scene, state.position));
         Self {
             body: [scene.inertia_properties().mass(), bounding_radius],
             moments: scene.inertia_properties().moments(),
             contacts: scene.body().contacts().len(),
             rim: (scene.body().rims().first()).map_or(R::ZERO, |rim| rim.points()),
             gravity: accelerated(scene, state),
-            surface: scene.probe(|| ground.surface(state.position)),
-            spring: scene.probe(|| {
-                [
-                    ground.spring_force(bounding_radius),
-                    ground.spring_energy(bounding_radius),
-                ]
-            }),
+            surface,
+            spring,
         }
     }
+}
+
+/// Sums over the surfaces of the ground: gap and normal at the body, and force and energy of a
+/// spring at a penetration depth of the bounding radius.
+#[inline]
+fn sums_of_surfaces<R: Real, D: Dynamics<R>>(scene: &D, position: R::Vec3) -> (Surface<R>, [R; 2]) {
+    let (model, depth) = (scene.contact_model(), scene.bounding_radius());
+    let of_surface = |index: usize| {
+        let ground = model.laws_of(index).0;
+        let spring = [ground.spring_force(depth), ground.spring_energy(depth)];
+        (ground.surface(position), spring)
+    };
+    let mut sums = of_surface(0);
+    for index in 1..model.surfaces() {
+        let (surface, [force, energy]) = of_surface(index);
+        sums.0.gap += surface.gap;
+        sums.0.normal += surface.normal;
+        sums.1[0] += force;
+        sums.1[1] += energy;
+    }
+    sums
 }
 
 /// Acceleration by gravity, with the applied force at the state. Its torque is added as the

@@ -209,12 +209,12 @@ impl<R: Real> Turn<'_, R> {
     }
 }
 
-/// A phase of flight above the plane that bounds the ground from above.
+/// A phase of flight above the planes that bound the surfaces of the ground from above.
 struct Leg<'a, R: Real, D> {
     scene: &'a D,
     state: &'a State<R>,
     turn: Turn<'a, R>,
-    plane: Option<Plane<R>>,
+    surfaces: usize,
 }
 
 impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
@@ -225,11 +225,11 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         if scene.force().acts() {
             return None;
         }
-        let plane = match scene.ground().bounds() {
-            GroundBounds::Nowhere => None,
-            GroundBounds::Plane(plane) | GroundBounds::Below(plane) => Some(plane),
-            GroundBounds::Everywhere => return None,
-        };
+        let surfaces = scene.contact_model().surfaces();
+        let is_anywhere = |surface| bounds_of(scene, surface) == GroundBounds::Everywhere;
+        if (0..surfaces).any(is_anywhere) {
+            return None;
+        }
         Some(Self {
             scene,
             state,
@@ -239,7 +239,7 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
                 momentum: state.angular_momentum,
                 free: None,
             },
-            plane,
+            surfaces,
         })
     }
 
@@ -248,20 +248,26 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
     fn seconds(&mut self, fixed_step: Option<R>, limit: R) -> Option<R> {
         // An infinite limit is no limit.
         let limit = limit.at_most(R::MAX);
-        let Some(plane) = self.plane else {
-            // Without ground and limit the flight has no end.
-            return (limit < R::MAX && limit > R::ZERO).then_some(limit);
-        };
-        let worth = match fixed_step {
-            Some(step) => step * R::TWO,
-            // The rest of a run is more than half of `EPSILON` of its time. The clock resolves an
-            // eighth of the square of that, which is `EPSILON` of the rest.
-            None if limit < R::MAX => self.resolution(&plane).at_least(limit * R::EPSILON),
-            None => self.resolution(&plane),
-        };
-        let free = self.free(&plane, worth, limit);
+        let (mut free, mut worth) = (R::MAX, R::ZERO);
+        for surface in 0..self.surfaces {
+            let (GroundBounds::Plane(plane) | GroundBounds::Below(plane)) =
+                bounds_of(self.scene, surface)
+            else {
+                continue;
+            };
+            let worth_here = match fixed_step {
+                Some(step) => step * R::TWO,
+                // The rest of a run is more than half of `EPSILON` of its time. The clock resolves
+                // an eighth of the square of that, which is `EPSILON` of the rest.
+                None if limit < R::MAX => self.resolution(&plane).at_least(limit * R::EPSILON),
+                None => self.resolution(&plane),
+            };
+            let before = limit.at_most(free);
+            free = before.at_most(self.free(&plane, worth_here, before));
+            worth = worth.at_least(worth_here);
+        }
         if free >= limit {
-            // The body rises for ever and there is no limit: the flight has no end.
+            // There is no ground, or the body rises for ever. Without a limit the flight has no end.
             return (limit < R::MAX && limit > R::ZERO).then_some(limit);
         }
         // A body in contact has no time of flight. A body without motion has `worth = 0`, hence the
@@ -341,6 +347,12 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         }
         time
     }
+}
+
+/// Region that a surface of the ground can occupy.
+#[inline(always)]
+fn bounds_of<R: Real, D: Dynamics<R>>(scene: &D, surface: usize) -> GroundBounds<R> {
+    scene.contact_model().laws_of(surface).0.bounds()
 }
 
 /// Number of evaluations of the rotation before the ground is reached.

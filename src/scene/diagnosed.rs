@@ -298,6 +298,20 @@ impl<R: Real> SpringDamperGround<R> for DiagnosedGround<'_, R> {
         self.ground.bounds()
     }
     #[inline]
+    fn surfaces(&self) -> Option<usize> {
+        self.ground.surfaces()
+    }
+    fn with_surface(&self, index: usize, visit: &mut dyn FnMut(&dyn SpringDamperGround<R>)) {
+        let (bounding_radius, record) = (self.bounding_radius, self.record);
+        self.ground.with_surface(index, &mut |ground| {
+            visit(&DiagnosedGround {
+                ground,
+                bounding_radius,
+                record,
+            });
+        });
+    }
+    #[inline]
     fn motion(&self) -> Option<GroundMotion<R>> {
         self.ground.motion()
     }
@@ -408,6 +422,18 @@ impl<R: Real> SlidingFriction<R> for DiagnosedFriction<'_, R> {
     #[inline]
     fn depends_on_position(&self) -> bool {
         self.friction.depends_on_position()
+    }
+
+    #[inline]
+    fn surfaces(&self) -> Option<usize> {
+        self.friction.surfaces()
+    }
+
+    fn with_surface(&self, index: usize, visit: &mut dyn FnMut(&dyn SlidingFriction<R>)) {
+        let record = self.record;
+        self.friction.with_surface(index, &mut |friction| {
+            visit(&DiagnosedFriction { friction, record });
+        });
     }
 
     #[inline]

@@ -115,14 +115,16 @@ impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for ScreenedScene<'a, R, D> {
 }
 
 /// Ground whose values are screened.
-pub(crate) struct ScreenedGround<'a, R, G> {
+pub(crate) struct ScreenedGround<'a, R, G: ?Sized> {
     ground: &'a G,
     /// Bounding radius of the body, m. No contact has a larger radius.
     bounding_radius: R,
     alarm: &'a Alarm,
 }
 
-impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for ScreenedGround<'_, R, G> {
+impl<R: Real, G: SpringDamperGround<R> + ?Sized> SpringDamperGround<R>
+    for ScreenedGround<'_, R, G>
+{
     #[inline(always)]
     fn surface(&self, point: R::Vec3) -> Surface<R> {
         let surface = self.ground.surface(point);
@@ -182,6 +184,20 @@ impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for ScreenedGround
     fn bounds(&self) -> GroundBounds<R> {
         self.ground.bounds()
     }
+    #[inline(always)]
+    fn surfaces(&self) -> Option<usize> {
+        self.ground.surfaces()
+    }
+    fn with_surface(&self, index: usize, visit: &mut dyn FnMut(&dyn SpringDamperGround<R>)) {
+        let (bounding_radius, alarm) = (self.bounding_radius, self.alarm);
+        self.ground.with_surface(index, &mut |ground| {
+            visit(&ScreenedGround {
+                ground,
+                bounding_radius,
+                alarm,
+            });
+        });
+    }
     #[inline]
     fn motion(&self) -> Option<GroundMotion<R>> {
         self.ground.motion()
@@ -194,12 +210,12 @@ impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for ScreenedGround
 }
 
 /// Friction law whose values are screened.
-pub(crate) struct ScreenedFriction<'a, F> {
+pub(crate) struct ScreenedFriction<'a, F: ?Sized> {
     friction: &'a F,
     alarm: &'a Alarm,
 }
 
-impl<F> ScreenedFriction<'_, F> {
+impl<F: ?Sized> ScreenedFriction<'_, F> {
     #[inline(always)]
     fn screen<R: Real>(&self, force: R::Vec3, slip: R::Vec3) -> R::Vec3
     where
@@ -233,7 +249,7 @@ impl<F> ScreenedFriction<'_, F> {
     }
 }
 
-impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for ScreenedFriction<'_, F> {
+impl<R: Real, F: SlidingFriction<R> + ?Sized> SlidingFriction<R> for ScreenedFriction<'_, F> {
     #[inline(always)]
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
         self.screen(self.friction.force(normal_force, slip), slip)
@@ -262,6 +278,18 @@ impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for ScreenedFriction<'_,
     #[inline(always)]
     fn depends_on_position(&self) -> bool {
         self.friction.depends_on_position()
+    }
+
+    #[inline(always)]
+    fn surfaces(&self) -> Option<usize> {
+        self.friction.surfaces()
+    }
+
+    fn with_surface(&self, index: usize, visit: &mut dyn FnMut(&dyn SlidingFriction<R>)) {
+        let alarm = self.alarm;
+        self.friction.with_surface(index, &mut |friction| {
+            visit(&ScreenedFriction { friction, alarm });
+        });
     }
 
     #[inline(always)]

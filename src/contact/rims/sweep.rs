@@ -283,6 +283,7 @@ impl<R: Real> Sweep<R> {
     #[inline]
     pub(in crate::contact) fn contact(
         &self,
+        surface: usize,
         rim: &Rim<R>,
         motion: &Motion<R>,
         node: &Node<R>,
@@ -291,6 +292,7 @@ impl<R: Real> Sweep<R> {
         let arm = motion.axes.to_world(place);
         Contact {
             point: ContactPoint::bare(place),
+            surface,
             position: motion.position + arm,
             arm,
             normal: R::Vec3::new(R::ZERO, R::ZERO, R::ONE),

@@ -4,11 +4,12 @@
 use super::block::Block;
 use super::problem::{Problem, Trial};
 use super::touch::{Answer, Increment, Lever, Push, Reversal, Touch};
-use crate::body::{Arc, ContactPoint, ContactRange, Panels, RigidPointBody, Rim};
+use crate::body::{Arc, ContactPoint, ContactRange, Panel, Panels, RigidPointBody, Rim};
 use crate::contact::{Discontinuities, Velocities, arc_below, discontinuities};
 use crate::friction::{FrictionJacobian, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
+use crate::rotation::Axes;
 use crate::scene::Dynamics;
 
 /// Number of contacts that a step remembers from iteration to iteration. For additional contacts
@@ -24,8 +25,11 @@ const MOST_PANELS: usize = 16;
 pub(super) struct Contacts<R: Real> {
     touches: [Touch<R>; CAPACITY],
     remembered: usize,
-    /// All candidates, and the number of them that were evaluated before the storage was full.
+    /// All candidates on a surface. On several surfaces it is the same range for each.
     run: ContactRange,
+    /// Number of candidates on all surfaces, and the number of them that were evaluated before the
+    /// storage was full.
+    candidates: usize,
     seen: usize,
     /// Number of remembered contacts that belong to the body itself. The points of a rim come after
     /// them.
@@ -47,6 +51,7 @@ impl<R: Real> Contacts<R> {
         touches: [Touch::NONE; CAPACITY],
         remembered: 0,
         run: ContactRange::NONE,
+        candidates: 0,
         seen: 0,
         fixed: 0,
         with_rim: false,
@@ -60,11 +65,21 @@ impl<R: Real> Contacts<R> {
         },
     };
 
-    /// Collects the contacts in `run` that `keep` (depth at the start, lever arm) accepts.
+    /// Forgets the contacts of the last step.
+    #[inline]
+    pub(super) fn clear(&mut self) {
+        (self.candidates, self.seen) = (0, 0);
+        (self.remembered, self.fixed) = (0, 0);
+        self.with_rim = false;
+        self.lever = Lever::NONE;
+    }
+
+    /// Adds the contacts in `run` that `keep` (depth at the start, lever arm) accepts on a surface.
     #[inline]
     pub(super) fn gather<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
+        surface: u32,
         run: ContactRange,
         keep: impl Fn(R, R::Vec3) -> bool,
         may_touch: impl Fn(&Rim<R>) -> bool,
@@ -74,13 +89,16 @@ impl<R: Real> Contacts<R> {
             count: run.count.min(contacts.len()),
             ..run
         };
-        self.fixed = 0;
-        self.lever = Lever::NONE;
-        self.with_rim = problem.scene.body().rims().iter().any(may_touch);
-        let (mut remembered, mut seen) = (0, 0);
+        self.with_rim |= problem.scene.body().rims().iter().any(may_touch);
+        let (mut remembered, mut seen) = (self.remembered, self.seen);
+        let is_full = seen < self.candidates;
+        self.candidates = self.candidates.saturating_add(self.run.count);
+        if is_full {
+            return;
+        }
         'all: for part in run.parts(contacts) {
             for point in part {
-                let touch = Touch::of(problem, point);
+                let touch = Touch::of(problem, surface, point);
                 if keep(touch.push.depth, touch.arm) {
                     let Some(place) = self.touches.get_mut(remembered) else {
                         break 'all;
@@ -89,6 +107,7 @@ impl<R: Real> Contacts<R> {
                     (place.arm, place.push.depth) = (touch.arm, touch.push.depth);
                     place.dual = None;
                     place.push.radius = touch.push.radius;
+                    place.push.surface = surface;
                     if let Some(plane) = &problem.plane {
                         place.push.normal = plane.normal;
                     }
@@ -107,7 +126,7 @@ impl<R: Real> Contacts<R> {
     /// Number of contacts, remembered or not.
     #[inline]
     pub(super) fn len(&self) -> usize {
-        self.remembered + (self.run.count - self.seen)
+        self.remembered + (self.candidates - self.seen)
     }
 
     /// Returns true if no contact can touch during the step.
@@ -120,7 +139,7 @@ impl<R: Real> Contacts<R> {
     /// does not exceed the number in the last trial.
     pub(super) fn foresaw(&self, touching: usize) -> bool {
         let ended_below = |touch: &&Touch<R>| touch.push.end_depth > R::ZERO;
-        self.seen < self.run.count
+        self.seen < self.candidates
             || self.with_rim
             || touching
                 <= self
@@ -153,12 +172,18 @@ impl<R: Real> Contacts<R> {
             done = self.remembered;
         }
         let mut forgotten;
+        let (is_smooth, mut normal_force) = (problem.scene.body().is_smooth(), R::ZERO);
         for index in done..self.len() {
             let touch = if index < self.remembered {
                 let Some(touch) = self.touches.get_mut(index) else {
                     break;
                 };
-                self.lever = touch.respond(problem, trial);
+                let lever = touch.respond(problem, trial);
+                if is_smooth {
+                    self.lever = self
+                        .lever
+                        .with(lever, &mut normal_force, touch.push.mean.force);
+                }
                 touch
             } else {
                 forgotten = self.forgotten(index, problem, trial);
@@ -187,11 +212,22 @@ impl<R: Real> Contacts<R> {
             self.respond(problem, trial, feel);
             return;
         }
+        let mut normal_force = R::ZERO;
+        let is_smooth = problem.scene.body().is_smooth();
         for index in 0..self.len() {
             let mut forgotten;
             let touch = match self.touches.get_mut(index) {
                 Some(touch) if index < self.remembered => {
-                    self.lever = touch.respond_by_increment(problem, trial, by, &self.path_by_turn);
+                    // The path by a rotation is known for the first contact of a smooth body.
+                    let lever = if is_smooth && index > 0 {
+                        touch.respond(problem, trial)
+                    } else {
+                        touch.respond_by_increment(problem, trial, by, &self.path_by_turn)
+                    };
+                    if is_smooth {
+                        let force = touch.push.mean.force;
+                        self.lever = self.lever.with(lever, &mut normal_force, force);
+                    }
                     touch
                 }
                 _ => {
@@ -214,48 +250,49 @@ impl<R: Real> Contacts<R> {
     /// are therefore those of such points. No end of an arc lies within a panel. The sums at start
     /// and end are therefore the energies there, apart from a quadrature error of at most 2e-10.
     fn lay_rims<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, trial: &Trial<R>) {
-        let (body, ground) = (problem.scene.body(), problem.scene.ground());
-        let motion = &problem.motion;
-        let (end, end_axes) = problem.place_at_end(trial);
+        let end = problem.place_at_end(trial);
         let mut count = self.fixed;
         self.panels = 0;
-        for rim in body.rims() {
-            let arcs = [
-                arc_below(rim, ground, motion.position, &motion.axes),
-                arc_below(rim, ground, end, &end_axes),
-            ];
-            let panels = match Arc::longer(&arcs) {
-                Some(arc) => {
-                    let discontinuities = mean_discontinuities(problem, trial, rim, &arc);
-                    Panels::of_both(arcs, &mut discontinuities.places().map(|u| arc.place(u)))
-                }
-                None => Panels::of_both(arcs, &mut core::iter::empty()),
-            };
-            for panel in panels.iter() {
-                for (place, weight) in rim.nodes(panel) {
-                    let Some(touch) = self.touches.get_mut(count) else {
-                        break;
-                    };
-                    let laid = Touch::of(problem, &ContactPoint::bare(place));
-                    (touch.arm, touch.push) = (
-                        laid.arm,
-                        Push {
-                            weight,
-                            ..laid.push
-                        },
-                    );
-                    if count >= self.remembered {
-                        touch.dual = None;
-                    }
-                    count += 1;
-                }
-                if let Some(end) = self.panel_ends.get_mut(self.panels) {
-                    *end = count;
-                    self.panels += 1;
+        for surface in 0..problem.surfaces() {
+            for rim in problem.scene.body().rims() {
+                for panel in panels_below(problem, surface, trial, &end, rim).iter() {
+                    self.lay_panel(problem, surface, rim, panel, &mut count);
                 }
             }
         }
         self.remembered = count;
+    }
+
+    /// Places the points of one panel of a rim after the first `count` points.
+    fn lay_panel<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        surface: u32,
+        rim: &Rim<R>,
+        panel: Panel<R>,
+        count: &mut usize,
+    ) {
+        for (place, weight) in rim.nodes(panel) {
+            let Some(touch) = self.touches.get_mut(*count) else {
+                break;
+            };
+            let laid = Touch::of(problem, surface, &ContactPoint::bare(place));
+            (touch.arm, touch.push) = (
+                laid.arm,
+                Push {
+                    weight,
+                    ..laid.push
+                },
+            );
+            if *count >= self.remembered {
+                touch.dual = None;
+            }
+            *count += 1;
+        }
+        if let Some(end) = self.panel_ends.get_mut(self.panels) {
+            *end = *count;
+            self.panels += 1;
+        }
     }
 
     /// Calls `feel` with each point at which friction reverses between two panels of a rim.
@@ -309,7 +346,7 @@ impl<R: Real> Contacts<R> {
         argument: &Block<R>,
     ) -> Block<R> {
         let [touch, ..] = &self.touches;
-        self.path_by_turn = touch.path_by_turn(problem, trial, argument);
+        self.path_by_turn = touch.push.path_by_turn(problem, trial, argument);
         self.path_by_turn
     }
 
@@ -324,11 +361,14 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
         factor: R,
     ) -> Block<R> {
-        let [touch, ..] = &self.touches;
-        let force = touch.push.force * factor;
-        let [first, second] = touch.over_surface(problem, trial);
-        let torque = |(moved, turn): (R::Vec3, R::Vec3)| Block::outer(moved.cross(force), turn);
-        torque(first).plus(&torque(second))
+        let mut sum = Block::diagonal(R::ZERO);
+        for touch in self.touches.iter().take(self.remembered) {
+            let force = touch.push.force * factor;
+            let [first, second] = touch.push.over_surface(problem, trial);
+            let torque = |(moved, turn): (R::Vec3, R::Vec3)| Block::outer(moved.cross(force), turn);
+            sum = sum.plus(&torque(first)).plus(&torque(second));
+        }
+        sum
     }
 
     /// Calls [`answer`](Self::answer) only to store its results.
@@ -408,13 +448,41 @@ impl<R: Real> Contacts<R> {
         // In the order of the parts of a contact range: a range that begins after the last contact
         // begins at the first.
         let [head, tail] = self.run.parts(contacts);
-        let Some(point) = (head.iter().chain(tail)).nth(self.seen + (index - self.remembered))
-        else {
+        let candidate = self.seen + (index - self.remembered);
+        let (mut surface, mut place) = (0, candidate);
+        if problem.surfaces() > 1 && self.run.count > 0 {
+            surface = u32::try_from(candidate / self.run.count).unwrap_or(u32::MAX);
+            place = candidate % self.run.count;
+        }
+        let Some(point) = (head.iter().chain(tail)).nth(place) else {
             return Touch::NONE;
         };
-        let mut touch = Touch::of(problem, point);
+        let mut touch = Touch::of(problem, surface, point);
         touch.respond(problem, trial);
         touch
+    }
+}
+
+/// Panels of a rim below a surface at the start or at the `end` (position and axes) of a step.
+#[inline]
+fn panels_below<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    surface: u32,
+    trial: &Trial<R>,
+    (end, end_axes): &(R::Vec3, Axes<R>),
+    rim: &Rim<R>,
+) -> Panels<R> {
+    let (ground, motion) = (problem.ground(surface), &problem.motion);
+    let arcs = [
+        arc_below(rim, &ground, motion.position, &motion.axes),
+        arc_below(rim, &ground, *end, end_axes),
+    ];
+    match Arc::longer(&arcs) {
+        Some(arc) => {
+            let discontinuities = mean_discontinuities(problem, surface, trial, rim, &arc);
+            Panels::of_both(arcs, &mut discontinuities.places().map(|u| arc.place(u)))
+        }
+        None => Panels::of_both(arcs, &mut core::iter::empty()),
     }
 }
 
@@ -422,6 +490,7 @@ impl<R: Real> Contacts<R> {
 /// discontinuity of their derivative.
 fn mean_discontinuities<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
+    surface: u32,
     trial: &Trial<R>,
     rim: &Rim<R>,
     arc: &Arc<R>,
@@ -438,24 +507,19 @@ fn mean_discontinuities<R: Real, D: Dynamics<R>>(
     ];
     let middle = trial.velocity + velocity(rim.centre()) - problem.drift_of_ground();
     let velocities = Velocities::along(arc, middle, turning);
-    let ground = problem.scene.ground();
-    let position = if problem.scene.friction().depends_on_position() {
+    let (ground, friction) = (problem.ground(surface), problem.law(surface));
+    let position = if friction.depends_on_position() {
         let [lowest, _] = rim.spokes(rim.axes(), arc.place(R::ZERO));
         problem.motion.position + axes.to_world(rim.centre() + lowest)
     } else {
         problem.motion.position
     };
-    let normal = match &problem.plane {
+    let normal = match &problem.plane_of(surface) {
         Some(plane) => plane.normal,
         None => {
             let centre = axes.to_world(rim.centre());
             ground.surface(problem.motion.position + centre).normal
         }
     };
-    discontinuities(
-        (problem.scene.ground(), problem.scene.friction()),
-        arc,
-        [position, normal],
-        &velocities,
-    )
+    discontinuities((&ground, &friction), arc, [position, normal], &velocities)
 }

@@ -244,7 +244,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         let mut torque = self.inertia.times(self.free.turn - way.turn);
         let motion = motion_of(self.scene, end);
         visit_contacts(self.scene, &motion, &mut |contact| {
-            let (ground, friction) = (self.scene.ground(), self.scene.friction());
+            let (ground, friction) = contact.laws(self.scene.ground(), self.scene.friction());
             let mean = ground.mean_force(contact.depth, contact.depth, h);
             // The depth of the contact decreases as its centre moves along this direction.
             let (slope, centre) = self.slope(contact);
@@ -285,12 +285,8 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         }
         let place = self.start.position + centre;
         let nudge = R::EPSILON.sqrt() * (self.bounding_radius + place.length() * R::EPSILON.sqrt());
-        let gap = |x: R, y: R, z: R| {
-            self.scene
-                .ground()
-                .surface(place + R::Vec3::new(x, y, z))
-                .gap
-        };
+        let (ground, _) = contact.laws(self.scene.ground(), self.scene.friction());
+        let gap = |x: R, y: R, z: R| ground.surface(place + R::Vec3::new(x, y, z)).gap;
         let o = R::ZERO;
         let difference = R::Vec3::new(
             gap(nudge, o, o) - gap(-nudge, o, o),

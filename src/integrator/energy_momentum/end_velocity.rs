@@ -188,10 +188,10 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
     /// give an apparent slip and rise of order h, from the path of a ball along a curve and its
     /// rotation about the normal.
     fn end_normal(&self, push: &Push<R>) -> R::Vec3 {
-        if self.problem.plane.is_some() {
+        if self.problem.plane_of(push.surface).is_some() {
             return push.normal;
         }
-        let ground = self.problem.scene.ground();
+        let ground = self.problem.ground(push.surface);
         ground.surface(self.motion.position + push.end_arm).normal
     }
 

@@ -5,8 +5,8 @@ use super::block::Block;
 use crate::body::RigidPointBody;
 use crate::contact::{Motion, facing_ground};
 use crate::energy::Energy;
-use crate::friction::{FrictionJacobian, SlidingFriction};
-use crate::ground::{GroundBounds, MeanForce, Plane, SpringDamperGround, Surface};
+use crate::friction::{FrictionJacobian, LawOfSurface, SlidingFriction};
+use crate::ground::{GroundBounds, MeanForce, OneSurface, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::rotation::{Axes, Rotation};
 use crate::scene::Dynamics;
@@ -22,7 +22,7 @@ pub(super) struct Problem<'a, R: Real, D> {
     /// Angular momentum without the part that a degenerate body cannot have (a rod, about its own
     /// axis).
     pub(super) angular_momentum: R::Vec3,
-    /// The ground, if it is a plane.
+    /// The ground, if it is one plane.
     pub(super) plane: Option<Plane<R>>,
     /// Whether the ground is level, all contacts are bare points of the body, and friction and
     /// dampers act.
@@ -151,35 +151,71 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         self.is_conservative && !self.is_bare
     }
 
-    /// Mean force of the ground on a contact whose depth changes uniformly from `start` to `end`
+    /// One surface of the ground.
+    #[inline(always)]
+    pub(super) fn ground(&self, surface: u32) -> OneSurface<'a, D::Ground> {
+        self.scene.contact_model().laws_of(surface as usize).0
+    }
+
+    /// Friction law of one surface.
+    #[inline(always)]
+    pub(super) fn law(&self, surface: u32) -> LawOfSurface<'a, D::Friction> {
+        self.scene.contact_model().laws_of(surface as usize).1
+    }
+
+    /// Number of surfaces of the ground.
+    #[inline(always)]
+    pub(super) fn surfaces(&self) -> u32 {
+        u32::try_from(self.scene.contact_model().surfaces()).unwrap_or(u32::MAX)
+    }
+
+    /// One surface of the ground, if it is a plane.
+    #[inline(always)]
+    pub(super) fn plane_of(&self, surface: u32) -> Option<Plane<R>> {
+        if self.plane.is_some() || self.scene.ground().surfaces().is_none() {
+            return self.plane;
+        }
+        match self.ground(surface).bounds() {
+            GroundBounds::Plane(plane) => Some(plane),
+            _ => None,
+        }
+    }
+
+    /// Mean force of a surface on a contact whose depth changes uniformly from `start` to `end`
     /// over the step.
     #[inline(always)]
-    pub(super) fn mean_force(&self, start: R, end: R) -> MeanForce<R> {
+    pub(super) fn mean_force(&self, surface: u32, start: R, end: R) -> MeanForce<R> {
         if self.is_without_loss() {
-            self.mean_force_of_springs(start, end)
+            self.mean_force_of_springs(surface, start, end)
         } else {
-            let ground = self.scene.ground();
-            ground.mean_force(start, end, self.seconds)
+            self.ground(surface).mean_force(start, end, self.seconds)
         }
     }
 
     #[cold]
-    fn mean_force_of_springs(&self, start: R, end: R) -> MeanForce<R> {
-        Springs(self.scene.ground()).mean_force(start, end, self.seconds)
+    fn mean_force_of_springs(&self, surface: u32, start: R, end: R) -> MeanForce<R> {
+        Springs(&self.ground(surface)).mean_force(start, end, self.seconds)
     }
 
     #[inline(always)]
-    pub(super) fn friction(&self, position: R::Vec3, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+    pub(super) fn friction(
+        &self,
+        surface: u32,
+        position: R::Vec3,
+        normal_force: R,
+        slip: R::Vec3,
+    ) -> R::Vec3 {
         if self.is_without_loss() {
             R::Vec3::ZERO
         } else {
-            (self.scene.friction()).force_at(position, normal_force, slip)
+            self.law(surface).force_at(position, normal_force, slip)
         }
     }
 
     #[inline]
     pub(super) fn jacobian(
         &self,
+        surface: u32,
         position: R::Vec3,
         normal_force: R,
         slip: R::Vec3,
@@ -187,7 +223,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         if self.is_without_loss() {
             FrictionJacobian::NONE
         } else {
-            (self.scene.friction()).jacobian_at(position, normal_force, slip)
+            self.law(surface).jacobian_at(position, normal_force, slip)
         }
     }
 
@@ -198,16 +234,16 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     /// equations would have no solution if the law has a jump there, and Newton's matrix would need
     /// the derivative of the law. Its error is of order h², so the step stays of order 2.
     #[inline(never)]
-    pub(super) fn middle_of(&self, arm: R::Vec3, radius: R) -> R::Vec3 {
+    pub(super) fn middle_of(&self, surface: u32, arm: R::Vec3, radius: R) -> R::Vec3 {
         let half = self.seconds * R::HALF;
         let centre = self.motion.position + self.motion.linear_velocity * half;
         // Argument of the Cayley map for the rotation of half a step.
         let spin = self.motion.angular_velocity * (half * R::HALF);
-        let (body, ground) = (self.scene.body(), self.scene.ground());
+        let (body, ground) = (self.scene.body(), self.ground(surface));
         if body.is_smooth() {
             let rotation = Rotation::cayley_unscaled(spin).after(self.rotation);
             let axes = rotation.normalised().axes();
-            let facing = facing_ground(body, ground, centre, &axes);
+            let facing = facing_ground(body, &ground, centre, &axes);
             return centre + axes.to_world(facing.position);
         }
         let place = centre + arm + Block::<R>::rotation_change(spin).times(arm);

@@ -50,10 +50,10 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
 /// Applies friction and dampers to a body at a fixed pose for a time. Each contact resists with the
 /// force of its law at its velocity.
 fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
-    let (ground, friction) = (scene.ground(), scene.friction());
     let bounding_radius = scene.bounding_radius().at_least(R::EPSILON);
     resisted(scene, bounding_radius, state, |motion, resist| {
         visit_contacts(scene, motion, &mut |contact| {
+            let (ground, friction) = contact.laws(scene.ground(), scene.friction());
             let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
             let damper = normal_force - ground.spring_force(contact.depth);
             resist(&Resisting {

@@ -42,15 +42,15 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
         *equations = SixBySix::of_body(mass, &inertia);
         let is_smooth = problem.scene.body().is_smooth();
         let by_turn = is_smooth.then(|| contacts.differentiate_path(problem, trial, &argument));
+        let by_turn = by_turn.unwrap_or(argument);
         contacts.answer(problem, trial, |push, answer| {
             strain.add(push, &answer.drag);
-            add_anywhere(
-                problem,
-                push,
-                answer,
-                [&argument, by_turn.as_ref().unwrap_or(&argument)],
-                equations,
-            );
+            let by_turn = if is_smooth && problem.surfaces() > 1 {
+                push.path_by_turn(problem, trial, &argument)
+            } else {
+                by_turn
+            };
+            add_anywhere(problem, push, answer, [&argument, &by_turn], equations);
             equations.add_rotation(push.end_arm, push.force * share);
         });
         // Without this term the iteration converges, but not quadratically. In f64 it still reaches

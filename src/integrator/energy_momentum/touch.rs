@@ -36,6 +36,8 @@ pub(super) struct Dual<R: Real> {
 /// Motion and force of a contact over a trial step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Push<R: Real> {
+    /// Index of the surface that the contact faces.
+    pub(super) surface: u32,
     /// Unit vector out of the ground.
     pub(super) normal: R::Vec3,
     pub(super) mean: MeanForce<R>,
@@ -92,6 +94,7 @@ impl<R: Real> Increment<R> {
 impl<R: Real> Push<R> {
     /// All zeros, so that a workspace in a `static` takes no space in a program's image.
     const NONE: Self = Self {
+        surface: 0,
         normal: R::Vec3::ZERO,
         mean: MeanForce::NONE,
         force: R::Vec3::ZERO,
@@ -123,7 +126,7 @@ impl<R: Real> Push<R> {
         problem: &Problem<'_, R, D>,
         end_depth: R,
     ) -> MeanForce<R> {
-        let mean = problem.mean_force(self.depth, end_depth);
+        let mean = problem.mean_force(self.surface, self.depth, end_depth);
         match self.weights(problem) {
             Some([weight, _]) => MeanForce {
                 force: mean.force * weight,
@@ -133,6 +136,51 @@ impl<R: Real> Push<R> {
             },
             None => mean,
         }
+    }
+
+    /// Derivative of a smooth body's path along the ground with respect to a rotation of the step's
+    /// end, m.
+    ///
+    /// The path is `2a × (r + r')/2`. A rotation ϑ changes 2a by `argument ϑ`, carries the point r'
+    /// along (`ϑ × r'`) and moves it over the surface. The last contribution is computed from
+    /// points in two nearby directions.
+    pub(super) fn path_by_turn<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        argument: &Block<R>,
+    ) -> Block<R> {
+        let a = trial.spin;
+        let [first, second] = self.over_surface(problem, trial);
+        let over = |(moved, turn): (R::Vec3, R::Vec3)| Block::outer(a.cross(moved), turn);
+        let carried = argument.crossed_by(-self.arm);
+        let turned = Block::hat(-self.end_arm).crossed_by(a);
+        (carried.plus(&turned))
+            .plus(&over(first))
+            .plus(&over(second))
+    }
+
+    /// Displacement of a smooth body's contact point over its surface by a rotation ϑ of the step's
+    /// end: `moved` times `turn · ϑ`, for each of the two pairs, m.
+    pub(super) fn over_surface<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+    ) -> [(R::Vec3, R::Vec3); 2] {
+        let n = self.normal;
+        let (_, axes) = problem.place_at_end(trial);
+        let point = |towards: R::Vec3| {
+            let body = problem.scene.body();
+            axes.to_world(body.support_point(axes.to_body(towards)))
+        };
+        let nudge = R::EPSILON.sqrt();
+        let first = any_across::<R>(n);
+        let here = point(-n);
+        let pair = |along: R::Vec3| {
+            let moved = (point(along * nudge - n) - here) * (R::ONE / nudge);
+            (moved, n.cross(along))
+        };
+        [pair(first), pair(n.cross(first))]
     }
 }
 
@@ -144,23 +192,28 @@ impl<R: Real> Touch<R> {
     };
 
     #[inline]
-    pub(super) fn of<D: Dynamics<R>>(problem: &Problem<'_, R, D>, point: &ContactPoint<R>) -> Self {
-        let (body, ground) = (problem.scene.body(), problem.scene.ground());
+    pub(super) fn of<D: Dynamics<R>>(
+        problem: &Problem<'_, R, D>,
+        surface: u32,
+        point: &ContactPoint<R>,
+    ) -> Self {
+        let (body, ground) = (problem.scene.body(), problem.ground(surface));
         let motion = &problem.motion;
         let facing;
         let point = if body.is_smooth() {
-            facing = facing_ground(body, ground, motion.position, &motion.axes);
+            facing = facing_ground(body, &ground, motion.position, &motion.axes);
             &facing
         } else {
             point
         };
         let arm = motion.axes.to_world(point.position);
-        let surface = ground.surface(motion.position + arm);
+        let under = ground.surface(motion.position + arm);
         Self {
             arm,
             push: Push {
-                normal: surface.normal,
-                depth: point.radius - surface.gap,
+                surface,
+                normal: under.normal,
+                depth: point.radius - under.gap,
                 radius: point.radius,
                 ..Push::NONE
             },
@@ -173,7 +226,7 @@ impl<R: Real> Touch<R> {
     #[inline(always)]
     fn friction_position<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> R::Vec3 {
         if problem.scene.friction().depends_on_position() {
-            problem.middle_of(self.arm, self.push.radius)
+            problem.middle_of(self.push.surface, self.arm, self.push.radius)
         } else {
             R::Vec3::ZERO
         }
@@ -185,9 +238,9 @@ impl<R: Real> Touch<R> {
         let (push, position) = (&self.push, self.friction_position(problem));
         match push.weights(problem) {
             Some([weight, each]) => {
-                problem.friction(position, push.mean.force * each, slip) * weight
+                problem.friction(push.surface, position, push.mean.force * each, slip) * weight
             }
-            None => problem.friction(position, push.mean.force, slip),
+            None => problem.friction(push.surface, position, push.mean.force, slip),
         }
     }
 
@@ -206,9 +259,9 @@ impl<R: Real> Touch<R> {
     ) -> FrictionJacobian<R> {
         let (push, position) = (&self.push, self.friction_position(problem));
         let Some([weight, each]) = push.weights(problem) else {
-            return problem.jacobian(position, push.mean.force, push.slip);
+            return problem.jacobian(push.surface, position, push.mean.force, push.slip);
         };
-        let drag = problem.jacobian(position, push.mean.force * each, push.slip);
+        let drag = problem.jacobian(push.surface, position, push.mean.force * each, push.slip);
         FrictionJacobian {
             coefficient: drag.coefficient * weight,
             ..drag
@@ -251,7 +304,7 @@ impl<R: Real> Touch<R> {
     ) -> Lever<R> {
         let is_smooth = problem.scene.body().is_smooth();
         let swung = if is_smooth {
-            wandered(problem, trial) - self.arm
+            wandered(problem, self.push.surface, trial) - self.arm
         } else {
             trial.rotation_change.times(self.arm)
         };
@@ -336,12 +389,12 @@ impl<R: Real> Touch<R> {
     /// contact whose centre moves by `moved`.
     #[inline]
     fn fall<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>, moved: R::Vec3) -> (R::Vec3, R) {
-        if let Some(plane) = &problem.plane {
+        if let Some(plane) = &problem.plane_of(self.push.surface) {
             return (plane.normal, self.push.depth - plane.normal.dot(moved));
         }
         // Curved ground: Gonzalez's discrete gradient, so that normal times path is the change of
         // depth.
-        let ground = problem.scene.ground();
+        let ground = problem.ground(self.push.surface);
         let start = problem.motion.position + self.arm;
         let middle = ground.surface(start + moved * R::HALF).normal;
         let end_depth = self.push.radius - ground.surface(start + moved).gap;
@@ -352,51 +405,6 @@ impl<R: Real> Touch<R> {
         } else {
             (middle, end_depth)
         }
-    }
-
-    /// Derivative of a smooth body's path along the ground with respect to a rotation of the step's
-    /// end, m.
-    ///
-    /// The path is `2a × (r + r')/2`. A rotation ϑ changes 2a by `argument ϑ`, carries the point r'
-    /// along (`ϑ × r'`) and moves it over the surface. The last contribution is computed from
-    /// points in two nearby directions.
-    pub(super) fn path_by_turn<D: Dynamics<R>>(
-        &self,
-        problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
-        argument: &Block<R>,
-    ) -> Block<R> {
-        let (push, a) = (&self.push, trial.spin);
-        let [first, second] = self.over_surface(problem, trial);
-        let over = |(moved, turn): (R::Vec3, R::Vec3)| Block::outer(a.cross(moved), turn);
-        let carried = argument.crossed_by(-push.arm);
-        let turned = Block::hat(-push.end_arm).crossed_by(a);
-        (carried.plus(&turned))
-            .plus(&over(first))
-            .plus(&over(second))
-    }
-
-    /// Displacement of a smooth body's contact point over its surface by a rotation ϑ of the step's
-    /// end: `moved` times `turn · ϑ`, for each of the two pairs, m.
-    pub(super) fn over_surface<D: Dynamics<R>>(
-        &self,
-        problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
-    ) -> [(R::Vec3, R::Vec3); 2] {
-        let n = self.push.normal;
-        let (_, axes) = problem.place_at_end(trial);
-        let point = |towards: R::Vec3| {
-            let body = problem.scene.body();
-            axes.to_world(body.support_point(axes.to_body(towards)))
-        };
-        let nudge = R::EPSILON.sqrt();
-        let first = any_across::<R>(n);
-        let here = point(-n);
-        let pair = |along: R::Vec3| {
-            let moved = (point(along * nudge - n) - here) * (R::ONE / nudge);
-            (moved, n.cross(along))
-        };
-        [pair(first), pair(n.cross(first))]
     }
 
     /// Computes the response of friction at the last trial step.
@@ -458,13 +466,17 @@ impl<R: Real> Touch<R> {
     }
 }
 
-/// Vector from the centre of mass to the point of a smooth body that faces the ground at the end of
+/// Vector from the centre of mass to the point of a smooth body that faces a surface at the end of
 /// a trial step, m, world axes.
 #[inline]
-fn wandered<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<R>) -> R::Vec3 {
+fn wandered<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    surface: u32,
+    trial: &Trial<R>,
+) -> R::Vec3 {
     let (position, axes) = problem.place_at_end(trial);
-    let (body, ground) = (problem.scene.body(), problem.scene.ground());
-    let facing = facing_ground(body, ground, position, &axes);
+    let (body, ground) = (problem.scene.body(), problem.ground(surface));
+    let facing = facing_ground(body, &ground, position, &axes);
     axes.to_world(facing.position)
 }
 
@@ -498,6 +510,24 @@ impl<R: Real> Lever<R> {
         torque: R::Vec3::ZERO,
         rounding: R::Vec3::ZERO,
     };
+
+    /// Adds the lever of another contact, as the mean of both with the normal forces as weights.
+    ///
+    /// `known` is the normal force of the contacts before, N, and `normal_force` that of the next.
+    #[inline]
+    pub(super) fn with(self, other: Self, known: &mut R, normal_force: R) -> Self {
+        let sum = *known + normal_force;
+        if *known == R::ZERO {
+            *known = sum;
+            return other;
+        }
+        let share = normal_force / sum;
+        *known = sum;
+        Self {
+            torque: self.torque + (other.torque - self.torque) * share,
+            rounding: self.rounding + (other.rounding - self.rounding) * share,
+        }
+    }
 
     #[inline]
     fn new(mean: R::Vec3, normal: R::Vec3, swung: R::Vec3, spin: R::Vec3) -> Self {
@@ -553,7 +583,8 @@ impl<R: Real> Reversal<R> {
         points_per_metre: R,
     ) -> Option<Self> {
         let (a, b) = (&left.push, &right.push);
-        if !(a.is_felt() && b.is_felt() && a.slip.dot(b.slip) < R::ZERO) {
+        let on_one_surface = a.surface == b.surface && a.is_felt() && b.is_felt();
+        if !(on_one_surface && a.slip.dot(b.slip) < R::ZERO) {
             return None;
         }
         let change = b.slip - a.slip;

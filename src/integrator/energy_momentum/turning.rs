@@ -85,13 +85,9 @@ fn resistance<R: Real, D: Dynamics<R>>(
 ) -> Columns<R> {
     let mut sum = [R::Vec3::ZERO; 3];
     visit_contacts(scene, motion, &mut |contact| {
-        let normal_force = scene
-            .ground()
-            .normal_force(contact.depth, contact.closing_speed);
-        let Some(law) = scene
-            .friction()
-            .rolling_resistance_at(contact.position, normal_force)
-        else {
+        let (ground, friction) = contact.laws(scene.ground(), scene.friction());
+        let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
+        let Some(law) = friction.rolling_resistance_at(contact.position, normal_force) else {
             return;
         };
         let [roll, drill] = of_contact(&law, contact.normal, angular_velocity);

@@ -13,7 +13,7 @@ use crate::friction::SlidingFriction;
 use crate::integrator::contact_path::{ContactEnd, Path, arm, push, slip};
 use crate::quadrature::{bisect, integral_of_3};
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, size};
+use crate::scene::{Dynamics, OnSurface, size};
 
 /// Errors caused by contacts in a step within which their force or its derivative is discontinuous.
 #[derive(Clone, Copy, Debug)]
@@ -49,15 +49,6 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
     [smooth, allowed]: [R; 2],
 ) -> Discontinuities<R> {
     let mut discontinuities = Discontinuities::none();
-    let step = Taken {
-        pair,
-        scene,
-        motions: &attempt.motions,
-        ends: [&start.motion, &attempt.end.motion],
-        seconds,
-        to_discontinuity,
-        allowed,
-    };
     let contacts = scene.body().contacts();
     let margin = dip(scene, [start, &attempt.end], seconds);
     let near_ground = |place: &Place<R>| {
@@ -69,12 +60,21 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
     if smooth > allowed && before.count.saturating_add(after.count) > MANY {
         return discontinuities;
     }
-    for run in [before]
-        .into_iter()
-        .chain(after.without(before, contacts.len()))
-    {
-        for point in run.parts(contacts).into_iter().flatten() {
-            step.look_at(point, &mut discontinuities);
+    for surface in 0..scene.contact_model().surfaces() {
+        let step = Taken {
+            pair,
+            scene: &OnSurface::of(scene, surface),
+            motions: &attempt.motions,
+            ends: [&start.motion, &attempt.end.motion],
+            seconds,
+            to_discontinuity,
+            allowed,
+        };
+        let added = after.without(before, contacts.len());
+        for run in [before].into_iter().chain(added) {
+            for point in run.parts(contacts).into_iter().flatten() {
+                step.look_at(point, &mut discontinuities);
+            }
         }
     }
     discontinuities
@@ -104,7 +104,8 @@ pub(super) fn load_before<R: Real, D: Dynamics<R>>(
     scene
         .contact_model()
         .visit_points(run, motion, &mut |contact| {
-            if !comes_late(&ContactEnd::of(scene, start, &contact.point), seconds) {
+            let scene = OnSurface::of(scene, contact.surface);
+            if !comes_late(&ContactEnd::of(&scene, start, &contact.point), seconds) {
                 add(contact);
             }
         });

@@ -10,7 +10,7 @@ use crate::integrator::point::Point;
 use crate::quadrature::{bisect, nodes_of_2};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, OnSurface};
 
 /// Returns the `end` of a step, corrected for the error of its stages.
 #[inline(always)]
@@ -57,6 +57,22 @@ fn missed<R: Real, D: Dynamics<R>>(
         speeds: Load::default(),
         places: Load::default(),
     };
+    for surface in 0..scene.contact_model().surfaces() {
+        let scene = OnSurface::of(scene, surface);
+        add_missed(&scene, [first, third, last], end, seconds, &mut missed);
+    }
+    missed
+}
+
+/// Adds the errors of the contacts with one surface.
+#[inline(always)]
+fn add_missed<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    [first, third, last]: [&Stage<R>; 3],
+    end: &Motion<R>,
+    seconds: R,
+    missed: &mut Missed<R>,
+) {
     let step = Taken {
         scene,
         ends: [
@@ -77,11 +93,10 @@ fn missed<R: Real, D: Dynamics<R>>(
     for run in [first.run, head, tail] {
         for part in run.parts(contacts) {
             for point in part {
-                step.look_at(point, &mut missed);
+                step.look_at(point, missed);
             }
         }
     }
-    missed
 }
 
 /// A step that has been taken.
