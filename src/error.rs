@@ -185,8 +185,8 @@ pub enum StepError {
     #[error("the {0} before the step must be finite{nor_zero}", nor_zero = if_orientation(*.0))]
     BadState(Quantity),
     /// The applied force changes so fast with the velocities that no part of the step could be
-    /// solved. Examples are a lift that would turn the velocity by a thousand radians
-    /// in a step, and quadratic drag on the spin of a needle about its own axis.
+    /// solved. An example is a lift that would turn the velocity by a thousand radians in a step, or
+    /// by tens of radians if the body is a needle whose smallest moment is 1e-12 of the largest.
     #[error(
         "the applied force must change little within a step, got a step of {seconds:e} s: shorten the time step, or check the force with `contract::check_force`"
     )]

@@ -190,6 +190,9 @@ where
     pub fn new(body: B, ground: G, friction: F, gravity: A) -> Result<Self, SceneError> {
         body.check()?;
         ground.check()?;
+        if let Some(motion) = ground.motion() {
+            motion.check()?;
+        }
         friction.check()?;
         gravity.check()?;
         crate::body::check_contacts(body.contacts())?;

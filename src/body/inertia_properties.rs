@@ -349,6 +349,24 @@ impl<R: Real> InertiaProperties<R> {
         (tensor, momentum)
     }
 
+    /// Angular momentum of a body with these axes and this angular velocity, by the regular inertia
+    /// tensor of [`inertia_for_solving`](Self::inertia_for_solving).
+    ///
+    /// It is computed in principal axes, where the smallest moment of a needle keeps its digits.
+    #[inline]
+    pub(crate) fn momentum_for_solving(
+        &self,
+        axes: &Axes<R>,
+        angular_velocity: R::Vec3,
+    ) -> R::Vec3 {
+        if let Turns::Freely = self.solving.turns {
+            return self.angular_momentum(axes, angular_velocity);
+        }
+        let ([x, y, z], _) = self.inertia_for_solving(axes, angular_velocity);
+        let spin = angular_velocity;
+        x * spin.x() + y * spin.y() + z * spin.z()
+    }
+
     /// Orientation after `seconds` of torque-free rotation from `rotation` with these `axes`.
     ///
     /// The angular momentum in world axes is constant and is not changed.

@@ -69,7 +69,7 @@ impl<R: Real> GroundMotion<R> {
         force.dot(self.velocity_at(position)) + torque.dot(self.angular_velocity)
     }
 
-    fn check(&self) -> Result<(), SceneError> {
+    pub(crate) fn check(&self) -> Result<(), SceneError> {
         let (speed, rate) = (self.velocity.length(), self.angular_velocity.length());
         error::finite("velocity of the ground", speed, " m/s")?;
         error::finite("angular velocity of the ground", rate, " rad/s")

@@ -232,7 +232,7 @@ where
             stepper: self.stepper,
             state: self.state,
             workspace: I::ADAPTIVE.then(|| self.workspace.clone()),
-            scratch: I::Workspace::default(),
+            scratch: None,
             run: *run,
             clock,
         }
@@ -246,8 +246,9 @@ struct StepPath<'a, B, G, F, A, I: Integrator<R>, R: Real, E> {
     state: State<R>,
     /// Workspace of an adaptive method at the start of the step.
     workspace: Option<I::Workspace>,
-    /// Workspace of any other method. No result depends on it.
-    scratch: I::Workspace,
+    /// Workspace of any other method, once a moment within the step was evaluated. No result depends
+    /// on it. A new one in each step cost `EnergyMomentum` seven times the step.
+    scratch: Option<I::Workspace>,
     /// Clock of the run at the start of the step.
     run: Clock<R>,
     /// Clock of the session at the start of the step.
@@ -308,10 +309,10 @@ where
     fn at(&mut self, after: R) -> Result<Instant<R>, StepError> {
         let mut scratch = match &self.workspace {
             Some(workspace) => workspace.clone(),
-            None => core::mem::take(&mut self.scratch),
+            None => self.scratch.take().unwrap_or_default(),
         };
         let (state, _) = self.part(after, &mut scratch)?;
-        self.scratch = scratch;
+        self.scratch = Some(scratch);
         Ok(self.instant(after, state))
     }
 

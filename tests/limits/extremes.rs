@@ -13,6 +13,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use crate::driven::{Belt, Places, Pull};
 use crate::kit::{self, directions, log_uniform, zero_or};
 use core::cell::RefCell;
 use core::f64::consts::PI;
@@ -22,11 +23,11 @@ use tumble::error::LawQuantity;
 use tumble::glam::DVec3;
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    AirDrag, AnisotropicCoulomb, Coin, Cone, ContactPoint, Coulomb, Cuboid, Disc, Dynamics,
+    AirDrag, AnisotropicCoulomb, Bowl, Coin, Cone, ContactPoint, Coulomb, Cuboid, Disc, Dynamics,
     Ellipsoid, Energy, EnergyMomentum, FlatGround, Force, Frictionless, Ground, GroundBounds,
-    HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MassProperties, MeanForce,
-    NoForce, Plane, PointCloud, Real, RigidPointBody, SlidingFriction, SmoothCoulomb, Solid,
-    SolidCoin, Sphere, SpinDrag, SpinLift, SpringDamper, SpringDamperGround, State, Step,
+    HeightField, HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MassProperties,
+    MeanForce, NoForce, Plane, PointCloud, Real, RigidPointBody, SlidingFriction, SmoothCoulomb,
+    Solid, SolidCoin, Sphere, SpinDrag, SpinLift, SpringDamper, SpringDamperGround, State, Step,
     StepError, Stepper, Stribeck, Surface, Terrain, UniformGravity, Viscous, Waves, Wind,
     WithResistance,
 };
@@ -42,7 +43,7 @@ const MOST_EVALUATIONS: u32 = 31 * 3 * 60 + 4 * 3 * 31 * 4;
 const STEPS: u32 = 40;
 
 /// Steps of the whole sweep.
-fn sweep_steps() -> u32 {
+pub(super) fn sweep_steps() -> u32 {
     let asked = std::env::var("TUMBLE_SWEEP_STEPS").ok();
     asked.map_or(200_000, |steps| steps.parse().unwrap())
 }
@@ -134,7 +135,7 @@ impl<R: Real> SlidingFriction<R> for Oil<R> {
 // -----------------------------------------------------------------------------------------------
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum BodyKind {
+pub(super) enum BodyKind {
     Ring(usize),
     Box,
     Point,
@@ -152,7 +153,7 @@ enum BodyKind {
 /// Solids of the library whose contacts are many or round, or that have their centre of mass beside
 /// their middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum SolidKind {
+pub(super) enum SolidKind {
     Coin,
     LoadedSphere,
     RoundDie,
@@ -164,19 +165,21 @@ enum SolidKind {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum GroundKind {
+pub(super) enum GroundKind {
     Flat,
     Limited,
     /// Number given by its exponent.
     HuntCrossley(f64),
     /// Waves of a terrain.
     Waves,
+    /// A round bowl of a terrain.
+    Bowl,
     Turf,
     Hills,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum FrictionKind {
+pub(super) enum FrictionKind {
     Coulomb,
     Smooth,
     Stribeck,
@@ -191,33 +194,39 @@ enum FrictionKind {
 
 /// A scene and its first state, in SI units.
 #[derive(Clone, Debug)]
-struct Case {
-    body: BodyKind,
-    size: f64,
-    mass: f64,
-    time_step: f64,
-    ground: GroundKind,
-    stiffness: f64,
-    damping: f64,
-    normal: DVec3,
-    friction: FrictionKind,
-    coefficient: f64,
-    slip_speed: f64,
-    gravity: DVec3,
+pub(super) struct Case {
+    pub(super) body: BodyKind,
+    pub(super) size: f64,
+    pub(super) mass: f64,
+    pub(super) time_step: f64,
+    pub(super) ground: GroundKind,
+    pub(super) stiffness: f64,
+    pub(super) damping: f64,
+    pub(super) normal: DVec3,
+    pub(super) friction: FrictionKind,
+    pub(super) coefficient: f64,
+    pub(super) slip_speed: f64,
+    pub(super) gravity: DVec3,
     /// Strengths of the applied force: linear and quadratic drag and spin drag (SI units), density
     /// of the air for the lift (kg/m³). `None` without a force.
-    air: Option<([f64; 5], DVec3)>,
-    position: DVec3,
-    turn: DVec3,
-    velocity: DVec3,
-    spin: DVec3,
+    pub(super) air: Option<([f64; 5], DVec3)>,
+    /// Forces besides those of the air.
+    pub(super) pull: Option<Pull>,
+    /// Motion of the ground's material. `None` for a ground at rest.
+    pub(super) belt: Option<Belt>,
+    /// Variation of the friction over the ground. `None` for the same law everywhere.
+    pub(super) places: Option<Places>,
+    pub(super) position: DVec3,
+    pub(super) turn: DVec3,
+    pub(super) velocity: DVec3,
+    pub(super) spin: DVec3,
     /// Replaces components of the state.
-    odd: Vec<(usize, f64)>,
+    pub(super) odd: Vec<(usize, f64)>,
 }
 
 /// Whose laws a sweep takes.
 #[derive(Clone, Copy)]
-enum Laws {
+pub(super) enum Laws {
     /// The report's.
     Report,
     /// The others of the crate.
@@ -229,24 +238,24 @@ enum Laws {
 
 /// Limits of the ranges.
 #[derive(Clone, Copy)]
-struct Ranges {
-    time_step: (f64, f64),
-    size: (f64, f64),
-    mass: (f64, f64),
-    stiffness: f64,
-    damping: f64,
-    coefficient: f64,
-    slip_speed: f64,
-    spin: f64,
-    speed: f64,
+pub(super) struct Ranges {
+    pub(super) time_step: (f64, f64),
+    pub(super) size: (f64, f64),
+    pub(super) mass: (f64, f64),
+    pub(super) stiffness: f64,
+    pub(super) damping: f64,
+    pub(super) coefficient: f64,
+    pub(super) slip_speed: f64,
+    pub(super) spin: f64,
+    pub(super) speed: f64,
     /// Distance from the origin, m.
-    far: f64,
+    pub(super) far: f64,
     /// The smallest number above 0.
-    least: f64,
+    pub(super) least: f64,
 }
 
 /// The ranges of the promise.
-const WIDE: Ranges = Ranges {
+pub(super) const WIDE: Ranges = Ranges {
     time_step: (1e-9, 1e3),
     size: (1e-6, 1e6),
     mass: (1e-12, 1e12),
@@ -265,7 +274,7 @@ const WIDE: Ranges = Ranges {
 /// Its largest number is 3e38, and the solver squares impulses: `(S d dt)²` with d up to ten sizes
 /// is at most 1e34 here, the energies `S d²`, `m r² ω²` and `m v²` are 1e19. Steps shorter than
 /// 1e-6 s, or positions beyond 1e4 m, would be below the last of its seven digits.
-const SINGLE: Ranges = Ranges {
+pub(super) const SINGLE: Ranges = Ranges {
     time_step: (1e-6, 1e3),
     size: (1e-3, 1e3),
     mass: (1e-3, 1e3),
@@ -280,7 +289,7 @@ const SINGLE: Ranges = Ranges {
 };
 
 /// Scenes of a workshop, where much happens in 40 steps.
-const EVERYDAY: Ranges = Ranges {
+pub(super) const EVERYDAY: Ranges = Ranges {
     time_step: (1e-5, 0.1),
     size: (0.01, 10.0),
     mass: (0.01, 100.0),
@@ -295,14 +304,14 @@ const EVERYDAY: Ranges = Ranges {
 };
 
 /// The scene limited to the ranges of f32.
-const EVERYDAY_SINGLE: Ranges = Ranges {
+pub(super) const EVERYDAY_SINGLE: Ranges = Ranges {
     slip_speed: 1e-6,
     least: 1.5e-45,
     ..EVERYDAY
 };
 
 /// Bodies of a few hundred contacts at most: a step of ten thousand may cost a second.
-fn body_kinds() -> impl Strategy<Value = BodyKind> {
+pub(super) fn body_kinds() -> impl Strategy<Value = BodyKind> {
     use BodyKind::{Ball, Box, Capsule, Needle, Point, Ring, Rod};
     prop_oneof![
         8 => Just(Ring(120)),
@@ -326,7 +335,7 @@ fn gravities() -> impl Strategy<Value = DVec3> {
     ]
 }
 
-fn vectors(least: f64, most: f64) -> impl Strategy<Value = DVec3> {
+pub(super) fn vectors(least: f64, most: f64) -> impl Strategy<Value = DVec3> {
     (directions(), zero_or(least, most)).prop_map(|(direction, size)| direction * size)
 }
 
@@ -337,7 +346,7 @@ fn odd_numbers(least: f64) -> impl Strategy<Value = Vec<(usize, f64)>> {
     prop_oneof![4 => Just(Vec::new()), 1 => prop::collection::vec(one, 1..6)]
 }
 
-fn cases(ranges: Ranges, laws: Laws) -> impl Strategy<Value = Case> {
+pub(super) fn cases(ranges: Ranges, laws: Laws) -> impl Strategy<Value = Case> {
     let grounds = match laws {
         Laws::Report => vec![GroundKind::Flat],
         Laws::BuiltIn => vec![
@@ -423,6 +432,9 @@ fn cases(ranges: Ranges, laws: Laws) -> impl Strategy<Value = Case> {
                 slip_speed,
                 gravity,
                 air: None,
+                pull: None,
+                belt: None,
+                places: None,
                 position: along + normal * (height * size),
                 turn,
                 velocity,
@@ -433,7 +445,7 @@ fn cases(ranges: Ranges, laws: Laws) -> impl Strategy<Value = Case> {
     )
 }
 
-fn vector<R: Real>(v: DVec3) -> R::Vec3 {
+pub(super) fn vector<R: Real>(v: DVec3) -> R::Vec3 {
     R::Vec3::new(R::from_f64(v.x), R::from_f64(v.y), R::from_f64(v.z))
 }
 
@@ -526,6 +538,14 @@ impl Case {
     }
 
     fn ground<R: Real>(&self) -> Box<dyn SpringDamperGround<R>> {
+        let still = self.still_ground();
+        match &self.belt {
+            Some(belt) => belt.under(still, self.ground),
+            None => still,
+        }
+    }
+
+    fn still_ground<R: Real>(&self) -> Box<dyn SpringDamperGround<R>> {
         let number = R::from_f64;
         let plane = Plane::through(R::Vec3::ZERO, vector::<R>(self.normal));
         let turf = |shape| Turf {
@@ -555,20 +575,13 @@ impl Case {
                 };
                 Box::new(Ground { law, shape: plane })
             }
-            GroundKind::Waves => {
-                let law = SpringDamper {
-                    stiffness: number(self.stiffness),
-                    damping: number(self.damping),
-                };
-                let height_field = Waves {
-                    amplitude: number(0.2 * self.size),
-                    length: number(PI * 2.0 * self.size),
-                };
-                Box::new(Ground {
-                    law,
-                    shape: Terrain { height_field },
-                })
-            }
+            GroundKind::Waves => self.terrain(Waves {
+                amplitude: number(0.2 * self.size),
+                length: number(PI * 2.0 * self.size),
+            }),
+            GroundKind::Bowl => self.terrain(Bowl {
+                curvatures: [number(0.5 / self.size); 2],
+            }),
             GroundKind::Turf => Box::new(turf(Shape::Plane(plane))),
             GroundKind::Hills => Box::new(turf(Shape::Hills {
                 height: number(0.2 * self.size),
@@ -576,7 +589,27 @@ impl Case {
         }
     }
 
+    /// A height field on springs with dampers.
+    fn terrain<R: Real>(
+        &self,
+        height_field: impl HeightField<R> + 'static,
+    ) -> Box<dyn SpringDamperGround<R>> {
+        let law = SpringDamper {
+            stiffness: R::from_f64(self.stiffness),
+            damping: R::from_f64(self.damping),
+        };
+        let shape = Terrain { height_field };
+        Box::new(Ground { law, shape })
+    }
+
     fn friction<R: Real>(&self) -> Box<dyn SlidingFriction<R>> {
+        match &self.places {
+            Some(places) => places.friction(self),
+            None => self.uniform_friction(),
+        }
+    }
+
+    pub(super) fn uniform_friction<R: Real>(&self) -> Box<dyn SlidingFriction<R>> {
         let coefficient = R::from_f64(self.coefficient);
         let slip_speed = R::from_f64(self.slip_speed);
         match self.friction {
@@ -628,6 +661,13 @@ impl Case {
     }
 
     fn force<R: Real>(&self) -> Box<dyn Force<R>> {
+        match &self.pull {
+            Some(pull) => pull.with(self.force_of_air(), self),
+            None => self.force_of_air(),
+        }
+    }
+
+    fn force_of_air<R: Real>(&self) -> Box<dyn Force<R>> {
         let Some((strengths, wind)) = self.air else {
             return Box::new(NoForce);
         };
@@ -646,13 +686,29 @@ impl Case {
         Box::new((Wind { velocity, force }, spin_drag))
     }
 
-    /// Returns true if the lift would turn the velocity by more than a thousand radians in a step,
-    /// where the documentation allows `ForceTooSteep`.
-    fn lift_turns_too_far<R: Real>(&self, scene: &impl Dynamics<R>, start: &State<R>) -> bool {
+    /// Returns true if a drive can do work in the scene.
+    fn is_driven(&self) -> bool {
+        self.air.is_some_and(|(_, wind)| wind != DVec3::ZERO)
+            || self.pull.is_some_and(|pull| pull.is_driven())
+            || self.belt.is_some()
+    }
+
+    /// Angle by which the lift would turn the velocity in a step, rad. Above a thousand radians the
+    /// documentation allows `ForceTooSteep`.
+    fn turn_by_lift<R: Real>(&self, scene: &impl Dynamics<R>, start: &State<R>) -> f64 {
         let density = self.air.map_or(0.0, |([.., density], _)| density);
         let spin = scene.motion(start).angular_velocity.length().to_f64();
         let rate = density * PI * self.size.powi(3) * spin / 2.0 / self.mass;
-        rate * self.time_step > 1e3
+        rate * self.time_step
+    }
+
+    /// The same scene in air without density.
+    fn without_lift(&self) -> Self {
+        let mut calm = self.clone();
+        if let Some(([.., density], _)) = &mut calm.air {
+            *density = 0.0;
+        }
+        calm
     }
 
     fn state<R: Real>(&self, scene: &impl Dynamics<R>) -> State<R> {
@@ -683,7 +739,7 @@ impl Case {
 /// Steps by decade of the time step from 1e-9 s: how many, and how many of them could not be taken
 /// whole.
 #[derive(Debug, Default)]
-struct Tally {
+pub(super) struct Tally {
     steps: [u64; 13],
     divided: [u64; 13],
     energy_removed: u64,
@@ -691,10 +747,22 @@ struct Tally {
     most_evaluations: u32,
     /// Scenes that ended with a refusal which the documentation allows.
     refused: u32,
+    /// Steps with an applied force, on ground that moves, with friction that varies over the
+    /// ground, and steps in which a drive has done work.
+    roles: [u64; 4],
 }
 
+/// Names of [`Tally::roles`].
+const ROLES: [&str; 4] = [
+    "with an applied force",
+    "on ground that moves",
+    "with friction by place",
+    "with work of a drive",
+];
+
 impl Tally {
-    fn count<R: Real>(&mut self, time_step: f64, step: &Step<R>) {
+    fn count<R: Real>(&mut self, case: &Case, step: &Step<R>) {
+        let time_step = case.time_step;
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // A decade.
         let decade = (time_step.log10().floor() + 9.0).clamp(0.0, 12.0) as usize;
         self.steps[decade] += 1;
@@ -702,10 +770,29 @@ impl Tally {
         self.energy_removed += u64::from(step.energy_removed > R::ZERO);
         self.iterations += u64::from(step.iterations);
         self.most_evaluations = self.most_evaluations.max(step.evaluations);
+        let acts = [
+            case.air.is_some() || case.pull.is_some(),
+            case.belt.is_some(),
+            case.places.is_some(),
+            step.drive_work != R::ZERO,
+        ];
+        for (count, acts) in self.roles.iter_mut().zip(acts) {
+            *count += u64::from(acts);
+        }
+    }
+
+    /// Number of steps.
+    pub(super) fn all(&self) -> u64 {
+        self.steps.iter().sum()
+    }
+
+    /// Number of steps for each role that came with the applied forces.
+    pub(super) fn roles(&self) -> impl Iterator<Item = (&'static str, u64)> {
+        ROLES.into_iter().zip(self.roles)
     }
 
     fn tell(&self, name: &str) {
-        let all: u64 = self.steps.iter().sum();
+        let all = self.all();
         let divided: u64 = self.divided.iter().sum();
         let share = |divided: u64, steps: u64| 100.0 * (1.0 - divided as f64 / steps as f64);
         println!(
@@ -717,6 +804,9 @@ impl Tally {
         );
         if self.refused > 0 {
             println!("  {} scenes ended with a refusal", self.refused);
+        }
+        for (role, count) in self.roles().filter(|(_, count)| *count > 0) {
+            println!("  {count} steps {role}");
         }
         for (decade, (&steps, &divided)) in self.steps.iter().zip(&self.divided).enumerate() {
             if steps > 0 {
@@ -756,12 +846,23 @@ fn hypotenuse<R: Real>(a: R, b: R) -> R {
 /// rough there, by what such units change in each contact's, added as independent: a ring 27 m from
 /// the origin, on hills of 1e-5 m, met steps of 1e-4 J, up and down, where a force could have won
 /// 1.4e-5 J; a needle of 222 m in f32 stood on one end of it by a depth of a twentieth of a unit.
-fn frozen<R: Real>(scene: &impl Dynamics<R>, state: &State<R>, seconds: R) -> Option<&'static str> {
+///
+/// A drive can lift a body steadily. The limiter counts the rounding of the energies before and
+/// after the step, so that such a body may hover up to twice the rounding of one energy.
+fn frozen<R: Real>(
+    scene: &impl Dynamics<R>,
+    state: &State<R>,
+    seconds: R,
+    is_driven: bool,
+) -> Option<&'static str> {
     let motion = scene.motion(state);
     let energy = Energy::of(scene, state);
     let load = scene.load(&motion);
     let count = R::from_usize(load.touching);
     let mut rounding = size_of(&energy) * R::EPSILON * (R::from_f64(64.0) + count);
+    if is_driven {
+        rounding *= R::TWO;
+    }
     let place = state.position.x().abs().at_least(state.position.y().abs());
     let place = place
         .at_least(state.position.z().abs())
@@ -846,13 +947,26 @@ fn frozen<R: Real>(scene: &impl Dynamics<R>, state: &State<R>, seconds: R) -> Op
 fn goes_too_far<R: Real>(scene: &impl Dynamics<R>, start: &State<R>, seconds: R) -> bool {
     let size = scene.bounding_radius();
     let size = if size > R::ZERO { size } else { R::ONE };
-    let way = (start.linear_velocity + scene.gravity() * seconds) * seconds;
+    let impulse = scene.force().wrench(&scene.motion(start)).force * seconds;
+    let pushed = impulse * scene.inertia_properties().inverse_mass();
+    let free = (start.linear_velocity + scene.gravity() * seconds + pushed) * seconds;
+    // Material that rotates carries the body the faster, the farther out it is: in the parts of a
+    // step one after the other.
+    let carried = scene.ground().motion().map_or(R::Vec3::ZERO, |motion| {
+        let part = seconds * R::from_f64(1.0 / 16.0);
+        let mut place = start.position + free;
+        for _ in 0..16 {
+            place += motion.velocity_at(place) * part;
+        }
+        place - start.position
+    });
+    let way = free + carried;
     let is_near = way.length() <= size * R::from_f64(1e25);
     !is_near
 }
 
 /// Takes a scene through its steps, each of which must keep every promise.
-fn keeps_its_promises<R: Real>(case: &Case, tally: &mut Tally) -> TestCaseResult {
+pub(super) fn keeps_its_promises<R: Real>(case: &Case, tally: &mut Tally) -> TestCaseResult {
     let time_step = R::from_f64(case.time_step);
     let (body, ground, friction) = (case.body::<R>(), case.ground::<R>(), case.friction::<R>());
     let force = case.force::<R>();
@@ -883,22 +997,31 @@ fn keeps_its_promises<R: Real>(case: &Case, tally: &mut Tally) -> TestCaseResult
             break;
         }
         let is_too_steep = matches!(step, Err(StepError::ForceTooSteep { .. }));
-        if is_too_steep && case.lift_turns_too_far(scene, &start) {
+        if is_too_steep {
+            // The lift acts before and after the contacts, which may have given another spin.
+            let calm = case.without_lift().force::<R>();
+            let mut end = start;
+            let without_lift = stepper.with_force(&*calm).unwrap().step(&mut end);
+            prop_assert!(without_lift.is_ok(), "step {number}: {without_lift:?}");
+            let turns = [start, end].map(|state| case.turn_by_lift(scene, &state));
+            prop_assert!(
+                turns.iter().any(|turn| *turn > 1e3) || case.body == BodyKind::Needle,
+                "step {number}: {step:?}, the lift turns by {turns:?} rad"
+            );
             prop_assert!(state == start, "step {number}: refused, and moved");
             tally.refused += 1;
             break;
         }
         prop_assert!(step.is_ok(), "step {number}: {step:?}");
         let step = step.unwrap();
-        tally.count(case.time_step, &step);
+        tally.count(case, &step);
         prop_assert!(state.not_finite().is_none(), "step {number}: {state:?}");
         let after = stepper.energy(&state);
         prop_assert!(
             after.total() <= before.total() + step.drive_work,
             "step {number}: from {before:?} to {after:?} with {step:?}"
         );
-        let has_drive = case.air.is_some_and(|(_, wind)| wind != DVec3::ZERO);
-        prop_assert!(has_drive || step.drive_work == R::ZERO, "{step:?}");
+        prop_assert!(case.is_driven() || step.drive_work == R::ZERO, "{step:?}");
         prop_assert!(
             after.translation >= R::ZERO && after.rotation >= R::ZERO,
             "step {number}: energy of motion below 0: {after:?}"
@@ -917,7 +1040,7 @@ fn keeps_its_promises<R: Real>(case: &Case, tally: &mut Tally) -> TestCaseResult
         );
         prop_assert!(step.energy_removed >= R::ZERO, "step {number}: {step:?}");
         if state == start {
-            let reason = frozen(scene, &state, time_step);
+            let reason = frozen(scene, &state, time_step, case.is_driven());
             prop_assert!(
                 reason.is_none(),
                 "step {number}: frozen though {}; {step:?}, {state:?}, {after:?}",
@@ -933,7 +1056,12 @@ fn sweep<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64) {
     sweep_over::<R>(name, cases(ranges, laws), share);
 }
 
-fn sweep_over<R: Real>(name: &str, scenes: impl Strategy<Value = Case>, share: f64) {
+/// Returns what was counted.
+pub(super) fn sweep_over<R: Real>(
+    name: &str,
+    scenes: impl Strategy<Value = Case>,
+    share: f64,
+) -> Tally {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // A count.
     let count = (f64::from(sweep_steps()) * share / f64::from(STEPS)).ceil() as u32;
     let tally = RefCell::new(Tally::default());
@@ -942,10 +1070,16 @@ fn sweep_over<R: Real>(name: &str, scenes: impl Strategy<Value = Case>, share: f
     });
     tally.borrow().tell(name);
     assert!(result.is_ok(), "{name}: {}", result.unwrap_err());
+    let refused = tally.borrow().refused;
+    assert!(
+        refused * 20 <= count,
+        "{name}: {refused} of {count} scenes are refused"
+    );
     println!(
         "{name}: none of {count} scenes fails, so at most {:.2} % of such scenes do (95 % confidence)",
         100.0 * kit::statistics::failing_at_most(count)
     );
+    tally.into_inner()
 }
 
 #[test]
@@ -1009,30 +1143,53 @@ fn every_step_keeps_its_promises_on_a_terrain() {
 
 /// Scenes in still air and in wind: strengths of drag from none to those that stop a body within a
 /// small part of a step. The lift is that of a ball of the body's size in air of at most `densest`
-/// (kg/m³, above 0). For a body of a kilometre and a microgram no step would resolve it.
-fn in_air(ranges: Ranges, densest: f64) -> impl Strategy<Value = Case> {
+/// (kg/m³, above 0).
+pub(super) fn in_air(ranges: Ranges, densest: f64) -> impl Strategy<Value = Case> {
     let strengths = [1e6, 1e3, 1e3, 1.0, densest].map(|most: f64| zero_or(most * 1e-12, most));
     let wind = prop_oneof![Just(DVec3::ZERO), vectors(1e-6, 100.0)];
-    (cases(ranges, Laws::Report), strengths, wind).prop_map(|(case, strengths, wind)| {
-        // The moments of a needle differ by a factor of 1e12. Quadratic drag on such a spin may be
-        // refused with `ForceTooSteep`.
+    (cases(ranges, Laws::Report), strengths, wind).prop_map(|(case, strengths, wind)| Case {
+        air: Some((strengths, wind)),
+        ..case
+    })
+}
+
+/// Scenes in air whose lift turns the velocity by up to 1e6 rad in a step, at the spin of the start
+/// or of a body that rolls. Above 1e3 rad a step may be refused.
+///
+/// *Limit:* needles, whose moments differ by a factor of 1e12, are left out. With the lift of a ball
+/// and quadratic spin drag, a step was refused where the lift turned the velocity by 33 rad. In
+/// ordinary air this happens to one needle in some hundreds, and the sweep counts it as a refusal.
+fn in_lifting_air(ranges: Ranges) -> impl Strategy<Value = Case> {
+    (in_air(ranges, 1.0), zero_or(1e-12, 1e6)).prop_map(|(case, angle)| {
+        let spin = case.spin.length() + (case.velocity.length() + 1e-9) / case.size;
+        let per_density = PI * case.size.powi(3) * spin / 2.0 / case.mass * case.time_step;
+        let air = case.air.map(|([a, b, c, d, _], wind)| {
+            let density = angle / per_density;
+            ([a, b, c, d, density], wind)
+        });
         let body = match case.body {
             BodyKind::Needle => BodyKind::Ring(12),
             other => other,
         };
-        Case {
-            body,
-            air: Some((strengths, wind)),
-            ..case
-        }
+        Case { body, air, ..case }
+    })
+}
+
+/// Needles in air whose lift is small.
+fn needles(ranges: Ranges) -> impl Strategy<Value = Case> {
+    in_air(ranges, 1e-15).prop_map(|case| Case {
+        body: BodyKind::Needle,
+        ..case
     })
 }
 
 #[test]
 fn every_step_in_air_and_wind_keeps_its_promises() {
     sweep_over::<f64>("in air", in_air(EVERYDAY, 100.0), 0.04);
-    sweep_over::<f64>("extremes in air", in_air(WIDE, 1e-30), 0.02);
-    sweep_over::<f32>("in air, f32", in_air(SINGLE, 1e-15), 0.02);
+    sweep_over::<f64>("extremes in air, f64", in_lifting_air(WIDE), 0.02);
+    sweep_over::<f64>("needles at the extremes in air, f64", needles(WIDE), 0.01);
+    sweep_over::<f32>("extremes in air, f32", in_lifting_air(SINGLE), 0.02);
+    sweep_over::<f32>("needles at the extremes in air, f32", needles(SINGLE), 0.01);
     sweep_over::<f32>("workshop in air, f32", in_air(EVERYDAY_SINGLE, 100.0), 0.02);
 }
 

@@ -11,5 +11,6 @@ mod kit;
 mod bad_input;
 mod combinations;
 mod contract;
+mod driven;
 mod extremes;
 mod extremes_table;

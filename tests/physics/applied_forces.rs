@@ -16,9 +16,10 @@ use tumble::error::LawQuantity;
 use tumble::glam::{DVec3, Vec3};
 use tumble::{
     AirDrag, AnyIntegrator, BogackiShampine32, ConstantForce, Coulomb, Cuboid, DormandPrince54,
-    EnergyMomentum, FlatGround, Flight, Force, ForwardEuler, Frictionless, Ledger, Motion, NoForce,
-    NoGround, Nystrom, RigidPointBody, Rk4, Sample, Sphere, SpinDrag, SpinLift, State, StepError,
-    Stepper, StrangSplitting, SymplecticEuler, UniformGravity, Wind, Wrench,
+    Dynamics, EnergyMomentum, FlatGround, Flight, Force, ForwardEuler, Frictionless, Ledger,
+    Motion, NoForce, NoGround, Nystrom, PointCloud, RigidPointBody, Rk4, Sample, Sphere, SpinDrag,
+    SpinLift, State, StepError, Stepper, StrangSplitting, SymplecticEuler, UniformGravity, Wind,
+    Wrench,
 };
 
 /// Mass and radius of a tennis ball, kg and m, and the density of air, kg/m³.
@@ -753,4 +754,45 @@ fn the_contract_check_passes_the_built_in_forces_and_finds_the_broken_ones() {
         force: |v: DVec3| v * 0.1,
     };
     assert_eq!(checked(&drive), Ok(()));
+}
+
+/// A linear drag of the spin slows a needle that spins fast about its own axis. Its smallest moment
+/// is 1e-12 of the largest, so that the rounding of that spin, times the largest moment, exceeds
+/// the rounding of the momentum. Newton's iteration did not end there: `ForceTooSteep`.
+///
+/// Each of the two pushes of a step multiplies the momentum across the axis by a function of
+/// `z = h c/(2 I)`, which follows from its two stages. The spin of 4e9 rad/s is rounded to 5e-7 rad/s, 5e-8 of the 10 rad/s across.
+#[test]
+fn a_needle_that_spins_about_its_own_axis_is_slowed_by_linear_spin_drag() {
+    let thin = DVec3::Y * 1e-6;
+    let needle = PointCloud::new([DVec3::X, DVec3::NEG_X, thin, -thin], [0.25; 4]).unwrap();
+    let moment = 0.5;
+    let h = 0.1;
+    for z in [1e-6, 1e-3, 0.5, 5.0] {
+        let drag = SpinDrag::linear(2.0 * z * moment / h);
+        let stepper = Stepper::builder(&needle)
+            .force(drag)
+            .integrator(EnergyMomentum { time_step: h })
+            .build()
+            .unwrap();
+        let turned = State::default().with_rotation_vector(DVec3::new(0.4, -0.9, 0.3));
+        let axes = turned.rotation().axes();
+        let spin = axes.to_world(DVec3::new(4e9, 6.0, 8.0));
+        let properties = stepper.scene().inertia_properties();
+        let mut state = turned.with_angular_momentum(properties.angular_momentum(&axes, spin));
+        let across =
+            (state.angular_momentum - axes.x * axes.x.dot(state.angular_momentum)).length();
+        stepper.step(&mut state).unwrap();
+        // u₁ = u/(1 + γ z), u₂ = (u - (1 - 2γ) z u₁)/(1 + γ z), u' = u - z (u₁ + u₂)/2
+        let gamma = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
+        let first = 1.0 / (1.0 + gamma * z);
+        let second = (1.0 - (1.0 - 2.0 * gamma) * z * first) / (1.0 + gamma * z);
+        let factor = 1.0 - z * (first + second) / 2.0;
+        let expected = across * factor * factor;
+        let found = state.angular_momentum.length();
+        assert!(
+            (found / expected - 1.0).abs() < 1e-6,
+            "{z}: {found} of {expected}"
+        );
+    }
 }

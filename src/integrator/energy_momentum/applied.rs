@@ -178,6 +178,29 @@ impl<R: Real, D: Dynamics<R>> Pose<'_, R, D> {
         }
     }
 
+    /// Momentum that a motion has in addition to that of the start, N s and N m s.
+    fn taken(&self, motion: &Motion<R>) -> Wrench<R> {
+        let properties = self.scene.inertia_properties();
+        let linear = motion.linear_velocity - self.motion.linear_velocity;
+        let angular = motion.angular_velocity - self.motion.angular_velocity;
+        Wrench {
+            force: linear * properties.mass(),
+            torque: properties.momentum_for_solving(&self.motion.axes, angular),
+        }
+    }
+
+    /// Returns true if a correction of both velocities is within their rounding.
+    ///
+    /// A needle can spin about its own axis with little momentum. The rounding of that spin, times
+    /// the largest moment, then exceeds the rounding of the momentum.
+    fn is_rounding(&self, motion: &Motion<R>, [linear, angular]: [R::Vec3; 2]) -> bool {
+        let few = R::EPSILON * R::from_f64(4.0);
+        let start = &self.motion;
+        let speed = start.linear_velocity.length() + motion.linear_velocity.length();
+        let spin = start.angular_velocity.length() + motion.angular_velocity.length();
+        linear.length() <= speed * few && angular.length() <= spin * few
+    }
+
     /// Matrix `M - factor ∂W/∂u` at a motion.
     ///
     /// It is well conditioned for a slender body, unlike `1 - factor ∂W/∂u M⁻¹`.
@@ -241,10 +264,7 @@ impl<R: Real, D: Dynamics<R>> Pose<'_, R, D> {
         let mut last = R::MAX;
         for _ in 0..MOST_ITERATIONS {
             let wrench = self.scene.force().wrench(&motion);
-            let taken = self.impulse([
-                motion.linear_velocity - self.motion.linear_velocity,
-                motion.angular_velocity - self.motion.angular_velocity,
-            ]);
+            let taken = self.taken(&motion);
             let given = base.plus(&wrench, factor);
             let residual = given.plus(&taken, -R::ONE);
             let matrix = self.matrix(&motion, factor);
@@ -258,7 +278,7 @@ impl<R: Real, D: Dynamics<R>> Pose<'_, R, D> {
             let rounding = (self.momentum() + self.size(&given)) * R::EPSILON;
             // The second condition ends an iteration that rounding keeps from falling further.
             let is_stalled = size >= last * R::HALF && size <= rounding * R::from_f64(1e3);
-            if size <= rounding || is_stalled {
+            if size <= rounding || is_stalled || self.is_rounding(&motion, [linear, angular]) {
                 let wrench = self.scene.force().wrench(&motion);
                 return wrench.is_finite().then_some(Stage { motion, wrench });
             }

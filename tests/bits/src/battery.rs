@@ -4,23 +4,27 @@
 //! A hash takes in all bits of the state after each step, and of what is computed from it: energy,
 //! works, lowest point.
 //!
-//! A new part joins by a line: a scene by a `play` at the end of [`scenes`], with the part in it;
-//! an integrator by a line in [`each_scene`]. `UPDATE=1 cargo test --test bits` stores the new
-//! hashes.
+//! A second battery, [`driven`], holds the parts that can drive a body or vary over the ground:
+//! forces, ground that moves, friction by place, and events. Its rows follow those of the first.
+//!
+//! A new part joins by a line: a scene by a `play` at the end of [`scenes`] or [`driven`], with the
+//! part in it; an integrator by a line in [`each_scene`]. `UPDATE=1 cargo test --test bits` stores
+//! the new hashes.
 
 use core::fmt;
 use core::ops::ControlFlow;
 
 use tumble::real::{Matrix, Quaternion, Vector};
 use tumble::{
-    AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Coin, Cone, ContactPoint, Coulomb,
-    Cuboid, Disc, DormandPrince54, Ellipsoid, EnergyMomentum, FlatGround, Flight, ForwardEuler,
-    Frictionless, Gravity, Ground, HuntCrossley, Integrator, Ledger, LimitedDamper,
-    LoadDependentCoulomb, MassProperties, NoGravity, NoGround, Nystrom, Plane, PointCloud,
-    PointMass, Ramp, Real, RigidPointBody, Rk4, Rod, Rotation, Sample, SceneError, SlidingFriction,
-    SmoothCoulomb, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Stepper,
-    StrangSplitting, Stribeck, SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves,
-    WithResistance,
+    AirDrag, AnisotropicCoulomb, Apex, BogackiShampine32, Bowl, Capsule, Coin, Cone, ConstantForce,
+    ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid, EnergyMomentum, Event,
+    FlatGround, Flight, Force, ForwardEuler, FrictionField, FrictionPatch, Frictionless, Gravity,
+    Ground, HuntCrossley, Integrator, Landing, Ledger, LimitedDamper, LoadDependentCoulomb,
+    MassProperties, MovingGround, NoForce, NoGravity, NoGround, Nystrom, Plane, PointCloud,
+    PointMass, Ramp, Real, Region, RigidPointBody, Rk4, Rod, Rotation, Sample, SceneError,
+    SlidingFriction, SlipEnds, SmoothCoulomb, SolidCoin, Sphere, SpinDrag, SpinLift, SpringDamper,
+    SpringDamperGround, State, Stepper, StrangSplitting, Stribeck, SymplecticEuler, Terrain, Trial,
+    UniformGravity, Viscous, Waves, Wind, WithResistance,
 };
 
 /// Result of a scene.
@@ -35,8 +39,9 @@ pub struct Outcome {
     pub ended_early: bool,
 }
 
-/// Writes a line for each precision and integrator: `f64 EnergyMomentum 0123456789abcdef`; with
-/// `scenes`, one for each scene too.
+/// Writes a line for each precision and integrator: `f64 EnergyMomentum 0123456789abcdef`, and then
+/// those of the second battery: `f64 EnergyMomentum, driven 0123456789abcdef`. With `scenes`, it
+/// writes one for each scene too.
 pub fn write(out: &mut dyn fmt::Write, scenes: bool) -> fmt::Result {
     let mut line: Option<(Outcome, Hash)> = None;
     let mut result = Ok(());
@@ -95,13 +100,15 @@ pub fn row<R: Bits, I: Integrator<R>>(method: impl Fn(R) -> I) -> Result<u64, Sc
 pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
     macro_rules! with_each {
         ($($integrator:ident: $method:expr;)*) => {
-            with_each!(f32 $($integrator: $method;)*);
-            with_each!(f64 $($integrator: $method;)*);
+            with_each!(scenes f32 "" $($integrator: $method;)*);
+            with_each!(scenes f64 "" $($integrator: $method;)*);
+            with_each!(driven f32 ", driven" $($integrator: $method;)*);
+            with_each!(driven f64 ", driven" $($integrator: $method;)*);
         };
-        ($real:ident $($integrator:ident: $method:expr;)*) => {$(
-            scenes::<$real, _>($method, &mut |scene, (hash, ended_early)| see(Outcome {
+        ($battery:ident $real:ident $name:literal $($integrator:ident: $method:expr;)*) => {$(
+            $battery::<$real, _>($method, &mut |scene, (hash, ended_early)| see(Outcome {
                 precision: stringify!($real),
-                integrator: stringify!($integrator),
+                integrator: concat!(stringify!($integrator), $name),
                 scene,
                 hash,
                 ended_early,
@@ -245,6 +252,7 @@ fn follow<R: Bits, I: Integrator<R>>(
         impl Gravity<R>,
         I,
         R,
+        impl Force<R>,
     >,
     mut state: State<R>,
     seconds: f64,
@@ -510,4 +518,256 @@ fn scenes<R: Bits, I: Integrator<R>>(
         play("stiff", (&lopsided, &level(1e7, 300.0), &coulomb, &NoGravity), falling, 1e-2, 2.003)?;
     };
     Ok(())
+}
+
+/// Ground, friction and applied force of a scene of [`driven`].
+type DrivenParts<'a, R> = (
+    &'a dyn RigidPointBody<R>,
+    &'a dyn SpringDamperGround<R>,
+    &'a dyn SlidingFriction<R>,
+    &'a dyn Force<R>,
+);
+
+/// The hash of a run, and of the events of another one from the same state; and whether an error
+/// ended one of them, or no event occurred.
+fn follow_events<R: Bits, I: Integrator<R>>(
+    stepper: &Stepper<
+        impl RigidPointBody<R>,
+        impl SpringDamperGround<R>,
+        impl SlidingFriction<R>,
+        impl Gravity<R>,
+        I,
+        R,
+        impl Force<R>,
+    >,
+    start: State<R>,
+    seconds: f64,
+) -> Result<(u64, bool), SceneError> {
+    let (run, ended_early) = follow(stepper, start, seconds);
+    let mut hash = Hash::new();
+    hash.word(run);
+    let mut session = stepper.session(start);
+    let passes = |sample: &Sample<'_, R>| sample.state.position.x() - real(0.1);
+    let slip_ends = SlipEnds::below(real(1e-2))?;
+    let events: [&dyn Event<R>; 4] = [&Landing, &Apex, &slip_ends, &passes];
+    let mut count = 0_u32;
+    let end = session.run_with_events(real(seconds), events, |occurrence| {
+        count += 1;
+        hash.word(occurrence.event as u64);
+        hash.number(occurrence.time);
+        hash.state(&occurrence.state);
+        ControlFlow::Continue(())
+    });
+    hash.number(session.time());
+    hash.state(session.state());
+    Ok((hash.0, ended_early || end.is_err() || count == 0))
+}
+
+/// Plays a scene of the second battery: its name, parts and start.
+type Play<'a, R> =
+    dyn FnMut(&'static str, DrivenParts<'_, R>, State<R>) -> Result<(), SceneError> + 'a;
+
+/// All scenes of the second battery with one integrator, which is made from its time step (s):
+/// applied forces, ground that moves, friction by place, each with events.
+fn driven<R: Bits, I: Integrator<R>>(
+    method: impl Fn(R) -> I,
+    see: &mut dyn FnMut(&'static str, (u64, bool)),
+) -> Result<(), SceneError> {
+    let mut play = |name, parts: DrivenParts<'_, R>, start| {
+        let (body, ground, friction, force) = parts;
+        let stepper = Stepper::new(body)?
+            .with_gravity(UniformGravity::down(real(9.8)))?
+            .with_ground(ground)?
+            .with_friction(friction)?
+            .with_force(force)?
+            .with_integrator(method(real(1e-3)))?;
+        see(name, follow_events(&stepper, start, 0.3003)?);
+        Ok(())
+    };
+    with_forces(&mut play)?;
+    on_moving_ground(&mut play)?;
+    on_varying_ground(&mut play)
+}
+
+/// Falls onto an edge, with a spin.
+fn thrown<R: Real>() -> State<R> {
+    start::<R>([
+        [0.0, 0.0, 0.4],
+        [1.0, -0.4, -1.5],
+        [0.5, 0.9, -0.3],
+        [0.05, 0.2, -0.1],
+    ])
+}
+
+/// Slides with its lowest point in the ground, if it is a ball with a radius of 0.2 m.
+fn sliding<R: Real>() -> State<R> {
+    start::<R>([
+        [0.0, 0.0, 0.199],
+        [0.8, 0.1, 0.0],
+        [0.1, 0.2, 0.3],
+        [0.0, 0.02, 0.1],
+    ])
+}
+
+fn die<R: Real>() -> Cuboid<R> {
+    Cuboid::solid(real(1.0), vector::<R>(0.3, 0.4, 0.5))
+}
+
+fn egg<R: Real>() -> Ellipsoid<R> {
+    Ellipsoid::solid(real(1.0), vector::<R>(0.3, 0.2, 0.25))
+}
+
+fn level<R: Real>() -> FlatGround<R> {
+    FlatGround::level(real(3000.0), real(4.0))
+}
+
+fn slope<R: Real>() -> Plane<R> {
+    Plane::through(vector::<R>(0.1, -0.2, 0.05), vector::<R>(0.2, -0.1, 1.0))
+}
+
+/// A belt on a slope.
+fn belt<R: Real>() -> MovingGround<FlatGround<R>, R> {
+    let plane = slope::<R>();
+    let along = plane.normal.cross(vector::<R>(0.3, 1.0, 0.2));
+    MovingGround::conveyor(level().on(plane), along)
+}
+
+fn coulomb<R: Real>() -> Coulomb<R> {
+    Coulomb {
+        coefficient: real(0.4),
+        slip_speed: real(1e-2),
+    }
+}
+
+/// Friction with a coefficient from 0.2 to 0.4 along x.
+fn field<R: Real>() -> impl SlidingFriction<R> {
+    FrictionField::new(|position: R::Vec3| {
+        let (sin, cos) = (position.x() * real(9.0)).sin_cos();
+        SmoothCoulomb {
+            coefficient: real::<R>(0.3) + sin * cos * real(0.2),
+            slip_speed: real(1e-2),
+        }
+    })
+}
+
+fn drag<R: Real>() -> AirDrag<R> {
+    AirDrag {
+        linear: real(0.1),
+        quadratic: real(0.05),
+    }
+}
+
+fn spin_drag<R: Real>() -> SpinDrag<R> {
+    SpinDrag {
+        linear: real(1e-3),
+        quadratic: real(2e-4),
+    }
+}
+
+fn lift<R: Real>() -> SpinLift<R> {
+    SpinLift::tennis_ball(real(0.2), real(1.2))
+}
+
+fn wind<R: Real>() -> Wind<(AirDrag<R>, SpinLift<R>), R> {
+    Wind {
+        velocity: vector::<R>(3.0, -4.0, 0.5),
+        force: (drag(), lift()),
+    }
+}
+
+fn thrust<R: Real>() -> ConstantForce<R> {
+    let force = vector::<R>(0.5, 0.2, 1.0);
+    ConstantForce { force }
+}
+
+fn with_forces<R: Bits>(play: &mut Play<'_, R>) -> Result<(), SceneError> {
+    let ball = Sphere::<R>::solid(real(1.0), real(0.2));
+    let air = (drag::<R>(), spin_drag::<R>(), lift::<R>());
+    let tilted = level::<R>().on(slope());
+    let coulomb = coulomb::<R>();
+    play("ball in air", (&ball, &level(), &coulomb, &air), thrown())?;
+    play(
+        "die in wind",
+        (&die(), &tilted, &coulomb, &wind()),
+        thrown(),
+    )?;
+    let force = (thrust::<R>(), drag::<R>());
+    play(
+        "egg under thrust",
+        (&egg(), &level(), &coulomb, &force),
+        thrown(),
+    )
+}
+
+fn on_moving_ground<R: Bits>(play: &mut Play<'_, R>) -> Result<(), SceneError> {
+    let ball = Sphere::<R>::solid(real(1.0), real(0.2));
+    let disc = Disc::<R>::solid(real(1.0), real(0.4), 40);
+    let centre = vector::<R>(0.2, 0.1, 0.0);
+    let table = MovingGround::turntable(level::<R>(), centre, real(-3.0));
+    let resisting = WithResistance::<_, R> {
+        friction: coulomb::<R>(),
+        rolling: real(2e-3),
+        spinning: real(5e-3),
+        turn_speed: real(1e-2),
+    };
+    let law = SpringDamper::<R> {
+        stiffness: real(3000.0),
+        damping: real(4.0),
+    };
+    let shape = Terrain::of::<R>(Bowl::<R> {
+        curvatures: [real(0.5); 2],
+    });
+    let bowl = MovingGround::turntable(Ground { law, shape }, R::Vec3::ZERO, real(4.0));
+    let coulomb = coulomb::<R>();
+    play(
+        "die on a belt",
+        (&die(), &belt(), &coulomb, &NoForce),
+        thrown(),
+    )?;
+    play(
+        "ball on a turntable",
+        (&ball, &table, &resisting, &NoForce),
+        sliding(),
+    )?;
+    play(
+        "round rim on a belt",
+        (&disc, &belt(), &coulomb, &NoForce),
+        thrown(),
+    )?;
+    play(
+        "egg in a bowl that turns",
+        (&egg(), &bowl, &coulomb, &NoForce),
+        thrown(),
+    )
+}
+
+fn on_varying_ground<R: Bits>(play: &mut Play<'_, R>) -> Result<(), SceneError> {
+    let ball = Sphere::<R>::solid(real(1.0), real(0.2));
+    let patch = FrictionPatch {
+        outside: coulomb::<R>(),
+        inside: Viscous {
+            coefficient: real(0.4),
+        },
+        region: Region::Ball {
+            centre: vector::<R>(0.1, 0.0, 0.0),
+            radius: real(0.2),
+        },
+    };
+    let tilted = level::<R>().on(slope());
+    play(
+        "die on friction by place",
+        (&die(), &tilted, &field(), &NoForce),
+        thrown(),
+    )?;
+    play(
+        "ball on a patch",
+        (&ball, &level(), &patch, &NoForce),
+        sliding(),
+    )?;
+    let all = (wind::<R>(), thrust::<R>(), spin_drag::<R>());
+    play(
+        "egg with all of them",
+        (&egg(), &belt(), &field(), &all),
+        thrown(),
+    )
 }

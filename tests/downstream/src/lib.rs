@@ -8,13 +8,17 @@
 mod ball;
 mod carpet;
 mod midpoint;
+mod motor;
 mod sail;
 mod turf;
+mod turning;
 mod viscous;
 
 pub use ball::Ball;
 pub use carpet::Carpet;
 pub use midpoint::Midpoint;
+pub use motor::Motor;
 pub use sail::Sail;
 pub use turf::Turf;
+pub use turning::Turning;
 pub use viscous::Viscous;

@@ -3,16 +3,17 @@
 
 use core::ops::ControlFlow;
 
-use downstream::{Ball, Carpet, Midpoint, Sail, Turf, Viscous};
+use downstream::{Ball, Carpet, Midpoint, Motor, Sail, Turf, Turning, Viscous};
 use tumble::body::ContactRange;
 use tumble::glam::{DMat3, DVec3};
 use tumble::integrator::step_length;
 use tumble::real::{Quaternion, Vector};
 use tumble::{
     Apex, Coin, ContactPoint, Coulomb, Dynamics, EnergyMomentum, Event, EventDirection, FlatGround,
-    Force, ForwardEuler, GroundBounds, Integrator, Nystrom, Real, RigidPointBody, Rk4, Sample,
-    SceneError, SlidingFriction, SpringDamperGround, State, Step, StepError, Stepper,
-    StrangSplitting, Surface, SymplecticEuler, UniformGravity, error,
+    Force, ForwardEuler, FrictionField, GroundBounds, Integrator, Motion, MovingGround, Nystrom,
+    Real, RigidPointBody, Rk4, Sample, SceneError, SlidingFriction, SpringDamperGround, State,
+    Step, StepError, Stepper, StrangSplitting, Surface, SymplecticEuler, UniformGravity, Wrench,
+    error,
 };
 
 /// A ball that is thrown forward with a rotation, in the air for its first 40 ms.
@@ -456,4 +457,111 @@ fn a_users_event_is_located_in_both_precisions() {
     a_users_event_is_located::<f64>(1e-12);
     // The place is rounded to 6e-8 of 0.13 m in each of 43 steps, at 1 m/s.
     a_users_event_is_located::<f32>(43.0 * 1e-8);
+}
+
+/// A user's lift: across velocity and spin, so that it does no work. Its computed power is rounding
+/// of either sign, which no step may take for a gain.
+struct Magnus(f64);
+
+impl Force for Magnus {
+    fn wrench(&self, motion: &Motion) -> Wrench {
+        let across = motion.angular_velocity.cross(motion.linear_velocity);
+        Wrench::of_force(across * self.0)
+    }
+    fn is_passive(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn a_users_lift_whose_power_is_rounding_is_no_broken_law() {
+    let stepper = compose(ball(), turf(), oil(), EnergyMomentum { time_step: 1e-3 })
+        .with_force(Magnus(0.03))
+        .expect("the force is valid");
+    let mut state = thrown();
+    let mut before = stepper.energy(&state).total();
+    let mut gains = 0;
+    for _ in 0..1000 {
+        let motion = stepper.scene().motion(&state);
+        gains += u32::from(Magnus(0.03).wrench(&motion).power(&motion) > 0.0);
+        stepper.step(&mut state).expect("the lift is passive");
+        let after = stepper.energy(&state).total();
+        assert!(after <= before, "from {before} to {after}");
+        before = after;
+    }
+    assert!(gains > 100, "{gains} powers above 0");
+}
+
+/// The energy minus the work of a user's drives never increases: a motor, and a ground that turns.
+fn energy_minus_work_never_rises<R: Real>() {
+    let number = R::from_f64;
+    let ground = Turning {
+        ground: turf::<R>(),
+        rate: number(7.0),
+    };
+    let motor = Motor {
+        rate: number(-20.0),
+        drag: number(1e-3),
+    };
+    let mut gained = R::ZERO;
+    for time_step in [1e-4, 1e-3, 1e-2, 0.1] {
+        let time_step = number(time_step);
+        let stepper = compose(ball::<R>(), ground, carpet(), EnergyMomentum { time_step })
+            .with_force(motor)
+            .expect("the force is valid");
+        let mut state = thrown();
+        let mut before = stepper.energy(&state).total();
+        for _ in 0..2000 {
+            let step = stepper.step(&mut state).expect("the step goes on");
+            let after = stepper.energy(&state).total();
+            assert!(
+                after <= before + step.drive_work,
+                "step {time_step}: from {before} to {after} with {}",
+                step.drive_work
+            );
+            gained += step.drive_work.at_least(R::ZERO);
+            before = after;
+        }
+    }
+    assert!(gained > number(0.01), "the drives give {gained} J");
+}
+
+#[test]
+fn the_energy_minus_the_work_of_a_users_drives_never_rises() {
+    energy_minus_work_never_rises::<f64>();
+    energy_minus_work_never_rises::<f32>();
+}
+
+/// A copy of the moving ground, in a user's type, has its bits.
+#[test]
+fn a_users_moving_ground_has_the_bits_of_the_built_in_one() {
+    let (ground, rate) = (FlatGround::level(2e3, 5.0), 7.0);
+    let built_in = MovingGround::turntable(ground, DVec3::ZERO, rate);
+    let law = oil();
+    let integrators = || EnergyMomentum { time_step: 1e-3 };
+    let expected = run(ball(), built_in, law, integrators());
+    let ours = Turning { ground, rate };
+    assert_eq!(expected, run(ball(), ours, law, integrators()));
+    assert_eq!(
+        expected,
+        run(ball(), &ours as &dyn SpringDamperGround, law, integrators())
+    );
+    assert_ne!(expected, run(ball(), ground, law, integrators()));
+}
+
+/// A user's law in a field by position has the bits of his own law that varies over the ground.
+#[test]
+fn a_field_of_a_users_laws_has_the_bits_of_his_own() {
+    let Carpet { drag, width } = carpet::<f64>();
+    let field = FrictionField::new(move |position: DVec3| Viscous {
+        drag: drag * (position.x / width).clamp(0.0, 1.0),
+    });
+    let strang = StrangSplitting { time_step: 1e-3 };
+    let by_field = run(ball(), turf::<f64>(), field, strang);
+    let by_law = run(ball(), turf::<f64>(), carpet::<f64>(), strang);
+    // The products of the two laws are rounded in another order.
+    let gap = (by_field.position - by_law.position).length();
+    assert!(gap < 1e-13, "{gap:e}");
+    let bare = run(ball(), turf::<f64>(), Viscous { drag: 0.0 }, strang);
+    assert!((bare.position - by_law.position).length() > 1e-3);
 }

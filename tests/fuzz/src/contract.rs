@@ -6,16 +6,18 @@
 use core::cell::Cell;
 
 use tumble::contract::{
-    CheckPlan, FrictionRange, GroundRange, check_body, check_energy_never_rises, check_friction,
-    check_ground, check_integrator,
+    CheckPlan, ForceRange, FrictionRange, GroundRange, check_body, check_energy_never_rises,
+    check_force, check_friction, check_ground, check_integrator,
 };
 use tumble::real::{Matrix, Vector};
 use tumble::{
-    AnyIntegrator, ContactPoint, ContactRange, Dynamics, FrictionJacobian, GroundBounds,
-    Integrator, MeanForce, Plane, Real, RigidPointBody, Rim, RollingResistance, SceneError,
-    SlidingFriction, SpringDamperGround, State, Step, StepError, Stepper, Surface,
+    AnyIntegrator, ContactPoint, ContactRange, Dynamics, Force, ForcePower, FrictionJacobian,
+    GroundBounds, GroundMotion, Integrator, MeanForce, Motion, NoForce, Plane, Real,
+    RigidPointBody, Rim, RollingResistance, SceneError, SlidingFriction, SpringDamperGround, State,
+    Step, StepError, Stepper, Surface, Wrench,
 };
 
+use super::driven::{AnyForce, force};
 use super::input::Input;
 use super::parts::{
     AnyBody, AnyFriction, AnyGround, Meter, body, friction, gravity, ground, method, state,
@@ -141,8 +143,72 @@ impl<R: Real> SpringDamperGround<R> for SpoiltGround<R> {
             GroundBounds::Below(plane)
         }
     }
+    fn motion(&self) -> Option<GroundMotion<R>> {
+        if self.1.method == 10 {
+            return Some(GroundMotion {
+                velocity: self.1.vector(10, self.1.from, R::Vec3::ZERO),
+                angular_velocity: self.1.vector(10, self.1.from, R::Vec3::ZERO),
+            });
+        }
+        self.0.motion()
+    }
     fn check(&self) -> Result<(), SceneError> {
         self.0.check()
+    }
+}
+
+struct SpoiltForce<R: Real> {
+    force: AnyForce<R>,
+    fault: Fault<R>,
+    /// The opposite of what the force states about itself.
+    is_reversed: bool,
+}
+
+impl<R: Real> Force<R> for SpoiltForce<R> {
+    fn wrench(&self, motion: &Motion<R>) -> Wrench<R> {
+        let Wrench { force, torque } = self.force.wrench(motion);
+        let speed = motion.linear_velocity.length();
+        Wrench {
+            force: self.fault.vector(0, speed, force),
+            torque: self.fault.vector(1, speed, torque),
+        }
+    }
+    fn is_passive(&self) -> bool {
+        self.is_reversed ^ self.force.is_passive()
+    }
+    fn constant_force(&self) -> Option<R::Vec3> {
+        if self.fault.method == 2 {
+            let any = self.fault.vector(2, self.fault.from, R::Vec3::ZERO);
+            return Some(any);
+        }
+        self.force.constant_force()
+    }
+    fn power(&self, motion: &Motion<R>) -> ForcePower<R> {
+        let power = self.force.power(motion);
+        let speed = motion.linear_velocity.length();
+        ForcePower {
+            drag: self.fault.of(3, speed, power.drag),
+            drive: self.fault.of(4, speed, power.drive),
+        }
+    }
+    fn wrench_change(
+        &self,
+        motion: &Motion<R>,
+        linear_change: R::Vec3,
+        angular_change: R::Vec3,
+    ) -> Wrench<R> {
+        let change = (self.force).wrench_change(motion, linear_change, angular_change);
+        let size = linear_change.length();
+        Wrench {
+            force: self.fault.vector(5, size, change.force),
+            torque: self.fault.vector(6, size, change.torque),
+        }
+    }
+    fn acts(&self) -> bool {
+        (self.fault.method == 7) ^ self.force.acts()
+    }
+    fn check(&self) -> Result<(), SceneError> {
+        self.force.check()
     }
 }
 
@@ -301,16 +367,19 @@ fn play<R: Real>(input: &mut Input<'_>) {
         plan,
     ));
     show(check_body(&body as &dyn RigidPointBody<R>, plan));
+    let mut state: State<R> = state(input);
+    // After all that older inputs have.
+    let force = spoilt_force(input, plan);
     let ground = Meter::new(Box::new(ground), false);
     let stepper = Stepper::new(&body as &dyn RigidPointBody<R>)
         .and_then(|stepper| stepper.with_ground(&ground))
         .and_then(|stepper| stepper.with_friction(&friction as &dyn SlidingFriction<R>))
         .and_then(|stepper| stepper.with_gravity(gravity))
+        .and_then(|stepper| stepper.with_force(&*force))
         .and_then(|stepper| stepper.with_integrator(method));
     let Ok(stepper) = stepper else {
         return;
     };
-    let mut state: State<R> = state(input);
     let _ = (stepper.lowest_point(&state), stepper.touching(&state));
     let _ = stepper.largest_stable_step(&state);
     for _ in 0..8 {
@@ -319,6 +388,26 @@ fn play<R: Real>(input: &mut Input<'_>) {
         }
         assert!(state.not_finite().is_none(), "{state:?}");
     }
+}
+
+/// A spoilt force of any kind, or none, and its check.
+fn spoilt_force<R: Real>(input: &mut Input<'_>, plan: CheckPlan) -> AnyForce<R> {
+    if !input.flag() {
+        return Box::new(NoForce);
+    }
+    let spoilt = SpoiltForce::<R> {
+        force: force(input),
+        fault: Fault::read(input),
+        is_reversed: input.flag(),
+    };
+    let range = ForceRange {
+        centre: input.vector::<R>(1e-2, 1.0),
+        size: input.size(0.1, 1.0),
+        speed: input.size(0.1, 1e2),
+        angular_speed: input.size(0.1, 1e2),
+    };
+    show(check_force(&spoilt as &dyn Force<R>, &range, plan));
+    Box::new(spoilt)
 }
 
 /// The text of a violation is not empty.

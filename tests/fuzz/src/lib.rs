@@ -9,6 +9,7 @@
 #![allow(clippy::panic, clippy::unwrap_used, clippy::expect_used)]
 
 pub mod contract;
+pub mod driven;
 pub mod input;
 pub mod load;
 pub mod outcome;

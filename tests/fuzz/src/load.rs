@@ -10,7 +10,7 @@ use tumble::{
     AnisotropicCoulomb, AnyIntegrator, Bowl, Capsule, Carried, Coin, CoinFace, Cone, ContactPoint,
     Coulomb, Cuboid, CuboidFace, Disc, Dissipation, Ellipsoid, Energy, EnergyMomentum, FlatGround,
     Flight, Frictionless, Ground, HullFace, HuntCrossley, LimitedDamper, LoadDependentCoulomb,
-    MassProperties, Moment, NoGravity, NoGround, Outcome, Plane, PointMass, Ramp, Real,
+    MassProperties, Moment, NoForce, NoGravity, NoGround, Outcome, Plane, PointMass, Ramp, Real,
     RigidPointBody, Rod, SavedSession, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere,
     SpringDamper, SpringDamperGround, State, StepControl, Stepper, Stribeck, Terrain, Trial,
     UniformGravity, Viscous, Waves, WithResistance,
@@ -291,6 +291,8 @@ fn play_parts<R: Real>(
             method: EnergyMomentum { time_step }.into(),
             flies: false,
         },
+        force: Box::new(NoForce),
+        is_extended: false,
     };
     if let Ok(stepper) = parts.stepper() {
         let mut state = super::parts::state(input);
@@ -510,6 +512,8 @@ fn standard<R: Real>(method: AnyIntegrator<R>) -> Parts<R> {
             method,
             flies: false,
         },
+        force: Box::new(NoForce),
+        is_extended: false,
     }
 }
 

@@ -6,15 +6,16 @@ use tumble::real::{Matrix, Vector};
 use tumble::{
     AnisotropicCoulomb, AnyIntegrator, BogackiShampine32, Bowl, Capsule, Carried, Coin, Cone,
     ContactLaw, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Dynamics, Ellipsoid,
-    EnergyMomentum, FlatGround, Flight, ForwardEuler, Frictionless, Ground, GroundBounds,
-    HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MassProperties, MeanForce,
-    NoGround, Nystrom, Plane, PointCloud, PointMass, Ramp, Real, RigidPointBody, Rk4, Rod,
-    Rotation, SceneError, Shape, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere,
-    SpringDamper, SpringDamperGround, State, Step, StepControl, StepError, Stepper,
-    StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, UniformGravity, Viscous, Waves,
-    WithResistance,
+    EnergyMomentum, FlatGround, Flight, Force, ForwardEuler, Frictionless, Ground, GroundBounds,
+    GroundMotion, HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MassProperties,
+    MeanForce, NoForce, NoGround, Nystrom, Plane, PointCloud, PointMass, Ramp, Real,
+    RigidPointBody, Rk4, Rod, Rotation, SceneError, Shape, SlidingFriction, SmoothCoulomb, Solid,
+    SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Step, StepControl, StepError,
+    Stepper, StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, UniformGravity, Viscous,
+    Waves, WithResistance,
 };
 
+use super::driven::{AnyForce, by_place, force, moving};
 use super::input::Input;
 
 /// A body behind a pointer.
@@ -31,6 +32,7 @@ pub type AnyStepper<'a, R> = Stepper<
     UniformGravity<R>,
     Method<R>,
     R,
+    &'a dyn Force<R>,
 >;
 
 // -----------------------------------------------------------------------------------------------
@@ -356,6 +358,9 @@ impl<R: Real> SpringDamperGround<R> for Meter<R> {
     fn bounds(&self) -> GroundBounds<R> {
         self.ground.bounds()
     }
+    fn motion(&self) -> Option<GroundMotion<R>> {
+        self.ground.motion()
+    }
     fn check(&self) -> Result<(), SceneError> {
         self.ground.check()
     }
@@ -545,22 +550,45 @@ pub struct Parts<R: Real> {
     pub gravity: UniformGravity<R>,
     /// Integrator.
     pub method: Method<R>,
+    /// Applied force.
+    pub force: AnyForce<R>,
+    /// True if the scene may have a force, ground that moves and friction by position.
+    pub is_extended: bool,
 }
 
 impl<R: Real> Parts<R> {
     /// Reads all parts.
     ///
+    /// Those that drive a body or vary over the ground follow the others, if a byte asks for them.
+    /// So the stored inputs without that byte keep their meaning.
+    ///
     /// # Errors
     /// Returns [`SceneError`] if a constructor does.
     pub fn read(input: &mut Input<'_>) -> Result<Self, SceneError> {
         let method = method(input);
-        let may_trust = input.byte() < 192;
+        let trust = input.byte();
+        let is_extended = trust >= 224;
+        let (mut ground, mut friction) = (ground(input)?, friction(input));
+        let (gravity, body) = (gravity(input), body(input)?);
+        let mut applied: AnyForce<R> = Box::new(NoForce);
+        let roles = if is_extended { input.byte() } else { 0 };
+        if roles & 1 != 0 {
+            applied = force(input);
+        }
+        if roles & 2 != 0 {
+            ground = moving(ground, input);
+        }
+        if roles & 4 != 0 {
+            friction = by_place(friction, input);
+        }
         Ok(Self {
-            ground: Meter::new(ground(input)?, may_trust),
-            friction: friction(input),
-            gravity: gravity(input),
-            body: body(input)?,
+            ground: Meter::new(ground, trust < 192 || roles & 8 != 0),
+            friction,
+            gravity,
+            body,
             method,
+            force: applied,
+            is_extended,
         })
     }
 
@@ -573,6 +601,7 @@ impl<R: Real> Parts<R> {
             .with_ground(&self.ground)?
             .with_friction(&*self.friction)?
             .with_gravity(self.gravity)?
+            .with_force(&*self.force)?
             .with_integrator(self.method)
     }
 }

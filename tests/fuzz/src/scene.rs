@@ -2,7 +2,7 @@
 //! the state, or returns a valid state.
 
 use tumble::real::Quaternion;
-use tumble::{Integrator, Real, State, StepError};
+use tumble::{Dynamics, Force, Integrator, Real, SpringDamperGround, State, StepError};
 
 use super::input::Input;
 use super::parts::{AnyStepper, Method, Parts, numbers, state};
@@ -72,7 +72,7 @@ pub fn steps<R: Real>(
         };
         let start = *state;
         let before = keeps_energy.then(|| stepper.energy(state).total());
-        match stepper.step_within(state, limit, &mut workspace) {
+        let work = match stepper.step_within(state, limit, &mut workspace) {
             Err(error) => {
                 fails_well(&start, state, limit, &error);
                 return;
@@ -85,13 +85,20 @@ pub fn steps<R: Real>(
                     step.elapsed
                 );
                 is_valid(state, &start, number);
+                step.drive_work
             }
-        }
+        };
+        let is_driven =
+            !stepper.scene().force().is_passive() || stepper.scene().ground().motion().is_some();
+        assert!(
+            is_driven || work == R::ZERO,
+            "step {number}: {work:e} J of no drive"
+        );
         if let Some(before) = before {
             let after = stepper.energy(state).total();
             assert!(
-                after <= before,
-                "step {number}: from {before:e} J to {after:e} J"
+                after <= before + work,
+                "step {number}: from {before:e} J to {after:e} J with {work:e} J of work"
             );
         }
     }

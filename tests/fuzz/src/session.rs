@@ -5,9 +5,10 @@ use core::ops::ControlFlow;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use tumble::real::Vector;
 use tumble::{
-    Every, Integrator, Ledger, Observer, Real, Sample, SavedSession, Session, State, StepControl,
-    Timed, UniformGravity, UntilRest,
+    Apex, Event, EventEnd, Every, Integrator, Landing, Ledger, LiftOff, Observer, Real, Sample,
+    SavedSession, Session, State, StepControl, Timed, UniformGravity, UntilRest,
 };
 
 use super::input::Input;
@@ -21,6 +22,7 @@ type AnySession<'a, R> = Session<
     UniformGravity<R>,
     Method<R>,
     R,
+    &'a dyn tumble::Force<R>,
 >;
 
 /// Calls of an input.
@@ -59,7 +61,7 @@ where
         if is_saved && !resume(&stepper, &mut resumed) {
             break;
         }
-        let call = Call::read(input, &stepper);
+        let call = Call::read(input, &stepper, parts.is_extended);
         let (ours, theirs) = (call.apply(&mut session), call.apply(&mut resumed));
         assert_eq!(ours, theirs, "{call:?}");
         same(&session, &resumed, &call);
@@ -112,11 +114,13 @@ enum Call<R: Real> {
     Run(R, u8, R),
     Impulse(R::Vec3, R::Vec3),
     Set(State<R>),
+    /// Longest time, number of events after which the run ends, and height of one event.
+    Events(R, u8, R),
 }
 
 impl<R: Real> Call<R> {
-    fn read(input: &mut Input<'_>, stepper: &AnyStepper<'_, R>) -> Self {
-        match input.below(8) {
+    fn read(input: &mut Input<'_>, stepper: &AnyStepper<'_, R>, is_extended: bool) -> Self {
+        match input.below(if is_extended { 10 } else { 8 }) {
             0 => Self::Step,
             1 => Self::Steps(input.below(8)),
             2 | 3 => Self::Advance(duration(input, stepper)),
@@ -133,7 +137,12 @@ impl<R: Real> Call<R> {
                 Self::Run(seconds, kind, interval)
             }
             6 => Self::Impulse(input.vector::<R>(1e-3, 1.0), input.vector::<R>(1e-3, 1.0)),
-            _ => Self::Set(state(input)),
+            7 => Self::Set(state(input)),
+            _ => Self::Events(
+                duration(input, stepper),
+                input.byte(),
+                input.signed(1e-3, 1.0),
+            ),
         }
     }
 
@@ -175,6 +184,7 @@ impl<R: Real> Call<R> {
                 session.set_state(state);
                 Ok(0)
             }
+            Self::Events(seconds, most, height) => events(session, seconds, most, height),
         }
     }
 }
@@ -248,4 +258,49 @@ fn observed<R: Real>(
     };
     let time = session.run(seconds, &mut *watch).map_err(text)?;
     Ok(time.to_f64().to_bits())
+}
+
+/// A run with events, which come in the order of time. If none of them ends the run, it has the
+/// bits of an advance. Returns a hash of the occurrences and of the end.
+fn events<R: Real>(
+    session: &mut AnySession<'_, R>,
+    seconds: R,
+    most: u8,
+    height: R,
+) -> Result<u64, String> {
+    let mut plain = session.clone();
+    let start = session.time();
+    let (mut count, mut hash, mut last) = (0_u64, 0_u64, start);
+    let passes = |sample: &Sample<'_, R>| sample.state.position.z() - height;
+    let watched: [&dyn Event<R>; 4] = [&Landing, &LiftOff, &Apex, &passes];
+    let end = session.run_with_events(seconds, watched, |occurrence| {
+        let time = occurrence.time;
+        assert!(
+            time >= last,
+            "an event at {time:e} s comes after {last:e} s"
+        );
+        last = time;
+        count += 1;
+        let words = numbers(&occurrence.state);
+        for word in [time.to_f64().to_bits(), occurrence.event as u64]
+            .iter()
+            .chain(&words)
+        {
+            hash = (hash ^ word).wrapping_mul(0x0100_0000_01b3).rotate_left(7);
+        }
+        if count > u64::from(most) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    });
+    let end = end.map_err(text)?;
+    if matches!(end, EventEnd::TimeCovered) && plain.advance(seconds).is_ok() {
+        assert_eq!(
+            numbers(session.state()),
+            numbers(plain.state()),
+            "a run with events"
+        );
+    }
+    Ok(hash)
 }

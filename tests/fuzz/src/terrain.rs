@@ -3,7 +3,7 @@
 //! A field that breaks the contract may end a step with an error. It must not make a step hang,
 //! panic, return an invalid state, or increase the energy of `EnergyMomentum`.
 
-use tumble::{Elevation, Ground, Real, SpringDamper, State, Stepper, Terrain};
+use tumble::{Elevation, Force, Ground, NoForce, Real, SpringDamper, State, Stepper, Terrain};
 
 use super::input::Input;
 use super::parts::{Meter, body, friction, gravity, method, state};
@@ -86,6 +86,7 @@ fn play<R: Real>(input: &mut Input<'_>) {
         .and_then(|stepper| stepper.with_ground(&ground))
         .and_then(|stepper| stepper.with_friction(&*friction))
         .and_then(|stepper| stepper.with_gravity(gravity))
+        .and_then(|stepper| stepper.with_force(&NoForce as &dyn Force<R>))
         .and_then(|stepper| stepper.with_integrator(method));
     let Ok(stepper) = stepper else {
         return;
