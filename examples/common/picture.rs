@@ -53,6 +53,11 @@ impl Picture {
         })
     }
 
+    /// Name of the picture, which is that of its files.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
     /// Drawing for a page, with unique names of its clip paths.
     pub fn svg(&self, tag: &str) -> String {
         with_own_names(&self.svg, tag)
