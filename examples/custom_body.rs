@@ -353,7 +353,7 @@ fn film([against, along]: [Vec<Shot>; 2]) -> Film {
                 .to_owned(),
         ],
         size: HALF.x,
-        distance: 6.5,
+        distance: 4.4,
         slower: 2.0,
         bodies: vec![
             stone([mesh::ORANGE, mesh::IVORY]),

@@ -225,7 +225,7 @@ fn film(beads: &[Bead]) -> Film {
         title: "Beads in a cycloid valley".to_owned(),
         lines: vec!["They start at different heights and meet at the bottom.".to_owned()],
         size: CIRCLE,
-        distance: 8.0,
+        distance: 5.0,
         slower: 2.0,
         bodies: vec![
             Mesh::ground(&surface(), [mesh::SAND, mesh::IVORY]),

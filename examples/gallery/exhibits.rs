@@ -179,8 +179,7 @@ const EXHIBITS: [Exhibit; 17] = [
         "Round rim or points?",
         "Coins with 12, 120 and 1200 points on the rim, and one with a round rim.",
         "rattle.svg",
-    )
-    .with_options(&["--page"]),
+    ),
     Exhibit::drawing(
         "accuracy",
         "Error and step size",
