@@ -182,6 +182,17 @@ impl Check {
         }
     }
 
+    /// Checks that the energy never increases in any of several runs (promise G1).
+    pub fn energy(runs: impl IntoIterator<Item = Vec<f64>>) -> Self {
+        let mut largest = f64::NEG_INFINITY;
+        for run in runs {
+            let rises = run.windows(2).map(|pair| pair[1] - pair[0]);
+            largest = rises.fold(largest, f64::max);
+        }
+        let what = "largest increase of the energy between two moments, J";
+        Self::between(what, "promise G1", largest, f64::NEG_INFINITY, 0.0)
+    }
+
     fn holds(&self) -> bool {
         self.least <= self.got && self.got <= self.most
     }
