@@ -15,12 +15,10 @@ for method in energy-momentum report forward-euler symplectic-euler strang rk4; 
 done
 
 coin --quiet --all --duration 2 --out "$out/all"
-for example in heads_or_tails custom_body dice tippe_top rising_egg eulers_disk slide_to_roll custom_ground sphere_with_spin tennis bounces dice_tray; do
+for example in heads_or_tails custom_body dice dice_tray tippe_top rising_egg eulers_disk slide_to_roll custom_ground sphere_with_spin tennis bounces choose_accuracy; do
   cargo run -q --release --example "$example" -- --quick --out "$out/all"
 done
-cargo run -q --release --example choose_accuracy -- --quick --out "$out/all"
-cargo run -q --release --example round_rim >"$out/round_rim"
-cargo run -q --release --example measured_tosses -- --synthetic --out "$out/all"
+# round_rim, accuracy and measured_tosses run in .ci/gallery.sh.
 
 # Tosses that are killed and resumed in other parts, on another number of threads, have the bytes of those that are not.
 cargo build -q --release --example tosses

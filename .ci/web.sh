@@ -8,7 +8,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . .ci/cross.sh
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}/web"
-work="$CARGO_TARGET_DIR" driver=25.16.0
+work="$CARGO_TARGET_DIR"
 mkdir -p "$work"
 
 for manifest in examples/web/Cargo.toml examples/web/build/Cargo.toml; do
@@ -28,20 +28,7 @@ else
     --wasm "$work/wasm32-unknown-unknown/release/tumble_page.wasm"
 fi
 
-browser() { command -v chromium || command -v chromium-browser || command -v google-chrome; }
-install_browser() {
-  command -v apt-get >/dev/null && [ "$(id -u)" = 0 ] || return 1
-  apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends chromium
-}
-if ! browser >/dev/null && ! install_browser >"$work/apt.log" 2>&1; then
-  echo "NOT CHECKED: Chromium cannot be installed on this machine"
-  exit 0
-fi
-installed() { grep -qs "\"version\": \"$driver\"" "$work/node_modules/puppeteer-core/package.json"; }
-if ! installed && ! PUPPETEER_SKIP_DOWNLOAD=1 npm install --silent --no-save --prefix "$work" "puppeteer-core@$driver" >"$work/npm.log" 2>&1; then
-  echo "NOT CHECKED: puppeteer-core cannot be installed on this machine"
-  exit 0
-fi
+. .ci/browser.sh
 cp tests/web/page.mjs "$work/page.mjs" # where Node finds the driver
-CHROMIUM=$(browser) PAGE="$work/tumble.html" HASHES=tests/bits/hashes.txt PICTURES="$work" timeout 170 node "$work/page.mjs"
+PAGE="$work/tumble.html" HASHES=tests/bits/hashes.txt PICTURES="$work" timeout 170 node "$work/page.mjs"
 if [ "${1:-}" = --write ]; then cp "$work/readme.png" assets/live.png; fi

@@ -169,16 +169,6 @@ fn checks_without_air(found: &[Bounce]) -> Vec<Check> {
     let speed = GRAVITY * fall;
     let parabola =
         |pair: &[Bounce]| (pair[1].lands - pair[0].leaves - 2.0 * pair[0].after / GRAVITY).abs();
-    let bounces = 10;
-    // Each flight lasts 2 v/g. A contact changes v by at most g T, and so each later flight by 2 T.
-    let flights: f64 = (1..=bounces)
-        .map(|k| 2.0 * fall * RESTITUTION.powi(k))
-        .sum();
-    let contacts = f64::from(bounces) * CONTACT_TIME;
-    let tenth = usize::try_from(bounces).unwrap_or(0);
-    let silent = |bounce: &Bounce| {
-        bounce.lands + 2.0 * fall_of(bounce.before) * RESTITUTION / (1.0 - RESTITUTION)
-    };
     vec![
         Check::near(
             "no air: speed of the first touch-down, m/s",
@@ -208,21 +198,39 @@ fn checks_without_air(found: &[Bounce]) -> Vec<Check> {
             0.0,
             1e-11,
         ),
-        Check::near(
-            "no air: time of touch-down 11, s",
-            "geometric series, √(2h/g) (1 + 2 Σ eᵏ), with ten contacts",
-            found[tenth].lands,
-            fall + flights + contacts,
-            2.0 * contacts,
-        ),
-        Check::near(
-            "no air: time until silence, s",
-            "√(2h/g) (1 + e)/(1 - e): Bernstein, Am. J. Phys. 45, 41 (1977)",
-            silent(&found[found.len() - 1]) - found.len() as f64 * CONTACT_TIME,
-            fall * (1.0 + RESTITUTION) / (1.0 - RESTITUTION),
-            found.len() as f64 * 2.0 * CONTACT_TIME,
-        ),
+        check_of_series(found),
+        check_of_silence(found),
     ]
+}
+
+/// Each flight lasts 2 v/g. A contact changes v by at most g T, and so each later flight by 2 T.
+fn check_of_series(found: &[Bounce]) -> Check {
+    const BOUNCES: u8 = 10;
+    let fall = (2.0 * HEIGHT / GRAVITY).sqrt();
+    let flights = (1..=BOUNCES).map(|k| 2.0 * fall * RESTITUTION.powi(k.into()));
+    let contacts = f64::from(BOUNCES) * CONTACT_TIME;
+    Check::near(
+        "no air: time of touch-down 11, s",
+        "geometric series, √(2h/g) (1 + 2 Σ eᵏ), with ten contacts",
+        found[usize::from(BOUNCES)].lands,
+        fall + flights.sum::<f64>() + contacts,
+        2.0 * contacts,
+    )
+}
+
+/// The geometric series goes on after the last bounce that is counted.
+fn check_of_silence(found: &[Bounce]) -> Check {
+    let fall = (2.0 * HEIGHT / GRAVITY).sqrt();
+    let last = &found[found.len() - 1];
+    let silent = last.lands + 2.0 * fall_of(last.before) * RESTITUTION / (1.0 - RESTITUTION);
+    let contacts = found.len() as f64 * CONTACT_TIME;
+    Check::near(
+        "no air: time until silence, s",
+        "√(2h/g) (1 + e)/(1 - e): Bernstein, Am. J. Phys. 45, 41 (1977)",
+        silent - contacts,
+        fall * (1.0 + RESTITUTION) / (1.0 - RESTITUTION),
+        2.0 * contacts,
+    )
 }
 
 /// Time in which a body falls to a speed, s.

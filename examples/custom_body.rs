@@ -9,7 +9,9 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::process::ExitCode;
 
-use common::{BLUE, Check, ORANGE, Options, Outcome, Page, Picture};
+use common::{
+    BLUE, Camera, Check, Column, Film, Mesh, ORANGE, Options, Outcome, Page, Picture, Shot, mesh,
+};
 use kuva::prelude::*;
 use tumble::contract::{CheckPlan, check_body};
 use tumble::error::{self, SceneError};
@@ -48,6 +50,8 @@ const GRAVITY: f64 = 9.8;
 const STIFFNESS: f64 = 5e5;
 /// Spin, rad/s.
 const SPIN: f64 = 4.0;
+/// Time between two shots of the film, s. A pitch takes 0.13 s.
+const INTERVAL: f64 = 0.005;
 
 fn main() -> ExitCode {
     common::main("custom_body", ABOUT, work)
@@ -149,16 +153,14 @@ fn work(options: &Options) -> Outcome<Page> {
     let duration = if options.quick { 2.0 } else { 8.0 };
     let askew = 8.0_f64.to_radians();
     check_body(&Celt::new(askew), CheckPlan::default())?;
-    let against = run(askew, start(-SPIN), duration)?;
-    let along = run(askew, start(SPIN), duration)?;
-    let image = run(-askew, mirrored(&start(-SPIN)), duration)?;
-    let other =
-        (against.iter().zip(&image)).filter(|(one, image)| mirrored(&one.state) != image.state);
-    let rises =
-        (against.windows(2).chain(along.windows(2))).map(|pair| pair[1].energy - pair[0].energy);
-    let period = period_of_pitch()?;
-    let expected =
-        TAU * ((MOMENTS.y + MASS * HEIGHT * HEIGHT) / (MASS * GRAVITY * (KEEL - HEIGHT))).sqrt();
+    let mut cameras = [Camera::new(INTERVAL), Camera::new(INTERVAL)];
+    let against = run(askew, start(-SPIN), duration, &mut cameras[0])?;
+    let along = run(askew, start(SPIN), duration, &mut cameras[1])?;
+    let mirror_image = mirrored(&start(-SPIN));
+    let image = run(-askew, mirror_image, duration, &mut Camera::new(INTERVAL))?;
+    let mut checks = checks_of_spin(&against, &along);
+    checks.extend([check_of_image(&against, &image), check_of_pitch()?]);
+    checks.push(check_of_energy(&[&against, &along]));
     Ok(Page {
         title: "Rattleback: a user's own body",
         text: vec![
@@ -171,49 +173,69 @@ fn work(options: &Options) -> Outcome<Page> {
              rest."
                 .to_owned(),
         ],
-        checks: vec![
-            Check::between(
-                "spun against its preferred direction, largest reversed spin, rad/s",
-                "it reverses: Garcia & Hubbard, Proc. R. Soc. Lond. A 418, 165 (1988)",
-                largest(&against, 1.0),
-                0.25 * SPIN,
-                SPIN,
-            ),
-            Check::between(
-                "spun in its preferred direction, largest reversed spin, rad/s",
-                "it does not reverse, except by its last rocking",
-                largest(&along, -1.0),
-                0.0,
-                0.02 * SPIN,
-            ),
-            Check::near(
-                "moments in which the mirrored stone is not the mirror image, bit by bit",
-                "the equations have no handedness",
-                other.count() as f64,
-                0.0,
-                0.0,
-            ),
-            Check::near(
-                "period of a small pitch of the straight stone, s",
-                "2π √((I + m h²)/(m g (R - h)))",
-                period,
-                expected,
-                0.01 * expected,
-            ),
-            Check::between(
-                "largest increase of the energy in a step, J",
-                "promise G1",
-                rises.fold(f64::NEG_INFINITY, f64::max),
-                f64::NEG_INFINITY,
-                0.0,
-            ),
-        ],
+        checks,
         pictures: vec![
             spin_picture(&against, &along)?,
             pitch_picture(&against, &along)?,
         ],
-        film: None,
+        film: Some(film(cameras.map(|camera| camera.shots))),
     })
+}
+
+fn checks_of_spin(against: &[Moment], along: &[Moment]) -> Vec<Check> {
+    vec![
+        Check::between(
+            "spun against its preferred direction, largest reversed spin, rad/s",
+            "it reverses: Garcia & Hubbard, Proc. R. Soc. Lond. A 418, 165 (1988)",
+            largest(against, 1.0),
+            0.25 * SPIN,
+            SPIN,
+        ),
+        Check::between(
+            "spun in its preferred direction, largest reversed spin, rad/s",
+            "it does not reverse, except by its last rocking",
+            largest(along, -1.0),
+            0.0,
+            0.02 * SPIN,
+        ),
+    ]
+}
+
+fn check_of_image(against: &[Moment], image: &[Moment]) -> Check {
+    let other =
+        (against.iter().zip(image)).filter(|(one, image)| mirrored(&one.state) != image.state);
+    Check::near(
+        "moments in which the mirrored stone is not the mirror image, bit by bit",
+        "the equations have no handedness",
+        other.count() as f64,
+        0.0,
+        0.0,
+    )
+}
+
+fn check_of_pitch() -> Outcome<Check> {
+    let expected =
+        TAU * ((MOMENTS.y + MASS * HEIGHT * HEIGHT) / (MASS * GRAVITY * (KEEL - HEIGHT))).sqrt();
+    Ok(Check::near(
+        "period of a small pitch of the straight stone, s",
+        "2π √((I + m h²)/(m g (R - h)))",
+        period_of_pitch()?,
+        expected,
+        0.01 * expected,
+    ))
+}
+
+fn check_of_energy(runs: &[&[Moment]]) -> Check {
+    let pairs = runs.iter().flat_map(|run| run.windows(2));
+    Check::between(
+        "largest increase of the energy in a step, J",
+        "promise G1",
+        pairs
+            .map(|pair| pair[1].energy - pair[0].energy)
+            .fold(f64::NEG_INFINITY, f64::max),
+        f64::NEG_INFINITY,
+        0.0,
+    )
 }
 
 /// State of the stone at one time.
@@ -249,8 +271,8 @@ fn mirrored(state: &State) -> State {
     }
 }
 
-/// Runs the stone and returns the moment after every step.
-fn run(askew: f64, mut state: State, duration: f64) -> Outcome<Vec<Moment>> {
+/// Runs the stone before a camera, and returns the moment after every step.
+fn run(askew: f64, mut state: State, duration: f64, camera: &mut Camera) -> Outcome<Vec<Moment>> {
     let stepper = Stepper::builder(Celt::new(askew))
         .gravity(UniformGravity::down(GRAVITY))
         .ground(FlatGround::level(STIFFNESS, 10.0))
@@ -262,13 +284,15 @@ fn run(askew: f64, mut state: State, duration: f64) -> Outcome<Vec<Moment>> {
         .build()?;
     let mut moments = Vec::new();
     let mut watch = |sample: &Sample<'_>| {
-        moments.push(Moment {
+        let moment = Moment {
             time: sample.time,
             state: *sample.state,
             spin: sample.rates().angular_velocity.z,
             pitch: (sample.state.orientation * DVec3::X).z.asin().to_degrees(),
             energy: sample.energy().total(),
-        });
+        };
+        camera.look(sample, || [moment.spin, moment.pitch]);
+        moments.push(moment);
         ControlFlow::Continue(())
     };
     stepper.run(&mut state, duration, &mut watch)?;
@@ -286,7 +310,7 @@ fn largest(moments: &[Moment], sign: f64) -> f64 {
 /// with a small pitch.
 fn period_of_pitch() -> Outcome<f64> {
     let state = State::at(DVec3::Z * HEIGHT).with_rotation_vector(DVec3::Y * 0.005);
-    let moments = run(0.0, state, 1.0)?;
+    let moments = run(0.0, state, 1.0, &mut Camera::new(INTERVAL))?;
     let passages: Vec<f64> = (moments.windows(2))
         .filter(|pair| pair[0].pitch < 0.0 && pair[1].pitch >= 0.0)
         .map(|pair| {
@@ -301,8 +325,54 @@ fn period_of_pitch() -> Outcome<f64> {
 }
 
 // -----------------------------------------------------------------------------------------------
-// The pictures
+// The film and the pictures
 // -----------------------------------------------------------------------------------------------
+
+/// Semi-axes of the ellipsoid that is drawn, m.
+const HALF: DVec3 = DVec3::new(0.2, 0.03, 0.02);
+
+/// Both stones side by side: the one spun against its preferred direction in front.
+fn film([against, along]: [Vec<Shot>; 2]) -> Film {
+    let apart = DVec3::Y * (1.2 * HALF.x);
+    let together = against.into_iter().zip(along).map(|(against, along)| Shot {
+        time: against.time,
+        poses: vec![against.poses[0].moved(-apart), along.poses[0].moved(apart)],
+        // The first two values are spin and pitch.
+        values: [0, 1, 0]
+            .into_iter()
+            .flat_map(|k| [against.values[k], along.values[k]])
+            .collect(),
+    });
+    let stone = |colours| Mesh::ellipsoid(DVec3::ZERO, HALF, colours, [mesh::SAND; 2]);
+    let column = |name, unit, digits, colour| Column::new(name, unit, digits, colour);
+    Film {
+        title: "Rattleback".to_owned(),
+        lines: vec![
+            "Orange: spun against its preferred direction. Blue: spun in it. The stone is drawn as \
+             the ellipsoid whose radii its keel has."
+                .to_owned(),
+        ],
+        size: HALF.x,
+        distance: 4.4,
+        slower: 2.0,
+        bodies: vec![
+            stone([mesh::ORANGE, mesh::IVORY]),
+            stone([mesh::BLUE, mesh::IVORY]),
+        ],
+        readouts: vec![
+            column("spin, orange", "rad/s", 2, "ink"),
+            column("spin, blue", "rad/s", 2, "ink"),
+            column("pitch, orange", "°", 2, "ink"),
+            column("pitch, blue", "°", 2, "ink"),
+        ],
+        curves: vec![
+            column("spin, orange", "rad/s", 3, "orange"),
+            column("spin, blue", "rad/s", 3, "blue"),
+        ],
+        events: Vec::new(),
+        shots: together.collect(),
+    }
+}
 
 /// Picture of a quantity of both runs over time, every fourth step.
 fn picture(

@@ -48,11 +48,17 @@ fn work(options: &Options) -> Outcome<Page> {
     let fair_die = stepper(0.0)?;
     let fair = count(&fair_die, throws, 1)?;
     let loaded = count(&stepper(LOAD)?, throws, 2)?;
-    let expected = f64::from(throws) / 6.0;
-    let [fair_square, loaded_square] = [&fair, &loaded].map(|faces| chi_square(faces, expected));
-    // The standard deviation of a count around n/6 is √(n/6 · 5/6).
-    let spread = (expected * 5.0 / 6.0).sqrt();
-    let three = (f64::from(loaded[2]) - expected) / spread;
+    Ok(Page {
+        title: "Dice",
+        text: text(throws, fair, loaded),
+        checks: checks(throws, &fair, &loaded),
+        pictures: vec![picture(throws, fair, loaded)?],
+        film: Some(film(&fair_die)?),
+    })
+}
+
+/// Fractions of the faces with their standard deviations.
+fn picture(throws: u32, fair: [u32; 6], loaded: [u32; 6]) -> Outcome<Picture> {
     let bars = |faces: [u32; 6], colour: &str, name: &str, beside: f64| {
         let places = (1..).zip(faces).map(|(face, count)| {
             (
@@ -84,7 +90,7 @@ fn work(options: &Options) -> Outcome<Page> {
         bars(fair, BLUE, "fair", -0.08),
         bars(loaded, ORANGE, "loaded towards the four", 0.08),
     ];
-    let picture = Picture::new("faces", plots, |layout| {
+    Picture::new("faces", plots, |layout| {
         layout
             .with_title("fraction of throws by face, with its standard deviation")
             .with_x_tick_step(1.0)
@@ -94,60 +100,66 @@ fn work(options: &Options) -> Outcome<Page> {
             .with_y_label("fraction")
             .with_y_axis_min(0.0)
             .with_legend_position(LegendPosition::InsideTopRight)
-    })?;
-    Ok(Page {
-        title: "Dice",
-        text: vec![
-            format!(
-                "Each of {throws} throws begins with a random orientation, spin and speed half a \
-                 metre above the table and ends when the die is at rest."
-            ),
-            format!(
-                "{throws} throws reject, with 99 %, a die one of whose sides has a probability \
-                 {:.1} percentage points above a sixth, and the opposite side one as far below it.",
-                100.0 * rejected_tilt(throws)
-            ),
-            format!(
-                "Faces one to six of the fair die: {}. Of one whose centre of mass lies {:.0} mm \
-                 towards the four: {}.",
-                listed(fair),
-                1e3 * LOAD,
-                listed(loaded)
-            ),
-        ],
-        checks: vec![
-            Check::between(
-                "chi-square of the fair die",
-                "chi-square with 5 degrees of freedom, 0.999 quantile",
-                fair_square,
-                0.0,
-                CRITICAL,
-            ),
-            Check::between(
-                "probability of at least this chi-square, fair die",
-                "survival function of chi-square with 5 degrees of freedom",
-                survival(fair_square),
-                1e-3,
-                1.0,
-            ),
-            Check::between(
-                "chi-square of the loaded die",
-                "beyond the 1 - 1e-9 quantile",
-                loaded_square,
-                50.8,
-                f64::INFINITY,
-            ),
-            Check::between(
-                "threes of the loaded die beyond a sixth, in standard deviations",
-                "the heavy side, four, lies below",
-                three,
-                5.0,
-                f64::INFINITY,
-            ),
-        ],
-        pictures: vec![picture],
-        film: Some(film(&fair_die)?),
     })
+}
+
+fn text(throws: u32, fair: [u32; 6], loaded: [u32; 6]) -> Vec<String> {
+    vec![
+        format!(
+            "Each of {throws} throws begins with a random orientation, spin and speed half a \
+                 metre above the table and ends when the die is at rest."
+        ),
+        format!(
+            "{throws} throws reject, with 99 %, a die one of whose sides has a probability \
+                 {:.1} percentage points above a sixth, and the opposite side one as far below it.",
+            100.0 * rejected_tilt(throws)
+        ),
+        format!(
+            "Faces one to six of the fair die: {}. Of one whose centre of mass lies {:.0} mm \
+                 towards the four: {}.",
+            listed(fair),
+            1e3 * LOAD,
+            listed(loaded)
+        ),
+    ]
+}
+
+fn checks(throws: u32, fair: &[u32; 6], loaded: &[u32; 6]) -> Vec<Check> {
+    let expected = f64::from(throws) / 6.0;
+    let [fair_square, loaded_square] = [fair, loaded].map(|faces| chi_square(faces, expected));
+    // The standard deviation of a count around n/6 is √(n/6 · 5/6).
+    let spread = (expected * 5.0 / 6.0).sqrt();
+    let three = (f64::from(loaded[2]) - expected) / spread;
+    vec![
+        Check::between(
+            "chi-square of the fair die",
+            "chi-square with 5 degrees of freedom, 0.999 quantile",
+            fair_square,
+            0.0,
+            CRITICAL,
+        ),
+        Check::between(
+            "probability of at least this chi-square, fair die",
+            "survival function of chi-square with 5 degrees of freedom",
+            survival(fair_square),
+            1e-3,
+            1.0,
+        ),
+        Check::between(
+            "chi-square of the loaded die",
+            "beyond the 1 - 1e-9 quantile",
+            loaded_square,
+            50.8,
+            f64::INFINITY,
+        ),
+        Check::between(
+            "threes of the loaded die beyond a sixth, in standard deviations",
+            "the heavy side, four, lies below",
+            three,
+            5.0,
+            f64::INFINITY,
+        ),
+    ]
 }
 
 fn stepper(load: f64) -> Outcome<Die> {

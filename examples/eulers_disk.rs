@@ -54,56 +54,13 @@ fn work(options: &Options) -> Outcome<Page> {
     let time_step = if options.quick { 1e-3 } else { 2.5e-4 };
     let (angles, shots) = run(time_step)?;
     let curve = smoothed(&angles);
-    let fallen: Vec<(f64, f64)> = curve
-        .iter()
-        .copied()
-        .filter(|&(_, angle)| (WINDOW[0]..=WINDOW[1]).contains(&angle))
-        .collect();
+    let in_window = |&(_, angle): &(f64, f64)| (WINDOW[0]..=WINDOW[1]).contains(&angle);
+    let fallen: Curve = curve.iter().copied().filter(in_window).collect();
     let fit = Fit::of(&fallen);
     // Dissipated power: the dampers under the patch take τ M g r α Ω² of the energy (3/2) M g r α,
     // with Ω² α = g/(k r) and k = 1/2 for a ring.
     let rate = 4.0 / 3.0 * DAMPING / STIFFNESS * GRAVITY / RADIUS;
     let slope = rate_of(&fallen);
-    let left = |(time, angle): (f64, f64)| (fit.end - time, angle);
-    let before: Vec<(f64, f64)> = (curve.iter())
-        .filter(|&&(time, angle)| time < fit.end - 0.05 && angle > 0.01)
-        .map(|&point| left(point))
-        .collect();
-    let middle = left(fallen[fallen.len() / 2]);
-    let power = |exponent: f64| {
-        let at = |factor: f64| (middle.0 * factor, middle.1 * factor.powf(exponent));
-        vec![at(0.2), at(2.5)]
-    };
-    let plots = vec![
-        common::line(power(1.0 / 3.0), GREY, "1/3: film of air"),
-        common::line(power(0.5), GREEN, "1/2: viscous rolling"),
-        common::line(power(2.0 / 3.0), ORANGE, "2/3: dry rolling"),
-        common::line(power(1.0), PURPLE, "1: dampers under points"),
-        common::line(before, BLACK, "this coin"),
-    ];
-    let exponents = Picture::new("exponent", plots, |layout| {
-        layout
-            .with_title("Euler's disk: angle over the remaining time")
-            .with_log_scale()
-            .with_x_label("remaining time (s)")
-            .with_y_label("angle (rad)")
-            .with_legend_position(LegendPosition::InsideBottomRight)
-    })?;
-    let fall = vec![
-        common::line(curve.clone(), BLUE, "angle, mean over 0.5 s"),
-        common::line(
-            vec![(fit.end - FIRST / rate, FIRST), (fit.end, 0.0)],
-            PURPLE,
-            "(4/3) (damping/stiffness) (g/r) (t0 - t)",
-        ),
-    ];
-    let angle = Picture::new("angle", fall, |layout| {
-        layout
-            .with_title("Euler's disk: angle to the ground")
-            .with_x_label("time (s)")
-            .with_y_label("angle (rad)")
-            .with_legend_position(LegendPosition::InsideTopRight)
-    })?;
     Ok(Page {
         title: "Euler's disk",
         text: vec![
@@ -132,8 +89,58 @@ fn work(options: &Options) -> Outcome<Page> {
                 PATCH,
             ),
         ],
-        pictures: vec![exponents, angle],
+        pictures: vec![
+            picture_of_exponent(&curve, &fallen, fit.end)?,
+            picture_of_angle(curve, fit.end, rate)?,
+        ],
         film: Some(film(shots)),
+    })
+}
+
+/// Angle over the time that is left until `end` (s), with powers through the middle of the range.
+fn picture_of_exponent(curve: &[(f64, f64)], fallen: &[(f64, f64)], end: f64) -> Outcome<Picture> {
+    let left = |(time, angle): (f64, f64)| (end - time, angle);
+    let before: Curve = (curve.iter())
+        .filter(|&&(time, angle)| time < end - 0.05 && angle > 0.01)
+        .map(|&point| left(point))
+        .collect();
+    let middle = left(fallen[fallen.len() / 2]);
+    let power = |exponent: f64| {
+        let at = |factor: f64| (middle.0 * factor, middle.1 * factor.powf(exponent));
+        vec![at(0.2), at(2.5)]
+    };
+    let plots = vec![
+        common::line(power(1.0 / 3.0), GREY, "1/3: film of air"),
+        common::line(power(0.5), GREEN, "1/2: viscous rolling"),
+        common::line(power(2.0 / 3.0), ORANGE, "2/3: dry rolling"),
+        common::line(power(1.0), PURPLE, "1: dampers under points"),
+        common::line(before, BLACK, "this coin"),
+    ];
+    Picture::new("exponent", plots, |layout| {
+        layout
+            .with_title("Euler's disk: angle over the remaining time")
+            .with_log_scale()
+            .with_x_label("remaining time (s)")
+            .with_y_label("angle (rad)")
+            .with_legend_position(LegendPosition::InsideBottomRight)
+    })
+}
+
+fn picture_of_angle(curve: Curve, end: f64, rate: f64) -> Outcome<Picture> {
+    let fall = vec![
+        common::line(curve, BLUE, "angle, mean over 0.5 s"),
+        common::line(
+            vec![(end - FIRST / rate, FIRST), (end, 0.0)],
+            PURPLE,
+            "(4/3) (damping/stiffness) (g/r) (t0 - t)",
+        ),
+    ];
+    Picture::new("angle", fall, |layout| {
+        layout
+            .with_title("Euler's disk: angle to the ground")
+            .with_x_label("time (s)")
+            .with_y_label("angle (rad)")
+            .with_legend_position(LegendPosition::InsideTopRight)
     })
 }
 

@@ -4,11 +4,12 @@
 //! `cargo run --release --example round_rim -- --help` describes the options. The example prints
 //! the tables of the documentation of `Disc`, and `.ci/instructions` counts its costs.
 
-use core::error::Error;
 use core::ops::ControlFlow;
+use std::process::ExitCode;
 
 use common::table::{self, cells};
-use lexopt::prelude::*;
+use common::{BLACK, BLUE, Check, GREEN, ORANGE, Outcome, Page, Picture, line};
+use kuva::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
     Coin, ContactPoint, Coulomb, Disc, EnergyMomentum, FlatGround, Frictionless, Integrator,
@@ -23,8 +24,6 @@ const STIFFNESS: f64 = 120e3;
 const DAMPING: f64 = 60.0;
 /// Slip speed, m/s.
 const SLIP_SPEED: f64 = 1e-3;
-
-type Outcome<T> = Result<T, Box<dyn Error>>;
 
 /// A coin of 1 kg with this number of points on its rim, or with a round rim.
 enum Body {
@@ -105,49 +104,69 @@ impl<F: SlidingFriction + Copy, I: Integrator + Copy> Run<Ride> for Scene<F, I> 
     }
 }
 
-const HELP: &str = "\
+const ABOUT: &str = "\
 Compares coins with 12, 120 and 1200 points on the rim with one whose rim is round. The total
 stiffness is the same. Prints where the trials of the coin report end, how the coins rattle as they
-roll, and how accurate each integrator is on the round rim. Takes some seconds.
+roll, and how accurate each integrator is on the round rim.";
 
-Usage: cargo run --release --example round_rim -- [OPTIONS]
+fn main() -> ExitCode {
+    common::main("round_rim", ABOUT, |_| work())
+}
 
-  -h, --help   this text
-";
+fn work() -> Outcome<Page> {
+    let (distances, rides, errors) = (distances()?, rides()?, errors()?);
+    Ok(Page {
+        title: "Round rim or points?",
+        text: vec![
+            "Coins with points on the rim are compared with one whose rim is round. The total \
+             stiffness is the same. Points make a coin rattle as it rolls."
+                .to_owned(),
+            table_of_distances(&distances),
+            table_of_rides(&rides),
+            table_of_errors(&errors),
+        ],
+        checks: checks(&rides, &errors),
+        pictures: vec![
+            picture_of_distances(&distances)?,
+            picture_of_rides(&rides)?,
+            picture_of_errors(&errors)?,
+        ],
+        film: None,
+    })
+}
 
-fn main() -> Outcome<()> {
-    let mut arguments = lexopt::Parser::from_env();
-    match arguments.next()? {
-        None => {}
-        Some(Short('h') | Long("help")) => {
-            print!("{HELP}");
-            return Ok(());
-        }
-        Some(other) => return Err(other.unexpected().into()),
-    }
-    trials()?;
-    println!();
-    rolling()?;
-    println!();
-    steps()
+/// Trials of the coin report and times (s) at which the coins are compared.
+const COMPARED: [(usize, f64); 6] = [(1, 1.0), (1, 5.0), (5, 1.0), (5, 5.0), (8, 1.0), (8, 5.0)];
+
+/// Distances (m) of a coin with points from the round one, in the order of [`COMPARED`].
+struct Distances {
+    name: String,
+    points: f64,
+    distances: [f64; COMPARED.len()],
 }
 
 /// Compares the positions in the trials of the coin report with those of the round rim.
-fn trials() -> Outcome<()> {
+fn distances() -> Outcome<Vec<Distances>> {
     let mut rows = Vec::new();
     for (name, points, body) in Body::all() {
-        let mut places = Vec::new();
-        for number in [1, 5, 8] {
-            for seconds in [1.0, 5.0] {
-                let scene = trial(number, points, seconds, Rk4 { time_step: 2e-4 })?;
-                places.push(body.with(scene)?.place);
-            }
+        let mut places = [DVec3::ZERO; COMPARED.len()];
+        for (place, (number, seconds)) in places.iter_mut().zip(COMPARED) {
+            let scene = trial(number, points, seconds, Rk4 { time_step: 2e-4 })?;
+            *place = body.with(scene)?.place;
         }
-        rows.push((name, places));
+        rows.push((name, points, places));
     }
-    let Some((_, round)) = rows.pop() else {
-        return Ok(());
-    };
+    let (.., round) = rows.pop().ok_or("there is a round rim")?;
+    let apart = |places: [DVec3; 6]| core::array::from_fn(|k| places[k].distance(round[k]));
+    let rows = rows.into_iter().map(|(name, points, places)| Distances {
+        name,
+        points,
+        distances: apart(places),
+    });
+    Ok(rows.collect())
+}
+
+fn table_of_distances(rows: &[Distances]) -> String {
     let mut lines = vec![cells([
         "distance from the round rim, m",
         "trial 1, 1 s",
@@ -157,13 +176,47 @@ fn trials() -> Outcome<()> {
         "trial 8, 1 s",
         "5 s",
     ])];
-    for (name, places) in rows {
-        let apart = places.iter().zip(&round).map(|(a, b)| a.distance(*b));
-        let apart = apart.map(|apart| format!("{apart:.1e}"));
-        lines.push([name].into_iter().chain(apart).collect());
+    for row in rows {
+        let apart = row.distances.map(|apart| format!("{apart:.1e}"));
+        lines.push([row.name.clone()].into_iter().chain(apart).collect());
     }
-    table::print(&lines);
-    Ok(())
+    table::text(&lines)
+}
+
+fn picture_of_distances(rows: &[Distances]) -> Outcome<Picture> {
+    let columns = [
+        (0, BLUE, "trial 1"),
+        (2, ORANGE, "trial 5"),
+        (4, GREEN, "trial 8"),
+    ];
+    let plots = columns.map(|(column, colour, name)| {
+        let curve = rows.iter().map(|row| (row.points, row.distances[column]));
+        line(curve.collect(), colour, name)
+    });
+    logarithmic(
+        "distance",
+        plots.into(),
+        "distance from the round rim after 1 s",
+        ["number of points", "distance (m)"],
+    )
+}
+
+/// Picture with two logarithmic axes.
+fn logarithmic(
+    name: &'static str,
+    plots: Vec<Plot>,
+    title: &str,
+    [x, y]: [&str; 2],
+) -> Outcome<Picture> {
+    Picture::new(name, plots, |layout| {
+        layout
+            .with_title(title)
+            .with_x_label(x)
+            .with_y_label(y)
+            .with_log_x()
+            .with_log_y()
+            .with_legend_position(LegendPosition::OutsideRightTop)
+    })
 }
 
 /// A trial of the coin report on the springs of the rim.
@@ -182,54 +235,81 @@ fn trial<I>(number: usize, points: f64, seconds: f64, integrator: I) -> Outcome<
     })
 }
 
-/// Position error of the round rim after one second of trial 1.
-fn steps() -> Outcome<()> {
-    let mut lines = vec![cells([
-        "round, trial 1, place after 1 s",
-        "`Rk4`",
-        "`Nystrom`",
-        "`StrangSplitting`",
-        "`EnergyMomentum`",
-    ])];
-    let disc = Disc::<f64>::ring(1.0, RADIUS, 120);
-    let truth = trial(1, 120.0, 1.0, Rk4 { time_step: 1e-4 })?
-        .run(&disc)?
-        .place;
-    for time_step in [1e-2, 5e-3, 2e-3, 1e-3, 2e-4] {
+const METHODS: [&str; 4] = ["Rk4", "Nystrom", "StrangSplitting", "EnergyMomentum"];
+/// Step sizes, s.
+const STEPS: [f64; 5] = [1e-2, 5e-3, 2e-3, 1e-3, 2e-4];
+
+/// Position errors (m) of the round rim after one second of trial 1: a row for each of [`STEPS`],
+/// with the [`METHODS`].
+type Errors = [[f64; METHODS.len()]; STEPS.len()];
+
+fn errors() -> Outcome<Errors> {
+    let truth = end(Rk4 { time_step: 1e-4 })?;
+    let mut errors = Errors::default();
+    for (row, time_step) in errors.iter_mut().zip(STEPS) {
         let places = [
-            trial(1, 120.0, 1.0, Rk4 { time_step })?.run(&disc)?.place,
-            trial(1, 120.0, 1.0, Nystrom { time_step })?
-                .run(&disc)?
-                .place,
-            trial(1, 120.0, 1.0, StrangSplitting { time_step })?
-                .run(&disc)?
-                .place,
-            trial(1, 120.0, 1.0, EnergyMomentum { time_step })?
-                .run(&disc)?
-                .place,
+            end(Rk4 { time_step })?,
+            end(Nystrom { time_step })?,
+            end(StrangSplitting { time_step })?,
+            end(EnergyMomentum { time_step })?,
         ];
-        let [rk4, nystrom, splitting, implicit] =
-            places.map(|place| format!("{:.0e} m", place.distance(truth)));
-        let step = format!("steps of {} ms", time_step * 1e3);
-        lines.push(cells([step, rk4, nystrom, splitting, implicit]));
+        *row = places.map(|place| place.distance(truth));
     }
-    table::print(&lines);
-    Ok(())
+    Ok(errors)
 }
 
-/// A hoop that rolls upright at 4 rad/s, at the penetration depth at which the round rim rests.
-fn rolling() -> Outcome<()> {
+/// Position of the round rim after one second of trial 1.
+fn end(integrator: impl Integrator + Copy) -> Outcome<DVec3> {
+    let disc = Disc::<f64>::ring(1.0, RADIUS, 120);
+    Ok(trial(1, 120.0, 1.0, integrator)?.run(&disc)?.place)
+}
+
+fn table_of_errors(errors: &Errors) -> String {
+    let methods = METHODS.map(|name| format!("`{name}`"));
+    let head = ["round, trial 1, place after 1 s".to_owned()];
+    let mut lines = vec![head.into_iter().chain(methods).collect()];
+    for (row, time_step) in errors.iter().zip(STEPS) {
+        let step = format!("steps of {} ms", time_step * 1e3);
+        let row = row.map(|error| format!("{error:.0e} m"));
+        lines.push([step].into_iter().chain(row).collect());
+    }
+    table::text(&lines)
+}
+
+fn picture_of_errors(errors: &Errors) -> Outcome<Picture> {
+    let colours = [BLUE, GREEN, ORANGE, BLACK];
+    let plots = METHODS.into_iter().zip(colours).enumerate();
+    let plots = plots.map(|(column, (name, colour))| {
+        let curve = errors.iter().zip(STEPS);
+        let curve = curve.map(|(row, step)| (step * 1e3, row[column]));
+        line(curve.collect(), colour, name)
+    });
+    logarithmic(
+        "error",
+        plots.collect(),
+        "round rim, trial 1: position error after 1 s",
+        ["step size (ms)", "error (m)"],
+    )
+}
+
+/// How a hoop rolls: its number of points, its rattle, and the energy that it loses.
+struct Rolling {
+    name: String,
+    points: f64,
+    /// Rms vertical acceleration over gravity, without friction and dampers.
+    rattle: f64,
+    /// Energy lost in a second with friction and dampers, J.
+    lost: f64,
+}
+
+/// Hoops that roll upright at 4 rad/s, at the penetration depth at which the round rim rests.
+fn rides() -> Outcome<Vec<Rolling>> {
     let start = State::at(DVec3::Z * (RADIUS * half_arc().cos()))
         .with_linear_velocity(-DVec3::Y * (4.0 * RADIUS))
         .with_angular_momentum(DVec3::X * (4.0 * RADIUS * RADIUS));
     let integrator = StrangSplitting { time_step: 1e-4 };
-    let mut lines = vec![cells([
-        "upright, 4 rad/s",
-        "vertical acceleration, rms, over g",
-        "energy lost in 1 s with dampers and friction, J",
-    ])];
+    let (mut rides, seconds) = (Vec::new(), 1.0);
     for (name, points, body) in Body::all() {
-        let seconds = 1.0;
         let free = body.with(Scene {
             points,
             damping: 0.0,
@@ -250,12 +330,74 @@ fn rolling() -> Outcome<()> {
             start,
             seconds,
         })?;
-        let lost = real.energy[0] - real.energy[1];
-        let (rattle, lost) = (format!("{:.1e}", free.rattle), format!("{lost:.4}"));
-        lines.push(cells([name, rattle, lost]));
+        rides.push(Rolling {
+            name,
+            points,
+            rattle: free.rattle,
+            lost: real.energy[0] - real.energy[1],
+        });
     }
-    table::print(&lines);
-    Ok(())
+    Ok(rides)
+}
+
+fn table_of_rides(rides: &[Rolling]) -> String {
+    let mut lines = vec![cells([
+        "upright, 4 rad/s",
+        "vertical acceleration, rms, over g",
+        "energy lost in 1 s with dampers and friction, J",
+    ])];
+    for ride in rides {
+        let (rattle, lost) = (format!("{:.1e}", ride.rattle), format!("{:.4}", ride.lost));
+        lines.push(cells([ride.name.clone(), rattle, lost]));
+    }
+    table::text(&lines)
+}
+
+fn picture_of_rides(rides: &[Rolling]) -> Outcome<Picture> {
+    // The last one is the round rim, which does not rattle.
+    let points = &rides[..rides.len() - 1];
+    let curve = points.iter().map(|ride| (ride.points, ride.rattle));
+    logarithmic(
+        "rattle",
+        vec![line(curve.collect(), BLUE, "points")],
+        "a hoop that rolls upright at 4 rad/s rattles on its points",
+        ["number of points", "vertical acceleration, rms, over g"],
+    )
+}
+
+fn checks(rides: &[Rolling], errors: &Errors) -> Vec<Check> {
+    let [.., fine, round] = rides else {
+        return Vec::new();
+    };
+    // From the second to the fourth step size.
+    let order = |method: usize| (errors[1][method] / errors[3][method]).ln() / 5.0_f64.ln();
+    let checked = [("Rk4", 0, 4.0), ("Nystrom", 1, 4.0), ("Strang", 2, 2.0)];
+    let mut checks = vec![
+        Check::between(
+            "vertical acceleration of the round rim, rms, over g",
+            "it rolls at the height of rest",
+            round.rattle,
+            0.0,
+            1e-10,
+        ),
+        Check::near(
+            "energy that 1200 points lose over that of the round rim",
+            "the same springs, dampers and friction along the rim",
+            fine.lost / round.lost,
+            1.0,
+            0.01,
+        ),
+    ];
+    for (name, method, expected) in checked {
+        checks.push(Check::between(
+            &format!("{name}, order on the round rim between 5 ms and 1 ms"),
+            "order of the method; the force of a round rim is smooth while it touches",
+            order(method),
+            expected - 0.3,
+            f64::INFINITY,
+        ));
+    }
+    checks
 }
 
 /// Half of the arc that supports the weight of the upright round rim:

@@ -57,6 +57,54 @@ fn main() -> ExitCode {
 
 fn work(options: &Options) -> Outcome<Page> {
     let time_step = CONTACT_TIME / if options.quick { 200.0 } else { 1000.0 };
+    let mut checks = checks_without_spin(time_step)?;
+    checks.extend(checks_of_rating(time_step)?);
+    let (mut plots, mut films) = (Vec::new(), Vec::new());
+    for (name, rim, colour) in [
+        ("topspin", 25.0, ORANGE),
+        ("no spin", 0.0, BLUE),
+        ("backspin", -25.0, GREEN),
+    ] {
+        let (found, path, shots) = bounce(0.9, rim, time_step)?;
+        films.push(shots);
+        if rim.abs() > 0.0 {
+            checks.push(near(
+                &format!("{name}, μ = 0.9: horizontal speed, m/s"),
+                found.on,
+                self::rigid(0.9, rim).on,
+            ));
+        }
+        plots.push(common::line(path, colour, name));
+    }
+    Ok(Page {
+        title: "A ball with spin",
+        text: vec![
+            "A ball that grips leaves at the speed at which it rolls. One that slides throughout \
+             loses μ (1 + e) times its downward speed. Topspin keeps it fast, backspin lets it \
+             slide."
+                .to_owned(),
+            "The spin of a real ball after the bounce is larger, because its friction reverses \
+             during the contact (Cross, Am. J. Phys. 70, 1093, 2002). The model has no spring \
+             along the ground."
+                .to_owned(),
+        ],
+        checks,
+        pictures: vec![picture(plots)?],
+        film: Some(film(&films)),
+    })
+}
+
+fn picture(plots: Vec<Plot>) -> Outcome<Picture> {
+    Picture::new("bounces", plots, |layout| {
+        layout
+            .with_title("a tennis ball, 30 m/s at 16 degrees, on a court with μ = 0.9")
+            .with_x_label("x (m)")
+            .with_y_label("height of the middle (m)")
+            .with_legend_position(LegendPosition::OutsideRightTop)
+    })
+}
+
+fn checks_without_spin(time_step: f64) -> Outcome<Vec<Check>> {
     let mut checks = Vec::new();
     for (name, coefficient) in [("slides", 0.5), ("grips", 0.8)] {
         let (found, ..) = bounce(coefficient, 0.0, time_step)?;
@@ -72,6 +120,11 @@ fn work(options: &Options) -> Outcome<Page> {
             rigid.rim,
         ));
     }
+    Ok(checks)
+}
+
+fn checks_of_rating(time_step: f64) -> Outcome<Vec<Check>> {
+    let mut checks = Vec::new();
     for (coefficient, source) in [
         (
             0.6,
@@ -93,46 +146,7 @@ fn work(options: &Options) -> Outcome<Page> {
             1.0,
         ));
     }
-    let (mut plots, mut films) = (Vec::new(), Vec::new());
-    for (name, rim, colour) in [
-        ("topspin", 25.0, ORANGE),
-        ("no spin", 0.0, BLUE),
-        ("backspin", -25.0, GREEN),
-    ] {
-        let (found, path, shots) = bounce(0.9, rim, time_step)?;
-        films.push(shots);
-        if rim.abs() > 0.0 {
-            checks.push(near(
-                &format!("{name}, μ = 0.9: horizontal speed, m/s"),
-                found.on,
-                self::rigid(0.9, rim).on,
-            ));
-        }
-        plots.push(common::line(path, colour, name));
-    }
-    let picture = Picture::new("bounces", plots, |layout| {
-        layout
-            .with_title("a tennis ball, 30 m/s at 16 degrees, on a court with μ = 0.9")
-            .with_x_label("x (m)")
-            .with_y_label("height of the middle (m)")
-            .with_legend_position(LegendPosition::OutsideRightTop)
-    })?;
-    Ok(Page {
-        title: "A ball with spin",
-        text: vec![
-            "A ball that grips leaves at the speed at which it rolls. One that slides throughout \
-             loses μ (1 + e) times its downward speed. Topspin keeps it fast, backspin lets it \
-             slide."
-                .to_owned(),
-            "The spin of a real ball after the bounce is larger, because its friction reverses \
-             during the contact (Cross, Am. J. Phys. 70, 1093, 2002). The model has no spring \
-             along the ground."
-                .to_owned(),
-        ],
-        checks,
-        pictures: vec![picture],
-        film: Some(film(&films)),
-    })
+    Ok(checks)
 }
 
 /// Times of the film, s. The ball touches down at 0.1 s.
@@ -224,14 +238,15 @@ fn rigid(coefficient: f64, rim: f64) -> Bounced {
     }
 }
 
-/// Returns the ball right after the bounce, its path, and the shots of the film.
-fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Path, Vec<Shot>)> {
+type Court = Stepper<Sphere, Ground<SpringDamper>, Coulomb, UniformGravity>;
+
+fn court(coefficient: f64, time_step: f64) -> Outcome<Court> {
     let carried = Carried {
         mass: MASS,
         contacts: 1,
     };
     let law = SpringDamper::from_bounce(carried, RESTITUTION, CONTACT_TIME)?;
-    let stepper = Stepper::builder(Sphere::shell(MASS, RADIUS))
+    Ok(Stepper::builder(Sphere::shell(MASS, RADIUS))
         .gravity(UniformGravity::down(GRAVITY))
         .ground(Ground::level(law))
         .friction(Coulomb {
@@ -239,43 +254,46 @@ fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Path,
             slip_speed: 1e-4,
         })
         .integrator(EnergyMomentum { time_step })
-        .build()?;
+        .build()?)
+}
+
+/// Time of the touch-down, s.
+const BEFORE: f64 = 0.1;
+
+/// The ball is thrown so that it touches down at [`BEFORE`] with the velocity of the test.
+fn thrown(court: &Court, rim: f64) -> State {
     let angle = ANGLE.to_radians();
-    // The ball is thrown so that it touches down after 0.1 s with the velocity of the test.
-    let before = 0.1;
     let velocity = DVec3::new(angle.cos(), 0.0, -angle.sin()) * SPEED;
-    let thrown = velocity + DVec3::Z * (GRAVITY * before);
-    let place = DVec3::Z * RADIUS - (velocity + thrown) * (before / 2.0);
+    let thrown = velocity + DVec3::Z * (GRAVITY * BEFORE);
+    let place = DVec3::Z * RADIUS - (velocity + thrown) * (BEFORE / 2.0);
     let start = State::at(place).with_linear_velocity(thrown);
-    let axes = start.rotation().axes();
-    let spin = DVec3::Y * (rim / RADIUS);
-    let momentum = stepper
-        .scene()
-        .inertia_properties()
-        .angular_momentum(&axes, spin);
-    let mut state = start.with_angular_momentum(momentum);
+    court.with_angular_velocity(start, DVec3::Y * (rim / RADIUS))
+}
+
+/// Returns the ball right after the bounce, its path, and the shots of the film.
+fn bounce(coefficient: f64, rim: f64, time_step: f64) -> Outcome<(Bounced, Path, Vec<Shot>)> {
+    let court = court(coefficient, time_step)?;
+    let mut state = thrown(&court, rim);
     let mut path = Vec::new();
     let mut after = None;
     let mut camera = Camera::starting(SHOWN[0], 2.5e-4);
     let mut watch = |sample: &Sample<'_>| {
         let state = sample.state;
+        let spin = || court.scene().motion(state).angular_velocity.y * RADIUS;
         path.push((state.position.x, state.position.z));
         if (SHOWN[0]..=SHOWN[1]).contains(&sample.time) {
-            camera.look(sample, || {
-                let spin = stepper.scene().motion(state).angular_velocity.y;
-                [state.linear_velocity.x, spin * RADIUS]
-            });
+            camera.look(sample, || [state.linear_velocity.x, spin()]);
         }
-        if after.is_none() && sample.time > before && state.position.z > RADIUS {
+        if after.is_none() && sample.time > BEFORE && state.position.z > RADIUS {
             after = Some(Bounced {
                 on: state.linear_velocity.x,
                 up: state.linear_velocity.z,
-                rim: stepper.scene().motion(state).angular_velocity.y * RADIUS,
+                rim: spin(),
             });
         }
         ControlFlow::Continue(())
     };
-    stepper.run(&mut state, before + 0.3, &mut watch)?;
+    court.run(&mut state, BEFORE + 0.3, &mut watch)?;
     // One point for each millisecond is sufficient for a drawing.
     let every = (path.len() / 400).max(1);
     let path = path.into_iter().step_by(every).collect();

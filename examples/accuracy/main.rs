@@ -9,6 +9,7 @@
 //! errors only, which do not depend on other work of the machine.
 
 mod conservative;
+mod page;
 #[path = "../common/plain_rk4.rs"]
 mod plain_rk4;
 #[path = "../../tests/common/report_loop.rs"]
@@ -18,6 +19,8 @@ mod truth;
 mod within;
 
 use core::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
 use std::time::Instant;
 
 use common::table;
@@ -31,17 +34,37 @@ use tumble::{
 /// cost.
 const RUNS: usize = 20;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match perform() {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Performs the task. Returns true if all checked figures are as expected.
+fn perform() -> Result<bool, Box<dyn Error>> {
     let mut arguments = lexopt::Parser::from_env();
     match arguments.next()? {
-        None => costs(),
-        Some(Long("f32")) => single::tables(),
-        Some(Long("f32-motion")) => conservative::tables(is_written(&mut arguments)?),
-        Some(Short('h') | Long("help")) => {
-            print!("{HELP}");
-            Ok(())
-        }
-        Some(other) => Err(other.unexpected().into()),
+        None => costs()?,
+        Some(Long("f32")) => single::tables()?,
+        Some(Long("f32-motion")) => conservative::tables(is_written(&mut arguments)?)?,
+        Some(Long("page")) => return page::write(folder(&mut arguments)?),
+        Some(Short('h') | Long("help")) => print!("{HELP}"),
+        Some(other) => return Err(other.unexpected().into()),
+    }
+    Ok(true)
+}
+
+/// Returns the folder of the page.
+fn folder(arguments: &mut lexopt::Parser) -> Result<PathBuf, lexopt::Error> {
+    match arguments.next()? {
+        None => Ok("out".into()),
+        Some(Short('o') | Long("out")) => Ok(arguments.value()?.into()),
+        Some(other) => Err(other.unexpected()),
     }
 }
 
@@ -60,6 +83,8 @@ relative to an exact solution of 13 digits, and the cost.
 
 Usage: cargo run --release --example accuracy -- [OPTIONS]
 
+      --page [--out <FOLDER>]
+               instead, a page with the error over the step size, in out/accuracy
       --f32    instead, error and energy in single and double precision, for each integrator and
                step size
       --f32-motion [--write]

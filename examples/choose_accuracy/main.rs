@@ -11,9 +11,9 @@
 mod picture;
 mod scenes;
 
-use core::error::Error;
 use std::path::PathBuf;
 
+use common::{Outcome, Page, Picture, table};
 use lexopt::prelude::*;
 use scenes::{Friction, Start};
 use tumble::work_precision::{Setting, WorkPrecision};
@@ -33,7 +33,7 @@ Usage: cargo run --release --example choose_accuracy -- [OPTIONS]
   --single            in single precision
   --flight            flight in closed form
   --quick             fewer settings
-  --out DIR           folder of the picture                         [out]
+  --out DIR           folder of the page and its picture            [out]
   --help              this text
 ";
 
@@ -46,39 +46,76 @@ struct Options {
     out: PathBuf,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Outcome<()> {
     let Some(options) = options()? else {
         print!("{HELP}");
         return Ok(());
     };
     let curve = measure(&options)?;
+    println!("{curve}");
+    let page_options = common::Options {
+        out: options.out.clone(),
+        quick: options.quick,
+    };
+    page(&curve, &options)?.write("choose_accuracy", &page_options)?;
+    Ok(())
+}
+
+fn page(curve: &WorkPrecision, options: &Options) -> Outcome<Page> {
     let start = &options.start;
-    println!(
-        "{}, {} s, {} points\n",
+    let scene = format!(
+        "{}, {} s, {} points",
         start.name, start.seconds, start.points
     );
-    print!("{curve}");
-    println!("\nthe reference is accurate to {:.0e} m", curve.resolution);
-    match curve.cheapest(options.error) {
-        Some(row) => println!(
-            "cheapest for {:.0e} m: {}, {:.1e} m in {:.1} µs",
-            options.error,
+    let title = format!("{}: error after {} s over cost", start.name, start.seconds);
+    Ok(Page {
+        title: "Error and cost of every integrator",
+        text: vec![
+            format!(
+                "Scene: {scene}. The reference is accurate to {:.0e} m.",
+                curve.resolution
+            ),
+            cheapest(curve, options.error),
+            "The table lists the settings for which no other setting has both a smaller error and \
+             a lower cost."
+                .to_owned(),
+            front(curve),
+        ],
+        checks: Vec::new(),
+        pictures: vec![Picture::of(
+            "work_precision",
+            &picture::scene(curve, &title),
+        )?],
+        film: None,
+    })
+}
+
+fn cheapest(curve: &WorkPrecision, error: f64) -> String {
+    match curve.cheapest(error) {
+        Some(row) => format!(
+            "Lowest cost for an error of at most {error:.0e} m: {}, with {:.1e} m in {:.1} µs.",
             row.setting,
             row.error,
             row.time.as_secs_f64() * 1e6
         ),
-        None => println!("no setting has an error of at most {:.0e} m", options.error),
+        None => format!("No setting has an error of at most {error:.0e} m."),
     }
-    let title = format!("{}: error after {} s over cost", start.name, start.seconds);
-    picture::write(&curve, &title, &options.out, "work_precision")?;
-    println!(
-        "picture: {}",
-        options.out.join("work_precision.svg").display()
-    );
-    Ok(())
 }
 
-fn measure(options: &Options) -> Result<WorkPrecision, Box<dyn Error>> {
+/// Table of the Pareto front.
+fn front(curve: &WorkPrecision) -> String {
+    let mut rows = vec![table::cells(["setting", "error, m", "cost, µs"])];
+    for row in curve.pareto_front() {
+        rows.push(table::cells([
+            row.setting.to_string(),
+            format!("{:.1e}", row.error),
+            format!("{:.1}", row.time.as_secs_f64() * 1e6),
+        ]));
+    }
+    table::text(&rows)
+}
+
+fn measure(options: &Options) -> Outcome<WorkPrecision> {
     let mut settings = Setting::built_in();
     for setting in &mut settings {
         setting.flight = options.flight;
@@ -96,8 +133,43 @@ fn measure(options: &Options) -> Result<WorkPrecision, Box<dyn Error>> {
     options.start.curve(&settings, options.single)
 }
 
+/// Changes of the scene by options.
+#[derive(Default)]
+struct Changes {
+    seconds: Option<f64>,
+    points: Option<usize>,
+    stiffness: Option<f64>,
+    slip_speed: Option<f64>,
+    smooth: bool,
+}
+
+impl Changes {
+    fn apply(&self, start: &mut Start) {
+        start.seconds = self.seconds.unwrap_or(start.seconds);
+        start.points = self.points.unwrap_or(start.points);
+        start.stiffness = self.stiffness.unwrap_or(start.stiffness);
+        if let Friction::Coulomb {
+            coefficient,
+            slip_speed,
+        } = start.friction
+        {
+            let slip_speed = self.slip_speed.unwrap_or(slip_speed);
+            start.friction = match self.smooth {
+                true => Friction::Smooth {
+                    coefficient,
+                    slip_speed,
+                },
+                false => Friction::Coulomb {
+                    coefficient,
+                    slip_speed,
+                },
+            };
+        }
+    }
+}
+
 /// Returns the options, or `None` if the help text is requested.
-fn options() -> Result<Option<Options>, Box<dyn Error>> {
+fn options() -> Outcome<Option<Options>> {
     let mut options = Options {
         start: Start::named("trial1").ok_or("trial1 is a scene")?,
         error: 1e-4,
@@ -106,8 +178,7 @@ fn options() -> Result<Option<Options>, Box<dyn Error>> {
         quick: false,
         out: "out".into(),
     };
-    let (mut seconds, mut points, mut stiffness, mut slip, mut smooth) =
-        (None, None, None, None, false);
+    let mut changes = Changes::default();
     let mut parser = lexopt::Parser::from_env();
     while let Some(argument) = parser.next()? {
         match argument {
@@ -116,11 +187,11 @@ fn options() -> Result<Option<Options>, Box<dyn Error>> {
                 options.start = Start::named(&name).ok_or(format!("there is no scene {name}"))?;
             }
             Long("error") => options.error = parser.value()?.parse()?,
-            Long("seconds") => seconds = Some(parser.value()?.parse()?),
-            Long("points") => points = Some(parser.value()?.parse()?),
-            Long("stiffness") => stiffness = Some(parser.value()?.parse()?),
-            Long("slip-speed") => slip = Some(parser.value()?.parse()?),
-            Long("smooth") => smooth = true,
+            Long("seconds") => changes.seconds = Some(parser.value()?.parse()?),
+            Long("points") => changes.points = Some(parser.value()?.parse()?),
+            Long("stiffness") => changes.stiffness = Some(parser.value()?.parse()?),
+            Long("slip-speed") => changes.slip_speed = Some(parser.value()?.parse()?),
+            Long("smooth") => changes.smooth = true,
             Long("single") => options.single = true,
             Long("flight") => options.flight = true,
             Long("quick") => options.quick = true,
@@ -129,27 +200,6 @@ fn options() -> Result<Option<Options>, Box<dyn Error>> {
             _ => return Err(argument.unexpected().into()),
         }
     }
-    let start = &mut options.start;
-    start.seconds = seconds.unwrap_or(start.seconds);
-    start.points = points.unwrap_or(start.points);
-    start.stiffness = stiffness.unwrap_or(start.stiffness);
-    if let Friction::Coulomb {
-        coefficient,
-        slip_speed,
-    } = start.friction
-    {
-        let slip_speed = slip.unwrap_or(slip_speed);
-        start.friction = if smooth {
-            Friction::Smooth {
-                coefficient,
-                slip_speed,
-            }
-        } else {
-            Friction::Coulomb {
-                coefficient,
-                slip_speed,
-            }
-        };
-    }
+    changes.apply(&mut options.start);
     Ok(Some(options))
 }

@@ -21,6 +21,7 @@ const COLOURS: [(Method, &str); 8] = [
 ];
 
 /// Writes `name`.svg and `name`.png into a folder.
+#[allow(dead_code, reason = "the bench uses it; the example writes a page")]
 pub(crate) fn write(
     curve: &WorkPrecision,
     title: &str,
@@ -36,13 +37,16 @@ pub(crate) fn write(
 }
 
 /// Drawing with a view box, so that a page can scale it.
+#[allow(dead_code, reason = "the bench uses it; the example writes a page")]
 fn svg(scene: &Scene) -> String {
     let view_box = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
     let text = SvgBackend::new().render_scene(scene);
     text.replacen("<svg ", &view_box, 1)
 }
 
-fn scene(curve: &WorkPrecision, title: &str) -> Scene {
+/// Returns the diagram.
+#[allow(dead_code, reason = "the example uses it; the bench writes files")]
+pub(crate) fn scene(curve: &WorkPrecision, title: &str) -> Scene {
     let mut plots = Vec::new();
     for (method, colour) in COLOURS {
         let places: Vec<(f64, f64)> = (curve.rows.iter())

@@ -70,7 +70,7 @@ fn one_trial(options: &Options) -> Result<(), Box<dyn Error>> {
     let setup = options.overrides.apply(options.number)?;
     make_folder(&options.out)?;
     let recording = run_and_tell(setup, options.quiet)?;
-    write(&recording, &options.out)?;
+    write(&recording, &options.out, FULL)?;
     tell_where(options, &options.out.join("coin.html"))?;
     Ok(())
 }
@@ -82,7 +82,7 @@ fn all_trials(options: &Options) -> Result<(), Box<dyn Error>> {
         let folder = options.out.join(overview::folder(&setup));
         make_folder(&folder)?;
         let recording = run_and_tell(setup, options.quiet)?;
-        write(&recording, &folder)?;
+        write(&recording, &folder, BRIEF)?;
         cards.push(overview::card(&recording));
     }
     let page = options.out.join("overview.html");
@@ -127,12 +127,32 @@ fn make_folder(folder: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// How much is written of a run.
+#[derive(Clone, Copy, Debug)]
+struct Detail {
+    /// Number of moments for each row of the table.
+    every: usize,
+    /// True for pictures as PNG, besides SVG.
+    with_png: bool,
+}
+
+const FULL: Detail = Detail {
+    every: 1,
+    with_png: true,
+};
+/// The files of eight trials are small enough to be sent to somebody.
+const BRIEF: Detail = Detail {
+    every: 20,
+    with_png: false,
+};
+
 /// Writes table, page and pictures into an existing folder.
-fn write(recording: &Recording, folder: &Path) -> Result<(), Box<dyn Error>> {
+fn write(recording: &Recording, folder: &Path, detail: Detail) -> Result<(), Box<dyn Error>> {
     let explain = |error| format!("cannot write into {}: {error}", folder.display());
-    table::write(recording, &folder.join("coin.csv")).map_err(|error| explain(error.into()))?;
+    table::write(recording, &folder.join("coin.csv"), detail.every)
+        .map_err(|error| explain(error.into()))?;
     page::write(recording, &folder.join("coin.html")).map_err(explain)?;
-    pictures::write(recording, folder).map_err(explain)?;
+    pictures::write(recording, folder, detail.with_png).map_err(explain)?;
     Ok(())
 }
 

@@ -19,7 +19,8 @@ Usage: cargo run --release --example coin -- [OPTIONS]
 
 What to run
   -t, --trial <1..8>            trial of the coin report to start from        [default: 1]
-  -a, --all                     all eight trials, and one page that shows them side by side
+  -a, --all                     all eight trials, and one page that shows them side by side;
+                                with a row of the table every 0.2 s, and pictures as SVG only
       --readme-picture <FILE>   only draw the coin of the trial, as an animated SVG, into FILE
 
 The five parameters of the coin report: each replaces the value of the trial

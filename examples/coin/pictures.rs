@@ -1,18 +1,21 @@
 //! The pictures of the coin report: energy, track, slip speed and centre, each as SVG and PNG.
 
+use std::f64::consts::TAU;
+use std::fs;
 use std::path::Path;
 
 use kuva::prelude::*;
 use kuva::render::figure::Figure;
 use kuva::render::render::{Scene, render_multiple};
 use tumble::Energy;
+use tumble::glam::DVec3;
 
 use common::Outcome;
 use common::picture::{
     self, BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Picture, Size, VERMILION, WIDE,
 };
 
-use crate::curve::{Curve, pieces, simplified, thinned};
+use crate::curve::{Curve, NEAR, pieces, simplified};
 use crate::milestones::Milestones;
 use crate::recording::{Moment, Recording};
 use crate::setup::RADIUS;
@@ -23,8 +26,8 @@ const SQUARE: Size = (820.0, 720.0);
 /// A picture in the overview of the trials.
 const SMALL: Size = (420.0, 280.0);
 
-/// Writes the four pictures of a run into a folder.
-pub(crate) fn write(recording: &Recording, folder: &Path) -> Outcome<()> {
+/// Writes the four pictures of a run into a folder, as SVG and, if `with_png` is true, as PNG.
+pub(crate) fn write(recording: &Recording, folder: &Path, with_png: bool) -> Outcome<()> {
     let title = recording.setup.title();
     let energy = energy(recording, WIDE)
         .with_title(format!("{title}: energy by kind"))
@@ -33,10 +36,21 @@ pub(crate) fn write(recording: &Recording, folder: &Path) -> Outcome<()> {
     let slip = slip(recording)
         .with_title(format!("{title}: slip speed of the lowest point"))
         .with_events(recording);
-    Picture::of("energy", &energy.scene())?.write(folder)?;
-    Picture::of("track", &track.scene())?.write(folder)?;
-    Picture::of("slip", &slip.scene())?.write(folder)?;
-    Picture::of("centre", &centre(recording))?.write(folder)
+    let scenes = [
+        ("energy", energy.scene()),
+        ("track", track.scene()),
+        ("slip", slip.scene()),
+        ("centre", centre(recording)),
+    ];
+    for (name, scene) in &scenes {
+        if with_png {
+            Picture::of(name, scene)?.write(folder)?;
+        } else {
+            let file = folder.join(name).with_extension("svg");
+            fs::write(file, picture::svg(scene))?;
+        }
+    }
+    Ok(())
 }
 
 /// Returns energy and track as two small SVGs, for the overview of the trials.
@@ -136,7 +150,11 @@ impl Sketch {
 /// Energy by kind over time.
 fn energy(recording: &Recording, size: Size) -> Sketch {
     let kind = |name, colour, value: fn(&Energy) -> f64| {
-        line(over_time(recording, |moment| value(&moment.energy)), colour).with_legend(name)
+        line(
+            over_time(recording, size, |moment| value(&moment.energy)),
+            colour,
+        )
+        .with_legend(name)
     };
     let curves = vec![
         kind("total", BLACK, Energy::total).with_stroke_width(2.5),
@@ -154,10 +172,24 @@ fn track(recording: &Recording, size: Size) -> Sketch {
     let moving = recording.until(Milestones::of(recording).settled);
     let lowest = moving.iter().map(|m| (m.lowest.x, m.lowest.y));
     let centre = moving.iter().map(|m| (m.centre.x, m.centre.y));
-    let mut curves = track_line(lowest.clone(), BLUE, "lowest point", 1.0);
-    curves.extend(track_line(centre.clone(), VERMILION, "centre", 1.8));
+    // A small picture shows less.
+    let near = NEAR * SQUARE.0 / size.0;
+    let mut curves = track_line(lowest.clone(), near, BLUE, "lowest point", 1.0);
+    curves.extend(track_line(centre.clone(), near, VERMILION, "centre", 1.8));
     let starts = [lowest.clone().next(), centre.clone().next()];
-    let (x, y): (Vec<f64>, Vec<f64>) = lowest.chain(centre).unzip();
+    // The coin at both ends gives the scale, also if its track is short.
+    let ends = [
+        recording.first(),
+        moving.last().unwrap_or(recording.first()),
+    ];
+    let rims = ends.map(rim);
+    let names = ["coin at the start", "coin at rest"];
+    for (rim, name) in rims.iter().zip(names) {
+        let outline = line(rim.clone(), GREY).with_legend(name);
+        curves.push(outline.with_dashed());
+    }
+    let shown = lowest.chain(centre).chain(rims.into_iter().flatten());
+    let (x, y): (Vec<f64>, Vec<f64>) = shown.unzip();
     let (left, right) = room_for(&x);
     let (bottom, top) = room_for(&y);
     Sketch::new(curves, "x (m)", "y (m)", size)
@@ -173,6 +205,17 @@ fn track(recording: &Recording, size: Size) -> Sketch {
         })
 }
 
+/// Rim of the coin, seen from above.
+fn rim(moment: &Moment) -> Curve {
+    let point = |k: u32| {
+        let (sin, cos) = (TAU * f64::from(k) / 60.0).sin_cos();
+        let place =
+            moment.centre + moment.orientation * DVec3::new(0.0, RADIUS * cos, RADIUS * sin);
+        (place.x, place.y)
+    };
+    (0..=60).map(point).collect()
+}
+
 /// Ends of an axis, m: a margin on both sides, and at least the size of the coin.
 fn room_for(places: &[f64]) -> (f64, f64) {
     let least = places.iter().copied().fold(f64::INFINITY, f64::min);
@@ -183,14 +226,14 @@ fn room_for(places: &[f64]) -> (f64, f64) {
 
 /// Slip speed of the lowest point over time.
 fn slip(recording: &Recording) -> Sketch {
-    let slip = line(over_time(recording, |moment| moment.slip), VERMILION);
+    let slip = line(over_time(recording, WIDE, |moment| moment.slip), VERMILION);
     Sketch::over_time(vec![slip], "slip speed (m/s)", WIDE)
 }
 
 /// Height of the centre over time, and its y coordinate below.
 fn centre(recording: &Recording) -> Scene {
-    let height = line(over_time(recording, |moment| moment.centre.z), GREEN);
-    let across = line(over_time(recording, |moment| moment.centre.y), BLUE);
+    let height = line(over_time(recording, FLAT, |moment| moment.centre.z), GREEN);
+    let across = line(over_time(recording, FLAT, |moment| moment.centre.y), BLUE);
     let panel = |curve, label| {
         Sketch::over_time(vec![curve], label, FLAT)
             .with(|layout| layout.with_force_margins(90.0, 20.0))
@@ -212,11 +255,12 @@ fn centre(recording: &Recording) -> Scene {
 /// Draws one line for each piece of a track. The first has the name of the track.
 fn track_line(
     track: impl Iterator<Item = (f64, f64)>,
+    near: f64,
     colour: &str,
     name: &str,
     width: f64,
 ) -> Vec<LinePlot> {
-    let mut lines: Vec<LinePlot> = pieces(&simplified(track))
+    let mut lines: Vec<LinePlot> = pieces(&simplified(track, near))
         .into_iter()
         .map(|piece| line(piece, colour).with_stroke_width(width))
         .collect();
@@ -234,7 +278,18 @@ fn line(curve: Curve, colour: &str) -> LinePlot {
 }
 
 /// A quantity over time, until shortly after the coin has settled.
-fn over_time(recording: &Recording, value: impl Fn(&Moment) -> f64) -> Curve {
+fn over_time(recording: &Recording, size: Size, value: impl Fn(&Moment) -> f64) -> Curve {
     let moving = recording.until(Milestones::of(recording).curtain()).iter();
-    thinned(moving.map(|moment| (moment.time, value(moment))).collect())
+    let curve = moving.map(|moment| (moment.time, value(moment))).collect();
+    picture::thinned(curve, strips(size))
+}
+
+/// Number of intervals of a curve: one for every two pixels.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a width is a small number above 0"
+)]
+fn strips((width, _): Size) -> usize {
+    (width / 2.0) as usize
 }

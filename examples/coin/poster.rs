@@ -7,7 +7,7 @@ use std::path::Path;
 
 use tumble::glam::{DVec2, DVec3};
 
-use crate::curve::{pieces, simplified};
+use crate::curve::{NEAR, pieces, simplified};
 use crate::milestones::Milestones;
 use crate::recording::{Moment, Recording};
 use crate::setup::RADIUS;
@@ -259,7 +259,7 @@ fn grid(eye: &Eye) -> String {
 fn track(film: &Film<'_>, eye: &Eye) -> String {
     let lowest = film.moments.iter().map(|m| (m.lowest.x, m.lowest.y));
     let see = |(x, y)| eye.see(DVec3::new(x, y, 0.0));
-    let pieces = pieces(&simplified(lowest));
+    let pieces = pieces(&simplified(lowest, NEAR));
     let lines = pieces
         .into_iter()
         .map(|piece| line_through(piece.into_iter().map(see)));

@@ -32,12 +32,12 @@ const HEADER: [&str; 24] = [
     "energy_springs_J",
 ];
 
-/// Writes the table. It ends when the coin has settled.
-pub(crate) fn write(recording: &Recording, path: &Path) -> Result<(), csv::Error> {
+/// Writes a row for every `every`-th moment. The table ends when the coin has settled.
+pub(crate) fn write(recording: &Recording, path: &Path, every: usize) -> Result<(), csv::Error> {
     let mut table = csv::Writer::from_path(path)?;
     table.write_record(HEADER)?;
     let shown = recording.until(Milestones::of(recording).curtain());
-    for moment in shown {
+    for moment in shown.iter().step_by(every) {
         table.write_record(row(moment))?;
     }
     table.flush()?;

@@ -100,7 +100,7 @@ pub struct Shot {
 }
 
 /// Pose of a body.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Pose {
     /// Position of the mesh's origin, m.
     pub place: DVec3,
@@ -187,13 +187,7 @@ impl Film {
         let column = |unit: f64, value: &dyn Fn(&Shot) -> f64| differences(&shots, unit, value);
         let length = self.size * LENGTH;
         let actors: Vec<Value> = (0..self.bodies.len())
-            .map(|k| {
-                let centre = [0, 1, 2].map(|i| column(length, &|shot| shot.poses[k].place[i]));
-                let orientation = [3, 0, 1, 2]
-                    .map(|i| column(ORIENTATION, &|shot| shot.poses[k].orientation.to_array()[i]));
-                let contact = [0, 1].map(|i| column(length, &|shot| shot.poses[k].lowest[i]));
-                json!({ "body": k, "centre": centre, "orientation": orientation, "contact": contact })
-            })
+            .map(|k| self.actor(k, &shots))
             .collect();
         let columns = |columns: &[Column], first: usize| -> Vec<Value> {
             (columns.iter().enumerate())
@@ -212,7 +206,7 @@ impl Film {
             "lines": self.lines,
             "distance": 0.5 * self.distance,
             "slower": self.slower,
-            "follow": self.bodies.len() / 2,
+            "follow": self.bodies.iter().filter(|body| !body.is_ground()).count() / 2,
             // The page's lengths are scaled so that the size is one half.
             "units": { "time": TIME, "length": 0.5 * LENGTH, "orientation": ORIENTATION },
             "events": self.events,
@@ -222,6 +216,28 @@ impl Film {
             "actors": actors,
             "readouts": columns(&self.readouts, 0),
             "curves": columns(&self.curves, self.readouts.len()),
+        })
+    }
+
+    /// Course of a body.
+    fn actor(&self, k: usize, shots: &[Shot]) -> Value {
+        let length = self.size * LENGTH;
+        let column = |unit: f64, value: &dyn Fn(&Shot) -> f64| differences(shots, unit, value);
+        let centre = [0, 1, 2].map(|i| column(length, &|shot| shot.poses[k].place[i]));
+        let orientation = [3, 0, 1, 2]
+            .map(|i| column(ORIENTATION, &|shot| shot.poses[k].orientation.to_array()[i]));
+        // On a level floor the track has no height.
+        let is_level = !self.bodies.iter().any(Mesh::is_ground);
+        let axes = if is_level { 0..2 } else { 0..3 };
+        let contact: Vec<_> = axes
+            .map(|i| column(length, &|shot| shot.poses[k].lowest[i]))
+            .collect();
+        json!({
+            "body": k,
+            "ground": self.bodies[k].is_ground(),
+            "centre": centre,
+            "orientation": orientation,
+            "contact": contact,
         })
     }
 

@@ -23,9 +23,40 @@ pub const INK: Colour = [40, 44, 56];
 
 /// Faces with their corners counter-clockwise, seen from outside; m, body axes.
 #[derive(Clone, Debug, Default)]
-pub struct Mesh(Vec<(Colour, Vec<DVec3>)>);
+pub struct Mesh(Vec<(Colour, Vec<DVec3>)>, Role);
+
+/// Role of a mesh in the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Role {
+    /// A body with its shadow, and with the track of its lowest point.
+    #[default]
+    Body,
+    /// The ground, drawn below the bodies and in place of the level floor.
+    Ground,
+}
 
 impl Mesh {
+    /// A ground that is drawn in place of the level floor, with its surface as a grid of points:
+    /// rows along x, each with its points along y, both in increasing order.
+    ///
+    /// Its pose is that of a body that stays at the origin. The mesh is one of the film's bodies.
+    pub fn ground(rows: &[Vec<DVec3>], [first, second]: [Colour; 2]) -> Self {
+        let mut mesh = Self(Vec::new(), Role::Ground);
+        for (i, pair) in rows.windows(2).enumerate() {
+            let columns = pair[0].windows(2).zip(pair[1].windows(2));
+            for (k, (here, next)) in columns.enumerate() {
+                let colour = if (i + k) % 2 == 0 { first } else { second };
+                mesh.0
+                    .push((colour, vec![here[0], next[0], next[1], here[1]]));
+            }
+        }
+        mesh
+    }
+
+    pub(crate) fn is_ground(&self) -> bool {
+        self.1 == Role::Ground
+    }
+
     /// Returns the faces in whole units of length: the number of the colour, then the coordinates.
     pub(crate) fn faces(&self, unit: f64, colours: &mut Vec<Colour>) -> Value {
         let face = |(colour, points): &(Colour, Vec<DVec3>)| {

@@ -53,6 +53,11 @@ impl Picture {
         })
     }
 
+    /// Name of the picture, which is that of its files.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
     /// Drawing for a page, with unique names of its clip paths.
     pub fn svg(&self, tag: &str) -> String {
         with_own_names(&self.svg, tag)
@@ -92,9 +97,33 @@ pub fn layout(plots: &[Plot], (width, height): Size) -> Layout {
         })
 }
 
+/// Reduces a curve to the first, lowest, highest and last point of each of `strips` intervals. More
+/// points than a picture has pixels would have no visible effect.
+pub fn thinned(curve: Vec<(f64, f64)>, strips: usize) -> Vec<(f64, f64)> {
+    let strip = curve.len().div_ceil(strips);
+    if strip <= 4 {
+        return curve;
+    }
+    curve.chunks(strip).flat_map(extremes).collect()
+}
+
+/// First, lowest, highest and last point of an interval, in order and without repetition.
+fn extremes(strip: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> + '_ {
+    let by_value = |a: &usize, b: &usize| strip[*a].1.total_cmp(&strip[*b].1);
+    let lowest = (0..strip.len()).min_by(by_value).unwrap_or(0);
+    let highest = (0..strip.len()).max_by(by_value).unwrap_or(0);
+    let mut kept = vec![0, lowest, highest, strip.len() - 1];
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter().map(|index| strip[index])
+}
+
+/// Number of intervals of a curve in a wide picture: one for every two pixels.
+const STRIPS: usize = 450;
+
 pub fn line(curve: Vec<(f64, f64)>, colour: &str, name: &str) -> Plot {
     let line = LinePlot::new()
-        .with_data(curve)
+        .with_data(thinned(curve, STRIPS))
         .with_color(colour)
         .with_stroke_width(1.8);
     Plot::Line(if name.is_empty() {

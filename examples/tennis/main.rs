@@ -65,7 +65,7 @@ fn work(arguments: &Arguments) -> Outcome<bool> {
     }
     let page = Page {
         title: "Tennis: topspin, flat and slice",
-        text: text(court),
+        text: [text(court), vec![table::short(&hits)]].concat(),
         checks: checks::all(&hits, court, time_step)?,
         pictures: pictures::all(&hits)?,
         film: Some(film::film(&hits, court)),

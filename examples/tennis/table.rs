@@ -1,6 +1,5 @@
 //! Tables: speeds and spins before and after the bounce, and the trajectories.
 
-use std::fs;
 use std::path::Path;
 
 use common::{Outcome, table};
@@ -32,8 +31,7 @@ const HEADER: [&str; 18] = [
     "second_bounce_x_m",
 ];
 
-/// Writes `bounces.csv` and `trajectories.csv` into a folder, and a short table into the page of
-/// the folder and to the terminal.
+/// Writes `bounces.csv` and `trajectories.csv` into a folder.
 pub(crate) fn write(hits: &[Hit], folder: &Path) -> Outcome<()> {
     let mut bounces = csv::Writer::from_path(folder.join("bounces.csv"))?;
     bounces.write_record(HEADER)?;
@@ -43,11 +41,7 @@ pub(crate) fn write(hits: &[Hit], folder: &Path) -> Outcome<()> {
         }
     }
     bounces.flush()?;
-    trajectories(hits, &folder.join("trajectories.csv"))?;
-    let rows = short(hits);
-    insert(&rows, &folder.join("tennis.html"))?;
-    table::print(&rows);
-    Ok(())
+    trajectories(hits, &folder.join("trajectories.csv"))
 }
 
 /// Height of the bottom of the ball over the net's middle, m. Empty if the ball lands before it.
@@ -118,8 +112,8 @@ fn trajectories(hits: &[Hit], path: &Path) -> Outcome<()> {
     Ok(())
 }
 
-/// Rows of the table in the page.
-fn short(hits: &[Hit]) -> Vec<Vec<String>> {
+/// Short table for the page.
+pub(crate) fn short(hits: &[Hit]) -> String {
     let head = table::cells([
         "shot",
         "launch, m/s",
@@ -157,7 +151,8 @@ fn short(hits: &[Hit]) -> Vec<Vec<String>> {
         ]
         .concat()
     });
-    std::iter::once(head).chain(rows).collect()
+    let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
+    table::text(&rows)
 }
 
 /// Cells of speed, angle and spin.
@@ -168,20 +163,4 @@ fn motion(moment: &Moment) -> Vec<String> {
         format!("{angle:.1}"),
         format!("{:.0}", moment.turns()),
     ]
-}
-
-/// Inserts the table into the page, before its pictures.
-fn insert(rows: &[Vec<String>], page: &Path) -> Outcome<()> {
-    const PICTURES: &str = "<div class=\"wide\">";
-    let line = |(number, cells): (usize, &Vec<String>)| {
-        let cell = if number == 0 { "th" } else { "td" };
-        let inside = cells.join(&format!("</{cell}><{cell}>"));
-        format!("<tr><{cell}>{inside}</{cell}></tr>\n")
-    };
-    let lines: String = rows.iter().enumerate().map(line).collect();
-    let text = fs::read_to_string(page)?;
-    let (before, after) = text.split_once(PICTURES).ok_or("the page has no picture")?;
-    let table = format!("{PICTURES}<table>\n{lines}</table></div>\n");
-    fs::write(page, [before, &table, PICTURES, after].concat())?;
-    Ok(())
 }

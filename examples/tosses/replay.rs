@@ -7,7 +7,7 @@ use tumble::{Sample, Timed, UntilDecided};
 
 use crate::Arguments;
 use crate::scene;
-use common::{Camera, Column, Film, Mesh, Outcome, energy_columns};
+use common::{Camera, Column, Film, Mesh, Outcome, Shot, energy_columns};
 
 /// Time between two shots of the film and two rows of the path, s.
 const INTERVAL: f64 = 0.002;
@@ -22,28 +22,13 @@ pub(crate) fn replay(arguments: &Arguments, toss: u64) -> Outcome<()> {
     fs::create_dir_all(&arguments.out)?;
     let path = arguments.out.join("path.csv");
     let mut rows = csv::Writer::from_path(&path)?;
-    rows.write_record([
-        "time (s)",
-        "x (m)",
-        "y (m)",
-        "z (m)",
-        "qx",
-        "qy",
-        "qz",
-        "qw",
-        "energy (J)",
-    ])?;
+    rows.write_record(HEADER)?;
     let mut camera = Camera::new(INTERVAL);
     let mut written = Ok(());
     let watch = |sample: &Sample<'_>| {
         let height = 1e3 * sample.state.position.z;
         camera.look(sample, || [height, sample.touching() as f64]);
-        let ([x, y, z], quaternion) = (
-            sample.state.position.to_array(),
-            sample.state.orientation.to_array(),
-        );
-        let energy = sample.energy().total();
-        written = rows.serialize((sample.time, x, y, z, quaternion, energy));
+        written = rows.serialize(row(sample));
         match written {
             Ok(()) => ControlFlow::Continue(()),
             Err(_) => ControlFlow::Break(()),
@@ -59,10 +44,39 @@ pub(crate) fn replay(arguments: &Arguments, toss: u64) -> Outcome<()> {
     if decided != outcome {
         return Err(format!("the replay is {decided:?}, the toss was {outcome:?}").into());
     }
-    let film = arguments.out.join("play.html");
+    let page = arguments.out.join("play.html");
+    let lines = vec![format!("{outcome:?} after {seconds:.3} s.")];
+    film(toss, lines, seconds, camera.shots).write(&page)?;
+    println!("Written: {}, {}", page.display(), path.display());
+    Ok(())
+}
+
+const HEADER: [&str; 9] = [
+    "time (s)",
+    "x (m)",
+    "y (m)",
+    "z (m)",
+    "qx",
+    "qy",
+    "qz",
+    "qw",
+    "energy (J)",
+];
+
+/// Time, position, orientation and energy.
+fn row(sample: &Sample<'_>) -> (f64, [f64; 3], [f64; 4], f64) {
+    (
+        sample.time,
+        sample.state.position.to_array(),
+        sample.state.orientation.to_array(),
+        sample.energy().total(),
+    )
+}
+
+fn film(toss: u64, lines: Vec<String>, seconds: f64, shots: Vec<Shot>) -> Film {
     Film {
         title: format!("Toss {toss}"),
-        lines: vec![format!("{outcome:?} after {seconds:.3} s.")],
+        lines,
         size: scene::RADIUS,
         distance: 14.0,
         slower: 4.0,
@@ -73,9 +87,6 @@ pub(crate) fn replay(arguments: &Arguments, toss: u64) -> Outcome<()> {
         ],
         curves: energy_columns(),
         events: vec![("end", seconds)],
-        shots: camera.shots,
+        shots,
     }
-    .write(&film)?;
-    println!("Written: {}, {}", film.display(), path.display());
-    Ok(())
 }

@@ -1,0 +1,18 @@
+#!/bin/bash
+# Builds the gallery of all examples, and looks at each of its pages in Chromium, on a desktop, on a phone and in the dark: no error, no texts that overlap or are
+# cut, no empty canvas or drawing, no control without a name, no page that is wider than the screen; films play, stop, and stand still for who asks for it;
+# the keyboard reaches each card; at most 20 MB. Pictures go to $CARGO_TARGET_DIR/gallery.
+# The examples check their own figures, and the gallery fails where one is not what it should be.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+work="${CARGO_TARGET_DIR:-$PWD/target}/gallery"
+rm -rf "$work/pages"
+mkdir -p "$work"
+
+cargo run -q --release --example gallery -- --out "$work/pages"
+python3 .ci/read_pictures.py "$work/pages" >"$work/list"
+echo "the gallery: $(wc -l <"$work/list") files"
+
+. .ci/browser.sh
+cp tests/web/gallery.mjs "$work/gallery.mjs" # where Node finds the driver
+FOLDER="$work/pages" PICTURES="$work" timeout 400 node "$work/gallery.mjs"

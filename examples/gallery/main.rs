@@ -1,0 +1,128 @@
+//! All examples on one page: runs each of them, and writes a page with a card and a thumbnail for
+//! each.
+//!
+//! Run `cargo run --release --example gallery -- --help`.
+
+// A program has the standard library. These lints are meant for the library.
+#![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
+
+mod card;
+mod exhibits;
+mod run;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use common::Outcome;
+use indicatif::{ProgressBar, ProgressStyle};
+use lexopt::prelude::*;
+use rayon::prelude::*;
+
+use run::Shown;
+
+const HELP: &str = "\
+Builds and runs all examples, and writes one page that shows them side by side. The films move. Each
+card opens the page of an example. Takes about a minute after the examples are built.
+
+Usage: cargo run --release --example gallery -- [OPTIONS]
+
+  -o, --out <FOLDER>   folder of the pages     [default: out/gallery]
+  -h, --help           this text
+";
+
+const TEMPLATE: &str = include_str!("gallery.html");
+/// Placeholder of the cards in the template.
+const PLACE: &str = "<!--CARDS-->";
+
+fn main() -> ExitCode {
+    let folder = match parse() {
+        Ok(Some(folder)) => folder,
+        Ok(None) => {
+            print!("{HELP}");
+            return ExitCode::SUCCESS;
+        }
+        Err(error) => {
+            eprintln!("error: {error}\nThe options are listed by --help.");
+            return ExitCode::from(2);
+        }
+    };
+    match work(&folder) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Returns the folder, or `None` if the help text is requested.
+fn parse() -> Result<Option<PathBuf>, lexopt::Error> {
+    let mut folder = PathBuf::from("out/gallery");
+    let mut parser = lexopt::Parser::from_env();
+    while let Some(argument) = parser.next()? {
+        match argument {
+            Short('o') | Long("out") => folder = parser.value()?.into(),
+            Short('h') | Long("help") => return Ok(None),
+            other => return Err(other.unexpected()),
+        }
+    }
+    Ok(Some(folder))
+}
+
+/// Writes the gallery. Returns true if all examples found their figures as expected.
+fn work(folder: &Path) -> Outcome<bool> {
+    let programs = run::build()?;
+    let begin = Instant::now();
+    fs::create_dir_all(folder)?;
+    let shown = run_all(&programs, folder)?;
+    let cards: String = shown.iter().map(card::html).collect();
+    let page = folder.join("index.html");
+    fs::write(&page, TEMPLATE.replace(PLACE, &cards))?;
+    for failed in shown.iter().filter(|shown| !shown.is_as_expected()) {
+        eprintln!("{}: {}", failed.exhibit.name, failed.result());
+    }
+    println!(
+        "{} examples in {:.0} s, {:.1} MB\nWritten: {}",
+        shown.len(),
+        begin.elapsed().as_secs_f64(),
+        size(folder)? as f64 * 1e-6,
+        page.display()
+    );
+    Ok(shown.iter().all(Shown::is_as_expected))
+}
+
+/// Runs all examples, as many at a time as there are processors.
+fn run_all(programs: &Path, folder: &Path) -> Outcome<Vec<Shown>> {
+    let exhibits = exhibits::all();
+    let style = ProgressStyle::with_template("{pos} of {len} examples {wide_bar} {elapsed} {msg}")?;
+    let bar = ProgressBar::new(exhibits.len() as u64).with_style(style);
+    bar.enable_steady_tick(core::time::Duration::from_millis(200));
+    let shown = exhibits
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|exhibit| {
+            bar.set_message(exhibit.name);
+            let shown = run::run(exhibit, programs, folder);
+            bar.inc(1);
+            shown
+        })
+        .collect();
+    bar.finish_and_clear();
+    Ok(shown)
+}
+
+/// Size of all files in a folder, bytes.
+fn size(folder: &Path) -> std::io::Result<u64> {
+    let mut sum = 0;
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        sum += match entry.file_type()?.is_dir() {
+            true => size(&entry.path())?,
+            false => entry.metadata()?.len(),
+        };
+    }
+    Ok(sum)
+}

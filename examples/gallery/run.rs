@@ -1,0 +1,89 @@
+//! Builds the programs of the examples and runs them.
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use common::Outcome;
+
+use crate::exhibits::Exhibit;
+
+/// An example and the result of its run.
+#[derive(Debug)]
+pub(crate) struct Shown {
+    pub(crate) exhibit: Exhibit,
+    /// Numbers of figures that are as expected, and that are not.
+    passed: usize,
+    failed: usize,
+    /// Error of a program that ended early.
+    error: Option<String>,
+}
+
+impl Shown {
+    pub(crate) fn is_as_expected(&self) -> bool {
+        self.failed == 0 && self.error.is_none()
+    }
+
+    /// Result in a line.
+    pub(crate) fn result(&self) -> String {
+        let figures = |count| if count == 1 { "figure" } else { "figures" };
+        match (&self.error, self.passed, self.failed) {
+            (Some(error), ..) => error.clone(),
+            (None, 0, 0) => String::new(),
+            (None, passed, 0) => format!("{passed} {} checked", figures(passed)),
+            (None, _, failed) => format!("{failed} {} not as expected", figures(failed)),
+        }
+    }
+}
+
+/// Builds all examples in the profile of this program. Returns the folder of the programs, which is
+/// that of this program.
+pub(crate) fn build() -> Outcome<PathBuf> {
+    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = Command::new(cargo);
+    command.args(["build", "--examples", "--manifest-path"]);
+    command.arg(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"));
+    if !cfg!(debug_assertions) {
+        command.arg("--release");
+    }
+    if !command.status()?.success() {
+        return Err("the examples cannot be built".into());
+    }
+    let program = env::current_exe()?;
+    Ok(program.parent().ok_or("the program has a folder")?.into())
+}
+
+/// Runs an example, which writes its files into its folder of the gallery.
+pub(crate) fn run(exhibit: Exhibit, programs: &Path, folder: &Path) -> Shown {
+    let out = match exhibit.own_files {
+        Some(_) => folder.join(exhibit.name),
+        None => folder.into(),
+    };
+    let program = programs
+        .join(exhibit.name)
+        .with_extension(env::consts::EXE_EXTENSION);
+    let mut command = Command::new(program);
+    command.args(exhibit.options).arg("--out").arg(out);
+    let mut shown = Shown {
+        exhibit,
+        passed: 0,
+        failed: 0,
+        error: None,
+    };
+    match command.output() {
+        Err(error) => shown.error = Some(error.to_string()),
+        Ok(output) => {
+            let text = String::from_utf8_lossy(&output.stdout);
+            let count = |result: &str| text.lines().filter(|line| line.starts_with(result)).count();
+            (shown.passed, shown.failed) = (count("  pass  "), count("  fail  "));
+            if !output.status.success() && shown.failed == 0 {
+                shown.error = Some(String::from_utf8_lossy(&output.stderr).trim().to_owned());
+            }
+        }
+    }
+    let page = folder.join(shown.exhibit.page());
+    if shown.error.is_none() && !page.exists() {
+        shown.error = Some(format!("it has not written {}", page.display()));
+    }
+    shown
+}

@@ -1,0 +1,265 @@
+// Looks at each page of the gallery in a browser. Called by .ci/gallery.sh, with the browser, the
+// folder of the gallery and a folder for pictures.
+import assert from 'node:assert/strict';
+import { readdirSync, statSync } from 'node:fs';
+import { join, relative } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import puppeteer from 'puppeteer-core';
+
+const { CHROMIUM, FOLDER, PICTURES } = process.env;
+const MOST_BYTES = 20e6;
+const wait = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
+
+const files = readdirSync(FOLDER, { recursive: true, withFileTypes: true })
+  .filter((entry) => entry.isFile())
+  .map((entry) => join(entry.parentPath, entry.name));
+const pages = files.filter((file) => file.endsWith('.html')).sort();
+
+// The pages are the project's own files, and the checks often run as root.
+const browser = await puppeteer.launch({
+  executablePath: CHROMIUM,
+  args: ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run'],
+});
+
+const DESKTOP = { width: 1280, height: 900 };
+const PHONE = { width: 390, height: 844, isMobile: true, hasTouch: true };
+const MODES = [
+  { name: 'desktop', viewport: DESKTOP },
+  { name: 'phone', viewport: PHONE },
+  { name: 'dark', viewport: PHONE, dark: true },
+];
+
+// A canvas has its texts in pixels: so each text is noted with its box as it is drawn.
+function noteTexts() {
+  const draw = CanvasRenderingContext2D.prototype.fillText;
+  window.noted = new Set();
+  CanvasRenderingContext2D.prototype.fillText = function (text, x, y, ...rest) {
+    const { width, actualBoundingBoxAscent: up, actualBoundingBoxDescent: down } =
+      this.measureText(text);
+    const left = x - { left: 0, start: 0, center: width / 2, right: width, end: width }[this.textAlign];
+    this.canvas.texts ??= [];
+    this.canvas.texts.push({ text, left, right: left + width, top: y - up, bottom: y + down });
+    window.noted.add(this.canvas);
+    return draw.call(this, text, x, y, ...rest);
+  };
+}
+
+async function open(file, { viewport, dark = false, still = false }) {
+  const tab = await browser.newPage();
+  tab.errors = [];
+  tab.on('pageerror', (error) => tab.errors.push(error.message));
+  tab.on('console', (message) => {
+    if (['error', 'warn'].includes(message.type())) tab.errors.push(message.text());
+  });
+  tab.on('requestfailed', (request) => tab.errors.push(`${request.url()} failed`));
+  await tab.setViewport(viewport);
+  await tab.emulateMediaFeatures([
+    { name: 'prefers-color-scheme', value: dark ? 'dark' : 'light' },
+    { name: 'prefers-reduced-motion', value: still ? 'reduce' : 'no-preference' },
+  ]);
+  await tab.evaluateOnNewDocument(noteTexts);
+  await tab.goto(pathToFileURL(file).href);
+  await wait(200);
+  return tab;
+}
+
+// What is wrong in a document: texts that overlap or are cut, empty pictures, controls without a
+// name, a page that is wider than the screen.
+function faults() {
+  const found = [];
+  const seen = (element) =>
+    element.checkVisibility() && getComputedStyle(element).clipPath !== 'inset(50%)';
+  const hidden = (element) => {
+    for (let e = element; e; e = e.parentElement) if (!seen(e)) return true;
+    return element.closest('option, script, style, title') !== null;
+  };
+  const inner = ({ left, right, top, bottom, text }) => {
+    // A box is higher than its letters.
+    const margin = 0.2 * (bottom - top);
+    return { left: left + 1, right: right - 1, top: top + margin, bottom: bottom - margin, text };
+  };
+  const overlapping = (boxes) => {
+    boxes = boxes.map(inner);
+    boxes.forEach((a, i) =>
+      boxes.slice(i + 1).forEach((b) => {
+        const wide = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+        const high = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+        if (wide > 1 && high > 1) found.push(`"${a.text}" and "${b.text}" overlap`);
+      }),
+    );
+  };
+  const boxes = [];
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+    const text = node.textContent.trim();
+    if (!text || hidden(node.parentElement)) continue;
+    const range = document.createRange();
+    range.selectNodeContents(node);
+    const rects = [...range.getClientRects()];
+    for (const { left, right, top, bottom } of rects) boxes.push({ left, right, top, bottom, text });
+    const svg = node.parentElement.closest('svg');
+    if (!svg) continue;
+    const frame = svg.getBoundingClientRect();
+    for (const { left, right, top, bottom } of rects)
+      if (left < frame.left - 1 || right > frame.right + 1 || top < frame.top - 1 || bottom > frame.bottom + 1)
+        found.push(`"${text}" is cut by the edge of its picture`);
+  }
+  overlapping(boxes);
+  // The curves of a thumbnail are hidden, on a canvas of no width.
+  for (const canvas of window.noted) if (canvas.width > 1) overlapping(canvas.texts);
+  for (const canvas of document.querySelectorAll('canvas')) {
+    if (hidden(canvas)) continue;
+    const { width, height } = canvas;
+    if (!width || !height) {
+      found.push(`canvas ${canvas.id} has no size`);
+      continue;
+    }
+    const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
+    const colours = new Set(new Uint32Array(data.buffer));
+    if (colours.size < 20) found.push(`canvas ${canvas.id} is empty: ${colours.size} colours`);
+  }
+  for (const svg of document.querySelectorAll('svg'))
+    if (svg.querySelectorAll('*').length < 10) found.push('an empty drawing');
+  for (const image of document.images)
+    if (image.complete && !image.naturalWidth) found.push(`${image.src} is empty`);
+  for (const control of document.querySelectorAll('button, input, select, a')) {
+    const name = control.ariaLabel || control.closest('label')?.textContent || control.textContent;
+    if (!name.trim()) found.push(`a ${control.tagName} without a name`);
+  }
+  if (document.documentElement.scrollWidth > innerWidth + 1)
+    found.push(`${document.documentElement.scrollWidth} px wide on a screen of ${innerWidth} px`);
+  return found;
+}
+
+const time = (frame) => frame.$eval('#value-time', (element) => element.textContent);
+const isFilm = async (frame) => (await frame.$('#value-time')) !== null;
+
+let passed = 0,
+  failed = 0;
+async function check(what, file, mode, body) {
+  const tab = await open(file, mode);
+  try {
+    const said = await body(tab);
+    assert.deepEqual(tab.errors, [], 'errors of the page');
+    passed += 1;
+    if (said) console.log(`ok: ${what}: ${said}`);
+  } catch (error) {
+    await tab.screenshot({ path: join(PICTURES, `failed-${failed}.png`) });
+    failed += 1;
+    console.log(`FAILED: ${what}: ${error.message}`);
+  } finally {
+    await tab.close();
+  }
+}
+
+async function hasNoFault(tab, plays) {
+  for (const frame of tab.frames()) {
+    const found = await frame.evaluate(faults);
+    assert.deepEqual(found, [], `faults of ${relative(FOLDER, frame.url())}`);
+    if (!plays || !(await isFilm(frame))) continue;
+    const before = await time(frame);
+    await wait(300);
+    assert.notEqual(await time(frame), before, 'the film plays');
+  }
+}
+
+// The films of the gallery, brought on the screen one by one.
+async function thumbnails(tab, act) {
+  const frames = await tab.$$('iframe');
+  for (const frame of frames) {
+    await frame.evaluate((element) => element.scrollIntoView({ block: 'center' }));
+    const film = await frame.contentFrame();
+    await film.waitForSelector('#value-time', { timeout: 5000 });
+    await wait(150);
+    await act(film);
+  }
+  return frames.length;
+}
+
+async function galleryMoves(tab) {
+  const count = await thumbnails(tab, async (film) => {
+    assert.deepEqual(await film.evaluate(faults), [], film.url());
+    const before = await time(film);
+    await wait(250);
+    assert.notEqual(await time(film), before, `${film.url()} plays`);
+  });
+  await tab.click('#motion');
+  await thumbnails(tab, stands);
+  return `${count} films play on the screen, and none after "Pause motion"`;
+}
+
+async function stands(film) {
+  const before = await time(film);
+  await wait(120);
+  assert.equal(await time(film), before, `${film.url()} stands still`);
+}
+
+// The keyboard reaches the button and each card, in their order, and nothing inside a film.
+async function keyboardReachesAll(tab) {
+  const cards = await tab.$$eval('h2 a', (links) => links.map((link) => link.textContent));
+  const focused = () => tab.evaluate(() => document.activeElement.textContent);
+  await tab.keyboard.press('Tab');
+  assert.equal(await focused(), 'Play motion');
+  for (const card of cards) {
+    await tab.keyboard.press('Tab');
+    assert.equal(await focused(), card);
+  }
+  return `${cards.length} cards`;
+}
+
+// A page with one fault of each kind.
+const FAULTY = `<body style="margin: 0; width: 900px"><p style="height: 0; margin: 0">over</p><p>under</p>
+  <svg viewBox="0 0 200 50" width="200"><text x="190" y="20">cut</text></svg>
+  <canvas id="blank" width="50" height="50"></canvas><button></button>
+  <canvas id="doubled" width="50" height="50"></canvas>
+  <script>
+    const pen = document.getElementById('doubled').getContext('2d');
+    pen.fillText('first', 4, 20);
+    pen.fillText('second', 8, 20);
+  </script>`;
+
+async function findsEachFault(tab) {
+  await tab.setContent(FAULTY);
+  const found = (await tab.evaluate(faults)).join('; ');
+  for (const fault of [
+    /"over" and "under" overlap/,
+    /"cut" is cut/,
+    /"first" and "second" overlap/,
+    /canvas blank is empty/,
+    /an empty drawing/,
+    /a BUTTON without a name/,
+    /900 px wide on a screen of 390 px/,
+  ])
+    assert.match(found, fault);
+  return 'overlap, cut text, empty canvas and drawing, no name, too wide';
+}
+
+const index = join(FOLDER, 'index.html');
+await check('a page with faults is found', index, { viewport: { ...PHONE, isMobile: false } }, findsEachFault);
+await check('the gallery moves', index, { viewport: DESKTOP }, galleryMoves);
+await check('it stands still for who asks for it', index, { viewport: PHONE, still: true }, (tab) =>
+  thumbnails(tab, stands).then((count) => `${count} films`),
+);
+await check('keyboard', index, { viewport: DESKTOP, still: true }, keyboardReachesAll);
+for (const mode of MODES) {
+  for (const file of pages) {
+    const name = relative(FOLDER, file);
+    await check(`${name}, ${mode.name}`, file, mode, (tab) =>
+      hasNoFault(tab, file !== index && mode.name === 'desktop'),
+    );
+  }
+  const tab = await open(index, mode);
+  await wait(1000);
+  await tab.screenshot({ path: join(PICTURES, `gallery-${mode.name}.png`) });
+  await tab.close();
+}
+await browser.close();
+
+const bytes = files.reduce((sum, file) => sum + statSync(file).size, 0);
+console.log(`${pages.length} pages, ${(bytes / 1e6).toFixed(1)} MB`);
+if (bytes > MOST_BYTES) {
+  failed += 1;
+  console.log(`FAILED: more than ${MOST_BYTES / 1e6} MB`);
+}
+console.log(`gallery: ${passed} checks passed, ${failed} failed`);
+process.exitCode = failed ? 1 : 0;
