@@ -173,6 +173,7 @@ fn a_field_of_a_law_that_pushes_is_caught_by_check_and_step() {
 }
 
 /// A ground whose material moves with any velocity.
+#[derive(Debug)]
 struct Moves(DVec3);
 
 impl SpringDamperGround for Moves {
