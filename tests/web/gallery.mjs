@@ -134,6 +134,9 @@ function faults() {
 const time = (frame) => frame.$eval('#value-time', (element) => element.textContent);
 // Fails if the time of a film does not change. A busy machine may take some seconds.
 async function plays(film) {
+  // A browser draws no film that is off the screen.
+  const element = film.parentFrame() && (await film.frameElement());
+  await element?.evaluate((frame) => frame.scrollIntoView({ block: 'center' }));
   const before = await time(film);
   const changed = (t) => document.getElementById('value-time').textContent !== t;
   await film.waitForFunction(changed, { timeout: 10000 }, before).catch(() => {
