@@ -59,9 +59,14 @@ impl Page {
     }
 
     fn html(&self) -> Result<String, core::fmt::Error> {
+        // The film comes before the tables, so that it is seen first.
+        let is_table = |text: &&String| text.starts_with('|');
+        let (tables, text): (Vec<&String>, Vec<_>) = self.text.iter().partition(is_table);
+        let html = |texts: Vec<&String>| texts.into_iter().map(|text| paragraph(text)).collect();
         let body = [
-            self.text.iter().map(|text| paragraph(text)).collect(),
+            html(text),
             self.film_html(),
+            html(tables),
             self.pictures_html()?,
             self.checks_html()?,
         ];

@@ -13,7 +13,8 @@ pub(crate) fn html(shown: &Shown) -> String {
         false => ("fail", shown.result()),
     };
     format!(
-        "<li>\n<div class=\"thumbnail\">{}</div>\n<div class=\"text\"><h2><a href=\"{}\">{}</a></h2>\n\
+        "<li>\n<div class=\"thumbnail\">{}</div>\n<div class=\"text\">\
+         <h2><a href=\"{}\">{}</a></h2>\n\
          <p>{}</p>\n<p class=\"{class}\">{}</p>\n<code>{}</code></div>\n</li>\n",
         thumbnail(exhibit),
         exhibit.page(),
@@ -28,7 +29,8 @@ pub(crate) fn html(shown: &Shown) -> String {
 fn thumbnail(exhibit: &Exhibit) -> String {
     match exhibit.thumbnail {
         Thumbnail::Film(start) => format!(
-            "<iframe src=\"{}#thumb={start}\" title=\"\" aria-hidden=\"true\" tabindex=\"-1\" loading=\"lazy\"></iframe>",
+            "<iframe src=\"{}#thumb={start}\" title=\"\" aria-hidden=\"true\" tabindex=\"-1\" \
+             loading=\"lazy\"></iframe>",
             exhibit.play()
         ),
         Thumbnail::Drawing(file) => {

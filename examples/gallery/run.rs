@@ -41,8 +41,10 @@ impl Shown {
 pub(crate) fn build() -> Outcome<PathBuf> {
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
-    command.args(["build", "--examples", "--manifest-path"]);
-    command.arg(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"));
+    // From the top folder, where this program was built: what it shares with the others is then not
+    // built again.
+    command.args(["build", "--examples"]);
+    command.current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
     if !cfg!(debug_assertions) {
         command.arg("--release");
     }

@@ -222,7 +222,9 @@ fn one_toss(model: &Model, start: Start, tosses: &[&Toss], scores: &[&Score]) ->
         vec![
             predicted("predicted", &|k| states[k].position.z),
             predicted("", &|k| way(states[k].position)),
-            seen("measured", &|k| toss.samples[k].position.z * scale),
+            seen("samples of the toss", &|k| {
+                toss.samples[k].position.z * scale
+            }),
             seen("", &|k| way(toss.samples[k].position * scale)),
         ],
         |layout| {

@@ -36,7 +36,8 @@ function noteTexts() {
   CanvasRenderingContext2D.prototype.fillText = function (text, x, y, ...rest) {
     const { width, actualBoundingBoxAscent: up, actualBoundingBoxDescent: down } =
       this.measureText(text);
-    const left = x - { left: 0, start: 0, center: width / 2, right: width, end: width }[this.textAlign];
+    const shifts = { left: 0, start: 0, center: width / 2, right: width, end: width };
+    const left = x - shifts[this.textAlign];
     this.canvas.texts ??= [];
     this.canvas.texts.push({ text, left, right: left + width, top: y - up, bottom: y + down });
     window.noted.add(this.canvas);
@@ -96,12 +97,16 @@ function faults() {
     const range = document.createRange();
     range.selectNodeContents(node);
     const rects = [...range.getClientRects()];
-    for (const { left, right, top, bottom } of rects) boxes.push({ left, right, top, bottom, text });
+    for (const { left, right, top, bottom } of rects)
+      boxes.push({ left, right, top, bottom, text });
     const svg = node.parentElement.closest('svg');
     if (!svg) continue;
     const frame = svg.getBoundingClientRect();
     for (const { left, right, top, bottom } of rects)
-      if (left < frame.left - 1 || right > frame.right + 1 || top < frame.top - 1 || bottom > frame.bottom + 1)
+      if (
+        Math.min(left - frame.left, frame.right - right) < -1 ||
+        Math.min(top - frame.top, frame.bottom - bottom) < -1
+      )
         found.push(`"${text}" is cut by the edge of its picture`);
   }
   overlapping(boxes);
@@ -132,6 +137,17 @@ function faults() {
 }
 
 const time = (frame) => frame.$eval('#value-time', (element) => element.textContent);
+// Fails if the time of a film does not change. A busy machine may take some seconds.
+async function plays(film) {
+  // A browser draws no film that is off the screen.
+  const element = film.parentFrame() && (await film.frameElement());
+  await element?.evaluate((frame) => frame.scrollIntoView({ block: 'center' }));
+  const before = await time(film);
+  const changed = (t) => document.getElementById('value-time').textContent !== t;
+  await film.waitForFunction(changed, { timeout: 10000 }, before).catch(() => {
+    throw new Error(`${film.url()} does not play`);
+  });
+}
 const isFilm = async (frame) => (await frame.$('#value-time')) !== null;
 
 let passed = 0,
@@ -152,14 +168,12 @@ async function check(what, file, mode, body) {
   }
 }
 
-async function hasNoFault(tab, plays) {
+async function hasNoFault(tab, isPlaying) {
   for (const frame of tab.frames()) {
     const found = await frame.evaluate(faults);
     assert.deepEqual(found, [], `faults of ${relative(FOLDER, frame.url())}`);
-    if (!plays || !(await isFilm(frame))) continue;
-    const before = await time(frame);
-    await wait(300);
-    assert.notEqual(await time(frame), before, 'the film plays');
+    if (!isPlaying || !(await isFilm(frame))) continue;
+    await plays(frame);
   }
 }
 
@@ -179,9 +193,7 @@ async function thumbnails(tab, act) {
 async function galleryMoves(tab) {
   const count = await thumbnails(tab, async (film) => {
     assert.deepEqual(await film.evaluate(faults), [], film.url());
-    const before = await time(film);
-    await wait(250);
-    assert.notEqual(await time(film), before, `${film.url()} plays`);
+    await plays(film);
   });
   await tab.click('#motion');
   await thumbnails(tab, stands);
@@ -208,7 +220,8 @@ async function keyboardReachesAll(tab) {
 }
 
 // A page with one fault of each kind.
-const FAULTY = `<body style="margin: 0; width: 900px"><p style="height: 0; margin: 0">over</p><p>under</p>
+const FAULTY = `<body style="margin: 0; width: 900px">
+  <p style="height: 0; margin: 0">over</p><p style="margin: 0">under</p>
   <svg viewBox="0 0 200 50" width="200"><text x="190" y="20">cut</text></svg>
   <canvas id="blank" width="50" height="50"></canvas><button></button>
   <canvas id="doubled" width="50" height="50"></canvas>
@@ -235,7 +248,10 @@ async function findsEachFault(tab) {
 }
 
 const index = join(FOLDER, 'index.html');
-await check('a page with faults is found', index, { viewport: { ...PHONE, isMobile: false } }, findsEachFault);
+const narrow = { viewport: { ...PHONE, isMobile: false } };
+// In the place of a page without a script.
+const still = join(FOLDER, 'round_rim/round_rim.html');
+await check('a page with faults is found', still, narrow, findsEachFault);
 await check('the gallery moves', index, { viewport: DESKTOP }, galleryMoves);
 await check('it stands still for who asks for it', index, { viewport: PHONE, still: true }, (tab) =>
   thumbnails(tab, stands).then((count) => `${count} films`),
