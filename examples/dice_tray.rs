@@ -41,10 +41,9 @@ const WOOD: f64 = 0.25;
 const CRITICAL: f64 = 20.515;
 /// Longest time of a throw, s. A die that moves for longer is an error.
 const PATIENCE: f64 = 20.0;
-/// Interval between two throws of the film, s.
-const TURN: f64 = 0.8;
-/// Interval between two shots of the film, s.
+/// Interval between two shots of the film, s, and number of shots between two throws.
 const INTERVAL: f64 = 0.004;
+const TURN: usize = 200;
 /// Height of the walls in the film, m. Higher walls would hide the dice.
 const DRAWN: f64 = 0.006;
 /// Colours of the dice, and of their curves.
@@ -398,15 +397,14 @@ fn shown(five: &[Throw], die: usize, own: Option<usize>) -> (Pose, f64) {
 /// Film of the five throws, each a while after the one before.
 fn film(five: &[Throw]) -> Film {
     let walls = walls();
-    let turn = (TURN / INTERVAL) as usize;
     let longest = five.iter().map(|end| end.shots.len()).max().unwrap_or(0);
     let low = |wall: &Block, lowest: DVec3| Pose {
         place: wall.centre.with_z(0.5 * DRAWN),
         orientation: DQuat::IDENTITY,
         lowest,
     };
-    let shots = (0..longest + turn * five.len()).map(|number| {
-        let dice = (0..five.len()).map(|die| shown(five, die, number.checked_sub(turn * die)));
+    let shots = (0..longest + TURN * five.len()).map(|number| {
+        let dice = (0..five.len()).map(|die| shown(five, die, number.checked_sub(TURN * die)));
         let (mut poses, heights): (Vec<Pose>, Vec<_>) = dice.unzip();
         // The mark of a wall's lowest point is hidden behind that of the first die.
         let lowest = poses[0].lowest;
@@ -435,8 +433,8 @@ fn film(five: &[Throw]) -> Film {
             .map(|(name, (_, ink))| Column::new(name, "mm", 1, ink))
             .collect(),
         events: (LIES.into_iter().zip(five))
-            .zip(0..)
-            .map(|((name, end), number)| (name, end.time + TURN * f64::from(number)))
+            .zip((0..).step_by(TURN))
+            .map(|((name, end), shot)| (name, end.time + INTERVAL * f64::from(shot)))
             .collect(),
         shots: shots.collect(),
     }

@@ -272,7 +272,7 @@ impl<R: Real> EnergyRates<R> {
             .contact_model()
             .visit_points(run, &motion, &mut |contact: &Contact<R>| {
                 let number = if smooth { 1 } else { checksum(contact) };
-                enter(contact, number.rotate_left(contact.surface as u32));
+                enter(contact, number.wrapping_add((contact.surface as u64) << 8));
                 let (ground, _) = contact.laws(scene.ground(), scene.friction());
                 springs += ground.spring_energy(contact.depth);
             });
