@@ -39,6 +39,7 @@
 //! | sample a state within a step | [`Session::dense_step`] |
 //! | compute the orientation of a free body at any time | [`FreeRotation`] |
 //! | know which parts a scene needs, and what they cost | [`guide::modelling`] |
+//! | find the moment of a touch-down, an apex or an event of your own | [`guide::events`] |
 //! | throw dice and coins in a game | [`guide::game`] |
 //! | know on which face a body ends, or toss it a million times | [`guide::outcomes`] |
 //! | advance one state by many calls, at almost no cost while the body is at rest | [`Session`] |
@@ -257,6 +258,7 @@ pub use trial::{Start, Trial};
 ///
 /// - Which integrator, which step? [`choosing`](guide::choosing)
 /// - Which parts does my scene need, and what do they cost? [`modelling`](guide::modelling)
+/// - When does a body land, how high does it bounce? [`events`](guide::events)
 /// - How do I throw dice and coins in a game? [`game`](guide::game)
 /// - When is heads or tails decided, and how sure is a count? [`outcomes`](guide::outcomes)
 /// - How accurate is a run at the extremes, and where is it only stable?
@@ -282,6 +284,9 @@ pub mod guide {
 
     #[doc = include_str!("guide/modelling.md")]
     pub mod modelling {}
+
+    #[doc = include_str!("guide/events.md")]
+    pub mod events {}
 
     #[doc = include_str!("guide/game.md")]
     pub mod game {}
