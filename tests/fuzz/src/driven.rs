@@ -1,9 +1,11 @@
-//! Applied forces, ground that moves and friction that varies over the ground, from bytes.
+//! Applied forces, ground that moves, several surfaces and friction that varies over the ground, from
+//! bytes.
 
 use tumble::real::Vector;
 use tumble::{
-    AirDrag, ConstantForce, Coulomb, Force, FrictionField, FrictionPatch, GroundMotion, Motion,
-    MovingGround, NoForce, Real, Region, SpinDrag, SpinLift, Wind, Wrench,
+    AirDrag, Block, ConstantForce, Coulomb, Force, FrictionField, FrictionPatch, Ground,
+    GroundMotion, Motion, MovingGround, NoForce, Plane, Real, Region, SpinDrag, SpinLift,
+    SpringDamper, Wind, Wrench,
 };
 
 use super::input::Input;
@@ -91,6 +93,32 @@ pub fn moving<R: Real>(ground: AnyGround<R>, input: &mut Input<'_>) -> AnyGround
             Box::new(MovingGround { ground, motion })
         }
     }
+}
+
+/// Ground with walls and a block beside it.
+pub fn beside_walls<R: Real>(ground: AnyGround<R>, input: &mut Input<'_>) -> AnyGround<R> {
+    let law = SpringDamper {
+        stiffness: input.size::<R>(1e2, 1e6),
+        damping: input.size(1e-2, 1e2),
+    };
+    let walls: Vec<_> = (0..input.below(4))
+        .map(|_| Ground {
+            law,
+            shape: Plane::through(input.vector::<R>(1e-2, 1.0), input.vector::<R>(0.1, 1.0)),
+        })
+        .collect();
+    if input.flag() {
+        return Box::new((ground, walls.into_boxed_slice()));
+    }
+    let shape = Block {
+        centre: input.vector::<R>(1e-2, 1.0),
+        half: R::Vec3::new(
+            input.size(1e-3, 1.0),
+            input.size(1e-3, 1.0),
+            input.size(1e-3, 1.0),
+        ),
+    };
+    Box::new((ground, walls.into_boxed_slice(), Ground { law, shape }))
 }
 
 /// Friction by position: a field of any coefficients, or a patch of another law.

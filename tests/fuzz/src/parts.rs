@@ -15,7 +15,7 @@ use tumble::{
     Waves, WithResistance,
 };
 
-use super::driven::{AnyForce, by_place, force, moving};
+use super::driven::{AnyForce, beside_walls, by_place, force, moving};
 use super::input::Input;
 
 /// A body behind a pointer.
@@ -358,6 +358,13 @@ impl<R: Real> SpringDamperGround<R> for Meter<R> {
     fn bounds(&self) -> GroundBounds<R> {
         self.ground.bounds()
     }
+    fn surfaces(&self) -> Option<usize> {
+        self.ground.surfaces()
+    }
+    fn with_surface(&self, index: usize, visit: &mut dyn FnMut(&dyn SpringDamperGround<R>)) {
+        self.count();
+        self.ground.with_surface(index, visit);
+    }
     fn motion(&self) -> Option<GroundMotion<R>> {
         self.ground.motion()
     }
@@ -559,7 +566,7 @@ pub struct Parts<R: Real> {
 impl<R: Real> Parts<R> {
     /// Reads all parts.
     ///
-    /// Those that drive a body or vary over the ground follow the others, if a byte asks for them.
+    /// Those that drive a body, vary over the ground or stand beside it follow the others, if a byte asks for them.
     /// So the stored inputs without that byte keep their meaning.
     ///
     /// # Errors
@@ -574,6 +581,9 @@ impl<R: Real> Parts<R> {
         let roles = if is_extended { input.byte() } else { 0 };
         if roles & 1 != 0 {
             applied = force(input);
+        }
+        if roles & 16 != 0 {
+            ground = beside_walls(ground, input);
         }
         if roles & 2 != 0 {
             ground = moving(ground, input);
