@@ -30,70 +30,48 @@ impl<'a, F: ?Sized> LawOfSurface<'a, F> {
     }
 }
 
-/// Calls a method of the law itself, or of that of one surface.
-macro_rules! forward {
-    ($self:ident, $otherwise:expr, |$law:ident| $answer:expr) => {
-        if $self.friction.surfaces().is_some() {
-            of_law!($self.friction, $self.index, $otherwise, |$law| $answer)
-        } else {
-            let $law = $self.friction;
-            $answer
+/// Methods of the law of one surface. Those of one law among several are functions of their own, so
+/// that the code of a scene with one law is not longer than without them.
+macro_rules! methods_of_one {
+    ($($name:ident($($argument:ident: $kind:ty),*) -> $answer:ty, else $otherwise:expr;)*) => {
+        impl<R: Real, F: SlidingFriction<R> + ?Sized> SlidingFriction<R> for LawOfSurface<'_, F> {
+            $(#[inline(always)]
+            fn $name(&self, $($argument: $kind),*) -> $answer {
+                #[cold]
+                #[inline(never)]
+                fn among_several<R: Real, F: SlidingFriction<R> + ?Sized>(
+                    friction: &F,
+                    index: usize,
+                    $($argument: $kind),*
+                ) -> $answer {
+                    of_law!(friction, index, $otherwise, |law| law.$name($($argument),*))
+                }
+                if self.friction.surfaces().is_some() {
+                    among_several(self.friction, self.index, $($argument),*)
+                } else {
+                    self.friction.$name($($argument),*)
+                }
+            })*
+            #[inline(always)]
+            fn depends_on_position(&self) -> bool {
+                self.friction.depends_on_position()
+            }
+            #[inline(always)]
+            fn is_trusted(&self) -> bool {
+                self.friction.is_trusted()
+            }
         }
     };
 }
-
-impl<R: Real, F: SlidingFriction<R> + ?Sized> SlidingFriction<R> for LawOfSurface<'_, F> {
-    #[inline(always)]
-    fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
-        forward!(self, R::Vec3::ZERO, |law| law.force(normal_force, slip))
-    }
-    #[inline(always)]
-    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
-        forward!(self, FrictionJacobian::NONE, |law| law
-            .jacobian(normal_force, slip))
-    }
-    #[inline(always)]
-    fn force_at(&self, position: R::Vec3, normal_force: R, slip: R::Vec3) -> R::Vec3 {
-        forward!(self, R::Vec3::ZERO, |law| law.force_at(
-            position,
-            normal_force,
-            slip
-        ))
-    }
-    #[inline(always)]
-    fn jacobian_at(
-        &self,
-        position: R::Vec3,
-        normal_force: R,
-        slip: R::Vec3,
-    ) -> FrictionJacobian<R> {
-        forward!(self, FrictionJacobian::NONE, |law| law.jacobian_at(
-            position,
-            normal_force,
-            slip
-        ))
-    }
-    #[inline(always)]
-    fn rolling_resistance(&self, normal_force: R) -> Option<RollingResistance<R>> {
-        forward!(self, None, |law| law.rolling_resistance(normal_force))
-    }
-    #[inline(always)]
-    fn rolling_resistance_at(
-        &self,
-        position: R::Vec3,
-        normal_force: R,
-    ) -> Option<RollingResistance<R>> {
-        forward!(self, None, |law| law
-            .rolling_resistance_at(position, normal_force))
-    }
-    #[inline(always)]
-    fn depends_on_position(&self) -> bool {
-        self.friction.depends_on_position()
-    }
-    #[inline(always)]
-    fn is_trusted(&self) -> bool {
-        self.friction.is_trusted()
-    }
+methods_of_one! {
+    force(normal_force: R, slip: R::Vec3) -> R::Vec3, else R::Vec3::ZERO;
+    force_at(position: R::Vec3, normal_force: R, slip: R::Vec3) -> R::Vec3, else R::Vec3::ZERO;
+    jacobian(normal_force: R, slip: R::Vec3) -> FrictionJacobian<R>, else FrictionJacobian::NONE;
+    jacobian_at(position: R::Vec3, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R>,
+        else FrictionJacobian::NONE;
+    rolling_resistance(normal_force: R) -> Option<RollingResistance<R>>, else None;
+    rolling_resistance_at(position: R::Vec3, normal_force: R) -> Option<RollingResistance<R>>,
+        else None;
 }
 
 /// Number of surfaces for which one part of a friction law holds.

@@ -36,54 +36,49 @@ impl<'a, G: ?Sized> OneSurface<'a, G> {
     }
 }
 
-/// Calls a method of the ground itself, or of one of its surfaces.
-macro_rules! forward {
-    ($self:ident, $otherwise:expr, |$part:ident| $answer:expr) => {
-        if $self.ground.surfaces().is_some() {
-            of_surface!($self.ground, $self.index, $otherwise, |$part| $answer)
-        } else {
-            let $part = $self.ground;
-            $answer
+/// Methods of one surface. Those of a surface among several are functions of their own, so that the
+/// code of a ground of one surface is not longer than without them.
+macro_rules! methods_of_one {
+    ($($name:ident($($argument:ident: $kind:ty),*) -> $answer:ty, else $otherwise:expr;)*) => {
+        impl<R: Real, G: SpringDamperGround<R> + ?Sized> SpringDamperGround<R>
+            for OneSurface<'_, G>
+        {
+            $(#[inline(always)]
+            fn $name(&self, $($argument: $kind),*) -> $answer {
+                #[cold]
+                #[inline(never)]
+                fn among_several<R: Real, G: SpringDamperGround<R> + ?Sized>(
+                    ground: &G,
+                    index: usize,
+                    $($argument: $kind),*
+                ) -> $answer {
+                    of_surface!(ground, index, $otherwise, |part| part.$name($($argument),*))
+                }
+                if self.ground.surfaces().is_some() {
+                    among_several(self.ground, self.index, $($argument),*)
+                } else {
+                    self.ground.$name($($argument),*)
+                }
+            })*
+            #[inline(always)]
+            fn motion(&self) -> Option<GroundMotion<R>> {
+                // All surfaces of a ground move as one.
+                self.ground.motion()
+            }
+            #[inline(always)]
+            fn is_trusted(&self) -> bool {
+                self.ground.is_trusted()
+            }
         }
     };
 }
-
-impl<R: Real, G: SpringDamperGround<R> + ?Sized> SpringDamperGround<R> for OneSurface<'_, G> {
-    #[inline(always)]
-    fn surface(&self, point: R::Vec3) -> Surface<R> {
-        forward!(self, NoGround.surface(point), |part| part.surface(point))
-    }
-    #[inline(always)]
-    fn spring_force(&self, depth: R) -> R {
-        forward!(self, R::ZERO, |part| part.spring_force(depth))
-    }
-    #[inline(always)]
-    fn spring_energy(&self, depth: R) -> R {
-        forward!(self, R::ZERO, |part| part.spring_energy(depth))
-    }
-    #[inline(always)]
-    fn normal_force(&self, depth: R, closing_speed: R) -> R {
-        forward!(self, R::ZERO, |part| part
-            .normal_force(depth, closing_speed))
-    }
-    #[inline(always)]
-    fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
-        forward!(self, MeanForce::NONE, |part| part
-            .mean_force(start, end, seconds))
-    }
-    #[inline(always)]
-    fn bounds(&self) -> GroundBounds<R> {
-        forward!(self, GroundBounds::Nowhere, |part| part.bounds())
-    }
-    #[inline(always)]
-    fn motion(&self) -> Option<GroundMotion<R>> {
-        // All surfaces of a ground move as one.
-        self.ground.motion()
-    }
-    #[inline(always)]
-    fn is_trusted(&self) -> bool {
-        self.ground.is_trusted()
-    }
+methods_of_one! {
+    surface(point: R::Vec3) -> Surface<R>, else NoGround.surface(point);
+    spring_force(depth: R) -> R, else R::ZERO;
+    spring_energy(depth: R) -> R, else R::ZERO;
+    normal_force(depth: R, closing_speed: R) -> R, else R::ZERO;
+    mean_force(start: R, end: R, seconds: R) -> MeanForce<R>, else MeanForce::NONE;
+    bounds() -> GroundBounds<R>, else GroundBounds::Nowhere;
 }
 
 /// Number of surfaces of one part of a ground.

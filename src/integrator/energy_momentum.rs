@@ -49,7 +49,7 @@ use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
-use contacts::Contacts;
+use contacts::{Contacts, Reach};
 use end_velocity::Strain;
 use energy_limit::Touched;
 use problem::Problem;
@@ -472,59 +472,52 @@ fn gather<R: Real, D: Dynamics<R>>(
 ) {
     contacts.clear();
     for surface in 0..problem.surfaces() {
-        match problem.plane_of(surface).filter(|_| !wide) {
-            Some(plane) => gather_near(problem, contacts, surface, &plane),
-            None if wide || problem.surfaces() == 1 => gather_all(problem, contacts, surface),
-            None => gather_within(problem, contacts, surface),
-        }
+        let reach = match problem.plane_of(surface).filter(|_| !wide) {
+            Some(plane) => near_plane(problem, surface, &plane),
+            None if wide || problem.surfaces() == 1 => everything(problem, surface),
+            None => near_surface(problem, surface),
+        };
+        contacts.gather(problem, surface, &reach);
     }
 }
 
-/// Collects all contacts with a surface.
-fn gather_all<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    contacts: &mut Contacts<R>,
-    surface: u32,
-) {
-    let bounds = problem.ground(surface).bounds();
-    let anywhere = !matches!(bounds, GroundBounds::Nowhere);
-    let run = if anywhere || problem.surfaces() > 1 {
-        ContactRange::all(problem.scene.body().contacts().len())
-    } else {
-        ContactRange::NONE
-    };
-    contacts.gather(problem, surface, run, |_, _| anywhere, |_| anywhere);
+/// All contacts, for a surface that may be anywhere.
+fn everything<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, surface: u32) -> Reach<R> {
+    let anywhere = !matches!(problem.ground(surface).bounds(), GroundBounds::Nowhere);
+    let all = ContactRange::all(problem.scene.body().contacts().len());
+    Reach {
+        run: if anywhere { all } else { ContactRange::NONE },
+        is_everything: anywhere,
+        with_rims: anywhere,
+        ..Reach::NONE
+    }
 }
 
-/// Collects the contacts that a surface of any shape is so near to that the initial motion and
-/// gravity may bring them there.
-fn gather_within<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    contacts: &mut Contacts<R>,
-    surface: u32,
-) {
+/// The contacts that a surface of any shape is so near to that the initial motion and gravity may
+/// bring them there.
+fn near_surface<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, surface: u32) -> Reach<R> {
     let (scene, motion, dt) = (problem.scene, &problem.motion, problem.seconds);
-    let all = ContactRange::all(scene.body().contacts().len());
     let spin = motion.angular_velocity.length();
     // A contact turns about the centre of mass by no more than a diameter.
     let turned = (dt * spin).at_most(R::TWO) * problem.bounding_radius;
     let fallen = dt * dt * scene.gravity().length();
     let path = motion.linear_velocity.length() * dt + turned + fallen;
     let model = scene.contact_model();
-    let near = model.range_of_surface(surface as usize, path, motion.position, &motion.axes);
-    let is_near = near.count > 0 || !scene.body().rims().is_empty();
-    let keep = |depth: R, _| is_near && depth + path > R::ZERO;
-    contacts.gather(problem, surface, all, keep, |_| is_near);
+    Reach {
+        run: model.range_of_surface(surface as usize, path, motion.position, &motion.axes),
+        bend: path,
+        with_rims: true,
+        ..Reach::NONE
+    }
 }
 
-/// Collects the contacts that are below a plane, and those that the initial motion brings near.
+/// The contacts that are below a plane, and those that the initial motion brings near.
 #[inline(always)]
-fn gather_near<R: Real, D: Dynamics<R>>(
+fn near_plane<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
-    contacts: &mut Contacts<R>,
     surface: u32,
     plane: &Plane<R>,
-) {
+) -> Reach<R> {
     let (scene, motion, dt) = (problem.scene, &problem.motion, problem.seconds);
     let spin = motion.angular_velocity;
     // Upper bound for what gravity and the curvature of the rotation add to the path of a contact
@@ -538,20 +531,18 @@ fn gather_near<R: Real, D: Dynamics<R>>(
     let turned =
         (dt * tilt.length() * problem.bounding_radius).at_most(R::TWO * problem.bounding_radius);
     let margin = (fall + turned).at_least(R::ZERO) + bend;
-    let model = scene.contact_model();
-    let mut run = model.range_of_surface(surface as usize, margin, motion.position, &motion.axes);
-    let is_near = run.count > 0;
-    if problem.surfaces() > 1 {
-        run = ContactRange::all(scene.body().contacts().len());
-    }
-    // -n · (ω × r) = (ω × n) · r
-    let keep = |depth: R, arm: R::Vec3| {
-        is_near && (depth > R::ZERO || depth + fall + dt * tilt.dot(arm) + bend > R::ZERO)
-    };
     // A rim counts as a whole, because its lowest point may be another one at the end.
     let may_touch = |rim: &Rim<R>| {
         let lowest = rim.support(-motion.axes.to_body(plane.normal));
         plane.gap(motion.position) - lowest <= margin
     };
-    contacts.gather(problem, surface, run, keep, may_touch);
+    let model = scene.contact_model();
+    Reach {
+        run: model.range_of_surface(surface as usize, margin, motion.position, &motion.axes),
+        is_everything: false,
+        fall,
+        tilt,
+        bend,
+        with_rims: scene.body().rims().iter().any(may_touch),
+    }
 }

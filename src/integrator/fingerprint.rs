@@ -3,7 +3,7 @@
 use crate::body::RigidPointBody;
 use crate::force::Force;
 use crate::ground::{SpringDamperGround, Surface};
-use crate::real::Real;
+use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
 
@@ -48,20 +48,17 @@ impl<R: Real> Fingerprint<R> {
 #[inline]
 fn sums_of_surfaces<R: Real, D: Dynamics<R>>(scene: &D, position: R::Vec3) -> (Surface<R>, [R; 2]) {
     let (model, depth) = (scene.contact_model(), scene.bounding_radius());
-    let of_surface = |index: usize| {
+    let (mut gap, mut normal) = (R::ZERO, R::Vec3::ZERO);
+    let [mut force, mut energy] = [R::ZERO; 2];
+    for index in 0..model.surfaces() {
         let ground = model.laws_of(index).0;
-        let spring = [ground.spring_force(depth), ground.spring_energy(depth)];
-        (ground.surface(position), spring)
-    };
-    let mut sums = of_surface(0);
-    for index in 1..model.surfaces() {
-        let (surface, [force, energy]) = of_surface(index);
-        sums.0.gap += surface.gap;
-        sums.0.normal += surface.normal;
-        sums.1[0] += force;
-        sums.1[1] += energy;
+        let surface = ground.surface(position);
+        gap += surface.gap;
+        normal += surface.normal;
+        force += ground.spring_force(depth);
+        energy += ground.spring_energy(depth);
     }
-    sums
+    (Surface { gap, normal }, [force, energy])
 }
 
 /// Acceleration by gravity, with the applied force at the state. Its torque is added as the

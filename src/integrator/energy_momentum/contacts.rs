@@ -20,6 +20,45 @@ pub(super) const CAPACITY: usize = 128;
 /// Largest number of panels of a rim: those that its points are placed on, plus a reserve.
 const MOST_PANELS: usize = 16;
 
+/// Which contacts a surface may touch during a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach<R: Real> {
+    /// Range that includes them.
+    pub(super) run: ContactRange,
+    /// Whether each contact of that range counts.
+    pub(super) is_everything: bool,
+    /// Path of the centre of mass towards the surface, m.
+    pub(super) fall: R,
+    /// Velocity towards the surface per metre of the arm, 1/s.
+    pub(super) tilt: R::Vec3,
+    /// Bound for what the acceleration adds to the path, m.
+    pub(super) bend: R,
+    /// Whether a rim may touch.
+    pub(super) with_rims: bool,
+}
+
+impl<R: Real> Reach<R> {
+    pub(super) const NONE: Self = Self {
+        run: ContactRange::NONE,
+        is_everything: false,
+        fall: R::ZERO,
+        tilt: R::Vec3::ZERO,
+        bend: R::ZERO,
+        with_rims: false,
+    };
+
+    /// Returns true if a contact with this depth and arm at the start of a step may touch in it.
+    #[inline(always)]
+    fn includes(&self, seconds: R, depth: R, arm: R::Vec3) -> bool {
+        if self.is_everything {
+            return true;
+        }
+        // -n · (ω × r) = (ω × n) · r
+        let end = depth + self.fall + seconds * self.tilt.dot(arm) + self.bend;
+        self.run.count > 0 && (depth > R::ZERO || end > R::ZERO)
+    }
+}
+
 /// Contacts that may touch during a step.
 #[derive(Clone, Debug)]
 pub(super) struct Contacts<R: Real> {
@@ -74,22 +113,26 @@ impl<R: Real> Contacts<R> {
         self.lever = Lever::NONE;
     }
 
-    /// Adds the contacts in `run` that `keep` (depth at the start, lever arm) accepts on a surface.
+    /// Adds the contacts with a surface that are within reach.
     #[inline]
     pub(super) fn gather<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
         surface: u32,
-        run: ContactRange,
-        keep: impl Fn(R, R::Vec3) -> bool,
-        may_touch: impl Fn(&Rim<R>) -> bool,
+        reach: &Reach<R>,
     ) {
         let contacts = problem.scene.body().contacts();
+        let run = if problem.surfaces() > 1 {
+            // Candidates are counted surface by surface.
+            ContactRange::all(contacts.len())
+        } else {
+            reach.run
+        };
         self.run = ContactRange {
             count: run.count.min(contacts.len()),
             ..run
         };
-        self.with_rim |= problem.scene.body().rims().iter().any(may_touch);
+        self.with_rim |= reach.with_rims && !problem.scene.body().rims().is_empty();
         let (mut remembered, mut seen) = (self.remembered, self.seen);
         let is_full = seen < self.candidates;
         self.candidates = self.candidates.saturating_add(self.run.count);
@@ -99,7 +142,7 @@ impl<R: Real> Contacts<R> {
         'all: for part in run.parts(contacts) {
             for point in part {
                 let touch = Touch::of(problem, surface, point);
-                if keep(touch.push.depth, touch.arm) {
+                if reach.includes(problem.seconds, touch.push.depth, touch.arm) {
                     let Some(place) = self.touches.get_mut(remembered) else {
                         break 'all;
                     };

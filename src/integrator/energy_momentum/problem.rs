@@ -173,8 +173,15 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     #[inline(always)]
     pub(super) fn plane_of(&self, surface: u32) -> Option<Plane<R>> {
         if self.plane.is_some() || self.scene.ground().surfaces().is_none() {
-            return self.plane;
+            self.plane
+        } else {
+            self.plane_among_several(surface)
         }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn plane_among_several(&self, surface: u32) -> Option<Plane<R>> {
         match self.ground(surface).bounds() {
             GroundBounds::Plane(plane) => Some(plane),
             _ => None,
