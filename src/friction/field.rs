@@ -1,6 +1,8 @@
 //! Friction whose law is a function of the position on the ground.
 
+use super::several::check_is_one;
 use super::{FrictionJacobian, RollingResistance, SlidingFriction};
+use crate::error::SceneError;
 use crate::real::{Real, Vector};
 
 /// Friction that varies over the ground, with the law at a contact from a function of its position.
@@ -112,5 +114,9 @@ where
     #[inline]
     fn depends_on_position(&self) -> bool {
         true
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        check_is_one(&(self.law_at)(R::Vec3::ZERO))
     }
 }

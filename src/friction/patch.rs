@@ -1,5 +1,6 @@
 //! Friction with one law in a region of the ground and another law around it.
 
+use super::several::check_is_one;
 use super::{FrictionJacobian, RollingResistance, SlidingFriction};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
@@ -220,7 +221,7 @@ where
 
     fn check(&self) -> Result<(), SceneError> {
         self.region.check()?;
-        self.outside.check()?;
-        self.inside.check()
+        check_is_one(&self.outside)?;
+        check_is_one(&self.inside)
     }
 }

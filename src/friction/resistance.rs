@@ -1,5 +1,6 @@
 //! Resistance to rolling and to spinning: a torque in addition to the friction force.
 
+use super::several::check_is_one;
 use super::{FrictionJacobian, SlidingFriction};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
@@ -132,7 +133,7 @@ impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for WithResistance<F, R>
     }
 
     fn check(&self) -> Result<(), SceneError> {
-        self.friction.check()?;
+        check_is_one(&self.friction)?;
         error::at_least_zero("length of the rolling resistance", self.rolling, " m")?;
         error::at_least_zero("length of the spinning resistance", self.spinning, " m")?;
         error::above_zero("turn speed of the resistance", self.turn_speed, " rad/s")

@@ -1,7 +1,7 @@
 //! One friction law for each surface of a ground of several.
 
 use super::{FrictionJacobian, RollingResistance, SlidingFriction};
-use crate::error::SceneError;
+use crate::error::{Rule, SceneError};
 use crate::real::{Real, Vector};
 
 /// Evaluates `$answer` for the law of one surface, or returns `$otherwise` if there is none.
@@ -72,6 +72,22 @@ methods_of_one! {
     rolling_resistance(normal_force: R) -> Option<RollingResistance<R>>, else None;
     rolling_resistance_at(position: R::Vec3, normal_force: R) -> Option<RollingResistance<R>>,
         else None;
+}
+
+/// Checks that a law inside another law is one law, not several.
+///
+/// The law around it would ask the first of them on every surface.
+pub(super) fn check_is_one<R: Real>(inner: &impl SlidingFriction<R>) -> Result<(), SceneError> {
+    inner.check()?;
+    inner.surfaces().map_or(Ok(()), |count| {
+        let quantity = "number of laws inside a friction law";
+        Err(SceneError::new(
+            quantity,
+            Rule::Exactly(1),
+            count as f64,
+            "",
+        ))
+    })
 }
 
 /// Number of surfaces for which one part of a friction law holds.

@@ -761,7 +761,8 @@ fn the_contract_check_passes_the_built_in_forces_and_finds_the_broken_ones() {
 /// the rounding of the momentum. Newton's iteration did not end there: `ForceTooSteep`.
 ///
 /// Each of the two pushes of a step multiplies the momentum across the axis by a function of
-/// `z = h c/(2 I)`, which follows from its two stages. The spin of 4e9 rad/s is rounded to 5e-7 rad/s, 5e-8 of the 10 rad/s across.
+/// `z = h c/(2 I)`, which follows from its two stages. The spin of 4e9 rad/s is rounded to 5e-7
+/// rad/s, 5e-8 of the 10 rad/s across.
 #[test]
 fn a_needle_that_spins_about_its_own_axis_is_slowed_by_linear_spin_drag() {
     let thin = DVec3::Y * 1e-6;

@@ -15,9 +15,10 @@ use tumble::error::{LawQuantity, Rule, StepError};
 use tumble::glam::{DVec3, Vec3};
 use tumble::{
     Block, BogackiShampine32, Capsule, Coin, Coulomb, Cuboid, Disc, DormandPrince54, Dynamics,
-    Ellipsoid, EnergyMomentum, FlatGround, Flight, Frictionless, Ground, Integrator, Ledger,
-    LimitedDamper, MovingGround, Plane, PointMass, RigidPointBody, Sample, Sphere, SpringDamper,
-    SpringDamperGround, State, Stepper, Surface, UniformGravity, Viscous, WithResistance,
+    Ellipsoid, EnergyMomentum, FlatGround, Flight, FrictionField, Frictionless, Ground, Integrator,
+    Ledger, LimitedDamper, MovingGround, Plane, PointMass, RigidPointBody, Sample, SlidingFriction,
+    Sphere, SpringDamper, SpringDamperGround, State, Stepper, Surface, UniformGravity, Viscous,
+    WithResistance,
 };
 
 const G: f64 = 9.81;
@@ -246,9 +247,8 @@ fn a_ball_is_squeezed_between_floor_and_lid() {
     });
 }
 
-/// A ball slides without friction between a wall and another. Each has its own restitution: that of
-/// a spring and damper at a damping ratio ζ without gravity, to which the limited damper is exact
-/// until the force vanishes.
+/// A ball without friction flies between two walls without gravity. Each has its own restitution,
+/// that of its spring and damper.
 #[test]
 fn each_wall_throws_a_ball_back_by_its_own_law() {
     let (mass, radius) = (0.1, 0.02);
@@ -331,6 +331,35 @@ fn a_ball_rolls_over_an_edge_and_leaves_it() {
     // It then falls on the floor beside the table, and touches nothing on its way.
     stepper.advance(&mut state, 0.1).unwrap();
     assert!(state.position.x > 0.02, "{state}");
+}
+
+/// A block keeps the contract of a ground that need not be checked, at faces, edges and corners.
+#[test]
+fn a_block_passes_the_check_of_a_ground() {
+    let half = DVec3::new(0.5, 0.4, 0.1);
+    let ground = Ground {
+        law: SpringDamper {
+            stiffness: 1e4,
+            damping: 10.0,
+        },
+        shape: Block::<f64> {
+            centre: DVec3::ZERO,
+            half,
+        },
+    };
+    let plan = CheckPlan {
+        cases: 5000,
+        ..CheckPlan::default()
+    };
+    for centre in [DVec3::Z * 0.1, DVec3::new(0.5, 0.0, 0.1), half, DVec3::ZERO] {
+        let range = GroundRange {
+            centre,
+            size: 0.3,
+            depth: 0.01,
+            speed: 5.0,
+        };
+        check_ground(&ground, &range, plan).unwrap();
+    }
 }
 
 /// A point beyond the edge feels nothing of a table, above or below its top, and one that comes
@@ -591,6 +620,24 @@ fn wrong_numbers_and_moving_parts_are_refused() {
         .map(|_| ())
         .unwrap_err();
     assert_eq!(error.rule, Rule::UnitLength, "{error}");
+    {
+        let law = (coulomb(0.1), coulomb(0.2));
+        let around = WithResistance {
+            friction: law,
+            rolling: 1e-3,
+            spinning: 1e-3,
+            turn_speed: 1e-2,
+        };
+        let error = SlidingFriction::<f64>::check(&around).unwrap_err();
+        assert_eq!(
+            (error.rule, error.value),
+            (Rule::Exactly(1), 2.0),
+            "{error}"
+        );
+        let field = FrictionField::new(move |_: DVec3| law);
+        let error = SlidingFriction::<f64>::check(&field).unwrap_err();
+        assert_eq!(error.rule, Rule::Exactly(1), "{error}");
+    }
     let flat = Ground {
         law: SpringDamper {
             stiffness: 1.0,

@@ -13,14 +13,16 @@ use crate::real::{Real, Vector};
 ///
 /// *Limits:* inside, the normal has a jump where two faces are equally near: a contact that sinks
 /// deeper than half of the thickness is pushed out at the other side. The bodies touch with their
-/// contacts, so an edge of the block that lies between two contacts of a body is not felt.
+/// contacts, so an edge of the block that lies between two contacts of a body is not felt. A round
+/// rim on an edge is not compared with a closed form.
 ///
 /// ```
 /// use tumble::glam::DVec3;
 /// use tumble::{Block, Shape};
 ///
 /// // The top of a table, 1 m long, 0.6 m wide and 5 cm thick, 0.75 m above the floor.
-/// let top: Block = Block { centre: DVec3::new(0.0, 0.0, 0.725), half: DVec3::new(0.5, 0.3, 0.025) };
+/// let centre = DVec3::new(0.0, 0.0, 0.725);
+/// let top: Block = Block { centre, half: DVec3::new(0.5, 0.3, 0.025) };
 /// let above = top.surface(DVec3::new(0.1, 0.2, 0.85));
 /// assert!((above.gap - 0.1_f64).abs() < 1e-12 && above.normal == DVec3::Z);
 /// let beyond = top.surface(DVec3::new(0.53, 0.0, 0.79)); // 3 cm beyond the edge, 4 cm above it

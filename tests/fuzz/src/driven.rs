@@ -1,5 +1,4 @@
-//! Applied forces, ground that moves, several surfaces and friction that varies over the ground, from
-//! bytes.
+//! Applied forces, ground that moves, several surfaces and friction by place, from bytes.
 
 use tumble::real::Vector;
 use tumble::{

@@ -566,7 +566,8 @@ pub struct Parts<R: Real> {
 impl<R: Real> Parts<R> {
     /// Reads all parts.
     ///
-    /// Those that drive a body, vary over the ground or stand beside it follow the others, if a byte asks for them.
+    /// Those that drive a body, vary over the ground or stand beside it follow the others, if a byte
+    /// asks for them.
     /// So the stored inputs without that byte keep their meaning.
     ///
     /// # Errors
