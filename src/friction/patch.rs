@@ -222,6 +222,8 @@ where
     fn check(&self) -> Result<(), SceneError> {
         self.region.check()?;
         check_is_one(&self.outside)?;
-        check_is_one(&self.inside)
+        check_is_one(&self.inside)?;
+        self.outside.check()?;
+        self.inside.check()
     }
 }

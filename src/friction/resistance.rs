@@ -134,6 +134,7 @@ impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for WithResistance<F, R>
 
     fn check(&self) -> Result<(), SceneError> {
         check_is_one(&self.friction)?;
+        self.friction.check()?;
         error::at_least_zero("length of the rolling resistance", self.rolling, " m")?;
         error::at_least_zero("length of the spinning resistance", self.spinning, " m")?;
         error::above_zero("turn speed of the resistance", self.turn_speed, " rad/s")

@@ -78,7 +78,6 @@ methods_of_one! {
 ///
 /// The law around it would ask the first of them on every surface.
 pub(super) fn check_is_one<R: Real>(inner: &impl SlidingFriction<R>) -> Result<(), SceneError> {
-    inner.check()?;
     inner.surfaces().map_or(Ok(()), |count| {
         let quantity = "number of laws inside a friction law";
         Err(SceneError::new(
