@@ -351,7 +351,8 @@ class Page {
 }
 
 async function main() {
-  const bytes = await inflated(byId('module').textContent.trim());
+  const { textContent, dataset } = byId('module');
+  const bytes = await inflated(unpacked(textContent.trim(), Number(dataset.length)));
   const page = new Page(await loadTumble(bytes), bytes);
   window.page = page; // for the console and for tests
   page.open();
