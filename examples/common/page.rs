@@ -91,7 +91,7 @@ impl Page {
             // A wide picture is scrolled on a narrow screen, by the keyboard too.
             writeln!(
                 html,
-                "<figure tabindex=\"0\" aria-label=\"Picture: {name}\">{svg}</figure>"
+                "<figure><div tabindex=\"0\" role=\"group\" aria-label=\"Picture: {name}\">{svg}</div></figure>"
             )?;
         }
         Ok(html)

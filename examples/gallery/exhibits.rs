@@ -14,6 +14,8 @@ pub(crate) struct Exhibit {
     pub(crate) thumbnail: Thumbnail,
     /// Page and film of a program whose option `--out` is its own folder.
     pub(crate) own_files: Option<[&'static str; 2]>,
+    /// The program shows times, which others beside it would increase.
+    pub(crate) measures_times: bool,
 }
 
 /// Picture of a card.
@@ -39,6 +41,7 @@ impl Exhibit {
             options: &[],
             thumbnail,
             own_files: None,
+            measures_times: false,
         }
     }
 
@@ -53,6 +56,13 @@ impl Exhibit {
         file: &'static str,
     ) -> Self {
         Self::new(name, title, text, Thumbnail::Drawing(file))
+    }
+
+    const fn timed(self) -> Self {
+        Self {
+            measures_times: true,
+            ..self
+        }
     }
 
     const fn with_options(self, options: &'static [&'static str]) -> Self {
@@ -199,7 +209,8 @@ const EXHIBITS: [Exhibit; 18] = [
         "Which integrator has an error of 0.1 mm at the lowest cost?",
         "work_precision.svg",
     )
-    .with_options(&["--quick"]),
+    .with_options(&["--quick"])
+    .timed(),
 ];
 
 /// Manifest of the examples, which names all of them.

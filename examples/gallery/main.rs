@@ -20,6 +20,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use lexopt::prelude::*;
 use rayon::prelude::*;
 
+use exhibits::Exhibit;
 use run::Shown;
 
 const HELP: &str = "\
@@ -94,24 +95,26 @@ fn work(folder: &Path) -> Outcome<bool> {
     Ok(shown.iter().all(Shown::is_as_expected))
 }
 
-/// Runs all examples, as many at a time as there are processors.
+/// Runs all examples: first those that measure times, one by one, then as many at a time as there
+/// are processors. Returns them in the order of their cards.
 fn run_all(programs: &Path, folder: &Path) -> Outcome<Vec<Shown>> {
     let exhibits = exhibits::all();
     let style = ProgressStyle::with_template("{pos} of {len} examples {wide_bar} {elapsed} {msg}")?;
     let bar = ProgressBar::new(exhibits.len() as u64).with_style(style);
     bar.enable_steady_tick(core::time::Duration::from_millis(200));
-    let shown = exhibits
-        .into_par_iter()
-        .with_max_len(1)
-        .map(|exhibit| {
-            bar.set_message(exhibit.name);
-            let shown = run::run(exhibit, programs, folder);
-            bar.inc(1);
-            shown
-        })
-        .collect();
+    let run = |(card, exhibit): (usize, Exhibit)| {
+        bar.set_message(exhibit.name);
+        let shown = run::run(exhibit, programs, folder);
+        bar.inc(1);
+        (card, shown)
+    };
+    let (timed, others): (Vec<_>, Vec<_>) =
+        (exhibits.into_iter().enumerate()).partition(|(_, exhibit)| exhibit.measures_times);
+    let mut shown: Vec<_> = timed.into_iter().map(run).collect();
+    shown.par_extend(others.into_par_iter().with_max_len(1).map(run));
+    shown.sort_by_key(|&(card, _)| card);
     bar.finish_and_clear();
-    Ok(shown)
+    Ok(shown.into_iter().map(|(_, shown)| shown).collect())
 }
 
 /// Size of all files in a folder, bytes.

@@ -26,7 +26,8 @@ const PHONE = { width: 390, height: 844, isMobile: true, hasTouch: true };
 const MODES = [
   { name: 'desktop', viewport: DESKTOP },
   { name: 'phone', viewport: PHONE },
-  { name: 'dark', viewport: PHONE, dark: true },
+  { name: 'desktop-dark', viewport: DESKTOP, dark: true },
+  { name: 'phone-dark', viewport: PHONE, dark: true },
 ];
 
 // A canvas has its texts in pixels: so each text is noted with its box as it is drawn.
@@ -260,9 +261,11 @@ await check('keyboard', index, { viewport: DESKTOP, still: true }, keyboardReach
 for (const mode of MODES) {
   for (const file of pages) {
     const name = relative(FOLDER, file);
-    await check(`${name}, ${mode.name}`, file, mode, (tab) =>
-      hasNoFault(tab, file !== index && mode.name === 'desktop'),
-    );
+    const picture = `${name.replaceAll(/\W/g, '-')}-${mode.name}.png`;
+    await check(`${name}, ${mode.name}`, file, mode, async (tab) => {
+      await hasNoFault(tab, file !== index && mode.name === 'desktop');
+      await tab.screenshot({ path: join(PICTURES, picture), fullPage: true });
+    });
   }
   const tab = await open(index, mode);
   await wait(1000);
