@@ -5,7 +5,8 @@
 //! works, lowest point.
 //!
 //! A second battery, [`driven`], holds the parts that can drive a body or vary over the ground:
-//! forces, ground that moves, friction by place, and events. Its rows follow those of the first.
+//! forces, ground that moves, friction by place, several surfaces, and events. Its rows follow
+//! those of the first.
 //!
 //! A new part joins by a line: a scene by a `play` at the end of [`scenes`] or [`driven`], with the
 //! part in it; an integrator by a line in [`each_scene`]. `UPDATE=1 cargo test --test bits` stores
@@ -16,15 +17,15 @@ use core::ops::ControlFlow;
 
 use tumble::real::{Matrix, Quaternion, Vector};
 use tumble::{
-    AirDrag, AnisotropicCoulomb, Apex, BogackiShampine32, Bowl, Capsule, Coin, Cone, ConstantForce,
-    ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid, EnergyMomentum, Event,
-    FlatGround, Flight, Force, ForwardEuler, FrictionField, FrictionPatch, Frictionless, Gravity,
-    Ground, HuntCrossley, Integrator, Landing, Ledger, LimitedDamper, LoadDependentCoulomb,
-    MassProperties, MovingGround, NoForce, NoGravity, NoGround, Nystrom, Plane, PointCloud,
-    PointMass, Ramp, Real, Region, RigidPointBody, Rk4, Rod, Rotation, Sample, SceneError,
-    SlidingFriction, SlipEnds, SmoothCoulomb, SolidCoin, Sphere, SpinDrag, SpinLift, SpringDamper,
-    SpringDamperGround, State, Stepper, StrangSplitting, Stribeck, SymplecticEuler, Terrain, Trial,
-    UniformGravity, Viscous, Waves, Wind, WithResistance,
+    AirDrag, AnisotropicCoulomb, Apex, Block, BogackiShampine32, Bowl, Capsule, Coin, Cone,
+    ConstantForce, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid, EnergyMomentum,
+    Event, FlatGround, Flight, Force, ForwardEuler, FrictionField, FrictionPatch, Frictionless,
+    Gravity, Ground, HuntCrossley, Integrator, Landing, Ledger, LimitedDamper,
+    LoadDependentCoulomb, MassProperties, MovingGround, NoForce, NoGravity, NoGround, Nystrom,
+    Plane, PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rk4, Rod, Rotation, Sample,
+    SceneError, SlidingFriction, SlipEnds, SmoothCoulomb, SolidCoin, Sphere, SpinDrag, SpinLift,
+    SpringDamper, SpringDamperGround, State, Stepper, StrangSplitting, Stribeck, SymplecticEuler,
+    Terrain, Trial, UniformGravity, Viscous, Waves, Wind, WithResistance,
 };
 
 /// Result of a scene.
@@ -568,7 +569,7 @@ type Play<'a, R> =
     dyn FnMut(&'static str, DrivenParts<'_, R>, State<R>) -> Result<(), SceneError> + 'a;
 
 /// All scenes of the second battery with one integrator, which is made from its time step (s):
-/// applied forces, ground that moves, friction by place, each with events.
+/// applied forces, ground that moves, friction by place, several surfaces, each with events.
 fn driven<R: Bits, I: Integrator<R>>(
     method: impl Fn(R) -> I,
     see: &mut dyn FnMut(&'static str, (u64, bool)),
@@ -586,7 +587,8 @@ fn driven<R: Bits, I: Integrator<R>>(
     };
     with_forces(&mut play)?;
     on_moving_ground(&mut play)?;
-    on_varying_ground(&mut play)
+    on_varying_ground(&mut play)?;
+    among_walls(&mut play)
 }
 
 /// Falls onto an edge, with a spin.
@@ -768,6 +770,48 @@ fn on_varying_ground<R: Bits>(play: &mut Play<'_, R>) -> Result<(), SceneError> 
     play(
         "egg with all of them",
         (&egg(), &belt(), &field(), &all),
+        thrown(),
+    )
+}
+
+/// A wall that leans, in the way of [`thrown`] and [`sliding`] bodies.
+fn wall<R: Real>() -> FlatGround<R> {
+    let plane = Plane::through(vector::<R>(0.3, 0.0, 0.0), vector::<R>(-1.0, 0.2, 0.1));
+    FlatGround::level(real(2000.0), real(3.0)).on(plane)
+}
+
+fn among_walls<R: Bits>(play: &mut Play<'_, R>) -> Result<(), SceneError> {
+    let ball = Sphere::<R>::solid(real(1.0), real(0.2));
+    let disc = Disc::<R>::solid(real(1.0), real(0.4), 40);
+    let law = SpringDamper::<R> {
+        stiffness: real(2500.0),
+        damping: real(3.0),
+    };
+    let shape = Block {
+        centre: vector::<R>(0.5, 0.0, 0.0),
+        half: vector::<R>(0.2, 0.6, 0.1),
+    };
+    let with_wall = (level::<R>().on(slope()), wall::<R>());
+    let two_planes = [level::<R>(), wall()];
+    let step = (level::<R>(), Ground { law, shape });
+    let viscous = Viscous {
+        coefficient: real::<R>(0.4),
+    };
+    let laws = (coulomb::<R>(), viscous);
+    let coulomb = coulomb::<R>();
+    play(
+        "die against a wall",
+        (&die(), &with_wall, &laws, &NoForce),
+        thrown(),
+    )?;
+    play(
+        "ball along two walls",
+        (&ball, &two_planes, &coulomb, &NoForce),
+        sliding(),
+    )?;
+    play(
+        "round rim at a step",
+        (&disc, &step, &laws, &drag()),
         thrown(),
     )
 }

@@ -11,9 +11,9 @@ use tumble::real::{Quaternion, Vector};
 use tumble::{
     Apex, Coin, ContactPoint, Coulomb, Dynamics, EnergyMomentum, Event, EventDirection, FlatGround,
     Force, ForwardEuler, FrictionField, GroundBounds, Integrator, Motion, MovingGround, Nystrom,
-    Real, RigidPointBody, Rk4, Sample, SceneError, SlidingFriction, SpringDamperGround, State,
-    Step, StepError, Stepper, StrangSplitting, Surface, SymplecticEuler, UniformGravity, Wrench,
-    error,
+    Plane, Real, RigidPointBody, Rk4, Sample, SceneError, SlidingFriction, SpringDamperGround,
+    State, Step, StepError, Stepper, StrangSplitting, Surface, SymplecticEuler, UniformGravity,
+    Wrench, error,
 };
 
 /// A ball that is thrown forward with a rotation, in the air for its first 40 ms.
@@ -564,4 +564,77 @@ fn a_field_of_a_users_laws_has_the_bits_of_his_own() {
     assert!(gap < 1e-13, "{gap:e}");
     let bare = run(ball(), turf::<f64>(), Viscous { drag: 0.0 }, strang);
     assert!((bare.position - by_law.position).length() > 1e-3);
+}
+
+/// A wall of a user's turf in the way of [`thrown`] bodies, beside the floor.
+fn walled<R: Real>() -> (Turf<R>, FlatGround<R>) {
+    let plane = Plane::through(
+        R::Vec3::new(R::from_f64(0.3), R::ZERO, R::ZERO),
+        R::Vec3::new(-R::ONE, R::ZERO, R::ZERO),
+    );
+    let wall = FlatGround::level(R::from_f64(2e3), R::from_f64(5.0)).on(plane);
+    (turf(), wall)
+}
+
+/// A user's ground is a surface among others, with a user's law: by value, by reference, behind
+/// `dyn` and boxed it has the same bits, and the wall is felt.
+fn a_users_ground_beside_a_wall<R: Real>(integrator: impl Integrator<R> + Copy) {
+    let (floor, wall) = walled::<R>();
+    let laws = (oil::<R>(), carpet::<R>());
+    let by_value = run(ball(), (floor, wall), laws, integrator);
+    let parts = (
+        &floor as &dyn SpringDamperGround<R>,
+        &wall as &dyn SpringDamperGround<R>,
+    );
+    let of_surfaces = (
+        &laws.0 as &dyn SlidingFriction<R>,
+        &laws.1 as &dyn SlidingFriction<R>,
+    );
+    assert_eq!(by_value, run(ball(), parts, of_surfaces, integrator));
+    let boxed: Vec<Box<dyn SpringDamperGround<R>>> = vec![Box::new(floor), Box::new(wall)];
+    assert_eq!(by_value, run(ball(), &boxed[..], laws, integrator));
+    // The ball of 0.1 m meets the wall at 0.2 m.
+    let within = R::from_f64(0.21);
+    assert!(by_value.position.x() < within);
+    let floor_alone = run(ball(), floor, oil(), integrator);
+    assert!(floor_alone.position.x() > within);
+}
+
+#[test]
+fn a_users_ground_is_a_surface_among_others_in_both_precisions() {
+    fn with_every_integrator<R: Real>() {
+        let time_step = R::from_f64(1e-3);
+        a_users_ground_beside_a_wall(ForwardEuler { time_step });
+        a_users_ground_beside_a_wall(Nystrom { time_step });
+        a_users_ground_beside_a_wall(EnergyMomentum { time_step });
+        a_users_ground_beside_a_wall(Midpoint { time_step });
+    }
+    with_every_integrator::<f64>();
+    with_every_integrator::<f32>();
+}
+
+/// The same for a user's surface beside a wall, without a tolerance.
+fn energy_never_rises_beside_a_wall<R: Real>() {
+    for time_step in [1e-4, 1e-3, 1e-2, 0.1] {
+        let time_step = R::from_f64(time_step);
+        let laws = (oil(), carpet());
+        let stepper = compose(ball::<R>(), walled(), laws, EnergyMomentum { time_step });
+        let mut state = thrown();
+        let mut before = stepper.energy(&state).total();
+        for _ in 0..2000 {
+            stepper.step(&mut state).expect("the step goes on");
+            let after = stepper.energy(&state).total();
+            assert!(
+                after <= before,
+                "step {time_step}: from {before} to {after}"
+            );
+            before = after;
+        }
+    }
+}
+
+#[test]
+fn the_energy_of_a_users_surface_beside_a_wall_never_rises() {
+    energy_never_rises_beside_a_wall::<f64>();
+    energy_never_rises_beside_a_wall::<f32>();
 }

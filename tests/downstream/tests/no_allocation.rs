@@ -10,7 +10,7 @@ use downstream::{Ball, Midpoint, Turf, Viscous};
 use tumble::glam::DVec3;
 use tumble::{
     Apex, BogackiShampine32, Coin, Coulomb, DormandPrince54, EnergyMomentum, FlatGround,
-    ForwardEuler, Integrator, Landing, Ledger, Nystrom, RigidPointBody, Rk4, Sample,
+    ForwardEuler, Integrator, Landing, Ledger, Nystrom, Plane, RigidPointBody, Rk4, Sample,
     SlidingFriction, SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler,
     UniformGravity, UntilRest,
 };
@@ -157,4 +157,26 @@ fn no_users_body_ground_or_friction_makes_a_step_ask_for_memory() {
         &dyn SlidingFriction,
     ) = (&ball, &turf, &oil);
     assert_eq!(requests(|| live_with_every_integrator(ball, turf, oil)), 0);
+}
+
+#[test]
+fn several_surfaces_make_no_step_ask_for_memory() {
+    let turf = Turf {
+        stiffness: 1e4,
+        stiffening: 1e6,
+        damping: 1e3,
+    };
+    let wall = FlatGround::level(1e3, 0.5).on(Plane::through(DVec3::X, -DVec3::X));
+    let (body, ground) = (Coin::ring(1.0, 0.5), (turf, wall));
+    let laws = (
+        Viscous { drag: 0.5 },
+        Coulomb {
+            coefficient: 0.3,
+            slip_speed: 1e-3,
+        },
+    );
+    assert_eq!(
+        requests(|| live_with_every_integrator(body, ground, laws)),
+        0
+    );
 }
