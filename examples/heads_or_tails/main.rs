@@ -4,9 +4,16 @@
 // An example has the standard library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
+mod bounced;
 mod caught;
 mod count;
+mod drawing;
+mod maps;
+mod parts;
+mod real_coin;
+mod sensitivity;
 mod spun;
+mod steel;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -18,6 +25,7 @@ use common::{
 use count::Count;
 use indicatif::{ProgressBar, ProgressStyle};
 use kuva::prelude::*;
+use parts::Sizes;
 use spun::{LEAN_SPREAD, LEANS, Point, SPIN_SPREAD, STEP, THROWS};
 
 const HELP: &str = "\
@@ -94,12 +102,9 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
 }
 
 fn work(arguments: &Arguments) -> Outcome<bool> {
-    let (spun_tosses, caught_tosses) = match (arguments.options.quick, arguments.is_full) {
-        (true, _) => (80, 2_000),
-        (_, true) => (12_800, 280_000),
-        _ => (1_600, 35_000),
-    };
-    let bar = bar(spun_tosses, caught_tosses)?;
+    let sizes = Sizes::of(arguments.options.quick, arguments.is_full);
+    let (spun_tosses, caught_tosses) = (sizes.spun, sizes.caught);
+    let bar = bar(&sizes)?;
     let mut curves = Vec::new();
     for throw in &THROWS {
         let tosses = spun_tosses / throw.thinned;
@@ -114,27 +119,34 @@ fn work(arguments: &Arguments) -> Outcome<bool> {
         });
         catches.push(counts.into_iter().collect::<Outcome<Vec<_>>>()?);
     }
+    let parts = parts::all(&sizes, &bar)?;
     bar.finish_and_clear();
     let answer = answer(&curves);
     table::print(&spun_rows(&curves));
     if arguments.is_written {
         marked::write("README.md", MARKS, &format!("{answer}\n"))?;
     }
-    page(answer, &curves, &catches)?.write("heads_or_tails", &arguments.options)
+    let mut page = page(answer, &curves, &catches)?;
+    for part in parts {
+        page.text.extend(part.text);
+        page.checks.extend(part.checks);
+        page.pictures.extend(part.pictures);
+    }
+    page.write("heads_or_tails", &arguments.options)
 }
 
 /// Shows itself only on a terminal.
-fn bar(spun_tosses: u64, caught_tosses: u64) -> Outcome<ProgressBar> {
-    let counts = THROWS.map(|throw| spun_tosses / throw.thinned);
+fn bar(sizes: &Sizes) -> Outcome<ProgressBar> {
+    let counts = THROWS.map(|throw| sizes.spun / throw.thinned);
     let spun: u64 = counts
         .iter()
         .map(|count| count + count / spun::REPEATED)
         .sum();
     let spun = spun * LEANS.len() as u64;
-    let caught = (caught::TILTS.len() * caught::ANGLES.len()) as u64 * caught_tosses;
+    let caught = (caught::TILTS.len() * caught::ANGLES.len()) as u64 * sizes.caught;
     let style =
         ProgressStyle::with_template("tosses {wide_bar} {percent} %, {per_sec}, {eta} left")?;
-    Ok(ProgressBar::new(spun + caught).with_style(style))
+    Ok(ProgressBar::new(spun + caught + sizes.throws()).with_style(style))
 }
 
 /// The answer to the question of the report, in two sentences.
