@@ -1,4 +1,5 @@
-//! Drawings of maps: runs of equal cells, drawn as one path for each outcome.
+//! Drawings of maps: a thick line for each run of equal cells in a row, and one path for each
+//! outcome. The most frequent outcome is the background, so that a map of a million cells is small.
 
 use core::fmt::Write as _;
 
@@ -52,40 +53,53 @@ pub(crate) fn picture(map: &Map, texts: Texts, lines: Vec<Plot>) -> Outcome<Pict
         .with_legend_entries(legend.collect())
         .with_legend_position(LegendPosition::OutsideRightTop);
     let frame = ComputedLayout::from_layout(&layout);
-    let paths: Vec<Primitive> = seen
-        .map(|(outcome, colour, _)| path(map, *outcome, colour, &frame))
-        .collect();
+    let most = seen.clone().max_by_key(|(outcome, ..)| map.count(*outcome));
+    let background = most.map(|(_, colour, _)| background(colour, &frame, map));
+    let others = seen.filter(|(outcome, ..)| most.is_some_and(|(first, ..)| first != outcome));
+    let others = others.map(|(outcome, colour, _)| runs(map, *outcome, colour, &frame));
+    let paths: Vec<Primitive> = background.into_iter().chain(others).collect();
     let mut scene = render_multiple(lines, layout);
     scene.elements.splice(0..0, paths);
     Picture::of(texts.name, &scene)
 }
 
-/// The cells of an outcome as rectangles: one for each run of them in a row.
-fn path(map: &Map, outcome: Ended<CoinFace>, colour: &str, frame: &ComputedLayout) -> Primitive {
-    let (left, bottom) = (frame.map_x(map.x[0]), frame.map_y(map.y[0]));
-    let width = (frame.map_x(map.x[1]) - left) / map.size as f64;
-    let height = (bottom - frame.map_y(map.y[1])) / map.size as f64;
+/// A single line that is as thick as the map is high.
+fn background(colour: &str, frame: &ComputedLayout, map: &Map) -> Primitive {
+    let [left, right] = map.x.map(|x| frame.map_x(x));
+    let [bottom, top] = map.y.map(|y| frame.map_y(y));
+    let d = format!("M{left:.2} {:.2}h{:.2}", 0.5 * (bottom + top), right - left);
+    stroke(d, colour, bottom - top)
+}
+
+/// The cells of an outcome as lines: one for each run of them in a row.
+fn runs(map: &Map, outcome: Ended<CoinFace>, colour: &str, frame: &ComputedLayout) -> Primitive {
+    let [left, right] = map.x.map(|x| frame.map_x(x));
+    let [bottom, top] = map.y.map(|y| frame.map_y(y));
+    let (width, height) = (right - left, bottom - top);
+    let size = map.size as f64;
     let mut d = String::new();
     for (row, cells) in map.cells.chunks(map.size).enumerate() {
-        let y = bottom - (row + 1) as f64 * height;
+        let y = bottom - (row as f64 + 0.5) * height / size;
         let mut first = 0;
         for run in cells.chunk_by(|a, b| a == b) {
             if run.first() == Some(&outcome) {
-                let x = left + first as f64 * width;
-                let long = run.len() as f64 * width;
-                // A little higher and longer than a run, so that no line of the page shows between.
-                let (long, high) = (long + 0.05, height + 0.05);
+                let x = left + first as f64 * width / size;
                 // Writing to a string does not fail.
-                let _ = write!(d, "M{x:.2} {y:.2}h{long:.2}v{high:.2}h-{long:.2}z");
+                let _ = write!(d, "M{x:.1} {y:.2}h{:.1}", run.len() as f64 * width / size);
             }
             first += run.len();
         }
     }
+    // A little thicker than a row, so that the background does not show between rows.
+    stroke(d, colour, height / size + 0.05)
+}
+
+fn stroke(d: String, colour: &str, thickness: f64) -> Primitive {
     Primitive::Path(Box::new(PathData {
         d,
-        fill: Some(Color::from(colour)),
-        stroke: Color::None,
-        stroke_width: 0.0,
+        fill: None,
+        stroke: Color::from(colour),
+        stroke_width: thickness,
         opacity: None,
         stroke_dasharray: None,
     }))

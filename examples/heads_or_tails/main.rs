@@ -29,16 +29,23 @@ use parts::Sizes;
 use spun::{LEAN_SPREAD, LEANS, Point, SPIN_SPREAD, STEP, THROWS};
 
 const HELP: &str = "\
-Sets the coin of the coin report rolling or spinning at leans of 0 to 60 degrees, each time until
-its face is decided, and counts heads and tails; and tosses a coin that is caught. Answers the question
-of the report: has the lean an effect?
+Has the lean of a coin at its start an effect on heads and tails? The question of the coin report:
+
+- the coin of the coin report starts rolling or spinning at leans of 0 to 60 degrees
+- a cent spins on a table, with its centre of mass off the middle
+- a coin is tossed and caught
+- a coin is tossed and bounces: the bias after each bounce
+- maps of the outcome over speed and rate (250 x 250), and over lean and spin (100 x 100)
+- the distance of two starts 1e-9 m apart, in the eight trials of the coin report
+
+A toss ends when its face is proven. It takes some minutes on two cores.
 
 Usage: cargo run --release --example heads_or_tails -- [OPTIONS]
 
       --write           writes the answer into README.md
-      --full            eight times the tosses
+      --full            eight times the tosses or more, and maps of 1000 x 1000
   -o, --out <FOLDER>    where the page and its pictures go   [default: out]
-  -q, --quick           a twentieth of the tosses
+  -q, --quick           a twentieth of the tosses or less, and maps of 40 x 40 and 20 x 20
   -h, --help            this text
 ";
 

@@ -527,7 +527,7 @@ fn sensitivity_rows(rows: &[Row]) -> Vec<Vec<String>> {
             first.map_or("-".to_owned(), |g| {
                 format!("{:.2} to {:.2}", g.interval[0], g.interval[1])
             }),
-            kind(first).to_owned(),
+            kind(pair).to_owned(),
             time(1e-3),
             time(0.1),
             format!("{:.1e}", pair.largest()),
@@ -539,9 +539,10 @@ fn sensitivity_rows(rows: &[Row]) -> Vec<Vec<String>> {
 }
 
 /// Kind of growth, in words.
-fn kind(growth: Option<Growth>) -> &'static str {
-    match growth {
-        None => "not chaotic: below 1 mm",
+fn kind(pair: &Pair) -> &'static str {
+    match pair.growth() {
+        None if pair.largest() < FITTED[0] => "not chaotic",
+        None => "not to 1 mm",
         Some(growth) if growth.is_exponential() => "exponential",
         Some(_) => "power of time",
     }
