@@ -177,9 +177,9 @@ fn answer(curves: &[Vec<Point>]) -> String {
     let passed =
         |count: &Count| percent(1.0 - count.straight as f64 / count.decided().max(1) as f64);
     wrapped(&format!(
-        "**Does the lean at the start bias heads or tails? {effect}:** of coins set rolling at 5° to \
-         60°, {} end with the side up that pointed up at the start, and of coins set spinning at \
-         1 kg m²/s {}, against {} of those that start upright (99.9 % intervals; \
+        "**Does the lean at the start bias heads or tails? {effect}:** of coins set rolling at 5° \
+         to 60°, {} end with the side up that pointed up at the start, and of coins set spinning \
+         at 1 kg m²/s {}, against {} of those that start upright (99.9 % intervals; \
          [more](src/guide/outcomes.md)). A coin that spins at 5 kg m²/s first rises until it is \
          upright ({} % do) and forgets its lean: {}, with {} % undecided after a minute.",
         shown(rolling),

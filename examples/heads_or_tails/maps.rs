@@ -1,9 +1,9 @@
 //! Maps of outcomes over two parameters of the start, with a throw in each cell.
 //!
-//! A coin that leaves the hand level, with the vertical speed u and the rate ω about a diameter, and
-//! is caught at the same height, has flown for `2 u/g` and has rotated by `2 u ω/g`. So heads is up
-//! if `cos(2 u ω/g) > 0`, and the boundaries are the hyperbolas `u ω/g = (2 n + 1) π/4` (Keller,
-//! Am. Math. Monthly 93, 1986).
+//! A coin that leaves the hand level, with the vertical speed u and the rate ω about a diameter, is
+//! caught at the same height after `2 u/g`. By then it has rotated by `2 u ω/g`. So heads is up if
+//! `cos(2 u ω/g) > 0`, and the boundaries are the hyperbolas `u ω/g = (2 n + 1) π/4` (Keller, Am.
+//! Math. Monthly 93, 1986).
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 

@@ -8,7 +8,7 @@ use crate::bounced::{self, Bounced};
 use crate::count::Count;
 use crate::drawing::{self, Texts};
 use crate::real_coin::{self, Point};
-use crate::sensitivity::{self, FITTED, Growth, Pair, Row};
+use crate::sensitivity::{self, FITTED, Pair, Row};
 use crate::{maps, steel};
 use common::{BLACK, BLUE, Check, GREEN, GREY, ORANGE, Outcome, PURPLE, Picture, line, table};
 
@@ -89,9 +89,9 @@ fn maps(sizes: &Sizes, bar: &ProgressBar) -> Outcome<Part> {
     let report = maps::report(sizes.report_map, bar)?;
     let undecided = |map: &maps::Map| map.count(Ended::Undecided);
     let text = format!(
-        "Maps: a coin of steel (20 mm by 2 mm) leaves the hand level and heads up, and rotates about \
-         a diameter. It is caught at the height of the hand, or lands on a table {} m below and \
-         bounces ({} x {} throws each, {} on the table undecided after {} s, {} on the edge). \
+        "Maps: a coin of steel (20 mm by 2 mm) leaves the hand level and heads up, and rotates \
+         about a diameter. It is caught at the height of the hand, or lands on a table {} m below \
+         and bounces ({} x {} throws each, {} on the table undecided after {} s, {} on the edge). \
          {} of {} throws change their face at a hundredth of the tolerance. The map of the coin of \
          the coin report has {} x {} throws, {} undecided after {} s.",
         steel::HAND,
@@ -208,8 +208,8 @@ fn bounced(sizes: &Sizes, bar: &ProgressBar) -> Outcome<Part> {
     let text = format!(
         "Tossed and bounced: the coin of steel leaves the hand level at {} to {} m/s and {} to {} \
          revolutions a second, with the angular momentum at ψ from the normal and the vertical \
-         ({} tosses at each ψ). After n bounces the side up is that at the n-th highest point after \
-         the first touch-down.",
+         ({} tosses at each ψ). After n bounces the side up is that at the n-th highest point \
+         after the first touch-down.",
         bounced::SPEEDS[0],
         bounced::SPEEDS[1],
         bounced::RATES[0],
@@ -340,11 +340,11 @@ fn real(sizes: &Sizes, bar: &ProgressBar) -> Outcome<Part> {
         "Spun on a table: a cent (2.5 g, 19.05 mm by 1.52 mm, 48 points on each rim) spins upright \
          about the vertical (friction 0.2, `Nystrom`, {} ms; {} spins at each offset of the centre \
          of mass). The rims consist of points, because a body has one round rim at most. Gelman & \
-         Nolan (The American Statistician 56, 2002) state that a coin that is spun can be biased. A \
-         rate of 80 % tails for the cent of the United States is often quoted, and is doubted by \
-         those who were filmed with it (Did Penn & Teller tell a lie?, Zbl 1360.62072). These spins \
-         do not test that rate: the offset of a real cent is not known here, and both ways to start \
-         were chosen after trials, to show one with an effect and one without.",
+         Nolan (The American Statistician 56, 2002) state that a coin that is spun can be biased. \
+         A rate of 80 % tails for the cent of the United States is often quoted, and is doubted by \
+         those who were filmed with it (Did Penn & Teller tell a lie?, Zbl 1360.62072). These \
+         spins do not test that rate: the offset of a real cent is not known here, and both ways \
+         to start were chosen after trials, to show one with an effect and one without.",
         1e3 * real_coin::STEP,
         sizes.real,
     );
@@ -407,7 +407,7 @@ fn real_checks(curves: &[Vec<Point>]) -> Vec<Check> {
     let fair = points().filter(|point| point.offset == 0.0);
     vec![
         Check::between(
-            "spun cent, centre of mass in the middle: distance from one half over half the interval",
+            "spun cent without offset: distance from one half over half the interval",
             "symmetry of coin and start, 99.9 %",
             fair.map(|point| deviation(&point.count, 0.5))
                 .fold(0.0, f64::max),
@@ -471,10 +471,12 @@ fn with_intervals(counts: Vec<(f64, Count)>, colour: &str, name: &str) -> [Plot;
 fn sensitivity(sizes: &Sizes) -> Outcome<Part> {
     let rows = sensitivity::rows(sizes.is_quick)?;
     let text = format!(
-        "Sensitivity: two starts {:.0e} m apart in each trial of the coin report, with `Nystrom` and \
-         with `Rk4` ({} ms), for {} s. The slip speed is 1 mm/s, which these steps resolve, not the \
-         1e-10 m/s of the report. The rate is that of ln d between {:.0e} and {:.0e} m; `power of time` \
-         means that a power fits the distance better than an exponential.",
+        "Sensitivity: two starts {:.0e} m apart in each trial of the coin report, with `Nystrom` \
+         and with `Rk4` ({} ms), for {} s. The slip speed is 1 mm/s, which these steps resolve, \
+         not the 1e-10 m/s of the report. The rate is that of ln d between {:.0e} and {:.0e} m; \
+         `power of time` means that a power fits the distance better than an exponential. Both \
+         methods follow the same motion until they are 1 mm apart. A fit that ends later is that \
+         of two motions.",
         sensitivity::START,
         1e3 * sensitivity::STEP,
         sensitivity::seconds(sizes.is_quick),
@@ -500,42 +502,41 @@ fn sensitivity_rows(rows: &[Row]) -> Vec<Vec<String>> {
         "largest d, m",
         "faces",
         "decided, s",
+        "methods 1 mm apart, s",
     ];
-    let mut cells = vec![table::cells(head)];
-    for row in rows {
-        let [first, second] = row.pairs.each_ref().map(Pair::growth);
-        let rate = |growth: Option<Growth>| {
-            growth.map_or("-".to_owned(), |g| {
-                format!("{:.2} ± {:.2}", g.rate, g.error)
-            })
-        };
-        let pair = &row.pairs[0];
-        let time = |distance| {
-            pair.time_above(distance)
-                .map_or("never".to_owned(), |t| format!("{t:.2}"))
-        };
-        let face = |n: usize| {
-            pair.decided[n].map_or("undecided".to_owned(), |(face, _)| {
-                format!("{face:?}").to_lowercase()
-            })
-        };
-        let decided = |n: usize| pair.decided[n].map_or("-".to_owned(), |(_, t)| format!("{t:.2}"));
-        cells.push(table::cells([
-            row.trial.to_string(),
-            rate(first),
-            rate(second),
-            first.map_or("-".to_owned(), |g| {
-                format!("{:.2} to {:.2}", g.interval[0], g.interval[1])
-            }),
-            kind(pair).to_owned(),
-            time(1e-3),
-            time(0.1),
-            format!("{:.1e}", pair.largest()),
-            format!("{}, {}", face(0), face(1)),
-            format!("{}, {}", decided(0), decided(1)),
-        ]));
-    }
-    cells
+    core::iter::once(table::cells(head))
+        .chain(rows.iter().map(sensitivity_row))
+        .collect()
+}
+
+fn sensitivity_row(row: &Row) -> Vec<String> {
+    let [pair, other] = &row.pairs;
+    let rate = |pair: &Pair| {
+        let growth = pair.growth();
+        growth.map_or("-".to_owned(), |g| {
+            format!("{:.2} ± {:.2}", g.rate, g.error)
+        })
+    };
+    let interval = pair.growth().map(|growth| growth.interval);
+    let time = |time: Option<f64>| time.map_or("never".to_owned(), |t| format!("{t:.2}"));
+    let faces = pair.decided.map(|decided| match decided {
+        Some((face, _)) => format!("{face:?}").to_lowercase(),
+        None => "undecided".to_owned(),
+    });
+    let decided = pair.decided.map(|decided| time(decided.map(|(_, t)| t)));
+    table::cells([
+        row.trial.to_string(),
+        rate(pair),
+        rate(other),
+        interval.map_or("-".to_owned(), |[t, end]| format!("{t:.2} to {end:.2}")),
+        kind(pair).to_owned(),
+        time(pair.time_above(1e-3)),
+        time(pair.time_above(0.1)),
+        format!("{:.1e}", pair.largest()),
+        faces.join(", "),
+        decided.join(", "),
+        time(row.methods_apart()),
+    ])
 }
 
 /// Kind of growth, in words.

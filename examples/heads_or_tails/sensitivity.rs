@@ -44,6 +44,8 @@ const PARTS: usize = 8;
 pub(crate) struct Pair {
     /// Time, s, and distance, m.
     pub(crate) distances: Vec<(f64, f64)>,
+    /// States of the first motion at these times.
+    states: Vec<State>,
     /// Face and time, s, at which each of the motions is decided.
     pub(crate) decided: [Option<(CoinFace, f64)>; 2],
 }
@@ -116,6 +118,19 @@ impl Pair {
     }
 }
 
+impl Row {
+    /// First time, s, at which the motions of the two integrators are 1 mm apart.
+    pub(crate) fn methods_apart(&self) -> Option<f64> {
+        let [first, second] = &self.pairs;
+        let states = first.states.iter().zip(&second.states);
+        let radius = Trial::<f64>::RADIUS;
+        let index = states
+            .map(|(a, b)| distance(a, b, radius))
+            .position(|distance| distance > 1e-3)?;
+        Some(first.distances.get(index)?.0)
+    }
+}
+
 /// Slope of the least squares line, and the root mean square deviation from it.
 fn line(points: &[(f64, f64)]) -> (f64, f64) {
     let count = points.len() as f64;
@@ -167,12 +182,14 @@ fn pair<I: Integrator>(trial: usize, integrator: I, seconds: f64) -> Result<Pair
     let mut states = starts(trial.state(), radius);
     let mut pair = Pair {
         distances: Vec::new(),
+        states: Vec::new(),
         decided: [None; 2],
     };
     let mut time = 0.0;
     while time < seconds {
         pair.distances
             .push((time, distance(&states[0], &states[1], radius)));
+        pair.states.push(states[0]);
         for (state, decided) in states.iter_mut().zip(&mut pair.decided) {
             stepper
                 .advance(state, INTERVAL)
@@ -200,8 +217,8 @@ fn starts(start: State, radius: f64) -> [State; 2] {
 /// without spin and friction.
 ///
 /// In equilibrium the contact i at the distance z_i below the centre of mass pushes with
-/// `N_i = k (z_i - h)`, and `Σ N_i = m g` determines the height h. A lean by a small angle θ changes
-/// heights and forces in second order only, and the forces have the torque `θ Σ N_i z_i`. So θ
+/// `N_i = k (z_i - h)`, and `Σ N_i = m g` determines the height h. A lean by a small angle θ
+/// changes heights and forces in second order only, and the forces have the torque `θ Σ N_i z_i`. So θ
 /// grows as `cosh(λ t)` with `λ² = Σ N_i z_i/I`.
 pub(crate) fn tipping() -> Outcome<[f64; 2]> {
     let trial = Trial::<f64>::report(4).ok_or("no such trial")?;
@@ -233,6 +250,7 @@ pub(crate) fn tipping() -> Outcome<[f64; 2]> {
     let mut states = starts(State::at(DVec3::Z * low), radius);
     let mut pair = Pair {
         distances: Vec::new(),
+        states: Vec::new(),
         decided: [None; 2],
     };
     for step in 0..200 {
