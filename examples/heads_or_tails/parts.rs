@@ -557,25 +557,27 @@ fn sensitivity_checks(rows: &[Row]) -> Outcome<Vec<Check>> {
         Some((first.rate - second.rate).abs() / first.error.hypot(second.error))
     });
     let both: Vec<f64> = both.collect();
-    Ok(vec![
-        Check::near(
-            "rate at which the upright coin tips over without friction, measured over exact",
-            "λ² = Σ N_i z_i/I; the height and cosh(λ t) at the ends of the fit change it by 9e-5",
-            measured / exact,
-            1.0,
-            1e-4,
-        ),
-        Check::between(
+    let mut checks = vec![Check::near(
+        "rate at which the upright coin tips over without friction, measured over exact",
+        "λ² = Σ N_i z_i/I; the height and cosh(λ t) at the ends of the fit change it by 9e-5",
+        measured / exact,
+        1.0,
+        1e-4,
+    )];
+    // A quick run is too short for a fit. Then there is nothing to compare.
+    if !both.is_empty() {
+        checks.push(Check::between(
             &format!(
-                "largest difference of the rates of two integrators in {} trials, in standard errors",
+                "rates of the two integrators: largest difference in {} trials, in standard errors",
                 both.len()
             ),
             "99.9 %",
             both.into_iter().fold(0.0, f64::max),
             0.0,
             QUANTILE,
-        ),
-    ])
+        ));
+    }
+    Ok(checks)
 }
 
 fn sensitivity_picture(rows: &[Row]) -> Outcome<Picture> {
