@@ -218,8 +218,8 @@ fn starts(start: State, radius: f64) -> [State; 2] {
 ///
 /// In equilibrium the contact i at the distance z_i below the centre of mass pushes with
 /// `N_i = k (z_i - h)`, and `Σ N_i = m g` determines the height h. A lean by a small angle θ
-/// changes heights and forces in second order only, and the forces have the torque `θ Σ N_i z_i`. So
-/// θ grows as `cosh(λ t)` with `λ² = Σ N_i z_i/I`.
+/// changes heights and forces in second order only, and the forces have the torque `θ Σ N_i z_i`.
+/// So θ grows as `cosh(λ t)` with `λ² = Σ N_i z_i/I`.
 pub(crate) fn tipping() -> Outcome<[f64; 2]> {
     let trial = Trial::<f64>::report(4).ok_or("no such trial")?;
     let coin = trial.coin();
