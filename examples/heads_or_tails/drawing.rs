@@ -1,5 +1,5 @@
-//! Drawings of maps: a thick line for each run of equal cells in a row, and one path for each
-//! outcome. The most frequent outcome is the background, so that a map of a million cells is small.
+//! Drawings of maps: a rectangle for each run of equal cells in a row, and one path for each
+//! outcome. The most frequent outcome is the background, so that the drawing is small.
 
 use core::fmt::Write as _;
 
@@ -63,43 +63,47 @@ pub(crate) fn picture(map: &Map, texts: Texts, lines: Vec<Plot>) -> Outcome<Pict
     Picture::of(texts.name, &scene)
 }
 
-/// A single line that is as thick as the map is high.
+/// A rectangle of the size of the map.
 fn background(colour: &str, frame: &ComputedLayout, map: &Map) -> Primitive {
     let [left, right] = map.x.map(|x| frame.map_x(x));
     let [bottom, top] = map.y.map(|y| frame.map_y(y));
-    let d = format!("M{left:.2} {:.2}h{:.2}", 0.5 * (bottom + top), right - left);
-    stroke(d, colour, bottom - top)
+    filled(
+        format!("M{left:.2} {top:.2}H{right:.2}V{bottom:.2}H{left:.2}z"),
+        colour,
+    )
 }
 
-/// The cells of an outcome as lines: one for each run of them in a row.
+/// The cells of an outcome as rectangles: one for each run of them in a row.
 fn runs(map: &Map, outcome: Ended<CoinFace>, colour: &str, frame: &ComputedLayout) -> Primitive {
     let [left, right] = map.x.map(|x| frame.map_x(x));
     let [bottom, top] = map.y.map(|y| frame.map_y(y));
     let (width, height) = (right - left, bottom - top);
     let size = map.size as f64;
+    // A little higher than a row, so that the background does not show between rows.
+    let high = height / size + 0.05;
     let mut d = String::new();
     for (row, cells) in map.cells.chunks(map.size).enumerate() {
-        let y = bottom - (row as f64 + 0.5) * height / size;
+        let y = bottom - (row + 1) as f64 * height / size;
         let mut first = 0;
         for run in cells.chunk_by(|a, b| a == b) {
             if run.first() == Some(&outcome) {
                 let x = left + first as f64 * width / size;
+                let end = x + run.len() as f64 * width / size;
                 // Writing to a string does not fail.
-                let _ = write!(d, "M{x:.1} {y:.2}h{:.1}", run.len() as f64 * width / size);
+                let _ = write!(d, "M{x:.2} {y:.2}H{end:.2}v{high:.2}H{x:.2}z");
             }
             first += run.len();
         }
     }
-    // A little thicker than a row, so that the background does not show between rows.
-    stroke(d, colour, height / size + 0.05)
+    filled(d, colour)
 }
 
-fn stroke(d: String, colour: &str, thickness: f64) -> Primitive {
+fn filled(d: String, colour: &str) -> Primitive {
     Primitive::Path(Box::new(PathData {
         d,
-        fill: None,
-        stroke: Color::from(colour),
-        stroke_width: thickness,
+        fill: Some(Color::from(colour)),
+        stroke: Color::None,
+        stroke_width: 0.0,
         opacity: None,
         stroke_dasharray: None,
     }))
