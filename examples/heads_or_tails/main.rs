@@ -4,9 +4,16 @@
 // An example has the standard library.
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
+mod bounced;
 mod caught;
 mod count;
+mod drawing;
+mod maps;
+mod parts;
+mod real_coin;
+mod sensitivity;
 mod spun;
+mod steel;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -18,19 +25,28 @@ use common::{
 use count::Count;
 use indicatif::{ProgressBar, ProgressStyle};
 use kuva::prelude::*;
+use parts::Sizes;
 use spun::{LEAN_SPREAD, LEANS, Point, SPIN_SPREAD, STEP, THROWS};
 
 const HELP: &str = "\
-Sets the coin of the coin report rolling or spinning at leans of 0 to 60 degrees, each time until
-its face is decided, and counts heads and tails; and tosses a coin that is caught. Answers the question
-of the report: has the lean an effect?
+Has the lean of a coin at its start an effect on heads and tails? The question of the coin report:
+
+- the coin of the coin report starts rolling or spinning at leans of 0 to 60 degrees
+- a cent spins on a table, with its centre of mass off the middle
+- a coin is tossed and caught
+- a coin is tossed and bounces: the bias after each bounce
+- maps of the outcome over speed and rate (250 x 250), and over lean and spin (100 x 100, because
+  a throw of it takes longer)
+- the distance of two starts 1e-9 m apart, in the eight trials of the coin report
+
+A toss ends when its face is proven. It takes some minutes on two cores.
 
 Usage: cargo run --release --example heads_or_tails -- [OPTIONS]
 
       --write           writes the answer into README.md
-      --full            eight times the tosses
+      --full            eight times the tosses or more, and maps of 1000 x 1000
   -o, --out <FOLDER>    where the page and its pictures go   [default: out]
-  -q, --quick           a twentieth of the tosses
+  -q, --quick           a twentieth of the tosses or less, and maps of 40 x 40 and 20 x 20
   -h, --help            this text
 ";
 
@@ -94,12 +110,9 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
 }
 
 fn work(arguments: &Arguments) -> Outcome<bool> {
-    let (spun_tosses, caught_tosses) = match (arguments.options.quick, arguments.is_full) {
-        (true, _) => (80, 2_000),
-        (_, true) => (12_800, 280_000),
-        _ => (1_600, 35_000),
-    };
-    let bar = bar(spun_tosses, caught_tosses)?;
+    let sizes = Sizes::of(arguments.options.quick, arguments.is_full);
+    let (spun_tosses, caught_tosses) = (sizes.spun, sizes.caught);
+    let bar = bar(&sizes)?;
     let mut curves = Vec::new();
     for throw in &THROWS {
         let tosses = spun_tosses / throw.thinned;
@@ -114,27 +127,34 @@ fn work(arguments: &Arguments) -> Outcome<bool> {
         });
         catches.push(counts.into_iter().collect::<Outcome<Vec<_>>>()?);
     }
+    let parts = parts::all(&sizes, &bar)?;
     bar.finish_and_clear();
     let answer = answer(&curves);
     table::print(&spun_rows(&curves));
     if arguments.is_written {
         marked::write("README.md", MARKS, &format!("{answer}\n"))?;
     }
-    page(answer, &curves, &catches)?.write("heads_or_tails", &arguments.options)
+    let mut page = page(answer, &curves, &catches)?;
+    for part in parts {
+        page.text.extend(part.text);
+        page.checks.extend(part.checks);
+        page.pictures.extend(part.pictures);
+    }
+    page.write("heads_or_tails", &arguments.options)
 }
 
 /// Shows itself only on a terminal.
-fn bar(spun_tosses: u64, caught_tosses: u64) -> Outcome<ProgressBar> {
-    let counts = THROWS.map(|throw| spun_tosses / throw.thinned);
+fn bar(sizes: &Sizes) -> Outcome<ProgressBar> {
+    let counts = THROWS.map(|throw| sizes.spun / throw.thinned);
     let spun: u64 = counts
         .iter()
         .map(|count| count + count / spun::REPEATED)
         .sum();
     let spun = spun * LEANS.len() as u64;
-    let caught = (caught::TILTS.len() * caught::ANGLES.len()) as u64 * caught_tosses;
+    let caught = (caught::TILTS.len() * caught::ANGLES.len()) as u64 * sizes.caught;
     let style =
         ProgressStyle::with_template("tosses {wide_bar} {percent} %, {per_sec}, {eta} left")?;
-    Ok(ProgressBar::new(spun + caught).with_style(style))
+    Ok(ProgressBar::new(spun + caught + sizes.throws()).with_style(style))
 }
 
 /// The answer to the question of the report, in two sentences.
@@ -158,9 +178,9 @@ fn answer(curves: &[Vec<Point>]) -> String {
     let passed =
         |count: &Count| percent(1.0 - count.straight as f64 / count.decided().max(1) as f64);
     wrapped(&format!(
-        "**Does the lean at the start bias heads or tails? {effect}:** of coins set rolling at 5° to \
-         60°, {} end with the side up that pointed up at the start, and of coins set spinning at \
-         1 kg m²/s {}, against {} of those that start upright (99.9 % intervals; \
+        "**Does the lean at the start bias heads or tails? {effect}:** of coins set rolling at 5° \
+         to 60°, {} end with the side up that pointed up at the start, and of coins set spinning \
+         at 1 kg m²/s {}, against {} of those that start upright (99.9 % intervals; \
          [more](src/guide/outcomes.md)). A coin that spins at 5 kg m²/s first rises until it is \
          upright ({} % do) and forgets its lean: {}, with {} % undecided after a minute.",
         shown(rolling),
