@@ -433,7 +433,7 @@ impl Case {
 
 /// Runs random scenes. Nearly all of them must come to their end.
 fn promises<R: Real>(count: u32) {
-    let ended = std::cell::Cell::new([0_u32; 2]);
+    let ended = core::cell::Cell::new([0_u32; 2]);
     let result = TestRunner::new(kit::cases(count)).run(&scenes(), |case| {
         let mut counts = ended.get();
         counts[usize::from(case.keeps_its_promises::<R>()?)] += 1;
