@@ -25,6 +25,8 @@ macro_rules! names_for {
             pub type AirDrag = crate::AirDrag<$real>;
             /// Coulomb friction with two coefficients, along and across the grain of the ground.
             pub type AnisotropicCoulomb = crate::AnisotropicCoulomb<$real>;
+            /// The default integrator with a tolerance instead of a step size.
+            pub type AdaptiveEnergyMomentum = crate::AdaptiveEnergyMomentum<$real>;
             /// A built-in integrator chosen at run time.
             pub type AnyIntegrator = crate::AnyIntegrator<$real>;
             /// Torque-free rotation in closed form.

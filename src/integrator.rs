@@ -15,7 +15,10 @@ mod point;
 pub(crate) use adaptive::DORMAND_PRINCE;
 pub(crate) use point::Point;
 
-pub use adaptive::{BogackiShampine32, DormandPrince54, EmbeddedPairWorkspace};
+pub use adaptive::{
+    AdaptiveEnergyMomentum, AdaptiveEnergyMomentumWorkspace, BogackiShampine32, DormandPrince54,
+    EmbeddedPairWorkspace,
+};
 pub use any::{AnyIntegrator, Workspace as AnyWorkspace};
 pub use energy_momentum::{EnergyMomentum, Workspace as EnergyMomentumWorkspace};
 pub use explicit::{ForwardEuler, Nystrom, Rk4, StrangSplitting, SymplecticEuler};

@@ -101,7 +101,7 @@
 //!
 //! | | promise | shown by |
 //! |---|---|---|
-//! | G1 | With [`EnergyMomentum`] the computed energy never increases, not even by one unit in the last place, at any step size, stiffness, damping, friction, spin, size, shape and precision. If an applied force or a moving ground drives the body, the energy increases at most by the work that the step states. | `tests/limits/contract.rs` (random scenes), `tests/limits/extremes.rs` (a sweep of the extremes), [derivation](guide::energy) |
+//! | G1 | With [`EnergyMomentum`] and [`AdaptiveEnergyMomentum`] the computed energy never increases, not even by one unit in the last place, at any step size, stiffness, damping, friction, spin, size, shape and precision. If an applied force or a moving ground drives the body, the energy increases at most by the work that the step states. | `tests/limits/contract.rs` (random scenes), `tests/limits/extremes.rs` (a sweep of the extremes), [derivation](guide::energy) |
 //! | G2 | The body stays rigid: distances and the orientation's length stay at rounding, however long the run. | `tests/physics/rigidity.rs`, up to 10⁷ steps |
 //! | G3 | The energy audit adds up: the energy equals the energy at the start, minus the energy that friction, dampers and separation dissipated, plus the energy error. The energy error is the integrator's own. It falls at the integrator's order, through touch-downs too, and with the tolerance of an adaptive method. | `tests/physics/truth.rs`, against the true works of all eight trials |
 //! | G4 | Accuracy is a number: each integrator states order, cost, stability limit, and when it can add energy. | `tests/physics/truth.rs`, `tests/physics/energy.rs` (both sides of each limit), `examples/accuracy`, [tables](guide::accuracy); `tests/validation`, [closed forms and printed numbers](guide::validation) |
@@ -123,6 +123,7 @@
 //! | [`Nystrom`] | 4, and 2 through touch-downs | 4 | nothing more | O(dt⁶) a step | `dt < 2.36/ω` and `dt < 2.78/δ`, with `ζ > 2.1e-4 (ω dt)⁵` |
 //! | [`BogackiShampine32`] | 3 | 3 | nothing more | by its error | any tolerance: the step size is adaptive |
 //! | [`DormandPrince54`] | 5 | 6 | nothing more | by its error | any tolerance: the step size is adaptive |
+//! | [`AdaptiveEnergyMomentum`] | 2 | those of three steps of `EnergyMomentum` | as `EnergyMomentum` | never | any tolerance: the step size is adaptive |
 //! | [`ForwardEuler`] | 1 | 1 | nothing more | in every step | `dt < 2 ζ/ω`, and `ζ < 1` |
 //!
 //! `ω` (rad/s) and `δ` (1/s) are the highest frequency and the highest rate of damping that the
@@ -141,6 +142,7 @@
 //! | `StrangSplitting` | sliding and flight at the lowest cost |
 //! | `Nystrom` | errors of a tenth of a millimetre and less, if a body rolls and slides |
 //! | `DormandPrince54` | a tolerance instead of a step size |
+//! | `AdaptiveEnergyMomentum` | a tolerance and an energy that never increases; the error of each step |
 //! | any of them in [`Flight`] | flight in closed form |
 //! | [`AnyIntegrator`] | a choice at run time |
 //!
@@ -241,8 +243,9 @@ pub use ground::{
     Shape, SpringDamper, SpringDamperGround, Surface, Terrain, Waves,
 };
 pub use integrator::{
-    AnyIntegrator, BogackiShampine32, DormandPrince54, EnergyMomentum, Flight, ForwardEuler,
-    Integrator, Nystrom, Rk4, Step, StepControl, StrangSplitting, SymplecticEuler,
+    AdaptiveEnergyMomentum, AnyIntegrator, BogackiShampine32, DormandPrince54, EnergyMomentum,
+    Flight, ForwardEuler, Integrator, Nystrom, Rk4, Step, StepControl, StrangSplitting,
+    SymplecticEuler,
 };
 pub use observer::{Every, Ledger, Observer, Sample, SceneQuery, Timed, UntilDecided, UntilRest};
 pub use outcome::{Barriers, Basin, Faces, HullFace, Outcome};

@@ -8,7 +8,7 @@ use crate::bounced::{self, Bounced};
 use crate::count::Count;
 use crate::drawing::{self, Texts};
 use crate::real_coin::{self, Point};
-use crate::sensitivity::{self, FITTED, Pair, Row};
+use crate::sensitivity::{self, FITTED, Row};
 use crate::{maps, steel};
 use common::{BLACK, BLUE, Check, GREEN, GREY, ORANGE, Outcome, PURPLE, Picture, line, table};
 
@@ -476,8 +476,8 @@ fn sensitivity(sizes: &Sizes) -> Outcome<Part> {
          and with `Rk4` ({} ms), for {} s. The slip speed is 1 mm/s, which these steps resolve, \
          not the 1e-10 m/s of the report. The rate is that of ln d between {:.0e} and {:.0e} m; \
          `power of time` means that a power fits the distance better than an exponential. Both \
-         methods follow the same motion until they are 1 mm apart. A fit that ends later is that \
-         of two motions.",
+         methods follow the same motion until they are 1 mm apart; where that is before the end of \
+         a fit, the rate is not determined.",
         sensitivity::START,
         1e3 * sensitivity::STEP,
         sensitivity::seconds(sizes.is_quick),
@@ -511,14 +511,17 @@ fn sensitivity_rows(rows: &[Row]) -> Vec<Vec<String>> {
 }
 
 fn sensitivity_row(row: &Row) -> Vec<String> {
-    let [pair, other] = &row.pairs;
-    let rate = |pair: &Pair| {
-        let growth = pair.growth();
-        growth.map_or("-".to_owned(), |g| {
-            format!("{:.2} ± {:.2}", g.rate, g.error)
+    let [pair, _] = &row.pairs;
+    let growths = row.growths();
+    let rate = |integrator: usize| {
+        growths.map_or("-".to_owned(), |growths| {
+            format!(
+                "{:.2} ± {:.2}",
+                growths[integrator].rate, growths[integrator].error
+            )
         })
     };
-    let interval = pair.growth().map(|growth| growth.interval);
+    let interval = growths.map(|[growth, _]| growth.interval);
     let time = |time: Option<f64>| time.map_or("never".to_owned(), |t| format!("{t:.2}"));
     let faces = pair.decided.map(|decided| match decided {
         Some((face, _)) => format!("{face:?}").to_lowercase(),
@@ -527,10 +530,10 @@ fn sensitivity_row(row: &Row) -> Vec<String> {
     let decided = pair.decided.map(|decided| time(decided.map(|(_, t)| t)));
     table::cells([
         row.trial.to_string(),
-        rate(pair),
-        rate(other),
+        rate(0),
+        rate(1),
         interval.map_or("-".to_owned(), |[t, end]| format!("{t:.2} to {end:.2}")),
-        kind(pair).to_owned(),
+        kind(row).to_owned(),
         time(pair.time_above(1e-3)),
         time(pair.time_above(0.1)),
         format!("{:.1e}", pair.largest()),
@@ -541,11 +544,13 @@ fn sensitivity_row(row: &Row) -> Vec<String> {
 }
 
 /// Kind of growth, in words.
-fn kind(pair: &Pair) -> &'static str {
-    match pair.growth() {
+fn kind(row: &Row) -> &'static str {
+    let [pair, _] = &row.pairs;
+    match row.growths() {
         None if pair.largest() < FITTED[0] => "not chaotic",
-        None => "not to 1 mm",
-        Some(growth) if growth.is_exponential() => "exponential",
+        None if pair.largest() < FITTED[1] => "not to 1 mm",
+        None => "not determined",
+        Some([growth, _]) if growth.is_exponential() => "exponential",
         Some(_) => "power of time",
     }
 }
@@ -553,8 +558,7 @@ fn kind(pair: &Pair) -> &'static str {
 fn sensitivity_checks(rows: &[Row]) -> Outcome<Vec<Check>> {
     let [measured, exact] = sensitivity::tipping()?;
     let both = rows.iter().filter_map(|row| {
-        let [first, second] = row.pairs.each_ref().map(Pair::growth);
-        let (first, second) = (first?, second?);
+        let [first, second] = row.growths()?;
         Some((first.rate - second.rate).abs() / first.error.hypot(second.error))
     });
     let both: Vec<f64> = both.collect();

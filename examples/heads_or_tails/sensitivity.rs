@@ -119,6 +119,19 @@ impl Pair {
 }
 
 impl Row {
+    /// Growth with each of the integrators. `None` if a distance does not cover [`FITTED`], or if
+    /// the motions of the two integrators part before it does: then the fits are those of two
+    /// motions, and neither need be that of the trial.
+    pub(crate) fn growths(&self) -> Option<[Growth; 2]> {
+        let [first, second] = self.pairs.each_ref().map(Pair::growth);
+        let growths = [first?, second?];
+        let follows = |growth: &Growth| {
+            let parted = self.methods_apart();
+            parted.is_none_or(|time| time >= growth.interval[1])
+        };
+        growths.iter().all(follows).then_some(growths)
+    }
+
     /// First time, s, at which the motions of the two integrators are 1 mm apart.
     pub(crate) fn methods_apart(&self) -> Option<f64> {
         let [first, second] = &self.pairs;

@@ -1,11 +1,14 @@
-//! Adaptive methods: explicit Runge-Kutta pairs that choose their step from a tolerance.
+//! Adaptive methods, which choose their step from a tolerance: explicit Runge-Kutta pairs, and
+//! `EnergyMomentum` with step doubling.
 
 mod bogacki_shampine_32;
 mod dormand_prince_54;
 mod embedded_pair;
+mod energy_momentum;
 mod method;
 
 pub use bogacki_shampine_32::BogackiShampine32;
 pub use dormand_prince_54::DormandPrince54;
 pub(crate) use dormand_prince_54::PAIR as DORMAND_PRINCE;
 pub use embedded_pair::Workspace as EmbeddedPairWorkspace;
+pub use energy_momentum::{AdaptiveEnergyMomentum, Workspace as AdaptiveEnergyMomentumWorkspace};

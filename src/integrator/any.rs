@@ -2,7 +2,10 @@
 
 use crate::body::ContactRange;
 use crate::error::{SceneError, StepError};
-use crate::integrator::adaptive::{BogackiShampine32, DormandPrince54, EmbeddedPairWorkspace};
+use crate::integrator::adaptive::{
+    AdaptiveEnergyMomentum, AdaptiveEnergyMomentumWorkspace, BogackiShampine32, DormandPrince54,
+    EmbeddedPairWorkspace,
+};
 use crate::integrator::energy_momentum::{EnergyMomentum, Workspace as EnergyMomentumWorkspace};
 use crate::integrator::explicit::{ForwardEuler, Nystrom, Rk4, StrangSplitting, SymplecticEuler};
 use crate::integrator::interface::{Integrator, Step, StepControl};
@@ -51,6 +54,8 @@ pub enum AnyIntegrator<R = f64> {
     DormandPrince54(DormandPrince54<R>),
     /// Implicit, with an energy that never increases: see [`EnergyMomentum`].
     EnergyMomentum(EnergyMomentum<R>),
+    /// Implicit and adaptive, with an energy that never increases: see [`AdaptiveEnergyMomentum`].
+    AdaptiveEnergyMomentum(AdaptiveEnergyMomentum<R>),
 }
 
 /// Workspace of [`AnyIntegrator`], which contains the workspace of the method in use.
@@ -60,6 +65,7 @@ pub struct Workspace<R: Real = f64> {
     near: ContactRange,
     pair: Option<EmbeddedPairWorkspace<R>>,
     implicit: Option<EnergyMomentumWorkspace<R>>,
+    adaptive: Option<AdaptiveEnergyMomentumWorkspace<R>>,
 }
 
 impl<R: Real> Workspace<R> {
@@ -71,6 +77,11 @@ impl<R: Real> Workspace<R> {
     #[inline]
     fn implicit(&mut self) -> &mut EnergyMomentumWorkspace<R> {
         self.implicit.get_or_insert_with(Default::default)
+    }
+
+    #[inline]
+    fn adaptive(&mut self) -> &mut AdaptiveEnergyMomentumWorkspace<R> {
+        self.adaptive.get_or_insert_with(Default::default)
     }
 }
 
@@ -86,6 +97,7 @@ macro_rules! each {
             AnyIntegrator::BogackiShampine32($method) => $result,
             AnyIntegrator::DormandPrince54($method) => $result,
             AnyIntegrator::EnergyMomentum($method) => $result,
+            AnyIntegrator::AdaptiveEnergyMomentum($method) => $result,
         }
     };
 }
@@ -112,6 +124,9 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
             Self::BogackiShampine32(method) => method.step(scene, state, limit, workspace.pair()),
             Self::DormandPrince54(method) => method.step(scene, state, limit, workspace.pair()),
             Self::EnergyMomentum(method) => method.step(scene, state, limit, workspace.implicit()),
+            Self::AdaptiveEnergyMomentum(method) => {
+                method.step(scene, state, limit, workspace.adaptive())
+            }
         }
     }
 
@@ -131,6 +146,9 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
         match self {
             Self::BogackiShampine32(method) => method.step_control(workspace.pair.as_ref()?, state),
             Self::DormandPrince54(method) => method.step_control(workspace.pair.as_ref()?, state),
+            Self::AdaptiveEnergyMomentum(method) => {
+                method.step_control(workspace.adaptive.as_ref()?, state)
+            }
             _ => None,
         }
     }
@@ -139,6 +157,9 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
         match self {
             Self::BogackiShampine32(method) => method.set_step_control(workspace.pair(), control),
             Self::DormandPrince54(method) => method.set_step_control(workspace.pair(), control),
+            Self::AdaptiveEnergyMomentum(method) => {
+                method.set_step_control(workspace.adaptive(), control);
+            }
             _ => {}
         }
     }
@@ -160,6 +181,7 @@ impl<R> core::fmt::Display for AnyIntegrator<R> {
             Self::BogackiShampine32(_) => "BogackiShampine32",
             Self::DormandPrince54(_) => "DormandPrince54",
             Self::EnergyMomentum(_) => "EnergyMomentum",
+            Self::AdaptiveEnergyMomentum(_) => "AdaptiveEnergyMomentum",
         })
     }
 }
@@ -174,4 +196,4 @@ macro_rules! from_each {
     };
 }
 from_each!(ForwardEuler SymplecticEuler StrangSplitting Rk4 Nystrom);
-from_each!(BogackiShampine32 DormandPrince54 EnergyMomentum);
+from_each!(BogackiShampine32 DormandPrince54 EnergyMomentum AdaptiveEnergyMomentum);

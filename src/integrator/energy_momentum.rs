@@ -49,6 +49,7 @@ use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
+pub(in crate::integrator) use applied::close_account;
 use contacts::{Contacts, Reach};
 use end_velocity::Strain;
 use energy_limit::Touched;

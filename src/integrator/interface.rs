@@ -186,6 +186,11 @@ pub struct Step<R = f64> {
     /// before it plus this work, as computed. It is 0 without a drive. Other integrators state 0;
     /// the [`Ledger`](crate::Ledger) computes the work for every integrator.
     pub drive_work: R,
+    /// Estimate of the error that the step has added, m, from an adaptive method.
+    ///
+    /// It is a displacement of the farthest point of the body, at once and through the velocities.
+    /// The [method](Integrator#implementors) defines it. `None` if there is no estimate.
+    pub error_estimate: Option<R>,
 }
 
 impl<R: Real> Step<R> {
@@ -202,6 +207,7 @@ impl<R: Real> Step<R> {
             fallback: false,
             energy_removed: R::ZERO,
             drive_work: R::ZERO,
+            error_estimate: None,
         }
     }
 }

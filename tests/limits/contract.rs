@@ -14,11 +14,11 @@ use tumble::contract::{
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::integrator::step_length;
 use tumble::{
-    AnisotropicCoulomb, BogackiShampine32, Bowl, Coin, ContactLaw, ContactPoint, Coulomb,
-    DormandPrince54, Dynamics, Elevation, EnergyMomentum, FlatGround, ForwardEuler,
-    FrictionJacobian, Frictionless, Ground, GroundBounds, HuntCrossley, Integrator, LimitedDamper,
-    LoadDependentCoulomb, MeanForce, NoGround, Nystrom, Plane, PointCloud, Ramp, Real,
-    RigidPointBody, Rk4, RollingResistance, SceneError, SlidingFriction, SmoothCoulomb,
+    AdaptiveEnergyMomentum, AnisotropicCoulomb, BogackiShampine32, Bowl, Coin, ContactLaw,
+    ContactPoint, Coulomb, DormandPrince54, Dynamics, Elevation, EnergyMomentum, FlatGround,
+    ForwardEuler, FrictionJacobian, Frictionless, Ground, GroundBounds, HuntCrossley, Integrator,
+    LimitedDamper, LoadDependentCoulomb, MeanForce, NoGround, Nystrom, Plane, PointCloud, Ramp,
+    Real, RigidPointBody, Rk4, RollingResistance, SceneError, SlidingFriction, SmoothCoulomb,
     SpringDamper, SpringDamperGround, State, Step, StepError, Stepper, StrangSplitting, Stribeck,
     Surface, SymplecticEuler, Terrain, Viscous, Waves, WithResistance, error,
 };
@@ -248,15 +248,17 @@ fn every_built_in_integrator_that_chooses_its_steps_passes() {
     for tolerance in [1e-9, 1e-5, 1e-2] {
         check_integrator::<f64, _>(&BogackiShampine32::new(tolerance), plan).unwrap();
         check_integrator::<f64, _>(&DormandPrince54::new(tolerance), plan).unwrap();
+        check_integrator::<f64, _>(&AdaptiveEnergyMomentum::new(tolerance), plan).unwrap();
     }
     for tolerance in [1e-5, 1e-2] {
         check_integrator::<f32, _>(&BogackiShampine32::new(tolerance), plan).unwrap();
         check_integrator::<f32, _>(&DormandPrince54::new(tolerance), plan).unwrap();
+        check_integrator::<f32, _>(&AdaptiveEnergyMomentum::new(tolerance), plan).unwrap();
     }
 }
 
 #[test]
-fn a_pair_that_is_given_its_steps_has_its_order() {
+fn an_adaptive_method_that_is_given_its_steps_has_its_order() {
     let plan = CheckPlan::default();
     for longest_step in [1e-3, 0.7] {
         let bogacki_shampine = BogackiShampine32 {
@@ -268,7 +270,12 @@ fn a_pair_that_is_given_its_steps_has_its_order() {
             ..DormandPrince54::new(1e100)
         };
         check_integrator::<f64, _>(&bogacki_shampine, plan).unwrap();
+        let implicit = AdaptiveEnergyMomentum {
+            longest_step,
+            ..AdaptiveEnergyMomentum::new(1e100)
+        };
         check_integrator::<f64, _>(&dormand_prince, plan).unwrap();
+        check_integrator::<f64, _>(&implicit, plan).unwrap();
     }
 }
 
@@ -287,6 +294,13 @@ fn the_energy_never_rises_with_the_default_integrator_and_does_with_the_others()
     for plan in batteries() {
         check_energy_never_rises::<f64, _>(&EnergyMomentum { time_step: 1e-3 }, plan).unwrap();
         check_energy_never_rises::<f32, _>(&EnergyMomentum { time_step: 1e-3 }, plan).unwrap();
+        for tolerance in [1e-3, 1e100] {
+            let adaptive = AdaptiveEnergyMomentum::new(tolerance);
+            check_energy_never_rises::<f64, _>(&adaptive, plan).unwrap();
+        }
+        // In single precision a wild scene may need steps below the rounding of the longest one.
+        let adaptive = AdaptiveEnergyMomentum::new(1e30);
+        check_energy_never_rises::<f32, _>(&adaptive, plan).unwrap();
     }
     let time_step = 1e-3;
     let plan = CheckPlan::default();

@@ -12,7 +12,7 @@
 //!    repeated up to the first discontinuity that matters, or with a smaller step size.
 
 mod attempt;
-mod control;
+pub(super) mod control;
 mod slip;
 mod touch;
 
@@ -26,7 +26,8 @@ use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
-use attempt::{Attempt, Place, attempt_under};
+pub(super) use attempt::Place;
+use attempt::{Attempt, attempt_under};
 pub(crate) use attempt::{Pair, Settings};
 use control::{Control, Errors};
 use touch::Discontinuities;
@@ -197,6 +198,7 @@ pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
             control.accept(pair.roots, &trial, seconds, error);
             *state = end.point.to_state();
             report.elapsed = seconds;
+            report.error_estimate = Some(errors.total());
             report.evaluations += u32::from(to_discontinuity);
             workspace.known = Some(Known::of(scene, state, end, to_discontinuity));
             workspace.resumed = None;

@@ -118,7 +118,7 @@ fn hold<R: Real, D: Dynamics<R>>(
 
 /// Raises the stated work by the rounding of the sums, so that the energy after the step is at most
 /// the energy before it plus the work, as computed.
-pub(super) fn close_account<R: Real>(before: R, after: R, step: &mut Step<R>) {
+pub(in crate::integrator) fn close_account<R: Real>(before: R, after: R, step: &mut Step<R>) {
     if step.drive_work == R::ZERO {
         return;
     }

@@ -17,15 +17,16 @@ use core::ops::ControlFlow;
 
 use tumble::real::{Matrix, Quaternion, Vector};
 use tumble::{
-    AirDrag, AnisotropicCoulomb, Apex, Block, BogackiShampine32, Bowl, Capsule, Coin, Cone,
-    ConstantForce, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid, EnergyMomentum,
-    Event, FlatGround, Flight, Force, ForwardEuler, FrictionField, FrictionPatch, Frictionless,
-    Gravity, Ground, HuntCrossley, Integrator, Landing, Ledger, LimitedDamper,
-    LoadDependentCoulomb, MassProperties, MovingGround, NoForce, NoGravity, NoGround, Nystrom,
-    Plane, PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rk4, Rod, Rotation, Sample,
-    SceneError, SlidingFriction, SlipEnds, SmoothCoulomb, SolidCoin, Sphere, SpinDrag, SpinLift,
-    SpringDamper, SpringDamperGround, State, Stepper, StrangSplitting, Stribeck, SymplecticEuler,
-    Terrain, Trial, UniformGravity, Viscous, Waves, Wind, WithResistance,
+    AdaptiveEnergyMomentum, AirDrag, AnisotropicCoulomb, Apex, Block, BogackiShampine32, Bowl,
+    Capsule, Coin, Cone, ConstantForce, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54,
+    Ellipsoid, EnergyMomentum, Event, FlatGround, Flight, Force, ForwardEuler, FrictionField,
+    FrictionPatch, Frictionless, Gravity, Ground, HuntCrossley, Integrator, Landing, Ledger,
+    LimitedDamper, LoadDependentCoulomb, MassProperties, MovingGround, NoForce, NoGravity,
+    NoGround, Nystrom, Plane, PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rk4, Rod,
+    Rotation, Sample, SceneError, SlidingFriction, SlipEnds, SmoothCoulomb, SolidCoin, Sphere,
+    SpinDrag, SpinLift, SpringDamper, SpringDamperGround, State, Stepper, StrangSplitting,
+    Stribeck, SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves, Wind,
+    WithResistance,
 };
 
 /// Result of a scene.
@@ -127,6 +128,7 @@ pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
         BogackiShampine32: |time_step| BogackiShampine32::new(tolerance(time_step));
         DormandPrince54: |time_step| DormandPrince54::new(tolerance(time_step));
         Flight: |time_step| Flight(StrangSplitting { time_step });
+        AdaptiveEnergyMomentum: |time_step| AdaptiveEnergyMomentum::new(tolerance(time_step));
     }
     Ok(())
 }

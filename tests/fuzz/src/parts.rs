@@ -4,15 +4,15 @@ use core::cell::Cell;
 
 use tumble::real::{Matrix, Vector};
 use tumble::{
-    AnisotropicCoulomb, AnyIntegrator, BogackiShampine32, Bowl, Capsule, Carried, Coin, Cone,
-    ContactLaw, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Dynamics, Ellipsoid,
-    EnergyMomentum, FlatGround, Flight, Force, ForwardEuler, Frictionless, Ground, GroundBounds,
-    GroundMotion, HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MassProperties,
-    MeanForce, NoForce, NoGround, Nystrom, Plane, PointCloud, PointMass, Ramp, Real,
-    RigidPointBody, Rk4, Rod, Rotation, SceneError, Shape, SlidingFriction, SmoothCoulomb, Solid,
-    SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Step, StepControl, StepError,
-    Stepper, StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, UniformGravity, Viscous,
-    Waves, WithResistance,
+    AdaptiveEnergyMomentum, AnisotropicCoulomb, AnyIntegrator, BogackiShampine32, Bowl, Capsule,
+    Carried, Coin, Cone, ContactLaw, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54,
+    Dynamics, Ellipsoid, EnergyMomentum, FlatGround, Flight, Force, ForwardEuler, Frictionless,
+    Ground, GroundBounds, GroundMotion, HuntCrossley, Integrator, LimitedDamper,
+    LoadDependentCoulomb, MassProperties, MeanForce, NoForce, NoGround, Nystrom, Plane, PointCloud,
+    PointMass, Ramp, Real, RigidPointBody, Rk4, Rod, Rotation, SceneError, Shape, SlidingFriction,
+    SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Step,
+    StepControl, StepError, Stepper, StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain,
+    UniformGravity, Viscous, Waves, WithResistance,
 };
 
 use super::driven::{AnyForce, beside_walls, by_place, force, moving};
@@ -462,7 +462,10 @@ impl<R: Real> Method<R> {
     /// Returns true if the method promises that the energy never increases.
     #[must_use]
     pub fn keeps_energy(&self) -> bool {
-        matches!(self.method, AnyIntegrator::EnergyMomentum(_))
+        matches!(
+            self.method,
+            AnyIntegrator::EnergyMomentum(_) | AnyIntegrator::AdaptiveEnergyMomentum(_)
+        )
     }
 }
 
@@ -531,6 +534,12 @@ pub fn method<R: Real>(input: &mut Input<'_>) -> Method<R> {
         }
         .into(),
         6 => DormandPrince54 {
+            tolerance: input.size(1e-9, 1e-2),
+            longest_step: time_step,
+            budget: u32::from(input.byte()),
+        }
+        .into(),
+        7 => AdaptiveEnergyMomentum {
             tolerance: input.size(1e-9, 1e-2),
             longest_step: time_step,
             budget: u32::from(input.byte()),

@@ -54,14 +54,14 @@ impl<R: Real> Settings<R> {
     }
 
     /// Returns the size below which a step is given up, s: the rounding of the longest step.
-    pub(super) fn shortest_step(&self) -> R {
+    pub(in crate::integrator::adaptive) fn shortest_step(&self) -> R {
         self.longest_step * R::EPSILON
     }
 }
 
 /// Point, slope and motion at one end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place<R: Real> {
+pub(in crate::integrator::adaptive) struct Place<R: Real> {
     pub(super) point: Point<R>,
     pub(super) slope: Point<R>,
     pub(super) motion: Motion<R>,
@@ -69,7 +69,7 @@ pub(super) struct Place<R: Real> {
 
 impl<R: Real> Place<R> {
     #[inline(always)]
-    pub(super) fn at<D: Dynamics<R>>(scene: &D, point: Point<R>) -> Self {
+    pub(in crate::integrator::adaptive) fn at<D: Dynamics<R>>(scene: &D, point: Point<R>) -> Self {
         Self::under(scene, point, |motion| scene.contact_model().load(motion))
     }
 

@@ -22,7 +22,7 @@ const GROWTH: f64 = 5.0;
 const SHRINKAGE: f64 = 0.1;
 
 /// Errors of a step, as displacement of the farthest point of the body, m.
-pub(super) struct Errors<R> {
+pub(in crate::integrator::adaptive) struct Errors<R> {
     position: R,
     orientation: R,
     linear_velocity: R,
@@ -32,7 +32,11 @@ pub(super) struct Errors<R> {
 impl<R: Real> Errors<R> {
     /// Computes the errors from the difference of two ends of a step.
     #[inline]
-    pub(super) fn of<D: Dynamics<R>>(scene: &D, difference: &Point<R>, motion: &Motion<R>) -> Self {
+    pub(in crate::integrator::adaptive) fn of<D: Dynamics<R>>(
+        scene: &D,
+        difference: &Point<R>,
+        motion: &Motion<R>,
+    ) -> Self {
         let (bounding_radius, horizon) = (size(scene), R::from_f64(HORIZON));
         let spin = scene
             .inertia_properties()
@@ -50,12 +54,24 @@ impl<R: Real> Errors<R> {
     /// Scales the errors of the velocities to another time than [`HORIZON`], given as a fraction of
     /// it.
     #[inline]
-    pub(super) fn within(self, share: f64) -> Self {
+    pub(in crate::integrator::adaptive) fn within(self, share: f64) -> Self {
         let share = R::from_f64(share);
         Self {
             linear_velocity: self.linear_velocity * share,
             angular_momentum: self.angular_momentum * share,
             ..self
+        }
+    }
+
+    /// Multiplies all errors by a factor.
+    #[inline]
+    pub(in crate::integrator::adaptive) fn scaled(self, factor: f64) -> Self {
+        let factor = R::from_f64(factor);
+        Self {
+            position: self.position * factor,
+            orientation: self.orientation * factor,
+            linear_velocity: self.linear_velocity * factor,
+            angular_momentum: self.angular_momentum * factor,
         }
     }
 
@@ -65,13 +81,13 @@ impl<R: Real> Errors<R> {
     }
 
     #[inline]
-    pub(super) fn total(&self) -> R {
+    pub(in crate::integrator::adaptive) fn total(&self) -> R {
         (self.position + self.orientation) + (self.linear_velocity + self.angular_momentum)
     }
 
     /// Returns the quantity with the largest error.
     #[cold]
-    pub(super) fn largest(&self) -> Quantity {
+    pub(in crate::integrator::adaptive) fn largest(&self) -> Quantity {
         let parts = [
             (self.linear_velocity, Quantity::LinearVelocity),
             (self.angular_momentum, Quantity::AngularMomentum),
@@ -92,8 +108,17 @@ impl<R: Real> Errors<R> {
 /// It is a fraction of the tolerance, because the errors of the steps add up, plus the unavoidable
 /// rounding.
 #[inline]
-pub(super) fn allowed<R: Real, D: Dynamics<R>>(
+pub(in crate::integrator::adaptive) fn allowed<R: Real, D: Dynamics<R>>(
     settings: &Settings<R>,
+    scene: &D,
+    motion: &Motion<R>,
+) -> R {
+    settings.tolerance * R::from_f64(SHARE) + rounding(scene, motion)
+}
+
+/// Returns the error of a step that rounding causes, m.
+#[inline]
+pub(in crate::integrator::adaptive) fn rounding<R: Real, D: Dynamics<R>>(
     scene: &D,
     motion: &Motion<R>,
 ) -> R {
@@ -101,12 +126,12 @@ pub(super) fn allowed<R: Real, D: Dynamics<R>>(
     let speed =
         motion.linear_velocity.length() + motion.angular_velocity.length() * bounding_radius;
     let way = motion.position.length() + bounding_radius + speed * R::from_f64(HORIZON);
-    settings.tolerance * R::from_f64(SHARE) + way * (R::EPSILON * R::from_f64(16.0))
+    way * (R::EPSILON * R::from_f64(16.0))
 }
 
 /// Part of a workspace that determines the next step size.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Control<R: Real> {
+pub(in crate::integrator::adaptive) struct Control<R: Real> {
     /// Proposed size of the next step, s.
     next: Option<R>,
     /// Root of the last step's error relative to the allowed error. Its degree is twice that of the
@@ -119,9 +144,9 @@ pub(super) struct Control<R: Real> {
 }
 
 /// Step sizes of the attempts at one step.
-pub(super) struct Trial<R> {
+pub(in crate::integrator::adaptive) struct Trial<R> {
     /// Size proposed by the controller, s.
-    pub(super) length: R,
+    pub(in crate::integrator::adaptive) length: R,
     /// Size of a step to a discontinuity, s. `None` if there is none.
     to_discontinuity: Option<R>,
     /// Number of further attempts at a step to a discontinuity.
@@ -137,7 +162,7 @@ const KINKS: u32 = 8;
 impl<R: Real> Trial<R> {
     /// Returns the step size to attempt, s.
     #[inline]
-    pub(super) fn seconds(&self, limit: R) -> R {
+    pub(in crate::integrator::adaptive) fn seconds(&self, limit: R) -> R {
         let length = step_length(self.length, limit);
         match self.to_discontinuity {
             Some(to_discontinuity) => length.at_most(to_discontinuity),
@@ -147,7 +172,7 @@ impl<R: Real> Trial<R> {
 
     /// Returns true if a step of this size ends at a discontinuity.
     #[inline]
-    pub(super) fn is_to_discontinuity(&self, seconds: R) -> bool {
+    pub(in crate::integrator::adaptive) fn is_to_discontinuity(&self, seconds: R) -> bool {
         self.to_discontinuity
             .is_some_and(|to_discontinuity| seconds >= to_discontinuity)
     }
@@ -173,21 +198,24 @@ impl<R: Real> Trial<R> {
                 self.to_discontinuity = Some(to_discontinuity);
                 self.kinks_left -= 1;
             }
-            _ => {
-                let factor = R::from_f64(SAFETY) / root(error, roots);
-                // An error that is NaN gives the smallest factor.
-                let factor = factor.at_least(R::from_f64(SHRINKAGE));
-                self.length = seconds * factor.at_most(R::from_f64(SAFETY));
-                self.to_discontinuity = None;
-                self.shortened = true;
-            }
+            _ => self.reduce(roots, seconds, error),
         }
+    }
+
+    /// Reduces the step size by the `error` of a step of `seconds`, relative to the allowed error.
+    pub(in crate::integrator::adaptive) fn reduce(&mut self, roots: u32, seconds: R, error: R) {
+        let factor = R::from_f64(SAFETY) / root(error, roots);
+        // An error that is NaN gives the smallest factor.
+        let factor = factor.at_least(R::from_f64(SHRINKAGE));
+        self.length = seconds * factor.at_most(R::from_f64(SAFETY));
+        self.to_discontinuity = None;
+        self.shortened = true;
     }
 }
 
 impl<R: Real> Control<R> {
     #[inline]
-    pub(super) fn carried(&self) -> StepControl<R> {
+    pub(in crate::integrator::adaptive) fn carried(&self) -> StepControl<R> {
         StepControl {
             next_step: self.next,
             last_error: self.last,
@@ -196,7 +224,7 @@ impl<R: Real> Control<R> {
     }
 
     #[inline]
-    pub(super) fn carrying(control: StepControl<R>) -> Self {
+    pub(in crate::integrator::adaptive) fn carrying(control: StepControl<R>) -> Self {
         Self {
             next: control.next_step,
             last: control.last_error,
@@ -205,7 +233,10 @@ impl<R: Real> Control<R> {
     }
 
     #[inline]
-    pub(super) fn first_trial(&self, first_length: impl FnOnce() -> R) -> Trial<R> {
+    pub(in crate::integrator::adaptive) fn first_trial(
+        &self,
+        first_length: impl FnOnce() -> R,
+    ) -> Trial<R> {
         Trial {
             length: self.next.unwrap_or_else(first_length),
             to_discontinuity: None,
@@ -216,7 +247,10 @@ impl<R: Real> Control<R> {
 
     /// Counts one more attempt.
     #[inline]
-    pub(super) fn spend(&mut self, settings: &Settings<R>) -> Result<(), StepError> {
+    pub(in crate::integrator::adaptive) fn spend(
+        &mut self,
+        settings: &Settings<R>,
+    ) -> Result<(), StepError> {
         if self.attempts >= settings.budget {
             return Err(StepError::BudgetSpent {
                 attempts: self.attempts,
@@ -228,7 +262,11 @@ impl<R: Real> Control<R> {
     }
 
     #[cold]
-    pub(super) fn too_short(&self, settings: &Settings<R>, quantity: Quantity) -> StepError {
+    pub(in crate::integrator::adaptive) fn too_short(
+        &self,
+        settings: &Settings<R>,
+        quantity: Quantity,
+    ) -> StepError {
         StepError::StepTooShort {
             quantity,
             length: settings.shortest_step().to_f64(),
@@ -245,7 +283,13 @@ impl<R: Real> Control<R> {
     /// If the caller's limit or a discontinuity has shortened the step, it says little about the
     /// size of the next one. The proposal is then unchanged.
     #[inline]
-    pub(super) fn accept(&mut self, roots: u32, trial: &Trial<R>, seconds: R, error: R) {
+    pub(in crate::integrator::adaptive) fn accept(
+        &mut self,
+        roots: u32,
+        trial: &Trial<R>,
+        seconds: R,
+        error: R,
+    ) {
         self.time += seconds;
         if seconds < trial.length {
             self.next = Some(trial.length);
@@ -279,7 +323,7 @@ fn root<R: Real>(mut value: R, times: u32) -> R {
 /// Euler step. The time scale of the motion is A/B. A method whose estimate is of order p in the
 /// step size `h` has an error of about `HORIZON B (h B/A)^p/(B/A)²`. Its p-th root gives h (after
 /// Hairer, Nørsett & Wanner, section II.4).
-pub(super) fn first_length<R: Real, D: Dynamics<R>>(
+pub(in crate::integrator::adaptive) fn first_length<R: Real, D: Dynamics<R>>(
     roots: u32,
     settings: &Settings<R>,
     scene: &D,
