@@ -132,17 +132,32 @@ impl Page {
 /// Returns a paragraph or a Markdown table as HTML.
 fn paragraph(text: &str) -> String {
     if !text.starts_with('|') {
-        return format!("<p>{}</p>\n", escaped(text));
+        return format!("<p>{}</p>\n", spans(text));
     }
     let mut rows = String::new();
     // The second line is the rule below the head.
     for (number, line) in text.lines().enumerate().filter(|&(number, _)| number != 1) {
         let tag = if number == 0 { "th" } else { "td" };
         let cells = line.trim().trim_matches('|').split('|');
-        let cells = cells.map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell.trim())));
+        let cells = cells.map(|cell| format!("<{tag}>{}</{tag}>", spans(cell.trim())));
         rows += &format!("<tr>{}</tr>\n", cells.collect::<String>());
     }
     format!("<div class=\"wide\" tabindex=\"0\"><table>\n{rows}</table></div>\n")
+}
+
+/// Returns a text in HTML, with code between backticks and bold text between double asterisks.
+fn spans(text: &str) -> String {
+    let marked = |text: &str, mark: &str, tag: &str| {
+        let mut html = String::new();
+        for (number, part) in text.split(mark).enumerate() {
+            html += &match number % 2 {
+                0 => part.to_owned(),
+                _ => format!("<{tag}>{part}</{tag}>"),
+            };
+        }
+        html
+    };
+    marked(&marked(&escaped(text), "`", "code"), "**", "strong")
 }
 
 /// Returns a text without the characters that have a meaning in HTML.

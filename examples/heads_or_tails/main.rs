@@ -54,6 +54,8 @@ const MARKS: [&str; 2] = [
     "<!-- heads or tails: begin; written by `heads_or_tails -- --write` -->",
     "<!-- heads or tails: end -->",
 ];
+/// Reference in the README, which a page elsewhere cannot follow.
+const MORE: &str = "; [more](src/guide/outcomes.md)";
 const COLOURS: [&str; 3] = [BLUE, ORANGE, GREEN];
 
 struct Arguments {
@@ -180,8 +182,8 @@ fn answer(curves: &[Vec<Point>]) -> String {
     wrapped(&format!(
         "**Does the lean at the start bias heads or tails? {effect}:** of coins set rolling at 5° \
          to 60°, {} end with the side up that pointed up at the start, and of coins set spinning \
-         at 1 kg m²/s {}, against {} of those that start upright (99.9 % intervals; \
-         [more](src/guide/outcomes.md)). A coin that spins at 5 kg m²/s first rises until it is \
+         at 1 kg m²/s {}, against {} of those that start upright (99.9 % intervals\
+         {MORE}). A coin that spins at 5 kg m²/s first rises until it is \
          upright ({} % do) and forgets its lean: {}, with {} % undecided after a minute.",
         shown(rolling),
         shown(spinning),
@@ -261,7 +263,7 @@ fn page(answer: String, curves: &[Vec<Point>], catches: &Catches) -> Outcome<Pag
     Ok(Page {
         title: "Heads or tails",
         text: vec![
-            answer,
+            answer.replace('\n', " ").replace(MORE, ""),
             format!(
                 "The coin of the coin report (friction 0.3, slip speed 1 mm/s) starts at each lean \
                  within {LEAN_SPREAD}° of it, with an angular momentum within {} % of the stated \
