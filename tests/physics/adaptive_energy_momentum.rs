@@ -13,9 +13,9 @@ use tumble::glam::DVec3;
 use tumble::real::{Quaternion, Vector};
 use tumble::work_precision::reference;
 use tumble::{
-    AdaptiveEnergyMomentum, Coin, Coulomb, Cuboid, DormandPrince54, EnergyMomentum, FlatGround,
-    Integrator, Ledger, MovingGround, Real, RigidPointBody, Sample, SolidCoin, Sphere, State, Step,
-    StepError, Stepper, Trial, UniformGravity,
+    AdaptiveEnergyMomentum, Capsule, Coin, Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid,
+    EnergyMomentum, FlatGround, Integrator, Ledger, MovingGround, Real, RigidPointBody, Sample,
+    SolidCoin, Sphere, State, Step, StepError, Stepper, Trial, UniformGravity,
 };
 
 /// 1e-2 to 1e-5 m, three a decade, so that none is met by luck.
@@ -187,6 +187,66 @@ fn the_error_is_five_tolerances_at_most_where_a_ball_begins_to_roll() {
         ratios.iter().all(|r| (0.01..=MOST).contains(r)),
         "{ratios:?}"
     );
+}
+
+/// Scenes that were first run after the constants had been fixed, with that of a round rim below.
+#[test]
+fn the_error_is_five_tolerances_at_most_in_scenes_seen_after_the_choice() {
+    let v = DVec3::new;
+    let egg = Ellipsoid::solid(0.06, v(0.022, 0.022, 0.028));
+    let capsule = Capsule::solid(0.3, 0.02, 0.1);
+    let brick = Cuboid::solid(1.5, v(0.2, 0.1, 0.06));
+    let scenes = [
+        ("egg", later(egg, [5e3, 2.0], 0.06, v(2e-4, 1e-4, -3e-4))),
+        (
+            "capsule",
+            later(capsule, [2e4, 10.0], 0.12, v(1e-3, -2e-3, 5e-4)),
+        ),
+        (
+            "brick",
+            later(brick, [8e3, 40.0], 0.2, v(0.01, 0.03, -0.02)),
+        ),
+    ];
+    for (name, ratios) in scenes {
+        println!("{name}: {ratios:.3?}");
+        let is_near = |ratio: &f64| *ratio > 0.0 && *ratio <= MOST;
+        assert!(ratios.iter().all(is_near), "{name}: {ratios:?}");
+    }
+}
+
+/// On a round rim on which friction reverses, the rule of eight points has an error that no
+/// tolerance reduces. So the first four tolerances are met, down to a millimetre. An error of 1e-3
+/// of the load (see `Disc`) bounds the rest: the bounce changes the velocity by some 4 m/s, and
+/// 4 mm/s for 0.4 s are 1.6 mm.
+#[test]
+fn the_error_has_a_floor_on_a_round_rim_on_which_friction_reverses() {
+    let disc = Disc::solid(0.4, 0.15, 64);
+    let ratios = later(disc, [500.0, 0.2], 0.2, DVec3::new(0.02, 0.05, 0.01));
+    println!("round disc: {ratios:.3?}");
+    assert!(ratios[..4].iter().all(|r| *r <= MOST), "{ratios:?}");
+    for (tolerance, ratio) in tolerances().zip(&ratios) {
+        assert!(ratio * tolerance <= 1.6e-3 + MOST * tolerance, "{ratios:?}");
+    }
+}
+
+/// Errors over tolerances of a throw onto level ground (N/m, N s/m), from a height (m), after
+/// half a second.
+fn later<B: RigidPointBody + Copy>(
+    body: B,
+    [stiffness, damping]: [f64; 2],
+    height: f64,
+    angular_momentum: DVec3,
+) -> Vec<f64> {
+    let friction = Coulomb {
+        coefficient: 0.5,
+        slip_speed: 1e-3,
+    };
+    let start = State::at(DVec3::Z * height)
+        .with_linear_velocity(DVec3::new(0.7, -0.3, -0.5))
+        .with_rotation_vector(DVec3::new(0.4, -0.9, 0.2))
+        .with_angular_momentum(angular_momentum);
+    let ground = FlatGround::level(stiffness, damping);
+    ratios_of(body, (ground, friction), &start, 0.5)
 }
 
 // -----------------------------------------------------------------------------------------------

@@ -5,9 +5,10 @@
 //! *Estimate.* In smooth motion the local error of a method of order 2 is `C h³`. The two halves
 //! have `2 C (h/2)³ = C h³/4`, and differ from the whole step by `3 C h³/4`. So their error is a
 //! third of the difference (Hairer, Nørsett & Wanner, section II.4). The result is not
-//! extrapolated, because each half is a step of `EnergyMomentum`, and only for such a step the energy never
-//! increases. A cheaper estimate fails for this method: on linear springs the mean force of a step
-//! is the mean of the forces at its ends, so their difference is 0 where the error is not.
+//! extrapolated, because each half is a step of `EnergyMomentum`, and only for such a step the
+//! energy never increases. A cheaper estimate fails for this method: on linear springs the mean
+//! force of a step is the mean of the forces at its ends, so their difference is 0 where the error
+//! is not.
 //!
 //! *Allowed error.* With an error of at most `e` a step, the number of steps is proportional to
 //! `e^(-1/3)`, and the error of a run to `e^(2/3)`. So `e` is proportional to `tolerance^(3/2)`,
@@ -40,8 +41,8 @@ use crate::state::State;
 /// ```
 /// Here `r` is the bounding radius of the body (or its radius of gyration, if that is larger), and
 /// `δφ` and `δω` are the errors of the rotation and of the angular velocity. The rounding is 16 ε
-/// of position and speed, plus what the rounding of the energy changes in the velocities.
-/// The root makes the error of a run proportional to the tolerance. It counts as 1 for a tolerance above `r`.
+/// of position and speed, plus what the rounding of the energy changes in the velocities. The root
+/// makes the error of a run proportional to the tolerance. It counts as 1 for a tolerance above `r`.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -78,6 +79,9 @@ use crate::state::State;
 ///   and each one states its error.
 /// - *Limit:* a contact that closes and opens again within half a step is not detected. So
 ///   `longest_step` must be shorter than such a contact that matters. The default is 0.01 s.
+/// - *Round rims:* where friction reverses on the arc of a [`Disc`](crate::Disc), the quadrature of
+///   `EnergyMomentum` has an error that shorter steps do not reduce, so neither does the tolerance.
+///   The estimate does not contain it.
 /// - *Small tolerances:* an error below the rounding of the state counts as allowed. Steps that are
 ///   very short lose motion to rounding, as described for slow motion in
 ///   [`guide::accuracy`](crate::guide::accuracy).
