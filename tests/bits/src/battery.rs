@@ -128,8 +128,15 @@ pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
         BogackiShampine32: |time_step| BogackiShampine32::new(tolerance(time_step));
         DormandPrince54: |time_step| DormandPrince54::new(tolerance(time_step));
         Flight: |time_step| Flight(StrangSplitting { time_step });
-        AdaptiveEnergyMomentum: |time_step| AdaptiveEnergyMomentum::new(tolerance(time_step));
     }
+    // Its steps in the second battery would cost emulated processors ten minutes.
+    macro_rules! adaptive {
+        ($($real:ident)*) => {$(
+            with_each!(scenes $real ""
+                AdaptiveEnergyMomentum: |step| AdaptiveEnergyMomentum::new(tolerance(step)););
+        )*};
+    }
+    adaptive!(f32 f64);
     Ok(())
 }
 
