@@ -55,8 +55,9 @@ use crate::real::{Real, Vector};
 ///
 /// On a ground of [several surfaces](crate::SpringDamperGround#several-surfaces), a law holds for
 /// all of them. A tuple of two to six laws, an array or a slice of laws has one law for each
-/// surface, in the same order. Their numbers must agree when a scene is composed. [`WithResistance`],
-/// [`FrictionPatch`] and [`FrictionField`] take one law, and may each be one of several.
+/// surface, in the same order. Their numbers must agree when a scene is composed.
+/// [`WithResistance`], [`FrictionPatch`] and [`FrictionField`] take one law, and may each be one of
+/// several.
 ///
 /// ```
 /// use tumble::SlidingFriction;

@@ -91,7 +91,8 @@ impl Page {
             // A wide picture is scrolled on a narrow screen, by the keyboard too.
             writeln!(
                 html,
-                "<figure><div tabindex=\"0\" role=\"group\" aria-label=\"Picture: {name}\">{svg}</div></figure>"
+                "<figure><div tabindex=\"0\" role=\"group\" aria-label=\"Picture: {name}\">\
+                 {svg}</div></figure>"
             )?;
         }
         Ok(html)

@@ -1,5 +1,5 @@
-//! Tests of `AdaptiveEnergyMomentum`: the energy never increases, the error follows the tolerance on
-//! scenes that no constant was chosen on, and every run ends.
+//! Tests of `AdaptiveEnergyMomentum`: the energy never increases, the error follows the tolerance
+//! on scenes that no constant was chosen on, and every run ends.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]

@@ -575,9 +575,8 @@ pub struct Parts<R: Real> {
 impl<R: Real> Parts<R> {
     /// Reads all parts.
     ///
-    /// Those that drive a body, vary over the ground or stand beside it follow the others, if a byte
-    /// asks for them.
-    /// So the stored inputs without that byte keep their meaning.
+    /// Those that drive a body, vary over the ground or stand beside it follow the others, if a
+    /// byte asks for them. So the stored inputs without that byte keep their meaning.
     ///
     /// # Errors
     /// Returns [`SceneError`] if a constructor does.
