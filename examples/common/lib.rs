@@ -13,6 +13,7 @@ pub mod marked;
 pub mod mesh;
 pub mod page;
 pub mod picture;
+pub mod steel_coin;
 pub mod table;
 
 use core::error::Error;

@@ -1,38 +1,13 @@
-//! The coin, the table and the start.
+//! The start over the table of `common::steel_coin`.
 
+use common::steel_coin::{Coin, Method, PATIENCE};
 use tumble::ensemble::{Ensemble, EnsembleError, RandomSpin, RandomStart, Throw};
-use tumble::{
-    ContactPoint, Coulomb, DormandPrince54, FlatGround, Flight, SceneError, SolidCoin, Stepper,
-    UniformGravity,
-};
+use tumble::{Coulomb, FlatGround, UniformGravity};
 
-/// A disc of steel, 20 mm by 2 mm: kg, m, m.
-const MASS: f64 = 0.0049;
-pub(crate) const RADIUS: f64 = 0.01;
-const THICKNESS: f64 = 0.002;
-/// Bound on the error of a step, m.
-pub(crate) const TOLERANCE: f64 = 1e-5;
-/// A toss that lasts longer is undecided, s.
-const PATIENCE: f64 = 10.0;
+pub(crate) use common::steel_coin::{RADIUS, TOLERANCE, Table, table};
 
-type Coin = SolidCoin<f64, [ContactPoint; 48]>;
-pub(crate) type Table = Stepper<Coin, FlatGround, Coulomb, UniformGravity, Flight<DormandPrince54>>;
 pub(crate) type CoinThrow<'a> =
-    Throw<'a, Coin, FlatGround, Coulomb, UniformGravity, Flight<DormandPrince54>, RandomStart>;
-
-pub(crate) fn table(tolerance: f64) -> Result<Table, SceneError> {
-    let points = [ContactPoint::default(); 48];
-    Stepper::new(Coin::new_with_storage(points, MASS, RADIUS, THICKNESS))?
-        .with_gravity(UniformGravity::down(9.81))?
-        // A point that supports the whole weight penetrates by 0.02 mm and bounces at half of its
-        // speed.
-        .with_ground(FlatGround::level(2400.0, 1.4))?
-        .with_friction(Coulomb {
-            coefficient: 0.3,
-            slip_speed: 1e-2,
-        })?
-        .with_integrator(Flight(DormandPrince54::new(tolerance)))
-}
+    Throw<'a, Coin, FlatGround, Coulomb, UniformGravity, Method, RandomStart>;
 
 /// Dropped from 0.3 m at any orientation, with a spin about any axis.
 pub(crate) fn throw(table: &Table) -> Result<CoinThrow<'_>, EnsembleError> {
