@@ -1,7 +1,7 @@
 //! Counts of outcomes, with their intervals.
 
 /// Quantile of the normal distribution that is exceeded in absolute value with 1e-3.
-const QUANTILE: f64 = 3.290_526_731_491_9;
+pub(crate) const QUANTILE: f64 = 3.290_526_731_491_9;
 
 /// Outcomes of some tosses. Sums of integers do not depend on their order, nor on the threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
