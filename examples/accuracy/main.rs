@@ -23,7 +23,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use common::table;
+use common::{program, table};
 use lexopt::prelude::*;
 use truth::{DURATION, distance, trial, truth};
 use tumble::{
@@ -34,47 +34,39 @@ use tumble::{
 /// cost.
 const RUNS: usize = 20;
 
+/// What the command line requests.
+enum Task {
+    Costs,
+    Single,
+    Motion { is_written: bool },
+    Page(PathBuf),
+}
+
 fn main() -> ExitCode {
-    match perform() {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
+    program(parse(), HELP, |task| match task {
+        Task::Costs => costs().map(|()| true),
+        Task::Single => single::tables().map(|()| true),
+        Task::Motion { is_written } => conservative::tables(*is_written).map(|()| true),
+        Task::Page(folder) => page::write(folder),
+    })
+}
+
+/// Returns `None` if the help text is requested.
+fn parse() -> Result<Option<Task>, lexopt::Error> {
+    let mut parser = lexopt::Parser::from_env();
+    let mut task = Task::Costs;
+    while let Some(argument) = parser.next()? {
+        match (argument, &mut task) {
+            (Short('h') | Long("help"), _) => return Ok(None),
+            (Long("f32"), Task::Costs) => task = Task::Single,
+            (Long("f32-motion"), Task::Costs) => task = Task::Motion { is_written: false },
+            (Long("page"), Task::Costs) => task = Task::Page("out".into()),
+            (Long("write"), Task::Motion { is_written }) => *is_written = true,
+            (Short('o') | Long("out"), Task::Page(folder)) => *folder = parser.value()?.into(),
+            (other, _) => return Err(other.unexpected()),
         }
     }
-}
-
-/// Performs the task. Returns true if all checked figures are as expected.
-fn perform() -> Result<bool, Box<dyn Error>> {
-    let mut arguments = lexopt::Parser::from_env();
-    match arguments.next()? {
-        None => costs()?,
-        Some(Long("f32")) => single::tables()?,
-        Some(Long("f32-motion")) => conservative::tables(is_written(&mut arguments)?)?,
-        Some(Long("page")) => return page::write(folder(&mut arguments)?),
-        Some(Short('h') | Long("help")) => print!("{HELP}"),
-        Some(other) => return Err(other.unexpected().into()),
-    }
-    Ok(true)
-}
-
-/// Returns the folder of the page.
-fn folder(arguments: &mut lexopt::Parser) -> Result<PathBuf, lexopt::Error> {
-    match arguments.next()? {
-        None => Ok("out".into()),
-        Some(Short('o') | Long("out")) => Ok(arguments.value()?.into()),
-        Some(other) => Err(other.unexpected()),
-    }
-}
-
-/// Returns true if the next argument, which is the last one, requests that the tables are written.
-fn is_written(arguments: &mut lexopt::Parser) -> Result<bool, lexopt::Error> {
-    match arguments.next()? {
-        None => Ok(false),
-        Some(Long("write")) => Ok(true),
-        Some(other) => Err(other.unexpected()),
-    }
+    Ok(Some(task))
 }
 
 const HELP: &str = "\

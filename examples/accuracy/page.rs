@@ -1,9 +1,10 @@
 //! Page: error over step size for each integrator with fixed steps.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use common::{
     BLACK, BLUE, Check, GREEN, GREY, ORANGE, Options, Outcome, PURPLE, Page, Picture, line,
+    make_folder,
 };
 use kuva::prelude::*;
 use tumble::{
@@ -21,7 +22,8 @@ const COUNTS: [u32; 12] = [
 ];
 
 /// Writes the page into a folder. Returns true if all figures are as expected.
-pub(crate) fn write(out: PathBuf) -> Outcome<bool> {
+pub(crate) fn write(out: &Path) -> Outcome<bool> {
+    make_folder(&out.join("accuracy"))?;
     let truth = truth()?;
     let curves = [
         (
@@ -66,7 +68,11 @@ pub(crate) fn write(out: PathBuf) -> Outcome<bool> {
         pictures: vec![picture(&curves)?],
         film: None,
     };
-    page.write("accuracy", &Options { out, quick: false })
+    let options = Options {
+        out: out.into(),
+        quick: false,
+    };
+    page.write("accuracy", &options)
 }
 
 fn curve<I: Integrator>(truth: &State, integrator: impl Fn(f64) -> I) -> Outcome<Curve> {

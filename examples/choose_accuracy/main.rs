@@ -12,8 +12,9 @@ mod picture;
 mod scenes;
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
-use common::{Outcome, Page, Picture, table};
+use common::{Outcome, Page, Picture, make_folder, program, table};
 use lexopt::prelude::*;
 use scenes::{Friction, Start};
 use tumble::work_precision::{Setting, WorkPrecision};
@@ -37,6 +38,9 @@ Usage: cargo run --release --example choose_accuracy -- [OPTIONS]
   --help              this text
 ";
 
+/// Name of the example and of its folder.
+const NAME: &str = "choose_accuracy";
+
 struct Options {
     start: Start,
     error: f64,
@@ -46,19 +50,19 @@ struct Options {
     out: PathBuf,
 }
 
-fn main() -> Outcome<()> {
-    let Some(options) = options()? else {
-        print!("{HELP}");
-        return Ok(());
-    };
-    let curve = measure(&options)?;
-    println!("{curve}");
+fn main() -> ExitCode {
+    program(options(), HELP, work)
+}
+
+fn work(options: &Options) -> Outcome<bool> {
     let page_options = common::Options {
         out: options.out.clone(),
         quick: options.quick,
     };
-    page(&curve, &options)?.write("choose_accuracy", &page_options)?;
-    Ok(())
+    make_folder(&page_options.out.join(NAME))?;
+    let curve = measure(options)?;
+    println!("{curve}");
+    page(&curve, options)?.write(NAME, &page_options)
 }
 
 fn page(curve: &WorkPrecision, options: &Options) -> Outcome<Page> {
@@ -168,6 +172,22 @@ impl Changes {
     }
 }
 
+fn above_zero(name: &str, parser: &mut lexopt::Parser) -> Outcome<f64> {
+    let value: f64 = parser.value()?.parse()?;
+    if value > 0.0 && value.is_finite() {
+        return Ok(value);
+    }
+    Err(format!("{name} must be above 0 and finite, got {value}").into())
+}
+
+fn points(parser: &mut lexopt::Parser) -> Outcome<usize> {
+    let value: usize = parser.value()?.parse()?;
+    if value >= 3 {
+        return Ok(value);
+    }
+    Err(format!("--points must be at least 3, got {value}").into())
+}
+
 /// Returns the options, or `None` if the help text is requested.
 fn options() -> Outcome<Option<Options>> {
     let mut options = Options {
@@ -186,17 +206,19 @@ fn options() -> Outcome<Option<Options>> {
                 let name = parser.value()?.string()?;
                 options.start = Start::named(&name).ok_or(format!("there is no scene {name}"))?;
             }
-            Long("error") => options.error = parser.value()?.parse()?,
-            Long("seconds") => changes.seconds = Some(parser.value()?.parse()?),
-            Long("points") => changes.points = Some(parser.value()?.parse()?),
-            Long("stiffness") => changes.stiffness = Some(parser.value()?.parse()?),
-            Long("slip-speed") => changes.slip_speed = Some(parser.value()?.parse()?),
+            Long("error") => options.error = above_zero("--error", &mut parser)?,
+            Long("seconds") => changes.seconds = Some(above_zero("--seconds", &mut parser)?),
+            Long("points") => changes.points = Some(points(&mut parser)?),
+            Long("stiffness") => changes.stiffness = Some(above_zero("--stiffness", &mut parser)?),
+            Long("slip-speed") => {
+                changes.slip_speed = Some(above_zero("--slip-speed", &mut parser)?)
+            }
             Long("smooth") => changes.smooth = true,
             Long("single") => options.single = true,
             Long("flight") => options.flight = true,
             Long("quick") => options.quick = true,
             Long("out") => options.out = parser.value()?.into(),
-            Long("help") | Short('h') => return Ok(None),
+            Short('h') | Long("help") => return Ok(None),
             _ => return Err(argument.unexpected().into()),
         }
     }

@@ -5,11 +5,11 @@
 #![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
 
 use std::error::Error;
-use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+use common::make_folder;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use options::{HELP, Options, Task, UsageError};
@@ -118,13 +118,6 @@ fn progress_bar(setup: &Setup, quiet: bool) -> Result<ProgressBar, Box<dyn Error
     Ok(ProgressBar::new(0)
         .with_style(style)
         .with_message(setup.title()))
-}
-
-fn make_folder(folder: &Path) -> Result<(), Box<dyn Error>> {
-    let shown = folder.display();
-    fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot make the folder {shown}: {error}"))?;
-    Ok(())
 }
 
 /// How much is written of a run.

@@ -13,6 +13,7 @@ pub mod marked;
 pub mod mesh;
 pub mod page;
 pub mod picture;
+mod program;
 pub mod steel_coin;
 pub mod table;
 
@@ -27,6 +28,7 @@ pub use film::{Camera, Column, Film, Pose, Shot, energies, energy_columns};
 pub use mesh::Mesh;
 pub use page::{Check, Page};
 pub use picture::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Picture, line};
+pub use program::{make_folder, program};
 
 pub type Outcome<T> = Result<T, Box<dyn Error>>;
 
@@ -44,26 +46,18 @@ pub struct Options {
 /// The code is 0 if every figure is as expected, 1 if one is not or the run fails, and 2 if the
 /// command line is invalid.
 pub fn main(name: &str, about: &str, work: impl FnOnce(&Options) -> Outcome<Page>) -> ExitCode {
-    let options = match parse(name, about) {
-        Ok(Some(options)) => options,
-        Ok(None) => return ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}\nThe options are listed by --help.");
-            return ExitCode::from(2);
-        }
-    };
-    let finished = work(&options).and_then(|page| page.write(name, &options));
-    match finished {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    let help = format!(
+        "{about}\n\nUsage: cargo run --release --example {name} -- [OPTIONS]\n\n  \
+         -o, --out <FOLDER>   where the page and its pictures go   [default: out]\n  \
+         -q, --quick          a shorter run\n  -h, --help           this text\n"
+    );
+    program(parse(), &help, |options| {
+        make_folder(&options.out.join(name))?;
+        work(options)?.write(name, options)
+    })
 }
 
-fn parse(name: &str, about: &str) -> Result<Option<Options>, lexopt::Error> {
+fn parse() -> Result<Option<Options>, lexopt::Error> {
     let mut options = Options {
         out: PathBuf::from("out"),
         quick: false,
@@ -74,14 +68,7 @@ fn parse(name: &str, about: &str) -> Result<Option<Options>, lexopt::Error> {
         match argument {
             Short('o') | Long("out") => options.out = parser.value()?.into(),
             Short('q') | Long("quick") => options.quick = true,
-            Short('h') | Long("help") => {
-                println!(
-                    "{about}\n\nUsage: cargo run --release --example {name} -- [OPTIONS]\n\n  \
-                     -o, --out <FOLDER>   where the page and its pictures go   [default: out]\n  \
-                     -q, --quick          a shorter run\n  -h, --help           this text"
-                );
-                return Ok(None);
-            }
+            Short('h') | Long("help") => return Ok(None),
             other => return Err(other.unexpected()),
         }
     }

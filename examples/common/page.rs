@@ -4,7 +4,7 @@
 use core::fmt::Write as _;
 use std::fs;
 
-use super::{Film, Options, Outcome, Picture};
+use super::{Film, Options, Outcome, Picture, make_folder};
 
 const TEMPLATE: &str = include_str!("page.html");
 /// Placeholders of the template.
@@ -31,9 +31,7 @@ impl Page {
     /// expected.
     pub fn write(&self, name: &str, options: &Options) -> Outcome<bool> {
         let folder = options.out.join(name);
-        let shown = folder.display();
-        fs::create_dir_all(&folder)
-            .map_err(|error| format!("cannot make the folder {shown}: {error}"))?;
+        make_folder(&folder)?;
         for picture in &self.pictures {
             picture.write(&folder)?;
         }

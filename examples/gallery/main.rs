@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use common::Outcome;
+use common::{Outcome, make_folder, program};
 use indicatif::{ProgressBar, ProgressStyle};
 use lexopt::prelude::*;
 use rayon::prelude::*;
@@ -38,25 +38,7 @@ const TEMPLATE: &str = include_str!("gallery.html");
 const PLACE: &str = "<!--CARDS-->";
 
 fn main() -> ExitCode {
-    let folder = match parse() {
-        Ok(Some(folder)) => folder,
-        Ok(None) => {
-            print!("{HELP}");
-            return ExitCode::SUCCESS;
-        }
-        Err(error) => {
-            eprintln!("error: {error}\nThe options are listed by --help.");
-            return ExitCode::from(2);
-        }
-    };
-    match work(&folder) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    program(parse(), HELP, |folder| work(folder))
 }
 
 /// Returns the folder, or `None` if the help text is requested.
@@ -75,9 +57,9 @@ fn parse() -> Result<Option<PathBuf>, lexopt::Error> {
 
 /// Writes the gallery. Returns true if all examples found their figures as expected.
 fn work(folder: &Path) -> Outcome<bool> {
+    make_folder(folder)?;
     let programs = run::build()?;
     let begin = Instant::now();
-    fs::create_dir_all(folder)?;
     let shown = run_all(&programs, folder)?;
     let cards: String = shown.iter().map(card::html).collect();
     let page = folder.join("index.html");

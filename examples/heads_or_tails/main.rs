@@ -20,7 +20,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use common::{
-    BLUE, Check, GREEN, GREY, ORANGE, Options, Outcome, Page, Picture, line, marked, table,
+    BLUE, Check, GREEN, GREY, ORANGE, Options, Outcome, Page, Picture, line, make_folder, marked,
+    program, table,
 };
 use count::Count;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -50,6 +51,8 @@ Usage: cargo run --release --example heads_or_tails -- [OPTIONS]
   -h, --help            this text
 ";
 
+/// Name of the example and of its folder.
+const NAME: &str = "heads_or_tails";
 const MARKS: [&str; 2] = [
     "<!-- heads or tails: begin; written by `heads_or_tails -- --write` -->",
     "<!-- heads or tails: end -->",
@@ -65,25 +68,7 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = match parse() {
-        Ok(Some(arguments)) => arguments,
-        Ok(None) => {
-            print!("{HELP}");
-            return ExitCode::SUCCESS;
-        }
-        Err(error) => {
-            eprintln!("error: {error}\nThe options are listed by --help.");
-            return ExitCode::from(2);
-        }
-    };
-    match work(&arguments) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    program(parse(), HELP, work)
 }
 
 fn parse() -> Result<Option<Arguments>, lexopt::Error> {
@@ -112,6 +97,7 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
 }
 
 fn work(arguments: &Arguments) -> Outcome<bool> {
+    make_folder(&arguments.options.out.join(NAME))?;
     let sizes = Sizes::of(arguments.options.quick, arguments.is_full);
     let (spun_tosses, caught_tosses) = (sizes.spun, sizes.caught);
     let bar = bar(&sizes)?;
@@ -142,7 +128,7 @@ fn work(arguments: &Arguments) -> Outcome<bool> {
         page.checks.extend(part.checks);
         page.pictures.extend(part.pictures);
     }
-    page.write("heads_or_tails", &arguments.options)
+    page.write(NAME, &arguments.options)
 }
 
 /// Shows itself only on a terminal.

@@ -21,7 +21,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use common::{BLUE, Check, ORANGE, Options, Outcome, Page, Picture, line};
+use common::{BLUE, Check, ORANGE, Options, Outcome, Page, Picture, line, make_folder, program};
 use fit::{Free, fit};
 use flights::Weighed;
 use indicatif::ProgressBar;
@@ -30,6 +30,9 @@ use model::{Model, Parameters, Score, Start, WIDTH, scores};
 use study::{Fitted, Halves};
 use tosses::{RATE, Toss};
 use tumble::glam::DVec3;
+
+/// Name of the example and of its folder.
+const NAME: &str = "measured_tosses";
 
 const HELP: &str = "\
 Fits three models of a real cube and its table on half of its tosses, and predicts the other half:
@@ -64,32 +67,24 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = match parse() {
-        Ok(Some(arguments)) => arguments,
-        Ok(None) => {
-            println!("{HELP}\n{DATA}");
-            return ExitCode::SUCCESS;
-        }
-        Err(error) => {
-            eprintln!("error: {error}\nThe options are listed by --help.");
-            return ExitCode::from(2);
-        }
-    };
-    let page = match (&arguments.data, arguments.synthetic) {
-        (_, true) => recover(&arguments),
-        (Some(file), _) => tosses::read(file).and_then(|tosses| measured(tosses, &arguments)),
+    program(parse(), &format!("{HELP}\n{DATA}\n"), work)
+}
+
+fn work(arguments: &Arguments) -> Outcome<bool> {
+    let tosses = match (&arguments.data, arguments.synthetic) {
+        (_, true) => None,
+        (Some(file), _) => Some(tosses::read(file)?),
         (None, _) => {
-            Err(format!("no data: give them with --data FILE, or try --synthetic.\n{DATA}").into())
+            let missing = "no data: give them with --data FILE, or try --synthetic";
+            return Err(format!("{missing}.\n{DATA}").into());
         }
     };
-    match page.and_then(|page| page.write("measured_tosses", &arguments.options)) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    make_folder(&arguments.options.out.join(NAME))?;
+    let page = match tosses {
+        Some(tosses) => measured(tosses, arguments),
+        None => recover(arguments),
+    };
+    page?.write(NAME, &arguments.options)
 }
 
 fn parse() -> Result<Option<Arguments>, lexopt::Error> {

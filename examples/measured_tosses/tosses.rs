@@ -25,6 +25,13 @@ pub(crate) struct Sample {
     pub(crate) spin: DVec3,
 }
 
+impl Sample {
+    fn is_finite(&self) -> bool {
+        let vectors = [self.position, self.velocity, self.spin];
+        self.orientation.is_finite() && vectors.iter().all(|vector| vector.is_finite())
+    }
+}
+
 /// One toss with a sample every `1/RATE` s.
 #[derive(Clone, Debug)]
 pub(crate) struct Toss {
@@ -66,12 +73,17 @@ fn parse(text: impl Read) -> Result<Vec<Toss>, Box<dyn Error>> {
         if place != samples.len() {
             return Err(format!("toss {number} lacks sample {}", samples.len()).into());
         }
-        samples.push(Sample {
+        let sample = Sample {
             position: DVec3::new(x, y, z),
             orientation: DQuat::from_xyzw(qx, qy, qz, qw).normalize(),
             velocity: DVec3::new(vx, vy, vz),
             spin: DVec3::new(wx, wy, wz),
-        });
+        };
+        if !sample.is_finite() {
+            let rule = "all values must be finite, and the quaternion not zero";
+            return Err(format!("toss {number}, sample {place}: {rule}").into());
+        }
+        samples.push(sample);
     }
     let tosses = tosses.into_iter().filter(|(_, samples)| samples.len() > 1);
     Ok(tosses

@@ -18,7 +18,7 @@ mod table;
 
 use std::process::ExitCode;
 
-use common::{Outcome, Page};
+use common::{Outcome, Page, make_folder, program};
 
 use flight::Flight;
 use model::{Air, Court};
@@ -26,25 +26,7 @@ use options::Arguments;
 use shots::Shot;
 
 fn main() -> ExitCode {
-    let arguments = match options::parse() {
-        Ok(Some(arguments)) => arguments,
-        Ok(None) => {
-            print!("{}", options::HELP);
-            return ExitCode::SUCCESS;
-        }
-        Err(error) => {
-            eprintln!("error: {error}\nThe options are listed by --help.");
-            return ExitCode::from(2);
-        }
-    };
-    match work(&arguments) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    program(options::parse(), options::HELP, work)
 }
 
 /// A shot at its launch angle, with air and without.
@@ -58,6 +40,7 @@ struct Hit {
 
 fn work(arguments: &Arguments) -> Outcome<bool> {
     let (court, options) = (&arguments.court, &arguments.options);
+    make_folder(&options.out.join("tennis"))?;
     let time_step = if options.quick { 1e-4 } else { 5e-5 };
     let mut hits = Vec::new();
     for shot in shots::all() {

@@ -14,7 +14,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use common::Outcome;
+use common::{Outcome, program};
 
 const HELP: &str = "\
 Tosses a coin of steel until its face is decided, and counts heads, tails and edge. Each part of
@@ -63,24 +63,7 @@ pub(crate) struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = match parse() {
-        Ok(Some(arguments)) => arguments,
-        Ok(None) => {
-            print!("{HELP}");
-            return ExitCode::SUCCESS;
-        }
-        Err(error) => {
-            eprintln!("error: {error}\nThe options are listed by --help.");
-            return ExitCode::from(2);
-        }
-    };
-    match work(&arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    program(parse(), HELP, |arguments| work(arguments).map(|()| true))
 }
 
 fn parse() -> Result<Option<Arguments>, lexopt::Error> {

@@ -12,14 +12,14 @@ use tumble::ensemble::{Ensemble, Stop, Tally};
 
 use crate::Arguments;
 use crate::scene;
-use common::Outcome;
+use common::{Outcome, make_folder};
 
 /// Plays the parts that are not there, and merges all of them.
 pub(crate) fn play(arguments: &Arguments) -> Outcome<()> {
     let table = scene::table(scene::TOLERANCE)?;
     let throw = scene::throw(&table)?;
     let ensemble = scene::ensemble(&throw, arguments.seed);
-    fs::create_dir_all(&arguments.out)?;
+    make_folder(&arguments.out)?;
     let bar = bar(arguments.tosses.end - arguments.tosses.start)?;
     for tosses in parts(arguments) {
         let file = arguments.out.join(name(&tosses));
@@ -42,7 +42,9 @@ pub(crate) fn play(arguments: &Arguments) -> Outcome<()> {
 /// Merges all parts of the folder, lists the gaps, and writes the result.
 pub(crate) fn merge(arguments: &Arguments) -> Outcome<()> {
     let mut files = Vec::new();
-    for entry in fs::read_dir(&arguments.out)? {
+    let shown = arguments.out.display();
+    let entries = fs::read_dir(&arguments.out).map_err(|error| format!("{shown}: {error}"))?;
+    for entry in entries {
         let path = entry?.path();
         if path.to_string_lossy().ends_with(".part.json") {
             files.push(path);
@@ -59,7 +61,7 @@ pub(crate) fn merge(arguments: &Arguments) -> Outcome<()> {
                 .map_err(|error| format!("{}: {error}", file.display()))?,
         }
     }
-    let merged = merged.ok_or_else(|| format!("no part in {}", arguments.out.display()))?;
+    let merged = merged.ok_or_else(|| format!("no part in {shown}"))?;
     let result = arguments.out.join("result.json");
     write(&result, &serde_json::to_string(&merged)?)?;
     println!("{merged}");

@@ -1,13 +1,12 @@
 //! Film and path of one toss, by its number.
 
-use std::fs;
 use std::ops::ControlFlow;
 
 use tumble::{Sample, Timed, UntilDecided};
 
 use crate::Arguments;
 use crate::scene;
-use common::{Camera, Column, Film, Mesh, Outcome, Shot, energy_columns};
+use common::{Camera, Column, Film, Mesh, Outcome, Shot, energy_columns, make_folder};
 
 /// Time between two shots of the film and two rows of the path, s.
 const INTERVAL: f64 = 0.002;
@@ -19,7 +18,7 @@ pub(crate) fn replay(arguments: &Arguments, toss: u64) -> Outcome<()> {
     let outcome = throw.play(&mut ensemble.toss(toss))?;
     let mut state = throw.start(&mut ensemble.toss(toss))?;
     println!("toss {toss}: {outcome:?}\nstart: {state:.9}");
-    fs::create_dir_all(&arguments.out)?;
+    make_folder(&arguments.out)?;
     let path = arguments.out.join("path.csv");
     let mut rows = csv::Writer::from_path(&path)?;
     rows.write_record(HEADER)?;

@@ -1,0 +1,112 @@
+"""Calls each example with arguments and files that a stranger might give: a help text, or one line that says what is wrong, and never a panic.
+
+From anywhere:  python3 .ci/arguments.py FOLDER_OF_THE_PROGRAMS
+"""
+
+import gzip
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import tomllib
+
+TOP = pathlib.Path(__file__).resolve().parent.parent
+PROGRAMS = pathlib.Path(sys.argv[1]).resolve()
+# Options whose value is a path: any text is valid.
+PATHS = {"--out", "--data", "--readme-picture"}
+NOT_VALUES = ["", "x", "nan", "1e400", b"\xff"]
+COLUMNS = "toss,sample,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n"
+TABLES = {
+    "empty.csv": b"",
+    "zeros.csv": bytes(1000),
+    "heading.csv": COLUMNS.encode(),
+    "other_heading.csv": b"a,b\n1,2\n",
+    "no_number.csv": (COLUMNS + "1," * 14 + "x\n").encode(),
+    "not_finite.csv": (COLUMNS + "1,0," + "nan," * 12 + "nan\n" + "1,1," + "nan," * 12 + "nan\n").encode(),
+    "zero_quaternion.csv": (COLUMNS + "1,0," + "0," * 12 + "0\n").encode(),
+    "gap.csv": (COLUMNS + "1,7," + "1," * 12 + "1\n").encode(),
+    "short_row.csv": (COLUMNS + "1,1,0\n").encode(),
+    "cut.csv.gz": gzip.compress(COLUMNS.encode() * 100)[:40],
+    "not.csv.gz": b"\x1f\x8b" + bytes(50),
+}
+PARTS = {
+    "empty": b"",
+    "no JSON": b"\xff\xfe{",
+    "another type": b"[1, 2]",
+    "nothing in it": b"{}",
+    "deep": b"[" * 100_000,
+}
+calls = 0
+
+
+def call(name, arguments, folder):
+    """Returns exit code, output and errors of a program that is called in a folder."""
+    global calls
+    calls += 1
+    command = [PROGRAMS / name, *arguments]
+    end = subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, timeout=120)
+    output, errors = (text.decode(errors="replace") for text in (end.stdout, end.stderr))
+    assert "panicked" not in errors and end.returncode in (0, 1, 2), f"{command}: {end.returncode}: {errors}"
+    return end.returncode, output, errors
+
+
+def refuses(name, arguments, folder, code):
+    """A program says what is wrong, and prints nothing else."""
+    found, output, errors = call(name, arguments, folder)
+    shown = f"{name} {arguments}: {found}: {output}{errors}"
+    assert found == code and errors.startswith("error: ") and not output, shown
+    assert code != 2 or "--help" in errors, shown
+
+
+def usage(name, folder):
+    help_text = call(name, ["--help"], folder)
+    assert help_text[0] == 0 and not help_text[2], f"{name} --help: {help_text}"
+    assert f"Usage: cargo run --release --example {name} -- " in help_text[1], f"{name} --help: {help_text}"
+    assert call(name, ["-h"], folder) == help_text, f"{name} -h"
+    return help_text[1]
+
+
+def command_line(name, folder):
+    options = re.findall(r"^ .*?(--[a-z0-9-]+) (?:<[^>]+>|[A-Z][A-Z/]*)(?=[\s\]])", usage(name, folder), re.M)
+    assert "--out" in options, f"{name}: its help has no --out"
+    for arguments in ["--there-is-no-such-option"], ["stray"], [b"\xff"]:
+        refuses(name, arguments, folder, 2)
+    for option in options:
+        before = ["--page"] if name == "accuracy" else []
+        refuses(name, [*before, option], folder, 2)
+        for value in NOT_VALUES if option not in PATHS else []:
+            refuses(name, [*before, option, value], folder, 2)
+
+
+def no_folder(name, folder):
+    """A folder that cannot be made is found before the work."""
+    (folder / "file").write_text("")
+    before = {"accuracy": ["--page"], "measured_tosses": ["--synthetic"]}.get(name, [])
+    refuses(name, [*before, "--out", folder / "file" / "out"], folder, 1)
+
+
+def broken_files(folder):
+    for name, content in TABLES.items():
+        (folder / name).write_bytes(content)
+        refuses("measured_tosses", ["--quick", "--data", name], folder, 1)
+    refuses("measured_tosses", ["--data", "missing.csv"], folder, 1)
+    refuses("measured_tosses", ["--data", "."], folder, 1)
+    for content in PARTS.values():
+        (folder / "parts").mkdir(exist_ok=True)
+        (folder / "parts" / "1.part.json").write_bytes(content)
+        refuses("tosses", ["--merge", "--out", "parts"], folder, 1)
+    refuses("tosses", ["--merge", "--out", "missing"], folder, 1)
+
+
+manifest = tomllib.loads((TOP / "examples/Cargo.toml").read_text())
+names = [example["name"] for example in manifest["example"]]
+for name in names:
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        command_line(name, folder)
+        no_folder(name, folder)
+        assert [path.name for path in folder.iterdir()] == ["file"], f"{name} has written files"
+with tempfile.TemporaryDirectory() as temporary:
+    broken_files(pathlib.Path(temporary))
+print(f"{len(names)} examples: {calls} calls with wrong arguments and broken files, each with its message")
