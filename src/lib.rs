@@ -44,6 +44,7 @@
 //! | know on which face a body ends, or toss it a million times | [`guide::outcomes`] |
 //! | advance one state by many calls, at almost no cost while the body is at rest | [`Session`] |
 //! | add a body, a ground, a friction law or an integrator | [`guide::extending`] |
+//! | know what a new release may change: names, bits, saved data | [`guide::versions`] |
 //!
 //! If the compiler cannot infer the precision, as in `Ledger::new()` alone, use the names of
 //! [`mod@f64`]: `use tumble::f64::*;`.
@@ -76,8 +77,9 @@
 //!
 //! # What is not modelled
 //!
-//! - Several bodies, joints, motors, a ground that moves or is deformed for good. An applied force
-//!   acts at the centre of mass and does not depend on time.
+//! - Several bodies, joints, a ground that changes its position or its shape. An applied force does
+//!   not depend on time, and has no point of application: it is a force at the centre of mass and a
+//!   torque.
 //! - Sticking: on a slope of angle θ a body creeps at `slip_speed · tan θ/(coefficient - tan θ)`.
 //!   At a slip speed of 1e-10 m/s this is a millimetre in four months.
 //! - A given coefficient of restitution: bounces follow from spring and damper.
@@ -273,6 +275,7 @@ pub use trial::{Start, Trial};
 ///   with a real cube: [`measured`](guide::measured)
 /// - How do other libraries perform on the same scenes? [`peers`](guide::peers)
 /// - Which examples are there, and what do they show? [`gallery`](guide::gallery)
+/// - What may a new release change? [`versions`](guide::versions)
 pub mod guide {
     #[doc = include_str!("guide/energy.md")]
     pub mod energy {}
@@ -302,6 +305,9 @@ pub mod guide {
 
     #[doc = include_str!("guide/gallery.md")]
     pub mod gallery {}
+
+    #[doc = include_str!("guide/versions.md")]
+    pub mod versions {}
 
     #[doc = include_str!("guide/measured.md")]
     pub mod measured {}
