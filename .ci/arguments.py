@@ -80,7 +80,7 @@ def command_line(name, folder):
 
 
 def no_folder(name, folder):
-    """A folder that cannot be made is found before the work."""
+    """A folder that cannot be made is an error. That it is found before the work is not tested: a fast program could do both."""
     (folder / "file").write_text("")
     before = {"accuracy": ["--page"], "measured_tosses": ["--synthetic"]}.get(name, [])
     refuses(name, [*before, "--out", folder / "file" / "out"], folder, 1)

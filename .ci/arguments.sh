@@ -1,5 +1,5 @@
 #!/bin/bash
-# Calls each example with wrong arguments, a folder that cannot be made, and broken files: each has to say what is wrong, before it works.
+# Calls each example with wrong arguments, a folder that cannot be made, and broken files: each has to say what is wrong.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 cargo build -q --release --examples
