@@ -13,6 +13,7 @@ use common::{
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use kuva::prelude::*;
+use rayon::prelude::*;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
     Block, Coulomb, Cuboid, Dynamics, EnergyMomentum, FlatGround, Ground, Sample, SpringDamper,
@@ -235,15 +236,18 @@ fn throw_many(die: &Die, throws: u32) -> Outcome<Vec<Throw>> {
     let mut random = Random(7);
     let style = ProgressStyle::with_template("{pos} of {len} throws {wide_bar} {eta} left")?;
     let bar = ProgressBar::new(u64::from(throws)).with_style(style);
-    bar.wrap_iter(0..throws)
-        .map(|_| {
-            let end = throw(die, thrown(die, &mut random))?;
+    let starts: Vec<State> = (0..throws).map(|_| thrown(die, &mut random)).collect();
+    let ends: Result<_, String> = (starts.into_par_iter())
+        .map(|start| {
+            let end = throw(die, start).map_err(|error| error.to_string())?;
+            bar.inc(1);
             Ok(Throw {
                 shots: Vec::new(),
                 ..end
             })
         })
-        .collect()
+        .collect();
+    Ok(ends?)
 }
 
 /// The five throws of the film.

@@ -6,8 +6,8 @@ use tumble::glam::DVec3;
 use tumble::real::{Quaternion, Vector};
 use tumble::work_precision::{Reference, Setting, WorkPrecision, measure_against, reference};
 use tumble::{
-    Coin, ContactPoint, Coulomb, FlatGround, Frictionless, Real, Scene, SceneError,
-    SlidingFriction, SmoothCoulomb, State, Trial, UniformGravity,
+    Coin, ContactPoint, Coulomb, FlatGround, FrictionJacobian, Frictionless, Real, Scene,
+    SceneError, SlidingFriction, SmoothCoulomb, State, Trial, UniformGravity,
 };
 
 type CoinScene<R, F> = Scene<Coin<R, Vec<ContactPoint<R>>>, FlatGround<R>, F, UniformGravity<R>, R>;
@@ -21,6 +21,65 @@ pub(crate) enum Friction {
     Coulomb { coefficient: f64, slip_speed: f64 },
     Smooth { coefficient: f64, slip_speed: f64 },
     None,
+}
+
+impl Friction {
+    fn law<R: Real>(self) -> Law<R> {
+        match self {
+            Self::Coulomb {
+                coefficient,
+                slip_speed,
+            } => Law::Coulomb(Coulomb {
+                coefficient: R::from_f64(coefficient),
+                slip_speed: R::from_f64(slip_speed),
+            }),
+            Self::Smooth {
+                coefficient,
+                slip_speed,
+            } => Law::Smooth(SmoothCoulomb {
+                coefficient: R::from_f64(coefficient),
+                slip_speed: R::from_f64(slip_speed),
+            }),
+            Self::None => Law::None(Frictionless),
+        }
+    }
+}
+
+/// The law of the friction of a scene.
+///
+/// One type for all of them: every integrator is compiled for each type of scene.
+enum Law<R: Real> {
+    Coulomb(Coulomb<R>),
+    Smooth(SmoothCoulomb<R>),
+    None(Frictionless),
+}
+
+/// Calls a method of the law.
+macro_rules! of_law {
+    ($law:expr, $name:ident($($argument:expr),*)) => {
+        match $law {
+            Law::Coulomb(law) => SlidingFriction::<R>::$name(law, $($argument),*),
+            Law::Smooth(law) => SlidingFriction::<R>::$name(law, $($argument),*),
+            Law::None(law) => SlidingFriction::<R>::$name(law, $($argument),*),
+        }
+    };
+}
+
+impl<R: Real> SlidingFriction<R> for Law<R> {
+    #[inline]
+    fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        of_law!(self, force(normal_force, slip))
+    }
+    #[inline]
+    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
+        of_law!(self, jacobian(normal_force, slip))
+    }
+    fn check(&self) -> Result<(), SceneError> {
+        of_law!(self, check())
+    }
+    fn is_trusted(&self) -> bool {
+        of_law!(self, is_trusted())
+    }
 }
 
 /// A coin of 1 kg and 0.5 m on level ground, and its start.
@@ -115,49 +174,20 @@ impl Start {
 
     /// Measures error and cost for any settings, with one computation of the reference.
     pub(crate) fn measured(&self) -> Result<Measured, Box<dyn Error>> {
-        match self.friction {
-            Friction::Coulomb {
-                coefficient,
-                slip_speed,
-            } => self.measured_with(
-                Coulomb {
-                    coefficient,
-                    slip_speed,
-                },
-                Coulomb {
-                    coefficient: coefficient as f32,
-                    slip_speed: slip_speed as f32,
-                },
-            ),
-            Friction::Smooth {
-                coefficient,
-                slip_speed,
-            } => self.measured_with(
-                SmoothCoulomb {
-                    coefficient,
-                    slip_speed,
-                },
-                SmoothCoulomb {
-                    coefficient: coefficient as f32,
-                    slip_speed: slip_speed as f32,
-                },
-            ),
-            Friction::None => self.measured_with(Frictionless, Frictionless),
+        match self.friction.law() {
+            // The law of the report by itself: costs without a choice between laws.
+            Law::Coulomb(law) => self.measured_with(law),
+            law => self.measured_with(law),
         }
     }
 
-    fn measured_with<F, F32>(
-        &self,
-        friction: F,
-        friction_32: F32,
-    ) -> Result<Measured, Box<dyn Error>>
+    fn measured_with<F>(&self, friction: F) -> Result<Measured, Box<dyn Error>>
     where
         F: SlidingFriction + 'static,
-        F32: SlidingFriction<f32> + 'static,
     {
         let (start, seconds) = (self.state, self.seconds);
-        let scene = self.scene::<f64, _>(friction)?;
-        let scene_32 = self.scene::<f32, _>(friction_32)?;
+        let scene = self.scene(friction)?;
+        let scene_32 = self.scene(self.friction.law::<f32>())?;
         let known = reference(&scene, &start, seconds)?;
         let known_32 = Reference {
             end: in_precision(&known.end),

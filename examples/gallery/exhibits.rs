@@ -113,7 +113,8 @@ const EXHIBITS: [Exhibit; 18] = [
         "Dice in a tray",
         "Five dice are thrown against the walls of a tray: a ground of five surfaces.",
         0.4,
-    ),
+    )
+    .with_options(&["--quick"]),
     Exhibit::film(
         "tippe_top",
         "Tippe top",
