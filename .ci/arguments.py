@@ -4,6 +4,7 @@ From anywhere:  python3 .ci/arguments.py FOLDER_OF_THE_PROGRAMS
 """
 
 import gzip
+import os
 import pathlib
 import re
 import subprocess
@@ -79,6 +80,18 @@ def command_line(name, folder):
             refuses(name, [*before, option, value], folder, 2)
 
 
+def closed_pipe(name, arguments, folder):
+    """Nobody reads what a program prints: no panic."""
+    global calls
+    calls += 1
+    reading, writing = os.pipe()
+    os.close(reading)
+    end = subprocess.run([PROGRAMS / name, *arguments], cwd=folder, stdout=writing, stderr=subprocess.PIPE, timeout=120)
+    os.close(writing)
+    assert b"panicked" not in end.stderr and end.returncode in (0, 1), f"{name} {arguments}: {end.returncode}: {end.stderr}"
+    return end.returncode
+
+
 def no_folder(name, folder):
     """A folder that cannot be made is an error. That it is found before the work is not tested: a fast program could do both."""
     (folder / "file").write_text("")
@@ -105,8 +118,12 @@ for name in names:
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         command_line(name, folder)
+        closed_pipe(name, ["--help"], folder)
         no_folder(name, folder)
         assert [path.name for path in folder.iterdir()] == ["file"], f"{name} has written files"
 with tempfile.TemporaryDirectory() as temporary:
     broken_files(pathlib.Path(temporary))
+    # The run goes on to its page.
+    assert closed_pipe("slide_to_roll", ["--quick", "--out", "page"], temporary) == 0
+    assert (pathlib.Path(temporary) / "page/slide_to_roll/slide_to_roll.html").exists()
 print(f"{len(names)} examples: {calls} calls with wrong arguments and broken files, each with its message")

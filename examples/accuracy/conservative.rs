@@ -5,8 +5,8 @@
 
 use core::error::Error;
 
-use common::marked;
 use common::table::{cells, text};
+use common::{marked, say};
 use tumble::f32::{
     Capsule, Coin, Cone, Cuboid, Disc, Ellipsoid, EnergyMomentum, FlatGround, PointCloud,
     SolidCoin, Sphere, State, Stepper, UniformGravity,
@@ -27,7 +27,7 @@ type Failure = Box<dyn Error>;
 pub(crate) fn tables(is_written: bool) -> Result<(), Failure> {
     let tables = [flights()?, bounces()?, falls()?].join("\n");
     if !is_written {
-        print!("{tables}");
+        say(tables);
         return Ok(());
     }
     marked::write("src/guide/accuracy.md", [BEGIN, END], &tables)

@@ -23,7 +23,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use common::{program, table};
+use common::{program, say, table};
 use lexopt::prelude::*;
 use truth::{DURATION, distance, trial, truth};
 use tumble::{
@@ -111,7 +111,7 @@ fn costs() -> Result<(), Box<dyn Error>> {
         ]);
     }
     table::print(&rows);
-    println!();
+    say("\n");
     within::table(1e-4, &truth)
 }
 

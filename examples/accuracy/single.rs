@@ -9,6 +9,7 @@
 use core::error::Error;
 
 use crate::truth::{DURATION, SLIP_SPEED, distance, truth};
+use common::say;
 use common::table::{self, cells};
 use tumble::error::SceneError;
 use tumble::glam::{DQuat, DVec3, Vec3};
@@ -37,11 +38,11 @@ pub(crate) fn tables() -> Result<(), Box<dyn Error>> {
     table("error in f32 (f64), m", &measured, |end| {
         distance(&end.state, &truth)
     });
-    println!();
+    say("\n");
     table("energy error in f32 (f64), J", &measured, |end| {
         end.energy_error.abs()
     });
-    println!();
+    say("\n");
     compensation(&truth);
     Ok(())
 }

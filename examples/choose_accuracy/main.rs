@@ -14,7 +14,7 @@ mod scenes;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use common::{Outcome, Page, Picture, make_folder, program, table};
+use common::{Outcome, Page, Picture, make_folder, program, say, table};
 use lexopt::prelude::*;
 use scenes::{Friction, Start};
 use tumble::work_precision::{Setting, WorkPrecision};
@@ -61,7 +61,7 @@ fn work(options: &Options) -> Outcome<bool> {
     };
     make_folder(&page_options.out.join(NAME))?;
     let curve = measure(options)?;
-    println!("{curve}");
+    say(format_args!("{curve}\n"));
     page(&curve, options)?.write(NAME, &page_options)
 }
 

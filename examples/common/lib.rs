@@ -28,7 +28,7 @@ pub use film::{Camera, Column, Film, Pose, Shot, energies, energy_columns};
 pub use mesh::Mesh;
 pub use page::{Check, Page};
 pub use picture::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Picture, line};
-pub use program::{make_folder, program};
+pub use program::{make_folder, program, say};
 
 pub type Outcome<T> = Result<T, Box<dyn Error>>;
 

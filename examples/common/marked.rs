@@ -4,6 +4,8 @@ use core::error::Error;
 use std::fs;
 use std::path::Path;
 
+use super::say;
+
 /// Replaces the text between two marks of a page of the repository.
 pub fn write(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<(), Box<dyn Error>> {
     let page = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join(page);
@@ -13,6 +15,6 @@ pub fn write(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<(), Box<
         .split_once(end)
         .ok_or("the page has lost its end mark")?;
     fs::write(&page, format!("{before}{begin}\n\n{text}\n{end}{after}"))?;
-    println!("written: {}", page.display());
+    say(format_args!("written: {}\n", page.display()));
     Ok(())
 }

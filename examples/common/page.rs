@@ -4,7 +4,7 @@
 use core::fmt::Write as _;
 use std::fs;
 
-use super::{Film, Options, Outcome, Picture, make_folder};
+use super::{Film, Options, Outcome, Picture, make_folder, say};
 
 const TEMPLATE: &str = include_str!("page.html");
 /// Placeholders of the template.
@@ -41,18 +41,20 @@ impl Page {
         let page = folder.join(name).with_extension("html");
         fs::write(&page, self.html()?)?;
         self.print();
-        println!("Written: {}", page.display());
+        say(format_args!("Written: {}\n", page.display()));
         Ok(self.checks.iter().all(Check::holds))
     }
 
     fn print(&self) {
-        println!("{}", self.title);
+        say(format_args!("{}\n", self.title));
         for paragraph in &self.text {
-            println!("{paragraph}");
+            say(format_args!("{paragraph}\n"));
         }
         for check in &self.checks {
             let [what, got, range, result, source] = check.cells();
-            println!("  {result}  {what}: {got}, expected {range}\n        ({source})");
+            say(format_args!(
+                "  {result}  {what}: {got}, expected {range}\n        ({source})\n"
+            ));
         }
     }
 

@@ -2,6 +2,7 @@
 
 use core::fmt::Display;
 use std::fs;
+use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -19,7 +20,7 @@ pub fn program<T, E: Display>(
     let options = match options {
         Ok(Some(options)) => options,
         Ok(None) => {
-            print!("{help}");
+            say(help);
             return ExitCode::SUCCESS;
         }
         Err(error) => {
@@ -35,6 +36,11 @@ pub fn program<T, E: Display>(
             ExitCode::FAILURE
         }
     }
+}
+
+/// Prints a text. If nobody reads it, as in a pipe that was closed, the program goes on.
+pub fn say(text: impl Display) {
+    let _ = write!(io::stdout(), "{text}");
 }
 
 /// Makes a folder, with those above it. A program calls this before its work, so that no work is

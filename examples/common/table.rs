@@ -1,8 +1,10 @@
 //! Tables that are readable in a terminal and valid in a Markdown file.
 
+use super::say;
+
 /// Prints rows of cells as a Markdown table with aligned columns. The first row is the head.
 pub fn print(rows: &[Vec<String>]) {
-    print!("{}", text(rows));
+    say(text(rows));
 }
 
 /// Returns rows of cells as the text of a Markdown table with aligned columns.

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use common::{Outcome, make_folder, program};
+use common::{Outcome, make_folder, program, say};
 use indicatif::{ProgressBar, ProgressStyle};
 use lexopt::prelude::*;
 use rayon::prelude::*;
@@ -67,13 +67,13 @@ fn work(folder: &Path) -> Outcome<bool> {
     for failed in shown.iter().filter(|shown| !shown.is_as_expected()) {
         eprintln!("{}: {}", failed.exhibit.name, failed.result());
     }
-    println!(
-        "{} examples in {:.0} s, {:.1} MB\nWritten: {}",
+    say(format_args!(
+        "{} examples in {:.0} s, {:.1} MB\nWritten: {}\n",
         shown.len(),
         begin.elapsed().as_secs_f64(),
         size(folder)? as f64 * 1e-6,
         page.display()
-    );
+    ));
     Ok(shown.iter().all(Shown::is_as_expected))
 }
 

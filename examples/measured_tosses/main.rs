@@ -21,7 +21,9 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use common::{BLUE, Check, ORANGE, Options, Outcome, Page, Picture, line, make_folder, program};
+use common::{
+    BLUE, Check, ORANGE, Options, Outcome, Page, Picture, line, make_folder, program, say,
+};
 use fit::{Free, fit};
 use flights::Weighed;
 use indicatif::ProgressBar;
@@ -122,7 +124,7 @@ fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
     let (slides, coefficient) = study::coefficient_of_slides(&halves.held, weighed.scale, seed)?;
     let models = study::models(&halves, &weighed, arguments.options.quick)?;
     let [_, coulomb, weakening] = &models;
-    println!("{}", study::tables(&models, seed));
+    say(format_args!("{}\n", study::tables(&models, seed)));
     let change = study::change_by_half_the_step(weakening, &halves.held)?;
     let count = |motions: &[Vec<Toss>]| motions.iter().flatten().count();
     let text = vec![

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::Arguments;
 use crate::scene;
-use common::{Outcome, marked};
+use common::{Outcome, marked, say};
 
 pub(crate) fn label_error(arguments: &Arguments) -> Outcome<()> {
     let tables = [scene::TOLERANCE, 0.01 * scene::TOLERANCE].map(scene::table);
@@ -16,13 +16,13 @@ pub(crate) fn label_error(arguments: &Arguments) -> Outcome<()> {
     let tosses = arguments.tosses.clone();
     let pairs = ensemble.compare(tosses, |toss| coarse.play(toss), |toss| fine.play(toss))?;
     let [low, high] = pairs.label_error(0.95)?;
-    println!("{pairs}");
-    println!(
+    say(format_args!("{pairs}\n"));
+    say(format_args!(
         "labels that change at a hundredth of the tolerance: {} of {}, 95 % interval [{low:.4}, \
-         {high:.4}]",
+         {high:.4}]\n",
         pairs.changed(),
         pairs.compared()
-    );
+    ));
     Ok(())
 }
 
@@ -49,12 +49,12 @@ pub(crate) fn efficiency(arguments: &Arguments) -> Outcome<()> {
         best[1] = best[1].min(time()?);
     }
     let tosses = arguments.tosses.end - arguments.tosses.start;
-    println!(
-        "{tosses} tosses: {:.3} s on one thread, {:.3} s on {threads}; efficiency {:.3}",
+    say(format_args!(
+        "{tosses} tosses: {:.3} s on one thread, {:.3} s on {threads}; efficiency {:.3}\n",
         best[0],
         best[1],
         best[0] / best[1] / threads as f64
-    );
+    ));
     Ok(())
 }
 
@@ -80,7 +80,7 @@ pub(crate) fn cost(arguments: &Arguments) -> Outcome<()> {
     let tosses = arguments.tosses.end - arguments.tosses.start;
     let seconds = best / tosses as f64;
     let text = cost_table(tosses, seconds);
-    print!("{text}");
+    say(&text);
     if arguments.write {
         marked::write("src/guide/outcomes.md", [BEGIN, END], &text)?;
     }

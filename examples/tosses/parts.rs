@@ -12,7 +12,7 @@ use tumble::ensemble::{Ensemble, Stop, Tally};
 
 use crate::Arguments;
 use crate::scene;
-use common::{Outcome, make_folder};
+use common::{Outcome, make_folder, say};
 
 /// Plays the parts that are not there, and merges all of them.
 pub(crate) fn play(arguments: &Arguments) -> Outcome<()> {
@@ -64,11 +64,14 @@ pub(crate) fn merge(arguments: &Arguments) -> Outcome<()> {
     let merged = merged.ok_or_else(|| format!("no part in {shown}"))?;
     let result = arguments.out.join("result.json");
     write(&result, &serde_json::to_string(&merged)?)?;
-    println!("{merged}");
+    say(format_args!("{merged}\n"));
     for gap in merged.gaps(arguments.tosses.clone()) {
-        println!("missing: --from {} --to {}", gap.start, gap.end);
+        say(format_args!(
+            "missing: --from {} --to {}\n",
+            gap.start, gap.end
+        ));
     }
-    println!("Written: {}", result.display());
+    say(format_args!("Written: {}\n", result.display()));
     Ok(())
 }
 

@@ -6,7 +6,7 @@ use tumble::{Sample, Timed, UntilDecided};
 
 use crate::Arguments;
 use crate::scene;
-use common::{Camera, Column, Film, Mesh, Outcome, Shot, energy_columns, make_folder};
+use common::{Camera, Column, Film, Mesh, Outcome, Shot, energy_columns, make_folder, say};
 
 /// Time between two shots of the film and two rows of the path, s.
 const INTERVAL: f64 = 0.002;
@@ -17,7 +17,9 @@ pub(crate) fn replay(arguments: &Arguments, toss: u64) -> Outcome<()> {
     let ensemble = scene::ensemble(&throw, arguments.seed);
     let outcome = throw.play(&mut ensemble.toss(toss))?;
     let mut state = throw.start(&mut ensemble.toss(toss))?;
-    println!("toss {toss}: {outcome:?}\nstart: {state:.9}");
+    say(format_args!(
+        "toss {toss}: {outcome:?}\nstart: {state:.9}\n"
+    ));
     make_folder(&arguments.out)?;
     let path = arguments.out.join("path.csv");
     let mut rows = csv::Writer::from_path(&path)?;
@@ -46,7 +48,11 @@ pub(crate) fn replay(arguments: &Arguments, toss: u64) -> Outcome<()> {
     let page = arguments.out.join("play.html");
     let lines = vec![format!("{outcome:?} after {seconds:.3} s.")];
     film(toss, lines, seconds, camera.shots).write(&page)?;
-    println!("Written: {}, {}", page.display(), path.display());
+    say(format_args!(
+        "Written: {}, {}\n",
+        page.display(),
+        path.display()
+    ));
     Ok(())
 }
 
