@@ -325,6 +325,22 @@ pub fn check_contacts<R: Real>(contacts: &[ContactPoint<R>]) -> Result<(), Scene
     Ok(())
 }
 
+/// Checks all that a scene requires of a body, and returns its inertia.
+///
+/// # Errors
+/// Returns [`SceneError`] for the first quantity that breaks a rule.
+pub fn check_whole<R: Real>(
+    body: &(impl RigidPointBody<R> + ?Sized),
+) -> Result<InertiaProperties<R>, SceneError> {
+    body.check()?;
+    check_contacts(body.contacts())?;
+    check_rims(body)?;
+    let bounding_radius = body.bounding_radius();
+    error::finite("bounding radius of the body", bounding_radius, " m")?;
+    error::at_least_zero("bounding radius of the body", bounding_radius, " m")?;
+    InertiaProperties::new(body.mass(), body.inertia())
+}
+
 /// Checks the rims of a body: each is valid, there is at most one, and a smooth body has none.
 ///
 /// Also checks that a body with a rim has no more contacts than allowed.

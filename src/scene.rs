@@ -188,23 +188,18 @@ where
     /// the bounding radius, or the inverse of the mass or of a moment of inertia overflows. The
     /// error names the quantity, the rule and the value.
     pub fn new(body: B, ground: G, friction: F, gravity: A) -> Result<Self, SceneError> {
-        body.check()?;
+        let inertia_properties = crate::body::check_whole(&body)?;
         ground.check()?;
         if let Some(motion) = ground.motion() {
             motion.check()?;
         }
         friction.check()?;
         gravity.check()?;
-        crate::body::check_contacts(body.contacts())?;
-        crate::body::check_rims(&body)?;
         let ContactModel {
             bounding_radius,
             has_radii,
             ..
         } = ContactModel::new(&body, &ground, &friction);
-        error::finite("bounding radius of the body", bounding_radius, " m")?;
-        error::at_least_zero("bounding radius of the body", bounding_radius, " m")?;
-        let inertia_properties = InertiaProperties::new(body.mass(), body.inertia())?;
         let weight = inertia_properties.mass() * gravity.acceleration().length();
         error::finite("weight (mass times gravity)", weight, " N")?;
         check_numbers_of_surfaces(&ground, &friction)?;

@@ -11,8 +11,8 @@ use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{
-    Capsule, Coin, Cone, ContactPoint, Cuboid, Disc, Ellipsoid, InertiaProperties, MassProperties,
-    PointCloud, PointMass, RigidPointBody, Rod, Solid, SolidCoin, Sphere, check_contacts,
+    Capsule, Coin, Cone, ContactPoint, Cuboid, Disc, Ellipsoid, MassProperties, PointCloud,
+    PointMass, RigidPointBody, Rod, Solid, SolidCoin, Sphere,
 };
 use crate::error;
 use crate::real::{Real, Vector};
@@ -89,10 +89,7 @@ fn storage<R: Real, P: Storage<R>, E: Error>(count: usize) -> Result<P, E> {
 
 /// Checks that a scene can be composed with the body, and returns the body.
 fn checked<R: Real, B: RigidPointBody<R>, E: Error>(body: B) -> Result<B, E> {
-    body.check().map_err(E::custom)?;
-    check_contacts(body.contacts()).map_err(E::custom)?;
-    super::check_rims(&body).map_err(E::custom)?;
-    InertiaProperties::new(body.mass(), body.inertia()).map_err(E::custom)?;
+    super::check_whole(&body).map_err(E::custom)?;
     Ok(body)
 }
 

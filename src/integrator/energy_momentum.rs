@@ -368,7 +368,7 @@ fn attempt<R: Real, D: Dynamics<R>>(
         gather(&problem, contacts, wide);
         if contacts.is_empty() {
             end = fly(&problem);
-        } else if let Some(strain) = whole(&problem, contacts, &mut end, &mut work, step) {
+        } else if let Some(strain) = whole(&problem, energy, contacts, &mut end, &mut work, step) {
             is_lossless = strain.is_none();
         } else {
             break;
@@ -390,7 +390,9 @@ fn attempt<R: Real, D: Dynamics<R>>(
         break;
     }
     step.fallback = true;
-    let Some((end, is_lossless, work)) = split::step(scene, state, seconds, contacts, step) else {
+    let Some((end, is_lossless, work)) =
+        split::step(scene, (&*state, &*energy), seconds, contacts, step)
+    else {
         return false;
     };
     let (end_energy, touching) = Energy::with_touching(scene, &end);
@@ -447,6 +449,7 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
 /// `end` could not be computed. `work` is that of a ground that moves, J.
 fn whole<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
+    energy: &Energy<R>,
     contacts: &mut Contacts<R>,
     end: &mut State<R>,
     work: &mut R,
@@ -458,10 +461,27 @@ fn whole<R: Real, D: Dynamics<R>>(
     *end = before;
     let strain = strain.of_step(problem);
     if !strain.is_resolved() {
+        // The correction would take the energy that shows a false solution.
+        if is_no_solution(problem, energy, &before) {
+            return None;
+        }
         *end = end_velocity::corrected(problem, contacts, &trial, strain, &before);
     }
     *work = work::of_whole(problem, [&before, end]);
     end.not_finite().is_none().then_some(strain)
+}
+
+/// Returns true if the end of a trial has gained too much energy for a solution of the step. It is
+/// not inlined, as a step that resolves the contact does not need it.
+#[inline(never)]
+fn is_no_solution<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    before: &Energy<R>,
+    end: &State<R>,
+) -> bool {
+    let after = Energy::without_springs(problem.scene, end);
+    let work = work::of_whole(problem, [end; 2]);
+    energy_limit::is_no_solution([before, &after], work)
 }
 
 /// Collects the contacts that may touch during the step: those below the ground, and those that the

@@ -1,6 +1,6 @@
 //! What [`EnergyMomentum`] promises, at the extremes of everything that a scene can hold: for every
 //! step, the computed energy does not rise, with no tolerance; the body is rigid; the whole step's
-//! time passes; the work is bounded; no step is refused, but for one in which free motion goes
+//! time passes; the body goes no farther than its energy allows; the work is bounded; no step is refused, but for one in which free motion goes
 //! beyond 1e25 sizes of the body; and none leaves the body where it is while forces could move it.
 //! A law that breaks its contract is named, or has not been asked.
 //!
@@ -985,6 +985,23 @@ fn goes_too_far<R: Real>(scene: &impl Dynamics<R>, start: &State<R>, seconds: R)
     !is_near
 }
 
+/// Longest path of the centre of mass in a step that the energy allows, m.
+///
+/// The speed is at most `√(2 (E + m g·x)/m)` with the total energy E, which only decreases. On the
+/// path it is at most the larger one of both ends and what the body falls in between. The method's
+/// path is `h (v + v')/2`; parts of a step and its tolerance are allowed a factor of 4.
+fn longest_path<R: Real>(scene: &impl Dynamics<R>, ends: [&State<R>; 2], energy: R, h: R) -> R {
+    let (per_mass, gravity) = (scene.inertia_properties().inverse_mass(), scene.gravity());
+    let fastest = |state: &State<R>| {
+        let (total, potential) = (energy * per_mass, gravity.dot(state.position));
+        let rounding = (total.abs() + potential.abs()) * R::EPSILON * R::from_f64(64.0);
+        ((total + potential + rounding).at_least(R::ZERO) * R::TWO).sqrt()
+    };
+    let speed = fastest(ends[0]) + fastest(ends[1]) + gravity.length() * h;
+    let places = ends[0].position.length() + ends[1].position.length();
+    (speed * h + places * R::EPSILON) * R::from_f64(4.0)
+}
+
 /// Takes a scene through its steps, each of which must keep every promise.
 pub(super) fn keeps_its_promises<R: Real>(case: &Case, tally: &mut Tally) -> TestCaseResult {
     let time_step = R::from_f64(case.time_step);
@@ -1045,6 +1062,12 @@ pub(super) fn keeps_its_promises<R: Real>(case: &Case, tally: &mut Tally) -> Tes
         prop_assert!(
             after.translation >= R::ZERO && after.rotation >= R::ZERO,
             "step {number}: energy of motion below 0: {after:?}"
+        );
+        let path = (state.position - start.position).length();
+        let most = longest_path(scene, [&start, &state], before.total(), time_step);
+        prop_assert!(
+            case.is_driven() || path <= most,
+            "step {number}: moves by {path:e} m, at most by {most:e} m: {step:?}, {start:?} to {state:?}"
         );
         before = after;
         let [x, y, z, w] = state.orientation.xyzw();

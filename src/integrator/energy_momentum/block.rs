@@ -11,6 +11,12 @@ pub(super) struct Block<R: Real> {
 }
 
 impl<R: Real> Block<R> {
+    pub(super) const ZERO: Self = Self {
+        x: R::Vec3::ZERO,
+        y: R::Vec3::ZERO,
+        z: R::Vec3::ZERO,
+    };
+
     /// Returns `value` times the unit matrix.
     #[inline]
     pub(super) fn diagonal(value: R) -> Self {

@@ -97,11 +97,7 @@ impl<R: Real> Contacts<R> {
         panel_ends: [0; MOST_PANELS],
         panels: 0,
         lever: Lever::NONE,
-        path_by_turn: Block {
-            x: R::Vec3::ZERO,
-            y: R::Vec3::ZERO,
-            z: R::Vec3::ZERO,
-        },
+        path_by_turn: Block::ZERO,
     };
 
     /// Forgets the contacts of the last step.
@@ -135,6 +131,7 @@ impl<R: Real> Contacts<R> {
         self.with_rim |= reach.with_rims && !problem.scene.body().rims().is_empty();
         let (mut remembered, mut seen) = (self.remembered, self.seen);
         let is_full = seen < self.candidates;
+        let is_smooth = problem.scene.body().is_smooth();
         self.candidates = self.candidates.saturating_add(self.run.count);
         if is_full {
             return;
@@ -146,7 +143,11 @@ impl<R: Real> Contacts<R> {
                     let Some(place) = self.touches.get_mut(remembered) else {
                         break 'all;
                     };
-                    // The other fields of this element are written by the first trial.
+                    if is_smooth {
+                        // Newton's matrix reads it even where no trial has felt the contact.
+                        place.push = touch.push;
+                    }
+                    // The other fields are written by the first trial that feels the contact.
                     (place.arm, place.push.depth) = (touch.arm, touch.push.depth);
                     place.dual = None;
                     place.push.radius = touch.push.radius;

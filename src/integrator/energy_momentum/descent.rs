@@ -47,11 +47,12 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
 ) -> Option<(State<R>, Energy<R>)> {
     let is_plane = matches!(scene.ground().bounds(), GroundBounds::Plane(_));
     let kinds = [Kind::ByNormals, Kind::WithoutTurn, Kind::ByDifferences];
+    let energy = Energy::of(scene, start);
     let mut blocked = false;
     for kind in kinds.into_iter().take(if is_plane { 2 } else { 3 }) {
         let mut length = seconds;
         for _ in 0..LENGTHS {
-            let descent = Descent::new(scene, start, length, kind);
+            let descent = Descent::new(scene, (start, energy), length, kind);
             match descent.end_below(ceiling, step) {
                 Found::End(end, energy) => return Some((end, energy)),
                 Found::Nothing { touching } => blocked |= touching > 0,
@@ -142,6 +143,8 @@ enum Found<R: Real> {
 struct Descent<'a, R: Real, D> {
     scene: &'a D,
     start: &'a State<R>,
+    /// Energy at the start.
+    energy: Energy<R>,
     seconds: R,
     mass: R,
     inertia: Block<R>,
@@ -159,7 +162,12 @@ struct Way<R: Real> {
 }
 
 impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
-    fn new(scene: &'a D, start: &'a State<R>, seconds: R, kind: Kind) -> Self {
+    fn new(
+        scene: &'a D,
+        (start, energy): (&'a State<R>, Energy<R>),
+        seconds: R,
+        kind: Kind,
+    ) -> Self {
         let properties = scene.inertia_properties();
         let motion = motion_of(scene, start);
         let ([x, y, z], _) = properties.inertia_for_solving(&motion.axes, start.angular_momentum);
@@ -167,6 +175,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         Self {
             scene,
             start,
+            energy,
             seconds,
             mass: properties.mass(),
             inertia: Block { x, y, z },
@@ -215,6 +224,9 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             }
             let (energy, now_touching) = Energy::with_touching(self.scene, &end);
             touching = now_touching;
+            if energy_limit::is_no_solution([&self.energy, &energy], R::ZERO) {
+                continue;
+            }
             if let Some((end, energy)) = energy_limit::lowered(self.scene, ceiling, &end, energy) {
                 return Found::End(end, energy);
             }

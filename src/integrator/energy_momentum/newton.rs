@@ -56,6 +56,9 @@ const STALLED: f64 = 0.1;
 /// norm of the kinetic energy. For a rod of ten points at its end the ratio is two. Larger ratios
 /// are not considered.
 const MOST_LEVERAGE: f64 = 8.0;
+/// Bound on the ratio of Newton's step to the distance from which one step is enough. Free motion
+/// has the ratio 1, and springs and friction reduce it.
+const MOST_AMPLIFIED: f64 = 1024.0;
 /// Number of evaluations after which the step is abandoned.
 const LIMIT: u32 = 60;
 
@@ -303,8 +306,8 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             -here.torque_residual,
             problem.bounding_radius,
         );
-        let is_last =
-            is_enough || self.is_close(here) || self.is_close_in_stick(here, contacts, shift, turn);
+        let is_last = (is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
+            || self.is_close_in_stick(here, contacts, shift, turn);
         change(problem, trial, &here.place, shift, turn);
         if self.with_increments {
             self.increment = Some(Increment::of(shift, turn, here.place.spin));
@@ -350,6 +353,16 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             && (!is_single::<R>()
                 || (self.scale).turns_closely(self.problem, here.torque_residual, size));
         self.is_progress(here) && is_close && !(self.is_smooth && is_single::<R>())
+    }
+
+    /// Returns true if Newton's step is not much larger than a residual that it squares to rounding.
+    ///
+    /// Where friction or springs exceed the inertia by more than the precision, rounding of the
+    /// matrix hides the inertia, and the step may be of any size.
+    #[inline(always)]
+    fn is_small(&self, here: &Balance<R>, shift: R::Vec3, turn: R::Vec3) -> bool {
+        let most = here.tolerance * self.close * R::from_f64(MOST_AMPLIFIED);
+        size_of_motion(self.problem, shift, turn) <= most
     }
 
     /// Returns true if the momenta balance with the dual forces and Newton's step is small. The

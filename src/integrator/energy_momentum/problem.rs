@@ -70,11 +70,7 @@ impl<R: Real> Trial<R> {
         velocity: R::Vec3::ZERO,
         spin: R::Vec3::ZERO,
         shift: R::Vec3::ZERO,
-        rotation_change: Block {
-            x: R::Vec3::ZERO,
-            y: R::Vec3::ZERO,
-            z: R::Vec3::ZERO,
-        },
+        rotation_change: Block::ZERO,
         end_velocity: R::Vec3::ZERO,
         end_angular_momentum: R::Vec3::ZERO,
     };

@@ -15,35 +15,46 @@ use super::work;
 use crate::energy::Energy;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
-use crate::integrator::Step;
+use crate::integrator::{Step, energy_limit};
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
 
 /// Takes the step. Also returns whether friction and dampers have done no work in it, and the work
 /// of a ground that moves, J. Returns `None` if the conservative part has no solution either.
+#[cold]
+#[inline(never)]
 pub(super) fn step<R: Real, D: Dynamics<R>>(
     scene: &D,
-    start: &State<R>,
+    (start, before): (&State<R>, &Energy<R>),
     seconds: R,
     contacts: &mut Contacts<R>,
     step: &mut Step<R>,
 ) -> Option<(State<R>, bool, R)> {
     let half = seconds * R::HALF;
     let slowed = dissipate(scene, start, half);
+    let energy = Energy::of(scene, &slowed);
+    let work = work::of_impulse(scene, start.position, [start, &slowed]);
+    // Resistances that hide the inertia may leave velocities of any size.
+    if energy_limit::is_no_solution([before, &energy], work) {
+        return None;
+    }
     let problem = Problem {
         is_conservative: true,
         is_bare: false,
-        ..Problem::new(scene, &slowed, &Energy::of(scene, &slowed), seconds)
+        ..Problem::new(scene, &slowed, &energy, seconds)
     };
     super::gather(&problem, contacts, true);
     let mut trial = problem.first_trial();
     newton::solve(&problem, contacts, &mut trial, step)?;
     let moved = problem.end_of(&trial);
+    let moved_energy = Energy::without_springs(scene, &moved);
+    if energy_limit::is_no_solution([&energy, &moved_energy], R::ZERO) {
+        return None;
+    }
     let end = dissipate(scene, &moved, half);
     let is_lossless = slowed == *start && end == moved;
-    let work = work::of_impulse(scene, start.position, [start, &slowed])
-        + work::of_impulse(scene, end.position, [&moved, &end]);
+    let work = work + work::of_impulse(scene, end.position, [&moved, &end]);
     (end.not_finite().is_none()).then_some((end, is_lossless, work))
 }
 

@@ -1,7 +1,7 @@
 //! A scene of any parts, from any state, by every integrator: each step returns an error and keeps
 //! the state, or returns a valid state.
 
-use tumble::real::Quaternion;
+use tumble::real::{Quaternion, Vector};
 use tumble::{Dynamics, Force, Integrator, Real, SpringDamperGround, State, StepError};
 
 use super::input::Input;
@@ -72,7 +72,7 @@ pub fn steps<R: Real>(
         };
         let start = *state;
         let before = keeps_energy.then(|| stepper.energy(state).total());
-        let work = match stepper.step_within(state, limit, &mut workspace) {
+        let (work, elapsed) = match stepper.step_within(state, limit, &mut workspace) {
             Err(error) => {
                 fails_well(&start, state, limit, &error);
                 return;
@@ -85,7 +85,7 @@ pub fn steps<R: Real>(
                     step.elapsed
                 );
                 is_valid(state, &start, number);
-                step.drive_work
+                (step.drive_work, step.elapsed)
             }
         };
         let is_driven =
@@ -94,14 +94,48 @@ pub fn steps<R: Real>(
             is_driven || work == R::ZERO,
             "step {number}: {work:e} J of no drive"
         );
-        if let Some(before) = before {
+        // A step of no time asks for no energy, which may not be a number.
+        if let Some(before) = before.filter(|_| elapsed > R::ZERO) {
             let after = stepper.energy(state).total();
             assert!(
                 after <= before + work,
                 "step {number}: from {before:e} J to {after:e} J with {work:e} J of work"
             );
+            if !is_driven {
+                is_no_jump(stepper, [&start, state], before, elapsed, number);
+            }
         }
     }
+}
+
+/// No step moves the body farther than its energy allows.
+///
+/// The speed is at most `√(2 (E + m g·x)/m)`, where E is the total energy, which only decreases,
+/// and x the position. The greatest along the path is that of one of its ends, increased by what
+/// the body falls in between.
+fn is_no_jump<R: Real>(
+    stepper: &AnyStepper<'_, R>,
+    [start, end]: [&State<R>; 2],
+    joules: R,
+    seconds: R,
+    number: u32,
+) {
+    let (mass, gravity) = (
+        stepper.scene().inertia_properties().mass(),
+        stepper.scene().gravity(),
+    );
+    let most = |state: &State<R>| {
+        let (total, potential) = (joules / mass, gravity.dot(state.position));
+        let rounding = (total.abs() + potential.abs()) * R::EPSILON * R::from_f64(64.0);
+        ((total + potential + rounding).at_least(R::ZERO) * R::TWO).sqrt()
+    };
+    let speed = most(start) + most(end) + gravity.length() * seconds;
+    let rounding = (start.position.length() + end.position.length()) * R::EPSILON;
+    let path = (end.position - start.position).length();
+    assert!(
+        path <= seconds * speed * R::from_f64(4.0) + rounding * R::from_f64(4.0),
+        "step {number} moves by {path:e} m in {seconds:e} s, at most at {speed:e} m/s: {start:?} to {end:?}"
+    );
 }
 
 /// A step that fails keeps the state, and does not blame what is valid.
