@@ -329,7 +329,7 @@ pub fn check_contacts<R: Real>(contacts: &[ContactPoint<R>]) -> Result<(), Scene
 ///
 /// # Errors
 /// Returns [`SceneError`] for the first quantity that breaks a rule.
-pub fn check_whole<R: Real>(
+pub(crate) fn check_whole<R: Real>(
     body: &(impl RigidPointBody<R> + ?Sized),
 ) -> Result<InertiaProperties<R>, SceneError> {
     body.check()?;
