@@ -51,9 +51,8 @@ pub(crate) use hull::Hull;
 pub use inertia_properties::InertiaProperties;
 pub use mass_properties::MassProperties;
 pub use point_cloud::PointCloud;
-use rim::MOST_NODES;
 pub use rim::Rim;
-pub(crate) use rim::{Arc, CUTS, Panel, Panels, QUARTER, SHORT, sink_last};
+pub(crate) use rim::{Arc, CUTS, Direction, Panel, Panels, QUARTER, SHORT, sink_last, turned};
 pub use rod::{PointMass, Rod};
 #[cfg(feature = "serde")]
 pub use saved::Storage;
@@ -375,7 +374,7 @@ pub fn check_rims<R: Real>(body: &(impl RigidPointBody<R> + ?Sized)) -> Result<(
 
 /// Most contacts of a body with a rim. An implicit step stores 128 contacts and reserves 96 of them
 /// for a rim.
-const BESIDE_A_RIM: usize = 128 - MOST_NODES;
+const BESIDE_A_RIM: usize = 128 - 96;
 
 /// Cyclic contact range: `first`, `first + 1`, ..., continuing at 0 after the last contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -21,4 +21,4 @@ pub use lowest_point::LowestPoint;
 pub use model::ContactModel;
 pub use point::Contact;
 pub(crate) use point::facing_ground;
-pub(crate) use rims::{Discontinuities, Velocities, arc_below, discontinuities};
+pub(crate) use rims::{Discontinuities, Velocities, arcs_below, discontinuities};

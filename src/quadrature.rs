@@ -11,12 +11,9 @@ use crate::real::Real;
 pub(crate) type Rule = &'static [[f64; 2]];
 
 /// Rule with two points.
-pub(crate) const GAUSS_2: [[f64; 2]; 2] = both([[0.577_350_269_189_625_8, 1.0]]);
+pub(crate) const GAUSS_2: [[f64; 2]; 2] = both(HALF_OF_2);
 /// Rule with four points.
-pub(crate) const GAUSS_4: [[f64; 2]; 4] = both([
-    [0.339_981_043_584_856_3, 0.652_145_154_862_546_1],
-    [0.861_136_311_594_052_6, 0.347_854_845_137_453_9],
-]);
+pub(crate) const GAUSS_4: [[f64; 2]; 4] = both(HALF_OF_4);
 /// Rule with five points.
 pub(crate) const GAUSS_5: [[f64; 2]; 5] = [
     [0.0, 0.568_888_888_888_888_9],
@@ -30,6 +27,13 @@ pub(crate) const GAUSS_6: [[f64; 2]; 6] = both(HALF_OF_6);
 /// Rule with eight points.
 pub(crate) const GAUSS_8: [[f64; 2]; 8] = both(HALF_OF_8);
 
+/// Node above 0 of the rule with two points, and its weight.
+pub(crate) const HALF_OF_2: [[f64; 2]; 1] = [[0.577_350_269_189_625_8, 1.0]];
+/// Nodes above 0 of the rule with four points, and their weights.
+pub(crate) const HALF_OF_4: [[f64; 2]; 2] = [
+    [0.339_981_043_584_856_3, 0.652_145_154_862_546_1],
+    [0.861_136_311_594_052_6, 0.347_854_845_137_453_9],
+];
 /// Nodes above 0 of the rule with six points, and their weights.
 pub(crate) const HALF_OF_6: [[f64; 2]; 3] = [
     [0.23861918608319693, 0.46791393457269126],

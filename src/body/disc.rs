@@ -76,11 +76,10 @@ use crate::state::State;
 ///
 /// # Limits
 ///
-/// - The arc is computed for a plane. On [`Terrain`](crate::Terrain) it is the arc that touches the
-///   ground under the lowest point. This is accurate while half an arc is short compared with the
-///   ground's radius of curvature, and only one arc is found. On such ground the springs' energy
-///   differs slightly from their work. The energy limiter of `EnergyMomentum` compensates for the
-///   difference.
+/// - On ground that is not a plane, the arcs are found from 24 points of the rim. An arc may be
+///   missed on hills shorter than an eighth of the rim's radius. Up to six pieces between ends of
+///   arcs and edges of the ground are integrated one by one. A rim with more of them is integrated
+///   as a whole, with an error of some percent.
 /// - With explicit methods the forces equal the integral of the laws over the arc to a relative
 ///   2e-7, and mostly to 1e-9. They are less accurate if dampers cancel the force at the lowest
 ///   point and at both ends, so that only a short part between them pushes.

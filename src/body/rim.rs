@@ -35,11 +35,11 @@
 
 mod panels;
 
-use panels::half_turn;
-pub(crate) use panels::{CUTS, MOST_NODES, Panel, Panels, sink_last};
+pub(crate) use panels::{CUTS, Panel, Panels, sink_last};
+use panels::{half_of, half_turn};
 
 use crate::error::{self, Rule, SceneError};
-use crate::quadrature::{HALF_OF_6, HALF_OF_8};
+use crate::quadrature::{HALF_OF_2, HALF_OF_4, HALF_OF_6, HALF_OF_8};
 use crate::real::{Real, Vector};
 
 /// Circle fixed in a body that can touch the ground along its whole length.
@@ -214,7 +214,7 @@ impl<R: Real> Rim<R> {
 
     /// Point of the rim in a direction of its plane.
     #[inline]
-    fn place(&self, [along, across]: Direction<R>) -> R::Vec3 {
+    pub(crate) fn place(&self, [along, across]: Direction<R>) -> R::Vec3 {
         let [first, second] = self.axes;
         self.centre + (first * along + second * across) * self.radius
     }
@@ -227,15 +227,18 @@ impl<R: Real> Rim<R> {
         self.place(turned(panel.middle, [cos, sin]))
     }
 
-    /// Quadrature points of a panel, each with the number of contact points that it represents.
+    /// Quadrature points of a panel, at most `most`, each with the number of contact points that it
+    /// represents. There are two at least.
     #[inline]
-    pub(crate) fn nodes(&self, panel: Panel<R>) -> impl Iterator<Item = (R::Vec3, R)> {
+    pub(crate) fn nodes(&self, panel: Panel<R>, most: usize) -> impl Iterator<Item = (R::Vec3, R)> {
         let (chord, density) = (panel.chord, panel.chord * self.points);
         let rim = *self;
-        let rule = if chord <= R::from_f64(SHORT) {
-            HALF_OF_6.as_slice()
-        } else {
-            HALF_OF_8.as_slice()
+        let rule = match most {
+            0..=3 => HALF_OF_2.as_slice(),
+            4..=5 => HALF_OF_4.as_slice(),
+            6..=7 => HALF_OF_6.as_slice(),
+            _ if chord <= R::from_f64(SHORT) => HALF_OF_6.as_slice(),
+            _ => HALF_OF_8.as_slice(),
         };
         rule.iter().flat_map(move |&[u, weight]| {
             let t = chord * R::from_f64(u);
@@ -297,7 +300,7 @@ pub(crate) type Direction<R> = [R; 2];
 
 /// Rotates `a` by the angle of `b`.
 #[inline]
-fn turned<R: Real>([a, b]: Direction<R>, [cos, sin]: Direction<R>) -> Direction<R> {
+pub(crate) fn turned<R: Real>([a, b]: Direction<R>, [cos, sin]: Direction<R>) -> Direction<R> {
     [a * cos - b * sin, b * cos + a * sin]
 }
 
@@ -320,6 +323,38 @@ pub(crate) enum Arc<R> {
 pub(crate) const QUARTER: f64 = 0.382_683_432_365_089_8;
 
 impl<R: Real> Arc<R> {
+    /// Creates the arc from one direction to another, for the gap at a point (m).
+    pub(crate) fn between(
+        [a, b]: Direction<R>,
+        [c, d]: Direction<R>,
+        gap: impl Fn(Direction<R>) -> R,
+    ) -> Self {
+        // Twice the middle times the sine of half the angle, turned back by a quarter, and times
+        // the cosine. The larger of the two has no cancellation.
+        let (sine, cosine) = ([d - b, a - c], [a + c, b + d]);
+        let [sin, cos] = [sine, cosine].map(|[x, y]| (x * x + y * y).sqrt() * R::HALF);
+        let is_wide = sine[0] * cosine[0] + sine[1] * cosine[1] < R::ZERO;
+        let cos = if is_wide { -cos } else { cos };
+        let (part, length) = if sin > cos.abs() {
+            (sine, sin)
+        } else {
+            (cosine, cos)
+        };
+        let middle = part.map(|x| x * R::HALF / length);
+        let chord = ((R::ONE - cos) * R::HALF).sqrt();
+        let chord = if is_wide { chord } else { half_of(sin, cos) };
+        let depth = -gap(middle);
+        if chord > R::EPSILON {
+            Self::Part {
+                lowest: middle,
+                chord,
+                extent: depth.at_least(R::ZERO) / (chord * chord * R::TWO),
+            }
+        } else {
+            Self::Nothing
+        }
+    }
+
     /// Returns true if the point in a direction is on the arc.
     #[inline]
     fn holds(&self, [a, b]: Direction<R>) -> bool {
@@ -359,14 +394,6 @@ impl<R: Real> Arc<R> {
             Self::Part { extent, .. } => extent,
             _ => R::ZERO,
         }
-    }
-
-    /// Returns the longer of two partial arcs.
-    pub(crate) fn longer(arcs: &[Self; 2]) -> Option<Self> {
-        let parts = arcs.iter().filter(|arc| arc.lowest().is_some());
-        parts
-            .copied()
-            .reduce(|a, b| if a.chord() < b.chord() { b } else { a })
     }
 
     /// Half of the arc's chord over the radius, `sin(α/2)`.

@@ -54,7 +54,7 @@ where
                 }
             }
             for (number, rim) in self.body.rims().iter().enumerate() {
-                let (_, place) = rims::lowest(rim, &ground, *position, axes);
+                let place = rims::lowest(rim, &ground, *position, axes);
                 look_at(contacts.len() + number, &ContactPoint::bare(place));
             }
         }

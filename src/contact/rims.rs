@@ -8,10 +8,13 @@
 //! and a short arc is evaluated as a [`Sweep`]. Any other arc is evaluated point by point
 //! ([`visit_any`]).
 
+mod arcs;
 mod discontinuities;
 mod sweep;
 mod turning_rules;
 
+pub(crate) use arcs::Arcs;
+use arcs::Placed;
 use discontinuities::discontinuities_over;
 pub(crate) use discontinuities::{Discontinuities, Velocities, discontinuities};
 use sweep::{Sweep, visit_between};
@@ -19,57 +22,48 @@ use sweep::{Sweep, visit_between};
 use super::point::Contact;
 use crate::body::{Arc, ContactPoint, Panel, Panels, QUARTER, Rim, SHORT};
 use crate::friction::SlidingFriction;
-use crate::ground::{GroundBounds, OneSurface, Plane, SpringDamperGround, Surface};
+use crate::ground::{GroundBounds, OneSurface, Plane, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::Motion;
 
-/// Arc of a rim below the plane that touches the ground under the rim's lowest point.
+/// Arcs of a rim below the ground.
 #[inline]
-pub(crate) fn arc_below<R: Real, G: SpringDamperGround<R>>(
+pub(crate) fn arcs_below<R: Real, G: SpringDamperGround<R>>(
     rim: &Rim<R>,
     ground: &G,
     position: R::Vec3,
     axes: &Axes<R>,
-) -> Arc<R> {
+) -> Arcs<R> {
     let centre = position + axes.to_world(rim.centre());
     match ground.bounds() {
-        GroundBounds::Nowhere => Arc::Nothing,
-        GroundBounds::Plane(plane) => rim.arc_below(axes.to_body(plane.normal), plane.gap(centre)),
+        GroundBounds::Nowhere => Arcs::NONE,
+        GroundBounds::Plane(plane) => {
+            Arcs::one(rim.arc_below(axes.to_body(plane.normal), plane.gap(centre)))
+        }
         GroundBounds::Below(plane)
             if plane.gap(centre) > rim.radius() * rim.steepness(axes.to_body(plane.normal)) =>
         {
-            Arc::Nothing
+            Arcs::NONE
         }
         GroundBounds::Below(_) | GroundBounds::Everywhere => {
-            let (surface, place) = lowest(rim, ground, position, axes);
-            let normal = axes.to_body(surface.normal);
-            rim.arc_below(normal, surface.gap + normal.dot(rim.centre() - place))
+            arcs::arcs_below(&Placed::new(rim, position, axes), ground)
         }
     }
 }
 
-/// Lowest point of a rim (body axes), and the surface under it. It is found by a fixed number of
-/// iterations along the last normal, and is exact on a plane.
+/// Lowest point of a rim, m, body axes.
 pub(super) fn lowest<R: Real, G: SpringDamperGround<R>>(
     rim: &Rim<R>,
     ground: &G,
     position: R::Vec3,
     axes: &Axes<R>,
-) -> (Surface<R>, R::Vec3) {
-    let under = |place: R::Vec3| ground.surface(position + axes.to_world(place));
-    let mut place = rim.centre();
-    let mut surface = under(place);
-    for _ in 0..LOOKS {
-        place = rim.support_point(axes.to_body(-surface.normal));
-        surface = under(place);
+) -> R::Vec3 {
+    match ground.bounds() {
+        GroundBounds::Plane(plane) => rim.support_point(axes.to_body(-plane.normal)),
+        _ => rim.place(arcs::lowest(&Placed::new(rim, position, axes), ground)),
     }
-    (surface, place)
 }
-
-/// Number of iterations. Each multiplies the angle error by the ratio of the rim's radius to the
-/// ground's radius of curvature.
-const LOOKS: u32 = 3;
 
 /// Part of a rim that touches.
 pub(super) enum Touching<R: Real> {
@@ -182,9 +176,10 @@ pub(super) fn visit_any<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>
     motion: &Motion<R>,
     visit: &mut dyn FnMut(&Contact<R>),
 ) {
-    let arc = arc_below(rim, laws.0, motion.position, &motion.axes);
+    let arcs = arcs_below(rim, laws.0, motion.position, &motion.axes);
     let density = rim.points() * R::from_f64(core::f64::consts::FRAC_1_PI);
-    for panel in Panels::of(arc, core::iter::empty()).iter() {
+    let panels = |arc: Arc<R>| Panels::of(arc, core::iter::empty());
+    for panel in arcs.get().iter().flat_map(|arc| panels(*arc).into_iter()) {
         let discontinuities = discontinuities_of(laws, rim, motion, panel);
         visit_between(
             &discontinuities,

@@ -16,6 +16,7 @@ mod friction_laws;
 mod ground_laws;
 mod moving_ground;
 mod rim;
+mod rim_on_shapes;
 mod several_surfaces;
 mod smooth;
 mod terrain;

@@ -1,7 +1,6 @@
-//! One arc or two arcs, divided into panels for Gauss's rule.
+//! Arcs, divided into panels for Gauss's rule.
 
 use super::{Arc, Direction, QUARTER, turned};
-use crate::quadrature::HALF_OF_8;
 use crate::real::Real;
 
 /// Piece of arc of at most a quarter of the circle, given by its middle and
@@ -24,12 +23,12 @@ impl<R: Real> Panel<R> {
     }
 }
 
-/// Most panels of two arcs: their four ends, the four cuts into quarters, and any further cuts.
-const MOST: usize = 8 + CUTS;
+/// Most panels: at two times six arcs, four of which share their ends, and the cuts into quarters.
+const MOST: usize = 24;
+/// Most cuts: those panels and the ends that two arcs share at an edge of the ground.
+const MOST_CUTS: usize = 40;
 /// Most further cuts.
 pub(crate) const CUTS: usize = 4;
-/// Most nodes of a rim in a step.
-pub(crate) const MOST_NODES: usize = MOST * HALF_OF_8.len() * 2;
 
 /// Panels of the arc below ground at one time, or at either of two times. No end of an arc lies
 /// within a panel.
@@ -66,7 +65,7 @@ impl<R: Real> Panels<R> {
             }
             _ => {
                 let mut places = cuts.map(|cut| arc.place(cut));
-                return Self::of_both([arc, Arc::Nothing], &mut places);
+                return Self::of_all([&[arc], &[]], &mut places);
             }
         }
         panels
@@ -83,20 +82,20 @@ impl<R: Real> Panels<R> {
         }
     }
 
-    /// Panels of two arcs together, cut at these positions.
+    /// Panels of the arcs at two times together, cut at these positions.
     #[inline(never)]
-    pub(crate) fn of_both(
-        arcs: [Arc<R>; 2],
+    pub(crate) fn of_all(
+        times: [&[Arc<R>]; 2],
         places: &mut dyn Iterator<Item = Direction<R>>,
     ) -> Self {
         let mut panels = Self::NONE;
-        if arcs == [Arc::Nothing; 2] {
+        let arcs = || times.into_iter().flatten();
+        if arcs().all(|arc| *arc == Arc::Nothing) {
             return panels;
         }
-        let [first, second] = arcs;
         // The circle is counted from the point opposite the lowest one, so that no arc of rolling
         // contact crosses the seam.
-        let middle = first.lowest().or(second.lowest());
+        let middle = arcs().find_map(Arc::lowest);
         let frame = middle.unwrap_or([R::ONE, R::ZERO]).map(|x| -x);
         let half = R::from_f64(core::f64::consts::FRAC_1_SQRT_2);
         let quarters = [[half, half], [-half, half], [-half, -half], [half, -half]];
@@ -104,7 +103,7 @@ impl<R: Real> Panels<R> {
         for cut in quarters {
             cuts.add(frame, turned(frame, cut));
         }
-        for end in arcs.iter().filter_map(Arc::ends).flatten() {
+        for end in arcs().filter_map(Arc::ends).flatten() {
             cuts.add(frame, end);
         }
         for place in places {
@@ -115,7 +114,7 @@ impl<R: Real> Panels<R> {
             let Some((middle, chord)) = between(from.place, to.place) else {
                 continue;
             };
-            if arcs.iter().any(|arc| arc.holds(middle)) {
+            if arcs().any(|arc| arc.holds(middle)) {
                 panels.push(middle, chord);
             }
         }
@@ -128,6 +127,15 @@ impl<R: Real> Panels<R> {
             *panel = Panel { middle, chord };
             self.count += 1;
         }
+    }
+
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Panels, in the order along the rim.
+    pub(crate) fn into_iter(self) -> impl Iterator<Item = Panel<R>> {
+        self.panels.into_iter().take(self.count)
     }
 
     #[inline]
@@ -152,7 +160,7 @@ fn between<R: Real>([a, b]: Direction<R>, [c, d]: Direction<R>) -> Option<(Direc
 
 /// Sine of half an angle: `sin(h/2) = sin h/√(2 (1 + cos h))`.
 #[inline]
-fn half_of<R: Real>(sin: R, cos: R) -> R {
+pub(super) fn half_of<R: Real>(sin: R, cos: R) -> R {
     sin / (R::TWO + R::TWO * cos).sqrt()
 }
 
@@ -171,7 +179,7 @@ struct Cut<R> {
 
 /// Positions at which the circle is cut.
 struct Cuts<R> {
-    cuts: [Cut<R>; MOST],
+    cuts: [Cut<R>; MOST_CUTS],
     count: usize,
 }
 
@@ -180,14 +188,14 @@ impl<R: Real> Cuts<R> {
         cuts: [Cut {
             place: [R::ONE, R::ZERO],
             order: R::ZERO,
-        }; MOST],
+        }; MOST_CUTS],
         count: 0,
     };
 
     fn add(&mut self, [a, b]: Direction<R>, place: Direction<R>) {
         let [x, y] = turned(place, [a, -b]);
+        let order = order(x, y);
         if let Some(cut) = self.cuts.get_mut(self.count) {
-            let order = order(x, y);
             *cut = Cut { place, order };
             self.count += 1;
             sink_last(self.cuts.get_mut(..self.count).unwrap_or_default(), |cut| {

@@ -560,8 +560,9 @@ impl<R: Real> Discontinuities<R> {
     }
 
     /// Positions as `sin(θ/2)/κ`.
-    pub(crate) fn places(&self) -> impl Iterator<Item = R> + '_ {
-        self.iter().map(|discontinuity| discontinuity.u)
+    pub(crate) fn places(self) -> impl Iterator<Item = R> {
+        let places = self.places.into_iter().take(self.count);
+        places.map(|discontinuity| discontinuity.u)
     }
 }
 

@@ -13,8 +13,7 @@ use crate::real::{Real, Vector};
 ///
 /// *Limits:* inside, the normal has a jump where two faces are equally near: a contact that sinks
 /// deeper than half of the thickness is pushed out at the other side. The bodies touch with their
-/// contacts, so an edge of the block that lies between two contacts of a body is not felt. A round
-/// rim on an edge is not compared with a closed form.
+/// contacts, so an edge of the block that lies between two contacts of a body is not felt.
 ///
 /// ```
 /// use tumble::glam::DVec3;

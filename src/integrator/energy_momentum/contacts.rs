@@ -5,7 +5,7 @@ use super::block::Block;
 use super::problem::{Problem, Trial};
 use super::touch::{Answer, Increment, Lever, Push, Reversal, Touch};
 use crate::body::{Arc, ContactPoint, ContactRange, Panel, Panels, RigidPointBody, Rim};
-use crate::contact::{Discontinuities, Velocities, arc_below, discontinuities};
+use crate::contact::{Discontinuities, Velocities, arcs_below, discontinuities};
 use crate::friction::{FrictionJacobian, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
@@ -18,7 +18,7 @@ use crate::scene::Dynamics;
 pub(super) const CAPACITY: usize = 128;
 
 /// Largest number of panels of a rim: those that its points are placed on, plus a reserve.
-const MOST_PANELS: usize = 16;
+const MOST_PANELS: usize = 24;
 
 /// Which contacts a surface may touch during a step.
 #[derive(Clone, Copy, Debug)]
@@ -293,30 +293,36 @@ impl<R: Real> Contacts<R> {
     /// its start and at its end. The energy that springs return and the energy that is dissipated
     /// are therefore those of such points. No end of an arc lies within a panel. The sums at start
     /// and end are therefore the energies there, apart from a quadrature error of at most 2e-10.
+    #[inline(never)]
     fn lay_rims<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, trial: &Trial<R>) {
         let end = problem.place_at_end(trial);
         let mut count = self.fixed;
         self.panels = 0;
-        for surface in 0..problem.surfaces() {
+        // Each surface has the same share of the storage. Where a share does not suffice for all
+        // panels, each of them has fewer points.
+        let surfaces = problem.surfaces();
+        let room = (CAPACITY - count.min(CAPACITY)) / (surfaces as usize).max(1);
+        for surface in 0..surfaces {
             for rim in problem.scene.body().rims() {
-                for panel in panels_below(problem, surface, trial, &end, rim).iter() {
-                    self.lay_panel(problem, surface, rim, panel, &mut count);
+                let panels = panels_below(problem, surface, trial, &end, rim);
+                let most = room / panels.count().max(1);
+                for panel in panels.iter() {
+                    self.lay_panel((problem, surface), (rim, panel), most, &mut count);
                 }
             }
         }
         self.remembered = count;
     }
 
-    /// Places the points of one panel of a rim after the first `count` points.
+    /// Places the points of one panel of a rim, at most `most`, after the first `count` points.
     fn lay_panel<D: Dynamics<R>>(
         &mut self,
-        problem: &Problem<'_, R, D>,
-        surface: u32,
-        rim: &Rim<R>,
-        panel: Panel<R>,
+        (problem, surface): (&Problem<'_, R, D>, u32),
+        (rim, panel): (&Rim<R>, Panel<R>),
+        most: usize,
         count: &mut usize,
     ) {
-        for (place, weight) in rim.nodes(panel) {
+        for (place, weight) in rim.nodes(panel, most) {
             let Some(touch) = self.touches.get_mut(*count) else {
                 break;
             };
@@ -507,7 +513,8 @@ impl<R: Real> Contacts<R> {
     }
 }
 
-/// Panels of a rim below a surface at the start or at the `end` (position and axes) of a step.
+/// Panels of a rim below a surface at the start or at the `end` (position and axes) of a step, cut
+/// at the discontinuities of friction on the arcs of the time with the longer one.
 #[inline]
 fn panels_below<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
@@ -517,17 +524,21 @@ fn panels_below<R: Real, D: Dynamics<R>>(
     rim: &Rim<R>,
 ) -> Panels<R> {
     let (ground, motion) = (problem.ground(surface), &problem.motion);
-    let arcs = [
-        arc_below(rim, &ground, motion.position, &motion.axes),
-        arc_below(rim, &ground, *end, end_axes),
-    ];
-    match Arc::longer(&arcs) {
-        Some(arc) => {
-            let discontinuities = mean_discontinuities(problem, surface, trial, rim, &arc);
-            Panels::of_both(arcs, &mut discontinuities.places().map(|u| arc.place(u)))
-        }
-        None => Panels::of_both(arcs, &mut core::iter::empty()),
-    }
+    let at_start = arcs_below(rim, &ground, motion.position, &motion.axes);
+    let at_end = arcs_below(rim, &ground, *end, end_axes);
+    let longer = if at_start.longest() < at_end.longest() {
+        &at_end
+    } else {
+        &at_start
+    };
+    let cuts = |arc: Arc<R>| {
+        let discontinuities = mean_discontinuities(problem, surface, trial, rim, &arc);
+        discontinuities.places().map(move |u| arc.place(u))
+    };
+    Panels::of_all(
+        [at_start.get(), at_end.get()],
+        &mut longer.parts().flat_map(cuts),
+    )
 }
 
 /// Positions on an arc at which the forces of mean velocities over a trial step have a
