@@ -45,4 +45,5 @@ mod work_precision;
 // The coin report, and the further study that it names.
 mod report;
 mod report_loop;
+mod rest_on_shapes;
 mod tennis;

@@ -328,6 +328,12 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         paths * (R::EPSILON * R::from_f64(8.0))
     }
 
+    /// Rounding of a gap, m: some units in the last place of the numbers that it is computed from.
+    #[inline]
+    pub(super) fn rounding_of_gap(&self) -> R {
+        self.depth_scale * (R::EPSILON * R::from_f64(8.0))
+    }
+
     /// Position of the body at the end of a trial, and its axes there.
     #[inline]
     pub(super) fn place_at_end(&self, trial: &Trial<R>) -> (R::Vec3, Axes<R>) {

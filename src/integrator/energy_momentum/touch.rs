@@ -392,15 +392,28 @@ impl<R: Real> Touch<R> {
         if let Some(plane) = &problem.plane_of(self.push.surface) {
             return (plane.normal, self.push.depth - plane.normal.dot(moved));
         }
-        // Curved ground: Gonzalez's discrete gradient, so that normal times path is the change of
-        // depth.
+        self.fall_on_a_shape(problem, moved)
+    }
+
+    /// Normal and depth like [`fall`](Self::fall), on ground that is not a plane: Gonzalez's discrete
+    /// gradient, so that normal times path is the change of depth.
+    ///
+    /// A change of depth within its rounding is not corrected. Divided by the path of a contact at
+    /// rest, it would turn the normal by any angle.
+    #[cold]
+    #[inline(never)]
+    fn fall_on_a_shape<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        moved: R::Vec3,
+    ) -> (R::Vec3, R) {
         let ground = problem.ground(self.push.surface);
         let start = problem.motion.position + self.arm;
         let middle = ground.surface(start + moved * R::HALF).normal;
         let end_depth = self.push.radius - ground.surface(start + moved).gap;
         let square = moved.length_squared();
         let residual = (self.push.depth - end_depth) - middle.dot(moved);
-        if square > R::ZERO && residual.abs() < square.sqrt() {
+        if residual.abs() > problem.rounding_of_gap() && residual.abs() < square.sqrt() {
             (middle + moved * (residual / square), end_depth)
         } else {
             (middle, end_depth)
