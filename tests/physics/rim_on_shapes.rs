@@ -4,17 +4,18 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use core::f64::consts::TAU;
+use core::cell::Cell;
+use core::f64::consts::{PI, SQRT_2, TAU};
 
 use crate::kit::{GRAVITY, cases, difference, orientations, whole};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
-use tumble::f64::{Disc, State};
+use tumble::f64::{Disc, State, Surface};
 use tumble::glam::DVec3;
 use tumble::ground::{Bowl, HeightField, Ramp, Terrain, Waves};
 use tumble::{
-    Block, Coulomb, Dynamics, EnergyMomentum, Ground, SpringDamper, SpringDamperGround, Stepper,
-    UniformGravity,
+    Block, Coulomb, Dynamics, EnergyMomentum, Ground, Shape, SpringDamper, SpringDamperGround,
+    Stepper, UniformGravity,
 };
 
 const RADIUS: f64 = 0.4;
@@ -212,4 +213,38 @@ fn friction_at_an_edge_explains_all_of_the_loss() {
         assert!(lost > 0.1, "{lost} J from {start:?}");
         assert!(removed <= 1e-9 * lost, "{removed} J from {start:?}");
     }
+}
+
+/// Ground just below everything, whose normal changes from place to place, and which counts how
+/// often it is asked.
+struct AllEdges {
+    count: Cell<u32>,
+}
+
+impl Shape for &AllEdges {
+    fn surface(&self, point: DVec3) -> Surface {
+        let count = self.count.get();
+        self.count.set(count + 1);
+        // Fractional parts of quadratic multiples of an irrational number are in no order.
+        let (sin, cos) = (PI * (f64::from(count * count) * SQRT_2).fract()).sin_cos();
+        let normal = DVec3::new(cos, 0.0, sin);
+        let gap = 1e-6 + 1e-9 * point.z.abs();
+        Surface { gap, normal }
+    }
+}
+
+/// On ground that is all edges, a search down to 0.06° all round would take thousands of evaluations.
+#[test]
+fn a_search_for_arcs_ends_after_a_bounded_number_of_evaluations() {
+    let edges = AllEdges {
+        count: Cell::new(0),
+    };
+    let stepper = rim_on(Ground {
+        law: SPRING,
+        shape: &edges,
+    });
+    edges.count.set(0);
+    let springs = stepper.energy(&State::default()).springs;
+    let count = edges.count.get();
+    assert!(springs == 0.0 && (24..600).contains(&count), "{count}");
 }

@@ -33,6 +33,8 @@ const SHARP: f64 = 0.9;
 const MOST_HALVINGS: u32 = 8;
 /// Most halvings where the lowest point is searched for next to an edge, down to 0.9°.
 const HALVINGS_OF_MINIMA: u32 = 4;
+/// Most halvings next to edges in all, so that a rim on a ground that is all edges takes no longer.
+const MOST_HALVINGS_IN_ALL: u32 = 256;
 /// Most evaluations for an end of an arc, or for the decision whether there is one.
 const MOST: u32 = 40;
 
@@ -143,13 +145,17 @@ pub(super) fn arcs_below<R: Real, G: SpringDamperGround<R>>(
             height_at(placed, ground, turned(left.place, step))
         };
         add_ends(placed, ground, [left, right], MOST_HALVINGS, &mut ends);
+        if ends.count > MOST_ENDS {
+            return Arcs::one(Arc::Whole);
+        }
         left = right;
     }
-    if ends.count == 0 && !start.is_below() {
-        return Arcs::NONE;
-    }
-    if ends.count == 0 || ends.count > MOST_ENDS {
-        return Arcs::one(Arc::Whole);
+    if ends.count == 0 {
+        return if start.is_below() {
+            Arcs::one(Arc::Whole)
+        } else {
+            Arcs::NONE
+        };
     }
     if start.is_below() {
         ends.turn();
@@ -343,9 +349,10 @@ fn add_ends<R: Real, G: SpringDamperGround<R>>(
     ends: &mut Ends<R>,
 ) {
     let has_end = left.is_below() != right.is_below();
-    if halvings > 0 && turns(&left, &right) {
+    if halvings > 0 && ends.halvings < MOST_HALVINGS_IN_ALL && turns(&left, &right) {
         let path = chord_between(left.place, right.place) * placed.rim.radius();
         if has_end || left.gap.abs() + right.gap.abs() <= path {
+            ends.halvings += 1;
             let middle = height_at(placed, ground, between(left.place, right.place, R::HALF));
             add_ends(placed, ground, [left, middle], halvings - 1, ends);
             add_ends(placed, ground, [middle, right], halvings - 1, ends);
@@ -457,12 +464,15 @@ fn chord_between<R: Real>([a, b]: Direction<R>, [c, d]: Direction<R>) -> R {
 struct Ends<R> {
     places: [Direction<R>; MOST_ENDS],
     count: usize,
+    /// Number of intervals that were halved in the search.
+    halvings: u32,
 }
 
 impl<R: Real> Ends<R> {
     const NONE: Self = Self {
         places: [[R::ONE, R::ZERO]; MOST_ENDS],
         count: 0,
+        halvings: 0,
     };
 
     /// Adds the next end. Ends beyond the last place are only counted.
