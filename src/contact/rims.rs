@@ -47,7 +47,7 @@ pub(crate) fn arcs_below<R: Real, G: SpringDamperGround<R>>(
             Arcs::NONE
         }
         GroundBounds::Below(_) | GroundBounds::Everywhere => {
-            arcs::arcs_below(&Placed::new(rim, position, axes), ground)
+            arcs::arcs_below(&Placed::new(rim, ground, position, axes))
         }
     }
 }
@@ -61,7 +61,7 @@ pub(super) fn lowest<R: Real, G: SpringDamperGround<R>>(
 ) -> R::Vec3 {
     match ground.bounds() {
         GroundBounds::Plane(plane) => rim.support_point(axes.to_body(-plane.normal)),
-        _ => rim.place(arcs::lowest(&Placed::new(rim, position, axes), ground)),
+        _ => rim.place(arcs::lowest(&Placed::new(rim, ground, position, axes))),
     }
 }
 

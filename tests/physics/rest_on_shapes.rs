@@ -1,9 +1,9 @@
 //! Bodies that come to rest on ground that is not a plane: a step costs what it costs on a plane.
 //!
-//! There the normal of a contact is corrected so that the springs' work is exact, by a difference of
-//! gaps over the path. Of a body at rest that difference is rounding and the path almost nothing.
-//! When the quotient was used whatever its size, Newton's method did not converge: a box at rest on
-//! a block took 410 iterations a step, and each step was marked as a fallback.
+//! There the normal of a contact is corrected by a difference of gaps over the path, so that the
+//! springs' work is exact. For a body at rest that difference is rounding, and the path is almost
+//! nothing. When the quotient was used whatever its size, Newton's method did not converge: a step
+//! took hundreds of iterations and was marked as a fallback.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -18,8 +18,8 @@ use tumble::{
 
 /// Steps in 10 s, of which the last are at rest.
 const LENGTHS: [f64; 3] = [1.0 / 60.0, 4e-3, 1e-3];
-/// Most iterations a step, on average. On a plane these bodies take 1 to 3, on a slope on which they
-/// stick up to 6.
+/// Most iterations a step, on average. On a plane these bodies take 1 to 3, and up to 6 on a slope
+/// on which they stick.
 const MOST_ITERATIONS: f64 = 8.0;
 /// Most steps in a thousand that may be marked as fallbacks, for hard impacts.
 const MOST_FALLBACKS: f64 = 5.0;

@@ -184,9 +184,8 @@ fn fall_on_a_block([x, y, turn]: [f64; 3], friction: f64, time_step: f64) -> (St
     (state, [before - stepper.energy(&state).total(), removed])
 }
 
-/// Without friction and dampers no energy is lost at the edges, and halving the step makes the error
-/// four times smaller. (With the arc of the plane under the lowest point, a scene of the bits lost
-/// 0.4 J of 1.5 J at any step.)
+/// Without friction and dampers no energy is lost at the edges, and the error is of order 2. (With
+/// the arc of the plane under the lowest point, the loss did not depend on the step size.)
 #[test]
 fn an_edge_takes_no_energy() {
     for start in STARTS {
@@ -233,7 +232,8 @@ impl Shape for &AllEdges {
     }
 }
 
-/// On ground that is all edges, a search down to 0.06° all round would take thousands of evaluations.
+/// On ground that is all edges, a search down to 0.06° everywhere would take thousands of
+/// evaluations.
 #[test]
 fn a_search_for_arcs_ends_after_a_bounded_number_of_evaluations() {
     let edges = AllEdges {

@@ -23,10 +23,9 @@ impl<R: Real> Panel<R> {
     }
 }
 
-/// Most panels: at two times six arcs, four of which share their ends, and the cuts into quarters.
-const MOST: usize = 24;
-/// Most cuts: those panels and the ends that two arcs share at an edge of the ground.
-const MOST_CUTS: usize = 40;
+/// Most cuts, and most panels: the ends of six arcs at two times, the cuts into quarters, and
+/// twelve further cuts. Further cuts beyond those are left out.
+const MOST: usize = 40;
 /// Most further cuts.
 pub(crate) const CUTS: usize = 4;
 
@@ -179,7 +178,7 @@ struct Cut<R> {
 
 /// Positions at which the circle is cut.
 struct Cuts<R> {
-    cuts: [Cut<R>; MOST_CUTS],
+    cuts: [Cut<R>; MOST],
     count: usize,
 }
 
@@ -188,7 +187,7 @@ impl<R: Real> Cuts<R> {
         cuts: [Cut {
             place: [R::ONE, R::ZERO],
             order: R::ZERO,
-        }; MOST_CUTS],
+        }; MOST],
         count: 0,
     };
 

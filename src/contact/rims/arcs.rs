@@ -1,20 +1,21 @@
 //! Arcs of a rim below ground that need not be a plane.
 //!
-//! Along a rim, the gap is a function of the angle, with the slope `normal · dp/dθ`. It is evaluated
-//! at equally spaced points of the rim. Between two of them,
+//! Along a rim, the gap is a function of the angle, with the slope `normal · dp/dθ`. It is
+//! evaluated at equally spaced points of the rim. Between two of them,
 //!
-//! - a change of its sign is an end of an arc, found by the Illinois method (Dowell & Jarratt 1971),
+//! - a change of its sign is an end of an arc, found by the Illinois method (Dowell & Jarratt
+//!   1971),
 //! - a minimum above the ground or a maximum below it may cross the ground twice. Where the gap is
 //!   convex, it lies above its tangents, so their intersection decides whether it can. If it can,
 //!   the point of intersection divides the interval, until a point on the other side is found or
 //!   excluded,
 //! - a large turn of the normal is an edge of the ground. The interval is halved down to 0.06°.
 //!
-//! *Limits:* a rim that touches along more than six arcs is integrated as a whole, which is accurate
-//! to some percent, since a point above the ground has no force. Pieces between edges of the ground
-//! count as arcs, and edges beyond the sixth piece are not taken into account. An arc is missed if
-//! the gap has two minima between two neighbouring points, that is on smooth hills shorter than an
-//! eighth of the rim's radius.
+//! *Limits:* a rim that touches along more than six arcs is integrated as a whole, which is
+//! accurate to some percent, since a point above the ground has no force. Pieces between edges of
+//! the ground count as arcs, and edges beyond the sixth piece are not taken into account. An arc is
+//! missed if the gap has two minima between two neighbouring points, that is on smooth hills
+//! shorter than an eighth of the rim's radius.
 
 use crate::body::{Arc, Direction, Rim, turned};
 use crate::ground::SpringDamperGround;
@@ -92,22 +93,59 @@ impl<R: Real> Arcs<R> {
     }
 }
 
-/// Rim of a body in the world.
-pub(super) struct Placed<'a, R: Real> {
+/// Rim of a body in the world, with the ground under it.
+pub(super) struct Placed<'a, R: Real, G> {
     rim: &'a Rim<R>,
+    ground: &'a G,
     /// Centre, m, world axes.
     centre: R::Vec3,
     /// Axes of the rim's plane, world axes.
     axes: [R::Vec3; 2],
 }
 
-impl<'a, R: Real> Placed<'a, R> {
-    pub(super) fn new(rim: &'a Rim<R>, position: R::Vec3, axes: &Axes<R>) -> Self {
+impl<'a, R: Real, G: SpringDamperGround<R>> Placed<'a, R, G> {
+    pub(super) fn new(rim: &'a Rim<R>, ground: &'a G, position: R::Vec3, axes: &Axes<R>) -> Self {
         Self {
             rim,
+            ground,
             centre: position + axes.to_world(rim.centre()),
             axes: axes.both_to_world(rim.axes()),
         }
+    }
+
+    /// Gap at the point of the rim in a direction.
+    fn height(&self, place: Direction<R>) -> Height<R> {
+        let [down, across] = self.rim.spokes(self.axes, place);
+        let surface = self.ground.surface(self.centre + down);
+        Height {
+            place,
+            normal: surface.normal,
+            gap: surface.gap,
+            slope: surface.normal.dot(across),
+        }
+    }
+
+    /// Gap between two points, for a fraction of their chord.
+    fn height_between(&self, [left, right]: [&Height<R>; 2], fraction: R) -> Height<R> {
+        self.height(between(left.place, right.place, fraction))
+    }
+
+    /// Calls `visit` with both ends of each interval between equally spaced points of the rim.
+    /// Returns the first point.
+    fn visit_intervals(&self, mut visit: impl FnMut([Height<R>; 2])) -> Height<R> {
+        let step = STEP.map(R::from_f64);
+        let start = self.height([R::ONE, R::ZERO]);
+        let mut left = start;
+        for number in 1..=POINTS {
+            let right = if number == POINTS {
+                start
+            } else {
+                self.height(turned(left.place, step))
+            };
+            visit([left, right]);
+            left = right;
+        }
+        start
     }
 }
 
@@ -130,25 +168,13 @@ impl<R: Real> Height<R> {
 
 /// Finds the arcs of a rim below the ground.
 #[inline(never)]
-pub(super) fn arcs_below<R: Real, G: SpringDamperGround<R>>(
-    placed: &Placed<'_, R>,
-    ground: &G,
-) -> Arcs<R> {
-    let step = STEP.map(R::from_f64);
-    let start = height_at(placed, ground, [R::ONE, R::ZERO]);
+pub(super) fn arcs_below<R: Real, G: SpringDamperGround<R>>(placed: &Placed<'_, R, G>) -> Arcs<R> {
     let mut ends = Ends::NONE;
-    let mut left = start;
-    for number in 1..=POINTS {
-        let right = if number == POINTS {
-            start
-        } else {
-            height_at(placed, ground, turned(left.place, step))
-        };
-        add_ends(placed, ground, [left, right], MOST_HALVINGS, &mut ends);
-        if ends.count > MOST_ENDS {
-            return Arcs::one(Arc::Whole);
-        }
-        left = right;
+    let start = placed.visit_intervals(|interval| {
+        add_ends(placed, interval, MOST_HALVINGS, &mut ends);
+    });
+    if ends.count > MOST_ENDS {
+        return Arcs::one(Arc::Whole);
     }
     if ends.count == 0 {
         return if start.is_below() {
@@ -160,14 +186,13 @@ pub(super) fn arcs_below<R: Real, G: SpringDamperGround<R>>(
     if start.is_below() {
         ends.turn();
     }
-    cut_at_edges(placed, ground, &ends).arcs(|place| height_at(placed, ground, place).gap)
+    cut_at_edges(placed, &ends).arcs(|place| placed.height(place).gap)
 }
 
-/// Divides arcs at the edges of the ground, where its normal has a jump. There the penetration depth
-/// has a kink, across which a Gauss rule would be accurate to 1 % only.
+/// Divides arcs at the edges of the ground, where its normal has a jump. There the slope of the
+/// penetration depth has a discontinuity, across which a Gauss rule would lose accuracy.
 fn cut_at_edges<R: Real, G: SpringDamperGround<R>>(
-    placed: &Placed<'_, R>,
-    ground: &G,
+    placed: &Placed<'_, R, G>,
     ends: &Ends<R>,
 ) -> Ends<R> {
     let mut cut = Ends::NONE;
@@ -175,21 +200,14 @@ fn cut_at_edges<R: Real, G: SpringDamperGround<R>>(
     let mut arcs_left = ends.count / 2;
     for [from, to] in ends.pairs() {
         cut.add(from);
-        let (mut left, last) = (
-            height_at(placed, ground, from),
-            height_at(placed, ground, to),
-        );
+        let (mut left, last) = (placed.height(from), placed.height(to));
         for _ in 0..=POINTS {
             let next = turned(left.place, step);
             let is_last = chord_between(left.place, to) <= R::from_f64(STEP_CHORD);
-            let right = if is_last {
-                last
-            } else {
-                height_at(placed, ground, next)
-            };
+            let right = if is_last { last } else { placed.height(next) };
             // This arc still needs an end, and each that follows two.
             let room = MOST_ENDS - (cut.count + 2 * arcs_left - 1).min(MOST_ENDS);
-            add_edges(placed, ground, [left, right], room / 2, &mut cut);
+            add_edges(placed, [left, right], room / 2, &mut cut);
             if is_last {
                 break;
             }
@@ -203,39 +221,29 @@ fn cut_at_edges<R: Real, G: SpringDamperGround<R>>(
 
 /// Adds the edges between two points, at most `most` of them, in order.
 fn add_edges<R: Real, G: SpringDamperGround<R>>(
-    placed: &Placed<'_, R>,
-    ground: &G,
+    placed: &Placed<'_, R, G>,
     [left, right]: [Height<R>; 2],
     most: usize,
     cut: &mut Ends<R>,
 ) {
-    let found = (most > 0)
-        .then(|| edge(placed, ground, [left, right]))
-        .flatten();
+    let found = (most > 0).then(|| edge(placed, [left, right])).flatten();
     let Some([before, after]) = found else {
         return;
     };
     // The others are those before and those after it.
     let count = cut.count;
-    add_edges(placed, ground, [left, before], most - 1, cut);
+    add_edges(placed, [left, before], most - 1, cut);
     cut.add(after.place);
     cut.add(after.place);
     let added = (cut.count - count) / 2;
-    add_edges(
-        placed,
-        ground,
-        [after, right],
-        most.saturating_sub(added),
-        cut,
-    );
+    add_edges(placed, [after, right], most.saturating_sub(added), cut);
 }
 
 /// Points on both sides of an edge between two points, at which the normal has a jump, if it has
 /// one. On both sides of an edge the gap is smooth, so the intersection of its tangents comes close
 /// to it.
 fn edge<R: Real, G: SpringDamperGround<R>>(
-    placed: &Placed<'_, R>,
-    ground: &G,
+    placed: &Placed<'_, R, G>,
     [mut left, mut right]: [Height<R>; 2],
 ) -> Option<[Height<R>; 2]> {
     let close = R::EPSILON.sqrt();
@@ -260,7 +268,7 @@ fn edge<R: Real, G: SpringDamperGround<R>>(
         } else {
             R::HALF
         };
-        let middle = height_at(placed, ground, between(left.place, right.place, share));
+        let middle = placed.height_between([&left, &right], share);
         if middle.normal.dot(left.normal) > middle.normal.dot(right.normal) {
             left = middle;
         } else {
@@ -272,68 +280,34 @@ fn edge<R: Real, G: SpringDamperGround<R>>(
 
 /// Finds the point of a rim with the least gap.
 #[inline(never)]
-pub(super) fn lowest<R: Real, G: SpringDamperGround<R>>(
-    placed: &Placed<'_, R>,
-    ground: &G,
-) -> Direction<R> {
-    let step = STEP.map(R::from_f64);
-    let start = height_at(placed, ground, [R::ONE, R::ZERO]);
-    let mut lowest = start;
-    let mut left = start;
-    for number in 1..=POINTS {
-        let right = if number == POINTS {
-            start
-        } else {
-            height_at(placed, ground, turned(left.place, step))
-        };
-        lower(
-            placed,
-            ground,
-            [left, right],
-            HALVINGS_OF_MINIMA,
-            &mut lowest,
-        );
-        left = right;
-    }
+pub(super) fn lowest<R: Real, G: SpringDamperGround<R>>(placed: &Placed<'_, R, G>) -> Direction<R> {
+    let mut lowest = placed.height([R::ONE, R::ZERO]);
+    placed.visit_intervals(|interval| {
+        lower(placed, interval, HALVINGS_OF_MINIMA, &mut lowest);
+    });
     lowest.place
 }
 
 /// Replaces the lowest point by one between two others, or by the second of them, if that is lower.
 /// An interval with an edge of the ground may have several minima, so it is halved.
 fn lower<R: Real, G: SpringDamperGround<R>>(
-    placed: &Placed<'_, R>,
-    ground: &G,
+    placed: &Placed<'_, R, G>,
     [left, right]: [Height<R>; 2],
     halvings: u32,
     lowest: &mut Height<R>,
 ) {
     if halvings > 0 && turns(&left, &right) {
-        let middle = height_at(placed, ground, between(left.place, right.place, R::HALF));
-        lower(placed, ground, [left, middle], halvings - 1, lowest);
-        lower(placed, ground, [middle, right], halvings - 1, lowest);
+        let middle = placed.height_between([&left, &right], R::HALF);
+        lower(placed, [left, middle], halvings - 1, lowest);
+        lower(placed, [middle, right], halvings - 1, lowest);
         return;
     }
     let has_minimum = left.slope < R::ZERO && right.slope > R::ZERO;
-    let minimum = has_minimum.then(|| zero_of(placed, ground, |at| at.slope, [left, right]));
+    let minimum = has_minimum.then(|| zero_of(placed, |at| at.slope, [left, right]));
     for height in [Some(right), minimum].into_iter().flatten() {
         if height.gap < lowest.gap {
             *lowest = height;
         }
-    }
-}
-
-fn height_at<R: Real, G: SpringDamperGround<R>>(
-    placed: &Placed<'_, R>,
-    ground: &G,
-    place: Direction<R>,
-) -> Height<R> {
-    let [down, across] = placed.rim.spokes(placed.axes, place);
-    let surface = ground.surface(placed.centre + down);
-    Height {
-        place,
-        normal: surface.normal,
-        gap: surface.gap,
-        slope: surface.normal.dot(across),
     }
 }
 
@@ -342,8 +316,7 @@ fn height_at<R: Real, G: SpringDamperGround<R>>(
 /// An interval with an edge of the ground may have any number of ends, so it is halved. There the
 /// gap is a distance, which changes by no more than the path, so many halves are left out.
 fn add_ends<R: Real, G: SpringDamperGround<R>>(
-    placed: &Placed<'_, R>,
-    ground: &G,
+    placed: &Placed<'_, R, G>,
     [left, right]: [Height<R>; 2],
     halvings: u32,
     ends: &mut Ends<R>,
@@ -353,25 +326,24 @@ fn add_ends<R: Real, G: SpringDamperGround<R>>(
         let path = chord_between(left.place, right.place) * placed.rim.radius();
         if has_end || left.gap.abs() + right.gap.abs() <= path {
             ends.halvings += 1;
-            let middle = height_at(placed, ground, between(left.place, right.place, R::HALF));
-            add_ends(placed, ground, [left, middle], halvings - 1, ends);
-            add_ends(placed, ground, [middle, right], halvings - 1, ends);
+            let middle = placed.height_between([&left, &right], R::HALF);
+            add_ends(placed, [left, middle], halvings - 1, ends);
+            add_ends(placed, [middle, right], halvings - 1, ends);
         }
     } else if has_end {
-        ends.add(end(placed, ground, [left, right]));
-    } else if let Some(beyond) = other_side(placed, ground, [left, right]) {
-        ends.add(end(placed, ground, [left, beyond]));
-        ends.add(end(placed, ground, [beyond, right]));
+        ends.add(end(placed, [left, right]));
+    } else if let Some(beyond) = other_side(placed, [left, right]) {
+        ends.add(end(placed, [left, beyond]));
+        ends.add(end(placed, [beyond, right]));
     }
 }
 
 /// End of an arc between two points on different sides of the ground.
 fn end<R: Real, G: SpringDamperGround<R>>(
-    placed: &Placed<'_, R>,
-    ground: &G,
+    placed: &Placed<'_, R, G>,
     around: [Height<R>; 2],
 ) -> Direction<R> {
-    zero_of(placed, ground, |height| height.gap, around).place
+    zero_of(placed, |height| height.gap, around).place
 }
 
 /// Returns true if there may be an edge of the ground between two points.
@@ -383,8 +355,7 @@ fn turns<R: Real>(a: &Height<R>, b: &Height<R>) -> bool {
 ///
 /// For intervals in which the gap is convex towards the ground.
 fn other_side<R: Real, G: SpringDamperGround<R>>(
-    placed: &Placed<'_, R>,
-    ground: &G,
+    placed: &Placed<'_, R, G>,
     [mut left, mut right]: [Height<R>; 2],
 ) -> Option<Height<R>> {
     let is_below = left.is_below();
@@ -402,7 +373,7 @@ fn other_side<R: Real, G: SpringDamperGround<R>>(
         if !(least < R::ZERO && share > R::ZERO && share < R::ONE) {
             return None;
         }
-        let middle = height_at(placed, ground, between(left.place, right.place, share));
+        let middle = placed.height_between([&left, &right], share);
         if middle.is_below() != is_below {
             return Some(middle);
         }
@@ -417,8 +388,7 @@ fn other_side<R: Real, G: SpringDamperGround<R>>(
 
 /// Point between two at which a value that has opposite signs there is 0.
 fn zero_of<R: Real, G: SpringDamperGround<R>>(
-    placed: &Placed<'_, R>,
-    ground: &G,
+    placed: &Placed<'_, R, G>,
     value: fn(&Height<R>) -> R,
     [left, right]: [Height<R>; 2],
 ) -> Height<R> {
@@ -427,7 +397,7 @@ fn zero_of<R: Real, G: SpringDamperGround<R>>(
     let mut last = None;
     for _ in 0..MOST {
         let share = a + (b - a) * (at_a / (at_a - at_b));
-        middle = height_at(placed, ground, between(left.place, right.place, share));
+        middle = placed.height_between([&left, &right], share);
         let here = value(&middle);
         if here.abs() <= placed.rim.radius() * R::EPSILON || b - a <= R::EPSILON {
             break;

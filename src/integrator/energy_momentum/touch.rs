@@ -395,8 +395,8 @@ impl<R: Real> Touch<R> {
         self.fall_on_a_shape(problem, moved)
     }
 
-    /// Normal and depth like [`fall`](Self::fall), on ground that is not a plane: Gonzalez's discrete
-    /// gradient, so that normal times path is the change of depth.
+    /// Normal and depth like [`fall`](Self::fall), on ground that is not a plane: Gonzalez's
+    /// discrete gradient, so that normal times path is the change of depth.
     ///
     /// A change of depth within its rounding is not corrected. Divided by the path of a contact at
     /// rest, it would turn the normal by any angle.
