@@ -94,8 +94,8 @@ use crate::state::State;
 /// - Each touch-down of a point is a discontinuity of its damper's force. A fixed step size adds a
 ///   position error in proportion to the step size for a ring of points, but not for the round rim.
 /// - `EnergyMomentum` is of order 2 on the round rim without dampers. With the dampers of the coin
-///   report it is of order 1 for step sizes below 2 ms, and with friction it is at an edge of the
-///   ground, where points of the rim change the direction of their friction within a step.
+///   report it is of order 1 for step sizes below 2 ms. It is also of order 1 with friction at an
+///   edge of the ground, where points of the rim change the direction of friction within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc<R: Real = f64> {
     mass: R,

@@ -308,7 +308,8 @@ pub(crate) fn turned<R: Real>([a, b]: Direction<R>, [cos, sin]: Direction<R>) ->
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Arc<R> {
     Nothing,
-    /// Arc to both sides of the lowest point by the angle α.
+    /// Arc to both sides of the lowest point by the angle α. On ground that is not a plane, it is
+    /// the middle of the arc, and the extent is the one that gives the penetration depth there.
     Part {
         lowest: Direction<R>,
         /// `sin(α/2)`: half of the chord from the lowest point to the end, over the radius.
