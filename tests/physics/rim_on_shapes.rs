@@ -204,9 +204,9 @@ fn an_edge_takes_no_energy() {
     }
 }
 
-/// With friction, the energy that goes is the work of friction, and none is removed.
+/// With friction, energy decreases, and none of it is removed as a numerical error.
 #[test]
-fn friction_at_an_edge_explains_all_of_the_loss() {
+fn with_friction_at_an_edge_no_energy_is_removed() {
     for start in STARTS {
         let (_, [lost, removed]) = fall_on_a_block(start, 0.4, 1e-3);
         assert!(lost > 0.1, "{lost} J from {start:?}");
