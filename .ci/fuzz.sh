@@ -1,5 +1,6 @@
 #!/bin/bash
 # Searches for inputs that break a promise, guided by the coverage: SECONDS_EACH (20) a target. TARGETS names some of them instead of all.
+# SEED (a random one) fixes the inputs that are tried: with one seed a longer run begins with those of a shorter one.
 # A finding is written to $CARGO_TARGET_DIR/fuzz/TARGET/, with the command that plays it again. NEW=1 keeps the inputs found for the next run there.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -26,7 +27,7 @@ for target in "${targets[@]}"; do
   binary="$CARGO_TARGET_DIR/$host/release/$target"
   mkdir -p "$out/new"
   [ -n "${NEW:-}" ] || rm -f "$out"/new/*
-  if ! "$binary" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=2048 -max_len=512 -len_control=0 \
+  if ! "$binary" -seed="${SEED:-0}" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=2048 -max_len=512 -len_control=0 \
     -print_final_stats=1 -artifact_prefix="$out/" "$out/new" "tests/fuzz/corpus/$target" >"$out/log" 2>&1; then
     grep -E 'panicked at|^thread|ERROR|SUMMARY|Test unit' -A 1 "$out/log" | head -20 || true
     echo "$target: a finding. It is played again by:  $binary $(sed -n 's/.*Test unit written to //p' "$out/log" | tail -1)"

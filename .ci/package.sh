@@ -1,5 +1,5 @@
 #!/bin/bash
-# What would be published has what a user needs and nothing else, and builds by itself.
+# What would be published has what a user needs and nothing else, and builds by itself, also with the lowest versions of its dependencies.
 set -euo pipefail
 files=$(cargo package --list -p tumble --allow-dirty)
 for wanted in Cargo.toml README.md CHANGELOG.md LICENSE src/lib.rs; do
@@ -14,7 +14,7 @@ if grep -E '^(tests/(downstream|no_std|bits|fuzz|half_done|web)/|tests/(bits|fuz
   echo "the files above are for the repository alone"
   exit 1
 fi
-cargo package -q -p tumble --allow-dirty
+cargo publish -q --dry-run --locked -p tumble --allow-dirty
 archive="${CARGO_TARGET_DIR:-$PWD/target}/package/tumble-$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1).crate"
 echo "$(wc -l <<<"$files") files, $(stat -c %s "$archive") bytes"
 [ "$(stat -c %s "$archive")" -lt 1000000 ] || { echo "the package is above 1 MB"; exit 1; }
@@ -25,3 +25,22 @@ rm -rf "$program" && cp -r examples/template "$program"
 sed -i "s#path = \"../..\"#path = \"${archive%.crate}\"#" "$program/Cargo.toml"
 cargo fmt --check --manifest-path examples/template/Cargo.toml
 cargo run -q --manifest-path "$program/Cargo.toml" | grep -E '^(Heads|Tails) up$' || { echo "the template does not throw a coin"; exit 1; }
+
+# What comes along: each crate once, and all of it may be used under one of the library's own licences.
+along() { cargo tree -q --locked -p tumble --all-features --target all --prefix none "$@"; }
+if along -e normal --format '{l}: {p}' | grep -vE '^[^:]*(MIT|Apache-2\.0)[^:]*:'; then
+  echo "the crates above have other licences"
+  exit 1
+fi
+twice=$(along -e normal,no-proc-macro --duplicates --depth 0)
+[ -z "$twice" ] || { echo "more than one version of: $twice"; exit 1; }
+
+# Stable compilers resolve the lowest versions only when told that they are none. Tests and benches have dependencies of their own, which a user does not get.
+lowest=$(mktemp -d)
+trap 'rm -rf "$lowest"' EXIT
+tar -x -C "$lowest" --strip-components 1 -f "$archive"
+cargo hack --remove-dev-deps --manifest-path "$lowest/Cargo.toml"
+rm -f "$lowest/Cargo.lock"
+RUSTC_BOOTSTRAP=1 cargo update -q -Zdirect-minimal-versions --manifest-path "$lowest/Cargo.toml"
+cargo check -q --locked --lib --all-features --manifest-path "$lowest/Cargo.toml"
+echo "builds with: $(cargo tree -q --manifest-path "$lowest/Cargo.toml" --all-features -e normal --depth 1 --prefix none | sed '1d; s/ (.*//' | paste -sd, | sed 's/,/, /g')"
