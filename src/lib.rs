@@ -111,8 +111,11 @@
 //! | G6 | No standard library, no allocation, no panic. | `.ci/no_std.sh` (the linked object refers to no panic code), `.ci/embedded.sh` (no panic in the image of a microcontroller), `tests/downstream/tests/no_allocation.rs` |
 //! | G7 | Same input, same bits, on every machine that follows IEEE 754: `+ - * /` and square root in one order, other functions from `libm` or, for `f32`, from the crate, and no fused operations. | [`real`], by construction; `tests/bits.rs`, stored hashes of every integrator and law, on any machine and profile; `.ci/targets.sh`, the same hashes on other processors; `tests/physics/symmetry.rs` |
 //! | G8 | Invalid input returns a typed error with the quantity, its rule and its value. If a step fails, or a law breaks its contract, the last valid state is kept. | `tests/limits/bad_input.rs`, one test for each parameter |
-//! | G9 | [`State`] is plain data: a run from a saved and loaded state has the same bits, and so has a saved [`Session`] that is resumed. | `tests/physics/symmetry.rs` |
+//! | G9 | [`State`] is plain data: a run from a saved and loaded state has the same bits, and so has a saved [`Session`] that is resumed. Bodies, scenes and settings can be saved, too. | `tests/physics/symmetry.rs`, `tests/physics/bodies.rs` |
 //! | G10 | Your own body, ground, friction law, force or integrator is as good as a built-in one, and its contract can be checked. | `tests/downstream`, `tests/limits/contract.rs` |
+//! | G11 | A decided outcome is proven: if the energy is below every barrier that leads away from a face, no later motion of the model leaves that face. An outcome that is not decided is reported as undecided. | `tests/physics/outcome.rs` (decided bodies are followed to rest, barriers are compared with a search), the fuzz target `outcome`, [derivation](outcome) |
+//! | G12 | An ensemble has one answer: the same seed and range give the same counts for any split over threads, processes and machines, after any interruption. | `tests/ensemble.rs`, `.ci/example.sh` (a killed run is resumed), `.ci/hyperqueue.sh` (workers that are lost) |
+//! | G13 | A measured figure in the documentation is written by a command. A check fails if a figure of arithmetic is stale. | `.ci/figures.sh`, the table in `tests/validation`, `.ci/embedded.sh`, `.ci/instructions` |
 //!
 //! # Integrators
 //!
