@@ -6,6 +6,10 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 pages=(README.md src/guide)
+
+# Text between marks names the command that writes it. The layers of ARCHITECTURE.md are no figures.
+unnamed=$(git grep -nE '<!-- [a-z0-9 ]+: begin' -- '*.md' | grep -v 'layers: begin' | grep -v 'written by `' || true)
+[ -z "$unnamed" ] || { echo "figures: no command is named in $unnamed"; exit 1; }
 before=$(mktemp -d)
 trap 'rm -rf "$before"' EXIT
 cp -r "${pages[@]}" "$before"

@@ -18,3 +18,22 @@ pub fn write(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<(), Box<
     say(format_args!("written: {}\n", page.display()));
     Ok(())
 }
+
+/// Breaks a paragraph into lines of at most 100 columns.
+pub fn wrapped(text: &str) -> String {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let line = lines.last_mut().filter(|line| {
+            line.is_empty() || line.chars().count() + 1 + word.chars().count() <= 100
+        });
+        match line {
+            Some(line) if line.is_empty() => line.push_str(word),
+            Some(line) => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            None => lines.push(word.to_owned()),
+        }
+    }
+    lines.join("\n")
+}

@@ -165,7 +165,7 @@ fn answer(curves: &[Vec<Point>]) -> String {
     };
     let passed =
         |count: &Count| percent(1.0 - count.straight as f64 / count.decided().max(1) as f64);
-    wrapped(&format!(
+    marked::wrapped(&format!(
         "**Does the lean at the start bias heads or tails? {effect}:** of coins set rolling at 5° \
          to 60°, {} end with the side up that pointed up at the start, and of coins set spinning \
          at 1 kg m²/s {}, against {} of those that start upright (99.9 % intervals\
@@ -190,25 +190,6 @@ fn has_effect(curves: &[Vec<Point>]) -> bool {
 
 fn percent(fraction: f64) -> String {
     format!("{:.1}", 100.0 * fraction)
-}
-
-/// Lines of at most 100 columns.
-fn wrapped(text: &str) -> String {
-    let mut lines = vec![String::new()];
-    for word in text.split(' ') {
-        let line = lines.last_mut().filter(|line| {
-            line.is_empty() || line.chars().count() + 1 + word.chars().count() <= 100
-        });
-        match line {
-            Some(line) if line.is_empty() => line.push_str(word),
-            Some(line) => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            None => lines.push(word.to_owned()),
-        }
-    }
-    lines.join("\n")
 }
 
 fn spun_rows(curves: &[Vec<Point>]) -> Vec<Vec<String>> {

@@ -295,7 +295,7 @@ pub(crate) struct Table;
 pub(crate) const TABLE: Table = Table;
 
 impl Table {
-    const BEGIN: &str = "<!-- table: begin; the rows are what `UPDATE=1 cargo test --test validation` writes -->\n\n| | what | formula | expected | got | error | tolerance | source |\n|---|---|---|---|---|---|---|---|\n";
+    const BEGIN: &str = "<!-- table: begin; rows written by `UPDATE=1 cargo test --test validation` -->\n\n| | what | formula | expected | got | error | tolerance | source |\n|---|---|---|---|---|---|---|---|\n";
     const END: &str = "\n<!-- table: end -->";
 
     fn file() -> PathBuf {

@@ -43,7 +43,10 @@ pub(crate) fn write(all: &str, summary: &str, within: &str) -> Result<(), String
 /// Replaces the text between the markers of a page.
 fn put_between_marks(page: &Path, table: &str) -> Result<(), String> {
     let text = fs::read_to_string(page).map_err(|error| format!("{}: {error}", page.display()))?;
-    let [begin, end] = ["<!-- peers: begin -->", "<!-- peers: end -->"];
+    let [begin, end] = [
+        "<!-- peers: begin; written by `cargo run --release -- --write` in benches/peers -->",
+        "<!-- peers: end -->",
+    ];
     let marks = text.find(begin).zip(text.find(end));
     let (first, last) = marks.ok_or("the page has lost its marks")?;
     let before = &text[..first + begin.len()];
