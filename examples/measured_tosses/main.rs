@@ -22,7 +22,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use common::{
-    BLUE, Check, ORANGE, Options, Outcome, Page, Picture, line, make_folder, program, say,
+    BLUE, Check, ORANGE, Options, Outcome, Page, Picture, line, make_folder, marked, program, say,
 };
 use fit::{Free, fit};
 use flights::Weighed;
@@ -35,6 +35,10 @@ use tumble::glam::DVec3;
 
 /// Name of the example and of its folder.
 const NAME: &str = "measured_tosses";
+const MARKS: [&str; 2] = [
+    "<!-- measured: begin; written by `measured_tosses -- --data FILE --write` -->",
+    "<!-- measured: end -->",
+];
 
 const HELP: &str = "\
 Fits three models of a real cube and its table on half of its tosses, and predicts the other half:
@@ -47,6 +51,7 @@ Usage: cargo run --release --example measured_tosses -- --data <FILE> [OPTIONS]
   -d, --data <FILE>     the tosses, CSV or CSV in gzip; see below
       --seed <NUMBER>   seed of the split into halves and of the bootstrap      [default: 1]
       --synthetic       synthetic tosses with noise, to test the fit
+      --write           writes the figures into the guide's page `measured`
   -o, --out <FOLDER>    folder of the page and its pictures                     [default: out]
   -q, --quick           a short fit
   -h, --help            this text
@@ -65,6 +70,7 @@ struct Arguments {
     data: Option<PathBuf>,
     seed: u64,
     synthetic: bool,
+    is_written: bool,
     options: Options,
 }
 
@@ -95,6 +101,7 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
         data: None,
         seed: 1,
         synthetic: false,
+        is_written: false,
         options: Options {
             out: PathBuf::from("out"),
             quick: false,
@@ -107,6 +114,7 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
             Short('d') | Long("data") => arguments.data = Some(parser.value()?.into()),
             Long("seed") => arguments.seed = parser.value()?.parse()?,
             Long("synthetic") => arguments.synthetic = true,
+            Long("write") => arguments.is_written = true,
             Short('o') | Long("out") => arguments.options.out = parser.value()?.into(),
             Short('q') | Long("quick") => arguments.options.quick = true,
             Short('h') | Long("help") => return Ok(None),
@@ -124,7 +132,8 @@ fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
     let (slides, coefficient) = study::coefficient_of_slides(&halves.held, weighed.scale, seed)?;
     let models = study::models(&halves, &weighed, arguments.options.quick)?;
     let [_, coulomb, weakening] = &models;
-    say(format_args!("{}\n", study::tables(&models, seed)));
+    let tables = study::tables(&models, seed);
+    say(format_args!("{tables}\n"));
     let change = study::change_by_half_the_step(weakening, &halves.held)?;
     let count = |motions: &[Vec<Toss>]| motions.iter().flatten().count();
     let text = vec![
@@ -152,6 +161,9 @@ fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
             change.x, change.y, change.z
         ),
     ];
+    if arguments.is_written {
+        store(&tables, &text)?;
+    }
     Ok(Page {
         title: "Measured tosses of a cube, predicted",
         text,
@@ -159,6 +171,13 @@ fn measured(tosses: Vec<Toss>, arguments: &Arguments) -> Outcome<Page> {
         pictures: pictures_of(weakening, &halves.held)?,
         film: None,
     })
+}
+
+/// Writes tables and paragraphs into the page of the guide.
+fn store(tables: &str, text: &[String]) -> Outcome<()> {
+    let paragraphs: Vec<String> = text.iter().map(|text| marked::wrapped(text)).collect();
+    let figures = format!("{tables}\n{}\n", paragraphs.join("\n\n"));
+    marked::write("src/guide/measured.md", MARKS, &figures)
 }
 
 /// Checks that the weighed body predicts the same tosses better than the printed one.
