@@ -44,7 +44,7 @@ macro_rules! names_for {
             pub type Cone<P = [ContactPoint; 121]> = crate::Cone<$real, P>;
             /// A box with a contact at each corner, sharp or round.
             pub type Cuboid = crate::Cuboid<$real>;
-            /// A coin with a rounded rim.
+            /// A thin coin with a round rim.
             pub type Disc = crate::Disc<$real>;
             /// A circle that can touch along its whole length.
             pub type Rim = crate::Rim<$real>;
@@ -60,6 +60,8 @@ macro_rules! names_for {
             pub type Solid<P> = crate::Solid<$real, P>;
             /// A coin of given thickness.
             pub type SolidCoin<P = [ContactPoint; 240]> = crate::SolidCoin<$real, P>;
+            /// A coin of given thickness with two round rims.
+            pub type ThickDisc = crate::ThickDisc<$real>;
             /// A ball.
             pub type Sphere = crate::Sphere<$real>;
             /// The error-controlled integrator of order 3.

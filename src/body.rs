@@ -6,6 +6,7 @@
 //! |---|---|---|---|
 //! | [`Coin`] | a ring of points; the coin of the coin report | normal along x | [`tilt`](Coin::tilt), [`face_up`](Coin::face_up) |
 //! | [`Disc`], thin ring or solid | the whole circle of its rim | normal along x | [`tilt`](Disc::tilt), [`face_up`](Disc::face_up) |
+//! | [`ThickDisc`]: a coin with a thickness | the whole circles of its two rims | normal along x | [`tilt`](ThickDisc::tilt), [`face_up`](ThickDisc::face_up): heads, tails or edge |
 //! | [`SolidCoin`] | the points of two rims | normal along x | [`tilt`](SolidCoin::tilt), [`face_up`](SolidCoin::face_up): heads, tails or edge |
 //! | [`Sphere`], solid, hollow or loaded | one ball | any | |
 //! | [`Cuboid`], sharp or rounded, also loaded | eight corners, bare or balls | along the edges | [`face_up`](Cuboid::face_up), [`pips`](CuboidFace::pips) |
@@ -40,6 +41,7 @@ mod saved;
 mod solid;
 mod solid_coin;
 mod sphere;
+mod thick_disc;
 
 pub use capsule::Capsule;
 pub use coin::{Coin, CoinFace};
@@ -59,6 +61,7 @@ pub use saved::Storage;
 pub use solid::Solid;
 pub use solid_coin::SolidCoin;
 pub use sphere::Sphere;
+pub use thick_disc::ThickDisc;
 
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
@@ -119,8 +122,13 @@ pub trait RigidPointBody<R: Real = f64> {
     /// Circular edges that can touch along their whole length, in addition to
     /// [`contacts`](Self::contacts).
     ///
-    /// Default: none. At most one is allowed, with at most 32 contact points in addition. A
-    /// [smooth](Self::is_smooth) body has none.
+    /// Default: none. A body has at most 8 rims. A body with rims has at most 32 contact points in
+    /// addition. A [smooth](Self::is_smooth) body has none.
+    ///
+    /// [`EnergyMomentum`](crate::EnergyMomentum) stores up to 96 points of rims in a step, which
+    /// the rims that touch share. This suffices for three rims that touch all round, or for eight
+    /// that touch along a short arc. With more, each rim has fewer points and is less accurate. The
+    /// explicit methods store none.
     #[inline]
     fn rims(&self) -> &[Rim<R>] {
         &[]
@@ -340,18 +348,21 @@ pub(crate) fn check_whole<R: Real>(
     InertiaProperties::new(body.mass(), body.inertia())
 }
 
-/// Checks the rims of a body: each is valid, there is at most one, and a smooth body has none.
+/// Checks the rims of a body: each is valid, there are no more than allowed, and a smooth body has
+/// none.
 ///
-/// Also checks that a body with a rim has no more contacts than allowed.
+/// Also checks that a body with rims has no more contacts than allowed.
 ///
 /// # Errors
 /// Returns [`SceneError`] for the first quantity that breaks a rule.
 pub fn check_rims<R: Real>(body: &(impl RigidPointBody<R> + ?Sized)) -> Result<(), SceneError> {
     let rims = body.rims();
-    let Some(rim) = rims.first() else {
+    if rims.is_empty() {
         return Ok(());
-    };
-    rim.check()?;
+    }
+    for rim in rims {
+        rim.check()?;
+    }
     let at_most = |quantity, most, count: usize| {
         if count <= most {
             return Ok(());
@@ -359,7 +370,7 @@ pub fn check_rims<R: Real>(body: &(impl RigidPointBody<R> + ?Sized)) -> Result<(
         let rule = Rule::AtMost(most);
         Err(SceneError::new(quantity, rule, count as f64, ""))
     };
-    at_most("number of rims of a body", 1, rims.len())?;
+    at_most("number of rims of a body", MOST_RIMS, rims.len())?;
     if body.is_smooth() {
         // The moving contact of a smooth body would replace each point of the rim.
         at_most("number of rims of a smooth body", 0, rims.len())?;
@@ -367,14 +378,18 @@ pub fn check_rims<R: Real>(body: &(impl RigidPointBody<R> + ?Sized)) -> Result<(
     let contacts = body.contacts().len();
     at_most(
         "number of contacts of a body with a rim",
-        BESIDE_A_RIM,
+        BESIDE_RIMS,
         contacts,
     )
 }
 
-/// Most contacts of a body with a rim. An implicit step stores 128 contacts and reserves 96 of them
-/// for a rim.
-const BESIDE_A_RIM: usize = 128 - 96;
+/// Most rims of a body. Each has room for 12 points in an implicit step, which is enough for the
+/// two pieces of a short arc that are below the ground at its start or at its end.
+pub(crate) const MOST_RIMS: usize = 8;
+
+/// Most contacts of a body with rims. An implicit step stores 128 contacts and reserves 96 of them
+/// for rims.
+const BESIDE_RIMS: usize = 128 - 96;
 
 /// Cyclic contact range: `first`, `first + 1`, ..., continuing at 0 after the last contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -84,9 +84,9 @@
 //!   At a slip speed of 1e-10 m/s this is a millimetre in four months.
 //! - A given coefficient of restitution: bounces follow from spring and damper.
 //!   [`SpringDamper::from_bounce`] and [`HuntCrossley::from_bounce`] compute the law for a bounce.
-//! - Two round rims on one body. A [`Coin`] of n points is a polygon, which deviates from the
-//!   circle by `r (1 - cos(π/n))`. This is 0.17 mm for 120 points on 0.5 m. A [`Disc`] is round, as
-//!   are spheres, capsules and [`Ellipsoid`]s.
+//! - Circles by points. A [`Coin`] of n points is a polygon, which deviates from the circle by
+//!   `r (1 - cos(π/n))`. This is 0.17 mm for 120 points on 0.5 m. A [`Disc`] and a [`ThickDisc`]
+//!   are round, as are spheres, capsules and [`Ellipsoid`]s.
 //!
 //! # Units, frames, signs
 //!
@@ -223,7 +223,7 @@ pub use aliases::{f32, f64};
 pub use body::{
     Capsule, Coin, CoinFace, Cone, ContactPoint, ContactRange, Cuboid, CuboidFace, Disc, Ellipsoid,
     InertiaProperties, MassProperties, PointCloud, PointMass, RigidPointBody, Rim, Rod, Solid,
-    SolidCoin, Sphere,
+    SolidCoin, Sphere, ThickDisc,
 };
 pub use contact::{Contact, ContactModel, Load, LowestPoint};
 pub use energy::{Dissipation, Energy, EnergyRates};

@@ -1,6 +1,6 @@
 //! Coin of the coin report: a ring of points.
 
-use super::{ContactPoint, ContactRange, RigidPointBody, check_contacts};
+use super::{ContactPoint, ContactRange, MassProperties, RigidPointBody, check_contacts};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
 use crate::state::State;
@@ -345,6 +345,27 @@ impl CoinFace {
             Self::Edge
         }
     }
+
+    /// Face of a coin with this radius and thickness (m) that points up if it comes to rest without
+    /// bouncing. It is the edge if the centre of mass is above the edge.
+    pub(super) fn of_thick<R: Real>(radius: R, thickness: R, state: &State<R>) -> Self {
+        let normal = state.rotation().axes().x;
+        let level = (normal.x() * normal.x() + normal.y() * normal.y()).sqrt();
+        if radius * normal.z().abs() < thickness * R::HALF * level {
+            Self::Edge
+        } else {
+            Self::up(normal.z())
+        }
+    }
+}
+
+/// Inertia tensor of a homogeneous cylinder along x, kg m².
+#[inline]
+pub(super) fn inertia_of_thick<R: Real>(mass: R, radius: R, thickness: R) -> R::Mat3 {
+    // The cylinder's z is the coin's x.
+    let cylinder = MassProperties::cylinder(mass, radius, thickness);
+    let [across, _, along] = cylinder.inertia.columns();
+    R::Mat3::from_diagonal(R::Vec3::new(along.z(), across.x(), across.x()))
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{
     Capsule, Coin, Cone, ContactPoint, Cuboid, Disc, Ellipsoid, MassProperties, PointCloud,
-    PointMass, RigidPointBody, Rod, Solid, SolidCoin, Sphere,
+    PointMass, RigidPointBody, Rod, Solid, SolidCoin, Sphere, ThickDisc,
 };
 use crate::error;
 use crate::real::{Real, Vector};
@@ -153,6 +153,9 @@ if solid {
 } else {
     Disc::ring(mass, radius, points)
 });
+saved!(ThickDisc, (mass: R, radius: R, thickness: R, points: usize),
+    |disc| [disc.mass(), disc.radius(), disc.thickness(), disc.points()],
+    ThickDisc::solid(mass, radius, thickness, points));
 saved!(Cuboid, (edges: R::Vec3, corner_radius: R, distribution: MassProperties<R>),
     |cuboid| [cuboid.edges(), cuboid.corner_radius(), cuboid.distribution],
     Cuboid::loaded(edges, distribution).rounded(corner_radius));

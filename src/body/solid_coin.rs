@@ -1,9 +1,9 @@
 //! Coin with a thickness: two rims.
 
-use super::coin::{lowest_guess, place_on_circle, walk_down};
-use super::{CoinFace, ContactPoint, ContactRange, MassProperties, RigidPointBody, check_contacts};
+use super::coin::{inertia_of_thick, lowest_guess, place_on_circle, walk_down};
+use super::{CoinFace, ContactPoint, ContactRange, RigidPointBody, check_contacts};
 use crate::error::{self, Rule, SceneError};
-use crate::real::{Matrix, Real, Vector};
+use crate::real::{Real, Vector};
 use crate::state::State;
 
 /// Coin with a thickness: a homogeneous cylinder with contact points on its two rims.
@@ -16,6 +16,7 @@ use crate::state::State;
 /// thickness h.
 ///
 /// *Limit:* each rim is a polygon with n points. It deviates from the circle by `r (1 - cos(π/n))`.
+/// A [`ThickDisc`](super::ThickDisc) has two round rims.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidCoin<R: Real = f64, P = [ContactPoint<R>; 240]> {
     mass: R,
@@ -84,13 +85,7 @@ impl<R: Real, P> SolidCoin<R, P> {
     /// A fraction `h/√(4 r² + h²)` of all orientations fulfils this condition.
     #[must_use]
     pub fn face_up(&self, state: &State<R>) -> CoinFace {
-        let normal = state.rotation().axes().x;
-        let level = (normal.x() * normal.x() + normal.y() * normal.y()).sqrt();
-        if self.radius * normal.z().abs() < self.thickness * R::HALF * level {
-            CoinFace::Edge
-        } else {
-            CoinFace::up(normal.z())
-        }
+        CoinFace::of_thick(self.radius, self.thickness, state)
     }
 }
 
@@ -102,10 +97,7 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for SolidCoin<R, P>
 
     #[inline]
     fn inertia(&self) -> R::Mat3 {
-        // The cylinder's z is the coin's x.
-        let cylinder = MassProperties::cylinder(self.mass, self.radius, self.thickness);
-        let [across, _, along] = cylinder.inertia.columns();
-        R::Mat3::from_diagonal(R::Vec3::new(along.z(), across.x(), across.x()))
+        inertia_of_thick(self.mass, self.radius, self.thickness)
     }
 
     #[inline]

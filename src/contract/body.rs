@@ -6,7 +6,8 @@ use super::{
     demand_finite, ulps, wide,
 };
 use crate::body::{
-    ContactPoint, ContactRange, InertiaProperties, RigidPointBody, Rim, check_contacts, check_rims,
+    ContactPoint, ContactRange, InertiaProperties, MOST_RIMS, RigidPointBody, Rim, check_contacts,
+    check_rims,
 };
 use crate::error::{Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
@@ -17,7 +18,7 @@ use crate::real::{Matrix, Real, Vector};
 ///
 /// - The mass is above 0. The inertia is symmetric and that of a solid.
 /// - Contacts are finite, with radii of at least 0.
-/// - Neither contacts nor the rim lie beyond the bounding radius, nor beyond `support` in any
+/// - Neither contacts nor rims lie beyond the bounding radius, nor beyond `support` in any
 ///   direction.
 /// - `contacts_below` omits no contact, and `contacts_below_near` returns the same range.
 /// - `support_point` of a smooth body is the farthest point in its direction.
@@ -286,7 +287,7 @@ struct Portrait<R: Real> {
     bounding_radius: R,
     count: usize,
     contacts: u64,
-    rim: Option<Rim<R>>,
+    rims: [Option<Rim<R>>; MOST_RIMS],
 }
 
 impl<R: Real> Portrait<R> {
@@ -297,7 +298,7 @@ impl<R: Real> Portrait<R> {
             bounding_radius: body.bounding_radius(),
             count: body.contacts().len(),
             contacts: fingerprint(body.contacts()),
-            rim: body.rims().first().copied(),
+            rims: core::array::from_fn(|number| body.rims().get(number).copied()),
         }
     }
 

@@ -111,6 +111,8 @@ use problem::Problem;
 ///   added (`energy_removed`).
 /// - *Contacts:* up to 128 are remembered from iteration to iteration. Additional contacts take
 ///   part without memory, with more iterations if they stick. Nothing is allocated.
+/// - *Round rims:* the rims that touch share the storage that the contacts leave. A rim has eight
+///   points between discontinuities, and fewer if more than twelve such pieces touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyMomentum<R = f64> {
@@ -125,7 +127,7 @@ pub struct EnergyMomentum<R = f64> {
 /// stepper to another. Its data are used only for the same state in a scene with the same
 ///
 /// - mass, moments of inertia and bounding radius,
-/// - number of contacts and of points of the rim,
+/// - number of contacts and of points of the rims,
 /// - gravity and surface,
 /// - spring force and spring energy at a penetration depth equal to the bounding radius.
 ///

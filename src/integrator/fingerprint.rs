@@ -11,7 +11,7 @@ use crate::state::State;
 ///
 /// The numbers belong to the body, the gravity and the ground:
 /// - mass, moments and bounding radius
-/// - number of contacts, and number of points that the rim represents
+/// - number of contacts, and number of points that the rims represent
 /// - gravity with the applied force and with the motion of the ground, and the surface relative to
 ///   the body
 /// - force and energy of a spring at a penetration depth of the bounding radius
@@ -20,7 +20,7 @@ pub(in crate::integrator) struct Fingerprint<R: Real> {
     body: [R; 2],
     moments: R::Vec3,
     contacts: usize,
-    rim: R,
+    rims: R,
     gravity: R::Vec3,
     surface: Surface<R>,
     spring: [R; 2],
@@ -35,7 +35,7 @@ impl<R: Real> Fingerprint<R> {
             body: [scene.inertia_properties().mass(), bounding_radius],
             moments: scene.inertia_properties().moments(),
             contacts: scene.body().contacts().len(),
-            rim: (scene.body().rims().first()).map_or(R::ZERO, |rim| rim.points()),
+            rims: (scene.body().rims().iter()).fold(R::ZERO, |sum, rim| sum + rim.points()),
             gravity: accelerated(scene, state),
             surface,
             spring,

@@ -2,7 +2,7 @@
 
 use super::{Basin, Faces};
 use crate::body::{
-    Coin, CoinFace, ContactPoint, Cuboid, CuboidFace, Disc, RigidPointBody, SolidCoin,
+    Coin, CoinFace, ContactPoint, Cuboid, CuboidFace, Disc, RigidPointBody, SolidCoin, ThickDisc,
 };
 use crate::real::{Real, Vector};
 
@@ -59,19 +59,43 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> Faces<R> for SolidCoin<R, P> {
     type Face = CoinFace;
 
     fn basin(&self, down: R::Vec3) -> Option<Basin<CoinFace, R>> {
-        let (radius, half) = (self.radius(), self.thickness() * R::HALF);
-        let level = (down.y() * down.y() + down.z() * down.z()).sqrt();
-        let face = if radius * down.x().abs() < half * level {
-            CoinFace::Edge
-        } else {
-            thin::<R>(down)
-        };
-        let extent = inscribed(radius, self.contacts().len() / 2);
-        let corner = (radius * radius + half * half).sqrt();
-        Some(Basin {
-            face,
-            height: (half * half + radius * extent) / corner,
-        })
+        let extent = inscribed(self.radius(), self.contacts().len() / 2);
+        Some(thick(down, [self.radius(), self.thickness()], extent))
+    }
+}
+
+/// Heads, tails and edge, as [`ThickDisc::face_up`] tells them apart.
+///
+/// Between edge and face the centre of mass is above a rim: `√(r² + h²/4)` with the thickness h.
+///
+/// The edge is decided only on a ground so hard that its barrier exceeds the energy of a coin at
+/// rest on it: about `m g h²/(8 r)` must exceed the energy that the body gains by sinking in.
+impl<R: Real> Faces<R> for ThickDisc<R> {
+    type Face = CoinFace;
+
+    fn basin(&self, down: R::Vec3) -> Option<Basin<CoinFace, R>> {
+        Some(thick(
+            down,
+            [self.radius(), self.thickness()],
+            self.radius(),
+        ))
+    }
+}
+
+/// Heads, tails or edge of a coin with this radius and thickness (m) for the direction that points
+/// down, if each rim extends at least by `extent` (m) in any direction of its plane.
+fn thick<R: Real>(down: R::Vec3, [radius, thickness]: [R; 2], extent: R) -> Basin<CoinFace, R> {
+    let half = thickness * R::HALF;
+    let level = (down.y() * down.y() + down.z() * down.z()).sqrt();
+    let face = if radius * down.x().abs() < half * level {
+        CoinFace::Edge
+    } else {
+        thin::<R>(down)
+    };
+    let corner = (radius * radius + half * half).sqrt();
+    Basin {
+        face,
+        height: (half * half + radius * extent) / corner,
     }
 }
 

@@ -19,7 +19,8 @@ use tumble::{
     MassProperties, Plane, PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rim, Rk4,
     Rod, RollingResistance, SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere,
     SpringDamper, SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck,
-    Surface, SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves, WithResistance,
+    Surface, SymplecticEuler, Terrain, ThickDisc, Trial, UniformGravity, Viscous, Waves,
+    WithResistance,
 };
 use tumble::{Dynamics, Every, Flight, Sample, Step, Timed, UntilRest};
 
@@ -137,6 +138,9 @@ fn every_solid_needs_a_mass_above_zero() {
     refuses("mass of the coin", MASS, " kg", |mass| {
         Stepper::new(SolidCoin::new(mass, 0.5, 0.1))
     });
+    refuses("mass of the coin", MASS, " kg", |mass| {
+        Stepper::new(ThickDisc::solid(mass, 0.5, 0.1, 60))
+    });
 }
 
 #[test]
@@ -182,6 +186,12 @@ fn every_solid_needs_lengths_above_zero() {
     });
     refuses("thickness of the coin", LENGTH, " m", |thickness| {
         Stepper::new(SolidCoin::new(1.0, 0.1, thickness))
+    });
+    refuses("radius of the coin", LENGTH, " m", |radius| {
+        Stepper::new(ThickDisc::solid(1.0, radius, 0.1, 60))
+    });
+    refuses("thickness of the coin", LENGTH, " m", |thickness| {
+        Stepper::new(ThickDisc::solid(1.0, 0.1, thickness, 60))
     });
 }
 
@@ -327,9 +337,16 @@ fn a_rim_stands_for_points_around_a_place_and_beside_few_contacts() {
         beside(33).unwrap(),
         "number of contacts of a body with a rim must be at most 32, got 33"
     );
+    assert_eq!(answer(Rimmed(vec![good; 8], vec![])), None);
     assert_eq!(
-        answer(Rimmed(vec![good; 2], vec![])).unwrap(),
-        "number of rims of a body must be at most 1, got 2"
+        answer(Rimmed(vec![good; 9], vec![])).unwrap(),
+        "number of rims of a body must be at most 8, got 9"
+    );
+    // Each of them is checked.
+    let last = answer(Rimmed(vec![good, rim(DVec3::X, DVec3::Y, 0)], vec![]));
+    assert_eq!(
+        last.unwrap(),
+        "number of points that the rim represents must be above 0, got 0"
     );
 }
 

@@ -520,13 +520,18 @@ macro_rules! saved_and_loaded {
 #[cfg(feature = "serde")]
 #[test]
 fn a_body_that_is_saved_and_loaded_has_the_same_bits_and_must_be_valid() {
-    use tumble::{Coin, Disc};
+    use tumble::{Coin, Disc, ThickDisc};
     let (mass, radius, edges) = (0.37, 0.123_456_789, DVec3::new(0.3, 0.1, 0.7));
     let loaded = MassProperties::ball(mass, radius).at(DVec3::new(0.01, -0.02, 0.03));
     saved_and_loaded!(Coin, Coin::ring(mass, radius), "/mass");
     saved_and_loaded!(SolidCoin, SolidCoin::new(mass, radius, 0.017), "/thickness");
     saved_and_loaded!(Disc, Disc::ring(mass, radius, 77), "/mass");
     saved_and_loaded!(Disc, Disc::solid(mass, radius, 77), "/radius");
+    saved_and_loaded!(
+        ThickDisc,
+        ThickDisc::solid(mass, radius, 0.017, 77),
+        "/thickness"
+    );
     saved_and_loaded!(Cone, Cone::solid(mass, radius, 0.4), "/height");
     saved_and_loaded!(
         Cuboid,

@@ -20,6 +20,7 @@ mod rim_on_shapes;
 mod several_surfaces;
 mod smooth;
 mod terrain;
+mod thick_disc;
 mod turning_resistance;
 mod varying_friction;
 

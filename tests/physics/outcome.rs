@@ -18,7 +18,8 @@ use tumble::{
     Barriers, Basin, Bowl, Coin, CoinFace, ContactLaw, ContactPoint, Coulomb, Cuboid, Disc,
     EnergyMomentum, Faces, FlatGround, Ground, HullFace, HuntCrossley, MassProperties, NoGravity,
     Observer, Outcome, Plane, Real, RigidPointBody, Sample, Scene, Solid, SolidCoin, SpringDamper,
-    SpringDamperGround, State, Stepper, Terrain, UniformGravity, UntilDecided, UntilRest,
+    SpringDamperGround, State, Stepper, Terrain, ThickDisc, UniformGravity, UntilDecided,
+    UntilRest,
 };
 
 const GRAVITY: f64 = 9.81;
@@ -198,7 +199,7 @@ struct Tally {
     until_rest: f64,
 }
 
-const KINDS: [&str; 5] = ["ring", "disc", "thick coin", "cuboid", "hull"];
+const KINDS: [&str; 6] = ["ring", "disc", "thick coin", "cuboid", "hull", "thick disc"];
 
 /// One throw of a body of a kind.
 fn follow<R: Real>(kind: usize, draw: &mut Draw, tally: &mut Tally) {
@@ -220,7 +221,11 @@ fn follow<R: Real>(kind: usize, draw: &mut Draw, tally: &mut Tally) {
             throw.follow::<R, _>(coin, tally);
         }
         3 => throw.follow::<R, _>(cuboid(&throw, draw), tally),
-        _ => throw.follow::<R, _>(hull(&throw, draw), tally),
+        4 => throw.follow::<R, _>(hull(&throw, draw), tally),
+        _ => {
+            let thickness = number(throw.radius * draw.between(0.1, 2.0));
+            throw.follow::<R, _>(ThickDisc::solid(mass, radius, thickness, 48), tally);
+        }
     }
 }
 
@@ -391,6 +396,32 @@ fn the_barrier_of_a_disc_is_that_of_the_upright_disc() {
     }
 }
 
+/// The bound of two round rims is below the least energy of the coin on one rim, which is the
+/// saddle `m g √(r² + h²/4)` less what the springs give way.
+///
+/// The rim leans by the angle of sine `s = r/√(r² + h²/4)`, so that its arc of depth d stores
+/// `A d^(5/2)/√s`, and the bound takes the energy of an upright one. A body gains
+/// `max(m g d - U(d))`, in proportion to `s^(1/3)`, so that the bound takes `s^(-1/3)` of that.
+#[test]
+fn the_barrier_of_a_thick_disc_is_that_of_the_disc_on_a_rim() {
+    for (stiffness, thickness) in [(1e2, 0.1), (1e4, 0.4), (1e8, 1.5)] {
+        let body = ThickDisc::solid(1.0, 0.5, thickness, 120);
+        let stepper = on(body, FlatGround::level(stiffness, 0.5));
+        let barriers = stepper.barriers().unwrap();
+        let corner = DVec3::new(0.5 * thickness, 0.0, 0.5);
+        let weight = GRAVITY * corner.length();
+        let saddle = least_energy(&stepper, corner.normalize());
+        let sine = corner.z / corner.length();
+        for down in [DVec3::X, DVec3::Y] {
+            let basin = stepper.body().basin(down).unwrap();
+            let barrier = barriers.barrier(&basin);
+            let taken = (weight - barrier) / (weight - saddle);
+            let most = 1.06 * sine.powf(-1.0 / 3.0);
+            assert!((1.0..most).contains(&taken), "{stiffness}: {taken} {most}");
+        }
+    }
+}
+
 /// Least potential energy over all heights with the body direction `down` pointing down, J.
 fn least_energy<B: RigidPointBody, G: SpringDamperGround>(
     stepper: &Level<B, G>,
@@ -528,6 +559,8 @@ fn faces_are_named_as_the_queries_of_the_bodies_name_them() {
         let down = state.orientation.inverse() * -DVec3::Z;
         let coin = SolidCoin::new(1.0, 0.5, 0.4);
         assert_eq!(coin.basin(down).unwrap().face, coin.face_up(&state));
+        let thick = ThickDisc::solid(1.0, 0.5, 0.4, 120);
+        assert_eq!(thick.basin(down).unwrap().face, thick.face_up(&state));
         let ring = Coin::ring(1.0, 0.5);
         assert_eq!(ring.basin(down).unwrap().face, ring.face_up(&state));
         let disc = Disc::ring(1.0, 0.5, 120);

@@ -17,8 +17,8 @@ use crate::scene::Dynamics;
 /// them too.
 pub(super) const CAPACITY: usize = 128;
 
-/// Largest number of panels of a rim: those that its points are placed on, plus a reserve.
-const MOST_PANELS: usize = 24;
+/// Largest number of panels of all rims that are known for their reversals of friction.
+const MOST_PANELS: usize = 32;
 
 /// Which contacts a surface may touch during a step.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +59,15 @@ impl<R: Real> Reach<R> {
     }
 }
 
+/// Panel of a rim whose points are among the contacts of a step.
+#[derive(Clone, Copy, Debug)]
+struct LaidPanel {
+    /// Number of the rim.
+    rim: usize,
+    /// End of the panel's points among the contacts.
+    end: usize,
+}
+
 /// Contacts that may touch during a step.
 #[derive(Clone, Debug)]
 pub(super) struct Contacts<R: Real> {
@@ -75,8 +84,8 @@ pub(super) struct Contacts<R: Real> {
     fixed: usize,
     /// Whether a rim may touch during the step.
     with_rim: bool,
-    /// End of the points of each panel of the rim among the contacts.
-    panel_ends: [usize; MOST_PANELS],
+    /// Panels of the rims, in the order of their points.
+    laid: [LaidPanel; MOST_PANELS],
     panels: usize,
     /// Torque correction of a smooth body at the last trial.
     pub(super) lever: Lever<R>,
@@ -94,7 +103,7 @@ impl<R: Real> Contacts<R> {
         seen: 0,
         fixed: 0,
         with_rim: false,
-        panel_ends: [0; MOST_PANELS],
+        laid: [LaidPanel { rim: 0, end: 0 }; MOST_PANELS],
         panels: 0,
         lever: Lever::NONE,
         path_by_turn: Block::ZERO,
@@ -285,7 +294,7 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// Places the points of a rim over a trial step. They cover the parts of the rim below the
+    /// Places the points of the rims over a trial step. They cover the parts of each rim below the
     /// ground at the start or at the end of the step. The panels are divided at the ends of both
     /// arcs.
     ///
@@ -298,17 +307,23 @@ impl<R: Real> Contacts<R> {
         let end = problem.place_at_end(trial);
         let mut count = self.fixed;
         self.panels = 0;
-        // Each surface has the same share of the storage. Where a share does not suffice for all
-        // panels, each of them has fewer points.
+        // Each surface has the same share of the storage, and so have the rims that touch it. Where
+        // a share does not suffice for all panels, each of them has fewer points.
         let surfaces = problem.surfaces();
-        let room = (CAPACITY - count.min(CAPACITY)) / (surfaces as usize).max(1);
+        let share = (CAPACITY - count.min(CAPACITY)) / (surfaces as usize).max(1);
+        let rims = problem.scene.body().rims();
         for surface in 0..surfaces {
-            for rim in problem.scene.body().rims() {
+            let mut room = share;
+            for (number, rim) in rims.iter().enumerate() {
+                let others = rims.get(number + 1..).unwrap_or_default();
+                let sharing = 1 + touching(problem, surface, &end, others);
                 let panels = panels_below(problem, surface, trial, &end, rim);
-                let most = room / panels.count().max(1);
+                let most = room / sharing / panels.count().max(1);
+                let first = count;
                 for panel in panels.iter() {
-                    self.lay_panel((problem, surface), (rim, panel), most, &mut count);
+                    self.lay_panel((problem, surface), (number, rim, panel), most, &mut count);
                 }
+                room -= (count - first).min(room);
             }
         }
         self.remembered = count;
@@ -318,7 +333,7 @@ impl<R: Real> Contacts<R> {
     fn lay_panel<D: Dynamics<R>>(
         &mut self,
         (problem, surface): (&Problem<'_, R, D>, u32),
-        (rim, panel): (&Rim<R>, Panel<R>),
+        (number, rim, panel): (usize, &Rim<R>, Panel<R>),
         most: usize,
         count: &mut usize,
     ) {
@@ -339,8 +354,11 @@ impl<R: Real> Contacts<R> {
             }
             *count += 1;
         }
-        if let Some(end) = self.panel_ends.get_mut(self.panels) {
-            *end = *count;
+        if let Some(laid) = self.laid.get_mut(self.panels) {
+            *laid = LaidPanel {
+                rim: number,
+                end: *count,
+            };
             self.panels += 1;
         }
     }
@@ -352,17 +370,21 @@ impl<R: Real> Contacts<R> {
         problem: &Problem<'_, R, D>,
         mut feel: impl FnMut(&Reversal<R>),
     ) {
-        let Some(rim) = problem.scene.body().rims().first() else {
-            return;
-        };
-        let per_metre = rim.points() / (rim.radius() * R::from_f64(core::f64::consts::TAU));
-        let ends = self.panel_ends.get(..self.panels).unwrap_or_default();
+        let rims = problem.scene.body().rims();
+        let laid = self.laid.get(..self.panels).unwrap_or_default();
         let touch = |index: Option<usize>| self.touches.get(index?);
-        for (left, right) in ends.iter().zip(ends.iter().skip(1)) {
+        for (left, right) in laid.iter().zip(laid.iter().skip(1)) {
+            let Some(rim) = rims.get(left.rim).filter(|_| left.rim == right.rim) else {
+                continue;
+            };
             // The outermost points of a panel are its last two. The point farther along the rim
             // comes first.
-            let outermost = (touch(left.checked_sub(2)), touch(right.checked_sub(1)));
+            let outermost = (
+                touch(left.end.checked_sub(2)),
+                touch(right.end.checked_sub(1)),
+            );
             if let (Some(left), Some(right)) = outermost {
+                let per_metre = rim.points() / (rim.radius() * R::from_f64(core::f64::consts::TAU));
                 if let Some(reversal) = Reversal::between(problem, [left, right], per_metre) {
                     feel(&reversal);
                 }
@@ -511,6 +533,29 @@ impl<R: Real> Contacts<R> {
         touch.respond(problem, trial);
         touch
     }
+}
+
+/// Number of rims that touch a plane at the start or at the `end` (position and axes) of a step. On
+/// a surface of another shape, all of them count.
+#[inline]
+fn touching<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    surface: u32,
+    (end, end_axes): &(R::Vec3, Axes<R>),
+    rims: &[Rim<R>],
+) -> usize {
+    if problem.plane_of(surface).is_none() {
+        return rims.len();
+    }
+    let (ground, motion) = (problem.ground(surface), &problem.motion);
+    let is_below = |rim: &Rim<R>, position, axes| {
+        let arcs = arcs_below(rim, &ground, position, axes);
+        arcs.get().iter().any(|arc| *arc != Arc::Nothing)
+    };
+    let touches = |rim: &&Rim<R>| {
+        is_below(rim, motion.position, &motion.axes) || is_below(rim, *end, end_axes)
+    };
+    rims.iter().filter(touches).count()
 }
 
 /// Panels of a rim below a surface at the start or at the `end` (position and axes) of a step, cut
