@@ -31,6 +31,7 @@ mod flight;
 mod force_stability;
 mod free_rotation;
 mod growth;
+mod lowest_point;
 mod outcome;
 mod rigidity;
 mod symmetry;
