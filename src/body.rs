@@ -448,7 +448,7 @@ impl ContactRange {
     /// Range limited to a body with this many contacts, as [`parts`](Self::parts) reads it: it
     /// starts at an existing contact and covers each contact at most once.
     #[inline]
-    fn within(self, contacts: usize) -> Self {
+    pub(crate) fn within(self, contacts: usize) -> Self {
         Self {
             first: if self.first < contacts { self.first } else { 0 },
             count: self.count.min(contacts),

@@ -65,8 +65,9 @@ use crate::state::Motion;
 /// ```
 ///
 /// *Limits:* the force depends on the state alone, so a thrust that is switched on and off is two
-/// scenes. [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) does not include
-/// the applied force. An explicit method needs a step below about `2 m/c` for a linear drag `c`.
+/// scenes. An explicit method needs a step below about `2 m/c` for a linear drag `c`:
+/// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes the limit of any
+/// force at a state.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not an applied force: it does not implement `Force<{R}>`",
     label = "this should be an applied force",

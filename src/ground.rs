@@ -74,7 +74,10 @@ use crate::real::{Real, Vector};
 /// * *Edges:* a half-space has none. A [`Block`] has faces and edges. Beyond an edge a contact
 ///   feels nothing of it.
 /// * *Motion:* the surfaces are at rest, or [`MovingGround`] moves all of them as one. A surface
-///   that moves among others is refused when a scene is composed.
+///   that moves among others is refused when a scene is composed. The work of moving ground follows
+///   from the momentum that all contacts give in a step, and the part of each surface is not known.
+///   For a belt beside a table use two steppers, and advance the state by that of the surface under
+///   the body. A body on both at once cannot be computed.
 /// * *The methods of the whole:* [`surface`](Self::surface) is the surface nearest to a point, and
 ///   the laws are those of the first surface. A step asks each surface by
 ///   [`with_surface`](Self::with_surface) instead.

@@ -18,6 +18,9 @@
 //! `μ N/slip speed` in stick. The lever arm and the inertia enter through `M⁻¹`. A single contact
 //! has `ω² = k (1/m + (r × n) · J⁻¹ (r × (n + t)))`.
 //!
+//! An applied force with the wrench `W(y, y')` adds `-∂W/∂y` to K and `-∂W/∂y'` to C. Its damping
+//! needs no springs, as that of friction.
+//!
 //! Every solution `e^(λ t) x` satisfies `λ² + δ λ + κ = 0` with the Rayleigh quotients `κ = x* K x`
 //! and `δ = x* C x` (in coordinates where M = 1). If K and C are symmetric, the pairs (κ, δ)
 //! therefore lie in the joint numerical range of K and C, which is convex. Each λ is then that of a
@@ -44,9 +47,11 @@
 //! lever arms and normals under load (of relative size depth/arm), and the gyroscopic torque.
 
 use crate::contact::{Contact, Motion};
+use crate::force::{Force, Wrench};
 use crate::friction::{FrictionJacobian, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
+use crate::rotation::Rotation;
 use crate::scene::{Dynamics, size};
 use crate::state::State;
 
@@ -106,7 +111,7 @@ struct Response<R> {
     stiffness: Matrix<R>,
     /// `M⁻¹ C`, 1/s.
     damping: Matrix<R>,
-    /// Part of the damping that is due to friction, 1/s.
+    /// Part of the damping that needs no springs, 1/s: that of friction and of the applied force.
     friction: Matrix<R>,
     /// Ratio of damping to stiffness, s: of all contacts together, and the largest of a single
     /// contact.
@@ -141,6 +146,9 @@ impl<R: Real> Response<R> {
             damping += c;
             response.largest_ratio = response.largest_ratio.at_least(ratio(c, k));
         });
+        if scene.force().acts() {
+            response.add_applied_force(&frame, state);
+        }
         response.damping.add(&response.friction);
         response.mean_ratio = ratio(damping, stiffness);
         response
@@ -209,6 +217,22 @@ impl<R: Real> Response<R> {
         self.add_damper(frame, R::Vec3::ZERO, contact.normal, drill * contact.weight);
         for axis in tangents {
             self.add_damper(frame, R::Vec3::ZERO, axis, roll * contact.weight);
+        }
+    }
+
+    /// Adds the stiffness and the damping of the applied force.
+    fn add_applied_force<D: Dynamics<R>>(&mut self, frame: &Frame<'_, R, D>, state: &State<R>) {
+        let force = frame.scene.force();
+        for (index, column) in frame.columns().into_iter().enumerate() {
+            let per_speed = force.wrench_change(frame.motion, column[0], column[1]);
+            let per_path = frame.change_of_pose(state, column);
+            for (matrix, change) in [
+                (&mut self.friction, per_speed),
+                (&mut self.stiffness, per_path),
+            ] {
+                let answer = frame.acceleration(-change.force, -change.torque);
+                matrix.add_column(index, &answer);
+            }
         }
     }
 
@@ -297,6 +321,53 @@ impl<R: Real, D: Dynamics<R>> Frame<'_, R, D> {
         let mass = self.scene.inertia_properties();
         let spin = mass.angular_velocity(&self.motion.axes, torque);
         joined(force * mass.inverse_mass(), spin * self.length)
+    }
+
+    /// Translation (m) and rotation (rad) of each coordinate for 1 m.
+    fn columns(&self) -> [[R::Vec3; 2]; 6] {
+        let (o, one) = (R::ZERO, R::ONE);
+        let turn = if self.length > o {
+            one / self.length
+        } else {
+            o
+        };
+        let axes = |size: R| {
+            [
+                R::Vec3::new(size, o, o),
+                R::Vec3::new(o, size, o),
+                R::Vec3::new(o, o, size),
+            ]
+        };
+        let ([x, y, z], [a, b, c]) = (axes(one), axes(turn));
+        let none = R::Vec3::ZERO;
+        [
+            [x, none],
+            [y, none],
+            [z, none],
+            [none, a],
+            [none, b],
+            [none, c],
+        ]
+    }
+
+    /// Derivative of the applied force along a translation and a rotation of the body, by a central
+    /// difference whose width is that of [`slopes`] for the length.
+    fn change_of_pose(&self, state: &State<R>, [path, turn]: [R::Vec3; 2]) -> Wrench<R> {
+        let root = R::EPSILON.sqrt();
+        let nudge = (root * root.sqrt()).sqrt() * (self.length + state.position.length());
+        if nudge <= R::ZERO {
+            return Wrench::ZERO;
+        }
+        let at = |by: R| {
+            let rotation = Rotation::from_rotation_vector(turn * by).after(state.rotation());
+            self.scene.force().wrench(&Motion {
+                position: state.position + path * by,
+                axes: rotation.axes(),
+                ..*self.motion
+            })
+        };
+        let difference = at(nudge).plus(&at(-nudge), -R::ONE);
+        Wrench::ZERO.plus(&difference, R::ONE / (nudge + nudge))
     }
 }
 
@@ -412,6 +483,15 @@ impl<R: Real> Matrix<R> {
         for (values, &left) in self.0.iter_mut().zip(column) {
             for (value, &right) in values.iter_mut().zip(row) {
                 *value += factor * left * right;
+            }
+        }
+    }
+
+    /// Adds a vector to a column.
+    fn add_column(&mut self, index: usize, column: &[R; 6]) {
+        for (row, &value) in self.0.iter_mut().zip(column) {
+            if let Some(sum) = row.get_mut(index) {
+                *sum += value;
             }
         }
     }

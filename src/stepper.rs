@@ -381,11 +381,13 @@ where
     E: Force<R>,
 {
     /// Largest step size (s) for which the integrator is stable on the contacts that touch in
-    /// `state`. Returns `None` if there is no bound: an implicit or adaptive integrator, a body in
-    /// flight, or a state that is not finite.
+    /// `state` and under the applied force. Returns `None` if there is no bound: an implicit or
+    /// adaptive integrator, a body in flight without an applied force, or a state that is not
+    /// finite.
     ///
     /// The bound follows from the stiffness, the damping and the friction of all contacts together,
-    /// with their lever arms and the inertia of the body. Every shorter step is stable too. A
+    /// with their lever arms and the inertia of the body. The applied force counts by its
+    /// derivatives with respect to velocities and pose. Every shorter step is stable too. A
     /// longer step can amplify small errors until the energy grows as well. Returns 0 if no step is
     /// stable, as for [`ForwardEuler`](crate::ForwardEuler) on springs without dampers. The step
     /// size set in the integrator has no effect on the result.
@@ -397,11 +399,12 @@ where
     ///   the friction coefficient `μ` and the normal force `N`. The bound also decreases with the
     ///   penetration depth if the contact law stiffens.
     /// * For a run, take the smallest value along it, as in the example. A body in flight has no
-    ///   bound.
+    ///   bound by contacts. That by quadratic drag decreases as the speed increases.
     /// * The bound does not include rotation. In contact, a step should rotate the body by much
     ///   less than 1 rad.
     /// * The bound is proven for contacts that stick or slide, not for a slip near the slip speed.
     ///   With [`Nystrom`](crate::Nystrom), friction can make it up to 10 % too long.
+    /// * Lift turns the velocity, as rotation does. The bound counts its rate as one of damping.
     /// * One call costs some ten thousand multiplications. It is too expensive to call at every
     ///   step.
     ///

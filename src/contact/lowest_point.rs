@@ -3,7 +3,7 @@
 use super::model::ContactModel;
 use super::point::facing_ground;
 use super::rims;
-use crate::body::{ContactPoint, RigidPointBody};
+use crate::body::{ContactPoint, ContactRange, RigidPointBody};
 use crate::friction::SlidingFriction;
 use crate::ground::{OneSurface, SpringDamperGround};
 use crate::real::{Real, Vector};
@@ -23,6 +23,22 @@ pub struct LowestPoint<R: Real = f64> {
     pub slip: R::Vec3,
 }
 
+/// A point of the body's surface that may be the lowest one above a surface of the ground.
+struct Candidate<R: Real> {
+    index: usize,
+    point: ContactPoint<R>,
+    surface: usize,
+    gap: R,
+}
+
+impl<R: Real> Candidate<R> {
+    /// Returns the lower of two candidates, and of two at the same height the first in the body.
+    fn or_lower(self, other: Self) -> Self {
+        let is_before = self.gap > other.gap || (self.gap == other.gap && self.index > other.index);
+        if is_before { other } else { self }
+    }
+}
+
 impl<R, B, G, F> ContactModel<'_, B, G, F, R>
 where
     R: Real,
@@ -32,51 +48,109 @@ where
 {
     /// Returns the point of the body's surface that is lowest above the ground, or deepest below
     /// it. Returns `None` for a body without contacts.
+    ///
+    /// The body's [`contacts_below`](RigidPointBody::contacts_below) leads the search, so that a
+    /// ring of any number of points costs a few of them.
     #[must_use]
     pub fn lowest_point(&self, motion: &Motion<R>) -> Option<LowestPoint<R>> {
-        let Motion { position, axes, .. } = motion;
-        let contacts = self.body.contacts();
-        let mut lowest: Option<LowestPoint<R>> = None;
+        let mut lowest: Option<Candidate<R>> = None;
         for surface in 0..self.surfaces() {
-            let ground = OneSurface::of(self.ground, surface);
-            let mut look_at = |index: usize, point: &ContactPoint<R>| {
-                let candidate = self.surface_point(&ground, index, point, motion);
-                if lowest.is_none_or(|known| candidate.gap < known.gap) {
+            let contact = self.lowest_contact(surface, motion);
+            for candidate in contact
+                .into_iter()
+                .chain(self.lowest_of_rims(surface, motion))
+            {
+                if lowest
+                    .as_ref()
+                    .is_none_or(|known| candidate.gap < known.gap)
+                {
                     lowest = Some(candidate);
                 }
-            };
-            for (index, point) in contacts.iter().enumerate() {
-                if self.body.is_smooth() {
-                    let facing = facing_ground(self.body, &ground, *position, axes);
-                    look_at(index, &facing);
-                } else {
-                    look_at(index, point);
-                }
-            }
-            for (number, rim) in self.body.rims().iter().enumerate() {
-                let place = rims::lowest(rim, &ground, *position, axes);
-                look_at(contacts.len() + number, &ContactPoint::bare(place));
             }
         }
-        lowest
+        lowest.map(|found| self.surface_point(&found, motion))
     }
 
-    /// Point of a contact's surface that faces the ground.
-    fn surface_point(
+    /// Lowest contact above one surface.
+    ///
+    /// The contacts below a contact in the middle of a range are another range that contains the
+    /// lowest one. It is shorter until only the lowest ones are left.
+    fn lowest_contact(&self, surface: usize, motion: &Motion<R>) -> Option<Candidate<R>> {
+        let contacts = self.body.contacts();
+        let first = contacts.first()?;
+        if self.body.is_smooth() {
+            let ground = OneSurface::of(self.ground, surface);
+            let facing = facing_ground(self.body, &ground, motion.position, &motion.axes);
+            return Some(self.candidate(surface, 0, &facing, motion));
+        }
+        let mut lowest = self.candidate(surface, 0, first, motion);
+        let mut run = ContactRange::all(contacts.len());
+        while run.count > 1 {
+            let below = self.range_of_surface(surface, lowest.gap, motion.position, &motion.axes);
+            if below.count >= run.count {
+                break;
+            }
+            run = below.within(contacts.len());
+            let middle = (run.first + run.count / 2) % contacts.len();
+            if let Some(point) = contacts.get(middle) {
+                lowest = lowest.or_lower(self.candidate(surface, middle, point, motion));
+            }
+        }
+        let numbered = contacts.iter().enumerate();
+        let behind = numbered.clone().skip(run.first).chain(numbered);
+        Some(
+            behind
+                .take(run.count)
+                .fold(lowest, |lowest, (index, point)| {
+                    lowest.or_lower(self.candidate(surface, index, point, motion))
+                }),
+        )
+    }
+
+    /// Lowest point of each rim above one surface.
+    fn lowest_of_rims(
         &self,
-        ground: &OneSurface<'_, G>,
+        surface: usize,
+        motion: &Motion<R>,
+    ) -> impl Iterator<Item = Candidate<R>> {
+        let ground = OneSurface::of(self.ground, surface);
+        let contacts = self.body.contacts().len();
+        let rims = self.body.rims().iter().enumerate();
+        rims.map(move |(number, rim)| {
+            let place = rims::lowest(rim, &ground, motion.position, &motion.axes);
+            let point = ContactPoint::bare(place);
+            self.candidate(surface, contacts + number, &point, motion)
+        })
+    }
+
+    /// A contact above one surface.
+    fn candidate(
+        &self,
+        surface: usize,
         index: usize,
         point: &ContactPoint<R>,
         motion: &Motion<R>,
-    ) -> LowestPoint<R> {
+    ) -> Candidate<R> {
         let centre = motion.position + motion.axes.to_world(point.position);
-        let surface = ground.surface(centre);
-        let position = centre - surface.normal * point.radius;
+        let ground = OneSurface::of(self.ground, surface);
+        Candidate {
+            index,
+            point: *point,
+            surface,
+            gap: ground.surface(centre).gap - point.radius,
+        }
+    }
+
+    /// Point of a contact's surface that faces the ground.
+    fn surface_point(&self, found: &Candidate<R>, motion: &Motion<R>) -> LowestPoint<R> {
+        let centre = motion.position + motion.axes.to_world(found.point.position);
+        let surface = OneSurface::of(self.ground, found.surface).surface(centre);
+        let position = centre - surface.normal * found.point.radius;
         let velocity = self.seen(motion).velocity_at(position - motion.position);
         LowestPoint {
-            index,
+            index: found.index,
             position,
-            gap: surface.gap - point.radius,
+            gap: found.gap,
             slip: velocity - surface.normal * velocity.dot(surface.normal),
         }
     }

@@ -3,13 +3,36 @@
 use super::level;
 use super::load::Load;
 use super::model::ContactModel;
+use super::point::Contact;
 use super::rims::{self, Touching};
+use super::visit::Visitor;
 use crate::body::{ContactRange, RigidPointBody};
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::Motion;
+
+/// Sum of the forces of contacts on a body with the given axes.
+struct Sum<'a, R: Real, G, F> {
+    laws: (&'a G, &'a F),
+    axes: &'a Axes<R>,
+    load: &'a mut Load<R>,
+}
+
+impl<R: Real, G, F> Visitor<R> for Sum<'_, R, G, F>
+where
+    G: SpringDamperGround<R>,
+    F: SlidingFriction<R>,
+{
+    // As a function of its own, which the compiler makes of it in some scenes, it took up to 20 %
+    // more instructions of a step.
+    #[inline(always)]
+    fn enter(&mut self, contact: &Contact<R>) {
+        let force = contact.force(self.laws.0, self.laws.1);
+        self.load.add_along(self.axes, contact, force);
+    }
+}
 
 impl<R, B, G, F> ContactModel<'_, B, G, F, R>
 where
@@ -78,9 +101,15 @@ where
             }
             return load;
         }
-        self.visit_on(run, motion, |contact| {
-            load.add_along(axes, contact, contact.force(laws.0, laws.1));
-        });
+        self.visit_on(
+            run,
+            motion,
+            Sum {
+                laws,
+                axes,
+                load: &mut load,
+            },
+        );
         load
     }
 
@@ -110,7 +139,7 @@ where
         self.friction.rolling_resistance(R::ZERO)?;
         let mut sum = R::Vec3::ZERO;
         let turning = self.seen(motion).angular_velocity;
-        self.visit_on(run, motion, |contact| {
+        self.visit_on(run, motion, |contact: &Contact<R>| {
             sum += contact.turning_torque(self.ground, self.friction, turning);
         });
         Some(sum)

@@ -27,7 +27,8 @@ use crate::real::{Real, Vector};
 ///
 /// *Errors:* The function may return any law, so the law is not checked when the scene is composed.
 /// A step checks each force, and returns [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if
-/// the law at a contact adds energy or is not finite. The function must not panic.
+/// the law at a contact adds energy or is not finite. [`trusted`](Self::trusted) leaves these checks
+/// out. The function must not panic.
 ///
 /// *Limits:*
 /// - The order of a method holds if the function is smooth. Where it jumps, the step that crosses
@@ -42,6 +43,7 @@ use crate::real::{Real, Vector};
 #[derive(Clone, Copy)]
 pub struct FrictionField<F> {
     law_at: F,
+    is_trusted: bool,
 }
 
 impl<F> FrictionField<F> {
@@ -56,7 +58,23 @@ impl<F> FrictionField<F> {
         F: Fn(V) -> L,
         L: SlidingFriction<R>,
     {
-        Self { law_at }
+        Self {
+            law_at,
+            is_trusted: false,
+        }
+    }
+
+    /// Returns the same friction, whose forces are not checked while a step evaluates them.
+    ///
+    /// The caller is responsible for the function: at each position it returns a law that is valid
+    /// and that is [trusted](SlidingFriction::is_trusted), as the laws of this crate are. The checks
+    /// then cost nothing. A law that breaks its contract is not detected.
+    #[must_use]
+    pub fn trusted(self) -> Self {
+        Self {
+            is_trusted: true,
+            ..self
+        }
     }
 }
 
@@ -114,6 +132,11 @@ where
     #[inline]
     fn depends_on_position(&self) -> bool {
         true
+    }
+
+    #[inline]
+    fn is_trusted(&self) -> bool {
+        self.is_trusted
     }
 
     fn check(&self) -> Result<(), SceneError> {

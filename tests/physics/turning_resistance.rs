@@ -4,12 +4,15 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use core::cell::Cell;
+
 use crate::kit::{self, log_uniform};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
-    Coulomb, Dynamics, EnergyMomentum, FlatGround, Integrator, Ledger, Rk4, RollingResistance,
-    SlidingFriction, Sphere, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
+    ContactPoint, Coulomb, Dynamics, EnergyMomentum, FlatGround, Frictionless, Integrator, Ledger,
+    Plane, PointCloud, RigidPointBody, Rk4, RollingResistance, SlidingFriction, Sphere,
+    SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
     WithResistance,
 };
 
@@ -133,6 +136,121 @@ fn a_ball_spins_down_on_the_spot() {
     scene.advance(&mut state, 0.1).unwrap();
     let left = scene.scene().motion(&state).angular_velocity;
     assert!((left - DVec3::Z * spin).length() < 1e-9, "{left}");
+}
+
+/// Spin about z of a body without sliding friction, which is slowed by a constant torque.
+fn spin_left<B: RigidPointBody, T: SpringDamperGround>(
+    body: B,
+    ground: T,
+    resistance: WithResistance<Frictionless>,
+    (gravity, mut state): (f64, State),
+    seconds: f64,
+) -> DVec3 {
+    let stepper = Stepper::new(body)
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(gravity)))
+        .and_then(|stepper| stepper.with_ground(ground))
+        .and_then(|stepper| stepper.with_friction(resistance))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step: 2e-3 }))
+        .unwrap();
+    state = stepper.with_angular_velocity(state, DVec3::Z * 50.0);
+    stepper.advance(&mut state, seconds).unwrap();
+    stepper.angular_velocity(&state)
+}
+
+const SLIPPERY: WithResistance<Frictionless> = WithResistance {
+    friction: Frictionless,
+    rolling: 4e-4,
+    spinning: 1e-3,
+    turn_speed: 1e-6,
+};
+
+/// The torques of the contacts of a flat plate add up to `ℓ m g`, and its moment is `m r²`.
+#[test]
+fn contacts_on_one_plane_resist_as_their_sum() {
+    for points in [3_u32, 8, 40] {
+        let radius = 0.05;
+        let place = |i: u32| {
+            let (y, x) = (core::f64::consts::TAU * f64::from(i) / f64::from(points)).sin_cos();
+            DVec3::new(x, y, 0.0) * radius
+        };
+        let mass = 1.0 / f64::from(points);
+        let places = Vec::from_iter((0..points).map(|i| ContactPoint::bare(place(i))));
+        let plate = PointCloud::with_storage(places, &vec![mass; points as usize]);
+        let ground = FlatGround::level(1e5, 300.0);
+        let resting = State::at(DVec3::Z * (-mass * G / 1e5));
+        let left = spin_left(plate.unwrap(), ground, SLIPPERY, (G, resting), 2.0);
+        let expected = 50.0 - SLIPPERY.spinning * G / (radius * radius) * 2.0;
+        assert!(
+            (left - DVec3::Z * expected).length() < 1e-4,
+            "{points} points: {left}"
+        );
+    }
+}
+
+/// A ball without weight between walls that are closer than its diameter. It rolls on four of them
+/// and spins on the two others, each with the load `k d`. So many walls are more than the groups of
+/// contacts that are kept for a step.
+#[test]
+fn a_ball_between_walls_is_slowed_by_each_of_them() {
+    let (stiffness, depth, seconds) = (1e5, 1e-4, 0.1);
+    let wall = |out: DVec3| {
+        let plane = Plane::through(out * (RADIUS - depth), -out);
+        FlatGround::level(stiffness, 300.0).on(plane)
+    };
+    let [x, y, z] = DVec3::AXES;
+    let walls = [x, -x, y, -y, z, -z].map(wall);
+    let slowing = |rolls: f64, spins: f64| {
+        let torque = stiffness * depth * (rolls * SLIPPERY.rolling + spins * SLIPPERY.spinning);
+        DVec3::Z * (50.0 - torque * seconds / (0.4 * RADIUS * RADIUS))
+    };
+    let ball = Sphere::solid(1.0, RADIUS);
+    let start = (0.0, State::default());
+    let left = |walls: &[FlatGround]| spin_left(ball, walls, SLIPPERY, start, seconds);
+    for (walls, rolls, spins) in [
+        (&walls[..4], 4.0, 0.0),
+        (&walls[2..], 2.0, 2.0),
+        (&walls, 4.0, 2.0),
+    ] {
+        let (left, expected) = (left(walls), slowing(rolls, spins));
+        assert!(
+            (left - expected).length() < 1e-4,
+            "{} walls: {left}, {expected}",
+            walls.len()
+        );
+    }
+}
+
+/// Resistance that counts its evaluations at contacts.
+struct Counting(WithResistance<Coulomb>, Cell<u32>);
+
+impl SlidingFriction for Counting {
+    fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
+        self.0.force(normal_force, slip)
+    }
+    fn jacobian(&self, normal_force: f64, slip: DVec3) -> tumble::FrictionJacobian {
+        self.0.jacobian(normal_force, slip)
+    }
+    fn rolling_resistance(&self, normal_force: f64) -> Option<RollingResistance> {
+        self.0.rolling_resistance(normal_force)
+    }
+    fn rolling_resistance_at(&self, _: DVec3, normal_force: f64) -> Option<RollingResistance> {
+        self.1.set(self.1.get() + 1);
+        self.0.rolling_resistance(normal_force)
+    }
+}
+
+/// A step applies the resistance before and after itself, and evaluates it once for each.
+#[test]
+fn a_step_evaluates_the_resistance_of_a_contact_twice() {
+    let scene = ball([2e-3, 1e-3, 1e-2], EnergyMomentum { time_step: 1e-3 });
+    let mut state = moving(&scene, DVec3::X * 0.7, DVec3::new(0.3, 0.7 / RADIUS, 4.0));
+    let law = Counting(*scene.scene().friction(), Cell::new(0));
+    let counting = scene.with_friction(&law).unwrap();
+    for _ in 0..20 {
+        law.1.set(0);
+        counting.step(&mut state).unwrap();
+        assert_eq!(law.1.get(), 2);
+    }
 }
 
 #[test]

@@ -15,7 +15,7 @@ use tumble::{
     EnergyMomentum, FlatGround, FrictionField, FrictionJacobian, FrictionPatch, Frictionless,
     Ground, Integrator, Ledger, Plane, PointCloud, Region, RigidPointBody, Rk4, RollingResistance,
     Sample, SlidingFriction, SmoothCoulomb, Sphere, SpringDamper, SpringDamperGround, State,
-    Stepper, Terrain, UniformGravity, WithResistance,
+    StepError, Stepper, Terrain, UniformGravity, WithResistance,
 };
 
 const ROUGH: Coulomb = Coulomb {
@@ -377,6 +377,56 @@ fn a_patch_of_the_same_law_changes_no_bit() {
             assert_eq!(run(&law), run(&patched), "{name}");
         });
     }
+}
+
+/// A field that its user trusts has the same bits without the checks, and a field or a patch of
+/// trusted laws is trusted. A patch of a user's law is not.
+#[test]
+fn a_trusted_field_changes_no_bit() {
+    let field = FrictionField::new(|position: DVec3| Coulomb {
+        coefficient: 0.3 + 0.2 * position.x.sin(),
+        slip_speed: 1e-3,
+    });
+    assert!(!SlidingFriction::<f64>::is_trusted(&field));
+    assert!(SlidingFriction::<f64>::is_trusted(&field.trusted()));
+    assert!(strip_of_ice().is_trusted());
+    let own = AtContacts {
+        middle: &Cell::new(DVec3::ZERO),
+        radius: 0.0,
+        below: 0.0,
+        calls: Cell::new(0),
+    };
+    let patch = FrictionPatch {
+        outside: ROUGH,
+        inside: own,
+        region: strip_of_ice().region,
+    };
+    assert!(!patch.is_trusted());
+    each_method!(1e-3, |integrator, name| {
+        let run = |friction: &dyn SlidingFriction| {
+            let stepper = compose(block(), floor(), friction, integrator);
+            let mut state = sliding(&block(), 2.0);
+            stepper.advance(&mut state, 0.3).unwrap();
+            state
+        };
+        assert_eq!(run(&field), run(&field.trusted()), "{name}");
+    });
+}
+
+/// A law that a user wrongly trusts is not detected as one that breaks its contract. Without that
+/// trust a step names it.
+#[test]
+fn only_a_field_without_trust_is_checked() {
+    let pushes = FrictionField::new(|_: DVec3| Coulomb {
+        coefficient: -0.1,
+        slip_speed: 1e-3,
+    });
+    let step = |friction: &dyn SlidingFriction| {
+        let stepper = compose(block(), floor(), friction, Rk4 { time_step: 1e-3 });
+        stepper.step(&mut sliding(&block(), 2.0)).map(|_| ())
+    };
+    assert!(matches!(step(&pushes), Err(StepError::BrokenLaw { .. })));
+    assert_eq!(step(&pushes.trusted()), Ok(()));
 }
 
 /// A law that is defined by its position only, and requires that it is that of a contact.

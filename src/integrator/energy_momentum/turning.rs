@@ -24,6 +24,10 @@ use crate::state::State;
 /// Number of passes that fit the resistances to the law. No pass increases the energy.
 const PASSES: u32 = 6;
 
+/// Number of groups of contacts that are kept for the passes. A floor with three walls needs as
+/// many.
+const GROUPS: usize = 4;
+
 /// Effect of one contact's law on the angular momentum in a time h: the columns of `h K`. The
 /// change is h times the torque, `h K ω`.
 type Columns<R> = [<R as Real>::Vec3; 3];
@@ -45,7 +49,11 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
     if slowed.not_finite().is_some() {
         return;
     }
-    let lower = Energy::of(scene, &slowed);
+    // The pose is that of `state`, and so are the springs.
+    let lower = Energy {
+        springs: energy.springs,
+        ..Energy::without_springs(scene, &slowed)
+    };
     let work = work::of_impulse(scene, state.position, [state, &slowed]);
     if lower.total() <= energy.total() + work {
         (*state, *energy) = (slowed, lower);
@@ -55,20 +63,28 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
 
 fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
     let motion = motion_of(scene, state);
+    let groups = Groups::of(scene, &motion);
+    if groups.is_empty() {
+        return *state;
+    }
     let properties = scene.inertia_properties();
     let (inertia, momentum) = properties.inertia_for_solving(&motion.axes, state.angular_momentum);
     let before = scene.contact_model().seen(&motion).angular_velocity;
     let mut after = before;
     let mut taken = R::Vec3::ZERO;
     for _ in 0..PASSES {
-        let resistance = resistance(scene, &motion, after, seconds);
+        let resistance = groups.resistance(scene, &motion, after, seconds);
         let resisted = times::<R>(&resistance, before);
         if resisted == R::Vec3::ZERO {
             return *state;
         }
         let change = solved::<R>(sum::<R>(&inertia, &resistance), -resisted);
         taken = times::<R>(&inertia, change);
-        after = before + change;
+        let fitted = before + change;
+        if fitted == after {
+            break;
+        }
+        after = fitted;
     }
     State {
         angular_momentum: properties.without_dead_spin(state.rotation(), momentum + taken),
@@ -76,29 +92,101 @@ fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> S
     }
 }
 
-/// `h Σ K` for contacts with the resistance that they have at an angular velocity.
-fn resistance<R: Real, D: Dynamics<R>>(
+/// Calls `visit` with the normal and the resistance of each contact that touches.
+fn visit_laws<R: Real, D: Dynamics<R>>(
     scene: &D,
     motion: &Motion<R>,
-    angular_velocity: R::Vec3,
-    seconds: R,
-) -> Columns<R> {
-    let mut sum = [R::Vec3::ZERO; 3];
+    visit: &mut dyn FnMut(R::Vec3, RollingResistance<R>),
+) {
     visit_contacts(scene, motion, &mut |contact| {
         let (ground, friction) = contact.laws(scene.ground(), scene.friction());
         let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
-        let Some(law) = friction.rolling_resistance_at(contact.position, normal_force) else {
-            return;
-        };
-        let [roll, drill] = of_contact(&law, contact.normal, angular_velocity);
-        let (roll, drill) = (roll * contact.weight, drill * contact.weight);
-        let (roll, beyond) = (roll * seconds, (drill - roll) * seconds);
-        let (n, o) = (contact.normal, R::ZERO);
-        sum[0] += R::Vec3::new(roll, o, o) + n * (n.x() * beyond);
-        sum[1] += R::Vec3::new(o, roll, o) + n * (n.y() * beyond);
-        sum[2] += R::Vec3::new(o, o, roll) + n * (n.z() * beyond);
+        if let Some(law) = friction.rolling_resistance_at(contact.position, normal_force) {
+            let law = RollingResistance {
+                rolling: law.rolling * contact.weight,
+                spinning: law.spinning * contact.weight,
+                ..law
+            };
+            visit(contact.normal, law);
+        }
     });
-    sum
+}
+
+/// Resistances of the contacts, found in one visit. Contacts with the same normal and the same turn
+/// speed resist as one contact with the sum of their torques.
+struct Groups<R: Real> {
+    known: [(R::Vec3, RollingResistance<R>); GROUPS],
+    /// Number of groups. Above [`GROUPS`], each pass visits the contacts again.
+    count: usize,
+}
+
+impl<R: Real> Groups<R> {
+    fn of<D: Dynamics<R>>(scene: &D, motion: &Motion<R>) -> Self {
+        let none = RollingResistance {
+            rolling: R::ZERO,
+            spinning: R::ZERO,
+            turn_speed: R::ONE,
+        };
+        let mut groups = Self {
+            known: [(R::Vec3::ZERO, none); GROUPS],
+            count: 0,
+        };
+        visit_laws(scene, motion, &mut |normal, law| groups.add(normal, law));
+        groups
+    }
+
+    fn add(&mut self, normal: R::Vec3, law: RollingResistance<R>) {
+        for (known, sum) in self.known.iter_mut().take(self.count) {
+            if *known == normal && sum.turn_speed == law.turn_speed {
+                sum.rolling += law.rolling;
+                sum.spinning += law.spinning;
+                return;
+            }
+        }
+        if let Some(free) = self.known.get_mut(self.count) {
+            *free = (normal, law);
+        }
+        self.count += 1;
+    }
+
+    fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// `h Σ K` for contacts with the resistance that they have at an angular velocity.
+    fn resistance<D: Dynamics<R>>(
+        &self,
+        scene: &D,
+        motion: &Motion<R>,
+        angular_velocity: R::Vec3,
+        seconds: R,
+    ) -> Columns<R> {
+        let mut sum = [R::Vec3::ZERO; 3];
+        let mut add = |normal, law| add_contact(&mut sum, normal, &law, angular_velocity, seconds);
+        if self.count <= GROUPS {
+            let groups = self.known.iter().take(self.count);
+            groups.for_each(|&(normal, law)| add(normal, law));
+        } else {
+            visit_laws(scene, motion, &mut add);
+        }
+        sum
+    }
+}
+
+/// Adds `h K` of one contact, or of one group of contacts.
+fn add_contact<R: Real>(
+    sum: &mut Columns<R>,
+    n: R::Vec3,
+    law: &RollingResistance<R>,
+    angular_velocity: R::Vec3,
+    seconds: R,
+) {
+    let [roll, drill] = of_contact(law, n, angular_velocity);
+    let (roll, beyond) = (roll * seconds, (drill - roll) * seconds);
+    let o = R::ZERO;
+    sum[0] += R::Vec3::new(roll, o, o) + n * (n.x() * beyond);
+    sum[1] += R::Vec3::new(o, roll, o) + n * (n.y() * beyond);
+    sum[2] += R::Vec3::new(o, o, roll) + n * (n.z() * beyond);
 }
 
 fn of_contact<R: Real>(

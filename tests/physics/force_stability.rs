@@ -1,0 +1,205 @@
+//! The longest stable step of explicit methods under an applied force, from both sides.
+
+// Helpers of these tests fail by panicking, like the tests.
+#![allow(clippy::unwrap_used)]
+
+use crate::growth::factor_of_a_step;
+use crate::kit::each_explicit;
+use tumble::glam::{DQuat, DVec3};
+use tumble::{
+    AirDrag, Cuboid, FlatGround, Force, Integrator, Motion, Sphere, SpinDrag, State, Stepper,
+    SymplecticEuler, UniformGravity, Wrench,
+};
+
+/// A spring to the origin and a damper that holds the position, and a torsion spring that holds the
+/// orientation. A body that moves feels a torque, and one that turns a force, so both are coupled.
+#[derive(Clone, Copy)]
+struct Mount {
+    /// N/m along each axis.
+    stiffness: DVec3,
+    /// N s/m along each axis.
+    damping: DVec3,
+    /// N m/rad.
+    torsion: f64,
+    /// Lever arm of the damper, m, body axes.
+    arm: DVec3,
+}
+
+impl Force for Mount {
+    fn wrench(&self, motion: &Motion) -> Wrench {
+        let arm = motion.axes.to_world(self.arm);
+        let damper = -self.damping * motion.velocity_at(arm);
+        // For a small rotation the sum of e × e' over the axes is twice its vector.
+        let turned: DVec3 = (DVec3::AXES.iter())
+            .map(|&axis| axis.cross(motion.axes.to_world(axis)))
+            .sum();
+        Wrench {
+            force: damper - self.stiffness * motion.position,
+            torque: arm.cross(damper) - turned * (0.5 * self.torsion),
+        }
+    }
+    fn is_passive(&self) -> bool {
+        false
+    }
+}
+
+fn near(limit: Option<f64>, expected: f64) -> bool {
+    (limit.unwrap() / expected - 1.0).abs() < 1e-5
+}
+
+/// A force with the damping rate δ, or with the square κ of a frequency, has the limit of the
+/// method for (κ, δ): here in closed form for each force.
+#[test]
+fn a_force_in_flight_has_the_limit_of_its_rate() {
+    let (mass, radius) = (0.3, 0.05);
+    let inertia = 0.4 * mass * radius * radius;
+    let moving = State::at(DVec3::Z).with_linear_velocity(DVec3::new(3.0, 0.0, -4.0)); // 5 m/s
+    let spinning = State::at(DVec3::Z).with_angular_momentum(DVec3::X * inertia * 7.0); // 7 rad/s
+    let still = Mount {
+        stiffness: DVec3::ZERO,
+        damping: DVec3::ZERO,
+        torsion: 0.0,
+        arm: DVec3::ZERO,
+    };
+    let spring = Mount {
+        stiffness: DVec3::new(20.0, 90.0, 50.0),
+        ..still
+    };
+    let torsion = Mount {
+        torsion: 0.02,
+        ..still
+    };
+    // Quadratic drag along the velocity: d(c v²)/dv = 2 c v, with c = cd ρ A/2.
+    let area = 0.02;
+    let quadratic = AirDrag::quadratic(0.5, area, 1.2);
+    let per_speed = 0.5 * 0.5 * area * 1.2;
+    let cases: [(&str, &dyn Force, State, [f64; 2]); 5] = [
+        ("linear", &AirDrag::linear(0.6), moving, [0.0, 0.6 / mass]),
+        (
+            "quadratic",
+            &quadratic,
+            moving,
+            [0.0, 10.0 * per_speed / mass],
+        ),
+        (
+            "spin",
+            &SpinDrag::linear(1e-3),
+            spinning,
+            [0.0, 1e-3 / inertia],
+        ),
+        ("spring", &spring, State::default(), [90.0 / mass, 0.0]),
+        ("torsion", &torsion, State::default(), [0.02 / inertia, 0.0]),
+    ];
+    for (name, force, state, [stiffness, damping]) in cases {
+        each_explicit!(1e-3, |integrator, method| {
+            let stepper = Stepper::new(Sphere::solid(mass, radius))
+                .and_then(|stepper| stepper.with_integrator(integrator))
+                .unwrap();
+            assert_eq!(
+                stepper.largest_stable_step(&state),
+                None,
+                "{name}, {method}"
+            );
+            let limit = stepper
+                .with_force(force)
+                .unwrap()
+                .largest_stable_step(&state);
+            let expected = Integrator::<f64>::largest_stable_step(&integrator, stiffness, damping);
+            let expected = expected.unwrap();
+            if expected > 0.0 {
+                assert!(
+                    near(limit, expected),
+                    "{name}, {method}: {limit:?}, not {expected}"
+                );
+            } else {
+                assert_eq!(limit, Some(0.0), "{name}, {method}");
+            }
+        });
+    }
+}
+
+/// Forces on a brick with and without ground: below the limit no disturbance grows, above it one
+/// does. A disturbance that stays has a factor of 1.
+#[test]
+fn steps_are_stable_below_the_limit_of_a_force_and_grow_above_it() {
+    let brick = Cuboid::solid(1.0, DVec3::new(0.5, 0.3, 0.2));
+    let damper = Mount {
+        stiffness: DVec3::ZERO,
+        damping: DVec3::new(300.0, 100.0, 40.0),
+        torsion: 0.0,
+        arm: DVec3::new(0.1, -0.05, 0.08),
+    };
+    let mount = Mount {
+        stiffness: DVec3::new(3e3, 500.0, 8e3),
+        damping: DVec3::new(2.0, 5.0, 1.0),
+        torsion: 30.0,
+        ..damper
+    };
+    // The brick rests on its four lower corners, with 98 N on springs of 4000 N/m each.
+    let resting = State::at(DVec3::Z * (0.1 - 98.0 / 16e3));
+    let leaning = State::default().with_orientation(DQuat::from_axis_angle(DVec3::X, 0.02));
+    for (name, force, start, has_ground) in [
+        ("damper", damper, State::at(DVec3::Z), false),
+        ("mount", mount, leaning, false),
+        ("damper on ground", damper, resting, true),
+    ] {
+        each_explicit!(1e-3, |integrator, method| {
+            let (stiffness, weight) = if has_ground { (4e3, 98.0) } else { (0.0, 0.0) };
+            let stepper = Stepper::new(&brick)
+                .and_then(|stepper| stepper.with_ground(FlatGround::level(stiffness, 1.0)))
+                .and_then(|stepper| stepper.with_gravity(UniformGravity::down(weight)))
+                .and_then(|stepper| stepper.with_integrator(integrator))
+                .unwrap();
+            let stepper = stepper.with_force(force).unwrap();
+            let limit = stepper.largest_stable_step(&start).unwrap();
+            let factor = |part: f64| {
+                let mut exact = integrator;
+                exact.time_step = limit * part;
+                let stepper = stepper.with_integrator(exact).unwrap();
+                factor_of_a_step(
+                    |state| {
+                        stepper.step(state).unwrap();
+                    },
+                    &start,
+                    limit,
+                )
+            };
+            // Explicit Euler has no stable step for a motion without damping.
+            if limit > 0.0 {
+                let [below, above] = [factor(0.97), factor(1.03)];
+                assert!(
+                    below < 1.002,
+                    "{name}, {method}: grows by {below} below {limit:e} s"
+                );
+                // With springs and dampers of the ground the limit may be shorter than needed.
+                let grows = has_ground || above > 1.05;
+                assert!(grows, "{name}, {method}: {above} above {limit:e} s");
+            }
+        });
+    }
+}
+
+/// Drag shortens the limit of a body that touches. A weak drag shortens it by little.
+#[test]
+fn drag_adds_to_the_contacts() {
+    let ball = Sphere::solid(1.0, 0.1);
+    let state = State::at(DVec3::Z * 0.099);
+    let limit = |drag: f64| {
+        Stepper::new(ball)
+            .and_then(|stepper| stepper.with_ground(FlatGround::level(1e4, 0.0)))
+            .and_then(|stepper| stepper.with_integrator(SymplecticEuler { time_step: 1e-3 }))
+            .and_then(|stepper| stepper.with_force(AirDrag::linear(drag)))
+            .unwrap()
+            .largest_stable_step(&state)
+    };
+    // Without damping 2/ω. With it, the step that turns `1 - h δ` and `h² κ` to a factor of -1.
+    let expected =
+        |damping: f64| SymplecticEuler { time_step: 1e-3 }.largest_stable_step(1e4, damping);
+    for damping in [1e-6, 1.0, 30.0, 300.0, 3000.0] {
+        assert!(
+            near(limit(damping), expected(damping).unwrap()),
+            "{damping}"
+        );
+    }
+    assert!(limit(300.0) < limit(1.0));
+}
