@@ -31,6 +31,7 @@ mod flight;
 mod free_rotation;
 mod outcome;
 mod rigidity;
+mod step_at_rest;
 mod symmetry;
 mod time;
 mod until_rest;
