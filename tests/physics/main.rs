@@ -35,6 +35,7 @@ mod growth;
 mod lowest_point;
 mod outcome;
 mod rigidity;
+mod step_at_rest;
 mod symmetry;
 mod time;
 mod until_rest;

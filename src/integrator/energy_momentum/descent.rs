@@ -13,6 +13,14 @@
 //!
 //! Springs far stiffer than `m/h²` deflect the motion along the ground. An explicit method would
 //! throw the body out of the ground. Dampers and friction only add to the resistance.
+//!
+//! For a body without velocity, the forces at the start bound what the search can gain. Let `f` be
+//! the force of gravity and springs there, and `z₁ = h² M⁻¹ f` the motion that it would cause alone.
+//! Springs push back more on the way, so that `U(0) - U(z) <= f·z`. With `Φ(z) <= Φ(0)` it follows
+//! that `zᵀ M z <= 2 h² f·z = 2 zᵀ M z₁`, so z is at most twice as long as `z₁` in the metric of M.
+//! Therefore `U(0) - U(z) <= 4 T`, with the kinetic energy `T = z₁ᵀ M z₁/(2 h²)` of that motion.
+//! Contacts that carry the weight leave T within rounding, and the search is left out. On a ridge
+//! the bound on `U` does not hold, and a body that is balanced there stays.
 
 use super::block::Block;
 use super::linear::SixBySix;
@@ -36,8 +44,8 @@ const NEWTON: u32 = 4;
 /// has an energy of at most `ceiling`. The rest of the time passes without motion: such a step is
 /// stable, but not accurate. If the ground allows no such motion, the body stops at its position.
 ///
-/// Returns `None` if the body has stopped already, or if it is not in contact and only rounding
-/// increases the energy.
+/// Returns `None` if the body has stopped already, if its forces balance to within the energy that
+/// the end must lose, or if it is not in contact and only rounding increases the energy.
 pub(super) fn step<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &State<R>,
@@ -48,6 +56,9 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     let is_plane = matches!(scene.ground().bounds(), GroundBounds::Plane(_));
     let kinds = [Kind::ByNormals, Kind::WithoutTurn, Kind::ByDifferences];
     let energy = Energy::of(scene, start);
+    if Descent::new(scene, (start, energy), seconds, Kind::ByNormals).is_balanced(ceiling) {
+        return None;
+    }
     let mut blocked = false;
     for kind in kinds.into_iter().take(if is_plane { 2 } else { 3 }) {
         let mut length = seconds;
@@ -161,6 +172,20 @@ struct Way<R: Real> {
     turn: R::Vec3,
 }
 
+impl<R: Real> Way<R> {
+    const NONE: Self = Self {
+        shift: R::Vec3::ZERO,
+        turn: R::Vec3::ZERO,
+    };
+}
+
+/// Equations of a Newton step: the matrix, and the force (kg m) and torque (kg m²) times h².
+struct Equations<R: Real> {
+    matrix: SixBySix<R>,
+    force: R::Vec3,
+    torque: R::Vec3,
+}
+
 impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
     fn new(
         scene: &'a D,
@@ -192,18 +217,33 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         }
     }
 
+    /// Returns true if the kinetic energy that the forces at the start would give to the body shows
+    /// that no motion ends at an energy of at most the ceiling.
+    fn is_balanced(&self, ceiling: R) -> bool {
+        let Equations { force, torque, .. } = self.equations(self.start, &Way::NONE);
+        let properties = self.scene.inertia_properties();
+        let axes = self.start.rotation().axes();
+        let momentum = force * (R::ONE / self.seconds);
+        let angular_momentum = torque * (R::ONE / self.seconds);
+        let kinetic = momentum.length_squared() * (properties.inverse_mass() * R::HALF)
+            + properties.rotational_energy(&axes, angular_momentum);
+        kinetic * R::from_f64(4.0) < self.energy.total() - ceiling
+    }
+
     /// Returns the first end on Newton's path to the minimum of Φ whose energy is at most the
     /// ceiling.
     fn end_below(&self, ceiling: R, step: &mut Step<R>) -> Found<R> {
         let mut end = *self.start;
-        let mut way = Way {
-            shift: R::Vec3::ZERO,
-            turn: R::Vec3::ZERO,
-        };
+        let mut way = Way::NONE;
         let mut touching = 0;
         for iteration in 0..NEWTON {
             step.evaluations += 1;
-            let (shift, turn) = self.newton(&end, &way);
+            let Equations {
+                matrix,
+                force,
+                torque,
+            } = self.equations(&end, &way);
+            let (shift, turn) = matrix.solve(force, torque, self.bounding_radius);
             way = Way {
                 shift: way.shift + shift,
                 turn: way.turn + turn,
@@ -247,11 +287,12 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         }
     }
 
-    /// Newton step from the end of a displacement, with all terms multiplied by h²:
+    /// Equations of the Newton step from the end of a displacement, with all terms multiplied by h²:
     /// `(M + h² K + h C) Δz = M (z₀ - z) + h² f - h C z`.
-    fn newton(&self, end: &State<R>, way: &Way<R>) -> (R::Vec3, R::Vec3) {
+    #[inline(never)]
+    fn equations(&self, end: &State<R>, way: &Way<R>) -> Equations<R> {
         let h = self.seconds;
-        let mut equations = SixBySix::of_body(self.mass, &self.inertia);
+        let mut matrix = SixBySix::of_body(self.mass, &self.inertia);
         let mut force = (self.free.shift - way.shift) * self.mass;
         let mut torque = self.inertia.times(self.free.turn - way.turn);
         let motion = motion_of(self.scene, end);
@@ -267,7 +308,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             // The force over a uniform path depends on the end of the path by half of the spring
             // stiffness.
             let stiffness = mean.stiffness * R::TWO * h * h * weight;
-            equations.add_at(&Block::outer(slope * stiffness, slope), centre, centre);
+            matrix.add_at(&Block::outer(slope * stiffness, slope), centre, centre);
 
             let n = contact.normal;
             let along = friction
@@ -279,13 +320,17 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             let resisted = resistance.times(way.shift + way.turn.cross(contact.arm));
             force += -resisted;
             torque += -contact.arm.cross(resisted);
-            equations.add_at(&resistance, contact.arm, contact.arm);
+            matrix.add_at(&resistance, contact.arm, contact.arm);
         });
         if self.kind == Kind::WithoutTurn {
-            equations = equations.uncoupled();
+            matrix = matrix.uncoupled();
             torque = R::Vec3::ZERO;
         }
-        equations.solve(force, torque, self.bounding_radius)
+        Equations {
+            matrix,
+            force,
+            torque,
+        }
     }
 
     /// Gradient of the gap at the centre of a contact, and the position of that centre relative to
