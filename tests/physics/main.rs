@@ -29,6 +29,7 @@ mod energy;
 mod events;
 mod flight;
 mod free_rotation;
+mod many_contacts;
 mod outcome;
 mod rigidity;
 mod step_at_rest;
