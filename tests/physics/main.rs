@@ -33,6 +33,7 @@ mod force_stability;
 mod free_rotation;
 mod growth;
 mod lowest_point;
+mod many_contacts;
 mod outcome;
 mod rigidity;
 mod step_at_rest;

@@ -1,5 +1,17 @@
 //! The contacts of an implicit step: collected once, then evaluated for their mean force at each
 //! iteration.
+//!
+//! # Contacts beyond the storage
+//!
+//! A contact that is not stored is computed anew from the trial. Only its dual unknown of friction
+//! depends on the iterations before. Each dual unknown follows from the one before, the trials of
+//! both, and nothing else. So the trials at which friction was differentiated are stored, once for
+//! all contacts, and the chain is repeated for each of these contacts. The result is that of a
+//! stored contact to rounding.
+//!
+//! A chain that begins at a later trial is no substitute. While the slip of a contact in stick
+//! falls towards the slip speed of the law, its friction at each trial is that of a slide, and only
+//! the dual unknown knows that it will stick.
 
 use super::block::Block;
 use super::problem::{Problem, Trial};
@@ -12,10 +24,14 @@ use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::scene::Dynamics;
 
-/// Number of contacts that a step remembers from iteration to iteration. For additional contacts
-/// the direction of slip is not stored, so sticking takes more iterations. All guarantees hold for
-/// them too.
+/// Number of contacts that a step remembers from iteration to iteration. Additional contacts are
+/// computed anew.
 pub(super) const CAPACITY: usize = 128;
+
+/// Number of trials that are stored for additional contacts. Steps in stick take three to nine
+/// iterations. With 8 trials, iterations that take longer do not converge in one step of a hundred;
+/// with 12, in one of a thousand.
+const PAST: usize = 16;
 
 /// Largest number of panels of all rims that are known for their reversals of friction.
 const MOST_PANELS: usize = 32;
@@ -92,6 +108,10 @@ pub(super) struct Contacts<R: Real> {
     /// Derivative of a smooth body's path along the ground with respect to a rotation of the end of
     /// the step, where the matrix was last computed, m.
     path_by_turn: Block<R>,
+    /// The last trials at which friction was differentiated, in a ring, and the number of all that
+    /// there were in this step.
+    noted: [Trial<R>; PAST],
+    notes: usize,
 }
 
 impl<R: Real> Contacts<R> {
@@ -107,6 +127,8 @@ impl<R: Real> Contacts<R> {
         panels: 0,
         lever: Lever::NONE,
         path_by_turn: Block::ZERO,
+        noted: [Trial::NONE; PAST],
+        notes: 0,
     };
 
     /// Forgets the contacts of the last step.
@@ -116,6 +138,7 @@ impl<R: Real> Contacts<R> {
         (self.remembered, self.fixed) = (0, 0);
         self.with_rim = false;
         self.lever = Lever::NONE;
+        self.notes = 0;
     }
 
     /// Adds the contacts with a surface that are within reach.
@@ -239,7 +262,7 @@ impl<R: Real> Contacts<R> {
                 }
                 touch
             } else {
-                forgotten = self.forgotten(index, problem, trial);
+                forgotten = self.forgotten(index, problem, trial, false);
                 &mut forgotten
             };
             if touch.push.is_felt() {
@@ -284,7 +307,7 @@ impl<R: Real> Contacts<R> {
                     touch
                 }
                 _ => {
-                    forgotten = self.forgotten(index, problem, trial);
+                    forgotten = self.forgotten(index, problem, trial, false);
                     &mut forgotten
                 }
             };
@@ -393,13 +416,23 @@ impl<R: Real> Contacts<R> {
     }
 
     /// Force (N) and torque (N m) by which the dual forces of friction exceed those of the laws, at
-    /// the trial where the matrix was last computed.
+    /// the last trial, which was `trial`.
     pub(super) fn dual_excess<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
     ) -> (R::Vec3, R::Vec3) {
         let (mut force, mut torque) = (R::Vec3::ZERO, R::Vec3::ZERO);
-        for touch in self.touches.iter().take(self.remembered) {
+        let mut forgotten;
+        for index in 0..self.len() {
+            let touch = match self.touches.get(index) {
+                Some(touch) if index < self.remembered => touch,
+                _ => {
+                    forgotten = self.forgotten(index, problem, trial, true);
+                    forgotten.note_answer(problem);
+                    &forgotten
+                }
+            };
             if touch.push.is_felt() {
                 let excess = touch.dual_excess(problem);
                 force += excess;
@@ -443,7 +476,7 @@ impl<R: Real> Contacts<R> {
         sum
     }
 
-    /// Calls [`answer`](Self::answer) only to store its results.
+    /// Stores what [`answer`](Self::answer) stores, without the derivatives.
     #[cold]
     #[inline(never)]
     pub(super) fn note_answers<D: Dynamics<R>>(
@@ -451,7 +484,10 @@ impl<R: Real> Contacts<R> {
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
     ) {
-        self.answer(problem, trial, |_, _| {});
+        self.note(trial);
+        for touch in self.touches.iter_mut().take(self.remembered) {
+            touch.note_answer(problem);
+        }
     }
 
     /// Computes the Jacobian of friction at the last trial step, which was `trial`, for the
@@ -464,6 +500,9 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
         mut feel: impl FnMut(&Push<R>, &Answer<R>),
     ) {
+        if self.seen < self.candidates {
+            self.note(trial);
+        }
         let mut forgotten;
         for index in 0..self.len() {
             let touch = if index < self.remembered {
@@ -472,7 +511,7 @@ impl<R: Real> Contacts<R> {
                 };
                 touch
             } else {
-                forgotten = self.forgotten(index, problem, trial);
+                forgotten = self.forgotten(index, problem, trial, true);
                 &mut forgotten
             };
             if touch.push.is_felt() {
@@ -496,7 +535,7 @@ impl<R: Real> Contacts<R> {
             let touch = match self.touches.get(index) {
                 Some(touch) if index < self.remembered => touch,
                 _ => {
-                    forgotten = self.forgotten(index, problem, trial);
+                    forgotten = self.forgotten(index, problem, trial, false);
                     &forgotten
                 }
             };
@@ -507,7 +546,22 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// Recomputes a contact that is not stored.
+    /// Notes a trial at which friction is differentiated, for the contacts that are not stored.
+    fn note(&mut self, trial: &Trial<R>) {
+        if let Some(place) = self.noted.get_mut(self.notes % PAST) {
+            *place = *trial;
+        }
+        self.notes += 1;
+    }
+
+    /// The trials before the last one that was noted, oldest first.
+    fn past(&self) -> impl Iterator<Item = &Trial<R>> {
+        let last = self.notes.saturating_sub(1);
+        (self.notes.saturating_sub(PAST)..last).filter_map(|note| self.noted.get(note % PAST))
+    }
+
+    /// Recomputes a contact that is not stored, `with_past` with its dual unknown at the trial that
+    /// was noted before the last one.
     #[cold]
     #[inline(never)]
     fn forgotten<D: Dynamics<R>>(
@@ -515,6 +569,7 @@ impl<R: Real> Contacts<R> {
         index: usize,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
+        with_past: bool,
     ) -> Touch<R> {
         let contacts = problem.scene.body().contacts();
         // In the order of the parts of a contact range: a range that begins after the last contact
@@ -531,6 +586,14 @@ impl<R: Real> Contacts<R> {
         };
         let mut touch = Touch::of(problem, surface, point);
         touch.respond(problem, trial);
+        if with_past && touch.push.is_felt() {
+            let push = touch.push;
+            for trial in self.past() {
+                touch.respond(problem, trial);
+                touch.note_answer(problem);
+            }
+            touch.push = push;
+        }
         touch
     }
 }

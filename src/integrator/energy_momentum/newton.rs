@@ -307,7 +307,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             problem.bounding_radius,
         );
         let is_last = (is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
-            || self.is_close_in_stick(here, contacts, shift, turn);
+            || self.is_close_in_stick(here, (contacts, trial), shift, turn);
         change(problem, trial, &here.place, shift, turn);
         if self.with_increments {
             self.increment = Some(Increment::of(shift, turn, here.place.spin));
@@ -371,7 +371,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     fn is_close_in_stick(
         &self,
         here: &Balance<R>,
-        contacts: &Contacts<R>,
+        (contacts, trial): (&Contacts<R>, &Trial<R>),
         shift: R::Vec3,
         turn: R::Vec3,
     ) -> bool {
@@ -383,7 +383,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             && size_of_motion(self.problem, shift, turn) <= close_of_own()
             && is_close_by_dual(
                 self.problem,
-                contacts,
+                (contacts, trial),
                 [here.force_residual, here.torque_residual],
                 here.tolerance * self.close,
             )
@@ -474,12 +474,12 @@ fn norm<R: Real, D: Dynamics<R>>(
 #[inline(never)]
 fn is_close_by_dual<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
-    contacts: &Contacts<R>,
+    (contacts, trial): (&Contacts<R>, &Trial<R>),
     [force_residual, torque_residual]: [R::Vec3; 2],
     close: R,
 ) -> bool {
     let half = problem.seconds * R::HALF;
-    let (force, torque) = contacts.dual_excess(problem);
+    let (force, torque) = contacts.dual_excess(problem, trial);
     norm(
         problem,
         force_residual - force * half,

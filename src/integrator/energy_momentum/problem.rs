@@ -66,7 +66,7 @@ pub(super) struct Trial<R: Real> {
 }
 
 impl<R: Real> Trial<R> {
-    const NONE: Self = Self {
+    pub(super) const NONE: Self = Self {
         velocity: R::Vec3::ZERO,
         spin: R::Vec3::ZERO,
         shift: R::Vec3::ZERO,

@@ -453,6 +453,16 @@ impl<R: Real> Touch<R> {
         });
     }
 
+    /// Computes and stores the dual unknown at the last trial.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn note_answer<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>) {
+        if self.push.is_felt() {
+            let answer = self.answer(problem);
+            self.remember(&answer);
+        }
+    }
+
     /// Dual unknown after Newton's step from the last slip u to the current slip u':
     /// `(u' - w' g (û·(u' - u)))/w`, projected on the unit disc (Chan, Golub & Mulet 1999).
     #[inline]

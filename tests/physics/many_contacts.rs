@@ -1,0 +1,175 @@
+//! Bodies with more contacts than a step stores.
+//!
+//! The forces of the contacts beyond the storage are computed anew at each iteration, and with them
+//! their dual unknowns of friction. Without these, Newton's method did not converge in stick from a
+//! few hundred contacts on, each step was divided, and a body that should stay moved.
+
+// Helpers of these tests fail by panicking, like the tests.
+#![allow(clippy::unwrap_used)]
+
+use core::f64::consts::FRAC_PI_2;
+use tumble::glam::{DMat3, DVec3};
+use tumble::ground::Plane;
+use tumble::{
+    ContactPoint, Coulomb, EnergyMomentum, FlatGround, RigidPointBody, State, Stepper, Stribeck,
+    UniformGravity,
+};
+
+/// Mass of each body, kg.
+const MASS: f64 = 1.7;
+/// Half of the edge of the face, and its distance from the centre of mass, m.
+const HALF: f64 = 0.08;
+const HEIGHT: f64 = 0.03;
+/// Depth to which the body's weight presses it into level ground, m.
+const DEPTH: f64 = 2e-5;
+const GRAVITY: f64 = 9.81;
+/// Most iterations a step, on average. A hundred contacts, all of them stored, take 2 to 12.
+const MOST_ITERATIONS: f64 = 16.0;
+
+/// A slab with a square grid of contacts on its lower face.
+#[derive(Debug)]
+struct Slab(Vec<ContactPoint>);
+
+impl Slab {
+    /// Creates a slab with `count` contacts along each edge.
+    fn new(count: u32) -> Self {
+        let place = |i: u32| HALF * (2.0 * f64::from(i) / f64::from(count - 1) - 1.0);
+        let contact = |(i, j)| ContactPoint {
+            position: DVec3::new(place(i), place(j), -HEIGHT),
+            ..ContactPoint::default()
+        };
+        let pairs = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
+        Self(pairs.map(contact).collect())
+    }
+
+    /// Creates the slab with its contacts in another order, so that others are stored.
+    fn reversed(&self) -> Self {
+        Self(self.0.iter().rev().copied().collect())
+    }
+}
+
+impl RigidPointBody for Slab {
+    fn mass(&self) -> f64 {
+        MASS
+    }
+    fn inertia(&self) -> DMat3 {
+        let (across, up) = (4.0 * HALF * HALF, 4.0 * HEIGHT * HEIGHT);
+        DMat3::from_diagonal(DVec3::new(across + up, across + up, 2.0 * across) * (MASS / 12.0))
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        &self.0
+    }
+}
+
+/// Result of a run: the last state, the iterations of a step on average, and the divided steps.
+struct Run {
+    end: State,
+    iterations: f64,
+    fallbacks: u32,
+}
+
+/// A start on a plane with this normal, deeper than at rest by a fourth, with this velocity.
+fn on_plane(normal: DVec3, velocity: DVec3) -> State {
+    let turn = DVec3::Z.cross(normal);
+    State::at(normal * (HEIGHT - 1.25 * DEPTH))
+        .with_rotation_vector(turn.normalize_or_zero() * turn.length().asin().min(FRAC_PI_2))
+        .with_linear_velocity(velocity)
+}
+
+/// Runs a slab for some steps on a plane with this normal.
+fn run(
+    slab: &Slab,
+    normal: DVec3,
+    (friction, time_step): (impl tumble::SlidingFriction, f64),
+    start: State,
+    steps: u32,
+) -> Run {
+    let count = f64::from(u32::try_from(slab.0.len()).unwrap());
+    let stiffness = MASS * GRAVITY / (DEPTH * count);
+    let ground = FlatGround::level(stiffness, stiffness * 1e-3);
+    let stepper = Stepper::new(slab)
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
+        .and_then(|stepper| stepper.with_ground(ground.on(Plane::through(DVec3::ZERO, normal))))
+        .and_then(|stepper| stepper.with_friction(friction))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+        .unwrap();
+    let mut session = stepper.session(start);
+    let (mut iterations, mut fallbacks) = (0.0, 0);
+    for _ in 0..steps {
+        let step = session.step().unwrap();
+        iterations += f64::from(step.iterations) / f64::from(steps);
+        fallbacks += u32::from(step.fallback);
+    }
+    Run {
+        end: *session.state(),
+        iterations,
+        fallbacks,
+    }
+}
+
+/// Normal of a slope of this angle, deg.
+fn slope(degrees: f64) -> DVec3 {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    DVec3::new(sin, 0.0, cos)
+}
+
+#[test]
+fn a_slab_that_should_stay_stays_for_any_number_of_contacts() {
+    for degrees in [0.0, 12.0, 25.0] {
+        let normal = slope(degrees);
+        for (slip_speed, time_step) in [(1e-5, 5e-4), (1e-8, 2e-3), (1e-9, 5e-4)] {
+            let friction = Coulomb {
+                coefficient: 0.7,
+                slip_speed,
+            };
+            let stays = |count: u32, steps: u32| {
+                let start = on_plane(normal, DVec3::ZERO);
+                let slab = Slab::new(count);
+                let run = run(&slab, normal, (friction, time_step), start, steps);
+                let along = run.end.position - normal * normal.dot(run.end.position);
+                (along.length(), run)
+            };
+            // 100 contacts are stored as a whole.
+            for (count, steps) in [(17, 60), (23, 60), (40, 20)] {
+                let (stored, few) = stays(10, steps);
+                let (moved, many) = stays(count, steps);
+                let name = format!("{degrees} degrees, {slip_speed:e} m/s, {count}² contacts");
+                assert_eq!(many.fallbacks, 0, "{name}");
+                assert!(
+                    many.iterations <= MOST_ITERATIONS,
+                    "{name}: {} iterations a step, {} with 100 contacts",
+                    many.iterations,
+                    few.iterations
+                );
+                // The slip of the law itself is 1e-9 of a millimetre and more.
+                assert!(
+                    moved <= stored * 1.5 + 1e-12,
+                    "{name}: {moved:e} m, {stored:e} m of 100 contacts"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn which_contacts_are_stored_changes_rounding_only() {
+    // The slab spins and slides, some of its contacts stick and some slip.
+    let normal = slope(8.0);
+    let friction = Stribeck {
+        static_coefficient: 0.45,
+        kinetic_coefficient: 0.3,
+        stribeck_speed: 0.05,
+        viscous: 0.0,
+        slip_speed: 1e-4,
+    };
+    let start = on_plane(normal, DVec3::new(0.0, 0.03, 0.0))
+        .with_angular_momentum(normal * (MASS * HALF * HALF));
+    let slab = Slab::new(15);
+    let settings = (friction, 1e-3);
+    let [one, other] = [&slab, &slab.reversed()].map(|slab| run(slab, normal, settings, start, 80));
+    let off = (one.end.position - other.end.position).length();
+    assert!(off < 1e-12, "{off:e} m");
+    let moved = (one.end.position - start.position).length();
+    assert!(moved > 1e-4, "{moved:e} m");
+    assert_eq!([one.fallbacks, other.fallbacks], [0, 0]);
+}
