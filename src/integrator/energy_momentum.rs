@@ -111,8 +111,8 @@ use problem::Problem;
 ///   added (`energy_removed`).
 /// - *Contacts:* up to 128 are remembered from iteration to iteration. Additional contacts take
 ///   part without memory, with more iterations if they stick. Nothing is allocated.
-/// - *Round rims:* the rims that touch share the storage that the contacts leave. A rim has eight
-///   points between discontinuities, and fewer if more than twelve such pieces touch.
+/// - *Round rims:* the rims that touch share the storage that the contacts leave. A rim has up to
+///   eight points between discontinuities, and fewer if more than twelve such pieces touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyMomentum<R = f64> {

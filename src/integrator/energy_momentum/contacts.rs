@@ -18,10 +18,10 @@ use crate::scene::Dynamics;
 pub(super) const CAPACITY: usize = 128;
 
 /// Largest number of panels of all rims that are known for their reversals of friction.
-const MOST_PANELS: usize = 32;
+const MOST_PANELS: usize = 24;
 
-/// Largest fraction of the length below ground at which a panel needs no more than four points. Most
-/// such panels are below the ground at the start or at the end of the step only.
+/// Largest fraction of the length below ground at which a panel needs no more than four points.
+/// Most such panels are below the ground at the start or at the end of the step only.
 ///
 /// Let κ be the chord of the arc and c that of the panel. The depth on the panel is a polynomial of
 /// degree 2 in the chord, except for terms of order c², and its square is integrated exactly. The
@@ -71,9 +71,17 @@ impl<R: Real> Reach<R> {
 #[derive(Clone, Copy, Debug)]
 struct LaidPanel {
     /// Number of the rim.
-    rim: usize,
+    rim: u16,
     /// End of the panel's points among the contacts.
-    end: usize,
+    end: u16,
+}
+
+impl LaidPanel {
+    fn of(rim: usize, end: usize) -> Self {
+        // Both are far smaller, so that nothing is cut off.
+        let [rim, end] = [rim, end].map(|number| u16::try_from(number).unwrap_or(u16::MAX));
+        Self { rim, end }
+    }
 }
 
 /// Contacts that may touch during a step.
@@ -359,10 +367,7 @@ impl<R: Real> Contacts<R> {
             *count += 1;
         });
         if let Some(laid) = self.laid.get_mut(self.panels) {
-            *laid = LaidPanel {
-                rim: number,
-                end: *count,
-            };
+            *laid = LaidPanel::of(number, *count);
             self.panels += 1;
         }
     }
@@ -378,15 +383,14 @@ impl<R: Real> Contacts<R> {
         let laid = self.laid.get(..self.panels).unwrap_or_default();
         let touch = |index: Option<usize>| self.touches.get(index?);
         for (left, right) in laid.iter().zip(laid.iter().skip(1)) {
-            let Some(rim) = rims.get(left.rim).filter(|_| left.rim == right.rim) else {
+            let rim = rims.get(usize::from(left.rim));
+            let Some(rim) = rim.filter(|_| left.rim == right.rim) else {
                 continue;
             };
             // The outermost points of a panel are its last two. The point farther along the rim
             // comes first.
-            let outermost = (
-                touch(left.end.checked_sub(2)),
-                touch(right.end.checked_sub(1)),
-            );
+            let [left, right] = [left.end, right.end].map(usize::from);
+            let outermost = (touch(left.checked_sub(2)), touch(right.checked_sub(1)));
             if let (Some(left), Some(right)) = outermost {
                 let per_metre = rim.points() / (rim.radius() * R::from_f64(core::f64::consts::TAU));
                 if let Some(reversal) = Reversal::between(problem, [left, right], per_metre) {
