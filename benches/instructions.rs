@@ -1,10 +1,10 @@
 //! A fixed number of steps, for `callgrind` to count the instructions: see `.ci/instructions`.
 //!
 //! The arguments are `instructions INTEGRATOR PHASE SCENE STEPS`. `SCENE` is a number of points,
-//! `round` for a rim without points, `own` for 120 points on a user's ground and friction law,
-//! whose values every step tests, or the name of a part that is added to 120 points. The
-//! instructions of a step are the difference of two counts over the difference of their numbers of
-//! steps.
+//! `round` for a rim without points, `thick` for two of them, `own` for 120 points on a user's
+//! ground and friction law, whose values every step tests, or the name of a part that is added to
+//! 120 points. The instructions of a step are the difference of two counts over the difference of
+//! their numbers of steps.
 
 // A benchmark that fails ends with a panic.
 #![allow(clippy::unwrap_used, clippy::panic)]
@@ -14,7 +14,7 @@ mod scenes;
 use core::hint::black_box;
 use scenes::{Advance, Part, Phase, TIME_STEP, own_laws, ring, round, stepper};
 use tumble::{
-    EnergyMomentum, ForwardEuler, Integrator, Nystrom, Rk4, StrangSplitting, SymplecticEuler,
+    EnergyMomentum, ForwardEuler, Integrator, Nystrom, Rk4, State, StrangSplitting, SymplecticEuler,
 };
 
 fn main() {
@@ -40,37 +40,41 @@ fn main() {
 
 fn run(integrator: impl Integrator, phase: Phase, scene: &str, steps: u32) {
     if let Some(part) = Part::named(scene) {
-        return run_with(part, integrator, phase, steps);
+        return run_with(part, integrator, &phase.state(), steps);
     }
     match scene {
-        "round" => measure(&stepper(round(), integrator), phase, steps),
-        "own" => measure(&own_laws(integrator), phase, steps),
+        "round" => measure(&stepper(round(), integrator), &phase.state(), steps),
+        "thick" => {
+            let start = scenes::on_one_rim(phase);
+            measure(&stepper(scenes::thick(), integrator), &start, steps);
+        }
+        "own" => measure(&own_laws(integrator), &phase.state(), steps),
         _ => {
             let points = scene.parse().unwrap();
-            measure(&stepper(ring(points), integrator), phase, steps);
+            measure(&stepper(ring(points), integrator), &phase.state(), steps);
         }
     }
 }
 
-fn run_with(part: Part, integrator: impl Integrator, phase: Phase, steps: u32) {
+fn run_with(part: Part, integrator: impl Integrator, start: &State, steps: u32) {
     let plain = stepper(ring(120), integrator);
     match part {
-        Part::Tilt => measure(&plain.with_ground(scenes::tilted()).unwrap(), phase, steps),
+        Part::Tilt => measure(&plain.with_ground(scenes::tilted()).unwrap(), start, steps),
         Part::HuntCrossley => {
             let stepper = plain.with_ground(scenes::hunt_crossley()).unwrap();
-            measure(&stepper, phase, steps);
+            measure(&stepper, start, steps);
         }
-        Part::Patch => measure(&plain.with_friction(scenes::patch()).unwrap(), phase, steps),
+        Part::Patch => measure(&plain.with_friction(scenes::patch()).unwrap(), start, steps),
         Part::Resistance => {
             let stepper = plain.with_friction(scenes::resistance()).unwrap();
-            measure(&stepper, phase, steps);
+            measure(&stepper, start, steps);
         }
-        Part::Drag => measure(&plain.with_force(scenes::drag()).unwrap(), phase, steps),
-        Part::Air => measure(&plain.with_force(scenes::air()).unwrap(), phase, steps),
-        Part::Wind => measure(&plain.with_force(scenes::wind()).unwrap(), phase, steps),
+        Part::Drag => measure(&plain.with_force(scenes::drag()).unwrap(), start, steps),
+        Part::Air => measure(&plain.with_force(scenes::air()).unwrap(), start, steps),
+        Part::Wind => measure(&plain.with_force(scenes::wind()).unwrap(), start, steps),
     }
 }
 
-fn measure(stepper: &impl Advance, phase: Phase, steps: u32) {
-    black_box(scenes::steps(stepper, &black_box(phase.state()), steps));
+fn measure(stepper: &impl Advance, start: &State, steps: u32) {
+    black_box(scenes::steps(stepper, black_box(start), steps));
 }

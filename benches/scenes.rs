@@ -10,7 +10,7 @@ use tumble::{
     AirDrag, Coin, ContactPoint, Coulomb, Disc, FlatGround, Force, FrictionJacobian, FrictionPatch,
     Gravity, Ground, GroundBounds, HuntCrossley, Integrator, MeanForce, Plane, Region,
     RigidPointBody, SlidingFriction, SpinDrag, SpinLift, SpringDamperGround, State, Stepper,
-    Surface, Trial, UniformGravity, Wind, WithResistance,
+    Surface, ThickDisc, Trial, UniformGravity, Wind, WithResistance,
 };
 
 /// Step size of the coin report, s.
@@ -102,6 +102,21 @@ pub(crate) fn ring(points: usize) -> Ring {
 /// Returns the coin of the coin report with a round rim.
 pub(crate) fn round() -> Disc {
     Disc::ring(Trial::<f64>::MASS, Trial::<f64>::RADIUS, 120)
+}
+
+/// Returns a coin of a tenth of the radius in thickness, with two round rims.
+pub(crate) fn thick() -> ThickDisc {
+    let radius = Trial::<f64>::RADIUS;
+    ThickDisc::solid(Trial::<f64>::MASS, radius, 0.1 * radius, 120)
+}
+
+/// Returns the state of a phase, raised so that the lower rim of [`thick`] is as deep in the ground
+/// as that of the thin coin.
+pub(crate) fn on_one_rim(phase: Phase) -> State {
+    let mut state = phase.state();
+    let normal = state.orientation * DVec3::X;
+    state.position.z += 0.5 * thick().thickness() * normal.z.abs();
+    state
 }
 
 /// Returns the ground for a coin of `points` points. Its total stiffness and damping are those of

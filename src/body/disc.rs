@@ -8,7 +8,8 @@ use crate::state::State;
 
 /// Thin coin whose contact is the whole circle of its rim.
 ///
-/// It is a [`Coin`](super::Coin) in the limit of many points.
+/// It is a [`Coin`](super::Coin) in the limit of many points. A coin with a thickness is a
+/// [`ThickDisc`](super::ThickDisc), with two rims.
 ///
 /// Body axes: the normal is x and the rim lies in the yz plane. The mass properties are those of
 /// the constructor. They do not depend on the number of points that the rim [represents](Rim).
@@ -83,9 +84,9 @@ use crate::state::State;
 /// - With explicit methods the forces equal the integral of the laws over the arc to a relative
 ///   2e-7, and mostly to 1e-9. They are less accurate if dampers cancel the force at the lowest
 ///   point and at both ends, so that only a short part between them pushes.
-/// - `EnergyMomentum` uses eight points between discontinuities. If friction reverses on the arc,
-///   the error is up to 1e-3 of the load, and 6e-3 for a slip speed of 1e-10 m/s. So the method
-///   does not converge to the same limit as its steps get shorter.
+/// - `EnergyMomentum` uses up to eight points between discontinuities. If friction reverses on the
+///   arc, the error is up to 1e-3 of the load, and 6e-3 for a slip speed of 1e-10 m/s. So the
+///   method does not converge to the same limit as its steps get shorter.
 /// - The difference from the limit of many points decreases with the square of their number, if the
 ///   points' contacts are resolved in time. A ring that spins upright on the spot is an exception.
 ///   Its contacts are always the same few points, near the lowest point, where friction reverses.

@@ -227,12 +227,16 @@ impl<R: Real> Rim<R> {
         self.place(turned(panel.middle, [cos, sin]))
     }
 
-    /// Quadrature points of a panel, at most `most`, each with the number of contact points that it
-    /// represents. There are two at least.
-    #[inline]
-    pub(crate) fn nodes(&self, panel: Panel<R>, most: usize) -> impl Iterator<Item = (R::Vec3, R)> {
+    /// Calls `visit` with the quadrature points of a panel, at most `most`, and with the number of
+    /// contact points that each represents. There are two at least.
+    #[inline(always)]
+    pub(crate) fn visit_nodes(
+        &self,
+        panel: Panel<R>,
+        most: usize,
+        mut visit: impl FnMut(R::Vec3, R),
+    ) {
         let (chord, density) = (panel.chord, panel.chord * self.points);
-        let rim = *self;
         let rule = match most {
             0..=3 => HALF_OF_2.as_slice(),
             4..=5 => HALF_OF_4.as_slice(),
@@ -240,13 +244,15 @@ impl<R: Real> Rim<R> {
             _ if chord <= R::from_f64(SHORT) => HALF_OF_6.as_slice(),
             _ => HALF_OF_8.as_slice(),
         };
-        rule.iter().flat_map(move |&[u, weight]| {
+        for &[u, weight] in rule {
             let t = chord * R::from_f64(u);
             let root = (R::ONE - t * t).sqrt();
             let (cos, sin) = (R::ONE - R::TWO * t * t, R::TWO * t * root);
             let points = density * R::from_f64(weight * core::f64::consts::FRAC_1_PI) / root;
-            [sin, -sin].map(|sin| (rim.place(turned(panel.middle, [cos, sin])), points))
-        })
+            for sin in [sin, -sin] {
+                visit(self.place(turned(panel.middle, [cos, sin])), points);
+            }
+        }
     }
 
     /// Checks that the rim is valid.

@@ -113,8 +113,8 @@ use problem::Problem;
 ///   are computed anew at each iteration. Where they stick, the iterations before are repeated for
 ///   them, so that a step takes no more iterations, but each costs several times as much. Nothing is
 ///   allocated.
-/// - *Round rims:* the rims that touch share the storage that the contacts leave. A rim has eight
-///   points between discontinuities, and fewer if more than twelve such pieces touch.
+/// - *Round rims:* the rims that touch share the storage that the contacts leave. A rim has up to
+///   eight points between discontinuities, and fewer if more than twelve such pieces touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyMomentum<R = f64> {

@@ -161,7 +161,8 @@ proptest! {
     /// of two bodies with one rim each, on level and tilted planes, in any motion.
     #[test]
     fn the_load_of_two_rims_is_the_sum_of_the_loads_of_each(
-        orientation in orientations(), deep in -0.1..1.0_f64, slope in prop_oneof![Just(0.0), -0.3..0.3_f64],
+        orientation in orientations(), deep in -0.1..1.0_f64,
+        slope in prop_oneof![Just(0.0), -0.3..0.3_f64],
         velocity in directions(), spin in directions(), speed in log_uniform(1e-3, 10.0),
     ) {
         let normal = DVec3::new(slope, 0.0, 1.0).normalize();
@@ -202,9 +203,11 @@ proptest! {
     /// The springs of both rims are one potential: along any motion it loses what the load does.
     #[test]
     fn the_force_is_the_gradient_of_the_energy(
-        orientation in orientations(), deep in -0.1..1.0_f64, shift in directions(), turn in directions(),
+        orientation in orientations(), deep in -0.1..1.0_f64,
+        shift in directions(), turn in directions(),
     ) {
-        let stepper = scene!(disc(), FlatGround::level(1000.0, 0.0), Frictionless, Rk4 { time_step: 1e-3 });
+        let (ground, by) = (FlatGround::level(1000.0, 0.0), Rk4 { time_step: 1e-3 });
+        let stepper = scene!(disc(), ground, Frictionless, by);
         let down = orientation.inverse() * -DVec3::Z;
         let state = State { orientation, ..State::at(DVec3::Z * (disc().support(down) - deep)) };
         let rates = stepper.scene().rates(&state);

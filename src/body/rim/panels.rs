@@ -128,6 +128,12 @@ impl<R: Real> Panels<R> {
         }
     }
 
+    /// Sum of the chords of all panels, which is that of their arcs if they are short.
+    #[inline]
+    pub(crate) fn total_chord(&self) -> R {
+        self.iter().fold(R::ZERO, |sum, panel| sum + panel.chord)
+    }
+
     pub(crate) fn count(&self) -> usize {
         self.count
     }

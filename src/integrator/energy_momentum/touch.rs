@@ -221,6 +221,24 @@ impl<R: Real> Touch<R> {
         }
     }
 
+    /// Becomes a point of a rim (m, body axes) that represents a number of contact points. The
+    /// other fields are written by the trial that follows.
+    #[inline(always)]
+    pub(super) fn lay<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        surface: u32,
+        place: R::Vec3,
+        weight: R,
+    ) {
+        let motion = &problem.motion;
+        self.arm = motion.axes.to_world(place);
+        let under = problem.ground(surface).surface(motion.position + self.arm);
+        let push = &mut self.push;
+        (push.surface, push.normal) = (surface, under.normal);
+        (push.depth, push.radius, push.weight) = (R::ZERO - under.gap, R::ZERO, weight);
+    }
+
     /// Position at which friction is evaluated, m, world axes. It is computed only for a law that
     /// depends on it.
     #[inline(always)]

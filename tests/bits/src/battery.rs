@@ -6,7 +6,7 @@
 //!
 //! A second battery, [`driven`], holds the parts that can drive a body or vary over the ground:
 //! forces, ground that moves, friction by place, several surfaces, and events. Its rows follow
-//! those of the first.
+//! those of the first. A third one, [`rims`], holds bodies with several round rims.
 //!
 //! A new part joins by a line: a scene by a `play` at the end of [`scenes`] or [`driven`], with the
 //! part in it; an integrator by a line in [`each_scene`]. `UPDATE=1 cargo test --test bits` stores
@@ -22,10 +22,10 @@ use tumble::{
     Ellipsoid, EnergyMomentum, Event, FlatGround, Flight, Force, ForwardEuler, FrictionField,
     FrictionPatch, Frictionless, Gravity, Ground, HuntCrossley, Integrator, Landing, Ledger,
     LimitedDamper, LoadDependentCoulomb, MassProperties, MovingGround, NoForce, NoGravity,
-    NoGround, Nystrom, Plane, PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rk4, Rod,
-    Rotation, Sample, SceneError, SlidingFriction, SlipEnds, SmoothCoulomb, SolidCoin, Sphere,
+    NoGround, Nystrom, Plane, PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rim, Rk4,
+    Rod, Rotation, Sample, SceneError, SlidingFriction, SlipEnds, SmoothCoulomb, SolidCoin, Sphere,
     SpinDrag, SpinLift, SpringDamper, SpringDamperGround, State, Stepper, StrangSplitting,
-    Stribeck, SymplecticEuler, Terrain, Trial, UniformGravity, Viscous, Waves, Wind,
+    Stribeck, SymplecticEuler, Terrain, ThickDisc, Trial, UniformGravity, Viscous, Waves, Wind,
     WithResistance,
 };
 
@@ -42,8 +42,8 @@ pub struct Outcome {
 }
 
 /// Writes a line for each precision and integrator: `f64 EnergyMomentum 0123456789abcdef`, and then
-/// those of the second battery: `f64 EnergyMomentum, driven 0123456789abcdef`. With `scenes`, it
-/// writes one for each scene too.
+/// those of the second and third battery: `f64 EnergyMomentum, driven 0123456789abcdef`. With
+/// `scenes`, it writes one for each scene too.
 pub fn write(out: &mut dyn fmt::Write, scenes: bool) -> fmt::Result {
     let mut line: Option<(Outcome, Hash)> = None;
     let mut result = Ok(());
@@ -137,6 +137,15 @@ pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
         )*};
     }
     adaptive!(f32 f64);
+    macro_rules! rims {
+        ($($real:ident)*) => {$(
+            with_each!(rims $real ", rims"
+                Rk4: |time_step| Rk4 { time_step };
+                EnergyMomentum: |time_step| EnergyMomentum { time_step };
+                DormandPrince54: |step| DormandPrince54::new(tolerance(step)););
+        )*};
+    }
+    rims!(f32 f64);
     Ok(())
 }
 
@@ -577,6 +586,81 @@ fn follow_events<R: Bits, I: Integrator<R>>(
 type Play<'a, R> =
     dyn FnMut(&'static str, DrivenParts<'_, R>, State<R>) -> Result<(), SceneError> + 'a;
 
+/// Composes and follows a scene of the second or third battery.
+fn play_with_events<R: Bits, I: Integrator<R>>(
+    method: &impl Fn(R) -> I,
+    (body, ground, friction, force): DrivenParts<'_, R>,
+    start: State<R>,
+) -> Result<(u64, bool), SceneError> {
+    let stepper = Stepper::new(body)?
+        .with_gravity(UniformGravity::down(real(9.8)))?
+        .with_ground(ground)?
+        .with_friction(friction)?
+        .with_force(force)?
+        .with_integrator(method(real(1e-3)))?;
+    follow_events(&stepper, start, 0.3003)
+}
+
+/// All scenes of the third battery with one integrator, which is made from its time step (s):
+/// bodies with two and more round rims.
+fn rims<R: Bits, I: Integrator<R>>(
+    method: impl Fn(R) -> I,
+    see: &mut dyn FnMut(&'static str, (u64, bool)),
+) -> Result<(), SceneError> {
+    let mut play = |name, parts: DrivenParts<'_, R>, start| {
+        see(name, play_with_events(&method, parts, start)?);
+        Ok::<(), SceneError>(())
+    };
+    let coin = ThickDisc::<R>::solid(real(1.0), real(0.3), real(0.1), 40);
+    let rim = |x: f64, radius: f64| {
+        let normal = vector::<R>(1.0, 0.0, 0.0);
+        Rim::new(vector::<R>(x, 0.02, 0.0), normal, real(radius), 40)
+    };
+    let wheel = Rims([rim(-0.1, 0.2), rim(0.0, 0.3), rim(0.1, 0.2)]);
+    let tilted = level::<R>().on(slope());
+    let walls = (level::<R>(), wall::<R>());
+    let coulomb = coulomb::<R>();
+    let rolling = start::<R>([
+        [0.0, 0.0, 0.2995],
+        [0.8, 0.1, 0.0],
+        [0.0, 0.0, 1.6],
+        [0.0, 0.1, 0.01],
+    ]);
+    play(
+        "thick coin on a slope",
+        (&coin, &tilted, &coulomb, &NoForce),
+        thrown(),
+    )?;
+    play(
+        "thick coin rolls on both rims",
+        (&coin, &level(), &coulomb, &drag()),
+        rolling,
+    )?;
+    play(
+        "three rims between walls",
+        (&wheel, &walls, &coulomb, &NoForce),
+        thrown(),
+    )
+}
+
+/// A body that is nothing but three rims.
+struct Rims<R: Real>([Rim<R>; 3]);
+
+impl<R: Real> RigidPointBody<R> for Rims<R> {
+    fn mass(&self) -> R {
+        real(1.0)
+    }
+    fn inertia(&self) -> R::Mat3 {
+        R::Mat3::from_diagonal(vector::<R>(0.03, 0.02, 0.02))
+    }
+    fn contacts(&self) -> &[ContactPoint<R>] {
+        &[]
+    }
+    fn rims(&self) -> &[Rim<R>] {
+        &self.0
+    }
+}
+
 /// All scenes of the second battery with one integrator, which is made from its time step (s):
 /// applied forces, ground that moves, friction by place, several surfaces, each with events.
 fn driven<R: Bits, I: Integrator<R>>(
@@ -584,14 +668,7 @@ fn driven<R: Bits, I: Integrator<R>>(
     see: &mut dyn FnMut(&'static str, (u64, bool)),
 ) -> Result<(), SceneError> {
     let mut play = |name, parts: DrivenParts<'_, R>, start| {
-        let (body, ground, friction, force) = parts;
-        let stepper = Stepper::new(body)?
-            .with_gravity(UniformGravity::down(real(9.8)))?
-            .with_ground(ground)?
-            .with_friction(friction)?
-            .with_force(force)?
-            .with_integrator(method(real(1e-3)))?;
-        see(name, follow_events(&stepper, start, 0.3003)?);
+        see(name, play_with_events(&method, parts, start)?);
         Ok(())
     };
     with_forces(&mut play)?;
