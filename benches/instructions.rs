@@ -2,7 +2,8 @@
 //!
 //! The arguments are `instructions INTEGRATOR PHASE SCENE STEPS`. `SCENE` is a number of points,
 //! `round` for a rim without points, `own` for 120 points on a user's ground and friction law,
-//! whose values every step tests, or the name of a part that is added to 120 points. The
+//! whose values every step tests, `events` for a run with events, or the name of a part that is
+//! added to 120 points. The
 //! instructions of a step are the difference of two counts over the difference of their numbers of
 //! steps.
 
@@ -45,6 +46,10 @@ fn run(integrator: impl Integrator, phase: Phase, scene: &str, steps: u32) {
     match scene {
         "round" => measure(&stepper(round(), integrator), phase, steps),
         "own" => measure(&own_laws(integrator), phase, steps),
+        "events" => {
+            let (stepper, start) = (stepper(ring(120), integrator), black_box(phase.state()));
+            black_box(scenes::steps_with_events(&stepper, &start, steps));
+        }
         _ => {
             let points = scene.parse().unwrap();
             measure(&stepper(ring(points), integrator), phase, steps);
@@ -61,6 +66,9 @@ fn run_with(part: Part, integrator: impl Integrator, phase: Phase, steps: u32) {
             measure(&stepper, phase, steps);
         }
         Part::Patch => measure(&plain.with_friction(scenes::patch()).unwrap(), phase, steps),
+        Part::Field => measure(&plain.with_friction(scenes::field()).unwrap(), phase, steps),
+        Part::Walls => measure(&plain.with_ground(scenes::walls()).unwrap(), phase, steps),
+        Part::Belt => measure(&plain.with_ground(scenes::belt()).unwrap(), phase, steps),
         Part::Resistance => {
             let stepper = plain.with_friction(scenes::resistance()).unwrap();
             measure(&stepper, phase, steps);
