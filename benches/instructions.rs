@@ -2,9 +2,9 @@
 //!
 //! The arguments are `instructions INTEGRATOR PHASE SCENE STEPS`. `SCENE` is a number of points,
 //! `round` for a rim without points, `thick` for two of them, `own` for 120 points on a user's
-//! ground and friction law, whose values every step tests, or the name of a part that is added to
-//! 120 points. The instructions of a step are the difference of two counts over the difference of
-//! their numbers of steps.
+//! ground and friction law, whose values every step tests, `events` for a run with events, or the
+//! name of a part that is added to 120 points. The instructions of a step are the difference of two
+//! counts over the difference of their numbers of steps.
 
 // A benchmark that fails ends with a panic.
 #![allow(clippy::unwrap_used, clippy::panic)]
@@ -49,6 +49,10 @@ fn run(integrator: impl Integrator, phase: Phase, scene: &str, steps: u32) {
             measure(&stepper(scenes::thick(), integrator), &start, steps);
         }
         "own" => measure(&own_laws(integrator), &phase.state(), steps),
+        "events" => {
+            let (stepper, start) = (stepper(ring(120), integrator), black_box(phase.state()));
+            black_box(scenes::steps_with_events(&stepper, &start, steps));
+        }
         _ => {
             let points = scene.parse().unwrap();
             measure(&stepper(ring(points), integrator), &phase.state(), steps);
@@ -65,6 +69,9 @@ fn run_with(part: Part, integrator: impl Integrator, start: &State, steps: u32) 
             measure(&stepper, start, steps);
         }
         Part::Patch => measure(&plain.with_friction(scenes::patch()).unwrap(), start, steps),
+        Part::Field => measure(&plain.with_friction(scenes::field()).unwrap(), start, steps),
+        Part::Walls => measure(&plain.with_ground(scenes::walls()).unwrap(), start, steps),
+        Part::Belt => measure(&plain.with_ground(scenes::belt()).unwrap(), start, steps),
         Part::Resistance => {
             let stepper = plain.with_friction(scenes::resistance()).unwrap();
             measure(&stepper, start, steps);

@@ -5,12 +5,15 @@
 // A benchmark that fails ends with a panic.
 #![allow(clippy::unwrap_used)]
 
+use core::ops::ControlFlow;
+
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    AirDrag, Coin, ContactPoint, Coulomb, Disc, FlatGround, Force, FrictionJacobian, FrictionPatch,
-    Gravity, Ground, GroundBounds, HuntCrossley, Integrator, MeanForce, Plane, Region,
-    RigidPointBody, SlidingFriction, SpinDrag, SpinLift, SpringDamperGround, State, Stepper,
-    Surface, ThickDisc, Trial, UniformGravity, Wind, WithResistance,
+    AirDrag, Apex, Coin, ContactPoint, Coulomb, Disc, Event, FlatGround, Force, FrictionField,
+    FrictionJacobian, FrictionPatch, Gravity, Ground, GroundBounds, HuntCrossley, Integrator,
+    Landing, LiftOff, MeanForce, MovingGround, Plane, Region, RigidPointBody, SlidingFriction,
+    SpinDrag, SpinLift, SpringDamperGround, State, Stepper, Surface, ThickDisc, Trial,
+    UniformGravity, Wind, WithResistance,
 };
 
 /// Step size of the coin report, s.
@@ -206,6 +209,12 @@ pub(crate) enum Part {
     HuntCrossley,
     /// Another coefficient of friction on a half of the ground.
     Patch,
+    /// The same by a function of the position, which is trusted.
+    Field,
+    /// Four walls that the body does not reach.
+    Walls,
+    /// A belt under the body.
+    Belt,
     /// Rolling resistance and spinning friction.
     Resistance,
     /// Quadratic drag.
@@ -217,10 +226,13 @@ pub(crate) enum Part {
 }
 
 impl Part {
-    pub(crate) const ALL: [(&'static str, Self); 7] = [
+    pub(crate) const ALL: [(&'static str, Self); 10] = [
         ("tilt", Self::Tilt),
         ("hertz", Self::HuntCrossley),
         ("patch", Self::Patch),
+        ("field", Self::Field),
+        ("walls", Self::Walls),
+        ("belt", Self::Belt),
         ("rolling", Self::Resistance),
         ("drag", Self::Drag),
         ("air", Self::Air),
@@ -287,6 +299,33 @@ pub(crate) fn patch() -> FrictionPatch<Coulomb, Coulomb> {
     }
 }
 
+pub(crate) fn field() -> FrictionField<fn(DVec3) -> Coulomb> {
+    let law_at: fn(DVec3) -> Coulomb = |position| {
+        let rough = trial_1().friction();
+        let coefficient = if position.x < 1.0 {
+            rough.coefficient
+        } else {
+            0.1
+        };
+        Coulomb {
+            coefficient,
+            ..rough
+        }
+    };
+    FrictionField::new(law_at).trusted()
+}
+
+/// The level ground and four walls, 20 m from the start.
+pub(crate) fn walls() -> [FlatGround; 5] {
+    let wall = |inwards: DVec3| ground(120).on(Plane::through(inwards * -20.0, inwards));
+    let [x, y] = [DVec3::X, DVec3::Y];
+    [ground(120), wall(x), wall(-x), wall(y), wall(-y)]
+}
+
+pub(crate) fn belt() -> MovingGround<FlatGround> {
+    MovingGround::conveyor(ground(120), DVec3::X * 0.1)
+}
+
 pub(crate) fn resistance() -> WithResistance<Coulomb> {
     WithResistance {
         friction: trial_1().friction(),
@@ -317,6 +356,20 @@ where
     fn advance(&self, state: &mut State, workspace: &mut I::Workspace) {
         self.step_within(state, f64::MAX, workspace).unwrap();
     }
+}
+
+/// Runs for the time of `steps` steps with three events. Two of them evaluate the lowest point.
+#[inline(never)]
+pub(crate) fn steps_with_events(
+    stepper: &SceneStepper<Ring, impl Integrator>,
+    start: &State,
+    steps: u32,
+) -> State {
+    let mut session = stepper.session(*start);
+    let events: [&dyn Event; 3] = [&Landing, &LiftOff, &Apex];
+    let seconds = TIME_STEP * f64::from(steps);
+    (session.run_with_events(seconds, events, |_| ControlFlow::Continue(()))).unwrap();
+    *session.state()
 }
 
 /// Takes `steps` steps from `start`. This loop is timed and counted.
