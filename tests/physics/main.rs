@@ -29,6 +29,7 @@ mod energy;
 mod events;
 mod flight;
 mod free_rotation;
+mod free_steps;
 mod outcome;
 mod rigidity;
 mod symmetry;
