@@ -28,7 +28,7 @@ mod cone;
 mod cuboid;
 mod disc;
 mod ellipsoid;
-mod energy_level;
+mod free_turn;
 mod hull;
 mod inertia_properties;
 mod jacobi;

@@ -9,6 +9,7 @@ mod explicit;
 mod fingerprint;
 mod flight;
 mod flight_rounding;
+mod free_error;
 mod interface;
 mod point;
 

@@ -136,7 +136,8 @@
 //! effective mass `M`, with `1/M = 1/m + (r × n) · J⁻¹ (r × n)`. One contact has `ω² = k/M` and
 //! `δ = c/M`. Contacts that act together add up. In stick, friction is a damper of `μ N/slip_speed`
 //! along the surface. [`Stepper::largest_stable_step`] computes the limit at a state. All
-//! integrators conserve the angular momentum in flight.
+//! integrators conserve the angular momentum in flight. All but `ForwardEuler` are exact, to rounding,
+//! in the torque-free rotation of a body with three different moments of inertia.
 //!
 //! The order holds in smooth motion. [`guide::accuracy`] has the order through touch-downs,
 //! measured on all eight trials.

@@ -136,6 +136,16 @@ impl<R: Real> Rotation<R> {
         }
     }
 
+    /// Returns about the part `share` of a small rotation, not scaled to length 1.
+    #[inline]
+    pub(crate) fn part(self, share: R) -> Self {
+        let share_of_vector = if self.w < R::ZERO { -share } else { share };
+        Self {
+            w: (R::ONE - share) + self.w.abs() * share,
+            v: self.v * share_of_vector,
+        }
+    }
+
     /// Time derivative of the quaternion of a body with this `angular_velocity` (rad/s, world
     /// axes): `(0, ω) q / 2`.
     #[inline]

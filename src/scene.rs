@@ -5,10 +5,12 @@ mod on_surface;
 #[cfg(feature = "serde")]
 mod saved;
 mod screened;
+mod torque_free;
 
 pub(crate) use diagnosed::{DiagnosedScene, Record};
 pub(crate) use on_surface::OnSurface;
 pub(crate) use screened::{Alarm, ScreenedScene};
+pub(crate) use torque_free::TorqueFree;
 
 use crate::body::{InertiaProperties, RigidPointBody};
 use crate::contact::{Contact, ContactModel, Load, Motion};

@@ -189,8 +189,7 @@ impl<R: Real> InertiaProperties<R> {
         &self.principal
     }
 
-    /// Returns true if all three moments differ. [`turn_freely`](Self::turn_freely) is then
-    /// approximate.
+    /// Returns true if all three moments differ.
     #[inline]
     #[must_use]
     pub fn is_asymmetric(&self) -> bool {
@@ -245,7 +244,7 @@ impl<R: Real> InertiaProperties<R> {
     #[inline]
     #[must_use]
     pub fn rotational_energy(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R {
-        if R::EPSILON > R::from_f64(1e-10) {
+        if self.is_asymmetric() || R::EPSILON > R::from_f64(1e-10) {
             return self.steady_energy(axes, angular_momentum);
         }
         let square = |axis: &Excess<R>| {
@@ -264,11 +263,14 @@ impl<R: Real> InertiaProperties<R> {
         (doubled + across.length_squared() * self.common) * R::HALF
     }
 
-    /// Rotational energy for f32, where the rounding of the squares is not negligible.
+    /// Rotational energy for three different moments, and for f32, where the rounding of the
+    /// squares is not negligible.
     ///
     /// It is `|L|²` with the inverse moment of the axis with the largest component, plus the
     /// differences that the small components cause. So a steady rotation has a steady energy.
-    /// Rounding of the axes enters only with those small components.
+    /// Rounding of the axes enters only with those small components. For three different moments,
+    /// it would otherwise hide the small energy that a rotation about an axis next to a principal
+    /// one has less than about that axis.
     fn steady_energy(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R {
         let square = angular_momentum.length_squared();
         let (mut common, mut rest) = (self.common, R::ZERO);
@@ -372,11 +374,10 @@ impl<R: Real> InertiaProperties<R> {
     /// The angular momentum in world axes is constant and is not changed.
     ///
     /// The result is exact for a body with two equal moments, for any time and spin:
-    /// `exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)`. For three different moments it is Strang's
-    /// composition of the symmetric body's rotation with the remaining rotation. This is of order
-    /// 2, with an energy error that is bounded for all times and with exact `|L|` (Touma & Wisdom
-    /// 1994; McLachlan & Zanna 2005). [`FreeRotation`](crate::FreeRotation) is exact for any
-    /// moments.
+    /// `exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)`. For three different moments it is a power
+    /// series, exact to rounding too, whose cost grows with the angle. It is exact as long as `L`
+    /// moves in the body by less than 256 rad, about 40 revolutions. A longer time is cut to that.
+    /// [`FreeRotation`](crate::FreeRotation) has no such limit.
     #[inline(always)]
     #[must_use]
     pub fn turn_freely(
@@ -422,19 +423,25 @@ impl<R: Real> InertiaProperties<R> {
         )
     }
 
-    fn turn_asymmetric(
-        &self,
-        rotation: Rotation<R>,
-        axes: &Axes<R>,
-        angular_momentum: R::Vec3,
-        seconds: R,
-    ) -> Rotation<R> {
-        let half = seconds * R::HALF;
-        let first = self.asymmetry.turn(rotation, axes, angular_momentum, half);
-        let middle = self.turn_symmetric(first, &first.axes(), angular_momentum, seconds);
-        self.asymmetry
-            .turn(middle, &middle.axes(), angular_momentum, half)
-            .normalised()
+    /// Inverse moment of the third axis of [`unlike_axes`](Self::unlike_axes), 1/(kg m²).
+    #[inline]
+    pub(super) fn common_inverse(&self) -> R {
+        self.common
+    }
+
+    /// Excesses of the inverse moments of the first two axes of [`unlike_axes`](Self::unlike_axes)
+    /// over that of the third, 1/(kg m²).
+    #[inline]
+    pub(super) fn excesses(&self) -> [R; 2] {
+        [self.symmetry.inverse, self.asymmetry.inverse]
+    }
+
+    /// Principal axes of three different moments, right-handed, for a body with these axes.
+    #[inline]
+    pub(super) fn unlike_axes(&self, axes: &Axes<R>) -> [R::Vec3; 3] {
+        let first = self.symmetry.axis.in_world(axes);
+        let second = self.asymmetry.axis.in_world(axes);
+        [first, second, first.cross(second)]
     }
 }
 
@@ -502,9 +509,9 @@ const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 /// Numbers of the principal axes: the axis with the most different moment, then the other two, the
 /// one with the larger moment first.
 ///
-/// The two similar axes have most of their inverse moment in common. So the remainder that
-/// [`InertiaProperties::turn_freely`] composes is least. The choice depends on moments only, so
-/// that the motion does not depend on the axes in which the body is described.
+/// The two similar axes have most of their inverse moment in common. So the excess of the third
+/// axis is least, and nearly equal moments are treated as nearly symmetric ones. The choice depends
+/// on moments only, so that the motion does not depend on the axes in which the body is described.
 fn by_likeness<R: Real>(moments: [R; 3]) -> [usize; 3] {
     let [x, y, z] = moments;
     let [large, middle, small] = match (x >= y, y >= z, x >= z) {

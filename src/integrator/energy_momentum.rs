@@ -94,9 +94,8 @@ use problem::Problem;
 ///   restitution. Friction that stops a body within a step stops it at the end of the step.
 ///   [`guide::accuracy`](crate::guide::accuracy) describes the extremes.
 /// - *Cost* in contact: two to five iterations a step, each about as expensive as two evaluations
-///   of all contacts. Flight costs no iteration. It is exact for a body with two equal moments of
-///   inertia. For three different moments it is of order 2 and conserves energy and angular
-///   momentum. A body at rest costs a comparison, once a step with the same workspace has detected
+///   of all contacts. Flight costs no iteration. It is exact to rounding, for any moments of inertia
+///   ([`InertiaProperties::turn_freely`](crate::InertiaProperties::turn_freely)). A body at rest costs a comparison, once a step with the same workspace has detected
 ///   the rest.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is up to five iterations a step at one contact, and five to twelve where several
@@ -408,9 +407,8 @@ fn attempt<R: Real, D: Dynamics<R>>(
     energy_limit::hold(scene, (state, energy), (&end, &end_energy), contact, step)
 }
 
-/// Free flight without an iteration. It is exact for a body with two equal moments of inertia, else
-/// of order 2 with the energy and the angular momentum of the start. It is not inlined, because its
-/// preparation would then be computed for steps in contact too.
+/// Free flight without an iteration, exact to rounding. It is not inlined, because its preparation
+/// would then be computed for steps in contact too.
 #[inline(never)]
 fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
     let (start, seconds) = (&problem.start, problem.seconds);
@@ -418,11 +416,7 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
     let mean_velocity = start.linear_velocity + gravity * (seconds * R::HALF);
     let (axes, momentum) = (&problem.motion.axes, start.angular_momentum);
     let properties = problem.scene.inertia_properties();
-    let rotation = if properties.is_asymmetric() {
-        properties.rotated_at_constant_energy(problem.rotation, axes, momentum, seconds)
-    } else {
-        (properties.turn_symmetric(problem.rotation, axes, momentum, seconds)).normalised()
-    };
+    let rotation = properties.turn_freely(problem.rotation, axes, momentum, seconds);
     let plain = State {
         position: start.position + mean_velocity * seconds,
         linear_velocity: start.linear_velocity + gravity * seconds,

@@ -31,6 +31,7 @@ mod events;
 mod flight;
 mod force_stability;
 mod free_rotation;
+mod free_steps;
 mod growth;
 mod lowest_point;
 mod many_contacts;

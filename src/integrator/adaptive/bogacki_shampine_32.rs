@@ -18,6 +18,8 @@ use super::method::adaptive_method;
 /// `tests/physics/adaptive.rs` prints the errors. After longer times the error depends on how the
 /// motion amplifies it (see the guide).
 ///
+/// *Torque-free rotation* of a body with three different moments of inertia is exact to rounding.
+///
 /// *May add energy* by the size of its error.
 ///
 /// *Not for contacts that stick or roll at a small slip speed.* Stability limits each step to about

@@ -23,7 +23,7 @@ use crate::state::State;
 /// them.
 ///
 /// *Order* 2 in smooth motion. A step in contact costs two evaluations. A step in flight evaluates
-/// neither friction nor springs, and is exact for a symmetric body at any step size. Among methods
+/// neither friction nor springs, and is exact at any step size. Among methods
 /// with a fixed step, it has the best accuracy for its cost in flight and in sliding contact.
 ///
 /// *May add energy* by O(dt²).

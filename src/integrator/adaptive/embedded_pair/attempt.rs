@@ -2,8 +2,10 @@
 
 use crate::contact::{Load, Motion};
 use crate::error::{self, Rule, SceneError};
+use crate::integrator::free_error;
 use crate::integrator::point::Point;
 use crate::real::Real;
+use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 
 /// Coefficients of a pair whose last stage is the first stage of the next step.
@@ -109,11 +111,16 @@ pub(super) fn attempt_under<R: Real, D: Dynamics<R>, const STAGES: usize>(
     let mut motions = [start.motion; STAGES];
     let mut end = *start;
     for (i, row) in pair.stages.iter().enumerate().take(STAGES - 1) {
-        let mut point = start.point;
-        for (slope, &weight) in slopes.iter().zip(row).take(i + 1) {
-            point = point.plus(slope, seconds * R::from_f64(weight));
-        }
+        let mut point = sum(&start.point, &slopes, row, i + 1, seconds);
         if i + 2 == STAGES {
+            point.orientation = free_error::removed(
+                scene,
+                &start.point,
+                point.orientation,
+                seconds,
+                slopes.iter().map(|slope| slope.angular_momentum),
+                |free| without_torques(pair, free, &start.point, seconds),
+            );
             point = point.normalised();
         }
         end = Place::under(scene, point, &load);
@@ -131,4 +138,38 @@ pub(super) fn attempt_under<R: Real, D: Dynamics<R>, const STAGES: usize>(
         motions,
         difference,
     }
+}
+
+/// Returns a point plus the weighted sum of the first `count` slopes.
+#[inline(always)]
+fn sum<R: Real, const STAGES: usize>(
+    start: &Point<R>,
+    slopes: &[Point<R>; STAGES],
+    weights: &[f64; STAGES],
+    count: usize,
+    seconds: R,
+) -> Point<R> {
+    let mut point = *start;
+    for (slope, &weight) in slopes.iter().zip(weights).take(count) {
+        point = point.plus(slope, seconds * R::from_f64(weight));
+    }
+    point
+}
+
+/// Returns the orientation at the end of a step in a scene without torques.
+fn without_torques<R: Real, D: Dynamics<R>, const STAGES: usize>(
+    pair: &Pair<STAGES>,
+    scene: &D,
+    start: &Point<R>,
+    seconds: R,
+) -> Rotation<R> {
+    let mut slopes = [start.slope(scene); STAGES];
+    let mut point = *start;
+    for (i, row) in pair.stages.iter().enumerate().take(STAGES - 1) {
+        point = sum(start, &slopes, row, i + 1, seconds);
+        if let Some(slope) = slopes.get_mut(i + 1) {
+            *slope = point.slope(scene);
+        }
+    }
+    point.orientation
 }

@@ -6,7 +6,6 @@ use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;
-use crate::state::State;
 
 /// Time of a stage, and the weights of the previous stages for its pose (`A`) and its velocities
 /// (`a`).
@@ -95,11 +94,11 @@ impl<R: Real> Start<R> {
     #[inline(always)]
     pub(super) fn of<D: Dynamics<R>>(
         scene: &D,
-        state: &State<R>,
+        point: &Point<R>,
         seconds: R,
         near: ContactRange,
     ) -> Self {
-        let point = Point::of(state);
+        let point = *point;
         let stage = Stage::at(scene, point, near);
         Self {
             point,
@@ -107,6 +106,26 @@ impl<R: Real> Start<R> {
             stage,
             seconds,
         }
+    }
+
+    /// Returns the other three stages.
+    #[inline(always)]
+    pub(super) fn later_stages<D: Dynamics<R>>(&self, scene: &D) -> [Stage<R>; 3] {
+        let first = &self.stage;
+        let second = Stage::at(scene, self.ahead(&SECOND, [first]), first.run);
+        let third = Stage::at(scene, self.ahead(&THIRD, [first, &second]), second.run);
+        let place = self.ahead(&FOURTH, [first, &second, &third]);
+        let fourth = Stage::at(scene, place, third.run);
+        [second, third, fourth]
+    }
+
+    /// Returns all four stages.
+    #[inline(always)]
+    pub(super) fn with<'a>(
+        &'a self,
+        [second, third, fourth]: &'a [Stage<R>; 3],
+    ) -> [&'a Stage<R>; 4] {
+        [&self.stage, second, third, fourth]
     }
 
     /// Returns the point that a row of coefficients gives from the start and the stages so far.
