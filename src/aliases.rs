@@ -27,6 +27,8 @@ macro_rules! names_for {
             pub type AnisotropicCoulomb = crate::AnisotropicCoulomb<$real>;
             /// The default integrator with a tolerance instead of a step size.
             pub type AdaptiveEnergyMomentum = crate::AdaptiveEnergyMomentum<$real>;
+            /// Nyström's method with a tolerance instead of a step size.
+            pub type AdaptiveNystrom = crate::AdaptiveNystrom<$real>;
             /// A built-in integrator chosen at run time.
             pub type AnyIntegrator = crate::AnyIntegrator<$real>;
             /// Torque-free rotation in closed form.

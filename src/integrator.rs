@@ -17,8 +17,8 @@ pub(crate) use adaptive::DORMAND_PRINCE;
 pub(crate) use point::Point;
 
 pub use adaptive::{
-    AdaptiveEnergyMomentum, AdaptiveEnergyMomentumWorkspace, BogackiShampine32, DormandPrince54,
-    EmbeddedPairWorkspace,
+    AdaptiveEnergyMomentum, AdaptiveEnergyMomentumWorkspace, AdaptiveNystrom,
+    AdaptiveNystromWorkspace, BogackiShampine32, DormandPrince54, EmbeddedPairWorkspace,
 };
 pub use any::{AnyIntegrator, Workspace as AnyWorkspace};
 pub use energy_momentum::{EnergyMomentum, Workspace as EnergyMomentumWorkspace};

@@ -129,6 +129,7 @@
 //! | [`BogackiShampine32`] | 3 | 3 | nothing more | by its error | any tolerance: the step size is adaptive |
 //! | [`DormandPrince54`] | 5 | 6 | nothing more | by its error | any tolerance: the step size is adaptive |
 //! | [`AdaptiveEnergyMomentum`] | 2 | those of three steps of `EnergyMomentum` | as `EnergyMomentum` | never | any tolerance: the step size is adaptive |
+//! | [`AdaptiveNystrom`] | 4, and 2 through touch-downs | 4 | nothing more | by its error | any tolerance: the step size is adaptive |
 //! | [`ForwardEuler`] | 1 | 1 | nothing more | in every step | `dt < 2 ζ/ω`, and `ζ < 1` |
 //!
 //! `ω` (rad/s) and `δ` (1/s) are the highest frequency and the highest rate of damping that the
@@ -147,7 +148,8 @@
 //! | `EnergyMomentum` | a body that must come to rest, long steps, stiff ground |
 //! | `StrangSplitting` | sliding and flight at the lowest cost |
 //! | `Nystrom` | errors of a tenth of a millimetre and less, if a body rolls and slides |
-//! | `DormandPrince54` | a tolerance instead of a step size |
+//! | `AdaptiveNystrom` | a tolerance instead of a step size, from a centimetre to a micrometre |
+//! | `DormandPrince54` | a smaller tolerance |
 //! | `AdaptiveEnergyMomentum` | a tolerance and an energy that never increases; the error of each step |
 //! | any of them in [`Flight`] | flight in closed form |
 //! | [`AnyIntegrator`] | a choice at run time |
@@ -249,9 +251,9 @@ pub use ground::{
     Shape, SpringDamper, SpringDamperGround, Surface, Terrain, Waves,
 };
 pub use integrator::{
-    AdaptiveEnergyMomentum, AnyIntegrator, BogackiShampine32, DormandPrince54, EnergyMomentum,
-    Flight, ForwardEuler, Integrator, Nystrom, Rk4, Step, StepControl, StrangSplitting,
-    SymplecticEuler,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, AnyIntegrator, BogackiShampine32, DormandPrince54,
+    EnergyMomentum, Flight, ForwardEuler, Integrator, Nystrom, Rk4, Step, StepControl,
+    StrangSplitting, SymplecticEuler,
 };
 pub use observer::{Every, Ledger, Observer, Sample, SceneQuery, Timed, UntilDecided, UntilRest};
 pub use outcome::{Barriers, Basin, Faces, HullFace, Outcome};

@@ -10,7 +10,7 @@
 //! The error is a length, in m. It is the error of the position, plus the error of the orientation
 //! times the bounding radius of the body. The cost is the time on this machine, in a program built
 //! with `--release`. Compare rows, not machines. The number of force evaluations is the same on
-//! every machine. [`Setting::built_in`] lists 64 settings of the integrators of this crate.
+//! every machine. [`Setting::built_in`] lists 72 settings of the integrators of this crate.
 //! [`measure_integrator`] takes any other [`Integrator`].
 //!
 //! ```
@@ -38,8 +38,8 @@ use crate::error::{SceneError, StepError};
 use crate::force::Force;
 use crate::gravity::UniformGravity;
 use crate::integrator::{
-    AdaptiveEnergyMomentum, BogackiShampine32, DormandPrince54, EnergyMomentum, Flight,
-    ForwardEuler, Integrator, Nystrom, Rk4, StrangSplitting, SymplecticEuler,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, BogackiShampine32, DormandPrince54, EnergyMomentum,
+    Flight, ForwardEuler, Integrator, Nystrom, Rk4, StrangSplitting, SymplecticEuler,
 };
 use crate::observer::Sample;
 use crate::real::{Quaternion, Real, Vector};
@@ -70,11 +70,13 @@ pub enum Method {
     DormandPrince54,
     /// [`AdaptiveEnergyMomentum`]
     AdaptiveEnergyMomentum,
+    /// [`AdaptiveNystrom`]
+    AdaptiveNystrom,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::ForwardEuler,
         Self::SymplecticEuler,
         Self::StrangSplitting,
@@ -84,6 +86,7 @@ impl Method {
         Self::BogackiShampine32,
         Self::DormandPrince54,
         Self::AdaptiveEnergyMomentum,
+        Self::AdaptiveNystrom,
     ];
 
     /// Returns the name of the integrator in the library.
@@ -99,6 +102,7 @@ impl Method {
             Self::BogackiShampine32 => "BogackiShampine32",
             Self::DormandPrince54 => "DormandPrince54",
             Self::AdaptiveEnergyMomentum => "AdaptiveEnergyMomentum",
+            Self::AdaptiveNystrom => "AdaptiveNystrom",
         }
     }
 
@@ -107,7 +111,10 @@ impl Method {
     pub const fn has_tolerance(self) -> bool {
         matches!(
             self,
-            Self::BogackiShampine32 | Self::DormandPrince54 | Self::AdaptiveEnergyMomentum
+            Self::BogackiShampine32
+                | Self::DormandPrince54
+                | Self::AdaptiveEnergyMomentum
+                | Self::AdaptiveNystrom
         )
     }
 }
@@ -497,6 +504,7 @@ impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
             Method::BogackiShampine32 => with!(BogackiShampine32::new(parameter)),
             Method::DormandPrince54 => with!(DormandPrince54::new(parameter)),
             Method::AdaptiveEnergyMomentum => with!(AdaptiveEnergyMomentum::new(parameter)),
+            Method::AdaptiveNystrom => with!(AdaptiveNystrom::new(parameter)),
         }
     }
 

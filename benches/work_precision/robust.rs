@@ -42,7 +42,7 @@ pub(crate) enum Program {
 }
 
 impl Program {
-    const ALL: [Self; 7] = [
+    const ALL: [Self; 8] = [
         Self::Plain,
         Self::Ours(Method::Rk4),
         Self::Ours(Method::StrangSplitting),
@@ -50,6 +50,7 @@ impl Program {
         Self::Ours(Method::Nystrom),
         Self::Ours(Method::BogackiShampine32),
         Self::Ours(Method::DormandPrince54),
+        Self::Ours(Method::AdaptiveNystrom),
     ];
 
     fn name(self) -> String {

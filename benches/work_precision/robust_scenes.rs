@@ -6,10 +6,10 @@ use core::hint::black_box;
 use tumble::glam::DVec3;
 use tumble::work_precision::{Method, Setting, reference};
 use tumble::{
-    AdaptiveEnergyMomentum, BogackiShampine32, Coulomb, Cuboid, DormandPrince54, Dynamics,
-    EnergyMomentum, FlatGround, Flight, ForwardEuler, Integrator, Nystrom, RigidPointBody, Rk4,
-    Scene, SceneError, SolidCoin, State, Stepper, StrangSplitting, SymplecticEuler, Trial,
-    UniformGravity,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, BogackiShampine32, Coulomb, Cuboid, DormandPrince54,
+    Dynamics, EnergyMomentum, FlatGround, Flight, ForwardEuler, Integrator, Nystrom,
+    RigidPointBody, Rk4, Scene, SceneError, SolidCoin, State, Stepper, StrangSplitting,
+    SymplecticEuler, Trial, UniformGravity,
 };
 
 use crate::plain_rk4::{self, Law};
@@ -258,6 +258,9 @@ fn run<B: RigidPointBody>(
         ),
         Method::AdaptiveEnergyMomentum => {
             moved(stepper, AdaptiveEnergyMomentum::new(value), start, seconds)
+        }
+        Method::AdaptiveNystrom => {
+            moved(stepper, Flight(AdaptiveNystrom::new(value)), start, seconds)
         }
         _ => moved(stepper, Flight(DormandPrince54::new(value)), start, seconds),
     }

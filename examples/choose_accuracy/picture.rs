@@ -9,7 +9,7 @@ use kuva::render::render::{Scene, render_multiple};
 use tumble::work_precision::{Method, Row, WorkPrecision};
 
 /// Colours that colour-blind people can distinguish (Okabe and Ito).
-const COLOURS: [(Method, &str); 9] = [
+const COLOURS: [(Method, &str); 10] = [
     (Method::ForwardEuler, "#999999"),
     (Method::SymplecticEuler, "#e69f00"),
     (Method::StrangSplitting, "#009e73"),
@@ -19,6 +19,7 @@ const COLOURS: [(Method, &str); 9] = [
     (Method::BogackiShampine32, "#cc79a7"),
     (Method::DormandPrince54, "#d55e00"),
     (Method::AdaptiveEnergyMomentum, "#b8a800"),
+    (Method::AdaptiveNystrom, "#332288"),
 ];
 
 /// Writes `name`.svg and `name`.png into a folder.

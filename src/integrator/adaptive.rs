@@ -6,9 +6,11 @@ mod dormand_prince_54;
 mod embedded_pair;
 mod energy_momentum;
 mod method;
+mod nystrom;
 
 pub use bogacki_shampine_32::BogackiShampine32;
 pub use dormand_prince_54::DormandPrince54;
 pub(crate) use dormand_prince_54::PAIR as DORMAND_PRINCE;
 pub use embedded_pair::Workspace as EmbeddedPairWorkspace;
 pub use energy_momentum::{AdaptiveEnergyMomentum, Workspace as AdaptiveEnergyMomentumWorkspace};
+pub use nystrom::{AdaptiveNystrom, Workspace as AdaptiveNystromWorkspace};

@@ -3,8 +3,8 @@
 use crate::body::ContactRange;
 use crate::error::{SceneError, StepError};
 use crate::integrator::adaptive::{
-    AdaptiveEnergyMomentum, AdaptiveEnergyMomentumWorkspace, BogackiShampine32, DormandPrince54,
-    EmbeddedPairWorkspace,
+    AdaptiveEnergyMomentum, AdaptiveEnergyMomentumWorkspace, AdaptiveNystrom,
+    AdaptiveNystromWorkspace, BogackiShampine32, DormandPrince54, EmbeddedPairWorkspace,
 };
 use crate::integrator::energy_momentum::{EnergyMomentum, Workspace as EnergyMomentumWorkspace};
 use crate::integrator::explicit::{ForwardEuler, Nystrom, Rk4, StrangSplitting, SymplecticEuler};
@@ -56,6 +56,8 @@ pub enum AnyIntegrator<R = f64> {
     EnergyMomentum(EnergyMomentum<R>),
     /// Implicit and adaptive, with an energy that never increases: see [`AdaptiveEnergyMomentum`].
     AdaptiveEnergyMomentum(AdaptiveEnergyMomentum<R>),
+    /// Adaptive, with touch-down correction: see [`AdaptiveNystrom`].
+    AdaptiveNystrom(AdaptiveNystrom<R>),
 }
 
 /// Workspace of [`AnyIntegrator`], which contains the workspace of the method in use.
@@ -66,6 +68,7 @@ pub struct Workspace<R: Real = f64> {
     pair: Option<EmbeddedPairWorkspace<R>>,
     implicit: Option<EnergyMomentumWorkspace<R>>,
     adaptive: Option<AdaptiveEnergyMomentumWorkspace<R>>,
+    nystrom: Option<AdaptiveNystromWorkspace<R>>,
 }
 
 impl<R: Real> Workspace<R> {
@@ -83,6 +86,11 @@ impl<R: Real> Workspace<R> {
     fn adaptive(&mut self) -> &mut AdaptiveEnergyMomentumWorkspace<R> {
         self.adaptive.get_or_insert_with(Default::default)
     }
+
+    #[inline]
+    fn nystrom(&mut self) -> &mut AdaptiveNystromWorkspace<R> {
+        self.nystrom.get_or_insert_with(Default::default)
+    }
 }
 
 /// Evaluates the same expression with the method of each variant.
@@ -98,6 +106,7 @@ macro_rules! each {
             AnyIntegrator::DormandPrince54($method) => $result,
             AnyIntegrator::EnergyMomentum($method) => $result,
             AnyIntegrator::AdaptiveEnergyMomentum($method) => $result,
+            AnyIntegrator::AdaptiveNystrom($method) => $result,
         }
     };
 }
@@ -127,6 +136,7 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
             Self::AdaptiveEnergyMomentum(method) => {
                 method.step(scene, state, limit, workspace.adaptive())
             }
+            Self::AdaptiveNystrom(method) => method.step(scene, state, limit, workspace.nystrom()),
         }
     }
 
@@ -149,6 +159,9 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
             Self::AdaptiveEnergyMomentum(method) => {
                 method.step_control(workspace.adaptive.as_ref()?, state)
             }
+            Self::AdaptiveNystrom(method) => {
+                method.step_control(workspace.nystrom.as_ref()?, state)
+            }
             _ => None,
         }
     }
@@ -160,6 +173,7 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
             Self::AdaptiveEnergyMomentum(method) => {
                 method.set_step_control(workspace.adaptive(), control);
             }
+            Self::AdaptiveNystrom(method) => method.set_step_control(workspace.nystrom(), control),
             _ => {}
         }
     }
@@ -182,6 +196,7 @@ impl<R> core::fmt::Display for AnyIntegrator<R> {
             Self::DormandPrince54(_) => "DormandPrince54",
             Self::EnergyMomentum(_) => "EnergyMomentum",
             Self::AdaptiveEnergyMomentum(_) => "AdaptiveEnergyMomentum",
+            Self::AdaptiveNystrom(_) => "AdaptiveNystrom",
         })
     }
 }
@@ -197,3 +212,4 @@ macro_rules! from_each {
 }
 from_each!(ForwardEuler SymplecticEuler StrangSplitting Rk4 Nystrom);
 from_each!(BogackiShampine32 DormandPrince54 EnergyMomentum AdaptiveEnergyMomentum);
+from_each!(AdaptiveNystrom);

@@ -50,9 +50,11 @@ use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
 pub(in crate::integrator) use applied::close_account;
+pub(in crate::integrator) use block::Block;
 use contacts::{Contacts, Reach};
 use end_velocity::Strain;
 use energy_limit::Touched;
+pub(in crate::integrator) use linear::SixBySix;
 use problem::Problem;
 
 /// The energy-momentum method: implicit, of order 2, and **the computed energy never increases**.

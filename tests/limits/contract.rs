@@ -14,13 +14,14 @@ use tumble::contract::{
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::integrator::step_length;
 use tumble::{
-    AdaptiveEnergyMomentum, AnisotropicCoulomb, BogackiShampine32, Bowl, Coin, ContactLaw,
-    ContactPoint, Coulomb, DormandPrince54, Dynamics, Elevation, EnergyMomentum, FlatGround,
-    ForwardEuler, FrictionJacobian, Frictionless, Ground, GroundBounds, HuntCrossley, Integrator,
-    LimitedDamper, LoadDependentCoulomb, MeanForce, NoGround, Nystrom, Plane, PointCloud, Ramp,
-    Real, RigidPointBody, Rk4, RollingResistance, SceneError, SlidingFriction, SmoothCoulomb,
-    SpringDamper, SpringDamperGround, State, Step, StepError, Stepper, StrangSplitting, Stribeck,
-    Surface, SymplecticEuler, Terrain, Viscous, Waves, WithResistance, error,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, AnisotropicCoulomb, BogackiShampine32, Bowl, Coin,
+    ContactLaw, ContactPoint, Coulomb, DormandPrince54, Dynamics, Elevation, EnergyMomentum,
+    FlatGround, ForwardEuler, FrictionJacobian, Frictionless, Ground, GroundBounds, HuntCrossley,
+    Integrator, LimitedDamper, LoadDependentCoulomb, MeanForce, NoGround, Nystrom, Plane,
+    PointCloud, Ramp, Real, RigidPointBody, Rk4, RollingResistance, SceneError, SlidingFriction,
+    SmoothCoulomb, SpringDamper, SpringDamperGround, State, Step, StepError, Stepper,
+    StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, Viscous, Waves, WithResistance,
+    error,
 };
 
 /// Ten batteries of other numbers.
@@ -249,11 +250,13 @@ fn every_built_in_integrator_that_chooses_its_steps_passes() {
         check_integrator::<f64, _>(&BogackiShampine32::new(tolerance), plan).unwrap();
         check_integrator::<f64, _>(&DormandPrince54::new(tolerance), plan).unwrap();
         check_integrator::<f64, _>(&AdaptiveEnergyMomentum::new(tolerance), plan).unwrap();
+        check_integrator::<f64, _>(&AdaptiveNystrom::new(tolerance), plan).unwrap();
     }
     for tolerance in [1e-5, 1e-2] {
         check_integrator::<f32, _>(&BogackiShampine32::new(tolerance), plan).unwrap();
         check_integrator::<f32, _>(&DormandPrince54::new(tolerance), plan).unwrap();
         check_integrator::<f32, _>(&AdaptiveEnergyMomentum::new(tolerance), plan).unwrap();
+        check_integrator::<f32, _>(&AdaptiveNystrom::new(tolerance), plan).unwrap();
     }
 }
 
@@ -276,6 +279,11 @@ fn an_adaptive_method_that_is_given_its_steps_has_its_order() {
         };
         check_integrator::<f64, _>(&dormand_prince, plan).unwrap();
         check_integrator::<f64, _>(&implicit, plan).unwrap();
+        let nystrom = AdaptiveNystrom {
+            longest_step,
+            ..AdaptiveNystrom::new(1e100)
+        };
+        check_integrator::<f64, _>(&nystrom, plan).unwrap();
     }
 }
 

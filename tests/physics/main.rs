@@ -45,6 +45,7 @@ mod until_rest;
 // How accurate they are.
 mod adaptive;
 mod adaptive_energy_momentum;
+mod adaptive_nystrom;
 mod energy_momentum;
 mod truth;
 mod work_precision;

@@ -12,11 +12,11 @@ use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3, Vec3};
 use tumble::trial::TrialStepper;
 use tumble::{
-    AdaptiveEnergyMomentum, AnyIntegrator, BogackiShampine32, Coin, ContactPoint, DormandPrince54,
-    EnergyMomentum, FlatGround, Flight, ForwardEuler, Gravity, Integrator, Nystrom, Plane,
-    PointCloud, Real, RigidPointBody, Rk4, Rod, Sample, SavedSession, SlidingFriction,
-    SmoothCoulomb, SpringDamperGround, State, StepError, Stepper, StrangSplitting, SymplecticEuler,
-    Trial, UniformGravity,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, AnyIntegrator, BogackiShampine32, Coin, ContactPoint,
+    DormandPrince54, EnergyMomentum, FlatGround, Flight, ForwardEuler, Gravity, Integrator,
+    Nystrom, Plane, PointCloud, Real, RigidPointBody, Rk4, Rod, Sample, SavedSession,
+    SlidingFriction, SmoothCoulomb, SpringDamperGround, State, StepError, Stepper, StrangSplitting,
+    SymplecticEuler, Trial, UniformGravity,
 };
 
 // -----------------------------------------------------------------------------------------------
@@ -683,6 +683,7 @@ fn an_integrator_that_is_chosen_at_run_time_has_the_bits_of_its_method() {
     chosen_or_not(EnergyMomentum { time_step }, "EnergyMomentum");
     let adaptive = AdaptiveEnergyMomentum::new(1e-3);
     chosen_or_not(adaptive, "AdaptiveEnergyMomentum");
+    chosen_or_not(AdaptiveNystrom::new(1e-4), "AdaptiveNystrom");
     let bad = AnyIntegrator::from(Rk4 { time_step: -1.0 });
     let error = Trial::report(1).unwrap().stepper(bad).unwrap_err();
     assert_eq!(error.to_string(), "time step must be above 0, got -1 s");

@@ -124,7 +124,7 @@ impl<R: Real> Known<R> {
 /// The numbers are the fingerprint of the energies, and the values of damper and friction at one
 /// penetration depth and slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Answers<R: Real> {
+pub(super) struct Answers<R: Real> {
     fingerprint: Fingerprint<R>,
     normal_force: R,
     friction: R::Vec3,
@@ -134,7 +134,7 @@ struct Answers<R: Real> {
 impl<R: Real> Answers<R> {
     /// Returns the numbers, if the friction law does not depend on the position.
     #[inline]
-    fn of_uniform<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Option<Self> {
+    pub(super) fn of_uniform<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Option<Self> {
         (!scene.friction().depends_on_position()).then(|| Self::of(scene, state))
     }
 

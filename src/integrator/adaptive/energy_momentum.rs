@@ -243,7 +243,7 @@ impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
     }
 }
 
-fn check_state<R: Real>(state: &State<R>) -> Result<(), StepError> {
+pub(super) fn check_state<R: Real>(state: &State<R>) -> Result<(), StepError> {
     if let Some(quantity) = state.not_finite() {
         return Err(StepError::BadState(quantity));
     }

@@ -4,10 +4,10 @@ use crate::real::{Real, Vector};
 
 /// 3 by 3 matrix, stored by columns.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Block<R: Real> {
-    pub(super) x: R::Vec3,
-    pub(super) y: R::Vec3,
-    pub(super) z: R::Vec3,
+pub(in crate::integrator) struct Block<R: Real> {
+    pub(in crate::integrator) x: R::Vec3,
+    pub(in crate::integrator) y: R::Vec3,
+    pub(in crate::integrator) z: R::Vec3,
 }
 
 impl<R: Real> Block<R> {
@@ -19,7 +19,7 @@ impl<R: Real> Block<R> {
 
     /// Returns `value` times the unit matrix.
     #[inline]
-    pub(super) fn diagonal(value: R) -> Self {
+    pub(in crate::integrator) fn diagonal(value: R) -> Self {
         let o = R::ZERO;
         Self {
             x: R::Vec3::new(value, o, o),
@@ -55,7 +55,7 @@ impl<R: Real> Block<R> {
 
     /// Outer product `a bᵀ`.
     #[inline]
-    pub(super) fn outer(a: R::Vec3, b: R::Vec3) -> Self {
+    pub(in crate::integrator) fn outer(a: R::Vec3, b: R::Vec3) -> Self {
         Self {
             x: a * b.x(),
             y: a * b.y(),
@@ -64,7 +64,7 @@ impl<R: Real> Block<R> {
     }
 
     #[inline]
-    pub(super) fn times(&self, v: R::Vec3) -> R::Vec3 {
+    pub(in crate::integrator) fn times(&self, v: R::Vec3) -> R::Vec3 {
         self.x * v.x() + self.y * v.y() + self.z * v.z()
     }
 
@@ -88,7 +88,7 @@ impl<R: Real> Block<R> {
     }
 
     #[inline]
-    pub(super) fn plus(&self, other: &Self) -> Self {
+    pub(in crate::integrator) fn plus(&self, other: &Self) -> Self {
         Self {
             x: self.x + other.x,
             y: self.y + other.y,

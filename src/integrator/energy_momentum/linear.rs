@@ -7,7 +7,7 @@ use crate::real::{Real, Vector};
 /// Six linear equations of a rigid body: force and torque, row by row, as functions of a shift and
 /// a rotation.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SixBySix<R: Real> {
+pub(in crate::integrator) struct SixBySix<R: Real> {
     pub(super) rows: [[R; 6]; 6],
 }
 
@@ -15,7 +15,7 @@ impl<R: Real> SixBySix<R> {
     /// Creates equations in which the force depends only on the shift and the torque only on the
     /// rotation.
     #[inline]
-    pub(super) fn of_body(mass: R, inertia: &Block<R>) -> Self {
+    pub(in crate::integrator) fn of_body(mass: R, inertia: &Block<R>) -> Self {
         let o = R::ZERO;
         let [x, y, z] = inertia.rows();
         Self {
@@ -32,7 +32,7 @@ impl<R: Real> SixBySix<R> {
 
     /// Adds a force at `arm` that depends linearly on the path of the point `place`:
     /// `block (ξ + ϑ × place)`. A rotation `ϑ` moves that point by `ϑ × place`.
-    pub(super) fn add_at(&mut self, block: &Block<R>, arm: R::Vec3, place: R::Vec3) {
+    pub(in crate::integrator) fn add_at(&mut self, block: &Block<R>, arm: R::Vec3, place: R::Vec3) {
         let shift = block.rows();
         self.add(shift, shift.map(|row| place.cross(row)), arm);
     }
@@ -102,7 +102,7 @@ impl<R: Real> SixBySix<R> {
     }
 
     /// Solves for the shift and the rotation caused by a force and a torque.
-    pub(super) fn solve(
+    pub(in crate::integrator) fn solve(
         &self,
         force: R::Vec3,
         torque: R::Vec3,

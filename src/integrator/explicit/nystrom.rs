@@ -37,15 +37,17 @@ mod oscillator;
 mod stages;
 
 use crate::body::ContactRange;
+use crate::contact::Load;
 use crate::error::{self, SceneError, StepError};
 use crate::integrator::free_error;
 use crate::integrator::interface::{Integrator, LIMIT_HALVINGS, Step, step_length};
 use crate::integrator::point::Point;
 use crate::quadrature::bisect;
-use crate::real::Real;
+use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
-use stages::{END, Start};
+use stages::{END, THIRD_DIFFERENCE};
+pub(in crate::integrator) use stages::{Stage, Start};
 
 /// Nyström's method of order 4, corrected for contacts that close or open within a step.
 ///
@@ -120,23 +122,9 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
         let start = Start::of(scene, &Point::of(state), dt, *near);
-        let later = start.later_stages(scene);
-        *near = later.last().map_or(*near, |stage| stage.run);
-        let stages = start.with(&later);
-        let mut end = start.ahead(&END, stages);
-        end.orientation = free_error::removed(
-            scene,
-            &start.point,
-            end.orientation,
-            dt,
-            stages.map(|stage| stage.torque),
-            |free| {
-                let start = Start::of(free, &start.point, dt, ContactRange::NONE);
-                let later = start.later_stages(free);
-                start.ahead(&END, start.with(&later)).orientation
-            },
-        );
-        *state = crossing::corrected(scene, stages, end, dt).to_state();
+        let taken = taken::<_, _, false>(scene, &start);
+        *near = taken.near;
+        *state = taken.end.to_state();
         Ok(Step::new(dt, 4))
     }
 
@@ -172,4 +160,67 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
     fn check(&self) -> Result<(), SceneError> {
         error::above_zero("time step", self.time_step, " s")
     }
+}
+
+/// Step that has been taken.
+pub(in crate::integrator) struct Taken<R: Real> {
+    /// End of the step, with the correction of touch-downs.
+    pub(in crate::integrator) end: Point<R>,
+    /// Acceleration and torque of the last stage.
+    pub(in crate::integrator) last: [R::Vec3; 2],
+    /// Third difference of acceleration and torque over the stages, without the contacts that the
+    /// correction replaces. Zero if it is not wanted.
+    pub(in crate::integrator) third_difference: [R::Vec3; 2],
+    /// Contact range of the last stage.
+    pub(in crate::integrator) near: ContactRange,
+}
+
+/// Takes a step.
+#[inline(always)]
+pub(in crate::integrator) fn taken<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
+    scene: &D,
+    start: &Start<R>,
+) -> Taken<R> {
+    let later = start.later_stages(scene);
+    let stages = start.with(&later);
+    let mut end = start.ahead(&END, stages);
+    end.orientation = free_error::removed(
+        scene,
+        &start.point,
+        end.orientation,
+        start.seconds,
+        stages.map(|stage| stage.torque),
+        |free| {
+            let start = Start::of(free, &start.point, start.seconds, ContactRange::NONE);
+            let later = start.later_stages(free);
+            start.ahead(&END, start.with(&later)).orientation
+        },
+    );
+    let (end, replaced) = crossing::corrected::<_, _, ESTIMATED>(scene, stages, end, start.seconds);
+    let [_, _, fourth] = &later;
+    Taken {
+        end,
+        last: [fourth.acceleration, fourth.torque],
+        third_difference: if ESTIMATED {
+            third_difference(scene, stages, &replaced)
+        } else {
+            [R::Vec3::ZERO; 2]
+        },
+        near: fourth.run,
+    }
+}
+
+/// Returns the third difference of acceleration and torque, without that of the `replaced` forces.
+fn third_difference<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    stages: [&Stage<R>; 4],
+    replaced: &Load<R>,
+) -> [R::Vec3; 2] {
+    let mut acceleration = -replaced.force * scene.inertia_properties().inverse_mass();
+    let mut torque = -replaced.torque;
+    for (stage, weight) in stages.into_iter().zip(THIRD_DIFFERENCE) {
+        acceleration += stage.acceleration * R::from_f64(weight);
+        torque += stage.torque * R::from_f64(weight);
+    }
+    [acceleration, torque]
 }

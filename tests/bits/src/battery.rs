@@ -17,16 +17,16 @@ use core::ops::ControlFlow;
 
 use tumble::real::{Matrix, Quaternion, Vector};
 use tumble::{
-    AdaptiveEnergyMomentum, AirDrag, AnisotropicCoulomb, Apex, Block, BogackiShampine32, Bowl,
-    Capsule, Coin, Cone, ConstantForce, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54,
-    Ellipsoid, EnergyMomentum, Event, FlatGround, Flight, Force, ForwardEuler, FrictionField,
-    FrictionPatch, Frictionless, Gravity, Ground, HuntCrossley, Integrator, Landing, Ledger,
-    LimitedDamper, LoadDependentCoulomb, MassProperties, MovingGround, NoForce, NoGravity,
-    NoGround, Nystrom, Plane, PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rim, Rk4,
-    Rod, Rotation, Sample, SceneError, SlidingFriction, SlipEnds, SmoothCoulomb, SolidCoin, Sphere,
-    SpinDrag, SpinLift, SpringDamper, SpringDamperGround, State, Stepper, StrangSplitting,
-    Stribeck, SymplecticEuler, Terrain, ThickDisc, Trial, UniformGravity, Viscous, Waves, Wind,
-    WithResistance,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, AirDrag, AnisotropicCoulomb, Apex, Block,
+    BogackiShampine32, Bowl, Capsule, Coin, Cone, ConstantForce, ContactPoint, Coulomb, Cuboid,
+    Disc, DormandPrince54, Ellipsoid, EnergyMomentum, Event, FlatGround, Flight, Force,
+    ForwardEuler, FrictionField, FrictionPatch, Frictionless, Gravity, Ground, HuntCrossley,
+    Integrator, Landing, Ledger, LimitedDamper, LoadDependentCoulomb, MassProperties, MovingGround,
+    NoForce, NoGravity, NoGround, Nystrom, Plane, PointCloud, PointMass, Ramp, Real, Region,
+    RigidPointBody, Rim, Rk4, Rod, Rotation, Sample, SceneError, SlidingFriction, SlipEnds,
+    SmoothCoulomb, SolidCoin, Sphere, SpinDrag, SpinLift, SpringDamper, SpringDamperGround, State,
+    Stepper, StrangSplitting, Stribeck, SymplecticEuler, Terrain, ThickDisc, Trial, UniformGravity,
+    Viscous, Waves, Wind, WithResistance,
 };
 
 /// Result of a scene.
@@ -133,7 +133,8 @@ pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
     macro_rules! adaptive {
         ($($real:ident)*) => {$(
             with_each!(scenes $real ""
-                AdaptiveEnergyMomentum: |step| AdaptiveEnergyMomentum::new(tolerance(step)););
+                AdaptiveEnergyMomentum: |step| AdaptiveEnergyMomentum::new(tolerance(step));
+                AdaptiveNystrom: |step| AdaptiveNystrom::new(tolerance(step)););
         )*};
     }
     adaptive!(f32 f64);

@@ -4,10 +4,10 @@ use core::cell::Cell;
 
 use tumble::real::{Matrix, Vector};
 use tumble::{
-    AdaptiveEnergyMomentum, AnisotropicCoulomb, AnyIntegrator, BogackiShampine32, Bowl, Capsule,
-    Carried, Coin, Cone, ContactLaw, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54,
-    Dynamics, Ellipsoid, EnergyMomentum, FlatGround, Flight, Force, ForwardEuler, Frictionless,
-    Ground, GroundBounds, GroundMotion, HuntCrossley, Integrator, LimitedDamper,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, AnisotropicCoulomb, AnyIntegrator, BogackiShampine32,
+    Bowl, Capsule, Carried, Coin, Cone, ContactLaw, ContactPoint, Coulomb, Cuboid, Disc,
+    DormandPrince54, Dynamics, Ellipsoid, EnergyMomentum, FlatGround, Flight, Force, ForwardEuler,
+    Frictionless, Ground, GroundBounds, GroundMotion, HuntCrossley, Integrator, LimitedDamper,
     LoadDependentCoulomb, MassProperties, MeanForce, NoForce, NoGround, Nystrom, Plane, PointCloud,
     PointMass, Ramp, Real, RigidPointBody, Rk4, Rod, Rotation, SceneError, Shape, SlidingFriction,
     SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Step,
@@ -540,6 +540,12 @@ pub fn method<R: Real>(input: &mut Input<'_>) -> Method<R> {
         }
         .into(),
         7 => AdaptiveEnergyMomentum {
+            tolerance: input.size(1e-9, 1e-2),
+            longest_step: time_step,
+            budget: u32::from(input.byte()),
+        }
+        .into(),
+        8 => AdaptiveNystrom {
             tolerance: input.size(1e-9, 1e-2),
             longest_step: time_step,
             budget: u32::from(input.byte()),

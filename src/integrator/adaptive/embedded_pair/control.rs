@@ -75,6 +75,29 @@ impl<R: Real> Errors<R> {
         }
     }
 
+    /// Returns the errors of a step whose farthest point is wrong by a rotation (m) and by a
+    /// velocity (m/s).
+    #[inline]
+    pub(in crate::integrator::adaptive) fn of_parts(rotation: R, speed: R) -> Self {
+        Self {
+            position: R::ZERO,
+            orientation: rotation,
+            linear_velocity: speed * R::from_f64(HORIZON),
+            angular_momentum: R::ZERO,
+        }
+    }
+
+    /// Adds the errors of another cause.
+    #[inline]
+    pub(in crate::integrator::adaptive) fn plus(self, other: &Self) -> Self {
+        Self {
+            position: self.position + other.position,
+            orientation: self.orientation + other.orientation,
+            linear_velocity: self.linear_velocity + other.linear_velocity,
+            angular_momentum: self.angular_momentum + other.angular_momentum,
+        }
+    }
+
     #[inline]
     pub(super) fn add_discontinuities(&mut self, discontinuities: &Discontinuities<R>) {
         self.linear_velocity += discontinuities.velocity * R::from_f64(HORIZON);

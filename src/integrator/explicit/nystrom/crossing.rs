@@ -1,7 +1,7 @@
 //! Correction for contacts that begin or cease to push within a step: the error of the stages in
 //! the integral of their forces.
 
-use super::stages::{END, SECOND, Stage};
+use super::stages::{END, SECOND, Stage, THIRD_DIFFERENCE};
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::contact::{Load, Motion};
 use crate::friction::SlidingFriction;
@@ -13,28 +13,32 @@ use crate::rotation::Axes;
 use crate::scene::{Dynamics, OnSurface};
 
 /// Returns the `end` of a step, corrected for the error of its stages.
+///
+/// With `ESTIMATED`, the result contains what the corrected contacts contribute to the
+/// [`THIRD_DIFFERENCE`] of the loads.
 #[inline(always)]
-pub(super) fn corrected<R: Real, D: Dynamics<R>>(
+pub(super) fn corrected<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     scene: &D,
     stages: [&Stage<R>; 4],
     end: Point<R>,
     seconds: R,
-) -> Point<R> {
+) -> (Point<R>, Load<R>) {
     let [first, .., last] = stages;
     if first.run.count == 0 && last.run.count == 0 {
-        return end;
+        return (end, Load::default());
     }
     // A step as short as this moves nothing, and rounding of a penetration depth would give an
     // infinite speed.
     if !(R::ONE / seconds).is_finite() {
-        return end;
+        return (end, Load::default());
     }
     let motion = end.motion(scene);
-    let missed = missed(scene, stages, &motion, seconds);
+    let missed = missed::<_, _, ESTIMATED>(scene, stages, &motion, seconds);
     if missed.speeds.touching == 0 {
-        return end;
+        return (end, Load::default());
     }
-    missed.added_to(end, scene, &motion.axes, seconds)
+    let end = missed.added_to(end, scene, &motion.axes, seconds);
+    (end, missed.third_difference)
 }
 
 /// Errors of the stages' weighted sums: true means of force and torque over the step, minus these
@@ -44,10 +48,12 @@ struct Missed<R: Real> {
     speeds: Load<R>,
     /// Error of `∫ (1 - s) f ds`, which corrects position and orientation.
     places: Load<R>,
+    /// Third difference of the forces that the stages have used, if it is wanted.
+    third_difference: Load<R>,
 }
 
 #[inline(always)]
-fn missed<R: Real, D: Dynamics<R>>(
+fn missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     scene: &D,
     [first, _, third, last]: [&Stage<R>; 4],
     end: &Motion<R>,
@@ -56,17 +62,19 @@ fn missed<R: Real, D: Dynamics<R>>(
     let mut missed = Missed {
         speeds: Load::default(),
         places: Load::default(),
+        third_difference: Load::default(),
     };
     for surface in 0..scene.contact_model().surfaces() {
         let scene = OnSurface::of(scene, surface);
-        add_missed(&scene, [first, third, last], end, seconds, &mut missed);
+        let stages = [first, third, last];
+        add_missed::<_, _, ESTIMATED>(&scene, stages, end, seconds, &mut missed);
     }
     missed
 }
 
 /// Adds the errors of the contacts with one surface.
 #[inline(always)]
-fn add_missed<R: Real, D: Dynamics<R>>(
+fn add_missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     scene: &D,
     [first, third, last]: [&Stage<R>; 3],
     end: &Motion<R>,
@@ -93,7 +101,7 @@ fn add_missed<R: Real, D: Dynamics<R>>(
     for run in [first.run, head, tail] {
         for part in run.parts(contacts) {
             for point in part {
-                step.look_at(point, missed);
+                step.look_at::<ESTIMATED>(point, missed);
             }
         }
     }
@@ -111,17 +119,17 @@ struct Taken<'a, R: Real, D> {
 
 impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
     #[inline(always)]
-    fn look_at(&self, point: &ContactPoint<R>, missed: &mut Missed<R>) {
+    fn look_at<const ESTIMATED: bool>(&self, point: &ContactPoint<R>, missed: &mut Missed<R>) {
         let [start, end] = &self.ends;
         let (start, end) = (start.side(point), end.side(point));
         if start.pushes() != end.pushes() {
-            self.weigh(point, [start, end], missed);
+            self.weigh::<ESTIMATED>(point, [start, end], missed);
         }
     }
 
     /// Adds the correction for one contact that begins or ceases to push.
     #[inline(never)]
-    fn weigh(
+    fn weigh<const ESTIMATED: bool>(
         &self,
         point: &ContactPoint<R>,
         [start, end]: [ContactEnd<R>; 2],
@@ -158,6 +166,9 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
             self.direction(point, last.motion, load),
         ];
         missed.add(pushes, [speeds, places]);
+        if ESTIMATED {
+            missed.add_third_difference(pushes, taken);
+        }
     }
 
     /// Returns force and torque on the body per newton of the contact's normal force, world axes.
@@ -188,6 +199,19 @@ impl<R: Real> Missed<R> {
             sum.force += first[0] * early + last[0] * late;
             sum.torque += first[1] * early + last[1] * late;
             sum.touching += 1;
+        }
+    }
+
+    /// Adds the third difference of the normal forces that the stages have `taken` at one contact,
+    /// with the mean of the force directions at both ends.
+    fn add_third_difference(&mut self, directions: [[R::Vec3; 2]; 2], taken: [R; 4]) {
+        let mut difference = R::ZERO;
+        for (taken, weight) in taken.into_iter().zip(THIRD_DIFFERENCE) {
+            difference += taken * R::from_f64(weight);
+        }
+        for [push, torque] in directions {
+            self.third_difference.force += push * (difference * R::HALF);
+            self.third_difference.torque += torque * (difference * R::HALF);
         }
     }
 

@@ -38,16 +38,23 @@ pub(super) const END: Row<4> = Row {
     speeds: [1.0 / 10.0, 8.0 / 27.0, 64.0 / 135.0, 7.0 / 54.0],
 };
 
+/// Weights of the stages in the third divided difference of a function of time, in units of the
+/// step size: `1/Π_j (c_i - c_j)`.
+///
+/// It is 0 for a function of degree 2 and 1 for the cube of the fraction of the step.
+pub(super) const THIRD_DIFFERENCE: [f64; 4] = [-32.0 / 5.0, 128.0 / 9.0, -512.0 / 45.0, 32.0 / 9.0];
+
 /// A stage of the step: the motion at which its forces were evaluated, and the resulting
 /// accelerations.
-pub(super) struct Stage<R: Real> {
-    pub(super) motion: Motion<R>,
+#[derive(Clone, Copy, Debug)]
+pub(in crate::integrator) struct Stage<R: Real> {
+    pub(in crate::integrator) motion: Motion<R>,
     /// Range of the penetrating contacts.
     pub(super) run: ContactRange,
     /// Acceleration of the centre of mass, m/s², world axes.
-    pub(super) acceleration: R::Vec3,
+    pub(in crate::integrator) acceleration: R::Vec3,
     /// Torque about the centre of mass, N m, world axes.
-    pub(super) torque: R::Vec3,
+    pub(in crate::integrator) torque: R::Vec3,
     /// Second derivative of the quaternion, 1/s².
     pub(super) bend: Rotation<R>,
 }
@@ -56,7 +63,11 @@ impl<R: Real> Stage<R> {
     // Not inlined: four copies of the loop over contacts would be four times as large and no
     // faster.
     #[inline(never)]
-    pub(super) fn at<D: Dynamics<R>>(scene: &D, point: Point<R>, near: ContactRange) -> Self {
+    pub(in crate::integrator) fn at<D: Dynamics<R>>(
+        scene: &D,
+        point: Point<R>,
+        near: ContactRange,
+    ) -> Self {
         let motion = point.motion(scene);
         let run = scene
             .contact_model()
@@ -82,24 +93,29 @@ impl<R: Real> Stage<R> {
 }
 
 /// Start of a step, with its first stage.
-pub(super) struct Start<R: Real> {
+pub(in crate::integrator) struct Start<R: Real> {
     pub(super) point: Point<R>,
     /// First derivative of the quaternion, 1/s.
-    pub(super) turning: Rotation<R>,
-    pub(super) stage: Stage<R>,
-    pub(super) seconds: R,
+    turning: Rotation<R>,
+    pub(in crate::integrator) stage: Stage<R>,
+    /// Step size, s.
+    pub(in crate::integrator) seconds: R,
 }
 
 impl<R: Real> Start<R> {
     #[inline(always)]
-    pub(super) fn of<D: Dynamics<R>>(
+    pub(in crate::integrator) fn of<D: Dynamics<R>>(
         scene: &D,
         point: &Point<R>,
         seconds: R,
         near: ContactRange,
     ) -> Self {
-        let point = *point;
-        let stage = Stage::at(scene, point, near);
+        Self::with_stage(*point, Stage::at(scene, *point, near), seconds)
+    }
+
+    /// Returns the start at a point whose stage is known.
+    #[inline(always)]
+    pub(in crate::integrator) fn with_stage(point: Point<R>, stage: Stage<R>, seconds: R) -> Self {
         Self {
             point,
             turning: point.orientation.rate(stage.motion.angular_velocity),

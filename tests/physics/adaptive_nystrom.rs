@@ -1,0 +1,174 @@
+//! Tests of `AdaptiveNystrom`: the error follows the tolerance on scenes that chose no constant, a
+//! contact within one step is not missed, and one tolerance costs less than with a pair that ends
+//! its steps at touch-downs.
+
+// Helpers of these tests fail by panicking, like the tests.
+#![allow(clippy::unwrap_used)]
+
+use crate::common::methods::{Record, Setup, apart, method, truths};
+use tumble::glam::DVec3;
+use tumble::work_precision::reference;
+use tumble::{
+    AdaptiveNystrom, BogackiShampine32, Coulomb, Cuboid, DormandPrince54, FlatGround, Integrator,
+    Nystrom, PointCloud, RigidPointBody, SolidCoin, State, Stepper, Trial, UniformGravity,
+};
+
+/// 1e-3 to 1e-6 m, five a decade, so that none is met by luck.
+fn tolerances() -> impl Iterator<Item = f64> {
+    (0..16).map(|fifths| 10.0_f64.powf(-3.0 - f64::from(fifths) / 5.0))
+}
+
+fn trial(number: usize) -> Trial {
+    Trial {
+        slip_speed: 1e-3,
+        ..Trial::report(number).unwrap()
+    }
+}
+
+/// Least and largest error of the position up to 1 s, in tolerances.
+fn errors(number: usize, truths: &[Record]) -> [f64; 2] {
+    let (mut least, mut largest) = (f64::MAX, 0.0);
+    for tolerance in tolerances() {
+        let stepper = trial(number)
+            .stepper(AdaptiveNystrom::new(tolerance))
+            .unwrap();
+        let (mut state, mut time, mut worst) = (trial(number).state(), 0.0, 0.0_f64);
+        for truth in truths {
+            stepper.advance(&mut state, truth.time - time).unwrap();
+            time = truth.time;
+            worst = worst.max(apart(&state, &truth.state).place);
+        }
+        let ratio = worst / tolerance;
+        (least, largest) = (ratio.min(least), ratio.max(largest));
+    }
+    println!("trial {number}: errors of {least:.3} to {largest:.2} tolerances");
+    [least, largest]
+}
+
+/// The lower limits are far below 1, because the estimate is an upper bound where friction sticks
+/// and where errors of different signs cancel.
+#[test]
+fn the_error_of_a_run_is_at_most_five_tolerances_in_the_trials_that_chose_the_constants() {
+    for number in [1, 3, 5, 8] {
+        let [least, largest] = errors(number, &truths(number, 1e-3, 1.0));
+        assert!(least >= 0.002 && largest <= 5.0, "{least} to {largest}");
+    }
+}
+
+/// The truth is a run with steps of 10 µs, which is accurate to 2e-10 m.
+#[test]
+fn the_error_of_a_run_is_at_most_five_tolerances_in_trials_that_chose_no_constant() {
+    for number in [2, 4, 6, 7] {
+        let times = [0.1, 0.25, 0.5, 1.0];
+        let truths = method("Nystrom").records(&Setup::trial(number, 1e-3), 1e-5, &times);
+        let [least, largest] = errors(number, &truths);
+        assert!(least >= 0.002 && largest <= 5.0, "{least} to {largest}");
+    }
+}
+
+/// Error at the end of a toss of 0.4 s with bounces, in tolerances.
+fn error_of_toss<B: RigidPointBody + Clone>(
+    body: B,
+    carrying: f64,
+    spin: DVec3,
+    tolerance: f64,
+) -> f64 {
+    let stiffness = body.mass() * 9.8 / (2e-5 * carrying);
+    let stepper = Stepper::new(body.clone())
+        .and_then(|stepper| {
+            let damping = 0.42 * (stiffness * body.mass()).sqrt();
+            stepper.with_ground(FlatGround::level(stiffness, damping))
+        })
+        .and_then(|stepper| {
+            stepper.with_friction(Coulomb {
+                coefficient: 0.3,
+                slip_speed: 1e-3,
+            })
+        })
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
+        .and_then(|stepper| stepper.with_integrator(AdaptiveNystrom::new(tolerance)))
+        .unwrap();
+    let start = State::at(DVec3::Z * 0.07)
+        .with_linear_velocity(DVec3::new(0.2, -0.3, 0.1))
+        .with_rotation_vector(DVec3::new(0.4, 0.7, -0.2));
+    let start = stepper.with_angular_velocity(start, spin);
+    let truth = reference(stepper.scene(), &start, 0.4).unwrap();
+    let mut state = start;
+    stepper.advance(&mut state, 0.4).unwrap();
+    (state.position - truth.end.position).length() / tolerance
+}
+
+#[test]
+fn the_error_of_a_toss_with_bounces_is_at_most_five_tolerances() {
+    for spin in [DVec3::new(5.0, 30.0, -9.0), DVec3::new(-14.0, 6.0, 33.0)] {
+        for tolerance in [1e-3, 1e-4, 1e-5] {
+            let coin = error_of_toss(SolidCoin::new(4.93e-3, 0.01, 0.002), 120.0, spin, tolerance);
+            let die = error_of_toss(Cuboid::cube(4.8e-3, 0.016), 4.0, spin, tolerance);
+            println!("{tolerance:e} m: coin {coin:.4}, die {die:.4} tolerances");
+            assert!(coin <= 5.0 && die <= 5.0, "{coin}, {die}");
+        }
+    }
+}
+
+/// A rod that rotates above ground touches it with one end twice a revolution, for 25 ms. Both ends
+/// of a step of 0.1 s, and its stages, may be above ground.
+#[test]
+fn a_contact_that_closes_and_opens_within_one_step_is_not_missed() {
+    let rod = PointCloud::new([DVec3::X * 0.5, DVec3::X * -0.5], [0.5, 0.5]).unwrap();
+    let run = |stepper: &dyn Fn(&mut State), start: &State| {
+        let mut state = *start;
+        stepper(&mut state);
+        state.linear_velocity.z
+    };
+    let scene = Stepper::new(rod)
+        .and_then(|stepper| stepper.with_ground(FlatGround::level(1e4, 1.0)))
+        .unwrap();
+    let start = State::at(DVec3::Z * 0.499);
+    let start = scene.with_angular_velocity(start, DVec3::Y * 5.0);
+    let fine = scene.with_integrator(Nystrom { time_step: 1e-5 }).unwrap();
+    let truth = run(&|state| fine.advance(state, 0.8).unwrap(), &start);
+    assert!(truth > 0.05, "{truth} m/s");
+    for tolerance in [1e-2, 1e-4] {
+        let adaptive = scene
+            .with_integrator(AdaptiveNystrom::new(tolerance))
+            .unwrap();
+        let speed = run(&|state| adaptive.advance(state, 0.8).unwrap(), &start);
+        assert!(
+            (speed - truth).abs() < 0.05 * truth,
+            "{speed} m/s, not {truth} m/s"
+        );
+    }
+}
+
+/// Force evaluations of a second of a trial.
+fn evaluations<I: Integrator>(number: usize, integrator: I) -> f64 {
+    let stepper = trial(number).stepper(integrator).unwrap();
+    let (mut state, mut workspace) = (trial(number).state(), I::Workspace::default());
+    let (mut left, mut evaluations) = (1.0, 0);
+    while left > 1e-12 {
+        let step = stepper
+            .step_within(&mut state, left, &mut workspace)
+            .unwrap();
+        left -= step.elapsed;
+        evaluations += step.evaluations;
+    }
+    f64::from(evaluations)
+}
+
+/// The pairs have the same error with a fifth of the tolerance: their errors are up to ten
+/// tolerances, and those of `AdaptiveNystrom` up to five. It needs two thirds of the evaluations, as
+/// the geometric mean over all eight trials.
+#[test]
+fn one_tolerance_costs_less_than_steps_that_end_at_touch_downs() {
+    for error in [1e-3, 1e-4] {
+        let mean = |of: &dyn Fn(usize) -> f64| {
+            let sum: f64 = (1..=8).map(|number| of(number).ln()).sum();
+            (sum / 8.0).exp()
+        };
+        let ours = mean(&|number| evaluations(number, AdaptiveNystrom::new(error / 5.0)));
+        let bogacki = mean(&|number| evaluations(number, BogackiShampine32::new(error / 10.0)));
+        let dormand = mean(&|number| evaluations(number, DormandPrince54::new(error / 10.0)));
+        println!("{error:e} m: {ours:.0}, pairs {bogacki:.0} and {dormand:.0} evaluations");
+        assert!(ours < 0.8 * bogacki && ours < 0.8 * dormand, "{ours}");
+    }
+}
