@@ -39,6 +39,10 @@ use reference::{Node, Part, Works};
 ///   of the step and between, and the energy error includes the part that these works miss. A
 ///   contact that closes and opens between two substeps is missed. The ledger must receive every
 ///   step, so it is not suited for [`Every`](crate::Every).
+/// - *Friction that jumps* between two positions, as in a [`FrictionPatch`](crate::FrictionPatch),
+///   is not located. For each contact that passes the edge, the works may be off by two fifths of
+///   the step size times the jump of the power. That is of order 1, like the error of the methods
+///   with a fixed step.
 ///
 /// One ledger may observe several runs. The audit continues after the pause. Energy that the state
 /// gained between two runs, for example by a push of the user, is *handed in*. Use
