@@ -17,7 +17,7 @@ use core::ops::ControlFlow;
 
 use crate::contact::LowestPoint;
 use crate::energy::{Dissipation, Energy, EnergyRates};
-use crate::real::Real;
+use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, Rates};
 use crate::state::State;
 
@@ -228,6 +228,11 @@ pub trait SceneQuery<R: Real = f64> {
     fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>>;
     /// Number of contacts that touch the ground.
     fn touching(&self, state: &State<R>) -> usize;
+    /// Distance of two poses in bounding radii of the body: that of the centres of mass, and twice
+    /// the sine of half the angle between the orientations.
+    ///
+    /// It is not finite for a body without extension.
+    fn separation(&self, a: &State<R>, b: &State<R>) -> R;
 }
 
 impl<R: Real, D: Dynamics<R>> SceneQuery<R> for D {
@@ -251,6 +256,11 @@ impl<R: Real, D: Dynamics<R>> SceneQuery<R> for D {
         let mut count = 0;
         self.visit_contacts(&self.motion(state), |_| count += 1);
         count
+    }
+    fn separation(&self, a: &State<R>, b: &State<R>) -> R {
+        let between = a.rotation().after(b.rotation().inverse());
+        let shift = (a.position - b.position).length() / self.bounding_radius();
+        shift + between.sine_of_half() * R::TWO
     }
 }
 
@@ -349,6 +359,16 @@ mod tests {
         assert_eq!(rates.acceleration, DVec3::new(0.0, 0.0, -9.8));
         assert_eq!(rates.torque, DVec3::ZERO);
         assert_eq!(rates.angular_velocity, DVec3::ZERO);
+    }
+
+    #[test]
+    fn the_separation_of_two_poses_counts_radii_and_rotation() {
+        let stepper = Stepper::new(Coin::ring(1.0, 0.5)).unwrap();
+        let (scene, here) = (stepper.scene(), State::at(DVec3::Z));
+        let there = State::at(DVec3::new(0.3, 0.0, 1.4))
+            .with_rotation_vector(DVec3::Y * core::f64::consts::FRAC_PI_3);
+        assert!((scene.separation(&here, &there) - 2.0).abs() < 1e-15);
+        assert_eq!(scene.separation(&there, &there).to_bits(), 0);
     }
 
     #[test]

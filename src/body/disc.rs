@@ -87,13 +87,16 @@ use crate::state::State;
 /// - `EnergyMomentum` uses up to eight points between discontinuities. If friction reverses on the
 ///   arc, the error is up to 1e-3 of the load, and 6e-3 for a slip speed of 1e-10 m/s. So the
 ///   method does not converge to the same limit as its steps get shorter.
-/// - The difference from the limit of many points decreases with the square of their number, if the
-///   points' contacts are resolved in time. A ring that spins upright on the spot is an exception.
+/// - The difference from the limit of many points decreases with the square of their number, also
+///   with dampers, if the points' touch-downs are resolved in time. [`Nystrom`](crate::Nystrom)
+///   and the adaptive methods do that. A ring that spins upright on the spot is an exception.
 ///   Its contacts are always the same few points, near the lowest point, where friction reverses.
 ///   The difference for such a ring decreases in proportion to the number of points, until their
 ///   distance times the spin is below the slip speed.
 /// - Each touch-down of a point is a discontinuity of its damper's force. A fixed step size adds a
 ///   position error in proportion to the step size for a ring of points, but not for the round rim.
+///   The error does not decrease with the number of points, because more points have smaller
+///   dampers. Then a rolling coin shows no clean order in their number.
 /// - `EnergyMomentum` is of order 2 on the round rim without dampers. With the dampers of the coin
 ///   report it is of order 1 for step sizes below 2 ms. It is also of order 1 with friction at an
 ///   edge of the ground, where points of the rim change the direction of friction within a step.

@@ -14,3 +14,4 @@ mod contract;
 mod driven;
 mod extremes;
 mod extremes_table;
+mod first_version;

@@ -556,7 +556,7 @@ mod audit {
     }
 
     #[test]
-    fn works_and_energy_error_fall_at_the_methods_order_in_all_eight_trials() {
+    fn the_stated_energy_error_is_the_true_one_in_all_eight_trials() {
         for method in METHODS {
             // `Nystrom` is down to rounding with short steps.
             let coarser = if method.name == "Nystrom" { 8.0 } else { 2.0 };
@@ -566,31 +566,34 @@ mod audit {
                     mean(&audits(&method, coarser * time_step)),
                 )
             });
-            let order = |part: fn(&Audit) -> f64| {
-                convergence(&means.map(|(time_step, mean)| (time_step, part(&mean))))
-            };
             // Through touch-downs: order 2 where the method integrates the jump of the force, else
             // order 1. Sixteen rows, each with chance in it: where in the steps the contacts close.
             let least = match method.name {
                 "EnergyMomentum" | "Nystrom" => 1.8,
                 _ => 0.8,
             };
-            for (name, order) in [
-                ("works", order(|mean| mean.works)),
-                ("energy error", order(|mean| mean.stated)),
-            ] {
-                assert!(
-                    order > least,
-                    "{}: {name} of order {order}, {means:?}",
-                    method.name
-                );
-            }
+            let order = convergence(&means.map(|(time_step, mean)| (time_step, mean.stated)));
+            assert!(
+                order > least,
+                "{}: energy error of order {order}, {means:?}",
+                method.name
+            );
+            // The audit allows its works an eighth of what a step adds to the energy error. Its
+            // longest steps here, those of `Nystrom`, do not resolve the slip: more is lost there.
+            let [share_of_works, bound] = match method.name {
+                "Nystrom" => [1.0, 1.5],
+                _ => [1.0 / 8.0, 1.0 + 1.0 / 8.0],
+            };
             for (time_step, mean) in means {
-                // The sum of the errors of the steps, and what becomes of them: of one size.
                 let share = mean.stated / mean.error;
                 assert!(
-                    (0.1..40.0).contains(&share),
+                    (1.0 / bound..bound).contains(&share),
                     "{}, {time_step} s: stated {share} of the error, {mean:?}",
+                    method.name
+                );
+                assert!(
+                    mean.works < share_of_works * mean.error,
+                    "{}, {time_step} s: works, {mean:?}",
                     method.name
                 );
             }
