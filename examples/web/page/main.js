@@ -37,7 +37,7 @@ class Page {
     click('set-down', () => this.attempt(() => this.begun('place')));
     click('share', () => this.share());
     click('too-long', () => this.tooLong());
-    click('bits-again', () => checkBits(this.bytes, byId('bits')));
+    click('bits-again', () => checkBits(this.bytes));
     byId('rate').addEventListener('change', (event) => {
       this.rate = Number(event.target.value);
     });
@@ -357,7 +357,7 @@ async function main() {
   window.page = page; // for the console and for tests
   page.open();
   if (matchMedia('(prefers-reduced-motion: reduce)').matches) page.play(false);
-  checkBits(bytes, byId('bits'));
+  checkBits(bytes);
   requestAnimationFrame((now) => page.frame(now));
 }
 
