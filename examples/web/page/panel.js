@@ -31,6 +31,7 @@ const INTEGRATORS = [
   ['Flight', 'Flight in closed form, and StrangSplitting in contact.'],
 ];
 const METHODS = INTEGRATORS.map(([name]) => name);
+const isAdaptive = (method) => INTEGRATORS[method][1].startsWith(ADAPTIVE);
 
 // One parameter. The slider covers an interval about the first value; the number takes any value.
 class Slider {
