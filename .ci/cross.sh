@@ -6,12 +6,18 @@
 
 # cross_tools WORK: installs compiler, emulators and Node; a log of it goes to the folder WORK.
 cross_tools() {
-  local missing=() package
+  local missing=()
   need() { command -v "$1" >/dev/null || missing+=("$2"); } # need PROGRAM PACKAGE
   need qemu-system-arm qemu-system-arm
   need qemu-aarch64 qemu-user
   need qemu-riscv32 qemu-user
   need node nodejs
+  cross_install "$1" "${missing[@]}"
+}
+
+# cross_install WORK PACKAGE…: installs Debian's packages, and the compiler that every target needs.
+cross_install() {
+  local missing=("${@:2}") package
   for package in rustc-web rust-web-src; do
     dpkg -s "$package" >/dev/null 2>&1 || missing+=("$package")
   done

@@ -263,17 +263,20 @@ fn five(die: &Die) -> Outcome<Vec<Throw>> {
     Ok(five)
 }
 
-fn checks(thrown: &[Throw], five: &[Throw]) -> Vec<Check> {
-    let count = thrown.len() as f64;
-    let all = || thrown.iter().chain(five);
+/// Pearson's statistic of the faces, if all are equally probable.
+fn chi_square(thrown: &[Throw]) -> f64 {
+    let expected = thrown.len() as f64 / 6.0;
     let mut faces = [0.0; 6];
     for end in thrown {
         faces[usize::from(end.face) - 1] += 1.0;
     }
-    let chi_square = faces
-        .map(|found: f64| (found - count / 6.0).powi(2) / (count / 6.0))
-        .iter()
-        .sum();
+    let terms = faces.map(|found: f64| (found - expected).powi(2) / expected);
+    terms.iter().sum()
+}
+
+fn checks(thrown: &[Throw], five: &[Throw]) -> Vec<Check> {
+    let count = thrown.len() as f64;
+    let all = || thrown.iter().chain(five);
     let inside = thrown.iter().filter(|end| end.is_inside()).count() as f64;
     let across: Vec<f64> = thrown.iter().map(|end| end.state.position.y).collect();
     let mean = across.iter().sum::<f64>() / count;
@@ -289,7 +292,7 @@ fn checks(thrown: &[Throw], five: &[Throw]) -> Vec<Check> {
         Check::between(
             "chi-square of the faces",
             "chi-square with 5 degrees of freedom, 0.999 quantile",
-            chi_square,
+            chi_square(thrown),
             0.0,
             CRITICAL,
         ),

@@ -15,6 +15,8 @@ use crate::truth::{DURATION, distance, trial, truth};
 
 /// Step sizes (s) and errors (m). Each step size divides the second.
 type Curve = Vec<(f64, f64)>;
+/// Name of a method, its colour and its errors.
+type Named = (&'static str, &'static str, Curve);
 
 /// Numbers of steps in the second. The order is measured between the last two.
 const COUNTS: [u32; 12] = [
@@ -24,35 +26,7 @@ const COUNTS: [u32; 12] = [
 /// Writes the page into a folder. Returns true if all figures are as expected.
 pub(crate) fn write(out: &Path) -> Outcome<bool> {
     make_folder(&out.join("accuracy"))?;
-    let truth = truth()?;
-    let curves = [
-        (
-            "ForwardEuler",
-            GREY,
-            curve(&truth, |time_step| ForwardEuler { time_step })?,
-        ),
-        (
-            "SymplecticEuler",
-            ORANGE,
-            curve(&truth, |time_step| SymplecticEuler { time_step })?,
-        ),
-        (
-            "StrangSplitting",
-            GREEN,
-            curve(&truth, |time_step| StrangSplitting { time_step })?,
-        ),
-        (
-            "EnergyMomentum",
-            BLACK,
-            curve(&truth, |time_step| EnergyMomentum { time_step })?,
-        ),
-        ("Rk4", BLUE, curve(&truth, |time_step| Rk4 { time_step })?),
-        (
-            "Nystrom",
-            PURPLE,
-            curve(&truth, |time_step| Nystrom { time_step })?,
-        ),
-    ];
+    let curves = curves(&truth()?)?;
     let page = Page {
         title: "Error and step size of every integrator",
         text: vec![
@@ -75,6 +49,38 @@ pub(crate) fn write(out: &Path) -> Outcome<bool> {
     page.write("accuracy", &options)
 }
 
+/// Errors of each method with a fixed step size.
+fn curves(truth: &State) -> Outcome<[Named; 6]> {
+    Ok([
+        (
+            "ForwardEuler",
+            GREY,
+            curve(truth, |time_step| ForwardEuler { time_step })?,
+        ),
+        (
+            "SymplecticEuler",
+            ORANGE,
+            curve(truth, |time_step| SymplecticEuler { time_step })?,
+        ),
+        (
+            "StrangSplitting",
+            GREEN,
+            curve(truth, |time_step| StrangSplitting { time_step })?,
+        ),
+        (
+            "EnergyMomentum",
+            BLACK,
+            curve(truth, |time_step| EnergyMomentum { time_step })?,
+        ),
+        ("Rk4", BLUE, curve(truth, |time_step| Rk4 { time_step })?),
+        (
+            "Nystrom",
+            PURPLE,
+            curve(truth, |time_step| Nystrom { time_step })?,
+        ),
+    ])
+}
+
 fn curve<I: Integrator>(truth: &State, integrator: impl Fn(f64) -> I) -> Outcome<Curve> {
     let mut curve = Curve::new();
     for count in COUNTS {
@@ -87,7 +93,7 @@ fn curve<I: Integrator>(truth: &State, integrator: impl Fn(f64) -> I) -> Outcome
     Ok(curve)
 }
 
-fn checks(curves: &[(&str, &str, Curve)]) -> Vec<Check> {
+fn checks(curves: &[Named]) -> Vec<Check> {
     let expected = [
         ("ForwardEuler", 1.0),
         ("SymplecticEuler", 1.0),
@@ -110,7 +116,7 @@ fn checks(curves: &[(&str, &str, Curve)]) -> Vec<Check> {
     checks
 }
 
-fn picture(curves: &[(&str, &str, Curve)]) -> Outcome<Picture> {
+fn picture(curves: &[Named]) -> Outcome<Picture> {
     // The coin has a radius of half a metre: a larger error says nothing.
     let plots = curves.iter().map(|(name, colour, curve)| {
         let shown = curve.iter().filter(|(_, error)| *error < 1.0);

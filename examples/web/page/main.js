@@ -1,7 +1,7 @@
 // The page: one run that is advanced with the clock, and everything that starts it anew.
 
 const AT_MOST = 14; // ms of a picture's time that steps may take
-const CHUNK = 8; // steps between two looks at the clock
+const CHUNK = 8; // steps between two readings of the clock; one of an adaptive integrator
 
 class Page {
   constructor(tumble, bytes) {
@@ -37,7 +37,7 @@ class Page {
     click('set-down', () => this.attempt(() => this.begun('place')));
     click('share', () => this.share());
     click('too-long', () => this.tooLong());
-    click('bits-again', () => checkBits(this.bytes, byId('bits')));
+    click('bits-again', () => checkBits(this.bytes));
     byId('rate').addEventListener('change', (event) => {
       this.rate = Number(event.target.value);
     });
@@ -302,8 +302,9 @@ class Page {
     const step = this.tumble.parameters[PARAMETER.step];
     this.owed += (Math.min(milliseconds, 100) / 1000) * this.rate;
     const until = performance.now() + AT_MOST;
+    const chunk = isAdaptive(this.tumble.parameters[PARAMETER.method]) ? 1 : CHUNK;
     while (this.running && this.owed >= step && performance.now() < until) {
-      const steps = Math.min(CHUNK, Math.floor(this.owed / step));
+      const steps = Math.min(chunk, Math.floor(this.owed / step));
       this.owed -= steps * step;
       this.advance(steps);
     }
@@ -357,7 +358,7 @@ async function main() {
   window.page = page; // for the console and for tests
   page.open();
   if (matchMedia('(prefers-reduced-motion: reduce)').matches) page.play(false);
-  checkBits(bytes, byId('bits'));
+  checkBits(bytes);
   requestAnimationFrame((now) => page.frame(now));
 }
 

@@ -16,14 +16,22 @@ const SLIDERS = [
   { id: 'stiffness', label: 'Stiffness, each contact', unit: 'N/m', decades: 1.5 },
   { id: 'step', label: 'Step size', unit: 'ms', decades: 2, per: 1e-3 },
 ];
-const METHODS = [
-  'EnergyMomentum',
-  'StrangSplitting',
-  'SymplecticEuler',
-  'Rk4',
-  'Nystrom',
-  'ForwardEuler',
+const EXPLICIT = 'Explicit. It gains energy if the step is too long.';
+const ADAPTIVE = 'Adaptive: it divides each step. Tolerance: a thousandth of the bounding radius.';
+const INTEGRATORS = [
+  ['EnergyMomentum', 'The default. Its energy never increases.'],
+  ['StrangSplitting', EXPLICIT],
+  ['SymplecticEuler', EXPLICIT],
+  ['Rk4', EXPLICIT],
+  ['Nystrom', EXPLICIT],
+  ['ForwardEuler', EXPLICIT],
+  ['AdaptiveEnergyMomentum', `${ADAPTIVE} Its energy never increases.`],
+  ['BogackiShampine32', ADAPTIVE],
+  ['DormandPrince54', ADAPTIVE],
+  ['Flight', 'Flight in closed form, and StrangSplitting in contact.'],
 ];
+const METHODS = INTEGRATORS.map(([name]) => name);
+const isAdaptive = (method) => INTEGRATORS[method][1].startsWith(ADAPTIVE);
 
 // One parameter. The slider covers an interval about the first value; the number takes any value.
 class Slider {
@@ -116,6 +124,7 @@ class Panel {
       input.checked = i === body;
     });
     byId('method').value = parameters[PARAMETER.method];
+    byId('method-note').textContent = INTEGRATORS[parameters[PARAMETER.method]][1];
     byId('start').innerHTML = BODIES[body].starts
       .map((text, i) => `<option value="${i}">${text}</option>`)
       .join('');

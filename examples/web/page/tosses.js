@@ -89,13 +89,16 @@ class Tosses {
   }
 }
 
-// Compares a row of the battery, computed here, with the stored one.
-function checkBits(bytes, shownIn) {
-  const stored = byId('hashes').textContent.trim().split('\n');
+// Compares the hash of the battery, computed here, with the stored one.
+function checkBits(bytes) {
+  const shownIn = byId('bits'),
+    stored = byId('stored').textContent;
   shownIn.textContent = 'computing …';
+  byId('computed').textContent = '';
   startWorker({ task: 'bits', bytes }, ({ failed, text }) => {
-    const equal = !failed && stored.includes(text);
-    shownIn.textContent = equal ? `equal: ${text}` : `different: ${text}`;
+    const equal = !failed && text === stored;
+    byId('computed').textContent = text;
+    shownIn.textContent = equal ? 'equal' : 'different';
     shownIn.className = equal ? 'kept' : 'gained';
   });
 }

@@ -53,7 +53,7 @@ class View {
       position[0],
       position[1],
       Math.max(0.5 * this.radius, 0.5 * height),
-      Math.max(6.4 * this.radius, 1.7 * height),
+      Math.max(6.4 * this.radius, 1.4 * height + 3 * this.radius),
     ];
     this.target = this.target.map((at, i) => at + (goal[i] - at) * follow);
     const [ca, sa, ce, se] = [

@@ -9,13 +9,12 @@ use core::sync::atomic::{AtomicU8, AtomicU64};
 use tumble::glam::DVec3;
 use tumble::{RigidPointBody, State};
 
-#[cfg(target_family = "wasm")]
-use crate::battery;
-use crate::bodies::Exhibit;
-use crate::error::PageError;
-use crate::memory::{self, Block};
+use crate::memory::{self, Block, STATE, read_parameters, read_state, write_state};
 use crate::run::{self, RUN};
-use crate::scene::{PageStepper, Parameters, STATE, height_on_the_ground, read_state, write_state};
+use crate::scenes::battery;
+use crate::scenes::bodies::Exhibit;
+use crate::scenes::error::PageError;
+use crate::scenes::parameters::{PageStepper, Parameters, height_on_the_ground};
 use crate::tosses::{self, COUNTS};
 
 static PARAMETERS: Block<{ Parameters::COUNT }> = Block::new();
@@ -38,7 +37,7 @@ fn code(result: Result<(), PageError>) -> u32 {
 
 /// Scene of a run: 0 has the chosen method, 1 the default method.
 fn stepper_of(number: usize) -> Result<PageStepper, PageError> {
-    let parameters = Parameters::read(&PARAMETERS);
+    let parameters = read_parameters(&PARAMETERS);
     if number == 0 {
         parameters.stepper()
     } else {
@@ -105,7 +104,10 @@ pub extern "C" fn text_length() -> u32 {
 /// Writes the parameters of the first scene of a body.
 #[unsafe(no_mangle)]
 pub extern "C" fn choose(body: f64) -> u32 {
-    code(Exhibit::from_number(body).map(|exhibit| exhibit.parameters.write(&PARAMETERS)))
+    code(
+        Exhibit::from_number(body)
+            .map(|exhibit| PARAMETERS.set_all(0, &exhibit.parameters.numbers())),
+    )
 }
 
 /// Bounding radius of the chosen body, m; NaN if there is none.
@@ -125,7 +127,7 @@ pub extern "C" fn check() -> u32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn place() -> u32 {
     code(
-        Parameters::read(&PARAMETERS)
+        read_parameters(&PARAMETERS)
             .start()
             .and_then(|state| begin_at(&state)),
     )
@@ -209,7 +211,7 @@ pub extern "C" fn stable_step() -> f64 {
 pub extern "C" fn toss(seed: u32, first: u32, end: u32) -> u32 {
     code(tosses::play(
         &TOSSES,
-        &Parameters::read(&PARAMETERS),
+        &read_parameters(&PARAMETERS),
         seed.into(),
         first..end,
     ))
@@ -221,17 +223,8 @@ pub extern "C" fn wilson(count: f64, total: f64) {
     INTERVAL.set_all(0, &tosses::wilson(count, total));
 }
 
-/// Computes the row `f64 EnergyMomentum` of `tests/bits/hashes.txt` and leaves it as the text.
-///
-/// Elsewhere `tests/bits.rs` computes it.
-#[cfg(target_family = "wasm")]
+/// Computes the hash of the page's battery and leaves it as the text.
 #[unsafe(no_mangle)]
 pub extern "C" fn bits() -> u32 {
-    match battery::row::<f64, _>(|time_step| tumble::EnergyMomentum { time_step }) {
-        Ok(hash) => {
-            memory::write_text(&format_args!("f64 EnergyMomentum {hash:016x}"));
-            0
-        }
-        Err(error) => code(Err(error.into())),
-    }
+    code(battery::row().map(|hash| memory::write_text(&format_args!("{hash:016x}"))))
 }

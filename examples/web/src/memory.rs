@@ -6,6 +6,11 @@
 use core::fmt;
 use core::sync::atomic::{AtomicU8, AtomicU32, AtomicU64, Ordering::Relaxed};
 
+use tumble::State;
+use tumble::glam::{DQuat, DVec3};
+
+use crate::scenes::parameters::Parameters;
+
 /// Block of numbers at a fixed address.
 #[derive(Debug)]
 pub struct Block<const N: usize>([AtomicU64; N]);
@@ -47,6 +52,36 @@ impl<const N: usize> Default for Block<N> {
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// Reads the parameters of a scene from their block.
+#[must_use]
+pub fn read_parameters(block: &Block<{ Parameters::COUNT }>) -> Parameters {
+    Parameters::from_numbers(core::array::from_fn(|index| block.get(index)))
+}
+
+/// Count of the numbers of a state.
+pub const STATE: usize = 13;
+
+/// Reads a state from the first numbers of a block.
+#[must_use]
+pub fn read_state<const N: usize>(block: &Block<N>) -> State {
+    let vector = |at| DVec3::new(block.get(at), block.get(at + 1), block.get(at + 2));
+    let orientation = [6, 7, 8, 9].map(|at| block.get(at));
+    State {
+        position: vector(0),
+        linear_velocity: vector(3),
+        orientation: DQuat::from_array(orientation),
+        angular_momentum: vector(10),
+    }
+}
+
+/// Writes a state to the first numbers of a block.
+pub fn write_state<const N: usize>(block: &Block<N>, state: &State) {
+    block.set_all(0, &state.position.to_array());
+    block.set_all(3, &state.linear_velocity.to_array());
+    block.set_all(6, &state.orientation.to_array());
+    block.set_all(10, &state.angular_momentum.to_array());
 }
 
 const TEXT_BYTES: usize = 1024;

@@ -3,9 +3,9 @@
 
 use tumble::State;
 
-use crate::error::PageError;
-use crate::memory::Block;
-use crate::scene::{PageStepper, STATE, read_state, write_state};
+use crate::memory::{Block, STATE, read_state, write_state};
+use crate::scenes::error::PageError;
+use crate::scenes::parameters::{PageStepper, take_step};
 
 /// Samples of the path that one call leaves, at most.
 const SAMPLES: u32 = 32;
@@ -46,7 +46,7 @@ pub fn advance(run: &Block<RUN>, stepper: &PageStepper, steps: u32) -> Result<()
     run.set(SAMPLE_COUNT, 0.0);
     while taken < steps {
         let before = *session.state();
-        if let Err(error) = session.step() {
+        if let Err(error) = take_step(&mut session) {
             failure = Some(error);
             break;
         }
@@ -98,7 +98,8 @@ fn measure(run: &Block<RUN>, stepper: &PageStepper, state: &State) {
 /// Adds the lowest point to the path.
 fn sample(run: &Block<RUN>, stepper: &PageStepper, state: &State) {
     let count = run.get(SAMPLE_COUNT);
-    let (Some(index), Some(lowest)) = (crate::whole(count), stepper.lowest_point(state)) else {
+    let (Some(index), Some(lowest)) = (crate::scenes::whole(count), stepper.lowest_point(state))
+    else {
         return;
     };
     let place = [lowest.position.x, lowest.position.y, lowest.gap];

@@ -8,10 +8,10 @@ use tumble::glam::{DQuat, DVec3};
 use tumble::{Barriers, Dynamics, Outcome, Real, RigidPointBody, Scene, State, UntilDecided};
 use tumble::{Coulomb, FlatGround, UniformGravity};
 
-use crate::bodies::{Body, FACES};
-use crate::error::PageError;
 use crate::memory::Block;
-use crate::scene::{PageStepper, Parameters};
+use crate::scenes::bodies::{Body, FACES};
+use crate::scenes::error::PageError;
+use crate::scenes::parameters::{PageStepper, Parameters};
 
 /// Place of the undecided tosses in the counts.
 pub const UNDECIDED: usize = FACES;

@@ -6,10 +6,11 @@
 use tumble::ensemble::{Ensemble, RandomSpin, RandomStart, SceneHash, Throw, wilson};
 use tumble::glam::DVec3;
 use tumble::{Dynamics, RigidPointBody, State};
-use tumble_page::bodies::Exhibit;
-use tumble_page::memory::Block;
+use tumble_page::memory::{Block, read_state};
 use tumble_page::run::{self, RUN};
-use tumble_page::scene::{Parameters, read_state};
+use tumble_page::scenes::battery::{self, Start};
+use tumble_page::scenes::bodies::Exhibit;
+use tumble_page::scenes::parameters::Parameters;
 use tumble_page::tosses::{self, COUNTS, FAILED, Starts, UNDECIDED};
 
 const LARGEST_INCREASE: usize = 19;
@@ -78,7 +79,7 @@ fn an_explicit_step_too_long_gains_energy_and_says_so() {
 #[test]
 fn steps_in_parts_have_the_bits_of_steps_at_once() {
     for body in 0..7 {
-        for method in 0..6 {
+        for method in 0..10 {
             let parameters = Parameters {
                 method: f64::from(method),
                 start: 2.0,
@@ -226,4 +227,68 @@ fn the_mass_of_the_thick_coin_is_that_of_steel() {
     let volume = std::f64::consts::PI * 0.012 * 0.012 * 0.012 * std::f64::consts::FRAC_1_SQRT_2;
     let density = stepper.scene().inertia_properties().mass() / volume;
     assert!((7700.0..8000.0).contains(&density), "{density} kg/m³");
+}
+
+/// Runs of the battery with `EnergyMomentum`, which has the number 0.
+fn runs_by_default() -> impl Iterator<Item = battery::Run> {
+    battery::runs().filter(|run| run.method == 0)
+}
+
+#[test]
+fn the_battery_has_each_body_with_each_integrator() {
+    let mut runs: Vec<_> = battery::runs()
+        .map(|run| (run.body, run.method, run.start == Start::Thrown))
+        .collect();
+    assert_eq!(runs.len(), 7 * 10 * 2);
+    runs.sort_unstable();
+    runs.dedup();
+    assert_eq!(runs.len(), 7 * 10 * 2);
+}
+
+#[test]
+fn a_thrown_body_of_the_battery_flies_hits_and_slides() {
+    for run in runs_by_default().filter(|run| run.start == Start::Thrown) {
+        // Steps before the touch-down, vertical velocity before it and the largest after it.
+        let (mut flies, mut before, mut after, mut slides) = (0, 0.0, f64::NEG_INFINITY, 0);
+        run.follow(&mut |stepper, state| {
+            let fell = after == f64::NEG_INFINITY;
+            if fell && stepper.touching(state) == 0 {
+                (flies, before) = (flies + 1, state.linear_velocity.z);
+                return;
+            }
+            after = f64::max(after, state.linear_velocity.z);
+            let slip = stepper.slip_velocity(state).map_or(0.0, DVec3::length);
+            slides += u32::from(stepper.touching(state) > 0 && slip > 1e-2);
+        })
+        .unwrap();
+        assert!(flies > 10, "{}: flies {flies} steps", run.name);
+        assert!(
+            before < 0.0 && after > 0.5 * before,
+            "{}: hits the floor at {before} m/s",
+            run.name
+        );
+        assert!(slides > 3, "{}: slides {slides} steps", run.name);
+    }
+}
+
+#[test]
+fn a_body_of_the_battery_that_is_set_down_comes_to_rest() {
+    for run in runs_by_default().filter(|run| run.start == Start::SetDown) {
+        let (mut states, mut touching) = (Vec::new(), 0);
+        run.follow(&mut |stepper, state| {
+            states.push(*state);
+            touching = stepper.touching(state);
+        })
+        .unwrap();
+        let (first, last) = (states[0], states[states.len() - 1]);
+        assert!(touching > 0 && first != last, "{}", run.name);
+        assert_eq!(states[states.len() - 2], last, "{}: rests", run.name);
+    }
+}
+
+#[test]
+fn the_row_of_the_battery_is_the_stored_one() {
+    let stored = include_str!("../../../tests/bits/hashes.txt");
+    let row = format!("{} {:016x}", battery::ROW, battery::row().unwrap());
+    assert!(stored.lines().any(|line| line == row), "{row}");
 }

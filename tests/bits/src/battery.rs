@@ -8,6 +8,9 @@
 //! forces, ground that moves, friction by place, several surfaces, and events. Its rows follow
 //! those of the first. A third one, [`rims`], holds bodies with several round rims.
 //!
+//! A last row is the battery of the live page, `examples/web`, which computes it in the browser. Its
+//! scenes are those of the page's source.
+//!
 //! A new part joins by a line: a scene by a `play` at the end of [`scenes`] or [`driven`], with the
 //! part in it; an integrator by a line in [`each_scene`]. `UPDATE=1 cargo test --test bits` stores
 //! the new hashes.
@@ -15,7 +18,14 @@
 use core::fmt;
 use core::ops::ControlFlow;
 
-use tumble::real::{Matrix, Quaternion, Vector};
+#[path = "hash.rs"]
+mod hash;
+#[path = "../../../examples/web/src/scenes/mod.rs"]
+#[allow(dead_code, reason = "the page uses the rest")]
+mod page;
+
+use hash::{Bits, Hash};
+use tumble::real::{Matrix, Vector};
 use tumble::{
     AdaptiveEnergyMomentum, AdaptiveNystrom, AirDrag, AnisotropicCoulomb, Apex, Block,
     BogackiShampine32, Bowl, Capsule, Coin, Cone, ConstantForce, ContactPoint, Coulomb, Cuboid,
@@ -42,8 +52,8 @@ pub struct Outcome {
 }
 
 /// Writes a line for each precision and integrator: `f64 EnergyMomentum 0123456789abcdef`, and then
-/// those of the second and third battery: `f64 EnergyMomentum, driven 0123456789abcdef`. With
-/// `scenes`, it writes one for each scene too.
+/// those of the second and third battery: `f64 EnergyMomentum, driven 0123456789abcdef`. The last
+/// line is that of the live page. With `scenes`, it writes one for each scene too.
 pub fn write(out: &mut dyn fmt::Write, scenes: bool) -> fmt::Result {
     let mut line: Option<(Outcome, Hash)> = None;
     let mut result = Ok(());
@@ -80,19 +90,6 @@ pub fn write(out: &mut dyn fmt::Write, scenes: bool) -> fmt::Result {
     });
     end(line, out);
     visited.map_err(|_| fmt::Error).and(result)
-}
-
-/// Hash of one row: all scenes with one integrator, which is made from its time step (s).
-///
-/// A program that needs one row only contains the code of one integrator in one precision.
-///
-/// # Errors
-/// If a scene cannot be composed, which is a fault of the battery.
-pub fn row<R: Bits, I: Integrator<R>>(method: impl Fn(R) -> I) -> Result<u64, SceneError> {
-    let mut row = Hash::new();
-    scenes::<R, I>(method, &mut |_, (hash, _)| row.word(hash))?;
-    let Hash(hash) = row;
-    Ok(hash)
 }
 
 /// Runs all scenes, in one order.
@@ -147,68 +144,28 @@ pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
         )*};
     }
     rims!(f32 f64);
+    of_the_page(see);
     Ok(())
+}
+
+/// Runs the battery of the live page.
+fn of_the_page(see: &mut dyn FnMut(Outcome)) {
+    for run in page::battery::runs() {
+        let hash = run.hash();
+        see(Outcome {
+            precision: "f64",
+            integrator: "live page",
+            scene: run.name,
+            hash: hash.unwrap_or_default(),
+            ended_early: hash.is_err(),
+        });
+    }
 }
 
 /// For a method that chooses its steps: a tenth of what a metre a second covers in the time step
 /// (s), m. A finer one costs emulated processors minutes.
 fn tolerance<R: Real>(time_step: R) -> R {
     time_step * R::from_f64(0.1)
-}
-
-/// A number's bits.
-pub trait Bits: Real {
-    /// Bits of the number.
-    fn bits(self) -> u64;
-}
-
-impl Bits for f32 {
-    fn bits(self) -> u64 {
-        u64::from(self.to_bits())
-    }
-}
-
-impl Bits for f64 {
-    fn bits(self) -> u64 {
-        self.to_bits()
-    }
-}
-
-/// FNV-1a.
-#[derive(Clone, Copy, Debug)]
-struct Hash(u64);
-
-impl Hash {
-    fn new() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-
-    fn word(&mut self, word: u64) {
-        for byte in word.to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
-
-    /// Any NaN is one: IEEE 754 leaves its sign and payload open.
-    fn number<R: Bits>(&mut self, number: R) {
-        let is_nan = number.partial_cmp(&number).is_none();
-        self.word(if is_nan { u64::MAX } else { number.bits() });
-    }
-
-    fn vector<R: Bits>(&mut self, vector: R::Vec3) {
-        for number in [vector.x(), vector.y(), vector.z()] {
-            self.number(number);
-        }
-    }
-
-    fn state<R: Bits>(&mut self, state: &State<R>) {
-        self.vector::<R>(state.position);
-        self.vector::<R>(state.linear_velocity);
-        for number in state.orientation.xyzw() {
-            self.number(number);
-        }
-        self.vector::<R>(state.angular_momentum);
-    }
 }
 
 /// A smooth ball: one contact with a radius. The only part that is not built in, since no built-in

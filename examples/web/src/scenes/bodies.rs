@@ -10,8 +10,8 @@ use tumble::{
     RigidPointBody, Rim, SceneError, SolidCoin, Sphere,
 };
 
-use crate::error::PageError;
-use crate::scene::Parameters;
+use super::error::PageError;
+use super::parameters::Parameters;
 
 /// Body of the page: one type, so that each integrator is compiled once.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +46,8 @@ pub struct Exhibit {
     pub spin_axis: DVec3,
     /// Axis of the rotation when the body starts to roll or is dropped, body axes.
     pub roll_axis: DVec3,
+    /// Rotation vector (rad) from body axes to a pose of stable equilibrium.
+    pub equilibrium: DVec3,
     /// Parameters of its first scene.
     pub parameters: Parameters,
 }
@@ -57,7 +59,7 @@ impl Exhibit {
     /// Returns [`PageError::Unknown`] if no body has the number.
     pub fn from_number(number: f64) -> Result<Self, PageError> {
         let kind = "body";
-        Ok(match crate::whole(number) {
+        Ok(match super::whole(number) {
             Some(0) => coin(),
             Some(1) => thick_coin(),
             Some(2) => ball(),
@@ -82,9 +84,13 @@ fn upright(body: Body, parameters: Parameters) -> Exhibit {
         upright: DVec3::ZERO,
         spin_axis: DVec3::Z,
         roll_axis: DVec3::X,
+        equilibrium: DVec3::ZERO,
         parameters,
     }
 }
+
+/// From body axes to a coin that lies on its face, rad.
+const FLAT: DVec3 = DVec3::new(0.0, FRAC_PI_2, 0.0);
 
 /// Coin, ground and friction of the coin report, whose trial 8 spins with a lean of 15 degrees.
 fn coin() -> Exhibit {
@@ -94,7 +100,10 @@ fn coin() -> Exhibit {
         spin: 8.0,
         ..Parameters::REPORT
     };
-    upright(Body::Coin(Coin::ring(1.0, 0.5)), parameters)
+    Exhibit {
+        equilibrium: FLAT,
+        ..upright(Body::Coin(Coin::ring(1.0, 0.5)), parameters)
+    }
 }
 
 /// Steel, 24 mm wide and 8.5 mm thick: a third of all orientations have the edge below.
@@ -110,10 +119,11 @@ fn thick_coin() -> Exhibit {
         spin: 120.0,
         ..Parameters::REPORT
     };
-    upright(
-        Body::ThickCoin(SolidCoin::new(0.03, radius, thickness)),
-        parameters,
-    )
+    let body = Body::ThickCoin(SolidCoin::new(0.03, radius, thickness));
+    Exhibit {
+        equilibrium: FLAT,
+        ..upright(body, parameters)
+    }
 }
 
 /// Billiard ball.
@@ -153,6 +163,7 @@ fn die() -> Exhibit {
         upright: DVec3::new(FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0) * angle,
         spin_axis: diagonal,
         roll_axis: DVec3::new(FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0),
+        equilibrium: DVec3::ZERO,
         parameters,
     }
 }
@@ -203,6 +214,7 @@ fn egg() -> Exhibit {
         upright: DVec3::Y * FRAC_PI_2,
         spin_axis: DVec3::NEG_X,
         roll_axis: DVec3::Z,
+        equilibrium: DVec3::Y * FRAC_PI_2,
         parameters,
     }
 }

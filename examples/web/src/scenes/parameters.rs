@@ -1,16 +1,36 @@
-//! The scene that the page's parameters describe, and the states from which a run starts.
+//! Parameters of a scene and of its start, and the scene that they describe.
 
 use tumble::f64::Rotation;
-use tumble::glam::{DQuat, DVec3};
-use tumble::{Coulomb, FlatGround, RigidPointBody, State, Stepper, Trial, UniformGravity};
+use tumble::glam::DVec3;
+use tumble::{
+    Coulomb, FlatGround, RigidPointBody, Session, State, StepError, Stepper, Trial, UniformGravity,
+};
 
-use crate::bodies::{Body, Exhibit};
-use crate::error::PageError;
-use crate::memory::Block;
-use crate::method::Method;
+use super::bodies::{Body, Exhibit};
+use super::error::PageError;
+use super::method::Method;
 
 /// Scene of the page. The types of its parts are the same for all bodies and methods.
 pub type PageStepper = Stepper<Body, FlatGround, Coulomb, UniformGravity, Method>;
+/// A state of the page that is advanced.
+pub type PageSession<'a> = Session<'a, Body, FlatGround, Coulomb, UniformGravity, Method>;
+
+/// Advances a session by a step of the page.
+///
+/// For an adaptive integrator the session is new for each step, but at rest. So the size of its
+/// first step does not depend on how a run is divided among calls.
+///
+/// # Errors
+/// Returns [`StepError`] if a step fails.
+pub fn take_step(session: &mut PageSession<'_>) -> Result<(), StepError> {
+    let (stepper, before) = (session.stepper(), *session.state());
+    let method = stepper.integrator();
+    session.advance(method.time_step)?;
+    if method.is_adaptive() && *session.state() != before {
+        *session = stepper.session(*session.state());
+    }
+    Ok(())
+}
 
 /// Parameters of a scene and of its start, in the order of their block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,9 +78,9 @@ impl Parameters {
         spin: 0.0,
     };
 
-    /// Reads the parameters from their block.
+    /// Parameters from numbers in the order of their block.
     #[must_use]
-    pub fn read(block: &Block<{ Self::COUNT }>) -> Self {
+    pub fn from_numbers(numbers: [f64; Self::COUNT]) -> Self {
         let [
             body,
             method,
@@ -73,7 +93,7 @@ impl Parameters {
             start,
             lean,
             spin,
-        ] = core::array::from_fn(|index| block.get(index));
+        ] = numbers;
         Self {
             body,
             method,
@@ -89,19 +109,22 @@ impl Parameters {
         }
     }
 
-    /// Writes the parameters to their block.
-    pub fn write(&self, block: &Block<{ Self::COUNT }>) {
-        let placed = [self.start, self.lean, self.spin];
-        let ground = [
+    /// Numbers in the order of their block.
+    #[must_use]
+    pub fn numbers(&self) -> [f64; Self::COUNT] {
+        [
+            self.body,
+            self.method,
+            self.step,
             self.stiffness,
             self.damping,
             self.friction,
             self.slip_speed,
             self.gravity,
-        ];
-        block.set_all(0, &[self.body, self.method, self.step]);
-        block.set_all(3, &ground);
-        block.set_all(8, &placed);
+            self.start,
+            self.lean,
+            self.spin,
+        ]
     }
 
     /// Composes the scene with the method of the parameters.
@@ -109,7 +132,8 @@ impl Parameters {
     /// # Errors
     /// Returns [`PageError`] if a parameter is invalid.
     pub fn stepper(&self) -> Result<PageStepper, PageError> {
-        self.stepper_with(Method::from_number(self.method, self.step)?)
+        let radius = Exhibit::from_number(self.body)?.body.bounding_radius();
+        self.stepper_with(Method::from_number(self.method, self.step, radius)?)
     }
 
     /// Composes the scene with the library's default method.
@@ -144,7 +168,7 @@ impl Parameters {
         let stepper = self.default_stepper()?;
         let exhibit = Exhibit::from_number(self.body)?;
         let kind = "start";
-        let (axis, drop) = match crate::whole(self.start) {
+        let (axis, drop) = match super::whole(self.start) {
             Some(0) => (exhibit.spin_axis, 0.0),
             Some(1) => (exhibit.roll_axis, 0.0),
             Some(2) => (exhibit.roll_axis, 3.0 * exhibit.body.bounding_radius()),
@@ -171,28 +195,4 @@ impl Parameters {
 #[must_use]
 pub fn height_on_the_ground(body: &Body, state: &State) -> f64 {
     body.support(state.rotation().inverse().apply(DVec3::NEG_Z))
-}
-
-/// Count of the numbers of a state.
-pub const STATE: usize = 13;
-
-/// Reads a state from the first numbers of a block.
-#[must_use]
-pub fn read_state<const N: usize>(block: &Block<N>) -> State {
-    let vector = |at| DVec3::new(block.get(at), block.get(at + 1), block.get(at + 2));
-    let orientation = [6, 7, 8, 9].map(|at| block.get(at));
-    State {
-        position: vector(0),
-        linear_velocity: vector(3),
-        orientation: DQuat::from_array(orientation),
-        angular_momentum: vector(10),
-    }
-}
-
-/// Writes a state to the first numbers of a block.
-pub fn write_state<const N: usize>(block: &Block<N>, state: &State) {
-    block.set_all(0, &state.position.to_array());
-    block.set_all(3, &state.linear_velocity.to_array());
-    block.set_all(6, &state.orientation.to_array());
-    block.set_all(10, &state.angular_momentum.to_array());
 }
