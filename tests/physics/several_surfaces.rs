@@ -314,7 +314,8 @@ fn a_wall_out_of_reach_is_not_evaluated() {
             .unwrap();
         let mut session = stepper.session(start);
         session.step().unwrap();
-        (floor.1.set(0), wall.1.set(0));
+        floor.1.set(0);
+        wall.1.set(0);
         session.step().unwrap();
         [floor.1.get(), wall.1.get()]
     };
