@@ -293,8 +293,9 @@ impl SpringDamperGround for Counting {
     }
 }
 
-/// Of 1200 points none is evaluated above a wall that they cannot reach, and few above the floor. An
-/// adaptive pair evaluates the wall twice at most. `EnergyMomentum` evaluates each point about once.
+/// Of 1200 points none is evaluated above a wall that they cannot reach, and few above the floor.
+/// An adaptive pair evaluates the wall twice at most. `EnergyMomentum` evaluates each point about
+/// once.
 #[test]
 fn a_wall_out_of_reach_is_not_evaluated() {
     let points = 1200;
