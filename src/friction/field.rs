@@ -27,8 +27,8 @@ use crate::real::{Real, Vector};
 ///
 /// *Errors:* The function may return any law, so the law is not checked when the scene is composed.
 /// A step checks each force, and returns [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if
-/// the law at a contact adds energy or is not finite. [`trusted`](Self::trusted) leaves these checks
-/// out. The function must not panic.
+/// the law at a contact adds energy or is not finite. [`trusted`](Self::trusted) leaves these
+/// checks out. The function must not panic.
 ///
 /// *Limits:*
 /// - The order of a method holds if the function is smooth. Where it jumps, the step that crosses
@@ -67,8 +67,8 @@ impl<F> FrictionField<F> {
     /// Returns the same friction, whose forces are not checked while a step evaluates them.
     ///
     /// The caller is responsible for the function: at each position it returns a law that is valid
-    /// and that is [trusted](SlidingFriction::is_trusted), as the laws of this crate are. The checks
-    /// then cost nothing. A law that breaks its contract is not detected.
+    /// and that is [trusted](SlidingFriction::is_trusted), as the laws of this crate are. The
+    /// checks then cost nothing. A law that breaks its contract is not detected.
     #[must_use]
     pub fn trusted(self) -> Self {
         Self {

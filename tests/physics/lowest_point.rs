@@ -55,7 +55,8 @@ proptest! {
         length in log_uniform(0.3, 5.0),
     ) {
         let law = SpringDamper { stiffness: 1e3, damping: 1.0 };
-        let floor = Ground { law, shape: Plane::through(DVec3::ZERO, DVec3::new(tilt.0, tilt.1, 1.0)) };
+        let plane = Plane::through(DVec3::ZERO, DVec3::new(tilt.0, tilt.1, 1.0));
+        let floor = Ground { law, shape: plane };
         let block = Ground { law, shape: Block { centre: DVec3::X, half: DVec3::splat(0.4) } };
         let waves = Waves { amplitude: 0.05 * length, length };
         let waves = Ground { law, shape: Terrain::of(waves) };

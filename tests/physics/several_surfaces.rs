@@ -6,6 +6,7 @@
 // Exact zeros and equal bits are compared. A random scene is the same in both precisions.
 #![allow(clippy::float_cmp, clippy::cast_possible_truncation)]
 
+use core::cell::Cell;
 use core::ops::ControlFlow;
 
 use crate::kit;
@@ -14,11 +15,11 @@ use tumble::contract::{CheckPlan, FrictionRange, GroundRange, check_friction, ch
 use tumble::error::{LawQuantity, Rule, StepError};
 use tumble::glam::{DVec3, Vec3};
 use tumble::{
-    Block, BogackiShampine32, Capsule, Coin, Coulomb, Cuboid, Disc, DormandPrince54, Dynamics,
-    Ellipsoid, EnergyMomentum, FlatGround, Flight, FrictionField, Frictionless, Ground, Integrator,
-    Ledger, LimitedDamper, MovingGround, Plane, PointMass, RigidPointBody, Sample, SlidingFriction,
-    Sphere, SpringDamper, SpringDamperGround, State, Stepper, Surface, UniformGravity, Viscous,
-    WithResistance,
+    AnyIntegrator, Block, BogackiShampine32, Capsule, Coin, Coulomb, Cuboid, Disc, DormandPrince54,
+    Dynamics, Ellipsoid, EnergyMomentum, FlatGround, Flight, FrictionField, Frictionless, Ground,
+    GroundBounds, Integrator, Ledger, LimitedDamper, MovingGround, Nystrom, Plane, PointMass,
+    RigidPointBody, Rk4, Sample, SlidingFriction, Sphere, SpringDamper, SpringDamperGround, State,
+    Stepper, StrangSplitting, Surface, SymplecticEuler, UniformGravity, Viscous, WithResistance,
 };
 
 const G: f64 = 9.81;
@@ -175,6 +176,167 @@ fn a_wall_out_of_reach_changes_nothing() {
         let off = (one.position - two.position).length();
         assert!(off < 1e-9, "{name}: {off:e}");
     });
+}
+
+/// A slope that is the last of three surfaces is touched as if it were the only one: at the same
+/// moments, in as many steps and evaluations. So the searches for the touch-down of `Nystrom`, of
+/// the adaptive pairs and of `Flight` know each surface.
+#[test]
+fn the_last_surface_is_touched_as_the_only_one() {
+    let slope = plane(2e3, 2.0, DVec3::ZERO, DVec3::new(0.3, 0.1, 1.0).normalize());
+    let wall = plane(1e5, 3.0, DVec3::X * -3.0, DVec3::X);
+    let lid = plane(1e4, 1.0, DVec3::Z * 3.0, -DVec3::Z);
+    let start = State::at(DVec3::Z * 0.3)
+        .with_rotation_vector(DVec3::new(0.3, 0.9, -0.2))
+        .with_linear_velocity(DVec3::new(0.4, 0.5, -0.3))
+        .with_angular_momentum(DVec3::new(2e-4, -3e-4, 5e-4));
+    fn same(
+        name: &str,
+        surfaces: [FlatGround; 3],
+        start: State,
+        integrator: impl Integrator + Copy,
+    ) {
+        let end = |ground: &[FlatGround]| {
+            let stepper = Stepper::builder(Capsule::solid(0.2, 0.03, 0.08))
+                .gravity(UniformGravity::down(G))
+                .ground(ground)
+                .friction(coulomb(0.3))
+                .integrator(integrator)
+                .build()
+                .unwrap();
+            let (mut state, mut cost, mut touched) = (start, [0; 2], false);
+            let mut watch = |sample: &Sample<'_>| {
+                cost = [sample.step, sample.evaluations];
+                touched |= sample.touching() > 0;
+                ControlFlow::Continue(())
+            };
+            stepper.run(&mut state, 0.4, &mut watch).unwrap();
+            assert!(touched, "{name}");
+            (state, cost)
+        };
+        let [(one, cost), (other, other_cost)] = [&surfaces[2..], &surfaces[..]].map(end);
+        let off = (one.position - other.position).length();
+        assert!(off < 1e-9, "{name}: {off:e} m");
+        assert_eq!(cost, other_cost, "{name}");
+    }
+    let surfaces = [wall, lid, slope];
+    kit::each_method!(1e-3, |integrator, name| {
+        same(name, surfaces, start, integrator);
+    });
+    same("Flight", surfaces, start, Flight(Rk4 { time_step: 1e-3 }));
+    same("5(4)", surfaces, start, DormandPrince54::new(1e-7));
+    same("3(2)", surfaces, start, BogackiShampine32::new(1e-6));
+}
+
+/// A ball that flies through a room without gravity lands on the first wall in its way, after the
+/// distance over the speed, with each kind of method.
+#[test]
+fn a_landing_in_a_room_is_that_on_the_first_wall() {
+    let (radius, half) = (0.03, DVec3::new(0.5, 0.7, 0.4));
+    let walls = [
+        DVec3::X,
+        -DVec3::X,
+        DVec3::Y,
+        -DVec3::Y,
+        DVec3::Z,
+        -DVec3::Z,
+    ]
+    .map(|inwards| plane(1e4, 1.0, inwards * -(inwards * half).length(), inwards));
+    let velocities = [
+        DVec3::new(1.0, 0.2, 0.3),
+        DVec3::new(-0.1, 0.9, -0.2),
+        DVec3::new(0.2, -0.3, -0.9),
+    ];
+    kit::each_method!(1e-2, |integrator, name| {
+        let stepper = Stepper::builder(Sphere::solid(0.1, radius))
+            .ground(walls)
+            .integrator(integrator)
+            .build()
+            .unwrap();
+        for velocity in velocities {
+            let times = (DVec3::splat(-radius) + half) / velocity.abs();
+            let first = times.min_element();
+            let mut session = stepper.session(State::default().with_linear_velocity(velocity));
+            let end = session.run_until_event(10.0, [&tumble::Landing]).unwrap();
+            let landing = end.occurrence().unwrap();
+            let off = landing.time - first;
+            assert!(off.abs() < 1e-12, "{name}, {velocity}: {off:e} s");
+            let lowest = stepper.lowest_point(session.state()).unwrap();
+            let out = lowest.position / half;
+            assert!(
+                (out.abs().max_element() - 1.0).abs() < 1e-12,
+                "{name}: {out}"
+            );
+        }
+    });
+}
+
+/// Plane that counts the evaluations of its surface.
+struct Counting(FlatGround, Cell<u32>);
+
+impl SpringDamperGround for Counting {
+    fn surface(&self, point: DVec3) -> Surface {
+        self.1.set(self.1.get() + 1);
+        self.0.surface(point)
+    }
+    fn spring_force(&self, depth: f64) -> f64 {
+        self.0.spring_force(depth)
+    }
+    fn spring_energy(&self, depth: f64) -> f64 {
+        self.0.spring_energy(depth)
+    }
+    fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
+        self.0.normal_force(depth, closing_speed)
+    }
+    fn bounds(&self) -> GroundBounds {
+        self.0.bounds()
+    }
+}
+
+/// Of 1200 points none is evaluated above a wall that they cannot reach, and few above the floor.
+/// An adaptive pair evaluates the wall twice at most. `EnergyMomentum` evaluates each point about
+/// once.
+#[test]
+fn a_wall_out_of_reach_is_not_evaluated() {
+    let points = 1200;
+    let counting = |ground: FlatGround| Counting(ground, Cell::new(0));
+    let floor = counting(FlatGround::level(10.0, 0.01));
+    let wall = counting(plane(1e3, 1.0, DVec3::X * -3.0, DVec3::X));
+    let storage = vec![tumble::ContactPoint::default(); points];
+    let coin = Coin::ring_with_storage(storage, 1.0, 0.5);
+    let start = State::at(DVec3::Z * 0.49).with_rotation_vector(DVec3::Y * 0.1);
+    let evaluations = |integrator: AnyIntegrator| {
+        let stepper = Stepper::builder(&coin)
+            .gravity(UniformGravity::down(G))
+            .ground((&floor, &wall))
+            .friction(coulomb(0.3))
+            .integrator(integrator)
+            .build()
+            .unwrap();
+        let mut session = stepper.session(start);
+        session.step().unwrap();
+        floor.1.set(0);
+        wall.1.set(0);
+        session.step().unwrap();
+        [floor.1.get(), wall.1.get()]
+    };
+    let time_step = 1e-4;
+    let methods = [
+        (AnyIntegrator::from(SymplecticEuler { time_step }), 0),
+        (StrangSplitting { time_step }.into(), 0),
+        (Rk4 { time_step }.into(), 0),
+        (Nystrom { time_step }.into(), 0),
+        (DormandPrince54::new(1e-6).into(), 2),
+        (EnergyMomentum { time_step }.into(), points + 10),
+    ];
+    for (method, most) in methods {
+        let [on_floor, on_wall] = evaluations(method).map(|count| count as usize);
+        assert!(on_wall <= most, "{method:?}: {on_wall} above the wall");
+        assert!(
+            (1..points * 2).contains(&on_floor),
+            "{method:?}: {on_floor}"
+        );
+    }
 }
 
 /// A block is pressed on the floor by its weight and on a wall by a tilted gravity. It slides along

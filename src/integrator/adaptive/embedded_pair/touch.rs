@@ -51,16 +51,17 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
     let mut discontinuities = Discontinuities::none();
     let contacts = scene.body().contacts();
     let margin = dip(scene, [start, &attempt.end], seconds);
-    let near_ground = |place: &Place<R>| {
-        (scene.contact_model()).range_within(margin, place.motion.position, &place.motion.axes)
-    };
-    let (before, after) = (near_ground(start), near_ground(&attempt.end));
-    // If a step is too large in any case, and has many contacts near the ground, this evaluation is
-    // not worth its cost.
-    if smooth > allowed && before.count.saturating_add(after.count) > MANY {
-        return discontinuities;
-    }
     for surface in 0..scene.contact_model().surfaces() {
+        let near_surface = |place: &Place<R>| {
+            let Motion { position, axes, .. } = &place.motion;
+            (scene.contact_model()).range_of_surface(surface, margin, *position, axes)
+        };
+        let (before, after) = (near_surface(start), near_surface(&attempt.end));
+        // If a step is too large in any case, and has many contacts near the ground, this
+        // evaluation is not worth its cost.
+        if smooth > allowed && before.count.saturating_add(after.count) > MANY {
+            continue;
+        }
         let step = Taken {
             pair,
             scene: &OnSurface::of(scene, surface),
