@@ -116,10 +116,12 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
         near: &mut ContactRange,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
-        let start = Start::of(scene, state, dt, *near);
+        // The values of the laws are tested at the last stage.
+        let untested = scene.untested();
+        let start = Start::of(untested, state, dt, *near);
         let first = &start.stage;
-        let second = Stage::at(scene, start.ahead(&SECOND, [first]), first.run);
-        let third = Stage::at(scene, start.ahead(&THIRD, [first, &second]), second.run);
+        let second = Stage::at(untested, start.ahead(&SECOND, [first]), first.run);
+        let third = Stage::at(untested, start.ahead(&THIRD, [first, &second]), second.run);
         let fourth = Stage::at(
             scene,
             start.ahead(&FOURTH, [first, &second, &third]),
