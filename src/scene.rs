@@ -37,8 +37,8 @@ pub trait Dynamics<R: Real = f64> {
     type Friction: SlidingFriction<R>;
     /// Type of the applied force.
     type Force: Force<R>;
-    /// Type of the same scene without a test of the values that its laws return.
-    #[doc(hidden)]
+    /// Type of the same scene without a test of the values that its laws return. A scene without
+    /// such tests names itself.
     type Untested: Dynamics<R>;
 
     /// Body, ground and friction law, with the functions of contact.
@@ -80,11 +80,11 @@ pub trait Dynamics<R: Real = f64> {
         evaluate()
     }
 
-    /// Same scene for those stages of a step whose values need no test, because the step tests those
-    /// of another stage.
+    /// Same scene without a test of the values that its laws return. A scene without such tests
+    /// returns itself.
     ///
-    /// A force that is not a number still shows in the state.
-    #[doc(hidden)]
+    /// *For authors of integrators:* a method with several stages may take it for all stages but
+    /// one. A force that is not a number still shows in the state.
     fn untested(&self) -> &Self::Untested;
 
     /// Pose and velocities of the body in a state.
