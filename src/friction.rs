@@ -197,7 +197,8 @@ pub trait SlidingFriction<R: Real = f64> {
     /// false.
     ///
     /// A step checks the values of a law that is not trusted, and returns
-    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract. Override
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
+    /// [`Rk4`](crate::Rk4) and [`Nystrom`](crate::Nystrom) check those of their last stage. Override
     /// this method if the law keeps its contract for every finite input, and
     /// [`check_friction`](crate::contract::check_friction) finds no fault. The checks then cost
     /// nothing. A trusted law that breaks its contract is not detected.

@@ -39,6 +39,9 @@ pub trait Dynamics<R: Real = f64> {
     type Friction: SlidingFriction<R>;
     /// Type of the applied force.
     type Force: Force<R>;
+    /// Type of the same scene without a test of the values that its laws return. A scene without
+    /// such tests names itself.
+    type Untested: Dynamics<R>;
 
     /// Body, ground and friction law, with the functions of contact.
     fn contact_model(&self) -> ContactModel<'_, Self::Body, Self::Ground, Self::Friction, R>;
@@ -78,6 +81,13 @@ pub trait Dynamics<R: Real = f64> {
     fn probe<T>(&self, evaluate: impl FnOnce() -> T) -> T {
         evaluate()
     }
+
+    /// Same scene without a test of the values that its laws return. A scene without such tests
+    /// returns itself.
+    ///
+    /// *For authors of integrators:* a method with several stages may take it for all stages but
+    /// one. A force that is not a number still shows in the state.
+    fn untested(&self) -> &Self::Untested;
 
     /// Pose and velocities of the body in a state.
     #[inline(always)]
@@ -326,7 +336,12 @@ where
     type Ground = G;
     type Friction = F;
     type Force = E;
+    type Untested = Self;
 
+    #[inline(always)]
+    fn untested(&self) -> &Self {
+        self
+    }
     #[inline(always)]
     fn contact_model(&self) -> ContactModel<'_, B, G, F, R> {
         ContactModel {

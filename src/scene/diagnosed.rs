@@ -125,7 +125,12 @@ impl<'a, R: Real> Dynamics<R> for DiagnosedScene<'a, R> {
     type Ground = DiagnosedGround<'a, R>;
     type Friction = DiagnosedFriction<'a, R>;
     type Force = DiagnosedForce<'a, R>;
+    type Untested = Self;
 
+    #[inline]
+    fn untested(&self) -> &Self {
+        self
+    }
     #[inline]
     fn contact_model(&self) -> ContactModel<'_, Self::Body, Self::Ground, Self::Friction, R> {
         ContactModel {

@@ -34,7 +34,12 @@ impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for OnSurface<'a, R, D> {
     type Ground = OneSurface<'a, D::Ground>;
     type Friction = LawOfSurface<'a, D::Friction>;
     type Force = D::Force;
+    type Untested = Self;
 
+    #[inline(always)]
+    fn untested(&self) -> &Self {
+        self
+    }
     #[inline(always)]
     fn contact_model(&self) -> ContactModel<'_, Self::Body, Self::Ground, Self::Friction, R> {
         let model = self.scene.contact_model();

@@ -1,9 +1,13 @@
 //! Scene whose laws are screened while a step evaluates them.
 //!
-//! Every value that a law returns is tested by a comparison that a broken contract fails. An
+//! Each value that a law returns is tested by a comparison that a broken contract fails. An
 //! overflow or rounding may fail it too. A failed test sets a flag, and the step goes on. The
 //! stepper then takes the step again with a [`DiagnosedScene`](super::DiagnosedScene), which tells
 //! a broken contract from rounding.
+//!
+//! A method with several stages tests those of one stage ([`Dynamics::untested`]). It can miss a
+//! value that is invalid at the pose of another stage only. A force that is not a number makes the
+//! state invalid at any stage, which is an error too.
 //!
 //! A call in the loops over contacts would cost several times as much as the tests, so there is
 //! only the flag. For trusted laws ([`SpringDamperGround::is_trusted`]) nothing of this is left in
@@ -80,7 +84,12 @@ impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for ScreenedScene<'a, R, D> {
     type Ground = ScreenedGround<'a, R, D::Ground>;
     type Friction = ScreenedFriction<'a, D::Friction>;
     type Force = ScreenedForce<'a, D::Force>;
+    type Untested = D::Untested;
 
+    #[inline(always)]
+    fn untested(&self) -> &D::Untested {
+        self.scene.untested()
+    }
     #[inline(always)]
     fn contact_model(&self) -> ContactModel<'_, Self::Body, Self::Ground, Self::Friction, R> {
         let model = self.scene.contact_model();

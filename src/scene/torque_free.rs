@@ -15,7 +15,12 @@ impl<R: Real, D: Dynamics<R>> Dynamics<R> for TorqueFree<'_, D> {
     type Ground = NoGround;
     type Friction = D::Friction;
     type Force = NoForce;
+    type Untested = Self;
 
+    #[inline(always)]
+    fn untested(&self) -> &Self {
+        self
+    }
     #[inline(always)]
     fn contact_model(&self) -> ContactModel<'_, Self::Body, Self::Ground, Self::Friction, R> {
         let model = self.0.contact_model();

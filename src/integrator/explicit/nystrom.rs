@@ -121,7 +121,7 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
         near: &mut ContactRange,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
-        let start = Start::of(scene, &Point::of(state), dt, *near);
+        let start = Start::of(scene.untested(), &Point::of(state), dt, *near);
         let taken = taken::<_, _, false>(scene, &start);
         *near = taken.near;
         *state = taken.end.to_state();

@@ -127,9 +127,11 @@ impl<R: Real> Start<R> {
     /// Returns the other three stages.
     #[inline(always)]
     pub(super) fn later_stages<D: Dynamics<R>>(&self, scene: &D) -> [Stage<R>; 3] {
+        // The values of the laws are tested at the last stage.
+        let untested = scene.untested();
         let first = &self.stage;
-        let second = Stage::at(scene, self.ahead(&SECOND, [first]), first.run);
-        let third = Stage::at(scene, self.ahead(&THIRD, [first, &second]), second.run);
+        let second = Stage::at(untested, self.ahead(&SECOND, [first]), first.run);
+        let third = Stage::at(untested, self.ahead(&THIRD, [first, &second]), second.run);
         let place = self.ahead(&FOURTH, [first, &second, &third]);
         let fourth = Stage::at(scene, place, third.run);
         [second, third, fourth]
