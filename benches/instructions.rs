@@ -1,10 +1,11 @@
 //! A fixed number of steps, for `callgrind` to count the instructions: see `.ci/instructions`.
 //!
 //! The arguments are `instructions INTEGRATOR PHASE SCENE STEPS`. `SCENE` is a number of points,
-//! `round` for a rim without points, `thick` for two of them, `own` for 120 points on a user's
-//! ground and friction law, whose values every step tests, `events` for a run with events, or the
-//! name of a part that is added to 120 points. The instructions of a step are the difference of two
-//! counts over the difference of their numbers of steps.
+//! `round` for a rim without points, `thick` for two of them, `box` for a body with three different
+//! moments of inertia, `own` for 120 points on a user's ground and friction law, whose values every
+//! step tests, `events` for a run with events, or the name of a part that is added to 120 points.
+//! The instructions of a step are the difference of two counts over the difference of their numbers
+//! of steps.
 
 // A benchmark that fails ends with a panic.
 #![allow(clippy::unwrap_used, clippy::panic)]
@@ -48,6 +49,11 @@ fn run(integrator: impl Integrator, phase: Phase, scene: &str, steps: u32) {
             let start = scenes::on_one_rim(phase);
             measure(&stepper(scenes::thick(), integrator), &start, steps);
         }
+        "box" => measure(
+            &stepper(scenes::cuboid(), integrator),
+            &phase.state(),
+            steps,
+        ),
         "own" => measure(&own_laws(integrator), &phase.state(), steps),
         "events" => {
             let (stepper, start) = (stepper(ring(120), integrator), black_box(phase.state()));

@@ -9,11 +9,11 @@ use core::ops::ControlFlow;
 
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    AirDrag, Apex, Coin, ContactPoint, Coulomb, Disc, Event, FlatGround, Force, FrictionField,
-    FrictionJacobian, FrictionPatch, Gravity, Ground, GroundBounds, HuntCrossley, Integrator,
-    Landing, LiftOff, MeanForce, MovingGround, Plane, Region, RigidPointBody, SlidingFriction,
-    SpinDrag, SpinLift, SpringDamperGround, State, Stepper, Surface, ThickDisc, Trial,
-    UniformGravity, Wind, WithResistance,
+    AirDrag, Apex, Coin, ContactPoint, Coulomb, Cuboid, Disc, Event, FlatGround, Force,
+    FrictionField, FrictionJacobian, FrictionPatch, Gravity, Ground, GroundBounds, HuntCrossley,
+    Integrator, Landing, LiftOff, MeanForce, MovingGround, Plane, Region, RigidPointBody,
+    SlidingFriction, SpinDrag, SpinLift, SpringDamperGround, State, Stepper, Surface, ThickDisc,
+    Trial, UniformGravity, Wind, WithResistance,
 };
 
 /// Step size of the coin report, s.
@@ -120,6 +120,11 @@ pub(crate) fn on_one_rim(phase: Phase) -> State {
     let normal = state.orientation * DVec3::X;
     state.position.z += 0.5 * thick().thickness() * normal.z.abs();
     state
+}
+
+/// Returns a box with three different moments of inertia, m.
+pub(crate) fn cuboid() -> Cuboid {
+    Cuboid::solid(Trial::<f64>::MASS, DVec3::new(0.3, 0.6, 0.9))
 }
 
 /// Returns the ground for a coin of `points` points. Its total stiffness and damping are those of

@@ -11,21 +11,21 @@
 //! ```text
 //! χ' = |L| (j l)·(l + l₀)/(1 + l·l₀)
 //! ```
-//! A part of `j` that is common to all axes only adds `|L| j` to `χ'`. The sum `Σ j l²` is constant.
-//! So with the excesses `e` of the other two axes over the third,
+//! A part of `j` that is common to all axes only adds `|L| j` to `χ'`. The sum `Σ j l²` is
+//! constant. So with the excesses `e` of the other two axes over the third,
 //!
 //! ```text
 //! χ' = |L| (j + N/D)      N = Σ e l₀² + Σ e l₀ l      D = 1 + l₀·l
 //! ```
 //! The quotient is an even function of time.
 //!
-//! *Number of terms.* Let `A`, `B` and `C` be the rates in `l_a' = A l_b l_c`, `l_b' = B l_c l_a` and
-//! `l_c' = C l_a l_b`. Two of the three pairs of rates have opposite signs. For such a pair `A`, `B`
-//! the sum `|C| (|B| l_a² + |A| l_b²)` is constant, and the larger one of the two sums is `λ²`, with
-//! the rate `λ` of Jacobi's functions. Their poles are at least `π/2λ` from any time. With `x = 2 λ t`
-//! the k-th terms of `l` are at most `(π/2) (x/π)^k`, and those of `N/D` are a tenth of that over
-//! the largest part of its first term. (Both were computed for 60,000 sets of moments with ratios
-//! up to 1e8, half of them on the separatrix, where the bound is sharp.)
+//! *Number of terms.* Let `A`, `B` and `C` be the rates in `l_a' = A l_b l_c`, `l_b' = B l_c l_a`
+//! and `l_c' = C l_a l_b`. Two of the three pairs of rates have opposite signs. For such a pair
+//! `A`, `B` the sum `|C| (|B| l_a² + |A| l_b²)` is constant, and the larger one of the two sums is
+//! `λ²`, with the rate `λ` of Jacobi's functions. Their poles are at least `π/2λ` from any time.
+//! With `x = 2 λ t` the k-th terms of `l` are at most `(π/2) (x/π)^k`, and those of `N/D` are a
+//! tenth of that over the largest part of its first term. (Both were computed for 60,000 sets of
+//! moments with ratios up to 1e8, many of them on the separatrix, where the bound is sharp.)
 //!
 //! The terms are summed until the bound is below the rounding of 1. A long step is divided into
 //! parts with `x` up to 1/2. So the result is exact to rounding, and only rounding changes the
@@ -38,7 +38,7 @@ use crate::rotation::{Axes, Rotation};
 /// Largest `x` of a part.
 const LONGEST: f64 = 0.5;
 /// Largest number of parts. The body does not turn further in one step.
-const MOST_PARTS: usize = 1024;
+const MOST_PARTS: usize = 4096;
 /// Number of terms of a series, enough for the longest part in f64.
 const TERMS: usize = 24;
 

@@ -376,8 +376,8 @@ impl<R: Real> InertiaProperties<R> {
     /// The result is exact for a body with two equal moments, for any time and spin:
     /// `exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)`. For three different moments it is a power
     /// series, exact to rounding too, whose cost grows with the angle. It is exact as long as `L`
-    /// moves in the body by less than 256 rad, about 40 revolutions. A longer time is cut to that.
-    /// [`FreeRotation`](crate::FreeRotation) has no such limit.
+    /// moves in the body by less than 1024 rad, about 160 revolutions. A longer time is cut to
+    /// that. [`FreeRotation`](crate::FreeRotation) has no such limit.
     #[inline(always)]
     #[must_use]
     pub fn turn_freely(

@@ -96,9 +96,9 @@ use problem::Problem;
 ///   restitution. Friction that stops a body within a step stops it at the end of the step.
 ///   [`guide::accuracy`](crate::guide::accuracy) describes the extremes.
 /// - *Cost* in contact: two to five iterations a step, each about as expensive as two evaluations
-///   of all contacts. Flight costs no iteration. It is exact to rounding, for any moments of inertia
-///   ([`InertiaProperties::turn_freely`](crate::InertiaProperties::turn_freely)). A body at rest costs a comparison, once a step with the same workspace has detected
-///   the rest.
+///   of all contacts. Flight costs no iteration. It is exact to rounding, for any moments of
+///   inertia ([`InertiaProperties::turn_freely`](crate::InertiaProperties::turn_freely)). A body at
+///   rest costs a comparison, once a step with the same workspace has detected the rest.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is up to five iterations a step at one contact, and five to twelve where several
 ///   contacts or a round rim stick.

@@ -1170,7 +1170,7 @@ fn the_report_of_a_step_tells_what_it_took() {
 
 #[test]
 fn a_steady_rotation_about_a_principal_axis_is_exact_in_flight_at_any_step() {
-    // Three different moments, spun about the axis of the largest: the parts of the composition are
+    // Three different moments, spun about the axis of the largest: the parts of a long step are
     // rotations about that axis.
     let body = Solid::with_moments(DVec3::new(1.0, 2.0, 2.5));
     let integrator = EnergyMomentum { time_step: 0.01 };

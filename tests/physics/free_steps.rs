@@ -201,8 +201,8 @@ proptest! {
         }
     }
 
-    /// `EnergyMomentum` in flight: the energy does not increase. The angular momentum has the bits of
-    /// the start, except where no other orientation lowers a rounding of the energy.
+    /// `EnergyMomentum` in flight: the energy does not increase. The angular momentum has the bits
+    /// of the start, except where no other orientation lowers a rounding of the energy.
     #[test]
     fn energy_never_increases_and_the_angular_momentum_stays(
         top in tops(),

@@ -65,8 +65,8 @@ pub(in crate::integrator) use stages::{Stage, Start};
 /// F and T are force and torque of the contacts, and J is the inertia tensor. `(0, v)` is the
 /// quaternion with the vector part v, and `ω²` is the squared length of the angular velocity ω.
 ///
-/// Four force evaluations per step. Order 4 in smooth motion, order 5 on linear springs. Torque-free
-/// rotation of a body with three different moments of inertia is exact to rounding.
+/// Four force evaluations per step. Order 4 in smooth motion, order 5 on linear springs.
+/// Torque-free rotation of a body with three different moments of inertia is exact to rounding.
 ///
 /// Relative errors of an oscillation on springs at `ω dt = 1`:
 ///
