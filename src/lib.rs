@@ -148,7 +148,7 @@
 //! | `EnergyMomentum` | a body that must come to rest, long steps, stiff ground |
 //! | `StrangSplitting` | sliding and flight at the lowest cost |
 //! | `Nystrom` | errors of a tenth of a millimetre and less, if a body rolls and slides |
-//! | `AdaptiveNystrom` | a tolerance instead of a step size, from a centimetre to a micrometre |
+//! | `AdaptiveNystrom` | a tolerance instead of a step size, from a centimetre to a hundredth of a millimetre |
 //! | `DormandPrince54` | a smaller tolerance |
 //! | `AdaptiveEnergyMomentum` | a tolerance and an energy that never increases; the error of each step |
 //! | any of them in [`Flight`] | flight in closed form |

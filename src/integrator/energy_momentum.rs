@@ -54,7 +54,7 @@ pub(in crate::integrator) use block::Block;
 use contacts::{Contacts, Reach};
 use end_velocity::Strain;
 use energy_limit::Touched;
-pub(in crate::integrator) use linear::SixBySix;
+pub(in crate::integrator) use linear::{Factored, SixBySix};
 use problem::Problem;
 
 /// The energy-momentum method: implicit, of order 2, and **the computed energy never increases**.

@@ -10,10 +10,10 @@
 //!   the four stages bounds. In smooth motion `δ₃` is proportional to `h⁴`, and the error to `h⁵`.
 //!   If friction jumps by `Δf` within the step, `|δ₃|` is 3.6 to 7.8 `h Δf`, wherever the jump is,
 //!   so it is never small by chance. The contacts that the correction replaces are left out.
-//! - *The effect of one stage on the next*, which the correction does not contain, changes the force
-//!   at the end of the step: the last stage has the same time as the end, and another state. The
-//!   difference `δ₄ = h (f_end - f_4)` is proportional to `h³`. The force at the end is that of the
-//!   first stage of the next step, so it costs no evaluation in a step that is accepted.
+//! - *The effect of one stage on the next*, which the correction does not contain, changes the
+//!   force at the end of the step: the last stage has the same time as the end, and another state.
+//!   The difference `δ₄ = h (f_end - f_4)` is proportional to `h³`. The force at the end is that of
+//!   the first stage of the next step, so it costs no evaluation in a step that is accepted.
 //!
 //! The error as a displacement is `T a (|δ₃| + b |δ₄|)`. `|δ|` is the velocity of the farthest
 //! point. Friction that opposes the error is taken into account by `damping`, if the error would
@@ -49,18 +49,20 @@ use estimate::Attempt;
 /// One tolerance fits scenes whose fixed step sizes for the same error differ by a factor of forty.
 /// A step does not end at each touch-down, in contrast to
 /// [`DormandPrince54`](crate::DormandPrince54): it contains the correction of
-/// [`Nystrom`](crate::Nystrom). So the method has a lower cost for errors above a micrometre, and a
-/// higher one below.
+/// [`Nystrom`](crate::Nystrom). So the method has a lower cost for errors above a hundredth of a
+/// millimetre, if a body slides and rolls. If it sticks, or spins upright on the spot, the cost is
+/// that of [`BogackiShampine32`](crate::BogackiShampine32) or higher.
 ///
 /// A step is accepted if
 ///
 /// ```text
 /// 0.01 s · 0.006 (|δ₃| + 5 |δ₄|)  <=  tolerance · h/(1 s) + rounding
 /// ```
-/// Here `h` is the step size and `|δ| = |δv| + r |δω|`, with the bounding radius `r` of the body (or
-/// its radius of gyration, if that is larger). `δ₃` is the third difference of the forces over the
-/// stages. `δ₄` is the difference between the forces at the end of the step and at its last stage.
-/// Friction reduces both, where it opposes them. [`Step::error_estimate`] is the left side.
+/// Here `h` is the step size and `|δ| = |δv| + r |δω|`, with the bounding radius `r` of the body
+/// (or its radius of gyration, if that is larger). `δ₃` is the third difference of the forces over
+/// the stages. `δ₄` is the difference between the forces at the end of the step and at its last
+/// stage. Friction reduces both, where it opposes them. The rotation, and contacts that close and
+/// open within the step, add their parts. [`Step::error_estimate`] is the left side.
 ///
 /// ```
 /// use tumble::{AdaptiveNystrom, Trial};
@@ -133,7 +135,7 @@ pub struct Workspace<R: Real = f64> {
 struct Known<R: Real> {
     state: State<R>,
     stage: Stage<R>,
-    /// `None` for a friction law that depends on the position, which no number of values identifies.
+    /// `None` for a friction law that depends on the position, which no values identify.
     answers: Option<Answers<R>>,
 }
 

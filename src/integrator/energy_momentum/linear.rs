@@ -102,18 +102,13 @@ impl<R: Real> SixBySix<R> {
     }
 
     /// Solves for the shift and the rotation caused by a force and a torque.
-    pub(in crate::integrator) fn solve(
+    pub(super) fn solve(
         &self,
         force: R::Vec3,
         torque: R::Vec3,
         bounding_radius: R,
     ) -> (R::Vec3, R::Vec3) {
-        let mut matrix = Factored {
-            equations: *self,
-            ..Factored::NONE
-        };
-        matrix.factor(bounding_radius);
-        matrix.solve(force, torque, bounding_radius)
+        Factored::of(*self, bounding_radius).solve(force, torque, bounding_radius)
     }
 
     #[cold]
@@ -176,12 +171,22 @@ impl<R: Real> SixBySix<R> {
 
 /// Six equations with their factors.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Factored<R: Real> {
+pub(in crate::integrator) struct Factored<R: Real> {
     pub(super) equations: SixBySix<R>,
     factors: Factors<R>,
 }
 
 impl<R: Real> Factored<R> {
+    /// Computes the factors of these equations.
+    pub(in crate::integrator) fn of(equations: SixBySix<R>, bounding_radius: R) -> Self {
+        let mut factored = Self {
+            equations,
+            ..Self::NONE
+        };
+        factored.factor(bounding_radius);
+        factored
+    }
+
     pub(super) const NONE: Self = Self {
         equations: SixBySix {
             rows: [[R::ZERO; 6]; 6],
@@ -199,7 +204,7 @@ impl<R: Real> Factored<R> {
     /// exceeds the inertia beyond rounding, the matrix is singular. The inertia is then increased
     /// by the square root of the rounding, which gives smaller steps in a usable direction.
     #[inline]
-    pub(super) fn solve(
+    pub(in crate::integrator) fn solve(
         &self,
         force: R::Vec3,
         torque: R::Vec3,

@@ -11,23 +11,25 @@
 //! Here M is the matrix of mass and inertia, J gives the velocity of a contact, and P is the
 //! projection onto the ground.
 //!
-//! A contact whose slip increases is left out. Its friction cannot stop the slip, and an error along
-//! the slip remains. This distinguishes a reversal of the slip, which a step must resolve, from
-//! stick, where a numerical slip reverses in each step.
+//! A contact whose slip increases is left out. Its friction cannot stop the slip, and an error
+//! along the slip remains. This distinguishes a reversal of the slip, which a step must resolve,
+//! from stick, where a numerical slip reverses in each step.
 
-use super::estimate::HORIZON;
 use crate::contact::{Contact, Motion};
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
-use crate::integrator::energy_momentum::{Block, SixBySix};
+use crate::integrator::energy_momentum::{Block, Factored, SixBySix};
 use crate::integrator::explicit::Stage;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
 
+/// Time for which an error of the velocities lasts, and in which friction removes it, s.
+pub(super) const HORIZON: f64 = 0.01;
+
 /// Equations of what the friction at the end of a step leaves of an error.
 pub(super) struct Damping<R: Real> {
-    equations: SixBySix<R>,
+    equations: Factored<R>,
     mass: R,
     inertia: Block<R>,
     size: R,
@@ -53,11 +55,17 @@ impl<R: Real> Damping<R> {
                 equations.add_at(&block, contact.arm, contact.arm);
             }
         });
+        // A point has no size. Its equations need no scale of length.
+        let size = if size(scene) > R::ZERO {
+            size(scene)
+        } else {
+            R::ONE
+        };
         Self {
-            equations,
+            equations: Factored::of(equations, size),
             mass: properties.mass(),
             inertia,
-            size: size(scene),
+            size,
         }
     }
 

@@ -1,6 +1,6 @@
 //! One attempted step, and the estimate of its error.
 
-use super::damping::Damping;
+use super::damping::{Damping, HORIZON};
 use super::dip;
 use crate::integrator::adaptive::embedded_pair::Settings;
 use crate::integrator::adaptive::embedded_pair::control::{self, Errors};
@@ -10,13 +10,11 @@ use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
 use crate::state::State;
 
-/// Time for which an error of the velocities lasts, s.
-///
-/// It, [`FRACTION`] and [`LAST`] were chosen on trials 1, 3, 5 and 8 of the coin report with
-/// tolerances from 1e-3 to 1e-5 m, for the lowest cost of one tolerance in all of them.
-/// `tests/physics/adaptive_nystrom.rs` tests the error on the other trials.
-pub(super) const HORIZON: f64 = 0.01;
 /// Error of the velocities as a fraction of the third difference.
+///
+/// It, [`LAST`] and [`HORIZON`] were chosen on trials 1, 3, 5 and 8 of the coin report with
+/// tolerances from 1e-3 to 1e-5 m, for the lowest cost of one tolerance in all of them. The form of
+/// the estimate was compared on all eight. `tests/physics/adaptive_nystrom.rs` tests the error.
 const FRACTION: f64 = 0.006;
 /// Weight of the difference between the end and the last stage, compared with that of the third
 /// difference.
