@@ -16,7 +16,7 @@ use tumble::{
     MassProperties, Nystrom, Plane, PointCloud, PointMass, Ramp, Region, RigidPointBody, Rk4, Rod,
     Sample, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
     SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck, SymplecticEuler,
-    Terrain, ThickDisc, UniformGravity, Viscous, Waves, WithResistance,
+    Terrain, UniformGravity, Viscous, Waves, WithResistance,
 };
 
 type Named<T> = Vec<(&'static str, Box<T>)>;
@@ -45,7 +45,6 @@ fn bodies() -> Named<dyn RigidPointBody> {
         ("Coin", Box::new(Coin::<f64>::ring(1.0, 0.3))),
         ("Disc", Box::new(Disc::<f64>::ring(1.0, 0.3, 120))),
         ("SolidCoin", Box::new(SolidCoin::new(1.0, 0.3, 0.06))),
-        ("ThickDisc", Box::new(ThickDisc::solid(1.0, 0.3, 0.06, 120))),
         ("Sphere::solid", Box::new(Sphere::solid(1.0, 0.3))),
         ("Sphere::shell", Box::new(Sphere::shell(1.0, 0.3))),
         (
