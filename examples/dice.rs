@@ -57,7 +57,7 @@ fn work(options: &Options) -> Outcome<Page> {
     })
 }
 
-/// Fractions of the faces with their standard deviations.
+/// Fractions of the faces with 95 % intervals.
 fn picture(throws: u32, fair: [u32; 6], loaded: [u32; 6]) -> Outcome<Picture> {
     let bars = |faces: [u32; 6], colour: &str, name: &str, beside: f64| {
         let places = (1..).zip(faces).map(|(face, count)| {
@@ -67,16 +67,16 @@ fn picture(throws: u32, fair: [u32; 6], loaded: [u32; 6]) -> Outcome<Picture> {
             )
         });
         let places = places.collect::<Vec<_>>();
-        // Standard deviation of a fraction p of n throws, √(p (1 - p)/n).
+        // 1.96 standard deviations of a fraction p of n throws, √(p (1 - p)/n).
         let errors = places
             .iter()
-            .map(|&(_, p)| (p * (1.0 - p) / f64::from(throws)).sqrt())
+            .map(|&(_, p)| 1.96 * (p * (1.0 - p) / f64::from(throws)).sqrt())
             .collect::<Vec<_>>();
         let dots = ScatterPlot::new()
             .with_data(places)
             .with_y_err(errors)
             .with_color(colour)
-            .with_size(7.0)
+            .with_size(2.5) // The intervals are longer.
             .with_legend(name);
         Plot::Scatter(dots)
     };
@@ -92,7 +92,7 @@ fn picture(throws: u32, fair: [u32; 6], loaded: [u32; 6]) -> Outcome<Picture> {
     ];
     Picture::new("faces", plots, |layout| {
         layout
-            .with_title("fraction of throws by face, with its standard deviation")
+            .with_title("fraction of throws by face, with 95 % intervals")
             .with_x_tick_step(1.0)
             .with_x_axis_min(0.5)
             .with_x_axis_max(6.5)

@@ -281,14 +281,15 @@ fn picture_of_errors(errors: &Errors) -> Outcome<Picture> {
     let plots = METHODS.into_iter().zip(colours).enumerate();
     let plots = plots.map(|(column, (name, colour))| {
         let curve = errors.iter().zip(STEPS);
-        let curve = curve.map(|(row, step)| (step * 1e3, row[column]));
+        // In micrometres: a logarithmic axis of this drawing ends at 1e-10.
+        let curve = curve.map(|(row, step)| (step * 1e3, row[column] * 1e6));
         line(curve.collect(), colour, name)
     });
     logarithmic(
         "error",
         plots.collect(),
         "round rim, trial 1: position error after 1 s",
-        ["step size (ms)", "error (m)"],
+        ["step size (ms)", "error (μm)"],
     )
 }
 

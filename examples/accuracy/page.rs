@@ -28,7 +28,7 @@ pub(crate) fn write(out: &Path) -> Outcome<bool> {
     make_folder(&out.join("accuracy"))?;
     let curves = curves(&truth()?)?;
     let page = Page {
-        title: "Error and step size of every integrator",
+        title: "Error and step size of every integrator with a fixed step",
         text: vec![
             "Trial 1 of the coin report for a second, compared with a solution of 13 digits. The \
              error is the distance of the centres, plus the displacement of the rim by the \

@@ -211,7 +211,13 @@ impl Check {
             largest = rises.fold(largest, f64::max);
         }
         let what = "largest increase of the energy between two moments, J";
-        Self::between(what, "promise G1", largest, f64::NEG_INFINITY, 0.0)
+        Self::between(
+            what,
+            "EnergyMomentum: the energy never increases",
+            largest,
+            f64::NEG_INFINITY,
+            0.0,
+        )
     }
 
     fn holds(&self) -> bool {

@@ -29,7 +29,7 @@ pub(crate) fn all(hits: &[Hit], court: &Court, time_step: f64) -> Outcome<Vec<Ch
     let gains = hits.iter().map(|hit| hit.in_air.energy_gain);
     checks.push(Check::between(
         "largest increase of the energy in a step, J",
-        "promise G1, with drag and lift",
+        "EnergyMomentum: the energy never increases, with drag and lift",
         gains.fold(f64::NEG_INFINITY, f64::max),
         f64::NEG_INFINITY,
         0.0,

@@ -39,8 +39,9 @@ function noteTexts() {
       this.measureText(text);
     const shifts = { left: 0, start: 0, center: width / 2, right: width, end: width };
     const left = x - shifts[this.textAlign];
+    const wide = this.canvas.width / this.getTransform().a;
     this.canvas.texts ??= [];
-    this.canvas.texts.push({ text, left, right: left + width, top: y - up, bottom: y + down });
+    this.canvas.texts.push({ text, left, right: left + width, top: y - up, bottom: y + down, wide });
     window.noted.add(this.canvas);
     return draw.call(this, text, x, y, ...rest);
   };
@@ -111,8 +112,13 @@ function faults() {
         found.push(`"${text}" is cut by the edge of its picture`);
   }
   overlapping(boxes);
-  // The curves of a thumbnail are hidden, on a canvas of no width.
-  for (const canvas of window.noted) if (canvas.width > 1) overlapping(canvas.texts);
+  for (const canvas of window.noted) {
+    // The curves of a thumbnail are hidden, on a canvas of no width.
+    if (canvas.width <= 1) continue;
+    overlapping(canvas.texts);
+    for (const { text, left, right, wide } of canvas.texts)
+      if (left < -1 || right > wide + 1) found.push(`"${text}" is cut by the edge of its canvas`);
+  }
   for (const canvas of document.querySelectorAll('canvas')) {
     if (hidden(canvas)) continue;
     const { width, height } = canvas;
@@ -230,6 +236,7 @@ const FAULTY = `<body style="margin: 0; width: 900px">
     const pen = document.getElementById('doubled').getContext('2d');
     pen.fillText('first', 4, 20);
     pen.fillText('second', 8, 20);
+    pen.fillText('beyond', 40, 40);
   </script>`;
 
 async function findsEachFault(tab) {
@@ -239,6 +246,7 @@ async function findsEachFault(tab) {
     /"over" and "under" overlap/,
     /"cut" is cut/,
     /"first" and "second" overlap/,
+    /"beyond" is cut/,
     /canvas blank is empty/,
     /an empty drawing/,
     /a BUTTON without a name/,

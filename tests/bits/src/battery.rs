@@ -18,13 +18,11 @@
 use core::fmt;
 use core::ops::ControlFlow;
 
-#[path = "hash.rs"]
-mod hash;
 #[path = "../../../examples/web/src/scenes/mod.rs"]
 #[allow(dead_code, reason = "the page uses the rest")]
 mod page;
 
-use hash::{Bits, Hash};
+use page::hash::{Bits, Hash};
 use tumble::real::{Matrix, Vector};
 use tumble::{
     AdaptiveEnergyMomentum, AdaptiveNystrom, AirDrag, AnisotropicCoulomb, Apex, Block,

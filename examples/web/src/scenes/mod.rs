@@ -1,17 +1,14 @@
 //! The scenes of the page: its bodies, integrators and parameters, and a battery of all of them.
 //!
-//! `tests/bits` has this folder as a module, too, and stores the hash of the battery. So nothing in
-//! it imports from the page.
+//! `tests/bits` has this folder as a module, too: it stores the hash of the battery, and hashes its
+//! own runs in the same way. So nothing in it imports from the page.
 
 pub mod battery;
 pub mod bodies;
 pub mod error;
+pub mod hash;
 pub mod method;
 pub mod parameters;
-
-// Not as a crate of its own: the rest of that crate is a battery for which the page has no room.
-#[path = "../../../../tests/bits/src/hash.rs"]
-pub mod hash;
 
 /// Returns a number as a small whole number, if it is one.
 #[must_use]
