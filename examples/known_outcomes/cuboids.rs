@@ -109,31 +109,26 @@ fn misfit(parameters: Parameters, tosses: u64) -> Outcome<f64> {
 
 /// The best parameters of a grid, and then of a finer one around it.
 fn fit(size: Size) -> Outcome<Parameters> {
-    let mut best = (f64::INFINITY, None);
-    let mut search = |candidates: Vec<Parameters>, tosses| -> Outcome<Parameters> {
-        best.0 = f64::INFINITY;
-        for parameters in candidates {
-            let misfit = misfit(parameters, tosses)?;
-            if misfit < best.0 {
-                best = (misfit, Some(parameters));
-            }
+    let restitutions = [0.25, 0.4, 0.6];
+    let coefficients = [0.1, 0.2, 0.4];
+    let candidates = grid(restitutions, coefficients, [20.0, 60.0]);
+    let coarse = best_of(candidates, size.for_fit(400))?;
+    let around = |value: f64| [0.85, 1.0, 1.15].map(|factor| factor * value);
+    let (restitutions, coefficients) = (around(coarse.restitution), around(coarse.coefficient));
+    let candidates = grid(restitutions, coefficients, [coarse.rate]);
+    best_of(candidates, size.for_fit(1_500))
+}
+
+fn best_of(candidates: Vec<Parameters>, tosses: u64) -> Outcome<Parameters> {
+    let mut best = None;
+    let mut least = f64::INFINITY;
+    for parameters in candidates {
+        let misfit = misfit(parameters, tosses)?;
+        if misfit < least {
+            (least, best) = (misfit, Some(parameters));
         }
-        Ok(best.1.ok_or("the grid is empty")?)
-    };
-    let coarse = search(
-        grid([0.2, 0.35, 0.5, 0.65], [0.1, 0.2, 0.35, 0.6], [20.0, 60.0]),
-        size.of(600),
-    )?;
-    let around = |value: f64| [0.85, 0.95, 1.05, 1.15].map(|factor| factor * value);
-    let rates = [0.8, 1.2].map(|factor| factor * coarse.rate);
-    search(
-        grid(
-            around(coarse.restitution),
-            around(coarse.coefficient),
-            rates,
-        ),
-        size.of(2_000),
-    )
+    }
+    Ok(best.ok_or("the grid is empty")?)
 }
 
 fn grid<const N: usize, const M: usize>(
@@ -169,7 +164,7 @@ pub(crate) fn table(size: Size) -> Outcome<String> {
         let mut sum = 0.0;
         for measured in group {
             let (ratio, known, rolls) = measured;
-            let counts = on_square(ratio, best, size.of(10_000))?;
+            let counts = on_square(ratio, best, size.of(50_000))?;
             let [square, tosses] = counts;
             let difference = square as f64 / tosses as f64 - known;
             let chi = chi_square(measured, counts);

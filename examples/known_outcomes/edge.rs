@@ -421,44 +421,34 @@ const COMPARED: [(Family, Independent); 5] = [
     ),
 ];
 
-/// Families that differ from a base in one parameter.
-fn varied() -> Vec<Family> {
-    let from = |base: Family, name, change: &dyn Fn(&mut Family)| {
-        let mut family = Family { name, ..base };
-        change(&mut family);
-        family
-    };
-    let isotropic = Family {
-        tosses: 1_500,
-        ..ISOTROPIC
-    };
-    let planar = Family {
-        tosses: 30_000,
-        ..PLANAR
-    };
-    let resisted = Family {
-        depth: 1e-5,
-        resistance: [1e-4; 2],
-        ..isotropic
-    };
+/// Isotropic tosses of which fewer suffice for a comparison.
+const BASE: Family = Family {
+    tosses: 1_500,
+    ..ISOTROPIC
+};
+/// The base on hard ground, with rolling and spinning resistance.
+const RESISTED: Family = Family {
+    depth: 1e-5,
+    resistance: [1e-4; 2],
+    ..BASE
+};
+
+/// A family that differs from a base in one parameter.
+fn changed(base: Family, name: &'static str, change: impl FnOnce(&mut Family)) -> Family {
+    let mut family = Family { name, ..base };
+    change(&mut family);
+    family
+}
+
+fn other_starts() -> Vec<Family> {
     let wobbling = |name, wobble| {
-        from(isotropic, name, &|family| {
-            family.start.motion = Motion::Planar { wobble }
-        })
+        let motion = Motion::Planar { wobble };
+        changed(BASE, name, |family| family.start.motion = motion)
     };
-    let rubbing =
-        |name, coefficient| from(resisted, name, &|family| family.coefficient = coefficient);
     let spun = |name, height, rate: f64| {
-        from(isotropic, name, &|family| {
+        changed(BASE, name, |family| {
             family.start.height = height;
             family.start.rates = [0.8 * rate, 1.2 * rate];
-        })
-    };
-    let with_points =
-        |name, points| from(isotropic, name, &|family| family.body = Body::Rims(points));
-    let with_step = |name, time_step| {
-        from(isotropic, name, &|family| {
-            family.method = Method::Step(time_step)
         })
     };
     vec![
@@ -470,64 +460,61 @@ fn varied() -> Vec<Family> {
         spun("isotropic, 60 rad/s", 0.2, 60.0),
         spun("isotropic, 500 rad/s", 0.2, 500.0),
         spun("isotropic, 1000 rad/s", 0.2, 1000.0),
-        from(isotropic, "isotropic, slip speed 1e-3 m/s", &|family| {
-            family.slip_speed = 1e-3
-        }),
-        from(isotropic, "isotropic, slip speed 1e-4 m/s", &|family| {
-            family.slip_speed = 1e-4
-        }),
-        from(isotropic, "isotropic, restitution 0.3", &|family| {
-            family.restitution = 0.3
-        }),
-        from(isotropic, "isotropic, restitution 0.7", &|family| {
-            family.restitution = 0.7
-        }),
-        from(planar, "planar, penetration 1e-5 m", &|family| {
-            family.depth = 1e-5
-        }),
-        from(planar, "planar, penetration 1e-6 m", &|family| {
-            family.depth = 1e-6
-        }),
-        from(isotropic, "isotropic, penetration 1e-5 m", &|family| {
-            family.depth = 1e-5
-        }),
-        from(isotropic, "isotropic, penetration 1.5e-4 m", &|family| {
-            family.depth = 1.5e-4
-        }),
-        from(
-            isotropic,
-            "isotropic, penetration 2.1e-4 m",
-            &|family| family.depth = 2.1e-4,
+    ]
+}
+
+fn other_laws() -> Vec<Family> {
+    let slip = |name, speed| changed(BASE, name, |family| family.slip_speed = speed);
+    let bounce = |name, restitution| changed(BASE, name, |family| family.restitution = restitution);
+    let soft = |base, name, depth| changed(base, name, |family| family.depth = depth);
+    let rubbing = |base, name, number| changed(base, name, |family| family.coefficient = number);
+    let planar = Family {
+        tosses: 30_000,
+        ..PLANAR
+    };
+    vec![
+        slip("isotropic, slip speed 1e-3 m/s", 1e-3),
+        slip("isotropic, slip speed 1e-4 m/s", 1e-4),
+        bounce("isotropic, restitution 0.3", 0.3),
+        bounce("isotropic, restitution 0.7", 0.7),
+        soft(planar, "planar, penetration 1e-5 m", 1e-5),
+        soft(planar, "planar, penetration 1e-6 m", 1e-6),
+        soft(BASE, "isotropic, penetration 1e-5 m", 1e-5),
+        soft(BASE, "isotropic, penetration 1.5e-4 m", 1.5e-4),
+        soft(BASE, "isotropic, penetration 2.1e-4 m", 2.1e-4),
+        rubbing(BASE, "isotropic, friction 0.1", 0.1),
+        rubbing(BASE, "isotropic, friction 0.6", 0.6),
+        rubbing(
+            RESISTED,
+            "with rolling and spinning resistance, friction 0.1",
+            0.1,
         ),
-        from(isotropic, "isotropic, friction 0.1", &|family| {
-            family.coefficient = 0.1
+        rubbing(RESISTED, "with both resistances, friction 0.3", 0.3),
+        rubbing(RESISTED, "with both resistances, friction 0.6", 0.6),
+        changed(RESISTED, "with rolling resistance only", |family| {
+            family.resistance = [1e-4, 0.0];
         }),
-        from(isotropic, "isotropic, friction 0.6", &|family| {
-            family.coefficient = 0.6
-        }),
-        rubbing("with rolling and spinning resistance, friction 0.1", 0.1),
-        rubbing("with both resistances, friction 0.3", 0.3),
-        rubbing("with both resistances, friction 0.6", 0.6),
-        from(resisted, "with rolling resistance only", &|family| {
-            family.resistance = [1e-4, 0.0]
-        }),
-        from(resisted, "with both resistances, bevel 0.3 mm", &|family| {
-            family.body = Body::Bevelled(3e-4)
-        }),
-        from(resisted, "with both resistances, bevel 0.8 mm", &|family| {
-            family.body = Body::Bevelled(8e-4)
-        }),
-        with_points("6 points a rim", 6),
-        with_points("48 points a rim", 48),
-        with_points("120 points a rim", 120),
+    ]
+}
+
+fn other_bodies_and_methods() -> Vec<Family> {
+    let shaped = |base, name, body| changed(base, name, |family| family.body = body);
+    let with_step = |name, step| changed(BASE, name, |family| family.method = Method::Step(step));
+    let [small, large] = [3e-4, 8e-4].map(Body::Bevelled);
+    vec![
+        shaped(RESISTED, "with both resistances, bevel 0.3 mm", small),
+        shaped(RESISTED, "with both resistances, bevel 0.8 mm", large),
+        shaped(BASE, "6 points a rim", Body::Rims(6)),
+        shaped(BASE, "48 points a rim", Body::Rims(48)),
+        shaped(BASE, "120 points a rim", Body::Rims(120)),
         with_step("`EnergyMomentum`, step of 1/60 s", 1.0 / 60.0),
         with_step("`EnergyMomentum`, step of 1/240 s", 1.0 / 240.0),
         with_step("`EnergyMomentum`, step of 1 ms", 1e-3),
     ]
 }
 
-/// Greatest penetration of one point that supports the weight, at which the nickel can stand on two
-/// points, m. The guide derives it.
+/// Greatest penetration of one point that supports the weight, at which the nickel stands on one
+/// point of each rim, m. The guide derives it.
 fn deepest() -> f64 {
     NICKEL.thickness * NICKEL.thickness / (2.0 * NICKEL.radius)
 }
@@ -536,9 +523,9 @@ pub(crate) fn tables(size: Size) -> Outcome<Report> {
     let mut text = format!(
         "Nickel of 5 g, 21.21 mm by 1.95 mm, dropped from 0.2 m with 20 to 60 revolutions a \
          second; restitution\n0.5 of one point. If a row does not say otherwise: friction \
-         0.3, penetration of one point at rest\n4.9e-5 m, 24 points a rim, no resistance to \
+         0.3, penetration d of one point at rest\n4.9e-5 m, 24 points a rim, no resistance to \
          rolling and spinning. A coin that is upright and moves after {PATIENCE} s is\nstill rolling. \
-         It can stand if one point penetrates by less than t²/(2 r) = {:.2e} m.\n\n\
+         On one point of each rim it stands if d < t²/(2 r) = {:.2e} m.\n\n\
          | start, method | tosses | stood, % | still rolling, % | on edge, % | on edge by an \
          independent program, % | intervals overlap | heads against tails, standard errors |\n\
          |---|---|---|---|---|---|---|---|\n",
@@ -556,7 +543,8 @@ pub(crate) fn tables(size: Size) -> Outcome<Report> {
          rolling, % | on edge, fraction | undecided or failed | median path of those that stood, m \
          |\n|---|---|---|---|---|---|---|---|\n"
     );
-    for family in varied() {
+    let varied = [other_starts(), other_laws(), other_bodies_and_methods()];
+    for family in varied.into_iter().flatten() {
         let family = family.sized(size);
         let count = family.count()?;
         text += &varied_row(&family, &count)?;

@@ -81,9 +81,16 @@ const SUBJECTS: [Subject; 4] = [
 pub(crate) struct Size(u64);
 
 impl Size {
+    const QUICK: Self = Self(1);
+
     /// Number of tosses in place of `full`, at least 20.
     pub(crate) fn of(self, full: u64) -> u64 {
         (full * self.0 / 1000).max(20)
+    }
+
+    /// Number of tosses of a fit, which is the same for each percentage, and small in a quick run.
+    pub(crate) fn for_fit(self, tosses: u64) -> u64 {
+        if self == Self::QUICK { 20 } else { tosses }
     }
 }
 
@@ -112,7 +119,7 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
     while let Some(argument) = parser.next()? {
         match argument {
             Long("percent") => arguments.size = Size(10 * percent(parser.value()?.parse()?)?),
-            Short('q') | Long("quick") => arguments.size = Size(1),
+            Short('q') | Long("quick") => arguments.size = Size::QUICK,
             Long("write") => arguments.is_written = true,
             Short('o') | Long("out") => arguments.out = parser.value()?.into(),
             Short('h') | Long("help") => return Ok(None),

@@ -153,7 +153,7 @@ impl Throw {
     ) {
         let Decided { state, face, after } = decided;
         tally.decided += 1;
-        let end = self.to_rest(stepper, state, face);
+        let end = self.follow_to_rest(stepper, state, face);
         if let Some(until_rest) = end.rested {
             tally.rested += 1;
             tally.until_decided += after;
@@ -265,7 +265,7 @@ impl Throw {
     }
 
     /// Follows a decided body to rest, and compares its face on the way and at the end.
-    fn to_rest<R: Real, B: Faces<R>>(
+    fn follow_to_rest<R: Real, B: Faces<R>>(
         &self,
         stepper: &Level<B, R>,
         mut state: State<R>,
