@@ -15,8 +15,8 @@ mod decided_states;
 use barriers_by_force::{barriers_hold, by_cone};
 use decided_states::{Draw, KINDS, STATES, Start, Tally, Throw, follow, hull};
 
-/// Bodies of all kinds and precisions, each with [`STATES`] states, of which more than a million are
-/// decided.
+/// Bodies of all kinds and precisions, each with [`STATES`] states. More than a million of the
+/// states are decided.
 const BODIES: u64 = 112_000;
 /// Hulls whose barriers are compared.
 const HULLS: u64 = 10_000;
@@ -24,8 +24,9 @@ const HULLS: u64 = 10_000;
 pub(crate) fn tables(size: Size) -> Outcome<Report> {
     let each = size.of(BODIES).div_ceil(2 * KINDS.len() as u64);
     let mut text = format!(
-        "{STATES} states of each body. Energy just below the barrier; `EnergyMomentum` with steps of 0.1 to 0.5 √(r/g); \
-         penetration at rest of\n1e-6 to 2e-2 r; damping ratio 0.02 to 0.5; friction 0 to 0.8.\n\n\
+        "{STATES} states of each body, with an energy just below the barrier. `EnergyMomentum` with \
+         steps of 0.1 to\n0.5 √(r/g); penetration at rest of 1e-6 to 2e-2 r; damping ratio 0.02 to \
+         0.5; friction 0 to 0.8.\n\n\
          | body | precision | states sought | decided | at rest after 20 √(r/g) | changed face |\n\
          |---|---|---|---|---|---|\n",
     );
@@ -88,8 +89,8 @@ fn barriers(hulls: u64) -> Result<String, core::fmt::Error> {
     writeln!(
         text,
         "Barriers of {faces} faces of {hulls} random hulls of 4 to 30 points, against the least \
-         energy on the boundary of\nthe face by brute force: 0 are above it, and {sharp} are \
-         below it by at most the softness of the ground."
+         energy on the\nboundary of the face by brute force: 0 are above it, and {sharp} are below \
+         it by at most the softness of\nthe ground."
     )?;
     Ok(text)
 }

@@ -522,10 +522,10 @@ fn deepest() -> f64 {
 pub(crate) fn tables(size: Size) -> Outcome<Report> {
     let mut text = format!(
         "Nickel of 5 g, 21.21 mm by 1.95 mm, dropped from 0.2 m with 20 to 60 revolutions a \
-         second; restitution\n0.5 of one point. If a row does not say otherwise: friction \
-         0.3, penetration d of one point at rest\n4.9e-5 m, 24 points a rim, no resistance to \
-         rolling and spinning. A coin that is upright and moves after {PATIENCE} s is\nstill rolling. \
-         On one point of each rim it stands if d < t²/(2 r) = {:.2e} m.\n\n\
+         second;\nrestitution 0.5 of one point. If a row does not say otherwise: friction 0.3, \
+         penetration d of one\npoint at rest 4.9e-5 m, 24 points a rim, no resistance to rolling and \
+         spinning. A coin that is\nupright and moves after {PATIENCE} s is still rolling. On one \
+         point of each rim it stands if\nd < t²/(2 r) = {:.2e} m.\n\n\
          | start, method | tosses | stood, % | still rolling, % | on edge, % | on edge by an \
          independent program, % | intervals overlap | heads against tails, standard errors |\n\
          |---|---|---|---|---|---|---|---|\n",

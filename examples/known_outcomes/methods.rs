@@ -248,9 +248,8 @@ pub(crate) fn tables(size: Size) -> Outcome<Report> {
     let part = |number: usize| tables.iter().map(move |parts| parts[number].as_str());
     let mut text = format!(
         "Dropped from 0.3 m with 60 rad/s; restitution 0.5 of one point, friction 0.3, penetration \
-         at rest 2e-5 m. The\nlabels are compared with those at a tolerance of {REFERENCE:e} m. \
-         The cost is processor time on one core, with\nthe energy barriers. Each method is in \
-         `Flight`.\n\n\
+         at rest\n2e-5 m. The labels are compared with those at a tolerance of {REFERENCE:e} m. The \
+         cost is processor\ntime on one core, with the energy barriers. Each method is in `Flight`.\n\n\
          | scene | method | tosses | labels as the reference, % | cost of a toss, µs |\n\
          |---|---|---|---|---|\n"
     );

@@ -80,7 +80,8 @@ fn dice(size: Size) -> Outcome<String> {
          on a long side over number\non a short side. Their formula for a die that bounces very \
          often gives {:.2}. It is derived from assumptions about the\nloss of energy, and not from \
          equations of motion.\n\n\
-         | restitution of a corner | friction | tosses | ratio | undecided |\n|---|---|---|---|---|\n",
+         | restitution of a corner | friction | tosses | ratio | undecided |\n\
+         |---|---|---|---|---|\n",
         pender()
     );
     for coefficient in [0.0, 0.3] {
