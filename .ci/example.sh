@@ -15,7 +15,7 @@ for method in energy-momentum report forward-euler symplectic-euler strang rk4; 
 done
 
 coin --quiet --all --duration 2 --out "$out/all"
-for example in heads_or_tails custom_body dice dice_tray tippe_top rising_egg eulers_disk slide_to_roll custom_ground sphere_with_spin tennis bounces choose_accuracy; do
+for example in heads_or_tails custom_body dice dice_tray tippe_top rising_egg eulers_disk slide_to_roll custom_ground sphere_with_spin tennis bounces choose_accuracy known_outcomes; do
   cargo run -q --release --example "$example" -- --quick --out "$out/all"
 done
 # round_rim, accuracy and measured_tosses run in .ci/gallery.sh.

@@ -272,6 +272,7 @@ pub use trial::{Start, Trial};
 /// - When does a body land, how high does it bounce? [`events`](guide::events)
 /// - How do I throw dice and coins in a game? [`game`](guide::game)
 /// - When is heads or tails decided, and how sure is a count? [`outcomes`](guide::outcomes)
+/// - How often does a coin end on its edge? [`edge`](guide::edge)
 /// - How accurate is a run at the extremes, and where is it only stable?
 ///   [`accuracy`](guide::accuracy)
 /// - How do I add a body, a ground, a friction law, a force, an integrator, an observer?
@@ -305,6 +306,9 @@ pub mod guide {
 
     #[doc = include_str!("guide/outcomes.md")]
     pub mod outcomes {}
+
+    #[doc = include_str!("guide/edge.md")]
+    pub mod edge {}
 
     #[doc = include_str!("guide/peers.md")]
     pub mod peers {}

@@ -1,0 +1,165 @@
+//! Outcomes against numbers that are known without this crate: coins on edge, thick coins and dice,
+//! decided states that are followed to rest, and the labels of each method.
+//! `cargo run --release --example known_outcomes -- --help`.
+
+// An example has the standard library.
+#![allow(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
+
+mod caught;
+mod certificate;
+mod cuboids;
+mod edge;
+mod methods;
+mod profile;
+mod shapes;
+mod shown;
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use common::{Outcome, make_folder, marked, program, say};
+
+const HELP: &str = "\
+Counts outcomes and compares them with numbers that are known without this crate. Each fraction has
+a 95 % interval of Wilson. Without a subject, all subjects are run.
+
+Usage: cargo run --release --example known_outcomes -- [OPTIONS]
+
+      --edge            nickels that end on their edge
+      --shapes          thick coins, two-dimensional dice and cuboids of steel
+      --certify         decided states that are followed to rest, and barriers by brute force
+      --methods         labels and cost of a toss by each method
+      --percent <COUNT> percentage of the tosses; all take half an hour on one core [default: 5]
+  -q, --quick           a thousandth of the tosses
+      --write           writes the tables into the guide
+  -o, --out <FOLDER>    folder of the tables                              [default: out]
+  -h, --help            this text
+";
+
+/// A part of the program, with its page of the guide.
+#[derive(Clone, Copy, Debug)]
+struct Subject {
+    name: &'static str,
+    page: &'static str,
+    tables: fn(Size) -> Outcome<Report>,
+}
+
+/// Tables of a subject, and whether every figure is as it must be.
+#[derive(Debug)]
+pub(crate) struct Report {
+    pub(crate) text: String,
+    pub(crate) is_as_expected: bool,
+}
+
+const SUBJECTS: [Subject; 4] = [
+    Subject {
+        name: "edge",
+        page: "src/guide/edge.md",
+        tables: edge::tables,
+    },
+    Subject {
+        name: "shapes",
+        page: "src/guide/validation.md",
+        tables: shapes::tables,
+    },
+    Subject {
+        name: "certify",
+        page: "src/guide/outcomes.md",
+        tables: certificate::tables,
+    },
+    Subject {
+        name: "methods",
+        page: "src/guide/outcomes.md",
+        tables: methods::tables,
+    },
+];
+
+/// Number of tosses of a thousand that are played.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Size(u64);
+
+impl Size {
+    const QUICK: Self = Self(1);
+
+    /// Number of tosses in place of `full`, at least 20.
+    pub(crate) fn of(self, full: u64) -> u64 {
+        (full * self.0 / 1000).max(20)
+    }
+
+    /// Number of tosses of a fit, which is the same for each percentage, and small in a quick run.
+    pub(crate) fn for_fit(self, tosses: u64) -> u64 {
+        if self == Self::QUICK { 20 } else { tosses }
+    }
+}
+
+#[derive(Debug)]
+struct Arguments {
+    subjects: Vec<Subject>,
+    size: Size,
+    is_written: bool,
+    out: PathBuf,
+}
+
+fn main() -> ExitCode {
+    program(parse(), HELP, work)
+}
+
+fn parse() -> Result<Option<Arguments>, lexopt::Error> {
+    use lexopt::prelude::*;
+    let mut arguments = Arguments {
+        subjects: Vec::new(),
+        size: Size(50),
+        is_written: false,
+        out: PathBuf::from("out"),
+    };
+    let given: Vec<OsString> = std::env::args_os().skip(1).collect();
+    let mut parser = lexopt::Parser::from_args(given);
+    while let Some(argument) = parser.next()? {
+        match argument {
+            Long("percent") => arguments.size = Size(10 * percent(parser.value()?.parse()?)?),
+            Short('q') | Long("quick") => arguments.size = Size::QUICK,
+            Long("write") => arguments.is_written = true,
+            Short('o') | Long("out") => arguments.out = parser.value()?.into(),
+            Short('h') | Long("help") => return Ok(None),
+            Long(name) => match SUBJECTS.iter().find(|subject| subject.name == name) {
+                Some(subject) => arguments.subjects.push(*subject),
+                None => return Err(argument.unexpected()),
+            },
+            other => return Err(other.unexpected()),
+        }
+    }
+    if arguments.subjects.is_empty() {
+        arguments.subjects = SUBJECTS.to_vec();
+    }
+    Ok(Some(arguments))
+}
+
+fn percent(count: u64) -> Result<u64, lexopt::Error> {
+    match count {
+        1..=100 => Ok(count),
+        _ => Err("--percent must be from 1 to 100".into()),
+    }
+}
+
+fn work(arguments: &Arguments) -> Outcome<bool> {
+    let folder = arguments.out.join("known_outcomes");
+    make_folder(&folder)?;
+    let mut is_as_expected = true;
+    for Subject { name, page, tables } in &arguments.subjects {
+        let report = tables(arguments.size)?;
+        is_as_expected &= report.is_as_expected;
+        say(format_args!("{}\n", report.text));
+        let file = folder.join(format!("{name}.md"));
+        fs::write(&file, &report.text)?;
+        say(format_args!("Written: {}\n\n", file.display()));
+        if arguments.is_written {
+            let begin =
+                format!("<!-- {name}: begin; written by `known_outcomes -- --{name} --write` -->");
+            let end = format!("<!-- {name}: end -->");
+            marked::write(page, [&begin, &end], &report.text)?;
+        }
+    }
+    Ok(is_as_expected)
+}
