@@ -184,6 +184,11 @@ impl<R: Real> Contacts<R> {
         if is_full {
             return;
         }
+        if reach.run.count == 0 {
+            // No contact can reach this surface, one of several: all are counted, none evaluated.
+            self.seen += self.run.count;
+            return;
+        }
         'all: for part in run.parts(contacts) {
             for point in part {
                 let touch = Touch::of(problem, surface, point);
