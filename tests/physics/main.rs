@@ -38,7 +38,6 @@ mod many_contacts;
 mod outcome;
 mod rigidity;
 mod step_at_rest;
-mod stiff_ground;
 mod symmetry;
 mod time;
 mod until_rest;

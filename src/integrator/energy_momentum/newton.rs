@@ -41,12 +41,7 @@ use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
 /// Number of full Newton steps, after which the iteration continues carefully from the best trial.
-///
-/// Steps in stick take up to 12 iterations. On springs that are far too stiff for the step, full
-/// steps may run in a cycle, and each of them is lost. With 14, such steps (ring, cube and coin on
-/// 1e9 N/m) take half the iterations that they take with 30. With 10, some steps in stick become
-/// fallbacks. `tests/physics/stiff_ground.rs` holds it on other bodies.
-const BOLD: u32 = 14;
+const BOLD: u32 = 30;
 /// Factor of the threshold for rounding. The threshold is this many fourth roots of the precision's
 /// unit, times the tolerance. In f64 it is 1e-4 tolerances or 2e-16 of the momentum, in f32 1.5e-2
 /// tolerances or 1e-7 of it.

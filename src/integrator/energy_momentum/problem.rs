@@ -43,8 +43,6 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) depth_scale: R,
     /// Kinetic energy at the start, J.
     pub(super) kinetic_energy: R,
-    /// Whether springs push on the body at the start.
-    pub(super) is_supported: bool,
 }
 
 /// Mean velocity and mean spin over a step, which are the six unknowns, and the quantities that
@@ -139,7 +137,6 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             },
             depth_scale: bounding_radius + distance_from(plane, start.position),
             kinetic_energy: energy.translation + energy.rotation,
-            is_supported: energy.springs > R::ZERO,
         }
     }
 
@@ -293,16 +290,11 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         }
     }
 
-    /// First trial: the spin of the start, and the velocity of the start or, in flight, the mean
-    /// velocity under gravity.
-    ///
-    /// Contacts that carry a body balance gravity. Under gravity alone, a body in stick on a slope
-    /// would begin with a slip of `g h/2`, many times the slip speed of the law.
+    /// First trial: the mean velocity under gravity, and the spin of the start.
     pub(super) fn first_trial(&self) -> Trial<R> {
         let half = self.seconds * R::HALF;
-        let fallen = if self.is_supported { R::ZERO } else { half };
         self.trial(
-            self.start.linear_velocity + self.scene.gravity() * fallen,
+            self.start.linear_velocity + self.scene.gravity() * half,
             self.motion.angular_velocity * half,
         )
     }
