@@ -16,7 +16,7 @@ pub(super) fn part(sizes: &Sizes, bar: &ProgressBar) -> Outcome<Part> {
     let text = format!(
         "Spun on a table: a cent (2.5 g, 19.05 mm by 1.52 mm, 48 points on each rim) spins upright \
          about the vertical (friction 0.2, `Nystrom`, {} ms; {} spins at each offset of the centre \
-         of mass). The rims consist of points, because a body has one round rim at most. Gelman & \
+         of mass). Gelman & \
          Nolan (The American Statistician 56, 2002) state that a coin that is spun can be biased. \
          A rate of 80 % tails for the cent of the United States is often quoted, and is doubted by \
          those who were filmed with it (Did Penn & Teller tell a lie?, Zbl 1360.62072). These \
