@@ -422,7 +422,7 @@ mod tests {
 
                 let (mut force, mut torque, mut touching) = (DVec3::ZERO, DVec3::ZERO, 0);
                 let (mut forces, mut gaps) = (0.0, f64::MAX);
-                model.visit_on(run, &motion, |contact| {
+                model.visit_on(run, &motion, |contact: &Contact| {
                     let push = contact.force(&ground, &Own);
                     force += push;
                     torque += contact.arm_along(&arm_axes).cross(push);
