@@ -44,10 +44,9 @@ pub(in crate::integrator) fn removed<R: Real, D: Dynamics<R>>(
     }
     let torque = torques
         .into_iter()
-        .map(size_of::<R>)
+        .map(|torque| torque.length())
         .fold(R::ZERO, |sum, size| sum + size);
-    let weight =
-        R::ONE - torque * seconds / (size_of::<R>(start.angular_momentum) * R::from_f64(SMALL));
+    let weight = R::ONE - torque * seconds / (start.angular_momentum.length() * R::from_f64(SMALL));
     // False for a body without angular momentum, too.
     let is_nearly_free = weight > R::ZERO;
     if is_nearly_free {
@@ -74,10 +73,4 @@ fn corrected<R: Real, D: Dynamics<R>>(
     }
     let error = by_method(&TorqueFree(scene)).inverse().after(exact);
     end.after(error.part(weight)).normalised()
-}
-
-/// Sum of the absolute values of the components.
-#[inline(always)]
-fn size_of<R: Real>(vector: R::Vec3) -> R {
-    vector.x().abs() + vector.y().abs() + vector.z().abs()
 }

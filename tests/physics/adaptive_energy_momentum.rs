@@ -516,23 +516,26 @@ fn the_energy_never_increases_and_the_body_stays_rigid_in_single_precision() {
     promises::<f32>(400);
 }
 
-/// The energy error of the audit is that of steps, which decreases with the tolerance.
+/// The energy error of the audit decreases with the tolerance, from a millimetre on. At a centimetre
+/// the motion itself differs.
 #[test]
 fn the_energy_error_of_the_audit_decreases_with_the_tolerance() {
-    let error = |tolerance: f64| {
-        let mut ledger = Ledger::new();
-        let stepper = trial(1)
-            .stepper(AdaptiveEnergyMomentum::new(tolerance))
-            .unwrap();
-        stepper
-            .run(&mut trial(1).state(), 1.0, &mut ledger)
-            .unwrap();
-        ledger.energy_error().abs()
-    };
-    let errors = [1e-2, 1e-3, 1e-4].map(|t| (t, error(t)));
-    println!("{errors:?}");
-    let slope = convergence(&errors);
-    assert!(slope > 0.8, "energy error goes as tolerance^{slope:.2}");
+    for number in 1..=4 {
+        let error = |tolerance: f64| {
+            let mut ledger = Ledger::new();
+            let stepper = trial(number)
+                .stepper(AdaptiveEnergyMomentum::new(tolerance))
+                .unwrap();
+            stepper
+                .run(&mut trial(number).state(), 1.0, &mut ledger)
+                .unwrap();
+            ledger.energy_error().abs()
+        };
+        let errors = [1e-3, 1e-4, 1e-5].map(|t| (t, error(t)));
+        println!("trial {number}: {errors:?}");
+        let slope = convergence(&errors);
+        assert!(slope > 0.8, "energy error goes as tolerance^{slope:.2}");
+    }
 }
 
 #[test]
