@@ -217,13 +217,16 @@ const EXHIBITS: [Exhibit; 18] = [
 /// Manifest of the examples, which names all of them.
 const MANIFEST: &str = include_str!("../Cargo.toml");
 
-/// Returns all examples of the manifest except the gallery. One that is not in the list above comes
+/// Examples without a page: the gallery itself, and one whose tables are in the guide.
+const WITHOUT_PAGE: [&str; 2] = ["gallery", "known_outcomes"];
+
+/// Returns all examples of the manifest that write a page. One that is not in the list above comes
 /// last, with its name as the title.
 pub(crate) fn all() -> Vec<Exhibit> {
     let mut all = EXHIBITS.to_vec();
     let names = MANIFEST.split("[[example]]\nname = \"").skip(1);
     for name in names.filter_map(|rest| rest.split('"').next()) {
-        if name != "gallery" && all.iter().all(|exhibit| exhibit.name != name) {
+        if !WITHOUT_PAGE.contains(&name) && all.iter().all(|exhibit| exhibit.name != name) {
             all.push(Exhibit::film(name, name, "", 0.2));
         }
     }
