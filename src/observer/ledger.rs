@@ -212,9 +212,9 @@ const FARTHEST: f64 = 1.0 / 16.0;
 /// End of the exact motion, or `None` if the exact motion should start again from the state of the
 /// integrator.
 ///
-/// That is so if the two have become different motions, or if the exact motion is known less
-/// accurately than it is close to that state. The latter occurs in fast rotation without contact,
-/// for which several integrators have closed forms.
+/// The exact motion starts again if the two have become different motions, or if its own error
+/// exceeds their separation. The latter occurs in fast rotation without contact, for which several
+/// integrators have closed forms.
 fn kept<R: Real>(scene: &dyn SceneQuery<R>, exact: &Part<R>, state: &State<R>) -> Option<Node<R>> {
     let is_near = scene.separation(&exact.end.state, state) <= R::from_f64(FARTHEST);
     (is_near && exact.is_closer_than(scene, state)).then_some(exact.end)

@@ -29,8 +29,8 @@ use crate::scene::Dynamics;
 pub(super) const CAPACITY: usize = 128;
 
 /// Number of trials that are stored for additional contacts, the most iterations of nearly all
-/// steps in stick. With 8 or 12, some steps at a slip speed of 1e-12 m/s were divided. With 16, none
-/// of `tests/physics/many_contacts.rs` is.
+/// steps in stick. With 8 or 12, some steps at a slip speed of 1e-12 m/s were divided. With 16,
+/// none of `tests/physics/many_contacts.rs` is.
 const PAST: usize = 16;
 
 /// Largest number of panels of all rims that are known for their reversals of friction.
