@@ -6,8 +6,10 @@
 // A test helper that fails ends its test.
 #![allow(clippy::unwrap_used)]
 
+pub(crate) mod once;
 pub(crate) mod statistics;
 
+use once::Once;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use tumble::glam::{DMat3, DQuat, DVec3};
@@ -268,7 +270,7 @@ pub(crate) fn end<B: RigidPointBody, F: SlidingFriction>(
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
         .and_then(|stepper| stepper.with_ground(ground))
         .and_then(|stepper| stepper.with_friction(friction))
-        .and_then(|stepper| stepper.with_integrator(integrator))
+        .and_then(|stepper| stepper.with_integrator(Once(integrator)))
         .unwrap()
         .advance(&mut state, seconds)
         .unwrap();

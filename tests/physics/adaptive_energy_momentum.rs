@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::methods::{Setup, apart, convergence, method, truths};
+use crate::kit::once::Once;
 use crate::kit::{self, log_uniform, zero_or};
 use core::ops::ControlFlow;
 use proptest::prelude::*;
@@ -108,7 +109,7 @@ fn ratios_of<B: RigidPointBody + Copy>(
             .gravity(UniformGravity::down(9.8))
             .ground(ground)
             .friction(friction)
-            .integrator(AdaptiveEnergyMomentum::new(tolerance))
+            .integrator(Once(AdaptiveEnergyMomentum::new(tolerance)))
             .build()
             .unwrap()
     };
@@ -260,7 +261,7 @@ fn spin_down<I: Integrator>(integrator: I) -> f64 {
     let stepper = Stepper::builder(Coin::ring(1.0, radius))
         .gravity(UniformGravity::down(gravity))
         .ground(FlatGround::level(1000.0, 0.5))
-        .integrator(integrator)
+        .integrator(Once(integrator))
         .build()
         .unwrap();
     let turn = DVec3::Y * (first - core::f64::consts::FRAC_PI_2);
@@ -312,7 +313,7 @@ fn the_estimate_of_a_smooth_step_is_its_error() {
             Stepper::builder(Sphere::solid(1.0, 0.1))
                 .gravity(UniformGravity::down(9.8))
                 .ground(FlatGround::level(1000.0, 1.0))
-                .integrator(integrator)
+                .integrator(Once(integrator))
                 .build()
                 .unwrap()
         };
@@ -325,9 +326,9 @@ fn the_estimate_of_a_smooth_step_is_its_error() {
         let fine = Stepper::builder(Sphere::solid(1.0, 0.1))
             .gravity(UniformGravity::down(9.8))
             .ground(FlatGround::level(1000.0, 1.0))
-            .integrator(EnergyMomentum {
+            .integrator(Once(EnergyMomentum {
                 time_step: h / 32.0,
-            })
+            }))
             .build()
             .unwrap();
         fine.advance(&mut truth, h).unwrap();
@@ -437,11 +438,11 @@ impl Case {
                 coefficient: real(self.friction.coefficient),
                 slip_speed: real(self.friction.slip_speed),
             })
-            .integrator(AdaptiveEnergyMomentum {
+            .integrator(Once(AdaptiveEnergyMomentum {
                 tolerance: real(self.method.tolerance),
                 longest_step: real(self.method.longest_step),
                 budget: self.method.budget,
-            })
+            }))
             .build()
             .unwrap();
         let start = tumble::State::at(vector(DVec3::Z * self.height))

@@ -9,6 +9,7 @@
     clippy::cast_possible_truncation
 )]
 
+use crate::kit::once::Once;
 use core::ops::ControlFlow;
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, ForceRange, Requirement, check_force};
@@ -73,7 +74,7 @@ fn integrators() -> Vec<AnyIntegrator> {
 /// A scene of a ball or a brick without ground. The force is behind a pointer, so that each
 /// integrator is compiled once.
 type Air<'a, B> =
-    Stepper<B, NoGround, Frictionless, UniformGravity, AnyIntegrator, f64, &'a dyn Force>;
+    Stepper<B, NoGround, Frictionless, UniformGravity, Once<AnyIntegrator>, f64, &'a dyn Force>;
 
 fn air<B: RigidPointBody>(
     body: B,
@@ -84,7 +85,7 @@ fn air<B: RigidPointBody>(
     Stepper::builder(body)
         .gravity(UniformGravity::down(gravity))
         .force(force)
-        .integrator(integrator)
+        .integrator(Once(integrator))
         .build()
         .unwrap()
 }
@@ -366,7 +367,7 @@ fn a_constant_force_is_gravity_of_its_own() {
     let flight = Stepper::builder(ball())
         .force(force)
         .ground(FlatGround::level(1e4, 0.0))
-        .integrator(Flight(EnergyMomentum { time_step: 1e-3 }))
+        .integrator(Once(Flight(EnergyMomentum { time_step: 1e-3 })))
         .build()
         .unwrap();
     assert!(flight.step(&mut State::at(DVec3::Z)).unwrap().elapsed > 0.4);
@@ -377,7 +378,7 @@ fn flight_takes_closed_form_only_without_an_applied_force() {
     let stepper = Stepper::builder(ball())
         .gravity(UniformGravity::down(G))
         .force(drag())
-        .integrator(Flight(EnergyMomentum { time_step: 1e-3 }))
+        .integrator(Once(Flight(EnergyMomentum { time_step: 1e-3 })))
         .build()
         .unwrap();
     let step = stepper.step(&mut State::at(DVec3::Z)).unwrap();
@@ -492,7 +493,7 @@ fn audited(force: &dyn Force, integrator: AnyIntegrator) -> (Ledger, f64) {
             slip_speed: 1e-2,
         })
         .force(force)
-        .integrator(integrator)
+        .integrator(Once(integrator))
         .build()
         .unwrap();
     let mut state = State::at(DVec3::Z)
@@ -600,7 +601,7 @@ macro_rules! never_gains {
                 coefficient: 0.4,
                 slip_speed: 1e-3,
             })
-            .integrator(tumble::$real::EnergyMomentum { time_step: c($h) })
+            .integrator(Once(tumble::$real::EnergyMomentum { time_step: c($h) }))
         };
         let [position, velocity, momentum] = $start;
         let start = State::at(v(position))
@@ -773,7 +774,7 @@ fn a_needle_that_spins_about_its_own_axis_is_slowed_by_linear_spin_drag() {
         let drag = SpinDrag::linear(2.0 * z * moment / h);
         let stepper = Stepper::builder(&needle)
             .force(drag)
-            .integrator(EnergyMomentum { time_step: h })
+            .integrator(Once(EnergyMomentum { time_step: h }))
             .build()
             .unwrap();
         let turned = State::default().with_rotation_vector(DVec3::new(0.4, -0.9, 0.3));

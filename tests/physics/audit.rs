@@ -7,6 +7,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use crate::kit::once::Once;
 use tumble::glam::DVec3;
 use tumble::{
     Coin, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid, Energy, EnergyMomentum,
@@ -130,7 +131,7 @@ impl Toss {
             .gravity(UniformGravity::down(9.81))
             .ground(FlatGround::level(self.stiffness, self.damping))
             .friction(self.friction)
-            .integrator(integrator)
+            .integrator(Once(integrator))
             .build()
             .unwrap();
         let mut state = State::at(DVec3::Z * 0.12)

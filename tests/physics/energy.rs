@@ -6,6 +6,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::growth::factor_of_a_step;
+use crate::kit::once::Once;
 use crate::kit::{self, Solid, each_explicit, log_uniform, order, point_mass};
 use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3};
@@ -53,7 +54,7 @@ fn energy_error_of_the_table(integrator: impl Integrator, seconds: f64) -> [f64;
         .unwrap()
         .with_gravity(gravity)
         .unwrap()
-        .with_integrator(integrator)
+        .with_integrator(Once(integrator))
         .unwrap();
     let first = stepper.energy(&state).total();
     let mut worst = [0.0, 0.0];
@@ -130,7 +131,7 @@ proptest! {
     ) {
         let stepper = Stepper::new(point_mass(mass)).unwrap()
             .with_gravity(UniformGravity::down(g)).unwrap()
-            .with_integrator(ForwardEuler { time_step: dt }).unwrap();
+            .with_integrator(Once(ForwardEuler { time_step: dt })).unwrap();
         let mut state = State::default().with_linear_velocity(DVec3::new(1.0, 0.0, speed));
         let steps = 100;
         let first = stepper.energy(&state).total();
@@ -168,8 +169,8 @@ proptest! {
         // Rounding: the bounce takes π/phase steps, a few units of 1.1e-16 each.
         let rounding = 1e-15 * (1.0 + 4.0 / phase);
         let space = Stepper::new(point_mass(mass)).unwrap().with_ground(ground).unwrap();
-        let semi_implicit = space.with_integrator(SymplecticEuler { time_step: dt }).unwrap();
-        let strang = space.with_integrator(StrangSplitting { time_step: dt }).unwrap();
+        let semi_implicit = space.with_integrator(Once(SymplecticEuler { time_step: dt })).unwrap();
+        let strang = space.with_integrator(Once(StrangSplitting { time_step: dt })).unwrap();
         let bounced = |step: &dyn Fn(&mut State)| {
             let mut state = start;
             // On the springs for half an oscillation, π/phase steps, and one before, one after.
@@ -208,7 +209,7 @@ fn growth(integrator: impl Integrator, mass: f64, frequency: f64, ratio: f64) ->
         .unwrap()
         .with_gravity(UniformGravity::down(frequency * frequency))
         .unwrap()
-        .with_integrator(integrator)
+        .with_integrator(Once(integrator))
         .unwrap();
     // At this position and speed every mode of every method takes part.
     let swing = 1e-6;
@@ -519,13 +520,13 @@ proptest! {
         }
         let loaded = stepper.scene().friction().coefficient > 0.0;
         each_explicit!(1e-9, |integrator, method| {
-            let limit = stepper.with_integrator(integrator).unwrap().largest_stable_step(&state);
+            let limit = stepper.with_integrator(Once(integrator)).unwrap().largest_stable_step(&state);
             let limit = limit.unwrap();
             prop_assert!(limit > 0.0 && limit < 4e-3, "{method}: {limit:e} s");
             let factor = |part: f64| {
                 let mut exact = integrator;
                 exact.time_step = limit * part;
-                let stepper = stepper.with_integrator(exact).unwrap();
+                let stepper = stepper.with_integrator(Once(exact)).unwrap();
                 factor_of_a_step(|state| { stepper.step(state).unwrap(); }, &state, limit)
             };
             // Friction and springs have no motions in common, and the step of `Nystrom` is not made
@@ -556,7 +557,7 @@ fn growth_of_a_rocking_plate<R: Real, I: Integrator<R>>(
         Stepper::new(&plate)
             .and_then(|stepper| stepper.with_ground(FlatGround::level(n(1e4), n(2.0))))
             .and_then(|stepper| stepper.with_gravity(UniformGravity::down(n(9.8))))
-            .and_then(|stepper| stepper.with_integrator(of(time_step)))
+            .and_then(|stepper| stepper.with_integrator(Once(of(time_step))))
             .unwrap()
     };
     let rest: State<R> = State::at(vector(0.0, 0.0, 0.01 - 9.8 / 4e4));
@@ -646,7 +647,7 @@ fn the_limit_of_one_contact_is_that_of_its_effective_mass_and_of_its_friction_in
     let at = |gap: f64| State::at(DVec3::Z * (0.02 + gap));
     let scene = Stepper::new(ball)
         .and_then(|stepper| stepper.with_ground(FlatGround::level(1000.0, 0.0)))
-        .and_then(|stepper| stepper.with_integrator(StrangSplitting { time_step: 1e-3 }))
+        .and_then(|stepper| stepper.with_integrator(Once(StrangSplitting { time_step: 1e-3 })))
         .unwrap();
     let near = |a: Option<f64>, b: f64| (a.unwrap() / b - 1.0).abs() < 1e-6;
     assert!(near(
@@ -676,18 +677,20 @@ fn the_limit_of_one_contact_is_that_of_its_effective_mass_and_of_its_friction_in
     assert_eq!(scene.largest_stable_step(&at(1e-3)), None);
     assert_eq!(scene.largest_stable_step(&at(f64::NAN)), None);
     let flying = sticks
-        .with_integrator(Flight(StrangSplitting { time_step: 1e-3 }))
+        .with_integrator(Once(Flight(StrangSplitting { time_step: 1e-3 })))
         .unwrap();
     assert!(near(flying.largest_stable_step(&at(-1e-3)), expected));
     let implicit = sticks
-        .with_integrator(EnergyMomentum { time_step: 1e-3 })
+        .with_integrator(Once(EnergyMomentum { time_step: 1e-3 }))
         .unwrap();
     assert_eq!(implicit.largest_stable_step(&at(-1e-3)), None);
-    let adaptive = sticks.with_integrator(DormandPrince54::new(1e-6)).unwrap();
+    let adaptive = sticks
+        .with_integrator(Once(DormandPrince54::new(1e-6)))
+        .unwrap();
     assert_eq!(adaptive.largest_stable_step(&at(-1e-3)), None);
     // Explicit Euler has none without dampers, and Nyström's method grows, if slowly.
     let euler = scene
-        .with_integrator(ForwardEuler { time_step: 1e-3 })
+        .with_integrator(Once(ForwardEuler { time_step: 1e-3 }))
         .unwrap();
     assert_eq!(euler.largest_stable_step(&at(-1e-3)), Some(0.0));
 }
@@ -707,7 +710,7 @@ fn a_round_rim_and_a_terrain_have_the_limits_of_their_polygon_and_plane() {
         Stepper::new(body)
             .and_then(|stepper| stepper.with_ground(FlatGround::level(500.0, 0.25)))
             .and_then(|stepper| stepper.with_friction(friction))
-            .and_then(|stepper| stepper.with_integrator(Rk4 { time_step: 1e-3 }))
+            .and_then(|stepper| stepper.with_integrator(Once(Rk4 { time_step: 1e-3 })))
             .unwrap()
             .largest_stable_step(state)
     }
@@ -735,7 +738,7 @@ fn a_round_rim_and_a_terrain_have_the_limits_of_their_polygon_and_plane() {
     let resting = State::at(place + normal * (0.05 - 1e-3));
     let ball = Stepper::new(Sphere::solid(1.0, 0.05)).and_then(|stepper| stepper.with_ground(bowl));
     let slides = ball
-        .and_then(|s| s.with_integrator(SymplecticEuler { time_step: 1e-3 }))
+        .and_then(|s| s.with_integrator(Once(SymplecticEuler { time_step: 1e-3 })))
         .unwrap();
     let free = slides.largest_stable_step(&resting).unwrap();
     assert!((free / 0.02 - 1.0).abs() < 1e-6, "{free}");
@@ -771,7 +774,7 @@ proptest! {
         let stepper = Stepper::new(coin)
             .and_then(|stepper| stepper.with_ground(FlatGround::level(stiffness, damping)))
             .and_then(|stepper| stepper.with_friction(Coulomb { coefficient, slip_speed }))
-            .and_then(|stepper| stepper.with_integrator(StrangSplitting { time_step: 1e-3 }))
+            .and_then(|stepper| stepper.with_integrator(Once(StrangSplitting { time_step: 1e-3 })))
             .unwrap();
         let mut load = 0.0;
         let scene = stepper.scene();

@@ -10,6 +10,7 @@ use core::ops::ControlFlow;
 
 use crate::common::methods::convergence;
 use crate::kit;
+use crate::kit::once::Once;
 use tumble::glam::{DVec3, Vec3};
 use tumble::{
     Apex, BogackiShampine32, ContactCloses, ContactOpens, Coulomb, DormandPrince54, EnergyMomentum,
@@ -24,11 +25,11 @@ const MASS: f64 = 0.1;
 
 type Ball<I> = Stepper<PointMass, FlatGround, Frictionless, UniformGravity, I>;
 
-fn ball<I: Integrator>(ground: FlatGround, integrator: I) -> Ball<I> {
+fn ball<I: Integrator>(ground: FlatGround, integrator: I) -> Ball<Once<I>> {
     Stepper::builder(PointMass::new(MASS))
         .gravity(UniformGravity::down(GRAVITY))
         .ground(ground)
-        .integrator(integrator)
+        .integrator(Once(integrator))
         .build()
         .unwrap()
 }
@@ -320,7 +321,7 @@ fn a_grazing_touch_is_found_within_a_step_and_a_miss_is_not() {
             PointCloud::new([DVec3::X * radius, -DVec3::X * radius], [1.0; 2]).unwrap(),
         )
         .ground(FlatGround::level(1e-12, 0.0))
-        .integrator(integrator)
+        .integrator(Once(integrator))
         .build()
         .unwrap();
         for depth in [1e-4, 1e-6, 1e-9, -1e-9, -1e-6] {
@@ -544,7 +545,7 @@ fn a_slip_ends_when_the_ball_rolls() {
             .gravity(UniformGravity::down(GRAVITY))
             .ground(FlatGround::level(stiffness, 0.0))
             .friction(friction)
-            .integrator(integrator)
+            .integrator(Once(integrator))
             .build()
             .unwrap();
         let height = radius - MASS * GRAVITY / stiffness;
@@ -587,7 +588,7 @@ fn each_contact_closes_and_opens_in_its_turn() {
         let stepper = Stepper::builder(body)
             .gravity(UniformGravity::down(GRAVITY))
             .ground(FlatGround::level(1e-14, 0.0))
-            .integrator(integrator)
+            .integrator(Once(integrator))
             .build()
             .unwrap();
         let mut session = stepper.session(State::at(centre));
@@ -627,7 +628,7 @@ fn samples_within_a_long_step_find_every_half_turn() {
     let stepper = Stepper::builder(Sphere::solid(MASS, 0.05))
         .gravity(UniformGravity::down(GRAVITY))
         .ground(FlatGround::level(1e4, 1.0))
-        .integrator(Flight(EnergyMomentum { time_step: 1e-3 }))
+        .integrator(Once(Flight(EnergyMomentum { time_step: 1e-3 })))
         .build()
         .unwrap();
     let start = State::at(DVec3::Z * 6.0);
@@ -801,7 +802,7 @@ fn events_are_located_in_single_precision() {
     let stepper = Stepper::builder(PointMass::new(0.1_f32))
         .gravity(UniformGravity::down(9.8))
         .ground(FlatGround::level(1e4, 0.0))
-        .integrator(Flight(EnergyMomentum { time_step: 1e-3 }))
+        .integrator(Once(Flight(EnergyMomentum { time_step: 1e-3 })))
         .build()
         .unwrap();
     let start = State::at(Vec3::Z).with_linear_velocity(Vec3::Z * 4.9);

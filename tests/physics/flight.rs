@@ -4,6 +4,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use crate::kit::once::Once;
 use core::ops::ControlFlow;
 use tumble::contract::{CheckPlan, check_integrator};
 use tumble::glam::DVec3;
@@ -25,7 +26,7 @@ fn table<I: Integrator, B: RigidPointBody>(
     body: B,
     plane: Plane,
     integrator: I,
-) -> Stepper<B, FlatGround, Coulomb, UniformGravity, I> {
+) -> Stepper<B, FlatGround, Coulomb, UniformGravity, Once<I>> {
     Stepper::new(body)
         .and_then(|stepper| stepper.with_ground(FlatGround::level(1000.0, 0.5).on(plane)))
         .and_then(|stepper| {
@@ -35,7 +36,7 @@ fn table<I: Integrator, B: RigidPointBody>(
             })
         })
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
-        .and_then(|stepper| stepper.with_integrator(integrator))
+        .and_then(|stepper| stepper.with_integrator(Once(integrator)))
         .unwrap()
 }
 
@@ -268,7 +269,9 @@ fn the_first_step_of_a_toss_ends_within_two_steps_of_the_first_touch() {
 fn empty_space_takes_one_step_of_any_length() {
     let stepper = Stepper::new(Coin::ring(1.0, 0.5))
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
-        .and_then(|stepper| stepper.with_integrator(Flight(EnergyMomentum { time_step: 1e-3 })))
+        .and_then(|stepper| {
+            stepper.with_integrator(Once(Flight(EnergyMomentum { time_step: 1e-3 })))
+        })
         .unwrap();
     let (mut state, mut steps) = (toss(), 0);
     let mut count = |sample: &Sample<'_>| {
@@ -292,7 +295,9 @@ fn a_body_with_three_moments_flies_for_any_number_of_revolutions() {
     .unwrap();
     let spin = 1e5 * body.inertia().x_axis.x;
     let stepper = Stepper::new(body)
-        .and_then(|stepper| stepper.with_integrator(Flight(EnergyMomentum { time_step: 1e-3 })))
+        .and_then(|stepper| {
+            stepper.with_integrator(Once(Flight(EnergyMomentum { time_step: 1e-3 })))
+        })
         .unwrap();
     let start = State::default().with_angular_momentum(DVec3::new(0.3, 0.8, 0.2) * spin);
     let mut state = start;

@@ -5,6 +5,7 @@
 
 use crate::growth::factor_of_a_step;
 use crate::kit::each_explicit;
+use crate::kit::once::Once;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
     AirDrag, Cuboid, FlatGround, Force, Integrator, Motion, Sphere, SpinDrag, State, Stepper,
@@ -93,7 +94,7 @@ fn a_force_in_flight_has_the_limit_of_its_rate() {
     for (name, force, state, [stiffness, damping]) in cases {
         each_explicit!(1e-3, |integrator, method| {
             let stepper = Stepper::new(Sphere::solid(mass, radius))
-                .and_then(|stepper| stepper.with_integrator(integrator))
+                .and_then(|stepper| stepper.with_integrator(Once(integrator)))
                 .unwrap();
             assert_eq!(
                 stepper.largest_stable_step(&state),
@@ -148,14 +149,14 @@ fn steps_are_stable_below_the_limit_of_a_force_and_grow_above_it() {
             let stepper = Stepper::new(&brick)
                 .and_then(|stepper| stepper.with_ground(FlatGround::level(stiffness, 1.0)))
                 .and_then(|stepper| stepper.with_gravity(UniformGravity::down(weight)))
-                .and_then(|stepper| stepper.with_integrator(integrator))
+                .and_then(|stepper| stepper.with_integrator(Once(integrator)))
                 .unwrap();
             let stepper = stepper.with_force(force).unwrap();
             let limit = stepper.largest_stable_step(&start).unwrap();
             let factor = |part: f64| {
                 let mut exact = integrator;
                 exact.time_step = limit * part;
-                let stepper = stepper.with_integrator(exact).unwrap();
+                let stepper = stepper.with_integrator(Once(exact)).unwrap();
                 factor_of_a_step(
                     |state| {
                         stepper.step(state).unwrap();
@@ -187,7 +188,7 @@ fn drag_adds_to_the_contacts() {
     let limit = |drag: f64| {
         Stepper::new(ball)
             .and_then(|stepper| stepper.with_ground(FlatGround::level(1e4, 0.0)))
-            .and_then(|stepper| stepper.with_integrator(SymplecticEuler { time_step: 1e-3 }))
+            .and_then(|stepper| stepper.with_integrator(Once(SymplecticEuler { time_step: 1e-3 })))
             .and_then(|stepper| stepper.with_force(AirDrag::linear(drag)))
             .unwrap()
             .largest_stable_step(&state)

@@ -6,6 +6,7 @@
 // A test in single precision rounds its inputs.
 #![allow(clippy::cast_possible_truncation)]
 
+use crate::kit::once::Once;
 use crate::kit::{self, Solid, angle_between, log_uniform};
 use proptest::prelude::*;
 use tumble::glam::{DMat3, DQuat, DVec3};
@@ -50,7 +51,7 @@ impl Top {
             .unwrap()
             .with_force(force)
             .unwrap()
-            .with_integrator(integrator)
+            .with_integrator(Once(integrator))
             .unwrap();
         move |state, seconds| {
             stepper.advance(state, seconds).unwrap();
@@ -210,7 +211,7 @@ proptest! {
         edges in prop::array::uniform3(0.1..1.0_f32),
     ) {
         let body = Solid { inertia: top.inertia(), ..Solid::with_moments(DVec3::ONE) };
-        let stepper = Stepper::builder(body).integrator(EnergyMomentum { time_step });
+        let stepper = Stepper::builder(body).integrator(Once(EnergyMomentum { time_step }));
         let stepper = stepper.build().unwrap();
         let mut state = top.state();
         for _ in 0..50 {
@@ -222,7 +223,7 @@ proptest! {
         }
         let single = Stepper::<_, _, _, _, _, f32>::new(Cuboid::solid(1.0, edges.into())).unwrap();
         let integrator = EnergyMomentum { time_step: time_step as f32 };
-        let single = single.with_integrator(integrator).unwrap();
+        let single = single.with_integrator(Once(integrator)).unwrap();
         let mut state = tumble::f32::State::default()
             .with_orientation(top.start.as_quat())
             .with_angular_momentum((top.spin * 0.1).as_vec3());
@@ -245,7 +246,7 @@ proptest! {
         let inertia = DVec3::new(tensor.x_axis.x, tensor.y_axis.y, tensor.z_axis.z);
         let stepper = Stepper::<_, _, _, _, _, f32>::new(body).unwrap();
         let integrator = Rk4 { time_step: time_step as f32 };
-        let stepper = stepper.with_integrator(integrator).unwrap();
+        let stepper = stepper.with_integrator(Once(integrator)).unwrap();
         let spin = tumble::glam::Vec3::from(spin).normalize().as_dvec3();
         let momentum = (inertia * spin).as_vec3();
         let mut state = tumble::f32::State::default().with_angular_momentum(momentum);

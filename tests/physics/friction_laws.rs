@@ -4,6 +4,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use crate::kit::once::Once;
 use crate::kit::{self, directions, log_uniform, point_mass};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
@@ -50,7 +51,7 @@ fn slide_on(
         .unwrap()
         .with_friction(friction)
         .unwrap()
-        .with_integrator(EnergyMomentum { time_step })
+        .with_integrator(Once(EnergyMomentum { time_step }))
         .unwrap();
     let mut state = State::at(normal * -depth).with_linear_velocity(velocity);
     stepper.advance(&mut state, seconds).unwrap();

@@ -35,6 +35,7 @@ mod free_steps;
 mod growth;
 mod lowest_point;
 mod many_contacts;
+mod once;
 mod outcome;
 mod rigidity;
 mod step_at_rest;

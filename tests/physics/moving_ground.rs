@@ -9,6 +9,7 @@
 use core::f64::consts::PI;
 
 use crate::kit;
+use crate::kit::once::Once;
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, GroundRange, Requirement, check_ground};
 use tumble::error::Rule;
@@ -48,7 +49,7 @@ fn a_block_on_a_belt_slides_and_then_rides() {
             .gravity(UniformGravity::down(G))
             .ground(MovingGround::conveyor(floor(mass, 1.0), DVec3::X * u))
             .friction(coulomb(mu))
-            .integrator(integrator)
+            .integrator(Once(integrator))
             .build()
             .unwrap();
         let mut state = State::at(DVec3::Z * -1e-5);
@@ -96,7 +97,7 @@ fn a_belt_is_a_ground_at_rest_in_another_frame() {
             .gravity(UniformGravity::down(G))
             .ground(FlatGround::level(2e4, 5.0))
             .friction(coulomb(0.4))
-            .integrator(integrator)
+            .integrator(Once(integrator))
             .build()
             .unwrap();
         let moving = plain
@@ -130,7 +131,7 @@ fn rims_and_smooth_bodies_feel_the_belt() {
             .gravity(UniformGravity::down(G))
             .ground(FlatGround::level(2e3, 2.0))
             .friction(coulomb(0.4))
-            .integrator(integrator)
+            .integrator(Once(integrator))
             .build()
             .unwrap();
         let moving = plain
@@ -178,12 +179,12 @@ fn rolling(stepper: &Table<impl Integrator>, place: DVec3, velocity: DVec3, rate
 
 type Table<I> = Stepper<Sphere, MovingGround<FlatGround>, Coulomb, UniformGravity, I>;
 
-fn table<I: Integrator>(ball: Sphere, centre: DVec3, rate: f64, integrator: I) -> Table<I> {
+fn table<I: Integrator>(ball: Sphere, centre: DVec3, rate: f64, integrator: I) -> Table<Once<I>> {
     Stepper::builder(ball)
         .gravity(UniformGravity::down(G))
         .ground(MovingGround::turntable(floor(0.1, 1.0), centre, rate))
         .friction(coulomb(0.8))
-        .integrator(integrator)
+        .integrator(Once(integrator))
         .build()
         .unwrap()
 }
@@ -292,7 +293,7 @@ fn a_ring_on_a_turntable_takes_its_rate() {
                 rate,
             ))
             .friction(coulomb(mu))
-            .integrator(integrator)
+            .integrator(Once(integrator))
             .build()
             .unwrap();
         let mut state = State::at(DVec3::Z * -1e-5).with_rotation_vector(DVec3::Y * (PI / 2.0));
@@ -330,7 +331,7 @@ fn spinning_friction_turns_a_ball_with_the_table() {
             .gravity(UniformGravity::down(G))
             .ground(MovingGround::turntable(floor(mass, 1.0), DVec3::ZERO, rate))
             .friction(cloth)
-            .integrator(integrator)
+            .integrator(Once(integrator))
             .build()
             .unwrap();
         let spin = |state: &State| stepper.scene().motion(state).angular_velocity.z;
@@ -366,7 +367,7 @@ fn every_method_keeps_its_order_on_a_turntable() {
                 4.0,
             ))
             .friction(Viscous { coefficient: 0.4 })
-            .integrator(integrator)
+            .integrator(Once(integrator))
             .build()
             .unwrap();
         let mut state = State::at(DVec3::new(0.3, 0.1, 0.045))
@@ -422,9 +423,9 @@ macro_rules! never_gains {
                 })
             })
             .and_then(|stepper| {
-                stepper.with_integrator(tumble::EnergyMomentum {
+                stepper.with_integrator(Once(tumble::EnergyMomentum {
                     time_step: $h as $real,
-                })
+                }))
             })
             .unwrap();
         let mut state = tumble::State::<$real>::at(cast(position))
@@ -486,7 +487,7 @@ fn the_stated_work_is_the_work_of_the_belt() {
             5.0,
         ))
         .friction(coulomb(0.4))
-        .integrator(EnergyMomentum { time_step: 1e-4 })
+        .integrator(Once(EnergyMomentum { time_step: 1e-4 }))
         .build()
         .unwrap();
     let start = State::at(DVec3::new(0.1, 0.0, 0.03))
@@ -498,7 +499,9 @@ fn the_stated_work_is_the_work_of_the_belt() {
         stated += step.drive_work;
         time += step.elapsed;
     }
-    let accurate = stepper.with_integrator(DormandPrince54::new(1e-9)).unwrap();
+    let accurate = stepper
+        .with_integrator(Once(DormandPrince54::new(1e-9)))
+        .unwrap();
     let (mut truth, mut ledger) = (start, Ledger::new());
     accurate.run(&mut truth, time, &mut ledger).unwrap();
     let work = ledger.work().drive;
@@ -516,7 +519,7 @@ fn a_body_on_a_moving_ground_is_awake_and_undecided() {
         .gravity(UniformGravity::down(G))
         .ground(ground)
         .friction(coulomb(0.3))
-        .integrator(EnergyMomentum { time_step: 1e-3 })
+        .integrator(Once(EnergyMomentum { time_step: 1e-3 }))
         .build()
         .unwrap();
     let moving = still

@@ -9,6 +9,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::kit;
+use crate::kit::once::Once;
 use tumble::ground::{Bowl, Terrain, Waves};
 use tumble::real::{Real, Vector};
 use tumble::{
@@ -42,7 +43,7 @@ fn comes_to_rest<R: Real>(
             .and_then(|stepper| stepper.with_gravity(UniformGravity::down(number(9.81))))
             .and_then(|stepper| stepper.with_ground(ground))
             .and_then(|stepper| stepper.with_friction(friction))
-            .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+            .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
             .unwrap();
         let mut state = State::at(vector([3.1, -1.9, 2.4]))
             .with_rotation_vector(vector([0.4, -0.2, 0.3]))

@@ -5,6 +5,7 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crate::kit::once::Once;
 use crate::kit::{GRAVITY, cases, difference, end, log_uniform, order, orientations};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -27,7 +28,7 @@ macro_rules! scene {
             .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
             .and_then(|stepper| stepper.with_ground($ground))
             .and_then(|stepper| stepper.with_friction($friction))
-            .and_then(|stepper| stepper.with_integrator($integrator))
+            .and_then(|stepper| stepper.with_integrator(Once($integrator)))
             .unwrap()
     };
 }
@@ -590,9 +591,9 @@ fn f32_and_f64_agree_to_single_precision() {
         .and_then(|stepper| stepper.with_ground(single.ground()))
         .and_then(|stepper| stepper.with_friction(single.friction()))
         .and_then(|stepper| {
-            stepper.with_integrator(EnergyMomentum {
+            stepper.with_integrator(Once(EnergyMomentum {
                 time_step: 1e-3_f32,
-            })
+            }))
         })
         .unwrap();
     let mut state = single.state();

@@ -7,6 +7,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use crate::kit::once::Once;
 use core::cell::Cell;
 use tumble::ground::Plane;
 use tumble::real::{Real, Vector};
@@ -84,7 +85,7 @@ fn costs_little_at_rest<R: Real>(
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(number(3.7))))
         .and_then(|stepper| stepper.with_ground(&ground))
         .and_then(|stepper| stepper.with_friction(friction))
-        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
         .unwrap();
     let mut state =
         State::at(vector([0.1, -0.2, 0.4])).with_rotation_vector(vector([0.3, 0.5, -0.1]));

@@ -4,6 +4,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use crate::kit::once::Once;
 use crate::kit::{
     self, angle_between, difference, directions, each_explicit, each_method, log_uniform, zero_or,
 };
@@ -52,7 +53,7 @@ impl Throw {
     }
 
     /// The scene.
-    fn stepper<I: Integrator>(&self, integrator: I) -> ThrowStepper<I> {
+    fn stepper<I: Integrator>(&self, integrator: I) -> ThrowStepper<Once<I>> {
         let plane = Plane {
             normal: self.normal,
             height: 0.0,
@@ -67,7 +68,7 @@ impl Throw {
                 acceleration: self.gravity,
             })
             .unwrap()
-            .with_integrator(integrator)
+            .with_integrator(Once(integrator))
             .unwrap()
     }
 
@@ -777,7 +778,9 @@ fn an_impulse_that_is_not_finite_is_refused_and_leaves_the_state() {
 #[test]
 fn a_step_is_displayed_on_one_line_with_its_units() {
     let stepper = Stepper::new(Coin::ring(1.0, 0.5)).unwrap();
-    let stepper = stepper.with_integrator(Rk4 { time_step: 0.25 }).unwrap();
+    let stepper = stepper
+        .with_integrator(Once(Rk4 { time_step: 0.25 }))
+        .unwrap();
     let step = stepper.step(&mut State::default()).unwrap();
     let text = format!("{step:.1} | {step}");
     let digits = "0.2 s, 4 evaluations, 0 rejected, 0 iterations, 0.0 J removed";
@@ -935,7 +938,7 @@ proptest! {
         each_method!(1e-3, |integrator, method| {
             let stepper = Stepper::new(Coin::ring(1.0, 0.5)).unwrap()
                 .with_gravity(UniformGravity::down(9.8)).unwrap()
-                .with_integrator(integrator).unwrap();
+                .with_integrator(Once(integrator)).unwrap();
             let mut state = start;
             for _ in 0..200 {
                 stepper.step(&mut state).unwrap();
@@ -960,7 +963,7 @@ fn single_flight(method: &str, start: &State, steps: u32) -> State {
             .unwrap()
             .with_gravity(UniformGravity::down(9.8_f32))
             .unwrap()
-            .with_integrator(integrator)
+            .with_integrator(Once(integrator))
             .unwrap();
         let mut state = rounded(start);
         for _ in 0..steps {

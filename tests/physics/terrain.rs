@@ -6,6 +6,7 @@
 
 use core::f64::consts::{PI, TAU};
 
+use crate::kit::once::Once;
 use crate::kit::{self, log_uniform};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
@@ -185,6 +186,7 @@ fn stepper_on<H: HeightField, F: SlidingFriction>(
     impl SpringDamperGround,
     F,
     UniformGravity,
+    Once<EnergyMomentum>,
 > {
     let law = SpringDamper {
         stiffness: 1e6,
@@ -202,7 +204,7 @@ fn stepper_on<H: HeightField, F: SlidingFriction>(
         .unwrap()
         .with_friction(friction)
         .unwrap()
-        .with_integrator(EnergyMomentum { time_step })
+        .with_integrator(Once(EnergyMomentum { time_step }))
         .unwrap()
 }
 
@@ -288,7 +290,7 @@ fn a_ball_in_a_bowl_swings_as_on_the_parallel_surface() {
             shape: Terrain { height_field },
         })
         .unwrap()
-        .with_integrator(EnergyMomentum { time_step })
+        .with_integrator(Once(EnergyMomentum { time_step }))
         .unwrap();
     let amplitude = 0.003;
     let z = radius + amplitude * amplitude / 2.0 / (bowl - radius);
@@ -354,7 +356,7 @@ fn a_ball_that_sticks_and_rolls_round_a_wall_does_so_at_order_two() {
                     slip_speed: 4e-8,
                 })
             })
-            .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+            .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
             .unwrap();
         let mut state = State::at(DVec3::X * (arm + speed * rate / law.stiffness))
             .with_linear_velocity(DVec3::Y * speed)

@@ -6,6 +6,7 @@
 
 use core::cell::Cell;
 
+use crate::kit::once::Once;
 use crate::kit::{self, log_uniform};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
@@ -22,7 +23,7 @@ const RADIUS: f64 = 0.03;
 type Scene<I> = Stepper<Sphere, FlatGround, WithResistance<Coulomb>, UniformGravity, I>;
 
 /// A solid ball of 1 kg on a ground into which it penetrates by 0.1 mm.
-fn ball<I: Integrator>([rolling, spinning, turn_speed]: [f64; 3], by: I) -> Scene<I> {
+fn ball<I: Integrator>([rolling, spinning, turn_speed]: [f64; 3], by: I) -> Scene<Once<I>> {
     let friction = WithResistance {
         friction: Coulomb {
             coefficient: 0.5,
@@ -40,7 +41,7 @@ fn ball<I: Integrator>([rolling, spinning, turn_speed]: [f64; 3], by: I) -> Scen
         .unwrap()
         .with_friction(friction)
         .unwrap()
-        .with_integrator(by)
+        .with_integrator(Once(by))
         .unwrap()
 }
 
@@ -150,7 +151,7 @@ fn spin_left<B: RigidPointBody, T: SpringDamperGround>(
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(gravity)))
         .and_then(|stepper| stepper.with_ground(ground))
         .and_then(|stepper| stepper.with_friction(resistance))
-        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step: 2e-3 }))
+        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step: 2e-3 })))
         .unwrap();
     state = stepper.with_angular_velocity(state, DVec3::Z * 50.0);
     stepper.advance(&mut state, seconds).unwrap();

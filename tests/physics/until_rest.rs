@@ -5,6 +5,7 @@
 // Times of single samples are compared, not sums.
 #![allow(clippy::float_cmp)]
 
+use crate::kit::once::Once;
 use tumble::glam::{DQuat, DVec3, Vec3};
 use tumble::{
     Coulomb, Cuboid, EnergyMomentum, FlatGround, Flight, Integrator, PointMass, Rk4, SolidCoin,
@@ -18,7 +19,7 @@ const FRICTION: Coulomb = Coulomb {
 
 type Thrown<B, I> = Stepper<B, FlatGround, Coulomb, UniformGravity, I>;
 
-fn die<I: Integrator>(integrator: I) -> Thrown<Cuboid, I> {
+fn die<I: Integrator>(integrator: I) -> Thrown<Cuboid, Once<I>> {
     Stepper::new(Cuboid::cube(0.005, 0.016).rounded(0.0015))
         .unwrap()
         .with_gravity(UniformGravity::down(9.81))
@@ -27,11 +28,11 @@ fn die<I: Integrator>(integrator: I) -> Thrown<Cuboid, I> {
         .unwrap()
         .with_friction(FRICTION)
         .unwrap()
-        .with_integrator(integrator)
+        .with_integrator(Once(integrator))
         .unwrap()
 }
 
-fn coin<I: Integrator>(integrator: I) -> Thrown<SolidCoin, I> {
+fn coin<I: Integrator>(integrator: I) -> Thrown<SolidCoin, Once<I>> {
     Stepper::new(SolidCoin::new(0.006, 0.012, 0.002))
         .unwrap()
         .with_gravity(UniformGravity::down(9.81))
@@ -40,7 +41,7 @@ fn coin<I: Integrator>(integrator: I) -> Thrown<SolidCoin, I> {
         .unwrap()
         .with_friction(FRICTION)
         .unwrap()
-        .with_integrator(integrator)
+        .with_integrator(Once(integrator))
         .unwrap()
 }
 
@@ -99,7 +100,7 @@ fn a_bounce_is_no_rest() {
         .unwrap()
         .with_ground(FlatGround::level(1e6, 0.0))
         .unwrap()
-        .with_integrator(Flight(EnergyMomentum { time_step: 1e-4 }))
+        .with_integrator(Once(Flight(EnergyMomentum { time_step: 1e-4 })))
         .unwrap();
     let mut state = State::at(DVec3::Z * 0.2);
     let mut rest = UntilRest::new(stepper.body(), 0.01, 0.1).unwrap();
@@ -154,7 +155,9 @@ fn it_waits_for_a_body_that_does_not_move_at_all_and_works_in_single_precision()
     let mut state = State::at(DVec3::ZERO);
     let mut rest = UntilRest::new(stepper.body(), 0.0, 0.5).unwrap();
     assert!(!rest.is_reached());
-    let with_rk4 = stepper.with_integrator(Rk4 { time_step: 0.1 }).unwrap();
+    let with_rk4 = stepper
+        .with_integrator(Once(Rk4 { time_step: 0.1 }))
+        .unwrap();
     // Five steps, which add up to a half from either side.
     let seconds = with_rk4.run(&mut state, 1.0, &mut rest).unwrap();
     assert!((0.5..0.61).contains(&seconds) && rest.is_reached());

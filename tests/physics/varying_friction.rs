@@ -7,6 +7,7 @@
 use core::cell::Cell;
 use core::ops::ControlFlow;
 
+use crate::kit::once::Once;
 use crate::kit::{GRAVITY as G, cases, difference, each_method, log_uniform, order, point_mass};
 use proptest::prelude::*;
 use tumble::glam::{DVec3, Vec3};
@@ -47,7 +48,7 @@ fn compose<B, G0, F, I>(
     ground: G0,
     friction: F,
     integrator: I,
-) -> Stepper<B, G0, F, UniformGravity, I>
+) -> Stepper<B, G0, F, UniformGravity, Once<I>>
 where
     B: RigidPointBody,
     G0: SpringDamperGround,
@@ -58,7 +59,7 @@ where
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(G)))
         .and_then(|stepper| stepper.with_ground(ground))
         .and_then(|stepper| stepper.with_friction(friction))
-        .and_then(|stepper| stepper.with_integrator(integrator))
+        .and_then(|stepper| stepper.with_integrator(Once(integrator)))
         .unwrap()
 }
 

@@ -10,6 +10,7 @@ use tumble::{
     State, Stepper, UniformGravity,
 };
 
+use crate::kit::once::Once;
 use crate::kit::{Solid, log_uniform};
 use crate::table::{Case, figure, random};
 
@@ -80,7 +81,7 @@ fn rock(alpha: f64, first: f64) -> [f64; 3] {
         })
         .unwrap()
         // The step in which the corners change places counts for both: of order 1 in it.
-        .with_integrator(EnergyMomentum { time_step: 2e-5 })
+        .with_integrator(Once(EnergyMomentum { time_step: 2e-5 }))
         .unwrap();
     // Two corners carry it.
     let depth = 0.5 * GRAVITY / stiffness;
@@ -188,7 +189,7 @@ fn tilts(
         .unwrap()
         .with_ground(ground)
         .unwrap()
-        .with_integrator(EnergyMomentum { time_step })
+        .with_integrator(Once(EnergyMomentum { time_step }))
         .unwrap();
     let tilt = |state: &State| {
         let normal = state.orientation * DVec3::X;

@@ -12,6 +12,7 @@ use tumble::{
     SpringDamper, State, Stepper, StrangSplitting, UniformGravity, UntilDecided,
 };
 
+use crate::kit::once::Once;
 use crate::kit::statistics::FractionTest;
 use crate::kit::{self, Solid, log_uniform};
 use crate::table::{Case, Figure, figure, fraction, random};
@@ -57,7 +58,7 @@ fn caught(start: State, speed: f64) -> State {
         .unwrap()
         .with_gravity(UniformGravity::down(GRAVITY))
         .unwrap()
-        .with_integrator(StrangSplitting { time_step: 0.01 })
+        .with_integrator(Once(StrangSplitting { time_step: 0.01 }))
         .unwrap();
     let mut state = start;
     stepper.advance(&mut state, 2.0 * speed / GRAVITY).unwrap();
@@ -145,7 +146,7 @@ fn lowest_normal(angle: f64) -> f64 {
         .with_angular_momentum(DVec3::new(angle.sin(), 0.0, angle.cos()) * momentum);
     let stepper = Stepper::new(coin())
         .unwrap()
-        .with_integrator(EnergyMomentum { time_step: 1e-4 })
+        .with_integrator(Once(EnergyMomentum { time_step: 1e-4 }))
         .unwrap();
     let mut lowest = f64::MAX;
     stepper
@@ -168,7 +169,7 @@ random! {
         let mut state = State::default()
             .with_rotation_vector(DVec3::Y * -FRAC_PI_2)
             .with_angular_momentum(DVec3::new(angle.sin(), 0.0, angle.cos()) * momentum);
-        let stepper = Stepper::new(coin()).unwrap().with_integrator(StrangSplitting { time_step: 0.01 }).unwrap();
+        let stepper = Stepper::new(coin()).unwrap().with_integrator(Once(StrangSplitting { time_step: 0.01 })).unwrap();
         stepper.advance(&mut state, seconds).unwrap();
         let height = (state.orientation * DVec3::X).z;
         let expected = angle.cos().powi(2) + angle.sin().powi(2) * (turns * TAU * seconds).cos();
@@ -319,7 +320,7 @@ fn comes_to_rest(start: State, damping_ratio: f64) -> CoinFace {
             slip_speed: 1e-3,
         })
         .unwrap()
-        .with_integrator(Flight(EnergyMomentum { time_step: 3e-4 }))
+        .with_integrator(Once(Flight(EnergyMomentum { time_step: 3e-4 })))
         .unwrap();
     let corner = mass * GRAVITY * 0.010_605_f64.hypot(0.975e-3);
     let mut state = start;
@@ -335,7 +336,7 @@ fn comes_to_rest(start: State, damping_ratio: f64) -> CoinFace {
 }
 
 /// A nickel, over a table on which one contact that supports it penetrates by 0.049 mm.
-type Table<B> = Stepper<B, FlatGround, Coulomb, UniformGravity, Flight<DormandPrince54>>;
+type Table<B> = Stepper<B, FlatGround, Coulomb, UniformGravity, Once<Flight<DormandPrince54>>>;
 
 /// The table for a body of which `contacts` contacts act as one point of the profile.
 fn bouncing<B: RigidPointBody>(
@@ -354,7 +355,7 @@ fn bouncing<B: RigidPointBody>(
             coefficient: 0.3,
             slip_speed,
         })
-        .integrator(Flight(DormandPrince54::new(tolerance)))
+        .integrator(Once(Flight(DormandPrince54::new(tolerance))))
         .build()
         .unwrap()
 }
@@ -521,7 +522,7 @@ fn faces(count: u32, damping_ratio: f64, time_step: f64) -> Vec<CoinFace> {
             slip_speed: 1e-2,
         })
         .unwrap()
-        .with_integrator(Flight(StrangSplitting { time_step }))
+        .with_integrator(Once(Flight(StrangSplitting { time_step })))
         .unwrap();
     (0..count)
         .map(|number| {
@@ -620,7 +621,7 @@ fn falls(offset: f64, lean: f64, rate: f64) -> CoinFace {
             slip_speed: 1e-3,
         })
         .unwrap()
-        .with_integrator(EnergyMomentum { time_step: 2e-4 })
+        .with_integrator(Once(EnergyMomentum { time_step: 2e-4 }))
         .unwrap();
     // Heads, +x, a little up where the lean is above 0.
     let mut state = State::at(DVec3::Z * (radius * lean.cos() + offset * lean.sin()))

@@ -8,6 +8,7 @@ use tumble::{
     UniformGravity,
 };
 
+use crate::kit::once::Once;
 use crate::kit::point_mass;
 
 /// A single point under gravity on a ground, moved on by Runge-Kutta in steps of a given length.
@@ -26,7 +27,7 @@ pub(crate) fn move_point(
         .unwrap()
         .with_friction(friction)
         .unwrap()
-        .with_integrator(Rk4 { time_step })
+        .with_integrator(Once(Rk4 { time_step }))
         .unwrap()
         .advance(state, seconds)
         .unwrap();
