@@ -8,13 +8,16 @@
 
 use tumble::contact::ContactModel;
 use tumble::{
-    Dynamics, Force, InertiaProperties, Integrator, Real, RigidPointBody, SceneError,
-    SlidingFriction, SpringDamperGround, State, Step, StepControl, StepError,
+    Dynamics, EnergyMomentum, Force, InertiaProperties, Integrator, Real, RigidPointBody,
+    SceneError, SlidingFriction, SpringDamperGround, State, Step, StepControl, StepError,
 };
 
 /// An integrator that reaches the parts of a scene through pointers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Once<I>(pub(crate) I);
+
+/// The integrator that a stepper has by default.
+pub(crate) const DEFAULT: Once<EnergyMomentum> = Once(EnergyMomentum { time_step: 1e-3 });
 
 impl<R: Real, I: Integrator<R>> Integrator<R> for Once<I> {
     type Workspace = I::Workspace;

@@ -4,6 +4,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use crate::kit::once::Once;
 use crate::kit::{self, Solid as AnySolid, each_explicit, each_method, point_mass};
 use core::ops::ControlFlow;
 use proptest::prelude::*;
@@ -1187,7 +1188,7 @@ fn a_field_of_invalid_laws_ends_the_step_that_meets_one() {
                 .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
                 .and_then(|stepper| stepper.with_ground(FlatGround::level(1e4, 100.0)))
                 .and_then(|stepper| stepper.with_friction(&field))
-                .and_then(|stepper| stepper.with_integrator(integrator))
+                .and_then(|stepper| stepper.with_integrator(Once(integrator)))
                 .unwrap();
             let mut state = State::at(DVec3::Z * -9.8e-4).with_linear_velocity(DVec3::X * 2.0);
             let error = stepper.advance(&mut state, 1.0).unwrap_err();
@@ -1627,7 +1628,7 @@ fn a_step_that_diverges_says_so_and_leaves_the_last_good_state() {
             .unwrap()
             .with_ground(OilBath { drag: 10.0 })
             .unwrap()
-            .with_integrator(integrator)
+            .with_integrator(Once(integrator))
             .unwrap();
         let mut state = State::at(DVec3::X).with_linear_velocity(DVec3::Z);
         let mut good = Vec::new();
@@ -1726,7 +1727,7 @@ fn thrown(
         .unwrap()
         .with_friction(laws)
         .unwrap()
-        .with_integrator(integrator)
+        .with_integrator(Once(integrator))
         .unwrap();
     let mut state = State::at(DVec3::Z * 0.15).with_linear_velocity(DVec3::X);
     for _ in 0..500 {
@@ -1922,7 +1923,7 @@ fn a_resistance_to_turning_below_zero_is_named() {
             .unwrap()
             .with_friction(Motor)
             .unwrap()
-            .with_integrator(integrator)
+            .with_integrator(Once(integrator))
             .unwrap();
         let mut state = State::at(DVec3::Z * 0.09).with_angular_momentum(DVec3::Y * 0.01);
         let answer = stepper.step(&mut state);
@@ -1957,7 +1958,7 @@ fn a_relief_of_nan_does_not_let_a_ball_fall_through() {
             .unwrap()
             .with_ground(ground)
             .unwrap()
-            .with_integrator(integrator)
+            .with_integrator(Once(integrator))
             .unwrap();
         let mut state = State::at(DVec3::Z * 0.09).with_linear_velocity(DVec3::X);
         let answer = stepper.advance(&mut state, 1.0);
@@ -2004,7 +2005,7 @@ fn a_law_that_is_trusted_is_not_checked() {
             .unwrap()
             .with_friction(behind)
             .unwrap()
-            .with_integrator(Rk4 { time_step: 1e-3 })
+            .with_integrator(Once(Rk4 { time_step: 1e-3 }))
             .unwrap();
         let mut state = State::at(DVec3::Z * 0.09).with_linear_velocity(DVec3::X);
         stepper.step(&mut state).unwrap();
@@ -2088,7 +2089,7 @@ fn a_run_of_more_steps_than_its_clock_counts_is_refused() {
     for (time_step, duration) in [(1e-320, 1.0), (1e-3, 1e308), (5e-324, 1e-300), (1e-9, 1e8)] {
         each_method!(time_step, |integrator, method| {
             let stepper = Stepper::new(point_mass(1.0)).unwrap();
-            let stepper = stepper.with_integrator(integrator).unwrap();
+            let stepper = stepper.with_integrator(Once(integrator)).unwrap();
             let (mut state, mut shown) = (start, 0);
             let answer = stepper.run(&mut state, duration, &mut |_: &Sample<'_>| {
                 shown += 1;
@@ -2111,7 +2112,7 @@ fn a_run_of_more_steps_than_its_clock_counts_is_refused() {
     }
     let time_step = 1e-3_f32;
     let single = Stepper::new(PointMass::new(1.0_f32)).unwrap();
-    let single = single.with_integrator(Rk4 { time_step }).unwrap();
+    let single = single.with_integrator(Once(Rk4 { time_step })).unwrap();
     let answer = single.advance(&mut State::default(), 2e9);
     assert!(
         matches!(answer, Err(StepError::TooManySteps { .. })),
@@ -2120,7 +2121,7 @@ fn a_run_of_more_steps_than_its_clock_counts_is_refused() {
 
     let free = Stepper::new(point_mass(1.0)).unwrap();
     let free = free
-        .with_integrator(Flight(Rk4 { time_step: 1e-3 }))
+        .with_integrator(Once(Flight(Rk4 { time_step: 1e-3 })))
         .unwrap();
     let mut state = start;
     free.advance(&mut state, 1e100).unwrap();
@@ -2189,7 +2190,7 @@ fn a_step_beyond_what_numbers_hold_is_refused_or_right() {
         for height in [10.0, 0.45] {
             let start = State::at(DVec3::Z * height).with_angular_momentum(spin * size);
             each_method!(1e-3, |integrator, method| {
-                let stepper = coin.with_integrator(integrator).unwrap();
+                let stepper = coin.with_integrator(Once(integrator)).unwrap();
                 let mut state = start;
                 match stepper.step(&mut state) {
                     Ok(_) if height > 1.0 => {
@@ -2205,14 +2206,16 @@ fn a_step_beyond_what_numbers_hold_is_refused_or_right() {
     }
     let start = State::at(DVec3::Z).with_angular_momentum(spin * 1e155);
     let stepper = coin
-        .with_integrator(EnergyMomentum { time_step: 1e-3 })
+        .with_integrator(Once(EnergyMomentum { time_step: 1e-3 }))
         .unwrap();
     assert_eq!(
         stepper.step(&mut start.clone()).unwrap_err().to_string(),
         "the energy before the step must be finite and far from overflow, got inf J: check the velocities, the penetration depths and the laws of the ground"
     );
     for time_step in [1e15, 1e30, 1e50, 1e60, 1e75, 1e100, 1e200, 1e300] {
-        let stepper = coin.with_integrator(EnergyMomentum { time_step }).unwrap();
+        let stepper = coin
+            .with_integrator(Once(EnergyMomentum { time_step }))
+            .unwrap();
         // The same by another factor, from other heights.
         for (spin, height) in [(DVec3::ZERO, 10.0), (spin, 10.0), (spin * 7.0, 3.1)] {
             for lean in [0.0, 0.7, 1.3] {
@@ -2449,26 +2452,26 @@ impl Anything {
             coefficient,
             slip_speed,
         })?;
-        self.steps(&report.with_integrator(ForwardEuler { time_step })?);
-        self.steps(&smooth.with_integrator(SymplecticEuler { time_step })?);
-        self.steps(&report.with_integrator(StrangSplitting { time_step })?);
-        self.steps(&smooth.with_integrator(Rk4 { time_step })?);
-        self.steps(&report.with_integrator(EnergyMomentum { time_step })?);
+        self.steps(&report.with_integrator(Once(ForwardEuler { time_step }))?);
+        self.steps(&smooth.with_integrator(Once(SymplecticEuler { time_step }))?);
+        self.steps(&report.with_integrator(Once(StrangSplitting { time_step }))?);
+        self.steps(&smooth.with_integrator(Once(Rk4 { time_step }))?);
+        self.steps(&report.with_integrator(Once(EnergyMomentum { time_step }))?);
         // In single precision the tolerance may be 0.
         let (tolerance, budget) = (R::from_f64(self.friction[1]), 20);
-        let third = report.with_integrator(BogackiShampine32 {
+        let third = report.with_integrator(Once(BogackiShampine32 {
             tolerance,
             longest_step: time_step,
             budget,
-        });
+        }));
         if let Ok(stepper) = third {
             self.steps(&stepper);
         }
-        let fifth = smooth.with_integrator(DormandPrince54 {
+        let fifth = smooth.with_integrator(Once(DormandPrince54 {
             tolerance,
             longest_step: time_step,
             budget,
-        });
+        }));
         if let Ok(stepper) = fifth {
             self.steps(&stepper);
         }

@@ -6,6 +6,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use crate::kit::once::Once;
 use core::ops::ControlFlow;
 
 use tumble::glam::DVec3;
@@ -213,7 +214,7 @@ fn run<I: Integrator>(
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
         .and_then(|stepper| stepper.with_ground(ground))
         .and_then(|stepper| stepper.with_friction(friction))
-        .and_then(|stepper| stepper.with_integrator(integrator))
+        .and_then(|stepper| stepper.with_integrator(Once(integrator)))
         .unwrap();
     let mut state = thrown(body);
     let (mut last, mut rise) = (f64::INFINITY, 0.0_f64);

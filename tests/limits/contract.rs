@@ -4,6 +4,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use crate::kit::once::Once;
 use core::cell::Cell;
 
 use tumble::body::ContactRange;
@@ -1435,7 +1436,7 @@ fn no_number_that_a_part_returns_makes_a_check_or_a_step_panic() {
         let mut state = start;
         broken += usize::from(stepper.advance(&mut state, 0.02).is_err());
         let nystrom = stepper
-            .with_integrator(Nystrom { time_step: 1e-3 })
+            .with_integrator(Once(Nystrom { time_step: 1e-3 }))
             .unwrap();
         let _ = nystrom.advance(&mut { start }, 0.02);
     }

@@ -14,6 +14,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::driven::{Belt, Places, Pull, Walls};
+use crate::kit::once::Once;
 use crate::kit::{self, directions, log_uniform, zero_or};
 use core::cell::RefCell;
 use core::f64::consts::PI;
@@ -1015,7 +1016,7 @@ pub(super) fn keeps_its_promises<R: Real>(case: &Case, tally: &mut Tally) -> Tes
         .and_then(|stepper| stepper.with_friction(&*friction))
         .and_then(|stepper| stepper.with_gravity(gravity))
         .and_then(|stepper| stepper.with_force(&*force))
-        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
         .unwrap();
     let scene = stepper.scene();
     let mut state = case.state(scene);
@@ -1356,7 +1357,7 @@ fn is_refused_or_keeps_its_promises<R: Real>(case: &Case) -> TestCaseResult {
         .and_then(|stepper| stepper.with_ground(&*ground))
         .and_then(|stepper| stepper.with_friction(&*friction))
         .and_then(|stepper| stepper.with_gravity(gravity))
-        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
         .unwrap();
     let mut state = case.state(stepper.scene());
     let mut before = stepper.energy(&state).total();
@@ -1574,7 +1575,7 @@ fn is_named_or_keeps_its_promises<R: Real>(
         .and_then(|stepper| stepper.with_ground(law()))
         .and_then(|stepper| stepper.with_friction(law()))
         .and_then(|stepper| stepper.with_gravity(gravity))
-        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
         .unwrap();
     let mut state = case.state(stepper.scene());
     for number in 0..STEPS {

@@ -104,6 +104,7 @@ fn ratios_of<B: RigidPointBody + Copy>(
     start: &State,
     seconds: f64,
 ) -> Vec<f64> {
+    let body: &dyn RigidPointBody = &body;
     let composed = |tolerance| {
         Stepper::builder(body)
             .gravity(UniformGravity::down(9.8))

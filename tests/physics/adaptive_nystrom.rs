@@ -75,7 +75,8 @@ fn error_of_toss<B: RigidPointBody + Clone>(
     tolerance: f64,
 ) -> f64 {
     let stiffness = body.mass() * 9.8 / (2e-5 * carrying);
-    let stepper = Stepper::new(body.clone())
+    let body: &dyn RigidPointBody = &body;
+    let stepper = Stepper::new(body)
         .and_then(|stepper| {
             let damping = 0.42 * (stiffness * body.mass()).sqrt();
             stepper.with_ground(FlatGround::level(stiffness, damping))

@@ -9,7 +9,7 @@
     clippy::cast_possible_truncation
 )]
 
-use crate::kit::once::Once;
+use crate::kit::once::{DEFAULT, Once};
 use core::ops::ControlFlow;
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, ForceRange, Requirement, check_force};
@@ -395,6 +395,7 @@ fn a_body_at_rest_in_still_air_sleeps_as_without_air() {
             slip_speed: 1e-4,
         })
         .force((drag(), SpinDrag::linear(1e-4)))
+        .integrator(DEFAULT)
         .build()
         .unwrap();
     let mut session = stepper.session(State::at(DVec3::Z * 0.05));
@@ -664,6 +665,7 @@ fn a_body_in_wind_is_held_by_friction_where_it_would_be() {
             velocity: DVec3::X * 10.0,
             force: AirDrag::linear(0.05),
         })
+        .integrator(DEFAULT)
         .build()
         .unwrap();
     let mut state = State::at(DVec3::Z * 0.03);

@@ -7,7 +7,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::kit::once::Once;
+use crate::kit::once::{DEFAULT, Once};
 use tumble::glam::DVec3;
 use tumble::{
     Coin, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid, Energy, EnergyMomentum,
@@ -31,6 +31,7 @@ fn audit<B: RigidPointBody>(name: &str, body: B, slip_speed: f64) {
                 slip_speed,
             })
         })
+        .and_then(|scene| scene.with_integrator(DEFAULT))
         .unwrap();
     let mut state = State::at(DVec3::Z * (0.6 * reach))
         .with_rotation_vector(DVec3::new(0.3, -0.2, 0.5))

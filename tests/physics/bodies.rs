@@ -5,6 +5,7 @@
 
 use core::f64::consts::{PI, TAU};
 
+use crate::kit::once::DEFAULT;
 use crate::kit::{cases, directions, log_uniform, orientations};
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, check_body};
@@ -449,6 +450,7 @@ fn a_composite_falls_like_the_cloud_of_its_points() {
         let stepper = Stepper::new(body).unwrap();
         let stepper = stepper.with_gravity(UniformGravity::down(9.8)).unwrap();
         let stepper = stepper.with_ground(FlatGround::level(1e4, 3.0)).unwrap();
+        let stepper = stepper.with_integrator(DEFAULT).unwrap();
         let mut state = start;
         stepper.advance(&mut state, 1.0).unwrap();
         state
@@ -472,6 +474,7 @@ fn a_capsule_that_slides_across_its_axis_comes_to_roll_at_the_speed_of_its_momen
                 slip_speed: 1e-8,
             })
         })
+        .and_then(|stepper| stepper.with_integrator(DEFAULT))
         .unwrap();
     let sink = 9.8 / 2e5;
     let mut state = State::at(DVec3::Z * (0.1 - sink))

@@ -7,6 +7,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use crate::kit::once::DEFAULT;
 use crate::kit::statistics::failing_at_most;
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
@@ -304,6 +305,7 @@ fn the_edge_of_a_thick_coin_is_decided_on_hard_ground_only() {
     let coin = SolidCoin::new(0.005, 0.01, 0.004);
     for (depth, decided) in [(1e-7, true), (2e-3, false)] {
         let stepper = on(coin, FlatGround::level(0.005 * GRAVITY / depth, 0.1));
+        let stepper = stepper.with_integrator(DEFAULT).unwrap();
         let mut state = State::at(DVec3::Z * 0.01);
         stepper.advance(&mut state, 1.0).unwrap();
         let outcome = stepper.barriers().unwrap().outcome(&state);
@@ -325,7 +327,7 @@ fn the_edge_is_a_rest_position_on_hard_ground_only() {
         let depth = part * thickness * thickness / radius;
         let stiffness = mass * GRAVITY / depth;
         let ground = FlatGround::level(stiffness, 0.5 * (stiffness * mass).sqrt());
-        let stepper = on(coin, ground);
+        let stepper = on(coin, ground).with_integrator(DEFAULT).unwrap();
         // A hundredth of the angle at which the centre of mass is above a corner.
         let lean = 0.01 * thickness / (2.0 * radius);
         let mut state = State::at(DVec3::Z * (radius - 0.25 * depth));

@@ -6,7 +6,7 @@
 
 use core::f64::consts::{PI, TAU};
 
-use crate::kit::once::Once;
+use crate::kit::once::{DEFAULT, Once};
 use crate::kit::{self, log_uniform};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
@@ -403,6 +403,8 @@ fn a_ball_in_a_groove_rests_on_one_of_its_planes_and_twice_as_deep() {
             },
             shape: Groove,
         })
+        .unwrap()
+        .with_integrator(DEFAULT)
         .unwrap();
     let mut state = State::at(DVec3::Z * (radius * 2.0_f64.sqrt()));
     stepper.advance(&mut state, 2.0).unwrap();

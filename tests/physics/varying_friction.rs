@@ -141,6 +141,8 @@ fn a_block_stops_behind_an_ice_strip_in_single_precision() {
             .with_ground(tumble::f32::FlatGround::level(1e4, 100.0))
             .unwrap()
             .with_friction(friction)
+            .unwrap()
+            .with_integrator(Once(EnergyMomentum { time_step: 1e-3 }))
             .unwrap();
         let mut state = State::at(Vec3::Z * (-g / 1e4)).with_linear_velocity(Vec3::X * speed);
         stepper.advance(&mut state, 1.5).unwrap();

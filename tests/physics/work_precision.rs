@@ -7,7 +7,15 @@ use tumble::error::Quantity;
 use tumble::work_precision::{
     Failure, Method, Setting, measure, measure_against, measure_integrator, reference,
 };
-use tumble::{FlatGround, Rk4, State, StepError, Stepper, Trial, UniformGravity};
+use tumble::{Rk4, State, StepError, Trial};
+
+/// A trial of the report. All tests measure its type of scene, for which each method is compiled.
+fn trial(number: usize) -> Trial {
+    Trial {
+        slip_speed: 1e-3,
+        ..Trial::report(number).unwrap()
+    }
+}
 
 fn settings() -> Vec<Setting> {
     let mut settings = Setting::built_in();
@@ -24,10 +32,7 @@ fn settings() -> Vec<Setting> {
 
 #[test]
 fn the_table_has_a_row_for_each_setting_and_its_errors_are_those_of_runs() {
-    let trial = Trial::<f64> {
-        slip_speed: 1e-3,
-        ..Trial::report(1).unwrap()
-    };
+    let trial = trial(1);
     let stepper = trial.stepper(Rk4 { time_step: 1e-3 }).unwrap();
     let (start, settings) = (trial.state(), settings());
     let table = measure(stepper.scene(), &start, 0.1, &settings).unwrap();
@@ -63,10 +68,7 @@ fn the_table_has_a_row_for_each_setting_and_its_errors_are_those_of_runs() {
 #[test]
 fn a_setting_that_fails_has_a_row_with_its_error() {
     // A position that is not a number.
-    let stepper = Stepper::new(tumble::Coin::<f64>::ring(1.0, 0.5))
-        .and_then(|stepper| stepper.with_ground(FlatGround::level(1e4, 1.0)))
-        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
-        .unwrap();
+    let stepper = trial(1).stepper(Rk4 { time_step: 1e-3 }).unwrap();
     let start = State::at(tumble::glam::DVec3::NAN);
     let settings = [Setting {
         method: Method::Rk4,
@@ -89,13 +91,13 @@ fn a_setting_that_fails_has_a_row_with_its_error() {
 
 #[test]
 fn a_setting_whose_knob_cannot_be_is_told_so() {
-    let stepper = Stepper::new(tumble::Coin::<f64>::ring(1.0, 0.5)).unwrap();
+    let stepper = trial(1).stepper(Rk4 { time_step: 1e-3 }).unwrap();
     let settings = [Method::Rk4, Method::DormandPrince54].map(|method| Setting {
         method,
         parameter: -1.0,
         flight: false,
     });
-    let table = measure(stepper.scene(), &State::default(), 1.0, &settings).unwrap();
+    let table = measure(stepper.scene(), &trial(1).state(), 0.1, &settings).unwrap();
     let said = table
         .rows
         .iter()
@@ -111,10 +113,7 @@ fn a_setting_whose_knob_cannot_be_is_told_so() {
 
 #[test]
 fn any_integrator_gets_the_row_that_a_built_in_setting_of_it_gets() {
-    let trial = Trial::<f64> {
-        slip_speed: 1e-3,
-        ..Trial::report(3).unwrap()
-    };
+    let trial = trial(3);
     let own = Rk4 { time_step: 1e-3 };
     let stepper = trial.stepper(own).unwrap();
     let (scene, start) = (stepper.scene(), trial.state());
