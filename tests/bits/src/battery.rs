@@ -255,8 +255,19 @@ fn follow<R: Bits, I: Integrator<R>>(
     (hash.0, end.is_err() || audited.is_err())
 }
 
-/// Body, ground, friction and gravity of a scene, behind `dyn`, which has the same bits: so each
-/// integrator is compiled for one scene, not for all.
+/// A scene of the first three batteries. Its parts are behind `dyn`, which has the same bits: so
+/// each integrator is compiled for one scene, not for all.
+type AnyStepper<'a, R, I> = Stepper<
+    &'a dyn RigidPointBody<R>,
+    &'a dyn SpringDamperGround<R>,
+    &'a dyn SlidingFriction<R>,
+    &'a dyn Gravity<R>,
+    I,
+    R,
+    &'a dyn Force<R>,
+>;
+
+/// Body, ground, friction and gravity of a scene of [`scenes`].
 type Parts<'a, R> = (
     &'a dyn RigidPointBody<R>,
     &'a dyn SpringDamperGround<R>,
@@ -281,11 +292,13 @@ fn scenes<R: Bits, I: Integrator<R>>(
     // Name, parts, start, time step (s), duration (s).
     let mut play = |name, parts: Parts<'_, R>, start, time_step, seconds| {
         let (body, ground, friction, gravity) = parts;
-        let stepper = Stepper::new(body)?
-            .with_gravity(gravity)?
-            .with_ground(ground)?
-            .with_friction(friction)?
-            .with_integrator(method(real(time_step)))?;
+        let stepper: AnyStepper<'_, R, I> = Stepper::builder(body)
+            .gravity(gravity)
+            .ground(ground)
+            .friction(friction)
+            .force(&NoForce as &dyn Force<R>)
+            .integrator(method(real(time_step)))
+            .build()?;
         see(name, follow(&stepper, start, seconds));
         Ok::<(), SceneError>(())
     };
@@ -506,15 +519,7 @@ type DrivenParts<'a, R> = (
 /// The hash of a run, and of the events of another one from the same state; and whether an error
 /// ended one of them, or no event occurred.
 fn follow_events<R: Bits, I: Integrator<R>>(
-    stepper: &Stepper<
-        impl RigidPointBody<R>,
-        impl SpringDamperGround<R>,
-        impl SlidingFriction<R>,
-        impl Gravity<R>,
-        I,
-        R,
-        impl Force<R>,
-    >,
+    stepper: &AnyStepper<'_, R, I>,
     start: State<R>,
     seconds: f64,
 ) -> Result<(u64, bool), SceneError> {
@@ -548,12 +553,14 @@ fn play_with_events<R: Bits, I: Integrator<R>>(
     (body, ground, friction, force): DrivenParts<'_, R>,
     start: State<R>,
 ) -> Result<(u64, bool), SceneError> {
-    let stepper = Stepper::new(body)?
-        .with_gravity(UniformGravity::down(real(9.8)))?
-        .with_ground(ground)?
-        .with_friction(friction)?
-        .with_force(force)?
-        .with_integrator(method(real(1e-3)))?;
+    let falls = UniformGravity::down(real::<R>(9.8));
+    let stepper: AnyStepper<'_, R, I> = Stepper::builder(body)
+        .gravity(&falls as &dyn Gravity<R>)
+        .ground(ground)
+        .friction(friction)
+        .force(force)
+        .integrator(method(real(1e-3)))
+        .build()?;
     follow_events(&stepper, start, 0.3003)
 }
 
