@@ -21,8 +21,9 @@ binaries=()
 for target in "${targets[@]}"; do binaries+=(--bin "$target"); done
 RUSTFLAGS="$flags" cargo build -q --release --locked --manifest-path tests/fuzz/Cargo.toml --target "$host" "${binaries[@]}"
 
-code=0
-for target in "${targets[@]}"; do
+# play TARGET: searches, and says what it has found; fails if that is a finding.
+play() {
+  local target=$1 code=0 out binary executions edges
   out="$CARGO_TARGET_DIR/fuzz/$target"
   binary="$CARGO_TARGET_DIR/$host/release/$target"
   mkdir -p "$out/new"
@@ -36,5 +37,9 @@ for target in "${targets[@]}"; do
   executions=$(sed -n 's/^stat::number_of_executed_units: *//p' "$out/log")
   edges=$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$out/log" | tail -1)
   printf '%-10s %9s executions, %6s edges in %s s\n' "$target" "${executions:-?}" "${edges:-?}" "$seconds"
-done
-exit $code
+  return "$code"
+}
+# As many at a time as there are cores, since each keeps one busy.
+export host seconds
+export -f play
+printf '%s\n' "${targets[@]}" | xargs -P "$(nproc)" -I{} bash -euo pipefail -c 'play {}'

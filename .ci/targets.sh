@@ -31,16 +31,28 @@ build() { cargo build -q --locked --manifest-path tests/bits/Cargo.toml --bin tu
 # with all of them (std, glam's too, takes the machine's square root, the others only add
 # implementations), and with glam's other features as somebody else in the tree would set them. glam's `fast-math` of earlier versions is gone since 0.34, and `core-simd`
 # needs an unstable compiler.
+# Each build is one large crate, which keeps one core busy: so two are built side by side, in folders of their own.
 host() { # host NAME FOLDER OPTION…
-  build "${@:3}"
-  compare "$1" "$CARGO_TARGET_DIR/$2/tumble_bits" || differ=1
+  (
+    export CARGO_TARGET_DIR="$results/$1"
+    build "${@:3}"
+    compare "$1" "$CARGO_TARGET_DIR/$2/tumble_bits"
+  )
 }
-host host-dev debug --features "$detail"
-for set in std,serde,mint,approx-05,glam-scalar-math glam-libm; do
-  host "host-release $set" release --release --features "$detail,$set"
-done
+runs=()
+finish() { # waits for all that have been started
+  local run
+  for run in "${runs[@]}"; do wait "$run" || differ=1; done
+  runs=()
+}
+host host-dev debug --features "$detail" & runs+=($!)
 # Fused operations are there to be used, and must not be.
-RUSTFLAGS=-Ctarget-cpu=native host host-native release --release --features "$detail"
+RUSTFLAGS=-Ctarget-cpu=native host host-native release --release --features "$detail" & runs+=($!)
+finish
+for set in std,serde,mint,approx-05,glam-scalar-math glam-libm; do
+  host "host-release-$set" release --release --features "$detail,$set" & runs+=($!)
+done
+finish
 
 # Other processors.
 RUSTC=$(cross_compiler) linker=$(cross_linker)
@@ -57,12 +69,11 @@ build -Zbuild-std=core --release --features "$detail" \
   --target={aarch64-unknown-none,riscv32imac-unknown-none-elf,wasm32-unknown-unknown,thumbv7em-none-eabihf}
 
 # An emulator uses one core and takes minutes, so they run side by side.
-runs=()
 # shellcheck disable=SC2086 # several options
 compare thumbv7em-hf-release qemu-system-arm -M mps2-an386 $semihosting -kernel "$(program thumbv7em-none-eabihf)" & runs+=($!)
 compare riscv32imac-release qemu-riscv32 "$(program riscv32imac-unknown-none-elf)" & runs+=($!)
 compare aarch64-release qemu-aarch64 "$(program aarch64-unknown-none)" & runs+=($!)
 compare wasm32-release node tests/bits/run.mjs "$(program wasm32-unknown-unknown).wasm" & runs+=($!)
-for run in "${runs[@]}"; do wait "$run" || differ=1; done
+finish
 
 exit "$differ"
