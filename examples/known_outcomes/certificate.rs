@@ -6,6 +6,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::{Report, Size};
 use common::Outcome;
+use tumble::EnergyMomentum;
 
 #[path = "../../tests/common/barriers_by_force.rs"]
 mod barriers_by_force;
@@ -14,6 +15,13 @@ mod decided_states;
 
 use barriers_by_force::{barriers_hold, by_cone};
 use decided_states::{Draw, KINDS, STATES, Start, Tally, Throw, follow, hull};
+
+/// The integrator of [`decided_states`].
+type Method<R> = EnergyMomentum<R>;
+
+fn method<R>(time_step: R) -> Method<R> {
+    EnergyMomentum { time_step }
+}
 
 /// Bodies of all kinds and precisions, each with [`STATES`] states. More than a million of the
 /// states are decided.

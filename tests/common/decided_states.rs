@@ -3,20 +3,22 @@
 //!
 //! The test `physics` and the example `known_outcomes` share the file by `#[path]`. It depends on
 //! the crate and on `rand_chacha` only. A start has a stream of random numbers of its own, so that
-//! it does not depend on the others.
+//! it does not depend on the others. Who includes it names the integrator: `Method`, and `method` of
+//! a time step.
 
 // Each user of the file calls another part of it, and an invalid scene is an error of this file.
 #![allow(dead_code, clippy::unwrap_used)]
 
+use super::{Method, method};
 use core::f64::consts::TAU;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use tumble::glam::{DQuat, DVec3};
 use tumble::real::{Matrix, Quaternion, Vector};
 use tumble::{
-    Barriers, Coin, ContactPoint, Coulomb, Cuboid, Disc, EnergyMomentum, Faces, FlatGround,
-    MassProperties, Observer, Outcome, Real, Sample, Scene, Solid, SolidCoin, State, Stepper,
-    ThickDisc, UniformGravity, UntilDecided, UntilRest,
+    Barriers, Coin, ContactPoint, Coulomb, Cuboid, Disc, Faces, FlatGround, MassProperties,
+    Observer, Outcome, Real, Sample, Scene, Solid, SolidCoin, State, Stepper, ThickDisc,
+    UniformGravity, UntilDecided, UntilRest,
 };
 
 /// m/s².
@@ -176,7 +178,7 @@ impl Throw {
             .ground(self.ground())
             .friction(friction)
             .gravity(UniformGravity::down(number(GRAVITY)))
-            .integrator(EnergyMomentum { time_step })
+            .integrator(method(time_step))
             .build()
             .unwrap()
     }
@@ -330,7 +332,7 @@ const ATTEMPTS: usize = 300;
 /// Rotation (rad) of the body after which its face is compared again.
 const SEEN: f64 = 0.02;
 
-type Level<B, R> = Stepper<B, FlatGround<R>, Coulomb<R>, UniformGravity<R>, EnergyMomentum<R>, R>;
+type Level<B, R> = Stepper<B, FlatGround<R>, Coulomb<R>, UniformGravity<R>, Method<R>, R>;
 type LevelBarriers<'a, B, R> =
     Barriers<'a, Scene<B, FlatGround<R>, Coulomb<R>, UniformGravity<R>, R>, R>;
 

@@ -1,15 +1,15 @@
 //! Integrators that are compiled once, for tests in which the types of a scene are not the subject.
 //!
-//! An integrator is generic over the scene, so each scene type of a test compiles it anew. That was
-//! nine tenths of the time that these programs took to compile. [`Once`] hands the integrator one
-//! type of scene instead, whose parts are behind pointers. The arithmetic is the same, and so are
-//! the bits: `tests/physics/once.rs` compares them. The types stay where a hint, an allocation or
-//! the composition is the subject.
+//! An integrator is generic over the scene, so it is compiled anew for each type of scene that a
+//! test composes, which took most of the time that these programs need to compile. [`Once`] hands
+//! the integrator one type of scene instead, whose parts are behind pointers. The arithmetic is the
+//! same, and so are the bits: `tests/physics/once.rs` compares them. The types stay where a hint,
+//! an allocation or the composition is the subject.
 
-use tumble::contact::ContactModel;
 use tumble::{
-    Dynamics, EnergyMomentum, Force, InertiaProperties, Integrator, Real, RigidPointBody,
-    SceneError, SlidingFriction, SpringDamperGround, State, Step, StepControl, StepError,
+    ContactModel, Dynamics, EnergyMomentum, Force, InertiaProperties, Integrator, Real,
+    RigidPointBody, SceneError, SlidingFriction, SpringDamperGround, State, Step, StepControl,
+    StepError,
 };
 
 /// An integrator that reaches the parts of a scene through pointers.
@@ -80,15 +80,12 @@ impl<I> Once<I> {
     }
 }
 
-/// Result of a step.
-type Outcome<R> = Result<Step<R>, StepError>;
-
 /// Calls `step` with the scene, whose parts are behind pointers.
 fn with_pointers<R: Real, D: Dynamics<R>>(
     scene: &D,
     untested: Option<&Pointed<'_, R>>,
-    step: &mut dyn FnMut(&Pointed<'_, R>) -> Outcome<R>,
-) -> Outcome<R> {
+    step: &mut dyn FnMut(&Pointed<'_, R>) -> Result<Step<R>, StepError>,
+) -> Result<Step<R>, StepError> {
     let body: &dyn RigidPointBody<R> = scene.body();
     let ground: &dyn SpringDamperGround<R> = scene.ground();
     let friction: &dyn SlidingFriction<R> = scene.friction();

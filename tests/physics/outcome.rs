@@ -7,14 +7,14 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::kit::once::DEFAULT;
+use crate::kit::once::{DEFAULT, Once};
 use crate::kit::statistics::failing_at_most;
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
     Barriers, Basin, Bowl, Coin, CoinFace, ContactLaw, ContactPoint, Cuboid, CuboidFace, Disc,
-    Faces, FlatGround, Ground, HullFace, HuntCrossley, NoGravity, Outcome, Plane, RigidPointBody,
-    Scene, SolidCoin, SpringDamper, SpringDamperGround, State, Stepper, Terrain, ThickDisc,
-    UniformGravity,
+    EnergyMomentum, Faces, FlatGround, Ground, HullFace, HuntCrossley, NoGravity, Outcome, Plane,
+    RigidPointBody, Scene, SolidCoin, SpringDamper, SpringDamperGround, State, Stepper, Terrain,
+    ThickDisc, UniformGravity,
 };
 
 #[path = "../common/barriers_by_force.rs"]
@@ -24,6 +24,13 @@ mod decided_states;
 
 use barriers_by_force::{barriers_hold, by_cone, by_query, least_energy, on};
 use decided_states::{Draw, GRAVITY, KINDS, Start, Tally, Throw, cuboid, follow, hull};
+
+/// The integrator of [`decided_states`].
+type Method<R> = Once<EnergyMomentum<R>>;
+
+fn method<R>(time_step: R) -> Method<R> {
+    Once(EnergyMomentum { time_step })
+}
 
 /// Throws of the whole sweep.
 fn throws() -> u64 {

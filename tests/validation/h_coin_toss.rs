@@ -21,6 +21,13 @@ use crate::table::{Case, Figure, figure, fraction, random};
 mod decided_states;
 use decided_states::Draw;
 
+/// The integrator of [`decided_states`].
+type Method<R> = Once<EnergyMomentum<R>>;
+
+fn method<R>(time_step: R) -> Method<R> {
+    Once(EnergyMomentum { time_step })
+}
+
 pub(crate) const CASES: &[&Case] = &[
     &KELLER,
     &ALWAYS_HEADS,

@@ -12,6 +12,9 @@ pub mod contract;
 pub mod driven;
 pub mod input;
 pub mod load;
+#[path = "../../kit/once.rs"]
+#[allow(dead_code, reason = "the tests use more of it")]
+mod once;
 pub mod outcome;
 pub mod parts;
 pub mod scene;

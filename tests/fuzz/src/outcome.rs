@@ -13,6 +13,7 @@ use tumble::{
 
 use super::input::Input;
 use super::load::edited;
+use super::once::Once;
 use super::parts::friction;
 
 /// Plays an input.
@@ -219,7 +220,7 @@ fn stays_decided<R: Real>(input: &mut Input<'_>, body: &dyn Named<R>) {
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(input.size(0.1, 20.0))))
         .and_then(|stepper| stepper.with_ground(ground))
         .and_then(|stepper| stepper.with_friction(&*friction))
-        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }));
+        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })));
     let Ok(stepper) = stepper else {
         return;
     };

@@ -17,6 +17,7 @@ use tumble::{
 
 use super::driven::{AnyForce, beside_walls, by_place, force, moving};
 use super::input::Input;
+use super::once::Once;
 
 /// A body behind a pointer.
 pub type AnyBody<R> = Box<dyn RigidPointBody<R>>;
@@ -488,9 +489,9 @@ impl<R: Real> Integrator<R> for Method<R> {
                 flies: false,
                 ..*self
             };
-            Flight(in_contact).step(scene, state, limit, workspace)
+            Once(Flight(in_contact)).step(scene, state, limit, workspace)
         } else {
-            self.method.step(scene, state, limit, workspace)
+            Once(self.method).step(scene, state, limit, workspace)
         }
     }
     fn order(&self) -> u32 {
