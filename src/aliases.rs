@@ -29,6 +29,8 @@ macro_rules! names_for {
             pub type AdaptiveEnergyMomentum = crate::AdaptiveEnergyMomentum<$real>;
             /// Nyström's method with a tolerance instead of a step size.
             pub type AdaptiveNystrom = crate::AdaptiveNystrom<$real>;
+            /// Radau's implicit method of order 5.
+            pub type Radau5 = crate::Radau5<$real>;
             /// A built-in integrator chosen at run time.
             pub type AnyIntegrator = crate::AnyIntegrator<$real>;
             /// Torque-free rotation in closed form.

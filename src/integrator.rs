@@ -18,7 +18,7 @@ pub(crate) use point::Point;
 
 pub use adaptive::{
     AdaptiveEnergyMomentum, AdaptiveEnergyMomentumWorkspace, AdaptiveNystrom,
-    AdaptiveNystromWorkspace, BogackiShampine32, DormandPrince54, EmbeddedPairWorkspace,
+    AdaptiveNystromWorkspace, BogackiShampine32, DormandPrince54, EmbeddedPairWorkspace, Radau5,
 };
 pub use any::{AnyIntegrator, Workspace as AnyWorkspace};
 pub use energy_momentum::{EnergyMomentum, Workspace as EnergyMomentumWorkspace};

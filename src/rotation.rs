@@ -211,7 +211,7 @@ impl<R: Real> Rotation<R> {
 
     /// Returns the quaternion with each number multiplied by a factor.
     #[inline]
-    fn scaled(self, factor: R) -> Self {
+    pub(crate) fn scaled(self, factor: R) -> Self {
         Self {
             w: self.w * factor,
             v: self.v * factor,

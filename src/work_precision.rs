@@ -39,7 +39,7 @@ use crate::force::Force;
 use crate::gravity::UniformGravity;
 use crate::integrator::{
     AdaptiveEnergyMomentum, AdaptiveNystrom, BogackiShampine32, DormandPrince54, EnergyMomentum,
-    Flight, ForwardEuler, Integrator, Nystrom, Rk4, StrangSplitting, SymplecticEuler,
+    Flight, ForwardEuler, Integrator, Nystrom, Radau5, Rk4, StrangSplitting, SymplecticEuler,
 };
 use crate::observer::Sample;
 use crate::real::{Quaternion, Real, Vector};
@@ -72,11 +72,13 @@ pub enum Method {
     AdaptiveEnergyMomentum,
     /// [`AdaptiveNystrom`]
     AdaptiveNystrom,
+    /// [`Radau5`]
+    Radau5,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::ForwardEuler,
         Self::SymplecticEuler,
         Self::StrangSplitting,
@@ -87,6 +89,7 @@ impl Method {
         Self::DormandPrince54,
         Self::AdaptiveEnergyMomentum,
         Self::AdaptiveNystrom,
+        Self::Radau5,
     ];
 
     /// Returns the name of the integrator in the library.
@@ -103,6 +106,7 @@ impl Method {
             Self::DormandPrince54 => "DormandPrince54",
             Self::AdaptiveEnergyMomentum => "AdaptiveEnergyMomentum",
             Self::AdaptiveNystrom => "AdaptiveNystrom",
+            Self::Radau5 => "Radau5",
         }
     }
 
@@ -115,6 +119,7 @@ impl Method {
                 | Self::DormandPrince54
                 | Self::AdaptiveEnergyMomentum
                 | Self::AdaptiveNystrom
+                | Self::Radau5
         )
     }
 }
@@ -505,6 +510,7 @@ impl<'a, R: Real, D: Dynamics<R>> Bench<'a, R, D> {
             Method::DormandPrince54 => with!(DormandPrince54::new(parameter)),
             Method::AdaptiveEnergyMomentum => with!(AdaptiveEnergyMomentum::new(parameter)),
             Method::AdaptiveNystrom => with!(AdaptiveNystrom::new(parameter)),
+            Method::Radau5 => with!(Radau5::new(parameter)),
         }
     }
 

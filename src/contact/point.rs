@@ -88,6 +88,30 @@ impl<R: Real> Contact<R> {
         surface_arm(&self.point, centre_arm, self.normal)
     }
 
+    /// Displacement of the point at which the force acts, per rotation of the body about each world
+    /// axis, m. The centre of mass stays.
+    ///
+    /// The point below the centre of a ball is not carried along. That of a smooth body moves over
+    /// its surface too.
+    pub(crate) fn arm_by_turn<B: RigidPointBody<R>>(
+        &self,
+        body: &B,
+        axes: &Axes<R>,
+    ) -> [R::Vec3; 3] {
+        let (o, i) = (R::ZERO, R::ONE);
+        let turns = [[i, o, o], [o, i, o], [o, o, i]].map(|[x, y, z]| R::Vec3::new(x, y, z));
+        let carried = self.arm + self.normal * self.point.radius;
+        if !body.is_smooth() {
+            return turns.map(|turn| turn.cross(carried));
+        }
+        let nudge = R::EPSILON.sqrt();
+        turns.map(|turn| {
+            let towards = turn.cross(self.normal) * nudge - self.normal;
+            let moved = axes.to_world(body.support_point(axes.to_body(towards))) - self.arm;
+            turn.cross(self.arm) + moved * (R::ONE / nudge)
+        })
+    }
+
     /// Laws of the surface that the contact touches.
     #[inline(always)]
     pub(crate) fn laws<'a, G, F>(

@@ -7,6 +7,7 @@ mod embedded_pair;
 mod energy_momentum;
 mod method;
 mod nystrom;
+mod radau_5;
 
 pub use bogacki_shampine_32::BogackiShampine32;
 pub use dormand_prince_54::DormandPrince54;
@@ -14,3 +15,4 @@ pub(crate) use dormand_prince_54::PAIR as DORMAND_PRINCE;
 pub use embedded_pair::Workspace as EmbeddedPairWorkspace;
 pub use energy_momentum::{AdaptiveEnergyMomentum, Workspace as AdaptiveEnergyMomentumWorkspace};
 pub use nystrom::{AdaptiveNystrom, Workspace as AdaptiveNystromWorkspace};
+pub use radau_5::Radau5;

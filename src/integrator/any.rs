@@ -4,7 +4,7 @@ use crate::body::ContactRange;
 use crate::error::{SceneError, StepError};
 use crate::integrator::adaptive::{
     AdaptiveEnergyMomentum, AdaptiveEnergyMomentumWorkspace, AdaptiveNystrom,
-    AdaptiveNystromWorkspace, BogackiShampine32, DormandPrince54, EmbeddedPairWorkspace,
+    AdaptiveNystromWorkspace, BogackiShampine32, DormandPrince54, EmbeddedPairWorkspace, Radau5,
 };
 use crate::integrator::energy_momentum::{EnergyMomentum, Workspace as EnergyMomentumWorkspace};
 use crate::integrator::explicit::{ForwardEuler, Nystrom, Rk4, StrangSplitting, SymplecticEuler};
@@ -58,6 +58,8 @@ pub enum AnyIntegrator<R = f64> {
     AdaptiveEnergyMomentum(AdaptiveEnergyMomentum<R>),
     /// Adaptive, with touch-down correction: see [`AdaptiveNystrom`].
     AdaptiveNystrom(AdaptiveNystrom<R>),
+    /// Implicit, of order 5 and adaptive: see [`Radau5`].
+    Radau5(Radau5<R>),
 }
 
 /// Workspace of [`AnyIntegrator`], which contains the workspace of the method in use.
@@ -107,6 +109,7 @@ macro_rules! each {
             AnyIntegrator::EnergyMomentum($method) => $result,
             AnyIntegrator::AdaptiveEnergyMomentum($method) => $result,
             AnyIntegrator::AdaptiveNystrom($method) => $result,
+            AnyIntegrator::Radau5($method) => $result,
         }
     };
 }
@@ -137,6 +140,7 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
                 method.step(scene, state, limit, workspace.adaptive())
             }
             Self::AdaptiveNystrom(method) => method.step(scene, state, limit, workspace.nystrom()),
+            Self::Radau5(method) => method.step(scene, state, limit, workspace.pair()),
         }
     }
 
@@ -156,6 +160,7 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
         match self {
             Self::BogackiShampine32(method) => method.step_control(workspace.pair.as_ref()?, state),
             Self::DormandPrince54(method) => method.step_control(workspace.pair.as_ref()?, state),
+            Self::Radau5(method) => method.step_control(workspace.pair.as_ref()?, state),
             Self::AdaptiveEnergyMomentum(method) => {
                 method.step_control(workspace.adaptive.as_ref()?, state)
             }
@@ -170,6 +175,7 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
         match self {
             Self::BogackiShampine32(method) => method.set_step_control(workspace.pair(), control),
             Self::DormandPrince54(method) => method.set_step_control(workspace.pair(), control),
+            Self::Radau5(method) => method.set_step_control(workspace.pair(), control),
             Self::AdaptiveEnergyMomentum(method) => {
                 method.set_step_control(workspace.adaptive(), control);
             }
@@ -197,6 +203,7 @@ impl<R> core::fmt::Display for AnyIntegrator<R> {
             Self::EnergyMomentum(_) => "EnergyMomentum",
             Self::AdaptiveEnergyMomentum(_) => "AdaptiveEnergyMomentum",
             Self::AdaptiveNystrom(_) => "AdaptiveNystrom",
+            Self::Radau5(_) => "Radau5",
         })
     }
 }
@@ -212,4 +219,4 @@ macro_rules! from_each {
 }
 from_each!(ForwardEuler SymplecticEuler StrangSplitting Rk4 Nystrom);
 from_each!(BogackiShampine32 DormandPrince54 EnergyMomentum AdaptiveEnergyMomentum);
-from_each!(AdaptiveNystrom);
+from_each!(AdaptiveNystrom Radau5);

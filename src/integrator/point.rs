@@ -56,6 +56,17 @@ impl<R: Real> Point<R> {
         }
     }
 
+    /// Returns the point with each number multiplied by a factor.
+    #[inline]
+    pub(crate) fn scaled(&self, factor: R) -> Self {
+        Self {
+            position: self.position * factor,
+            linear_velocity: self.linear_velocity * factor,
+            orientation: self.orientation.scaled(factor),
+            angular_momentum: self.angular_momentum * factor,
+        }
+    }
+
     /// Returns the time derivative at this point.
     #[inline(always)]
     pub(crate) fn slope(&self, scene: &impl Dynamics<R>) -> Self {

@@ -19,10 +19,10 @@ use tumble::{
     ContactLaw, ContactPoint, Coulomb, DormandPrince54, Dynamics, Elevation, EnergyMomentum,
     FlatGround, ForwardEuler, FrictionJacobian, Frictionless, Ground, GroundBounds, HuntCrossley,
     Integrator, LimitedDamper, LoadDependentCoulomb, MeanForce, NoGround, Nystrom, Plane,
-    PointCloud, Ramp, Real, RigidPointBody, Rk4, RollingResistance, SceneError, SlidingFriction,
-    SmoothCoulomb, SpringDamper, SpringDamperGround, State, Step, StepError, Stepper,
-    StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, Viscous, Waves, WithResistance,
-    error,
+    PointCloud, Radau5, Ramp, Real, RigidPointBody, Rk4, RollingResistance, SceneError,
+    SlidingFriction, SmoothCoulomb, SpringDamper, SpringDamperGround, State, Step, StepError,
+    Stepper, StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, Viscous, Waves,
+    WithResistance, error,
 };
 
 /// Ten batteries of other numbers.
@@ -252,12 +252,14 @@ fn every_built_in_integrator_that_chooses_its_steps_passes() {
         check_integrator::<f64, _>(&DormandPrince54::new(tolerance), plan).unwrap();
         check_integrator::<f64, _>(&AdaptiveEnergyMomentum::new(tolerance), plan).unwrap();
         check_integrator::<f64, _>(&AdaptiveNystrom::new(tolerance), plan).unwrap();
+        check_integrator::<f64, _>(&Radau5::new(tolerance), plan).unwrap();
     }
     for tolerance in [1e-5, 1e-2] {
         check_integrator::<f32, _>(&BogackiShampine32::new(tolerance), plan).unwrap();
         check_integrator::<f32, _>(&DormandPrince54::new(tolerance), plan).unwrap();
         check_integrator::<f32, _>(&AdaptiveEnergyMomentum::new(tolerance), plan).unwrap();
         check_integrator::<f32, _>(&AdaptiveNystrom::new(tolerance), plan).unwrap();
+        check_integrator::<f32, _>(&Radau5::new(tolerance), plan).unwrap();
     }
 }
 
@@ -285,6 +287,11 @@ fn an_adaptive_method_that_is_given_its_steps_has_its_order() {
             ..AdaptiveNystrom::new(1e100)
         };
         check_integrator::<f64, _>(&nystrom, plan).unwrap();
+        let radau = Radau5 {
+            longest_step,
+            ..Radau5::new(1e100)
+        };
+        check_integrator::<f64, _>(&radau, plan).unwrap();
     }
 }
 

@@ -48,6 +48,7 @@ mod adaptive;
 mod adaptive_energy_momentum;
 mod adaptive_nystrom;
 mod energy_momentum;
+mod radau;
 mod truth;
 mod work_precision;
 

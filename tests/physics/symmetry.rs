@@ -15,7 +15,7 @@ use tumble::trial::TrialStepper;
 use tumble::{
     AdaptiveEnergyMomentum, AdaptiveNystrom, AnyIntegrator, BogackiShampine32, Coin, ContactPoint,
     DormandPrince54, EnergyMomentum, FlatGround, Flight, ForwardEuler, Gravity, Integrator,
-    Nystrom, Plane, PointCloud, Real, RigidPointBody, Rk4, Rod, Sample, SavedSession,
+    Nystrom, Plane, PointCloud, Radau5, Real, RigidPointBody, Rk4, Rod, Sample, SavedSession,
     SlidingFriction, SmoothCoulomb, SpringDamperGround, State, StepError, Stepper, StrangSplitting,
     SymplecticEuler, Trial, UniformGravity,
 };
@@ -685,6 +685,7 @@ fn an_integrator_that_is_chosen_at_run_time_has_the_bits_of_its_method() {
     let adaptive = AdaptiveEnergyMomentum::new(1e-3);
     chosen_or_not(adaptive, "AdaptiveEnergyMomentum");
     chosen_or_not(AdaptiveNystrom::new(1e-4), "AdaptiveNystrom");
+    chosen_or_not(Radau5::new(1e-4), "Radau5");
     let bad = AnyIntegrator::from(Rk4 { time_step: -1.0 });
     let error = Trial::report(1).unwrap().stepper(bad).unwrap_err();
     assert_eq!(error.to_string(), "time step must be above 0, got -1 s");

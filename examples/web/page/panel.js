@@ -29,6 +29,8 @@ const INTEGRATORS = [
   ['BogackiShampine32', ADAPTIVE],
   ['DormandPrince54', ADAPTIVE],
   ['Flight', 'Flight in closed form, and StrangSplitting in contact.'],
+  ['AdaptiveNystrom', ADAPTIVE],
+  ['Radau5', `${ADAPTIVE} Implicit.`],
 ];
 const METHODS = INTEGRATORS.map(([name]) => name);
 const isAdaptive = (method) => INTEGRATORS[method][1].startsWith(ADAPTIVE);

@@ -56,6 +56,7 @@ const PAIR: Pair<4> = Pair {
     // coin report).
     trust: 1.0,
     roots: 2,
+    follows_slip: true,
 };
 
 adaptive_method!(BogackiShampine32, order 3);

@@ -86,6 +86,7 @@ pub(crate) const PAIR: Pair<7> = Pair {
     // These are medians of trials 3 and 8 of the coin report, with tolerances of 1e-5 and 1e-7 m.
     trust: 1.0 / 3.0,
     roots: 3,
+    follows_slip: true,
 };
 
 adaptive_method!(DormandPrince54, order 5);

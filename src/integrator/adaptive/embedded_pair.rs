@@ -26,9 +26,9 @@ use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
+pub(in crate::integrator::adaptive) use attempt::Attempt;
 pub(super) use attempt::Place;
-use attempt::{Attempt, attempt_under};
-pub(crate) use attempt::{Pair, Settings};
+pub(crate) use attempt::{Formula, Pair, Settings};
 use control::{Control, Errors};
 use touch::Discontinuities;
 
@@ -154,7 +154,7 @@ impl<R: Real> Answers<R> {
 
 /// Takes one step with an error below the tolerance, of at most `limit` seconds.
 pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
-    pair: &Pair<STAGES>,
+    formula: &impl Formula<R, STAGES>,
     settings: &Settings<R>,
     scene: &D,
     state: &mut State<R>,
@@ -164,6 +164,7 @@ pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
     if limit <= R::ZERO {
         return Ok(Step::new(R::ZERO, 0));
     }
+    let pair = formula.pair();
     let mut report = Step::new(R::ZERO, 0);
     let start = start_of(scene, state, workspace, &mut report)?;
     let control = &mut workspace.control;
@@ -180,8 +181,22 @@ pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
             return Err(control.too_short(settings, Quantity::Position));
         }
         let to_discontinuity = trial.is_to_discontinuity(seconds);
-        let attempt = attempt(pair, scene, &start, seconds, to_discontinuity);
-        report.evaluations += u32::try_from(STAGES).unwrap_or(u32::MAX) - 1;
+        let attempt = attempt(
+            formula,
+            settings,
+            scene,
+            &start,
+            (seconds, to_discontinuity),
+            &mut report,
+        );
+        let Some(attempt) = attempt else {
+            report.rejected += 1;
+            trial.reduce(pair.roots, seconds, R::from_f64(UNSOLVED));
+            if trial.seconds(limit) < settings.shortest_step() {
+                return Err(control.too_short(settings, Quantity::LinearVelocity));
+            }
+            continue;
+        };
         let end = &attempt.end;
         let allowed = control::allowed(settings, scene, &end.motion);
         let (errors, discontinuities) = errors_of(
@@ -272,19 +287,24 @@ fn start_of<R: Real, D: Dynamics<R>>(
 /// end.
 #[inline(always)]
 fn attempt<R: Real, D: Dynamics<R>, const STAGES: usize>(
-    pair: &Pair<STAGES>,
+    formula: &impl Formula<R, STAGES>,
+    settings: &Settings<R>,
     scene: &D,
     start: &Place<R>,
-    seconds: R,
-    to_discontinuity: bool,
-) -> Attempt<R, STAGES> {
+    (seconds, to_discontinuity): (R, bool),
+    report: &mut Step<R>,
+) -> Option<Attempt<R, STAGES>> {
     if to_discontinuity {
-        attempt_under(pair, scene, start, seconds, |motion| {
+        formula.attempt(settings, scene, start, seconds, report, |motion| {
             touch::load_before(scene, &start.motion, motion, seconds)
         })
     } else {
-        attempt_under(pair, scene, start, seconds, |motion| {
+        formula.attempt(settings, scene, start, seconds, report, |motion| {
             scene.contact_model().load(motion)
         })
     }
 }
+
+/// Error, relative to the allowed one, that stands for equations without a solution. With the root
+/// of order 4 the step is halved.
+const UNSOLVED: f64 = 16.0;

@@ -11,7 +11,7 @@ pub(in crate::integrator) struct Block<R: Real> {
 }
 
 impl<R: Real> Block<R> {
-    pub(super) const ZERO: Self = Self {
+    pub(in crate::integrator) const ZERO: Self = Self {
         x: R::Vec3::ZERO,
         y: R::Vec3::ZERO,
         z: R::Vec3::ZERO,
@@ -30,7 +30,7 @@ impl<R: Real> Block<R> {
 
     /// Matrix of the vector product: `hat(a) b = a × b`.
     #[inline]
-    pub(super) fn hat(a: R::Vec3) -> Self {
+    pub(in crate::integrator) fn hat(a: R::Vec3) -> Self {
         let o = R::ZERO;
         Self {
             x: R::Vec3::new(o, a.z(), -a.y()),
@@ -42,7 +42,7 @@ impl<R: Real> Block<R> {
     /// Difference between a vector rotated by the Cayley map of `a` and the vector itself, as a
     /// matrix: `2 (â + â²)/(1 + |a|²)`, with `â² = a aᵀ - |a|²`.
     #[inline]
-    pub(super) fn rotation_change(a: R::Vec3) -> Self {
+    pub(in crate::integrator) fn rotation_change(a: R::Vec3) -> Self {
         let (x, y, z) = (a.x() * a.x(), a.y() * a.y(), a.z() * a.z());
         let scale = R::TWO / (R::ONE + (x + y + z));
         let (xy, yz, zx) = (a.x() * a.y(), a.y() * a.z(), a.z() * a.x());
@@ -69,7 +69,7 @@ impl<R: Real> Block<R> {
     }
 
     #[inline]
-    pub(super) fn times_block(&self, other: &Self) -> Self {
+    pub(in crate::integrator) fn times_block(&self, other: &Self) -> Self {
         Self {
             x: self.times(other.x),
             y: self.times(other.y),
@@ -79,7 +79,7 @@ impl<R: Real> Block<R> {
 
     /// Product `hat(a) self`: the cross product of `a` with each column.
     #[inline]
-    pub(super) fn crossed_by(&self, a: R::Vec3) -> Self {
+    pub(in crate::integrator) fn crossed_by(&self, a: R::Vec3) -> Self {
         Self {
             x: a.cross(self.x),
             y: a.cross(self.y),
@@ -98,7 +98,7 @@ impl<R: Real> Block<R> {
 
     /// Returns the three rows.
     #[inline]
-    pub(super) fn rows(&self) -> [R::Vec3; 3] {
+    pub(in crate::integrator) fn rows(&self) -> [R::Vec3; 3] {
         let (a, b, c) = (self.x, self.y, self.z);
         [
             R::Vec3::new(a.x(), b.x(), c.x()),
@@ -108,7 +108,7 @@ impl<R: Real> Block<R> {
     }
 
     #[inline]
-    pub(super) fn scaled(&self, factor: R) -> Self {
+    pub(in crate::integrator) fn scaled(&self, factor: R) -> Self {
         Self {
             x: self.x * factor,
             y: self.y * factor,

@@ -30,8 +30,8 @@ use tumble::{
     Disc, DormandPrince54, Ellipsoid, EnergyMomentum, Event, FlatGround, Flight, Force,
     ForwardEuler, FrictionField, FrictionPatch, Frictionless, Gravity, Ground, HuntCrossley,
     Integrator, Landing, Ledger, LimitedDamper, LoadDependentCoulomb, MassProperties, MovingGround,
-    NoForce, NoGravity, NoGround, Nystrom, Plane, PointCloud, PointMass, Ramp, Real, Region,
-    RigidPointBody, Rim, Rk4, Rod, Rotation, Sample, SceneError, SlidingFriction, SlipEnds,
+    NoForce, NoGravity, NoGround, Nystrom, Plane, PointCloud, PointMass, Radau5, Ramp, Real,
+    Region, RigidPointBody, Rim, Rk4, Rod, Rotation, Sample, SceneError, SlidingFriction, SlipEnds,
     SmoothCoulomb, SolidCoin, Sphere, SpinDrag, SpinLift, SpringDamper, SpringDamperGround, State,
     Stepper, StrangSplitting, Stribeck, SymplecticEuler, Terrain, ThickDisc, Trial, UniformGravity,
     Viscous, Waves, Wind, WithResistance,
@@ -129,7 +129,8 @@ pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
         ($($real:ident)*) => {$(
             with_each!(scenes $real ""
                 AdaptiveEnergyMomentum: |step| AdaptiveEnergyMomentum::new(tolerance(step));
-                AdaptiveNystrom: |step| AdaptiveNystrom::new(tolerance(step)););
+                AdaptiveNystrom: |step| AdaptiveNystrom::new(tolerance(step));
+                Radau5: |step| Radau5::new(tolerance(step)););
         )*};
     }
     adaptive!(f32 f64);

@@ -9,10 +9,10 @@ use tumble::{
     DormandPrince54, Dynamics, Ellipsoid, EnergyMomentum, FlatGround, Flight, Force, ForwardEuler,
     Frictionless, Ground, GroundBounds, GroundMotion, HuntCrossley, Integrator, LimitedDamper,
     LoadDependentCoulomb, MassProperties, MeanForce, NoForce, NoGround, Nystrom, Plane, PointCloud,
-    PointMass, Ramp, Real, RigidPointBody, Rk4, Rod, Rotation, SceneError, Shape, SlidingFriction,
-    SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Step,
-    StepControl, StepError, Stepper, StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain,
-    UniformGravity, Viscous, Waves, WithResistance,
+    PointMass, Radau5, Ramp, Real, RigidPointBody, Rk4, Rod, Rotation, SceneError, Shape,
+    SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround,
+    State, Step, StepControl, StepError, Stepper, StrangSplitting, Stribeck, Surface,
+    SymplecticEuler, Terrain, UniformGravity, Viscous, Waves, WithResistance,
 };
 
 use super::driven::{AnyForce, beside_walls, by_place, force, moving};
@@ -520,7 +520,7 @@ impl<R: Real> Integrator<R> for Method<R> {
 
 /// An integrator of any kind. An adaptive one has a budget of some hundred steps.
 pub fn method<R: Real>(input: &mut Input<'_>) -> Method<R> {
-    let (kind, flies) = (input.below(10), input.byte() >= 192);
+    let (kind, flies) = (input.below(11), input.byte() >= 192);
     let time_step = input.size(1e-5, 1e-1);
     let method = match kind {
         0 => ForwardEuler { time_step }.into(),
@@ -547,6 +547,12 @@ pub fn method<R: Real>(input: &mut Input<'_>) -> Method<R> {
         }
         .into(),
         8 => AdaptiveNystrom {
+            tolerance: input.size(1e-9, 1e-2),
+            longest_step: time_step,
+            budget: u32::from(input.byte()),
+        }
+        .into(),
+        9 => Radau5 {
             tolerance: input.size(1e-9, 1e-2),
             longest_step: time_step,
             budget: u32::from(input.byte()),

@@ -1,9 +1,9 @@
 //! Integrators of the page, chosen by number.
 
 use tumble::{
-    AdaptiveEnergyMomentum, AnyIntegrator, BogackiShampine32, ContactRange, DormandPrince54,
-    Dynamics, EnergyMomentum, Flight, ForwardEuler, Integrator, Nystrom, Rk4, SceneError, State,
-    Step, StepControl, StepError, StrangSplitting, SymplecticEuler,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, AnyIntegrator, BogackiShampine32, ContactRange,
+    DormandPrince54, Dynamics, EnergyMomentum, Flight, ForwardEuler, Integrator, Nystrom, Radau5,
+    Rk4, SceneError, State, Step, StepControl, StepError, StrangSplitting, SymplecticEuler,
 };
 
 use super::error::PageError;
@@ -32,7 +32,7 @@ const BUDGET: u32 = 20_000;
 
 impl Method {
     /// Count of the methods.
-    pub const COUNT: u32 = 10;
+    pub const COUNT: u32 = 12;
 
     /// Returns the method with a number of the page, for a step size of the page (s) and a body of
     /// a bounding radius (m).
@@ -64,6 +64,16 @@ impl Method {
                 budget,
             })),
             Some(9) => Kind::Flight(Flight(StrangSplitting { time_step })),
+            Some(10) => Kind::Plain(AnyIntegrator::from(AdaptiveNystrom {
+                tolerance,
+                longest_step,
+                budget,
+            })),
+            Some(11) => Kind::Plain(AnyIntegrator::from(Radau5 {
+                tolerance,
+                longest_step,
+                budget,
+            })),
             _ => {
                 return Err(PageError::Unknown {
                     kind: "integrator",

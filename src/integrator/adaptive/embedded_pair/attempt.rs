@@ -3,6 +3,7 @@
 use crate::contact::{Load, Motion};
 use crate::error::{self, Rule, SceneError};
 use crate::integrator::free_error;
+use crate::integrator::interface::Step;
 use crate::integrator::point::Point;
 use crate::real::Real;
 use crate::rotation::Rotation;
@@ -24,6 +25,47 @@ pub(crate) struct Pair<const STAGES: usize> {
     ///
     /// The 2^roots-th root is the next below the order of the estimate in the step size.
     pub(crate) roots: u32,
+    /// Whether the error of a friction that reverses within a step is added. A method that solves
+    /// for the friction of its stages needs no such bound, and in stick none is known.
+    pub(crate) follows_slip: bool,
+}
+
+/// A formula for steps with an estimate of their error.
+pub(crate) trait Formula<R: Real, const STAGES: usize> {
+    /// Weights of the stages in the result, and the parameters of step size control.
+    fn pair(&self) -> &Pair<STAGES>;
+
+    /// Attempts a step with the load that `load` returns for a motion. Adds the work to `report`.
+    /// Returns `None` if the equations of an implicit formula have no solution that is found.
+    fn attempt<D: Dynamics<R>>(
+        &self,
+        settings: &Settings<R>,
+        scene: &D,
+        start: &Place<R>,
+        seconds: R,
+        report: &mut Step<R>,
+        load: impl Fn(&Motion<R>) -> Load<R>,
+    ) -> Option<Attempt<R, STAGES>>;
+}
+
+impl<R: Real, const STAGES: usize> Formula<R, STAGES> for Pair<STAGES> {
+    fn pair(&self) -> &Self {
+        self
+    }
+
+    #[inline(always)]
+    fn attempt<D: Dynamics<R>>(
+        &self,
+        _: &Settings<R>,
+        scene: &D,
+        start: &Place<R>,
+        seconds: R,
+        report: &mut Step<R>,
+        load: impl Fn(&Motion<R>) -> Load<R>,
+    ) -> Option<Attempt<R, STAGES>> {
+        report.evaluations += u32::try_from(STAGES).unwrap_or(u32::MAX) - 1;
+        Some(attempt_under(self, scene, start, seconds, load))
+    }
 }
 
 impl<const STAGES: usize> Pair<STAGES> {
@@ -64,9 +106,9 @@ impl<R: Real> Settings<R> {
 /// Point, slope and motion at one end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::integrator::adaptive) struct Place<R: Real> {
-    pub(super) point: Point<R>,
-    pub(super) slope: Point<R>,
-    pub(super) motion: Motion<R>,
+    pub(in crate::integrator::adaptive) point: Point<R>,
+    pub(in crate::integrator::adaptive) slope: Point<R>,
+    pub(in crate::integrator::adaptive) motion: Motion<R>,
 }
 
 impl<R: Real> Place<R> {
@@ -76,7 +118,7 @@ impl<R: Real> Place<R> {
     }
 
     #[inline(always)]
-    pub(super) fn under<D: Dynamics<R>>(
+    pub(in crate::integrator::adaptive) fn under<D: Dynamics<R>>(
         scene: &D,
         point: Point<R>,
         load: impl FnOnce(&Motion<R>) -> Load<R>,
@@ -91,16 +133,16 @@ impl<R: Real> Place<R> {
 }
 
 /// An attempted step of the higher order.
-pub(super) struct Attempt<R: Real, const STAGES: usize> {
-    pub(super) end: Place<R>,
+pub(in crate::integrator::adaptive) struct Attempt<R: Real, const STAGES: usize> {
+    pub(in crate::integrator::adaptive) end: Place<R>,
     /// Motions at which the forces of the stages were evaluated.
-    pub(super) motions: [Motion<R>; STAGES],
+    pub(in crate::integrator::adaptive) motions: [Motion<R>; STAGES],
     /// Difference between the results of the higher and the lower order.
-    pub(super) difference: Point<R>,
+    pub(in crate::integrator::adaptive) difference: Point<R>,
 }
 
 #[inline(always)]
-pub(super) fn attempt_under<R: Real, D: Dynamics<R>, const STAGES: usize>(
+fn attempt_under<R: Real, D: Dynamics<R>, const STAGES: usize>(
     pair: &Pair<STAGES>,
     scene: &D,
     start: &Place<R>,

@@ -157,8 +157,9 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         let end_of = |motion| ContactEnd::of(self.scene, motion, point);
         let (start, end) = (end_of(self.ends[0]), end_of(self.ends[1]));
         if start.pushes() && end.pushes() {
-            let wrong = self.wrong_of_slip(point, &[start, end]);
-            discontinuities.velocity += wrong;
+            if self.pair.follows_slip {
+                discontinuities.velocity += self.wrong_of_slip(point, &[start, end]);
+            }
             return;
         }
         let path = Path::between(&start, &end, self.seconds);

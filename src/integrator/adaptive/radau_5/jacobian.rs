@@ -1,0 +1,257 @@
+//! The Jacobian of the equations of motion, from the derivatives of the contact and friction laws.
+//!
+//! Coordinates near a state are a shift ξ (m), a rotation ϑ (rad, world axes), and changes of the
+//! velocity v, of the angular momentum L, and of the length of the quaternion. With the inverse
+//! inertia W in world axes and `ω = W L`:
+//!
+//! ```text
+//! ξ' = δv        ϑ' = ω × ϑ/2 + δω        m δv' = δF        δL' = δT
+//! δω = W δL + ϑ × ω - W (ϑ × L)
+//! ```
+//! (ϑ is twice the change of the quaternion times its inverse, which explains the factor 1/2.) The
+//! force F of a contact at the arm r depends on its path and on its velocity:
+//!
+//! ```text
+//! δF = P (ξ + M ϑ) + Q (δv + δω × r + ω × M ϑ)        δT = r × δF + M ϑ × F
+//! P = -k (n + f) nᵀ        Q = -c (n + f) nᵀ + D (1 - n nᵀ)
+//! ```
+//! `M ϑ` is the displacement of r by a rotation. `k` and `c` are the derivatives of the normal force
+//! with respect to depth and closing speed, `f` is the derivative of friction with respect to the
+//! normal force, and `D` that with respect to the slip.
+//!
+//! The Jacobian only steers the iteration. So it leaves out what is not stiff: applied forces and the
+//! curvature of the ground.
+
+use super::linear::SIZE;
+use crate::contact::{Contact, Motion};
+use crate::friction::SlidingFriction;
+use crate::ground::SpringDamperGround;
+use crate::integrator::energy_momentum::Block;
+use crate::real::{Real, Vector};
+use crate::scene::{Dynamics, size};
+
+/// The Jacobian, rows and columns in the order ξ, ϑ, v, L, length.
+pub(super) type Matrix<R> = [[R; SIZE]; SIZE];
+
+/// First row or column of each vector.
+const SHIFT: usize = 0;
+const TURN: usize = 3;
+const VELOCITY: usize = 6;
+const MOMENTUM: usize = 9;
+
+/// The Jacobian, and the slip over which friction changes.
+pub(super) struct Jacobian<R: Real> {
+    pub(super) matrix: Matrix<R>,
+    /// Smallest width of the friction of all contacts, m/s.
+    pub(super) width: R,
+}
+
+impl<R: Real> Jacobian<R> {
+    /// Computes the Jacobian at a motion with an angular momentum.
+    pub(super) fn at<D: Dynamics<R>>(
+        scene: &D,
+        motion: &Motion<R>,
+        angular_momentum: R::Vec3,
+    ) -> Self {
+        let load = Derivatives::of_contacts(scene, motion);
+        Self {
+            matrix: matrix(scene, motion, angular_momentum, &load),
+            width: load.width,
+        }
+    }
+}
+
+fn matrix<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    motion: &Motion<R>,
+    angular_momentum: R::Vec3,
+    load: &Derivatives<R>,
+) -> Matrix<R> {
+    let properties = scene.inertia_properties();
+    let inverse = of_columns(|axis| properties.angular_velocity(&motion.axes, axis));
+    let spin = motion.angular_velocity;
+    // Derivative of the angular velocity with respect to a rotation.
+    let by_turn = of_columns::<R>(|axis| {
+        axis.cross(spin) - properties.angular_velocity(&motion.axes, axis.cross(angular_momentum))
+    });
+    let per_mass = properties.inverse_mass();
+    let mut matrix = [[R::ZERO; SIZE]; SIZE];
+    let mut set = |row, column, block: &Block<R>| place(&mut matrix, row, column, block);
+    set(SHIFT, VELOCITY, &Block::diagonal(R::ONE));
+    set(TURN, TURN, &Block::hat(spin * R::HALF).plus(&by_turn));
+    set(TURN, MOMENTUM, &inverse);
+    for (row, part, scale) in [
+        (VELOCITY, &load.force, per_mass),
+        (MOMENTUM, &load.torque, R::ONE),
+    ] {
+        let turn = part.turn.plus(&part.spin.times_block(&by_turn));
+        set(row, SHIFT, &part.shift.scaled(scale));
+        set(row, TURN, &turn.scaled(scale));
+        set(row, VELOCITY, &part.velocity.scaled(scale));
+        set(
+            row,
+            MOMENTUM,
+            &part.spin.times_block(&inverse).scaled(scale),
+        );
+    }
+    matrix
+}
+
+/// Derivatives of a force or a torque with respect to shift, rotation, velocity and angular
+/// velocity.
+struct Part<R: Real> {
+    shift: Block<R>,
+    turn: Block<R>,
+    velocity: Block<R>,
+    spin: Block<R>,
+}
+
+impl<R: Real> Part<R> {
+    const ZERO: Self = Self {
+        shift: Block::ZERO,
+        turn: Block::ZERO,
+        velocity: Block::ZERO,
+        spin: Block::ZERO,
+    };
+}
+
+/// Derivatives of the load of all contacts.
+struct Derivatives<R: Real> {
+    force: Part<R>,
+    torque: Part<R>,
+    width: R,
+}
+
+impl<R: Real> Derivatives<R> {
+    fn of_contacts<D: Dynamics<R>>(scene: &D, motion: &Motion<R>) -> Self {
+        let mut sum = Self {
+            force: Part::ZERO,
+            torque: Part::ZERO,
+            width: R::MAX,
+        };
+        let seen = scene.contact_model().seen(motion);
+        scene.visit_contacts(motion, |contact| {
+            sum.add(scene, &seen, contact);
+        });
+        sum
+    }
+
+    fn add<D: Dynamics<R>>(&mut self, scene: &D, motion: &Motion<R>, contact: &Contact<R>) {
+        let (arm, spin) = (contact.arm, motion.angular_velocity);
+        let ([by_path, by_velocity], width) = by_motion(scene, contact);
+        self.width = self.width.at_most(width);
+        let [x, y, z] = contact.arm_by_turn(scene.body(), &motion.axes);
+        let moved = Block { x, y, z };
+        let swung = by_velocity.times_block(&Block::hat(spin));
+        let force = Part {
+            shift: by_path,
+            turn: by_path.plus(&swung).times_block(&moved),
+            velocity: by_velocity,
+            spin: by_velocity.times_block(&Block::hat(-arm)),
+        };
+        let loaded = contact.force(scene.ground(), scene.friction());
+        let moved_arm = moved.crossed_by(-loaded);
+        let torque = &mut self.torque;
+        torque.shift = torque.shift.plus(&force.shift.crossed_by(arm));
+        torque.turn = (torque.turn.plus(&force.turn.crossed_by(arm))).plus(&moved_arm);
+        torque.velocity = torque.velocity.plus(&force.velocity.crossed_by(arm));
+        let resistance = by_turning(scene, contact, spin);
+        torque.spin = (torque.spin.plus(&force.spin.crossed_by(arm))).plus(&resistance);
+        let sum = &mut self.force;
+        sum.shift = sum.shift.plus(&force.shift);
+        sum.turn = sum.turn.plus(&force.turn);
+        sum.velocity = sum.velocity.plus(&force.velocity);
+        sum.spin = sum.spin.plus(&force.spin);
+    }
+}
+
+/// Derivatives P and Q of the force of a contact with respect to its path and to its velocity.
+fn by_motion<R: Real, D: Dynamics<R>>(scene: &D, contact: &Contact<R>) -> ([Block<R>; 2], R) {
+    let (ground, friction) = contact.laws(scene.ground(), scene.friction());
+    let (n, slip) = (contact.normal, contact.slip);
+    let (depth, speed) = (contact.depth, contact.closing_speed);
+    let nudge = R::EPSILON.sqrt();
+    let push = |depth, speed| ground.normal_force(depth, speed);
+    let load = push(depth, speed);
+    let deeper = depth * nudge;
+    let stiffness = (push(depth + deeper, speed) - load) / deeper;
+    // The unit of speed: the size of the body in a second.
+    let faster = (speed.abs() + size(scene)) * nudge;
+    let damping = (push(depth, speed + faster) - load) / faster;
+    let drag = friction.jacobian_at(contact.position, load, slip);
+    let loaded = n - slip * drag.per_load;
+    let pushed = Block::outer(loaded, n).scaled(-contact.weight);
+    let length = slip.length();
+    let along = if length > R::ZERO {
+        slip * (R::ONE / length)
+    } else {
+        R::Vec3::ZERO
+    };
+    let weakening = drag.growth * (length / drag.width);
+    let in_surface = Block::diagonal(R::ONE)
+        .plus(&Block::outer(-n, n))
+        .plus(&Block::outer(along * -weakening, along))
+        .scaled(-(drag.coefficient * contact.weight));
+    let by_path = pushed.scaled(stiffness);
+    let by_velocity = pushed.scaled(damping).plus(&in_surface);
+    let width = if drag.coefficient > R::ZERO {
+        drag.width
+    } else {
+        R::MAX
+    };
+    ([by_path, by_velocity], width)
+}
+
+/// Derivative of the torque of rolling resistance with respect to the angular velocity.
+fn by_turning<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    contact: &Contact<R>,
+    angular_velocity: R::Vec3,
+) -> Block<R> {
+    let (ground, friction) = contact.laws(scene.ground(), scene.friction());
+    let load = ground.normal_force(contact.depth, contact.closing_speed);
+    let Some(resistance) = friction.rolling_resistance_at(contact.position, load) else {
+        return Block::ZERO;
+    };
+    let n = contact.normal;
+    let spinning = n * n.dot(angular_velocity);
+    let rolling = angular_velocity - spinning;
+    let rates = [rolling.length(), spinning.length()];
+    let [roll, drill] = resistance.per_turn(rates[0], rates[1]);
+    // The ratio of torque to rate falls as the rate grows.
+    let falling = |ratio: R, rate: R| ratio / (rate + resistance.turn_speed);
+    let along = if rates[0] > R::ZERO {
+        rolling * (R::ONE / rates[0])
+    } else {
+        R::Vec3::ZERO
+    };
+    let across = Block::outer(n, n);
+    Block::diagonal(-roll)
+        .plus(&across.scaled(roll - drill))
+        .plus(&Block::outer(
+            along * (falling(roll, rates[0]) * rates[0]),
+            along,
+        ))
+        .plus(&across.scaled(falling(drill, rates[1]) * rates[1]))
+        .scaled(contact.weight)
+}
+
+/// Matrix whose columns are the images of the three axes.
+fn of_columns<R: Real>(image: impl Fn(R::Vec3) -> R::Vec3) -> Block<R> {
+    let (o, i) = (R::ZERO, R::ONE);
+    Block {
+        x: image(R::Vec3::new(i, o, o)),
+        y: image(R::Vec3::new(o, i, o)),
+        z: image(R::Vec3::new(o, o, i)),
+    }
+}
+
+/// Writes a block into the matrix.
+fn place<R: Real>(matrix: &mut Matrix<R>, row: usize, column: usize, block: &Block<R>) {
+    for (line, values) in matrix.iter_mut().skip(row).zip(block.rows()) {
+        let values = [values.x(), values.y(), values.z()];
+        for (entry, value) in line.iter_mut().skip(column).zip(values) {
+            *entry = value;
+        }
+    }
+}

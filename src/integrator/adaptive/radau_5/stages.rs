@@ -1,0 +1,264 @@
+//! The three stages of a step, and the solution of their equations by the simplified Newton method.
+//!
+//! The stages are at the fractions `c_i` of the step, and their increments are
+//! `z_i = h Σ a_ij f(y + z_j)`. The inverse of `a` has one real and two complex eigenvalues. In the
+//! coordinates `w = T⁻¹ z` of its eigenvectors, the linear equations of an iteration fall into 13
+//! real and 13 complex ones:
+//!
+//! ```text
+//! (γ/h - J) δw₁ = (T⁻¹ f)₁ - γ/h w₁
+//! ((α + iβ)/h - J) (δw₂ + i δw₃) = (T⁻¹ f)₂ + i (T⁻¹ f)₃ - (α + iβ)/h (w₂ + i w₃)
+//! ```
+//! (Hairer & Wanner, Solving Ordinary Differential Equations II, sections IV.5 and IV.8.)
+
+use super::jacobian::Matrix;
+use super::linear::{Complex, Factors, SIZE, Scalar};
+use crate::integrator::point::Point;
+use crate::real::{Quaternion, Real, Vector};
+use crate::rotation::Rotation;
+
+/// Number of stages.
+pub(super) const STAGES: usize = 3;
+
+/// Weights of the slopes in the result: the last row of `a`.
+pub(super) const WEIGHTS: [f64; STAGES] =
+    [0.376_403_062_700_467_25, 0.512_485_826_188_421_6, 1.0 / 9.0];
+
+/// Eigenvalues of the inverse of `a`: γ, and α ± iβ.
+const GAMMA: f64 = 3.637_834_252_744_495_6;
+const ALPHA: f64 = 2.681_082_873_627_752;
+const BETA: f64 = 3.050_430_199_247_410_5;
+
+/// Eigenvectors of the inverse of `a`, and the inverse of that matrix.
+const T: [[f64; STAGES]; STAGES] = [
+    [
+        0.091_232_394_870_892_94,
+        -0.141_255_295_020_954_2,
+        -0.030_029_194_105_147_424,
+    ],
+    [
+        0.241_717_932_707_107,
+        0.204_129_352_293_799_93,
+        0.382_942_112_757_261_9,
+    ],
+    [0.966_048_182_615_092_9, 1.0, 0.0],
+];
+const INVERSE_T: [[f64; STAGES]; STAGES] = [
+    [
+        4.325_579_890_063_155,
+        0.339_199_251_815_809_87,
+        0.541_770_539_935_874_9,
+    ],
+    [
+        -4.178_718_591_551_905,
+        -0.327_682_820_761_062_4,
+        0.476_623_554_500_550_45,
+    ],
+    [
+        -0.502_872_634_945_786_9,
+        2.571_926_949_855_605_4,
+        -0.596_039_204_828_224_9,
+    ],
+];
+
+/// Weights of the increments in the error estimate. With the slope at the start they give a
+/// difference from a formula of order 3.
+const ERROR: [f64; STAGES] = [-10.048_809_399_827_414, 1.382_142_733_160_748, -1.0 / 3.0];
+
+/// Weights of the slopes at 0 and at the stages in their third difference: 1 for a slope that is the
+/// cube of the time over the step.
+const THIRD: [f64; STAGES + 1] = [
+    -10.0,
+    15.580_782_047_249_224,
+    -8.914_115_380_582_557,
+    10.0 / 3.0,
+];
+
+/// Largest number of iterations.
+const MOST: u32 = 10;
+
+/// The linear equations of one step.
+pub(super) struct Equations<R: Real> {
+    real: Factors<R>,
+    complex: Factors<Complex<R>>,
+    gamma: R,
+    lambda: Complex<R>,
+    /// Orientation at the start, which the coordinates of a rotation refer to.
+    orientation: Rotation<R>,
+}
+
+/// Solution of the equations of a step.
+pub(super) struct Solution<R: Real> {
+    pub(super) increments: Increments<R>,
+    /// Slopes of the stages, from the last iteration but one.
+    pub(super) slopes: [Point<R>; STAGES],
+    pub(super) iterations: u32,
+}
+
+/// Increments of the stages from the start of the step.
+pub(super) type Increments<R> = [Point<R>; STAGES];
+
+impl<R: Real> Equations<R> {
+    pub(super) fn of(jacobian: &Matrix<R>, orientation: Rotation<R>, seconds: R) -> Self {
+        let per_second = R::ONE / seconds;
+        let gamma = R::from_f64(GAMMA) * per_second;
+        let lambda = Complex {
+            re: R::from_f64(ALPHA) * per_second,
+            im: R::from_f64(BETA) * per_second,
+        };
+        Self {
+            real: Factors::of(gamma, jacobian),
+            complex: Factors::of(lambda, jacobian),
+            gamma,
+            lambda,
+            orientation,
+        }
+    }
+
+    /// Solves for the increments of the stages, to a change of `target` (m) in the last iteration.
+    /// Returns `None` if the iteration does not converge.
+    ///
+    /// `slope_at` is the slope at an increment. `first` is that at the start.
+    pub(super) fn increments(
+        &self,
+        first: &Point<R>,
+        target: R,
+        slope_at: impl Fn(&Point<R>) -> Point<R>,
+        size_of: impl Fn(&Point<R>) -> R,
+    ) -> Option<Solution<R>> {
+        let zero = first.scaled(R::ZERO);
+        let (mut w, mut z, mut slopes) = ([zero; STAGES], [zero; STAGES], [*first; STAGES]);
+        let mut last: Option<R> = None;
+        for iteration in 1..=MOST {
+            let changes = self.changes(&slopes, &w);
+            for (w, change) in w.iter_mut().zip(&changes) {
+                *w = w.plus(change, R::ONE);
+            }
+            let moved = combined(&T, &changes);
+            for (z, moved) in z.iter_mut().zip(&moved) {
+                *z = z.plus(moved, R::ONE);
+            }
+            let size = moved.iter().map(&size_of).fold(R::ZERO, R::at_least);
+            let left = match last {
+                // The first iteration solves linear equations. What it leaves is not known.
+                None => size,
+                Some(last) => {
+                    let rate = size / last;
+                    // Also ends an iteration that is no longer finite.
+                    let converges = rate < R::ONE;
+                    if !converges {
+                        return None;
+                    }
+                    size * (rate / (R::ONE - rate))
+                }
+            };
+            if left <= target {
+                return Some(Solution {
+                    increments: z,
+                    slopes,
+                    iterations: iteration,
+                });
+            }
+            last = Some(size);
+            slopes = z.map(|z| slope_at(&z));
+        }
+        None
+    }
+
+    /// Changes of the transformed increments in one iteration.
+    fn changes(&self, slopes: &[Point<R>; STAGES], w: &[Point<R>; STAGES]) -> Increments<R> {
+        let [f1, f2, f3] = combined(&INVERSE_T, slopes);
+        let [w1, w2, w3] = w;
+        let Complex { re, im } = self.lambda;
+        let right = self.local(&f1.plus(w1, -self.gamma));
+        let right_re = self.local(&f2.plus(w2, -re).plus(w3, im));
+        let right_im = self.local(&f3.plus(w3, -re).plus(w2, -im));
+        let mut pairs = right_re.map(<Complex<R> as Scalar<R>>::real);
+        for (pair, im) in pairs.iter_mut().zip(right_im) {
+            pair.im = im;
+        }
+        let solved = self.complex.solve(&pairs);
+        [
+            self.point(&self.real.solve(&right)),
+            self.point(&solved.map(|pair| pair.re)),
+            self.point(&solved.map(|pair| pair.im)),
+        ]
+    }
+
+    /// Estimated error of the result, from the increments and a slope near the start.
+    ///
+    /// The stiff parts of the difference between the two formulas are damped by the real matrix.
+    pub(super) fn error(
+        &self,
+        increments: &Increments<R>,
+        slope: &Point<R>,
+        seconds: R,
+    ) -> Point<R> {
+        let mut sum = *slope;
+        for (increment, weight) in increments.iter().zip(ERROR) {
+            sum = sum.plus(increment, R::from_f64(weight) / seconds);
+        }
+        self.point(&self.real.solve(&self.local(&sum)))
+    }
+
+    /// Coordinates of a difference of points: shift, rotation, velocity, angular momentum, length.
+    fn local(&self, point: &Point<R>) -> [R; SIZE] {
+        let turn = point.orientation.after(self.orientation.inverse());
+        let [x, y, z, length] = turn.to_quat().xyzw();
+        let (p, v, l) = (
+            point.position,
+            point.linear_velocity,
+            point.angular_momentum,
+        );
+        let two = R::TWO;
+        [
+            p.x(),
+            p.y(),
+            p.z(),
+            x * two,
+            y * two,
+            z * two,
+            v.x(),
+            v.y(),
+            v.z(),
+            l.x(),
+            l.y(),
+            l.z(),
+            length,
+        ]
+    }
+
+    /// Difference of points with these coordinates.
+    fn point(&self, local: &[R; SIZE]) -> Point<R> {
+        let [px, py, pz, x, y, z, vx, vy, vz, lx, ly, lz, length] = *local;
+        let half = R::HALF;
+        let turn = Rotation::unscaled(R::Quat::new(x * half, y * half, z * half, length));
+        Point {
+            position: R::Vec3::new(px, py, pz),
+            linear_velocity: R::Vec3::new(vx, vy, vz),
+            orientation: turn.after(self.orientation),
+            angular_momentum: R::Vec3::new(lx, ly, lz),
+        }
+    }
+}
+
+/// Third difference of the slopes over a step, and the first one, from the slope at the start.
+pub(super) fn differences<R: Real>(start: &Point<R>, slopes: &[Point<R>; STAGES]) -> [Point<R>; 2] {
+    let [at_start, of_stages @ ..] = THIRD.map(R::from_f64);
+    let mut third = start.scaled(at_start);
+    for (slope, weight) in slopes.iter().zip(of_stages) {
+        third = third.plus(slope, weight);
+    }
+    let [.., end] = slopes;
+    [third, end.plus(start, -R::ONE)]
+}
+
+/// Product of a matrix of numbers with three points.
+fn combined<R: Real>(matrix: &[[f64; STAGES]; STAGES], points: &Increments<R>) -> Increments<R> {
+    let [first, second, third] = points;
+    matrix.map(|[a, b, c]| {
+        (first.scaled(R::from_f64(a)))
+            .plus(second, R::from_f64(b))
+            .plus(third, R::from_f64(c))
+    })
+}

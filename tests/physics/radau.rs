@@ -1,0 +1,326 @@
+//! Tests of `Radau5`: closed forms of sliding and rolling at any slip speed, the reference runs of
+//! the coin report, and the cost where friction sticks.
+
+// Helpers of these tests fail by panicking, like the tests.
+#![allow(clippy::unwrap_used)]
+
+use crate::common::methods::{apart, truths};
+use tumble::glam::{DVec3, Vec3};
+use tumble::{
+    Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid, FlatGround, Integrator, Radau5,
+    RigidPointBody, Sphere, State, StepError, Stepper, Trial, UniformGravity, WithResistance,
+};
+
+const GRAVITY: f64 = 9.8; // m/s^2
+const RADIUS: f64 = 0.1; // m
+const MASS: f64 = 0.5; // kg
+const STIFFNESS: f64 = 1e5; // N/m
+const FRICTION: f64 = 0.3;
+
+fn on_level_ground<B: RigidPointBody, I: Integrator>(
+    body: B,
+    slip_speed: f64,
+    integrator: I,
+) -> Stepper<B, FlatGround, Coulomb, UniformGravity, I> {
+    Stepper::builder(body)
+        .gravity(UniformGravity::down(GRAVITY))
+        .ground(FlatGround::level(STIFFNESS, 50.0))
+        .friction(Coulomb {
+            coefficient: FRICTION,
+            slip_speed,
+        })
+        .integrator(integrator)
+        .build()
+        .unwrap()
+}
+
+/// A ball at rest in the ground, set in motion along it at `speed` (m/s).
+fn sliding_ball(speed: f64) -> State {
+    State::at(DVec3::Z * (RADIUS - MASS * GRAVITY / STIFFNESS))
+        .with_linear_velocity(DVec3::X * speed)
+}
+
+/// Path of a ball that slides at `speed` (m/s) and comes to roll, m: the slip u obeys
+/// `u' = -(7/2) μ g u/(u + w)` with the slip speed w, so that
+/// `∫ u dt = ((u₀² - u²)/2 + w (u₀ - u))/(3.5 μ g)`, and the speed is `5/7 u₀ + 2/7 u`.
+fn path_of_ball(speed: f64, slip_speed: f64, time: f64) -> f64 {
+    let rate = 3.5 * FRICTION * GRAVITY;
+    // The slip at that time, from u + w ln u = u₀ + w ln u₀ - rate t, by bisection of ln u.
+    let excess = |log: f64| {
+        let slip = log.exp();
+        slip - speed + slip_speed * (log - speed.ln()) + rate * time
+    };
+    let (mut low, mut high) = (-700.0_f64, speed.ln());
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if excess(middle) > 0.0 {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    let slip = low.exp();
+    let slid = (0.5 * (speed + slip) + slip_speed) * (speed - slip) / rate;
+    5.0 / 7.0 * speed * time + 2.0 / 7.0 * slid
+}
+
+#[test]
+fn a_ball_slides_and_rolls_as_the_closed_form_at_any_slip_speed() {
+    for slip_speed in [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12] {
+        for tolerance in [1e-3, 1e-5, 1e-7, 1e-9, 1e-11] {
+            let stepper = on_level_ground(
+                Sphere::solid(MASS, RADIUS),
+                slip_speed,
+                Radau5::new(tolerance),
+            );
+            let mut session = stepper.session(sliding_ball(1.3));
+            for time in [0.07, 0.2, 1.0] {
+                session.advance(time - session.time()).unwrap();
+                let error = session.state().position.x - path_of_ball(1.3, slip_speed, time);
+                assert!(
+                    error.abs() <= tolerance + 1e-12,
+                    "slip speed {slip_speed:e}, tolerance {tolerance:e}, {time} s: {error:e} m"
+                );
+            }
+            assert!(
+                session.step_count() < 3000,
+                "{slip_speed:e}, {tolerance:e}: {} steps",
+                session.step_count()
+            );
+        }
+    }
+}
+
+#[test]
+fn rolling_at_a_small_slip_speed_costs_little_where_an_explicit_method_gives_up() {
+    let start = sliding_ball(1.0);
+    let explicit = on_level_ground(
+        Sphere::solid(MASS, RADIUS),
+        1e-6,
+        DormandPrince54::new(1e-9),
+    );
+    let mut state = start;
+    let error = explicit.advance(&mut state, 1.0).unwrap_err();
+    assert!(matches!(error, StepError::BudgetSpent { .. }), "{error}");
+    let stepper = on_level_ground(Sphere::solid(MASS, RADIUS), 1e-6, Radau5::new(1e-9));
+    let mut session = stepper.session(start);
+    let (mut evaluations, mut rejected) = (0, 0);
+    while session.time() < 1.0 {
+        let step = session.step().unwrap();
+        evaluations += step.evaluations;
+        rejected += step.rejected;
+    }
+    println!("{evaluations} evaluations, {rejected} attempts rejected");
+    assert!(evaluations < 10_000, "{evaluations}");
+    assert!(rejected < 200, "{rejected}");
+}
+
+/// Errors of the position in the trials of the report, in tolerances, least and largest, against
+/// reference runs that another program computed.
+fn errors_in_trial(number: usize, slip_speed: f64) -> [f64; 2] {
+    let trial = Trial {
+        slip_speed,
+        ..Trial::report(number).unwrap()
+    };
+    let truths = truths(number, slip_speed, 1.0);
+    let (mut least, mut largest) = (f64::MAX, 0.0_f64);
+    for thirds in 0..=12 {
+        let tolerance = 10.0_f64.powf(-4.0 - f64::from(thirds) / 3.0);
+        let stepper = trial.stepper(Radau5::new(tolerance)).unwrap();
+        let mut session = stepper.session(trial.state());
+        let mut worst = 0.0_f64;
+        for truth in &truths {
+            session.advance(truth.time - session.time()).unwrap();
+            worst = worst.max(apart(session.state(), &truth.state).place);
+        }
+        let ratio = worst / tolerance;
+        (least, largest) = (least.min(ratio), largest.max(ratio));
+    }
+    println!("trial {number}, {slip_speed:e} m/s: {least:.4} to {largest:.2} tolerances");
+    [least, largest]
+}
+
+#[test]
+fn errors_in_the_trials_of_the_report_follow_the_tolerance() {
+    for number in [1, 3, 5, 8] {
+        let [least, largest] = errors_in_trial(number, 1e-3);
+        assert!(least >= 0.05 && largest <= 5.0, "{least} to {largest}");
+    }
+}
+
+/// In trial 3 the whole coin sticks, on contacts that come and go.
+#[test]
+fn errors_at_a_small_slip_speed_follow_the_tolerance_less_closely() {
+    for (number, most) in [(1, 10.0), (3, 50.0), (5, 10.0), (8, 10.0)] {
+        let [least, largest] = errors_in_trial(number, 1e-6);
+        assert!(least >= 0.05 && largest <= most, "{least} to {largest}");
+    }
+}
+
+/// Trials 2, 4, 6 and 7 chose nothing. The reference is a run of another method.
+#[test]
+fn errors_follow_the_tolerance_in_the_other_trials() {
+    for number in [2, 4, 6, 7] {
+        let trial = Trial {
+            slip_speed: 1e-3,
+            ..Trial::report(number).unwrap()
+        };
+        let truth = trial.stepper(DormandPrince54::new(1e-11)).unwrap();
+        let mut truth = truth.session(trial.state());
+        truth.advance(1.0).unwrap();
+        for tolerance in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {
+            let stepper = trial.stepper(Radau5::new(tolerance)).unwrap();
+            let mut state = trial.state();
+            stepper.advance(&mut state, 1.0).unwrap();
+            let ratio = apart(&state, truth.state()).place / tolerance;
+            println!("trial {number}, {tolerance:e} m: {ratio:.3}");
+            assert!((0.05..=10.0).contains(&ratio), "{number}: {ratio}");
+        }
+    }
+}
+
+/// Error at 0.5 s relative to the tolerance, against the reference run of the scene itself.
+fn ratio_on<B: RigidPointBody + Clone>(
+    body: B,
+    slip_speed: f64,
+    start: State,
+    tolerance: f64,
+) -> f64 {
+    let run = |tolerance| {
+        let stepper = on_level_ground(body.clone(), slip_speed, Radau5::new(tolerance));
+        let mut state = start;
+        stepper.advance(&mut state, 0.5).unwrap();
+        state
+    };
+    (run(tolerance).position - run(1e-12).position).length() / tolerance
+}
+
+#[test]
+fn bodies_of_each_kind_keep_to_the_tolerance_in_stick_and_slide() {
+    let leaning = State::at(DVec3::Z * 0.29)
+        .with_linear_velocity(DVec3::new(0.0, 0.8, 0.0))
+        .with_rotation_vector(DVec3::new(0.0, 1.2, 0.0));
+    let egg = State::at(DVec3::Z * 0.12)
+        .with_linear_velocity(DVec3::new(0.3, 0.1, 0.0))
+        .with_rotation_vector(DVec3::new(1.2, 0.0, 0.0));
+    for slip_speed in [1e-3, 1e-6, 1e-9] {
+        for tolerance in [1e-5, 1e-7] {
+            let ratios = [
+                ratio_on(Disc::ring(0.3, 0.3, 90), slip_speed, leaning, tolerance),
+                ratio_on(
+                    Ellipsoid::solid(0.4, DVec3::new(0.08, 0.08, 0.13)),
+                    slip_speed,
+                    egg,
+                    tolerance,
+                ),
+                ratio_on(Sphere::shell(0.2, 0.05), slip_speed, egg, tolerance),
+            ];
+            println!("{slip_speed:e} m/s, {tolerance:e} m: {ratios:.3?}");
+            assert!(ratios.iter().all(|ratio| *ratio <= 10.0), "{ratios:?}");
+        }
+    }
+}
+
+/// The tangential forces of several contacts that stick are not determined by the motion, and no
+/// error of the position depends on them.
+#[test]
+fn a_block_on_a_slope_sticks_and_creeps_at_the_speed_of_its_law() {
+    let slope = 0.2_f64;
+    let gravity = DVec3::new(GRAVITY * slope.sin(), 0.0, -GRAVITY * slope.cos());
+    let slip_speed = 1e-7;
+    let coefficient = 0.5;
+    let stepper = Stepper::builder(Cuboid::solid(0.8, DVec3::new(0.3, 0.2, 0.1)))
+        .gravity(UniformGravity {
+            acceleration: gravity,
+        })
+        .ground(FlatGround::level(1e5, 100.0))
+        .friction(Coulomb {
+            coefficient,
+            slip_speed,
+        })
+        .integrator(Radau5::new(1e-8))
+        .build()
+        .unwrap();
+    let mut session = stepper.session(State::at(DVec3::Z * 0.05));
+    session.advance(3.0).unwrap();
+    let before = session.state().position.x;
+    session.advance(1.0).unwrap();
+    // μ u/(u + w) = tan θ at each contact.
+    let share = slope.tan() / coefficient;
+    let creep = slip_speed * share / (1.0 - share);
+    let found = session.state().position.x - before;
+    assert!((found / creep - 1.0).abs() < 1e-3, "{found:e}, {creep:e}");
+}
+
+/// A wheel with rolling resistance slows down by `5/7 rolling/radius g` and stops, where the
+/// resistance is stiff.
+#[test]
+fn rolling_resistance_stops_a_ball_where_it_should() {
+    let (rolling, speed) = (2e-3, 0.7);
+    let cloth = WithResistance {
+        friction: Coulomb {
+            coefficient: 0.4,
+            slip_speed: 1e-6,
+        },
+        rolling,
+        spinning: 1e-3,
+        turn_speed: 1e-6,
+    };
+    let ball = Sphere::solid(MASS, RADIUS);
+    let stepper = Stepper::builder(ball)
+        .gravity(UniformGravity::down(GRAVITY))
+        .ground(FlatGround::level(STIFFNESS, 50.0))
+        .friction(cloth)
+        .integrator(Radau5::new(1e-8))
+        .build()
+        .unwrap();
+    let moment = 0.4 * MASS * RADIUS * RADIUS;
+    let start = sliding_ball(speed).with_angular_momentum(DVec3::Y * (moment * speed / RADIUS));
+    let mut session = stepper.session(start);
+    session.advance(10.0).unwrap();
+    let path = speed * speed / (2.0 * (5.0 / 7.0) * (rolling / RADIUS) * GRAVITY);
+    let found = session.state().position.x;
+    assert!((found - path).abs() < 1e-6, "{found} m, not {path} m");
+}
+
+/// Both methods take the exact rotation where nothing touches, in steps of their own.
+#[test]
+fn flight_is_exact_for_any_moments() {
+    let start = State::at(DVec3::Z)
+        .with_linear_velocity(DVec3::new(1.0, 2.0, 3.0))
+        .with_angular_momentum(DVec3::new(0.001, 0.04, 0.002));
+    let body = Cuboid::solid(0.8, DVec3::new(0.3, 0.2, 0.1));
+    let stepper = Stepper::new(body).unwrap();
+    let (mut state, mut other) = (start, start);
+    let implicit = stepper.clone().with_integrator(Radau5::new(1e-4)).unwrap();
+    implicit.advance(&mut state, 2.0).unwrap();
+    let explicit = stepper.with_integrator(DormandPrince54::new(1e-6)).unwrap();
+    explicit.advance(&mut other, 2.0).unwrap();
+    assert!((state.position - (start.position + start.linear_velocity * 2.0)).length() < 1e-12);
+    assert_eq!(state.angular_momentum, start.angular_momentum);
+    let angle = 2.0
+        * (state.orientation * other.orientation.conjugate())
+            .xyz()
+            .length();
+    assert!(angle < 1e-11, "{angle:e} rad");
+}
+
+#[test]
+fn single_precision_rolls_too() {
+    let stepper = Stepper::builder(Sphere::solid(0.5_f32, 0.1))
+        .gravity(UniformGravity::down(9.8_f32))
+        .ground(FlatGround::level(1e4_f32, 20.0))
+        .friction(Coulomb {
+            coefficient: 0.3_f32,
+            slip_speed: 1e-3,
+        })
+        .integrator(Radau5::new(1e-5_f32))
+        .build()
+        .unwrap();
+    let start = State::at(Vec3::Z * (0.1 - 0.5 * 9.8 / 1e4)).with_linear_velocity(Vec3::X);
+    let mut session = stepper.session(start);
+    session.advance(1.0).unwrap();
+    let speed = session.state().linear_velocity.x;
+    assert!((speed - 5.0 / 7.0).abs() < 1e-4, "{speed}");
+    assert!(session.step_count() < 1000, "{}", session.step_count());
+}
