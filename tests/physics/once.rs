@@ -9,7 +9,7 @@ use tumble::glam::DVec3;
 use tumble::{
     AdaptiveEnergyMomentum, AdaptiveNystrom, AirDrag, BogackiShampine32, Coulomb, Cuboid, Disc,
     DormandPrince54, Elevation, EnergyMomentum, FlatGround, Flight, Force, Gravity, Ground,
-    Integrator, MovingGround, Real, RigidPointBody, SlidingFriction, SpringDamper,
+    Integrator, MovingGround, Radau5, Real, RigidPointBody, SlidingFriction, SpringDamper,
     SpringDamperGround, State, Step, StepError, Stepper, Terrain, Trial, UniformGravity,
 };
 
@@ -78,7 +78,7 @@ fn the_coin_of_the_report_has_the_same_bits_with_every_method() {
             );)*
         };
     }
-    adaptive!(BogackiShampine32 DormandPrince54 AdaptiveEnergyMomentum AdaptiveNystrom);
+    adaptive!(BogackiShampine32 DormandPrince54 AdaptiveEnergyMomentum AdaptiveNystrom Radau5);
 }
 
 #[test]

@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::methods::{apart, truths};
+use crate::kit::once::Once;
 use tumble::glam::{DVec3, Vec3};
 use tumble::{
     Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid, FlatGround, Integrator, Radau5,
@@ -21,7 +22,7 @@ fn on_level_ground<B: RigidPointBody, I: Integrator>(
     body: B,
     slip_speed: f64,
     integrator: I,
-) -> Stepper<B, FlatGround, Coulomb, UniformGravity, I> {
+) -> Stepper<B, FlatGround, Coulomb, UniformGravity, Once<I>> {
     Stepper::builder(body)
         .gravity(UniformGravity::down(GRAVITY))
         .ground(FlatGround::level(STIFFNESS, 50.0))
@@ -29,7 +30,7 @@ fn on_level_ground<B: RigidPointBody, I: Integrator>(
             coefficient: FRICTION,
             slip_speed,
         })
-        .integrator(integrator)
+        .integrator(Once(integrator))
         .build()
         .unwrap()
 }
@@ -126,7 +127,7 @@ fn errors_in_trial(number: usize, slip_speed: f64) -> [f64; 2] {
     let (mut least, mut largest) = (f64::MAX, 0.0_f64);
     for thirds in 0..=12 {
         let tolerance = 10.0_f64.powf(-4.0 - f64::from(thirds) / 3.0);
-        let stepper = trial.stepper(Radau5::new(tolerance)).unwrap();
+        let stepper = trial.stepper(Once(Radau5::new(tolerance))).unwrap();
         let mut session = stepper.session(trial.state());
         let mut worst = 0.0_f64;
         for truth in &truths {
@@ -165,11 +166,11 @@ fn errors_follow_the_tolerance_in_the_other_trials() {
             slip_speed: 1e-3,
             ..Trial::report(number).unwrap()
         };
-        let truth = trial.stepper(DormandPrince54::new(1e-11)).unwrap();
+        let truth = trial.stepper(Once(DormandPrince54::new(1e-11))).unwrap();
         let mut truth = truth.session(trial.state());
         truth.advance(1.0).unwrap();
         for tolerance in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {
-            let stepper = trial.stepper(Radau5::new(tolerance)).unwrap();
+            let stepper = trial.stepper(Once(Radau5::new(tolerance))).unwrap();
             let mut state = trial.state();
             stepper.advance(&mut state, 1.0).unwrap();
             let ratio = apart(&state, truth.state()).place / tolerance;
@@ -238,7 +239,7 @@ fn a_block_on_a_slope_sticks_and_creeps_at_the_speed_of_its_law() {
             coefficient,
             slip_speed,
         })
-        .integrator(Radau5::new(1e-8))
+        .integrator(Once(Radau5::new(1e-8)))
         .build()
         .unwrap();
     let mut session = stepper.session(State::at(DVec3::Z * 0.05));
@@ -271,7 +272,7 @@ fn rolling_resistance_stops_a_ball_where_it_should() {
         .gravity(UniformGravity::down(GRAVITY))
         .ground(FlatGround::level(STIFFNESS, 50.0))
         .friction(cloth)
-        .integrator(Radau5::new(1e-8))
+        .integrator(Once(Radau5::new(1e-8)))
         .build()
         .unwrap();
     let moment = 0.4 * MASS * RADIUS * RADIUS;
@@ -292,9 +293,14 @@ fn flight_is_exact_for_any_moments() {
     let body = Cuboid::solid(0.8, DVec3::new(0.3, 0.2, 0.1));
     let stepper = Stepper::new(body).unwrap();
     let (mut state, mut other) = (start, start);
-    let implicit = stepper.clone().with_integrator(Radau5::new(1e-4)).unwrap();
+    let implicit = stepper
+        .clone()
+        .with_integrator(Once(Radau5::new(1e-4)))
+        .unwrap();
     implicit.advance(&mut state, 2.0).unwrap();
-    let explicit = stepper.with_integrator(DormandPrince54::new(1e-6)).unwrap();
+    let explicit = stepper
+        .with_integrator(Once(DormandPrince54::new(1e-6)))
+        .unwrap();
     explicit.advance(&mut other, 2.0).unwrap();
     assert!((state.position - (start.position + start.linear_velocity * 2.0)).length() < 1e-12);
     assert_eq!(state.angular_momentum, start.angular_momentum);
@@ -314,7 +320,7 @@ fn single_precision_rolls_too() {
             coefficient: 0.3_f32,
             slip_speed: 1e-3,
         })
-        .integrator(Radau5::new(1e-5_f32))
+        .integrator(Once(Radau5::new(1e-5_f32)))
         .build()
         .unwrap();
     let start = State::at(Vec3::Z * (0.1 - 0.5 * 9.8 / 1e4)).with_linear_velocity(Vec3::X);
