@@ -36,8 +36,7 @@ Has the lean of a coin at its start an effect on heads and tails? The question o
 - a cent spins on a table, with its centre of mass off the middle
 - a coin is tossed and caught
 - a coin is tossed and bounces: the bias after each bounce
-- maps of the outcome over speed and rate (250 x 250), and over lean and spin (100 x 100, because
-  a throw of it takes longer)
+- maps of the outcome over speed and rate, and over lean and spin (250 x 250 throws each)
 - the distance of two starts 1e-9 m apart, in the eight trials of the coin report
 
 A toss ends when its face is proven. It takes some minutes on two cores.

@@ -52,7 +52,7 @@ impl Sizes {
             spun: choose(80, 1_600, 12_800),
             caught: choose(2_000, 35_000, 280_000),
             map: cells(40, 250, 1_000),
-            report_map: cells(20, 100, 1_000),
+            report_map: cells(20, 250, 1_000),
             repeated: choose(40, 500, 4_000),
             bounced: choose(200, 10_000, 200_000),
             real: choose(20, 400, 6_400),

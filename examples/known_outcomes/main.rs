@@ -28,11 +28,14 @@ a 95 % interval of Wilson. Without a subject, all subjects are run.
 Usage: cargo run --release --example known_outcomes -- [OPTIONS]
 
       --edge            nickels that end on their edge
+      --rims            nickels with round rims
       --shapes          thick coins, two-dimensional dice and cuboids of steel
       --certify         decided states that are followed to rest, and barriers by brute force
       --methods         labels and cost of a toss by each method
       --percent <COUNT> percentage of the tosses; all take half an hour on one core [default: 5]
-  -q, --quick           a thousandth of the tosses
+  -q, --quick           a thousandth of the tosses; with --write, their tables are stored
+      --check           plays a thousandth of the tosses, and fails if a table differs from the
+                        stored one: then the tables of the guide are stale too
       --write           writes the tables into the guide
   -o, --out <FOLDER>    folder of the tables                              [default: out]
   -h, --help            this text
@@ -53,11 +56,16 @@ pub(crate) struct Report {
     pub(crate) is_as_expected: bool,
 }
 
-const SUBJECTS: [Subject; 4] = [
+const SUBJECTS: [Subject; 5] = [
     Subject {
         name: "edge",
         page: "src/guide/edge.md",
         tables: edge::tables,
+    },
+    Subject {
+        name: "rims",
+        page: "src/guide/edge.md",
+        tables: edge::rims,
     },
     Subject {
         name: "shapes",
@@ -88,6 +96,21 @@ impl Size {
         (full * self.0 / 1000).max(20)
     }
 
+    /// Repetitions of a measurement of time.
+    pub(crate) fn repetitions(self) -> usize {
+        if self == Self::QUICK { 1 } else { 3 }
+    }
+
+    /// A text that depends on the speed of the machine. A quick run omits it, so that its tables
+    /// are the same on every machine.
+    pub(crate) fn machine(self, text: String) -> String {
+        if self == Self::QUICK {
+            "-".to_owned()
+        } else {
+            text
+        }
+    }
+
     /// Number of tosses of a fit, which is the same for each percentage, and small in a quick run.
     pub(crate) fn for_fit(self, tosses: u64) -> u64 {
         if self == Self::QUICK { 20 } else { tosses }
@@ -99,6 +122,7 @@ struct Arguments {
     subjects: Vec<Subject>,
     size: Size,
     is_written: bool,
+    is_checked: bool,
     out: PathBuf,
 }
 
@@ -112,6 +136,7 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
         subjects: Vec::new(),
         size: Size(50),
         is_written: false,
+        is_checked: false,
         out: PathBuf::from("out"),
     };
     let given: Vec<OsString> = std::env::args_os().skip(1).collect();
@@ -120,6 +145,7 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
         match argument {
             Long("percent") => arguments.size = Size(10 * percent(parser.value()?.parse()?)?),
             Short('q') | Long("quick") => arguments.size = Size::QUICK,
+            Long("check") => (arguments.size, arguments.is_checked) = (Size::QUICK, true),
             Long("write") => arguments.is_written = true,
             Short('o') | Long("out") => arguments.out = parser.value()?.into(),
             Short('h') | Long("help") => return Ok(None),
@@ -143,23 +169,59 @@ fn percent(count: u64) -> Result<u64, lexopt::Error> {
     }
 }
 
+/// Folder of the tables of a quick run.
+const QUICK_TABLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/known_outcomes/quick");
+
 fn work(arguments: &Arguments) -> Outcome<bool> {
     let folder = arguments.out.join("known_outcomes");
     make_folder(&folder)?;
     let mut is_as_expected = true;
-    for Subject { name, page, tables } in &arguments.subjects {
-        let report = tables(arguments.size)?;
+    for subject in &arguments.subjects {
+        let report = (subject.tables)(arguments.size)?;
         is_as_expected &= report.is_as_expected;
         say(format_args!("{}\n", report.text));
-        let file = folder.join(format!("{name}.md"));
+        let file = folder.join(format!("{}.md", subject.name));
         fs::write(&file, &report.text)?;
         say(format_args!("Written: {}\n\n", file.display()));
         if arguments.is_written {
-            let begin =
-                format!("<!-- {name}: begin; written by `known_outcomes -- --{name} --write` -->");
-            let end = format!("<!-- {name}: end -->");
-            marked::write(page, [&begin, &end], &report.text)?;
+            subject.write(arguments.size, &report.text)?;
+        }
+        if arguments.is_checked {
+            is_as_expected &= subject.is_stored(&report.text)?;
         }
     }
     Ok(is_as_expected)
+}
+
+impl Subject {
+    /// Writes the tables into the guide, or those of a quick run into their own file.
+    fn write(&self, size: Size, text: &str) -> Outcome<()> {
+        let Self { name, page, .. } = self;
+        if size == Size::QUICK {
+            return Ok(fs::write(self.quick_table(), text)?);
+        }
+        let begin =
+            format!("<!-- {name}: begin; written by `known_outcomes -- --{name} --write` -->");
+        let end = format!("<!-- {name}: end -->");
+        marked::write(page, [&begin, &end], text)
+    }
+
+    /// Compares the tables of a quick run with the stored ones.
+    fn is_stored(&self, text: &str) -> Outcome<bool> {
+        let file = self.quick_table();
+        let stored = fs::read_to_string(&file)?;
+        for (before, now) in stored.lines().zip(text.lines()) {
+            if before != now {
+                say(format_args!("stored: {before}\nnow:    {now}\n"));
+            }
+        }
+        let is_stored = stored == text;
+        let result = if is_stored { "as stored" } else { "differ" };
+        say(format_args!("{}: tables {result}\n\n", file.display()));
+        Ok(is_stored)
+    }
+
+    fn quick_table(&self) -> PathBuf {
+        PathBuf::from(QUICK_TABLES).join(format!("{}.md", self.name))
+    }
 }

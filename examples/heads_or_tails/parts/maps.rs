@@ -20,8 +20,8 @@ pub(super) fn part(sizes: &Sizes, bar: &ProgressBar) -> Outcome<Part> {
          about a diameter. It is caught at the height of the hand, or lands on a table {} m below \
          and bounces ({} x {} throws each, {} on the table undecided after {} s, {} on the edge). \
          {} of {} throws change their face at a hundredth of the tolerance. The map of the coin of \
-         the coin report has {} x {} throws, {} undecided after {} s. It is coarser, because a \
-         throw of it takes longer. `--full` draws 1000 x 1000 throws in each map.",
+         the coin report has {} x {} throws (`Nystrom`, {} ms), {} undecided after {} s. `--full` \
+         draws 1000 x 1000 throws in each map.",
         steel::HAND,
         sizes.map,
         sizes.map,
@@ -32,6 +32,7 @@ pub(super) fn part(sizes: &Sizes, bar: &ProgressBar) -> Outcome<Part> {
         repeated.tosses,
         sizes.report_map,
         sizes.report_map,
+        1e3 * maps::REPORT_STEP,
         undecided(&report),
         maps::REPORT_PATIENCE,
     );
