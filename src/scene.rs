@@ -1,6 +1,7 @@
 //! Body, ground, friction, gravity and applied force together, checked once.
 
 mod diagnosed;
+mod limited;
 mod on_surface;
 #[cfg(feature = "serde")]
 mod saved;
@@ -8,6 +9,7 @@ mod screened;
 mod torque_free;
 
 pub(crate) use diagnosed::{DiagnosedScene, Record};
+pub(crate) use limited::{FrictionLimit, LimitedScene, Stiffest};
 pub(crate) use on_surface::OnSurface;
 pub(crate) use screened::{Alarm, ScreenedScene};
 pub(crate) use torque_free::TorqueFree;

@@ -7,11 +7,12 @@
 
 use crate::common::methods::{Record, Setup, apart, method, truths};
 use crate::kit::once::Once;
-use tumble::glam::DVec3;
+use tumble::glam::{DQuat, DVec3};
 use tumble::work_precision::reference;
 use tumble::{
-    AdaptiveNystrom, BogackiShampine32, Coulomb, Cuboid, DormandPrince54, FlatGround, Integrator,
-    Nystrom, PointCloud, RigidPointBody, SolidCoin, State, Stepper, Trial, UniformGravity,
+    AdaptiveNystrom, BogackiShampine32, Coin, Coulomb, Cuboid, DormandPrince54, FlatGround,
+    Integrator, Nystrom, PointCloud, RigidPointBody, SolidCoin, State, Stepper, Trial,
+    UniformGravity,
 };
 
 /// 1e-3 to 1e-6 m, five a decade, so that none is met by luck.
@@ -56,14 +57,15 @@ fn the_error_of_a_run_is_at_most_five_tolerances_in_the_trials_that_chose_the_co
     }
 }
 
-/// The truth is a run with steps of 10 µs, which is accurate to 2e-10 m.
+/// The truth is a run with steps of 10 µs, which is accurate to 2e-10 m. No constant of the estimate
+/// was chosen on these trials, but its form was compared on them.
 #[test]
 fn the_error_of_a_run_is_at_most_five_tolerances_in_trials_that_chose_no_constant() {
     for number in [2, 4, 6, 7] {
         let times = [0.1, 0.25, 0.5, 1.0];
         let truths = method("Nystrom").records(&Setup::trial(number, 1e-3), 1e-5, &times);
         let [least, largest] = errors(number, &truths);
-        assert!(least >= 0.002 && largest <= 5.0, "{least} to {largest}");
+        assert!(least >= 0.02 && largest <= 5.0, "{least} to {largest}");
     }
 }
 
@@ -144,10 +146,89 @@ fn a_contact_that_closes_and_opens_within_one_step_is_not_missed() {
     }
 }
 
+/// A step leaves out the phase error of a uniform rotation, `z⁵/720` with `z = |ω| h/2`, up to terms
+/// of `z⁹`. Without that, the ten steps of this second would rotate the body too little by 4e-4 rad.
+#[test]
+fn a_uniform_rotation_takes_the_longest_steps_and_keeps_its_phase() {
+    let integrator = AdaptiveNystrom::new(1e-4);
+    let stepper = Stepper::new(Coin::ring(1.0, 0.5))
+        .and_then(|stepper| stepper.with_integrator(integrator))
+        .unwrap();
+    let mut state = stepper.with_angular_velocity(State::default(), DVec3::X * 10.0);
+    let mut workspace = Default::default();
+    let (mut left, mut steps) = (1.0, 0);
+    while left > 1e-12 {
+        let step = stepper.step_within(&mut state, left, &mut workspace);
+        left -= step.unwrap().elapsed;
+        steps += 1;
+    }
+    let exact: State = State::default().with_rotation_vector(DVec3::X * 10.0);
+    let between: DQuat = state.orientation * exact.orientation.conjugate();
+    let angle = 2.0 * between.xyz().length();
+    println!("{steps} steps, wrong by {angle:e} rad");
+    // Steps of 0.1 s have z = 0.5. The first ones are shorter. The terms of z⁹ are 3e-5 z⁹ each.
+    assert!(steps <= 20 && angle < 3e-6, "{steps} steps, {angle:e} rad");
+}
+
+/// A coin that spins upright on the spot stands on a point that hardly slips. Explicit steps above
+/// 0.6 ms amplify the rounding of its slip at the first slip speed, and above 0.6 µs at the second
+/// one. Trials 4 and 6 have chosen no constant.
+#[test]
+fn the_cost_of_spinning_on_the_spot_does_not_depend_on_the_slip_speed() {
+    for number in [4, 6] {
+        for slip_speed in [1e-3, 1e-6] {
+            let trial = Trial {
+                slip_speed,
+                ..Trial::report(number).unwrap()
+            };
+            let (end, evaluations) = end_of(&trial, AdaptiveNystrom::new(1e-4));
+            let (tighter, _) = end_of(&trial, AdaptiveNystrom::new(1e-5));
+            let error = apart(&end, &tighter).place;
+            println!("trial {number}, {slip_speed:e} m/s: {evaluations}, {error:e} m");
+            assert!(evaluations <= 700, "{evaluations}");
+            assert!(error < 1e-4, "{error:e} m");
+        }
+    }
+}
+
+/// A first stage with limited friction is evaluated again for each step size, so a workspace that
+/// knows only the next step size continues with the same bits.
+#[test]
+fn a_spin_on_the_spot_continues_with_the_same_bits_from_its_step_control() {
+    let trial = trial(6);
+    let integrator = AdaptiveNystrom::new(1e-4);
+    let stepper = trial.stepper(integrator).unwrap();
+    let mut state = trial.state();
+    let mut workspace = Default::default();
+    for _ in 0..40 {
+        stepper
+            .step_within(&mut state, 1.0, &mut workspace)
+            .unwrap();
+        let control = integrator.step_control(&workspace, &state).unwrap();
+        let (mut kept, mut resumed) = (state, state);
+        let mut other = Default::default();
+        integrator.set_step_control(&mut other, control);
+        let mut same = workspace.clone();
+        let first = stepper.step_within(&mut kept, 1.0, &mut same).unwrap();
+        let second = stepper.step_within(&mut resumed, 1.0, &mut other).unwrap();
+        assert_eq!(
+            first.elapsed.to_bits(),
+            second.elapsed.to_bits(),
+            "{first:?}"
+        );
+        assert_eq!(kept, resumed);
+    }
+}
+
 /// Force evaluations of a second of a trial.
 fn evaluations<I: Integrator>(number: usize, integrator: I) -> f64 {
-    let stepper = trial(number).stepper(integrator).unwrap();
-    let (mut state, mut workspace) = (trial(number).state(), I::Workspace::default());
+    f64::from(end_of(&trial(number), integrator).1)
+}
+
+/// State after a second of a trial, and the number of force evaluations.
+fn end_of<I: Integrator>(trial: &Trial, integrator: I) -> (State, u32) {
+    let stepper = trial.stepper(integrator).unwrap();
+    let (mut state, mut workspace) = (trial.state(), I::Workspace::default());
     let (mut left, mut evaluations) = (1.0, 0);
     while left > 1e-12 {
         let step = stepper
@@ -156,7 +237,7 @@ fn evaluations<I: Integrator>(number: usize, integrator: I) -> f64 {
         left -= step.elapsed;
         evaluations += step.evaluations;
     }
-    f64::from(evaluations)
+    (state, evaluations)
 }
 
 /// The errors of the pairs are up to ten tolerances, and those of `AdaptiveNystrom` up to five.

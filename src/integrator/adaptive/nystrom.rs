@@ -18,7 +18,16 @@
 //! The error as a displacement is `T a (|δ₃| + b |δ₄|)`. `|δ|` is the velocity of the farthest
 //! point. Friction that opposes the error is taken into account by `damping`, if the error would
 //! otherwise be too large. `dip` adds the contacts that close and open again within one step, and
-//! `estimate` the rotation, whose error does not depend on a force.
+//! `estimate` the rotation, whose error does not depend on a force, and the direction of the
+//! correction of touch-downs in a body that rotates within the step.
+//!
+//! # Friction of a contact that hardly slips
+//!
+//! The lowest point of a body that spins upright on the spot has almost no slip and almost no
+//! friction. Its friction is stiff, though, and a step longer than its limit of stability would
+//! amplify the rounding of the slip. In a step whose error may contain all the friction of such a
+//! contact, friction is limited to what is stable ([`FrictionLimit`]). The friction that is removed
+//! counts as an error. A contact that sticks under a load is not limited.
 //!
 //! # Allowed error
 //!
@@ -39,9 +48,10 @@ use crate::integrator::explicit::{Stage, Start};
 use crate::integrator::interface::{Integrator, Step, StepControl};
 use crate::integrator::point::Point;
 use crate::real::Real;
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, FrictionLimit, LimitedScene, Stiffest};
 use crate::state::State;
-use estimate::Attempt;
+use damping::HORIZON;
+use estimate::{Attempt, SPAN};
 
 /// [`Nystrom`](crate::Nystrom) with a tolerance instead of a step size, for loose and medium
 /// tolerances.
@@ -50,8 +60,8 @@ use estimate::Attempt;
 /// A step does not end at each touch-down, in contrast to
 /// [`DormandPrince54`](crate::DormandPrince54): it contains the correction of
 /// [`Nystrom`](crate::Nystrom). So the method has a lower cost for errors above a hundredth of a
-/// millimetre, if a body slides and rolls. If it sticks, or spins upright on the spot, the cost is
-/// that of [`BogackiShampine32`](crate::BogackiShampine32) or higher.
+/// millimetre, if a body slides, rolls or spins on the spot. If it sticks, the cost is that of
+/// [`BogackiShampine32`](crate::BogackiShampine32) or higher.
 ///
 /// A step is accepted if
 ///
@@ -61,8 +71,9 @@ use estimate::Attempt;
 /// Here `h` is the step size and `|δ| = |δv| + r |δω|`, with the bounding radius `r` of the body
 /// (or its radius of gyration, if that is larger). `δ₃` is the third difference of the forces over
 /// the stages. `δ₄` is the difference between the forces at the end of the step and at its last
-/// stage. Friction reduces both, where it opposes them. The rotation, and contacts that close and
-/// open within the step, add their parts. [`Step::error_estimate`] is the left side.
+/// stage. Friction reduces both, where it opposes them. The rotation, contacts that close and open
+/// within the step, the direction of corrected forces, and friction that the step has limited add
+/// their parts. [`Step::error_estimate`] is the left side.
 ///
 /// ```
 /// use tumble::{AdaptiveNystrom, Trial};
@@ -76,10 +87,15 @@ use estimate::Attempt;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// - *Order* 4, and 2 through touch-downs. Four force evaluations per attempted step.
+/// - *Order* 4, and 2 through touch-downs. Four force evaluations per attempted step, and a fifth if
+///   friction is limited.
+/// - *Rotation:* the phase error of [`Nystrom`](crate::Nystrom) in a uniform rotation is left out.
 /// - *Error of a run:* see the measured range in [`guide::choosing`](crate::guide::choosing). It is
 ///   the error after a second. After longer times it depends on how the motion amplifies it.
 /// - *May add energy* by the size of its error.
+/// - *Spinning on the spot:* where a contact hardly slips and has hardly any friction, the step may
+///   exceed the limit of stability of its friction, whatever the slip speed. Friction is then
+///   limited to what is stable.
 /// - *Stick at a small slip speed:* the steps may exceed the limit of stability of the friction, as
 ///   long as friction itself removes the error. For a slip speed below 1e-4 m/s use
 ///   [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum).
@@ -97,6 +113,9 @@ pub struct AdaptiveNystrom<R = f64> {
 /// Number of square roots that the controller takes of the error. The error is proportional to the
 /// fourth power of the step size in smooth motion.
 const ROOTS: u32 = 2;
+/// Product of the step size and a damping rate up to which friction is not limited. The method is
+/// stable up to 2.78.
+const STABLE: f64 = 2.5;
 
 impl<R: Real> AdaptiveNystrom<R> {
     /// Creates the method for a tolerance (m), with steps of at most 0.1 s and a budget of a
@@ -135,6 +154,10 @@ pub struct Workspace<R: Real = f64> {
 struct Known<R: Real> {
     state: State<R>,
     stage: Stage<R>,
+    /// Contact with the stiffest friction.
+    stiffest: Stiffest<R>,
+    /// True if the forces are those of a limited friction.
+    is_limited: bool,
     /// `None` for a friction law that depends on the position, which no values identify.
     answers: Option<Answers<R>>,
 }
@@ -165,33 +188,38 @@ impl<R: Real> Integrator<R> for AdaptiveNystrom<R> {
         }
         let settings = self.settings();
         let mut report = Step::new(R::ZERO, 0);
-        let mut start = start_of(scene, state, workspace, &mut report)?;
+        let mut start = Begin::of(scene, state, workspace, &mut report)?;
         let control = &mut workspace.control;
         let mut trial = first_trial(&settings, scene, state, control, &mut report);
         loop {
             control.spend(&settings)?;
-            start.seconds = trial.seconds(limit);
-            if start.seconds <= R::ZERO {
+            let seconds = trial.seconds(limit);
+            if seconds <= R::ZERO {
                 // The proposed step size has underflowed.
                 return Err(control.too_short(&settings, Quantity::Position));
             }
-            let attempt = Attempt::of(&settings, scene, &start);
+            let friction_limit = start.limit(&settings, scene, seconds);
+            let limited = LimitedScene::of(scene, &friction_limit);
+            start.prepare(&limited, seconds, &mut report);
+            let attempt = Attempt::of(&settings, (scene, &limited), &start.start);
             report.evaluations += 4;
             let error = attempt.relative_error();
             if error <= R::ONE {
-                control.accept(ROOTS, &trial, start.seconds, error);
+                control.accept(ROOTS, &trial, seconds, error);
                 *state = attempt.state;
                 workspace.known = Some(Known {
                     state: *state,
                     stage: attempt.end,
+                    stiffest: attempt.stiffest,
+                    is_limited: friction_limit.changes(&attempt.stiffest),
                     answers: Answers::of_uniform(scene, state),
                 });
-                report.elapsed = start.seconds;
+                report.elapsed = seconds;
                 report.error_estimate = Some(attempt.errors.total());
                 return Ok(report);
             }
             report.rejected += 1;
-            trial.reduce(ROOTS, start.seconds, error);
+            trial.reduce(ROOTS, seconds, error);
             if trial.seconds(limit) < settings.shortest_step() {
                 return Err(control.too_short(&settings, attempt.errors.largest()));
             }
@@ -217,27 +245,77 @@ impl<R: Real> Integrator<R> for AdaptiveNystrom<R> {
     }
 }
 
-/// Returns the start of the step, with its first stage from the previous step if that is known.
-fn start_of<R: Real, D: Dynamics<R>>(
-    scene: &D,
-    state: &State<R>,
-    workspace: &Workspace<R>,
-    report: &mut Step<R>,
-) -> Result<Start<R>, StepError> {
-    if let Some(known) = &workspace.known {
-        if known.is_of(scene, state) {
-            let point = Point::of(state);
-            return Ok(Start::with_stage(point, known.stage, R::ZERO));
+/// Start of a step, whose first stage depends on the step size if friction is limited.
+struct Begin<R: Real> {
+    start: Start<R>,
+    stiffest: Stiffest<R>,
+    /// True if the forces of the first stage are those of a limited friction.
+    is_limited: bool,
+}
+
+impl<R: Real> Begin<R> {
+    /// Returns the start of the step, with its first stage from the previous step if that is known.
+    fn of<D: Dynamics<R>>(
+        scene: &D,
+        state: &State<R>,
+        workspace: &Workspace<R>,
+        report: &mut Step<R>,
+    ) -> Result<Self, StepError> {
+        let point = Point::of(state);
+        if let Some(known) = &workspace.known {
+            if known.is_of(scene, state) {
+                return Ok(Self {
+                    start: Start::with_stage(point, known.stage, R::ZERO),
+                    stiffest: known.stiffest,
+                    is_limited: known.is_limited,
+                });
+            }
+        }
+        check_state(state)?;
+        report.evaluations += 1;
+        let limit = FrictionLimit::none();
+        let stage = Stage::at(&LimitedScene::of(scene, &limit), point, ContactRange::NONE);
+        Ok(Self {
+            start: Start::with_stage(point, stage, R::ZERO),
+            stiffest: limit.stiffest(),
+            is_limited: false,
+        })
+    }
+
+    /// Returns the limit of the friction in a step of `seconds`.
+    ///
+    /// There is one if the stiffest contact has so little friction that the error of a step may
+    /// contain all of it.
+    fn limit<D: Dynamics<R>>(
+        &self,
+        settings: &Settings<R>,
+        scene: &D,
+        seconds: R,
+    ) -> FrictionLimit<R> {
+        let negligible = settings.tolerance * R::from_f64(1.0 / (HORIZON * SPAN));
+        if self.stiffest.acceleration(scene) > negligible {
+            return FrictionLimit::none();
+        }
+        FrictionLimit::of(scene, seconds, self.start.stage.run.count, STABLE)
+    }
+
+    /// Evaluates the first stage again, if the friction of a step of `seconds` is another one.
+    #[inline]
+    fn prepare<D: Dynamics<R>>(
+        &mut self,
+        limited: &LimitedScene<'_, R, D>,
+        seconds: R,
+        report: &mut Step<R>,
+    ) {
+        self.start.seconds = seconds;
+        let is_limited = limited.limit().changes(&self.stiffest);
+        if is_limited || self.is_limited {
+            report.evaluations += 1;
+            let (point, near) = (self.start.point, self.start.stage.run);
+            self.start = Start::with_stage(point, Stage::at(limited, point, near), seconds);
+            self.is_limited = is_limited;
         }
     }
-    check_state(state)?;
-    report.evaluations += 1;
-    Ok(Start::of(
-        scene,
-        &Point::of(state),
-        R::ZERO,
-        ContactRange::NONE,
-    ))
 }
 
 /// Returns the first attempt at a step: of the proposed size, or of a size that follows from the

@@ -35,6 +35,7 @@
 mod crossing;
 mod oscillator;
 mod stages;
+mod uniform;
 
 use crate::body::ContactRange;
 use crate::contact::Load;
@@ -44,6 +45,7 @@ use crate::integrator::interface::{Integrator, LIMIT_HALVINGS, Step, step_length
 use crate::integrator::point::Point;
 use crate::quadrature::bisect;
 use crate::real::{Real, Vector};
+use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
 use stages::{END, THIRD_DIFFERENCE};
@@ -168,6 +170,8 @@ pub(in crate::integrator) struct Taken<R: Real> {
     pub(in crate::integrator) end: Point<R>,
     /// Acceleration and torque of the last stage.
     pub(in crate::integrator) last: [R::Vec3; 2],
+    /// Mean acceleration and torque by which the correction has changed the step.
+    pub(in crate::integrator) correction: [R::Vec3; 2],
     /// Third difference of acceleration and torque over the stages, without the contacts that the
     /// correction replaces. Zero if it is not wanted.
     pub(in crate::integrator) third_difference: [R::Vec3; 2],
@@ -187,26 +191,48 @@ pub(in crate::integrator) fn taken<R: Real, D: Dynamics<R>, const ESTIMATED: boo
     end.orientation = free_error::removed(
         scene,
         &start.point,
-        end.orientation,
+        turned::<_, ESTIMATED>(stages, end.orientation, start.seconds),
         start.seconds,
         stages.map(|stage| stage.torque),
         |free| {
             let start = Start::of(free, &start.point, start.seconds, ContactRange::NONE);
             let later = start.later_stages(free);
-            start.ahead(&END, start.with(&later)).orientation
+            let stages = start.with(&later);
+            let end = start.ahead(&END, stages).orientation;
+            turned::<_, ESTIMATED>(stages, end, start.seconds)
         },
     );
-    let (end, replaced) = crossing::corrected::<_, _, ESTIMATED>(scene, stages, end, start.seconds);
+    let (end, [correction, replaced]) =
+        crossing::corrected::<_, _, ESTIMATED>(scene, stages, end, start.seconds);
     let [_, _, fourth] = &later;
     Taken {
         end,
         last: [fourth.acceleration, fourth.torque],
+        correction: [
+            correction.force * scene.inertia_properties().inverse_mass(),
+            correction.torque,
+        ],
         third_difference: if ESTIMATED {
             third_difference(scene, stages, &replaced)
         } else {
             [R::Vec3::ZERO; 2]
         },
         near: fourth.run,
+    }
+}
+
+/// Returns the orientation at the end of a step. With `ESTIMATED`, the phase error of a uniform
+/// rotation is left out, so that the estimate need not contain it.
+#[inline(always)]
+fn turned<R: Real, const ESTIMATED: bool>(
+    stages: [&Stage<R>; 4],
+    end: Rotation<R>,
+    seconds: R,
+) -> Rotation<R> {
+    if ESTIMATED {
+        uniform::without_phase_error(stages, end, seconds)
+    } else {
+        end
     }
 }
 

@@ -14,31 +14,31 @@ use crate::scene::{Dynamics, OnSurface};
 
 /// Returns the `end` of a step, corrected for the error of its stages.
 ///
-/// With `ESTIMATED`, the result contains what the corrected contacts contribute to the
-/// [`THIRD_DIFFERENCE`] of the loads.
+/// The two loads are the correction of the mean load of the step, and what the corrected
+/// contacts contribute to the [`THIRD_DIFFERENCE`] of the loads, with `ESTIMATED`.
 #[inline(always)]
 pub(super) fn corrected<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     scene: &D,
     stages: [&Stage<R>; 4],
     end: Point<R>,
     seconds: R,
-) -> (Point<R>, Load<R>) {
+) -> (Point<R>, [Load<R>; 2]) {
     let [first, .., last] = stages;
     if first.run.count == 0 && last.run.count == 0 {
-        return (end, Load::default());
+        return (end, [Load::default(); 2]);
     }
     // A step as short as this moves nothing, and rounding of a penetration depth would give an
     // infinite speed.
     if !(R::ONE / seconds).is_finite() {
-        return (end, Load::default());
+        return (end, [Load::default(); 2]);
     }
     let motion = end.motion(scene);
     let missed = missed::<_, _, ESTIMATED>(scene, stages, &motion, seconds);
     if missed.speeds.touching == 0 {
-        return (end, Load::default());
+        return (end, [Load::default(); 2]);
     }
     let end = missed.added_to(end, scene, &motion.axes, seconds);
-    (end, missed.third_difference)
+    (end, [missed.speeds, missed.third_difference])
 }
 
 /// Errors of the stages' weighted sums: true means of force and torque over the step, minus these

@@ -50,7 +50,7 @@ pub(super) const THIRD_DIFFERENCE: [f64; 4] = [-32.0 / 5.0, 128.0 / 9.0, -512.0 
 pub(in crate::integrator) struct Stage<R: Real> {
     pub(in crate::integrator) motion: Motion<R>,
     /// Range of the penetrating contacts.
-    pub(super) run: ContactRange,
+    pub(in crate::integrator) run: ContactRange,
     /// Acceleration of the centre of mass, m/s², world axes.
     pub(in crate::integrator) acceleration: R::Vec3,
     /// Torque about the centre of mass, N m, world axes.
@@ -94,7 +94,7 @@ impl<R: Real> Stage<R> {
 
 /// Start of a step, with its first stage.
 pub(in crate::integrator) struct Start<R: Real> {
-    pub(super) point: Point<R>,
+    pub(in crate::integrator) point: Point<R>,
     /// First derivative of the quaternion, 1/s.
     turning: Rotation<R>,
     pub(in crate::integrator) stage: Stage<R>,

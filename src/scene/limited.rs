@@ -1,0 +1,257 @@
+//! Scene whose friction is limited to what a step of an explicit method resolves.
+//!
+//! Friction acts like a damper `c = |f|/|slip|` at each contact. An explicit step of `h` amplifies
+//! the slip of a contact that sticks, if `c` times the mobility `w` of the contact exceeds `z/h`.
+//! Here `z` is the limit of stability of the method on the negative real axis. In such a step each
+//! of the `n` contacts has at most the damper `z/(h w n)`. So the step is stable, whatever the slip
+//! speed of the law. Contacts that slide are not affected, to the last bit.
+//!
+//! The friction that is removed is summed, so that an estimate of the error can contain it. A
+//! contact with a slip of exactly 0 has no friction, and loses none. An example is the lowest point
+//! of a coin that spins upright on the spot.
+
+use core::cell::Cell;
+
+use super::{Dynamics, size};
+use crate::body::InertiaProperties;
+use crate::contact::ContactModel;
+use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
+use crate::real::{Real, Vector};
+
+/// Contact at which friction acts like the largest damper.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Stiffest<R> {
+    /// Square of the damper, (N s/m)².
+    damper: R,
+    /// Square of the friction, N².
+    friction: R,
+}
+
+impl<R: Real> Stiffest<R> {
+    /// Returns the acceleration of the farthest point that the friction of this contact causes at
+    /// most, m/s².
+    #[inline]
+    pub(crate) fn acceleration<D: Dynamics<R>>(&self, scene: &D) -> R {
+        self.friction.sqrt() * mobility(scene)
+    }
+}
+
+/// Largest damper that friction may have at one contact, and what it had.
+pub(crate) struct FrictionLimit<R> {
+    /// Square of the largest damper, (N s/m)².
+    largest: R,
+    stiffest: Cell<Stiffest<R>>,
+    /// Sum of the forces that were removed, N.
+    removed: Cell<R>,
+}
+
+impl<R: Real> FrictionLimit<R> {
+    /// Returns the limit for a step of `seconds` with a number of contacts.
+    ///
+    /// `stable` is the largest stable product of the step size and a damping rate.
+    #[inline]
+    pub(crate) fn of<D: Dynamics<R>>(scene: &D, seconds: R, contacts: usize, stable: f64) -> Self {
+        let rate = seconds * mobility(scene) * R::from_f64(contacts as f64);
+        let damper = R::from_f64(stable) / rate;
+        Self::with_largest(damper * damper)
+    }
+
+    /// Returns no limit, which still records the friction.
+    #[inline]
+    pub(crate) fn none() -> Self {
+        // Infinite. A comparison with infinity times 0 is false.
+        Self::with_largest(R::ONE / R::ZERO)
+    }
+
+    #[inline]
+    fn with_largest(largest: R) -> Self {
+        Self {
+            largest,
+            stiffest: Cell::new(Stiffest::default()),
+            removed: Cell::new(R::ZERO),
+        }
+    }
+
+    /// Returns true if there is a limit.
+    #[inline]
+    pub(crate) fn applies(&self) -> bool {
+        self.largest.is_finite()
+    }
+
+    /// Returns true if the limit changes the friction of a contact.
+    #[inline]
+    pub(crate) fn changes(&self, contact: &Stiffest<R>) -> bool {
+        contact.damper > self.largest
+    }
+
+    /// Begins the search for the stiffest contact again.
+    #[inline]
+    pub(crate) fn search(&self) {
+        self.stiffest.set(Stiffest::default());
+    }
+
+    /// Returns the stiffest contact since the search began.
+    #[inline]
+    pub(crate) fn stiffest(&self) -> Stiffest<R> {
+        self.stiffest.get()
+    }
+
+    /// Returns the acceleration of the farthest point by all friction that was removed, m/s².
+    #[inline]
+    pub(crate) fn removed<D: Dynamics<R>>(&self, scene: &D) -> R {
+        self.removed.get() * mobility(scene)
+    }
+
+    #[inline(always)]
+    fn limited(&self, force: R::Vec3, slip: R::Vec3) -> R::Vec3 {
+        let (friction, square) = (force.length_squared(), slip.length_squared());
+        if friction > self.stiffest.get().damper * square {
+            let damper = friction / square;
+            self.stiffest.set(Stiffest { damper, friction });
+        }
+        if friction > self.largest * square {
+            self.reduced(force, self.largest * square / friction)
+        } else {
+            force
+        }
+    }
+
+    #[inline(never)]
+    fn reduced(&self, force: R::Vec3, square: R) -> R::Vec3 {
+        let fraction = square.sqrt();
+        let removed = force.length() * (R::ONE - fraction);
+        self.removed.set(self.removed.get() + removed);
+        force * fraction
+    }
+}
+
+/// Returns the largest velocity of the farthest point per impulse at a contact, 1/kg.
+#[inline]
+fn mobility<R: Real, D: Dynamics<R>>(scene: &D) -> R {
+    let (properties, arm) = (scene.inertia_properties(), size(scene));
+    properties.inverse_mass() + properties.largest_inverse_moment() * (arm * arm)
+}
+
+/// Scene with a [`FrictionLimit`].
+pub(crate) struct LimitedScene<'a, R: Real, D: Dynamics<R>> {
+    scene: &'a D,
+    friction: LimitedFriction<'a, R, D::Friction>,
+}
+
+impl<'a, R: Real, D: Dynamics<R>> LimitedScene<'a, R, D> {
+    #[inline(always)]
+    pub(crate) fn of(scene: &'a D, limit: &'a FrictionLimit<R>) -> Self {
+        let friction = scene.friction();
+        Self {
+            scene,
+            friction: LimitedFriction { friction, limit },
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn limit(&self) -> &'a FrictionLimit<R> {
+        self.friction.limit
+    }
+}
+
+impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for LimitedScene<'a, R, D> {
+    type Body = D::Body;
+    type Ground = D::Ground;
+    type Friction = LimitedFriction<'a, R, D::Friction>;
+    type Force = D::Force;
+    type Untested = Self;
+
+    #[inline(always)]
+    fn untested(&self) -> &Self {
+        self
+    }
+    #[inline(always)]
+    fn contact_model(&self) -> ContactModel<'_, Self::Body, Self::Ground, Self::Friction, R> {
+        let model = self.scene.contact_model();
+        ContactModel {
+            body: model.body,
+            ground: model.ground,
+            friction: &self.friction,
+            bounding_radius: model.bounding_radius,
+            has_radii: model.has_radii,
+        }
+    }
+    #[inline(always)]
+    fn gravity(&self) -> R::Vec3 {
+        self.scene.gravity()
+    }
+    #[inline(always)]
+    fn force(&self) -> &Self::Force {
+        self.scene.force()
+    }
+    #[inline(always)]
+    fn inertia_properties(&self) -> &InertiaProperties<R> {
+        self.scene.inertia_properties()
+    }
+    #[inline(always)]
+    fn probe<T>(&self, evaluate: impl FnOnce() -> T) -> T {
+        self.scene.probe(evaluate)
+    }
+}
+
+/// Friction law with a [`FrictionLimit`].
+pub(crate) struct LimitedFriction<'a, R, F: ?Sized> {
+    friction: &'a F,
+    limit: &'a FrictionLimit<R>,
+}
+
+impl<R: Real, F: SlidingFriction<R> + ?Sized> SlidingFriction<R> for LimitedFriction<'_, R, F> {
+    #[inline(always)]
+    fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        let force = self.friction.force(normal_force, slip);
+        self.limit.limited(force, slip)
+    }
+    #[inline(always)]
+    fn force_at(&self, position: R::Vec3, normal_force: R, slip: R::Vec3) -> R::Vec3 {
+        let force = self.friction.force_at(position, normal_force, slip);
+        self.limit.limited(force, slip)
+    }
+    #[inline(always)]
+    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
+        self.friction.jacobian(normal_force, slip)
+    }
+    #[inline(always)]
+    fn jacobian_at(
+        &self,
+        position: R::Vec3,
+        normal_force: R,
+        slip: R::Vec3,
+    ) -> FrictionJacobian<R> {
+        self.friction.jacobian_at(position, normal_force, slip)
+    }
+    #[inline(always)]
+    fn depends_on_position(&self) -> bool {
+        self.friction.depends_on_position()
+    }
+    #[inline(always)]
+    fn surfaces(&self) -> Option<usize> {
+        self.friction.surfaces()
+    }
+    fn with_surface(&self, index: usize, visit: &mut dyn FnMut(&dyn SlidingFriction<R>)) {
+        let limit = self.limit;
+        self.friction.with_surface(index, &mut |friction| {
+            visit(&LimitedFriction { friction, limit });
+        });
+    }
+    #[inline(always)]
+    fn rolling_resistance(&self, normal_force: R) -> Option<RollingResistance<R>> {
+        self.friction.rolling_resistance(normal_force)
+    }
+    #[inline(always)]
+    fn rolling_resistance_at(
+        &self,
+        position: R::Vec3,
+        normal_force: R,
+    ) -> Option<RollingResistance<R>> {
+        self.friction.rolling_resistance_at(position, normal_force)
+    }
+    #[inline(always)]
+    fn is_trusted(&self) -> bool {
+        self.friction.is_trusted()
+    }
+}
