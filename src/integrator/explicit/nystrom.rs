@@ -44,6 +44,7 @@ use crate::integrator::interface::{Integrator, LIMIT_HALVINGS, Step, step_length
 use crate::integrator::point::Point;
 use crate::quadrature::bisect;
 use crate::real::{Real, Vector};
+use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
 use stages::{END, THIRD_DIFFERENCE};
@@ -181,33 +182,36 @@ pub(in crate::integrator) fn taken<R: Real, D: Dynamics<R>, const ESTIMATED: boo
     scene: &D,
     start: &Start<R>,
 ) -> Taken<R> {
-    let later = start.later_stages(scene);
-    let stages = start.with(&later);
-    let mut end = start.ahead(&END, stages);
-    end.orientation = free_error::removed(
-        scene,
-        &start.point,
-        end.orientation,
-        start.seconds,
-        stages.map(|stage| stage.torque),
-        |free| {
-            let start = Start::of(free, &start.point, start.seconds, ContactRange::NONE);
-            let later = start.later_stages(free);
-            start.ahead(&END, start.with(&later)).orientation
-        },
-    );
-    let (end, replaced) = crossing::corrected::<_, _, ESTIMATED>(scene, stages, end, start.seconds);
-    let [_, _, fourth] = &later;
-    Taken {
-        end,
-        last: [fourth.acceleration, fourth.torque],
-        third_difference: if ESTIMATED {
-            third_difference(scene, stages, &replaced)
-        } else {
-            [R::Vec3::ZERO; 2]
-        },
-        near: fourth.run,
-    }
+    start.with_stages(scene, |stages| {
+        let (point, seconds) = (&start.point, start.seconds);
+        let mut end = start.ahead(&END, stages);
+        end.orientation =
+            free_error::removed(scene, point, &end, seconds, |free, point, seconds| {
+                free_orientation(free, point, seconds)
+            });
+        let (end, replaced) = crossing::corrected::<_, _, ESTIMATED>(scene, stages, end, seconds);
+        let [.., fourth] = stages;
+        Taken {
+            end,
+            last: [fourth.acceleration, fourth.torque],
+            third_difference: if ESTIMATED {
+                third_difference(scene, stages, &replaced)
+            } else {
+                [R::Vec3::ZERO; 2]
+            },
+            near: fourth.run,
+        }
+    })
+}
+
+/// Returns the orientation at the end of a step in a scene without torques.
+fn free_orientation<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    point: &Point<R>,
+    seconds: R,
+) -> Rotation<R> {
+    let start = Start::of(scene, point, seconds, ContactRange::NONE);
+    start.with_stages(scene, |stages| start.ahead(&END, stages).orientation)
 }
 
 /// Returns the third difference of acceleration and torque, without that of the `replaced` forces.
