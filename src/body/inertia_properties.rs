@@ -247,20 +247,11 @@ impl<R: Real> InertiaProperties<R> {
         if self.is_asymmetric() || R::EPSILON > R::from_f64(1e-10) {
             return self.steady_energy(axes, angular_momentum);
         }
-        let square = |axis: &Excess<R>| {
-            let along = axis.axis.in_world(axes);
-            let part = along.dot(angular_momentum);
-            (along * part, part * part * (self.common + axis.inverse))
-        };
-        let (along, of_symmetry) = square(&self.symmetry);
-        let mut across = angular_momentum - along;
-        let mut doubled = of_symmetry;
-        if self.is_asymmetric() {
-            let (along, of_asymmetry) = square(&self.asymmetry);
-            across -= along;
-            doubled += of_asymmetry;
-        }
-        (doubled + across.length_squared() * self.common) * R::HALF
+        let axis = self.symmetry.axis.in_world(axes);
+        let part = axis.dot(angular_momentum);
+        let across = angular_momentum - axis * part;
+        let along = part * part * (self.common + self.symmetry.inverse);
+        (along + across.length_squared() * self.common) * R::HALF
     }
 
     /// Rotational energy for three different moments, and for f32, where the rounding of the

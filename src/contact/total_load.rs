@@ -88,13 +88,9 @@ where
         let laws = (self.ground, self.friction);
         let axes = arm_axes.unwrap_or(&motion.axes);
         let mut load = Load::default();
-        let height = match self.ground.motion() {
-            None => self.height_under_bare_points(),
-            // The fast path knows the velocities of the body alone.
-            Some(_) => None,
-        };
-        if let Some(height) = height {
+        if let Some(height) = self.height_under_bare_points() {
             let parts = run.parts(self.body.contacts());
+            let motion = &self.seen(motion);
             load = level::load(laws, height, parts, motion, arm_axes);
             if !self.body.rims().is_empty() {
                 self.add_load_of_rims(motion, axes, &mut load);

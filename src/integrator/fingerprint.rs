@@ -3,7 +3,7 @@
 use crate::body::RigidPointBody;
 use crate::force::Force;
 use crate::ground::{SpringDamperGround, Surface};
-use crate::real::{Real, Vector};
+use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
 
@@ -48,17 +48,21 @@ impl<R: Real> Fingerprint<R> {
 #[inline]
 fn sums_of_surfaces<R: Real, D: Dynamics<R>>(scene: &D, position: R::Vec3) -> (Surface<R>, [R; 2]) {
     let (model, depth) = (scene.contact_model(), scene.bounding_radius());
-    let (mut gap, mut normal) = (R::ZERO, R::Vec3::ZERO);
-    let [mut force, mut energy] = [R::ZERO; 2];
-    for index in 0..model.surfaces() {
+    let of_surface = |index| {
         let ground = model.laws_of(index).0;
-        let surface = ground.surface(position);
-        gap += surface.gap;
-        normal += surface.normal;
-        force += ground.spring_force(depth);
-        energy += ground.spring_energy(depth);
+        let spring = [ground.spring_force(depth), ground.spring_energy(depth)];
+        (ground.surface(position), spring)
+    };
+    let (mut sum, [mut force, mut energy]) = of_surface(0);
+    // A ground of one surface adds nothing, not even zeros.
+    for index in 1..model.surfaces() {
+        let (surface, spring) = of_surface(index);
+        sum.gap += surface.gap;
+        sum.normal += surface.normal;
+        force += spring[0];
+        energy += spring[1];
     }
-    (Surface { gap, normal }, [force, energy])
+    (sum, [force, energy])
 }
 
 /// Acceleration by gravity, with the applied force at the state. Its torque is added as the

@@ -11,10 +11,10 @@
 //! q (q_f⁻¹ q_e)^w
 //! ```
 //! The weight `w` is 1 in flight, where `q = q_f`, so that the result is exact there. It decreases
-//! with the angular impulse of the torques, and is 0 from a thousandth of the angular momentum. A
-//! contact then causes the larger error, and a correction would only cost time. The correction is
-//! of the order of the method's local error. So the order stays, and the end of a step is a
-//! continuous function of the torques.
+//! with the change of the angular momentum in the step, and is 0 from 1/4096 of it. A contact then
+//! causes the larger error, and a correction would only cost time. The correction is of the order
+//! of the method's local error. So the order stays, and the end of a step is a continuous function
+//! of the torques.
 //!
 //! A body with two equal moments is not corrected.
 
@@ -23,36 +23,27 @@ use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::{Dynamics, TorqueFree};
 
-/// Angular impulse over angular momentum above which the error of the contacts is the larger one.
-const SMALL: f64 = 1.0 / 1024.0;
+/// Relative change of the angular momentum in a step above which the error of the contacts is the
+/// larger one.
+const SMALL: f64 = 1.0 / 4096.0;
 
 /// Returns the orientation at the `end` of a step of `seconds`, without the error of its method in
 /// torque-free rotation.
 ///
-/// `torques` are those of the stages. `by_method` takes the same step in another scene.
+/// `by_method` returns the orientation after the same step in another scene.
 #[inline(always)]
 pub(in crate::integrator) fn removed<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &Point<R>,
-    end: Rotation<R>,
+    end: &Point<R>,
     seconds: R,
-    torques: impl IntoIterator<Item = R::Vec3>,
-    by_method: impl FnOnce(&TorqueFree<'_, D>) -> Rotation<R>,
+    by_method: impl FnOnce(&TorqueFree<'_, D>, &Point<R>, R) -> Rotation<R>,
 ) -> Rotation<R> {
-    if !scene.inertia_properties().is_asymmetric() {
-        return end;
-    }
-    let torque = torques
-        .into_iter()
-        .map(|torque| torque.length())
-        .fold(R::ZERO, |sum, size| sum + size);
-    let weight = R::ONE - torque * seconds / (start.angular_momentum.length() * R::from_f64(SMALL));
-    // False for a body without angular momentum, too.
-    let is_nearly_free = weight > R::ZERO;
-    if is_nearly_free {
-        corrected(scene, start, end, seconds, weight, by_method)
+    if scene.inertia_properties().is_asymmetric() {
+        // Copies, because references would keep both points in memory through the whole step.
+        corrected(scene, &{ *start }, &{ *end }, seconds, by_method)
     } else {
-        end
+        end.orientation
     }
 }
 
@@ -60,17 +51,26 @@ pub(in crate::integrator) fn removed<R: Real, D: Dynamics<R>>(
 fn corrected<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &Point<R>,
-    end: Rotation<R>,
+    end: &Point<R>,
     seconds: R,
-    weight: R,
-    by_method: impl FnOnce(&TorqueFree<'_, D>) -> Rotation<R>,
+    by_method: impl FnOnce(&TorqueFree<'_, D>, &Point<R>, R) -> Rotation<R>,
 ) -> Rotation<R> {
     let (rotation, momentum) = (start.orientation, start.angular_momentum);
+    let impulse = (end.angular_momentum - momentum).length();
+    let weight = R::ONE - impulse / (momentum.length() * R::from_f64(SMALL));
+    // False for a body without angular momentum, too.
+    let is_nearly_free = weight > R::ZERO;
+    if !is_nearly_free {
+        return end.orientation;
+    }
     let inertia = scene.inertia_properties();
     let exact = inertia.turn_freely(rotation, &rotation.axes(), momentum, seconds);
+    // Torques below the rounding of the momentum do not change the rotation. Torques of the stages
+    // that cancel to the last bit, which no scene is known to have, would count as none.
     if weight == R::ONE {
         return exact;
     }
-    let error = by_method(&TorqueFree(scene)).inverse().after(exact);
-    end.after(error.part(weight)).normalised()
+    let free_end = by_method(&TorqueFree(scene), start, seconds);
+    let error = free_end.inverse().after(exact);
+    end.orientation.after(error.part(weight)).normalised()
 }

@@ -185,40 +185,45 @@ pub(in crate::integrator) fn taken<R: Real, D: Dynamics<R>, const ESTIMATED: boo
     scene: &D,
     start: &Start<R>,
 ) -> Taken<R> {
-    let later = start.later_stages(scene);
-    let stages = start.with(&later);
-    let mut end = start.ahead(&END, stages);
-    end.orientation = free_error::removed(
-        scene,
-        &start.point,
-        turned::<_, ESTIMATED>(stages, end.orientation, start.seconds),
-        start.seconds,
-        stages.map(|stage| stage.torque),
-        |free| {
-            let start = Start::of(free, &start.point, start.seconds, ContactRange::NONE);
-            let later = start.later_stages(free);
-            let stages = start.with(&later);
-            let end = start.ahead(&END, stages).orientation;
-            turned::<_, ESTIMATED>(stages, end, start.seconds)
-        },
-    );
-    let (end, [correction, replaced]) =
-        crossing::corrected::<_, _, ESTIMATED>(scene, stages, end, start.seconds);
-    let [_, _, fourth] = &later;
-    Taken {
-        end,
-        last: [fourth.acceleration, fourth.torque],
-        correction: [
-            correction.force * scene.inertia_properties().inverse_mass(),
-            correction.torque,
-        ],
-        third_difference: if ESTIMATED {
-            third_difference(scene, stages, &replaced)
-        } else {
-            [R::Vec3::ZERO; 2]
-        },
-        near: fourth.run,
-    }
+    start.with_stages(scene, |stages| {
+        let (point, seconds) = (&start.point, start.seconds);
+        let mut end = start.ahead(&END, stages);
+        end.orientation = turned::<_, ESTIMATED>(stages, end.orientation, seconds);
+        end.orientation =
+            free_error::removed(scene, point, &end, seconds, |free, point, seconds| {
+                free_orientation::<_, _, ESTIMATED>(free, point, seconds)
+            });
+        let (end, [correction, replaced]) =
+            crossing::corrected::<_, _, ESTIMATED>(scene, stages, end, seconds);
+        let [.., fourth] = stages;
+        Taken {
+            end,
+            last: [fourth.acceleration, fourth.torque],
+            correction: [
+                correction.force * scene.inertia_properties().inverse_mass(),
+                correction.torque,
+            ],
+            third_difference: if ESTIMATED {
+                third_difference(scene, stages, &replaced)
+            } else {
+                [R::Vec3::ZERO; 2]
+            },
+            near: fourth.run,
+        }
+    })
+}
+
+/// Returns the orientation at the end of a step in a scene without torques.
+fn free_orientation<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
+    scene: &D,
+    point: &Point<R>,
+    seconds: R,
+) -> Rotation<R> {
+    let start = Start::of(scene, point, seconds, ContactRange::NONE);
+    start.with_stages(scene, |stages| {
+        let end = start.ahead(&END, stages).orientation;
+        turned::<_, ESTIMATED>(stages, end, seconds)
+    })
 }
 
 /// Returns the orientation at the end of a step. With `ESTIMATED`, the phase error of a uniform

@@ -158,10 +158,9 @@ fn attempt_under<R: Real, D: Dynamics<R>, const STAGES: usize>(
             point.orientation = free_error::removed(
                 scene,
                 &start.point,
-                point.orientation,
+                &point,
                 seconds,
-                slopes.iter().map(|slope| slope.angular_momentum),
-                |free| without_torques(pair, free, &start.point, seconds),
+                |free, start, seconds| without_torques(pair, free, start, seconds),
             );
             point = point.normalised();
         }

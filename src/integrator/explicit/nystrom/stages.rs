@@ -124,9 +124,15 @@ impl<R: Real> Start<R> {
         }
     }
 
-    /// Returns the other three stages.
+    /// Computes the other three stages, and returns what `then` makes of all four.
+    ///
+    /// An array of stages would be a copy of them.
     #[inline(always)]
-    pub(super) fn later_stages<D: Dynamics<R>>(&self, scene: &D) -> [Stage<R>; 3] {
+    pub(super) fn with_stages<T, D: Dynamics<R>>(
+        &self,
+        scene: &D,
+        then: impl FnOnce([&Stage<R>; 4]) -> T,
+    ) -> T {
         // The values of the laws are tested at the last stage.
         let untested = scene.untested();
         let first = &self.stage;
@@ -134,16 +140,7 @@ impl<R: Real> Start<R> {
         let third = Stage::at(untested, self.ahead(&THIRD, [first, &second]), second.run);
         let place = self.ahead(&FOURTH, [first, &second, &third]);
         let fourth = Stage::at(scene, place, third.run);
-        [second, third, fourth]
-    }
-
-    /// Returns all four stages.
-    #[inline(always)]
-    pub(super) fn with<'a>(
-        &'a self,
-        [second, third, fourth]: &'a [Stage<R>; 3],
-    ) -> [&'a Stage<R>; 4] {
-        [&self.stage, second, third, fourth]
+        then([first, &second, &third, &fourth])
     }
 
     /// Returns the point that a row of coefficients gives from the start and the stages so far.
