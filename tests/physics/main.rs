@@ -26,6 +26,7 @@ mod varying_friction;
 
 // What holds for each integrator.
 mod audit;
+mod certificate;
 mod energy;
 mod events;
 mod flight;
