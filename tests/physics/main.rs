@@ -34,6 +34,7 @@ mod force_stability;
 mod free_rotation;
 mod free_steps;
 mod growth;
+mod limiter;
 mod lowest_point;
 mod many_contacts;
 mod outcome;
