@@ -61,6 +61,7 @@ def arguments():
     parser.add_argument('--minutes', type=float, default=1e9, help='time after which no other mutant is begun')
     parser.add_argument('--result', default='target/mutants/result.csv', help='file that is appended to; what it holds is not tried again')
     parser.add_argument('--name', default='all', help='name of the build folder')
+    parser.add_argument('--write', action='store_true', help='write the counts into tests/mutants')
     parser.add_argument('--report', action='store_true', help='only count what the result file holds')
     return parser.parse_args()
 
@@ -279,7 +280,7 @@ def processor_seconds():
 def trace(folder, programs, asked):
     """Runs each test by itself. Returns its name, time, and the mutants that it reaches."""
     tree = os.path.abspath(os.path.join(folder, 'tree/tests/mutants'))
-    record = os.path.abspath(os.path.join(folder, 'reached'))
+    record = os.path.abspath(os.path.join(folder, f'reached_{os.getpid()}'))
     tests = []
     for name, program in programs.items():
         listed = subprocess.run([program, '--list', '--format=terse'], capture_output=True, text=True, cwd=tree).stdout
@@ -353,23 +354,51 @@ def wilson(count, total):
 
 def report(chosen, asked):
     kept = kept_lines(asked.result)
-    groups = ['sample', *asked.only] if not asked.diff else ['diff']
-    print('| group | mutants | tried | not compiled | killed by a law | timed out | killed by stored bits alone | survived | not reached | found, of those that compile |')
-    print('|---|---|---|---|---|---|---|---|---|---|')
-    for group in groups:
-        of_group = [m for m in chosen if m['group'] == group or re.match(GROUPS.get(group, '$'), m['file'])]
-        results = Counter(kept[m['name']][2] for m in of_group if m['name'] in kept)
-        viable = sum(results.values()) - results['not compiled'] - results['not written']
-        if not viable:
-            continue
-        found = results['killed'] + results['timed out'] + results['killed by bits']
-        low, high = wilson(found, viable)
-        print(f'| {group} | {len(of_group)} | {sum(results.values())} | {results["not compiled"] + results["not written"]} | {results["killed"]} '
-              f'| {results["timed out"]} | {results["killed by bits"]} | {results["survived"]} | {results["not reached"]} '
-              f'| {100 * found / viable:.1f} % [{100 * low:.1f}, {100 * high:.1f}] |')
-    left = [m for m in chosen if m['name'] in kept and kept[m['name']][2] in ('survived', 'not reached')]
+    groups = ['diff'] if asked.diff else ['sample'] * bool(asked.sample) + asked.only
+    lines = ['| group | mutants | tried | not compiled | a test fails | takes too long | stored bits alone | survived | not reached | found, of those that compile |', '|' + '---|' * 10]
+    lines += [row(group, chosen, kept) for group in groups]
+    print('\n'.join(lines))
+    left = [m['name'] for m in chosen if m['name'] in kept and kept[m['name']][2] in ('survived', 'not reached')]
+    if asked.write:
+        write(lines, left, kept, asked)
     if asked.diff and left:
-        sys.exit('not found by any test:\n' + '\n'.join(m['name'] for m in left))
+        sys.exit('not found by any test:\n' + '\n'.join(left))
+
+
+def row(group, chosen, kept):
+    """Counts of a group. A mutant of the sample that is of a group counts in both."""
+    of_group = [m for m in chosen if m['group'] == group or re.match(GROUPS.get(group, '$'), m['file'])]
+    results = Counter(kept[m['name']][2] for m in of_group if m['name'] in kept)
+    compile_not = results['not compiled'] + results['not written']
+    viable = sum(results.values()) - compile_not
+    found = results['killed'] + results['timed out'] + results['killed by bits']
+    fraction = 'none'
+    if viable:
+        low, high = wilson(found, viable)
+        fraction = f'{100 * found / viable:.1f} % [{100 * low:.1f}, {100 * high:.1f}]'
+    counts = [len(of_group), sum(results.values()), compile_not, results['killed'], results['timed out'],
+              results['killed by bits'], results['survived'], results['not reached']]
+    return '| ' + ' | '.join(map(str, [group, *counts, fraction])) + ' |'
+
+
+def write(lines, left, kept, asked):
+    """The table into the README of the mutants, and those that are left with their reasons into a list."""
+    readme = 'tests/mutants/README.md'
+    with open(readme, encoding='utf-8') as file:
+        text = file.read()
+    text = re.sub(r'(<!-- mutants: begin.*?-->\n).*?(<!-- mutants: end)', lambda m: m[1] + '\n' + '\n'.join(lines) + '\n\n' + m[2], text, flags=re.S)
+    with open(readme, 'w', encoding='utf-8') as file:
+        file.write(text)
+    with open('tests/mutants/reasons.txt', encoding='utf-8') as file:
+        known = [line.rstrip('\n').split('\t') for line in file if '\t' in line]
+    by_reason = defaultdict(list)
+    for name in sorted(left):
+        reason = next((reason for pattern, reason in known if re.search(pattern, name)), 'Not read yet')
+        by_reason[reason].append(f'{name} ({kept[name][2]})')
+    with open('tests/mutants/left.txt', 'w', encoding='utf-8') as file:
+        file.write('Mutants that no test finds, by the reason of reasons.txt; written by `bash .ci/mutants.sh --report --write`.\n')
+        for reason, names in sorted(by_reason.items(), key=lambda item: item[0] == 'Not read yet'):
+            file.write(f'\n{reason}: {len(names)}\n' + ''.join(f'  {name}\n' for name in names))
 
 
 if __name__ == '__main__':
