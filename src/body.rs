@@ -490,7 +490,7 @@ mod tests {
             [&[1, 2, 3][..], &[]]
         );
         assert_eq!(ContactRange::all(5).parts(&contacts), [&contacts[..], &[]]);
-        assert_eq!(ContactRange::NONE.parts(&contacts), [&[][..], &[]]);
+        assert_eq!(ContactRange::NONE.parts(&contacts), [&[0_i32; 0][..], &[]]);
     }
 
     #[test]

@@ -279,7 +279,8 @@ pub use trial::{Start, Trial};
 ///   [`accuracy`](guide::accuracy)
 /// - How do I add a body, a ground, a friction law, a force, an integrator, an observer?
 ///   [`extending`](guide::extending)
-/// - Why does the energy never increase? [`energy`](guide::energy)
+/// - Why does the energy never increase? [`energy`](guide::energy). In how many steps was it checked?
+///   [`long_runs`](guide::long_runs)
 /// - Does the model reproduce known results? [`validation`](guide::validation), and a comparison
 ///   with a real cube: [`measured`](guide::measured)
 /// - How do other libraries perform on the same scenes? [`peers`](guide::peers)
@@ -323,6 +324,9 @@ pub mod guide {
 
     #[doc = include_str!("guide/measured.md")]
     pub mod measured {}
+
+    #[doc = include_str!("guide/long_runs.md")]
+    pub mod long_runs {}
 
     #[doc = include_str!("guide/validation.md")]
     pub mod validation {}

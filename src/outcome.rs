@@ -267,3 +267,149 @@ where
         kinetic + self.weight * gap + energy.springs + errors
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::real::{Quaternion, Real, Vector};
+    use crate::*;
+    use glam::{DQuat, DVec3};
+
+    /// kg, m. Both precisions represent them.
+    const MASS: f64 = 0.25;
+    const RADIUS: f64 = 0.5;
+    const WEIGHT: f64 = MASS * 9.75;
+
+    type Ring<R> = Stepper<
+        Coin<R, [ContactPoint<R>; 12]>,
+        FlatGround<R>,
+        Frictionless,
+        UniformGravity<R>,
+        EnergyMomentum<R>,
+        R,
+    >;
+
+    fn ring<R: Real>(stiffness: f64, height: f64) -> Ring<R> {
+        let [mass, radius] = [MASS, RADIUS].map(R::from_f64);
+        let body = Coin::ring_with_storage([ContactPoint::default(); 12], mass, radius);
+        let ground = FlatGround::level(R::from_f64(stiffness), R::ZERO);
+        Stepper::builder(body)
+            .ground(ground.on(Plane::level(R::from_f64(height))))
+            .gravity(UniformGravity::down(R::from_f64(9.75)))
+            .integrator(EnergyMomentum {
+                time_step: R::from_f64(1e-3),
+            })
+            .build()
+            .unwrap()
+    }
+
+    /// Number `index` of a sequence that fills (0, 1) evenly, another one for each `dimension`.
+    fn part(index: u32, dimension: u32) -> f64 {
+        let roots = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0_f64];
+        (f64::from(index) * roots[dimension as usize].sqrt()).fract()
+    }
+
+    /// A state of which both precisions have the same numbers, with position relative to the ground.
+    fn state<R: Real>(index: u32, speed: f64, spin: f64, height: f64) -> State<R> {
+        let vector = |first: u32| {
+            let [x, y, z] = [0, 1, 2].map(|axis| 2.0 * part(index, first + axis) - 1.0);
+            DVec3::new(x, y, z)
+        };
+        let single = |v: DVec3| {
+            let [x, y, z] = v.to_array().map(|number| f64::from(number as f32));
+            R::Vec3::new(R::from_f64(x), R::from_f64(y), R::from_f64(z))
+        };
+        let turn = DQuat::from_scaled_axis(vector(0) * 3.0);
+        let [x, y, z, w] = turn
+            .to_array()
+            .map(|number| R::from_f64(f64::from(number as f32)));
+        State::at(single(
+            DVec3::Z * (height + RADIUS * (1.2 * part(index, 3) - 0.2)),
+        ))
+        .with_orientation(R::Quat::new(x, y, z, w))
+        .with_linear_velocity(single(vector(4) * speed))
+        .with_angular_momentum(single(vector(7) * spin))
+    }
+
+    /// The bound is above the true energy by what the documentation of `most_energy` states: 64
+    /// units of each term, two for each contact, and the springs of a body that is lowered by 64
+    /// units of the lengths. The truth is that of double precision. The roundings of the terms are
+    /// below a tenth of it.
+    #[test]
+    fn the_bound_of_the_energy_is_above_it_by_the_stated_rounding() {
+        let unit = f64::from(f32::EPSILON);
+        for index in 1..600 {
+            let log = |dimension, low: f64, high: f64| {
+                low * (high / low).powf(part(index + 7, dimension))
+            };
+            let stiffness = log(0, 1e2, 1e6).round();
+            let height = (log(1, 1e-2, 1e3) - 1.0).round();
+            let (speed, spin) = (log(2, 1e-2, 1e3), log(4, 1e-3, 1e2));
+            let (single, wide) = (
+                ring::<f32>(stiffness, height),
+                ring::<f64>(stiffness, height),
+            );
+            let bound = single.barriers().unwrap();
+            let most = bound.most_energy(&state(index, speed, spin, height));
+            let state = state::<f64>(index, speed, spin, height);
+            let gap = state.position.z - height;
+            let lengths = gap.abs() + height.abs() + RADIUS;
+            let mut lowered = state;
+            lowered.position.z -= 64.0 * unit * lengths;
+            let (true_energy, low) = (wide.energy(&state), wide.energy(&lowered));
+            let kinetic = true_energy.translation + true_energy.rotation;
+            let truth = kinetic + WEIGHT * gap + true_energy.springs;
+            let rotation = state.angular_momentum.length_squared() * 2.0 / (MASS * RADIUS * RADIUS);
+            let terms = kinetic + rotation + low.springs + WEIGHT * lengths;
+            let stated = 64.0 * unit * terms
+                + 2.0 * 12.0 * unit * low.springs
+                + (low.springs - true_energy.springs);
+            let margin = (f64::from(most) - truth) / stated;
+            assert!((0.8..1.2).contains(&margin), "{index}: {margin}");
+        }
+    }
+
+    #[test]
+    fn an_outcome_does_not_depend_on_the_height_of_the_ground() {
+        let mut decided = 0;
+        for index in 1..400 {
+            let outcomes = [-3.0, 0.0, 5.0].map(|height| {
+                let stepper = ring::<f64>(1e4, height);
+                let state = state::<f64>(index, 1.0, 0.05, height);
+                stepper.barriers().unwrap().outcome(&state)
+            });
+            assert_eq!(outcomes[0], outcomes[1], "{index}");
+            assert_eq!(outcomes[2], outcomes[1], "{index}");
+            decided += u32::from(outcomes[1] != Outcome::Undecided);
+        }
+        assert!((40..360).contains(&decided), "{decided}");
+    }
+
+    #[test]
+    fn the_face_that_is_up_is_decided() {
+        let stepper = ring::<f64>(1e4, 2.0);
+        let barriers = stepper.barriers().unwrap();
+        for (turn, face) in [(-1.0, CoinFace::Heads), (1.0, CoinFace::Tails)] {
+            let turn = DVec3::Y * (turn * core::f64::consts::FRAC_PI_2);
+            let state = State::at(DVec3::Z * 2.0).with_rotation_vector(turn);
+            assert_eq!(barriers.outcome(&state), Outcome::Decided(face));
+        }
+    }
+
+    #[test]
+    fn what_drives_a_body_has_no_barriers_and_what_slows_it_has() {
+        let stepper = ring::<f64>(1e4, 0.0);
+        let drag = AirDrag {
+            linear: 0.1,
+            quadratic: 0.2,
+        };
+        assert!(stepper.with_force(drag).unwrap().barriers().is_some());
+        let velocity = DVec3::X;
+        let wind = Wind {
+            velocity,
+            force: drag,
+        };
+        assert!(stepper.with_force(wind).unwrap().barriers().is_none());
+        let belt = MovingGround::conveyor(FlatGround::level(1e4, 0.0), DVec3::X);
+        assert!(stepper.with_ground(belt).unwrap().barriers().is_none());
+    }
+}

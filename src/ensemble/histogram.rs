@@ -265,4 +265,47 @@ mod tests {
         assert!(Histogram::new(0.0, 1.0, 0).is_err());
         assert!(Histogram::new(0.0, 1.0, usize::MAX).is_err());
     }
+    /// Two values or more of each kind, so that no sum is a product.
+    #[test]
+    fn joined_histograms_have_the_counts_of_all_values() {
+        let values = [-3.0, -2.0, -1.5, 0.1, 0.2, 0.7, 5.0, 6.0, f64::NAN];
+        let empty = Histogram::new(0.0, 1.0, 2).unwrap();
+        let count = |values: &[f64]| {
+            let mut histogram = empty.clone();
+            values.iter().for_each(|value| histogram.add(*value));
+            histogram
+        };
+        for split in 0..=values.len() {
+            let (first, second) = values.split_at(split);
+            let mut joined = count(first);
+            let second = count(second);
+            assert!(joined.can_join(&second));
+            joined.join(&second);
+            joined.join(&count(&values));
+            assert_eq!(joined.bins(), [4, 2]);
+            let outside = [joined.below(), joined.above(), joined.nan()];
+            assert_eq!(outside, [6, 4, 2], "{split}");
+        }
+    }
+
+    #[test]
+    fn a_sum_of_too_many_values_is_refused() {
+        let mut many = Histogram::new(0.0, 1.0, 1).unwrap();
+        many.bins[0] = MOST_VALUES - 1;
+        let mut one = Histogram::new(0.0, 1.0, 1).unwrap();
+        one.add(2.0);
+        assert!(many.can_join(&one));
+        one.add(f64::NAN);
+        assert!(!many.can_join(&one));
+        many.bins[0] = u64::MAX;
+        assert!(!many.can_join(&one));
+    }
+
+    #[test]
+    fn an_empty_histogram_has_no_quantile() {
+        let mut histogram = Histogram::new(0.0, 1.0, 1).unwrap();
+        assert_eq!(histogram.quantile(0.5), None);
+        histogram.add(f64::NAN);
+        assert_eq!(histogram.quantile(0.5), None);
+    }
 }

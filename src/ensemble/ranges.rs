@@ -133,4 +133,12 @@ mod tests {
         assert!(set.gaps(5..8).is_empty() && set.gaps(6..6).is_empty());
         assert_eq!(set.gaps(9..u64::MAX).len(), 1);
     }
+    #[test]
+    fn empty_and_touching_ranges_are_invalid() {
+        let valid = |ranges: &[Range<u64>]| Ranges(ranges.to_vec()).is_valid();
+        assert!(valid(&[0..1, 2..3]));
+        assert!(!valid(&[0..1, 1..3]));
+        assert!(!valid(&[2..3, 0..1]));
+        assert!(!valid(core::slice::from_ref(&(2..2))));
+    }
 }

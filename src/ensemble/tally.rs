@@ -389,3 +389,73 @@ mod saved {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use alloc::string::ToString;
+
+    use super::*;
+
+    fn tally(endings: &[Ending<u8>]) -> Tally<u8> {
+        let mut tally = Tally::new(7, SceneHash::of_bytes(b""), &[]);
+        let played = endings.iter().map(|ending| Played {
+            ending: ending.clone(),
+            records: Vec::new(),
+        });
+        tally.add(0..endings.len() as u64, played.collect());
+        tally
+    }
+
+    fn decided(label: u8) -> Ending<u8> {
+        Ending::Outcome(Outcome::Decided(label))
+    }
+
+    #[test]
+    fn the_table_has_a_line_for_each_ending_and_one_for_panics_if_there_are_any() {
+        let undecided = Ending::Outcome(Outcome::Undecided);
+        let mut endings = alloc::vec![decided(3), decided(3), decided(4), undecided];
+        let table = tally(&endings).to_string();
+        assert!(table.starts_with("4 tosses, seed 7, scene "), "{table}");
+        let line = |table: &str, name: &str| {
+            let words = |line: &str| -> Vec<String> { line.split(' ').map(String::from).collect() };
+            let lines = table.lines().map(words);
+            let mut found = lines.filter(|words| words[0] == name);
+            found.next().map(|words| words.join(" "))
+        };
+        assert!(line(&table, "3").unwrap().contains(" 2  0.5000 ["));
+        assert!(line(&table, "undecided").unwrap().contains(" 1  0.2500 ["));
+        assert_eq!(line(&table, "panic"), None);
+        endings.push(Ending::Panic);
+        let table = tally(&endings).to_string();
+        assert!(line(&table, "panic").unwrap().contains(" 1  0.2000 ["));
+        assert_eq!(tally(&endings).seed(), 7);
+    }
+
+    #[test]
+    #[cfg(feature = "serde")]
+    fn a_label_a_kind_or_a_toss_that_stands_twice_is_refused() {
+        let loads = |tally: &Tally<u8>| {
+            let text = serde_json::to_string(tally).unwrap();
+            serde_json::from_str::<Tally<u8>>(&text).is_ok()
+        };
+        let sound = tally(&[
+            decided(1),
+            decided(2),
+            Ending::Error("a"),
+            Ending::Error("b"),
+        ]);
+        assert!(loads(&sound));
+        let mut twice = sound.clone();
+        twice.decided[1].0 = 1;
+        assert!(!loads(&twice));
+        let mut twice = sound.clone();
+        twice.errors[1].0 = String::from("a");
+        assert!(!loads(&twice));
+        let mut unsorted = sound.clone();
+        unsorted.errors.swap(0, 1);
+        assert!(!loads(&unsorted));
+        let mut twice = tally(&[decided(1), decided(1)]);
+        twice.decided[0].1.first[1] = 0;
+        assert!(!loads(&twice));
+    }
+}

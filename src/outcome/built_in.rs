@@ -141,3 +141,81 @@ impl<R: Real> Faces<R> for Cuboid<R> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use core::f64::consts::TAU;
+    use glam::DVec3;
+
+    /// Least support of contacts and rims over the directions at this angle from the normal.
+    ///
+    /// A `Coin` reports that of the circle around its contacts.
+    fn least_support(body: &impl RigidPointBody, angle: f64) -> f64 {
+        let support = |direction: DVec3| {
+            let contacts = body.contacts().iter();
+            let rims = body.rims().iter().map(|rim| rim.support(direction));
+            (contacts.map(|contact| direction.dot(contact.position)))
+                .chain(rims)
+                .fold(f64::NEG_INFINITY, f64::max)
+        };
+        let (sin, cos) = angle.sin_cos();
+        let around = (0..7200).map(|step| TAU * f64::from(step) / 7200.0);
+        around
+            .map(|turn| support(DVec3::new(cos, sin * turn.cos(), sin * turn.sin())))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The lowest directions between two points of a rim are among those sampled.
+    #[test]
+    fn the_height_of_a_coin_is_the_least_support_upright() {
+        for count in [3, 4, 5, 12] {
+            let storage = std::vec![ContactPoint::default(); count];
+            let coin = Coin::ring_with_storage(storage, 0.2, 0.7);
+            let basin = coin.basin(DVec3::new(0.1, 0.0, 1.0)).unwrap();
+            let least = least_support(&coin, 0.25 * TAU);
+            assert_relative_eq!(basin.height, least, max_relative = 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_height_of_a_thick_coin_is_the_least_support_on_a_rim() {
+        let (radius, thickness) = (0.7_f64, 0.3);
+        // The normal is at this angle from the vertical if the centre of mass is above a rim.
+        let angle = (2.0 * radius / thickness).atan();
+        for count in [3, 4, 6] {
+            let storage = std::vec![ContactPoint::default(); 2 * count];
+            let coin = SolidCoin::new_with_storage(storage, 0.2, radius, thickness);
+            let basin = coin.basin(DVec3::X).unwrap();
+            assert_relative_eq!(
+                basin.height,
+                least_support(&coin, angle),
+                max_relative = 1e-9
+            );
+        }
+        let disc = ThickDisc::solid(0.2, radius, thickness, 40);
+        let basin = disc.basin(DVec3::X).unwrap();
+        assert_relative_eq!(
+            basin.height,
+            least_support(&disc, angle),
+            max_relative = 1e-9
+        );
+    }
+
+    #[test]
+    fn the_face_of_a_thick_coin_changes_where_the_centre_of_mass_is_above_a_rim() {
+        let disc = ThickDisc::solid(0.2, 0.7, 0.3, 40);
+        let angle = (2.0 * 0.7 / 0.3_f64).atan();
+        for (shift, x, face) in [
+            (-1e-6, 1.0, CoinFace::Tails),
+            (-1e-6, -1.0, CoinFace::Heads),
+            (1e-6, 1.0, CoinFace::Edge),
+            (1e-6, -1.0, CoinFace::Edge),
+        ] {
+            let (sin, cos) = (angle + shift).sin_cos();
+            let down = DVec3::new(x * cos, 0.6 * sin, -0.8 * sin);
+            assert_eq!(disc.basin(down).unwrap().face, face, "{shift} {x}");
+        }
+    }
+}

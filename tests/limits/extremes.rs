@@ -16,8 +16,10 @@
 use crate::driven::{Belt, Places, Pull, Walls};
 use crate::kit::once::Once;
 use crate::kit::{self, directions, log_uniform, zero_or};
+use crate::long::{Counts, record};
 use core::cell::RefCell;
 use core::f64::consts::PI;
+use core::fmt::Display;
 use proptest::prelude::*;
 use proptest::test_runner::{TestCaseError, TestCaseResult, TestRunner};
 use tumble::error::LawQuantity;
@@ -798,6 +800,25 @@ impl Tally {
         ROLES.into_iter().zip(self.roles)
     }
 
+    /// Counts of a sweep over `scenes`, as the record of long runs lists them.
+    fn counts(&self, scenes: u32) -> Counts {
+        let [force, belt, places, walls, work] = self.roles;
+        [
+            u64::from(scenes),
+            self.all(),
+            u64::from(self.refused),
+            self.divided.iter().sum(),
+            self.energy_removed,
+            self.iterations,
+            u64::from(self.most_evaluations),
+            force,
+            belt,
+            places,
+            walls,
+            work,
+        ]
+    }
+
     fn tell(&self, name: &str) {
         let all = self.all();
         let divided: u64 = self.divided.iter().sum();
@@ -1113,6 +1134,8 @@ pub(super) fn sweep_over<R: Real>(
         keeps_its_promises::<R>(&case, &mut tally.borrow_mut())
     });
     tally.borrow().tell(name);
+    let failure = result.as_ref().err().map(|error| error as &dyn Display);
+    record(name, tally.borrow().counts(count), failure);
     assert!(result.is_ok(), "{name}: {}", result.unwrap_err());
     let refused = tally.borrow().refused;
     assert!(

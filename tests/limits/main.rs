@@ -15,3 +15,5 @@ mod driven;
 mod extremes;
 mod extremes_table;
 mod first_version;
+mod long;
+mod patterns;

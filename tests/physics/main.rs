@@ -26,6 +26,7 @@ mod varying_friction;
 
 // What holds for each integrator.
 mod audit;
+mod certificate;
 mod energy;
 mod events;
 mod flight;
@@ -33,6 +34,7 @@ mod force_stability;
 mod free_rotation;
 mod free_steps;
 mod growth;
+mod limiter;
 mod lowest_point;
 mod many_contacts;
 mod once;

@@ -1,0 +1,42 @@
+#!/bin/bash
+# Takes EnergyMomentum through many random steps, and the eight trials of the coin report through an hour, and writes the page of the guide.
+#   bash .ci/long.sh 1 20          seeds 1 to 20 of the sweep, five million steps each
+#   bash .ci/long.sh trials        one simulated hour of each trial, in both precisions
+#   bash .ci/long.sh page          only writes the page again
+# PROGRAM names the test program, if it is built.
+# Each run appends its counts to tests/data/long_runs.csv. A seed or a trial that is in it is not run again, so that a stopped command goes on.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+record=tests/data/long_runs.csv
+export TUMBLE_SWEEP_RECORD="$PWD/target/long_runs_part.csv"
+
+build() {
+  cargo test -q --release --test limits --no-run --message-format=json \
+    | sed -n 's/.*"name":"limits".*"executable":"\([^"]*\)".*/\1/p' | tail -1
+}
+# A run that is stopped leaves no counts behind.
+keep() { cat "$TUMBLE_SWEEP_RECORD" >>"$record"; rm -f "$TUMBLE_SWEEP_RECORD"; }
+
+case "${1-}" in
+  page) ;;
+  trials)
+    if ! grep -q '"trial 8, f32"' "$record"; then
+      program=${PROGRAM:-$(build)}
+      rm -f "$TUMBLE_SWEEP_RECORD"
+      TUMBLE_TRIAL_SECONDS=3600 "$program" long:: --test-threads=1 || true
+      keep
+    fi ;;
+  [0-9]*)
+    program=${PROGRAM:-$(build)}
+    for seed in $(seq "$1" "${2-$1}"); do
+      grep -q "^$seed," "$record" && continue
+      rm -f "$TUMBLE_SWEEP_RECORD"
+      # A broken promise is a line of the record, and not the end of the run.
+      PROPTEST_RNG_SEED=$seed TUMBLE_SWEEP_STEPS=${STEPS-2500000} \
+        "$program" every_step solids driven:: --skip overflow --skip beyond --test-threads=1 -q >"target/long_runs_$seed.log" 2>&1 || true
+      keep
+      echo "seed $seed: $SECONDS s"
+    done ;;
+  *) echo "usage: bash .ci/long.sh FIRST_SEED [LAST_SEED] | trials | page" >&2; exit 2 ;;
+esac
+python3 .ci/long.py "$record" src/guide/long_runs.md

@@ -1,0 +1,4 @@
+//! The contract checks.
+
+#[path = "../../limits/contract.rs"]
+mod contract;

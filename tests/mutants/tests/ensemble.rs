@@ -1,0 +1,4 @@
+//! Ensembles and the merge of their parts.
+
+#[path = "../../ensemble.rs"]
+mod ensemble;
