@@ -3,8 +3,8 @@
 //!
 //! The test `physics` and the example `known_outcomes` share the file by `#[path]`. It depends on
 //! the crate and on `rand_chacha` only. A start has a stream of random numbers of its own, so that
-//! it does not depend on the others. Who includes it names the integrator: `Method`, and `method` of
-//! a time step.
+//! it does not depend on the others. The module that includes the file names the integrator:
+//! `Method`, and `method` of a time step.
 
 // Each user of the file calls another part of it, and an invalid scene is an error of this file.
 #![allow(dead_code, clippy::unwrap_used)]

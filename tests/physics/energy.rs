@@ -520,7 +520,8 @@ proptest! {
         }
         let loaded = stepper.scene().friction().coefficient > 0.0;
         each_explicit!(1e-9, |integrator, method| {
-            let limit = stepper.with_integrator(Once(integrator)).unwrap().largest_stable_step(&state);
+            let own = stepper.with_integrator(Once(integrator)).unwrap();
+            let limit = own.largest_stable_step(&state);
             let limit = limit.unwrap();
             prop_assert!(limit > 0.0 && limit < 4e-3, "{method}: {limit:e} s");
             let factor = |part: f64| {

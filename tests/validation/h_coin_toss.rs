@@ -176,7 +176,8 @@ random! {
         let mut state = State::default()
             .with_rotation_vector(DVec3::Y * -FRAC_PI_2)
             .with_angular_momentum(DVec3::new(angle.sin(), 0.0, angle.cos()) * momentum);
-        let stepper = Stepper::new(coin()).unwrap().with_integrator(Once(StrangSplitting { time_step: 0.01 })).unwrap();
+        let method = Once(StrangSplitting { time_step: 0.01 });
+        let stepper = Stepper::new(coin()).unwrap().with_integrator(method).unwrap();
         stepper.advance(&mut state, seconds).unwrap();
         let height = (state.orientation * DVec3::X).z;
         let expected = angle.cos().powi(2) + angle.sin().powi(2) * (turns * TAU * seconds).cos();
