@@ -2,8 +2,8 @@
 //! that ends on one of the two square faces.
 //!
 //! Nothing is known of the throws, except that students rolled the dice by hand. So restitution,
-//! friction and the start are fitted on four of the cuboids by a search of a grid. They are compared
-//! on four others, and on the seven remaining ones of the source.
+//! friction and the start are fitted on four of the cuboids by a search of a grid. They are
+//! compared on four others, and on the seven remaining ones of the source.
 
 use core::fmt::Write as _;
 

@@ -1,7 +1,7 @@
 //! Labels and cost of a toss by each method, against labels at a tolerance that is very much finer.
 //!
-//! Each bounce amplifies the error of those before it. So a toss is cheaper if the tolerance is fine
-//! while the energy is high, and coarse afterwards.
+//! Each bounce amplifies the error of those before it. So a toss is cheaper if the tolerance is
+//! fine while the energy is high, and coarse afterwards.
 
 use core::f64::consts::TAU;
 use core::fmt::{Debug, Write as _};
