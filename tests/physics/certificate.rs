@@ -11,17 +11,13 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use crate::outcome::decided_states::{Draw, GRAVITY};
 use core::ops::{Add, Mul, Sub};
 use std::collections::VecDeque;
 use tumble::glam::DVec3;
 use tumble::{
     ContactPoint, Faces, FlatGround, MassProperties, RigidPointBody, Solid, Stepper, UniformGravity,
 };
-
-#[path = "../common/decided_states.rs"]
-mod decided_states;
-
-use decided_states::{Draw, GRAVITY};
 
 /// Numbers from `low` to `high`. An operation rounds outwards, by one unit in the last place more
 /// than the nearest number.

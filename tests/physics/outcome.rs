@@ -20,7 +20,7 @@ use tumble::{
 #[path = "../common/barriers_by_force.rs"]
 mod barriers_by_force;
 #[path = "../common/decided_states.rs"]
-mod decided_states;
+pub(crate) mod decided_states;
 
 use barriers_by_force::{barriers_hold, by_cone, by_query, least_energy, on};
 use decided_states::{Draw, GRAVITY, KINDS, Start, Tally, Throw, cuboid, follow, hull};
