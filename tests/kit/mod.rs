@@ -6,6 +6,7 @@
 // A test helper that fails ends its test.
 #![allow(clippy::unwrap_used)]
 
+pub(crate) mod counting;
 pub(crate) mod once;
 pub(crate) mod statistics;
 

@@ -3,14 +3,13 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use core::cell::Cell;
-
+use crate::kit::counting::Counting;
 use crate::kit::{self, log_uniform};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
-    Block, Coin, Cuboid, FlatGround, Ground, GroundBounds, Plane, PointCloud, RigidPointBody,
-    Solid as Hull, SpringDamper, SpringDamperGround, State, Stepper, Surface, Terrain, Waves,
+    Block, Coin, Cuboid, FlatGround, Ground, Plane, PointCloud, RigidPointBody, Solid as Hull,
+    SpringDamper, SpringDamperGround, State, Stepper, Terrain, Waves,
 };
 
 /// Index and gap of the lowest of all contacts above all surfaces: the first of the lowest ones.
@@ -98,33 +97,11 @@ fn of_equal_points_one_is_the_lowest() {
     }
 }
 
-/// Level ground that counts how often its surface is evaluated.
-struct Counting(FlatGround, Cell<u32>);
-
-impl SpringDamperGround for Counting {
-    fn surface(&self, point: DVec3) -> Surface {
-        self.1.set(self.1.get() + 1);
-        self.0.surface(point)
-    }
-    fn spring_force(&self, depth: f64) -> f64 {
-        self.0.spring_force(depth)
-    }
-    fn spring_energy(&self, depth: f64) -> f64 {
-        self.0.spring_energy(depth)
-    }
-    fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
-        self.0.normal_force(depth, closing_speed)
-    }
-    fn bounds(&self) -> GroundBounds {
-        self.0.bounds()
-    }
-}
-
 /// The points of a ring below one of its points are an arc, in whose middle is the lowest one.
 #[test]
 fn the_lowest_point_of_a_ring_needs_few_evaluations() {
     let body = Coin::ring_with_storage(vec![tumble::ContactPoint::default(); 12_000], 1.0, 0.5);
-    let ground = Counting(FlatGround::level(1e3, 1.0), Cell::new(0));
+    let ground = Counting::new(FlatGround::level(1e3, 1.0));
     let stepper = Stepper::new(body)
         .and_then(|s| s.with_ground(&ground))
         .unwrap();
@@ -134,9 +111,9 @@ fn the_lowest_point_of_a_ring_needs_few_evaluations() {
                 tumble::glam::DQuat::from_rotation_y(lean)
                     * tumble::glam::DQuat::from_rotation_x(roll),
             );
-            ground.1.set(0);
+            ground.take();
             let found = stepper.lowest_point(&state).unwrap();
-            let evaluations = ground.1.get();
+            let evaluations = ground.take().surfaces;
             assert!(
                 evaluations <= 20,
                 "lean {lean}, roll {roll}: {evaluations} evaluations"

@@ -6,10 +6,10 @@
 // Exact zeros and equal bits are compared. A random scene is the same in both precisions.
 #![allow(clippy::float_cmp, clippy::cast_possible_truncation)]
 
-use core::cell::Cell;
 use core::ops::ControlFlow;
 
 use crate::kit;
+use crate::kit::counting::Counting;
 use crate::kit::once::Once;
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, FrictionRange, GroundRange, check_friction, check_ground};
@@ -18,9 +18,9 @@ use tumble::glam::{DVec3, Vec3};
 use tumble::{
     AnyIntegrator, Block, BogackiShampine32, Capsule, Coin, Coulomb, Cuboid, Disc, DormandPrince54,
     Dynamics, Ellipsoid, EnergyMomentum, FlatGround, Flight, FrictionField, Frictionless, Ground,
-    GroundBounds, Integrator, Ledger, LimitedDamper, MovingGround, Nystrom, Plane, PointMass,
-    RigidPointBody, Rk4, Sample, SlidingFriction, Sphere, SpringDamper, SpringDamperGround, State,
-    Stepper, StrangSplitting, Surface, SymplecticEuler, UniformGravity, Viscous, WithResistance,
+    Integrator, Ledger, LimitedDamper, MovingGround, Nystrom, Plane, PointMass, RigidPointBody,
+    Rk4, Sample, SlidingFriction, Sphere, SpringDamper, SpringDamperGround, State, Stepper,
+    StrangSplitting, Surface, SymplecticEuler, UniformGravity, Viscous, WithResistance,
 };
 
 const G: f64 = 9.81;
@@ -272,37 +272,14 @@ fn a_landing_in_a_room_is_that_on_the_first_wall() {
     });
 }
 
-/// Plane that counts the evaluations of its surface.
-struct Counting(FlatGround, Cell<u32>);
-
-impl SpringDamperGround for Counting {
-    fn surface(&self, point: DVec3) -> Surface {
-        self.1.set(self.1.get() + 1);
-        self.0.surface(point)
-    }
-    fn spring_force(&self, depth: f64) -> f64 {
-        self.0.spring_force(depth)
-    }
-    fn spring_energy(&self, depth: f64) -> f64 {
-        self.0.spring_energy(depth)
-    }
-    fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
-        self.0.normal_force(depth, closing_speed)
-    }
-    fn bounds(&self) -> GroundBounds {
-        self.0.bounds()
-    }
-}
-
 /// Of 1200 points none is evaluated above a wall that they cannot reach, and few above the floor.
 /// An adaptive pair evaluates the wall twice at most. `EnergyMomentum` evaluates each point about
 /// once.
 #[test]
 fn a_wall_out_of_reach_is_not_evaluated() {
     let points = 1200;
-    let counting = |ground: FlatGround| Counting(ground, Cell::new(0));
-    let floor = counting(FlatGround::level(10.0, 0.01));
-    let wall = counting(plane(1e3, 1.0, DVec3::X * -3.0, DVec3::X));
+    let floor = Counting::new(FlatGround::level(10.0, 0.01));
+    let wall = Counting::new(plane(1e3, 1.0, DVec3::X * -3.0, DVec3::X));
     let storage = vec![tumble::ContactPoint::default(); points];
     let coin = Coin::ring_with_storage(storage, 1.0, 0.5);
     let start = State::at(DVec3::Z * 0.49).with_rotation_vector(DVec3::Y * 0.1);
@@ -316,10 +293,10 @@ fn a_wall_out_of_reach_is_not_evaluated() {
             .unwrap();
         let mut session = stepper.session(start);
         session.step().unwrap();
-        floor.1.set(0);
-        wall.1.set(0);
+        floor.take();
+        wall.take();
         session.step().unwrap();
-        [floor.1.get(), wall.1.get()]
+        [floor.take().surfaces, wall.take().surfaces]
     };
     let time_step = 1e-4;
     let methods = [
