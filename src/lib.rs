@@ -279,8 +279,8 @@ pub use trial::{Start, Trial};
 ///   [`accuracy`](guide::accuracy)
 /// - How do I add a body, a ground, a friction law, a force, an integrator, an observer?
 ///   [`extending`](guide::extending)
-/// - Why does the energy never increase? [`energy`](guide::energy). In how many steps was it checked?
-///   [`long_runs`](guide::long_runs)
+/// - Why does the energy never increase? [`energy`](guide::energy). In how many steps was this
+///   checked? [`long_runs`](guide::long_runs)
 /// - Does the model reproduce known results? [`validation`](guide::validation), and a comparison
 ///   with a real cube: [`measured`](guide::measured)
 /// - How do other libraries perform on the same scenes? [`peers`](guide::peers)

@@ -270,6 +270,11 @@ where
 
 #[cfg(test)]
 mod tests {
+    #![allow(
+        clippy::cast_possible_truncation,
+        reason = "rounding to f32 gives both precisions the same numbers"
+    )]
+
     use crate::real::{Quaternion, Real, Vector};
     use crate::*;
     use glam::{DQuat, DVec3};
@@ -308,7 +313,7 @@ mod tests {
         (f64::from(index) * roots[dimension as usize].sqrt()).fract()
     }
 
-    /// A state of which both precisions have the same numbers, with position relative to the ground.
+    /// A state of which both precisions have the same numbers, at a height above the ground.
     fn state<R: Real>(index: u32, speed: f64, spin: f64, height: f64) -> State<R> {
         let vector = |first: u32| {
             let [x, y, z] = [0, 1, 2].map(|axis| 2.0 * part(index, first + axis) - 1.0);

@@ -1,7 +1,7 @@
 //! The inequality of the certificate, proven for random hulls in interval arithmetic.
 //!
-//! To leave a facet, the direction that points down must cross the facet's boundary. There, at every
-//! height of the body, the potential energy of weight and springs must be at least the barrier. The
+//! To leave a facet, the direction that points down must cross the facet's boundary. There, at
+//! every height of the body, the potential energy of weight and springs must be at least the barrier. The
 //! tests in `outcome.rs` search for the least energy. Here each edge of the facet and each
 //! penetration depth is covered by intervals, and the energy of all contacts over an interval has a
 //! lower bound. Nothing between two samples is left out.
@@ -173,8 +173,8 @@ impl Edge<'_> {
             low: 0.0,
             high: deepest,
         };
-        // The larger ones first, so that an energy below the barrier is found without a search along
-        // the curve on which the energy equals it.
+        // The larger ones first, so that an energy below the barrier is found without a search
+        // along the curve on which the energy equals it.
         let mut open = VecDeque::from([[part, depth]]);
         while let Some([part, depth]) = open.pop_front() {
             let energy = self.energy(part, depth);
@@ -268,8 +268,8 @@ impl Facet {
             .map(|edge| edge.prove(barrier, 2.0 * self.balanced))
     }
 
-    /// Energy, J, that intervals resolve. They decide an inequality and not an equality: at a corner
-    /// next to the centre of mass, the barrier is the least energy itself.
+    /// Energy, J, that intervals resolve. They decide an inequality and not an equality: at a
+    /// corner next to the centre of mass, the barrier is the least energy itself.
     fn resolved(&self) -> f64 {
         1e-3 * self.weight
     }
@@ -295,7 +295,7 @@ fn the_energy_on_the_boundary_of_a_facet_is_proven_to_be_at_least_the_barrier() 
     println!("proven: {} facets", facets.len());
 }
 
-/// An energy of one state on the boundary, and a barrier that is above it by what intervals resolve.
+/// A barrier that is above the energy of one state on the boundary by what intervals resolve.
 #[test]
 fn a_barrier_above_an_energy_on_the_boundary_is_refuted() {
     for (number, facet) in facets().iter().enumerate() {

@@ -1,7 +1,7 @@
 //! What the energy limiter leaves as it is: bounces without losses, falls, sliding and rest.
 //!
-//! The sweep of the extremes tests that the energy never increases. A limiter that removes too much,
-//! or a step that is always taken by a fallback, would pass it.
+//! The sweep of the extremes tests that the energy never increases. A limiter that removes too
+//! much, or a step that is always taken by a fallback, would pass it.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]

@@ -7,8 +7,8 @@ use std::ops::Range;
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 
-/// Returns the insertions for mutants, which are given by the place at which they begin, and the ids
-/// of the mutants that are written.
+/// Returns the insertions for mutants, which are given by the place at which they begin, and the
+/// ids of the mutants that are written.
 pub(crate) fn edits(
     text: &str,
     file: &syn::File,
