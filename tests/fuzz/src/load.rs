@@ -12,8 +12,8 @@ use tumble::{
     Flight, Frictionless, Ground, HullFace, HuntCrossley, LimitedDamper, LoadDependentCoulomb,
     MassProperties, Moment, NoForce, NoGravity, NoGround, Outcome, Plane, PointMass, Ramp, Real,
     RigidPointBody, Rod, SavedSession, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere,
-    SpringDamper, SpringDamperGround, State, StepControl, Stepper, Stribeck, Terrain, Trial,
-    UniformGravity, Viscous, Waves, WithResistance,
+    SpringDamper, SpringDamperGround, State, StepControl, Stepper, Stribeck, Terrain, ThickDisc,
+    Trial, UniformGravity, Viscous, Waves, WithResistance,
 };
 
 use super::input::Input;
@@ -180,7 +180,7 @@ macro_rules! play {
             type R = $real;
             match input.below(4) {
                 0 => {
-                    let kind = input.below(11);
+                    let kind = input.below(12);
                     bodies::<R>(kind, input);
                 }
                 1 => {
@@ -246,7 +246,11 @@ fn bodies<R: Saved>(kind: u8, input: &mut Input<'_>) {
         7 => throw(loaded(&Ellipsoid::solid(mass, edges), input), input),
         8 => throw(loaded(&Capsule::solid(mass, tenth, half), input), input),
         9 => throw(loaded(&Rod::new(mass, half), input), input),
-        _ => throw(loaded(&PointMass::new(mass), input), input),
+        10 => throw(loaded(&PointMass::new(mass), input), input),
+        _ => throw(
+            loaded(&ThickDisc::solid(mass, half, tenth, 12), input),
+            input,
+        ),
     }
 }
 

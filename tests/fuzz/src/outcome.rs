@@ -8,7 +8,7 @@ use tumble::real::Vector;
 use tumble::{
     Barriers, Basin, Coin, ContactPoint, ContactRange, Cuboid, Disc, Dynamics, EnergyMomentum,
     Faces, FlatGround, MassProperties, Outcome, PointCloud, Real, RigidPointBody, Rim, SceneError,
-    Solid, SolidCoin, State, Stepper, UniformGravity,
+    Solid, SolidCoin, State, Stepper, ThickDisc, UniformGravity,
 };
 
 use super::input::Input;
@@ -169,7 +169,7 @@ fn split(input: &mut Input<'_>) {
 fn stays_decided_in<R: Real>(input: &mut Input<'_>) {
     let mass = input.size::<R>(1e-3, 1.0);
     let size = |input: &mut Input<'_>| input.size::<R>(1e-2, 0.2);
-    match input.below(7) {
+    match input.below(8) {
         0 => {
             let ring = Coin::<R, _>::ring_with_storage([blank(); 9], mass, size(input));
             stays_decided(input, &ring);
@@ -197,6 +197,10 @@ fn stays_decided_in<R: Real>(input: &mut Input<'_>) {
             if let Ok(solid) = Solid::hull(mass, points) {
                 stays_decided(input, &solid);
             }
+        }
+        7 => {
+            let (radius, thickness) = (size(input), size(input));
+            stays_decided(input, &ThickDisc::<R>::solid(mass, radius, thickness, 15));
         }
         _ => {
             let points = [0; 5].map(|_| input.vector::<R>(1e-2, 0.2));

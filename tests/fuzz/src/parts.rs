@@ -12,7 +12,7 @@ use tumble::{
     PointMass, Radau5, Ramp, Real, RigidPointBody, Rk4, Rod, Rotation, SceneError, Shape,
     SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround,
     State, Step, StepControl, StepError, Stepper, StrangSplitting, Stribeck, Surface,
-    SymplecticEuler, Terrain, UniformGravity, Viscous, Waves, WithResistance,
+    SymplecticEuler, Terrain, ThickDisc, UniformGravity, Viscous, Waves, WithResistance,
 };
 
 use super::driven::{AnyForce, beside_walls, by_place, force, moving};
@@ -128,8 +128,8 @@ fn masses<R: Real>(input: &mut Input<'_>) -> Result<MassProperties<R>, SceneErro
 /// # Errors
 /// Returns [`SceneError`] if a constructor does.
 pub fn body<R: Real>(input: &mut Input<'_>) -> Result<AnyBody<R>, SceneError> {
-    let kind = input.below(20);
-    if kind >= 13 {
+    let kind = input.below(21);
+    if (13..20).contains(&kind) {
         return composite(input, kind);
     }
     let mass = mass(input);
@@ -157,7 +157,16 @@ pub fn body<R: Real>(input: &mut Input<'_>) -> Result<AnyBody<R>, SceneError> {
             Box::new(Cone::solid_with_storage(points, mass, radius, height))
         }
         11 => Box::new(Rod::<R>::new(mass, length(input))),
-        _ => Box::new(PointMass::<R>::new(mass)),
+        12 => Box::new(PointMass::<R>::new(mass)),
+        _ => {
+            let (radius, thickness, points) = (length(input), length(input), input.short());
+            Box::new(ThickDisc::<R>::solid(
+                mass,
+                radius,
+                thickness,
+                points.into(),
+            ))
+        }
     })
 }
 
