@@ -90,7 +90,15 @@ where
         let mut load = Load::default();
         if let Some(height) = self.height_under_bare_points() {
             let parts = run.parts(self.body.contacts());
-            let motion = &self.seen(motion);
+            // A copy of the motion would cost some fifty instructions where the ground is at rest.
+            let seen;
+            let motion = match self.ground.motion() {
+                None => motion,
+                Some(ground) => {
+                    seen = ground.seen_by(motion);
+                    &seen
+                }
+            };
             load = level::load(laws, height, parts, motion, arm_axes);
             if !self.body.rims().is_empty() {
                 self.add_load_of_rims(motion, axes, &mut load);

@@ -72,10 +72,21 @@ impl<R: Real> Div for Complex<R> {
     type Output = Self;
     #[inline]
     fn div(self, other: Self) -> Self {
-        let square = other.re * other.re + other.im * other.im;
-        Self {
-            re: (self.re * other.re + self.im * other.im) / square,
-            im: (self.im * other.re - self.re * other.im) / square,
+        // The square of a divisor could overflow. Its ratios cannot (Smith 1962).
+        if other.re.abs() >= other.im.abs() {
+            let ratio = other.im / other.re;
+            let divisor = other.re + other.im * ratio;
+            Self {
+                re: (self.re + self.im * ratio) / divisor,
+                im: (self.im - self.re * ratio) / divisor,
+            }
+        } else {
+            let ratio = other.re / other.im;
+            let divisor = other.re * ratio + other.im;
+            Self {
+                re: (self.re * ratio + self.im) / divisor,
+                im: (self.im * ratio - self.re) / divisor,
+            }
         }
     }
 }
