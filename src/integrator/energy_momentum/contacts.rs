@@ -128,8 +128,6 @@ pub(super) struct Contacts<R: Real> {
     /// there were in this step.
     noted: [Trial<R>; PAST],
     notes: usize,
-    /// Newton's step from the first of them, if the dual unknowns continue from its end.
-    first_step: Option<Increment<R>>,
 }
 
 impl<R: Real> Contacts<R> {
@@ -147,7 +145,6 @@ impl<R: Real> Contacts<R> {
         path_by_turn: Block::ZERO,
         noted: [Trial::NONE; PAST],
         notes: 0,
-        first_step: None,
     };
 
     /// Forgets the contacts of the last step.
@@ -158,7 +155,6 @@ impl<R: Real> Contacts<R> {
         self.with_rim = false;
         self.lever = Lever::NONE;
         self.notes = 0;
-        self.first_step = None;
     }
 
     /// Adds the contacts with a surface that are within reach.
@@ -419,30 +415,26 @@ impl<R: Real> Contacts<R> {
             let Some(rim) = rim.filter(|_| left.rim == right.rim) else {
                 continue;
             };
-            // The points of a panel come in pairs, the outermost pair last. Of each pair, the point
-            // farther along the rim comes first.
+            // The outermost points of a panel are its last two. The point farther along the rim
+            // comes first.
             let [left, right] = [left.end, right.end].map(usize::from);
-            let places = [(left, 4), (left, 2), (right, 1), (right, 3)];
-            let points = places.map(|(end, before)| touch(end.checked_sub(before)));
-            if let [Some(a), Some(b), Some(c), Some(d)] = points {
+            let outermost = (touch(left.checked_sub(2)), touch(right.checked_sub(1)));
+            if let (Some(left), Some(right)) = outermost {
                 let per_metre = rim.points() / (rim.radius() * R::from_f64(core::f64::consts::TAU));
-                if let Some(reversal) = Reversal::between(problem, [a, b, c, d], per_metre) {
+                if let Some(reversal) = Reversal::between(problem, [left, right], per_metre) {
                     feel(&reversal);
                 }
             }
         }
     }
 
-    /// Force (N) and torque (N m) by which the linear friction of the matrix exceeds that of the
-    /// laws, at the last trial, which was `trial`. With `to_dual`, those of the dual forces.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn excess<D: Dynamics<R>>(
+    /// Force (N) and torque (N m) by which the dual forces of friction exceed those of the laws, at
+    /// the last trial, which was `trial`.
+    pub(super) fn dual_excess<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        to_dual: bool,
-    ) -> [R::Vec3; 2] {
+    ) -> (R::Vec3, R::Vec3) {
         let (mut force, mut torque) = (R::Vec3::ZERO, R::Vec3::ZERO);
         let mut forgotten;
         for index in 0..self.len() {
@@ -455,32 +447,12 @@ impl<R: Real> Contacts<R> {
                 }
             };
             if touch.push.is_felt() {
-                let excess = touch.excess(problem, to_dual);
+                let excess = touch.dual_excess(problem);
                 force += excess;
                 torque += touch.push.arm.cross(excess);
             }
         }
-        [force, torque]
-    }
-
-    /// Advances the slips and dual unknowns of the last trial to the end of a Newton step.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn advance<D: Dynamics<R>>(
-        &mut self,
-        problem: &Problem<'_, R, D>,
-        by: &Increment<R>,
-    ) {
-        if self.notes == 1 {
-            self.first_step = Some(*by);
-        }
-        let is_smooth = problem.scene.body().is_smooth();
-        for (index, touch) in self.touches.iter_mut().take(self.remembered).enumerate() {
-            // The path by a rotation is known for the first contact of a smooth body.
-            if touch.push.is_felt() && (index == 0 || !is_smooth) {
-                touch.advance(problem, by, &self.path_by_turn);
-            }
-        }
+        (force, torque)
     }
 
     /// Computes and stores the derivative of a smooth body's path along the ground with respect to
@@ -629,12 +601,9 @@ impl<R: Real> Contacts<R> {
         touch.respond(problem, trial);
         if with_past && touch.push.is_felt() {
             let push = touch.push;
-            for (number, trial) in self.past().enumerate() {
+            for trial in self.past() {
                 touch.respond(problem, trial);
                 touch.note_answer(problem);
-                if let Some(by) = self.first_step.filter(|_| number == 0) {
-                    touch.advance(problem, &by, &self.path_by_turn);
-                }
             }
             touch.push = push;
         }

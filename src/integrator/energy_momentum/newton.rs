@@ -27,18 +27,6 @@
 //!   it. The slip is then carried along as an unknown. Each Newton step adds its increment, which
 //!   is known to a relative error of 2e-16 ([`Increment`]). The slip stays within the rounding of
 //!   the difference.
-//!
-//! # First trial in stick
-//!
-//! The first trial is free motion, and its slip is far above the creep of a contact that sticks. A
-//! derivative there is that of a slide, and the iteration needs several steps to find the friction
-//! of stick. The slip at the start of the step is a better estimate of the creep, because the step
-//! before has ended with it. It is a function of the state, so that no result depends on what a
-//! workspace remembers. The law is therefore differentiated for the slip at the start. Let `F'` be
-//! its linear function of the slip. The first Newton step solves the balance with `F'(u)` in place
-//! of `F(u)`, at the slip u of the first trial. It finds friction for contacts that all stick, and
-//! for contacts of which one slides while the other sticks. The slip and the dual unknown continue
-//! from the end of that step.
 
 use super::contacts::Contacts;
 use super::end_velocity::Strain;
@@ -313,23 +301,14 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let problem = self.problem;
         let is_enough = self.is_enough(here);
         self.derive(is_enough, contacts, trial);
-        let is_resolved = self.strain.of_step(problem).is_resolved();
-        let mut residual = [here.force_residual, here.torque_residual];
-        // A contact in stick begins with the friction at the start of the step.
-        let is_ahead = !is_resolved && !is_enough && {
-            let excess = contacts.excess(problem, trial, false);
-            residual = without_excess(problem, residual, excess);
-            excess != [R::Vec3::ZERO; 2]
-        };
-        let [force, torque] = residual;
-        let (shift, turn) = (self.matrix).solve(-force, -torque, problem.bounding_radius);
-        let is_last = !is_ahead
-            && ((is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
-                || self.is_close_in_stick(here, (contacts, trial), shift, turn));
+        let (shift, turn) = (self.matrix).solve(
+            -here.force_residual,
+            -here.torque_residual,
+            problem.bounding_radius,
+        );
+        let is_last = (is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
+            || self.is_close_in_stick(here, (contacts, trial), shift, turn);
         change(problem, trial, &here.place, shift, turn);
-        if is_ahead || is_last && !is_resolved {
-            contacts.advance(problem, &Increment::of(shift, turn, here.place.spin));
-        }
         if self.with_increments {
             self.increment = Some(Increment::of(shift, turn, here.place.spin));
         }
@@ -496,23 +475,16 @@ fn norm<R: Real, D: Dynamics<R>>(
 fn is_close_by_dual<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     (contacts, trial): (&Contacts<R>, &Trial<R>),
-    residual: [R::Vec3; 2],
+    [force_residual, torque_residual]: [R::Vec3; 2],
     close: R,
 ) -> bool {
-    let excess = contacts.excess(problem, trial, true);
-    let [force, torque] = without_excess(problem, residual, excess);
-    norm(problem, force, torque) <= close
-}
-
-/// Residual of the momentum balance with this force (N) and torque (N m) in addition.
-#[inline]
-fn without_excess<R: Real, D>(
-    problem: &Problem<'_, R, D>,
-    [force, torque]: [R::Vec3; 2],
-    [more_force, more_torque]: [R::Vec3; 2],
-) -> [R::Vec3; 2] {
     let half = problem.seconds * R::HALF;
-    [force - more_force * half, torque - more_torque * half]
+    let (force, torque) = contacts.dual_excess(problem, trial);
+    norm(
+        problem,
+        force_residual - force * half,
+        torque_residual - torque * half,
+    ) <= close
 }
 
 /// Effect of rounding of a smooth body's surface on the balance, √J; 0 for other bodies.
