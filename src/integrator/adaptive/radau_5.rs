@@ -78,8 +78,9 @@ use stages::{Equations, Increments, STAGES, WEIGHTS, differences};
 /// - *Touch-downs* end a step, as in `DormandPrince54`.
 /// - *May add energy* by the size of its error.
 /// - *Torque-free rotation* is exact to rounding.
-/// - *Limit:* below a slip speed of about 1e-13 m/s, rounding of the velocities is as large as the
-///   slip. Use [`EnergyMomentum`](crate::EnergyMomentum) there.
+/// - *Limit:* the slip speed must be above the rounding of the velocities. At 1 m/s, 1e-12 m/s is
+///   tested in double precision, and 1e-6 m/s in single precision. Far below that, a body that comes
+///   to rest takes tiny steps. Use [`EnergyMomentum`](crate::EnergyMomentum) there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Radau5<R = f64> {

@@ -129,8 +129,7 @@ pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
         ($($real:ident)*) => {$(
             with_each!(scenes $real ""
                 AdaptiveEnergyMomentum: |step| AdaptiveEnergyMomentum::new(tolerance(step));
-                AdaptiveNystrom: |step| AdaptiveNystrom::new(tolerance(step));
-                Radau5: |step| Radau5::new(tolerance(step)););
+                AdaptiveNystrom: |step| AdaptiveNystrom::new(tolerance(step)););
         )*};
     }
     adaptive!(f32 f64);
@@ -139,7 +138,8 @@ pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
             with_each!(rims $real ", rims"
                 Rk4: |time_step| Rk4 { time_step };
                 EnergyMomentum: |time_step| EnergyMomentum { time_step };
-                DormandPrince54: |step| DormandPrince54::new(tolerance(step)););
+                DormandPrince54: |step| DormandPrince54::new(tolerance(step));
+                Radau5: |step| Radau5::new(tolerance(step)););
         )*};
     }
     rims!(f32 f64);

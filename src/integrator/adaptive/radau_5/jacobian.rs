@@ -138,7 +138,8 @@ impl<R: Real> Derivatives<R> {
 
     fn add<D: Dynamics<R>>(&mut self, scene: &D, motion: &Motion<R>, contact: &Contact<R>) {
         let (arm, spin) = (contact.arm, motion.angular_velocity);
-        let ([by_path, by_velocity], width) = by_motion(scene, contact);
+        let noise = rounding_of_slip(scene, motion);
+        let ([by_path, by_velocity], width) = by_motion(scene, contact, noise);
         self.width = self.width.at_most(width);
         let [x, y, z] = contact.arm_by_turn(scene.body(), &motion.axes);
         let moved = Block { x, y, z };
@@ -165,8 +166,20 @@ impl<R: Real> Derivatives<R> {
     }
 }
 
-/// Derivatives P and Q of the force of a contact with respect to its path and to its velocity.
-fn by_motion<R: Real, D: Dynamics<R>>(scene: &D, contact: &Contact<R>) -> ([Block<R>; 2], R) {
+/// Rounding of the slip of a contact, m/s.
+#[inline]
+fn rounding_of_slip<R: Real, D: Dynamics<R>>(scene: &D, motion: &Motion<R>) -> R {
+    let speed = motion.linear_velocity.length() + motion.angular_velocity.length() * size(scene);
+    speed * (R::EPSILON * R::from_f64(16.0))
+}
+
+/// Derivatives P and Q of the force of a contact with respect to its path and to its velocity, and
+/// the slip over which its friction changes (m/s). `noise` is the rounding of the slip.
+fn by_motion<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    contact: &Contact<R>,
+    noise: R,
+) -> ([Block<R>; 2], R) {
     let (ground, friction) = contact.laws(scene.ground(), scene.friction());
     let (n, slip) = (contact.normal, contact.slip);
     let (depth, speed) = (contact.depth, contact.closing_speed);
@@ -175,27 +188,34 @@ fn by_motion<R: Real, D: Dynamics<R>>(scene: &D, contact: &Contact<R>) -> ([Bloc
     let load = push(depth, speed);
     let deeper = depth * nudge;
     let stiffness = (push(depth + deeper, speed) - load) / deeper;
-    // The unit of speed: the size of the body in a second.
-    let faster = (speed.abs() + size(scene)) * nudge;
+    // The unit of speed: the size of the body in a second. A point has none.
+    let faster = (speed.abs() + size(scene) + depth) * nudge;
     let damping = (push(depth, speed + faster) - load) / faster;
-    let drag = friction.jacobian_at(contact.position, load, slip);
+    let length = slip.length();
+    // The direction of a slip below its rounding is not known. Friction is then a damper that
+    // reaches its limit at the rounding, so that the iteration ends there.
+    let is_known = length >= noise || length == R::ZERO;
+    let felt = if is_known {
+        slip
+    } else {
+        slip * (noise / length)
+    };
+    let drag = friction.jacobian_at(contact.position, load, felt);
     let loaded = n - slip * drag.per_load;
     let pushed = Block::outer(loaded, n).scaled(-contact.weight);
-    let length = slip.length();
-    let along = if length > R::ZERO {
-        slip * (R::ONE / length)
+    let weakening = if is_known && length > R::ZERO {
+        drag.growth / (length * drag.width)
     } else {
-        R::Vec3::ZERO
+        R::ZERO
     };
-    let weakening = drag.growth * (length / drag.width);
     let in_surface = Block::diagonal(R::ONE)
         .plus(&Block::outer(-n, n))
-        .plus(&Block::outer(along * -weakening, along))
+        .plus(&Block::outer(slip * -weakening, slip))
         .scaled(-(drag.coefficient * contact.weight));
     let by_path = pushed.scaled(stiffness);
     let by_velocity = pushed.scaled(damping).plus(&in_surface);
     let width = if drag.coefficient > R::ZERO {
-        drag.width
+        drag.width.at_least(noise)
     } else {
         R::MAX
     };

@@ -139,25 +139,22 @@ impl<R: Real> Equations<R> {
                 *z = z.plus(moved, R::ONE);
             }
             let size = moved.iter().map(&size_of).fold(R::ZERO, R::at_least);
-            let left = match last {
-                // The first iteration solves linear equations. What it leaves is not known.
-                None => size,
-                Some(last) => {
-                    let rate = size / last;
-                    // Also ends an iteration that is no longer finite.
-                    let converges = rate < R::ONE;
-                    if !converges {
-                        return None;
-                    }
-                    size * (rate / (R::ONE - rate))
-                }
-            };
-            if left <= target {
+            // At the rounding of the state, the changes need not become smaller. After the first
+            // iteration, which solves linear equations, it is not known what is left.
+            let rate = last.map_or(R::HALF, |last| size / last);
+            let left = size * (rate / (R::ONE - rate)).at_most(R::ONE);
+            let is_solved = size <= target || (rate < R::ONE && left <= target);
+            if is_solved {
                 return Some(Solution {
                     increments: z,
                     slopes,
                     iterations: iteration,
                 });
+            }
+            // Also ends an iteration that is no longer finite.
+            let converges = rate < R::ONE;
+            if !converges {
+                return None;
             }
             last = Some(size);
             slopes = z.map(|z| slope_at(&z));
