@@ -10,6 +10,10 @@
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
+#![allow(
+    clippy::std_instead_of_alloc,
+    reason = "a test has the standard library"
+)]
 // The tests need a newer compiler than the library.
 #![allow(clippy::incompatible_msrv)]
 

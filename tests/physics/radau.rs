@@ -149,12 +149,11 @@ fn errors_in_the_trials_of_the_report_follow_the_tolerance() {
     }
 }
 
-/// In trial 3 the whole coin sticks, on contacts that come and go.
 #[test]
-fn errors_at_a_small_slip_speed_follow_the_tolerance_less_closely() {
-    for (number, most) in [(1, 10.0), (3, 50.0), (5, 10.0), (8, 10.0)] {
+fn errors_at_a_small_slip_speed_follow_the_tolerance() {
+    for number in [1, 3, 5, 8] {
         let [least, largest] = errors_in_trial(number, 1e-6);
-        assert!(least >= 0.05 && largest <= most, "{least} to {largest}");
+        assert!(least >= 0.05 && largest <= 5.0, "{least} to {largest}");
     }
 }
 
@@ -175,7 +174,7 @@ fn errors_follow_the_tolerance_in_the_other_trials() {
             stepper.advance(&mut state, 1.0).unwrap();
             let ratio = apart(&state, truth.state()).place / tolerance;
             println!("trial {number}, {tolerance:e} m: {ratio:.3}");
-            assert!((0.05..=10.0).contains(&ratio), "{number}: {ratio}");
+            assert!((0.05..=5.0).contains(&ratio), "{number}: {ratio}");
         }
     }
 }
@@ -293,10 +292,7 @@ fn flight_is_exact_for_any_moments() {
     let body = Cuboid::solid(0.8, DVec3::new(0.3, 0.2, 0.1));
     let stepper = Stepper::new(body).unwrap();
     let (mut state, mut other) = (start, start);
-    let implicit = stepper
-        .clone()
-        .with_integrator(Once(Radau5::new(1e-4)))
-        .unwrap();
+    let implicit = stepper.with_integrator(Once(Radau5::new(1e-4))).unwrap();
     implicit.advance(&mut state, 2.0).unwrap();
     let explicit = stepper
         .with_integrator(Once(DormandPrince54::new(1e-6)))

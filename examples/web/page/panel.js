@@ -29,7 +29,6 @@ const INTEGRATORS = [
   ['BogackiShampine32', ADAPTIVE],
   ['DormandPrince54', ADAPTIVE],
   ['Flight', 'Flight in closed form, and StrangSplitting in contact.'],
-  ['AdaptiveNystrom', ADAPTIVE],
   ['Radau5', `${ADAPTIVE} Implicit.`],
 ];
 const METHODS = INTEGRATORS.map(([name]) => name);

@@ -74,6 +74,9 @@ const THIRD: [f64; STAGES + 1] = [
     10.0 / 3.0,
 ];
 
+/// Least number of iterations. The first leaves an error of order 3 in the step size, and each adds an
+/// order. Four have the order of the result, however large the tolerance is.
+const LEAST: u32 = 4;
 /// Largest number of iterations.
 const MOST: u32 = 10;
 
@@ -115,14 +118,15 @@ impl<R: Real> Equations<R> {
         }
     }
 
-    /// Solves for the increments of the stages, to a change of `target` (m) in the last iteration.
+    /// Solves for the increments of the stages, until a change of `target` (m) is left, or one that is
+    /// below the `rounding` (m).
     /// Returns `None` if the iteration does not converge.
     ///
     /// `slope_at` is the slope at an increment. `first` is that at the start.
     pub(super) fn increments(
         &self,
         first: &Point<R>,
-        target: R,
+        [target, rounding]: [R; 2],
         slope_at: impl Fn(&Point<R>) -> Point<R>,
         size_of: impl Fn(&Point<R>) -> R,
     ) -> Option<Solution<R>> {
@@ -139,11 +143,11 @@ impl<R: Real> Equations<R> {
                 *z = z.plus(moved, R::ONE);
             }
             let size = moved.iter().map(&size_of).fold(R::ZERO, R::at_least);
-            // At the rounding of the state, the changes need not become smaller. After the first
-            // iteration, which solves linear equations, it is not known what is left.
+            // After the first iteration, which solves linear equations, it is not known what is left.
             let rate = last.map_or(R::HALF, |last| size / last);
             let left = size * (rate / (R::ONE - rate)).at_most(R::ONE);
-            let is_solved = size <= target || (rate < R::ONE && left <= target);
+            let is_solved = size <= rounding
+                || (iteration >= LEAST && (size <= target || (rate < R::ONE && left <= target)));
             if is_solved {
                 return Some(Solution {
                     increments: z,
