@@ -43,7 +43,7 @@ pub(crate) enum Program {
 }
 
 impl Program {
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 9] = [
         Self::Plain,
         Self::Ours(Method::Rk4),
         Self::Ours(Method::StrangSplitting),
@@ -52,6 +52,7 @@ impl Program {
         Self::Ours(Method::BogackiShampine32),
         Self::Ours(Method::DormandPrince54),
         Self::Ours(Method::AdaptiveNystrom),
+        Self::Ours(Method::Radau5),
     ];
 
     fn name(self) -> String {

@@ -7,7 +7,7 @@ use tumble::glam::DVec3;
 use tumble::work_precision::{Method, Setting, reference};
 use tumble::{
     AdaptiveEnergyMomentum, AdaptiveNystrom, BogackiShampine32, Coulomb, Cuboid, DormandPrince54,
-    Dynamics, EnergyMomentum, FlatGround, Flight, ForwardEuler, Integrator, Nystrom,
+    Dynamics, EnergyMomentum, FlatGround, Flight, ForwardEuler, Integrator, Nystrom, Radau5,
     RigidPointBody, Rk4, Scene, SceneError, SolidCoin, State, Stepper, StrangSplitting,
     SymplecticEuler, Trial, UniformGravity,
 };
@@ -262,6 +262,7 @@ fn run<B: RigidPointBody>(
         Method::AdaptiveNystrom => {
             moved(stepper, Flight(AdaptiveNystrom::new(value)), start, seconds)
         }
+        Method::Radau5 => moved(stepper, Flight(Radau5::new(value)), start, seconds),
         _ => moved(stepper, Flight(DormandPrince54::new(value)), start, seconds),
     }
 }
