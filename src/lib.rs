@@ -130,7 +130,7 @@
 //! | [`DormandPrince54`] | 5 | 6 | nothing more | by its error | any tolerance: the step size is adaptive |
 //! | [`AdaptiveEnergyMomentum`] | 2 | those of three steps of `EnergyMomentum` | as `EnergyMomentum` | never | any tolerance: the step size is adaptive |
 //! | [`AdaptiveNystrom`] | 4, and 2 through touch-downs | 4 | nothing more | by its error | any tolerance: the step size is adaptive |
-//! | [`Radau5`] | 5 | 15 to 30 | nothing more | by its error | any tolerance: implicit, and the step size is adaptive |
+//! | [`Radau5`] | 5 | 15 to 30 | nothing more | by its error | any tolerance: implicit |
 //! | [`ForwardEuler`] | 1 | 1 | nothing more | in every step | `dt < 2 ζ/ω`, and `ζ < 1` |
 //!
 //! `ω` (rad/s) and `δ` (1/s) are the highest frequency and the highest rate of damping that the
@@ -151,7 +151,7 @@
 //! | `Nystrom` | errors of a tenth of a millimetre and less, if a body rolls and slides |
 //! | `AdaptiveNystrom` | a tolerance instead of a step size, from a centimetre to a hundredth of a millimetre |
 //! | `DormandPrince54` | a smaller tolerance |
-//! | `Radau5` | a tolerance where a body sticks or rolls at a small slip speed, or lies on stiff ground |
+//! | `Radau5` | a tolerance in stick or rolling at a small slip speed, or on stiff ground |
 //! | `AdaptiveEnergyMomentum` | a tolerance and an energy that never increases; the error of each step |
 //! | any of them in [`Flight`] | flight in closed form |
 //! | [`AnyIntegrator`] | a choice at run time |

@@ -201,7 +201,8 @@ fn csv(measured: &Measured<'_>) -> String {
 /// [`HEADLINE`].
 fn one_tolerance(measured: &Measured<'_>) -> String {
     let mut text = format!(
-        "| within {HEADLINE:e} m, one tolerance for all trials | tolerance | cost of the hand-written Rk4: geometric mean, worst |\n|---|---|---|\n"
+        "| within {HEADLINE:e} m, one tolerance for all trials | tolerance \
+         | cost of the hand-written Rk4: geometric mean, worst |\n|---|---|---|\n"
     );
     let i = headline();
     for program in Program::ALL

@@ -214,7 +214,8 @@ fn row(name: &str, measured: Measured, counts: [u64; 2]) -> (String, f64) {
     let difference = square as f64 / tosses as f64 - known;
     let chi = chi_square(measured, counts);
     let row = format!(
-        "| {ratio} | {name} | {rolls} | {known} | {tosses} | {} | {difference:.3} | {chi:.1} | {} |\n",
+        "| {ratio} | {name} | {rolls} | {known} | {tosses} | {} | {difference:.3} \
+         | {chi:.1} | {} |\n",
         fraction(square, tosses),
         reached(difference.abs() <= GOAL),
     );

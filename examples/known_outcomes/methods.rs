@@ -225,7 +225,8 @@ where
             let change = after - before;
             writeln!(
                 rows,
-                "| {} | {tosses} | {changed} | {name} | {before:.3} | {after:.3} | {change:.3} | {} |",
+                "| {} | {tosses} | {changed} | {name} | {before:.3} | {after:.3} \
+                 | {change:.3} | {} |",
                 self.name,
                 reached(change.abs() <= 100.0 * CONVERGED)
             )?;

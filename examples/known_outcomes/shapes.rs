@@ -79,8 +79,8 @@ fn dice(size: Size) -> Outcome<String> {
         "Two-dimensional die with the sides 1 and {LONG} (Pender & Uhrin, arXiv 1407.6307): number \
          on a long side over number\non a short side. They suggest `(d - 1)/(d - {LONG}) · \
          atan {LONG}/atan(1/{LONG})` with the diagonal d, which is {:.2}. It is an\napproximation \
-         for a die that rolls over many sides. On real surfaces they expect and observe ratios that \
-         are\nsomewhat closer to one.\n\n\
+         for a die that rolls over many sides. On real surfaces they expect and observe ratios \
+         that are\nsomewhat closer to one.\n\n\
          | restitution of a corner | friction | tosses | ratio | undecided |\n\
          |---|---|---|---|---|\n",
         pender()

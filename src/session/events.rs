@@ -202,7 +202,7 @@ where
         let before = self.state;
         let step = (self.stepper).move_on(&mut self.state, limit, &mut self.workspace)?;
         clock.tick(&step)?;
-        self.learn(&before, &step, limit);
+        self.learn(&before, &step);
         if I::SPANS_STEPS && end.time_step.is_some_and(|own| step.elapsed <= own) {
             end.check_steps(clock)?;
         }

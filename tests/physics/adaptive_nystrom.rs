@@ -57,8 +57,8 @@ fn the_error_of_a_run_is_at_most_five_tolerances_in_the_trials_that_chose_the_co
     }
 }
 
-/// The truth is a run with steps of 10 µs, which is accurate to 2e-10 m. No constant of the estimate
-/// was chosen on these trials, but its form was compared on them.
+/// The truth is a run with steps of 10 µs, which is accurate to 2e-10 m. No constant of the
+/// estimate was chosen on these trials, but its form was compared on them.
 #[test]
 fn the_error_of_a_run_is_at_most_five_tolerances_in_trials_that_chose_no_constant() {
     for number in [2, 4, 6, 7] {
@@ -146,8 +146,9 @@ fn a_contact_that_closes_and_opens_within_one_step_is_not_missed() {
     }
 }
 
-/// A step leaves out the phase error of a uniform rotation, `z⁵/720` with `z = |ω| h/2`, up to terms
-/// of `z⁹`. Without that, the ten steps of this second would rotate the body too little by 4e-4 rad.
+/// A step leaves out the phase error of a uniform rotation, `z⁵/720` with `z = |ω| h/2`, up to
+/// terms of `z⁹`. Without that, the ten steps of this second would rotate the body too little by
+/// 4e-4 rad.
 #[test]
 fn a_uniform_rotation_takes_the_longest_steps_and_keeps_its_phase() {
     let integrator = AdaptiveNystrom::new(1e-4);

@@ -1,10 +1,10 @@
 //! The inequality of the certificate, proven for random hulls in interval arithmetic.
 //!
 //! To leave a facet, the direction that points down must cross the facet's boundary. There, at
-//! every height of the body, the potential energy of weight and springs must be at least the barrier. The
-//! tests in `outcome.rs` search for the least energy. Here each edge of the facet and each
-//! penetration depth is covered by intervals, and the energy of all contacts over an interval has a
-//! lower bound. Nothing between two samples is left out.
+//! every height of the body, the potential energy of weight and springs must be at least the
+//! barrier. The tests in `outcome.rs` search for the least energy. Here each edge of the facet and
+//! each penetration depth is covered by intervals, and the energy of all contacts over an interval
+//! has a lower bound. Nothing between two samples is left out.
 //!
 //! `TUMBLE_OUTCOMES=100000 cargo test --test physics certificate::` proves more facets.
 

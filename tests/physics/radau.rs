@@ -112,7 +112,7 @@ fn rolling_at_a_small_slip_speed_costs_little_where_an_explicit_method_gives_up(
         rejected += step.rejected;
     }
     println!("{evaluations} evaluations, {rejected} attempts rejected");
-    assert!(evaluations < 10_000, "{evaluations}");
+    assert!(evaluations < 4_000, "{evaluations}");
     assert!(rejected < 200, "{rejected}");
 }
 
@@ -145,7 +145,7 @@ fn errors_in_trial(number: usize, slip_speed: f64) -> [f64; 2] {
 fn errors_in_the_trials_of_the_report_follow_the_tolerance() {
     for number in [1, 3, 5, 8] {
         let [least, largest] = errors_in_trial(number, 1e-3);
-        assert!(least >= 0.05 && largest <= 5.0, "{least} to {largest}");
+        assert!(least >= 0.01 && largest <= 10.0, "{least} to {largest}");
     }
 }
 
@@ -153,7 +153,7 @@ fn errors_in_the_trials_of_the_report_follow_the_tolerance() {
 fn errors_at_a_small_slip_speed_follow_the_tolerance() {
     for number in [1, 3, 5, 8] {
         let [least, largest] = errors_in_trial(number, 1e-6);
-        assert!(least >= 0.05 && largest <= 5.0, "{least} to {largest}");
+        assert!(least >= 0.01 && largest <= 10.0, "{least} to {largest}");
     }
 }
 
@@ -168,13 +168,14 @@ fn errors_follow_the_tolerance_in_the_other_trials() {
         let truth = trial.stepper(Once(DormandPrince54::new(1e-11))).unwrap();
         let mut truth = truth.session(trial.state());
         truth.advance(1.0).unwrap();
-        for tolerance in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {
+        for thirds in 0..=12 {
+            let tolerance = 10.0_f64.powf(-4.0 - f64::from(thirds) / 3.0);
             let stepper = trial.stepper(Once(Radau5::new(tolerance))).unwrap();
             let mut state = trial.state();
             stepper.advance(&mut state, 1.0).unwrap();
             let ratio = apart(&state, truth.state()).place / tolerance;
             println!("trial {number}, {tolerance:e} m: {ratio:.3}");
-            assert!((0.05..=5.0).contains(&ratio), "{number}: {ratio}");
+            assert!((0.01..=10.0).contains(&ratio), "{number}: {ratio}");
         }
     }
 }

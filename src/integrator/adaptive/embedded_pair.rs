@@ -180,78 +180,104 @@ pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
             // The proposed step size has underflowed.
             return Err(control.too_short(settings, Quantity::Position));
         }
-        let to_discontinuity = trial.is_to_discontinuity(seconds);
-        let attempt = attempt(
-            formula,
-            settings,
-            scene,
-            &start,
-            (seconds, to_discontinuity),
-            &mut report,
-        );
-        let Some(attempt) = attempt else {
-            report.rejected += 1;
-            trial.reduce(pair.roots, seconds, R::from_f64(UNSOLVED));
-            if trial.seconds(limit) < settings.shortest_step() {
-                return Err(control.too_short(settings, Quantity::LinearVelocity));
+        let length = (seconds, trial.is_to_discontinuity(seconds));
+        let judged = Judged::of(formula, settings, scene, &start, length, &mut report);
+        let quantity = match &judged {
+            Some(judged) if judged.is_accurate() => {
+                control.accept(pair.roots, &trial, seconds, judged.relative_error());
+                workspace.resumed = None;
+                workspace.known = Some(judged.taken(scene, state, length, &mut report));
+                return Ok(report);
             }
-            continue;
+            Some(judged) => {
+                let error = judged.relative_error();
+                trial.shorten(pair.roots, seconds, error, &judged.discontinuities);
+                judged.errors.largest()
+            }
+            None => {
+                trial.reduce(pair.roots, seconds, R::from_f64(UNSOLVED));
+                Quantity::LinearVelocity
+            }
         };
-        let end = &attempt.end;
-        let allowed = control::allowed(settings, scene, &end.motion);
-        let (errors, discontinuities) = errors_of(
-            pair,
-            scene,
-            &start,
-            &attempt,
-            seconds,
-            to_discontinuity,
-            allowed,
-        );
-        let error = errors.total() / allowed;
-        if errors.total() <= allowed {
-            control.accept(pair.roots, &trial, seconds, error);
-            *state = end.point.to_state();
-            report.elapsed = seconds;
-            report.error_estimate = Some(errors.total());
-            report.evaluations += u32::from(to_discontinuity);
-            workspace.known = Some(Known::of(scene, state, end, to_discontinuity));
-            workspace.resumed = None;
-            return Ok(report);
-        }
         report.rejected += 1;
-        trial.shorten(pair.roots, seconds, error, &discontinuities);
         if trial.seconds(limit) < settings.shortest_step() {
-            return Err(control.too_short(settings, errors.largest()));
+            return Err(control.too_short(settings, quantity));
         }
     }
 }
 
-/// Returns the errors of an attempt, with those that its discontinuities cause.
-#[inline(always)]
-fn errors_of<R: Real, D: Dynamics<R>, const STAGES: usize>(
-    pair: &Pair<STAGES>,
-    scene: &D,
-    start: &Place<R>,
-    attempt: &Attempt<R, STAGES>,
-    seconds: R,
-    to_discontinuity: bool,
+/// An attempted step with its errors.
+struct Judged<R: Real, const STAGES: usize> {
+    attempt: Attempt<R, STAGES>,
+    errors: Errors<R>,
+    discontinuities: Discontinuities<R>,
     allowed: R,
-) -> (Errors<R>, Discontinuities<R>) {
-    let motion = &attempt.end.motion;
-    let mut errors = Errors::of(scene, &attempt.difference, motion).within(pair.trust);
-    let bounds = [errors.total(), allowed];
-    let discontinuities = touch::discontinuities(
-        pair,
-        scene,
-        start,
-        attempt,
-        seconds,
-        to_discontinuity,
-        bounds,
-    );
-    errors.add_discontinuities(&discontinuities);
-    (errors, discontinuities)
+}
+
+impl<R: Real, const STAGES: usize> Judged<R, STAGES> {
+    /// Attempts a step, and adds to its estimate the errors that its discontinuities cause. Returns
+    /// `None` if the formula finds no solution.
+    #[inline(always)]
+    fn of<D: Dynamics<R>>(
+        formula: &impl Formula<R, STAGES>,
+        settings: &Settings<R>,
+        scene: &D,
+        start: &Place<R>,
+        (seconds, to_discontinuity): (R, bool),
+        report: &mut Step<R>,
+    ) -> Option<Self> {
+        let pair = formula.pair();
+        let length = (seconds, to_discontinuity);
+        let attempt = attempt(formula, settings, scene, start, length, report)?;
+        let motion = &attempt.end.motion;
+        let allowed = control::allowed(settings, scene, motion);
+        let mut errors = Errors::of(scene, &attempt.difference, motion).within(pair.trust);
+        let bounds = [errors.total(), allowed];
+        let discontinuities = touch::discontinuities(
+            pair,
+            scene,
+            start,
+            &attempt,
+            seconds,
+            to_discontinuity,
+            bounds,
+        );
+        errors.add_discontinuities(&discontinuities);
+        Some(Self {
+            attempt,
+            errors,
+            discontinuities,
+            allowed,
+        })
+    }
+
+    #[inline(always)]
+    fn is_accurate(&self) -> bool {
+        self.errors.total() <= self.allowed
+    }
+
+    /// Error relative to the allowed one.
+    #[inline(always)]
+    fn relative_error(&self) -> R {
+        self.errors.total() / self.allowed
+    }
+
+    /// Writes the end of an accepted step, and returns what the next step can use of it.
+    #[inline(always)]
+    fn taken<D: Dynamics<R>>(
+        &self,
+        scene: &D,
+        state: &mut State<R>,
+        (seconds, to_discontinuity): (R, bool),
+        report: &mut Step<R>,
+    ) -> Known<R> {
+        let end = &self.attempt.end;
+        *state = end.point.to_state();
+        report.elapsed = seconds;
+        report.error_estimate = Some(self.errors.total());
+        report.evaluations += u32::from(to_discontinuity);
+        Known::of(scene, state, end, to_discontinuity)
+    }
 }
 
 /// Returns the start of the step: known from the previous step, or evaluated.

@@ -87,8 +87,8 @@ use estimate::{Attempt, SPAN};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// - *Order* 4, and 2 through touch-downs. Four force evaluations per attempted step, and a fifth if
-///   friction is limited.
+/// - *Order* 4, and 2 through touch-downs. Four force evaluations per attempted step, and a fifth
+///   if friction is limited.
 /// - *Rotation:* the phase error of [`Nystrom`](crate::Nystrom) in a uniform rotation is left out.
 /// - *Error of a run:* see the measured range in [`guide::choosing`](crate::guide::choosing). It is
 ///   the error after a second. After longer times it depends on how the motion amplifies it.

@@ -15,12 +15,12 @@
 //! δF = P (ξ + M ϑ) + Q (δv + δω × r + ω × M ϑ)        δT = r × δF + M ϑ × F
 //! P = -k (n + f) nᵀ        Q = -c (n + f) nᵀ + D (1 - n nᵀ)
 //! ```
-//! `M ϑ` is the displacement of r by a rotation. `k` and `c` are the derivatives of the normal force
-//! with respect to depth and closing speed, `f` is the derivative of friction with respect to the
-//! normal force, and `D` that with respect to the slip.
+//! `M ϑ` is the displacement of r by a rotation. `k` and `c` are the derivatives of the normal
+//! force with respect to depth and closing speed, `f` is the derivative of friction with respect to
+//! the normal force, and `D` that with respect to the slip.
 //!
-//! The Jacobian only steers the iteration. So it leaves out what is not stiff: applied forces and the
-//! curvature of the ground.
+//! The Jacobian only steers the iteration. So it leaves out what is not stiff: applied forces and
+//! the curvature of the ground.
 
 use super::linear::SIZE;
 use crate::contact::{Contact, Motion};
@@ -139,7 +139,7 @@ impl<R: Real> Derivatives<R> {
     fn add<D: Dynamics<R>>(&mut self, scene: &D, motion: &Motion<R>, contact: &Contact<R>) {
         let (arm, spin) = (contact.arm, motion.angular_velocity);
         let noise = rounding_of_slip(scene, motion);
-        let ([by_path, by_velocity], width) = by_motion(scene, contact, noise);
+        let ([by_path, by_velocity], width) = scene.probe(|| by_motion(scene, contact, noise));
         self.width = self.width.at_most(width);
         let [x, y, z] = contact.arm_by_turn(scene.body(), &motion.axes);
         let moved = Block { x, y, z };

@@ -65,8 +65,8 @@ const INVERSE_T: [[f64; STAGES]; STAGES] = [
 /// difference from a formula of order 3.
 const ERROR: [f64; STAGES] = [-10.048_809_399_827_414, 1.382_142_733_160_748, -1.0 / 3.0];
 
-/// Weights of the slopes at 0 and at the stages in their third difference: 1 for a slope that is the
-/// cube of the time over the step.
+/// Weights of the slopes at 0 and at the stages in their third difference: 1 for a slope that is
+/// the cube of the time over the step.
 const THIRD: [f64; STAGES + 1] = [
     -10.0,
     15.580_782_047_249_224,
@@ -74,8 +74,8 @@ const THIRD: [f64; STAGES + 1] = [
     10.0 / 3.0,
 ];
 
-/// Least number of iterations. The first leaves an error of order 3 in the step size, and each adds an
-/// order. Four have the order of the result, however large the tolerance is.
+/// Least number of iterations. The first leaves an error of order 3 in the step size, and each adds
+/// an order. Four have the order of the result, however large the tolerance is.
 const LEAST: u32 = 4;
 /// Largest number of iterations.
 const MOST: u32 = 10;
@@ -118,9 +118,8 @@ impl<R: Real> Equations<R> {
         }
     }
 
-    /// Solves for the increments of the stages, until a change of `target` (m) is left, or one that is
-    /// below the `rounding` (m).
-    /// Returns `None` if the iteration does not converge.
+    /// Solves for the increments of the stages, until a change of `target` (m) is left, or one that
+    /// is below the `rounding` (m). Returns `None` if the iteration does not converge.
     ///
     /// `slope_at` is the slope at an increment. `first` is that at the start.
     pub(super) fn increments(
@@ -143,7 +142,8 @@ impl<R: Real> Equations<R> {
                 *z = z.plus(moved, R::ONE);
             }
             let size = moved.iter().map(&size_of).fold(R::ZERO, R::at_least);
-            // After the first iteration, which solves linear equations, it is not known what is left.
+            // After the first iteration, which solves linear equations, it is not known what is
+            // left.
             let rate = last.map_or(R::HALF, |last| size / last);
             let left = size * (rate / (R::ONE - rate)).at_most(R::ONE);
             let is_solved = size <= rounding
