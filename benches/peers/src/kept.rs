@@ -22,7 +22,7 @@ pub(crate) fn versions() -> String {
 pub(crate) fn write(all: &str, summary: &str, within: &str) -> Result<(), String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let measured = format!(
-        "{}, tumble {}, {}, {}; one core of a busy machine: compare rows, not machines.",
+        "{}, tumble {}, {},\n{}; one core of a busy machine: compare rows, not machines.",
         today(),
         version_in_lock("tumble"),
         versions(),

@@ -57,8 +57,12 @@ pub(crate) fn within(error: f64, scene: &Scene, rows: &[Row], markdown: bool) ->
             })
             .min_by(|a, b| a.1.price.total_cmp(&b.1.price))
     };
-    let mut names: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
-    names.dedup();
+    let mut names: Vec<&str> = Vec::new();
+    for row in rows {
+        if !names.contains(&row.name.as_str()) {
+            names.push(&row.name);
+        }
+    }
     let plain = cheapest("plain Rk4").map_or(f64::NAN, |(_, outcome)| outcome.price);
     let mut found: Vec<_> = names.into_iter().filter_map(cheapest).collect();
     found.sort_by(|a, b| a.1.price.total_cmp(&b.1.price));

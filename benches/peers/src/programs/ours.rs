@@ -2,9 +2,10 @@
 
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
-    BogackiShampine32, Coin, ContactPoint, Coulomb, DormandPrince54, EnergyMomentum, FlatGround,
-    Flight, Gravity, Integrator, Nystrom, RigidPointBody, Rk4, Sample, SlidingFriction,
-    SpringDamperGround, State, Stepper, StrangSplitting, Timed, UniformGravity,
+    AdaptiveNystrom, BogackiShampine32, Coin, ContactPoint, Coulomb, DormandPrince54,
+    EnergyMomentum, FlatGround, Flight, Gravity, Integrator, Nystrom, Radau5, RigidPointBody, Rk4,
+    Sample, SlidingFriction, SpringDamperGround, State, Stepper, StrangSplitting, Timed,
+    UniformGravity,
 };
 
 use core::ops::ControlFlow;
@@ -132,7 +133,7 @@ where
 }
 
 /// Tolerances, in units of the scene's length.
-const TOLERANCES: [f64; 8] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
+const TOLERANCES: [f64; 10] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11];
 
 /// Returns the library on a scene: each integrator with each step size of the scene, and with each
 /// tolerance.
@@ -197,49 +198,81 @@ fn with_steps(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, String> {
 }
 
 fn with_tolerances(scene: &Scene, is_sampled: bool) -> Result<Vec<Box<dyn Program + '_>>, String> {
-    let mut all: Vec<Box<dyn Program>> = Vec::new();
-    let (length, time) = scene.scale;
-    let longest_step = 0.1 * time;
-    for tolerance in TOLERANCES {
-        let settings = super::name_of_tolerance(tolerance, is_sampled);
-        let tolerance = tolerance * length;
-        let low = BogackiShampine32 {
-            tolerance,
-            longest_step,
-            budget: super::most_steps(&scene.law),
-        };
-        let high = DormandPrince54 {
-            tolerance,
-            longest_step,
-            budget: super::most_steps(&scene.law),
-        };
-        match scene.shape {
-            Shape::Free => {
-                all.push(composed(
-                    scene,
-                    "DormandPrince54",
-                    settings,
-                    high,
-                    is_sampled,
-                )?);
-            }
-            _ => {
-                let (low, high) = (Flight(low), Flight(high));
-                let (name, label) = ("BogackiShampine32", settings.clone());
-                all.push(composed(scene, name, label, low, is_sampled)?);
-                all.push(composed(
-                    scene,
-                    "DormandPrince54",
-                    settings,
-                    high,
-                    is_sampled,
-                )?);
-            }
+    let mut all = with_tolerance(scene, "DormandPrince54", is_sampled, |setting| {
+        DormandPrince54 {
+            tolerance: setting.tolerance,
+            longest_step: setting.longest_step,
+            budget: setting.budget,
         }
+    })?;
+    if scene.shape == Shape::Free {
+        return Ok(all);
     }
-    // The rows of one method are adjacent.
-    all.sort_by_key(|program| program.name().contains("DormandPrince54"));
+    all.extend(with_tolerance(
+        scene,
+        "BogackiShampine32",
+        is_sampled,
+        |setting| BogackiShampine32 {
+            tolerance: setting.tolerance,
+            longest_step: setting.longest_step,
+            budget: setting.budget,
+        },
+    )?);
+    all.extend(with_tolerance(
+        scene,
+        "AdaptiveNystrom",
+        is_sampled,
+        |setting| AdaptiveNystrom {
+            tolerance: setting.tolerance,
+            longest_step: setting.longest_step,
+            budget: setting.budget,
+        },
+    )?);
+    all.extend(with_tolerance(scene, "Radau5", is_sampled, |setting| {
+        Radau5 {
+            tolerance: setting.tolerance,
+            longest_step: setting.longest_step,
+            budget: setting.budget,
+        }
+    })?);
     Ok(all)
+}
+
+/// Setting of an adaptive method.
+struct Setting {
+    /// m.
+    tolerance: f64,
+    /// s.
+    longest_step: f64,
+    /// Largest number of steps.
+    budget: u32,
+}
+
+/// Returns an adaptive method with each of the tolerances. Flights are in closed form where the
+/// body can touch; in the free scenes that would leave nothing to the method.
+fn with_tolerance<'a, I: Integrator + 'a>(
+    scene: &'a Scene,
+    name: &'static str,
+    is_sampled: bool,
+    method: impl Fn(Setting) -> I,
+) -> Result<Vec<Box<dyn Program + 'a>>, String>
+where
+    Flight<I>: Integrator,
+{
+    let (length, time) = scene.scale;
+    let one = |tolerance: f64| {
+        let label = super::name_of_tolerance(tolerance, is_sampled);
+        let method = method(Setting {
+            tolerance: tolerance * length,
+            longest_step: 0.1 * time,
+            budget: super::most_steps(&scene.law),
+        });
+        match scene.shape {
+            Shape::Free => composed(scene, name, label, method, is_sampled),
+            _ => composed(scene, name, label, Flight(method), is_sampled),
+        }
+    };
+    TOLERANCES.into_iter().map(one).collect()
 }
 
 /// Energy of a state as the library computes it, J.

@@ -294,7 +294,7 @@ macro_rules! rapier {
             /// Inserts the body with its collider, and a half-space if the body can touch one.
             fn insert(world: &mut PhysicsWorld, work: &Work, tuning: Tuning) -> RigidBodyHandle {
                 let (mass, inertia) = (work.mass as $number, vector(work.inertia));
-                let properties = InertiaProperties::new(vector(DVec3::ZERO), mass, inertia);
+                let properties = MassProperties::new(vector(DVec3::ZERO), mass, inertia);
                 let tuned = tuning != Tuning::Default;
                 let mut body = RigidBodyBuilder::dynamic()
                     .additional_mass_properties(properties)
