@@ -20,37 +20,58 @@ pub(crate) fn versions() -> String {
 /// Writes all tables into RESULTS.md, and the summary and the costs of an error into the page of
 /// the guide.
 pub(crate) fn write(all: &str, summary: &str, within: &str) -> Result<(), String> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let measured = format!(
+    let measured = measured();
+    let results = format!(
+        "# Beside peers: all rows\n\n{measured} The [README](README.md) says what the columns are and what each program was given.\nWritten by `cargo run --release -- --write` in this folder.\n\n{}\n",
+        all.trim_end()
+    );
+    store(&folder().join("RESULTS.md"), &results)?;
+    let sections = within.replace("## ", "### ").replace("####", "###");
+    let marks = [
+        "<!-- peers: begin; written by `cargo run --release -- --write` in benches/peers -->",
+        "<!-- peers: end -->",
+    ];
+    put_between(marks, &format!("{measured}\n\n{summary}{sections}"))
+}
+
+/// Writes the trials in one call into TRIALS.md, and their means into the page of the guide.
+pub(crate) fn write_trials(all: &str, means: &str) -> Result<(), String> {
+    let measured = measured();
+    let results = format!(
+        "# The eight trials in one call\n\n{measured}\nThe [README](README.md) says what the numbers are.\nWritten by `cargo run --release -- --trials --write` in this folder.\n\n{}\n",
+        all.trim_end()
+    );
+    store(&folder().join("TRIALS.md"), &results)?;
+    let marks = [
+        "<!-- peers trials: begin; written by `cargo run --release -- --trials --write` in benches/peers -->",
+        "<!-- peers trials: end -->",
+    ];
+    put_between(marks, &format!("{measured}\n\n{means}"))
+}
+
+fn folder() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Returns the sentence on what was measured, when, and where.
+fn measured() -> String {
+    format!(
         "{}, tumble {}, {},\n{}; one core of a busy machine: compare rows, not machines.",
         today(),
         version_in_lock("tumble"),
         versions(),
         compiler()
-    );
-    let results = format!(
-        "# Beside peers: all rows\n\n{measured} The [README](README.md) says what the columns are and what each program was given.\nWritten by `cargo run --release -- --write` in this folder.\n\n{}\n",
-        all.trim_end()
-    );
-    store(&folder.join("RESULTS.md"), &results)?;
-    let sections = within.replace("## ", "### ").replace("####", "###");
-    put_between_marks(
-        &folder.join("../../src/guide/peers.md"),
-        &format!("{measured}\n\n{summary}{sections}"),
     )
 }
 
-/// Replaces the text between the markers of a page.
-fn put_between_marks(page: &Path, table: &str) -> Result<(), String> {
-    let text = fs::read_to_string(page).map_err(|error| format!("{}: {error}", page.display()))?;
-    let [begin, end] = [
-        "<!-- peers: begin; written by `cargo run --release -- --write` in benches/peers -->",
-        "<!-- peers: end -->",
-    ];
+/// Replaces the text between two marks of the page of the guide.
+fn put_between([begin, end]: [&str; 2], table: &str) -> Result<(), String> {
+    let page = folder().join("../../src/guide/peers.md");
+    let text = fs::read_to_string(&page).map_err(|error| format!("{}: {error}", page.display()))?;
     let marks = text.find(begin).zip(text.find(end));
     let (first, last) = marks.ok_or("the page has lost its marks")?;
     let before = &text[..first + begin.len()];
-    store(page, &format!("{before}\n\n{table}{}", &text[last..]))
+    store(&page, &format!("{before}\n\n{table}{}", &text[last..]))
 }
 
 fn store(path: &Path, text: &str) -> Result<(), String> {

@@ -7,6 +7,7 @@ mod measure;
 mod programs;
 mod scene;
 mod table;
+mod trials;
 
 use std::process::ExitCode;
 
@@ -20,6 +21,7 @@ second, and ratios.
   --write        write all tables to RESULTS.md, and the summary to src/guide/peers.md
   --markdown     tables in markdown
   --summary      only the table with one row for each scene
+  --trials       only the eight trials in one call, by adaptive methods
   --turns N      number of measurements of each program (5)
   --scene TEXT   only scenes whose name contains TEXT
   -h, --help     this text";
@@ -28,6 +30,7 @@ struct Options {
     write: bool,
     markdown: bool,
     summary: bool,
+    trials: bool,
     turns: usize,
     scene: String,
 }
@@ -38,6 +41,7 @@ fn options() -> Result<Option<Options>, lexopt::Error> {
         write: false,
         markdown: false,
         summary: false,
+        trials: false,
         turns: 5,
         scene: String::new(),
     };
@@ -47,6 +51,7 @@ fn options() -> Result<Option<Options>, lexopt::Error> {
             Long("write") => options.write = true,
             Long("markdown") => options.markdown = true,
             Long("summary") => options.summary = true,
+            Long("trials") => options.trials = true,
             Long("turns") => options.turns = parser.value()?.parse()?,
             Long("scene") => options.scene = parser.value()?.string()?,
             Short('h') | Long("help") => return Ok(None),
@@ -76,6 +81,9 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), String> {
     let markdown = options.markdown || options.write;
+    if options.trials {
+        return in_one_call(options, markdown);
+    }
     // A stored table contains all scenes.
     let wanted = |name: &str| options.write || name.contains(&options.scene);
     let mut measured = Vec::new();
@@ -108,6 +116,18 @@ fn run(options: &Options) -> Result<(), String> {
             "{}\n\n{tables}{within}{better}Summary\n\n{summary}",
             kept::versions()
         );
+        Ok(())
+    }
+}
+
+/// Measures the eight trials in one call.
+fn in_one_call(options: &Options, markdown: bool) -> Result<(), String> {
+    let lines = trials::measure(options.turns)?;
+    let (all, means) = table::of_trials(&lines, markdown);
+    if options.write {
+        kept::write_trials(&all, &means)
+    } else {
+        println!("{}\n\n{all}{means}", kept::versions());
         Ok(())
     }
 }

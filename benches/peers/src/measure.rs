@@ -54,9 +54,20 @@ impl Outcome {
 pub(crate) fn rows(scene: &Scene, turns: usize) -> Result<Vec<Row>, String> {
     let mut programs = ours::programs(scene)?;
     programs.extend(peers(scene));
+    let mut rows = rows_of(scene, &programs, turns)?;
+    compare(scene, &mut rows);
+    Ok(rows)
+}
+
+/// Measures error, energy and cost of some programs on a scene. Nothing is compared.
+pub(crate) fn rows_of(
+    scene: &Scene,
+    programs: &[Box<dyn Program + '_>],
+    turns: usize,
+) -> Result<Vec<Row>, String> {
     let energy = ours::energy(scene)?;
     let mut rows = Vec::new();
-    for program in &programs {
+    for program in programs {
         rows.push(Row {
             name: program.name(),
             settings: program.settings(),
@@ -65,13 +76,12 @@ pub(crate) fn rows(scene: &Scene, turns: usize) -> Result<Vec<Row>, String> {
             outcome: accuracy(scene, &**program, &energy),
         });
     }
-    let prices = prices(scene, &programs, &rows, turns);
+    let prices = prices(scene, programs, &rows, turns);
     for (row, price) in rows.iter_mut().zip(prices) {
         if let Ok(outcome) = &mut row.outcome {
             outcome.price = price;
         }
     }
-    compare(scene, &mut rows);
     Ok(rows)
 }
 
@@ -79,7 +89,7 @@ pub(crate) fn rows(scene: &Scene, turns: usize) -> Result<Vec<Row>, String> {
 fn peers(scene: &Scene) -> Vec<Box<dyn Program + '_>> {
     let mut all = plain(scene);
     for is_sampled in [false, true] {
-        all.extend(explicit(scene, is_sampled));
+        all.extend(explicit(scene, &DOPRI5, &DOP853, is_sampled));
         if scene.shape != Shape::Free {
             all.extend(implicit(scene, is_sampled));
         }
@@ -121,16 +131,21 @@ const DOP853: [f64; 10] = [
 ];
 const BDF: [f64; 8] = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11];
 
-fn explicit(scene: &Scene, is_sampled: bool) -> Vec<Box<dyn Program + '_>> {
-    let methods = (DOPRI5
-        .map(|tolerance| (ode::Method::Dopri5, tolerance))
-        .into_iter())
-    .chain(DOP853.map(|tolerance| (ode::Method::Dop853, tolerance)));
+/// Returns the explicit methods of `ode_solvers` with relative tolerances.
+pub(crate) fn explicit<'a>(
+    scene: &'a Scene,
+    dopri5: &[f64],
+    dop853: &[f64],
+    is_sampled: bool,
+) -> Vec<Box<dyn Program + 'a>> {
+    let methods = (dopri5.iter())
+        .map(|&tolerance| (ode::Method::Dopri5, tolerance))
+        .chain((dop853.iter()).map(|&tolerance| (ode::Method::Dop853, tolerance)));
     let form = match scene.shape {
         Shape::Free => ode::Form::Body,
         _ => ode::Form::World,
     };
-    let boxed = |(method, tolerance)| -> Box<dyn Program + '_> {
+    let boxed = |(method, tolerance)| -> Box<dyn Program + 'a> {
         Box::new(ode::OdeSolvers {
             law: &scene.law,
             start: scene.soft.start,

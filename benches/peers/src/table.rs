@@ -2,6 +2,7 @@
 
 use crate::measure::{Outcome, Ratio, Row};
 use crate::scene::Scene;
+use crate::trials::{self, Line};
 
 /// Table of one scene, with one row for each program and setting.
 pub(crate) fn of_scene(scene: &Scene, rows: &[Row], markdown: bool) -> String {
@@ -166,6 +167,34 @@ pub(crate) fn where_a_peer_is_better(measured: &[(Scene, Vec<Row>)], markdown: b
         "{title}Where a peer is better\n\n{}",
         table(&head, lines, markdown)
     )
+}
+
+/// Tables of the trials in one call: all lines, and the mean and the worst ratio of each method.
+pub(crate) fn of_trials(lines: &[Line], markdown: bool) -> (String, String) {
+    let name = |method: &str| method.trim_start_matches("tumble ").to_string();
+    let head = |first: &[&str]| -> Vec<String> {
+        (first.iter().map(|heading| heading.to_string()))
+            .chain(trials::headings())
+            .collect()
+    };
+    let rows = lines.iter().map(|line| {
+        let ratios = line.ratios.iter();
+        [line.trial.to_string(), name(line.method)]
+            .into_iter()
+            .chain(ratios.map(|ratio| ratio.map_or("not reached".into(), digits)))
+            .collect::<Vec<_>>()
+    });
+    let all = table(&head(&["trial", "method"]), rows.collect(), markdown);
+    let rows = trials::summary(lines).into_iter().map(|(method, cells)| {
+        let cell = |cell: &Option<(f64, f64)>| match cell {
+            Some((mean, worst)) => format!("{}, at most {}", digits(*mean), digits(*worst)),
+            None => "not reached".into(),
+        };
+        let first = [name(method)].into_iter();
+        first.chain(cells.iter().map(cell)).collect::<Vec<_>>()
+    });
+    let means = table(&head(&["method"]), rows.collect(), markdown);
+    (all, means)
 }
 
 /// Cost of another program over tumble's, if it is less than 1; 0 if tumble does not reach its

@@ -203,6 +203,23 @@ pub(crate) fn trial(number: usize, size: f64) -> Result<Scene, String> {
     })
 }
 
+/// A trial of the coin report without a known result, for [`crate::trials`].
+pub(crate) fn trial_without_answer(number: usize) -> Result<Scene, String> {
+    const NAMES: [&str; 8] = [
+        "trial 1", "trial 2", "trial 3", "trial 4", "trial 5", "trial 6", "trial 7", "trial 8",
+    ];
+    let slip_speed = 1e-3;
+    let trial = Trial::report(number).ok_or("no such trial")?;
+    let law = law(120, 1000.0, 0.5, trial.coefficient, slip_speed);
+    let start = trial.state();
+    let case = Case {
+        start,
+        answer: start,
+    };
+    let name = NAMES[number - 1];
+    Ok(scene(name, String::new(), law, 1.0, case, case))
+}
+
 /// Returns the row of the table of reference solutions.
 fn truth(trial: usize, slip_speed: f64, seconds: f64) -> Result<State, String> {
     let path = concat!(

@@ -1,7 +1,7 @@
 //! The scenes, one file for each kind of motion, each with its known result.
 
 mod bounces;
-mod coins;
+pub(crate) mod coins;
 mod free;
 mod rigid_hoop;
 mod rolling_ball;

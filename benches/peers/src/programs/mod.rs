@@ -64,7 +64,13 @@ fn name_of_step(time_step: f64) -> String {
 /// Returns a tolerance as text, `tol 1e-6`, followed by the sampling rate if there is one.
 fn name_of_tolerance(tolerance: f64, is_sampled: bool) -> String {
     let samples = if is_sampled { ", 240 Hz" } else { "" };
-    format!("tol {tolerance:.0e}{samples}")
+    let short = format!("{tolerance:.0e}");
+    let is_exact = (short.parse()).is_ok_and(|short: f64| (short / tolerance - 1.0).abs() < 1e-3);
+    if is_exact {
+        format!("tol {short}{samples}")
+    } else {
+        format!("tol {tolerance:.1e}{samples}")
+    }
 }
 
 /// Largest number of steps of an adaptive method in a run. A setting that takes more is not

@@ -132,7 +132,7 @@ where
     }
 }
 
-/// Tolerances, in units of the scene's length.
+/// Tolerances of the table of all programs, in units of the scene's length.
 const TOLERANCES: [f64; 10] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11];
 
 /// Returns the library on a scene: each integrator with each step size of the scene, and with each
@@ -141,8 +141,8 @@ const TOLERANCES: [f64; 10] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1
 /// The adaptive methods are also sampled at 240 Hz.
 pub(crate) fn programs(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, String> {
     let mut all = with_steps(scene)?;
-    all.extend(with_tolerances(scene, false)?);
-    all.extend(with_tolerances(scene, true)?);
+    all.extend(with_tolerances(scene, &TOLERANCES, false)?);
+    all.extend(with_tolerances(scene, &TOLERANCES, true)?);
     if scene.shape == Shape::Free {
         let time_step = 0.1;
         for is_sampled in [false, true] {
@@ -197,13 +197,17 @@ fn with_steps(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, String> {
     Ok(all)
 }
 
-fn with_tolerances(scene: &Scene, is_sampled: bool) -> Result<Vec<Box<dyn Program + '_>>, String> {
-    let mut all = with_tolerance(scene, "DormandPrince54", is_sampled, |setting| {
-        DormandPrince54 {
-            tolerance: setting.tolerance,
-            longest_step: setting.longest_step,
-            budget: setting.budget,
-        }
+/// Returns the adaptive methods with each of the tolerances, in units of the scene's length.
+pub(crate) fn with_tolerances<'a>(
+    scene: &'a Scene,
+    tolerances: &[f64],
+    is_sampled: bool,
+) -> Result<Vec<Box<dyn Program + 'a>>, String> {
+    let plan = (tolerances, is_sampled);
+    let mut all = with_tolerance(scene, "DormandPrince54", plan, |setting| DormandPrince54 {
+        tolerance: setting.tolerance,
+        longest_step: setting.longest_step,
+        budget: setting.budget,
     })?;
     if scene.shape == Shape::Free {
         return Ok(all);
@@ -211,29 +215,24 @@ fn with_tolerances(scene: &Scene, is_sampled: bool) -> Result<Vec<Box<dyn Progra
     all.extend(with_tolerance(
         scene,
         "BogackiShampine32",
-        is_sampled,
+        plan,
         |setting| BogackiShampine32 {
             tolerance: setting.tolerance,
             longest_step: setting.longest_step,
             budget: setting.budget,
         },
     )?);
-    all.extend(with_tolerance(
-        scene,
-        "AdaptiveNystrom",
-        is_sampled,
-        |setting| AdaptiveNystrom {
-            tolerance: setting.tolerance,
-            longest_step: setting.longest_step,
-            budget: setting.budget,
-        },
-    )?);
-    all.extend(with_tolerance(scene, "Radau5", is_sampled, |setting| {
-        Radau5 {
+    all.extend(with_tolerance(scene, "AdaptiveNystrom", plan, |setting| {
+        AdaptiveNystrom {
             tolerance: setting.tolerance,
             longest_step: setting.longest_step,
             budget: setting.budget,
         }
+    })?);
+    all.extend(with_tolerance(scene, "Radau5", plan, |setting| Radau5 {
+        tolerance: setting.tolerance,
+        longest_step: setting.longest_step,
+        budget: setting.budget,
     })?);
     Ok(all)
 }
@@ -253,14 +252,14 @@ struct Setting {
 fn with_tolerance<'a, I: Integrator + 'a>(
     scene: &'a Scene,
     name: &'static str,
-    is_sampled: bool,
+    (tolerances, is_sampled): (&[f64], bool),
     method: impl Fn(Setting) -> I,
 ) -> Result<Vec<Box<dyn Program + 'a>>, String>
 where
     Flight<I>: Integrator,
 {
     let (length, time) = scene.scale;
-    let one = |tolerance: f64| {
+    let one = |&tolerance: &f64| {
         let label = super::name_of_tolerance(tolerance, is_sampled);
         let method = method(Setting {
             tolerance: tolerance * length,
@@ -272,7 +271,7 @@ where
             _ => composed(scene, name, label, Flight(method), is_sampled),
         }
     };
-    TOLERANCES.into_iter().map(one).collect()
+    tolerances.iter().map(one).collect()
 }
 
 /// Energy of a state as the library computes it, J.
