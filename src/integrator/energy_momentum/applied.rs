@@ -290,8 +290,8 @@ impl<R: Real, D: Dynamics<R>> Pose<'_, R, D> {
     /// Wrench with which a motion solves the equation of its stage.
     ///
     /// A stiff force is the small difference of large terms, as that of a strong drag near the
-    /// velocity of the wind. Evaluated, it has the rounding of its terms: in single precision a
-    /// ring of 1.6 g in wind was off by 100 m/s. The momentum has only its own rounding.
+    /// velocity of the wind. Evaluated, it has the rounding of its terms, which moves a light body in
+    /// single precision by more than its speed. The momentum has only its own rounding.
     fn wrench_that_gives(&self, motion: &Motion<R>, base: &Wrench<R>, factor: R) -> Wrench<R> {
         let given = self.taken(motion).plus(base, -R::ONE);
         Wrench::ZERO.plus(&given, R::ONE / factor)
@@ -336,7 +336,7 @@ fn two_stages<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) 
     let base = Wrench::ZERO.plus(&first.wrench, seconds - factor * R::TWO);
     let second = pose.stage(&base, factor, first.motion)?;
     let half = seconds * R::HALF;
-    // Of the power of both parts, the passive one is what is left of a stiff force at its terms.
+    // The drag of a stiff stage is small, and so is its rounding. That of the drive is not.
     let drive = |stage: &Stage<R>| {
         stage.wrench.power(&stage.motion) - scene.force().power(&stage.motion).drag
     };
