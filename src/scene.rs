@@ -1,6 +1,7 @@
 //! Body, ground, friction, gravity and applied force together, checked once.
 
 mod diagnosed;
+mod inspected;
 mod limited;
 mod on_surface;
 #[cfg(feature = "serde")]

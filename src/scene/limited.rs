@@ -12,10 +12,11 @@
 
 use core::cell::Cell;
 
+use super::inspected::{InspectedFriction, Inspector, Slide};
 use super::{Dynamics, size};
 use crate::body::InertiaProperties;
 use crate::contact::ContactModel;
-use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
+use crate::friction::SlidingFriction;
 use crate::real::{Real, Vector};
 
 /// Contact at which friction acts like the largest damper.
@@ -125,6 +126,16 @@ impl<R: Real> FrictionLimit<R> {
     }
 }
 
+impl<R: Real> Inspector<R> for FrictionLimit<R> {
+    #[inline(always)]
+    fn friction<F>(&self, _law: &F, force: R::Vec3, slide: &Slide<R>) -> R::Vec3
+    where
+        F: SlidingFriction<R> + ?Sized,
+    {
+        self.limited(force, slide.slip)
+    }
+}
+
 /// Returns the largest velocity of the farthest point per impulse at a contact, 1/kg.
 #[inline]
 fn mobility<R: Real, D: Dynamics<R>>(scene: &D) -> R {
@@ -135,7 +146,7 @@ fn mobility<R: Real, D: Dynamics<R>>(scene: &D) -> R {
 /// Scene with a [`FrictionLimit`].
 pub(crate) struct LimitedScene<'a, R: Real, D: Dynamics<R>> {
     scene: &'a D,
-    friction: LimitedFriction<'a, R, D::Friction>,
+    friction: InspectedFriction<'a, D::Friction, FrictionLimit<R>>,
 }
 
 impl<'a, R: Real, D: Dynamics<R>> LimitedScene<'a, R, D> {
@@ -144,20 +155,23 @@ impl<'a, R: Real, D: Dynamics<R>> LimitedScene<'a, R, D> {
         let friction = scene.friction();
         Self {
             scene,
-            friction: LimitedFriction { friction, limit },
+            friction: InspectedFriction {
+                friction,
+                inspector: limit,
+            },
         }
     }
 
     #[inline(always)]
     pub(crate) fn limit(&self) -> &'a FrictionLimit<R> {
-        self.friction.limit
+        self.friction.inspector
     }
 }
 
 impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for LimitedScene<'a, R, D> {
     type Body = D::Body;
     type Ground = D::Ground;
-    type Friction = LimitedFriction<'a, R, D::Friction>;
+    type Friction = InspectedFriction<'a, D::Friction, FrictionLimit<R>>;
     type Force = D::Force;
     type Untested = Self;
 
@@ -191,67 +205,5 @@ impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for LimitedScene<'a, R, D> {
     #[inline(always)]
     fn probe<T>(&self, evaluate: impl FnOnce() -> T) -> T {
         self.scene.probe(evaluate)
-    }
-}
-
-/// Friction law with a [`FrictionLimit`].
-pub(crate) struct LimitedFriction<'a, R, F: ?Sized> {
-    friction: &'a F,
-    limit: &'a FrictionLimit<R>,
-}
-
-impl<R: Real, F: SlidingFriction<R> + ?Sized> SlidingFriction<R> for LimitedFriction<'_, R, F> {
-    #[inline(always)]
-    fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3 {
-        let force = self.friction.force(normal_force, slip);
-        self.limit.limited(force, slip)
-    }
-    #[inline(always)]
-    fn force_at(&self, position: R::Vec3, normal_force: R, slip: R::Vec3) -> R::Vec3 {
-        let force = self.friction.force_at(position, normal_force, slip);
-        self.limit.limited(force, slip)
-    }
-    #[inline(always)]
-    fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
-        self.friction.jacobian(normal_force, slip)
-    }
-    #[inline(always)]
-    fn jacobian_at(
-        &self,
-        position: R::Vec3,
-        normal_force: R,
-        slip: R::Vec3,
-    ) -> FrictionJacobian<R> {
-        self.friction.jacobian_at(position, normal_force, slip)
-    }
-    #[inline(always)]
-    fn depends_on_position(&self) -> bool {
-        self.friction.depends_on_position()
-    }
-    #[inline(always)]
-    fn surfaces(&self) -> Option<usize> {
-        self.friction.surfaces()
-    }
-    fn with_surface(&self, index: usize, visit: &mut dyn FnMut(&dyn SlidingFriction<R>)) {
-        let limit = self.limit;
-        self.friction.with_surface(index, &mut |friction| {
-            visit(&LimitedFriction { friction, limit });
-        });
-    }
-    #[inline(always)]
-    fn rolling_resistance(&self, normal_force: R) -> Option<RollingResistance<R>> {
-        self.friction.rolling_resistance(normal_force)
-    }
-    #[inline(always)]
-    fn rolling_resistance_at(
-        &self,
-        position: R::Vec3,
-        normal_force: R,
-    ) -> Option<RollingResistance<R>> {
-        self.friction.rolling_resistance_at(position, normal_force)
-    }
-    #[inline(always)]
-    fn is_trusted(&self) -> bool {
-        self.friction.is_trusted()
     }
 }

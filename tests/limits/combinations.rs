@@ -17,7 +17,7 @@ use tumble::{
     MassProperties, Nystrom, Plane, PointCloud, PointMass, Ramp, Region, RigidPointBody, Rk4, Rod,
     Sample, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
     SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck, SymplecticEuler,
-    Terrain, UniformGravity, Viscous, Waves, WithResistance,
+    Terrain, ThickDisc, UniformGravity, Viscous, Waves, WithResistance,
 };
 
 type Named<T> = Vec<(&'static str, Box<T>)>;
@@ -45,6 +45,10 @@ fn bodies() -> Named<dyn RigidPointBody> {
     vec![
         ("Coin", Box::new(Coin::<f64>::ring(1.0, 0.3))),
         ("Disc", Box::new(Disc::<f64>::ring(1.0, 0.3, 120))),
+        (
+            "ThickDisc",
+            Box::new(ThickDisc::<f64>::solid(1.0, 0.3, 0.06, 60)),
+        ),
         ("SolidCoin", Box::new(SolidCoin::new(1.0, 0.3, 0.06))),
         ("Sphere::solid", Box::new(Sphere::solid(1.0, 0.3))),
         ("Sphere::shell", Box::new(Sphere::shell(1.0, 0.3))),

@@ -342,8 +342,18 @@ fn roles() -> impl Strategy<Value = Roles> {
 
 /// Solids as well as the bodies of the sweep.
 fn solids() -> impl Strategy<Value = Option<BodyKind>> {
-    use SolidKind::{Coin, Cone, Disc, Egg, Hull, LoadedSphere, RoundDie};
-    let kinds = vec![Coin, LoadedSphere, RoundDie, Cone, Hull, Egg, Disc, Disc];
+    use SolidKind::{Coin, Cone, Disc, Egg, Hull, LoadedSphere, RoundDie, ThickDisc};
+    let kinds = vec![
+        Coin,
+        LoadedSphere,
+        RoundDie,
+        Cone,
+        Hull,
+        Egg,
+        Disc,
+        Disc,
+        ThickDisc,
+    ];
     let solid = prop::sample::select(kinds).prop_map(|kind| Some(BodyKind::Solid(kind)));
     prop_oneof![2 => Just(None), 1 => solid]
 }

@@ -31,8 +31,8 @@ use tumble::{
     HeightField, HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MassProperties,
     MeanForce, NoForce, Plane, PointCloud, Real, RigidPointBody, SlidingFriction, SmoothCoulomb,
     Solid, SolidCoin, Sphere, SpinDrag, SpinLift, SpringDamper, SpringDamperGround, State, Step,
-    StepError, Stepper, Stribeck, Surface, Terrain, UniformGravity, Viscous, Waves, Wind,
-    WithResistance,
+    StepError, Stepper, Stribeck, Surface, Terrain, ThickDisc, UniformGravity, Viscous, Waves,
+    Wind, WithResistance,
 };
 
 /// Evaluations of the contacts that a step may take: a step that cannot be taken whole is halved
@@ -165,6 +165,8 @@ pub(super) enum SolidKind {
     Egg,
     /// A round rim.
     Disc,
+    /// Two round rims.
+    ThickDisc,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -523,6 +525,10 @@ impl Case {
                 Box::new(Ellipsoid::loaded(semi_axes, egg))
             }
             SolidKind::Disc => Box::new(Disc::solid(mass, size, 120)),
+            SolidKind::ThickDisc => {
+                let thickness = size * R::from_f64(0.2);
+                Box::new(ThickDisc::solid(mass, size, thickness, 60))
+            }
             SolidKind::Cone => Box::new(Cone::solid_with_storage([blank; 25], mass, size, size)),
             SolidKind::Hull => {
                 let corners = [
@@ -1284,7 +1290,7 @@ fn every_step_in_f32_keeps_its_promises_with_a_users_laws() {
 
 /// Runs a fraction of the sweep over these scenes with solids.
 fn sweep_of_solids<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64) {
-    use SolidKind::{Coin, Cone, Disc, Egg, Hull, LoadedSphere, RoundDie};
+    use SolidKind::{Coin, Cone, Disc, Egg, Hull, LoadedSphere, RoundDie, ThickDisc};
     let kinds = prop::sample::select(vec![
         Coin,
         LoadedSphere,
@@ -1296,6 +1302,8 @@ fn sweep_of_solids<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64) 
         Disc,
         Disc,
         Disc,
+        ThickDisc,
+        ThickDisc,
     ]);
     let scenes = (cases(ranges, laws), kinds).prop_map(|(case, kind)| Case {
         body: BodyKind::Solid(kind),

@@ -15,12 +15,13 @@ use proptest::prelude::*;
 use tumble::contract::{CheckPlan, ForceRange, Requirement, check_force};
 use tumble::error::LawQuantity;
 use tumble::glam::{DVec3, Vec3};
+use tumble::real::Vector;
 use tumble::{
     AirDrag, AnyIntegrator, BogackiShampine32, ConstantForce, Coulomb, Cuboid, DormandPrince54,
     Dynamics, EnergyMomentum, FlatGround, Flight, Force, ForwardEuler, Frictionless, Ledger,
-    Motion, NoForce, NoGround, Nystrom, PointCloud, RigidPointBody, Rk4, Sample, Sphere, SpinDrag,
-    SpinLift, State, StepError, Stepper, StrangSplitting, SymplecticEuler, UniformGravity, Wind,
-    Wrench,
+    Motion, NoForce, NoGround, Nystrom, PointCloud, Real, RigidPointBody, Rk4, Sample, Sphere,
+    SpinDrag, SpinLift, State, StepError, Stepper, StrangSplitting, SymplecticEuler,
+    UniformGravity, Wind, Wrench,
 };
 
 /// Mass and radius of a tennis ball, kg and m, and the density of air, kg/m³.
@@ -346,6 +347,51 @@ fn a_drag_that_stops_a_body_within_the_step_stops_it() {
     let [moving, turning] = [left(per_speed / BALL[0]), left(1e3 / inertia)];
     assert!(state.linear_velocity.length() < 1.01 * speed * moving * moving);
     assert!(state.angular_momentum.length() < 1.01 * 0.01 * turning * turning);
+}
+
+/// In wind, a strong drag is the small difference of large terms. Single precision still gives the
+/// velocity and the work of double precision, however strong the drag is. At the strongest, the
+/// rounding of the terms alone would move the body by 1e7 m/s in a step.
+#[test]
+fn wind_carries_a_body_in_single_precision_as_in_double() {
+    fn carried<R: Real>(linear: f64) -> [f64; 4] {
+        let number = R::from_f64;
+        let vector = |x, y, z| R::Vec3::new(number(x), number(y), number(z));
+        let wind = Wind {
+            velocity: vector(3.0, -2.0, 1.0),
+            force: AirDrag {
+                linear: number(linear),
+                quadratic: R::ZERO,
+            },
+        };
+        let time_step = number(0.5);
+        let stepper = Stepper::new(Sphere::solid(number(0.3), number(0.1)))
+            .and_then(|stepper| stepper.with_force(wind))
+            .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
+            .unwrap();
+        let mut state = State::at(R::Vec3::ZERO).with_linear_velocity(vector(5.0, 0.0, -1.0));
+        let step = stepper.step(&mut state).unwrap();
+        let v = state.linear_velocity;
+        [v.x(), v.y(), v.z(), step.drive_work].map(Real::to_f64)
+    }
+    for exponent in -3..=12 {
+        let linear = 10.0_f64.powi(exponent);
+        let [double, single] = [carried::<f64>(linear), carried::<f32>(linear)];
+        let size = double.iter().fold(0.0, |most, v| f64::max(most, v.abs()));
+        for (double, single) in double.iter().zip(&single) {
+            let off = (double - single).abs();
+            assert!(off < 1e-5 * size, "{linear} N s/m: {single} for {double}");
+        }
+        let [x, y, z, _] = double;
+        let off = (DVec3::new(x, y, z) - DVec3::new(3.0, -2.0, 1.0)).length();
+        // Two pushes of a quarter of a second. Each multiplies the difference by at most 5 m/(c h),
+        // where c h/m is large: (1 - 2γ)/γ² is 4.8.
+        let most = 3.5 * (5.0 * 0.3 / (linear * 0.25)).powi(2) + 1e-9;
+        assert!(
+            linear < 10.0 || off < most,
+            "{linear} N s/m: off by {off:e} m/s"
+        );
+    }
 }
 
 #[test]

@@ -15,10 +15,11 @@ use tumble::contract::{CheckPlan, GroundRange, Requirement, check_ground};
 use tumble::error::Rule;
 use tumble::glam::{DVec3, Vec3};
 use tumble::{
-    Barriers, Bowl, Capsule, Coulomb, Cuboid, Disc, Dissipation, DormandPrince54, Dynamics,
-    Ellipsoid, EnergyMomentum, FlatGround, Ground, GroundMotion, Integrator, Ledger, MovingGround,
-    PointMass, RigidPointBody, SceneError, SolidCoin, Sphere, SpringDamper, SpringDamperGround,
-    State, Stepper, Terrain, UniformGravity, Viscous, WithResistance,
+    Barriers, Bowl, Capsule, Coin, Coulomb, Cuboid, Disc, Dissipation, DormandPrince54, Dynamics,
+    Ellipsoid, EnergyMomentum, FlatGround, Ground, GroundBounds, GroundMotion, Integrator, Ledger,
+    MeanForce, Motion, MovingGround, Plane, PointMass, RigidPointBody, SceneError, SlidingFriction,
+    SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Stepper, Surface, Terrain,
+    UniformGravity, Viscous, WithResistance,
 };
 
 const G: f64 = 9.8;
@@ -165,6 +166,157 @@ fn rims_and_smooth_bodies_feel_the_belt() {
     each("capsule", Capsule::solid(0.2, 0.03, 0.08));
 }
 
+/// Ground that only says that it is below a plane, so that its loads are those of any ground.
+#[derive(Clone, Copy)]
+struct Below(FlatGround);
+
+impl SpringDamperGround for Below {
+    fn surface(&self, point: DVec3) -> Surface {
+        self.0.surface(point)
+    }
+    fn spring_force(&self, depth: f64) -> f64 {
+        self.0.spring_force(depth)
+    }
+    fn spring_energy(&self, depth: f64) -> f64 {
+        self.0.spring_energy(depth)
+    }
+    fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
+        self.0.normal_force(depth, closing_speed)
+    }
+    fn mean_force(&self, start: f64, end: f64, seconds: f64) -> MeanForce {
+        self.0.mean_force(start, end, seconds)
+    }
+    fn bounds(&self) -> GroundBounds {
+        GroundBounds::Below(Plane::level(0.0))
+    }
+    fn is_trusted(&self) -> bool {
+        true
+    }
+}
+
+/// Motions of level ground: at rest, a belt, a turntable, and both at once.
+fn level_motions() -> [GroundMotion; 4] {
+    let belt = GroundMotion::translation(DVec3::new(0.7, -0.4, 0.0));
+    let table = GroundMotion::rotation(DVec3::new(0.3, -0.2, 0.0), DVec3::Z * 3.0);
+    let both = GroundMotion {
+        velocity: table.velocity + belt.velocity,
+        ..table
+    };
+    [GroundMotion::translation(DVec3::ZERO), belt, table, both]
+}
+
+/// Force and torque of the contacts of a body on level ground that moves, by the definition: the
+/// material below a contact at `p` moves with `V + Ω × p`. Also the force that rounding can cause.
+fn load_by_definition<D: Dynamics<Friction = Coulomb>>(
+    scene: &D,
+    (ground, material): (&FlatGround, &GroundMotion),
+    motion: &Motion,
+) -> ([DVec3; 2], f64) {
+    let (mut load, mut forces) = ([DVec3::ZERO; 2], 0.0);
+    for point in scene.body().contacts() {
+        let arm = motion.axes.to_world(point.position);
+        let place = motion.position + arm;
+        let carried = material.velocity + material.angular_velocity.cross(place);
+        let velocity = motion.linear_velocity + motion.angular_velocity.cross(arm);
+        let slip = (velocity - carried).with_z(0.0);
+        if place.z < 0.0 {
+            let normal_force = ground.normal_force(-place.z, -velocity.z);
+            let force = scene.friction().force(normal_force, slip) + DVec3::Z * normal_force;
+            load[0] += force;
+            load[1] += arm.cross(force);
+            // A slip that rounding changes by an ulp of 10 m/s changes the direction of friction.
+            forces += force.length() * (1.0 + 10.0 / scene.friction().slip_speed);
+        }
+    }
+    // Some roundings of each depth, of a place below 1 m, and of each force and sum.
+    let depths = ground.spring_force(1.0) * scene.body().contacts().len() as f64;
+    (load, 16.0 * f64::EPSILON * (forces + depths))
+}
+
+/// Bare points on level ground have a computation of their own. It has the forces of the
+/// definition, and of the computation for all grounds, when the material moves.
+#[test]
+fn bare_points_feel_the_material_of_level_ground_as_of_any_ground() {
+    /// Number of loads that were compared, and of those in which the material's motion changes the
+    /// force by a thousand times the rounding.
+    fn compare(body: impl RigidPointBody + Copy, counts: &mut [u32; 2]) {
+        let ground = FlatGround::level(100.0, 0.5);
+        let friction = Coulomb {
+            slip_speed: 1e-2,
+            ..coulomb(0.4)
+        };
+        let plain = Stepper::new(body).unwrap().with_friction(friction).unwrap();
+        for motion in level_motions() {
+            let level = plain.with_ground(MovingGround { ground, motion }).unwrap();
+            let ground = Below(ground);
+            let any = plain.with_ground(MovingGround { ground, motion }).unwrap();
+            for i in 0..60 {
+                let i = f64::from(i);
+                let state = State::at(DVec3::new(0.3, -0.2, 0.03 * (i % 7.0) - 0.08))
+                    .with_linear_velocity(DVec3::new(0.2, -0.1, 0.05 * (i % 5.0) - 0.1))
+                    .with_rotation_vector(DVec3::new(0.1 * i, 1.57 + 0.02 * (i % 4.0), 0.3))
+                    .with_angular_momentum(DVec3::new(2e-4, -1e-4, 3e-4));
+                let seen = level.scene().motion(&state);
+                let load = level.scene().load(&seen);
+                let material = (&ground.0, &motion);
+                let (defined, rounding) = load_by_definition(level.scene(), material, &seen);
+                let general = any.scene().load(&seen);
+                for [force, torque] in [defined, [general.force, general.torque]] {
+                    let off = (load.force - force).length() + (load.torque - torque).length();
+                    assert!(off <= rounding, "{motion:?}, {i}: {off:e} N");
+                }
+                let rest = plain.with_ground(ground.0).unwrap().scene().load(&seen);
+                let moved = (load.force - rest.force).length();
+                counts[0] += u32::from(load.touching > 0);
+                counts[1] += u32::from(moved > 1e3 * rounding);
+            }
+        }
+    }
+    let mut counts = [0; 2];
+    compare(Coin::ring(0.2, 0.15), &mut counts);
+    compare(Cuboid::solid(0.2, DVec3::new(0.3, 0.2, 0.1)), &mut counts);
+    let [touching, moved] = counts;
+    assert!(touching > 200 && moved * 2 > touching, "{counts:?}");
+}
+
+/// The same in a motion, by every method.
+#[test]
+fn every_method_moves_bare_points_over_level_ground_as_over_any_ground() {
+    let ground = FlatGround::level(2e3, 2.0);
+    let start = State::at(DVec3::new(0.1, 0.2, 0.01))
+        .with_rotation_vector(DVec3::new(0.3, 1.5, -0.2))
+        .with_linear_velocity(DVec3::new(0.4, 0.5, -0.3))
+        .with_angular_momentum(DVec3::new(2e-4, -3e-4, 5e-4));
+    let plain = Stepper::builder(Coin::ring(0.2, 0.06))
+        .gravity(UniformGravity::down(G))
+        .friction(Coulomb {
+            slip_speed: 1e-2,
+            ..coulomb(0.4)
+        })
+        .build()
+        .unwrap();
+    for motion in level_motions() {
+        kit::each_method!(1e-4, |integrator, name| {
+            let plain = plain.with_integrator(Once(integrator)).unwrap();
+            let moving = plain.with_ground(MovingGround { ground, motion }).unwrap();
+            let mut level = start;
+            moving.advance(&mut level, 0.05).unwrap();
+            let ground = Below(ground);
+            let moving = plain.with_ground(MovingGround { ground, motion }).unwrap();
+            let mut any = start;
+            moving.advance(&mut any, 0.05).unwrap();
+            let falls = start.linear_velocity.z - G * 0.05;
+            assert!(
+                level.linear_velocity.z > falls + 0.1,
+                "{name}: it does not touch"
+            );
+            let off = (level.position - any.position).length();
+            let turned = kit::angle_between(level.orientation, any.orientation);
+            assert!(off < 1e-9 && turned < 1e-7, "{name}: {off:e} m, {turned:e}");
+        });
+    }
+}
+
 /// State of a ball at `place` on a turntable, that moves with `velocity` and rolls without slip.
 fn rolling(stepper: &Table<impl Integrator>, place: DVec3, velocity: DVec3, rate: f64) -> State {
     let radius = stepper.scene().body().radius();
@@ -284,7 +436,7 @@ fn a_rolling_ball_goes_straight_on_when_the_table_stops() {
 fn a_ring_on_a_turntable_takes_its_rate() {
     let (mass, radius, rate, mu) = (0.05, 0.04, 2.0, 0.25);
     kit::each_method!(1e-5, |integrator, name| {
-        let ring = tumble::Coin::ring(mass, radius);
+        let ring = Coin::ring(mass, radius);
         let stepper = Stepper::builder(ring)
             .gravity(UniformGravity::down(G))
             .ground(MovingGround::turntable(

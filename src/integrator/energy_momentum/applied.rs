@@ -279,12 +279,22 @@ impl<R: Real, D: Dynamics<R>> Pose<'_, R, D> {
             // The second condition ends an iteration that rounding keeps from falling further.
             let is_stalled = size >= last * R::HALF && size <= rounding * R::from_f64(1e3);
             if size <= rounding || is_stalled || self.is_rounding(&motion, [linear, angular]) {
-                let wrench = self.scene.force().wrench(&motion);
+                let wrench = self.wrench_that_gives(&motion, base, factor);
                 return wrench.is_finite().then_some(Stage { motion, wrench });
             }
             last = size;
         }
         None
+    }
+
+    /// Wrench with which a motion solves the equation of its stage.
+    ///
+    /// A stiff force is the small difference of large terms, as that of a strong drag near the
+    /// velocity of the wind. Evaluated, it has the rounding of its terms, which moves a light body in
+    /// single precision by more than its speed. The momentum has only its own rounding.
+    fn wrench_that_gives(&self, motion: &Motion<R>, base: &Wrench<R>, factor: R) -> Wrench<R> {
+        let given = self.taken(motion).plus(base, -R::ONE);
+        Wrench::ZERO.plus(&given, R::ONE / factor)
     }
 
     /// Size of the momentum at the start, N s, with the angular momentum as in [`size`](Self::size).
@@ -326,7 +336,10 @@ fn two_stages<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) 
     let base = Wrench::ZERO.plus(&first.wrench, seconds - factor * R::TWO);
     let second = pose.stage(&base, factor, first.motion)?;
     let half = seconds * R::HALF;
-    let drive = |stage: &Stage<R>| scene.force().power(&stage.motion).drive;
+    // The drag of a stiff stage is small, and so is its rounding. That of the drive is not.
+    let drive = |stage: &Stage<R>| {
+        stage.wrench.power(&stage.motion) - scene.force().power(&stage.motion).drag
+    };
     let work = if scene.force().is_passive() {
         R::ZERO
     } else {
