@@ -352,7 +352,8 @@ class Page {
 }
 
 async function main() {
-  const bytes = await part('module');
+  const { textContent, dataset } = byId('module');
+  const bytes = await inflated(unpacked(textContent.trim(), Number(dataset.length)));
   const page = new Page(await loadTumble(bytes), bytes);
   window.page = page; // for the console and for tests
   page.open();
@@ -361,4 +362,8 @@ async function main() {
   requestAnimationFrame((now) => page.frame(now));
 }
 
-main().catch(cannotStart);
+main().catch((error) => {
+  byId('error').textContent = `The page cannot start: ${error.message}`;
+  byId('error').hidden = false;
+  throw error;
+});

@@ -1,9 +1,12 @@
 //! Integrators of the page, chosen by number.
 
+use tumble::integrator::{
+    AdaptiveEnergyMomentumWorkspace, EmbeddedPairWorkspace, EnergyMomentumWorkspace,
+};
 use tumble::{
-    AdaptiveEnergyMomentum, AdaptiveNystrom, AnyIntegrator, BogackiShampine32, ContactRange,
-    DormandPrince54, Dynamics, EnergyMomentum, Flight, ForwardEuler, Integrator, Nystrom, Radau5,
-    Rk4, SceneError, State, Step, StepControl, StepError, StrangSplitting, SymplecticEuler,
+    AdaptiveEnergyMomentum, BogackiShampine32, ContactRange, DormandPrince54, Dynamics,
+    EnergyMomentum, Flight, ForwardEuler, Integrator, Nystrom, Radau5, Rk4, SceneError, State,
+    Step, StepControl, StepError, StrangSplitting, SymplecticEuler,
 };
 
 use super::error::PageError;
@@ -16,10 +19,20 @@ pub struct Method {
     pub time_step: f64,
 }
 
+// Not `AnyIntegrator`, which contains `AdaptiveNystrom`: the page has no room for both that and
+// `Radau5`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
-    /// An integrator of the library by itself.
-    Plain(AnyIntegrator),
+    ForwardEuler(ForwardEuler),
+    SymplecticEuler(SymplecticEuler),
+    StrangSplitting(StrangSplitting),
+    Rk4(Rk4),
+    Nystrom(Nystrom),
+    EnergyMomentum(EnergyMomentum),
+    BogackiShampine32(BogackiShampine32),
+    DormandPrince54(DormandPrince54),
+    AdaptiveEnergyMomentum(AdaptiveEnergyMomentum),
+    Radau5(Radau5),
     /// Closed-form flight, and `StrangSplitting` in contact.
     Flight(Flight<StrangSplitting>),
 }
@@ -32,7 +45,7 @@ const BUDGET: u32 = 20_000;
 
 impl Method {
     /// Count of the methods.
-    pub const COUNT: u32 = 12;
+    pub const COUNT: u32 = 11;
 
     /// Returns the method with a number of the page, for a step size of the page (s) and a body of
     /// a bounding radius (m).
@@ -43,37 +56,32 @@ impl Method {
         let (tolerance, longest_step, budget) = (TOLERANCE * radius, time_step, BUDGET);
         let kind = match super::whole(number) {
             Some(0) => return Ok(Self::default_of(time_step)),
-            Some(1) => Kind::Plain(StrangSplitting { time_step }.into()),
-            Some(2) => Kind::Plain(SymplecticEuler { time_step }.into()),
-            Some(3) => Kind::Plain(Rk4 { time_step }.into()),
-            Some(4) => Kind::Plain(Nystrom { time_step }.into()),
-            Some(5) => Kind::Plain(ForwardEuler { time_step }.into()),
-            Some(6) => Kind::Plain(AnyIntegrator::from(AdaptiveEnergyMomentum {
+            Some(1) => Kind::StrangSplitting(StrangSplitting { time_step }),
+            Some(2) => Kind::SymplecticEuler(SymplecticEuler { time_step }),
+            Some(3) => Kind::Rk4(Rk4 { time_step }),
+            Some(4) => Kind::Nystrom(Nystrom { time_step }),
+            Some(5) => Kind::ForwardEuler(ForwardEuler { time_step }),
+            Some(6) => Kind::AdaptiveEnergyMomentum(AdaptiveEnergyMomentum {
                 tolerance,
                 longest_step,
                 budget,
-            })),
-            Some(7) => Kind::Plain(AnyIntegrator::from(BogackiShampine32 {
+            }),
+            Some(7) => Kind::BogackiShampine32(BogackiShampine32 {
                 tolerance,
                 longest_step,
                 budget,
-            })),
-            Some(8) => Kind::Plain(AnyIntegrator::from(DormandPrince54 {
+            }),
+            Some(8) => Kind::DormandPrince54(DormandPrince54 {
                 tolerance,
                 longest_step,
                 budget,
-            })),
+            }),
             Some(9) => Kind::Flight(Flight(StrangSplitting { time_step })),
-            Some(10) => Kind::Plain(AnyIntegrator::from(Radau5 {
+            Some(10) => Kind::Radau5(Radau5 {
                 tolerance,
                 longest_step,
                 budget,
-            })),
-            Some(11) => Kind::Plain(AnyIntegrator::from(AdaptiveNystrom {
-                tolerance,
-                longest_step,
-                budget,
-            })),
+            }),
             _ => {
                 return Err(PageError::Unknown {
                     kind: "integrator",
@@ -88,7 +96,7 @@ impl Method {
     #[must_use]
     pub fn default_of(time_step: f64) -> Self {
         Self {
-            kind: Kind::Plain(EnergyMomentum { time_step }.into()),
+            kind: Kind::EnergyMomentum(EnergyMomentum { time_step }),
             time_step,
         }
     }
@@ -104,16 +112,32 @@ impl Method {
 macro_rules! each {
     ($any:expr, $method:ident => $result:expr) => {
         match &$any.kind {
-            Kind::Plain($method) => $result,
+            Kind::ForwardEuler($method) => $result,
+            Kind::SymplecticEuler($method) => $result,
+            Kind::StrangSplitting($method) => $result,
+            Kind::Rk4($method) => $result,
+            Kind::Nystrom($method) => $result,
+            Kind::EnergyMomentum($method) => $result,
+            Kind::BogackiShampine32($method) => $result,
+            Kind::DormandPrince54($method) => $result,
+            Kind::AdaptiveEnergyMomentum($method) => $result,
+            Kind::Radau5($method) => $result,
             Kind::Flight($method) => $result,
         }
     };
 }
 
-type Kept = <AnyIntegrator as Integrator>::Workspace;
+/// Workspaces of the methods.
+#[derive(Clone, Debug, Default)]
+pub struct Kept {
+    near: ContactRange,
+    pair: EmbeddedPairWorkspace,
+    implicit: EnergyMomentumWorkspace,
+    adaptive: AdaptiveEnergyMomentumWorkspace,
+}
 
 impl Integrator for Method {
-    type Workspace = (Kept, ContactRange);
+    type Workspace = Kept;
 
     const ADAPTIVE: bool = true;
     const SPANS_STEPS: bool = true;
@@ -123,11 +147,22 @@ impl Integrator for Method {
         scene: &D,
         state: &mut State,
         limit: f64,
-        (plain, flight): &mut Self::Workspace,
+        kept: &mut Kept,
     ) -> Result<Step, StepError> {
         match &self.kind {
-            Kind::Plain(method) => method.step(scene, state, limit, plain),
-            Kind::Flight(method) => method.step(scene, state, limit, flight),
+            Kind::ForwardEuler(method) => method.step(scene, state, limit, &mut kept.near),
+            Kind::SymplecticEuler(method) => method.step(scene, state, limit, &mut kept.near),
+            Kind::StrangSplitting(method) => method.step(scene, state, limit, &mut kept.near),
+            Kind::Rk4(method) => method.step(scene, state, limit, &mut kept.near),
+            Kind::Nystrom(method) => method.step(scene, state, limit, &mut kept.near),
+            Kind::Flight(method) => method.step(scene, state, limit, &mut kept.near),
+            Kind::EnergyMomentum(method) => method.step(scene, state, limit, &mut kept.implicit),
+            Kind::BogackiShampine32(method) => method.step(scene, state, limit, &mut kept.pair),
+            Kind::DormandPrince54(method) => method.step(scene, state, limit, &mut kept.pair),
+            Kind::Radau5(method) => method.step(scene, state, limit, &mut kept.pair),
+            Kind::AdaptiveEnergyMomentum(method) => {
+                method.step(scene, state, limit, &mut kept.adaptive)
+            }
         }
     }
 
@@ -143,16 +178,25 @@ impl Integrator for Method {
         each!(self, method => method.largest_stable_step(stiffness, damping))
     }
 
-    fn step_control(&self, (plain, _): &Self::Workspace, state: &State) -> Option<StepControl> {
+    fn step_control(&self, kept: &Kept, state: &State) -> Option<StepControl> {
         match &self.kind {
-            Kind::Plain(method) => method.step_control(plain, state),
-            Kind::Flight(_) => None,
+            Kind::BogackiShampine32(method) => method.step_control(&kept.pair, state),
+            Kind::DormandPrince54(method) => method.step_control(&kept.pair, state),
+            Kind::Radau5(method) => method.step_control(&kept.pair, state),
+            Kind::AdaptiveEnergyMomentum(method) => method.step_control(&kept.adaptive, state),
+            _ => None,
         }
     }
 
-    fn set_step_control(&self, (plain, _): &mut Self::Workspace, control: StepControl) {
-        if let Kind::Plain(method) = &self.kind {
-            method.set_step_control(plain, control);
+    fn set_step_control(&self, kept: &mut Kept, control: StepControl) {
+        match &self.kind {
+            Kind::BogackiShampine32(method) => method.set_step_control(&mut kept.pair, control),
+            Kind::DormandPrince54(method) => method.set_step_control(&mut kept.pair, control),
+            Kind::Radau5(method) => method.set_step_control(&mut kept.pair, control),
+            Kind::AdaptiveEnergyMomentum(method) => {
+                method.set_step_control(&mut kept.adaptive, control);
+            }
+            _ => {}
         }
     }
 
