@@ -221,7 +221,7 @@ async function eachParameterMatters(tab) {
 async function eachIntegratorSteps(tab) {
   const ends = [];
   for (const body of [0, 1, 2, 3, 4, 5, 6]) {
-    for (let method = 0; method < 11; method += 1) {
+    for (let method = 0; method < 12; method += 1) {
       const { bits: end, run: now, note } = await ended(tab, body, { start: 2, method });
       assert.equal(now[STEPS], 400, `body ${body}, integrator ${method}`);
       assert.ok(note.length > 20, note);
@@ -229,7 +229,7 @@ async function eachIntegratorSteps(tab) {
       ends.push(end);
     }
   }
-  assert.equal(await tab.$$eval('#method option', (options) => options.length), 11);
+  assert.equal(await tab.$$eval('#method option', (options) => options.length), 12);
   assert.equal(new Set(ends).size, ends.length, 'all ends differ');
   return `${ends.length} ends`;
 }
