@@ -59,7 +59,7 @@ const COLOURS: [(mesh::Colour, &str); 5] = [
 const NAMES: [&str; 5] = ["1st die", "2nd die", "3rd die", "4th die", "5th die"];
 
 /// Marks of the film.
-const LIES: [&str; 5] = ["1 lies", "2 lies", "3 lies", "4 lies", "5 lies"];
+const LIES: [&str; 5] = ["1st lies", "2nd lies", "3rd lies", "4th lies", "5th lies"];
 
 /// Floor, and four walls with an upper edge.
 type Tray = (FlatGround, [Ground<SpringDamper, Block>; 4]);
@@ -297,7 +297,7 @@ fn checks(thrown: &[Throw], five: &[Throw]) -> Vec<Check> {
             CRITICAL,
         ),
         Check::between(
-            "mean place across the tray, in standard errors",
+            "mean position across the tray, in standard errors",
             "throws and tray are their own mirror images; 0.999 quantile",
             mean / spread * count.sqrt(),
             -3.3,

@@ -104,7 +104,7 @@ fn picture_of_jellett(moments: &[Moment]) -> Outcome<Picture> {
             .with_title("rising egg: Jellett's constant")
             .with_x_label("time (s)")
             .with_y_label("fraction of the start")
-            .with_legend_position(LegendPosition::InsideTopLeft)
+            .with_legend_position(LegendPosition::OutsideRightTop)
     })
 }
 

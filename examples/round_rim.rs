@@ -177,7 +177,7 @@ fn table_of_distances(rows: &[Distances]) -> String {
         "5 s",
     ])];
     for row in rows {
-        let apart = row.distances.map(|apart| format!("{apart:.1e}"));
+        let apart = row.distances.map(two_digits);
         lines.push([row.name.clone()].into_iter().chain(apart).collect());
     }
     table::text(&lines)
@@ -266,7 +266,7 @@ fn end(integrator: impl Integrator + Copy) -> Outcome<DVec3> {
 
 fn table_of_errors(errors: &Errors) -> String {
     let methods = METHODS.map(|name| format!("`{name}`"));
-    let head = ["round, trial 1, place after 1 s".to_owned()];
+    let head = ["round, trial 1, position after 1 s".to_owned()];
     let mut lines = vec![head.into_iter().chain(methods).collect()];
     for (row, time_step) in errors.iter().zip(STEPS) {
         let step = format!("steps of {} ms", time_step * 1e3);
@@ -348,7 +348,7 @@ fn table_of_rides(rides: &[Rolling]) -> String {
         "energy lost in 1 s with dampers and friction, J",
     ])];
     for ride in rides {
-        let (rattle, lost) = (format!("{:.1e}", ride.rattle), format!("{:.4}", ride.lost));
+        let (rattle, lost) = (two_digits(ride.rattle), format!("{:.4}", ride.lost));
         lines.push(cells([ride.name.clone(), rattle, lost]));
     }
     table::text(&lines)
@@ -416,4 +416,13 @@ fn half_arc() -> f64 {
         }
     }
     low
+}
+
+/// Formats a number with two digits, with a power of ten if it is small.
+fn two_digits(value: f64) -> String {
+    match value.abs() {
+        1.0.. => format!("{value:.1}"),
+        0.1.. => format!("{value:.2}"),
+        _ => format!("{value:.1e}"),
+    }
 }

@@ -86,9 +86,10 @@ fn page(curve: &WorkPrecision, options: &Options) -> Outcome<Page> {
             front(curve),
         ],
         checks: Vec::new(),
-        pictures: vec![Picture::of(
+        pictures: vec![Picture::new(
             "work_precision",
-            &picture::scene(curve, &title),
+            picture::plots(curve),
+            |layout| picture::arranged(layout, &title),
         )?],
         film: None,
     })

@@ -9,7 +9,7 @@ use kuva::render::render::{Scene, render_multiple};
 use tumble::work_precision::{Method, Row, WorkPrecision};
 
 /// Colours that colour-blind people can distinguish (Okabe and Ito).
-const COLOURS: [(Method, &str); 10] = [
+const COLOURS: [(Method, &str); 11] = [
     (Method::ForwardEuler, "#999999"),
     (Method::SymplecticEuler, "#e69f00"),
     (Method::StrangSplitting, "#009e73"),
@@ -20,6 +20,7 @@ const COLOURS: [(Method, &str); 10] = [
     (Method::DormandPrince54, "#d55e00"),
     (Method::AdaptiveEnergyMomentum, "#b8a800"),
     (Method::AdaptiveNystrom, "#332288"),
+    (Method::Radau5, "#882255"),
 ];
 
 /// Writes `name`.svg and `name`.png into a folder.
@@ -31,7 +32,11 @@ pub(crate) fn write(
     name: &str,
 ) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
-    let scene = scene(curve, title);
+    let plots = plots(curve);
+    let layout = Layout::auto_from_plots(&plots)
+        .with_width(900.0)
+        .with_height(560.0);
+    let scene = render_multiple(plots, arranged(layout, title));
     fs::write(folder.join(name).with_extension("svg"), svg(&scene))?;
     let png = PngBackend::new().with_scale(2.0).render_scene(&scene)?;
     fs::write(folder.join(name).with_extension("png"), png)?;
@@ -46,9 +51,8 @@ fn svg(scene: &Scene) -> String {
     text.replacen("<svg ", &view_box, 1)
 }
 
-/// Returns the diagram.
-#[allow(dead_code, reason = "the example uses it; the bench writes files")]
-pub(crate) fn scene(curve: &WorkPrecision, title: &str) -> Scene {
+/// Returns the curves of the diagram, with their points.
+pub(crate) fn plots(curve: &WorkPrecision) -> Vec<Plot> {
     let mut plots = Vec::new();
     for (method, colour) in COLOURS {
         let places: Vec<(f64, f64)> = (curve.rows.iter())
@@ -70,16 +74,18 @@ pub(crate) fn scene(curve: &WorkPrecision, title: &str) -> Scene {
         plots.push(Plot::Line(line));
         plots.push(Plot::Scatter(dots));
     }
-    let layout = Layout::auto_from_plots(&plots)
-        .with_width(900.0)
-        .with_height(560.0)
+    plots
+}
+
+/// Returns the frame of the diagram.
+pub(crate) fn arranged(layout: Layout, title: &str) -> Layout {
+    layout
         .with_title(title)
         .with_x_label("cost (µs)")
         .with_y_label("error (m)")
         .with_log_x()
         .with_log_y()
-        .with_legend_position(LegendPosition::OutsideRightTop);
-    render_multiple(plots, layout)
+        .with_legend_position(LegendPosition::OutsideRightTop)
 }
 
 /// Returns true for a significant error: above that of rounding and below the size of the coin.

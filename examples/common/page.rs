@@ -4,6 +4,7 @@
 use core::fmt::Write as _;
 use std::fs;
 
+use super::picture::{Entry, Mark, Narrow};
 use super::{Film, Options, Outcome, Picture, make_folder, say};
 
 const TEMPLATE: &str = include_str!("page.html");
@@ -88,11 +89,16 @@ impl Page {
         let mut html = String::new();
         for (number, picture) in self.pictures.iter().enumerate() {
             let (name, svg) = (picture.name(), picture.svg(&number.to_string()));
-            // A wide picture is scrolled on a narrow screen, by the keyboard too.
+            let (class, narrow) = match picture.narrow() {
+                Some(narrow) => ("both", narrow_html(narrow, &format!("{number}n"))),
+                None => ("one", String::new()),
+            };
+            // A picture of one width is scrolled on a narrow screen, by the keyboard too.
             writeln!(
                 html,
-                "<figure><div tabindex=\"0\" role=\"group\" aria-label=\"Picture: {name}\">\
-                 {svg}</div></figure>"
+                "<figure class=\"{class}\"><div class=\"narrow\">{narrow}</div>\
+                 <div class=\"full\" tabindex=\"0\" role=\"group\" \
+                 aria-label=\"Picture: {name}\">{svg}</div></figure>"
             )?;
         }
         Ok(html)
@@ -128,6 +134,22 @@ impl Page {
         html.push_str("</tbody></table>\n");
         Ok(html)
     }
+}
+
+/// Returns the title, the drawing and the legend of a picture for a phone.
+fn narrow_html(picture: &Narrow, tag: &str) -> String {
+    let entry = |entry: &Entry| {
+        let class = match entry.mark {
+            Mark::Line => "line",
+            Mark::Dashes => "dashes",
+            Mark::Dots => "dots",
+        };
+        let (colour, name) = (&entry.colour, escaped(&entry.name));
+        format!("<li class=\"{class}\" style=\"--colour: {colour}\">{name}</li>")
+    };
+    let (title, svg) = (escaped(&picture.title), picture.svg(tag));
+    let legend: String = picture.legend.iter().map(entry).collect();
+    format!("<figcaption>{title}</figcaption>{svg}<ul class=\"legend\">{legend}</ul>")
 }
 
 /// Returns a paragraph or a Markdown table as HTML.

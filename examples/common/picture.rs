@@ -20,6 +20,8 @@ pub const BLACK: &str = "#222222";
 /// Width and height of the SVG, pixels.
 pub type Size = (f64, f64);
 pub const WIDE: Size = (900.0, 480.0);
+/// Size for a phone.
+const NARROW: Size = (390.0, 300.0);
 /// Number of pixels of the PNG for each pixel of the SVG.
 const PNG_SCALE: f32 = 2.0;
 
@@ -29,6 +31,49 @@ pub struct Picture {
     name: &'static str,
     svg: String,
     png: Vec<u8>,
+    narrow: Option<Narrow>,
+}
+
+/// The same plots for the width of a phone. A page shows title and legend around them, where they
+/// wrap.
+#[derive(Debug)]
+pub struct Narrow {
+    pub title: String,
+    pub legend: Vec<Entry>,
+    svg: String,
+}
+
+/// What a plot draws its points with.
+#[derive(Clone, Copy, Debug)]
+pub enum Mark {
+    Line,
+    Dashes,
+    Dots,
+}
+
+/// Entry of a legend.
+#[derive(Debug)]
+pub struct Entry {
+    pub name: String,
+    pub colour: String,
+    pub mark: Mark,
+}
+
+impl Narrow {
+    fn new(plots: Vec<Plot>, arrange: impl Fn(Layout) -> Layout) -> Self {
+        let mut layout = arrange(layout(&plots, NARROW));
+        layout.show_legend = false;
+        Self {
+            title: layout.title.take().unwrap_or_default(),
+            legend: plots.iter().filter_map(entry).collect(),
+            svg: svg(&render_multiple(plots, layout)),
+        }
+    }
+
+    /// Drawing for a page, with unique names of its clip paths.
+    pub fn svg(&self, tag: &str) -> String {
+        with_own_names(&self.svg, tag)
+    }
 }
 
 impl Picture {
@@ -36,13 +81,15 @@ impl Picture {
     pub fn new(
         name: &'static str,
         plots: Vec<Plot>,
-        arrange: impl FnOnce(Layout) -> Layout,
+        arrange: impl Fn(Layout) -> Layout,
     ) -> Outcome<Self> {
+        let narrow = copied(&plots).map(|plots| Narrow::new(plots, &arrange));
         let layout = arrange(layout(&plots, WIDE));
-        Self::of(name, &render_multiple(plots, layout))
+        let wide = Self::of(name, &render_multiple(plots, layout))?;
+        Ok(Self { narrow, ..wide })
     }
 
-    /// Creates a picture of a drawing.
+    /// Creates a picture of a drawing, which has one width.
     pub fn of(name: &'static str, scene: &Scene) -> Outcome<Self> {
         Ok(Self {
             name,
@@ -50,6 +97,7 @@ impl Picture {
             png: PngBackend::new()
                 .with_scale(PNG_SCALE)
                 .render_scene(scene)?,
+            narrow: None,
         })
     }
 
@@ -63,6 +111,11 @@ impl Picture {
         with_own_names(&self.svg, tag)
     }
 
+    /// Drawing for the width of a phone.
+    pub fn narrow(&self) -> Option<&Narrow> {
+        self.narrow.as_ref()
+    }
+
     /// Writes both files into a folder.
     pub fn write(&self, folder: &Path) -> Outcome<()> {
         let file = folder.join(self.name);
@@ -70,6 +123,36 @@ impl Picture {
         fs::write(file.with_extension("png"), &self.png)?;
         Ok(())
     }
+}
+
+/// Copies of plots, if each is of a kind that the examples draw.
+fn copied(plots: &[Plot]) -> Option<Vec<Plot>> {
+    let copies = plots.iter().map(|plot| match plot {
+        Plot::Line(line) => Some(Plot::Line(line.clone())),
+        Plot::Scatter(points) => Some(Plot::Scatter(points.clone())),
+        _ => None,
+    });
+    copies.collect()
+}
+
+/// Entry of a plot in the legend.
+fn entry(plot: &Plot) -> Option<Entry> {
+    let (name, colour, mark) = match plot {
+        Plot::Line(line) => {
+            let mark = match line.line_style {
+                LineStyle::Solid => Mark::Line,
+                _ => Mark::Dashes,
+            };
+            (&line.legend_label, &line.color, mark)
+        }
+        Plot::Scatter(points) => (&points.legend_label, &points.color, Mark::Dots),
+        _ => return None,
+    };
+    Some(Entry {
+        name: name.clone()?,
+        colour: colour.clone(),
+        mark,
+    })
 }
 
 /// Drawing with a view box, so that a page can scale it.

@@ -58,9 +58,10 @@ fn parse() -> Result<Option<PathBuf>, lexopt::Error> {
 /// Writes the gallery. Returns true if all examples found their figures as expected.
 fn work(folder: &Path) -> Outcome<bool> {
     make_folder(folder)?;
-    let programs = run::build()?;
+    let exhibits = exhibits::all();
+    let programs = run::build(&exhibits)?;
     let begin = Instant::now();
-    let shown = run_all(&programs, folder)?;
+    let shown = run_all(exhibits, &programs, folder)?;
     let cards: String = shown.iter().map(card::html).collect();
     let page = folder.join("index.html");
     fs::write(&page, TEMPLATE.replace(PLACE, &cards))?;
@@ -79,8 +80,7 @@ fn work(folder: &Path) -> Outcome<bool> {
 
 /// Runs all examples: first those that measure times, one by one, then as many at a time as there
 /// are processors. Returns them in the order of their cards.
-fn run_all(programs: &Path, folder: &Path) -> Outcome<Vec<Shown>> {
-    let exhibits = exhibits::all();
+fn run_all(exhibits: Vec<Exhibit>, programs: &Path, folder: &Path) -> Outcome<Vec<Shown>> {
     let style = ProgressStyle::with_template("{pos} of {len} examples {wide_bar} {elapsed} {msg}")?;
     let bar = ProgressBar::new(exhibits.len() as u64).with_style(style);
     bar.enable_steady_tick(core::time::Duration::from_millis(200));

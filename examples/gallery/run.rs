@@ -36,14 +36,17 @@ impl Shown {
     }
 }
 
-/// Builds all examples in the profile of this program. Returns the folder of the programs, which is
-/// that of this program.
-pub(crate) fn build() -> Outcome<PathBuf> {
+/// Builds the programs of the gallery in the profile of this program, and no others. Returns their
+/// folder, which is that of this program.
+pub(crate) fn build(exhibits: &[Exhibit]) -> Outcome<PathBuf> {
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
+    command.arg("build");
+    for exhibit in exhibits {
+        command.args(["--example", exhibit.name]);
+    }
     // From the top folder, where this program was built: what it shares with the others is then not
     // built again.
-    command.args(["build", "--examples"]);
     command.current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
     if !cfg!(debug_assertions) {
         command.arg("--release");

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use tumble::{Sample, Timed, UntilDecided};
+use tumble::{Outcome as Ended, Sample, Timed, UntilDecided};
 
 use crate::Arguments;
 use crate::scene;
@@ -46,7 +46,10 @@ pub(crate) fn replay(arguments: &Arguments, toss: u64) -> Outcome<()> {
         return Err(format!("the replay is {decided:?}, the toss was {outcome:?}").into());
     }
     let page = arguments.out.join("play.html");
-    let lines = vec![format!("{outcome:?} after {seconds:.3} s.")];
+    let lines = vec![match outcome {
+        Ended::Decided(face) => format!("{face:?}, proven after {seconds:.3} s."),
+        Ended::Undecided => format!("Undecided after {seconds:.3} s."),
+    }];
     film(toss, lines, seconds, camera.shots).write(&page)?;
     say(format_args!(
         "Written: {}, {}\n",

@@ -66,9 +66,10 @@ async function open(file, { viewport, dark = false, still = false }) {
   return tab;
 }
 
-// What is wrong in a document: texts that overlap or are cut, empty pictures, controls without a
-// name, a page that is wider than the screen.
+// What is wrong in a document: texts that overlap, are cut or are too small, empty pictures,
+// controls without a name, a page that is wider than the screen.
 function faults() {
+  const SMALLEST = 8; // px
   const found = [];
   const seen = (element) =>
     element.checkVisibility() && getComputedStyle(element).clipPath !== 'inset(50%)';
@@ -91,6 +92,24 @@ function faults() {
       }),
     );
   };
+  // A legend is drawn over the curves, which are clipped to their frame.
+  const hiddenCurves = (svg) => {
+    const [frame, legend] = ['clipPath rect', 'rect[fill="none"][stroke="#cccccc"]'].map((name) => {
+      const rect = svg.querySelector(name);
+      return rect && ['x', 'y', 'width', 'height'].map((side) => rect[side].baseVal.value);
+    });
+    if (!frame || !legend) return;
+    const isIn = ([left, top, wide, high], { x, y }) =>
+      x > left && x < left + wide && y > top && y < top + high;
+    const isUnder = (point) => isIn(frame, point) && isIn(legend, point);
+    const hides = (curve) => {
+      const part = curve.getTotalLength() / 400;
+      return Array.from({ length: 401 }, (_, k) => curve.getPointAtLength(k * part)).some(isUnder);
+    };
+    const curves = [...svg.querySelectorAll('[clip-path] :is(path, circle, line)')];
+    const start = svg.textContent.trim().slice(0, 40);
+    if (curves.some(hides)) found.push(`a legend hides a curve in ${start}`);
+  };
   const boxes = [];
   const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   for (let node = walker.nextNode(); node; node = walker.nextNode()) {
@@ -104,6 +123,8 @@ function faults() {
     const svg = node.parentElement.closest('svg');
     if (!svg) continue;
     const frame = svg.getBoundingClientRect();
+    const size = parseFloat(getComputedStyle(node.parentElement).fontSize) * svg.getScreenCTM().a;
+    if (size < SMALLEST) found.push(`"${text}" is ${size.toFixed(1)} px high`);
     for (const { left, right, top, bottom } of rects)
       if (
         Math.min(left - frame.left, frame.right - right) < -1 ||
@@ -112,6 +133,7 @@ function faults() {
         found.push(`"${text}" is cut by the edge of its picture`);
   }
   overlapping(boxes);
+  for (const svg of document.querySelectorAll('svg')) if (!hidden(svg)) hiddenCurves(svg);
   for (const canvas of window.noted) {
     // The curves of a thumbnail are hidden, on a canvas of no width.
     if (canvas.width <= 1) continue;
@@ -229,7 +251,11 @@ async function keyboardReachesAll(tab) {
 // A page with one fault of each kind.
 const FAULTY = `<body style="margin: 0; width: 900px">
   <p style="height: 0; margin: 0">over</p><p style="margin: 0">under</p>
-  <svg viewBox="0 0 200 50" width="200"><text x="190" y="20">cut</text></svg>
+  <svg viewBox="0 0 200 50" width="200"><text x="195" y="20" font-size="7">cut</text></svg>
+  <svg viewBox="0 0 200 50" width="200">
+    <clipPath id="frame"><rect width="99" height="50" /></clipPath>
+    <g clip-path="url(#frame)"><path d="M0 9H99" stroke="red" /></g>
+    <rect width="50" height="20" fill="none" stroke="#cccccc" /></svg>
   <canvas id="blank" width="50" height="50"></canvas><button></button>
   <canvas id="doubled" width="50" height="50"></canvas>
   <script>
@@ -245,15 +271,17 @@ async function findsEachFault(tab) {
   for (const fault of [
     /"over" and "under" overlap/,
     /"cut" is cut/,
+    /"cut" is 7.0 px high/,
     /"first" and "second" overlap/,
     /"beyond" is cut/,
     /canvas blank is empty/,
     /an empty drawing/,
+    /a legend hides a curve/,
     /a BUTTON without a name/,
     /900 px wide on a screen of 390 px/,
   ])
     assert.match(found, fault);
-  return 'overlap, cut text, empty canvas and drawing, no name, too wide';
+  return 'overlap, cut and small text, hidden curve, empty canvas, drawing, no name, too wide';
 }
 
 const index = join(FOLDER, 'index.html');

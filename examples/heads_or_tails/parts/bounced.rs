@@ -124,6 +124,6 @@ fn picture(curves: &[Bounced]) -> Outcome<Picture> {
             .with_title("Tossed and bounced: the side up at the start is up")
             .with_x_label("bounces (0: caught; the last: at the end)")
             .with_y_label("fraction of the tosses")
-            .with_legend_position(LegendPosition::InsideTopRight)
+            .with_legend_position(LegendPosition::InsideTopLeft)
     })
 }

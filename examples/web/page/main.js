@@ -352,8 +352,7 @@ class Page {
 }
 
 async function main() {
-  const { textContent, dataset } = byId('module');
-  const bytes = await inflated(unpacked(textContent.trim(), Number(dataset.length)));
+  const bytes = await part('module');
   const page = new Page(await loadTumble(bytes), bytes);
   window.page = page; // for the console and for tests
   page.open();
@@ -362,8 +361,4 @@ async function main() {
   requestAnimationFrame((now) => page.frame(now));
 }
 
-main().catch((error) => {
-  byId('error').textContent = `The page cannot start: ${error.message}`;
-  byId('error').hidden = false;
-  throw error;
-});
+main().catch(cannotStart);

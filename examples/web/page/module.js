@@ -30,26 +30,6 @@ const RUN = {
 const RUN_LENGTH = 26 + 3 * 32;
 const FACES = 6;
 
-// The digits of Z85 (ZeroMQ's RFC 32), with "_" for "<", which could begin a tag.
-const DIGITS =
-  '0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?&_>()[]{}@%$#';
-
-// Five digits are four bytes, the first byte first. Zeros fill up the last four.
-function unpacked(text, length) {
-  const bytes = new DataView(new ArrayBuffer((text.length / 5) * 4));
-  for (let at = 0; at < text.length; at += 5) {
-    let word = 0;
-    for (const digit of text.slice(at, at + 5)) word = 85 * word + DIGITS.indexOf(digit);
-    bytes.setUint32((at / 5) * 4, word);
-  }
-  return new Uint8Array(bytes.buffer, 0, length);
-}
-
-async function inflated(bytes) {
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
-  return new Response(stream).arrayBuffer();
-}
-
 class Tumble {
   constructor(instance) {
     const calls = instance.exports;

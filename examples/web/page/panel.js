@@ -30,6 +30,7 @@ const INTEGRATORS = [
   ['DormandPrince54', ADAPTIVE],
   ['Flight', 'Flight in closed form, and StrangSplitting in contact.'],
   ['Radau5', `${ADAPTIVE} Implicit.`],
+  ['AdaptiveNystrom', ADAPTIVE],
 ];
 const METHODS = INTEGRATORS.map(([name]) => name);
 const isAdaptive = (method) => INTEGRATORS[method][1].startsWith(ADAPTIVE);

@@ -239,10 +239,10 @@ fn the_battery_has_each_body_with_each_integrator() {
     let mut runs: Vec<_> = battery::runs()
         .map(|run| (run.body, run.method, run.start == Start::Thrown))
         .collect();
-    assert_eq!(runs.len(), 7 * 11 * 2);
+    assert_eq!(runs.len(), 7 * 12 * 2);
     runs.sort_unstable();
     runs.dedup();
-    assert_eq!(runs.len(), 7 * 11 * 2);
+    assert_eq!(runs.len(), 7 * 12 * 2);
 }
 
 #[test]

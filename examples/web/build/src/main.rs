@@ -1,4 +1,7 @@
 //! Builds the live page: the library in WebAssembly, the style and the scripts in one HTML file.
+//!
+//! The library and the scripts are compressed. A short script in plain text, `unpack.js`, starts
+//! them.
 
 use std::env;
 use std::error::Error;
@@ -20,7 +23,8 @@ Options:
                 `rustup target add wasm32-unknown-unknown`
   --help        this text";
 
-/// Scripts in the order in which they are joined. Each uses names of those before it.
+/// Scripts in the order in which they are joined. Each uses names of those before it, and of
+/// `unpack.js`.
 const SCRIPTS: [&str; 9] = [
     "module.js",
     "address.js",
@@ -141,14 +145,16 @@ fn joined(wasm: &[u8]) -> Outcome<String> {
         script += &dense(&source(name)?);
     }
     let hashes = folder.join("../../tests/bits/hashes.txt");
-    let module = compressed(wasm)?;
+    let (module, scripts) = (compressed(wasm)?, compressed(script.as_bytes())?);
     let parts = [
         ("/* style.css */", dense(&source("style.css")?)),
         ("/* worker.js */", dense(&source("worker.js")?)),
-        ("/* scripts */", script),
+        ("/* unpack.js */", dense(&source("unpack.js")?)),
         ("<!-- stored -->", stored_hash(&read(hashes)?)?),
-        ("<!-- length -->", module.len().to_string()),
-        ("<!-- tumble_page.wasm -->", packed(module)),
+        ("<!-- length of module -->", module.len().to_string()),
+        ("<!-- module -->", packed(module)),
+        ("<!-- length of scripts -->", scripts.len().to_string()),
+        ("<!-- scripts -->", packed(scripts)),
     ];
     let mut page = dense(&source("index.html")?);
     for (marker, text) in parts {

@@ -1,12 +1,9 @@
 //! Integrators of the page, chosen by number.
 
-use tumble::integrator::{
-    AdaptiveEnergyMomentumWorkspace, EmbeddedPairWorkspace, EnergyMomentumWorkspace,
-};
 use tumble::{
-    AdaptiveEnergyMomentum, BogackiShampine32, ContactRange, DormandPrince54, Dynamics,
-    EnergyMomentum, Flight, ForwardEuler, Integrator, Nystrom, Radau5, Rk4, SceneError, State,
-    Step, StepControl, StepError, StrangSplitting, SymplecticEuler,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, AnyIntegrator, BogackiShampine32, ContactRange,
+    DormandPrince54, Dynamics, EnergyMomentum, Flight, ForwardEuler, Integrator, Nystrom, Radau5,
+    Rk4, SceneError, State, Step, StepControl, StepError, StrangSplitting, SymplecticEuler,
 };
 
 use super::error::PageError;
@@ -19,20 +16,10 @@ pub struct Method {
     pub time_step: f64,
 }
 
-// Not `AnyIntegrator`, which contains `AdaptiveNystrom`: the page has no room for both that and
-// `Radau5`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
-    ForwardEuler(ForwardEuler),
-    SymplecticEuler(SymplecticEuler),
-    StrangSplitting(StrangSplitting),
-    Rk4(Rk4),
-    Nystrom(Nystrom),
-    EnergyMomentum(EnergyMomentum),
-    BogackiShampine32(BogackiShampine32),
-    DormandPrince54(DormandPrince54),
-    AdaptiveEnergyMomentum(AdaptiveEnergyMomentum),
-    Radau5(Radau5),
+    /// An integrator of the library by itself.
+    Plain(AnyIntegrator),
     /// Closed-form flight, and `StrangSplitting` in contact.
     Flight(Flight<StrangSplitting>),
 }
@@ -45,7 +32,7 @@ const BUDGET: u32 = 20_000;
 
 impl Method {
     /// Count of the methods.
-    pub const COUNT: u32 = 11;
+    pub const COUNT: u32 = 12;
 
     /// Returns the method with a number of the page, for a step size of the page (s) and a body of
     /// a bounding radius (m).
@@ -56,32 +43,37 @@ impl Method {
         let (tolerance, longest_step, budget) = (TOLERANCE * radius, time_step, BUDGET);
         let kind = match super::whole(number) {
             Some(0) => return Ok(Self::default_of(time_step)),
-            Some(1) => Kind::StrangSplitting(StrangSplitting { time_step }),
-            Some(2) => Kind::SymplecticEuler(SymplecticEuler { time_step }),
-            Some(3) => Kind::Rk4(Rk4 { time_step }),
-            Some(4) => Kind::Nystrom(Nystrom { time_step }),
-            Some(5) => Kind::ForwardEuler(ForwardEuler { time_step }),
-            Some(6) => Kind::AdaptiveEnergyMomentum(AdaptiveEnergyMomentum {
+            Some(1) => Kind::Plain(StrangSplitting { time_step }.into()),
+            Some(2) => Kind::Plain(SymplecticEuler { time_step }.into()),
+            Some(3) => Kind::Plain(Rk4 { time_step }.into()),
+            Some(4) => Kind::Plain(Nystrom { time_step }.into()),
+            Some(5) => Kind::Plain(ForwardEuler { time_step }.into()),
+            Some(6) => Kind::Plain(AnyIntegrator::from(AdaptiveEnergyMomentum {
                 tolerance,
                 longest_step,
                 budget,
-            }),
-            Some(7) => Kind::BogackiShampine32(BogackiShampine32 {
+            })),
+            Some(7) => Kind::Plain(AnyIntegrator::from(BogackiShampine32 {
                 tolerance,
                 longest_step,
                 budget,
-            }),
-            Some(8) => Kind::DormandPrince54(DormandPrince54 {
+            })),
+            Some(8) => Kind::Plain(AnyIntegrator::from(DormandPrince54 {
                 tolerance,
                 longest_step,
                 budget,
-            }),
+            })),
             Some(9) => Kind::Flight(Flight(StrangSplitting { time_step })),
-            Some(10) => Kind::Radau5(Radau5 {
+            Some(10) => Kind::Plain(AnyIntegrator::from(Radau5 {
                 tolerance,
                 longest_step,
                 budget,
-            }),
+            })),
+            Some(11) => Kind::Plain(AnyIntegrator::from(AdaptiveNystrom {
+                tolerance,
+                longest_step,
+                budget,
+            })),
             _ => {
                 return Err(PageError::Unknown {
                     kind: "integrator",
@@ -96,7 +88,7 @@ impl Method {
     #[must_use]
     pub fn default_of(time_step: f64) -> Self {
         Self {
-            kind: Kind::EnergyMomentum(EnergyMomentum { time_step }),
+            kind: Kind::Plain(EnergyMomentum { time_step }.into()),
             time_step,
         }
     }
@@ -112,32 +104,16 @@ impl Method {
 macro_rules! each {
     ($any:expr, $method:ident => $result:expr) => {
         match &$any.kind {
-            Kind::ForwardEuler($method) => $result,
-            Kind::SymplecticEuler($method) => $result,
-            Kind::StrangSplitting($method) => $result,
-            Kind::Rk4($method) => $result,
-            Kind::Nystrom($method) => $result,
-            Kind::EnergyMomentum($method) => $result,
-            Kind::BogackiShampine32($method) => $result,
-            Kind::DormandPrince54($method) => $result,
-            Kind::AdaptiveEnergyMomentum($method) => $result,
-            Kind::Radau5($method) => $result,
+            Kind::Plain($method) => $result,
             Kind::Flight($method) => $result,
         }
     };
 }
 
-/// Workspaces of the methods.
-#[derive(Clone, Debug, Default)]
-pub struct Kept {
-    near: ContactRange,
-    pair: EmbeddedPairWorkspace,
-    implicit: EnergyMomentumWorkspace,
-    adaptive: AdaptiveEnergyMomentumWorkspace,
-}
+type Kept = <AnyIntegrator as Integrator>::Workspace;
 
 impl Integrator for Method {
-    type Workspace = Kept;
+    type Workspace = (Kept, ContactRange);
 
     const ADAPTIVE: bool = true;
     const SPANS_STEPS: bool = true;
@@ -147,22 +123,11 @@ impl Integrator for Method {
         scene: &D,
         state: &mut State,
         limit: f64,
-        kept: &mut Kept,
+        (plain, flight): &mut Self::Workspace,
     ) -> Result<Step, StepError> {
         match &self.kind {
-            Kind::ForwardEuler(method) => method.step(scene, state, limit, &mut kept.near),
-            Kind::SymplecticEuler(method) => method.step(scene, state, limit, &mut kept.near),
-            Kind::StrangSplitting(method) => method.step(scene, state, limit, &mut kept.near),
-            Kind::Rk4(method) => method.step(scene, state, limit, &mut kept.near),
-            Kind::Nystrom(method) => method.step(scene, state, limit, &mut kept.near),
-            Kind::Flight(method) => method.step(scene, state, limit, &mut kept.near),
-            Kind::EnergyMomentum(method) => method.step(scene, state, limit, &mut kept.implicit),
-            Kind::BogackiShampine32(method) => method.step(scene, state, limit, &mut kept.pair),
-            Kind::DormandPrince54(method) => method.step(scene, state, limit, &mut kept.pair),
-            Kind::Radau5(method) => method.step(scene, state, limit, &mut kept.pair),
-            Kind::AdaptiveEnergyMomentum(method) => {
-                method.step(scene, state, limit, &mut kept.adaptive)
-            }
+            Kind::Plain(method) => method.step(scene, state, limit, plain),
+            Kind::Flight(method) => method.step(scene, state, limit, flight),
         }
     }
 
@@ -178,25 +143,16 @@ impl Integrator for Method {
         each!(self, method => method.largest_stable_step(stiffness, damping))
     }
 
-    fn step_control(&self, kept: &Kept, state: &State) -> Option<StepControl> {
+    fn step_control(&self, (plain, _): &Self::Workspace, state: &State) -> Option<StepControl> {
         match &self.kind {
-            Kind::BogackiShampine32(method) => method.step_control(&kept.pair, state),
-            Kind::DormandPrince54(method) => method.step_control(&kept.pair, state),
-            Kind::Radau5(method) => method.step_control(&kept.pair, state),
-            Kind::AdaptiveEnergyMomentum(method) => method.step_control(&kept.adaptive, state),
-            _ => None,
+            Kind::Plain(method) => method.step_control(plain, state),
+            Kind::Flight(_) => None,
         }
     }
 
-    fn set_step_control(&self, kept: &mut Kept, control: StepControl) {
-        match &self.kind {
-            Kind::BogackiShampine32(method) => method.set_step_control(&mut kept.pair, control),
-            Kind::DormandPrince54(method) => method.set_step_control(&mut kept.pair, control),
-            Kind::Radau5(method) => method.set_step_control(&mut kept.pair, control),
-            Kind::AdaptiveEnergyMomentum(method) => {
-                method.set_step_control(&mut kept.adaptive, control);
-            }
-            _ => {}
+    fn set_step_control(&self, (plain, _): &mut Self::Workspace, control: StepControl) {
+        if let Kind::Plain(method) = &self.kind {
+            method.set_step_control(plain, control);
         }
     }
 
