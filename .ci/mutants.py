@@ -57,7 +57,7 @@ def arguments():
     parser.add_argument('--only', action='append', default=[], choices=sorted(GROUPS), help='all mutants of a group')
     parser.add_argument('--diff', help='mutants of what changed since a commit')
     parser.add_argument('--programs', help='test programs of tests/mutants/tests, with commas; all by default')
-    parser.add_argument('--longest', type=float, default=5.0, help='longest test that is run, seconds of the processor')
+    parser.add_argument('--longest', type=float, default=8.0, help='longest test that is run, seconds of the processor')
     parser.add_argument('--minutes', type=float, default=1e9, help='time after which no other mutant is begun')
     parser.add_argument('--result', default='target/mutants/result.csv', help='file that is appended to; what it holds is not tried again')
     parser.add_argument('--name', default='all', help='name of the build folder')
@@ -69,18 +69,17 @@ def arguments():
 # --- which mutants ---------------------------------------------------------------------------------
 
 def choose(asked):
-    """The mutants in the order in which they are tried: the sample first, in random order."""
+    """The mutants in the order in which they are tried: the sample, then the groups, each in random order, so that a part is a sample too."""
     listed = mutants_of(asked)
     draw = random.Random(asked.seed)
     chosen = {}
     for mutant in sample(listed, asked.sample, draw):
         chosen[mutant['name']] = mutant | {'group': 'sample'}
-    for group in asked.only:
-        of_group = [mutant for mutant in listed if re.match(GROUPS[group], mutant['file'])]
-        draw.shuffle(of_group)
-        for mutant in of_group:
-            # One of the sample counts in both.
-            chosen.setdefault(mutant['name'], mutant | {'group': group})
+    of_groups = [mutant | {'group': group} for group in asked.only for mutant in listed if re.match(GROUPS[group], mutant['file'])]
+    draw.shuffle(of_groups)
+    for mutant in of_groups:
+        # One of the sample counts in both.
+        chosen.setdefault(mutant['name'], mutant)
     if asked.diff:
         chosen = {mutant['name']: mutant | {'group': 'diff'} for mutant in listed}
     for number, mutant in enumerate(chosen.values()):
