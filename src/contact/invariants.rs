@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn a_load_has_the_contacts_that_were_added() {
-        let mut load = Load::default();
+        let mut load = Load::<f64>::default();
         assert!(is_sum_of(&load, 0));
         load.torque.x = 1e-300;
         assert!(!is_sum_of(&load, 1));

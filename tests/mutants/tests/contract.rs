@@ -5,3 +5,5 @@ mod kit;
 
 #[path = "../../limits/contract.rs"]
 mod contract;
+#[path = "../../limits/contract_reach.rs"]
+mod contract_reach;
