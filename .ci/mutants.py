@@ -385,19 +385,32 @@ def write(lines, left, kept, asked):
     readme = 'tests/mutants/README.md'
     with open(readme, encoding='utf-8') as file:
         text = file.read()
+    # A row of a group that was not asked for stays.
+    new = {line.split('|')[1].strip() for line in lines}
+    rows = [line for line in re.search(r'<!-- mutants: begin.*?-->(.*?)<!--', text, re.S)[1].splitlines() if line]
+    lines = lines + [line for line in rows[2:] if line.split('|')[1].strip() not in new]
     text = re.sub(r'(<!-- mutants: begin.*?-->\n).*?(<!-- mutants: end)', lambda m: m[1] + '\n' + '\n'.join(lines) + '\n\n' + m[2], text, flags=re.S)
     with open(readme, 'w', encoding='utf-8') as file:
         file.write(text)
     with open('tests/mutants/reasons.txt', encoding='utf-8') as file:
         known = [line.rstrip('\n').split('\t') for line in file if '\t' in line]
     by_reason = defaultdict(list)
-    for name in sorted(left):
-        reason = next((reason for pattern, reason in known if re.search(pattern, name)), 'Not read yet')
-        by_reason[reason].append(f'{name} ({kept[name][2]})')
+    for entry in sorted([f'{name} ({kept[name][2]})' for name in left] + others_left(kept, asked)):
+        reason = next((reason for pattern, reason in known if re.search(pattern, entry)), 'Not read yet')
+        by_reason[reason].append(entry)
     with open('tests/mutants/left.txt', 'w', encoding='utf-8') as file:
         file.write('Mutants that no test finds, by the reason of reasons.txt; written by `bash .ci/mutants.sh --report --write`.\n')
-        for reason, names in sorted(by_reason.items(), key=lambda item: item[0] == 'Not read yet'):
-            file.write(f'\n{reason}: {len(names)}\n' + ''.join(f'  {name}\n' for name in names))
+        for reason, entries in sorted(by_reason.items(), key=lambda item: item[0] == 'Not read yet'):
+            file.write(f'\n{reason}: {len(entries)}\n' + ''.join(f'  {entry}\n' for entry in entries))
+
+
+def others_left(kept, asked):
+    """Entries of the list of the groups that were not asked for, without those that have been tried again."""
+    others = [GROUPS[group] for group in GROUPS if group not in asked.only]
+    with open('tests/mutants/left.txt', encoding='utf-8') as file:
+        entries = [line.strip() for line in file if line.startswith('  ')]
+    tried_before = [entry for entry in entries if entry.rsplit(' (', 1)[0] not in kept]
+    return [entry for entry in tried_before if any(re.match(pattern, entry) for pattern in others)]
 
 
 if __name__ == '__main__':
