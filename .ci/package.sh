@@ -5,6 +5,8 @@ files=$(cargo package --list -p tumble --allow-dirty)
 for wanted in Cargo.toml README.md CHANGELOG.md LICENSE src/lib.rs; do
   grep -qx "$wanted" <<<"$files" || { echo "the package lacks $wanted"; exit 1; }
 done
+version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
+grep -qE "^## \[${version//./\\.}\] - 20[0-9]{2}-[0-9]{2}-[0-9]{2}$" CHANGELOG.md || { echo "CHANGELOG.md has no dated section of $version"; exit 1; }
 allowed='\.cargo_vcs_info\.json|Cargo\.(lock|toml|toml\.orig)|README\.md|ARCHITECTURE\.md|CONTRIBUTING\.md|CHANGELOG\.md|LICENSE|(src|benches|tests|assets)/.+'
 if grep -vxE "$allowed" <<<"$files"; then
   echo "the files above have no place in the package"
@@ -17,7 +19,7 @@ fi
 # The first builds what the registry would get, and removes the archive that the second keeps.
 cargo publish -q --dry-run --locked -p tumble --allow-dirty
 cargo package -q --no-verify -p tumble --allow-dirty
-archive="${CARGO_TARGET_DIR:-$PWD/target}/package/tumble-$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1).crate"
+archive="${CARGO_TARGET_DIR:-$PWD/target}/package/tumble-$version.crate"
 echo "$(wc -l <<<"$files") files, $(stat -c %s "$archive") bytes"
 [ "$(stat -c %s "$archive")" -lt 1000000 ] || { echo "the package is above 1 MB"; exit 1; }
 

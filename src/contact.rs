@@ -4,6 +4,7 @@
 //! Whether a body consists of points, is smooth or has circular rims, and whether the ground is a
 //! level plane, is decided here.
 
+mod invariants;
 mod level;
 mod load;
 mod lowest_point;

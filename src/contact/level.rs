@@ -9,6 +9,7 @@
 //! depth = (h - x.z) - r.z        velocity = v + ω × r        slip = (velocity.x, velocity.y, 0)
 //! ```
 
+use super::invariants;
 use super::load::Load;
 use crate::body::ContactPoint;
 use crate::friction::SlidingFriction;
@@ -64,6 +65,7 @@ where
         load.torque = whole.torque;
         load.touching = whole.touching;
     }
+    debug_assert!(invariants::is_sum_of(&load, head.len() + tail.len()));
     load
 }
 

@@ -1,5 +1,6 @@
 //! The point of a body that is lowest above the ground.
 
+use super::invariants;
 use super::model::ContactModel;
 use super::point::facing_ground;
 use super::rims;
@@ -147,11 +148,14 @@ where
         let surface = OneSurface::of(self.ground, found.surface).surface(centre);
         let position = centre - surface.normal * found.point.radius;
         let velocity = self.seen(motion).velocity_at(position - motion.position);
+        let rising = velocity.dot(surface.normal);
+        let slip = velocity - surface.normal * rising;
+        debug_assert!(invariants::slips_along(slip, surface.normal, rising));
         LowestPoint {
             index: found.index,
             position,
             gap: found.gap,
-            slip: velocity - surface.normal * velocity.dot(surface.normal),
+            slip,
         }
     }
 }

@@ -19,6 +19,7 @@ use discontinuities::discontinuities_over;
 pub(crate) use discontinuities::{Discontinuities, Velocities, discontinuities};
 use sweep::{Sweep, visit_between};
 
+use super::invariants;
 use super::point::Contact;
 use crate::body::{Arc, ContactPoint, Panel, Panels, QUARTER, Rim, SHORT};
 use crate::friction::SlidingFriction;
@@ -190,6 +191,7 @@ pub(super) fn visit_any<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>
                 // dθ = 2 ds/√(1 - s²)
                 let weight = density * length / ((R::ONE - s) * (R::ONE + s)).sqrt();
                 if let Some(contact) = Contact::of(laws.0, motion, &point, weight) {
+                    debug_assert!(invariants::touches(&contact, laws.0.index() + 1));
                     visit(&contact);
                 }
             },

@@ -1,5 +1,6 @@
 //! A visit to each contact that touches, on the points of a body and on its rims.
 
+use super::invariants;
 use super::model::ContactModel;
 use super::point::Contact;
 use super::rims::{self, Touching};
@@ -124,6 +125,7 @@ where
                 break;
             };
             if let Some(contact) = Contact::at(self.body, &ground, motion, point) {
+                debug_assert!(invariants::touches(&contact, self.surfaces()));
                 visitor.enter(&contact);
             }
         }
@@ -143,7 +145,11 @@ where
                 match Touching::of(laws, rim, motion) {
                     Touching::Nothing => {}
                     Touching::Arc(sweep) => {
-                        sweep.visit(|node| visit(&sweep.contact(surface, rim, motion, node)));
+                        sweep.visit(|node| {
+                            let contact = sweep.contact(surface, rim, motion, node);
+                            debug_assert!(invariants::touches(&contact, self.surfaces()));
+                            visit(&contact);
+                        });
                     }
                     Touching::Any => rims::visit_any(laws, rim, motion, visit),
                 }

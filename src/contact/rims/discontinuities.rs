@@ -7,6 +7,7 @@
 //! `1 + tan²(θ/2)` are polynomials of degree 2 in `tan(θ/2)`.
 
 use crate::body::{Arc, CUTS, sink_last};
+use crate::contact::invariants;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::quadrature::bisect;
@@ -552,6 +553,7 @@ impl<R: Real> Discontinuities<R> {
             self.places.get_mut(..self.count).unwrap_or_default(),
             |discontinuity| discontinuity.u,
         );
+        debug_assert!(invariants::ascend(self.iter().map(|place| place.u)));
     }
 
     #[inline(always)]
