@@ -3,14 +3,16 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use core::f64::consts::TAU;
+use core::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::kit::once::Once;
 use crate::kit::{self, GRAVITY, cases, difference, directions, end, log_uniform, order};
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, Requirement, check_body};
 use tumble::f32 as single;
-use tumble::f64::{Capsule, Coin, Cone, Cuboid, Disc, Ellipsoid, MassProperties, Sphere};
+use tumble::f64::{
+    Capsule, Coin, Cone, Cuboid, Disc, Ellipsoid, MassProperties, Sphere, ThickDisc,
+};
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::{
     ContactPoint, Coulomb, EnergyMomentum, FlatGround, Frictionless, Integrator, RigidPointBody,
@@ -275,13 +277,18 @@ impl RigidPointBody for Hoop {
     }
 }
 
+/// Iterations of a step in stick on average, at most.
+const MOST_ITERATIONS: f64 = 5.0;
+
+/// The same for a body that spins flat on several points. They hinder each other while it comes to
+/// rest, and which of them stick changes from step to step.
+const MOST_ITERATIONS_FLAT: f64 = 7.0;
+
 /// A body that rolls, spins or leans, and the stiffness of the ground at each of its contacts, N/m.
 struct Sticking {
     name: &'static str,
     body: Box<dyn RigidPointBody>,
     stiffness: f64,
-    /// Iterations of a step on average, at most.
-    iterations: f64,
     start: State,
 }
 
@@ -314,14 +321,10 @@ fn sticking() -> Vec<Sticking> {
     let mut scenes: Vec<Sticking> = Vec::new();
     let mut add = |name, body: Box<dyn RigidPointBody>, stiffness, lean, spin: [f64; 3]| {
         let start = rolling(&*body, lean, DVec3::from(spin));
-        // Two contacts at once pull against each other as the line between them tilts: one slides
-        // while the other sticks, which takes two iterations more to find.
-        let several = body.contacts().len() > 1;
         scenes.push(Sticking {
             name,
             body,
             stiffness,
-            iterations: if several { 8.0 } else { 5.0 },
             start,
         });
     };
@@ -390,11 +393,13 @@ fn stuck(scene: &Sticking, slip_speed: f64, time_step: f64) -> (DVec3, f64) {
         iterations += report.iterations;
         fallbacks += usize::from(report.fallback);
     }
-    // On a rim the reversals of friction begin, end and join in single steps.
-    let most = if scene.body.rims().is_empty() {
-        0
-    } else {
+    // On a rim the reversals of friction begin, end and join in single steps, and so do the points
+    // that stick under a body that spins flat.
+    let is_several = scene.body.contacts().len() > 1;
+    let most = if is_several || !scene.body.rims().is_empty() {
         steps / 100
+    } else {
+        0
     };
     let name = scene.name;
     assert!(
@@ -410,14 +415,10 @@ fn stick_is_of_order_two_at_any_slip_speed_and_takes_few_iterations() {
         for slip_speed in [1e-6, 1e-8, 1e-10, 1e-12] {
             let steps = [1e-3, 5e-4, 1.25e-4];
             let [coarse, fine, truth] = steps.map(|step| stuck(&scene, slip_speed, step));
-            let Sticking {
-                name,
-                iterations: most,
-                ..
-            } = scene;
+            let name = scene.name;
             let iterations = coarse.1.max(fine.1);
             assert!(
-                iterations <= most,
+                iterations <= MOST_ITERATIONS,
                 "{name}, {slip_speed:e} m/s: {iterations} iterations"
             );
             let error = |end: DVec3| (end - truth.0).length();
@@ -425,6 +426,75 @@ fn stick_is_of_order_two_at_any_slip_speed_and_takes_few_iterations() {
             // of the next order are worth up to a quarter at these steps.
             let found = order(error(coarse.0), error(fine.0));
             assert!(found > 1.75, "{name}, {slip_speed:e} m/s: order {found}");
+        }
+    }
+}
+
+/// Bodies that roll, spin and lean on one or several contacts, or on one or two round rims, and
+/// those that spin flat on several points. Neither the first trial of a step nor its first
+/// derivative was chosen on these scenes.
+fn sticking_elsewhere() -> [Vec<Sticking>; 2] {
+    let (mut scenes, mut flat) = (Vec::new(), Vec::new());
+    let sticking = |name, body: Box<dyn RigidPointBody>, stiffness, lean, spin: [f64; 3]| {
+        let start = rolling(&*body, lean, DVec3::from(spin));
+        Sticking {
+            name,
+            body,
+            stiffness,
+            start,
+        }
+    };
+    let mut add = |name, body, stiffness, lean, spin| {
+        scenes.push(sticking(name, body, stiffness, lean, spin));
+    };
+    let brick = || Box::new(Cuboid::solid(2.1, DVec3::new(0.24, 0.11, 0.07)));
+    add("brick on an edge", brick(), 3e4, 0.55, [0.0, 0.4, 0.0]);
+    add("brick, edge tilts", brick(), 3e4, 0.25, [0.1, 0.0, 0.8]);
+    let pill = || Box::new(Capsule::solid(0.03, 0.012, 0.04));
+    add("pill, rolls", pill(), 500.0, 1.45, [6.0, 0.0, 0.0]);
+    add("pill, leans", pill(), 500.0, 0.5, [0.0, 0.5, 2.0]);
+    let plate = || Box::new(Disc::solid(0.9, 0.14, 90));
+    add("plate, leans", plate(), 2e3, 0.35, [0.0, 0.0, 0.0]);
+    add("plate spins", plate(), 2e3, 0.6, [0.0, 0.0, 2.0]);
+    add(
+        "plate on its face",
+        plate(),
+        2e3,
+        FRAC_PI_2,
+        [0.0, 0.0, 9.0],
+    );
+    add("plate, rolls", plate(), 2e3, 0.0, [7.0, 0.0, 0.0]);
+    let puck = || Box::new(ThickDisc::solid(0.6, 0.09, 0.03, 72));
+    add("puck, leans", puck(), 2e3, 0.5, [0.0, 0.0, 0.0]);
+    add("puck spins", puck(), 2e3, 0.8, [0.0, 0.0, 3.0]);
+    add("puck on its face", puck(), 2e3, FRAC_PI_2, [0.0, 0.0, 7.0]);
+    add("puck, rolls", puck(), 2e3, 0.0, [5.0, 0.0, 0.0]);
+    let pebble = || Box::new(Ellipsoid::solid(0.15, DVec3::new(0.04, 0.03, 0.015)));
+    add("pebble, leans", pebble(), 4e3, 1.1, [0.0, 0.0, 0.0]);
+    add("pebble, spins", pebble(), 4e3, 0.1, [0.5, 0.0, 14.0]);
+    let mut add_flat = |name, body, stiffness, lean, spin: f64| {
+        flat.push(sticking(name, body, stiffness, lean, [0.0, 0.0, spin]));
+    };
+    add_flat("brick on its face", brick(), 3e4, 0.0, 4.0);
+    add_flat("pill on its side", pill(), 500.0, FRAC_PI_2, 5.0);
+    [scenes, flat]
+}
+
+#[test]
+fn a_step_in_stick_takes_few_iterations_on_contacts_that_pull_against_each_other() {
+    let limits = [MOST_ITERATIONS, MOST_ITERATIONS_FLAT];
+    for (scenes, most) in sticking_elsewhere().iter().zip(limits) {
+        for scene in scenes {
+            for slip_speed in [3e-7, 3e-9, 3e-11, 1e-12] {
+                for time_step in [1e-3, 4e-4] {
+                    let (_, iterations) = stuck(scene, slip_speed, time_step);
+                    let name = scene.name;
+                    assert!(
+                        iterations <= most,
+                        "{name}, {slip_speed:e} m/s, {time_step} s: {iterations} iterations"
+                    );
+                }
+            }
         }
     }
 }

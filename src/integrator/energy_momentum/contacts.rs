@@ -5,9 +5,9 @@
 //!
 //! A contact that is not stored is computed anew from the trial. Only its dual unknown of friction
 //! depends on the iterations before. Each dual unknown follows from the one before, the trials of
-//! both, and nothing else. So the trials at which friction was differentiated are stored, once for
-//! all contacts, and the chain is repeated for each of these contacts. The result is that of a
-//! stored contact to rounding.
+//! both, the Newton step between them, and nothing else. So the trials at which friction was
+//! differentiated are stored with these steps, once for all contacts, and the chain is repeated for
+//! each of these contacts. The result is that of a stored contact to rounding.
 //!
 //! A chain that begins at a later trial is no substitute. While the slip of a contact in stick
 //! falls towards the slip speed of the law, its friction at each trial is that of a slide, and only
@@ -15,7 +15,7 @@
 
 use super::block::Block;
 use super::problem::{Problem, Trial};
-use super::touch::{Answer, Increment, Lever, Push, Reversal, Touch};
+use super::touch::{Answer, Dual, Increment, Lever, Push, Reversal, Touch};
 use crate::body::{Arc, ContactRange, Panel, Panels, RigidPointBody, Rim};
 use crate::contact::{Discontinuities, Velocities, arcs_below, discontinuities};
 use crate::friction::{FrictionJacobian, SlidingFriction};
@@ -100,6 +100,21 @@ impl LaidPanel {
     }
 }
 
+/// Trial at which friction was differentiated, and Newton's step from there, if slips and dual
+/// unknowns continue from its end.
+#[derive(Clone, Copy, Debug)]
+struct Noted<R: Real> {
+    trial: Trial<R>,
+    step: Option<Increment<R>>,
+}
+
+impl<R: Real> Noted<R> {
+    const NONE: Self = Self {
+        trial: Trial::NONE,
+        step: None,
+    };
+}
+
 /// Contacts that may touch during a step.
 #[derive(Clone, Debug)]
 pub(super) struct Contacts<R: Real> {
@@ -126,7 +141,7 @@ pub(super) struct Contacts<R: Real> {
     path_by_turn: Block<R>,
     /// The last trials at which friction was differentiated, in a ring, and the number of all that
     /// there were in this step.
-    noted: [Trial<R>; PAST],
+    noted: [Noted<R>; PAST],
     notes: usize,
 }
 
@@ -143,7 +158,7 @@ impl<R: Real> Contacts<R> {
         panels: 0,
         lever: Lever::NONE,
         path_by_turn: Block::ZERO,
-        noted: [Trial::NONE; PAST],
+        noted: [Noted::NONE; PAST],
         notes: 0,
     };
 
@@ -202,7 +217,7 @@ impl<R: Real> Contacts<R> {
                     }
                     // The other fields are written by the first trial that feels the contact.
                     (place.arm, place.push.depth) = (touch.arm, touch.push.depth);
-                    place.dual = None;
+                    place.dual = Dual::Unknown;
                     place.push.radius = touch.push.radius;
                     place.push.surface = surface;
                     if let Some(plane) = &problem.plane {
@@ -292,20 +307,19 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// Computes the forces like [`respond`](Self::respond), with slips that continue from the last
-    /// ones by increments.
+    /// Computes the forces like [`respond`](Self::respond), with the slips to which Newton's step
+    /// has [advanced](Self::advance) the last ones.
     ///
     /// The points of a rim are placed anew for each trial and have no last slip.
     #[cold]
     #[inline(never)]
-    pub(super) fn respond_by_increment<D: Dynamics<R>>(
+    pub(super) fn respond_with_slips<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        by: &Increment<R>,
         feel: &mut dyn FnMut(&Push<R>),
     ) {
-        if self.with_rim {
+        if self.with_rim && !problem.scene.body().rims().is_empty() {
             self.respond(problem, trial, feel);
             return;
         }
@@ -315,12 +329,7 @@ impl<R: Real> Contacts<R> {
             let mut forgotten;
             let touch = match self.touches.get_mut(index) {
                 Some(touch) if index < self.remembered => {
-                    // The path by a rotation is known for the first contact of a smooth body.
-                    let lever = if is_smooth && index > 0 {
-                        touch.respond(problem, trial)
-                    } else {
-                        touch.respond_by_increment(problem, trial, by, &self.path_by_turn)
-                    };
+                    let lever = touch.respond_with_slip(problem, trial);
                     if is_smooth {
                         let force = touch.push.mean.force;
                         self.lever = self.lever.with(lever, &mut normal_force, force);
@@ -390,7 +399,7 @@ impl<R: Real> Contacts<R> {
             };
             touch.lay(problem, surface, place, weight);
             if *count >= remembered {
-                touch.dual = None;
+                touch.dual = Dual::Unknown;
             }
             *count += 1;
         });
@@ -415,26 +424,30 @@ impl<R: Real> Contacts<R> {
             let Some(rim) = rim.filter(|_| left.rim == right.rim) else {
                 continue;
             };
-            // The outermost points of a panel are its last two. The point farther along the rim
-            // comes first.
+            // The points of a panel come in pairs, the outermost pair last. Of each pair, the point
+            // farther along the rim comes first.
             let [left, right] = [left.end, right.end].map(usize::from);
-            let outermost = (touch(left.checked_sub(2)), touch(right.checked_sub(1)));
-            if let (Some(left), Some(right)) = outermost {
+            let places = [(left, 4), (left, 2), (right, 1), (right, 3)];
+            let points = places.map(|(end, before)| touch(end.checked_sub(before)));
+            if let [Some(a), Some(b), Some(c), Some(d)] = points {
                 let per_metre = rim.points() / (rim.radius() * R::from_f64(core::f64::consts::TAU));
-                if let Some(reversal) = Reversal::between(problem, [left, right], per_metre) {
+                if let Some(reversal) = Reversal::between(problem, [a, b, c, d], per_metre) {
                     feel(&reversal);
                 }
             }
         }
     }
 
-    /// Force (N) and torque (N m) by which the dual forces of friction exceed those of the laws, at
-    /// the last trial, which was `trial`.
-    pub(super) fn dual_excess<D: Dynamics<R>>(
+    /// Force (N) and torque (N m) by which the linear friction of the matrix exceeds that of the
+    /// laws, at the last trial, which was `trial`. With `to_dual`, those of the dual forces.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn excess<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-    ) -> (R::Vec3, R::Vec3) {
+        to_dual: bool,
+    ) -> [R::Vec3; 2] {
         let (mut force, mut torque) = (R::Vec3::ZERO, R::Vec3::ZERO);
         let mut forgotten;
         for index in 0..self.len() {
@@ -447,12 +460,33 @@ impl<R: Real> Contacts<R> {
                 }
             };
             if touch.push.is_felt() {
-                let excess = touch.dual_excess(problem);
+                let excess = touch.excess(problem, to_dual);
                 force += excess;
                 torque += touch.push.arm.cross(excess);
             }
         }
-        (force, torque)
+        [force, torque]
+    }
+
+    /// Advances the slips and dual unknowns of the last trial to the end of a Newton step.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn advance<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        by: &Increment<R>,
+    ) {
+        let last = self.notes.saturating_sub(1);
+        if let Some(noted) = self.noted.get_mut(last % PAST) {
+            noted.step.get_or_insert(*by);
+        }
+        let is_smooth = problem.scene.body().is_smooth();
+        for (index, touch) in self.touches.iter_mut().take(self.remembered).enumerate() {
+            // The path by a rotation is known for the first contact of a smooth body.
+            if touch.push.is_felt() && (index == 0 || !is_smooth) {
+                touch.advance(problem, by, &self.path_by_turn);
+            }
+        }
     }
 
     /// Computes and stores the derivative of a smooth body's path along the ground with respect to
@@ -562,13 +596,16 @@ impl<R: Real> Contacts<R> {
     /// Notes a trial at which friction is differentiated, for the contacts that are not stored.
     fn note(&mut self, trial: &Trial<R>) {
         if let Some(place) = self.noted.get_mut(self.notes % PAST) {
-            *place = *trial;
+            *place = Noted {
+                trial: *trial,
+                step: None,
+            };
         }
         self.notes += 1;
     }
 
     /// The trials before the last one that was noted, oldest first.
-    fn past(&self) -> impl Iterator<Item = &Trial<R>> {
+    fn past(&self) -> impl Iterator<Item = &Noted<R>> {
         let last = self.notes.saturating_sub(1);
         (self.notes.saturating_sub(PAST)..last).filter_map(|note| self.noted.get(note % PAST))
     }
@@ -601,9 +638,12 @@ impl<R: Real> Contacts<R> {
         touch.respond(problem, trial);
         if with_past && touch.push.is_felt() {
             let push = touch.push;
-            for trial in self.past() {
-                touch.respond(problem, trial);
+            for noted in self.past() {
+                touch.respond(problem, &noted.trial);
                 touch.note_answer(problem);
+                if let Some(by) = &noted.step {
+                    touch.advance(problem, by, &self.path_by_turn);
+                }
             }
             touch.push = push;
         }

@@ -27,6 +27,22 @@
 //!   it. The slip is then carried along as an unknown. Each Newton step adds its increment, which
 //!   is known to a relative error of 2e-16 ([`Increment`]). The slip stays within the rounding of
 //!   the difference.
+//!
+//! A step that does not resolve friction advances its dual unknowns by the same increments. A
+//! contact's path bends by the square of a large step, which is far above the creep. The slip that
+//! follows from the velocities would therefore give any dual unknown. The points of a round rim are
+//! placed anew for each trial, so that their dual unknowns follow from the new slips.
+//!
+//! # First trial in stick
+//!
+//! The slip of the first trial is far above the creep of a contact that sticks. A derivative there
+//! is that of a slide, and the iteration needs several steps to find the friction of stick. The
+//! slip at the start of the step is a better estimate of the creep, because the end-velocity
+//! correction of the step before has aimed at it. It is a function of the state, so that no result
+//! depends on a workspace. The law is therefore differentiated for the slip at the start. Let `F'`
+//! be its linear function of the slip. The first Newton step solves the balance with `F'(u)` in
+//! place of `F(u)`, at the slip u of the first trial. It finds friction for contacts that all
+//! stick, and for contacts of which one slides while the other sticks.
 
 use super::contacts::Contacts;
 use super::end_velocity::Strain;
@@ -176,9 +192,7 @@ struct Newton<'a, 'b, R: Real, D> {
     /// Fraction of the step from `base` that the trial takes.
     share: R,
     /// Whether slips are carried along as unknowns.
-    with_increments: bool,
-    /// Change of the unknowns by the last step, if slips are carried along.
-    increment: Option<Increment<R>>,
+    with_slips: bool,
     /// Multiple of the tolerance that counts as rounding.
     exact: R,
     /// Multiple of the tolerance from which one step is enough.
@@ -198,8 +212,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             base: None,
             best: None,
             share: R::ONE,
-            with_increments: false,
-            increment: None,
+            with_slips: false,
             exact,
             close: R::ONE / exact,
             is_smooth: problem.scene.body().is_smooth(),
@@ -211,11 +224,10 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     fn balance(&mut self, contacts: &mut Contacts<R>, trial: &Trial<R>) -> Balance<R> {
         let problem = self.problem;
         let mut sum = Sum::NONE;
-        match self.increment.take() {
-            None => contacts.respond(problem, trial, |push| sum.add(push)),
-            Some(by) => {
-                contacts.respond_by_increment(problem, trial, &by, &mut |push| sum.add(push));
-            }
+        if self.with_slips && self.base.is_some() {
+            contacts.respond_with_slips(problem, trial, &mut |push| sum.add(push));
+        } else {
+            contacts.respond(problem, trial, |push| sum.add(push));
         }
         sum.torque += contacts.lever.torque * sum.normal;
         let (force_residual, torque_residual) = residual(problem, trial, &sum);
@@ -258,10 +270,9 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// rounding of slips that are computed from the velocities.
     #[inline(always)]
     fn choose_unknowns(&mut self, here: &Balance<R>, trial: &Trial<R>) {
-        if !(self.with_increments || self.strain.of_step(self.problem).is_resolved()) {
+        if !(self.with_slips || self.strain.of_step(self.problem).is_resolved()) {
             let of_slips = (self.scale).rounding_of_slips(self.problem, trial, &self.strain);
-            self.with_increments =
-                here.place.size <= of_slips && of_slips > here.tolerance * self.close;
+            self.with_slips = here.place.size <= of_slips && of_slips > here.tolerance * self.close;
         }
     }
 
@@ -301,16 +312,22 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let problem = self.problem;
         let is_enough = self.is_enough(here);
         self.derive(is_enough, contacts, trial);
-        let (shift, turn) = (self.matrix).solve(
-            -here.force_residual,
-            -here.torque_residual,
-            problem.bounding_radius,
-        );
-        let is_last = (is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
-            || self.is_close_in_stick(here, (contacts, trial), shift, turn);
+        let is_resolved = self.strain.of_step(problem).is_resolved();
+        let mut residual = [here.force_residual, here.torque_residual];
+        let begins_in_stick = self.base.is_none() && !is_resolved && {
+            let excess = contacts.excess(problem, trial, false);
+            residual = without_excess(problem, residual, excess);
+            excess != [R::Vec3::ZERO; 2]
+        };
+        let [force, torque] = residual;
+        let (shift, turn) = (self.matrix).solve(-force, -torque, problem.bounding_radius);
+        let is_last = !begins_in_stick
+            && ((is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
+                || self.is_close_in_stick(here, (contacts, trial), shift, turn));
         change(problem, trial, &here.place, shift, turn);
-        if self.with_increments {
-            self.increment = Some(Increment::of(shift, turn, here.place.spin));
+        let is_without_rims = problem.scene.body().rims().is_empty();
+        if !is_resolved && (begins_in_stick || is_last || is_without_rims) {
+            contacts.advance(problem, &Increment::of(shift, turn, here.place.spin));
         }
         self.share = R::ONE;
         self.base = Some(Base {
@@ -404,7 +421,6 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         if let Some(best) = self.best {
             self.problem.set(trial, best.velocity, best.spin);
             self.base = None;
-            self.increment = None;
         }
     }
 }
@@ -475,16 +491,24 @@ fn norm<R: Real, D: Dynamics<R>>(
 fn is_close_by_dual<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     (contacts, trial): (&Contacts<R>, &Trial<R>),
-    [force_residual, torque_residual]: [R::Vec3; 2],
+    residual: [R::Vec3; 2],
     close: R,
 ) -> bool {
+    let excess = contacts.excess(problem, trial, true);
+    let [force, torque] = without_excess(problem, residual, excess);
+    norm(problem, force, torque) <= close
+}
+
+/// Residual of the momentum balance after the forces have increased by this force (N) and torque
+/// (N m).
+#[inline]
+fn without_excess<R: Real, D>(
+    problem: &Problem<'_, R, D>,
+    [force, torque]: [R::Vec3; 2],
+    [more_force, more_torque]: [R::Vec3; 2],
+) -> [R::Vec3; 2] {
     let half = problem.seconds * R::HALF;
-    let (force, torque) = contacts.dual_excess(problem, trial);
-    norm(
-        problem,
-        force_residual - force * half,
-        torque_residual - torque * half,
-    ) <= close
+    [force - more_force * half, torque - more_torque * half]
 }
 
 /// Effect of rounding of a smooth body's surface on the balance, √J; 0 for other bodies.

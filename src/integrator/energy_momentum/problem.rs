@@ -290,13 +290,15 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         }
     }
 
-    /// First trial: the mean velocity under gravity, and the spin of the start.
-    pub(super) fn first_trial(&self) -> Trial<R> {
+    /// First trial of a step from this energy: the velocities of the start, and in the air what
+    /// gravity adds to them. On the ground, the contacts carry most of the weight.
+    pub(super) fn first_trial(&self, energy: &Energy<R>) -> Trial<R> {
         let half = self.seconds * R::HALF;
-        self.trial(
-            self.start.linear_velocity + self.scene.gravity() * half,
-            self.motion.angular_velocity * half,
-        )
+        let mut velocity = self.start.linear_velocity;
+        if energy.springs <= R::ZERO {
+            velocity += self.scene.gravity() * half;
+        }
+        self.trial(velocity, self.motion.angular_velocity * half)
     }
 
     /// Trial with these unknowns.

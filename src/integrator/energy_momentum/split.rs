@@ -45,7 +45,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
         ..Problem::new(scene, &slowed, &energy, seconds)
     };
     super::gather(&problem, contacts, true);
-    let mut trial = problem.first_trial();
+    let mut trial = problem.first_trial(&energy);
     newton::solve(&problem, contacts, &mut trial, step)?;
     let moved = problem.end_of(&trial);
     let moved_energy = Energy::without_springs(scene, &moved);

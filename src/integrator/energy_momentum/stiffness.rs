@@ -143,7 +143,7 @@ fn of_path<R: Real, D>(
 ) -> [R::Vec3; 3] {
     let (n, u) = (push.normal, answer.slip_direction);
     let c = answer.drag.coefficient * R::HALF;
-    let loaded = n - push.slip * answer.drag.per_load;
+    let loaded = n - answer.slip * answer.drag.per_load;
     let across = loaded * (push.mean.slope * (problem.seconds * R::HALF)) - n * c;
     let along = answer.dual * (-c * answer.drag.growth);
     let row = |across: R, along: R| n * across + u * along;
@@ -162,7 +162,7 @@ fn of_level_path<R: Real, D>(
     push: &Push<R>,
     answer: &Answer<R>,
 ) -> LevelPath<R> {
-    let (slip, dual, u) = (push.slip, answer.dual, answer.slip_direction);
+    let (slip, dual, u) = (answer.slip, answer.dual, answer.slip_direction);
     let c = answer.drag.coefficient * R::HALF;
     let rise = push.mean.slope * (problem.seconds * R::HALF);
     let loaded = -(answer.drag.per_load * rise);

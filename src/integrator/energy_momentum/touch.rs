@@ -17,20 +17,39 @@ pub(super) struct Touch<R: Real> {
     pub(super) arm: R::Vec3,
     /// Motion and force of the contact over the last trial step.
     pub(super) push: Push<R>,
-    /// Dual unknown where Newton's matrix was last computed. `None` at the beginning of a step.
-    pub(super) dual: Option<Dual<R>>,
+    pub(super) dual: Dual<R>,
 }
 
-/// Newton's dual unknown of a contact, and the slip at which it was computed.
+/// Newton's dual unknown of a contact: friction divided by its limit, a vector of length at most 1.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Dual<R: Real> {
-    /// Friction divided by its limit, a vector of length at most 1.
+pub(super) enum Dual<R: Real> {
+    /// None yet: a step begins. It is the first variant, so that an empty workspace is all zeros.
+    Unknown,
+    /// A linear function of the slip, from the last matrix.
+    At(Linear<R>),
+    /// Its value after Newton's last step.
+    After(R::Vec3),
+}
+
+/// Dual unknown as a linear function of the slip.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Linear<R: Real> {
+    /// Dual unknown, and the slip (m/s) for which friction was differentiated.
     direction: R::Vec3,
-    /// Slip, m/s.
     slip: R::Vec3,
     /// Width and growth of the friction's [`FrictionJacobian`].
     width: R,
     growth: R,
+}
+
+impl<R: Real> Linear<R> {
+    /// Dual unknown after Newton's step from the slip u to the slip u':
+    /// `(u' - w' g (û·(u' - u)))/w` (Chan, Golub & Mulet 1999).
+    #[inline]
+    fn after(&self, slip: R::Vec3) -> R::Vec3 {
+        let change = (slip - self.slip).dot(direction::<R>(self.slip));
+        (slip - self.direction * (self.growth * change)) * (R::ONE / self.width)
+    }
 }
 
 /// Motion and force of a contact over a trial step.
@@ -61,11 +80,25 @@ pub(super) struct Push<R: Real> {
 /// Response of friction at a contact to its slip.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Answer<R: Real> {
+    /// Slip for which friction is differentiated, m/s.
+    pub(super) slip: R::Vec3,
     pub(super) drag: FrictionJacobian<R>,
     /// Newton's dual unknown: friction divided by its limit, a vector of length at most 1.
     pub(super) dual: R::Vec3,
     /// Unit vector along the slip, or 0.
     pub(super) slip_direction: R::Vec3,
+}
+
+impl<R: Real> Answer<R> {
+    #[inline(always)]
+    fn at(slip: R::Vec3, drag: FrictionJacobian<R>, dual: R::Vec3) -> Self {
+        Self {
+            slip,
+            drag,
+            dual,
+            slip_direction: direction::<R>(slip),
+        }
+    }
 }
 
 /// Contribution of a Newton step to the path of every contact.
@@ -160,6 +193,22 @@ impl<R: Real> Push<R> {
             .plus(&over(second))
     }
 
+    /// Change of the slip by a Newton step, m/s.
+    fn slip_by<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        by: &Increment<R>,
+        path_by_turn: &Block<R>,
+    ) -> R::Vec3 {
+        let n = self.normal;
+        let path = if problem.scene.body().is_smooth() {
+            by.shift + path_by_turn.times(by.turn)
+        } else {
+            by.shift + by.turn.cross(self.end_arm) - by.twist.cross(n * self.radius)
+        };
+        (path - n * n.dot(path)) * problem.per_second
+    }
+
     /// Displacement of a smooth body's contact point over its surface by a rotation ϑ of the step's
     /// end: `moved` times `turn · ϑ`, for each of the two pairs, m.
     pub(super) fn over_surface<D: Dynamics<R>>(
@@ -188,7 +237,7 @@ impl<R: Real> Touch<R> {
     pub(super) const NONE: Self = Self {
         arm: R::Vec3::ZERO,
         push: Push::NONE,
-        dual: None,
+        dual: Dual::Unknown,
     };
 
     #[inline]
@@ -217,7 +266,7 @@ impl<R: Real> Touch<R> {
                 radius: point.radius,
                 ..Push::NONE
             },
-            dual: None,
+            dual: Dual::Unknown,
         }
     }
 
@@ -275,11 +324,21 @@ impl<R: Real> Touch<R> {
         &self,
         problem: &Problem<'_, R, D>,
     ) -> FrictionJacobian<R> {
+        self.jacobian_at(problem, self.push.slip)
+    }
+
+    /// Derivatives of the friction of a slip under the mean normal force of the last trial.
+    #[inline]
+    fn jacobian_at<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        slip: R::Vec3,
+    ) -> FrictionJacobian<R> {
         let (push, position) = (&self.push, self.friction_position(problem));
         let Some([weight, each]) = push.weights(problem) else {
-            return problem.jacobian(push.surface, position, push.mean.force, push.slip);
+            return problem.jacobian(push.surface, position, push.mean.force, slip);
         };
-        let drag = problem.jacobian(push.surface, position, push.mean.force * each, push.slip);
+        let drag = problem.jacobian(push.surface, position, push.mean.force * each, slip);
         FrictionJacobian {
             coefficient: drag.coefficient * weight,
             ..drag
@@ -354,35 +413,25 @@ impl<R: Real> Touch<R> {
         lever
     }
 
-    /// Computes motion and force like [`respond`](Self::respond), with a slip that continues from
-    /// the last one by the increment of Newton's step.
+    /// Computes motion and force like [`respond`](Self::respond), and keeps the last slip, to which
+    /// Newton's step has [advanced](Self::advance) it.
     ///
     /// The slip is kept if it agrees with the difference of velocities to rounding. It has the same
     /// error in each iteration. The friction of a slip far below that rounding is therefore
     /// determined.
-    pub(super) fn respond_by_increment<D: Dynamics<R>>(
+    pub(super) fn respond_with_slip<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        by: &Increment<R>,
-        path_by_turn: &Block<R>,
     ) -> Lever<R> {
         let last = self.push;
         let lever = self.respond(problem, trial);
-        if !(last.is_felt() && self.push.is_felt()) {
-            return lever;
-        }
-        let n = self.push.normal;
-        let path = if problem.scene.body().is_smooth() {
-            by.shift + path_by_turn.times(by.turn)
-        } else {
-            by.shift + by.turn.cross(last.end_arm) - by.twist.cross(n * last.radius)
-        };
-        let slip = last.slip + (path - n * n.dot(path)) * problem.per_second;
         let rounding = problem.rounding_of_path(trial) * problem.per_second;
-        if (slip - self.push.slip).length() <= rounding {
-            self.push.slip = slip;
-            self.push.force = n * self.push.mean.force + self.friction(problem, slip);
+        let is_same = (last.slip - self.push.slip).length() <= rounding;
+        if last.is_felt() && self.push.is_felt() && is_same {
+            self.push.slip = last.slip;
+            let friction = self.friction(problem, last.slip);
+            self.push.force = self.push.normal * self.push.mean.force + friction;
         }
         lever
     }
@@ -443,29 +492,99 @@ impl<R: Real> Touch<R> {
     pub(super) fn answer<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Answer<R> {
         let slip = self.push.slip;
         let drag = self.jacobian(problem);
-        Answer {
-            drag,
-            dual: self.next_dual(problem, &drag),
-            slip_direction: direction::<R>(slip),
+        let dual = match &self.dual {
+            Dual::At(last) => on_disc::<R>(last.after(slip)),
+            // A slide that the step can hardly brake begins with Newton's own derivative.
+            Dual::Unknown
+                if drag.coefficient * problem.seconds < problem.mass * R::from_f64(0.1) =>
+            {
+                slip * (R::ONE / drag.width)
+            }
+            _ => {
+                // Field by field, so that the answer of a slide stays in registers.
+                let Answer {
+                    slip, drag, dual, ..
+                } = self.answer_in_stick(problem, &drag);
+                return Answer::at(slip, drag, dual);
+            }
+        };
+        Answer::at(slip, drag, dual)
+    }
+
+    /// Computes the response of friction of a contact that the step may stop.
+    ///
+    /// In stick, the slip at the start of the step is the creep at the end of the step before,
+    /// while the slip of the first trial is far above it. At the first trial, friction is
+    /// differentiated for the slip at the start, and [`excess`](Self::excess) accounts for the
+    /// difference.
+    #[cold]
+    #[inline(never)]
+    fn answer_in_stick<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        drag: &FrictionJacobian<R>,
+    ) -> Answer<R> {
+        if let Dual::After(dual) = &self.dual {
+            return Answer::at(self.push.slip, *drag, *dual);
+        }
+        let (n, slip) = (self.push.normal, self.push.slip);
+        let arm = self.arm - n * self.push.radius;
+        let velocity = problem.motion.velocity_at(arm) - problem.ground_velocity(arm, n);
+        let slip_at_start = velocity - n * n.dot(velocity);
+        let at_start = self.jacobian_at(problem, slip_at_start);
+        let dual_at_start = slip_at_start * (R::ONE / at_start.width);
+        // Along a rim that rolls or spins, friction reverses, and points near its reversal have a
+        // small slip for that reason. The reversal has a derivative of its own.
+        let is_rim = !problem.scene.body().rims().is_empty();
+        let ratio = R::from_f64(if is_rim { 1.0 / 16.0 } else { 0.5 });
+        let sticks = at_start.coefficient * problem.seconds > problem.mass * R::TWO
+            && slip_at_start.length() < slip.length() * ratio;
+        if sticks {
+            Answer::at(slip_at_start, at_start, dual_at_start)
+        } else if is_rim && slip_at_start.dot(slip) < R::ZERO {
+            Answer::at(slip, *drag, slip * (R::ONE / drag.width))
+        } else {
+            Answer::at(slip, *drag, dual_at_start)
         }
     }
 
-    /// Dual force of friction minus the force of the law at the last trial, N.
-    pub(super) fn dual_excess<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> R::Vec3 {
-        let push = &self.push;
-        let Some(dual) = &self.dual else {
-            return R::Vec3::ZERO;
+    /// Excess of the linear friction in the matrix over the friction of the law at the last trial,
+    /// N. With `to_dual`, that of the dual force.
+    pub(super) fn excess<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        to_dual: bool,
+    ) -> R::Vec3 {
+        let slip = self.push.slip;
+        let dual = match &self.dual {
+            Dual::At(at) if to_dual => at.direction,
+            Dual::After(dual) if to_dual => *dual,
+            Dual::At(at) if at.slip != slip => at.after(slip),
+            _ => return R::Vec3::ZERO,
         };
         let drag = self.jacobian(problem);
-        (push.slip - dual.direction * drag.width) * drag.coefficient
+        (slip - dual * drag.width) * drag.coefficient
+    }
+
+    /// Advances slip and dual unknown to the end of a Newton step.
+    pub(super) fn advance<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        by: &Increment<R>,
+        path_by_turn: &Block<R>,
+    ) {
+        self.push.slip += self.push.slip_by(problem, by, path_by_turn);
+        if let Dual::At(at) = &self.dual {
+            self.dual = Dual::After(on_disc::<R>(at.after(self.push.slip)));
+        }
     }
 
     /// Stores the data from which the next dual unknown is computed.
     #[inline(always)]
     pub(super) fn remember(&mut self, answer: &Answer<R>) {
-        self.dual = Some(Dual {
+        self.dual = Dual::At(Linear {
             direction: answer.dual,
-            slip: self.push.slip,
+            slip: answer.slip,
             width: answer.drag.width,
             growth: answer.drag.growth,
         });
@@ -478,31 +597,6 @@ impl<R: Real> Touch<R> {
         if self.push.is_felt() {
             let answer = self.answer(problem);
             self.remember(&answer);
-        }
-    }
-
-    /// Dual unknown after Newton's step from the last slip u to the current slip u':
-    /// `(u' - w' g (û·(u' - u)))/w`, projected on the unit disc (Chan, Golub & Mulet 1999).
-    #[inline]
-    fn next_dual<D>(&self, problem: &Problem<'_, R, D>, drag: &FrictionJacobian<R>) -> R::Vec3 {
-        let slip = self.push.slip;
-        let Some(last) = &self.dual else {
-            // A slide that the step can hardly brake begins with Newton's own derivative. A slide
-            // that it can stop begins with stick.
-            let slides = drag.coefficient * problem.seconds < problem.mass * R::from_f64(0.1);
-            return if slides {
-                slip * (R::ONE / drag.width)
-            } else {
-                R::Vec3::ZERO
-            };
-        };
-        let change = (slip - last.slip).dot(direction::<R>(last.slip));
-        let next = (slip - last.direction * (last.growth * change)) * (R::ONE / last.width);
-        let square = next.length_squared();
-        if square > R::ONE {
-            next * (R::ONE / square.sqrt())
-        } else {
-            next
         }
     }
 }
@@ -602,8 +696,11 @@ impl<R: Real> Lever<R> {
 /// A shift `δ` of the slip moves that point by `δ/u'`, where `u'` is the slope of the slip along
 /// the rim. The neighbouring points move with the rim and keep their friction, which is far from
 /// its reversal. Their own derivatives therefore do not contain the reversal. The friction that
-/// changes its sign is `2 μ p δ/u'`, with `p` the load per length. For any law it follows from the
-/// difference of the frictions on both sides divided by that of the slips.
+/// changes its sign is `2 μ p δ/u'`, with `p` the load per length at the reversal. For any law,
+/// `μ p` follows from the frictions on both sides. The slope `u'` is that of the parabolas through
+/// the slips of three points, two on one side and one on the other. It differs from the slope
+/// between the two nearest points by several per cent, and with it the rate at which Newton's
+/// iteration converges.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reversal<R: Real> {
     /// Lever arm from the centre of mass, mean over the step, m.
@@ -617,10 +714,11 @@ pub(super) struct Reversal<R: Real> {
 }
 
 impl<R: Real> Reversal<R> {
-    /// Creates the reversal for two neighbouring points if their slips are opposite.
+    /// Creates the reversal between the middle two of four neighbouring points if their slips are
+    /// opposite.
     pub(super) fn between<D: Dynamics<R>>(
         problem: &Problem<'_, R, D>,
-        [left, right]: [&Touch<R>; 2],
+        [before, left, right, after]: [&Touch<R>; 4],
         points_per_metre: R,
     ) -> Option<Self> {
         let (a, b) = (&left.push, &right.push);
@@ -630,17 +728,37 @@ impl<R: Real> Reversal<R> {
         }
         let change = b.slip - a.slip;
         let direction = direction::<R>(change);
+        let slips = [before, left, right, after].map(|touch| touch.push.slip.dot(direction));
+        let gap = |from: &Touch<R>, to: &Touch<R>| (to.arm - from.arm).length();
+        let gaps = [gap(before, left), gap(left, right), gap(right, after)];
+        // Position of the reversal between the two points, from 0 to 1.
+        let place = slips[1] / (slips[1] - slips[2]);
         let braking = |push: &Push<R>| -push.force.dot(direction) / push.weight;
-        let slope = (braking(b) - braking(a)) / change.length();
+        let reversed = (braking(b) * place - braking(a) * (R::ONE - place)) * R::TWO;
+        let slope = reversed / (change.length() * relative_slope(slips, gaps, place));
         let of_points = (left.friction_slope(problem) + right.friction_slope(problem)) * R::HALF;
-        let points = (right.arm - left.arm).length() * points_per_metre;
-        let coefficient = (slope - of_points) * points;
+        let coefficient = (slope - of_points) * (gaps[1] * points_per_metre);
         (coefficient > R::ZERO).then(|| Self {
             arm: (a.arm + b.arm) * R::HALF,
             end_arm: (a.end_arm + b.end_arm) * R::HALF,
             direction,
             coefficient,
         })
+    }
+}
+
+/// Slope of a function at a position (0 to 1) between the middle two of four points, divided by the
+/// slope between these two. The function is known at the points by its values and by the gaps
+/// between them. A slope of less than half is not used.
+fn relative_slope<R: Real>(values: [R; 4], gaps: [R; 3], place: R) -> R {
+    let slope = |i: usize| (values[i + 1] - values[i]) / gaps[i];
+    let [first, middle, last] = [slope(0), slope(1), slope(2)];
+    let bend = (middle - first) / (gaps[0] + gaps[1]) + (last - middle) / (gaps[1] + gaps[2]);
+    let more = bend * (place - R::HALF) * gaps[1] / middle;
+    if more > -R::HALF {
+        R::ONE + more
+    } else {
+        R::ONE
     }
 }
 
@@ -663,5 +781,16 @@ fn direction<R: Real>(slip: R::Vec3) -> R::Vec3 {
         slip * (R::ONE / speed)
     } else {
         R::Vec3::ZERO
+    }
+}
+
+/// Projects a vector on the unit disc.
+#[inline]
+fn on_disc<R: Real>(vector: R::Vec3) -> R::Vec3 {
+    let square = vector.length_squared();
+    if square > R::ONE {
+        vector * (R::ONE / square.sqrt())
+    } else {
+        vector
     }
 }
