@@ -163,6 +163,15 @@ impl<R: Real> Rest<R> {
             *length == seconds && known == state && *fingerprint == Fingerprint::of(scene, state)
         })
     }
+
+    /// Returns the report of such a step after the work so far.
+    fn step(seconds: R, work: &Step<R>) -> Step<R> {
+        Step {
+            elapsed: seconds,
+            error_estimate: Some(R::ZERO),
+            ..*work
+        }
+    }
 }
 
 impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
@@ -194,11 +203,7 @@ impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
             }
             if workspace.rest.is_of(scene, state, seconds) {
                 control.accept(ROOTS, &trial, seconds, R::ZERO);
-                return Ok(Step {
-                    elapsed: seconds,
-                    error_estimate: Some(R::ZERO),
-                    ..work
-                });
+                return Ok(Rest::step(seconds, &work));
             }
             let method = &mut workspace.method;
             let attempt = Doubled::of(&settings, scene, state, seconds, method, &mut work);

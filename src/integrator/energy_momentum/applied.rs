@@ -275,7 +275,8 @@ impl<R: Real, D: Dynamics<R>> Pose<'_, R, D> {
             if !size.is_finite() {
                 return None;
             }
-            let rounding = (self.momentum() + self.size(&given)) * R::EPSILON;
+            // Far from the solution, a stiff force gives far more than the motion has taken.
+            let rounding = (self.momentum() + self.size(&taken)) * R::EPSILON;
             // The second condition ends an iteration that rounding keeps from falling further.
             let is_stalled = size >= last * R::HALF && size <= rounding * R::from_f64(1e3);
             if size <= rounding || is_stalled || self.is_rounding(&motion, [linear, angular]) {
