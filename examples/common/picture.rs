@@ -20,8 +20,10 @@ pub const BLACK: &str = "#222222";
 /// Width and height of the SVG, pixels.
 pub type Size = (f64, f64);
 pub const WIDE: Size = (900.0, 480.0);
-/// Size for a phone.
-const NARROW: Size = (390.0, 300.0);
+/// Size for a phone, which shows three quarters of it.
+const NARROW: Size = (460.0, 350.0);
+/// Room for half of the last number of the horizontal axis, such as 100000.
+const NARROW_MARGIN: f64 = 26.0;
 /// Number of pixels of the PNG for each pixel of the SVG.
 const PNG_SCALE: f32 = 2.0;
 
@@ -63,6 +65,7 @@ impl Narrow {
     fn new(plots: Vec<Plot>, arrange: impl Fn(Layout) -> Layout) -> Self {
         let mut layout = arrange(layout(&plots, NARROW));
         layout.show_legend = false;
+        layout.force_margin_right = Some(NARROW_MARGIN);
         Self {
             title: layout.title.take().unwrap_or_default(),
             legend: plots.iter().filter_map(entry).collect(),

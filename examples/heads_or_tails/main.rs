@@ -316,7 +316,7 @@ fn spun_picture(curves: &[Vec<Point>]) -> Outcome<Picture> {
             .with_title("The side that points up at the start comes up")
             .with_x_label("lean from upright at the start, degrees")
             .with_y_label("fraction of the decided tosses")
-            .with_legend_position(LegendPosition::InsideBottomRight)
+            .with_legend_position(LegendPosition::OutsideRightTop)
     })
 }
 
