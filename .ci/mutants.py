@@ -346,8 +346,13 @@ def tried(number, tests):
 def kept_lines(path):
     if not os.path.exists(path):
         return {}
+    kept = {}
     with open(path, newline='', encoding='utf-8') as file:
-        return {line[1]: line for line in csv.reader(file)}
+        for line in csv.reader(file):
+            # Of a mutant that is tried again, what finds it counts.
+            if line[1] not in kept or kept[line[1]][2] in LEFT:
+                kept[line[1]] = line
+    return kept
 
 
 def wilson(count, total):
