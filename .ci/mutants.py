@@ -33,6 +33,8 @@ GROUPS = {
     'contract': r'src/contract(\.rs|/)',
 }
 COLUMNS = ['group', 'mutant', 'result', 'by', 'tests']
+# Results of a mutant that no test finds.
+LEFT = ['survived', 'not reached']
 
 
 def main():
@@ -42,11 +44,11 @@ def main():
     chosen = choose(asked)
     kept = kept_lines(asked.result)
     print(f'{len(chosen)} mutants, {len(kept)} of them tried before', flush=True)
-    left = [mutant for mutant in chosen if mutant['name'] not in kept]
+    left = [mutant for mutant in chosen if mutant['name'] not in kept or asked.again and kept[mutant['name']][2] in LEFT]
     if left and not asked.report:
         refused, programs = build(folder, chosen, asked)
         tests = trace(folder, programs, asked)
-        try_all(left, refused, tests, asked)
+        try_all(left, refused, tests, kept, asked)
     report(chosen, asked)
 
 
@@ -57,6 +59,7 @@ def arguments():
     parser.add_argument('--only', action='append', default=[], choices=sorted(GROUPS), help='all mutants of a group')
     parser.add_argument('--diff', help='mutants of what changed since a commit')
     parser.add_argument('--programs', help='test programs of tests/mutants/tests, with commas; all by default')
+    parser.add_argument('--again', action='store_true', help='try those again that no test has found, for instance with other programs')
     parser.add_argument('--longest', type=float, default=8.0, help='longest test that is run, seconds of the processor')
     parser.add_argument('--minutes', type=float, default=1e9, help='time after which no other mutant is begun')
     parser.add_argument('--result', default='target/mutants/result.csv', help='file that is appended to; what it holds is not tried again')
@@ -302,7 +305,7 @@ def trace(folder, programs, asked):
 
 # --- trying ----------------------------------------------------------------------------------------
 
-def try_all(mutants, refused, tests, asked):
+def try_all(mutants, refused, tests, kept, asked):
     start = time.time()
     with open(asked.result, 'a', newline='', encoding='utf-8') as file:
         writer = csv.writer(file, lineterminator='\n')
@@ -313,6 +316,9 @@ def try_all(mutants, refused, tests, asked):
             result, by, count = refused.get(mutant['id']), '', 0
             if not result:
                 result, by, count = tried(mutant['id'], tests)
+                # Other tests have reached it before.
+                if result == 'not reached' and mutant['name'] in kept:
+                    result = kept[mutant['name']][2]
             writer.writerow([mutant['group'], mutant['name'], result, by, count])
             file.flush()
             if number % 20 == 0:
@@ -340,8 +346,13 @@ def tried(number, tests):
 def kept_lines(path):
     if not os.path.exists(path):
         return {}
+    kept = {}
     with open(path, newline='', encoding='utf-8') as file:
-        return {line[1]: line for line in csv.reader(file)}
+        for line in csv.reader(file):
+            # Of a mutant that is tried again, what finds it counts.
+            if line[1] not in kept or kept[line[1]][2] in LEFT:
+                kept[line[1]] = line
+    return kept
 
 
 def wilson(count, total):
@@ -358,7 +369,7 @@ def report(chosen, asked):
     lines = ['| group | mutants | tried | not compiled | a test fails | takes too long | stored bits alone | survived | not reached | found, of those that compile |', '|' + '---|' * 10]
     lines += [row(group, chosen, kept) for group in groups]
     print('\n'.join(lines))
-    left = [m['name'] for m in chosen if m['name'] in kept and kept[m['name']][2] in ('survived', 'not reached')]
+    left = [m['name'] for m in chosen if m['name'] in kept and kept[m['name']][2] in LEFT]
     if asked.write:
         write(lines, left, kept, asked)
     if asked.diff and left:
