@@ -16,6 +16,7 @@ use tumble::{
 
 use crate::Size;
 use crate::shown::{fraction, reached};
+use crate::smooth::{DEGREE, Smooth};
 use common::Outcome;
 
 /// A measured cuboid: x/y, fraction on the square faces, and number of rolls.
@@ -59,6 +60,9 @@ const PATIENCE: f64 = 10.0;
 const GOAL: f64 = 0.03;
 /// Values that a chi² of four and of seven fractions exceeds with a probability of 5 %.
 const CHI_SQUARE: [f64; 2] = [9.49, 14.07];
+/// Value that the chi² of a fit with four coefficients to fifteen fractions exceeds with a
+/// probability of 5 %.
+const SMOOTH_CHI_SQUARE: f64 = 19.68;
 
 /// Fitted parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -204,7 +208,31 @@ pub(crate) fn table(size: Size) -> Outcome<String> {
         "\nIf the model is right, the chi² of four compared cuboids exceeds {four} with a \
          probability of 5 %, and\nthat of seven {seven}."
     )?;
+    text += &smooth_curve();
     Ok(text)
+}
+
+/// How near a smooth curve comes to the measured fractions that is fitted to all of them.
+fn smooth_curve() -> String {
+    let all: Vec<Measured> = [&FITTED[..], &HELD_OUT, &FURTHER].concat();
+    let curve = Smooth::of(&all);
+    let fractions = HELD_OUT.map(|(ratio, ..)| format!("{:.3}", curve.fraction(ratio)));
+    let chi = |set: &[Measured]| {
+        let terms = set.iter().map(|&(ratio, measured, rolls)| {
+            let fraction = curve.fraction(ratio);
+            (measured - fraction).powi(2) * rolls as f64 / (fraction * (1.0 - fraction))
+        });
+        terms.sum::<f64>()
+    };
+    format!(
+        "\nA smooth curve without mechanics (log odds of degree {DEGREE} in ln(x/y), 1/3 for a \
+         cube) that is fitted to all\nfifteen has the fractions {} at the four compared ratios, \
+         with a chi² of {:.1}. That of all\nfifteen is {:.1}. A right curve exceeds \
+         {SMOOTH_CHI_SQUARE} with a probability of 5 %.\n",
+        fractions.join(", "),
+        chi(&HELD_OUT),
+        chi(&all),
+    )
 }
 
 /// Row of a cuboid, and its chi².

@@ -9,10 +9,13 @@ mod caught;
 mod certificate;
 mod cuboids;
 mod edge;
+mod means;
 mod methods;
 mod profile;
 mod shapes;
 mod shown;
+mod smooth;
+mod upright;
 
 use std::ffi::OsString;
 use std::fs;
@@ -32,6 +35,7 @@ Usage: cargo run --release --example known_outcomes -- [OPTIONS]
       --shapes          thick coins, two-dimensional dice and cuboids of steel
       --certify         decided states that are followed to rest, and barriers by brute force
       --methods         labels and cost of a toss by each method
+      --means           what each means of a cheap toss saves
       --percent <COUNT> percentage of the tosses; all take half an hour on one core [default: 5]
   -q, --quick           a thousandth of the tosses; with --write, their tables are stored
       --check           plays a thousandth of the tosses, and fails if a table differs from the
@@ -56,7 +60,7 @@ pub(crate) struct Report {
     pub(crate) is_as_expected: bool,
 }
 
-const SUBJECTS: [Subject; 5] = [
+const SUBJECTS: [Subject; 6] = [
     Subject {
         name: "edge",
         page: "src/guide/edge.md",
@@ -81,6 +85,11 @@ const SUBJECTS: [Subject; 5] = [
         name: "methods",
         page: "src/guide/outcomes.md",
         tables: methods::tables,
+    },
+    Subject {
+        name: "means",
+        page: "src/guide/outcomes.md",
+        tables: means::tables,
     },
 ];
 

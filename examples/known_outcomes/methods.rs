@@ -30,7 +30,7 @@ use common::Outcome;
 /// Tolerance of the labels that the others are compared with, m.
 const REFERENCE: f64 = 1e-10;
 /// s.
-const PATIENCE: f64 = 10.0;
+pub(crate) const PATIENCE: f64 = 10.0;
 /// Tolerance (m) of a toss while its energy is above [`HIGH`] barriers.
 const FINE: f64 = 1e-6;
 /// Energy, in units of the barrier, above which each error has several bounces to grow.
@@ -39,36 +39,36 @@ const HIGH: f64 = 3.0;
 const CONVERGED: f64 = 0.002;
 
 /// The steel coin of `common::steel_coin`: kg, m, m.
-const COIN: Measures = Measures {
+pub(crate) const COIN: Measures = Measures {
     mass: 0.0049,
     radius: 0.01,
     thickness: 0.002,
 };
 
 /// Fraction of the labels in percent, and cost of a toss in microseconds.
-type Target = (f64, f64);
+pub(crate) type Target = (f64, f64);
 
 /// A body and its start over a table. A point that supports the weight penetrates by 0.02 mm, and
 /// bounces at half of its speed.
 #[derive(Clone, Debug)]
-struct Tossed<B> {
-    name: &'static str,
-    body: B,
-    start: RandomStart,
+pub(crate) struct Tossed<B> {
+    pub(crate) name: &'static str,
+    pub(crate) body: B,
+    pub(crate) start: RandomStart,
     /// Tosses that are compared with the reference, and tosses whose fractions are compared.
-    tosses: [u64; 2],
-    targets: &'static [Target],
+    pub(crate) tosses: [u64; 2],
+    pub(crate) targets: &'static [Target],
 }
 
 /// Labels of some tosses and the processor time of one, s.
 #[derive(Debug)]
-struct Labels<F> {
-    labels: Vec<Ended<F>>,
-    cost: f64,
+pub(crate) struct Labels<F> {
+    pub(crate) labels: Vec<Ended<F>>,
+    pub(crate) cost: f64,
 }
 
 impl<F: PartialEq> Labels<F> {
-    fn agreeing(&self, others: &Self) -> u64 {
+    pub(crate) fn agreeing(&self, others: &Self) -> u64 {
         let pairs = self.labels.iter().zip(&others.labels);
         pairs.filter(|(one, other)| one == other).count() as u64
     }
@@ -79,13 +79,34 @@ impl<F: PartialEq> Labels<F> {
     }
 }
 
-type Table<B, I> = Stepper<B, FlatGround, Coulomb, UniformGravity, I>;
+/// Plays tosses on this thread, some times over. Returns their results, and the time of one toss (s)
+/// in the fastest repetition.
+pub(crate) fn timed<T>(
+    name: &str,
+    tosses: u64,
+    repetitions: usize,
+    play: impl Fn(&mut Toss<'_>) -> Result<T, TossError>,
+) -> Outcome<(Vec<T>, f64)> {
+    let ensemble = Ensemble::new(11, SceneHash::of_bytes(name.as_bytes()));
+    let (mut results, mut cost) = (Vec::new(), f64::INFINITY);
+    for _ in 0..repetitions {
+        results.clear();
+        let clock = Clock::start();
+        for toss in 0..tosses {
+            results.push(play(&mut ensemble.toss(toss))?);
+        }
+        cost = cost.min(clock.seconds() / tosses as f64);
+    }
+    Ok((results, cost))
+}
+
+pub(crate) type Table<B, I> = Stepper<B, FlatGround, Coulomb, UniformGravity, I>;
 
 impl<B> Tossed<B>
 where
     B: Faces<Face: Ord> + Clone + Debug + Sync,
 {
-    fn stepper<I: Integrator>(&self, integrator: I) -> Outcome<Table<B, I>> {
+    pub(crate) fn stepper<I: Integrator>(&self, integrator: I) -> Outcome<Table<B, I>> {
         let stepper = Stepper::builder(self.body.clone())
             .gravity(UniformGravity::down(steel_coin::GRAVITY))
             .ground(ground(self.body.mass())?)
@@ -97,25 +118,21 @@ where
         Ok(stepper.build()?)
     }
 
-    /// Plays tosses on this thread, some times over. The fastest time counts.
-    fn timed<P>(&self, tosses: u64, repetitions: usize, play: P) -> Outcome<Labels<B::Face>>
+    /// Plays tosses with their own random numbers, some times over. The fastest time counts.
+    pub(crate) fn timed<P>(
+        &self,
+        tosses: u64,
+        repetitions: usize,
+        play: P,
+    ) -> Outcome<Labels<B::Face>>
     where
         P: Fn(&mut Toss<'_>) -> Result<Ended<B::Face>, TossError>,
     {
-        let ensemble = Ensemble::new(11, SceneHash::of_bytes(self.name.as_bytes()));
-        let (mut labels, mut cost) = (Vec::new(), f64::INFINITY);
-        for _ in 0..repetitions {
-            labels.clear();
-            let clock = Clock::start();
-            for toss in 0..tosses {
-                labels.push(play(&mut ensemble.toss(toss))?);
-            }
-            cost = cost.min(clock.seconds() / tosses as f64);
-        }
+        let (labels, cost) = timed(self.name, tosses, repetitions, play)?;
         Ok(Labels { labels, cost })
     }
 
-    fn labels<I: Integrator + Debug>(
+    pub(crate) fn labels<I: Integrator + Debug>(
         &self,
         integrator: I,
         tosses: u64,
@@ -247,7 +264,7 @@ fn ground(mass: f64) -> Result<FlatGround, SceneError> {
 }
 
 /// From 0.3 m with 60 rad/s.
-fn any_start() -> RandomStart {
+pub(crate) fn any_start() -> RandomStart {
     let rate = 60.0.into();
     RandomStart::at_height(0.3).with_spin(RandomSpin::Isotropic { rate })
 }
@@ -267,7 +284,7 @@ fn planar_start() -> RandomStart {
         .with_spin(spin)
 }
 
-fn isotropic(size: Size) -> Tossed<SolidCoin<f64, [ContactPoint; 48]>> {
+pub(crate) fn isotropic(size: Size) -> Tossed<SolidCoin<f64, [ContactPoint; 48]>> {
     let points = [ContactPoint::default(); 48];
     Tossed {
         name: "steel coin, isotropic",
