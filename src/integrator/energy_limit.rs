@@ -95,7 +95,8 @@ fn without_rounding<R: Real, D: Dynamics<R>>(
         return flight_rounding::rounded(scene, before, (end, after));
     }
     let is_lossless = |state: &State<R>| Dissipation::of(scene, state).total() == R::ZERO;
-    (both_ways && is_lossless(start) && is_lossless(end))
+    // A body at rest on a ground that dissipates has a start without loss, but not an end.
+    (both_ways && is_lossless(end) && is_lossless(start))
         .then(|| flight_rounding::rounded_in_contact(scene, before, (end, after)))
         .flatten()
 }
@@ -135,13 +136,17 @@ fn hold_down<R: Real, D: Dynamics<R>>(
     if excess > rounding || (touching > 0 && !is_slow) {
         return false;
     }
-    for other in without_gain(state, end, touching) {
-        let other_energy = Energy::of(scene, &other);
-        if other_energy.total() <= ceiling {
-            step.drive_work += work;
-            (*state, *energy) = (other, other_energy);
-            break;
-        }
+    let other = if touching > 0 {
+        Some(stopped((state, energy)))
+    } else {
+        without_gain(state, end)
+            .map(|state| (state, Energy::of(scene, &state)))
+            .into_iter()
+            .find(|(_, energy)| energy.total() <= ceiling)
+    };
+    if let Some(other) = other.filter(|(_, energy)| energy.total() <= ceiling) {
+        step.drive_work += work;
+        (*state, *energy) = other;
     }
     true
 }
@@ -163,14 +168,11 @@ pub(in crate::integrator) fn is_no_solution<R: Real>(
     gained > convertible * (R::HALF * R::HALF) + rounding_of(before, after)
 }
 
-/// Returns ends of a step that gain no energy beyond rounding.
+/// Returns ends of a step in flight that gain no energy beyond rounding.
 ///
-/// In contact the body is stopped. In flight it keeps the old velocity. At the top of its path it
-/// keeps the old position and takes the new velocity.
-fn without_gain<R: Real>(start: &State<R>, end: &State<R>, touching: usize) -> [State<R>; 2] {
-    if touching > 0 {
-        return [stopped(start); 2];
-    }
+/// The body keeps the old velocity. At the top of its path it keeps the old position and takes the
+/// new velocity.
+fn without_gain<R: Real>(start: &State<R>, end: &State<R>) -> [State<R>; 2] {
     let coasting = State {
         linear_velocity: start.linear_velocity,
         angular_momentum: start.angular_momentum,
@@ -237,8 +239,7 @@ pub(in crate::integrator) fn lowered<R: Real, D: Dynamics<R>>(
         return None;
     }
     scaled_down(scene, ceiling, excess, end, after).or_else(|| {
-        let end = stopped(end);
-        let energy = Energy::of(scene, &end);
+        let (end, energy) = stopped((end, &after));
         (energy.total() <= ceiling).then_some((end, energy))
     })
 }
@@ -260,7 +261,11 @@ pub(in crate::integrator) fn scaled_down<R: Real, D: Dynamics<R>>(
             return None;
         }
         let slowed = slower(end, (R::ONE - share / kinetic).sqrt());
-        let energy = Energy::of(scene, &slowed);
+        // The springs depend on the pose alone.
+        let energy = Energy {
+            springs: after.springs,
+            ..Energy::without_springs(scene, &slowed)
+        };
         if energy.total() <= ceiling {
             return Some((slowed, energy));
         }
@@ -332,13 +337,21 @@ pub(in crate::integrator) fn rounding_of<R: Real>(before: &Energy<R>, after: &En
     terms * (R::EPSILON * R::from_f64(ROUNDING))
 }
 
-/// Returns the same pose without motion.
-pub(in crate::integrator) fn stopped<R: Real>(state: &State<R>) -> State<R> {
-    State {
+/// Returns the same pose without motion, and its energy.
+pub(in crate::integrator) fn stopped<R: Real>(
+    (state, energy): (&State<R>, &Energy<R>),
+) -> (State<R>, Energy<R>) {
+    let state = State {
         linear_velocity: R::Vec3::ZERO,
         angular_momentum: R::Vec3::ZERO,
         ..*state
-    }
+    };
+    let energy = Energy {
+        translation: R::ZERO,
+        rotation: R::ZERO,
+        ..*energy
+    };
+    (state, energy)
 }
 
 /// Returns the same pose with both velocities scaled.

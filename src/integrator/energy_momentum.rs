@@ -264,8 +264,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
     if energy.springs > R::ZERO
         && energy_limit::has_come_to_rest(scene, [&start, state], [&before, &energy], dt)
     {
-        *state = energy_limit::stopped(&start);
-        energy = Energy::of(scene, state);
+        (*state, energy) = energy_limit::stopped((&start, &before));
     }
     if *state == start {
         fall(scene, state, &mut energy, dt, &mut step);
@@ -306,7 +305,9 @@ fn move_in_parts<R: Real, D: Dynamics<R>>(
             }
             let seconds = sixteenths(dt, length);
             let from = *state;
-            if let Some(lower) = descent::step(scene, state, energy.total(), seconds, step) {
+            if let Some(lower) =
+                descent::step(scene, (state, energy), energy.total(), seconds, step)
+            {
                 (*state, *energy) = lower;
             }
             let is_stuck = descent::is_left_in_the_air(scene, [&from, state], seconds);
@@ -341,7 +342,7 @@ fn fall<R: Real, D: Dynamics<R>>(
     step: &mut Step<R>,
 ) {
     let ceiling = energy.total() - energy_limit::rounding_of(energy, energy) * R::HALF;
-    if let Some(lower) = descent::step(scene, state, ceiling, seconds, step) {
+    if let Some(lower) = descent::step(scene, (state, energy), ceiling, seconds, step) {
         (*state, *energy) = lower;
     }
 }
@@ -396,9 +397,20 @@ fn attempt<R: Real, D: Dynamics<R>>(
         break;
     }
     step.fallback = true;
-    let Some((end, is_lossless, work)) =
-        split::step(scene, (&*state, &*energy), seconds, contacts, step)
-    else {
+    attempt_split(scene, (state, energy), seconds, contacts, step)
+}
+
+/// Attempts one step split into dissipation and conservative motion. Returns true if it ends with
+/// an energy that is not higher.
+fn attempt_split<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    (state, energy): (&mut State<R>, &mut Energy<R>),
+    seconds: R,
+    contacts: &mut Contacts<R>,
+    step: &mut Step<R>,
+) -> bool {
+    let split = split::step(scene, (&*state, &*energy), seconds, contacts, step);
+    let Some((end, is_lossless, work)) = split else {
         return false;
     };
     let (end_energy, touching) = Energy::with_touching(scene, &end);

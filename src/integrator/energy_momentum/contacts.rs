@@ -194,7 +194,6 @@ impl<R: Real> Contacts<R> {
         self.with_rim |= reach.with_rims && !problem.scene.body().rims().is_empty();
         let (mut remembered, mut seen) = (self.remembered, self.seen);
         let is_full = seen < self.candidates;
-        let is_smooth = problem.scene.body().is_smooth();
         self.candidates = self.candidates.saturating_add(self.run.count);
         if is_full {
             return;
@@ -211,18 +210,7 @@ impl<R: Real> Contacts<R> {
                     let Some(place) = self.touches.get_mut(remembered) else {
                         break 'all;
                     };
-                    if is_smooth {
-                        // Newton's matrix reads it even where no trial has felt the contact.
-                        place.push = touch.push;
-                    }
-                    // The other fields are written by the first trial that feels the contact.
-                    (place.arm, place.push.depth) = (touch.arm, touch.push.depth);
-                    place.dual = Dual::Unknown;
-                    place.push.radius = touch.push.radius;
-                    place.push.surface = surface;
-                    if let Some(plane) = &problem.plane {
-                        place.push.normal = plane.normal;
-                    }
+                    place.take(problem, &touch);
                     if !problem.scene.body().rims().is_empty() {
                         place.push.weight = R::ONE;
                         self.fixed += 1;

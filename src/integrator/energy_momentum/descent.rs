@@ -40,30 +40,29 @@ const LENGTHS: u32 = 31;
 /// Number of Newton steps on Φ for each length.
 const NEWTON: u32 = 4;
 
-/// Searches for a backward Euler motion over `seconds`, a sixteenth of them, and so on, whose end
-/// has an energy of at most `ceiling`. The rest of the time passes without motion: such a step is
+/// Searches for a backward Euler motion over `seconds`, a sixteenth of them, and so on, from a state
+/// with its energy to an end whose energy is at most `ceiling`. The rest of the time passes without motion: such a step is
 /// stable, but not accurate. If the ground allows no such motion, the body stops at its position.
 ///
 /// Returns `None` if the body has stopped already, if its forces balance to within the energy that
 /// the end must lose, or if it is not in contact and only rounding increases the energy.
 pub(super) fn step<R: Real, D: Dynamics<R>>(
     scene: &D,
-    start: &State<R>,
+    (start, energy): (&State<R>, &Energy<R>),
     ceiling: R,
     seconds: R,
     step: &mut Step<R>,
 ) -> Option<(State<R>, Energy<R>)> {
     let is_plane = matches!(scene.ground().bounds(), GroundBounds::Plane(_));
     let kinds = [Kind::ByNormals, Kind::WithoutTurn, Kind::ByDifferences];
-    let energy = Energy::of(scene, start);
-    if Descent::new(scene, (start, energy), seconds, Kind::ByNormals).is_balanced(ceiling) {
+    if Descent::new(scene, (start, *energy), seconds, Kind::ByNormals).is_balanced(ceiling) {
         return None;
     }
     let mut blocked = false;
     for kind in kinds.into_iter().take(if is_plane { 2 } else { 3 }) {
         let mut length = seconds;
         for _ in 0..LENGTHS {
-            let descent = Descent::new(scene, (start, energy), length, kind);
+            let descent = Descent::new(scene, (start, *energy), length, kind);
             match descent.end_below(ceiling, step) {
                 Found::End(end, energy) => return Some((end, energy)),
                 Found::Nothing { touching } => blocked |= touching > 0,
@@ -72,9 +71,8 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
             length *= R::from_f64(1.0 / 16.0);
         }
     }
-    let stopped = energy_limit::stopped(start);
+    let (stopped, energy) = energy_limit::stopped((start, energy));
     if blocked && stopped != *start {
-        let energy = Energy::of(scene, &stopped);
         return (energy.total() <= ceiling).then_some((stopped, energy));
     }
     None

@@ -290,15 +290,22 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         }
     }
 
-    /// First trial of a step from this energy: the velocities of the start, and in the air what
-    /// gravity adds to them. On the ground, the contacts carry most of the weight.
+    /// First trial of a step from this energy: the velocities of the start, and what gravity adds
+    /// to them, unless the body may stick to the ground, which then carries most of the weight.
     pub(super) fn first_trial(&self, energy: &Energy<R>) -> Trial<R> {
         let half = self.seconds * R::HALF;
         let mut velocity = self.start.linear_velocity;
-        if energy.springs <= R::ZERO {
+        if !(energy.springs > R::ZERO && self.may_stick()) {
             velocity += self.scene.gravity() * half;
         }
         self.trial(velocity, self.motion.angular_velocity * half)
+    }
+
+    /// Returns true if the step does not resolve the friction of the weight without slip.
+    fn may_stick(&self) -> bool {
+        let weight = self.mass * self.scene.gravity().length();
+        let friction = self.jacobian(0, self.motion.position, weight, R::Vec3::ZERO);
+        friction.coefficient * self.seconds > self.mass * R::TWO
     }
 
     /// Trial with these unknowns.

@@ -270,6 +270,23 @@ impl<R: Real> Touch<R> {
         }
     }
 
+    /// Becomes a contact at the start of a step. The fields that are not set here are written by the
+    /// first trial that feels the contact.
+    #[inline(always)]
+    pub(super) fn take<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, start: &Self) {
+        if problem.scene.body().is_smooth() {
+            // Newton's matrix reads it even where no trial has felt the contact.
+            self.push = start.push;
+        }
+        (self.arm, self.push.depth) = (start.arm, start.push.depth);
+        self.dual = Dual::Unknown;
+        self.push.radius = start.push.radius;
+        self.push.surface = start.push.surface;
+        if let Some(plane) = &problem.plane {
+            self.push.normal = plane.normal;
+        }
+    }
+
     /// Becomes a point of a rim (m, body axes) that represents a number of contact points. The
     /// other fields are written by the trial that follows.
     #[inline(always)]
