@@ -79,8 +79,8 @@ impl<F: PartialEq> Labels<F> {
     }
 }
 
-/// Plays tosses on this thread, some times over. Returns their results, and the time of one toss (s)
-/// in the fastest repetition.
+/// Plays tosses on this thread, some times over. Returns their results, and the time (s) of one
+/// toss in the fastest repetition.
 pub(crate) fn timed<T>(
     name: &str,
     tosses: u64,
