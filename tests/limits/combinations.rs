@@ -323,7 +323,7 @@ fn in_tame_scenes_all_integrators_agree() {
             }
         },
     );
-    assert_eq!(count, 15 * 15 * 10);
+    assert_eq!(count, 16 * 15 * 10);
     for ((method, bound), (off, name)) in BOUNDS.iter().zip(&worst) {
         println!("{method:20} {off:.1e} of {bound:.0e} m  {name}");
     }
