@@ -98,7 +98,8 @@ use problem::Problem;
 /// - *Cost* in contact: two to five iterations a step, each about as expensive as two evaluations
 ///   of all contacts. Flight costs no iteration. It is exact to rounding, for any moments of
 ///   inertia ([`InertiaProperties::turn_freely`](crate::InertiaProperties::turn_freely)). A body at
-///   rest costs a comparison, once a step with the same workspace has detected the rest.
+///   rest costs a comparison, once a step with the same workspace has detected the rest. A step of
+///   another size can move it once more to a lower energy, by some 1e-11 of its size in `f64`.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is two to five iterations a step, also where several contacts or a round rim
 ///   stick. Bodies that spin flat on several points, and rims that roll with small slip at two

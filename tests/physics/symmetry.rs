@@ -512,9 +512,14 @@ fn coin_at_rest<I: Integrator>(integrator: I) -> (TrialStepper<I>, State) {
     let settle = trial.stepper(EnergyMomentum { time_step: 1e-3 }).unwrap();
     let mut state = State::at(DVec3::Z * 0.02).with_rotation_vector(DVec3::Y * 1.5);
     settle.advance(&mut state, 60.0).unwrap();
-    let rest = state;
-    settle.advance(&mut state, 0.1).unwrap();
-    assert_eq!(state, rest, "it still moves");
+    // A step of another size may find a lower energy within its rounding, and move the body by some
+    // 1e-12 m. So it settles by the frames of the tests, which end with a shorter step.
+    let has_settled = (0..600).any(|_| {
+        let before = state;
+        settle.advance(&mut state, 1.0 / 60.0).unwrap();
+        state == before
+    });
+    assert!(has_settled, "it still moves");
     (trial.stepper(integrator).unwrap(), state)
 }
 
