@@ -1127,6 +1127,16 @@ fn sweep<R: Real>(name: &str, ranges: Ranges, laws: Laws, share: f64) {
     sweep_over::<R>(name, cases(ranges, laws), share);
 }
 
+/// Number of random scenes that may be refused: one in twenty, and three standard deviations of
+/// such a count.
+///
+/// Of 100 scenes 11 may be refused, so that a share of 21 % is rejected with 99 %. Of 600 scenes 46
+/// may be, so that a share of 11 % is.
+fn most_refused(count: u32) -> f64 {
+    let mean = f64::from(count) / 20.0;
+    mean + 3.0 * (mean * (1.0 - 1.0 / 20.0)).sqrt()
+}
+
 /// Returns what was counted.
 pub(super) fn sweep_over<R: Real>(
     name: &str,
@@ -1145,7 +1155,7 @@ pub(super) fn sweep_over<R: Real>(
     assert!(result.is_ok(), "{name}: {}", result.unwrap_err());
     let refused = tally.borrow().refused;
     assert!(
-        refused * 20 <= count,
+        f64::from(refused) <= most_refused(count),
         "{name}: {refused} of {count} scenes are refused"
     );
     println!(
@@ -1227,7 +1237,8 @@ pub(super) fn in_air(ranges: Ranges, densest: f64) -> impl Strategy<Value = Case
 }
 
 /// Scenes in air whose lift turns the velocity by up to 1e6 rad in a step, at the spin of the start
-/// or of a body that rolls. Above 1e3 rad a step may be refused.
+/// or of a body that rolls. Above 1e3 rad a step may be refused: 10 of 600 scenes are in `f64`, and
+/// 17 of 600 in `f32`.
 ///
 /// *Limit:* needles, whose moments differ by a factor of 1e12, are left out. With the lift of a ball
 /// and quadratic spin drag, a step was refused where the lift turned the velocity by 33 rad. In
