@@ -1,8 +1,13 @@
-//! What [`EnergyMomentum`] promises, at the extremes of everything that a scene can hold: for every
-//! step, the computed energy does not rise, with no tolerance; the body is rigid; the whole step's
-//! time passes; the body goes no farther than its energy allows; the work is bounded; no step is refused, but for one in which free motion goes
-//! beyond 1e25 sizes of the body; and none leaves the body where it is while forces could move it.
-//! A law that breaks its contract is named, or has not been asked.
+//! What [`EnergyMomentum`] promises, at the extremes of everything that a scene can hold, for every
+//! step:
+//!
+//! - The computed energy does not rise, with no tolerance, and the body is rigid.
+//! - The whole step's time passes, and the work is bounded.
+//! - The body goes no farther than its energy allows.
+//! - No step is refused, but for one in which free motion goes beyond 1e25 sizes of the body, or in
+//!   which an applied force turns the velocity by more than 1e3 rad.
+//! - None leaves the body where it is while forces could move it.
+//! - A law that breaks its contract is named, or has not been asked.
 //!
 //! The sweep draws bodies, grounds, frictions, gravities, states and time steps at random, the same
 //! ones in every run, and takes 40 steps with each. A plain `cargo test` takes 200,000 steps.
