@@ -38,12 +38,15 @@ pub(crate) fn write(all: &str, summary: &str, within: &str) -> Result<(), String
 pub(crate) fn write_trials(all: &str, means: &str) -> Result<(), String> {
     let measured = measured();
     let results = format!(
-        "# The eight trials in one call\n\n{measured}\nThe [README](README.md) says what the numbers are.\nWritten by `cargo run --release -- --trials --write` in this folder.\n\n{}\n",
+        "# The eight trials in one call\n\n{measured}\n\
+         The [README](README.md) says what the numbers are.\n\
+         Written by `cargo run --release -- --trials --write` in this folder.\n\n{}\n",
         all.trim_end()
     );
     store(&folder().join("TRIALS.md"), &results)?;
     let marks = [
-        "<!-- peers trials: begin; written by `cargo run --release -- --trials --write` in benches/peers -->",
+        "<!-- peers trials: begin; \
+         written by `cargo run --release -- --trials --write` in benches/peers -->",
         "<!-- peers trials: end -->",
     ];
     put_between(marks, &format!("{measured}\n\n{means}"))

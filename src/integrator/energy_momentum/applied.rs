@@ -291,8 +291,8 @@ impl<R: Real, D: Dynamics<R>> Pose<'_, R, D> {
     /// Wrench with which a motion solves the equation of its stage.
     ///
     /// A stiff force is the small difference of large terms, as that of a strong drag near the
-    /// velocity of the wind. Evaluated, it has the rounding of its terms, which moves a light body in
-    /// single precision by more than its speed. The momentum has only its own rounding.
+    /// velocity of the wind. Evaluated, it has the rounding of its terms, which moves a light body
+    /// in single precision by more than its speed. The momentum has only its own rounding.
     fn wrench_that_gives(&self, motion: &Motion<R>, base: &Wrench<R>, factor: R) -> Wrench<R> {
         let given = self.taken(motion).plus(base, -R::ONE);
         Wrench::ZERO.plus(&given, R::ONE / factor)

@@ -40,10 +40,10 @@ const LENGTHS: u32 = 31;
 /// Number of Newton steps on Φ for each length.
 const NEWTON: u32 = 4;
 
-/// Searches for a backward Euler motion over `seconds`, a sixteenth of them, and so on, from a state
-/// with its energy to an end whose energy is at most `ceiling`. The rest of the time passes without
-/// motion: such a step is stable, but not accurate. If the ground allows no such motion, the body
-/// stops at its position.
+/// Searches for a backward Euler motion over `seconds`, a sixteenth of them, and so on, from a
+/// state with its energy to an end whose energy is at most `ceiling`. The rest of the time passes
+/// without motion: such a step is stable, but not accurate. If the ground allows no such motion,
+/// the body stops at its position.
 ///
 /// Returns `None` if the body has stopped already, if its forces balance to within the energy that
 /// the end must lose, or if it is not in contact and only rounding increases the energy.

@@ -270,8 +270,8 @@ impl<R: Real> Touch<R> {
         }
     }
 
-    /// Becomes a contact at the start of a step. The fields that are not set here are written by the
-    /// first trial that feels the contact.
+    /// Becomes a contact at the start of a step. The fields that are not set here are written by
+    /// the first trial that feels the contact.
     #[inline(always)]
     pub(super) fn take<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, start: &Self) {
         if problem.scene.body().is_smooth() {
