@@ -148,12 +148,15 @@ pub trait RigidPointBody<R: Real = f64> {
     /// The plane is `normal · p = offset` in body axes, with `normal` of length 1. A contact is
     /// below it if `normal · position - radius < offset`.
     ///
-    /// The range may include more contacts, and by default includes all of them. It must not omit
-    /// one.
+    /// The range may include more contacts. It must not omit one. By default it is the range from
+    /// the first contact below the plane to the last one, for which each contact is looked at.
     #[inline]
     fn contacts_below(&self, normal: R::Vec3, offset: R) -> ContactRange {
-        let _ = (normal, offset);
-        ContactRange::all(self.contacts().len())
+        let contacts = self.contacts();
+        if contacts.is_empty() || self.is_smooth() {
+            return ContactRange::all(contacts.len());
+        }
+        ContactRange::spanning(contacts, normal, offset)
     }
 
     /// Contact range of [`contacts_below`](Self::contacts_below), found faster from the known range
@@ -411,6 +414,22 @@ impl ContactRange {
         Self { first: 0, count }
     }
 
+    /// Range from the first contact below the plane `normal · p = offset` to the last one. The plane
+    /// is in body axes.
+    fn spanning<R: Real>(contacts: &[ContactPoint<R>], normal: R::Vec3, offset: R) -> Self {
+        // False for a plane that is NaN, so that no contact is omitted.
+        let is_above =
+            |contact: &ContactPoint<R>| normal.dot(contact.position) - contact.radius > offset;
+        let Some(first) = contacts.iter().position(|contact| !is_above(contact)) else {
+            return Self::NONE;
+        };
+        let last = contacts.iter().rposition(|contact| !is_above(contact));
+        Self {
+            first,
+            count: last.map_or(0, |last| last + 1 - first),
+        }
+    }
+
     /// Contacts of this range that `other` does not contain, for a body of `contacts` contacts: at
     /// most two ranges.
     #[inline]
@@ -491,6 +510,32 @@ mod tests {
         );
         assert_eq!(ContactRange::all(5).parts(&contacts), [&contacts[..], &[]]);
         assert_eq!(ContactRange::NONE.parts(&contacts), [&[0_i32; 0][..], &[]]);
+    }
+
+    #[test]
+    fn without_a_hint_a_run_is_from_the_first_contact_below_a_plane_to_the_last() {
+        let cube = crate::Cuboid::cube(1.0, 0.2).rounded(0.01);
+        let contacts = cube.contacts();
+        let directions = (0..200).map(|i: i32| {
+            let [x, y, z] = [13, 29, 31].map(|step| f64::from(i * step % 97) - 48.0);
+            glam::DVec3::new(x, y, z).normalize_or(glam::DVec3::Z)
+        });
+        for normal in directions {
+            for offset in (-20..=20).map(|step| 0.01 * f64::from(step)) {
+                let below =
+                    |point: &ContactPoint| normal.dot(point.position) - point.radius <= offset;
+                let run = cube.contacts_below(normal, offset);
+                let inside = run.first..run.first + run.count;
+                let low = || (0..contacts.len()).filter(|&i| below(&contacts[i]));
+                assert!(low().all(|i| inside.contains(&i)));
+                assert_eq!(low().min(), (run.count > 0).then_some(inside.start));
+                assert_eq!(
+                    low().max().map(|last| last + 1),
+                    (run.count > 0).then_some(inside.end)
+                );
+            }
+            assert_eq!(cube.contacts_below(normal, f64::NAN), ContactRange::all(8));
+        }
     }
 
     #[test]
