@@ -52,6 +52,20 @@ pub(crate) fn write_trials(all: &str, means: &str) -> Result<(), String> {
     put_between(marks, &format!("{measured}\n\n{means}"))
 }
 
+/// Writes the figures that the project aims at into AIMS.md.
+pub(crate) fn write_aims(table: &str) -> Result<(), String> {
+    let text = format!(
+        "# Figures aimed at\n\n{}\n\
+         Each figure is to be at most the second column. The [README](README.md) says what the scenes \
+         are.\nWritten by `cargo run --release -- --aims --write` in this folder. The last rows are \
+         those that other\ncommands store: `.ci/instructions --update` and `--example known_outcomes \
+         -- --methods --write`.\n\n{}\n",
+        measured(),
+        table.trim_end()
+    );
+    store(&folder().join("AIMS.md"), &text)
+}
+
 fn folder() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }

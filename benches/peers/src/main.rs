@@ -1,5 +1,6 @@
 //! Error, energy and cost of tumble and of other programs on the same scenes.
 
+mod aims;
 mod answers;
 mod kept;
 mod law;
@@ -22,6 +23,7 @@ second, and ratios.
   --markdown     tables in markdown
   --summary      only the table with one row for each scene
   --trials       only the eight trials in one call, by adaptive methods
+  --aims         only the figures that the project aims at, with reached or not reached
   --turns N      number of measurements of each program (5)
   --scene TEXT   only scenes whose name contains TEXT
   -h, --help     this text";
@@ -31,6 +33,7 @@ struct Options {
     markdown: bool,
     summary: bool,
     trials: bool,
+    aims: bool,
     turns: usize,
     scene: String,
 }
@@ -42,6 +45,7 @@ fn options() -> Result<Option<Options>, lexopt::Error> {
         markdown: false,
         summary: false,
         trials: false,
+        aims: false,
         turns: 5,
         scene: String::new(),
     };
@@ -52,6 +56,7 @@ fn options() -> Result<Option<Options>, lexopt::Error> {
             Long("markdown") => options.markdown = true,
             Long("summary") => options.summary = true,
             Long("trials") => options.trials = true,
+            Long("aims") => options.aims = true,
             Long("turns") => options.turns = parser.value()?.parse()?,
             Long("scene") => options.scene = parser.value()?.string()?,
             Short('h') | Long("help") => return Ok(None),
@@ -83,6 +88,9 @@ fn run(options: &Options) -> Result<(), String> {
     let markdown = options.markdown || options.write;
     if options.trials {
         return in_one_call(options, markdown);
+    }
+    if options.aims {
+        return of_aims(options, markdown);
     }
     // A stored table contains all scenes.
     let wanted = |name: &str| options.write || name.contains(&options.scene);
@@ -116,6 +124,17 @@ fn run(options: &Options) -> Result<(), String> {
             "{}\n\n{tables}{within}{better}Summary\n\n{summary}",
             kept::versions()
         );
+        Ok(())
+    }
+}
+
+/// Measures the figures that the project aims at.
+fn of_aims(options: &Options, markdown: bool) -> Result<(), String> {
+    let table = table::of_aims(&aims::measure(options.turns)?, markdown);
+    if options.write {
+        kept::write_aims(&table)
+    } else {
+        println!("{}\n\n{table}", kept::versions());
         Ok(())
     }
 }

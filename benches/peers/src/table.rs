@@ -1,5 +1,6 @@
 //! Tables of the results.
 
+use crate::aims::Aim;
 use crate::measure::{Outcome, Ratio, Row};
 use crate::scene::Scene;
 use crate::trials::{self, Line};
@@ -197,6 +198,30 @@ pub(crate) fn of_trials(lines: &[Line], markdown: bool) -> (String, String) {
     (all, means)
 }
 
+/// Each figure beside the bound that it is to keep.
+pub(crate) fn of_aims(aims: &[Aim], markdown: bool) -> String {
+    let head = ["figure", "at most", "measured", ""].map(String::from);
+    let rows = aims.iter().map(|aim| {
+        let value = |value: f64| {
+            format!("{} {}", digits(value), aim.unit)
+                .trim_end()
+                .to_owned()
+        };
+        vec![
+            aim.what.clone(),
+            value(aim.at_most),
+            aim.measured.map_or("-".into(), value),
+            if aim.is_reached() {
+                "reached"
+            } else {
+                "not reached"
+            }
+            .into(),
+        ]
+    });
+    table(&head, rows.collect(), markdown)
+}
+
 /// Cost of another program over tumble's, if it is less than 1; 0 if tumble does not reach its
 /// accuracy.
 fn advantage(outcome: &Outcome) -> Option<f64> {
@@ -265,6 +290,7 @@ fn ratio(ratio: Ratio) -> String {
 /// Formats a number with two digits, or with all digits before the point.
 fn digits(value: f64) -> String {
     match value {
+        v if v > 0.0 && v < 1e-3 => format!("{v:.1e}"),
         v if v < 0.1 => format!("{v:.3}"),
         v if v < 1.0 => format!("{v:.2}"),
         v if v < 10.0 => format!("{v:.1}"),

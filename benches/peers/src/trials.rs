@@ -75,7 +75,7 @@ fn tolerances(first: i32, last: i32) -> Vec<f64> {
 ///
 /// Returns an error if Dop853 of `ode_solvers`, with its tightest tolerance, ends more than 1e-9 m
 /// away: a tenth of the least error that Dop853 is compared at would be hidden otherwise.
-fn answer(scene: &Scene) -> Result<State, String> {
+pub(crate) fn answer(scene: &Scene) -> Result<State, String> {
     let end = |program: &dyn Program| program.run(None).map(|end| end.state);
     let ours = ours::with_tolerances(scene, &[1e-12], false)?;
     let answer = end(&*ours[0])?;

@@ -2,9 +2,9 @@
 
 mod bounces;
 pub(crate) mod coins;
-mod free;
+pub(crate) mod free;
 mod rigid_hoop;
-mod rolling_ball;
+pub(crate) mod rolling_ball;
 
 use crate::scene::Scene;
 
