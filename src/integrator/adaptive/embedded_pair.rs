@@ -181,23 +181,22 @@ pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
             return Err(control.too_short(settings, Quantity::Position));
         }
         let length = (seconds, trial.is_to_discontinuity(seconds));
-        let judged = Judged::of(formula, settings, scene, &start, length, &mut report);
-        let quantity = match &judged {
-            Some(judged) if judged.is_accurate() => {
-                control.accept(pair.roots, &trial, seconds, judged.relative_error());
+        let attempt = attempt(formula, settings, scene, &start, length, &mut report);
+        let quantity = if let Some(attempt) = &attempt {
+            let judged = Judged::of(pair, settings, scene, &start, attempt, length);
+            let error = judged.relative_error();
+            if judged.is_accurate() {
+                control.accept(pair.roots, &trial, seconds, error);
                 workspace.resumed = None;
-                workspace.known = Some(judged.taken(scene, state, length, &mut report));
+                report.error_estimate = Some(judged.errors.total());
+                workspace.known = Some(taken(scene, state, &attempt.end, length, &mut report));
                 return Ok(report);
             }
-            Some(judged) => {
-                let error = judged.relative_error();
-                trial.shorten(pair.roots, seconds, error, &judged.discontinuities);
-                judged.errors.largest()
-            }
-            None => {
-                trial.reduce(pair.roots, seconds, R::from_f64(UNSOLVED));
-                Quantity::LinearVelocity
-            }
+            trial.shorten(pair.roots, seconds, error, &judged.discontinuities);
+            judged.errors.largest()
+        } else {
+            trial.reduce(pair.roots, seconds, R::from_f64(UNSOLVED));
+            Quantity::LinearVelocity
         };
         report.rejected += 1;
         if trial.seconds(limit) < settings.shortest_step() {
@@ -206,49 +205,35 @@ pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
     }
 }
 
-/// An attempted step with its errors.
-struct Judged<R: Real, const STAGES: usize> {
-    attempt: Attempt<R, STAGES>,
+/// The errors of an attempted step.
+struct Judged<R> {
     errors: Errors<R>,
     discontinuities: Discontinuities<R>,
     allowed: R,
 }
 
-impl<R: Real, const STAGES: usize> Judged<R, STAGES> {
-    /// Attempts a step, and adds to its estimate the errors that its discontinuities cause. Returns
-    /// `None` if the formula finds no solution.
+impl<R: Real> Judged<R> {
+    /// Adds the errors that the discontinuities of a step cause to its estimate.
     #[inline(always)]
-    fn of<D: Dynamics<R>>(
-        formula: &impl Formula<R, STAGES>,
+    fn of<D: Dynamics<R>, const STAGES: usize>(
+        pair: &Pair<STAGES>,
         settings: &Settings<R>,
         scene: &D,
         start: &Place<R>,
-        (seconds, to_discontinuity): (R, bool),
-        report: &mut Step<R>,
-    ) -> Option<Self> {
-        let pair = formula.pair();
-        let length = (seconds, to_discontinuity);
-        let attempt = attempt(formula, settings, scene, start, length, report)?;
+        attempt: &Attempt<R, STAGES>,
+        length: (R, bool),
+    ) -> Self {
         let motion = &attempt.end.motion;
         let allowed = control::allowed(settings, scene, motion);
         let mut errors = Errors::of(scene, &attempt.difference, motion).within(pair.trust);
         let bounds = [errors.total(), allowed];
-        let discontinuities = touch::discontinuities(
-            pair,
-            scene,
-            start,
-            &attempt,
-            seconds,
-            to_discontinuity,
-            bounds,
-        );
+        let discontinuities = touch::discontinuities(pair, scene, start, attempt, length, bounds);
         errors.add_discontinuities(&discontinuities);
-        Some(Self {
-            attempt,
+        Self {
             errors,
             discontinuities,
             allowed,
-        })
+        }
     }
 
     #[inline(always)]
@@ -261,23 +246,21 @@ impl<R: Real, const STAGES: usize> Judged<R, STAGES> {
     fn relative_error(&self) -> R {
         self.errors.total() / self.allowed
     }
+}
 
-    /// Writes the end of an accepted step, and returns what the next step can use of it.
-    #[inline(always)]
-    fn taken<D: Dynamics<R>>(
-        &self,
-        scene: &D,
-        state: &mut State<R>,
-        (seconds, to_discontinuity): (R, bool),
-        report: &mut Step<R>,
-    ) -> Known<R> {
-        let end = &self.attempt.end;
-        *state = end.point.to_state();
-        report.elapsed = seconds;
-        report.error_estimate = Some(self.errors.total());
-        report.evaluations += u32::from(to_discontinuity);
-        Known::of(scene, state, end, to_discontinuity)
-    }
+/// Writes the end of an accepted step, and returns what the next step can use of it.
+#[inline(always)]
+fn taken<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    state: &mut State<R>,
+    end: &Place<R>,
+    (seconds, to_discontinuity): (R, bool),
+    report: &mut Step<R>,
+) -> Known<R> {
+    *state = end.point.to_state();
+    report.elapsed = seconds;
+    report.evaluations += u32::from(to_discontinuity);
+    Known::of(scene, state, end, to_discontinuity)
 }
 
 /// Returns the start of the step: known from the previous step, or evaluated.

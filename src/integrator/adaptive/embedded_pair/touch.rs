@@ -44,8 +44,7 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
     scene: &D,
     start: &Place<R>,
     attempt: &Attempt<R, STAGES>,
-    seconds: R,
-    to_discontinuity: bool,
+    (seconds, to_discontinuity): (R, bool),
     [smooth, allowed]: [R; 2],
 ) -> Discontinuities<R> {
     let mut discontinuities = Discontinuities::none();
