@@ -35,11 +35,10 @@
 //! | measure the error on your scene | [`work_precision`](mod@work_precision) |
 //! | audit the energy of a run | [`Ledger`] |
 //! | sample a run at given times | [`Timed`] |
-//! | find the moments of touch-downs, apexes or the end of a slip | [`Event`], [`Session::run_until_event`] |
 //! | sample a state within a step | [`Session::dense_step`] |
 //! | compute the orientation of a free body at any time | [`FreeRotation`] |
 //! | know which parts a scene needs, and what they cost | [`guide::modelling`] |
-//! | find the moment of a touch-down, an apex or an event of your own | [`guide::events`] |
+//! | find the moment of a touch-down, an apex, the end of a slip or an event of your own | [`guide::events`], [`Event`], [`Session::run_until_event`] |
 //! | throw dice and coins in a game | [`guide::game`] |
 //! | know on which face a body ends, or toss it a million times | [`guide::outcomes`] |
 //! | advance one state by many calls, at almost no cost while the body is at rest | [`Session`] |
@@ -84,9 +83,9 @@
 //!   At a slip speed of 1e-10 m/s this is a millimetre in four months.
 //! - A given coefficient of restitution: bounces follow from spring and damper.
 //!   [`SpringDamper::from_bounce`] and [`HuntCrossley::from_bounce`] compute the law for a bounce.
-//! - Circles by points. A [`Coin`] of n points is a polygon, which deviates from the circle by
-//!   `r (1 - cos(π/n))`. This is 0.17 mm for 120 points on 0.5 m. A [`Disc`] and a [`ThickDisc`]
-//!   are round, as are spheres, capsules and [`Ellipsoid`]s.
+//! - Circles, by bodies of points. A [`Coin`] of n points is a polygon, which deviates from the
+//!   circle by `r (1 - cos(π/n))`. This is 0.17 mm for 120 points on 0.5 m. A [`Disc`] and a
+//!   [`ThickDisc`] are round, as are spheres, capsules and [`Ellipsoid`]s.
 //!
 //! # Units, frames, signs
 //!
@@ -119,7 +118,7 @@
 //!
 //! # Integrators
 //!
-//! | | order | evaluations a step | conserves | may add energy | stable for |
+//! | | order | force evaluations a step | conserves | may add energy | stable for |
 //! |---|---|---|---|---|---|
 //! | [`EnergyMomentum`] | 2 | 2 to 6 in contact, none in flight | energy, if nothing dissipates it | never | every step |
 //! | [`StrangSplitting`] | 2, and 1 through touch-downs | 2 in contact, 1 in flight | energy without drift; flight exactly | O(dt²) | `dt < 2/ω` and `dt < 2/δ` |
@@ -133,16 +132,18 @@
 //! | [`Radau5`] | 5 | 15 to 30 | nothing more | by its error | any tolerance: implicit |
 //! | [`ForwardEuler`] | 1 | 1 | nothing more | in every step | `dt < 2 ζ/ω`, and `ζ < 1` |
 //!
-//! `ω` (rad/s) and `δ` (1/s) are the highest frequency and the highest rate of damping that the
-//! contacts give the body, and `ζ = δ/2ω`. A contact at arm `r` with normal `n` acts on the
-//! effective mass `M`, with `1/M = 1/m + (r × n) · J⁻¹ (r × n)`. One contact has `ω² = k/M` and
-//! `δ = c/M`. Contacts that act together add up. In stick, friction is a damper of `μ N/slip_speed`
-//! along the surface. [`Stepper::largest_stable_step`] computes the limit at a state. All
-//! integrators conserve the angular momentum in flight. All but `ForwardEuler` are exact, to rounding,
-//! in the torque-free rotation of a body with three different moments of inertia.
+//! `dt` is the step size (s). `ω` (rad/s) and `δ` (1/s) are the highest frequency and the highest
+//! rate of damping that the contacts give the body, and `ζ = δ/2ω`. A contact at arm `r` with
+//! normal `n` acts on the effective mass `M`, with `1/M = 1/m + (r × n) · J⁻¹ (r × n)`. One contact
+//! has `ω² = k/M` and `δ = c/M`. Contacts that act together add up. In stick, friction is a damper
+//! of `μ N/slip_speed` along the surface. [`Stepper::largest_stable_step`] computes the limit at a
+//! state. All integrators conserve the angular momentum in flight. All but `ForwardEuler` are
+//! exact, to rounding, in the torque-free rotation of a body with three different moments of
+//! inertia. With two equal moments the splitting methods, `EnergyMomentum` and `Radau5` are exact
+//! too, and the explicit methods of Runge-Kutta type keep the error of their order.
 //!
-//! The order holds in smooth motion. [`guide::accuracy`] has the order through touch-downs,
-//! measured on all eight trials.
+//! The order holds in smooth motion. Through touch-downs it can be lower: [`guide::accuracy`] has the
+//! orders that were measured on all eight trials.
 //!
 //! | use | for |
 //! |---|---|
