@@ -142,8 +142,8 @@
 //! inertia. With two equal moments the splitting methods, `EnergyMomentum` and `Radau5` are exact
 //! too, and the explicit methods of Runge-Kutta type keep the error of their order.
 //!
-//! The order holds in smooth motion. Through touch-downs it can be lower: [`guide::accuracy`] has the
-//! orders that were measured on all eight trials.
+//! The order holds in smooth motion. Through touch-downs it can be lower: [`guide::accuracy`] has
+//! the orders that were measured on all eight trials.
 //!
 //! | use | for |
 //! |---|---|
