@@ -17,7 +17,7 @@ use crate::state::State;
 /// q' = torque-free rotation of q under L' for dt
 /// ```
 /// Order 1, with one force evaluation per step. It is the cheapest method, suited to games and
-/// microcontrollers. The rotation of a symmetric body in flight is exact.
+/// microcontrollers. The rotation in flight is exact to rounding, for any moments of inertia.
 ///
 /// *May add energy.* Without dampers and friction the energy oscillates by O(dt) and does not grow.
 ///
