@@ -66,7 +66,7 @@ pub use thick_disc::ThickDisc;
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
 
-/// A rigid body made of points.
+/// A rigid body whose contacts are points, small balls or round rims.
 ///
 /// *For callers:* all quantities are in body axes with the centre of mass at the origin, in SI
 /// units, and constant.
@@ -149,7 +149,7 @@ pub trait RigidPointBody<R: Real = f64> {
     /// below it if `normal · position - radius < offset`.
     ///
     /// The range may include more contacts. It must not omit one. By default it is the range from
-    /// the first contact below the plane to the last one, for which each contact is looked at.
+    /// the first contact below the plane to the last one, for which each contact is evaluated.
     #[inline]
     fn contacts_below(&self, normal: R::Vec3, offset: R) -> ContactRange {
         let contacts = self.contacts();

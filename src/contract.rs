@@ -43,7 +43,7 @@
 //! | [`check_friction`] | a force along the surface that opposes the slip, and a Jacobian that is consistent with it |
 //! | [`check_force`] | finite, continuous; a passive force does no positive work; powers that add up |
 //! | [`check_integrator`] | steps that respect their limit, arrive at it, give the same bits each time, keep the orientation normalised, and converge at the stated order |
-//! | [`check_energy_never_rises`] | computed energy that never increases: only [`EnergyMomentum`](crate::EnergyMomentum) among the built-in integrators passes |
+//! | [`check_energy_never_rises`] | computed energy that never increases: among the built-in integrators only [`EnergyMomentum`](crate::EnergyMomentum) and [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) pass |
 
 mod body;
 mod force;
@@ -181,7 +181,7 @@ pub enum Requirement {
     PassiveTakes,
     /// Force: the powers of drag and drive add up to the power of force and torque.
     PowerFits,
-    /// Force: it is zero if it says that it does not act.
+    /// Force: it is zero if [`acts`](crate::Force::acts) returns false.
     ActsOrZero,
     /// Force: it is continuous in the velocities.
     Continuous,

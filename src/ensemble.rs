@@ -1,4 +1,5 @@
-//! Ensembles of any number of tosses with one answer (feature `ensemble`).
+//! Ensembles of any number of tosses, whose counts depend on seed and range only (feature
+//! `ensemble`).
 //!
 //! A toss has a number, and takes its random numbers from the stream with this number. It is a
 //! function of the seed and its number. An ensemble plays the tosses of a range on all threads, and
@@ -24,13 +25,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`guide::outcomes`](crate::guide::outcomes) has one with a body of your own.
+//! [`guide::outcomes`](crate::guide::outcomes) has an example with a body of your own.
 //!
 //! # What a toss is
 //!
 //! [`Ensemble::run`] takes a closure from a [`Toss`] to its [`Outcome`]. [`Throw::play`] is such a
-//! closure for a [`Stepper`](crate::Stepper) and a [`StartDistribution`]. Any other closure will
-//! do. Its result must depend on the toss only: on its number, on its random numbers, and on
+//! closure for a [`Stepper`](crate::Stepper) and a [`StartDistribution`]. Any other closure is
+//! suitable. Its result must depend on the toss only: on its number, on its random numbers, and on
 //! constants. The label of an outcome is any type with an order, such as a face or a pair of faces.
 //!
 //! | end of a toss | counted as |

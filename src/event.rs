@@ -38,8 +38,8 @@ use crate::state::State;
 ///
 /// *What is found:* the value is compared at both ends of each step. If it changes sign, the moment
 /// is located in the step. If it has the same sign at both ends and first approaches 0, then
-/// departs from it, its extremum in between is located as well. Two changes of sign in one step, as
-/// of a grazing contact, are found thus.
+/// departs from it, its extremum in between is located as well. In this way two changes of sign in
+/// one step are found, as of a grazing contact.
 ///
 /// *What is not found:* a third change of sign within a step, and a pair of changes if the value
 /// has several extrema in the step. A step of [`Flight`](crate::Flight) may take seconds. For a
@@ -70,7 +70,7 @@ pub trait Event<R: Real = f64> {
         1
     }
 
-    /// Returns true if the value is a number of things, and each change of it is the event.
+    /// Returns true if the value counts something, and each change of the count is the event.
     /// Default: false.
     #[inline]
     fn is_a_number(&self) -> bool {
@@ -195,7 +195,7 @@ impl<R: Real, E: Event<R>> Event<R> for EventWith<E, R> {
     }
 }
 
-/// EventDirection in which the value of an event changes.
+/// Direction in which the value of an event changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventDirection {
     /// The value increases.
@@ -238,9 +238,9 @@ pub enum EventEnd<R: Real = f64> {
     Event(Occurrence<R>),
     /// An event occurs faster than the steps resolve.
     ///
-    /// It occurred in more than half of the last 64 steps, or a thousand times in one step. So do
-    /// the bounces of a ball whose flights become shorter than a step, and the rounding error of a
-    /// velocity at rest. The session is at the end of the last step.
+    /// It occurred in more than half of the last 64 steps, or a thousand times in one step.
+    /// Examples are the bounces of a ball whose flights become shorter than a step, and the
+    /// rounding error of a velocity at rest. The session is at the end of the last step.
     Chatter {
         /// Index of the event in the array of the run.
         event: usize,

@@ -79,7 +79,7 @@ use crate::real::{Real, Vector};
 ///   For a belt beside a table use two steppers, and advance the state by that of the surface under
 ///   the body. A body on both at once cannot be computed.
 /// * *The methods of the whole:* [`surface`](Self::surface) is the surface nearest to a point, and
-///   the laws are those of the first surface. A step asks each surface by
+///   the laws are those of the first surface. A step evaluates each surface through
 ///   [`with_surface`](Self::with_surface) instead.
 ///
 /// ```
@@ -176,8 +176,8 @@ pub trait SpringDamperGround<R: Real = f64> {
     /// Motion of the ground's material along its surface, or `None` if it is at rest. Default:
     /// `None`.
     ///
-    /// Friction acts on the slip relative to the material. The answer never changes, and the
-    /// material never moves across the surface. See [`MovingGround`].
+    /// Friction acts on the slip relative to the material. The returned motion never changes, and
+    /// the material never moves across the surface. See [`MovingGround`].
     #[inline]
     fn motion(&self) -> Option<GroundMotion<R>> {
         None

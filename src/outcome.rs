@@ -32,7 +32,7 @@
 //! - The bound counts one contact. On soft ground it is lower than the true barrier, so that a body
 //!   is decided later. A face whose barrier is below the energy of the body at rest on it is never
 //!   decided, and it may be no equilibrium any more.
-//! - How accurate the motion was that led to the state is another question.
+//! - The statement says nothing about the accuracy of the motion that led to the state.
 
 mod built_in;
 mod hull;
@@ -136,7 +136,7 @@ pub struct Barriers<'a, D, R: Real = f64> {
     ground: R,
     /// Weight of the body, N.
     weight: R,
-    /// Most energy that the body gains by sinking into the springs, J.
+    /// Most energy that the body gains by penetrating into the springs, J.
     softness: R,
 }
 
@@ -158,7 +158,7 @@ where
     /// Computes the barriers of a scene.
     ///
     /// Returns `None` if there is no bound: no ground, ground that is not a level plane, gravity
-    /// that does not point along -z, springs so soft that the body sinks in completely, an applied
+    /// that does not point along -z, springs so soft that they do not carry the body, an applied
     /// force that is not passive, or ground that moves.
     ///
     /// It costs some thousand evaluations of the springs' energy, and for a body with a round rim

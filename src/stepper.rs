@@ -34,9 +34,8 @@ use crate::state::State;
 /// threads.
 ///
 /// The type names body, ground, friction, gravity, integrator, precision and applied force, in this
-/// order. For a
-/// field of your own struct, name only what differs from empty space, from [`EnergyMomentum`] and
-/// from `f64`:
+/// order. For a field of your own struct, name only what differs from empty space, from
+/// [`EnergyMomentum`] and from `f64`:
 ///
 /// ```
 /// use tumble::{Coin, Coulomb, FlatGround, SceneError, Stepper, UniformGravity};
@@ -357,9 +356,8 @@ where
     /// stays.
     ///
     /// Returns `None` if there is no bound: no ground, ground that is not a level plane, gravity
-    /// that does not point along -z, springs that do not carry the body, or an applied force that
-    /// is not passive. Call it once for many
-    /// states.
+    /// that does not point along -z, springs that do not carry the body, an applied force that is
+    /// not passive, or ground that moves. Call it once for many states.
     #[must_use]
     #[allow(clippy::type_complexity, reason = "the scene's parts are its type")]
     pub fn barriers(&self) -> Option<Barriers<'_, Scene<B, G, F, A, R, E>, R>>

@@ -81,7 +81,8 @@ pub fn check_integrator<R: Real, I: Integrator<R>>(
 /// scenes are far too stiff, too fast or too slippery for the step size.
 ///
 /// The check is not part of the contract of [`Integrator`]. Explicit methods need not pass, and do
-/// not. [`EnergyMomentum`](crate::EnergyMomentum) passes.
+/// not. [`EnergyMomentum`](crate::EnergyMomentum) and
+/// [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) pass.
 ///
 /// ```
 /// use tumble::contract::{CheckPlan, Requirement, check_energy_never_rises};

@@ -90,11 +90,11 @@ use problem::Problem;
 /// - *Conserves* the energy if nothing dissipates it, to the rounding of each step.
 /// - *Stable* for any step size. A step in which free motion would exceed 1e25 sizes of the body
 ///   may return [`StepTooLong`](crate::StepError::StepTooLong).
-/// - *Accurate* if the step resolves the contact: `dt < 1/ω`, with `ω = √(K/m)` and `K` the
-///   stiffness of all contacts that touch. With longer steps, a bounce without dampers still
-///   conserves its energy, but its timing is wrong. A bounce with dampers has the wrong
-///   restitution. Friction that stops a body within a step stops it at the end of the step.
-///   [`guide::accuracy`](crate::guide::accuracy) describes the extremes.
+/// - *Accurate* if the step resolves the contact: `dt < 1/ω` for the step size `dt`, with
+///   `ω = √(K/m)`, the mass `m`, and the stiffness `K` of all contacts that touch. With longer
+///   steps, a bounce without dampers still conserves its energy, but its timing is wrong. A bounce
+///   with dampers has the wrong restitution. Friction that stops a body within a step stops it at
+///   the end of the step. [`guide::accuracy`](crate::guide::accuracy) describes the extremes.
 /// - *Cost* in contact: two to five iterations a step, each about as expensive as two evaluations
 ///   of all contacts. Flight costs no iteration. It is exact to rounding, for any moments of
 ///   inertia ([`InertiaProperties::turn_freely`](crate::InertiaProperties::turn_freely)). A body at

@@ -33,8 +33,10 @@ use crate::state::State;
 /// x(t) = x + v t + g t²/2      v(t) = v + g t
 /// q(t) = exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)      for two equal moments
 /// ```
-/// For three different moments the rotation is [`FreeRotation`]. The flight ends before the first
-/// touch-down. From there the wrapped integrator `I` takes the steps.
+/// Here `L` is the angular momentum, `a` the axis of symmetry, `I₃` the moment of inertia about it,
+/// and `I₁` the two equal moments. For three different moments the rotation is [`FreeRotation`].
+/// The flight ends before the first touch-down. From there the wrapped integrator `I` takes the
+/// steps.
 ///
 /// *Fixed steps:* with a method of a [fixed step](Integrator::fixed_step) the flight lasts a whole
 /// number of steps. The body then reaches the ground at the same point of the time grid as without

@@ -25,7 +25,8 @@ use super::method::adaptive_method;
 /// *Not for contacts that stick or roll at a small slip speed.* Stability limits each step to about
 /// `2 slip_speed/(3 μ g)`, whatever the tolerance. A run then ends with
 /// [`BudgetSpent`](crate::StepError::BudgetSpent). With a slip speed of 1e-6 m/s a rolling ball
-/// takes a million steps in half a second. Use [`EnergyMomentum`](crate::EnergyMomentum) there.
+/// takes a million steps in half a second. Use [`Radau5`](crate::Radau5) there, or
+/// [`EnergyMomentum`](crate::EnergyMomentum).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DormandPrince54<R = f64> {

@@ -19,7 +19,7 @@ use crate::state::State;
 /// The error that the method would have is removed, as long as the torques of the step change the
 /// angular momentum by less than a part in 4096.
 ///
-/// *Order* 4 in smooth motion, with four force evaluations per step. Order 1 to 2 through
+/// *Order* 4 in smooth motion, with four force evaluations per step. Order 1 through
 /// touch-downs, where the damper's force is discontinuous.
 ///
 /// *May add energy* by O(dt⁵) per step in smooth motion.

@@ -23,8 +23,8 @@ use crate::state::State;
 /// them.
 ///
 /// *Order* 2 in smooth motion. A step in contact costs two evaluations. A step in flight evaluates
-/// neither friction nor springs, and is exact at any step size. Among methods
-/// with a fixed step, it has the best accuracy for its cost in flight and in sliding contact.
+/// neither friction nor springs, and is exact at any step size. For an error of a centimetre after
+/// a second, it has the lowest cost ([choosing](crate::guide::choosing)).
 ///
 /// *May add energy* by O(dt²).
 ///
