@@ -71,8 +71,8 @@ use crate::real::{Real, Vector};
 ///
 /// * *Friction:* one law for all surfaces, or a tuple or an array with
 ///   [one law for each](crate::SlidingFriction#several-surfaces).
-/// * *Edges:* a half-space has none. A [`Block`] has faces and edges. Beyond an edge a contact
-///   feels nothing of it.
+/// * *Edges:* a half-space has none. A [`Block`] has faces and edges. A contact beyond an edge has
+///   no force from it.
 /// * *Motion:* the surfaces are at rest, or [`MovingGround`] moves all of them as one. A surface
 ///   that moves among others is refused when a scene is composed. The work of moving ground follows
 ///   from the momentum that all contacts give in a step, and the part of each surface is not known.

@@ -157,9 +157,9 @@ where
 {
     /// Computes the barriers of a scene.
     ///
-    /// Returns `None` if there is no bound: no ground, ground that is not a level plane, gravity
-    /// that does not point along -z, springs so soft that they do not carry the body, an applied
-    /// force that is not passive, or ground that moves.
+    /// Returns `None` if there is no bound: no ground, ground that moves or is not a level plane,
+    /// gravity that does not point along -z, or springs so soft that they do not carry the body. It
+    /// also returns `None` if an applied force is not passive.
     ///
     /// It costs some thousand evaluations of the springs' energy, and for a body with a round rim
     /// some hundred thousand.

@@ -33,8 +33,8 @@ pub struct State<R: Real = f64> {
     /// Velocity of the centre of mass, m/s, world axes.
     pub linear_velocity: R::Vec3,
     /// Rotation from body axes to world axes, a unit quaternion. Any other quaternion is scaled to
-    /// length 1 wherever it is used, and the first step that turns the body stores the scaled one.
-    /// If the square of its length is 0 or infinite, the step returns
+    /// length 1 wherever it is used, and the first step that rotates the body stores the scaled
+    /// one. If the square of its length is 0 or infinite, the step returns
     /// [`BadState`](crate::StepError::BadState).
     pub orientation: R::Quat,
     /// Angular momentum about the centre of mass, kg m²/s, world axes.

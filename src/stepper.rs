@@ -355,9 +355,9 @@ where
     /// Computes the energy barriers between the faces of the body, which prove on which face it
     /// stays.
     ///
-    /// Returns `None` if there is no bound: no ground, ground that is not a level plane, gravity
-    /// that does not point along -z, springs that do not carry the body, an applied force that is
-    /// not passive, or ground that moves. Call it once for many states.
+    /// Returns `None` if there is no bound: no ground, ground that moves or is not a level plane,
+    /// gravity that does not point along -z, or springs that do not carry the body. It also returns
+    /// `None` if an applied force is not passive. Call it once for many states.
     #[must_use]
     #[allow(clippy::type_complexity, reason = "the scene's parts are its type")]
     pub fn barriers(&self) -> Option<Barriers<'_, Scene<B, G, F, A, R, E>, R>>

@@ -24,8 +24,8 @@ pub enum Start {
 /// Start of a trial of the coin report, with its five parameters: direction and size of the angular
 /// momentum, tilt, friction, damping.
 ///
-/// The coin has 1 kg and 0.5 m radius. Its lowest point is on the plane z = 0, under gravity of 9.8
-/// m/s², on springs of 1000 N/m a point.
+/// The coin is a ring of 120 points with 1 kg and a radius of 0.5 m. Its lowest point is on the
+/// plane z = 0, under gravity of 9.8 m/s², on springs of 1000 N/m a point.
 ///
 /// `Trial::report(1)` does not determine the precision. Write `tumble::f64::Trial` if the compiler
 /// requires a type annotation.

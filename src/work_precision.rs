@@ -110,7 +110,7 @@ impl Method {
         }
     }
 
-    /// Returns true if the parameter is a tolerance (m) and not a time step (s).
+    /// Returns true if the parameter is a tolerance (m) and not a step size (s).
     #[must_use]
     pub const fn has_tolerance(self) -> bool {
         matches!(
@@ -129,14 +129,14 @@ impl Method {
 pub struct Setting {
     /// Integrator.
     pub method: Method,
-    /// Time step (s) or tolerance (m).
+    /// Step size (s) or tolerance (m).
     pub parameter: f64,
     /// True if flight is computed [in closed form](Flight).
     pub flight: bool,
 }
 
 impl Setting {
-    /// Returns each method with seven or eight parameters: time steps from 10 ms to 0.1 ms,
+    /// Returns each method with seven or eight parameters: step sizes from 10 ms to 0.1 ms,
     /// tolerances from 1e-2 to 1e-9 m. Flight is computed step by step. The implicit method has
     /// tolerances down to 1e-7 m only, because its cost grows with their root.
     #[must_use]
