@@ -23,7 +23,7 @@ use crate::real::{Real, Vector};
 ///   `u = (μₛ ε vₛ²/(2 (μₛ - μₖ)))^(1/3)`. There it is smaller by `1.5 ε/u`: 1.5 % for μₛ = 2 μₖ
 ///   and ε = vₛ/1000.
 /// - Where μ decreases, sliding is unstable (squeal, stick-slip), with growth rates up to
-///   `0.65 (μₛ - μₖ) g/vₛ`. A time step has to resolve them.
+///   `0.65 (μₛ - μₖ) g/vₛ`. The step size has to resolve them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stribeck<R = f64> {
