@@ -120,7 +120,7 @@
 //!
 //! | | order | force evaluations a step | conserves | may add energy | stable for |
 //! |---|---|---|---|---|---|
-//! | [`EnergyMomentum`] | 2 | 2 to 6 in contact, none in flight | energy, if nothing dissipates it | never | every step |
+//! | [`EnergyMomentum`] | 2 | 4 to 10 in contact, none in flight | energy, if nothing dissipates it | never | every step |
 //! | [`StrangSplitting`] | 2, and 1 through touch-downs | 2 in contact, 1 in flight | energy without drift; flight exactly | O(dt²) | `dt < 2/ω` and `dt < 2/δ` |
 //! | [`SymplecticEuler`] | 1 | 1 | energy without drift; rotation in flight exactly | O(dt) | `dt < 2 (√(1+ζ²) - ζ)/ω` |
 //! | [`Rk4`] | 4, and 1 through touch-downs | 4 | nothing more | O(dt⁵) a step | `dt < 2.62/ω` and `dt < 2.78/δ`; `dt < 2.83/ω` without dampers |
@@ -148,7 +148,7 @@
 //! | use | for |
 //! |---|---|
 //! | `EnergyMomentum` | a body that must come to rest, long steps, stiff ground |
-//! | `StrangSplitting` | sliding and flight at the lowest cost |
+//! | `StrangSplitting` | errors of a centimetre at a low cost |
 //! | `Nystrom` | errors of a tenth of a millimetre and less, if a body rolls and slides |
 //! | `AdaptiveNystrom` | a tolerance instead of a step size, from a centimetre to a hundredth of a millimetre |
 //! | `DormandPrince54` | a smaller tolerance |

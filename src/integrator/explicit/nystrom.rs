@@ -54,7 +54,8 @@ pub(in crate::integrator) use stages::{Stage, Start};
 /// Nyström's method of order 4, corrected for contacts that close or open within a step.
 ///
 /// Nyström's methods are Runge-Kutta methods for second-order differential equations. This one has
-/// the lowest cost for errors between 1e-4 and 1e-6 m when a body rolls and slides.
+/// a low cost for errors between 1e-4 and 1e-6 m when a body rolls and slides.
+/// [`AdaptiveNystrom`](crate::AdaptiveNystrom) takes a tolerance in place of a step size.
 ///
 /// The pose `y = (x, q)` follows from its second derivative. Velocity and angular momentum
 /// `p = (v, L)` follow from the same loads:
