@@ -139,6 +139,7 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
     }
 
     /// Registers a candidate state. Returns the excess of its energy over the ceiling, J.
+    #[inline(never)]
     fn consider(&mut self, state: &State<R>, energy: &Energy<R>) -> R {
         let total = energy.total();
         let excess = total - self.ceiling;
@@ -222,6 +223,7 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
 
     /// Changes the height, or the velocity if that has most of the energy, and last places of both,
     /// until the energy equals that of the start.
+    #[inline(never)]
     fn fall(&mut self, start: &State<R>, speed: R) {
         let (gravity, mass) = (self.scene.gravity(), self.scene.inertia_properties().mass());
         let end = self.end;
@@ -277,6 +279,7 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
     }
 
     /// Returns `energy` with the parts that a fall changes.
+    #[inline(never)]
     fn falling(&self, state: &State<R>, energy: &Energy<R>) -> Energy<R> {
         let mass = self.scene.inertia_properties().mass();
         Energy {
@@ -403,11 +406,11 @@ fn near<R: Real>(
     (trial, gain): (u32, R::Vec3),
     seed: &mut u32,
 ) -> State<R> {
-    let few = R::from_usize(usize::from(trial > 1));
+    let few = R::from_usize(if trial > 1 { 2 } else { 0 });
     let many = R::from_usize(match trial {
         0..=1 => 0,
-        2..=FINE_FALLS => 1 + trial / 4,
-        _ => 1 + (trial - FINE_FALLS) * 8,
+        2..=FINE_FALLS => 2 + trial / 3,
+        _ => 2 + (trial - FINE_FALLS) * 8,
     } as usize);
     let none = R::Vec3::ZERO;
     let (down, slower) = if by_height {
@@ -423,6 +426,9 @@ fn near<R: Real>(
 }
 
 /// Returns `number + shift`, scattered by `units` last places, but by no more than `most` gains.
+///
+/// A shift is scattered by a last place at least, which rounds it at random.
+#[inline(never)]
 fn scattered<R: Real>(
     number: R::Vec3,
     shift: R::Vec3,
@@ -430,17 +436,16 @@ fn scattered<R: Real>(
     seed: &mut u32,
 ) -> R::Vec3 {
     let mut one = |x: R, by: R, gain: R| {
-        let unit = x.abs() * R::EPSILON;
+        let unit = (x + by).power_of_two() * R::EPSILON;
         let free = (unit * units).at_most(gain * most);
-        // A shift below a unit is rounded at random.
+        if by == R::ZERO && free == R::ZERO {
+            return x;
+        }
         let width = if by == R::ZERO {
             free
         } else {
             free.at_least(unit)
         };
-        if width == R::ZERO {
-            return x;
-        }
         x + (by + (random::<R>(seed) - R::HALF) * width)
     };
     R::Vec3::new(
@@ -549,34 +554,7 @@ pub(in crate::integrator) fn advanced<R: Real>(
     term: R::Vec3,
     seed: &mut u32,
 ) -> R::Vec3 {
-    R::Vec3::new(
-        added(sum.x(), term.x(), seed),
-        added(sum.y(), term.y(), seed),
-        added(sum.z(), term.z(), seed),
-    )
-}
-
-fn added<R: Real>(a: R, b: R, seed: &mut u32) -> R {
-    let sum = a + b;
-    // Exact error of the sum (Knuth).
-    let part = sum - a;
-    let error = (a - (sum - part)) + (b - part);
-    if error == R::ZERO {
-        return sum;
-    }
-    // Neighbour on the side of the error (Rump et al., SIAM J. Sci. Comput. 31, 2008).
-    let step = sum.abs() * (R::EPSILON * R::HALF * (R::ONE + R::EPSILON));
-    let neighbour = if error > R::ZERO {
-        sum + step
-    } else {
-        sum - step
-    };
-    let gap = neighbour - sum;
-    if error.abs() > gap.abs() * random::<R>(seed) {
-        neighbour
-    } else {
-        sum
-    }
+    scattered::<R>(sum, term, (R::ZERO, R::Vec3::ZERO, R::ZERO), seed)
 }
 
 /// Returns a pseudo-random number from 0 to 1.
