@@ -144,6 +144,7 @@ fn falls() -> Result<String, Failure> {
         ("10 ms", 1e-2),
         ("1 ms", 1e-3),
         ("0.1 ms", 1e-4),
+        ("0.01 ms", 1e-5),
     ];
     for (name, time_step) in steps {
         let mut row = cells([name]);

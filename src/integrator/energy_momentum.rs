@@ -443,7 +443,7 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
         return plain;
     }
     let mut seed = flight_rounding::seed_of(start);
-    State {
+    let drawn = State {
         position: flight_rounding::advanced::<R>(
             start.position,
             mean_velocity * seconds,
@@ -455,7 +455,8 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
             &mut seed,
         ),
         ..plain
-    }
+    };
+    flight_rounding::on_parabola(start, drawn, gravity)
 }
 
 /// Solves the whole step by Newton's method, and then applies the end-velocity correction of

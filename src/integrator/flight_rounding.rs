@@ -8,6 +8,26 @@
 //! A limiter that only removes energy causes a drift of one unit per step. In f64 that is 1e-16 of
 //! the energy and negligible. In f32 it is 1e-7, a percent in 1e5 steps. In f32, energy lost by
 //! rounding is therefore restored too, but never beyond the energy before the step.
+//!
+//! # Falls in single precision
+//!
+//! A loss that is not restored lowers the ceiling of all later steps by a unit, and the body by that
+//! unit over its weight. So a fall goes wrong by a fraction of a unit for each step without a hit,
+//! and a search must almost always hit. Three rules achieve that without a bias of the motion:
+//!
+//! - `on_parabola` rounds the path to the grid of the position, not each displacement. `x - way(v)`
+//!   with `way(v) = (v - g t/2) t` and `t = g·v/g²` is constant in free fall. Its part on a grid of
+//!   `GRID` units survives every rounding below half of that, so no rounding adds to the next. A
+//!   body at rest in one step moves with its velocity, however small the displacement of a step is.
+//! - `fall` then looks for the energy of the start near that end. The shift along gravity is rounded
+//!   at random in each component. The component that is solved for the rest is another one in each
+//!   trial.
+//! - The velocity only takes some last places of either sign. It never loses more than half of what
+//!   the step has added, as a body would otherwise return to a state where it has been, and stay.
+//!
+//! What remains: if one unit of the position has more energy than one unit of the total, some
+//! velocities have no height with the energy of the start. While a step adds less than the missing
+//! energy, each such gap costs a unit.
 
 use crate::energy::Energy;
 use crate::real::{Quaternion, Real, Vector};
@@ -25,6 +45,15 @@ const TRIALS: u32 = 5;
 /// Trials for the orientation, and the number of them that follow the slope of the energy.
 const TURNS: u32 = 48;
 const SLOPES: u32 = 4;
+/// Trials for a fall, and the number of them that change the velocity by few last places.
+const FALLS: u32 = 48;
+const FINE_FALLS: u32 = 24;
+/// Largest change of one component of the position that is solved for, in units in the last place.
+const SOLVED: f64 = 3.0;
+/// Grid of the constant part of the position, and the largest distance from that grid after a step,
+/// in units in the last place.
+const GRID: f64 = 32.0;
+const OFF_GRID: f64 = 8.0;
 
 /// Returns true if energy lost by rounding is restored.
 #[inline(always)]
@@ -39,7 +68,7 @@ pub(in crate::integrator) fn holds_both_ways<R: Real>() -> bool {
 #[inline(never)]
 pub(in crate::integrator) fn rounded<R: Real, D: Dynamics<R>>(
     scene: &D,
-    before: &Energy<R>,
+    (start, before): (&State<R>, &Energy<R>),
     (end, after): (&State<R>, &Energy<R>),
 ) -> Option<(State<R>, Energy<R>)> {
     let mut search = Search::new(scene, before, end, after);
@@ -48,7 +77,9 @@ pub(in crate::integrator) fn rounded<R: Real, D: Dynamics<R>>(
     let (speed, spin) = (after.translation, after.rotation);
     search.orientation(before.rotation, spin >= speed && spin >= lever);
     // Without gravity the linear velocity is constant, and has no rounding of its own.
-    if lever >= speed {
+    if holds_both_ways::<R>() {
+        search.fall(start, speed);
+    } else if lever >= speed {
         search.height(lever);
         search.speed(speed);
     } else if lever > R::ZERO {
@@ -108,6 +139,7 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
     }
 
     /// Registers a candidate state. Returns the excess of its energy over the ceiling, J.
+    #[inline(never)]
     fn consider(&mut self, state: &State<R>, energy: &Energy<R>) -> R {
         let total = energy.total();
         let excess = total - self.ceiling;
@@ -186,6 +218,74 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
             if nearest == R::ZERO || (nearest < R::ZERO && !holds_both_ways::<R>()) {
                 return;
             }
+        }
+    }
+
+    /// Changes the height, or the velocity if that has most of the energy, and last places of both,
+    /// until the energy equals that of the start.
+    #[inline(never)]
+    fn fall(&mut self, start: &State<R>, speed: R) {
+        let (gravity, mass) = (self.scene.gravity(), self.scene.inertia_properties().mass());
+        let end = self.end;
+        let lever = mass * absolute::<R>(gravity).dot(absolute::<R>(end.position));
+        let is_within = |size: R| self.excess.abs() <= size * self.units;
+        let by_height = is_within(lever);
+        if self.is_done() || lever == R::ZERO || !(by_height || is_within(speed)) {
+            return;
+        }
+        let after = self.after;
+        let gain = absolute::<R>(end.linear_velocity - start.linear_velocity);
+        let slope = slope_of(by_height, gravity, mass, &end);
+        let per_square = R::ONE / slope.length_squared();
+        let mut seed = seed_of(&end);
+        let (mut excess, mut taken) = (self.excess, R::ZERO);
+        for trial in 1..=FALLS {
+            // The mean of all trials: their scatter is no reason to move the body.
+            taken += excess / R::from_usize(trial as usize);
+            let shift = slope * -(taken * per_square);
+            let state = near((&end, by_height), shift, (trial, gain), &mut seed);
+            excess = self.consider(&state, &self.falling(&state, &after));
+            if self.is_done() {
+                return;
+            }
+            let slope = slope_of(by_height, gravity, mass, &state);
+            if let Some(state) = solved((&state, by_height), gravity, slope, excess, trial) {
+                self.consider(&state, &self.falling(&state, &after));
+                if self.is_done() {
+                    return;
+                }
+            }
+        }
+        self.sink(lever);
+    }
+
+    /// Lowers a body that has no other end, by the rounding of its potential energy, doubled until
+    /// the energy is no higher. Otherwise its velocity would be reduced in each step: it would hang.
+    fn sink(&mut self, lever: R) {
+        let (gravity, end, after) = (self.scene.gravity(), self.end, self.after);
+        let per_way = self.scene.inertia_properties().mass() * gravity.length_squared();
+        let mut down = gravity * (lever * R::EPSILON / per_way);
+        for _ in 0..TRIALS {
+            if self.best.is_some() {
+                return;
+            }
+            let state = State {
+                position: end.position + down,
+                ..end
+            };
+            self.consider(&state, &self.falling(&state, &after));
+            down = down + down;
+        }
+    }
+
+    /// Returns `energy` with the parts that a fall changes.
+    #[inline(never)]
+    fn falling(&self, state: &State<R>, energy: &Energy<R>) -> Energy<R> {
+        let mass = self.scene.inertia_properties().mass();
+        Energy {
+            translation: mass * state.linear_velocity.length_squared() * R::HALF,
+            gravity: -(mass * self.scene.gravity().dot(state.position)),
+            ..*energy
         }
     }
 
@@ -283,6 +383,166 @@ fn last_places<R: Real>(trial: u32) -> R::Vec3 {
     R::Vec3::new(unit(0), unit(1), unit(2))
 }
 
+/// Derivative of the energy with respect to the position, or to the velocity.
+fn slope_of<R: Real>(by_height: bool, gravity: R::Vec3, mass: R, state: &State<R>) -> R::Vec3 {
+    if by_height {
+        gravity * -mass
+    } else {
+        state.linear_velocity * mass
+    }
+}
+
+fn absolute<R: Real>(v: R::Vec3) -> R::Vec3 {
+    R::Vec3::new(v.x().abs(), v.y().abs(), v.z().abs())
+}
+
+/// Returns a state near `end`, shifted in the position or in the velocity, with a scatter that grows
+/// with the number of the trial. `gain` is what the step has added to the velocity.
+///
+/// The components that gravity does not change stay as they are, unless they are shifted.
+fn near<R: Real>(
+    (end, by_height): (&State<R>, bool),
+    shift: R::Vec3,
+    (trial, gain): (u32, R::Vec3),
+    seed: &mut u32,
+) -> State<R> {
+    let few = R::from_usize(if trial > 1 { 2 } else { 0 });
+    let many = R::from_usize(match trial {
+        0..=1 => 0,
+        2..=FINE_FALLS => 2 + trial / 3,
+        _ => 2 + (trial - FINE_FALLS) * 8,
+    } as usize);
+    let none = R::Vec3::ZERO;
+    let (down, slower) = if by_height {
+        (shift, none)
+    } else {
+        (none, shift)
+    };
+    State {
+        position: scattered::<R>(end.position, down, (few, gain, R::MAX), seed),
+        linear_velocity: scattered::<R>(end.linear_velocity, slower, (many, gain, R::ONE), seed),
+        ..*end
+    }
+}
+
+/// Returns `number + shift`, scattered by `units` last places, but by no more than `most` gains.
+///
+/// A shift is scattered by a last place at least, which rounds it at random.
+#[inline(never)]
+fn scattered<R: Real>(
+    number: R::Vec3,
+    shift: R::Vec3,
+    (units, gain, most): (R, R::Vec3, R),
+    seed: &mut u32,
+) -> R::Vec3 {
+    let mut one = |x: R, by: R, gain: R| {
+        let unit = (x + by).power_of_two() * R::EPSILON;
+        let free = (unit * units).at_most(gain * most);
+        if by == R::ZERO && free == R::ZERO {
+            return x;
+        }
+        let width = if by == R::ZERO {
+            free
+        } else {
+            free.at_least(unit)
+        };
+        x + (by + (random::<R>(seed) - R::HALF) * width)
+    };
+    R::Vec3::new(
+        one(number.x(), shift.x(), gain.x()),
+        one(number.y(), shift.y(), gain.y()),
+        one(number.z(), shift.z(), gain.z()),
+    )
+}
+
+/// Returns the state with one component solved for the excess, another one for each trial.
+///
+/// Returns `None` if that component would change by more than rounding.
+fn solved<R: Real>(
+    (state, by_height): (&State<R>, bool),
+    gravity: R::Vec3,
+    slope: R::Vec3,
+    excess: R,
+    trial: u32,
+) -> Option<State<R>> {
+    let (zero, one) = (R::ZERO, R::ONE);
+    let axes = [
+        R::Vec3::new(zero, zero, one),
+        R::Vec3::new(one, zero, zero),
+        R::Vec3::new(zero, one, zero),
+    ];
+    let axis = (0..3)
+        .map(|next| axes[((trial + next) % 3) as usize])
+        .find(|axis| gravity.dot(*axis) != zero)?;
+    let (number, units) = if by_height {
+        (state.position, SOLVED)
+    } else {
+        (state.linear_velocity, UNITS)
+    };
+    let by = excess / slope.dot(axis);
+    let most = number.dot(axis).abs() * (R::EPSILON * R::from_f64(units));
+    // False for a NaN, too.
+    let is_rounding = by.abs() <= most;
+    let number = number - axis * by;
+    is_rounding.then_some(if by_height {
+        State {
+            position: number,
+            ..*state
+        }
+    } else {
+        State {
+            linear_velocity: number,
+            ..*state
+        }
+    })
+}
+
+/// Returns the end of a flight with the path, not the displacement, rounded to the grid of the
+/// position.
+///
+/// In free fall `x - way(v)` is constant. The component of `x` becomes `c + way(v')`, with the
+/// constant `c` on a grid of `GRID` units, so that it is the same `c` in each step. A distance of at
+/// most `OFF_GRID` units from that grid remains. Components whose way is longer than half of `x`
+/// stay as they are: there, random rounding is as accurate.
+pub(in crate::integrator) fn on_parabola<R: Real>(
+    start: &State<R>,
+    end: State<R>,
+    gravity: R::Vec3,
+) -> State<R> {
+    let per_square = R::ONE / gravity.length_squared();
+    let way = |v: R::Vec3| {
+        let time = v.dot(gravity) * per_square;
+        (v - gravity * (time * R::HALF)) * time
+    };
+    let (from, to) = (way(start.linear_velocity), way(end.linear_velocity));
+    let (old, new) = (start.position, end.position);
+    let position = R::Vec3::new(
+        on_grid(old.x(), from.x(), to.x()).unwrap_or(new.x()),
+        on_grid(old.y(), from.y(), to.y()).unwrap_or(new.y()),
+        on_grid(old.z(), from.z(), to.z()).unwrap_or(new.z()),
+    );
+    State { position, ..end }
+}
+
+/// Returns the position `x` after the way from `from` to `to`, or `None` if the ways are too
+/// long or the same.
+fn on_grid<R: Real>(x: R, from: R, to: R) -> Option<R> {
+    let size = x.abs().power_of_two();
+    // False for a NaN, too: without gravity there is no way.
+    let is_short = from.abs() <= size * R::HALF && to.abs() <= size * R::HALF;
+    if !is_short || from == to {
+        return None;
+    }
+    // A sum with 1.5 sizes has the unit of `x`, one with 1.5 grids the grid.
+    let (unit, grid) = (size * R::from_f64(1.5), size * R::from_f64(1.5 * GRID));
+    let (from, to) = ((from + unit) - unit, (to + unit) - unit);
+    let constant = x - from;
+    let nearest = (constant + grid) - grid;
+    let most = size * (R::EPSILON * R::from_f64(OFF_GRID));
+    let off = (constant - nearest).at_most(most).at_least(-most);
+    Some((nearest + off) + to)
+}
+
 /// Returns `sum + term` with stochastic rounding, in single precision.
 ///
 /// The result is rounded up or down with probabilities that make the mean rounding error 0. A step
@@ -294,36 +554,12 @@ pub(in crate::integrator) fn advanced<R: Real>(
     term: R::Vec3,
     seed: &mut u32,
 ) -> R::Vec3 {
-    R::Vec3::new(
-        added(sum.x(), term.x(), seed),
-        added(sum.y(), term.y(), seed),
-        added(sum.z(), term.z(), seed),
-    )
+    scattered::<R>(sum, term, (R::ZERO, R::Vec3::ZERO, R::ZERO), seed)
 }
 
-fn added<R: Real>(a: R, b: R, seed: &mut u32) -> R {
-    let sum = a + b;
-    // Exact error of the sum (Knuth).
-    let part = sum - a;
-    let error = (a - (sum - part)) + (b - part);
-    if error == R::ZERO {
-        return sum;
-    }
-    // Neighbour on the side of the error (Rump et al., SIAM J. Sci. Comput. 31, 2008).
-    let step = sum.abs() * (R::EPSILON * R::HALF * (R::ONE + R::EPSILON));
-    let neighbour = if error > R::ZERO {
-        sum + step
-    } else {
-        sum - step
-    };
-    let gap = neighbour - sum;
-    let threshold =
-        R::from_usize((scrambled(seed) >> 8) as usize) * R::from_f64(1.0 / 16_777_216.0);
-    if error.abs() > gap.abs() * threshold {
-        neighbour
-    } else {
-        sum
-    }
+/// Returns a pseudo-random number from 0 to 1.
+fn random<R: Real>(seed: &mut u32) -> R {
+    R::from_usize((scrambled(seed) >> 8) as usize) * R::from_f64(1.0 / 16_777_216.0)
 }
 
 /// Returns the next number of a pseudo-random sequence.
