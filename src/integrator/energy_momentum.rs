@@ -112,10 +112,10 @@ use problem::Problem;
 /// - *Diagnostics* of a step that is too long: [`Step`] contains the number of iterations, whether
 ///   the step had to be divided (`fallback`), and the energy that the solver's error would have
 ///   added (`energy_removed`).
-/// - *Contacts:* up to 128 are stored from iteration to iteration. The forces of additional
-///   contacts are computed anew at each iteration. Where they stick, the iterations before are
-///   repeated for them. So a step takes no more iterations, but each costs several times as much.
-///   Nothing is allocated.
+/// - *Contacts:* up to 128 are stored from iteration to iteration. If there are more, one of each
+///   few is stored. The others are computed anew at each iteration, and continue from the friction
+///   of the stored one beside them. So the cost of a step is proportional to the number of
+///   contacts, with some more iterations where neighbours slip differently. Nothing is allocated.
 /// - *Round rims:* the rims that touch share the storage that the contacts leave. A rim has up to
 ///   eight points between discontinuities, and fewer if more than twelve such pieces touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -515,6 +515,7 @@ fn gather<R: Real, D: Dynamics<R>>(
         };
         contacts.gather(problem, surface, &reach);
     }
+    contacts.spread(problem);
 }
 
 /// All contacts, for a surface that may be anywhere.

@@ -1,19 +1,22 @@
 //! Bodies with more contacts than a step stores.
 //!
-//! The forces of the contacts beyond the storage are computed anew at each iteration, and with them
-//! their dual unknowns of friction. Without these, Newton's method did not converge in stick from a
-//! few hundred contacts on, each step was divided, and a body that should stay moved.
+//! The forces of the contacts beyond the storage are computed anew at each iteration. Their dual
+//! unknowns of friction follow those of stored contacts. Without dual unknowns, Newton's method did
+//! not converge in stick from a few hundred contacts on, each step was divided, and a body that
+//! should stay moved. As long as the iterations before were repeated for each of these contacts,
+//! its cost grew with their number.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
 use crate::kit::once::Once;
+use core::cell::Cell;
 use core::f64::consts::FRAC_PI_2;
 use tumble::glam::{DMat3, DVec3};
 use tumble::ground::Plane;
 use tumble::{
-    ContactPoint, Coulomb, EnergyMomentum, FlatGround, RigidPointBody, State, Stepper, Stribeck,
-    UniformGravity,
+    ContactPoint, Coulomb, EnergyMomentum, FlatGround, FrictionJacobian, RigidPointBody,
+    SlidingFriction, State, Stepper, Stribeck, UniformGravity,
 };
 
 /// Mass of each body, kg.
@@ -173,4 +176,63 @@ fn which_contacts_are_stored_changes_rounding_only() {
     let moved = (one.end.position - start.position).length();
     assert!(moved > 1e-4, "{moved:e} m");
     assert_eq!([one.fallbacks, other.fallbacks], [0, 0]);
+}
+
+/// Coulomb's law with the number of times that it is evaluated.
+#[derive(Debug)]
+struct Counted<'a>(Coulomb, &'a Cell<u32>);
+
+impl SlidingFriction for Counted<'_> {
+    fn is_trusted(&self) -> bool {
+        true
+    }
+    fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
+        self.1.set(self.1.get() + 1);
+        self.0.force(normal_force, slip)
+    }
+    fn jacobian(&self, normal_force: f64, slip: DVec3) -> FrictionJacobian {
+        self.1.set(self.1.get() + 1);
+        self.0.jacobian(normal_force, slip)
+    }
+}
+
+/// Evaluations of the law for a contact in an iteration, on average.
+fn evaluations(count: u32, degrees: f64, law: Coulomb, start: (DVec3, f64)) -> f64 {
+    let (normal, calls, steps) = (slope(degrees), Cell::new(0), 30);
+    let (velocity, spin) = start;
+    let start = on_plane(normal, velocity - normal * normal.dot(velocity))
+        .with_angular_momentum(normal * (spin * MASS * HALF * HALF));
+    let friction = Counted(law, &calls);
+    let run = run(&Slab::new(count), normal, (friction, 1e-3), start, steps);
+    assert_eq!(run.fallbacks, 0, "{count}² contacts at {degrees} degrees");
+    let iterations = run.iterations * f64::from(steps);
+    f64::from(calls.get()) / (iterations * f64::from(count * count))
+}
+
+#[test]
+fn the_laws_are_evaluated_as_often_for_each_of_many_contacts_as_for_each_of_few() {
+    let law = |coefficient, slip_speed| Coulomb {
+        coefficient,
+        slip_speed,
+    };
+    let scenes = [
+        (
+            "slides",
+            0.0,
+            law(0.3, 1e-6),
+            (DVec3::new(0.5, 0.1, 0.0), 2.0),
+        ),
+        ("comes to rest", 0.0, law(0.3, 1e-7), (DVec3::X * 0.02, 0.2)),
+        ("sticks", 20.0, law(0.6, 1e-9), (DVec3::ZERO, 0.0)),
+        ("sticks and spins", 15.0, law(0.5, 1e-6), (DVec3::ZERO, 0.5)),
+    ];
+    for (name, degrees, law, start) in scenes {
+        // 100 contacts are stored as a whole.
+        let [few, more, many] = [10, 20, 40].map(|count| evaluations(count, degrees, law, start));
+        // A contact beyond the storage has one more in each iteration, the derivative at the slip
+        // before, and one more in each of the first two.
+        for each in [more, many] {
+            assert!(each <= few + 1.5, "{name}: {each}, {few} of 100 contacts");
+        }
+    }
 }

@@ -5,17 +5,23 @@
 //!
 //! A contact that is not stored is computed anew from the trial. Only its dual unknown of friction
 //! depends on the iterations before. Each dual unknown follows from the one before, the trials of
-//! both, the Newton step between them, and nothing else. So the trials at which friction was
-//! differentiated are stored with these steps, once for all contacts, and the chain is repeated for
-//! each of these contacts. The result is that of a stored contact to rounding.
+//! both, and the Newton step between them. For a contact that is not stored, the dual unknown
+//! before is that of a stored contact which is near in the body's order. Everything else is its
+//! own. One of each few candidates is stored for that purpose.
 //!
-//! A chain that begins at a later trial is no substitute. While the slip of a contact in stick
-//! falls towards the slip speed of the law, its friction at each trial is that of a slide, and only
-//! the dual unknown knows that it will stick.
+//! The error of that neighbour's value is multiplied by the change of the slip divided by the width
+//! of the law. It vanishes as the iteration converges. So the solution does not depend on which
+//! contacts are stored, only the way to it does. A chain that begins at a later trial without a
+//! neighbour is no substitute. While the slip of a contact in stick falls towards the slip speed of
+//! the law, its friction at each trial is that of a slide, and only the dual unknown knows that it
+//! will stick.
+//!
+//! One visit to such a contact computes its force and its derivatives, so that the number of visits
+//! does not depend on the number of iterations before.
 
 use super::block::Block;
 use super::problem::{Problem, Trial};
-use super::touch::{Answer, Dual, Increment, Lever, Push, Reversal, Touch};
+use super::touch::{Answer, Dual, Increment, Lever, Push, Reversal, Since, Touch};
 use crate::body::{Arc, ContactRange, Panel, Panels, RigidPointBody, Rim};
 use crate::contact::{Discontinuities, Velocities, arcs_below, discontinuities};
 use crate::friction::{FrictionJacobian, SlidingFriction};
@@ -24,14 +30,9 @@ use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::scene::Dynamics;
 
-/// Number of contacts that a step remembers from iteration to iteration. Additional contacts are
-/// computed anew.
+/// Number of contacts that a step remembers from iteration to iteration. If there are more, one of
+/// each few is remembered, and the others are computed anew.
 pub(super) const CAPACITY: usize = 128;
-
-/// Number of trials that are stored for additional contacts, the most iterations of nearly all
-/// steps in stick. With 8 or 12, some steps at a slip speed of 1e-12 m/s were divided. With 16,
-/// none of `tests/physics/many_contacts.rs` is.
-const PAST: usize = 16;
 
 /// Largest number of panels of all rims that are known for their reversals of friction.
 const MOST_PANELS: usize = 24;
@@ -126,6 +127,8 @@ pub(super) struct Contacts<R: Real> {
     /// storage was full.
     candidates: usize,
     seen: usize,
+    /// Number of candidates of which the middle one is stored, if not all are.
+    each: usize,
     /// Number of remembered contacts that belong to the body itself. The points of a rim come after
     /// them.
     fixed: usize,
@@ -139,9 +142,9 @@ pub(super) struct Contacts<R: Real> {
     /// Derivative of a smooth body's path along the ground with respect to a rotation of the end of
     /// the step, where the matrix was last computed, m.
     path_by_turn: Block<R>,
-    /// The last trials at which friction was differentiated, in a ring, and the number of all that
-    /// there were in this step.
-    noted: [Noted<R>; PAST],
+    /// The last trial at which friction was differentiated, and the number of such trials in this
+    /// step.
+    noted: Noted<R>,
     notes: usize,
 }
 
@@ -152,13 +155,14 @@ impl<R: Real> Contacts<R> {
         run: ContactRange::NONE,
         candidates: 0,
         seen: 0,
+        each: 1,
         fixed: 0,
         with_rim: false,
         laid: [LaidPanel { rim: 0, end: 0 }; MOST_PANELS],
         panels: 0,
         lever: Lever::NONE,
         path_by_turn: Block::ZERO,
-        noted: [Noted::NONE; PAST],
+        noted: Noted::NONE,
         notes: 0,
     };
 
@@ -223,10 +227,49 @@ impl<R: Real> Contacts<R> {
         (self.remembered, self.seen) = (remembered, seen);
     }
 
+    /// Where there are too many contacts, stores the middle one of each few candidates.
+    #[inline]
+    pub(super) fn spread<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>) {
+        if self.has_others() {
+            self.spread_out(problem);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn spread_out<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>) {
+        let contacts = problem.scene.body().contacts();
+        // The points of rims need their share of the storage.
+        let share = if self.with_rim { 2 } else { 1 };
+        self.each = self.candidates.div_ceil(CAPACITY / share);
+        self.remembered = 0;
+        for number in (self.each / 2..self.candidates).step_by(self.each) {
+            let each_surface = self.run.count.max(1);
+            let (surface, place) = (number / each_surface, number % each_surface);
+            let surface = u32::try_from(surface).unwrap_or(u32::MAX);
+            // In the order of the parts of a contact range: a range that begins after the last
+            // contact begins at the first.
+            let [head, tail] = self.run.parts(contacts);
+            let point = head.get(place).or_else(|| tail.get(place - head.len()));
+            let (Some(point), Some(touch)) = (point, self.touches.get_mut(self.remembered)) else {
+                break;
+            };
+            *touch = Touch::of(problem, surface, point);
+            self.remembered += 1;
+        }
+        (self.seen, self.fixed) = (self.remembered, self.remembered);
+    }
+
     /// Number of contacts, remembered or not.
     #[inline]
     pub(super) fn len(&self) -> usize {
         self.remembered + (self.candidates - self.seen)
+    }
+
+    /// Returns true if not all contacts are stored.
+    #[inline]
+    pub(super) fn has_others(&self) -> bool {
+        self.seen < self.candidates
     }
 
     /// Returns true if no contact can touch during the step.
@@ -239,7 +282,7 @@ impl<R: Real> Contacts<R> {
     /// does not exceed the number in the last trial.
     pub(super) fn foresaw(&self, touching: usize) -> bool {
         let ended_below = |touch: &&Touch<R>| touch.push.end_depth > R::ZERO;
-        self.seen < self.candidates
+        self.has_others()
             || self.with_rim
             || touching
                 <= self
@@ -271,24 +314,13 @@ impl<R: Real> Contacts<R> {
             }
             done = self.remembered;
         }
-        let mut forgotten;
         let (is_smooth, mut normal_force) = (problem.scene.body().is_smooth(), R::ZERO);
-        for index in done..self.len() {
-            let touch = if index < self.remembered {
-                let Some(touch) = self.touches.get_mut(index) else {
-                    break;
-                };
-                let lever = touch.respond(problem, trial);
-                if is_smooth {
-                    self.lever = self
-                        .lever
-                        .with(lever, &mut normal_force, touch.push.mean.force);
-                }
-                touch
-            } else {
-                forgotten = self.forgotten(index, problem, trial, false);
-                &mut forgotten
-            };
+        for touch in self.touches.iter_mut().take(self.remembered).skip(done) {
+            let lever = touch.respond(problem, trial);
+            if is_smooth {
+                let force = touch.push.mean.force;
+                self.lever = self.lever.with(lever, &mut normal_force, force);
+            }
             if touch.push.is_felt() {
                 feel(&touch.push);
             }
@@ -313,22 +345,12 @@ impl<R: Real> Contacts<R> {
         }
         let mut normal_force = R::ZERO;
         let is_smooth = problem.scene.body().is_smooth();
-        for index in 0..self.len() {
-            let mut forgotten;
-            let touch = match self.touches.get_mut(index) {
-                Some(touch) if index < self.remembered => {
-                    let lever = touch.respond_with_slip(problem, trial);
-                    if is_smooth {
-                        let force = touch.push.mean.force;
-                        self.lever = self.lever.with(lever, &mut normal_force, force);
-                    }
-                    touch
-                }
-                _ => {
-                    forgotten = self.forgotten(index, problem, trial, false);
-                    &mut forgotten
-                }
-            };
+        for touch in self.touches.iter_mut().take(self.remembered) {
+            let lever = touch.respond_with_slip(problem, trial);
+            if is_smooth {
+                let force = touch.push.mean.force;
+                self.lever = self.lever.with(lever, &mut normal_force, force);
+            }
             if touch.push.is_felt() {
                 feel(&touch.push);
             }
@@ -427,26 +449,16 @@ impl<R: Real> Contacts<R> {
     }
 
     /// Force (N) and torque (N m) by which the linear friction of the matrix exceeds that of the
-    /// laws, at the last trial, which was `trial`. With `to_dual`, those of the dual forces.
+    /// laws at the last trial, of the stored contacts. With `to_dual`, those of the dual forces.
     #[cold]
     #[inline(never)]
     pub(super) fn excess<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
         to_dual: bool,
     ) -> [R::Vec3; 2] {
         let (mut force, mut torque) = (R::Vec3::ZERO, R::Vec3::ZERO);
-        let mut forgotten;
-        for index in 0..self.len() {
-            let touch = match self.touches.get(index) {
-                Some(touch) if index < self.remembered => touch,
-                _ => {
-                    forgotten = self.forgotten(index, problem, trial, true);
-                    forgotten.note_answer(problem);
-                    &forgotten
-                }
-            };
+        for touch in self.touches.iter().take(self.remembered) {
             if touch.push.is_felt() {
                 let excess = touch.excess(problem, to_dual);
                 force += excess;
@@ -464,10 +476,7 @@ impl<R: Real> Contacts<R> {
         problem: &Problem<'_, R, D>,
         by: &Increment<R>,
     ) {
-        let last = self.notes.saturating_sub(1);
-        if let Some(noted) = self.noted.get_mut(last % PAST) {
-            noted.step.get_or_insert(*by);
-        }
+        self.noted.step.get_or_insert(*by);
         let is_smooth = problem.scene.body().is_smooth();
         for (index, touch) in self.touches.iter_mut().take(self.remembered).enumerate() {
             // The path by a rotation is known for the first contact of a smooth body.
@@ -535,20 +544,10 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
         mut feel: impl FnMut(&Push<R>, &Answer<R>),
     ) {
-        if self.seen < self.candidates {
+        if self.has_others() {
             self.note(trial);
         }
-        let mut forgotten;
-        for index in 0..self.len() {
-            let touch = if index < self.remembered {
-                let Some(touch) = self.touches.get_mut(index) else {
-                    break;
-                };
-                touch
-            } else {
-                forgotten = self.forgotten(index, problem, trial, true);
-                &mut forgotten
-            };
+        for touch in self.touches.iter_mut().take(self.remembered) {
             if touch.push.is_felt() {
                 let answer = touch.answer(problem);
                 touch.remember(&answer);
@@ -557,85 +556,111 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// Calls `feel` for the contacts that reach the ground, with the Jacobian of friction. Motion
-    /// and force are those of the last trial step, which was `trial`.
+    /// Calls `feel` for the stored contacts that reach the ground, with the Jacobian of friction.
+    /// Motion and force are those of the last trial step.
     pub(super) fn recall<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
         mut feel: impl FnMut(&Push<R>, &FrictionJacobian<R>),
     ) {
-        let mut forgotten;
-        for index in 0..self.len() {
-            let touch = match self.touches.get(index) {
-                Some(touch) if index < self.remembered => touch,
-                _ => {
-                    forgotten = self.forgotten(index, problem, trial, false);
-                    &forgotten
-                }
-            };
+        for touch in self.touches.iter().take(self.remembered) {
             if touch.push.is_felt() {
-                let push = &touch.push;
-                feel(push, &touch.jacobian(problem));
+                feel(&touch.push, &touch.jacobian(problem));
             }
+        }
+    }
+
+    /// Calls `feel` like [`recall`](Self::recall), for all contacts. The last trial step was
+    /// `trial`.
+    pub(super) fn recall_all<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        feel: &mut dyn FnMut(&Push<R>, &FrictionJacobian<R>),
+    ) {
+        self.recall(problem, |push, drag| feel(push, drag));
+        if self.has_others() {
+            self.visit_others(problem, trial, &mut |touch, _| {
+                feel(&touch.push, &touch.jacobian(problem));
+            });
         }
     }
 
     /// Notes a trial at which friction is differentiated, for the contacts that are not stored.
     fn note(&mut self, trial: &Trial<R>) {
-        if let Some(place) = self.noted.get_mut(self.notes % PAST) {
-            *place = Noted {
-                trial: *trial,
-                step: None,
-            };
-        }
+        self.noted = Noted {
+            trial: *trial,
+            step: None,
+        };
         self.notes += 1;
     }
 
-    /// The trials before the last one that was noted, oldest first.
-    fn past(&self) -> impl Iterator<Item = &Noted<R>> {
-        let last = self.notes.saturating_sub(1);
-        (self.notes.saturating_sub(PAST)..last).filter_map(|note| self.noted.get(note % PAST))
-    }
-
-    /// Recomputes a contact that is not stored, `with_past` with its dual unknown at the trial that
-    /// was noted before the last one.
+    /// Computes the force of each contact that is not stored over a trial step. Calls `feel` with
+    /// those that reach the ground, and with the stored contact that each of them follows.
     #[cold]
     #[inline(never)]
-    fn forgotten<D: Dynamics<R>>(
+    pub(super) fn visit_others<D: Dynamics<R>>(
         &self,
-        index: usize,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        with_past: bool,
-    ) -> Touch<R> {
-        let contacts = problem.scene.body().contacts();
-        // In the order of the parts of a contact range: a range that begins after the last contact
-        // begins at the first.
-        let [head, tail] = self.run.parts(contacts);
-        let candidate = self.seen + (index - self.remembered);
-        let (mut surface, mut place) = (0, candidate);
-        if problem.surfaces() > 1 && self.run.count > 0 {
-            surface = u32::try_from(candidate / self.run.count).unwrap_or(u32::MAX);
-            place = candidate % self.run.count;
-        }
-        let Some(point) = (head.iter().chain(tail)).nth(place) else {
-            return Touch::NONE;
-        };
-        let mut touch = Touch::of(problem, surface, point);
-        touch.respond(problem, trial);
-        if with_past && touch.push.is_felt() {
-            let push = touch.push;
-            for noted in self.past() {
-                touch.respond(problem, &noted.trial);
-                touch.note_answer(problem);
-                if let Some(by) = &noted.step {
-                    touch.advance(problem, by, &self.path_by_turn);
+        feel: &mut dyn FnMut(&mut Touch<R>, &Touch<R>),
+    ) {
+        let [head, tail] = self.run.parts(problem.scene.body().contacts());
+        let surfaces = 0..problem.surfaces();
+        let mut candidates =
+            surfaces.flat_map(|surface| head.iter().chain(tail).map(move |point| (surface, point)));
+        let mut touch = Touch::NONE;
+        let last = self.remembered.saturating_sub(1);
+        for group in 0..self.candidates.div_ceil(self.each) {
+            // A last group of fewer candidates may have none that is stored.
+            let Some(first) = self.touches.get(group.min(last)) else {
+                break;
+            };
+            let few = candidates.by_ref().take(self.each).enumerate();
+            for (number, (surface, point)) in few {
+                if number == self.each / 2 {
+                    continue;
+                }
+                touch.begin(problem, surface, point);
+                touch.respond_anywhere(problem, trial);
+                if touch.push.is_felt() {
+                    feel(&mut touch, first);
                 }
             }
-            touch.push = push;
         }
-        touch
+    }
+
+    /// Change of a trial since the last one at which friction was differentiated, if there is one.
+    /// A smooth body has a contact that moves over its surface, and begins anew at each trial.
+    pub(super) fn since_last<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+    ) -> Option<Since<'_, R>> {
+        let (noted, is_smooth) = (&self.noted, problem.scene.body().is_smooth());
+        (self.notes > 0 && !is_smooth)
+            .then(|| Since::between(&noted.trial, noted.step.as_ref(), trial))
+    }
+
+    /// Response of friction at the last trial of a contact that is not stored and follows another
+    /// one.
+    pub(super) fn answer_of_other<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        since: Option<&Since<'_, R>>,
+        touch: &mut Touch<R>,
+        first: &Touch<R>,
+    ) -> Answer<R> {
+        let drag = touch.jacobian(problem);
+        if let Some(slide) = touch.answer_of_slide(problem, &drag, self.len()) {
+            return slide;
+        }
+        let Some(since) = since else {
+            return touch.answer(problem);
+        };
+        // Nothing came before the first trial that was noted.
+        touch.look_back(problem, since, (self.notes > 1).then_some(first));
+        touch.continued_answer(drag)
     }
 }
 

@@ -71,14 +71,15 @@ impl<R: Real> Strain<R> {
         self.damping += push.mean.damping;
     }
 
-    /// Strain of the contacts at the trial for which they were last evaluated.
+    /// Strain of the stored contacts at the trial for which they were last evaluated, with that of
+    /// the `others`.
     pub(super) fn at<D: Dynamics<R>>(
         problem: &Problem<'_, R, D>,
         contacts: &Contacts<R>,
-        trial: &Trial<R>,
+        others: Self,
     ) -> Self {
-        let mut strain = Self::NONE;
-        contacts.recall(problem, trial, |push, drag| strain.add(push, drag));
+        let mut strain = others;
+        contacts.recall(problem, |push, drag| strain.add(push, drag));
         strain
     }
 
@@ -127,11 +128,13 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>>(
         motion: seen(problem.scene, end),
     };
     let mut corrected_end = *end;
-    for pass in 0..PASSES {
+    // Dampers that the step resolves give no impulse, so that none is limited.
+    let passes = if strain.damping <= R::TWO { 1 } else { PASSES };
+    for pass in 0..passes {
         let after = (pass > 0).then(|| seen(problem.scene, &corrected_end));
         let mut sum = Resistance::of_body(problem.scene, &correction.motion, end.angular_momentum);
         let mut is_limited = false;
-        contacts.recall(problem, trial, |push, drag| {
+        contacts.recall_all(problem, trial, &mut |push, drag| {
             is_limited |= correction.add(&mut sum, push, drag, after.as_ref());
         });
         // If no limit is active, another pass gives the same result.

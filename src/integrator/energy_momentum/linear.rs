@@ -12,6 +12,10 @@ pub(in crate::integrator) struct SixBySix<R: Real> {
 }
 
 impl<R: Real> SixBySix<R> {
+    pub(super) const ZERO: Self = Self {
+        rows: [[R::ZERO; 6]; 6],
+    };
+
     /// Creates equations in which the force depends only on the shift and the torque only on the
     /// rotation.
     #[inline]
@@ -35,6 +39,25 @@ impl<R: Real> SixBySix<R> {
     pub(in crate::integrator) fn add_at(&mut self, block: &Block<R>, arm: R::Vec3, place: R::Vec3) {
         let shift = block.rows();
         self.add(shift, shift.map(|row| place.cross(row)), arm);
+    }
+
+    /// Adds a force on level ground that depends linearly on the path of the point `place` where it
+    /// acts: by `along` on the horizontal path, by `across` on the vertical one.
+    pub(super) fn add_on_level(&mut self, [along, across]: [R; 2], place: R::Vec3) {
+        let (x, y, z) = (place.x(), place.y(), place.z());
+        let (ax, ay, az) = (along * x, along * y, along * z);
+        let (cx, cy) = (across * x, across * y);
+        let (leaning, azz) = (cx * y, az * z);
+        let [fx, fy, fz, tx, ty, tz] = &mut self.rows;
+        (fx[0], fx[4], fx[5]) = (fx[0] + along, fx[4] + az, fx[5] - ay);
+        (fy[1], fy[3], fy[5]) = (fy[1] + along, fy[3] - az, fy[5] + ax);
+        (fz[2], fz[3], fz[4]) = (fz[2] + across, fz[3] + cy, fz[4] - cx);
+        (tx[1], tx[2]) = (tx[1] - az, tx[2] + cy);
+        (tx[3], tx[4], tx[5]) = (tx[3] + azz + cy * y, tx[4] - leaning, tx[5] - ax * z);
+        (ty[0], ty[2]) = (ty[0] + az, ty[2] - cx);
+        (ty[3], ty[4], ty[5]) = (ty[3] - leaning, ty[4] + azz + cx * x, ty[5] - ay * z);
+        (tz[0], tz[1]) = (tz[0] - ay, tz[1] + ax);
+        (tz[3], tz[4], tz[5]) = (tz[3] - ax * z, tz[4] - ay * z, tz[5] + (ax * x + ay * y));
     }
 
     /// Adds a force at `arm`, given by the rows of its derivatives with respect to the shift and to
@@ -75,6 +98,17 @@ impl<R: Real> SixBySix<R> {
         x[3] -= along;
         y[4] -= along;
         z[5] -= along;
+    }
+
+    /// Adds other equations of the same unknowns.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn plus(&mut self, other: &Self) {
+        for (row, more) in self.rows.iter_mut().zip(&other.rows) {
+            for (entry, more) in row.iter_mut().zip(more) {
+                *entry += *more;
+            }
+        }
     }
 
     /// Adds a torque that depends only on the rotation.
@@ -188,9 +222,7 @@ impl<R: Real> Factored<R> {
     }
 
     pub(super) const NONE: Self = Self {
-        equations: SixBySix {
-            rows: [[R::ZERO; 6]; 6],
-        },
+        equations: SixBySix::ZERO,
         factors: Factors::NONE,
     };
 

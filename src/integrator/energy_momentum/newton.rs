@@ -22,7 +22,7 @@
 //!
 //! - The iteration is close if two conditions hold. The momenta balance with the *dual* forces
 //!   `-μ N d`, which lie within the limit of the law, and Newton's step is small
-//!   ([`is_close_by_dual`]). That step is the last one.
+//!   ([`Newton::is_close_by_dual`]). That step is the last one.
 //! - If the slip at the start is within its own rounding, the dual unknown cannot be computed from
 //!   it. The slip is then carried along as an unknown. Each Newton step adds its increment, which
 //!   is known to a relative error of 2e-16 ([`Increment`]). The slip stays within the rounding of
@@ -49,7 +49,7 @@ use super::end_velocity::Strain;
 use super::linear::Factored;
 use super::problem::{Problem, Trial};
 use super::shared::is_single;
-use super::stiffness;
+use super::stiffness::{self, Others};
 use super::touch::{Increment, Push};
 use crate::body::RigidPointBody;
 use crate::integrator::Step;
@@ -158,7 +158,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
         let here = newton.balance(contacts, trial);
         step.evaluations += 1;
         if newton.has_converged(&here) {
-            return Some(Strain::at(problem, contacts, trial));
+            return Some(newton.strain_at(contacts));
         }
         newton.choose_unknowns(&here, trial);
         if newton.is_worse(&here, iteration) {
@@ -184,6 +184,8 @@ struct Newton<'a, 'b, R: Real, D> {
     problem: &'a Problem<'b, R, D>,
     scale: Scale<R>,
     matrix: Factored<R>,
+    /// What the contacts that are not stored contribute at the last trial, if there are any.
+    others: Option<Others<R>>,
     /// Strain on friction and dampers at the last derivatives.
     strain: Strain<R>,
     /// Last accepted trial and the step from there, or `None` before the first step.
@@ -208,6 +210,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             problem,
             scale: Scale::of(problem),
             matrix: Factored::NONE,
+            others: None,
             strain: Strain::NONE,
             base: None,
             best: None,
@@ -228,6 +231,10 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             contacts.respond_with_slips(problem, trial, &mut |push| sum.add(push));
         } else {
             contacts.respond(problem, trial, |push| sum.add(push));
+        }
+        if contacts.has_others() {
+            let feel = &mut |push: &Push<R>| sum.add(push);
+            self.others = Some(Others::of(problem, contacts, trial, feel));
         }
         sum.torque += contacts.lever.torque * sum.normal;
         let (force_residual, torque_residual) = residual(problem, trial, &sum);
@@ -315,7 +322,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let is_resolved = self.strain.of_step(problem).is_resolved();
         let mut residual = [here.force_residual, here.torque_residual];
         let begins_in_stick = self.base.is_none() && !is_resolved && {
-            let excess = contacts.excess(problem, trial, false);
+            let excess = self.excess(contacts, false);
             residual = without_excess(problem, residual, excess);
             excess != [R::Vec3::ZERO; 2]
         };
@@ -323,7 +330,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let (shift, turn) = (self.matrix).solve(-force, -torque, problem.bounding_radius);
         let is_last = !begins_in_stick
             && ((is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
-                || self.is_close_in_stick(here, (contacts, trial), shift, turn));
+                || self.is_close_in_stick(here, contacts, shift, turn));
         change(problem, trial, &here.place, shift, turn);
         let is_without_rims = problem.scene.body().rims().is_empty();
         if !is_resolved && (begins_in_stick || is_last || is_without_rims) {
@@ -352,14 +359,38 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     fn derive(&mut self, is_enough: bool, contacts: &mut Contacts<R>, trial: &Trial<R>) {
         let problem = self.problem;
         if !is_enough {
-            self.strain =
-                stiffness::equations(problem, contacts, trial, &mut self.matrix.equations);
+            let (others, equations) = (self.others.as_ref(), &mut self.matrix.equations);
+            self.strain = stiffness::equations(problem, contacts, others, trial, equations);
             self.matrix.factor(problem.bounding_radius);
         } else if !self.strain.of_step(problem).is_resolved() {
             // A step that is resolved is resolved here too. For any other step, the strain is
             // evaluated at its end.
-            self.strain = Strain::at(problem, contacts, trial);
+            self.strain = self.strain_at(contacts);
         }
+    }
+
+    /// Strain on friction and dampers at the last trial.
+    #[inline]
+    fn strain_at(&self, contacts: &Contacts<R>) -> Strain<R> {
+        let of_others = self
+            .others
+            .as_ref()
+            .map_or(Strain::NONE, |others| others.strain);
+        Strain::at(self.problem, contacts, of_others)
+    }
+
+    /// Force (N) and torque (N m) by which the linear friction of the matrix exceeds that of the
+    /// laws at the last trial. With `to_dual`, those of the dual forces.
+    #[cold]
+    #[inline(never)]
+    fn excess(&self, contacts: &Contacts<R>, to_dual: bool) -> [R::Vec3; 2] {
+        let [force, torque] = contacts.excess(self.problem, to_dual);
+        let Some(others) = &self.others else {
+            return [force, torque];
+        };
+        let [of_laws, of_duals] = others.excess;
+        let [more_force, more_torque] = if to_dual { of_duals } else { of_laws };
+        [force + more_force, torque + more_torque]
     }
 
     /// Returns true if the residual is so small that Newton's step squares it to rounding.
@@ -388,7 +419,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     fn is_close_in_stick(
         &self,
         here: &Balance<R>,
-        (contacts, trial): (&Contacts<R>, &Trial<R>),
+        contacts: &Contacts<R>,
         shift: R::Vec3,
         turn: R::Vec3,
     ) -> bool {
@@ -398,12 +429,20 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         self.base.is_some()
             && !self.strain.of_step(self.problem).is_resolved()
             && size_of_motion(self.problem, shift, turn) <= close_of_own()
-            && is_close_by_dual(
-                self.problem,
-                (contacts, trial),
-                [here.force_residual, here.torque_residual],
-                here.tolerance * self.close,
-            )
+            && self.is_close_by_dual(here, contacts)
+    }
+
+    /// Returns true if the momenta balance with the dual forces in place of those of the laws.
+    ///
+    /// The dual forces are those of the matrix, from the step before. They are within the limits of
+    /// the laws and accurate to second order.
+    #[cold]
+    #[inline(never)]
+    fn is_close_by_dual(&self, here: &Balance<R>, contacts: &Contacts<R>) -> bool {
+        let excess = self.excess(contacts, true);
+        let residual = [here.force_residual, here.torque_residual];
+        let [force, torque] = without_excess(self.problem, residual, excess);
+        norm(self.problem, force, torque) <= here.tolerance * self.close
     }
 
     /// Notes the trial if it is the best so far.
@@ -480,23 +519,6 @@ fn norm<R: Real, D: Dynamics<R>>(
     let properties = problem.scene.inertia_properties();
     let turning = properties.rotational_energy(&problem.motion.axes, angular) * R::TWO;
     (linear.length_squared() * properties.inverse_mass() + turning).sqrt()
-}
-
-/// Returns true if the momenta balance with the dual forces in place of those of the laws.
-///
-/// The dual forces are those of the matrix, from the step before. They are within the limits of the
-/// laws and accurate to second order.
-#[cold]
-#[inline(never)]
-fn is_close_by_dual<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    (contacts, trial): (&Contacts<R>, &Trial<R>),
-    residual: [R::Vec3; 2],
-    close: R,
-) -> bool {
-    let excess = contacts.excess(problem, trial, true);
-    let [force, torque] = without_excess(problem, residual, excess);
-    norm(problem, force, torque) <= close
 }
 
 /// Residual of the momentum balance after the forces have increased by this force (N) and torque

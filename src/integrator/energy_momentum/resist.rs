@@ -128,11 +128,18 @@ impl<R: Real> Resistance<R> {
             return;
         }
         self.active = true;
-        let block = Block::diagonal(along).plus(&Block::outer(normal * (across - along), normal));
-        let resisted = block.times(departure);
+        let rising = departure.dot(normal);
+        let is_level = normal == R::Vec3::new(R::ZERO, R::ZERO, R::ONE);
+        let resisted = departure * along + normal * (rising * (across - along));
         self.impulse += resisted;
         self.turning += place.cross(resisted);
-        self.equations.add_at(&block, place, place);
+        if is_level {
+            self.equations.add_on_level([along, across], place);
+        } else {
+            let normal_part = Block::outer(normal * (across - along), normal);
+            let block = Block::diagonal(along).plus(&normal_part);
+            self.equations.add_at(&block, place, place);
+        }
     }
 
     /// Returns the state after the impulses, or `None` if there are none or the equations have no

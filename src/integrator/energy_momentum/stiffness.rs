@@ -11,10 +11,96 @@ use super::level::{Level, LevelPath};
 use super::linear::SixBySix;
 use super::problem::{Problem, Trial};
 use super::shared::is_single;
-use super::touch::{Answer, Push};
+use super::touch::{Answer, Push, Touch};
 use crate::body::RigidPointBody;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
+
+/// What the contacts that are not stored contribute at a trial.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Others<R: Real> {
+    /// Strain of the step on their friction and dampers.
+    pub(super) strain: Strain<R>,
+    /// Force (N) and torque (N m) by which the linear friction of the matrix exceeds that of the
+    /// laws, and by which that of the dual forces does.
+    pub(super) excess: [[R::Vec3; 2]; 2],
+    /// Their part of the matrix: on level ground, and on any other.
+    level: Level<R>,
+    equations: SixBySix<R>,
+}
+
+impl<R: Real> Others<R> {
+    const NONE: Self = Self {
+        strain: Strain::NONE,
+        excess: [[R::Vec3::ZERO; 2]; 2],
+        level: Level::ZERO,
+        equations: SixBySix::ZERO,
+    };
+
+    /// Visits the contacts that are not stored, and calls `feel` with the force of each that
+    /// reaches the ground.
+    ///
+    /// The derivatives are computed with the forces, since both need the motion of the contact.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn of<D: Dynamics<R>>(
+        problem: &Problem<'_, R, D>,
+        contacts: &Contacts<R>,
+        trial: &Trial<R>,
+        feel: &mut dyn FnMut(&Push<R>),
+    ) -> Self {
+        let argument = by_turn(trial.spin);
+        let since = contacts.since_last(problem, trial);
+        let mut others = Self::NONE;
+        contacts.visit_others(problem, trial, &mut |touch, first| {
+            feel(&touch.push);
+            let answer = contacts.answer_of_other(problem, since.as_ref(), touch, first);
+            others.add(problem, trial, &argument, touch, &answer);
+        });
+        others
+    }
+
+    #[inline]
+    fn add<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        argument: &Block<R>,
+        touch: &mut Touch<R>,
+        answer: &Answer<R>,
+    ) {
+        let [of_law, of_dual] = &mut self.excess;
+        // Of the two, the second matters from the second iteration on only.
+        let (sum, excess) = if answer.slip == touch.push.slip {
+            (of_dual, answer.excess_of_dual())
+        } else {
+            touch.remember(answer);
+            (of_law, touch.excess(problem, false))
+        };
+        sum[0] += excess;
+        sum[1] += touch.push.arm.cross(excess);
+        let push = &touch.push;
+        self.strain.add(push, &answer.drag);
+        if problem.is_bare {
+            let path = of_level_path(problem, push, answer);
+            self.level.add(&path, push.force, push.arm, push.end_arm);
+        } else {
+            let is_smooth = problem.scene.body().is_smooth();
+            let by_turn = is_smooth.then(|| push.path_by_turn(problem, trial, argument));
+            let by_turns = [argument, by_turn.as_ref().unwrap_or(argument)];
+            add_anywhere(problem, push, answer, by_turns, &mut self.equations);
+            let share = share_of_arm(problem);
+            self.equations
+                .add_rotation(push.end_arm, push.force * share);
+        }
+    }
+}
+
+/// The mean arm of a contact rotates too: this factor of `(ϑ × r') × F`.
+#[inline(always)]
+fn share_of_arm<R: Real, D>(problem: &Problem<'_, R, D>) -> R {
+    problem.seconds * -(R::HALF * R::HALF)
+}
 
 /// Computes the matrix at the last trial of the contacts. Returns the strain of the step on
 /// friction and dampers there.
@@ -22,16 +108,16 @@ use crate::scene::Dynamics;
 pub(super) fn equations<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
+    others: Option<&Others<R>>,
     trial: &Trial<R>,
     equations: &mut SixBySix<R>,
 ) -> Strain<R> {
     let argument = by_turn(trial.spin);
     let (mass, inertia) = inertial(problem, trial, &argument);
-    // The mean arm rotates too: (ϑ × r')/2 × F.
-    let share = problem.seconds * -(R::HALF * R::HALF);
-    let mut strain = Strain::NONE;
+    let share = share_of_arm(problem);
+    let mut strain = others.map_or(Strain::NONE, |others| others.strain);
     if problem.is_bare {
-        let mut level = Level::ZERO;
+        let mut level = others.map_or(Level::ZERO, |others| others.level);
         contacts.answer(problem, trial, |push, answer| {
             strain.add(push, &answer.drag);
             let path = of_level_path(problem, push, answer);
@@ -40,6 +126,9 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
         level.equations(mass, &inertia, share, equations);
     } else {
         *equations = SixBySix::of_body(mass, &inertia);
+        if let Some(others) = others {
+            equations.plus(&others.equations);
+        }
         let is_smooth = problem.scene.body().is_smooth();
         let by_turn = is_smooth.then(|| contacts.differentiate_path(problem, trial, &argument));
         let by_turn = by_turn.unwrap_or(argument);

@@ -10,6 +10,9 @@ use crate::ground::{MeanForce, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
+/// Fraction of a slip that friction takes in a step, below which the slide will not end in it.
+const HARDLY: f64 = 0.1;
+
 /// One contact of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Touch<R: Real> {
@@ -18,6 +21,8 @@ pub(super) struct Touch<R: Real> {
     /// Motion and force of the contact over the last trial step.
     pub(super) push: Push<R>,
     pub(super) dual: Dual<R>,
+    /// Dual unknown where friction was last differentiated, if a Newton step has advanced it since.
+    before: R::Vec3,
 }
 
 /// Newton's dual unknown of a contact: friction divided by its limit, a vector of length at most 1.
@@ -99,6 +104,12 @@ impl<R: Real> Answer<R> {
             slip_direction: direction::<R>(slip),
         }
     }
+
+    /// Excess of the dual force over the friction of the law, N.
+    #[inline]
+    pub(super) fn excess_of_dual(&self) -> R::Vec3 {
+        (self.slip - self.dual * self.drag.width) * self.drag.coefficient
+    }
 }
 
 /// Contribution of a Newton step to the path of every contact.
@@ -120,6 +131,32 @@ impl<R: Real> Increment<R> {
             shift,
             turn,
             twist: turn - spin.cross(turn) + spin * spin.dot(turn),
+        }
+    }
+}
+
+/// Change of a trial since an earlier one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Since<'a, R: Real> {
+    shift: R::Vec3,
+    spin: R::Vec3,
+    rotation_change: Block<R>,
+    /// Newton's step from the earlier trial, if slips and dual unknowns continue from its end.
+    step: Option<&'a Increment<R>>,
+}
+
+impl<'a, R: Real> Since<'a, R> {
+    pub(super) fn between(
+        earlier: &Trial<R>,
+        step: Option<&'a Increment<R>>,
+        trial: &Trial<R>,
+    ) -> Self {
+        let back = earlier.rotation_change.scaled(-R::ONE);
+        Self {
+            shift: trial.shift - earlier.shift,
+            spin: trial.spin - earlier.spin,
+            rotation_change: trial.rotation_change.plus(&back),
+            step,
         }
     }
 }
@@ -238,6 +275,7 @@ impl<R: Real> Touch<R> {
         arm: R::Vec3::ZERO,
         push: Push::NONE,
         dual: Dual::Unknown,
+        before: R::Vec3::ZERO,
     };
 
     #[inline]
@@ -246,6 +284,19 @@ impl<R: Real> Touch<R> {
         surface: u32,
         point: &ContactPoint<R>,
     ) -> Self {
+        let mut touch = Self::NONE;
+        touch.begin(problem, surface, point);
+        touch
+    }
+
+    /// Sets what is known of a contact at the start of a step.
+    #[inline]
+    pub(super) fn begin<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        surface: u32,
+        point: &ContactPoint<R>,
+    ) {
         let (body, ground) = (problem.scene.body(), problem.ground(surface));
         let motion = &problem.motion;
         let facing;
@@ -255,19 +306,13 @@ impl<R: Real> Touch<R> {
         } else {
             point
         };
-        let arm = motion.axes.to_world(point.position);
-        let under = ground.surface(motion.position + arm);
-        Self {
-            arm,
-            push: Push {
-                surface,
-                normal: under.normal,
-                depth: point.radius - under.gap,
-                radius: point.radius,
-                ..Push::NONE
-            },
-            dual: Dual::Unknown,
-        }
+        self.arm = motion.axes.to_world(point.position);
+        let under = ground.surface(motion.position + self.arm);
+        let push = &mut self.push;
+        (push.surface, push.normal) = (surface, under.normal);
+        (push.depth, push.radius) = (point.radius - under.gap, point.radius);
+        push.weight = R::ONE;
+        self.dual = Dual::Unknown;
     }
 
     /// Becomes a contact at the start of a step. The fields that are not set here are written by
@@ -386,6 +431,21 @@ impl<R: Real> Touch<R> {
         let up = friction.z() + mean.force;
         self.push.force = R::Vec3::new(friction.x(), friction.y(), up);
         true
+    }
+
+    /// Computes motion and force of a contact over a trial step, by the shorter computation where
+    /// that is possible.
+    #[inline]
+    pub(super) fn respond_anywhere<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+    ) {
+        if problem.is_bare {
+            self.respond_on_level(problem, trial);
+        } else {
+            self.respond(problem, trial);
+        }
     }
 
     /// Computes motion and force of a contact of any kind on any ground. Returns the torque
@@ -510,10 +570,11 @@ impl<R: Real> Touch<R> {
         let slip = self.push.slip;
         let drag = self.jacobian(problem);
         let dual = match &self.dual {
+            Dual::After(dual) => *dual,
             Dual::At(last) => on_disc::<R>(last.after(slip)),
             // A slide that the step can hardly brake begins with Newton's own derivative.
             Dual::Unknown
-                if drag.coefficient * problem.seconds < problem.mass * R::from_f64(0.1) =>
+                if drag.coefficient * problem.seconds < problem.mass * R::from_f64(HARDLY) =>
             {
                 slip * (R::ONE / drag.width)
             }
@@ -524,6 +585,37 @@ impl<R: Real> Touch<R> {
                 } = self.answer_in_stick(problem, &drag);
                 return Answer::at(slip, drag, dual);
             }
+        };
+        Answer::at(slip, drag, dual)
+    }
+
+    /// Computes the response of friction at the last trial step by Newton's own derivative, if
+    /// friction can hardly brake the slide of a body on this number of such contacts.
+    #[inline]
+    pub(super) fn answer_of_slide<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        drag: &FrictionJacobian<R>,
+        contacts: usize,
+    ) -> Option<Answer<R>> {
+        let of_all = drag.coefficient * R::from_usize(contacts);
+        (of_all * problem.seconds < problem.mass * R::from_f64(HARDLY)).then(|| {
+            Answer::at(
+                self.push.slip,
+                *drag,
+                self.push.slip * (R::ONE / drag.width),
+            )
+        })
+    }
+
+    /// Response of friction with these derivatives and the dual unknown that continues.
+    #[inline]
+    pub(super) fn continued_answer(&self, drag: FrictionJacobian<R>) -> Answer<R> {
+        let slip = self.push.slip;
+        let dual = match &self.dual {
+            Dual::Unknown => slip * (R::ONE / drag.width),
+            Dual::At(last) => on_disc::<R>(last.after(slip)),
+            Dual::After(dual) => *dual,
         };
         Answer::at(slip, drag, dual)
     }
@@ -541,9 +633,6 @@ impl<R: Real> Touch<R> {
         problem: &Problem<'_, R, D>,
         drag: &FrictionJacobian<R>,
     ) -> Answer<R> {
-        if let Dual::After(dual) = &self.dual {
-            return Answer::at(self.push.slip, *drag, *dual);
-        }
         let (n, slip) = (self.push.normal, self.push.slip);
         let arm = self.arm - n * self.push.radius;
         let velocity = problem.motion.velocity_at(arm) - problem.ground_velocity(arm, n);
@@ -592,7 +681,47 @@ impl<R: Real> Touch<R> {
     ) {
         self.push.slip += self.push.slip_by(problem, by, path_by_turn);
         if let Dual::At(at) = &self.dual {
+            self.before = at.direction;
             self.dual = Dual::After(on_disc::<R>(at.after(self.push.slip)));
+        }
+    }
+
+    /// Gives a contact that is not stored the dual unknown at a trial before the last one, advanced
+    /// by the Newton step from there. It continues from the dual unknown of the stored contact that
+    /// it follows, if there is one before that trial.
+    ///
+    /// The load is that of the last trial. For most laws the dual unknown does not depend on it.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn look_back<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        since: &Since<'_, R>,
+        first: Option<&Self>,
+    ) {
+        let (slip, end_arm, n) = (self.push.slip, self.push.end_arm, self.push.normal);
+        let swung = since.rotation_change.times(self.arm);
+        let path = since.shift + swung - since.spin.cross(n) * (self.push.radius * R::TWO);
+        self.push.slip -= (path - n * n.dot(path)) * problem.per_second;
+        self.push.end_arm -= swung;
+        if let Some(first) = first {
+            let drag = self.jacobian(problem);
+            self.remember(&Answer::at(self.push.slip, drag, first.last_dual()));
+        } else {
+            self.note_answer(problem);
+        }
+        if let Some(by) = since.step {
+            self.advance(problem, by, &Block::ZERO);
+        }
+        (self.push.slip, self.push.end_arm) = (slip, end_arm);
+    }
+
+    /// Dual unknown where friction was last differentiated, 0 if nowhere.
+    fn last_dual(&self) -> R::Vec3 {
+        match &self.dual {
+            Dual::Unknown => R::Vec3::ZERO,
+            Dual::At(at) => at.direction,
+            Dual::After(_) => self.before,
         }
     }
 
