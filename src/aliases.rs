@@ -16,7 +16,7 @@ macro_rules! names_for {
                 EventDirection, Every, Faces, Flight, Force, FrictionField, Frictionless, Gravity,
                 HeightField, HullFace, Integrator, Landing, LiftOff, NoForce, NoGravity, NoGround,
                 Observer, Outcome, RigidPointBody, SceneError, SceneQuery, Shape, SlidingFriction,
-                SpringDamperGround, Start, StepError, Terrain,
+                SpringDamperGround, Start, StateError, StepError, Terrain,
             };
 
             /// Energy, dissipation and rates of a state.

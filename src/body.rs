@@ -172,6 +172,23 @@ pub trait RigidPointBody<R: Real = f64> {
         self.contacts_below(normal, offset)
     }
 
+    /// Contacts that show without a search that a known `range` is still that of
+    /// [`contacts_below`](Self::contacts_below). Default: `None`.
+    ///
+    /// The four positions (m, body axes) are those of the contacts `before` the range, `first` and
+    /// `last` in it, and `after` it. Return them only if the range holds every contact below a
+    /// plane whenever `first` and `last` are below it (`normal · position < offset`), and `before`
+    /// and `after` are not. This is so for a convex ring of bare points. The range must not
+    /// continue at contact 0.
+    ///
+    /// [`Stepper::advance_many`](crate::Stepper::advance_many) uses it. It tests several states at
+    /// once, and searches for those that fail the test.
+    #[inline]
+    fn range_ends(&self, range: ContactRange) -> Option<[R::Vec3; 4]> {
+        let _ = range;
+        None
+    }
+
     /// Support function: the largest distance of the surface from the centre of mass in a
     /// `direction`, m.
     ///
@@ -265,6 +282,10 @@ macro_rules! forward {
                 near: ContactRange,
             ) -> ContactRange {
                 (**self).contacts_below_near(normal, offset, near)
+            }
+            #[inline]
+            fn range_ends(&self, range: ContactRange) -> Option<[R::Vec3; 4]> {
+                (**self).range_ends(range)
             }
             #[inline]
             fn support(&self, direction: R::Vec3) -> R {

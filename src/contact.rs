@@ -5,6 +5,7 @@
 //! level plane, is decided here.
 
 mod invariants;
+mod lanes;
 mod level;
 mod load;
 mod lowest_point;
@@ -17,6 +18,7 @@ mod total_load;
 mod visit;
 
 pub use crate::state::Motion;
+pub(crate) use lanes::{AxesInLanes, LANES, Loads, Motions, Numbers, Ranges, Vectors};
 pub use load::Load;
 pub use lowest_point::LowestPoint;
 pub use model::ContactModel;

@@ -175,6 +175,16 @@ fn obey<R: Real>(
     }
 }
 
+/// The first of many states whose run failed, with the error.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("state {index}: {error}")]
+pub struct StateError {
+    /// Index of the state.
+    pub index: usize,
+    /// Error of its run.
+    pub error: StepError,
+}
+
 /// An error of a step. The state is left unchanged at the last valid one.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

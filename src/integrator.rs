@@ -11,9 +11,11 @@ mod flight;
 mod flight_rounding;
 mod free_error;
 mod interface;
+mod lanes;
 mod point;
 
 pub(crate) use adaptive::DORMAND_PRINCE;
+pub(crate) use lanes::Lanes;
 pub(crate) use point::Point;
 
 pub use adaptive::{

@@ -42,6 +42,7 @@
 //! | throw dice and coins in a game | [`guide::game`] |
 //! | know on which face a body ends, or toss it a million times | [`guide::outcomes`] |
 //! | advance one state by many calls, at almost no cost while the body is at rest | [`Session`] |
+//! | advance many states of one scene, faster than one by one | [`Stepper::advance_many`] |
 //! | add a body, a ground, a friction law or an integrator | [`guide::extending`] |
 //! | know what a new release may change: names, bits, saved data | [`guide::versions`] |
 //!
@@ -233,7 +234,7 @@ pub use body::{
 };
 pub use contact::{Contact, ContactModel, Load, LowestPoint};
 pub use energy::{Dissipation, Energy, EnergyRates};
-pub use error::{SceneError, StepError};
+pub use error::{SceneError, StateError, StepError};
 pub use event::{
     Apex, ContactCloses, ContactOpens, Event, EventDirection, EventEnd, EventWith, Landing,
     LiftOff, Occurrence, SlipEnds,

@@ -56,11 +56,28 @@ impl<R: Real> Rotation<R> {
     /// Creates the right-handed rotation by `2 |half|` radians about `half`.
     #[inline]
     pub(crate) fn from_half_vector(half: R::Vec3) -> Self {
-        let (cos, sinc) = cos_and_sinc(half.length_squared());
+        Self::of_half_vector(half, cos_and_sinc(half.length_squared()))
+    }
+
+    /// Creates the rotation about `half`, given [`cos_and_sinc`] of its squared length.
+    #[inline(always)]
+    pub(crate) fn of_half_vector(half: R::Vec3, (cos, sinc): (R, R)) -> Self {
         Self {
             w: cos,
             v: half * sinc,
         }
+    }
+
+    /// Creates a rotation from the scalar and the vector part of its quaternion, without scaling.
+    #[inline(always)]
+    pub(crate) fn of_parts(w: R, v: R::Vec3) -> Self {
+        Self { w, v }
+    }
+
+    /// Returns the scalar and the vector part of the quaternion.
+    #[inline(always)]
+    pub(crate) fn parts(self) -> (R, R::Vec3) {
+        (self.w, self.v)
     }
 
     /// Creates the rotation about `a` by `2 atan(|a|)`, without sine or cosine: the Cayley map of
@@ -96,17 +113,21 @@ impl<R: Real> Rotation<R> {
     /// `q (cos + a sin) = q cos + q a sin`.
     #[inline(always)]
     pub(crate) fn spun(self, axis: BodyAxis<R>, half: R) -> Self {
-        let (cos, sinc) = cos_and_sinc(half * half);
-        let straight = Self {
-            w: self.w * cos,
-            v: self.v * cos,
-        };
-        straight.plus(self.times(axis), half * sinc)
+        // The product is computed last, so that it need not be kept meanwhile.
+        let of_half = cos_and_sinc(half * half);
+        self.spun_with(self.times(axis), half, of_half)
+    }
+
+    /// Returns [`spun`](Self::spun), given the [product](Self::times) with the axis and
+    /// [`cos_and_sinc`] of `half²`.
+    #[inline(always)]
+    pub(crate) fn spun_with(self, product: Self, half: R, (cos, sinc): (R, R)) -> Self {
+        self.scaled(cos).plus(product, half * sinc)
     }
 
     /// Quaternion product with an axis: with i, j or k for an axis of the body.
     #[inline]
-    fn times(self, axis: BodyAxis<R>) -> Self {
+    pub(crate) fn times(self, axis: BodyAxis<R>) -> Self {
         let (w, x, y, z) = (self.w, self.v.x(), self.v.y(), self.v.z());
         let (w, v) = match axis {
             BodyAxis::X => (-x, R::Vec3::new(w, z, -y)),
@@ -209,6 +230,24 @@ impl<R: Real> Rotation<R> {
         self.scaled(scale)
     }
 
+    /// Returns true if the length is so near to 1 that [`normalised`](Self::normalised) takes no
+    /// root.
+    #[inline(always)]
+    pub(crate) fn is_almost_unit(self) -> bool {
+        let excess = self.length_squared() - R::ONE;
+        excess * excess < R::EPSILON * R::HALF
+    }
+
+    /// Returns [`normalised`](Self::normalised) of a quaternion that
+    /// [is almost of length 1](Self::is_almost_unit), without a branch.
+    #[inline(always)]
+    pub(crate) fn normalised_almost_unit(self) -> Self {
+        let excess = self.length_squared() - R::ONE;
+        let scale = R::ONE - excess * R::HALF;
+        let is_unit = excess.abs() < R::EPSILON * R::TWO;
+        self.scaled(if is_unit { R::ONE } else { scale })
+    }
+
     /// Returns the quaternion with each number multiplied by a factor.
     #[inline]
     pub(crate) fn scaled(self, factor: R) -> Self {
@@ -262,57 +301,111 @@ impl<R: Real> Rotation<R> {
 /// below 1e-17), otherwise the `libm` crate. A step seldom rotates a body by more than a radian.
 /// The series need neither square root nor division.
 #[inline]
-fn cos_and_sinc<R: Real>(square: R) -> (R, R) {
-    let s = square;
-    let c = R::from_f64;
-    if s < c(1.0 / 65536.0) {
-        let cos = (c(1.0 / 24.0) * s - c(0.5)) * s;
-        let sinc = (c(1.0 / 120.0) * s - c(1.0 / 6.0)) * s;
-        (cos + R::ONE, sinc + R::ONE)
-    } else if s < c(1.0 / 1024.0) {
-        let cos = (((c(1.0 / 40320.0) * s - c(1.0 / 720.0)) * s + c(1.0 / 24.0)) * s - c(0.5)) * s;
-        let sinc = (((c(1.0 / 362880.0) * s - c(1.0 / 5040.0)) * s + c(1.0 / 120.0)) * s
-            - c(1.0 / 6.0))
-            * s;
-        (cos + R::ONE, sinc + R::ONE)
-    } else if s < c(0.25) {
-        cos_and_sinc_to_half(s)
+pub(crate) fn cos_and_sinc<R: Real>(square: R) -> (R, R) {
+    if Series::Short.suffices(square) {
+        Series::short(square)
+    } else if Series::Middle.suffices(square) {
+        Series::middle(square)
+    } else if Series::Long.suffices(square) {
+        long_series(square)
     } else {
-        let half = s.sqrt();
+        let half = square.sqrt();
         let (sin, cos) = half.sin_cos();
         (cos, sin / half)
     }
 }
 
-/// Computes the longest series, for `h` up to 1/2.
-fn cos_and_sinc_to_half<R: Real>(s: R) -> (R, R) {
-    let c = R::from_f64;
-    // Written out, so that the compiler rounds each coefficient to R, and never the program.
-    let cos = ((((((c(1.0 / 20922789888000.0) * s - c(1.0 / 87178291200.0)) * s
-        + c(1.0 / 479001600.0))
-        * s
-        - c(1.0 / 3628800.0))
-        * s
-        + c(1.0 / 40320.0))
-        * s
-        - c(1.0 / 720.0))
-        * s
-        + c(1.0 / 24.0))
-        * s
-        - R::HALF;
-    let sinc = ((((((c(1.0 / 355687428096000.0) * s - c(1.0 / 1307674368000.0)) * s
-        + c(1.0 / 6227020800.0))
-        * s
-        - c(1.0 / 39916800.0))
-        * s
-        + c(1.0 / 362880.0))
-        * s
-        - c(1.0 / 5040.0))
-        * s
-        + c(1.0 / 120.0))
-        * s
-        - c(1.0 / 6.0);
-    (R::ONE + s * cos, R::ONE + s * sinc)
+/// Computes the longest series. As a function of its own it leaves the registers of most steps, in
+/// which a body rotates less, to their other numbers.
+#[inline(never)]
+fn long_series<R: Real>(square: R) -> (R, R) {
+    Series::long(square)
+}
+
+/// Taylor series of `cos h` and `sin(h)/h` in `s = h²`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Series {
+    Short,
+    Middle,
+    Long,
+}
+
+impl Series {
+    /// Returns true if the series is exact at this `h²`.
+    #[inline(always)]
+    pub(crate) fn suffices<R: Real>(self, square: R) -> bool {
+        square
+            < match self {
+                Self::Short => R::from_f64(1.0 / 65536.0),
+                Self::Middle => R::from_f64(1.0 / 1024.0),
+                Self::Long => R::from_f64(0.25),
+            }
+    }
+
+    /// Computes the shortest series.
+    #[inline(always)]
+    pub(crate) fn short<R: Real>(s: R) -> (R, R) {
+        let c = R::from_f64;
+        let cos = (c(1.0 / 24.0) * s - c(0.5)) * s;
+        let sinc = (c(1.0 / 120.0) * s - c(1.0 / 6.0)) * s;
+        (cos + R::ONE, sinc + R::ONE)
+    }
+
+    /// Computes the series of middle length.
+    #[inline(always)]
+    pub(crate) fn middle<R: Real>(s: R) -> (R, R) {
+        let c = R::from_f64;
+        let cos = (((c(1.0 / 40320.0) * s - c(1.0 / 720.0)) * s + c(1.0 / 24.0)) * s - c(0.5)) * s;
+        let sinc = (((c(1.0 / 362880.0) * s - c(1.0 / 5040.0)) * s + c(1.0 / 120.0)) * s
+            - c(1.0 / 6.0))
+            * s;
+        (cos + R::ONE, sinc + R::ONE)
+    }
+
+    /// Computes all series, and returns the shortest one that is exact, for `h` up to 1/2.
+    #[inline(always)]
+    pub(crate) fn chosen<R: Real>(s: R) -> (R, R) {
+        let (short, middle, long) = (Self::short(s), Self::middle(s), Self::long(s));
+        if Self::Short.suffices(s) {
+            short
+        } else if Self::Middle.suffices(s) {
+            middle
+        } else {
+            long
+        }
+    }
+
+    /// Computes the longest series, for `h` up to 1/2.
+    #[inline(always)]
+    pub(crate) fn long<R: Real>(s: R) -> (R, R) {
+        let c = R::from_f64;
+        // Written out, so that the compiler rounds each coefficient to R, and never the program.
+        let cos = ((((((c(1.0 / 20922789888000.0) * s - c(1.0 / 87178291200.0)) * s
+            + c(1.0 / 479001600.0))
+            * s
+            - c(1.0 / 3628800.0))
+            * s
+            + c(1.0 / 40320.0))
+            * s
+            - c(1.0 / 720.0))
+            * s
+            + c(1.0 / 24.0))
+            * s
+            - R::HALF;
+        let sinc = ((((((c(1.0 / 355687428096000.0) * s - c(1.0 / 1307674368000.0)) * s
+            + c(1.0 / 6227020800.0))
+            * s
+            - c(1.0 / 39916800.0))
+            * s
+            + c(1.0 / 362880.0))
+            * s
+            - c(1.0 / 5040.0))
+            * s
+            + c(1.0 / 120.0))
+            * s
+            - c(1.0 / 6.0);
+        (R::ONE + s * cos, R::ONE + s * sinc)
+    }
 }
 
 /// Body axes in the world, perpendicular unit vectors: the columns of the rotation matrix.

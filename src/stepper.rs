@@ -1,6 +1,7 @@
 //! The stepper: combines a scene with an integrator and advances states in time.
 
 mod builder;
+mod many;
 #[cfg(feature = "serde")]
 mod saved;
 

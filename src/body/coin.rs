@@ -158,6 +158,22 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
         arc_near(points, normal, offset, near).unwrap_or_else(|| arc_below(points, normal, offset))
     }
 
+    /// Heights along the ring have one minimum and one maximum. So the contacts below a plane are
+    /// one arc, and these are its ends.
+    #[inline]
+    fn range_ends(&self, range: ContactRange) -> Option<[R::Vec3; 4]> {
+        let points = self.points.as_ref();
+        let after = range.first.checked_add(range.count)?;
+        let places = [
+            range.first.checked_sub(1)?,
+            range.first,
+            after.checked_sub(1)?,
+            after,
+        ];
+        let [before, first, last, after] = places.map(|place| points.get(place));
+        Some([before?, first?, last?, after?].map(|point| point.position))
+    }
+
     /// Support function of the round rim, which encloses the points.
     #[inline]
     fn support(&self, direction: R::Vec3) -> R {

@@ -92,8 +92,19 @@ impl<R: Real> Excess<R> {
     /// Contribution to the angular velocity (rad/s, world axes).
     #[inline(always)]
     fn spin(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R::Vec3 {
-        let axis = self.axis.in_world(axes);
+        self.spin_about(self.axis.in_world(axes), angular_momentum)
+    }
+
+    /// Contribution to the angular velocity, for the axis in world axes.
+    #[inline(always)]
+    fn spin_about(&self, axis: R::Vec3, angular_momentum: R::Vec3) -> R::Vec3 {
         axis * (self.inverse * axis.dot(angular_momentum))
+    }
+
+    /// Half of the angle of rotation about this axis (world axes) within `seconds`.
+    #[inline(always)]
+    fn half_turn(&self, axis: R::Vec3, angular_momentum: R::Vec3, seconds: R) -> R {
+        self.inverse * axis.dot(angular_momentum) * (seconds * R::HALF)
     }
 
     /// Rotates `rotation` further about this axis of the body, by the contribution of this excess
@@ -106,8 +117,8 @@ impl<R: Real> Excess<R> {
         angular_momentum: R::Vec3,
         seconds: R,
     ) -> Rotation<R> {
-        let along = self.axis.in_world(axes).dot(angular_momentum);
-        rotation.spun(self.axis, self.inverse * along * (seconds * R::HALF))
+        let axis = self.axis.in_world(axes);
+        rotation.spun(self.axis, self.half_turn(axis, angular_momentum, seconds))
     }
 }
 
@@ -215,7 +226,8 @@ impl<R: Real> InertiaProperties<R> {
     #[inline(always)]
     #[must_use]
     pub fn angular_velocity(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R::Vec3 {
-        let mut spin = angular_momentum * self.common + self.symmetry.spin(axes, angular_momentum);
+        let axis = self.symmetry.axis.in_world(axes);
+        let mut spin = self.angular_velocity_of_symmetric(axis, angular_momentum);
         if self.is_asymmetric() {
             spin += self.asymmetry.spin(axes, angular_momentum);
         }
@@ -406,12 +418,41 @@ impl<R: Real> InertiaProperties<R> {
         angular_momentum: R::Vec3,
         seconds: R,
     ) -> Rotation<R> {
-        let half_turn = angular_momentum * (self.common * (seconds * R::HALF));
-        let precession = Rotation::from_half_vector(half_turn);
+        let precession =
+            Rotation::from_half_vector(self.half_precession(angular_momentum, seconds));
         precession.after(
             self.symmetry
                 .turn(rotation, axes, angular_momentum, seconds),
         )
+    }
+
+    /// Half of the rotation vector of the common part of a torque-free rotation within `seconds`.
+    #[inline(always)]
+    pub(crate) fn half_precession(&self, angular_momentum: R::Vec3, seconds: R) -> R::Vec3 {
+        angular_momentum * (self.common * (seconds * R::HALF))
+    }
+
+    /// Half of the angle of the symmetric part of a torque-free rotation within `seconds`, for the
+    /// [axis of symmetry](Self::symmetry_axis) in world axes.
+    #[inline(always)]
+    pub(crate) fn half_spin(&self, axis: R::Vec3, angular_momentum: R::Vec3, seconds: R) -> R {
+        self.symmetry.half_turn(axis, angular_momentum, seconds)
+    }
+
+    /// Angular velocity of a body with two equal moments, for its axis of symmetry in world axes.
+    #[inline(always)]
+    pub(crate) fn angular_velocity_of_symmetric(
+        &self,
+        axis: R::Vec3,
+        angular_momentum: R::Vec3,
+    ) -> R::Vec3 {
+        angular_momentum * self.common + self.symmetry.spin_about(axis, angular_momentum)
+    }
+
+    /// Axis of symmetry.
+    #[inline(always)]
+    pub(crate) fn symmetry_axis(&self) -> BodyAxis<R> {
+        self.symmetry.axis
     }
 
     /// Inverse moment of the third axis of [`unlike_axes`](Self::unlike_axes), 1/(kg m²).

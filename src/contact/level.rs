@@ -23,7 +23,7 @@ use crate::state::Motion;
 /// Each stage of a block is a loop of this length over arrays. The compiler vectorises it for the
 /// lanes of the processor. It would unroll a shorter loop first, and then find no lanes. The number
 /// is a divisor of the 120 points of the coin.
-const BLOCK_LEN: usize = 24;
+pub(super) const BLOCK_LEN: usize = 24;
 
 /// Whether the processor computes on two numbers at once.
 ///
@@ -70,22 +70,36 @@ where
 }
 
 /// Body above a level plane.
-struct Level<'a, R: Real> {
+pub(super) struct Level<'a, R: Real> {
     /// Penetration depth of the centre of mass, m.
     depth: R,
     motion: &'a Motion<R>,
 }
 
-impl<R: Real> Level<'_, R> {
+impl<'a, R: Real> Level<'a, R> {
+    /// Body with this motion above the plane z = `height` (m).
+    #[inline(always)]
+    pub(super) fn under(height: R, motion: &'a Motion<R>) -> Self {
+        Self {
+            depth: height - motion.position.z(),
+            motion,
+        }
+    }
+
     /// Penetration depth at an arm, m.
     #[inline(always)]
-    fn depth(&self, arm: R::Vec3) -> R {
+    pub(super) fn depth(&self, arm: R::Vec3) -> R {
         self.depth - arm.z()
     }
 
     /// Force of the ground on a contact at an arm, with a penetration depth (m) above 0, N.
     #[inline(always)]
-    fn force<G, F>(&self, (ground, friction): (&G, &F), arm: R::Vec3, depth: R) -> R::Vec3
+    pub(super) fn force<G, F>(
+        &self,
+        (ground, friction): (&G, &F),
+        arm: R::Vec3,
+        depth: R,
+    ) -> R::Vec3
     where
         G: SpringDamperGround<R>,
         F: SlidingFriction<R>,
@@ -158,13 +172,13 @@ impl<R: Real> Level<'_, R> {
     /// The computation of a pair is written out twice and stored side by side. Otherwise compilers
     /// do not use two lanes.
     #[inline(always)]
-    fn add_pairs<'a, G, F>(
+    fn add_pairs<'b, G, F>(
         &self,
         load: &mut Load<R>,
         laws: (&G, &F),
-        mut contacts: &'a [ContactPoint<R>],
+        mut contacts: &'b [ContactPoint<R>],
         arm_axes: Option<&Axes<R>>,
-    ) -> &'a [ContactPoint<R>]
+    ) -> &'b [ContactPoint<R>]
     where
         G: SpringDamperGround<R>,
         F: SlidingFriction<R>,
@@ -213,13 +227,13 @@ impl<R: Real> Level<'_, R> {
     /// If the body can compute an exact range, only its ends are left over. If it cannot, one more
     /// copy of the laws here would be a tenth of a small device's program.
     #[inline(never)]
-    fn with_blocks<'a, G, F>(
+    fn with_blocks<'b, G, F>(
         &self,
         mut load: Load<R>,
         laws: (&G, &F),
-        mut contacts: &'a [ContactPoint<R>],
+        mut contacts: &'b [ContactPoint<R>],
         arm_axes: Option<&Axes<R>>,
-    ) -> (Load<R>, &'a [ContactPoint<R>])
+    ) -> (Load<R>, &'b [ContactPoint<R>])
     where
         G: SpringDamperGround<R>,
         F: SlidingFriction<R>,

@@ -104,17 +104,37 @@ where
                 } else {
                     (plane.gap(position), axes.to_body(plane.normal))
                 };
-                // Bound of the rounding of a gap, far larger than the rounding of the body's own
-                // arithmetic.
-                let rounding = (gap.abs() + plane.height.abs() + self.bounding_radius)
-                    * (R::EPSILON * R::from_f64(8.0));
-                let offset = margin + rounding - gap;
+                let offset = self.offset(margin, plane.height, gap);
                 if offset < -self.bounding_radius {
                     ContactRange::NONE
                 } else {
                     below(normal, offset)
                 }
             }
+        }
+    }
+
+    /// Offset of the plane, along its normal from the centre of mass, below which contacts are less
+    /// than `margin` above it, m. `gap` is that of the centre of mass.
+    #[inline(always)]
+    pub(super) fn offset(&self, margin: R, height: R, gap: R) -> R {
+        // Bound of the rounding of a gap, far larger than the rounding of the body's own
+        // arithmetic.
+        let rounding =
+            (gap.abs() + height.abs() + self.bounding_radius) * (R::EPSILON * R::from_f64(8.0));
+        margin + rounding - gap
+    }
+
+    /// Height of a level plane that the whole ground is below.
+    #[inline(always)]
+    pub(super) fn height_of_bound(&self) -> Option<R> {
+        match self.ground.bounds() {
+            GroundBounds::Plane(plane) | GroundBounds::Below(plane)
+                if plane.is_level() && self.ground.surfaces().is_none() =>
+            {
+                Some(plane.height)
+            }
+            _ => None,
         }
     }
 

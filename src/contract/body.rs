@@ -20,7 +20,8 @@ use crate::real::{Matrix, Real, Vector};
 /// - Contacts are finite, with radii of at least 0.
 /// - Neither contacts nor rims lie beyond the bounding radius, nor beyond `support` in any
 ///   direction.
-/// - `contacts_below` omits no contact, and `contacts_below_near` returns the same range.
+/// - `contacts_below` omits no contact, and `contacts_below_near` returns the same range. Neither
+///   does a range with the right [`range_ends`](crate::RigidPointBody::range_ends).
 /// - `support_point` of a smooth body is the farthest point in its direction.
 /// - All results are the same at every call.
 ///
@@ -221,10 +222,18 @@ fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
     let sure = offset - (offset.abs() + body.bounding_radius()) * ulps(8.0);
     let known = runs_like(run, contacts.len());
     let near = known.map(|known| body.contacts_below_near(normal, offset, known));
+    let all = [run]
+        .into_iter()
+        .chain(near)
+        .chain(known.into_iter().filter(|&known| {
+            // A range that is known to be that of this plane.
+            let is_below = |end: R::Vec3| normal.dot(end) < offset;
+            let ends = body.range_ends(known).map(|ends| ends.map(is_below));
+            ends == Some([false, true, true, false])
+        }));
     for (index, contact) in contacts.iter().enumerate() {
         let height = normal.dot(contact.position) - contact.radius;
-        let found = height >= sure
-            || holds(run, contacts, index) && near.iter().all(|&run| holds(run, contacts, index));
+        let found = height >= sure || all.clone().all(|range| holds(range, contacts, index));
         if !found {
             // Either the range was wrong, or the contacts have changed meanwhile.
             first.check(&Portrait::of(body))?;

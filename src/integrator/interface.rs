@@ -3,6 +3,7 @@
 use core::fmt::Debug;
 
 use crate::error::{self, SceneError, StepError};
+use crate::integrator::lanes::Lanes;
 use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -43,6 +44,18 @@ pub trait Integrator<R: Real = f64> {
     /// A run of more fixed steps than its clock can count is then rejected only after a step that
     /// spans none.
     const SPANS_STEPS: bool = false;
+
+    /// True if the method has a [`step_in_lanes`](Self::step_in_lanes).
+    #[doc(hidden)]
+    const HAS_LANES: bool = false;
+
+    /// Takes the same step of several states, each with the bits of [`step`](Self::step). The body
+    /// has two or three equal moments of inertia.
+    #[doc(hidden)]
+    #[inline]
+    fn step_in_lanes<D: Dynamics<R>>(&self, scene: &D, lanes: &mut Lanes<R>, seconds: R) {
+        let _ = (scene, lanes, seconds);
+    }
 
     /// Takes one step of the method's own size, or of `limit` seconds if that is less.
     ///

@@ -420,6 +420,16 @@ impl<const FAULT: char> RigidPointBody for Spoilt<FAULT> {
             _ => self.contacts_below(normal, offset),
         }
     }
+    fn range_ends(&self, range: ContactRange) -> Option<[DVec3; 4]> {
+        match FAULT {
+            // Those of a range that begins one contact earlier.
+            'g' => self.coin.range_ends(ContactRange {
+                first: range.first.wrapping_sub(1),
+                count: range.count.saturating_add(1),
+            }),
+            _ => self.coin.range_ends(range),
+        }
+    }
     fn check(&self) -> Result<(), SceneError> {
         error::at_least_zero("parameter", if FAULT == 'k' { -1.0 } else { 1.0 }, "")
     }
@@ -491,6 +501,7 @@ fn contacts_below_that_misses_one_is_caught_with_the_plane_that_shows_it() {
         fault_of_body(&spoilt::<'w'>()),
         fault_of_body(&spoilt::<'u'>()),
         fault_of_body(&spoilt::<'e'>()),
+        fault_of_body(&spoilt::<'g'>()),
     ] {
         assert_eq!(
             violation.requirement,

@@ -37,6 +37,7 @@ mod growth;
 mod limiter;
 mod lowest_point;
 mod many_contacts;
+mod many_states;
 mod once;
 mod outcome;
 mod rigidity;

@@ -33,6 +33,7 @@
 //! smaller by one power of the step size, hence order 2.
 
 mod crossing;
+mod lanes;
 mod oscillator;
 mod stages;
 mod uniform;
@@ -42,6 +43,7 @@ use crate::contact::Load;
 use crate::error::{self, SceneError, StepError};
 use crate::integrator::free_error;
 use crate::integrator::interface::{Integrator, LIMIT_HALVINGS, Step, step_length};
+use crate::integrator::lanes::Lanes;
 use crate::integrator::point::Point;
 use crate::quadrature::bisect;
 use crate::real::{Real, Vector};
@@ -129,6 +131,17 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
         *near = taken.near;
         *state = taken.end.to_state();
         Ok(Step::new(dt, 4))
+    }
+
+    const HAS_LANES: bool = true;
+
+    #[inline]
+    fn step_in_lanes<D: Dynamics<R>>(&self, scene: &D, lanes: &mut Lanes<R>, seconds: R) {
+        lanes.begin();
+        lanes.end();
+        // The axes of a stage are those of a quaternion of any length.
+        lanes.set_axes_of_any_length();
+        lanes::step(scene, lanes, seconds);
     }
 
     fn order(&self) -> u32 {

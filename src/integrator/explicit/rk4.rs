@@ -4,6 +4,7 @@ use crate::body::ContactRange;
 use crate::error::{self, SceneError, StepError};
 use crate::integrator::free_error;
 use crate::integrator::interface::{Integrator, LIMIT_HALVINGS, Step, step_length};
+use crate::integrator::lanes::{Lanes, Points};
 use crate::integrator::point::Point;
 use crate::quadrature::bisect;
 use crate::real::Real;
@@ -65,6 +66,28 @@ impl<R: Real> Integrator<R> for Rk4<R> {
         Ok(Step::new(dt, 4))
     }
 
+    const HAS_LANES: bool = true;
+
+    #[inline]
+    fn step_in_lanes<D: Dynamics<R>>(&self, scene: &D, lanes: &mut Lanes<R>, seconds: R) {
+        lanes.begin();
+        lanes.end();
+        let start = lanes.states;
+        let [mut k1, mut k2, mut k3, mut k4] = [Points::ZERO; 4];
+        let half = seconds * R::HALF;
+        let untested = scene.untested();
+        lanes.find_slope(untested, &mut k1);
+        lanes.advance(&start, &k1, half);
+        lanes.find_slope(untested, &mut k2);
+        lanes.advance(&start, &k2, half);
+        lanes.find_slope(untested, &mut k3);
+        lanes.advance(&start, &k3, seconds);
+        lanes.find_slope(scene, &mut k4);
+        k1.replace_by_sum([&k2, &k3, &k4], sum);
+        lanes.advance(&start, &k1, seconds * R::from_f64(1.0 / 6.0));
+        lanes.normalise();
+    }
+
     fn order(&self) -> u32 {
         4
     }
@@ -112,9 +135,15 @@ fn advanced<R: Real, D: Dynamics<R>>(
     let k3 = start.plus(&k2, half).slope_near(untested, near);
     let k4 = start.plus(&k3, dt).slope_near(scene, near);
 
-    let middle = k2.plus(&k3, R::ONE);
-    let sum = k1.plus(&k4, R::ONE).plus(&middle, R::TWO);
+    let sum = sum(&k1, [&k2, &k3, &k4]);
     start.plus(&sum, dt * R::from_f64(1.0 / 6.0))
+}
+
+/// Returns six times the mean of the slopes.
+#[inline(always)]
+fn sum<R: Real>(k1: &Point<R>, [k2, k3, k4]: [&Point<R>; 3]) -> Point<R> {
+    let middle = k2.plus(k3, R::ONE);
+    k1.plus(k4, R::ONE).plus(&middle, R::TWO)
 }
 
 /// End of the stability region on the negative real axis: `1 - x/2 + x²/6 - x³/24 = 0`.

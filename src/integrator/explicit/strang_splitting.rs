@@ -5,6 +5,7 @@ use crate::contact::Load;
 use crate::error::{self, SceneError, StepError};
 use crate::force::Force;
 use crate::integrator::interface::{Integrator, Step, step_length};
+use crate::integrator::lanes::Lanes;
 use crate::real::Real;
 use crate::rotation::{Axes, Rotation};
 use crate::scene::Dynamics;
@@ -81,6 +82,41 @@ impl<R: Real> Integrator<R> for StrangSplitting<R> {
         let end = drift(scene, state, middle, &axes, half);
         state.orientation = end.to_quat();
         Ok(Step::new(dt, evaluations))
+    }
+
+    const HAS_LANES: bool = true;
+
+    #[inline]
+    fn step_in_lanes<D: Dynamics<R>>(&self, scene: &D, lanes: &mut Lanes<R>, seconds: R) {
+        let half = seconds * R::HALF;
+        let mass = scene.inertia_properties();
+        lanes.begin();
+        lanes.drift(mass, half);
+        lanes.set_axes();
+        lanes.find_contacts(scene);
+        // The velocities at half of the kick give the load of the kick.
+        let start = lanes.velocities();
+        lanes.find_loads(scene);
+        let flies = lanes.loads.flies();
+        if !flies.contains(&true) || scene.force().acts() {
+            lanes.kick(scene, half);
+            lanes.find_loads(scene);
+            lanes.set_velocities(&start);
+            lanes.kick(scene, seconds);
+        } else if !flies.contains(&false) {
+            lanes.fall(scene, seconds);
+        } else {
+            lanes.fall(scene, seconds);
+            let fallen = lanes.velocities();
+            lanes.set_velocities(&start);
+            lanes.kick(scene, half);
+            lanes.find_loads(scene);
+            lanes.set_velocities(&start);
+            lanes.kick(scene, seconds);
+            lanes.set_velocities_of(&flies, &fallen);
+        }
+        lanes.drift(mass, half);
+        lanes.end();
     }
 
     fn order(&self) -> u32 {

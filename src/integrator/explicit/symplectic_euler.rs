@@ -3,6 +3,7 @@
 use crate::body::ContactRange;
 use crate::error::{self, SceneError, StepError};
 use crate::integrator::interface::{Integrator, Step, step_length};
+use crate::integrator::lanes::Lanes;
 use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -64,6 +65,18 @@ impl<R: Real> Integrator<R> for SymplecticEuler<R> {
             .turn_freely(rotation, &motion.axes, state.angular_momentum, dt)
             .to_quat();
         Ok(Step::new(dt, 1))
+    }
+
+    const HAS_LANES: bool = true;
+
+    #[inline]
+    fn step_in_lanes<D: Dynamics<R>>(&self, scene: &D, lanes: &mut Lanes<R>, seconds: R) {
+        lanes.begin();
+        lanes.find_contacts(scene);
+        lanes.find_loads(scene);
+        lanes.kick(scene, seconds);
+        lanes.drift(scene.inertia_properties(), seconds);
+        lanes.end();
     }
 
     fn order(&self) -> u32 {

@@ -186,6 +186,40 @@ fn a_users_force_has_the_same_bits_by_value_reference_dyn_and_box() {
 
 /// Two precisions of one motion differ by the rounding of f32, 500 steps of it: position below 1,
 /// so 500 * 6e-8 m, ten times over for the springs.
+/// A user's body, ground and friction in many states, each of which ends as it does alone.
+fn many_at_once<R: Real>(integrator: impl Integrator<R>) {
+    let stepper = compose(ball::<R>(), turf(), carpet(), integrator);
+    let start = |i: usize| {
+        let state = thrown::<R>();
+        // The lowest balls touch, the highest reach the ground later.
+        let height = R::from_f64(0.09 + 0.01 * i as f64);
+        State {
+            position: R::Vec3::new(state.position.x(), state.position.y(), height),
+            ..state
+        }
+    };
+    let mut together = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9].map(start);
+    let seconds = R::from_f64(0.05);
+    assert_eq!(stepper.advance_many(&mut together, seconds), Ok(()));
+    let mut touching = 0;
+    for (i, state) in together.into_iter().enumerate() {
+        let mut alone = start(i);
+        stepper.advance(&mut alone, seconds).expect("a short step");
+        assert_eq!(state, alone);
+        touching += stepper.touching(&alone);
+    }
+    assert!((1..10).contains(&touching), "{touching} of 10 touch");
+}
+
+#[test]
+fn many_states_of_a_users_scene_end_as_each_does_alone() {
+    let time_step = 1e-3;
+    many_at_once::<f64>(Midpoint { time_step });
+    many_at_once::<f64>(SymplecticEuler { time_step });
+    many_at_once::<f64>(Nystrom { time_step });
+    many_at_once::<f32>(StrangSplitting { time_step: 1e-3 });
+}
+
 #[test]
 fn a_users_ball_moves_alike_in_f32_and_f64() {
     let fine = run::<f64, _, _, _, _>(ball(), turf(), oil(), StrangSplitting { time_step: 1e-3 });

@@ -78,25 +78,29 @@ impl<R: Real> Stage<R> {
         let spin = motion.angular_velocity;
         let turn = load.torque - spin.cross(point.angular_momentum);
         let turn = mass.angular_velocity(&motion.axes, turn);
-        let quarter = spin.length_squared() * R::from_f64(-0.25);
         Self {
             motion,
             run,
             acceleration: load.force * mass.inverse_mass() + scene.gravity(),
             torque: load.torque,
-            bend: point
-                .orientation
-                .rate(turn)
-                .plus(point.orientation, quarter),
+            bend: bend(point.orientation, turn, spin),
         }
     }
+}
+
+/// Returns the second derivative of a quaternion, for an angular acceleration `turn` (rad/s²) and
+/// an angular velocity `spin` (rad/s).
+#[inline(always)]
+pub(super) fn bend<R: Real>(rotation: Rotation<R>, turn: R::Vec3, spin: R::Vec3) -> Rotation<R> {
+    let quarter = spin.length_squared() * R::from_f64(-0.25);
+    rotation.rate(turn).plus(rotation, quarter)
 }
 
 /// Start of a step, with its first stage.
 pub(in crate::integrator) struct Start<R: Real> {
     pub(in crate::integrator) point: Point<R>,
     /// First derivative of the quaternion, 1/s.
-    turning: Rotation<R>,
+    pub(super) turning: Rotation<R>,
     pub(in crate::integrator) stage: Stage<R>,
     /// Step size, s.
     pub(in crate::integrator) seconds: R,
