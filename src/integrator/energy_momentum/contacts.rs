@@ -155,7 +155,7 @@ impl<R: Real> Contacts<R> {
         run: ContactRange::NONE,
         candidates: 0,
         seen: 0,
-        each: 1,
+        each: 0,
         fixed: 0,
         with_rim: false,
         laid: [LaidPanel { rim: 0, end: 0 }; MOST_PANELS],
@@ -241,9 +241,9 @@ impl<R: Real> Contacts<R> {
         let contacts = problem.scene.body().contacts();
         // The points of rims need their share of the storage.
         let share = if self.with_rim { 2 } else { 1 };
-        self.each = self.candidates.div_ceil(CAPACITY / share);
-        self.remembered = 0;
-        for number in (self.each / 2..self.candidates).step_by(self.each) {
+        let each = (self.candidates / (CAPACITY / share) + 1).max(1);
+        (self.each, self.remembered) = (each, 0);
+        for number in (each / 2..self.candidates).step_by(each) {
             let each_surface = self.run.count.max(1);
             let (surface, place) = (number / each_surface, number % each_surface);
             let surface = u32::try_from(surface).unwrap_or(u32::MAX);
@@ -611,7 +611,7 @@ impl<R: Real> Contacts<R> {
             surfaces.flat_map(|surface| head.iter().chain(tail).map(move |point| (surface, point)));
         let mut touch = Touch::NONE;
         let last = self.remembered.saturating_sub(1);
-        for group in 0..self.candidates.div_ceil(self.each) {
+        for group in 0..=self.candidates / self.each.max(1) {
             // A last group of fewer candidates may have none that is stored.
             let Some(first) = self.touches.get(group.min(last)) else {
                 break;

@@ -24,8 +24,7 @@ pub(super) struct Others<R: Real> {
     /// Force (N) and torque (N m) by which the linear friction of the matrix exceeds that of the
     /// laws, and by which that of the dual forces does.
     pub(super) excess: [[R::Vec3; 2]; 2],
-    /// Their part of the matrix: on level ground, and on any other.
-    level: Level<R>,
+    /// Their part of the matrix.
     equations: SixBySix<R>,
 }
 
@@ -33,7 +32,6 @@ impl<R: Real> Others<R> {
     const NONE: Self = Self {
         strain: Strain::NONE,
         excess: [[R::Vec3::ZERO; 2]; 2],
-        level: Level::ZERO,
         equations: SixBySix::ZERO,
     };
 
@@ -81,18 +79,13 @@ impl<R: Real> Others<R> {
         sum[1] += touch.push.arm.cross(excess);
         let push = &touch.push;
         self.strain.add(push, &answer.drag);
-        if problem.is_bare {
-            let path = of_level_path(problem, push, answer);
-            self.level.add(&path, push.force, push.arm, push.end_arm);
-        } else {
-            let is_smooth = problem.scene.body().is_smooth();
-            let by_turn = is_smooth.then(|| push.path_by_turn(problem, trial, argument));
-            let by_turns = [argument, by_turn.as_ref().unwrap_or(argument)];
-            add_anywhere(problem, push, answer, by_turns, &mut self.equations);
-            let share = share_of_arm(problem);
-            self.equations
-                .add_rotation(push.end_arm, push.force * share);
-        }
+        let is_smooth = problem.scene.body().is_smooth();
+        let by_turn = is_smooth.then(|| push.path_by_turn(problem, trial, argument));
+        let by_turns = [argument, by_turn.as_ref().unwrap_or(argument)];
+        add_anywhere(problem, push, answer, by_turns, &mut self.equations);
+        let share = share_of_arm(problem);
+        self.equations
+            .add_rotation(push.end_arm, push.force * share);
     }
 }
 
@@ -117,7 +110,7 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
     let share = share_of_arm(problem);
     let mut strain = others.map_or(Strain::NONE, |others| others.strain);
     if problem.is_bare {
-        let mut level = others.map_or(Level::ZERO, |others| others.level);
+        let mut level = Level::ZERO;
         contacts.answer(problem, trial, |push, answer| {
             strain.add(push, &answer.drag);
             let path = of_level_path(problem, push, answer);
@@ -126,9 +119,6 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
         level.equations(mass, &inertia, share, equations);
     } else {
         *equations = SixBySix::of_body(mass, &inertia);
-        if let Some(others) = others {
-            equations.plus(&others.equations);
-        }
         let is_smooth = problem.scene.body().is_smooth();
         let by_turn = is_smooth.then(|| contacts.differentiate_path(problem, trial, &argument));
         let by_turn = by_turn.unwrap_or(argument);
@@ -147,6 +137,9 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
         if is_smooth && is_single::<R>() {
             equations.add_turning(&contacts.torque_over_surface(problem, trial, share));
         }
+    }
+    if let Some(others) = others {
+        equations.plus(&others.equations);
     }
     if !problem.scene.body().rims().is_empty() {
         contacts.visit_reversals(problem, |reversal| {
