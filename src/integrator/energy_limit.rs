@@ -66,8 +66,8 @@ pub(in crate::integrator) fn hold<R: Real, D: Dynamics<R>>(
     // springs is therefore compensated in both directions, whatever its size. A compensation that
     // only removes energy would remove a part of it in each bounce.
     let is_driven = work != R::ZERO;
-    // In flight the potential energy may be rounded more than its sum shows, where gravity is almost
-    // perpendicular to the position. The search itself knows how much is rounding.
+    // In flight the potential energy may be rounded more than its sum shows, where gravity is
+    // almost perpendicular to the position. The search limits itself to what is rounding.
     let is_flight = contact.touching == 0 && energy.springs == R::ZERO;
     let is_exact = flight_rounding::holds_both_ways::<R>() && (contact.is_lossless || is_flight);
     if !is_kept && !is_driven && (is_exact || excess.abs() <= rounding_of(energy, after)) {

@@ -11,17 +11,17 @@
 //!
 //! # Falls in single precision
 //!
-//! A loss that is not restored lowers the ceiling of all later steps by a unit, and the body by that
-//! unit over its weight. So a fall goes wrong by a fraction of a unit for each step without a hit,
-//! and a search must almost always hit. Three rules achieve that without a bias of the motion:
+//! A loss that is not restored lowers the ceiling of all later steps by a unit, and the body by
+//! that unit over its weight. So a fall goes wrong by a fraction of a unit for each step without a
+//! hit, and a search must almost always hit. Three rules achieve that without a bias of the motion:
 //!
 //! - `on_parabola` rounds the path to the grid of the position, not each displacement. `x - way(v)`
 //!   with `way(v) = (v - g t/2) t` and `t = g·v/g²` is constant in free fall. Its part on a grid of
 //!   `GRID` units survives every rounding below half of that, so no rounding adds to the next. A
 //!   body at rest in one step moves with its velocity, however small the displacement of a step is.
-//! - `fall` then looks for the energy of the start near that end. The shift along gravity is rounded
-//!   at random in each component. The component that is solved for the rest is another one in each
-//!   trial.
+//! - `fall` then looks for the energy of the start near that end. The shift along gravity is
+//!   rounded at random in each component. The component that is solved for the rest is another one
+//!   in each trial.
 //! - The velocity only takes some last places of either sign. It never loses more than half of what
 //!   the step has added, as a body would otherwise return to a state where it has been, and stay.
 //!
@@ -260,7 +260,8 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
     }
 
     /// Lowers a body that has no other end, by the rounding of its potential energy, doubled until
-    /// the energy is no higher. Otherwise its velocity would be reduced in each step: it would hang.
+    /// the energy is no higher. Otherwise its velocity would be reduced in each step: it would
+    /// hang.
     fn sink(&mut self, lever: R) {
         let (gravity, end, after) = (self.scene.gravity(), self.end, self.after);
         let per_way = self.scene.inertia_properties().mass() * gravity.length_squared();
@@ -396,8 +397,8 @@ fn absolute<R: Real>(v: R::Vec3) -> R::Vec3 {
     R::Vec3::new(v.x().abs(), v.y().abs(), v.z().abs())
 }
 
-/// Returns a state near `end`, shifted in the position or in the velocity, with a scatter that grows
-/// with the number of the trial. `gain` is what the step has added to the velocity.
+/// Returns a state near `end`, shifted in the position or in the velocity, with a scatter that
+/// grows with the number of the trial. `gain` is what the step has added to the velocity.
 ///
 /// The components that gravity does not change stay as they are, unless they are shifted.
 fn near<R: Real>(
@@ -501,8 +502,8 @@ fn solved<R: Real>(
 /// position.
 ///
 /// In free fall `x - way(v)` is constant. The component of `x` becomes `c + way(v')`, with the
-/// constant `c` on a grid of `GRID` units, so that it is the same `c` in each step. A distance of at
-/// most `OFF_GRID` units from that grid remains. Components whose way is longer than half of `x`
+/// constant `c` on a grid of `GRID` units, so that it is the same `c` in each step. A distance of
+/// at most `OFF_GRID` units from that grid remains. Components whose way is longer than half of `x`
 /// stay as they are: there, random rounding is as accurate.
 pub(in crate::integrator) fn on_parabola<R: Real>(
     start: &State<R>,
