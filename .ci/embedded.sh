@@ -16,7 +16,7 @@ cross_tools "$work"
 programs=(
   'symplectic_euler_f32 25600 4096'
   'symplectic_euler_f64 51200 6144'
-  'energy_momentum_f32 79872 4352'
+  'energy_momentum_f32 82944 4352'
   'energy_momentum_f64 140288 8192'
 )
 build() { cargo build -q --release --locked --manifest-path examples/embedded/Cargo.toml "$@"; }
