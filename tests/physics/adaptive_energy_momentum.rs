@@ -172,6 +172,61 @@ fn the_error_is_five_tolerances_at_most_in_tosses_of_a_coin_and_of_a_die() {
     tosses("die", Cuboid::cube(4.8e-3, 0.016), 4.0);
 }
 
+/// A step that `EnergyMomentum` divides into two halves equals two steps of half the size. Their
+/// difference is 0, and the step was accepted with a wrong bounce.
+#[test]
+fn a_step_that_was_divided_into_its_own_halves_is_no_estimate() {
+    let coin = SolidCoin::new(4.93e-3, 0.01, 0.002);
+    let stiffness = 4.93e-3 * 9.8 / (2e-5 * 120.0);
+    let ground = FlatGround::level(stiffness, 0.42 * (stiffness * 4.93e-3).sqrt());
+    let friction = Coulomb {
+        coefficient: 0.3,
+        slip_speed: 1e-3,
+    };
+    let scene = Stepper::builder(&coin as &dyn RigidPointBody)
+        .gravity(UniformGravity::down(9.8))
+        .ground(ground)
+        .friction(friction)
+        .build()
+        .unwrap();
+    let mut divided = 0;
+    for number in 0..400 {
+        let part = |factor: i32| f64::from(number * factor % 101) / 101.0;
+        let start = State::at(DVec3::Z * (0.004 + 0.01 * part(13)))
+            .with_linear_velocity(DVec3::new(0.3, 0.1, -2.0 * part(29)))
+            .with_rotation_vector(DVec3::new(3.0 * part(7), 3.0 * part(17), 0.4));
+        let spin = DVec3::new(20.0 * part(3) - 10.0, 50.0 * part(5) - 25.0, 9.0);
+        let start = scene.with_angular_velocity(start, spin);
+        for time_step in [0.01, 0.005, 0.0025] {
+            let after = |time_step: f64, state: &State| {
+                let method = Once(EnergyMomentum { time_step });
+                let (stepper, mut state) = (scene.with_integrator(method).unwrap(), *state);
+                let step = stepper.step(&mut state).unwrap();
+                (state, step.fallback)
+            };
+            let (whole, fallback) = after(time_step, &start);
+            let (middle, _) = after(0.5 * time_step, &start);
+            if !fallback || whole != after(0.5 * time_step, &middle).0 {
+                continue;
+            }
+            divided += 1;
+            let method = AdaptiveEnergyMomentum {
+                longest_step: time_step,
+                ..AdaptiveEnergyMomentum::new(1e-3)
+            };
+            let mut state = start;
+            let step = scene
+                .with_integrator(Once(method))
+                .unwrap()
+                .step(&mut state)
+                .unwrap();
+            let is_taken_whole = step.elapsed == time_step && step.error_estimate == Some(0.0);
+            assert!(!is_taken_whole, "start {number}, {time_step} s");
+        }
+    }
+    assert!(divided > 0, "no step was divided");
+}
+
 #[test]
 fn the_error_is_five_tolerances_at_most_where_a_ball_begins_to_roll() {
     let (mass, radius, stiffness) = (0.2, 0.03, 1e5);

@@ -308,6 +308,9 @@ struct Doubled<R: Real> {
     step: Step<R>,
     errors: Errors<R>,
     allowed: R,
+    /// False if the step of the whole size was divided into the same two halves. Then the
+    /// difference is 0, and says nothing of the error.
+    is_known: bool,
 }
 
 impl<R: Real> Doubled<R> {
@@ -329,7 +332,7 @@ impl<R: Real> Doubled<R> {
         let (mut whole, mut end) = (*start, *start);
         let half = seconds * R::HALF;
         let halves = [advance(&mut end, half)?, advance(&mut end, seconds - half)?];
-        advance(&mut whole, seconds)?;
+        let is_divided = advance(&mut whole, seconds)?.fallback;
         let motion = Point::of(&end).motion(scene);
         let difference = Point::of(&whole).plus(&Point::of(&end), -R::ONE);
         let errors = Errors::of(scene, &difference, &motion)
@@ -347,12 +350,19 @@ impl<R: Real> Doubled<R> {
             step,
             errors,
             allowed,
+            // At rest they agree without having been divided.
+            is_known: !(is_divided && whole == end && end != *start),
         })
     }
 
+    /// Error relative to the allowed one, and the largest number if it is not known.
     #[inline]
     fn relative_error(&self) -> R {
-        self.errors.total() / self.allowed
+        if self.is_known {
+            self.errors.total() / self.allowed
+        } else {
+            R::MAX
+        }
     }
 }
 
