@@ -200,7 +200,7 @@ fn a_step_that_was_divided_into_its_own_halves_is_no_estimate() {
         for time_step in [0.01, 0.005, 0.0025] {
             let after = |time_step: f64, state: &State| {
                 let method = Once(EnergyMomentum { time_step });
-                let stepper = scene.clone().with_integrator(method).unwrap();
+                let stepper = scene.with_integrator(method).unwrap();
                 let mut state = *state;
                 let step = stepper.step(&mut state).unwrap();
                 (state, step.fallback)
@@ -216,9 +216,9 @@ fn a_step_that_was_divided_into_its_own_halves_is_no_estimate() {
                 ..AdaptiveEnergyMomentum::new(1e-3)
             };
             let mut state = start;
-            let adaptive = scene.clone().with_integrator(Once(method)).unwrap();
+            let adaptive = scene.with_integrator(Once(method)).unwrap();
             let step = adaptive.step(&mut state).unwrap();
-            let is_taken_whole = step.elapsed == time_step && step.error_estimate == Some(0.0);
+            let is_taken_whole = step.elapsed >= time_step && step.error_estimate == Some(0.0);
             assert!(!is_taken_whole, "start {number}, {time_step} s");
         }
     }
