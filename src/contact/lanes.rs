@@ -33,8 +33,8 @@ use crate::rotation::Axes;
 use crate::state::Motion;
 
 /// Number of states that are stepped together: two vectors of four `f64`. Four states are slower in
-/// all methods of `.ci/lanes.sh`. Sixteen are faster in some and slower in others, and more of them
-/// wait for the lane with the most contacts.
+/// almost all rows of `.ci/lanes.sh` that were measured. Sixteen are faster in some and slower in
+/// others, and more of them wait for the lane with the most contacts.
 pub(crate) const LANES: usize = 8;
 
 /// Largest number of contacts of a lane that are added row by row. A single state adds more

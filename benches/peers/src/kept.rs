@@ -56,10 +56,11 @@ pub(crate) fn write_trials(all: &str, means: &str) -> Result<(), String> {
 pub(crate) fn write_aims(table: &str) -> Result<(), String> {
     let text = format!(
         "# Figures aimed at\n\n{}\n\
-         Each figure is to be at most the second column. The [README](README.md) says what the scenes \
-         are.\nWritten by `cargo run --release -- --aims --write` in this folder. The last rows are \
-         those that other\ncommands store: `.ci/instructions --update` and `--example known_outcomes \
-         -- --methods --write`.\n\n{}\n",
+         Each figure is to be at most the second column.\n\
+         The [README](README.md) says what the scenes are.\n\
+         Written by `cargo run --release -- --aims --write` in this folder.\n\
+         The last rows are those that other commands store:\n\
+         `.ci/instructions --update` and `--example known_outcomes -- --methods --write`.\n\n{}\n",
         measured(),
         table.trim_end()
     );

@@ -195,8 +195,8 @@ pub(super) fn of_stick(turns: usize) -> Result<Vec<Aim>, String> {
             let peer = cheapest(&rows, error, |row| row.name.starts_with("diffsol"));
             let ratio = ours.map(|ours| peer.map_or(0.0, |peer| ours / peer));
             let what = format!(
-                "a ball slides and then rolls, slip speed {slip_speed:.0e} m/s, {error:.0e} m: cost \
-                 over that of `diffsol`"
+                "a ball slides and then rolls, slip speed {slip_speed:.0e} m/s, {error:.0e} m: \
+                 cost over that of `diffsol`"
             );
             aims.push(Aim::new(what, 1.0, ratio));
         }
