@@ -283,7 +283,7 @@ impl<R: Real> EnergyRates<R> {
             .visit_rims(&motion, &mut |contact| enter(contact, 0));
         let (of_rims, _) = scene.contact_model().rims_energy(&motion);
         dissipation.drive += power_of_ground(scene, &motion, &load);
-        scene.add_applied_force(&mut load, &motion);
+        let load = scene.with_applied_force(load, &motion);
         Self {
             energy: Energy::moving(scene, state, &motion, springs + of_rims),
             dissipation,

@@ -120,19 +120,21 @@ pub trait Dynamics<R: Real = f64> {
     /// Force and torque of all contacts and of the applied force, without gravity.
     #[inline(always)]
     fn load(&self, motion: &Motion<R>) -> Load<R> {
-        let mut load = self.contact_model().load(motion);
-        self.add_applied_force(&mut load, motion);
-        load
+        self.with_applied_force(self.contact_model().load(motion), motion)
     }
 
-    /// Adds the applied force to the load of the contacts. Its constant part belongs to
+    /// Load of the contacts together with the applied force. Its constant part belongs to
     /// [`gravity`](Self::gravity). A scene without an applied force costs nothing.
     #[inline(always)]
-    fn add_applied_force(&self, load: &mut Load<R>, motion: &Motion<R>) {
-        if self.force().acts() {
-            let applied = self.force().wrench(motion);
-            load.force += applied.force;
-            load.torque += applied.torque;
+    fn with_applied_force(&self, contacts: Load<R>, motion: &Motion<R>) -> Load<R> {
+        if !self.force().acts() {
+            return contacts;
+        }
+        let applied = self.force().wrench(motion);
+        Load {
+            force: contacts.force + applied.force,
+            torque: contacts.torque + applied.torque,
+            ..contacts
         }
     }
 }

@@ -127,8 +127,7 @@ impl<R: Real> Point<R> {
         motion: &Motion<R>,
         load: &Load<R>,
     ) -> Self {
-        let mut load = *load;
-        scene.add_applied_force(&mut load, motion);
+        let load = scene.with_applied_force(*load, motion);
         let inverse_mass = scene.inertia_properties().inverse_mass();
         Self {
             position: self.linear_velocity,

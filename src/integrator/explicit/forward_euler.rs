@@ -55,10 +55,10 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
         *near = scene
             .contact_model()
             .range_near(*near, motion.position, &motion.axes);
-        let mut load = scene
+        let contacts = scene
             .contact_model()
             .load_with_arms(*near, &motion, Some(&rotation.axes()));
-        scene.add_applied_force(&mut load, &motion);
+        let load = scene.with_applied_force(contacts, &motion);
 
         state.position += state.linear_velocity * dt;
         state.linear_velocity += (load.force * mass.inverse_mass() + scene.gravity()) * dt;

@@ -171,17 +171,17 @@ fn kick<R: Real>(
         .contact_model()
         .range_near(*near, state.position, &axes);
     let motion = scene.motion_along(state, axes);
-    let mut load = scene.contact_model().load_on(*near, &motion);
-    if load.touching == 0 && !scene.force().acts() {
+    let contacts = scene.contact_model().load_on(*near, &motion);
+    if contacts.touching == 0 && !scene.force().acts() {
         state.linear_velocity += scene.gravity() * seconds;
         return 1;
     }
     let mut middle = *state;
-    scene.add_applied_force(&mut load, &motion);
+    let load = scene.with_applied_force(contacts, &motion);
     push(scene, &mut middle, &load, seconds * R::HALF);
     let motion = scene.motion_along(&middle, axes);
-    let mut load = scene.contact_model().load_on(*near, &motion);
-    scene.add_applied_force(&mut load, &motion);
+    let contacts = scene.contact_model().load_on(*near, &motion);
+    let load = scene.with_applied_force(contacts, &motion);
     push(scene, state, &load, seconds);
     2
 }

@@ -53,8 +53,8 @@ impl<R: Real> Integrator<R> for SymplecticEuler<R> {
         *near = scene
             .contact_model()
             .range_near(*near, motion.position, &motion.axes);
-        let mut load = scene.contact_model().load_on(*near, &motion);
-        scene.add_applied_force(&mut load, &motion);
+        let contacts = scene.contact_model().load_on(*near, &motion);
+        let load = scene.with_applied_force(contacts, &motion);
 
         // Position and rotation use the new velocities. With the old ones each step would add
         // energy to a spring.

@@ -72,8 +72,8 @@ impl<R: Real> Stage<R> {
         let run = scene
             .contact_model()
             .range_near(near, motion.position, &motion.axes);
-        let mut load = scene.contact_model().load_on(run, &motion);
-        scene.add_applied_force(&mut load, &motion);
+        let contacts = scene.contact_model().load_on(run, &motion);
+        let load = scene.with_applied_force(contacts, &motion);
         let mass = scene.inertia_properties();
         let spin = motion.angular_velocity;
         let turn = load.torque - spin.cross(point.angular_momentum);
