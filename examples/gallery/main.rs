@@ -9,6 +9,7 @@
 mod card;
 mod exhibits;
 mod run;
+mod written;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -29,6 +30,7 @@ card opens the page of an example. Takes about a minute after the examples are b
 
 Usage: cargo run --release --example gallery -- [OPTIONS]
 
+      --write          writes the checked figures into the guide
   -o, --out <FOLDER>   folder of the pages     [default: out/gallery]
   -h, --help           this text
 ";
@@ -37,26 +39,36 @@ const TEMPLATE: &str = include_str!("gallery.html");
 /// Placeholder of the cards in the template.
 const PLACE: &str = "<!--CARDS-->";
 
-fn main() -> ExitCode {
-    program(parse(), HELP, |folder| work(folder))
+struct Arguments {
+    folder: PathBuf,
+    is_written: bool,
 }
 
-/// Returns the folder, or `None` if the help text is requested.
-fn parse() -> Result<Option<PathBuf>, lexopt::Error> {
-    let mut folder = PathBuf::from("out/gallery");
+fn main() -> ExitCode {
+    program(parse(), HELP, work)
+}
+
+/// Returns the arguments, or `None` if the help text is requested.
+fn parse() -> Result<Option<Arguments>, lexopt::Error> {
+    let mut arguments = Arguments {
+        folder: PathBuf::from("out/gallery"),
+        is_written: false,
+    };
     let mut parser = lexopt::Parser::from_env();
     while let Some(argument) = parser.next()? {
         match argument {
-            Short('o') | Long("out") => folder = parser.value()?.into(),
+            Long("write") => arguments.is_written = true,
+            Short('o') | Long("out") => arguments.folder = parser.value()?.into(),
             Short('h') | Long("help") => return Ok(None),
             other => return Err(other.unexpected()),
         }
     }
-    Ok(Some(folder))
+    Ok(Some(arguments))
 }
 
 /// Writes the gallery. Returns true if all examples found their figures as expected.
-fn work(folder: &Path) -> Outcome<bool> {
+fn work(arguments: &Arguments) -> Outcome<bool> {
+    let folder = &arguments.folder;
     make_folder(folder)?;
     let exhibits = exhibits::all();
     let programs = run::build(&exhibits)?;
@@ -65,6 +77,9 @@ fn work(folder: &Path) -> Outcome<bool> {
     let cards: String = shown.iter().map(card::html).collect();
     let page = folder.join("index.html");
     fs::write(&page, TEMPLATE.replace(PLACE, &cards))?;
+    if arguments.is_written {
+        written::write(&shown)?;
+    }
     for failed in shown.iter().filter(|shown| !shown.is_as_expected()) {
         eprintln!("{}: {}", failed.exhibit.name, failed.result());
     }
