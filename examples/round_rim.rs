@@ -2,13 +2,13 @@
 //! stiffness of the whole rim.
 //!
 //! `cargo run --release --example round_rim -- --help` describes the options. The example prints
-//! the tables of the documentation of `Disc`, and `.ci/instructions` counts its costs.
+//! the tables of the documentation of `Disc`, which `--write` stores, and `.ci/instructions` counts its costs.
 
 use core::ops::ControlFlow;
 use std::process::ExitCode;
 
 use common::table::{self, cells};
-use common::{BLACK, BLUE, Check, GREEN, ORANGE, Outcome, Page, Picture, line};
+use common::{BLACK, BLUE, Check, GREEN, ORANGE, Outcome, Page, Picture, Stored, line};
 use kuva::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
@@ -109,8 +109,16 @@ Compares coins with 12, 120 and 1200 points on the rim with one whose rim is rou
 stiffness is the same. Prints where the trials of the coin report end, how the coins rattle as they
 roll, and how accurate each integrator is on the round rim.";
 
+const STORED: Stored = Stored {
+    page: "src/body/disc.rs",
+    marks: [
+        "<!-- round rim: begin; written by `round_rim -- --write` -->",
+        "<!-- round rim: end -->",
+    ],
+};
+
 fn main() -> ExitCode {
-    common::main("round_rim", ABOUT, |_| work())
+    common::main_with_tables("round_rim", ABOUT, STORED, |_| work())
 }
 
 fn work() -> Outcome<Page> {

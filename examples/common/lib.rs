@@ -41,38 +41,77 @@ pub struct Options {
     pub quick: bool,
 }
 
+/// Place in the repository where the option `--write` stores the tables of an example.
+#[derive(Clone, Copy, Debug)]
+pub struct Stored {
+    /// Page of the documentation, from the top folder.
+    pub page: &'static str,
+    /// Marks before and after the tables.
+    pub marks: [&'static str; 2],
+}
+
 /// Runs an example: reads the options, runs the example, and returns the exit code.
 ///
 /// The code is 0 if every figure is as expected, 1 if one is not or the run fails, and 2 if the
 /// command line is invalid.
 pub fn main(name: &str, about: &str, work: impl FnOnce(&Options) -> Outcome<Page>) -> ExitCode {
-    let help = format!(
-        "{about}\n\nUsage: cargo run --release --example {name} -- [OPTIONS]\n\n  \
-         -o, --out <FOLDER>   where the page and its pictures go   [default: out]\n  \
-         -q, --quick          a shorter run\n  -h, --help           this text\n"
-    );
-    program(parse(), &help, |options| {
+    let help = help(name, about, "");
+    program(parse(None), &help, |(options, _)| {
         make_folder(&options.out.join(name))?;
         work(options)?.write(name, options)
     })
 }
 
-fn parse() -> Result<Option<Options>, lexopt::Error> {
+/// Runs an example as [`main`] does. Its option `--write` stores the tables of its page in the
+/// documentation.
+pub fn main_with_tables(
+    name: &str,
+    about: &str,
+    stored: Stored,
+    work: impl FnOnce(&Options) -> Outcome<Page>,
+) -> ExitCode {
+    let option = format!(
+        "      --write          writes the tables into {}\n",
+        stored.page
+    );
+    let help = help(name, about, &option);
+    program(parse(Some(stored)), &help, |(options, stored)| {
+        make_folder(&options.out.join(name))?;
+        let page = work(options)?;
+        if let Some(Stored { page: file, marks }) = stored {
+            marked::write(file, *marks, &page.tables())?;
+        }
+        page.write(name, options)
+    })
+}
+
+fn help(name: &str, about: &str, option: &str) -> String {
+    format!(
+        "{about}\n\nUsage: cargo run --release --example {name} -- [OPTIONS]\n\n{option}  \
+         -o, --out <FOLDER>   where the page and its pictures go   [default: out]\n  \
+         -q, --quick          a shorter run\n  -h, --help           this text\n"
+    )
+}
+
+/// The options, and the place of the tables if they are to be written.
+fn parse(stored: Option<Stored>) -> Result<Option<(Options, Option<Stored>)>, lexopt::Error> {
     let mut options = Options {
         out: PathBuf::from("out"),
         quick: false,
     };
+    let mut written = None;
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     let mut parser = lexopt::Parser::from_args(arguments);
     while let Some(argument) = parser.next()? {
         match argument {
+            Long("write") if stored.is_some() => written = stored,
             Short('o') | Long("out") => options.out = parser.value()?.into(),
             Short('q') | Long("quick") => options.quick = true,
             Short('h') | Long("help") => return Ok(None),
             other => return Err(other.unexpected()),
         }
     }
-    Ok(Some(options))
+    Ok(Some((options, written)))
 }
 
 /// Generator SplitMix64 (Steele, Lea & Flood, OOPSLA 2014), which gives the same numbers in every

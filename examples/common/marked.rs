@@ -6,7 +6,8 @@ use std::path::Path;
 
 use super::say;
 
-/// Replaces the text between two marks of a page of the repository.
+/// Replaces the text between two marks of a page of the repository. In a Rust file it becomes part
+/// of the documentation comment.
 pub fn write(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<(), Box<dyn Error>> {
     let page = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join(page);
     let old = fs::read_to_string(&page)?;
@@ -14,7 +15,12 @@ pub fn write(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<(), Box<
     let (_, after) = rest
         .split_once(end)
         .ok_or("the page has lost its end mark")?;
-    fs::write(&page, format!("{before}{begin}\n\n{text}\n{end}{after}"))?;
+    let text = format!("\n\n{text}\n");
+    let text = match page.extension().is_some_and(|extension| extension == "rs") {
+        true => text.replace('\n', "\n/// ").replace("/// \n", "///\n"),
+        false => text,
+    };
+    fs::write(&page, format!("{before}{begin}{text}{end}{after}"))?;
     say(format_args!("written: {}\n", page.display()));
     Ok(())
 }

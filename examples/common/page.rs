@@ -46,6 +46,13 @@ impl Page {
         Ok(self.checks.iter().all(Check::holds))
     }
 
+    /// The tables of the page.
+    pub fn tables(&self) -> String {
+        let tables = self.text.iter().filter(|text| text.starts_with('|'));
+        let tables: Vec<_> = tables.map(|table| table.trim_end()).collect();
+        tables.join("\n\n")
+    }
+
     fn print(&self) {
         say(format_args!("{}\n", self.title));
         for paragraph in &self.text {

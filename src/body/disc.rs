@@ -44,36 +44,36 @@ use crate::state::State;
 /// The tables compare a `Disc` with rings of n points that have the same stiffness and damping on
 /// the whole rim. The disc has a mass of 1 kg and a radius of 0.5 m. It represents 120 points of
 /// 1000 N/m and 0.5 N s/m each. The first table lists where the rings arrive in the trials of the
-/// coin report (slip speed 1 mm/s). The second table lists how they roll upright at 4 rad/s.
-/// `cargo run --release --example round_rim` prints the tables, and `.ci/instructions` prints the
-/// instruction counts.
+/// coin report (slip speed 1 mm/s). The second table lists how they roll upright at 4 rad/s. The
+/// third table is the position error of the round coin.
 ///
-/// | distance from the round rim, m | trial 1, 1 s | 5 s | trial 5, 1 s | 5 s | trial 8, 1 s | 5 s |
-/// |---|---|---|---|---|---|---|
-/// | 12 points | 1.6e-1 | 7.8e-1 | 1.5e-1 | 8.7e-1 | 2.9e-1 | 7.9e-1 |
-/// | 120 points | 6.5e-5 | 1.8e-3 | 2.3e-3 | 2.9e-2 | 2.4e-3 | 5.5e-2 |
-/// | 1200 points | 5.8e-7 | 6.8e-6 | 1.1e-5 | 4.7e-5 | 4.2e-6 | 4.7e-4 |
+/// <!-- round rim: begin; written by `round_rim -- --write` -->
+///
+/// | distance from the round rim, m | trial 1, 1 s | 5 s    | trial 5, 1 s | 5 s    | trial 8, 1 s | 5 s    |
+/// |--------------------------------|--------------|--------|--------------|--------|--------------|--------|
+/// | 12 points                      | 0.16         | 0.78   | 0.15         | 0.87   | 0.29         | 0.79   |
+/// | 120 points                     | 6.5e-5       | 1.8e-3 | 2.3e-3       | 2.9e-2 | 2.4e-3       | 5.5e-2 |
+/// | 1200 points                    | 5.8e-7       | 6.8e-6 | 1.1e-5       | 4.7e-5 | 4.2e-6       | 4.7e-4 |
 ///
 /// | upright, 4 rad/s | vertical acceleration, rms, over g | energy lost in 1 s with dampers and friction, J |
-/// |---|---|---|
-/// | 12 points | 2.4e0 | 0.2936 |
-/// | 120 points | 7.0e-3 | 0.0430 |
-/// | 1200 points | 2.1e-4 | 0.0431 |
-/// | round | 4.8e-14 | 0.0431 |
+/// |------------------|------------------------------------|-------------------------------------------------|
+/// | 12 points        | 2.4                                | 0.2936                                          |
+/// | 120 points       | 7.0e-3                             | 0.0430                                          |
+/// | 1200 points      | 2.1e-4                             | 0.0431                                          |
+/// | round            | 4.8e-14                            | 0.0431                                          |
+///
+/// | round, trial 1, position after 1 s | `Rk4`   | `Nystrom` | `StrangSplitting` | `EnergyMomentum` |
+/// |------------------------------------|---------|-----------|-------------------|------------------|
+/// | steps of 10 ms                     | 1e-4 m  | 1e-5 m    | 1e-3 m            | 8e-4 m           |
+/// | steps of 5 ms                      | 4e-6 m  | 4e-7 m    | 2e-4 m            | 2e-4 m           |
+/// | steps of 2 ms                      | 4e-8 m  | 1e-8 m    | 3e-5 m            | 4e-5 m           |
+/// | steps of 1 ms                      | 3e-9 m  | 7e-10 m   | 8e-6 m            | 2e-5 m           |
+/// | steps of 0.2 ms                    | 6e-12 m | 1e-12 m   | 3e-7 m            | 5e-6 m           |
+/// <!-- round rim: end -->
 ///
 /// A step on the round rim takes more time than a step with 120 points, except in flight. The ratio
 /// is largest if the coin tumbles, because friction reverses on the arc and more quadrature points
 /// are needed there. `cargo bench --bench ratios` prints the ratios for each integrator.
-///
-/// Position error of the round coin after one second of trial 1:
-///
-/// | step size | [`Rk4`](crate::Rk4) | [`Nystrom`](crate::Nystrom) | [`StrangSplitting`](crate::StrangSplitting) | [`EnergyMomentum`](crate::EnergyMomentum) |
-/// |---|---|---|---|---|
-/// | 10 ms | 1e-4 m | 1e-5 m | 1e-3 m | 8e-4 m |
-/// | 5 ms | 4e-6 m | 4e-7 m | 2e-4 m | 2e-4 m |
-/// | 2 ms | 4e-8 m | 1e-8 m | 3e-5 m | 4e-5 m |
-/// | 1 ms | 3e-9 m | 7e-10 m | 8e-6 m | 2e-5 m |
-/// | 0.2 ms | 6e-12 m | 1e-12 m | 3e-7 m | 5e-6 m |
 ///
 /// # Limits
 ///
