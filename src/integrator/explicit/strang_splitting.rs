@@ -45,15 +45,6 @@ use crate::state::State;
 ///   ring. In a longer step the kick reverses the slip of a sticking contact instead of ending it.
 ///   Friction then does almost no work, and a body comes to rest too late. For sticking contacts
 ///   use [`EnergyMomentum`](crate::EnergyMomentum).
-///
-/// A coin from the coin report with μ = 0.8 and a slip speed of 1e-10 m/s shows the limit for
-/// sticking:
-///
-/// | dt | time until the coin settles |
-/// |---|---|
-/// | reference | 78 s |
-/// | 0.2 ms | 84 s |
-/// | 1 ms | 108 s |
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StrangSplitting<R = f64> {
