@@ -3,7 +3,7 @@
 //! The arguments are `instructions INTEGRATOR PHASE SCENE STEPS`. `SCENE` is a number of points,
 //! `round` for a rim without points, `thick` for two of them, `box` for a body with three different
 //! moments of inertia, `own` for 120 points on a user's ground and friction law, whose values every
-//! step tests, `session` for the steps of a session (`EnergyMomentum` only), `events` for a run with
+//! step tests, `session` for the steps of a session by `EnergyMomentum`, `events` for a run with
 //! events, or the name of a part that is added to 120 points.
 //! The instructions of a step are the difference of two counts over the difference of their numbers
 //! of steps.
