@@ -15,7 +15,7 @@ cross_tools "$work"
 # Bytes of code and constants, and of stack, that a program may take on the Cortex-M4F.
 programs=(
   'symplectic_euler_f32 25600 4096'
-  'symplectic_euler_f64 51200 6144'
+  'symplectic_euler_f64 52224 6144'
   'energy_momentum_f32 82944 4352'
   'energy_momentum_f64 140288 8192'
 )

@@ -3,7 +3,8 @@
 //! The arguments are `instructions INTEGRATOR PHASE SCENE STEPS`. `SCENE` is a number of points,
 //! `round` for a rim without points, `thick` for two of them, `box` for a body with three different
 //! moments of inertia, `own` for 120 points on a user's ground and friction law, whose values every
-//! step tests, `events` for a run with events, or the name of a part that is added to 120 points.
+//! step tests, `session` for the steps of a session by `EnergyMomentum`, `events` for a run with
+//! events, or the name of a part that is added to 120 points.
 //! The instructions of a step are the difference of two counts over the difference of their numbers
 //! of steps.
 
@@ -34,6 +35,11 @@ fn main() {
         "StrangSplitting" => run(StrangSplitting { time_step }, phase, scene, steps),
         "Rk4" => run(Rk4 { time_step }, phase, scene, steps),
         "Nystrom" => run(Nystrom { time_step }, phase, scene, steps),
+        "EnergyMomentum" if scene == "session" => {
+            let stepper = stepper(ring(120), EnergyMomentum { time_step });
+            let start = black_box(phase.state());
+            black_box(scenes::steps_of_session(&stepper, &start, steps));
+        }
         "EnergyMomentum" => run(EnergyMomentum { time_step }, phase, scene, steps),
         other => panic!("no integrator {other}"),
     }
@@ -54,7 +60,10 @@ fn run(integrator: impl Integrator, phase: Phase, scene: &str, steps: u32) {
             &phase.state(),
             steps,
         ),
-        "own" => measure(&own_laws(integrator), &phase.state(), steps),
+        "own" => {
+            let (stepper, start) = (own_laws(integrator), black_box(phase.state()));
+            black_box(scenes::steps_of_run(&stepper, &start, steps));
+        }
         "events" => {
             let (stepper, start) = (stepper(ring(120), integrator), black_box(phase.state()));
             black_box(scenes::steps_with_events(&stepper, &start, steps));

@@ -427,9 +427,19 @@ struct ByHand {
 }
 
 impl Advance for ByHand {
-    type Workspace = ContactRange;
+    #[inline]
+    fn advance(&self, start: &State, steps: u32) -> State {
+        let (mut state, mut near) = (*start, ContactRange::NONE);
+        for _ in 0..steps {
+            self.step(&mut state, &mut near);
+        }
+        state
+    }
+}
 
-    fn advance(&self, state: &mut State, near: &mut ContactRange) {
+impl ByHand {
+    #[inline]
+    fn step(&self, state: &mut State, near: &mut ContactRange) {
         let (dt, gravity) = (TIME_STEP, DVec3::new(0.0, 0.0, -9.8));
         let (stiffness, damping, coefficient, slip_speed) = (1000.0, 0.5, 0.3, 1e-10);
         let (across, about) = (1.0 / 0.125, 1.0 / 0.25 - 1.0 / 0.125);

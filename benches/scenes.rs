@@ -340,10 +340,9 @@ pub(crate) fn resistance() -> WithResistance<Coulomb> {
     }
 }
 
-/// Advances a state by one step, for any type of stepper.
+/// Takes steps of the method, with one workspace, for any type of stepper.
 pub(crate) trait Advance {
-    type Workspace: Default;
-    fn advance(&self, state: &mut State, workspace: &mut Self::Workspace);
+    fn advance(&self, start: &State, steps: u32) -> State;
 }
 
 impl<B, G, F, A, I, E> Advance for Stepper<B, G, F, A, I, f64, E>
@@ -355,11 +354,14 @@ where
     I: Integrator,
     E: Force,
 {
-    type Workspace = I::Workspace;
-
     #[inline]
-    fn advance(&self, state: &mut State, workspace: &mut I::Workspace) {
-        self.step_within(state, f64::MAX, workspace).unwrap();
+    fn advance(&self, start: &State, steps: u32) -> State {
+        let (mut state, mut workspace) = (*start, I::Workspace::default());
+        for _ in 0..steps {
+            let step = (self.integrator()).step(self.scene(), &mut state, f64::MAX, &mut workspace);
+            step.unwrap();
+        }
+        state
     }
 }
 
@@ -377,13 +379,41 @@ pub(crate) fn steps_with_events(
     *session.state()
 }
 
+/// Runs for the time of `steps` steps. The stepper tests the values of laws that are not trusted.
+#[inline(never)]
+pub(crate) fn steps_of_run<B, G, F, I>(
+    stepper: &Stepper<B, G, F, UniformGravity, I>,
+    start: &State,
+    steps: u32,
+) -> State
+where
+    B: RigidPointBody,
+    G: SpringDamperGround,
+    F: SlidingFriction,
+    I: Integrator,
+{
+    let mut state = *start;
+    let seconds = TIME_STEP * f64::from(steps);
+    stepper.run(&mut state, seconds, &mut ()).unwrap();
+    state
+}
+
+/// Takes `steps` steps in a session, which has a clock and detects rest.
+#[inline(never)]
+pub(crate) fn steps_of_session(
+    stepper: &SceneStepper<Ring, impl Integrator>,
+    start: &State,
+    steps: u32,
+) -> State {
+    let mut session = stepper.session(*start);
+    for _ in 0..steps {
+        session.step().unwrap();
+    }
+    session.into_state()
+}
+
 /// Takes `steps` steps from `start`. This loop is timed and counted.
 #[inline(never)]
 pub(crate) fn steps<S: Advance>(stepper: &S, start: &State, steps: u32) -> State {
-    let mut state = *start;
-    let mut workspace = S::Workspace::default();
-    for _ in 0..steps {
-        stepper.advance(&mut state, &mut workspace);
-    }
-    state
+    stepper.advance(start, steps)
 }

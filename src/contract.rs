@@ -198,7 +198,8 @@ pub enum Requirement {
     TellsTime,
     /// Force, integrator: the same input gives the same bits.
     SameBits,
-    /// Integrator: the content of the workspace changes no bit.
+    /// Integrator: the content of the workspace changes no bit, and a cleared one is like a new
+    /// one.
     WorkspaceChangesNothing,
     /// Integrator: the orientation has length 1 after a step.
     UnitOrientation,

@@ -6,7 +6,6 @@ mod contact_path;
 mod energy_limit;
 mod energy_momentum;
 mod explicit;
-mod fingerprint;
 mod flight;
 mod flight_rounding;
 mod free_error;

@@ -107,6 +107,10 @@ pub trait Real:
     #[doc(hidden)]
     #[must_use]
     fn low_bits(self) -> u32;
+    /// Returns true if both numbers are stored as the same bits. 0 and -0 differ.
+    #[doc(hidden)]
+    #[must_use]
+    fn has_bits_of(self, other: Self) -> bool;
     /// Largest power of two that is not above the absolute value, at least the smallest normal
     /// number. Infinity for numbers that are not finite.
     #[doc(hidden)]
@@ -319,6 +323,10 @@ macro_rules! implement_real {
             )]
             fn low_bits(self) -> u32 {
                 self.to_bits() as u32
+            }
+            #[inline]
+            fn has_bits_of(self, other: Self) -> bool {
+                self.to_bits() == other.to_bits()
             }
             #[inline]
             fn power_of_two(self) -> Self {

@@ -4,6 +4,8 @@ mod events;
 
 pub use events::DenseStep;
 
+use core::borrow::BorrowMut;
+
 use crate::body::RigidPointBody;
 use crate::energy::Energy;
 use crate::error::{self, SceneError, StepError};
@@ -13,16 +15,17 @@ use crate::gravity::{Gravity, NoGravity};
 use crate::ground::{NoGround, SpringDamperGround};
 use crate::integrator::{EnergyMomentum, Integrator, Step, StepControl};
 use crate::observer::Observer;
-use crate::real::{Quaternion, Real, Vector};
+use crate::real::Real;
 use crate::state::State;
-use crate::stepper::{Clock, End, Stepper, check_duration};
+use crate::stepper::{Clock, Stepper, has_bits_of};
 
 /// One state that is advanced in time, with its clock and the data that the integrator keeps
 /// between steps.
 ///
 /// Created by [`Stepper::session`]. A session borrows the stepper and owns the state, the
 /// integrator's workspace and the clock. Use it to advance one body by many calls, as in a game or
-/// a plot. [`Stepper::advance`] starts with a new workspace in each call.
+/// a plot. [`Stepper::advance`] starts with a new workspace in each call. Where the stack is small,
+/// [`Stepper::session_in`] borrows the workspace, too.
 ///
 /// | | [`Stepper`] | `Session` |
 /// |---|---|---|
@@ -66,10 +69,11 @@ pub struct Session<
     I: Integrator<R> = EnergyMomentum,
     R: Real = f64,
     E = NoForce,
+    W = <I as Integrator<R>>::Workspace,
 > {
     stepper: &'a Stepper<B, G, F, A, I, R, E>,
     state: State<R>,
-    workspace: I::Workspace,
+    workspace: W,
     clock: Clock<R>,
     rest: Rest<R>,
 }
@@ -115,8 +119,9 @@ pub struct Moment<R: Real = f64> {
 /// A session as plain data, from which a run continues with the same bits.
 ///
 /// [`Session::save`] returns it and [`Stepper::resume`] takes it. It contains the state, the clock,
-/// and the step size that an adaptive method has chosen for the next step. The scene is saved
-/// separately, and its parts are plain data, too.
+/// and the step size that an adaptive method has chosen for the next step. It does not contain the
+/// scene, whose parts are plain data, too. It contains nothing that was evaluated in the scene, so
+/// it may be resumed in another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -166,10 +171,53 @@ where
     /// Creates a session with this state, at the time 0 s.
     #[must_use]
     pub fn session(&self, state: State<R>) -> Session<'_, B, G, F, A, I, R, E> {
+        self.session_with(state, I::Workspace::default())
+    }
+
+    /// Creates a session with this state, at the time 0 s, whose workspace is in memory of the
+    /// caller. For example, this is a `static` on a device with a small stack.
+    ///
+    /// The session [clears](Integrator::clear) the workspace first. So it does not matter what the
+    /// workspace has been used for before: the bits are those of [`session`](Self::session). Events
+    /// and [dense steps](Session::dense_step) need another workspace on the stack.
+    ///
+    /// ```
+    /// use tumble::glam::DVec3;
+    /// use tumble::integrator::EnergyMomentumWorkspace;
+    /// use tumble::{Coin, FlatGround, State, Stepper, UniformGravity};
+    ///
+    /// let stepper = Stepper::builder(Coin::ring(1.0, 0.5)) // kg, m
+    ///     .gravity(UniformGravity::down(9.8)) // m/s²
+    ///     .ground(FlatGround::level(1000.0, 0.5)) // N/m and N s/m, for each point
+    ///     .build()?;
+    /// let mut memory = EnergyMomentumWorkspace::new();
+    /// let mut session = stepper.session_in(&mut memory, State::at(DVec3::Z)); // m
+    /// session.advance(1.0)?; // s
+    /// let mut own = stepper.session(State::at(DVec3::Z));
+    /// own.advance(1.0)?;
+    /// assert_eq!(session.state(), own.state());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn session_in<'a>(
+        &'a self,
+        memory: &'a mut I::Workspace,
+        state: State<R>,
+    ) -> Session<'a, B, G, F, A, I, R, E, &'a mut I::Workspace> {
+        self.integrator().clear(memory);
+        self.session_with(state, memory)
+    }
+
+    #[inline]
+    fn session_with<W>(
+        &self,
+        state: State<R>,
+        workspace: W,
+    ) -> Session<'_, B, G, F, A, I, R, E, W> {
         Session {
             stepper: self,
             state,
-            workspace: I::Workspace::default(),
+            workspace,
             clock: Clock::new(),
             rest: Rest::UNKNOWN,
         }
@@ -179,6 +227,11 @@ where
     ///
     /// The states have the same bits if scene and integrator are the same. An adaptive method
     /// evaluates the state once more, which increases the count of evaluations by one.
+    ///
+    /// In another scene the run continues from the saved state, and everything is evaluated anew.
+    /// All that holds for a new session with this state holds. In particular, the energy in the
+    /// new scene never increases with [`EnergyMomentum`], from the first step. An adaptive method
+    /// proposes the saved step size, which it reduces if the error is too large.
     ///
     /// # Errors
     /// Returns [`SceneError`] if the time or the size of the next step is invalid. The error names
@@ -197,7 +250,7 @@ where
     }
 }
 
-impl<'a, R, B, G, F, A, I, E> Session<'a, B, G, F, A, I, R, E>
+impl<'a, R, B, G, F, A, I, E, W> Session<'a, B, G, F, A, I, R, E, W>
 where
     R: Real,
     B: RigidPointBody<R>,
@@ -206,29 +259,67 @@ where
     A: Gravity<R>,
     I: Integrator<R>,
     E: Force<R>,
+    W: BorrowMut<I::Workspace>,
 {
     /// Takes one step of the integrator's own size.
     ///
     /// # Errors
     /// Returns [`StepError`] if [`Stepper::step`] does, and [`StepError::Stalled`] if the step is
     /// too short for the clock. State and clock are then unchanged.
+    #[inline]
     pub fn step(&mut self) -> Result<Step<R>, StepError> {
-        if self.rest.step {
-            if let Some(length) = self.stepper.integrator().fixed_step() {
-                let step = Step::new(length, 0);
-                self.clock.tick(&step)?;
-                return Ok(step);
-            }
+        self.step_up_to(R::MAX)
+    }
+
+    /// Takes one step of the integrator's own size, or of `limit` seconds if that is less.
+    ///
+    /// A limit of 0 s returns a step of 0 s and changes nothing. Any other step takes more than
+    /// 0 s.
+    ///
+    /// # Errors
+    /// Returns the errors of [`step`](Self::step), and [`StepError::BadLimit`] if `limit` is
+    /// negative or NaN. State and clock are then unchanged.
+    pub fn step_within(&mut self, limit: R) -> Result<Step<R>, StepError> {
+        if limit > R::ZERO {
+            return self.step_up_to(limit);
         }
-        self.renew_budget();
-        let (before, clock) = (self.state, self.clock);
-        let step = (self.stepper).move_on(&mut self.state, R::MAX, &mut self.workspace)?;
+        let error = if limit == R::ZERO {
+            self.state.not_finite().map(StepError::BadState)
+        } else {
+            Some(StepError::BadLimit {
+                seconds: limit.to_f64(),
+            })
+        };
+        error.map_or(Ok(Step::new(R::ZERO, 0)), Err)
+    }
+
+    /// Takes one step for a limit that is known to be above 0.
+    #[inline]
+    fn step_up_to(&mut self, limit: R) -> Result<Step<R>, StepError> {
+        let before = self.state;
+        let at_rest = self.stepper.whole_step_at_rest(self.rest.step, limit);
+        let step = match at_rest {
+            Some(length) => Step::new(length, 0),
+            None => {
+                self.renew_budget();
+                self.take_step(&before, limit)?
+            }
+        };
         if let Err(error) = self.clock.tick(&step) {
-            (self.state, self.clock) = (before, clock);
+            self.state = before;
             return Err(error);
         }
-        self.learn(&before, &step);
+        if at_rest.is_none() {
+            self.learn(&before, &step);
+        }
         Ok(step)
+    }
+
+    /// Takes one step from the present state, of which the caller has a copy.
+    #[inline]
+    fn take_step(&mut self, before: &State<R>, limit: R) -> Result<Step<R>, StepError> {
+        let workspace = self.workspace.borrow_mut();
+        (self.stepper).move_on_from(before, &mut self.state, limit, workspace)
     }
 
     /// Advances the state by exactly `seconds`, at least 0, like [`Stepper::advance`].
@@ -263,7 +354,7 @@ where
     ) -> Result<R, StepError> {
         self.renew_budget();
         let (before, mut clock) = (self.state, Clock::new());
-        let (state, workspace) = (&mut self.state, &mut self.workspace);
+        let (state, workspace) = (&mut self.state, self.workspace.borrow_mut());
         let outcome = (self.stepper).run_with(state, seconds, observer, workspace, &mut clock);
         self.clock.add(&clock);
         if !has_bits_of(&self.state, &before) {
@@ -374,7 +465,7 @@ where
     pub fn state_mut(&mut self) -> &mut State<R> {
         self.rest = Rest::UNKNOWN;
         if self.chooses_steps() {
-            self.workspace = I::Workspace::default();
+            (self.stepper.integrator()).clear(self.workspace.borrow_mut());
         }
         &mut self.state
     }
@@ -462,7 +553,7 @@ where
         SavedSession {
             state: self.state,
             clock: self.clock,
-            control: (self.stepper.integrator()).step_control(&self.workspace, &self.state),
+            control: (self.stepper.integrator()).step_control(self.workspace.borrow(), &self.state),
         }
     }
 
@@ -478,22 +569,21 @@ where
     fn renew_budget(&mut self) {
         if self.chooses_steps() {
             let integrator = self.stepper.integrator();
-            if let Some(control) = integrator.step_control(&self.workspace, &self.state) {
-                integrator.set_step_control(&mut self.workspace, control);
+            let workspace = self.workspace.borrow_mut();
+            if let Some(control) = integrator.step_control(workspace, &self.state) {
+                integrator.set_step_control(workspace, control);
             }
         }
     }
 
     #[inline(never)]
     fn advance_by(&mut self, seconds: R) -> Result<(), StepError> {
-        check_duration(seconds)?;
+        self.rest.advance = None;
         self.renew_budget();
         let (start, mut clock) = (self.state, Clock::new());
-        let mut outcome = self.steps_until(seconds, true, &mut clock);
-        if outcome == Ok(Skipped::TooMuch) {
-            (self.state, clock) = (start, Clock::new());
-            outcome = self.steps_until(seconds, false, &mut clock);
-        }
+        let (state, workspace) = (&mut self.state, self.workspace.borrow_mut());
+        let rests = &mut self.rest.step;
+        let outcome = (self.stepper).advance_with((state, rests), seconds, workspace, &mut clock);
         self.clock.add(&clock);
         outcome?;
         if !self.chooses_steps() && has_bits_of(&self.state, &start) {
@@ -504,102 +594,18 @@ where
         Ok(())
     }
 
-    /// Takes the steps of a run. Whole steps of a body at rest are counted and not taken.
-    ///
-    /// If `in_strides`, many of them are counted at once.
-    fn steps_until(
-        &mut self,
-        seconds: R,
-        in_strides: bool,
-        clock: &mut Clock<R>,
-    ) -> Result<Skipped, StepError> {
-        let end = self.stepper.end_at(seconds);
-        if !I::SPANS_STEPS {
-            end.check_steps(clock)?;
-        }
-        let mut skipped = Skipped::Right;
-        while !end.is_reached(clock) {
-            let limit = end.limit(clock);
-            if let Some(length) = self.whole_step_at_rest(&end, limit) {
-                end.check_steps(clock)?;
-                if in_strides && clock.skip(&end, length) {
-                    if clock.steps <= MOST_COUNTED {
-                        skipped = Skipped::TooMuch;
-                    }
-                } else {
-                    clock.tick(&Step::new(length, 0))?;
-                }
-                continue;
-            }
-            let before = self.state;
-            let step = (self.stepper).move_on(&mut self.state, limit, &mut self.workspace)?;
-            clock.tick(&step)?;
-            self.learn(&before, &step);
-            if I::SPANS_STEPS && end.time_step.is_some_and(|own| step.elapsed <= own) {
-                end.check_steps(clock)?;
-            }
-            if skipped == Skipped::TooMuch && !has_bits_of(&self.state, &before) {
-                return Ok(skipped);
-            }
-        }
-        Ok(Skipped::Right)
-    }
-
-    /// Returns the size of a whole step that fits within `limit` and leaves the state unchanged, s.
-    #[inline]
-    fn whole_step_at_rest(&self, end: &End<R>, limit: R) -> Option<R> {
-        end.time_step
-            .filter(|&length| self.rest.step && length <= limit)
-    }
-
     /// Updates the knowledge about rest after a step from `before` to the present state.
-    ///
-    /// With a method that can span several steps, a body that touches nothing does not rest in
-    /// whole steps. It may be in a flight too short to move it, which a longer step would span.
     #[inline]
     fn learn(&mut self, before: &State<R>, step: &Step<R>) {
-        if !has_bits_of(&self.state, before) {
-            self.rest = Rest::UNKNOWN;
-        } else if !self.chooses_steps() {
-            let own = self.stepper.integrator().fixed_step();
-            let rests = own == Some(step.elapsed)
-                && (!I::SPANS_STEPS || self.stepper.touching(&self.state) > 0);
-            self.rest.step |= rests;
+        if (self.stepper).learn(before, &self.state, step, &mut self.rest.step) {
+            self.rest.advance = None;
         }
     }
 }
 
-/// Number of steps at rest that are counted again one by one, where that is needed. They take
-/// seconds. More steps would seem to hang, and a rounding of the last step size is accepted.
-const MOST_COUNTED: u64 = 1 << 30;
-
-/// Whether counting many steps at rest at once was valid in a run.
-///
-/// The clock then differs by rounding from one that counts single steps, and so does the size of a
-/// shorter last step. If the body moves in that shorter step, although it rests in whole steps, the
-/// exact size is needed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Skipped {
-    Right,
-    TooMuch,
-}
-
-/// Returns true if two states are equal in each bit. 0 and -0 differ, and a NaN differs from
-/// itself.
-fn has_bits_of<R: Real>(state: &State<R>, other: &State<R>) -> bool {
-    let same = |a: R, b: R| a == b && (a != R::ZERO || R::ONE / a == R::ONE / b);
-    let vectors = [
-        (state.position, other.position),
-        (state.linear_velocity, other.linear_velocity),
-        (state.angular_momentum, other.angular_momentum),
-    ];
-    let [p, q] = [state.orientation.xyzw(), other.orientation.xyzw()];
-    (vectors.into_iter())
-        .all(|(a, b)| same(a.x(), b.x()) && same(a.y(), b.y()) && same(a.z(), b.z()))
-        && p.into_iter().zip(q).all(|(a, b)| same(a, b))
-}
-
-impl<R: Real, B, G, F, A, I: Integrator<R>, E> Clone for Session<'_, B, G, F, A, I, R, E> {
+impl<R: Real, B, G, F, A, I: Integrator<R>, E, W: Clone> Clone
+    for Session<'_, B, G, F, A, I, R, E, W>
+{
     fn clone(&self) -> Self {
         Self {
             workspace: self.workspace.clone(),
@@ -608,8 +614,8 @@ impl<R: Real, B, G, F, A, I: Integrator<R>, E> Clone for Session<'_, B, G, F, A,
     }
 }
 
-impl<R: Real, B, G, F, A, I: Integrator<R>, E> core::fmt::Debug
-    for Session<'_, B, G, F, A, I, R, E>
+impl<R: Real, B, G, F, A, I: Integrator<R>, E, W> core::fmt::Debug
+    for Session<'_, B, G, F, A, I, R, E, W>
 {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Session")

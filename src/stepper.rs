@@ -2,10 +2,12 @@
 
 mod builder;
 mod many;
+mod rest;
 #[cfg(feature = "serde")]
 mod saved;
 
 pub use builder::StepperBuilder;
+pub(crate) use rest::has_bits_of;
 
 use core::ops::ControlFlow;
 
@@ -439,33 +441,10 @@ where
         self.move_on(state, R::MAX, &mut I::Workspace::default())
     }
 
-    /// Takes one step of at most `limit` seconds, with a workspace that the caller keeps from step
-    /// to step. The step is the integrator's own, or `limit` if that is shorter.
+    /// Takes one step of at most `limit` seconds, which must be above 0. The step is the
+    /// integrator's own, or `limit` if that is shorter.
     ///
-    /// A limit of 0 s returns a step of 0 s and does not change the time of the state. Any other
-    /// step takes more than 0 s.
-    ///
-    /// # Errors
-    /// Returns the errors of [`step`](Self::step), and [`StepError::BadLimit`] if `limit` is
-    /// negative or NaN.
-    #[inline]
-    pub fn step_within(
-        &self,
-        state: &mut State<R>,
-        limit: R,
-        workspace: &mut I::Workspace,
-    ) -> Result<Step<R>, StepError> {
-        if limit >= R::ZERO {
-            self.move_on(state, limit, workspace)
-        } else {
-            Err(StepError::BadLimit {
-                seconds: limit.to_f64(),
-            })
-        }
-    }
-
-    /// Takes a step like [`step_within`](Self::step_within), for a limit that is known to be at
-    /// least 0.
+    /// The workspace must be one of this scene.
     #[inline]
     pub(crate) fn move_on(
         &self,
@@ -473,14 +452,26 @@ where
         limit: R,
         workspace: &mut I::Workspace,
     ) -> Result<Step<R>, StepError> {
-        if !self.scene.is_trusted() {
-            return self.move_on_screened(state, limit, workspace);
-        }
         let before = *state;
+        self.move_on_from(&before, state, limit, workspace)
+    }
+
+    /// Takes a step like [`move_on`](Self::move_on), from a state of which the caller has a copy.
+    #[inline]
+    pub(crate) fn move_on_from(
+        &self,
+        before: &State<R>,
+        state: &mut State<R>,
+        limit: R,
+        workspace: &mut I::Workspace,
+    ) -> Result<Step<R>, StepError> {
+        if !self.scene.is_trusted() {
+            return self.move_on_screened((before, state), limit, workspace);
+        }
         let step = self.integrator.step(&self.scene, state, limit, workspace);
         match (&step, state.not_finite()) {
-            (Ok(step), None) if step.elapsed > R::ZERO || limit <= R::ZERO => Ok(*step),
-            _ => self.examined(step, limit, (&before, state), workspace),
+            (Ok(step), None) if step.elapsed > R::ZERO => Ok(*step),
+            _ => self.examined(step, limit, (before, state), workspace),
         }
     }
 
@@ -488,20 +479,16 @@ where
     #[inline]
     fn move_on_screened(
         &self,
-        state: &mut State<R>,
+        (before, state): (&State<R>, &mut State<R>),
         limit: R,
         workspace: &mut I::Workspace,
     ) -> Result<Step<R>, StepError> {
-        let (before, alarm) = (*state, Alarm::default());
+        let alarm = Alarm::default();
         let scene = ScreenedScene::of(&self.scene, &alarm);
         let step = self.integrator.step(&scene, state, limit, workspace);
         match (&step, state.not_finite()) {
-            (Ok(step), None)
-                if !alarm.is_raised() && (step.elapsed > R::ZERO || limit <= R::ZERO) =>
-            {
-                Ok(*step)
-            }
-            _ => self.examined(step, limit, (&before, state), workspace),
+            (Ok(step), None) if !alarm.is_raised() && step.elapsed > R::ZERO => Ok(*step),
+            _ => self.examined(step, limit, (before, state), workspace),
         }
     }
 
@@ -520,13 +507,11 @@ where
         let covered = outcome.map_or(limit, |step| step.elapsed);
         let broken_law = self.broken_law(before, covered);
         let error = match (broken_law, outcome, state.not_finite()) {
-            (None, Ok(step), None) if step.elapsed > R::ZERO || limit <= R::ZERO => {
-                return Ok(step);
-            }
+            (None, Ok(step), None) if step.elapsed > R::ZERO => return Ok(step),
             (None, Ok(_), None) => StepError::Stalled,
             (Some(error), _, _) => {
                 // The workspace may refer to a state that is no longer valid.
-                *workspace = I::Workspace::default();
+                self.integrator.clear(workspace);
                 error
             }
             (None, Ok(_), Some(quantity)) => blame(before, quantity),
@@ -560,23 +545,6 @@ where
             }
         }
         broken_law(&self.scene, before, &record)
-    }
-
-    /// Advances a state by exactly `seconds`, which must be at least 0.
-    ///
-    /// The time that has passed differs from `seconds` by at most one unit in its last place. A
-    /// difference occurs only because a whole number of steps is kept whole. Ten steps of 0.1 s and
-    /// an advance by 1 s therefore give the same bits. In `f32` this holds up to 2²⁶ steps. Beyond
-    /// that, the clock may be wrong by one more unit for each 2²⁶ steps.
-    ///
-    /// # Errors
-    /// Returns the errors of [`step`](Self::step). Returns [`StepError::BadDuration`] if `seconds`
-    /// is negative or not finite. Returns [`StepError::TooManySteps`] if the run would take more
-    /// than 2⁵³ steps (2⁴⁰ in `f32`) of the integrator's step size. On an error the state is the
-    /// one after the last successful step.
-    pub fn advance(&self, state: &mut State<R>, seconds: R) -> Result<(), StepError> {
-        self.run(state, seconds, &mut ())?;
-        Ok(())
     }
 
     /// Advances a state by exactly `seconds` and calls `observer` at the start and after each step.

@@ -306,7 +306,7 @@ impl<R: Real> Portrait<R> {
             inertia: body.inertia(),
             bounding_radius: body.bounding_radius(),
             count: body.contacts().len(),
-            contacts: fingerprint(body.contacts()),
+            contacts: hash_of(body.contacts()),
             rims: core::array::from_fn(|number| body.rims().get(number).copied()),
         }
     }
@@ -324,7 +324,7 @@ impl<R: Real> Portrait<R> {
 }
 
 /// Hash of the contacts by FNV-1a.
-fn fingerprint<R: Real>(contacts: &[ContactPoint<R>]) -> u64 {
+fn hash_of<R: Real>(contacts: &[ContactPoint<R>]) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325;
     for contact in contacts {
         let p = contact.position;

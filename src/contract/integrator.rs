@@ -21,8 +21,9 @@ use crate::state::State;
 /// - A step succeeds and its result is finite.
 /// - A step takes more than 0 s, at most its limit, and exactly the time that it returns. Steps
 ///   towards a time arrive at it.
-/// - The same input gives the same bits, whatever the workspace was used for before. For [adaptive
-///   methods](Integrator::ADAPTIVE) this holds for a new workspace, or for a copy of the used one.
+/// - The same input gives the same bits, whatever steps of the same scene the workspace was used
+///   for before. For [adaptive methods](Integrator::ADAPTIVE) this holds for a new workspace, for a
+///   copy of the used one, and for one that was [cleared](Integrator::clear).
 /// - The orientation has length 1.
 /// - The error decreases with the step size at least at the stated order minus 0.3. This is
 ///   measured by halving the limit while the box slides. It is not checked if the error is rounding
@@ -207,9 +208,9 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
         Ok(())
     }
 
-    /// Takes the same steps four times: twice with a fresh workspace, once with a workspace used
-    /// throughout, once with a copy of that. An adaptive method may take another step with a used
-    /// workspace.
+    /// Takes the same steps five times: twice with a fresh workspace, once with a workspace used
+    /// throughout, once with a copy of that, once with a copy that was cleared. An adaptive method
+    /// may take another step with a used workspace.
     fn alike(&self, shares: [R; 4], steps: u32) -> Result<(), Violation> {
         let mut state = self.setup.start;
         let mut used = I::Workspace::default();
@@ -222,33 +223,42 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
             let third = self.step(&mut thrice, limit, number, &mut used)?;
             let mut fourth = state;
             let step = self.step(&mut fourth, limit, number, &mut copy)?;
-            let same =
-                |end: &State<R>, step: &Step<R>, other: &State<R>, as_in: &Step<R>, requirement| {
-                    let same = end == other && step.elapsed == as_in.elapsed;
-                    let apart = distance(end, other, self.time_step);
-                    demand(same, requirement, apart, R::ZERO, || {
-                        self.input(number, limit)
-                    })
-                };
-            same(&twice, &second, &once, &first, Requirement::SameBits)?;
-            same(&fourth, &step, &thrice, &third, Requirement::SameBits)?;
+            let (mut fifth, mut cleared) = (state, used.clone());
+            self.integrator.clear(&mut cleared);
+            let anew = self.step(&mut fifth, limit, number, &mut cleared)?;
+            let (once, thrice) = ((&once, &first), (&thrice, &third));
+            let same = |requirement, ends| self.demand_same(requirement, ends, (number, limit));
+            same(Requirement::SameBits, [(&twice, &second), once])?;
+            same(Requirement::SameBits, [(&fourth, &step), thrice])?;
+            same(
+                Requirement::WorkspaceChangesNothing,
+                [(&fifth, &anew), once],
+            )?;
             if !I::ADAPTIVE {
-                same(
-                    &thrice,
-                    &third,
-                    &once,
-                    &first,
-                    Requirement::WorkspaceChangesNothing,
-                )?;
+                same(Requirement::WorkspaceChangesNothing, [thrice, once])?;
             }
             if number % 3 == 0 {
                 // A different step in between.
                 let mut other = self.setup.start;
                 self.step(&mut other, self.time_step, 0, &mut used)?;
             }
-            state = once;
+            state = *once.0;
         }
         Ok(())
+    }
+
+    /// Checks that two steps of the same number and limit have ended with the same bits.
+    fn demand_same(
+        &self,
+        requirement: Requirement,
+        [(end, step), (other, as_in)]: [(&State<R>, &Step<R>); 2],
+        (number, limit): (u32, R),
+    ) -> Result<(), Violation> {
+        let same = end == other && step.elapsed == as_in.elapsed;
+        let apart = distance(end, other, self.time_step);
+        demand(same, requirement, apart, R::ZERO, || {
+            self.input(number, limit)
+        })
     }
 
     /// Checks that without force the centre moves by its velocity times the time that has passed.

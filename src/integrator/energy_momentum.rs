@@ -42,7 +42,6 @@ use crate::body::{ContactRange, RigidPointBody, Rim};
 use crate::energy::Energy;
 use crate::error::{self, Quantity, SceneError, StepError};
 use crate::ground::{GroundBounds, Plane, SpringDamperGround};
-use crate::integrator::fingerprint::Fingerprint;
 use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::integrator::{energy_limit, flight_rounding};
 use crate::real::{Real, Vector};
@@ -52,7 +51,6 @@ use crate::state::State;
 pub(in crate::integrator) use applied::close_account;
 pub(in crate::integrator) use block::Block;
 use contacts::{Contacts, Reach};
-use end_velocity::Strain;
 use energy_limit::Touched;
 pub(in crate::integrator) use linear::{Factored, SixBySix};
 use problem::Problem;
@@ -98,7 +96,7 @@ use problem::Problem;
 /// - *Cost* in contact: two to five iterations a step, each about as expensive as two evaluations
 ///   of all contacts. Flight costs no iteration. It is exact to rounding, for any moments of
 ///   inertia ([`InertiaProperties::turn_freely`](crate::InertiaProperties::turn_freely)). A body at
-///   rest costs a comparison, once a step with the same workspace has detected the rest. A step of
+///   rest costs a comparison, once a step of the same session has detected the rest. A step of
 ///   another size can move it once more to a lower energy, by some 1e-11 of its size in `f64`.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is two to five iterations a step, also where several contacts or a round rim
@@ -128,22 +126,15 @@ pub struct EnergyMomentum<R = f64> {
 /// Data that [`EnergyMomentum`] keeps from step to step to save work: the contact points, the last
 /// energy, and the state that a step has left unchanged.
 ///
-/// The workspace never changes a result: a new one gives the same bits. It may be passed from one
-/// stepper to another. Its data are used only for the same state in a scene with the same
-///
-/// - mass, moments of inertia and bounding radius,
-/// - number of contacts and of points of the rims,
-/// - gravity and surface,
-/// - spring force and spring energy at a penetration depth equal to the bounding radius.
-///
-/// Two scenes can agree in all of these, but differ in the springs at other depths or in the
-/// contact points. Use a separate workspace for each of them.
+/// The workspace never changes a result: a new one gives the same bits. What it keeps of a state is
+/// used for the same state only. It [belongs to one scene](crate::Integrator::Workspace).
 #[derive(Clone, Debug)]
 pub struct Workspace<R: Real = f64> {
     contacts: Contacts<R>,
-    /// State after the last step, its energy, and the scene that they belong to. Friction and
-    /// dampers have no effect on a body without motion.
-    known: Option<(State<R>, Energy<R>, Fingerprint<R>)>,
+    /// State after the last step, if it is known.
+    known: Option<State<R>>,
+    /// Energy of that state. A pair of both would be built on the stack and copied.
+    energy: Energy<R>,
     /// Length of a step that has left that state unchanged, s.
     rest: Option<R>,
 }
@@ -162,21 +153,32 @@ impl<R: Real> Workspace<R> {
         Self {
             contacts: Contacts::NONE,
             known: None,
+            energy: Energy {
+                translation: R::ZERO,
+                rotation: R::ZERO,
+                gravity: R::ZERO,
+                springs: R::ZERO,
+            },
             rest: None,
         }
     }
 
-    /// Returns true if a step of this length is known to leave this state unchanged.
+    /// Empties the workspace in place. The contacts stay, because each step collects them anew.
     #[inline]
-    fn rests<D: Dynamics<R>>(&self, scene: &D, state: &State<R>, seconds: R) -> bool {
-        self.rest == Some(seconds) && self.energy(scene, state).is_some()
+    pub(in crate::integrator) fn clear(&mut self) {
+        (self.known, self.rest) = (None, None);
     }
 
-    /// Energy of this state in this scene, if the last step has ended with this state.
+    /// Returns true if a step of this length is known to leave this state unchanged.
     #[inline]
-    fn energy<D: Dynamics<R>>(&self, scene: &D, state: &State<R>) -> Option<Energy<R>> {
-        let (known, energy, fingerprint) = self.known?;
-        (known == *state && fingerprint == Fingerprint::of(scene, state)).then_some(energy)
+    fn rests(&self, state: &State<R>, seconds: R) -> bool {
+        self.rest == Some(seconds) && self.energy(state).is_some()
+    }
+
+    /// Energy of this state, if the last step has ended with this state.
+    #[inline]
+    fn energy(&self, state: &State<R>) -> Option<Energy<R>> {
+        (self.known.as_ref()? == state).then_some(self.energy)
     }
 }
 
@@ -192,7 +194,7 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
         workspace: &mut Workspace<R>,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
-        if dt <= R::ZERO || workspace.rests(scene, state, dt) {
+        if dt <= R::ZERO || workspace.rests(state, dt) {
             return Ok(Step::new(dt, 0));
         }
         // An orientation that no scaling makes a rotation: every attempt would fail, and the body
@@ -211,6 +213,11 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
 
     fn fixed_step(&self) -> Option<R> {
         Some(self.time_step)
+    }
+
+    #[inline]
+    fn clear(&self, workspace: &mut Workspace<R>) {
+        workspace.clear();
     }
 
     fn check(&self) -> Result<(), SceneError> {
@@ -248,7 +255,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
 ) -> Result<Step<R>, StepError> {
     let start = *state;
     let before = workspace
-        .energy(scene, &start)
+        .energy(&start)
         .unwrap_or_else(|| Energy::of(scene, &start));
     check_energy(&before)?;
     let mut energy = before;
@@ -271,7 +278,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
         fall(scene, state, &mut energy, dt, &mut step);
     }
     applied::close_account(before.total(), energy.total(), &mut step);
-    workspace.known = Some((*state, energy, Fingerprint::of(scene, state)));
+    (workspace.known, workspace.energy) = (Some(*state), energy);
     workspace.rest = (*state == start).then_some(dt);
     Ok(step)
 }
@@ -370,17 +377,15 @@ fn attempt<R: Real, D: Dynamics<R>>(
 ) -> bool {
     let problem = Problem::new(scene, state, energy, seconds);
     let contacts = &mut workspace.contacts;
-    let mut end = *state;
-    let (mut is_lossless, mut work) = (false, R::ZERO);
     for wide in [false, true] {
         gather(&problem, contacts, wide);
-        if contacts.is_empty() {
-            end = fly(&problem);
-        } else if let Some(strain) = whole(&problem, energy, contacts, &mut end, &mut work, step) {
-            is_lossless = strain.is_none();
+        let (end, is_lossless, work) = if contacts.is_empty() {
+            (fly(&problem), false, R::ZERO)
+        } else if let Some(end) = whole(&problem, energy, contacts, step) {
+            end
         } else {
             break;
-        }
+        };
         let (end_energy, touching) = Energy::with_touching(scene, &end);
         // A contact that was not collected touches at the end: collect all contacts.
         if !wide && !contacts.foresaw(touching) {
@@ -460,30 +465,32 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
 }
 
 /// Solves the whole step by Newton's method, and then applies the end-velocity correction of
-/// friction and dampers. Returns how well the step resolves friction and dampers, or `None` if its
-/// `end` could not be computed. `work` is that of a ground that moves, J.
+/// friction and dampers.
+///
+/// Returns the end, whether contacts have pushed without friction and dampers, and the work of a
+/// ground that moves, J. Returns `None` if the end could not be computed.
 fn whole<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     energy: &Energy<R>,
     contacts: &mut Contacts<R>,
-    end: &mut State<R>,
-    work: &mut R,
     step: &mut Step<R>,
-) -> Option<Strain<R>> {
+) -> Option<(State<R>, bool, R)> {
     let mut trial = problem.first_trial(energy);
     let strain = newton::solve(problem, contacts, &mut trial, step)?;
-    let before = problem.end_of(&trial);
-    *end = before;
+    let mut end = problem.end_of(&trial);
     let strain = strain.of_step(problem);
+    let mut work = work::of_whole(problem, [&end; 2]);
     if !strain.is_resolved() {
         // The correction would take the energy that shows a false solution.
-        if is_no_solution(problem, energy, &before) {
+        if is_no_solution(problem, energy, &end) {
             return None;
         }
-        *end = end_velocity::corrected(problem, contacts, &trial, strain, &before);
+        let before = end;
+        end = end_velocity::corrected(problem, contacts, &trial, strain, &before);
+        work = work::of_whole(problem, [&before, &end]);
     }
-    *work = work::of_whole(problem, [&before, end]);
-    end.not_finite().is_none().then_some(strain)
+    let is_finite = end.not_finite().is_none();
+    is_finite.then(|| (end, strain.is_none(), work))
 }
 
 /// Returns true if the end of a trial has gained too much energy for a solution of the step. It is

@@ -133,6 +133,11 @@ impl<R: Real, I: Integrator<R>> Integrator<R> for Flight<I> {
         self.0.set_step_control(workspace, control);
     }
 
+    #[inline]
+    fn clear(&self, workspace: &mut Self::Workspace) {
+        self.0.clear(workspace);
+    }
+
     fn check(&self) -> Result<(), SceneError> {
         self.0.check()
     }

@@ -32,6 +32,12 @@ pub trait Integrator<R: Real = f64> {
     ///
     /// Results must not depend on it, except for the size of the next step of an
     /// [adaptive](Self::ADAPTIVE) method. A clone must give the same results.
+    ///
+    /// A workspace is used with one scene only. So the method may keep what it has evaluated at a
+    /// state, and use it again at the same state. A [`Session`](crate::Session) ensures this,
+    /// because it borrows its stepper. Whoever calls [`step`](Self::step) directly creates or
+    /// [clears](Self::clear) a workspace for each scene. Otherwise a step can use energies and
+    /// forces of the other scene.
     type Workspace: Default + Clone + Debug;
 
     /// True if the method chooses its step size and keeps the size of the next step in the
@@ -121,6 +127,15 @@ pub trait Integrator<R: Real = f64> {
     #[inline]
     fn set_step_control(&self, workspace: &mut Self::Workspace, control: StepControl<R>) {
         let _ = (workspace, control);
+    }
+
+    /// Empties a workspace, so that the next step is that with a new one. Default: replaces it by a
+    /// new one.
+    ///
+    /// Override it if the workspace is large and a new one would need as much space on the stack.
+    #[inline]
+    fn clear(&self, workspace: &mut Self::Workspace) {
+        *workspace = Self::Workspace::default();
     }
 
     /// Checks that the method's parameters are valid. Called once, when a scene is composed.

@@ -1,5 +1,6 @@
 //! Runs with events, and the states within a step.
 
+use core::borrow::BorrowMut;
 use core::ops::ControlFlow;
 
 use super::{Moment, Rest, Session};
@@ -16,7 +17,7 @@ use crate::real::Real;
 use crate::state::State;
 use crate::stepper::{Clock, End, Stepper, check_duration, check_samples};
 
-impl<'a, R, B, G, F, A, I, E> Session<'a, B, G, F, A, I, R, E>
+impl<'a, R, B, G, F, A, I, E, W> Session<'a, B, G, F, A, I, R, E, W>
 where
     R: Real,
     B: RigidPointBody<R>,
@@ -25,6 +26,7 @@ where
     A: Gravity<R>,
     I: Integrator<R>,
     E: Force<R>,
+    W: BorrowMut<I::Workspace>,
 {
     /// Advances the state up to an event, and by at most `seconds`.
     ///
@@ -194,13 +196,13 @@ where
     /// Takes one step of a run, or counts it if the body is at rest.
     fn step_of_run(&mut self, end: &End<R>, clock: &mut Clock<R>) -> Result<Step<R>, StepError> {
         let limit = end.limit(clock);
-        if let Some(length) = self.whole_step_at_rest(end, limit) {
+        if let Some(length) = self.stepper.whole_step_at_rest(self.rest.step, limit) {
             let step = Step::new(length, 0);
             clock.tick(&step)?;
             return Ok(step);
         }
         let before = self.state;
-        let step = (self.stepper).move_on(&mut self.state, limit, &mut self.workspace)?;
+        let step = self.take_step(&before, limit)?;
         clock.tick(&step)?;
         self.learn(&before, &step);
         if I::SPANS_STEPS && end.time_step.is_some_and(|own| step.elapsed <= own) {
@@ -218,7 +220,8 @@ where
     ) -> Result<Clock<R>, StepError> {
         let mut workspace = path.workspace.clone().unwrap_or_default();
         let (_, part) = path.part(after, &mut workspace)?;
-        (self.state, self.workspace, self.rest) = (occurrence.state, workspace, Rest::UNKNOWN);
+        *self.workspace.borrow_mut() = workspace;
+        (self.state, self.rest) = (occurrence.state, Rest::UNKNOWN);
         let mut there = path.run;
         there.add(&part);
         Ok(there)
@@ -231,7 +234,7 @@ where
         StepPath {
             stepper: self.stepper,
             state: self.state,
-            workspace: I::ADAPTIVE.then(|| self.workspace.clone()),
+            workspace: I::ADAPTIVE.then(|| self.workspace.borrow().clone()),
             scratch: None,
             run: *run,
             clock,

@@ -58,6 +58,10 @@ impl<R: Real, I: Integrator<R>> Integrator<R> for Once<I> {
         self.0.set_step_control(workspace, control);
     }
 
+    fn clear(&self, workspace: &mut I::Workspace) {
+        self.0.clear(workspace);
+    }
+
     fn check(&self) -> Result<(), SceneError> {
         self.0.check()
     }

@@ -1577,21 +1577,22 @@ fn the_limit_of_a_step_is_at_least_zero() {
     let start = trial.state();
     each_method!(1e-4, |integrator, method| {
         let stepper = trial.stepper(integrator).unwrap();
-        let mut state = start;
+        let mut session = stepper.session(start);
         for limit in [f64::NAN, f64::NEG_INFINITY, -1.0, -5e-324] {
-            let answer = stepper.step_within(&mut state, limit, &mut Default::default());
+            let answer = session.step_within(limit);
             let Err(StepError::BadLimit { seconds }) = answer else {
                 panic!("{method}, {limit}: {answer:?}");
             };
             assert_eq!(seconds.to_bits(), limit.to_bits(), "{method}");
-            assert_eq!(bits(&state), bits(&start), "{method}, {limit}");
+            assert_eq!(bits(session.state()), bits(&start), "{method}, {limit}");
         }
-        let step = stepper
-            .step_within(&mut state, 0.0, &mut Default::default())
-            .unwrap();
-        assert_eq!(step.elapsed.to_bits(), 0, "{method}");
-        assert_eq!(state.position, start.position, "{method}");
-        let step = stepper.step_within(&mut state, f64::INFINITY, &mut Default::default());
+        for limit in [0.0, -0.0] {
+            let step = session.step_within(limit).unwrap();
+            assert_eq!(step.elapsed.to_bits(), 0, "{method}");
+            assert_eq!(bits(session.state()), bits(&start), "{method}");
+        }
+        assert_eq!((session.time(), session.step_count()), (0.0, 0), "{method}");
+        let step = session.step_within(f64::INFINITY);
         assert_eq!(step.map(|step| step.elapsed), Ok(1e-4), "{method}");
     });
 }
@@ -2489,15 +2490,16 @@ impl Anything {
         A: Gravity<R>,
         I: Integrator<R>,
     {
-        let mut state = self.state::<R>();
-        let mut workspace = I::Workspace::default();
+        let mut session = stepper.session(self.state::<R>());
         for limit in [R::MAX, R::from_f64(self.limit), R::MAX] {
-            let before = state;
-            match stepper.step_within(&mut state, limit, &mut workspace) {
+            let before = *session.state();
+            let (step, state) = (session.step_within(limit), session.state());
+            match step {
                 Ok(_) => assert_eq!(state.not_finite(), None),
                 Err(error) => assert_eq!(format!("{state:?}"), format!("{before:?}"), "{error}"),
             }
         }
+        let mut state = session.into_state();
         // Two steps with an energy audit. A step size near the largest number has no double.
         let (before, seconds) = (state, R::from_f64(2.0 * self.time_step));
         let mut books = Ledger::new();

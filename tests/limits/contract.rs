@@ -1134,6 +1134,8 @@ struct Faulty<const FAULT: char>;
 impl<const FAULT: char> Integrator for Faulty<FAULT> {
     type Workspace = u32;
 
+    const ADAPTIVE: bool = FAULT == 'r';
+
     fn step<D: Dynamics>(
         &self,
         scene: &D,
@@ -1161,7 +1163,7 @@ impl<const FAULT: char> Integrator for Faulty<FAULT> {
             'q' => {
                 state.orientation = DQuat::from_xyzw(q.x + 1e-6, q.y, q.z, q.w);
             }
-            'w' if *workspace > 3 => state.position.x += 1e-12,
+            'w' | 'r' if *workspace > 3 => state.position.x += 1e-12,
             'x' => state.position.x = f64::NAN,
             // A constant error of the velocity in a second of time.
             'o' => state.linear_velocity *= 1.0 - dt,
@@ -1181,6 +1183,12 @@ impl<const FAULT: char> Integrator for Faulty<FAULT> {
 
     fn order(&self) -> u32 {
         if FAULT == 'p' { 2 } else { 1 }
+    }
+
+    fn clear(&self, workspace: &mut u32) {
+        if FAULT != 'r' {
+            *workspace = 0;
+        }
     }
 
     fn check(&self) -> Result<(), SceneError> {
@@ -1209,6 +1217,10 @@ fn integrators_that_break_a_clause_are_caught_by_it() {
         ),
         (
             fault_of_integrator(&Faulty::<'w'>),
+            Requirement::WorkspaceChangesNothing,
+        ),
+        (
+            fault_of_integrator(&Faulty::<'r'>),
             Requirement::WorkspaceChangesNothing,
         ),
         (fault_of_integrator(&Faulty::<'x'>), Requirement::Finite),

@@ -33,9 +33,9 @@ use tumble::real::{Quaternion, Vector};
 use tumble::{
     AirDrag, AnisotropicCoulomb, Bowl, Coin, Cone, ContactPoint, Coulomb, Cuboid, Disc, Dynamics,
     Ellipsoid, Energy, EnergyMomentum, FlatGround, Force, Frictionless, Ground, GroundBounds,
-    HeightField, HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb, MassProperties,
-    MeanForce, NoForce, Plane, PointCloud, Real, RigidPointBody, SlidingFriction, SmoothCoulomb,
-    Solid, SolidCoin, Sphere, SpinDrag, SpinLift, SpringDamper, SpringDamperGround, State, Step,
+    HeightField, HuntCrossley, LimitedDamper, LoadDependentCoulomb, MassProperties, MeanForce,
+    NoForce, Plane, PointCloud, Real, RigidPointBody, SlidingFriction, SmoothCoulomb, Solid,
+    SolidCoin, Sphere, SpinDrag, SpinLift, SpringDamper, SpringDamperGround, State, Step,
     StepError, Stepper, Stribeck, Surface, Terrain, ThickDisc, UniformGravity, Viscous, Waves,
     Wind, WithResistance,
 };
@@ -1051,12 +1051,12 @@ pub(super) fn keeps_its_promises<R: Real>(case: &Case, tally: &mut Tally) -> Tes
         .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
         .unwrap();
     let scene = stepper.scene();
-    let mut state = case.state(scene);
-    let mut workspace = <EnergyMomentum<R> as Integrator<R>>::Workspace::default();
-    let mut before = stepper.energy(&state);
+    let mut session = stepper.session(case.state(scene));
+    let mut before = session.energy();
     for number in 0..STEPS {
-        let start = state;
-        let step = stepper.step_within(&mut state, R::MAX, &mut workspace);
+        let start = *session.state();
+        let step = session.step();
+        let state = *session.state();
         let is_too_long = matches!(step, Err(StepError::StepTooLong { .. }));
         if is_too_long && goes_too_far(scene, &start, time_step) {
             prop_assert!(

@@ -13,7 +13,7 @@ use std::env;
 use std::fs::OpenOptions;
 use std::io::Write;
 use tumble::real::Quaternion;
-use tumble::{Energy, EnergyMomentum, Integrator, Real, State, Trial};
+use tumble::{Energy, EnergyMomentum, Real, State, Trial};
 
 /// Counts of a run in the order of the columns of the record: scenes, steps, scenes that ended with
 /// a refusal that the documentation allows, steps that were not taken whole, steps that the energy
@@ -50,16 +50,15 @@ fn follow<R: Real>(number: usize, counts: &mut Counts) -> Result<(), String> {
     let trial = Trial::<R>::report(number).unwrap();
     let time_step = R::from_f64(1e-3);
     let stepper = trial.stepper(EnergyMomentum { time_step }).unwrap();
-    let mut workspace = <EnergyMomentum<R> as Integrator<R>>::Workspace::default();
-    let mut state = trial.state();
-    let mut before = stepper.energy(&state);
+    let mut session = stepper.session(trial.state());
+    let mut before = session.energy();
     counts[0] += 1;
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // A count.
     for index in 0..(trial_seconds() * 1e3) as u64 {
-        let step = stepper.step_within(&mut state, R::MAX, &mut workspace);
+        let step = session.step();
         let step = step.map_err(|error| format!("trial {number}, step {index}: {error}"))?;
-        let after = stepper.energy(&state);
-        if let Some(violation) = violation(&state, &before, &after) {
+        let after = session.energy();
+        if let Some(violation) = violation(session.state(), &before, &after) {
             return Err(format!("trial {number}, step {index}: {violation}"));
         }
         counts[1] += 1;

@@ -7,11 +7,11 @@
 use crate::common::methods::{Record, Setup, apart, convergence, method, truths};
 use crate::kit::once::Once;
 use tumble::glam::{DMat3, DVec3};
-use tumble::integrator::EmbeddedPairWorkspace;
 use tumble::{
-    BogackiShampine32, Coin, ContactPoint, Coulomb, DormandPrince54, Ellipsoid, EnergyMomentum,
-    FlatGround, Integrator, Nystrom, PointCloud, RigidPointBody, Rk4, Sphere, SpringDamperGround,
-    State, StepError, Stepper, Surface, Trial, UniformGravity,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, BogackiShampine32, Coin, ContactPoint, Coulomb,
+    DormandPrince54, Ellipsoid, EnergyMomentum, FlatGround, Integrator, Nystrom, PointCloud,
+    RigidPointBody, Rk4, Sphere, SpringDamperGround, State, StepError, Stepper, Surface, Trial,
+    UniformGravity,
 };
 
 /// 1e-3 to 1e-9 m, three a decade, so that none is met by luck.
@@ -253,12 +253,10 @@ fn cost<I: Integrator>(
     stepper: &Stepper<Coin, FlatGround, Coulomb, UniformGravity, I>,
     start: State,
 ) -> u32 {
-    let (mut state, mut workspace) = (start, I::Workspace::default());
+    let mut session = stepper.session(start);
     let (mut left, mut evaluations) = (0.25, 0);
     while left > 1e-12 {
-        let step = stepper
-            .step_within(&mut state, left, &mut workspace)
-            .unwrap();
+        let step = session.step_within(left).unwrap();
         left -= step.elapsed;
         evaluations += step.evaluations;
     }
@@ -454,19 +452,14 @@ fn a_body_without_contacts_turns_as_truly_as_its_tolerance_says() {
 #[test]
 fn a_step_that_is_cut_does_not_disturb_the_choice_of_the_next() {
     let stepper = trial(1).stepper(DormandPrince54::new(1e-6)).unwrap();
-    let mut workspace = EmbeddedPairWorkspace::default();
-    let mut state = trial(1).state();
+    let mut session = stepper.session(trial(1).state());
     for _ in 0..20 {
-        stepper
-            .step_within(&mut state, 1.0, &mut workspace)
-            .unwrap();
+        session.step().unwrap();
     }
-    let (mut cut, mut used) = (state, workspace);
-    let next = stepper
-        .step_within(&mut state, 1.0, &mut workspace)
-        .unwrap();
-    stepper.step_within(&mut cut, 1e-9, &mut used).unwrap();
-    let after = stepper.step_within(&mut cut, 1.0, &mut used).unwrap();
+    let mut cut = session.clone();
+    let next = session.step().unwrap();
+    cut.step_within(1e-9).unwrap();
+    let after = cut.step().unwrap();
     assert_eq!(next.rejected, after.rejected);
     assert!(
         (after.elapsed / next.elapsed - 1.0).abs() < 1e-6,
@@ -475,47 +468,56 @@ fn a_step_that_is_cut_does_not_disturb_the_choice_of_the_next() {
 }
 
 #[test]
-fn a_run_goes_on_from_a_saved_state_and_workspace_with_the_same_bits() {
+fn a_run_goes_on_from_a_copy_of_the_session_with_the_same_bits() {
     let stepper = trial(8).stepper(BogackiShampine32::new(1e-5)).unwrap();
-    let (mut state, mut workspace) = (trial(8).state(), EmbeddedPairWorkspace::default());
-    let mut saved = None;
+    let mut session = stepper.session(trial(8).state());
+    let mut copy = None;
     for k in 0..300 {
         if k == 100 {
-            saved = Some((state, workspace));
+            copy = Some(session.clone());
         }
-        stepper
-            .step_within(&mut state, 1.0, &mut workspace)
-            .unwrap();
+        session.step().unwrap();
     }
-    let (mut again, mut kept) = saved.unwrap();
+    let mut again = copy.unwrap();
     for _ in 100..300 {
-        stepper.step_within(&mut again, 1.0, &mut kept).unwrap();
+        again.step().unwrap();
     }
-    assert_eq!(state, again);
+    assert_eq!(session.moment(), again.moment());
 }
 
 #[test]
-fn a_workspace_that_comes_from_another_scene_brings_no_force_from_it() {
+fn a_session_that_is_resumed_in_another_scene_brings_no_force_into_it() {
     // The first slope of a step is the last one of the step before, but not in another scene.
-    let (one, other) = (trial(1), trial(3));
-    let method = DormandPrince54::new(1e-6);
-    let (here, there) = (one.stepper(method).unwrap(), other.stepper(method).unwrap());
-    let mut state = one.state();
-    here.advance(&mut state, 0.1).unwrap();
-    let (mut known, mut fresh) = (state, state);
-    let mut workspace = EmbeddedPairWorkspace::default();
-    here.step_within(&mut known, 1e-4, &mut workspace).unwrap();
-    there
-        .step_within(&mut fresh, 1e-4, &mut EmbeddedPairWorkspace::default())
-        .unwrap();
-    let mut both = [known; 2];
-    there
-        .step_within(&mut both[0], 1e-5, &mut workspace)
-        .unwrap();
-    there
-        .step_within(&mut both[1], 1e-5, &mut EmbeddedPairWorkspace::default())
-        .unwrap();
-    assert_eq!(both[0], both[1]);
+    fn check(method: impl Integrator + Copy) {
+        let (one, other) = (trial(1), trial(3));
+        let (here, there) = (one.stepper(method).unwrap(), other.stepper(method).unwrap());
+        let mut memory = Default::default();
+        let mut session = here.session_in(&mut memory, one.state());
+        session.advance(0.1).unwrap();
+        let (state, saved) = (*session.state(), session.save());
+        let mut fresh = state;
+        there.step(&mut fresh).unwrap();
+        let mut session = there.session_in(&mut memory, state);
+        session.step().unwrap();
+        assert_eq!(*session.state(), fresh);
+        // The size of the next step is kept, so this one is cut. The orientation is kept before it
+        // was scaled to length 1, which is rounding.
+        let mut resumed = there.resume(&saved).unwrap();
+        let mut fresh = there.session(state);
+        let seconds = [resumed.step_within(1e-5), fresh.step_within(1e-5)]
+            .map(|step| step.unwrap().elapsed.to_bits());
+        assert_eq!(seconds, [1e-5_f64.to_bits(); 2]);
+        let [resumed, fresh] = [resumed.into_state(), fresh.into_state()];
+        let [velocity, momentum] = [
+            resumed.linear_velocity - fresh.linear_velocity,
+            resumed.angular_momentum - fresh.angular_momentum,
+        ];
+        let off = velocity.length() + momentum.length();
+        assert!(off < 1e-13, "{off:e}");
+    }
+    check(DormandPrince54::new(1e-6));
+    check(AdaptiveNystrom::new(1e-6));
+    check(AdaptiveEnergyMomentum::new(1e-3));
 }
 
 #[test]

@@ -501,21 +501,21 @@ impl Case {
             .unwrap();
         let start = tumble::State::at(vector(DVec3::Z * self.height))
             .with_linear_velocity(vector(self.velocity));
-        let mut state = stepper.with_angular_velocity(start, vector(self.spin));
-        let mut workspace = Default::default();
-        let mut before = stepper.energy(&state).total();
+        let start = stepper.with_angular_velocity(start, vector(self.spin));
+        let mut session = stepper.session(start);
+        let mut before = session.energy().total();
         for number in 0..60 {
-            let (start, limit) = (state, real(self.limits[number % 2]));
-            let step = match stepper.step_within(&mut state, limit, &mut workspace) {
+            let (start, limit) = (*session.state(), real(self.limits[number % 2]));
+            let step = match session.step_within(limit) {
                 Ok(step) => step,
                 Err(StepError::StepTooShort { .. } | StepError::BudgetSpent { .. }) => {
-                    prop_assert!(state == start);
+                    prop_assert!(*session.state() == start);
                     return Ok(false);
                 }
                 Err(error) => return Err(TestCaseError::fail(error.to_string())),
             };
-            let after = stepper.energy(&state).total();
-            self.check(&step, &state, limit, [before, after])?;
+            let after = session.energy().total();
+            self.check(&step, session.state(), limit, [before, after])?;
             before = after;
         }
         Ok(true)
@@ -624,8 +624,7 @@ fn the_budget_ends_a_run_and_a_step_keeps_to_any_limit() {
     let error = stepper.advance(&mut state, 1.0).unwrap_err();
     assert!(matches!(error, StepError::BudgetSpent { attempts: 20, .. }));
     for limit in [1e-300, 1e-100, 1e-12, 1e-3] {
-        let (mut state, mut workspace) = (trial(1).state(), Default::default());
-        let step = stepper.step_within(&mut state, limit, &mut workspace);
+        let step = stepper.session(trial(1).state()).step_within(limit);
         let elapsed = step.unwrap().elapsed;
         assert!(
             elapsed > 0.0 && elapsed <= limit,

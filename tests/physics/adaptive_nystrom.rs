@@ -155,14 +155,14 @@ fn a_uniform_rotation_takes_the_longest_steps_and_keeps_its_phase() {
     let stepper = Stepper::new(Coin::ring(1.0, 0.5))
         .and_then(|stepper| stepper.with_integrator(integrator))
         .unwrap();
-    let mut state = stepper.with_angular_velocity(State::default(), DVec3::X * 10.0);
-    let mut workspace = Default::default();
+    let start = stepper.with_angular_velocity(State::default(), DVec3::X * 10.0);
+    let mut session = stepper.session(start);
     let (mut left, mut steps) = (1.0, 0);
     while left > 1e-12 {
-        let step = stepper.step_within(&mut state, left, &mut workspace);
-        left -= step.unwrap().elapsed;
+        left -= session.step_within(left).unwrap().elapsed;
         steps += 1;
     }
+    let state = session.into_state();
     let exact: State = State::default().with_rotation_vector(DVec3::X * 10.0);
     let between: DQuat = state.orientation * exact.orientation.conjugate();
     let angle = 2.0 * between.xyz().length();
@@ -192,32 +192,24 @@ fn the_cost_of_spinning_on_the_spot_does_not_depend_on_the_slip_speed() {
     }
 }
 
-/// A first stage with limited friction is evaluated again for each step size, so a workspace that
-/// knows only the next step size continues with the same bits.
+/// A first stage with limited friction is evaluated again for each step size, so a session that is
+/// saved and knows only the next step size continues with the same bits.
 #[test]
 fn a_spin_on_the_spot_continues_with_the_same_bits_from_its_step_control() {
     let trial = trial(6);
-    let integrator = AdaptiveNystrom::new(1e-4);
-    let stepper = trial.stepper(integrator).unwrap();
-    let mut state = trial.state();
-    let mut workspace = Default::default();
+    let stepper = trial.stepper(AdaptiveNystrom::new(1e-4)).unwrap();
+    let mut session = stepper.session(trial.state());
     for _ in 0..40 {
-        stepper
-            .step_within(&mut state, 1.0, &mut workspace)
-            .unwrap();
-        let control = integrator.step_control(&workspace, &state).unwrap();
-        let (mut kept, mut resumed) = (state, state);
-        let mut other = Default::default();
-        integrator.set_step_control(&mut other, control);
-        let mut same = workspace.clone();
-        let first = stepper.step_within(&mut kept, 1.0, &mut same).unwrap();
-        let second = stepper.step_within(&mut resumed, 1.0, &mut other).unwrap();
+        session.step().unwrap();
+        let (mut kept, mut resumed) = (session.clone(), stepper.resume(&session.save()).unwrap());
+        let first = kept.step().unwrap();
+        let second = resumed.step().unwrap();
         assert_eq!(
             first.elapsed.to_bits(),
             second.elapsed.to_bits(),
             "{first:?}"
         );
-        assert_eq!(kept, resumed);
+        assert_eq!(kept.state(), resumed.state());
     }
 }
 
@@ -229,16 +221,14 @@ fn evaluations<I: Integrator>(number: usize, integrator: I) -> f64 {
 /// State after a second of a trial, and the number of force evaluations.
 fn end_of<I: Integrator>(trial: &Trial, integrator: I) -> (State, u32) {
     let stepper = trial.stepper(integrator).unwrap();
-    let (mut state, mut workspace) = (trial.state(), I::Workspace::default());
+    let mut session = stepper.session(trial.state());
     let (mut left, mut evaluations) = (1.0, 0);
     while left > 1e-12 {
-        let step = stepper
-            .step_within(&mut state, left, &mut workspace)
-            .unwrap();
+        let step = session.step_within(left).unwrap();
         left -= step.elapsed;
         evaluations += step.evaluations;
     }
-    (state, evaluations)
+    (session.into_state(), evaluations)
 }
 
 /// The errors of the pairs are up to ten tolerances, and those of `AdaptiveNystrom` up to five.

@@ -159,20 +159,17 @@ fn what_nothing_takes_is_there_after_a_million_steps() {
             ..report
         };
         let stepper = scene(rolling.coin(), rolling.ground(), Frictionless, time_step);
-        let mut state = rolling.state();
-        let mut workspace = EnergyMomentumWorkspace::default();
-        let start = stepper.energy(&state).total();
+        let mut session = stepper.session(rolling.state());
+        let start = session.energy().total();
         let (mut energy_removed, mut iterations, mut divided) = (0.0, 0_u64, 0);
         let steps = 500_000;
         for _ in 0..steps {
-            let step = stepper
-                .step_within(&mut state, f64::MAX, &mut workspace)
-                .unwrap();
+            let step = session.step().unwrap();
             energy_removed += step.energy_removed;
             iterations += u64::from(step.iterations);
             divided += u32::from(step.fallback);
         }
-        let end = stepper.energy(&state).total();
+        let end = session.energy().total();
         println!(
             "dt {time_step}: {start} to {end}: {:e} of it; energy_removed {energy_removed:e} J, {} iterations, {divided} divided",
             (start - end) / start,
@@ -232,23 +229,20 @@ fn the_eight_trials_come_to_rest_exactly_and_stay_there() {
     let sag = -GRAVITY / (120.0 * 1000.0);
     for number in 1..=8 {
         for time_step in [1e-2, 1e-3] {
-            let (stepper, mut state) = trial(number, time_step);
-            let mut workspace = EnergyMomentumWorkspace::default();
-            let mut time = 0.0;
-            loop {
-                let before = state;
-                let step = stepper
-                    .step_within(&mut state, f64::MAX, &mut workspace)
-                    .unwrap();
-                time += step.elapsed;
+            let (stepper, start) = trial(number, time_step);
+            let mut session = stepper.session(start);
+            let state = loop {
+                let before = *session.state();
+                let step = session.step().unwrap();
+                let state = *session.state();
                 if step.evaluations == 0 && state == before && stepper.touching(&state) > 0 {
-                    break;
+                    break state;
                 }
                 assert!(
-                    time < 160.0,
+                    session.time() < 160.0,
                     "trial {number}, {time_step} s: still at {state:?}"
                 );
-            }
+            };
             let (z, touching) = (state.position.z, stepper.touching(&state));
             assert_eq!(state.linear_velocity, DVec3::ZERO);
             assert_eq!(state.angular_momentum, DVec3::ZERO);
@@ -256,31 +250,34 @@ fn the_eight_trials_come_to_rest_exactly_and_stay_there() {
             // The energy's rounding, 1e-19 J of 8e-4 J, hides an offset of sqrt(2 * 64 * 1e-19/(n
             // S)) = 1e-11 m.
             assert!((z - sag).abs() < 1e-11, "trial {number}: {z:e}");
-            let resting = state;
             for _ in 0..1000 {
-                stepper
-                    .step_within(&mut state, f64::MAX, &mut workspace)
-                    .unwrap();
+                session.step().unwrap();
             }
-            assert_eq!(state, resting);
+            assert_eq!(*session.state(), state);
         }
     }
 }
 
+/// Takes steps until one leaves the body on the ground unchanged without an evaluation.
+macro_rules! put_to_sleep {
+    ($session:expr) => {{
+        let session = &mut $session;
+        let sleeps = (0..100_000).any(|_| {
+            let before = *session.state();
+            let rests = session.step().unwrap().evaluations == 0 && *session.state() == before;
+            rests && session.stepper().touching(&before) > 0
+        });
+        assert!(sleeps, "{}", session.state());
+        *session.state()
+    }};
+}
+
 #[test]
-fn a_body_at_rest_wakes_when_its_state_or_its_scene_is_another() {
-    let (stepper, mut resting) = trial(1, 1e-2);
-    let mut workspace = EnergyMomentumWorkspace::default();
-    let asleep = |state: &mut State, workspace: &mut EnergyMomentumWorkspace| {
-        let step = stepper.step_within(state, f64::MAX, workspace).unwrap();
-        step.evaluations == 0 && stepper.touching(state) > 0
-    };
-    while !asleep(&mut resting, &mut workspace) {}
-    let sleep = |state: &mut State, workspace: &mut EnergyMomentumWorkspace| {
-        asleep(state, workspace);
-        assert!(asleep(state, workspace), "it does not sleep: {state:?}");
-    };
-    // Another state: slightly moved, pushed, rotated.
+fn a_body_at_rest_wakes_when_its_state_is_changed() {
+    let (stepper, start) = trial(1, 1e-2);
+    let mut session = stepper.session(start);
+    let resting = put_to_sleep!(session);
+    // Slightly moved, pushed, rotated.
     for (nudged, what) in [
         (
             State {
@@ -292,67 +289,86 @@ fn a_body_at_rest_wakes_when_its_state_or_its_scene_is_another() {
         (resting.with_linear_velocity(DVec3::X * 1e-3), "pushed"),
         (resting.with_angular_momentum(DVec3::Z * 1e-3), "spun"),
     ] {
-        let mut state = nudged;
-        let mut rested = resting;
-        sleep(&mut rested, &mut workspace);
-        stepper
-            .step_within(&mut state, f64::MAX, &mut workspace)
-            .unwrap();
-        assert_ne!(state, nudged, "{what}");
+        session.set_state(nudged);
+        session.step().unwrap();
+        assert_ne!(*session.state(), nudged, "{what}");
+        session.set_state(resting);
+        assert_eq!(put_to_sleep!(session), resting);
     }
-    // Another scene under the same workspace: gravity off, a softer ground, a slope.
-    let softer = scene(
-        Coin::ring(1.0, 0.5),
-        FlatGround::level(500.0, 0.5),
-        Coulomb::as_in_the_report(0.3),
-        1e-2,
-    );
-    let tilted = stepper
-        .with_gravity(UniformGravity {
-            acceleration: DVec3::new(5.0, 0.0, -8.0),
-        })
-        .unwrap();
-    let (shorter, _) = trial(1, 1e-3);
-    for (other, what, moves) in [
-        (softer, "softer", true),
-        (tilted, "tilted", true),
-        (shorter, "another step", false),
-    ] {
-        let mut state = resting;
-        sleep(&mut state, &mut workspace);
-        let step = other
-            .step_within(&mut state, f64::MAX, &mut workspace)
-            .unwrap();
-        assert_eq!(state != resting, moves, "{what}: {step:?}");
+}
+
+/// A body that sleeps in one scene and is resumed, or whose memory is used again, in another scene
+/// whose springs or gravity move it. The new scene knows nothing of the old one: the body wakes,
+/// its first step has the bits of a new session, and the energy never increases from that step on.
+fn wakes<A, B, F: SlidingFriction>(
+    asleep: &Scene<A, FlatGround, F>,
+    awake: &Scene<B, FlatGround, F>,
+    lying: State,
+    what: &str,
+) where
+    A: RigidPointBody,
+    B: RigidPointBody,
+{
+    let mut memory = EnergyMomentumWorkspace::new();
+    let mut session = asleep.session_in(&mut memory, lying);
+    let resting = put_to_sleep!(session);
+    let saved = session.save();
+    let mut fresh = resting;
+    awake.step(&mut fresh).unwrap();
+    assert_ne!(fresh, resting, "{what}");
+    let mut session = awake.session_in(&mut memory, resting);
+    session.step().unwrap();
+    assert_eq!(*session.state(), fresh, "{what}");
+    let mut session = awake.resume(&saved).unwrap();
+    let mut before = session.energy().total();
+    for number in 0..200 {
+        session.step().unwrap();
+        assert!(number > 0 || *session.state() == fresh, "{what}");
+        let after = session.energy().total();
+        assert!(after <= before, "{what}: {before} J to {after} J");
+        before = after;
     }
 }
 
 #[test]
-fn a_workspace_that_comes_from_a_coin_with_fewer_points_brings_no_energy_from_it() {
-    fn on_ground<B: RigidPointBody>(body: B) -> Scene<B, FlatGround, Coulomb> {
+fn a_body_that_slept_in_one_scene_wakes_in_another() {
+    fn on_ground<B: RigidPointBody>(body: B, stiffness: f64) -> Scene<B, FlatGround, Coulomb> {
         let friction = Coulomb::as_in_the_report(0.3);
-        scene(body, FlatGround::level(1000.0, 0.5), friction, 1e-3)
+        scene(body, FlatGround::level(stiffness, 0.5), friction, 1e-3)
     }
-    /// Lying on the springs of one body until it sleeps; then on those of the other, which throw it
-    /// up.
-    fn wakes(few: impl RigidPointBody, points: f64, many: impl RigidPointBody) {
-        let (few, many) = (on_ground(few), on_ground(many));
-        let mut workspace = EnergyMomentumWorkspace::default();
-        let mut state = lying(-GRAVITY / (1000.0 * points));
-        let sleeps = (0..1000).any(|_| {
-            let step = few.step_within(&mut state, f64::MAX, &mut workspace);
-            step.unwrap().evaluations == 0
-        });
-        assert!(sleeps);
-        let asleep = state;
-        many.step_within(&mut state, f64::MAX, &mut workspace)
-            .unwrap();
-        assert_ne!(state, asleep, "it sleeps on");
-    }
+    let rest_on = |points: f64| lying(-GRAVITY / (1000.0 * points));
+    let coin = || on_ground(Coin::ring(1.0, 0.5), 1000.0);
+    wakes(
+        &coin(),
+        &on_ground(Coin::ring(1.0, 0.5), 500.0),
+        rest_on(120.0),
+        "softer",
+    );
+    let tilted = UniformGravity {
+        acceleration: DVec3::new(5.0, 0.0, -8.0),
+    };
+    let tilted = coin().with_gravity(tilted).unwrap();
+    wakes(&coin(), &tilted, rest_on(120.0), "tilted");
+    // More points on the same ground, which throw the body up.
     let few = Coin::ring_with_storage([ContactPoint::default(); 12], 1.0, 0.5);
-    wakes(few, 12.0, Coin::ring(1.0, 0.5));
-    let rim = |points| Disc::ring(1.0, 0.5, points);
-    wakes(rim(60), 60.0, rim(120));
+    wakes(
+        &on_ground(few, 1000.0),
+        &coin(),
+        rest_on(12.0),
+        "more points",
+    );
+    let rim = |points| on_ground(Disc::ring(1.0, 0.5, points), 1000.0);
+    wakes(&rim(60), &rim(120), rest_on(60.0), "a rim of more points");
+}
+
+#[test]
+fn a_body_that_sleeps_in_longer_steps_is_not_moved_by_shorter_ones() {
+    let (stepper, start) = trial(1, 1e-2);
+    let resting = put_to_sleep!(stepper.session(start));
+    let (shorter, _) = trial(1, 1e-3);
+    let mut state = resting;
+    shorter.step(&mut state).unwrap();
+    assert_eq!(state, resting);
 }
 
 #[test]
@@ -367,18 +383,17 @@ fn a_body_that_creeps_does_not_sleep() {
         slip_speed: 1e-9,
     };
     let stepper = scene(point_mass(1.0), ground, friction, 1e-3);
-    let mut state = State::at(normal * (-GRAVITY * slope.cos() / 1e4));
-    let mut workspace = EnergyMomentumWorkspace::default();
+    let mut session = stepper.session(State::at(normal * (-GRAVITY * slope.cos() / 1e4)));
     let downhill = DVec3::new(slope.cos(), 0.0, -slope.sin());
-    let go = |state: &mut State, workspace: &mut EnergyMomentumWorkspace| {
-        let from = state.position.dot(downhill);
+    let mut go = || {
+        let from = session.state().position.dot(downhill);
         for _ in 0..10_000 {
-            stepper.step_within(state, f64::MAX, workspace).unwrap();
+            session.step().unwrap();
         }
-        (state.position.dot(downhill) - from) / 10.0
+        (session.state().position.dot(downhill) - from) / 10.0
     };
-    go(&mut state, &mut workspace);
-    let creep = go(&mut state, &mut workspace);
+    go();
+    let creep = go();
     let expected = 1e-9 * slope.tan() / (0.3 - slope.tan());
     assert!(
         (creep / expected - 1.0).abs() < 1e-3,
@@ -474,15 +489,12 @@ fn a_coin_that_hardly_rocks_does_not_sleep() {
         1e-3,
     );
     let tilt = DQuat::from_rotation_y(FRAC_PI_2 + 1e-6);
-    let mut state = lying(-GRAVITY / 120_000.0).with_orientation(tilt);
-    let mut workspace = EnergyMomentumWorkspace::default();
+    let mut session = stepper.session(lying(-GRAVITY / 120_000.0).with_orientation(tilt));
     let mut swings = 0;
     let mut last = 0.0;
     for _ in 0..100_000 {
-        stepper
-            .step_within(&mut state, f64::MAX, &mut workspace)
-            .unwrap();
-        let turning = state.angular_momentum.y;
+        session.step().unwrap();
+        let turning = session.state().angular_momentum.y;
         swings += u32::from(turning * last < 0.0);
         last = turning;
     }
@@ -775,19 +787,18 @@ fn the_middle_axis_flips_with_energy_and_momentum_kept() {
     let stepper = Stepper::new(Solid::with_moments(moments))
         .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step: 0.01 })))
         .unwrap();
-    let mut state = State::default().with_angular_momentum(DVec3::new(1e-3, 2.0, 0.0));
-    let (momentum, energy) = (state.angular_momentum, stepper.energy(&state).total());
-    let mut workspace = EnergyMomentumWorkspace::default();
+    let start = State::default().with_angular_momentum(DVec3::new(1e-3, 2.0, 0.0));
+    let (momentum, energy) = (start.angular_momentum, stepper.energy(&start).total());
+    let mut session = stepper.session(start);
     let (mut flips, mut up) = (0, true);
     for _ in 0..100_000 {
-        stepper
-            .step_within(&mut state, f64::MAX, &mut workspace)
-            .unwrap();
-        let now = (state.orientation * DVec3::Y).y;
+        session.step().unwrap();
+        let now = (session.state().orientation * DVec3::Y).y;
         if (up && now < -0.9) || (!up && now > 0.9) {
             (flips, up) = (flips + 1, !up);
         }
     }
+    let state = session.into_state();
     let turned = (state.angular_momentum - momentum).length() / momentum.length();
     let lost = (energy - stepper.energy(&state).total()) / energy;
     // A flip takes some 2 ln(4000)/(w √(1/3)) = 28 s.
@@ -1013,13 +1024,11 @@ fn bodies_fall_right_in_single_precision() {
                         })
                         .unwrap();
                     let from = vector(place.0, place.1, place.2);
-                    let mut state = tumble::State::<f32>::at(from);
-                    let mut workspace = Default::default();
+                    let mut session = stepper.session(tumble::State::<f32>::at(from));
                     for _ in 0..steps {
-                        stepper
-                            .step_within(&mut state, f32::MAX, &mut workspace)
-                            .unwrap();
+                        session.step().unwrap();
                     }
+                    let state = session.into_state();
                     let seconds = f64::from(time_step) * f64::from(steps);
                     let fallen = acceleration.as_dvec3() * (seconds * seconds / 2.0);
                     let off = (state.position.as_dvec3() - from.as_dvec3() - fallen).length();
@@ -1043,16 +1052,16 @@ fn errors_of_fall(acceleration: [f32; 3], from: [f32; 3], time_step: f32) -> (f6
         .and_then(|stepper| stepper.with_gravity(UniformGravity { acceleration }))
         .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
         .unwrap();
-    let (mut state, mut workspace) = (tumble::State::<f32>::at(from), Default::default());
+    let mut session = stepper.session(tumble::State::<f32>::at(from));
     let steps = (10.0 / f64::from(time_step)).round();
-    let mut energy = stepper.energy(&state).total();
+    let mut energy = session.energy().total();
     for _ in 0..steps as u32 {
-        let step = stepper.step_within(&mut state, f32::MAX, &mut workspace);
-        assert_eq!(step.unwrap().iterations, 0);
-        let after = stepper.energy(&state).total();
+        assert_eq!(session.step().unwrap().iterations, 0);
+        let after = session.energy().total();
         assert!(after <= energy);
         energy = after;
     }
+    let state = session.into_state();
     // The time step's own rounding is in the time.
     let seconds = f64::from(time_step) * steps;
     let velocity = acceleration.as_dvec3() * seconds;
@@ -1167,25 +1176,22 @@ fn a_spring_energy_that_rounds_below_zero_lets_no_energy_in() {
 // -----------------------------------------------------------------------------------------------
 
 #[test]
-fn a_workspace_that_is_used_again_changes_no_bit() {
+fn memory_that_another_session_has_used_changes_no_bit() {
     for number in [1, 5, 7] {
         for time_step in [1e-3, 1e-2, 0.3] {
             let (stepper, start) = trial(number, time_step);
-            let (mut kept, mut fresh) = (start, start);
-            // One that has served another trial.
-            let (other, mut elsewhere) = trial(3, 2e-3);
-            let mut workspace = EnergyMomentumWorkspace::default();
+            let mut memory = EnergyMomentumWorkspace::new();
+            let (other, elsewhere) = trial(3, 2e-3);
+            let mut session = other.session_in(&mut memory, elsewhere);
             for _ in 0..300 {
-                other
-                    .step_within(&mut elsewhere, f64::MAX, &mut workspace)
-                    .unwrap();
+                session.step().unwrap();
             }
+            let (mut kept, mut fresh) = (stepper.session_in(&mut memory, start), start);
             for step in 0..2000 {
-                let a = stepper
-                    .step_within(&mut kept, f64::MAX, &mut workspace)
-                    .unwrap();
+                let a = kept.step().unwrap();
                 let b = stepper.step(&mut fresh).unwrap();
-                assert_eq!(kept, fresh, "trial {number}, {time_step} s, step {step}");
+                let state = *kept.state();
+                assert_eq!(state, fresh, "trial {number}, {time_step} s, step {step}");
                 // A sleeper saves its work, and tells so.
                 assert!(a == b || a.evaluations == 0, "{a:?} {b:?}");
             }
@@ -1202,20 +1208,19 @@ fn a_coin_of_twelve_hundred_points_keeps_its_promises_beyond_the_contacts_that_a
         Coulomb::as_in_the_report(0.3),
         1e-3,
     );
-    let mut state = lying(-GRAVITY / 120_000.0)
+    let start = lying(-GRAVITY / 120_000.0)
         .with_linear_velocity(DVec3::new(1.0, 0.5, 0.0))
         .with_angular_momentum(DVec3::new(0.02, 0.0, 0.5));
-    let mut workspace = EnergyMomentumWorkspace::default();
-    let mut last = stepper.energy(&state).total();
+    let mut session = stepper.session(start);
+    let mut last = session.energy().total();
     for _ in 0..1500 {
-        let step = stepper
-            .step_within(&mut state, f64::MAX, &mut workspace)
-            .unwrap();
+        let step = session.step().unwrap();
         assert!(!step.fallback, "{step:?}");
-        let energy = stepper.energy(&state).total();
+        let energy = session.energy().total();
         assert!(energy <= last, "{last} to {energy}");
         last = energy;
     }
+    let state = session.into_state();
     assert_eq!(state.linear_velocity, DVec3::ZERO);
     assert_eq!(state.angular_momentum, DVec3::ZERO);
 }
@@ -1228,17 +1233,14 @@ fn the_report_of_a_step_tells_what_it_took() {
     assert!(step.iterations >= 1 && step.evaluations > step.iterations);
     assert!(!step.fallback);
     // The rest of a run is shorter than a step.
-    let step = stepper
-        .step_within(&mut state, 2.5e-4, &mut EnergyMomentumWorkspace::default())
-        .unwrap();
-    assert_eq!(step.elapsed, 2.5e-4);
+    let mut session = stepper.session(state);
+    let step = session.step_within(2.5e-4).unwrap();
+    assert_eq!((step.elapsed, session.time()), (2.5e-4, 2.5e-4));
     // The energy limiter removes what the solver's error would have added: a part in 1e11 of the
     // energy at most, all steps of a second together.
-    let (mut energy_removed, mut workspace) = (0.0, EnergyMomentumWorkspace::default());
+    let mut energy_removed = 0.0;
     for _ in 0..1000 {
-        let step = stepper
-            .step_within(&mut state, f64::MAX, &mut workspace)
-            .unwrap();
+        let step = session.step().unwrap();
         assert!(step.energy_removed >= 0.0);
         energy_removed += step.energy_removed;
     }

@@ -204,23 +204,16 @@ fn assert_flights_end_above_ground<B: RigidPointBody + Copy>(body: B, size: f64)
         if stepper.touching(&start) > 0 {
             continue;
         }
-        let mut end = start;
-        let step = stepper
-            .step_within(&mut end, 5.0, &mut Default::default())
-            .unwrap();
+        let step = stepper.session(start).step_within(5.0).unwrap();
         if step.elapsed < 3e-4 {
             continue;
         }
         flights += 1;
         for k in 0..=100 {
-            let mut state = start;
             let share = step.elapsed * f64::from(k) / 100.0;
-            if share > 0.0 {
-                stepper
-                    .step_within(&mut state, share, &mut Default::default())
-                    .unwrap();
-            }
-            let gap = stepper.lowest_point(&state).unwrap().gap;
+            let mut session = stepper.session(start);
+            session.step_within(share).unwrap();
+            let gap = stepper.lowest_point(session.state()).unwrap().gap;
             assert!(gap > 0.0, "{gap:e} after {share} s of {} s", step.elapsed);
         }
     }
@@ -300,11 +293,10 @@ fn a_body_with_three_moments_flies_for_any_number_of_revolutions() {
         })
         .unwrap();
     let start = State::default().with_angular_momentum(DVec3::new(0.3, 0.8, 0.2) * spin);
-    let mut state = start;
-    let before = stepper.energy(&state).total();
-    let step = stepper
-        .step_within(&mut state, 1e5, &mut Default::default())
-        .unwrap();
+    let mut session = stepper.session(start);
+    let before = session.energy().total();
+    let step = session.step_within(1e5).unwrap();
+    let state = session.into_state();
     assert!((step.elapsed - 1e5).abs() < 1e-9);
     let end = stepper.free_rotation(&start).rotation_at(1e5).to_quat();
     assert_eq!(state.orientation, end);

@@ -137,14 +137,8 @@ fn a_box_comes_to_rest_where_its_springs_carry_it() {
     let depth = 0.5 * 9.8 / (4.0 * 2e3);
     assert!((state.position.z - (0.05 - depth)).abs() < 1e-10, "{state}");
     assert!(state.linear_velocity.length() < 1e-9, "{state}");
-    let mut workspace = Default::default();
-    let steps: Vec<_> = (0..20)
-        .map(|_| {
-            stepper
-                .step_within(&mut state, 1.0, &mut workspace)
-                .unwrap()
-        })
-        .collect();
+    let mut session = stepper.session(state);
+    let steps: Vec<_> = (0..20).map(|_| session.step().unwrap()).collect();
     assert!(steps.iter().all(|step| !step.fallback), "{steps:?}");
     assert_eq!(steps[19].evaluations, 0, "{:?}", steps[19]);
 }

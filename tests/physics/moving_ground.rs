@@ -679,15 +679,19 @@ fn a_body_on_a_moving_ground_is_awake_and_undecided() {
         .unwrap();
     assert!(Barriers::of(still.scene()).is_some());
     assert!(Barriers::of(moving.scene()).is_none());
-    let mut state = State::at(DVec3::Z * 1e-3).with_rotation_vector(DVec3::Y * (PI / 2.0));
-    let mut workspace = Default::default();
+    let start = State::at(DVec3::Z * 1e-3).with_rotation_vector(DVec3::Y * (PI / 2.0));
+    let mut memory = Default::default();
+    let mut session = still.session_in(&mut memory, start);
     for _ in 0..2000 {
-        still.step_within(&mut state, 1.0, &mut workspace).unwrap();
+        session.step().unwrap();
     }
+    let state = session.into_state();
     assert_eq!(state.linear_velocity, DVec3::ZERO);
-    // The same workspace, which knows that the body rests.
-    moving.step_within(&mut state, 1.0, &mut workspace).unwrap();
-    assert!(state.linear_velocity.x > 1e-3, "{}", state.linear_velocity);
+    // The same memory, which knows that the body rests.
+    let mut session = moving.session_in(&mut memory, state);
+    session.step().unwrap();
+    let velocity = session.state().linear_velocity;
+    assert!(velocity.x > 1e-3, "{velocity}");
 }
 
 #[test]

@@ -27,11 +27,11 @@ where
     I: Integrator<R>,
     E: Force<R>,
 {
-    let (mut state, mut workspace) = (start, I::Workspace::default());
+    let mut session = stepper.session(start);
     let mut steps = Vec::new();
     while steps.len() < 400 && !matches!(steps.last(), Some(Err(_))) {
-        let step = stepper.step_within(&mut state, R::MAX, &mut workspace);
-        steps.push(step.map(|step| (step, state)));
+        let step = session.step();
+        steps.push(step.map(|step| (step, *session.state())));
     }
     steps
 }

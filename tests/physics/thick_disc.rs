@@ -483,21 +483,20 @@ where
     G: SpringDamperGround,
     F: SlidingFriction,
 {
-    let mut workspace = Default::default();
-    let mut before = stepper.energy(state).total();
+    let mut session = stepper.session(*state);
+    let mut before = session.energy().total();
     let mut fallbacks = 0;
     for _ in 0..steps {
-        let step = stepper
-            .step_within(state, f64::MAX, &mut workspace)
-            .unwrap();
-        let after = stepper.energy(state).total();
+        let step = session.step().unwrap();
+        let after = session.energy().total();
         assert!(after <= before, "{after} {before}");
         before = after;
         fallbacks += i32::from(step.fallback);
-        let [x, y, z, w] = state.orientation.to_array();
+        let [x, y, z, w] = session.state().orientation.to_array();
         let excess = (w - 1.0) * (w + 1.0) + x * x + (y * y + z * z);
         assert!(excess.abs() < 9e-16, "{excess:e}");
     }
+    *state = session.into_state();
     f64::from(fallbacks) / steps as f64
 }
 

@@ -378,8 +378,8 @@ fn every_step_takes_time<R: Real, I: Integrator<R> + Copy>(
                 if gravity == 0.0 && limit > 1.0 && start.angular_momentum != R::Vec3::ZERO {
                     continue;
                 }
-                let (mut state, limit) = (start, number(limit));
-                let step = stepper.step_within(&mut state, limit, &mut Default::default());
+                let limit = number(limit);
+                let step = stepper.session(start).step_within(limit);
                 let step = step.unwrap_or_else(|error| panic!("{name}: {error}, {start:?}"));
                 assert!(
                     limit == R::ZERO || (step.elapsed > R::ZERO && step.elapsed <= limit),

@@ -72,19 +72,20 @@ pub fn toss<R: Number, I: Integrator<R>>(
 ) -> Result<Account, Fault> {
     let stepper = compose(&mut memory.rim, integrator).map_err(Fault::Scene)?;
     let real = R::from_f64;
-    let mut state = State::<R>::at(R::Vec3::new(R::ZERO, R::ZERO, R::ONE))
+    let start = State::<R>::at(R::Vec3::new(R::ZERO, R::ZERO, R::ONE))
         .with_angular_momentum(R::Vec3::new(real(0.3), R::ONE, real(0.2)));
+    let mut session = stepper.session_in(&mut memory.workspace, start);
     let mut hash = Hash::new();
     let mut account = Account::default();
 
     print("     time/ms         x/m         y/m         z/m    energy/J\n");
     for step in 0..STEPS {
         if step % STEPS_A_LINE == 0 {
-            line(step, &state, stepper.energy(&state).total());
+            line(step, session.state(), session.energy().total());
         }
-        let touches = stepper.touching(&state) > 0;
+        let touches = stepper.touching(session.state()) > 0;
         clock.start();
-        let stepped = stepper.step_within(&mut state, R::MAX, &mut memory.workspace);
+        let stepped = session.step();
         let clocks = clock.stop();
         stepped.map_err(Fault::Step)?;
         if touches {
@@ -93,9 +94,9 @@ pub fn toss<R: Number, I: Integrator<R>>(
             &mut account.flight
         }
         .add(clocks);
-        hash.state(&state);
+        hash.state(session.state());
     }
-    line(STEPS, &state, stepper.energy(&state).total());
+    line(STEPS, session.state(), session.energy().total());
     hash.print();
     #[cfg(feature = "control")]
     control(&memory.rim);

@@ -17,12 +17,9 @@ mod slip;
 mod touch;
 
 use crate::error::{Quantity, StepError};
-use crate::friction::{RollingResistance, SlidingFriction};
-use crate::ground::SpringDamperGround;
-use crate::integrator::fingerprint::Fingerprint;
 use crate::integrator::interface::{Step, StepControl};
 use crate::integrator::point::Point;
-use crate::real::{Real, Vector};
+use crate::real::Real;
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -34,13 +31,9 @@ use touch::Discontinuities;
 
 /// Workspace of an adaptive Runge-Kutta method: proposed step size, last error and used budget.
 ///
-/// It also keeps the last slope, which saves an evaluation. A new workspace chooses the first step
-/// from the state alone. To continue after a pause with the same results, keep the workspace with
-/// the state. It is plain data.
-///
-/// The slope is used only for the same state in an equivalent scene. Equivalent scenes have equal
-/// mass, moments, bounding radius, gravity and surface. Their bodies have equal numbers of contacts
-/// and of rim points. Their laws have equal values at one penetration depth and slip.
+/// It also keeps the last slope, which saves an evaluation where a step begins at the same state. A
+/// new workspace chooses the first step from the state alone. It is plain data, and
+/// [belongs to one scene](crate::Integrator::Workspace).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Workspace<R: Real = f64> {
     control: Control<R>,
@@ -90,8 +83,6 @@ impl<R: Real> Workspace<R> {
 struct Known<R: Real> {
     state: State<R>,
     place: Place<R>,
-    /// `None` for a friction law that depends on the position, which no number of values identifies.
-    answers: Option<Answers<R>>,
 }
 
 impl<R: Real> Known<R> {
@@ -114,40 +105,6 @@ impl<R: Real> Known<R> {
         Self {
             state: *state,
             place,
-            answers: Answers::of_uniform(scene, state),
-        }
-    }
-}
-
-/// Numbers that distinguish the slopes of one scene from those of another.
-///
-/// The numbers are the fingerprint of the energies, and the values of damper and friction at one
-/// penetration depth and slip.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Answers<R: Real> {
-    fingerprint: Fingerprint<R>,
-    normal_force: R,
-    friction: R::Vec3,
-    turning: Option<RollingResistance<R>>,
-}
-
-impl<R: Real> Answers<R> {
-    /// Returns the numbers, if the friction law does not depend on the position.
-    #[inline]
-    pub(super) fn of_uniform<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Option<Self> {
-        (!scene.friction().depends_on_position()).then(|| Self::of(scene, state))
-    }
-
-    #[inline]
-    fn of<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Self {
-        let friction = scene.friction();
-        let slip = R::Vec3::new(R::ONE, R::ZERO, R::ZERO);
-        Self {
-            fingerprint: Fingerprint::of(scene, state),
-            normal_force: scene
-                .probe(|| scene.ground().normal_force(scene.bounding_radius(), R::ONE)),
-            friction: scene.probe(|| friction.force(R::ONE, slip)),
-            turning: scene.probe(|| friction.rolling_resistance(R::ONE)),
         }
     }
 }
@@ -273,13 +230,7 @@ fn start_of<R: Real, D: Dynamics<R>>(
 ) -> Result<Place<R>, StepError> {
     if let Some(known) = &workspace.known {
         if known.state == *state {
-            if known.answers.is_some() && known.answers == Answers::of_uniform(scene, state) {
-                return Ok(known.place);
-            }
-            if scene.friction().depends_on_position() {
-                report.evaluations += 1;
-                return Ok(Place::at(scene, known.place.point));
-            }
+            return Ok(known.place);
         }
     }
     if let Some(quantity) = state.not_finite() {

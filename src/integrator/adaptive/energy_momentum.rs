@@ -23,7 +23,6 @@ use crate::energy::Energy;
 use crate::error::{Quantity, SceneError, StepError};
 use crate::integrator::energy_limit;
 use crate::integrator::energy_momentum::{self, EnergyMomentum};
-use crate::integrator::fingerprint::Fingerprint;
 use crate::integrator::interface::{Integrator, Step, StepControl};
 use crate::integrator::point::Point;
 use crate::real::Real;
@@ -138,8 +137,8 @@ impl<R: Real> AdaptiveEnergyMomentum<R> {
 /// Workspace of [`AdaptiveEnergyMomentum`]: proposed step size, last error, used budget, and what
 /// [`EnergyMomentum`] keeps.
 ///
-/// A new workspace chooses the first step from the state alone. To continue after a pause with the
-/// same results, keep the workspace with the state.
+/// A new workspace chooses the first step from the state alone. It
+/// [belongs to one scene](crate::Integrator::Workspace).
 #[derive(Clone, Debug, Default)]
 pub struct Workspace<R: Real = f64> {
     control: Control<R>,
@@ -147,21 +146,19 @@ pub struct Workspace<R: Real = f64> {
     rest: Rest<R>,
 }
 
-/// Length of a step that has left a state of a scene unchanged, s.
+/// Length of a step that has left a state unchanged, s, and that state.
 #[derive(Clone, Copy, Debug, Default)]
-struct Rest<R: Real>(Option<(R, State<R>, Fingerprint<R>)>);
+struct Rest<R: Real>(Option<(R, State<R>)>);
 
 impl<R: Real> Rest<R> {
-    fn after<D: Dynamics<R>>(scene: &D, [start, end]: [&State<R>; 2], seconds: R) -> Self {
-        Self((start == end).then(|| (seconds, *start, Fingerprint::of(scene, start))))
+    fn after([start, end]: [&State<R>; 2], seconds: R) -> Self {
+        Self((start == end).then_some((seconds, *start)))
     }
 
     /// Returns true if a step of this length is known to leave this state unchanged.
     #[inline]
-    fn is_of<D: Dynamics<R>>(&self, scene: &D, state: &State<R>, seconds: R) -> bool {
-        self.0.as_ref().is_some_and(|(length, known, fingerprint)| {
-            *length == seconds && known == state && *fingerprint == Fingerprint::of(scene, state)
-        })
+    fn is_of(&self, state: &State<R>, seconds: R) -> bool {
+        (self.0.as_ref()).is_some_and(|(length, known)| *length == seconds && known == state)
     }
 
     /// Returns the report of such a step after the work so far.
@@ -201,7 +198,7 @@ impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
                 // The proposed step size has underflowed.
                 return Err(control.too_short(&settings, Quantity::Position));
             }
-            if workspace.rest.is_of(scene, state, seconds) {
+            if workspace.rest.is_of(state, seconds) {
                 control.accept(ROOTS, &trial, seconds, R::ZERO);
                 return Ok(Rest::step(seconds, &work));
             }
@@ -212,7 +209,7 @@ impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
                     let error = doubled.relative_error();
                     if error <= R::ONE {
                         control.accept(ROOTS, &trial, seconds, error);
-                        workspace.rest = Rest::after(scene, [state, &doubled.end], seconds);
+                        workspace.rest = Rest::after([state, &doubled.end], seconds);
                         *state = doubled.end;
                         return Ok(doubled.step);
                     }
@@ -241,6 +238,12 @@ impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
     #[inline]
     fn set_step_control(&self, workspace: &mut Self::Workspace, control: StepControl<R>) {
         workspace.control = Control::carrying(control);
+    }
+
+    #[inline]
+    fn clear(&self, workspace: &mut Self::Workspace) {
+        workspace.method.clear();
+        (workspace.control, workspace.rest) = (Control::default(), Rest::default());
     }
 
     fn check(&self) -> Result<(), SceneError> {

@@ -40,7 +40,7 @@ mod dip;
 mod estimate;
 
 use super::embedded_pair::control::{self, Control, Trial};
-use super::embedded_pair::{Answers, Place, Settings};
+use super::embedded_pair::{Place, Settings};
 use super::energy_momentum::check_state;
 use crate::body::ContactRange;
 use crate::error::{Quantity, SceneError, StepError};
@@ -141,15 +141,15 @@ impl<R: Real> AdaptiveNystrom<R> {
 /// Workspace of [`AdaptiveNystrom`]: proposed step size, last error, used budget, and the forces at
 /// the end of the last step.
 ///
-/// A new workspace chooses the first step from the state alone. To continue after a pause with the
-/// same results, keep the workspace with the state.
+/// A new workspace chooses the first step from the state alone. It
+/// [belongs to one scene](crate::Integrator::Workspace).
 #[derive(Clone, Debug, Default)]
 pub struct Workspace<R: Real = f64> {
     control: Control<R>,
     known: Option<Known<R>>,
 }
 
-/// A state with its first stage, and what identifies the scene in which it was evaluated.
+/// A state with its first stage.
 #[derive(Clone, Copy, Debug)]
 struct Known<R: Real> {
     state: State<R>,
@@ -158,17 +158,6 @@ struct Known<R: Real> {
     stiffest: Stiffest<R>,
     /// True if the forces are those of a limited friction.
     is_limited: bool,
-    /// `None` for a friction law that depends on the position, which no values identify.
-    answers: Option<Answers<R>>,
-}
-
-impl<R: Real> Known<R> {
-    /// Returns true if this is the first stage of a step from `state`.
-    fn is_of<D: Dynamics<R>>(&self, scene: &D, state: &State<R>) -> bool {
-        self.state == *state
-            && self.answers.is_some()
-            && self.answers == Answers::of_uniform(scene, state)
-    }
 }
 
 impl<R: Real> Integrator<R> for AdaptiveNystrom<R> {
@@ -212,7 +201,6 @@ impl<R: Real> Integrator<R> for AdaptiveNystrom<R> {
                     stage: attempt.end,
                     stiffest: attempt.stiffest,
                     is_limited: friction_limit.changes(&attempt.stiffest),
-                    answers: Answers::of_uniform(scene, state),
                 });
                 report.elapsed = seconds;
                 report.error_estimate = Some(attempt.errors.total());
@@ -263,7 +251,7 @@ impl<R: Real> Begin<R> {
     ) -> Result<Self, StepError> {
         let point = Point::of(state);
         if let Some(known) = &workspace.known {
-            if known.is_of(scene, state) {
+            if known.state == *state {
                 return Ok(Self {
                     start: Start::with_stage(point, known.stage, R::ZERO),
                     stiffest: known.stiffest,

@@ -2,10 +2,10 @@
 //! the state, or returns a valid state.
 
 use tumble::real::{Quaternion, Vector};
-use tumble::{Dynamics, Force, Integrator, Real, SpringDamperGround, State, StepError};
+use tumble::{Dynamics, Force, Real, SpringDamperGround, State, StepError};
 
 use super::input::Input;
-use super::parts::{AnyStepper, Method, Parts, numbers, state};
+use super::parts::{AnyStepper, Parts, numbers, state};
 
 /// Steps of an input.
 const STEPS: u32 = 24;
@@ -62,7 +62,7 @@ pub fn steps<R: Real>(
     count: u32,
     input: &mut Input<'_>,
 ) {
-    let mut workspace = <Method<R> as Integrator<R>>::Workspace::default();
+    let mut session = stepper.session(*state);
     let keeps_energy = stepper.integrator().keeps_energy();
     for number in 0..count {
         let limit = if input.byte() < 224 {
@@ -70,11 +70,13 @@ pub fn steps<R: Real>(
         } else {
             input.size(1e-9, 1e-1)
         };
-        let start = *state;
-        let before = keeps_energy.then(|| stepper.energy(state).total());
-        let (work, elapsed) = match stepper.step_within(state, limit, &mut workspace) {
+        let start = *session.state();
+        let before = keeps_energy.then(|| session.energy().total());
+        let step = session.step_within(limit);
+        *state = *session.state();
+        let (work, elapsed) = match step {
             Err(error) => {
-                fails_well(&start, state, limit, &error);
+                fails_well([&start, state], [session.time(), limit], &error);
                 return;
             }
             Ok(step) => {
@@ -139,11 +141,14 @@ fn is_no_jump<R: Real>(
 }
 
 /// A step that fails keeps the state, and does not blame what is valid.
-fn fails_well<R: Real>(start: &State<R>, end: &State<R>, limit: R, error: &StepError) {
+fn fails_well<R: Real>([start, end]: [&State<R>; 2], [time, limit]: [R; 2], error: &StepError) {
     assert_eq!(numbers(end), numbers(start), "a failed step moves: {error}");
     assert!(!error.to_string().is_empty());
     match error {
-        StepError::Stalled => panic!("a step takes no time"),
+        StepError::Stalled => assert!(
+            limit <= time * (R::EPSILON * R::EPSILON),
+            "a step of {limit:?} s takes no time at {time:?} s"
+        ),
         StepError::BadLimit { .. } => {
             let order = limit.partial_cmp(&R::ZERO);
             assert!(order.is_none_or(|order| order.is_lt()), "{error}");
