@@ -129,13 +129,19 @@ where
 
     /// Height of a ground that is a level plane, if all contacts are bare points of the body.
     #[inline(always)]
-    pub(crate) fn height_under_bare_points(&self) -> Option<R> {
+    pub(super) fn height_under_bare_points(&self) -> Option<R> {
         match self.ground.bounds() {
-            GroundBounds::Plane(plane) if !self.extent.has_radii && plane.is_level() => {
+            GroundBounds::Plane(plane) if self.has_bare_points() && plane.is_level() => {
                 Some(plane.height)
             }
             _ => None,
         }
+    }
+
+    /// Returns true if all contacts are bare points of the body, which touch at their own position.
+    #[inline(always)]
+    pub(crate) fn has_bare_points(&self) -> bool {
+        !self.extent.has_radii
     }
 
     #[inline(always)]

@@ -106,7 +106,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             },
             angular_momentum,
             plane,
-            is_bare: model.height_under_bare_points().is_some(),
+            is_bare: plane.is_some_and(|plane| plane.is_level()) && model.has_bare_points(),
             is_conservative: false,
             seconds,
             per_second: R::ONE / seconds,
