@@ -27,5 +27,5 @@ pub use model::ContactModel;
 pub(crate) use model::Extent;
 pub(crate) use moving::MovingContact;
 pub use point::Contact;
-pub(crate) use rims::{Discontinuities, Velocities, arcs_below, discontinuities};
+pub(crate) use rims::RimStep;
 pub(crate) use visit::Onset;

@@ -10,13 +10,13 @@
 
 mod arcs;
 mod discontinuities;
+mod step;
 mod sweep;
 mod turning_rules;
 
-pub(crate) use arcs::Arcs;
-use arcs::Placed;
-use discontinuities::discontinuities_over;
-pub(crate) use discontinuities::{Discontinuities, Velocities, discontinuities};
+use arcs::{Arcs, Placed};
+use discontinuities::{Discontinuities, Velocities, discontinuities_over};
+pub(crate) use step::RimStep;
 use sweep::{Sweep, visit_between};
 
 use super::invariants;
@@ -30,7 +30,7 @@ use crate::state::Motion;
 
 /// Arcs of a rim below the ground.
 #[inline]
-pub(crate) fn arcs_below<R: Real, G: SpringDamperGround<R>>(
+fn arcs_below<R: Real, G: SpringDamperGround<R>>(
     rim: &Rim<R>,
     ground: &G,
     position: R::Vec3,

@@ -22,12 +22,10 @@
 use super::block::Block;
 use super::problem::{Problem, Trial};
 use super::touch::{Answer, Dual, Increment, Lever, Push, Reversal, Since, Touch};
-use crate::body::{Arc, ContactRange, Panel, Panels, RigidPointBody, Rim};
-use crate::contact::{Discontinuities, MovingContact, Velocities, arcs_below, discontinuities};
-use crate::friction::{FrictionJacobian, SlidingFriction};
-use crate::ground::SpringDamperGround;
+use crate::body::{ContactRange, Panel, RigidPointBody, Rim};
+use crate::contact::{MovingContact, RimStep};
+use crate::friction::FrictionJacobian;
 use crate::real::{Real, Vector};
-use crate::rotation::Axes;
 use crate::scene::Dynamics;
 
 /// Number of contacts that a step remembers from iteration to iteration. If there are more, one of
@@ -389,11 +387,22 @@ impl<R: Real> Contacts<R> {
         let share = (CAPACITY - count.min(CAPACITY)) / (surfaces as usize).max(1);
         let rims = problem.scene.body().rims();
         for surface in 0..surfaces {
+            let laws = (&problem.ground(surface), &problem.law(surface));
+            let step = RimStep {
+                laws,
+                plane: problem.plane_of(surface),
+                poses: [(problem.motion.position, problem.motion.axes), end],
+                velocities: [trial.velocity, problem.drift_of_ground()],
+                turning: |arm| {
+                    let turned = trial.rotation_change.times(arm) * problem.per_second;
+                    turned - problem.swing_of_ground(arm)
+                },
+            };
             let mut room = share;
             for (number, rim) in rims.iter().enumerate() {
                 let others = rims.get(number + 1..).unwrap_or_default();
-                let sharing = 1 + touching(problem, surface, &end, others);
-                let panels = panels_below(problem, surface, trial, &end, rim);
+                let sharing = 1 + step.touching(others);
+                let panels = step.panels(rim);
                 let most = room / sharing / panels.count().max(1);
                 let (first, short) = (count, panels.total_chord() * R::from_f64(SLIVER));
                 for panel in panels.iter() {
@@ -691,93 +700,4 @@ impl<R: Real> Contacts<R> {
         touch.look_back(problem, since, (self.notes > 1).then_some(first));
         touch.continued_answer(drag)
     }
-}
-
-/// Number of rims that touch a plane at the start or at the `end` (position and axes) of a step. On
-/// a surface of another shape, all of them count.
-#[inline]
-fn touching<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    surface: u32,
-    (end, end_axes): &(R::Vec3, Axes<R>),
-    rims: &[Rim<R>],
-) -> usize {
-    if problem.plane_of(surface).is_none() {
-        return rims.len();
-    }
-    let (ground, motion) = (problem.ground(surface), &problem.motion);
-    let is_below = |rim: &Rim<R>, position, axes| {
-        let arcs = arcs_below(rim, &ground, position, axes);
-        arcs.get().iter().any(|arc| *arc != Arc::Nothing)
-    };
-    let touches = |rim: &&Rim<R>| {
-        is_below(rim, motion.position, &motion.axes) || is_below(rim, *end, end_axes)
-    };
-    rims.iter().filter(touches).count()
-}
-
-/// Panels of a rim below a surface at the start or at the `end` (position and axes) of a step, cut
-/// at the discontinuities of friction on the arcs of the time with the longer one.
-#[inline]
-fn panels_below<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    surface: u32,
-    trial: &Trial<R>,
-    (end, end_axes): &(R::Vec3, Axes<R>),
-    rim: &Rim<R>,
-) -> Panels<R> {
-    let (ground, motion) = (problem.ground(surface), &problem.motion);
-    let at_start = arcs_below(rim, &ground, motion.position, &motion.axes);
-    let at_end = arcs_below(rim, &ground, *end, end_axes);
-    let longer = if at_start.longest() < at_end.longest() {
-        &at_end
-    } else {
-        &at_start
-    };
-    let cuts = |arc: Arc<R>| {
-        let discontinuities = mean_discontinuities(problem, surface, trial, rim, &arc);
-        discontinuities.places().map(move |u| arc.place(u))
-    };
-    Panels::of_all(
-        [at_start.get(), at_end.get()],
-        &mut longer.parts().flat_map(cuts),
-    )
-}
-
-/// Positions on an arc at which the forces of mean velocities over a trial step have a
-/// discontinuity of their derivative.
-fn mean_discontinuities<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    surface: u32,
-    trial: &Trial<R>,
-    rim: &Rim<R>,
-    arc: &Arc<R>,
-) -> Discontinuities<R> {
-    let axes = &problem.motion.axes;
-    let velocity = |v: R::Vec3| {
-        let v = axes.to_world(v);
-        trial.rotation_change.times(v) * problem.per_second - problem.swing_of_ground(v)
-    };
-    let [down, across] = rim.axes();
-    let turning = [
-        velocity(down * rim.radius()),
-        velocity(across * rim.radius()),
-    ];
-    let middle = trial.velocity + velocity(rim.centre()) - problem.drift_of_ground();
-    let velocities = Velocities::along(arc, middle, turning);
-    let (ground, friction) = (problem.ground(surface), problem.law(surface));
-    let position = if friction.depends_on_position() {
-        let [lowest, _] = rim.spokes(rim.axes(), arc.place(R::ZERO));
-        problem.motion.position + axes.to_world(rim.centre() + lowest)
-    } else {
-        problem.motion.position
-    };
-    let normal = match &problem.plane_of(surface) {
-        Some(plane) => plane.normal,
-        None => {
-            let centre = axes.to_world(rim.centre());
-            ground.surface(problem.motion.position + centre).normal
-        }
-    };
-    discontinuities((&ground, &friction), arc, [position, normal], &velocities)
 }
