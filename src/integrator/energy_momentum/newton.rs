@@ -51,6 +51,7 @@ use super::problem::{Problem, Trial};
 use super::shared::is_single;
 use super::stiffness::{self, Others};
 use super::touch::{Increment, Push};
+use crate::body::RigidPointBody;
 use crate::integrator::Step;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
@@ -198,6 +199,8 @@ struct Newton<'a, 'b, R: Real, D> {
     exact: R,
     /// Multiple of the tolerance from which one step is enough.
     close: R,
+    /// Whether the contact moves over the surface of the body.
+    is_moving: bool,
 }
 
 impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
@@ -216,6 +219,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             with_slips: false,
             exact,
             close: R::ONE / exact,
+            is_moving: problem.moving_contact().is_some(),
         }
     }
 
@@ -329,7 +333,10 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             && ((is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
                 || self.is_close_in_stick(here, contacts, shift, turn));
         change(problem, trial, &here.place, shift, turn);
-        if !is_resolved && (begins_in_stick || is_last || !problem.has_rims()) {
+        // The points of rims are placed anew for each trial. The question is put to the body, because
+        // a question to the contact model makes the firmware larger (`.ci/embedded.sh`).
+        let is_without_rims = problem.scene.body().rims().is_empty();
+        if !is_resolved && (begins_in_stick || is_last || is_without_rims) {
             contacts.advance(problem, &Increment::of(shift, turn, here.place.spin));
         }
         self.share = R::ONE;
@@ -396,8 +403,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let is_close = size <= here.tolerance * self.close
             && (!is_single::<R>()
                 || (self.scale).turns_closely(self.problem, here.torque_residual, size));
-        let is_fixed = self.problem.moving_contact().is_none();
-        self.is_progress(here) && is_close && (is_fixed || !is_single::<R>())
+        self.is_progress(here) && is_close && !(self.is_moving && is_single::<R>())
     }
 
     /// Returns true if Newton's step is not much larger than a residual that it squares to rounding.
