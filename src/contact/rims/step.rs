@@ -1,6 +1,6 @@
 //! Rims over an implicit step: what touches at its start or at its end.
 
-use super::arcs_below;
+use super::arcs;
 use super::discontinuities::{Discontinuities, Velocities, discontinuities};
 use crate::body::{Arc, Panels, Rim};
 use crate::friction::SlidingFriction;
@@ -39,7 +39,7 @@ where
         }
         let touches = |rim: &&Rim<R>| {
             self.poses.iter().any(|(position, axes)| {
-                let arcs = arcs_below(rim, self.laws.0, *position, axes);
+                let arcs = arcs::below(rim, self.laws.0, *position, axes);
                 arcs.get().iter().any(|arc| *arc != Arc::Nothing)
             })
         };
@@ -51,8 +51,8 @@ where
     #[inline]
     pub(crate) fn panels(&self, rim: &Rim<R>) -> Panels<R> {
         let [(start, start_axes), (end, end_axes)] = &self.poses;
-        let at_start = arcs_below(rim, self.laws.0, *start, start_axes);
-        let at_end = arcs_below(rim, self.laws.0, *end, end_axes);
+        let at_start = arcs::below(rim, self.laws.0, *start, start_axes);
+        let at_end = arcs::below(rim, self.laws.0, *end, end_axes);
         let longer = if at_start.longest() < at_end.longest() {
             &at_end
         } else {
