@@ -2,14 +2,16 @@
 //!
 //! [`ContactModel`] holds the three parts that contact depends on: body, ground and friction law.
 //! Whether a body consists of points, is smooth or has circular rims, and whether the ground is a
-//! level plane, is decided here.
+//! level plane, is decided here. `kind.rs` has what other modules ask about it.
 
 mod invariants;
+mod kind;
 mod lanes;
 mod level;
 mod load;
 mod lowest_point;
 mod model;
+mod moving;
 mod point;
 mod range;
 mod rims;
@@ -22,6 +24,8 @@ pub(crate) use lanes::{AxesInLanes, LANES, Loads, Motions, Numbers, Ranges, Vect
 pub use load::Load;
 pub use lowest_point::LowestPoint;
 pub use model::ContactModel;
+pub(crate) use model::Extent;
+pub(crate) use moving::MovingContact;
 pub use point::Contact;
-pub(crate) use point::facing_ground;
-pub(crate) use rims::{Discontinuities, Velocities, arcs_below, discontinuities};
+pub(crate) use rims::RimStep;
+pub(crate) use visit::Onset;

@@ -1,7 +1,6 @@
 //! Energy by kind, and the power at which contacts and the applied force change it.
 
-use crate::body::RigidPointBody;
-use crate::contact::{Contact, Load};
+use crate::contact::{Contact, Load, Onset};
 use crate::force::Force;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
@@ -252,36 +251,25 @@ impl<R: Real> EnergyRates<R> {
         let mut load = Load::default();
         let mut dissipation = Dissipation::of_applied_force(scene, &motion);
         let turning = scene.contact_model().seen(&motion).angular_velocity;
-        let (mut contacts, smooth) = (0_u64, scene.body().is_smooth());
-        let mut enter = |contact: &Contact<R>, number: u64| {
+        let model = scene.contact_model();
+        let (mut contacts, mut springs) = (0_u64, R::ZERO);
+        model.visit_with_onsets(&motion, &mut |contact, onset| {
             let (force, power) = force_and_power(scene, contact, turning);
             // A contact that touches counts once. A contact that pushes counts a second time.
             let pushes = force.dot(contact.normal) > R::ZERO;
-            contacts = contacts.wrapping_add(number << u32::from(pushes));
+            if onset == Onset::Sudden {
+                let identity = model.identity_of(contact);
+                contacts = contacts.wrapping_add(identity << u32::from(pushes));
+                let (ground, _) = contact.laws(scene.ground(), scene.friction());
+                springs += ground.spring_energy(contact.depth);
+            }
             load.add(contact, force);
             if let Some(torque) = torque_on(scene, contact, turning) {
                 load.torque += torque;
             }
             dissipation = dissipation.plus(&power, R::ONE);
-        };
-        let run = scene
-            .contact_model()
-            .range_within(R::ZERO, motion.position, &motion.axes);
-        let mut springs = R::ZERO;
-        scene
-            .contact_model()
-            .visit_points(run, &motion, &mut |contact: &Contact<R>| {
-                let number = if smooth { 1 } else { checksum(contact) };
-                enter(contact, number.wrapping_add((contact.surface as u64) << 8));
-                let (ground, _) = contact.laws(scene.ground(), scene.friction());
-                springs += ground.spring_energy(contact.depth);
-            });
-        // The points of a circular edge touch one after the other, so the force has no
-        // discontinuity.
-        scene
-            .contact_model()
-            .visit_rims(&motion, &mut |contact| enter(contact, 0));
-        let (of_rims, _) = scene.contact_model().rims_energy(&motion);
+        });
+        let (of_rims, _) = model.rims_energy(&motion);
         dissipation.drive += power_of_ground(scene, &motion, &load);
         let load = scene.with_applied_force(load, &motion);
         Self {
@@ -291,15 +279,4 @@ impl<R: Real> EnergyRates<R> {
             contacts,
         }
     }
-}
-
-/// Checksum of the position of a contact in the body. It is different for each contact.
-fn checksum<R: Real>(contact: &Contact<R>) -> u64 {
-    let position = contact.point.position;
-    let mut sum = 0_u64;
-    for number in [position.x(), position.y(), position.z()] {
-        sum = (sum ^ number.to_f64().to_bits()).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        sum ^= sum >> 32;
-    }
-    sum | 1
 }

@@ -331,6 +331,19 @@ pub enum GroundBounds<R: Real = f64> {
     Everywhere,
 }
 
+impl<R: Real> GroundBounds<R> {
+    /// Checks the plane, if there is one.
+    ///
+    /// # Errors
+    /// Returns [`SceneError`] if the plane is invalid.
+    pub(crate) fn check(&self) -> Result<(), SceneError> {
+        match self {
+            Self::Plane(plane) | Self::Below(plane) => plane.check(),
+            Self::Nowhere | Self::Everywhere => Ok(()),
+        }
+    }
+}
+
 /// Plane of the points with `normal · point = height`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(

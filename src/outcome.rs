@@ -43,7 +43,7 @@ pub use hull::HullFace;
 use crate::body::RigidPointBody;
 use crate::energy::Energy;
 use crate::force::Force;
-use crate::ground::{GroundBounds, SpringDamperGround};
+use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -165,9 +165,7 @@ where
     /// some hundred thousand.
     #[must_use]
     pub fn of(scene: &'a D) -> Option<Self> {
-        let GroundBounds::Plane(plane) = scene.ground().bounds() else {
-            return None;
-        };
+        let plane = scene.contact_model().plane()?;
         // A drive can lift the body over any barrier.
         let is_driven = scene.force().acts() && !scene.force().is_passive();
         if is_driven || scene.ground().motion().is_some() {

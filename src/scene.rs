@@ -16,12 +16,12 @@ pub(crate) use screened::{Alarm, ScreenedScene};
 pub(crate) use torque_free::TorqueFree;
 
 use crate::body::{InertiaProperties, RigidPointBody};
-use crate::contact::{Contact, ContactModel, Load, Motion};
+use crate::contact::{Contact, ContactModel, Extent, Load, Motion};
 use crate::error::{self, Rule, SceneError};
 use crate::force::{Force, NoForce};
 use crate::friction::SlidingFriction;
 use crate::gravity::Gravity;
-use crate::ground::{GroundBounds, SpringDamperGround};
+use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::State;
@@ -59,22 +59,22 @@ pub trait Dynamics<R: Real = f64> {
     /// Body.
     #[inline(always)]
     fn body(&self) -> &Self::Body {
-        self.contact_model().body
+        self.contact_model().body()
     }
     /// Ground.
     #[inline(always)]
     fn ground(&self) -> &Self::Ground {
-        self.contact_model().ground
+        self.contact_model().ground()
     }
     /// Friction law.
     #[inline(always)]
     fn friction(&self) -> &Self::Friction {
-        self.contact_model().friction
+        self.contact_model().friction()
     }
     /// Distance from the centre of mass to the farthest point of the body's surface, m.
     #[inline(always)]
     fn bounding_radius(&self) -> R {
-        self.contact_model().bounding_radius
+        self.contact_model().extent().bounding_radius
     }
 
     /// Evaluates laws at a point that the motion does not pass. A value that breaks a contract
@@ -186,6 +186,8 @@ pub struct Scene<B, G, F, A, R: Real = f64, E = NoForce> {
     gravity: A,
     force: E,
     inertia_properties: InertiaProperties<R>,
+    // The extent of the body's surface. The `Debug` text of a scene is part of the hash that
+    // identifies the results of an ensemble, so the two numbers are fields of the scene.
     bounding_radius: R,
     has_radii: bool,
 }
@@ -212,17 +214,14 @@ where
         }
         friction.check()?;
         gravity.check()?;
-        let ContactModel {
+        let Extent {
             bounding_radius,
             has_radii,
-            ..
-        } = ContactModel::new(&body, &ground, &friction);
+        } = ContactModel::new(&body, &ground, &friction).extent();
         let weight = inertia_properties.mass() * gravity.acceleration().length();
         error::finite("weight (mass times gravity)", weight, " N")?;
         check_numbers_of_surfaces(&ground, &friction)?;
-        if let GroundBounds::Plane(plane) | GroundBounds::Below(plane) = ground.bounds() {
-            plane.check()?;
-        }
+        ground.bounds().check()?;
         Ok(Self {
             inertia_properties,
             bounding_radius,
@@ -349,13 +348,11 @@ where
     }
     #[inline(always)]
     fn contact_model(&self) -> ContactModel<'_, B, G, F, R> {
-        ContactModel {
-            body: &self.body,
-            ground: &self.ground,
-            friction: &self.friction,
+        let extent = Extent {
             bounding_radius: self.bounding_radius,
             has_radii: self.has_radii,
-        }
+        };
+        ContactModel::composed(&self.body, &self.ground, &self.friction, extent)
     }
     #[inline]
     fn gravity(&self) -> R::Vec3 {

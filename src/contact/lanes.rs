@@ -287,7 +287,7 @@ impl<R: Real> Ranges<R> {
         }
         let is_empty = range.count == 0;
         self.empty_below[i] = if is_empty {
-            -model.bounding_radius
+            -model.extent.bounding_radius
         } else {
             -R::MAX
         };

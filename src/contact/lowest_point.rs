@@ -2,7 +2,6 @@
 
 use super::invariants;
 use super::model::ContactModel;
-use super::point::facing_ground;
 use super::rims;
 use crate::body::{ContactPoint, ContactRange, RigidPointBody};
 use crate::friction::SlidingFriction;
@@ -79,9 +78,9 @@ where
     fn lowest_contact(&self, surface: usize, motion: &Motion<R>) -> Option<Candidate<R>> {
         let contacts = self.body.contacts();
         let first = contacts.first()?;
-        if self.body.is_smooth() {
+        if let Some(moving) = self.moving_contact() {
             let ground = OneSurface::of(self.ground, surface);
-            let facing = facing_ground(self.body, &ground, motion.position, &motion.axes);
+            let facing = moving.above(&ground, motion.position, &motion.axes);
             return Some(self.candidate(surface, 0, &facing, motion));
         }
         let mut lowest = self.candidate(surface, 0, first, motion);

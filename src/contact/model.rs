@@ -15,14 +15,22 @@ use crate::state::Motion;
 #[derive(Clone, Copy, Debug)]
 pub struct ContactModel<'a, B, G, F, R: Real = f64> {
     /// Body.
-    pub(crate) body: &'a B,
+    pub(super) body: &'a B,
     /// Ground.
-    pub(crate) ground: &'a G,
+    pub(super) ground: &'a G,
     /// Friction law.
-    pub(crate) friction: &'a F,
-    /// Distance from the centre of mass to the farthest point of the body's surface, m.
+    pub(super) friction: &'a F,
+    /// Extent of the body's surface.
+    pub(super) extent: Extent<R>,
+}
+
+/// Extent of a body's surface, computed once when a scene is composed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extent<R> {
+    /// Distance from the centre of mass to the farthest point of the surface, m.
     pub(crate) bounding_radius: R,
-    /// True if a contact of the body has a radius or moves over a smooth surface.
+    /// True if the surface extends beyond the positions of the contacts: one has a radius or moves
+    /// over a smooth surface.
     ///
     /// The force then acts at a point other than the contact's own position.
     pub(crate) has_radii: bool,
@@ -39,13 +47,43 @@ where
     #[must_use]
     pub fn new(body: &'a B, ground: &'a G, friction: &'a F) -> Self {
         let mut contacts = body.contacts().iter();
+        let extent = Extent {
+            bounding_radius: body.bounding_radius(),
+            has_radii: body.is_smooth() || contacts.any(|contact| contact.radius > R::ZERO),
+        };
+        Self::composed(body, ground, friction, extent)
+    }
+
+    /// Contact model of a body whose extent is known.
+    #[inline(always)]
+    pub(crate) fn composed(body: &'a B, ground: &'a G, friction: &'a F, extent: Extent<R>) -> Self {
         Self {
             body,
             ground,
             friction,
-            bounding_radius: body.bounding_radius(),
-            has_radii: body.is_smooth() || contacts.any(|contact| contact.radius > R::ZERO),
+            extent,
         }
+    }
+
+    /// Contact model of the same body with another ground and friction law.
+    #[inline(always)]
+    pub(crate) fn with_laws<'b, G2, F2>(
+        &self,
+        ground: &'b G2,
+        friction: &'b F2,
+    ) -> ContactModel<'b, B, G2, F2, R>
+    where
+        'a: 'b,
+        G2: SpringDamperGround<R>,
+        F2: SlidingFriction<R>,
+    {
+        ContactModel::composed(self.body, ground, friction, self.extent)
+    }
+
+    /// Extent of the body's surface.
+    #[inline(always)]
+    pub(crate) fn extent(&self) -> Extent<R> {
+        self.extent
     }
 
     /// Body.

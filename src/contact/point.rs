@@ -1,5 +1,6 @@
 //! One contact that touches: its geometry, its velocity and its force.
 
+use super::moving::MovingContact;
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::friction::{LawOfSurface, SlidingFriction};
 use crate::ground::{OneSurface, SpringDamperGround};
@@ -41,11 +42,12 @@ impl<R: Real> Contact<R> {
         point: &ContactPoint<R>,
     ) -> Option<Self> {
         let facing;
-        let point = if body.is_smooth() {
-            facing = facing_ground(body, ground, motion.position, &motion.axes);
-            &facing
-        } else {
-            point
+        let point = match MovingContact::of(body) {
+            Some(moving) => {
+                facing = moving.above(ground, motion.position, &motion.axes);
+                &facing
+            }
+            None => point,
         };
         Self::of(ground, motion, point, R::ONE)
     }
@@ -101,13 +103,13 @@ impl<R: Real> Contact<R> {
         let (o, i) = (R::ZERO, R::ONE);
         let turns = [[i, o, o], [o, i, o], [o, o, i]].map(|[x, y, z]| R::Vec3::new(x, y, z));
         let carried = self.arm + self.normal * self.point.radius;
-        if !body.is_smooth() {
+        let Some(moving) = MovingContact::of(body) else {
             return turns.map(|turn| turn.cross(carried));
-        }
+        };
         let nudge = R::EPSILON.sqrt();
         turns.map(|turn| {
             let towards = turn.cross(self.normal) * nudge - self.normal;
-            let moved = axes.to_world(body.support_point(axes.to_body(towards))) - self.arm;
+            let moved = moving.towards(towards, axes) - self.arm;
             turn.cross(self.arm) + moved * (R::ONE / nudge)
         })
     }
@@ -164,20 +166,6 @@ impl<R: Real> Contact<R> {
             None => R::Vec3::ZERO,
         }
     }
-}
-
-/// Point of a smooth body that faces the ground, as a bare contact for the current orientation. The
-/// normal is that under the contact which represents the body.
-#[inline]
-pub(crate) fn facing_ground<R: Real, B: RigidPointBody<R>, G: SpringDamperGround<R>>(
-    body: &B,
-    ground: &G,
-    position: R::Vec3,
-    axes: &Axes<R>,
-) -> ContactPoint<R> {
-    let middle = body.contacts().first().copied().unwrap_or_default();
-    let surface = ground.surface(position + axes.to_world(middle.position));
-    ContactPoint::bare(body.support_point(axes.to_body(-surface.normal)))
 }
 
 /// Vector from the centre of mass to the point of a contact's surface that faces the ground, m,

@@ -105,7 +105,7 @@ where
                     (plane.gap(position), axes.to_body(plane.normal))
                 };
                 let offset = self.offset(margin, plane.height, gap);
-                if offset < -self.bounding_radius {
+                if offset < -self.extent.bounding_radius {
                     ContactRange::NONE
                 } else {
                     below(normal, offset)
@@ -120,8 +120,8 @@ where
     pub(super) fn offset(&self, margin: R, height: R, gap: R) -> R {
         // Bound of the rounding of a gap, far larger than the rounding of the body's own
         // arithmetic.
-        let rounding =
-            (gap.abs() + height.abs() + self.bounding_radius) * (R::EPSILON * R::from_f64(8.0));
+        let size = gap.abs() + height.abs() + self.extent.bounding_radius;
+        let rounding = size * (R::EPSILON * R::from_f64(8.0));
         margin + rounding - gap
     }
 
@@ -144,19 +144,10 @@ where
         let is_above = |surface| match OneSurface::of(self.ground, surface).bounds() {
             GroundBounds::Nowhere => true,
             GroundBounds::Plane(plane) | GroundBounds::Below(plane) => {
-                plane.gap(motion.position) > self.bounding_radius
+                plane.gap(motion.position) > self.extent.bounding_radius
             }
             GroundBounds::Everywhere => false,
         };
         (0..self.surfaces()).all(is_above)
-    }
-
-    /// Height of a ground that is a level plane, if all contacts are bare points of the body.
-    #[inline(always)]
-    pub(super) fn height_under_bare_points(&self) -> Option<R> {
-        match self.ground.bounds() {
-            GroundBounds::Plane(plane) if !self.has_radii && plane.is_level() => Some(plane.height),
-            _ => None,
-        }
     }
 }

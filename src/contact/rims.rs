@@ -10,13 +10,13 @@
 
 mod arcs;
 mod discontinuities;
+mod step;
 mod sweep;
 mod turning_rules;
 
-pub(crate) use arcs::Arcs;
 use arcs::Placed;
-use discontinuities::discontinuities_over;
-pub(crate) use discontinuities::{Discontinuities, Velocities, discontinuities};
+use discontinuities::{Discontinuities, Velocities, discontinuities_over};
+pub(crate) use step::RimStep;
 use sweep::{Sweep, visit_between};
 
 use super::invariants;
@@ -27,31 +27,6 @@ use crate::ground::{GroundBounds, OneSurface, Plane, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::state::Motion;
-
-/// Arcs of a rim below the ground.
-#[inline]
-pub(crate) fn arcs_below<R: Real, G: SpringDamperGround<R>>(
-    rim: &Rim<R>,
-    ground: &G,
-    position: R::Vec3,
-    axes: &Axes<R>,
-) -> Arcs<R> {
-    let centre = position + axes.to_world(rim.centre());
-    match ground.bounds() {
-        GroundBounds::Nowhere => Arcs::NONE,
-        GroundBounds::Plane(plane) => {
-            Arcs::one(rim.arc_below(axes.to_body(plane.normal), plane.gap(centre)))
-        }
-        GroundBounds::Below(plane)
-            if plane.gap(centre) > rim.radius() * rim.steepness(axes.to_body(plane.normal)) =>
-        {
-            Arcs::NONE
-        }
-        GroundBounds::Below(_) | GroundBounds::Everywhere => {
-            arcs::arcs_below(&Placed::new(rim, ground, position, axes))
-        }
-    }
-}
 
 /// Lowest point of a rim, m, body axes.
 pub(super) fn lowest<R: Real, G: SpringDamperGround<R>>(
@@ -177,7 +152,7 @@ pub(super) fn visit_any<R: Real, G: SpringDamperGround<R>, F: SlidingFriction<R>
     motion: &Motion<R>,
     visit: &mut dyn FnMut(&Contact<R>),
 ) {
-    let arcs = arcs_below(rim, laws.0, motion.position, &motion.axes);
+    let arcs = arcs::below(rim, laws.0, motion.position, &motion.axes);
     let density = rim.points() * R::from_f64(core::f64::consts::FRAC_1_PI);
     let panels = |arc: Arc<R>| Panels::of(arc, core::iter::empty());
     for panel in arcs.get().iter().flat_map(|arc| panels(*arc).into_iter()) {

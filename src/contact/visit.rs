@@ -10,6 +10,15 @@ use crate::ground::{OneSurface, SpringDamperGround};
 use crate::real::Real;
 use crate::state::Motion;
 
+/// How the force of a contact begins when it touches down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Onset {
+    /// With the jump of the damper's force.
+    Sudden,
+    /// From 0, with the part of a rim that is below ground.
+    Gradual,
+}
+
 /// What is done with each contact that touches.
 ///
 /// A closure is a visitor. A type of its own can force the compiler to inline its method, which a
@@ -61,7 +70,7 @@ where
     /// Calls `visit` with each contact point in `run` that touches, without the quadrature points
     /// of a rim.
     #[inline(always)]
-    pub(crate) fn visit_points(
+    pub(super) fn visit_points(
         &self,
         run: ContactRange,
         motion: &Motion<R>,
@@ -131,12 +140,29 @@ where
         }
     }
 
+    /// Calls `visit` with each contact that touches, and whether its force begins with a jump when
+    /// it touches down.
+    ///
+    /// The points of a rim touch one after the other, so that the force of the rim has no jump.
+    #[inline(always)]
+    pub(crate) fn visit_with_onsets(
+        &self,
+        motion: &Motion<R>,
+        visit: &mut impl FnMut(&Contact<R>, Onset),
+    ) {
+        let run = self.range_within(R::ZERO, motion.position, &motion.axes);
+        self.visit_points(run, motion, &mut |contact: &Contact<R>| {
+            visit(contact, Onset::Sudden);
+        });
+        self.visit_rims(motion, &mut |contact| visit(contact, Onset::Gradual));
+    }
+
     /// Calls `visit` with each quadrature point of the rims that touches.
     ///
     /// It is compiled once for all visitors. A call for each quadrature point costs far less than
     /// the point itself.
     #[inline(never)]
-    pub(crate) fn visit_rims(&self, motion: &Motion<R>, visit: &mut dyn FnMut(&Contact<R>)) {
+    pub(super) fn visit_rims(&self, motion: &Motion<R>, visit: &mut dyn FnMut(&Contact<R>)) {
         let motion = &self.seen(motion);
         for surface in 0..self.surfaces() {
             let laws = self.laws_of(surface);

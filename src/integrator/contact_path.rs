@@ -3,9 +3,9 @@
 //!
 //! For the methods that treat contacts which begin or cease to push within a step.
 
-use crate::body::{ContactPoint, RigidPointBody};
-use crate::contact::{Motion, facing_ground};
-use crate::ground::{GroundBounds, Plane, SpringDamperGround};
+use crate::body::ContactPoint;
+use crate::contact::Motion;
+use crate::ground::{Plane, SpringDamperGround};
 use crate::quadrature::bisect;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
@@ -53,11 +53,8 @@ pub(in crate::integrator) fn place_of<R: Real, D: Dynamics<R>>(
     motion: &Motion<R>,
     point: &ContactPoint<R>,
 ) -> ContactPoint<R> {
-    if scene.body().is_smooth() {
-        facing_ground(scene.body(), scene.ground(), motion.position, &motion.axes)
-    } else {
-        *point
-    }
+    let (model, pose) = (scene.contact_model(), (motion.position, &motion.axes));
+    model.contact_above(scene.ground(), pose, point)
 }
 
 /// Returns the normal force of one contact, N. It is 0 above ground.
@@ -151,16 +148,11 @@ impl<R: Real> AbovePlane<R> {
 impl<'a, R: Real, D: Dynamics<R>> ContactView<'a, R, D> {
     #[inline(always)]
     pub(in crate::integrator) fn of(scene: &'a D, motion: &'a Motion<R>) -> Self {
-        let plane = match scene.ground().bounds() {
-            GroundBounds::Plane(plane) if !scene.body().is_smooth() => {
-                Some(AbovePlane::of(&plane, motion))
-            }
-            _ => None,
-        };
+        let plane = scene.contact_model().plane_under_fixed_contacts();
         Self {
             scene,
             motion,
-            plane,
+            plane: plane.map(|plane| AbovePlane::of(&plane, motion)),
         }
     }
 

@@ -38,10 +38,10 @@ mod touch;
 mod turning;
 mod work;
 
-use crate::body::{ContactRange, RigidPointBody, Rim};
+use crate::body::{ContactRange, RigidPointBody};
 use crate::energy::Energy;
 use crate::error::{self, Quantity, SceneError, StepError};
-use crate::ground::{GroundBounds, Plane, SpringDamperGround};
+use crate::ground::Plane;
 use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::integrator::{energy_limit, flight_rounding};
 use crate::real::{Real, Vector};
@@ -527,7 +527,7 @@ fn gather<R: Real, D: Dynamics<R>>(
 
 /// All contacts, for a surface that may be anywhere.
 fn everything<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, surface: u32) -> Reach<R> {
-    let anywhere = !matches!(problem.ground(surface).bounds(), GroundBounds::Nowhere);
+    let anywhere = !problem.scene.contact_model().is_nowhere(surface as usize);
     let all = ContactRange::all(problem.scene.body().contacts().len());
     Reach {
         run: if anywhere { all } else { ContactRange::NONE },
@@ -575,11 +575,6 @@ fn near_plane<R: Real, D: Dynamics<R>>(
     let turned =
         (dt * tilt.length() * problem.bounding_radius).at_most(R::TWO * problem.bounding_radius);
     let margin = (fall + turned).at_least(R::ZERO) + bend;
-    // A rim counts as a whole, because its lowest point may be another one at the end.
-    let may_touch = |rim: &Rim<R>| {
-        let lowest = rim.support(-motion.axes.to_body(plane.normal));
-        plane.gap(motion.position) - lowest <= margin
-    };
     let model = scene.contact_model();
     Reach {
         run: model.range_of_surface(surface as usize, margin, motion.position, &motion.axes),
@@ -587,6 +582,7 @@ fn near_plane<R: Real, D: Dynamics<R>>(
         fall,
         tilt,
         bend,
-        with_rims: scene.body().rims().iter().any(may_touch),
+        // A rim counts as a whole, because its lowest point may be another one at the end.
+        with_rims: model.has_rim_within(margin, plane, (motion.position, &motion.axes)),
     }
 }

@@ -18,7 +18,7 @@ use crate::energy::Energy;
 use crate::error::{SceneError, StepError};
 use crate::force::Force;
 use crate::free_rotation::FreeRotation;
-use crate::ground::{GroundBounds, Plane, SpringDamperGround};
+use crate::ground::Plane;
 use crate::integrator::energy_limit;
 use crate::integrator::interface::{Integrator, Step, StepControl};
 use crate::real::{Real, Vector};
@@ -57,6 +57,8 @@ use crate::state::State;
 ///
 /// *Ground:* over a ground with [`GroundBounds::Everywhere`] there is no gain. While the body is in
 /// contact, each step costs one more search for its lowest point.
+///
+/// [`GroundBounds::Everywhere`]: crate::GroundBounds::Everywhere
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -232,9 +234,9 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         if scene.force().acts() {
             return None;
         }
-        let surfaces = scene.contact_model().surfaces();
-        let is_anywhere = |surface| bounds_of(scene, surface) == GroundBounds::Everywhere;
-        if (0..surfaces).any(is_anywhere) {
+        let model = scene.contact_model();
+        let surfaces = model.surfaces();
+        if (0..surfaces).any(|surface| model.is_unbounded(surface)) {
             return None;
         }
         Some(Self {
@@ -257,9 +259,7 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         let limit = limit.at_most(R::MAX);
         let (mut free, mut worth) = (R::MAX, R::ZERO);
         for surface in 0..self.surfaces {
-            let (GroundBounds::Plane(plane) | GroundBounds::Below(plane)) =
-                bounds_of(self.scene, surface)
-            else {
+            let Some(plane) = self.scene.contact_model().plane_above(surface) else {
                 continue;
             };
             let worth_here = match fixed_step {
@@ -354,12 +354,6 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
         }
         time
     }
-}
-
-/// Region that a surface of the ground can occupy.
-#[inline(always)]
-fn bounds_of<R: Real, D: Dynamics<R>>(scene: &D, surface: usize) -> GroundBounds<R> {
-    scene.contact_model().laws_of(surface).0.bounds()
 }
 
 /// Number of evaluations of the rotation before the ground is reached.

@@ -13,7 +13,7 @@ use super::Dynamics;
 use super::inspected::{InspectedForce, InspectedFriction, InspectedGround, Inspector, Slide};
 use super::screened::NORMAL;
 use crate::body::{InertiaProperties, RigidPointBody};
-use crate::contact::ContactModel;
+use crate::contact::{ContactModel, Extent};
 use crate::error::LawQuantity;
 use crate::force::{Force, Wrench};
 use crate::friction::{RollingResistance, SlidingFriction};
@@ -281,7 +281,7 @@ pub(crate) struct DiagnosedScene<'a, R: Real> {
     force: Applied<'a, R>,
     gravity: R::Vec3,
     inertia_properties: &'a InertiaProperties<R>,
-    has_radii: bool,
+    extent: Extent<R>,
 }
 
 impl<'a, R: Real> DiagnosedScene<'a, R> {
@@ -309,7 +309,7 @@ impl<'a, R: Real> DiagnosedScene<'a, R> {
             },
             gravity: scene.gravity(),
             inertia_properties: scene.inertia_properties(),
-            has_radii: scene.contact_model().has_radii,
+            extent: scene.contact_model().extent(),
         }
     }
 }
@@ -327,13 +327,7 @@ impl<'a, R: Real> Dynamics<R> for DiagnosedScene<'a, R> {
     }
     #[inline]
     fn contact_model(&self) -> ContactModel<'_, Self::Body, Self::Ground, Self::Friction, R> {
-        ContactModel {
-            body: &self.body,
-            ground: &self.ground,
-            friction: &self.friction,
-            bounding_radius: self.ground.reach,
-            has_radii: self.has_radii,
-        }
+        ContactModel::composed(&self.body, &self.ground, &self.friction, self.extent)
     }
     #[inline]
     fn gravity(&self) -> R::Vec3 {

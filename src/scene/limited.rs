@@ -182,13 +182,7 @@ impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for LimitedScene<'a, R, D> {
     #[inline(always)]
     fn contact_model(&self) -> ContactModel<'_, Self::Body, Self::Ground, Self::Friction, R> {
         let model = self.scene.contact_model();
-        ContactModel {
-            body: model.body,
-            ground: model.ground,
-            friction: &self.friction,
-            bounding_radius: model.bounding_radius,
-            has_radii: model.has_radii,
-        }
+        model.with_laws(model.ground(), &self.friction)
     }
     #[inline(always)]
     fn gravity(&self) -> R::Vec3 {

@@ -24,13 +24,7 @@ impl<R: Real, D: Dynamics<R>> Dynamics<R> for TorqueFree<'_, D> {
     #[inline(always)]
     fn contact_model(&self) -> ContactModel<'_, Self::Body, Self::Ground, Self::Friction, R> {
         let model = self.0.contact_model();
-        ContactModel {
-            body: model.body,
-            ground: &NoGround,
-            friction: model.friction,
-            bounding_radius: model.bounding_radius,
-            has_radii: model.has_radii,
-        }
+        model.with_laws(&NoGround, model.friction())
     }
     #[inline(always)]
     fn gravity(&self) -> R::Vec3 {

@@ -803,3 +803,67 @@ fn a_body_of_a_user_may_have_up_to_eight_rims() {
         );
     }
 }
+
+// -----------------------------------------------------------------------------------------------
+// Rims beside contacts
+// -----------------------------------------------------------------------------------------------
+
+/// A wheel with a ball at the end of its axle, so far out that one of the two touches at a time.
+struct WheelAndBall {
+    rims: [Rim; 1],
+    balls: [ContactPoint; 1],
+}
+
+impl WheelAndBall {
+    fn new(points: usize) -> Self {
+        let (position, radius) = (DVec3::X, 0.1);
+        Self {
+            rims: [Rim::new(DVec3::ZERO, DVec3::X, 0.5, points)],
+            balls: [ContactPoint { position, radius }],
+        }
+    }
+}
+
+impl RigidPointBody for WheelAndBall {
+    fn mass(&self) -> f64 {
+        1.0
+    }
+    fn inertia(&self) -> DMat3 {
+        DMat3::from_diagonal(DVec3::new(0.1, 0.15, 0.15))
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        &self.balls
+    }
+    fn rims(&self) -> &[Rim] {
+        &self.rims
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(100))]
+
+    /// The friction of a rim that spins on the spot reverses at its lowest point, and a step knows
+    /// where. A later step, in which the rim is out of reach, must not.
+    #[test]
+    fn a_step_on_a_ball_does_not_depend_on_the_rim_of_the_step_before(
+        points in 20..200_usize, spin in 0.3..3.0_f64, depth in 0.001..0.02_f64,
+        slide in 0.01..1.0_f64, time_step in log_uniform(1e-4, 1e-2),
+    ) {
+        let friction = Coulomb { coefficient: 0.3, slip_speed: 1e-3 };
+        let ground = FlatGround::level(1000.0, 0.5);
+        let body = WheelAndBall::new(points);
+        let stepper = scene!(body, ground, friction, EnergyMomentum { time_step });
+        let mut on_rim = State::at(DVec3::Z * (0.5 - depth))
+            .with_angular_momentum(DVec3::Z * spin);
+        let on_ball = State::at(DVec3::Z * (1.1 - depth))
+            .with_rotation_vector(DVec3::Y * FRAC_PI_2)
+            .with_linear_velocity(DVec3::new(slide, 0.1, 0.0))
+            .with_angular_momentum(DVec3::Z * 0.01);
+        let (mut used, mut fresh) = Default::default();
+        stepper.step_within(&mut on_rim, time_step, &mut used).unwrap();
+        let [mut after, mut alone] = [on_ball; 2];
+        let step = stepper.step_within(&mut after, time_step, &mut used).unwrap();
+        prop_assert_eq!(step, stepper.step_within(&mut alone, time_step, &mut fresh).unwrap());
+        prop_assert_eq!(after, alone);
+    }
+}

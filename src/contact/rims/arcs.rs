@@ -18,7 +18,7 @@
 //! shorter than an eighth of the rim's radius.
 
 use crate::body::{Arc, Direction, Rim, turned};
-use crate::ground::SpringDamperGround;
+use crate::ground::{GroundBounds, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 
@@ -166,9 +166,34 @@ impl<R: Real> Height<R> {
     }
 }
 
+/// Arcs of a rim below the ground.
+#[inline]
+pub(super) fn below<R: Real, G: SpringDamperGround<R>>(
+    rim: &Rim<R>,
+    ground: &G,
+    position: R::Vec3,
+    axes: &Axes<R>,
+) -> Arcs<R> {
+    let centre = position + axes.to_world(rim.centre());
+    match ground.bounds() {
+        GroundBounds::Nowhere => Arcs::NONE,
+        GroundBounds::Plane(plane) => {
+            Arcs::one(rim.arc_below(axes.to_body(plane.normal), plane.gap(centre)))
+        }
+        GroundBounds::Below(plane)
+            if plane.gap(centre) > rim.radius() * rim.steepness(axes.to_body(plane.normal)) =>
+        {
+            Arcs::NONE
+        }
+        GroundBounds::Below(_) | GroundBounds::Everywhere => {
+            arcs_below(&Placed::new(rim, ground, position, axes))
+        }
+    }
+}
+
 /// Finds the arcs of a rim below the ground.
 #[inline(never)]
-pub(super) fn arcs_below<R: Real, G: SpringDamperGround<R>>(placed: &Placed<'_, R, G>) -> Arcs<R> {
+fn arcs_below<R: Real, G: SpringDamperGround<R>>(placed: &Placed<'_, R, G>) -> Arcs<R> {
     let mut ends = Ends::NONE;
     let start = placed.visit_intervals(|interval| {
         add_ends(placed, interval, MOST_HALVINGS, &mut ends);

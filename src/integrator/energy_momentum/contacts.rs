@@ -22,12 +22,10 @@
 use super::block::Block;
 use super::problem::{Problem, Trial};
 use super::touch::{Answer, Dual, Increment, Lever, Push, Reversal, Since, Touch};
-use crate::body::{Arc, ContactRange, Panel, Panels, RigidPointBody, Rim};
-use crate::contact::{Discontinuities, Velocities, arcs_below, discontinuities};
-use crate::friction::{FrictionJacobian, SlidingFriction};
-use crate::ground::SpringDamperGround;
+use crate::body::{ContactRange, Panel, RigidPointBody, Rim};
+use crate::contact::{MovingContact, RimStep};
+use crate::friction::FrictionJacobian;
 use crate::real::{Real, Vector};
-use crate::rotation::Axes;
 use crate::scene::Dynamics;
 
 /// Number of contacts that a step remembers from iteration to iteration. If there are more, one of
@@ -137,10 +135,10 @@ pub(super) struct Contacts<R: Real> {
     /// Panels of the rims, in the order of their points.
     laid: [LaidPanel; MOST_PANELS],
     panels: usize,
-    /// Torque correction of a smooth body at the last trial.
+    /// Torque correction of moving contacts at the last trial.
     pub(super) lever: Lever<R>,
-    /// Derivative of a smooth body's path along the ground with respect to a rotation of the end of
-    /// the step, where the matrix was last computed, m.
+    /// Derivative of the first moving contact's path along the ground with respect to a rotation of
+    /// the end of the step, where the matrix was last computed, m.
     path_by_turn: Block<R>,
     /// The last trial at which friction was differentiated, and the number of such trials in this
     /// step.
@@ -195,7 +193,7 @@ impl<R: Real> Contacts<R> {
             count: run.count.min(contacts.len()),
             ..run
         };
-        self.with_rim |= reach.with_rims && !problem.scene.body().rims().is_empty();
+        self.with_rim |= reach.with_rims && problem.has_rims();
         let (mut remembered, mut seen) = (self.remembered, self.seen);
         let is_full = seen < self.candidates;
         self.candidates = self.candidates.saturating_add(self.run.count);
@@ -215,16 +213,13 @@ impl<R: Real> Contacts<R> {
                         break 'all;
                     };
                     place.take(problem, &touch);
-                    if !problem.scene.body().rims().is_empty() {
-                        place.push.weight = R::ONE;
-                        self.fixed += 1;
-                    }
                     remembered += 1;
                 }
                 seen += 1;
             }
         }
         (self.remembered, self.seen) = (remembered, seen);
+        self.fixed = remembered;
     }
 
     /// Where there are too many contacts, stores the middle one of each few candidates.
@@ -293,6 +288,19 @@ impl<R: Real> Contacts<R> {
                     .count()
     }
 
+    /// Returns true if a rim may touch during the step.
+    #[inline(always)]
+    fn has_rims_near<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> bool {
+        self.with_rim && problem.has_rims()
+    }
+
+    /// Torque correction of a moving contact at the last trial. `None` if the contacts are fixed in
+    /// the body.
+    #[inline(always)]
+    pub(super) fn lever<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Option<&Lever<R>> {
+        problem.moving_contact().map(|_| &self.lever)
+    }
+
     /// Computes the force of every contact over a trial step, and calls `feel` for those that reach
     /// the ground.
     #[inline(always)]
@@ -302,7 +310,7 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
         mut feel: impl FnMut(&Push<R>),
     ) {
-        if self.with_rim && !problem.scene.body().rims().is_empty() {
+        if self.has_rims_near(problem) {
             self.lay_rims(problem, trial);
         }
         let mut done = 0;
@@ -314,10 +322,23 @@ impl<R: Real> Contacts<R> {
             }
             done = self.remembered;
         }
-        let (is_smooth, mut normal_force) = (problem.scene.body().is_smooth(), R::ZERO);
-        for touch in self.touches.iter_mut().take(self.remembered).skip(done) {
-            let lever = touch.respond(problem, trial);
-            if is_smooth {
+        self.respond_from(done, problem, |touch| touch.respond(problem, trial), feel);
+    }
+
+    /// Computes forces by `respond`, from the contact with the number `first` on. Calls `feel` for
+    /// those that reach the ground, and sums the torque corrections of moving contacts.
+    #[inline(always)]
+    fn respond_from<D: Dynamics<R>>(
+        &mut self,
+        first: usize,
+        problem: &Problem<'_, R, D>,
+        mut respond: impl FnMut(&mut Touch<R>) -> Lever<R>,
+        mut feel: impl FnMut(&Push<R>),
+    ) {
+        let (is_moving, mut normal_force) = (problem.moving_contact().is_some(), R::ZERO);
+        for touch in self.touches.iter_mut().take(self.remembered).skip(first) {
+            let lever = respond(touch);
+            if is_moving {
                 let force = touch.push.mean.force;
                 self.lever = self.lever.with(lever, &mut normal_force, force);
             }
@@ -339,21 +360,11 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
         feel: &mut dyn FnMut(&Push<R>),
     ) {
-        if self.with_rim && !problem.scene.body().rims().is_empty() {
+        if self.has_rims_near(problem) {
             self.respond(problem, trial, feel);
-            return;
-        }
-        let mut normal_force = R::ZERO;
-        let is_smooth = problem.scene.body().is_smooth();
-        for touch in self.touches.iter_mut().take(self.remembered) {
-            let lever = touch.respond_with_slip(problem, trial);
-            if is_smooth {
-                let force = touch.push.mean.force;
-                self.lever = self.lever.with(lever, &mut normal_force, force);
-            }
-            if touch.push.is_felt() {
-                feel(&touch.push);
-            }
+        } else {
+            let respond = |touch: &mut Touch<R>| touch.respond_with_slip(problem, trial);
+            self.respond_from(0, problem, respond, feel);
         }
     }
 
@@ -376,11 +387,22 @@ impl<R: Real> Contacts<R> {
         let share = (CAPACITY - count.min(CAPACITY)) / (surfaces as usize).max(1);
         let rims = problem.scene.body().rims();
         for surface in 0..surfaces {
+            let laws = (&problem.ground(surface), &problem.law(surface));
+            let step = RimStep {
+                laws,
+                plane: problem.plane_of(surface),
+                poses: [(problem.motion.position, problem.motion.axes), end],
+                velocities: [trial.velocity, problem.drift_of_ground()],
+                turning: |arm| {
+                    let turned = trial.rotation_change.times(arm) * problem.per_second;
+                    turned - problem.swing_of_ground(arm)
+                },
+            };
             let mut room = share;
             for (number, rim) in rims.iter().enumerate() {
                 let others = rims.get(number + 1..).unwrap_or_default();
-                let sharing = 1 + touching(problem, surface, &end, others);
-                let panels = panels_below(problem, surface, trial, &end, rim);
+                let sharing = 1 + step.touching(others);
+                let panels = step.panels(rim);
                 let most = room / sharing / panels.count().max(1);
                 let (first, short) = (count, panels.total_chord() * R::from_f64(SLIVER));
                 for panel in panels.iter() {
@@ -420,8 +442,19 @@ impl<R: Real> Contacts<R> {
     }
 
     /// Calls `feel` with each point at which friction reverses between two panels of a rim.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn visit_reversals<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        feel: impl FnMut(&Reversal<R>),
+    ) {
+        if self.has_rims_near(problem) {
+            self.visit_reversals_of_rims(problem, feel);
+        }
+    }
+
+    #[inline(never)]
+    fn visit_reversals_of_rims<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
         mut feel: impl FnMut(&Reversal<R>),
@@ -477,43 +510,48 @@ impl<R: Real> Contacts<R> {
         by: &Increment<R>,
     ) {
         self.noted.step.get_or_insert(*by);
-        let is_smooth = problem.scene.body().is_smooth();
-        for (index, touch) in self.touches.iter_mut().take(self.remembered).enumerate() {
-            // The path by a rotation is known for the first contact of a smooth body.
-            if touch.push.is_felt() && (index == 0 || !is_smooth) {
-                touch.advance(problem, by, &self.path_by_turn);
+        let path_by_turn = problem.moving_contact().map(|_| &self.path_by_turn);
+        // The path by a rotation is known for the first moving contact.
+        let known = path_by_turn.map_or(self.remembered, |_| self.remembered.min(1));
+        for touch in self.touches.iter_mut().take(known) {
+            if touch.push.is_felt() {
+                touch.advance(problem, by, path_by_turn);
             }
         }
     }
 
-    /// Computes and stores the derivative of a smooth body's path along the ground with respect to
-    /// a rotation.
+    /// Computes and stores the derivative of the first moving contact's path along the ground with
+    /// respect to a rotation. Returns `None` if the contacts are fixed in the body.
+    #[inline(always)]
     pub(super) fn differentiate_path<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
         argument: &Block<R>,
-    ) -> Block<R> {
+    ) -> Option<Block<R>> {
         let [touch, ..] = &self.touches;
-        self.path_by_turn = touch.push.path_by_turn(problem, trial, argument);
-        self.path_by_turn
+        let path_by_turn = touch.push.path_by_turn(problem, trial, argument)?;
+        self.path_by_turn = path_by_turn;
+        Some(path_by_turn)
     }
 
-    /// Derivative of the torque of a smooth body's contact with respect to a rotation of the end of
-    /// the step, N m. It contains only the motion of the contact point over the surface, with
-    /// `factor` times the contact force.
+    /// Derivative of the torque of moving contacts with respect to a rotation of the end of the
+    /// step, N m. It contains only the motion of the contact point over the surface, with `factor`
+    /// times the contact force.
     #[cold]
     #[inline(never)]
     pub(super) fn torque_over_surface<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
+        moving: &MovingContact<'_, D::Body, R>,
         trial: &Trial<R>,
         factor: R,
     ) -> Block<R> {
+        let (_, axes) = problem.place_at_end(trial);
         let mut sum = Block::diagonal(R::ZERO);
         for touch in self.touches.iter().take(self.remembered) {
             let force = touch.push.force * factor;
-            let [first, second] = touch.push.over_surface(problem, trial);
+            let [first, second] = moving.over_surface(touch.push.normal, &axes);
             let torque = |(moved, turn): (R::Vec3, R::Vec3)| Block::outer(moved.cross(force), turn);
             sum = sum.plus(&torque(first)).plus(&torque(second));
         }
@@ -631,14 +669,14 @@ impl<R: Real> Contacts<R> {
     }
 
     /// Change of a trial since the last one at which friction was differentiated, if there is one.
-    /// A smooth body has a contact that moves over its surface, and begins anew at each trial.
+    /// A contact that moves over the surface of the body begins anew at each trial.
     pub(super) fn since_last<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
     ) -> Option<Since<'_, R>> {
-        let (noted, is_smooth) = (&self.noted, problem.scene.body().is_smooth());
-        (self.notes > 0 && !is_smooth)
+        let (noted, is_fixed) = (&self.noted, problem.moving_contact().is_none());
+        (self.notes > 0 && is_fixed)
             .then(|| Since::between(&noted.trial, noted.step.as_ref(), trial))
     }
 
@@ -662,93 +700,4 @@ impl<R: Real> Contacts<R> {
         touch.look_back(problem, since, (self.notes > 1).then_some(first));
         touch.continued_answer(drag)
     }
-}
-
-/// Number of rims that touch a plane at the start or at the `end` (position and axes) of a step. On
-/// a surface of another shape, all of them count.
-#[inline]
-fn touching<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    surface: u32,
-    (end, end_axes): &(R::Vec3, Axes<R>),
-    rims: &[Rim<R>],
-) -> usize {
-    if problem.plane_of(surface).is_none() {
-        return rims.len();
-    }
-    let (ground, motion) = (problem.ground(surface), &problem.motion);
-    let is_below = |rim: &Rim<R>, position, axes| {
-        let arcs = arcs_below(rim, &ground, position, axes);
-        arcs.get().iter().any(|arc| *arc != Arc::Nothing)
-    };
-    let touches = |rim: &&Rim<R>| {
-        is_below(rim, motion.position, &motion.axes) || is_below(rim, *end, end_axes)
-    };
-    rims.iter().filter(touches).count()
-}
-
-/// Panels of a rim below a surface at the start or at the `end` (position and axes) of a step, cut
-/// at the discontinuities of friction on the arcs of the time with the longer one.
-#[inline]
-fn panels_below<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    surface: u32,
-    trial: &Trial<R>,
-    (end, end_axes): &(R::Vec3, Axes<R>),
-    rim: &Rim<R>,
-) -> Panels<R> {
-    let (ground, motion) = (problem.ground(surface), &problem.motion);
-    let at_start = arcs_below(rim, &ground, motion.position, &motion.axes);
-    let at_end = arcs_below(rim, &ground, *end, end_axes);
-    let longer = if at_start.longest() < at_end.longest() {
-        &at_end
-    } else {
-        &at_start
-    };
-    let cuts = |arc: Arc<R>| {
-        let discontinuities = mean_discontinuities(problem, surface, trial, rim, &arc);
-        discontinuities.places().map(move |u| arc.place(u))
-    };
-    Panels::of_all(
-        [at_start.get(), at_end.get()],
-        &mut longer.parts().flat_map(cuts),
-    )
-}
-
-/// Positions on an arc at which the forces of mean velocities over a trial step have a
-/// discontinuity of their derivative.
-fn mean_discontinuities<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    surface: u32,
-    trial: &Trial<R>,
-    rim: &Rim<R>,
-    arc: &Arc<R>,
-) -> Discontinuities<R> {
-    let axes = &problem.motion.axes;
-    let velocity = |v: R::Vec3| {
-        let v = axes.to_world(v);
-        trial.rotation_change.times(v) * problem.per_second - problem.swing_of_ground(v)
-    };
-    let [down, across] = rim.axes();
-    let turning = [
-        velocity(down * rim.radius()),
-        velocity(across * rim.radius()),
-    ];
-    let middle = trial.velocity + velocity(rim.centre()) - problem.drift_of_ground();
-    let velocities = Velocities::along(arc, middle, turning);
-    let (ground, friction) = (problem.ground(surface), problem.law(surface));
-    let position = if friction.depends_on_position() {
-        let [lowest, _] = rim.spokes(rim.axes(), arc.place(R::ZERO));
-        problem.motion.position + axes.to_world(rim.centre() + lowest)
-    } else {
-        problem.motion.position
-    };
-    let normal = match &problem.plane_of(surface) {
-        Some(plane) => plane.normal,
-        None => {
-            let centre = axes.to_world(rim.centre());
-            ground.surface(problem.motion.position + centre).normal
-        }
-    };
-    discontinuities((&ground, &friction), arc, [position, normal], &velocities)
 }

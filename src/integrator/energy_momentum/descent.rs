@@ -28,7 +28,7 @@ use super::shared::{motion_of, visit_contacts};
 use crate::contact::Contact;
 use crate::energy::Energy;
 use crate::friction::SlidingFriction;
-use crate::ground::{GroundBounds, SpringDamperGround};
+use crate::ground::SpringDamperGround;
 use crate::integrator::{Step, energy_limit};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
@@ -54,7 +54,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     seconds: R,
     step: &mut Step<R>,
 ) -> Option<(State<R>, Energy<R>)> {
-    let is_plane = matches!(scene.ground().bounds(), GroundBounds::Plane(_));
+    let is_plane = scene.contact_model().plane().is_some();
     let kinds = [Kind::ByNormals, Kind::WithoutTurn, Kind::ByDifferences];
     if Descent::new(scene, (start, *energy), seconds, Kind::ByNormals).is_balanced(ceiling) {
         return None;

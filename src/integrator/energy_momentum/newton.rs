@@ -128,7 +128,7 @@ struct Balance<R: Real> {
     torque_residual: R::Vec3,
     /// Unit of the thresholds for the residual, √J.
     tolerance: R,
-    /// Part of the residual that rounding of a smooth body's surface explains, √J.
+    /// Part of the residual that rounding of the lever of a moving contact explains, √J.
     rounding: R,
 }
 
@@ -199,7 +199,8 @@ struct Newton<'a, 'b, R: Real, D> {
     exact: R,
     /// Multiple of the tolerance from which one step is enough.
     close: R,
-    is_smooth: bool,
+    /// Whether the contact moves over the surface of the body.
+    is_moving: bool,
 }
 
 impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
@@ -218,7 +219,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             with_slips: false,
             exact,
             close: R::ONE / exact,
-            is_smooth: problem.scene.body().is_smooth(),
+            is_moving: problem.moving_contact().is_some(),
         }
     }
 
@@ -332,6 +333,8 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             && ((is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
                 || self.is_close_in_stick(here, contacts, shift, turn));
         change(problem, trial, &here.place, shift, turn);
+        // The points of rims are placed anew for each trial. The question is put to the body, because
+        // a question to the contact model makes the firmware larger (`.ci/embedded.sh`).
         let is_without_rims = problem.scene.body().rims().is_empty();
         if !is_resolved && (begins_in_stick || is_last || is_without_rims) {
             contacts.advance(problem, &Increment::of(shift, turn, here.place.spin));
@@ -400,7 +403,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let is_close = size <= here.tolerance * self.close
             && (!is_single::<R>()
                 || (self.scale).turns_closely(self.problem, here.torque_residual, size));
-        self.is_progress(here) && is_close && !(self.is_smooth && is_single::<R>())
+        self.is_progress(here) && is_close && !(self.is_moving && is_single::<R>())
     }
 
     /// Returns true if Newton's step is not much larger than a residual that it squares to rounding.
@@ -533,23 +536,24 @@ fn without_excess<R: Real, D>(
     [force - more_force * half, torque - more_torque * half]
 }
 
-/// Effect of rounding of a smooth body's surface on the balance, √J; 0 for other bodies.
+/// Effect of rounding of the lever of a moving contact on the balance, √J; 0 for other contacts.
 #[inline]
 fn rounding_of_lever<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &Contacts<R>,
     normal_force: R,
 ) -> R {
-    if problem.scene.body().is_smooth() && !is_single::<R>() {
-        let impulse = problem.seconds * R::HALF * normal_force;
-        norm(problem, R::Vec3::ZERO, contacts.lever.rounding * impulse)
-    } else {
-        R::ZERO
+    match contacts.lever(problem) {
+        Some(lever) if !is_single::<R>() => {
+            let impulse = problem.seconds * R::HALF * normal_force;
+            norm(problem, R::Vec3::ZERO, lever.rounding * impulse)
+        }
+        _ => R::ZERO,
     }
 }
 
-/// Residual of the torque beyond the effect of rounding of a smooth body's surface, in single
-/// precision. In double precision, the whole residual.
+/// Residual of the torque beyond the effect of rounding of the lever of a moving contact, in single
+/// precision. In double precision, and for other contacts, the whole residual.
 ///
 /// The rounding of the surface is along the torque of the lever, so its work is that of the springs
 /// to rounding. A residual of the same size in another direction would do much more work: in f32,
@@ -561,9 +565,12 @@ fn beyond_lever<R: Real, D: Dynamics<R>>(
     normal_force: R,
     torque_residual: R::Vec3,
 ) -> R::Vec3 {
-    let along = contacts.lever.rounding;
+    let Some(lever) = contacts.lever(problem) else {
+        return torque_residual;
+    };
+    let along = lever.rounding;
     let square = along.length_squared();
-    if !(is_single::<R>() && problem.scene.body().is_smooth() && square > R::ZERO) {
+    if !(is_single::<R>() && square > R::ZERO) {
         return torque_residual;
     }
     let most = problem.seconds * R::HALF * normal_force;

@@ -2,11 +2,10 @@
 //! that a trial represents.
 
 use super::block::Block;
-use crate::body::RigidPointBody;
-use crate::contact::{Motion, facing_ground};
+use crate::contact::{Motion, MovingContact};
 use crate::energy::Energy;
 use crate::friction::{FrictionJacobian, LawOfSurface, SlidingFriction};
-use crate::ground::{GroundBounds, MeanForce, OneSurface, Plane, SpringDamperGround, Surface};
+use crate::ground::{MeanForce, OneSurface, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::rotation::{Axes, Rotation};
 use crate::scene::Dynamics;
@@ -27,8 +26,6 @@ pub(super) struct Problem<'a, R: Real, D> {
     /// Whether the ground is level, all contacts are bare points of the body, and friction and
     /// dampers act.
     pub(super) is_bare: bool,
-    /// Whether any contact has a radius.
-    pub(super) has_radii: bool,
     /// Whether friction and dampers are left out.
     pub(super) is_conservative: bool,
     pub(super) seconds: R,
@@ -76,18 +73,12 @@ impl<R: Real> Trial<R> {
     };
 }
 
-/// Upward unit vector.
-#[inline(always)]
-fn up<R: Real>() -> R::Vec3 {
-    R::Vec3::new(R::ZERO, R::ZERO, R::ONE)
-}
-
 /// Size of the numbers whose rounding a gap has, m. On level ground the horizontal position does
 /// not count.
 #[inline(always)]
 fn distance_from<R: Real>(plane: Option<Plane<R>>, position: R::Vec3) -> R {
     match plane {
-        Some(plane) if plane.normal == up::<R>() => position.z().abs() + plane.height.abs(),
+        Some(plane) if plane.is_level() => position.z().abs() + plane.height.abs(),
         _ => position.length(),
     }
 }
@@ -101,12 +92,8 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         let bounding_radius = scene.bounding_radius();
         let (inertia, angular_momentum) =
             properties.inertia_for_solving(&axes, start.angular_momentum);
-        let plane = match scene.ground().bounds() {
-            GroundBounds::Plane(plane) => Some(plane),
-            _ => None,
-        };
-        let has_radii = scene.contact_model().has_radii;
-        let is_level = plane.is_some_and(|plane| plane.normal == up::<R>());
+        let model = scene.contact_model();
+        let plane = model.plane();
         Self {
             scene,
             start: *start,
@@ -119,8 +106,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             },
             angular_momentum,
             plane,
-            is_bare: is_level && !has_radii,
-            has_radii,
+            is_bare: plane.is_some_and(|plane| plane.is_level()) && model.has_bare_points(),
             is_conservative: false,
             seconds,
             per_second: R::ONE / seconds,
@@ -178,10 +164,19 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     #[cold]
     #[inline(never)]
     fn plane_among_several(&self, surface: u32) -> Option<Plane<R>> {
-        match self.ground(surface).bounds() {
-            GroundBounds::Plane(plane) => Some(plane),
-            _ => None,
-        }
+        self.scene.contact_model().plane_of(surface as usize)
+    }
+
+    /// Contact that moves over the surface of the body. `None` if the contacts are fixed in it.
+    #[inline(always)]
+    pub(super) fn moving_contact(&self) -> Option<MovingContact<'a, D::Body, R>> {
+        self.scene.contact_model().moving_contact()
+    }
+
+    /// Returns true if the body has rims, whose points are placed anew for each trial.
+    #[inline(always)]
+    pub(super) fn has_rims(&self) -> bool {
+        self.scene.contact_model().has_rims()
     }
 
     /// Mean force of a surface on a contact whose depth changes uniformly from `start` to `end`
@@ -242,11 +237,11 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         let centre = self.motion.position + self.motion.linear_velocity * half;
         // Argument of the Cayley map for the rotation of half a step.
         let spin = self.motion.angular_velocity * (half * R::HALF);
-        let (body, ground) = (self.scene.body(), self.ground(surface));
-        if body.is_smooth() {
+        let ground = self.ground(surface);
+        if let Some(moving) = self.moving_contact() {
             let rotation = Rotation::cayley_unscaled(spin).after(self.rotation);
             let axes = rotation.normalised().axes();
-            let facing = facing_ground(body, &ground, centre, &axes);
+            let facing = moving.above(&ground, centre, &axes);
             return centre + axes.to_world(facing.position);
         }
         let place = centre + arm + Block::<R>::rotation_change(spin).times(arm);

@@ -12,7 +12,6 @@ use super::linear::SixBySix;
 use super::problem::{Problem, Trial};
 use super::shared::is_single;
 use super::touch::{Answer, Push, Touch};
-use crate::body::RigidPointBody;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
@@ -79,9 +78,8 @@ impl<R: Real> Others<R> {
         sum[1] += touch.push.arm.cross(excess);
         let push = &touch.push;
         self.strain.add(push, &answer.drag);
-        let is_smooth = problem.scene.body().is_smooth();
-        let by_turn = is_smooth.then(|| push.path_by_turn(problem, trial, argument));
-        let by_turns = [argument, by_turn.as_ref().unwrap_or(argument)];
+        let by_turn = push.path_by_turn(problem, trial, argument);
+        let by_turns = (argument, by_turn.as_ref());
         add_anywhere(problem, push, answer, by_turns, &mut self.equations);
         let share = share_of_arm(problem);
         self.equations
@@ -119,35 +117,33 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
         level.equations(mass, &inertia, share, equations);
     } else {
         *equations = SixBySix::of_body(mass, &inertia);
-        let is_smooth = problem.scene.body().is_smooth();
-        let by_turn = is_smooth.then(|| contacts.differentiate_path(problem, trial, &argument));
-        let by_turn = by_turn.unwrap_or(argument);
+        let by_turn_of_first = contacts.differentiate_path(problem, trial, &argument);
         contacts.answer(problem, trial, |push, answer| {
             strain.add(push, &answer.drag);
-            let by_turn = if is_smooth && problem.surfaces() > 1 {
+            let by_turn = if problem.surfaces() > 1 {
                 push.path_by_turn(problem, trial, &argument)
             } else {
-                by_turn
+                by_turn_of_first
             };
-            add_anywhere(problem, push, answer, [&argument, &by_turn], equations);
+            let by_turns = (&argument, by_turn.as_ref());
+            add_anywhere(problem, push, answer, by_turns, equations);
             equations.add_rotation(push.end_arm, push.force * share);
         });
         // Without this term the iteration converges, but not quadratically. In f64 it still reaches
         // rounding.
-        if is_smooth && is_single::<R>() {
-            equations.add_turning(&contacts.torque_over_surface(problem, trial, share));
+        if let (Some(moving), true) = (problem.moving_contact(), is_single::<R>()) {
+            let torque = contacts.torque_over_surface(problem, &moving, trial, share);
+            equations.add_turning(&torque);
         }
     }
     if let Some(others) = others {
         equations.plus(&others.equations);
     }
-    if !problem.scene.body().rims().is_empty() {
-        contacts.visit_reversals(problem, |reversal| {
-            let resistance = reversal.direction * (reversal.coefficient * R::HALF);
-            let block = Block::outer(resistance, reversal.direction);
-            equations.add_at(&block, reversal.arm, reversal.end_arm);
-        });
-    }
+    contacts.visit_reversals(problem, |reversal| {
+        let resistance = reversal.direction * (reversal.coefficient * R::HALF);
+        let block = Block::outer(resistance, reversal.direction);
+        equations.add_at(&block, reversal.arm, reversal.end_arm);
+    });
     strain
 }
 
@@ -157,25 +153,25 @@ fn add_anywhere<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     push: &Push<R>,
     answer: &Answer<R>,
-    [argument, path_by_turn]: [&Block<R>; 2],
+    (argument, path_by_turn): (&Block<R>, Option<&Block<R>>),
     equations: &mut SixBySix<R>,
 ) {
     let path = of_path(problem, push, answer);
     let mut turn = path.map(|row| push.end_arm.cross(row));
-    if problem.has_radii {
+    if push.radius > R::ZERO {
         // The change of the Cayley argument moves the point below the centre of a contact.
         let carried = argument.crossed_by(push.normal * push.radius);
         for (turn, row) in turn.iter_mut().zip(path) {
             *turn += R::Vec3::new(carried.x.dot(row), carried.y.dot(row), carried.z.dot(row));
         }
     }
-    if problem.scene.body().is_smooth() {
+    if let Some(path_by_turn) = path_by_turn {
         move_over_surface(push, path_by_turn, &path, &mut turn);
     }
     equations.add(path, turn, push.arm);
 }
 
-/// Corrects the rows of a smooth body, whose contact at the end is another point of its surface. A
+/// Corrects the rows of a moving contact, which at the end is another point of the surface. A
 /// rotation changes its path along the ground by `path_by_turn`.
 fn move_over_surface<R: Real>(
     push: &Push<R>,

@@ -3,8 +3,8 @@
 use super::block::Block;
 use super::problem::{Problem, Trial};
 use super::shared::is_single;
-use crate::body::{ContactPoint, RigidPointBody};
-use crate::contact::facing_ground;
+use crate::body::ContactPoint;
+use crate::contact::MovingContact;
 use crate::friction::{FrictionJacobian, SlidingFriction};
 use crate::ground::{MeanForce, SpringDamperGround};
 use crate::real::{Real, Vector};
@@ -187,7 +187,7 @@ impl<R: Real> Push<R> {
     /// rim: both are then 1.
     #[inline]
     fn weights<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Option<[R; 2]> {
-        (!problem.scene.body().rims().is_empty()).then(|| [self.weight, R::ONE / self.weight])
+        (problem.has_rims()).then(|| [self.weight, R::ONE / self.weight])
     }
 
     #[inline]
@@ -208,20 +208,31 @@ impl<R: Real> Push<R> {
         }
     }
 
-    /// Derivative of a smooth body's path along the ground with respect to a rotation of the step's
-    /// end, m.
+    /// Derivative of a moving contact's path along the ground with respect to a rotation of the
+    /// step's end, m. `None` if the contacts are fixed in the body.
     ///
     /// The path is `2a × (r + r')/2`. A rotation ϑ changes 2a by `argument ϑ`, carries the point r'
     /// along (`ϑ × r'`) and moves it over the surface. The last contribution is computed from
     /// points in two nearby directions.
+    #[inline(always)]
     pub(super) fn path_by_turn<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
         argument: &Block<R>,
+    ) -> Option<Block<R>> {
+        let moving = problem.moving_contact()?;
+        let (_, axes) = problem.place_at_end(trial);
+        Some(self.path_over(moving.over_surface(self.normal, &axes), trial, argument))
+    }
+
+    fn path_over(
+        &self,
+        [first, second]: [(R::Vec3, R::Vec3); 2],
+        trial: &Trial<R>,
+        argument: &Block<R>,
     ) -> Block<R> {
         let a = trial.spin;
-        let [first, second] = self.over_surface(problem, trial);
         let over = |(moved, turn): (R::Vec3, R::Vec3)| Block::outer(a.cross(moved), turn);
         let carried = argument.crossed_by(-self.arm);
         let turned = Block::hat(-self.end_arm).crossed_by(a);
@@ -235,38 +246,14 @@ impl<R: Real> Push<R> {
         &self,
         problem: &Problem<'_, R, D>,
         by: &Increment<R>,
-        path_by_turn: &Block<R>,
+        path_by_turn: Option<&Block<R>>,
     ) -> R::Vec3 {
         let n = self.normal;
-        let path = if problem.scene.body().is_smooth() {
-            by.shift + path_by_turn.times(by.turn)
-        } else {
-            by.shift + by.turn.cross(self.end_arm) - by.twist.cross(n * self.radius)
+        let path = match path_by_turn {
+            Some(path_by_turn) => by.shift + path_by_turn.times(by.turn),
+            None => by.shift + by.turn.cross(self.end_arm) - by.twist.cross(n * self.radius),
         };
         (path - n * n.dot(path)) * problem.per_second
-    }
-
-    /// Displacement of a smooth body's contact point over its surface by a rotation ϑ of the step's
-    /// end: `moved` times `turn · ϑ`, for each of the two pairs, m.
-    pub(super) fn over_surface<D: Dynamics<R>>(
-        &self,
-        problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
-    ) -> [(R::Vec3, R::Vec3); 2] {
-        let n = self.normal;
-        let (_, axes) = problem.place_at_end(trial);
-        let point = |towards: R::Vec3| {
-            let body = problem.scene.body();
-            axes.to_world(body.support_point(axes.to_body(towards)))
-        };
-        let nudge = R::EPSILON.sqrt();
-        let first = any_across::<R>(n);
-        let here = point(-n);
-        let pair = |along: R::Vec3| {
-            let moved = (point(along * nudge - n) - here) * (R::ONE / nudge);
-            (moved, n.cross(along))
-        };
-        [pair(first), pair(n.cross(first))]
     }
 }
 
@@ -297,15 +284,9 @@ impl<R: Real> Touch<R> {
         surface: u32,
         point: &ContactPoint<R>,
     ) {
-        let (body, ground) = (problem.scene.body(), problem.ground(surface));
+        let (model, ground) = (problem.scene.contact_model(), problem.ground(surface));
         let motion = &problem.motion;
-        let facing;
-        let point = if body.is_smooth() {
-            facing = facing_ground(body, &ground, motion.position, &motion.axes);
-            &facing
-        } else {
-            point
-        };
+        let point = model.contact_above(&ground, (motion.position, &motion.axes), point);
         self.arm = motion.axes.to_world(point.position);
         let under = ground.surface(motion.position + self.arm);
         let push = &mut self.push;
@@ -319,13 +300,13 @@ impl<R: Real> Touch<R> {
     /// the first trial that feels the contact.
     #[inline(always)]
     pub(super) fn take<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, start: &Self) {
-        if problem.scene.body().is_smooth() {
+        if problem.moving_contact().is_some() {
             // Newton's matrix reads it even where no trial has felt the contact.
             self.push = start.push;
         }
         (self.arm, self.push.depth) = (start.arm, start.push.depth);
         self.dual = Dual::Unknown;
-        self.push.radius = start.push.radius;
+        (self.push.radius, self.push.weight) = (start.push.radius, R::ONE);
         self.push.surface = start.push.surface;
         if let Some(plane) = &problem.plane {
             self.push.normal = plane.normal;
@@ -456,11 +437,10 @@ impl<R: Real> Touch<R> {
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
     ) -> Lever<R> {
-        let is_smooth = problem.scene.body().is_smooth();
-        let swung = if is_smooth {
-            wandered(problem, self.push.surface, trial) - self.arm
-        } else {
-            trial.rotation_change.times(self.arm)
+        let moving = problem.moving_contact();
+        let swung = match &moving {
+            Some(moving) => end_arm(problem, moving, self.push.surface, trial) - self.arm,
+            None => trial.rotation_change.times(self.arm),
         };
         let moved = trial.shift + swung;
         let (normal, end_depth) = self.fall(problem, moved);
@@ -475,7 +455,7 @@ impl<R: Real> Touch<R> {
         let mut lever = Lever::NONE;
         let mut along = moved - normal * normal.dot(moved);
         let radius = self.push.radius;
-        if is_smooth {
+        if moving.is_some() {
             lever = Lever::new(arm, normal, swung, trial.spin);
             let path = trial.shift + trial.spin.cross(arm) * R::TWO;
             along = path - normal * normal.dot(path);
@@ -641,7 +621,7 @@ impl<R: Real> Touch<R> {
         let dual_at_start = slip_at_start * (R::ONE / at_start.width);
         // Along a rim that rolls or spins, friction reverses, and points near its reversal have a
         // small slip for that reason. The reversal has a derivative of its own.
-        let is_rim = !problem.scene.body().rims().is_empty();
+        let is_rim = problem.has_rims();
         let ratio = R::from_f64(if is_rim { 1.0 / 16.0 } else { 0.5 });
         let sticks = at_start.coefficient * problem.seconds > problem.mass * R::TWO
             && slip_at_start.length() < slip.length() * ratio;
@@ -677,7 +657,7 @@ impl<R: Real> Touch<R> {
         &mut self,
         problem: &Problem<'_, R, D>,
         by: &Increment<R>,
-        path_by_turn: &Block<R>,
+        path_by_turn: Option<&Block<R>>,
     ) {
         self.push.slip += self.push.slip_by(problem, by, path_by_turn);
         if let Dual::At(at) = &self.dual {
@@ -711,7 +691,7 @@ impl<R: Real> Touch<R> {
             self.note_answer(problem);
         }
         if let Some(by) = since.step {
-            self.advance(problem, by, &Block::ZERO);
+            self.advance(problem, by, None);
         }
         (self.push.slip, self.push.end_arm) = (slip, end_arm);
     }
@@ -747,17 +727,17 @@ impl<R: Real> Touch<R> {
     }
 }
 
-/// Vector from the centre of mass to the point of a smooth body that faces a surface at the end of
-/// a trial step, m, world axes.
+/// Vector from the centre of mass to the moving contact with a surface at the end of a trial step,
+/// m, world axes.
 #[inline]
-fn wandered<R: Real, D: Dynamics<R>>(
+fn end_arm<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
+    moving: &MovingContact<'_, D::Body, R>,
     surface: u32,
     trial: &Trial<R>,
 ) -> R::Vec3 {
     let (position, axes) = problem.place_at_end(trial);
-    let (body, ground) = (problem.scene.body(), problem.ground(surface));
-    let facing = facing_ground(body, &ground, position, &axes);
+    let facing = moving.above(&problem.ground(surface), position, &axes);
     axes.to_world(facing.position)
 }
 
@@ -906,17 +886,6 @@ fn relative_slope<R: Real>(values: [R; 4], gaps: [R; 3], place: R) -> R {
     } else {
         R::ONE
     }
-}
-
-/// A unit vector at right angles to the given one.
-fn any_across<R: Real>(normal: R::Vec3) -> R::Vec3 {
-    let o = R::ZERO;
-    let other = if normal.x().abs() < R::HALF {
-        R::Vec3::new(R::ONE, o, o)
-    } else {
-        R::Vec3::new(o, R::ONE, o)
-    };
-    direction::<R>(normal.cross(other))
 }
 
 /// Unit vector along `slip`, or 0.

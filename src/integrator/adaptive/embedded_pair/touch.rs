@@ -8,7 +8,7 @@
 
 use super::attempt::{Attempt, Pair, Place};
 use crate::body::{ContactPoint, RigidPointBody};
-use crate::contact::{Contact, Load, Motion};
+use crate::contact::{Contact, Load, Motion, Onset};
 use crate::friction::SlidingFriction;
 use crate::integrator::contact_path::{ContactEnd, Path, arm, push, slip};
 use crate::quadrature::{bisect, integral_of_3};
@@ -98,19 +98,17 @@ pub(super) fn load_before<R: Real, D: Dynamics<R>>(
         load.add(contact, contact.force(laws.0, laws.1));
         load.torque += contact.turning_torque(laws.0, laws.1, turning);
     };
-    let run = scene
-        .contact_model()
-        .range_within(R::ZERO, motion.position, &motion.axes);
+    let is_late = |contact: &Contact<R>| {
+        let scene = OnSurface::of(scene, contact.surface);
+        comes_late(&ContactEnd::of(&scene, start, &contact.point), seconds)
+    };
     scene
         .contact_model()
-        .visit_points(run, motion, &mut |contact| {
-            let scene = OnSurface::of(scene, contact.surface);
-            if !comes_late(&ContactEnd::of(&scene, start, &contact.point), seconds) {
+        .visit_with_onsets(motion, &mut |contact, onset| {
+            if onset == Onset::Gradual || !is_late(contact) {
                 add(contact);
             }
         });
-    // Points of a rim touch down one after the other, without a jump of the rim's force.
-    scene.contact_model().visit_rims(motion, &mut add);
     load
 }
 
