@@ -193,13 +193,15 @@ where
     /// touch, or their depths have a larger rounding error, as in single precision. Keep the first
     /// decision.
     ///
-    /// A state high above the barriers costs no evaluation of a contact.
+    /// A state whose kinetic and potential energy alone is above the barrier costs no evaluation of
+    /// a contact.
     #[must_use]
     pub fn outcome(&self, state: &State<R>) -> Outcome<<D::Body as Faces<R>>::Face> {
-        let Some(basin) = self.basin(state) else {
+        let Some((basin, least_energy)) = self.basin(state) else {
             return Outcome::Undecided;
         };
-        if self.most_energy(state) < self.barrier(&basin) {
+        let barrier = self.barrier(&basin);
+        if least_energy < barrier && self.most_energy(state) < barrier {
             Outcome::Decided(basin.face)
         } else {
             Outcome::Undecided
@@ -207,8 +209,8 @@ where
     }
 
     /// Returns the basin that the body is in, if it is low and slow enough that a face may be
-    /// decided.
-    fn basin(&self, state: &State<R>) -> Option<Basin<<D::Body as Faces<R>>::Face, R>> {
+    /// decided, and its energy without that of the springs, J. The springs add to it.
+    fn basin(&self, state: &State<R>) -> Option<(Basin<<D::Body as Faces<R>>::Face, R>, R)> {
         let radius = self.scene.bounding_radius();
         let gap = state.position.z() - self.ground;
         let masses = self.scene.inertia_properties();
@@ -221,12 +223,12 @@ where
             return None;
         }
         let axes = state.rotation().axes();
-        let is_slow = masses.rotational_energy(&axes, state.angular_momentum) < left;
-        if is_slow {
-            self.scene.body().basin(-axes.rise())
-        } else {
-            None
+        let rotation = masses.rotational_energy(&axes, state.angular_momentum);
+        if rotation >= left {
+            return None;
         }
+        let basin = self.scene.body().basin(-axes.rise())?;
+        Some((basin, translation + rotation + self.weight * gap))
     }
 
     /// Returns the barrier of a basin, J: energy above that of a body at rest with its centre of
