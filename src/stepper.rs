@@ -547,6 +547,26 @@ where
         broken_law(&self.scene, before, &record)
     }
 
+    /// Advances a state by exactly `seconds`, which must be at least 0.
+    ///
+    /// The time that has passed differs from `seconds` by at most one unit in its last place. A
+    /// difference occurs only because a whole number of steps is kept whole. Ten steps of 0.1 s and
+    /// an advance by 1 s therefore give the same bits. In `f32` this holds up to 2²⁶ steps. Beyond
+    /// that, the clock may be wrong by one more unit for each 2²⁶ steps.
+    ///
+    /// Each step is taken, at rest too. A [`Session`](crate::Session) counts the steps of a body at
+    /// rest instead.
+    ///
+    /// # Errors
+    /// Returns the errors of [`step`](Self::step). Returns [`StepError::BadDuration`] if `seconds`
+    /// is negative or not finite. Returns [`StepError::TooManySteps`] if the run would take more
+    /// than 2⁵³ steps (2⁴⁰ in `f32`) of the integrator's step size. On an error the state is the
+    /// one after the last successful step.
+    pub fn advance(&self, state: &mut State<R>, seconds: R) -> Result<(), StepError> {
+        self.run(state, seconds, &mut ())?;
+        Ok(())
+    }
+
     /// Advances a state by exactly `seconds` and calls `observer` at the start and after each step.
     /// Returns the time that the run has covered, s. It is less than `seconds` if the observer
     /// ended the run.

@@ -1,4 +1,4 @@
-//! Runs without an observer. Whole steps of a body at rest are counted and not taken.
+//! Advance of a session. Whole steps of a body at rest are counted and not taken.
 
 use super::{Clock, End, Stepper, check_duration};
 use crate::body::RigidPointBody;
@@ -21,26 +21,6 @@ where
     I: Integrator<R>,
     E: Force<R>,
 {
-    /// Advances a state by exactly `seconds`, which must be at least 0.
-    ///
-    /// The time that has passed differs from `seconds` by at most one unit in its last place. A
-    /// difference occurs only because a whole number of steps is kept whole. Ten steps of 0.1 s and
-    /// an advance by 1 s therefore give the same bits. In `f32` this holds up to 2²⁶ steps. Beyond
-    /// that, the clock may be wrong by one more unit for each 2²⁶ steps.
-    ///
-    /// Once a step leaves the body at rest, further whole steps are counted and not taken, as in a
-    /// [`Session`](crate::Session).
-    ///
-    /// # Errors
-    /// Returns the errors of [`step`](Self::step). Returns [`StepError::BadDuration`] if `seconds`
-    /// is negative or not finite. Returns [`StepError::TooManySteps`] if the run would take more
-    /// than 2⁵³ steps (2⁴⁰ in `f32`) of the integrator's step size. On an error the state is the
-    /// one after the last successful step.
-    pub fn advance(&self, state: &mut State<R>, seconds: R) -> Result<(), StepError> {
-        let (mut workspace, mut clock) = (I::Workspace::default(), Clock::new());
-        self.advance_with((state, &mut false), seconds, &mut workspace, &mut clock)
-    }
-
     /// Advances a state like [`advance`](Self::advance), with the caller's workspace and a new
     /// clock. After an error, the clock holds the time and the counts up to that error.
     ///
