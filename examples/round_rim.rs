@@ -2,7 +2,8 @@
 //! stiffness of the whole rim.
 //!
 //! `cargo run --release --example round_rim -- --help` describes the options. The example prints
-//! the tables of the documentation of `Disc`, which `--write` stores, and `.ci/instructions` counts its costs.
+//! the tables of the documentation of `Disc`, which `--write` stores, and `.ci/instructions` counts
+//! its costs.
 
 use core::ops::ControlFlow;
 use std::process::ExitCode;

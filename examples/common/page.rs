@@ -49,7 +49,7 @@ impl Page {
     /// The tables of the page.
     pub fn tables(&self) -> String {
         let tables = self.text.iter().filter(|text| text.starts_with('|'));
-        let tables: Vec<_> = tables.map(|table| table.trim_end()).collect();
+        let tables: Vec<_> = tables.map(|table| compact(table)).collect();
         tables.join("\n\n")
     }
 
@@ -195,6 +195,17 @@ pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('"', "&quot;")
+}
+
+/// Returns a table without the spaces and rules that align its columns.
+fn compact(table: &str) -> String {
+    let cell = |cell: &str| match cell.trim() {
+        "" => String::new(),
+        rule if rule.bytes().all(|byte| byte == b'-') => "---".to_owned(),
+        text => format!(" {text} "),
+    };
+    let row = |line: &str| line.split('|').map(cell).collect::<Vec<_>>().join("|");
+    table.lines().map(row).collect::<Vec<_>>().join("\n")
 }
 
 /// A figure with its expected value.

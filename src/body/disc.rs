@@ -49,26 +49,26 @@ use crate::state::State;
 ///
 /// <!-- round rim: begin; written by `round_rim -- --write` -->
 ///
-/// | distance from the round rim, m | trial 1, 1 s | 5 s    | trial 5, 1 s | 5 s    | trial 8, 1 s | 5 s    |
-/// |--------------------------------|--------------|--------|--------------|--------|--------------|--------|
-/// | 12 points                      | 0.16         | 0.78   | 0.15         | 0.87   | 0.29         | 0.79   |
-/// | 120 points                     | 6.5e-5       | 1.8e-3 | 2.3e-3       | 2.9e-2 | 2.4e-3       | 5.5e-2 |
-/// | 1200 points                    | 5.8e-7       | 6.8e-6 | 1.1e-5       | 4.7e-5 | 4.2e-6       | 4.7e-4 |
+/// | distance from the round rim, m | trial 1, 1 s | 5 s | trial 5, 1 s | 5 s | trial 8, 1 s | 5 s |
+/// |---|---|---|---|---|---|---|
+/// | 12 points | 0.16 | 0.78 | 0.15 | 0.87 | 0.29 | 0.79 |
+/// | 120 points | 6.5e-5 | 1.8e-3 | 2.3e-3 | 2.9e-2 | 2.4e-3 | 5.5e-2 |
+/// | 1200 points | 5.8e-7 | 6.8e-6 | 1.1e-5 | 4.7e-5 | 4.2e-6 | 4.7e-4 |
 ///
 /// | upright, 4 rad/s | vertical acceleration, rms, over g | energy lost in 1 s with dampers and friction, J |
-/// |------------------|------------------------------------|-------------------------------------------------|
-/// | 12 points        | 2.4                                | 0.2936                                          |
-/// | 120 points       | 7.0e-3                             | 0.0430                                          |
-/// | 1200 points      | 2.1e-4                             | 0.0431                                          |
-/// | round            | 4.8e-14                            | 0.0431                                          |
+/// |---|---|---|
+/// | 12 points | 2.4 | 0.2936 |
+/// | 120 points | 7.0e-3 | 0.0430 |
+/// | 1200 points | 2.1e-4 | 0.0431 |
+/// | round | 4.8e-14 | 0.0431 |
 ///
-/// | round, trial 1, position after 1 s | `Rk4`   | `Nystrom` | `StrangSplitting` | `EnergyMomentum` |
-/// |------------------------------------|---------|-----------|-------------------|------------------|
-/// | steps of 10 ms                     | 1e-4 m  | 1e-5 m    | 1e-3 m            | 8e-4 m           |
-/// | steps of 5 ms                      | 4e-6 m  | 4e-7 m    | 2e-4 m            | 2e-4 m           |
-/// | steps of 2 ms                      | 4e-8 m  | 1e-8 m    | 3e-5 m            | 4e-5 m           |
-/// | steps of 1 ms                      | 3e-9 m  | 7e-10 m   | 8e-6 m            | 2e-5 m           |
-/// | steps of 0.2 ms                    | 6e-12 m | 1e-12 m   | 3e-7 m            | 5e-6 m           |
+/// | round, trial 1, position after 1 s | `Rk4` | `Nystrom` | `StrangSplitting` | `EnergyMomentum` |
+/// |---|---|---|---|---|
+/// | steps of 10 ms | 1e-4 m | 1e-5 m | 1e-3 m | 8e-4 m |
+/// | steps of 5 ms | 4e-6 m | 4e-7 m | 2e-4 m | 2e-4 m |
+/// | steps of 2 ms | 4e-8 m | 1e-8 m | 3e-5 m | 4e-5 m |
+/// | steps of 1 ms | 3e-9 m | 7e-10 m | 8e-6 m | 2e-5 m |
+/// | steps of 0.2 ms | 6e-12 m | 1e-12 m | 3e-7 m | 5e-6 m |
 /// <!-- round rim: end -->
 ///
 /// A step on the round rim takes more time than a step with 120 points, except in flight. The ratio
