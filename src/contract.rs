@@ -107,10 +107,11 @@ impl fmt::Display for Violation {
 }
 
 /// Requirement of a contract.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Requirement {
     /// The implementation's own check passes, and a scene can be composed with it.
+    #[error("the parts must form a valid scene: {quantity} {rule}")]
     Composes {
         /// Name of the invalid quantity, such as "mass".
         quantity: &'static str,
@@ -118,175 +119,154 @@ pub enum Requirement {
         rule: Rule,
     },
     /// Every number is finite.
+    #[error("every number must be finite")]
     Finite,
 
     /// Body: mass, inertia, contacts, bounding radius and `contacts_below` are the same at every
     /// call.
+    #[error("the values of a body must be the same at every call")]
     Rigid,
     /// Body: no contact's surface lies beyond the bounding radius.
+    #[error("no contact may lie beyond the bounding radius or the support function")]
     Reach,
     /// Body: `contacts_below` omits no contact, and `contacts_below_near` returns the same range
     /// for any known range.
+    #[error("contacts_below must omit no contact, and contacts_below_near must agree with it")]
     ContactsBelow,
     /// Smooth body: it has one contact, `support_point` is within the bounding radius, and no other
     /// value of it is farther in that direction.
+    #[error("support_point must be the farthest point of one contact, within bounding_radius")]
     Support,
 
     /// Ground: the normal has length 1.
+    #[error("the surface's normal must have length 1")]
     UnitNormal,
     /// Ground: the material of a ground that moves stays on its surface.
+    #[error("the ground's material must move along its surface")]
     MotionAlongSurface,
     /// Ground: the gap changes by `normal · path` between two points.
+    #[error(
+        "the gap must change by normal · displacement, as a distance does; \
+         use a Terrain for a height z = h(x, y)"
+    )]
     GapAlongNormal,
     /// Ground: the `bounds` are true.
+    #[error("the bounds must be true of the surface")]
     GroundBounds,
     /// Ground: the spring force is at least 0.
+    #[error("the spring force must be at least 0, rounding included")]
     SpringPushes,
     /// Ground: the springs' energy is at least 0 and does not decrease with penetration depth.
+    #[error("the springs' energy must be at least 0 and must not decrease with depth")]
     SpringEnergyRises,
     /// Ground: the springs' energy is the integral of their force.
+    #[error("the springs' energy must be the integral of the spring force")]
     EnergyIsIntegral,
     /// Ground: the normal force is at least 0.
+    #[error("the ground must not pull, not even by rounding")]
     NeverPulls,
     /// Ground: `(normal_force - spring_force) · closing_speed >= 0`.
+    #[error("the damper must only dissipate energy")]
     DamperTakes,
     /// Ground: force, slope, stiffness and damping of the mean force are at least 0.
+    #[error("the mean force and its slopes must be at least 0")]
     MeanForceSigns,
     /// Ground: the mean force is 0 on a path above ground.
+    #[error("the mean force must be 0 above the ground")]
     MeanForceAbove,
     /// Ground: the mean force takes at least the energy that the springs store, and returns at most
     /// the energy that they stored.
+    #[error("the mean force must take at least, and return at most, the energy of the springs")]
     MeanForceTakes,
     /// Ground: the mean force is the mean of the normal force along the path.
+    #[error("the mean force must be the mean of the normal force")]
     MeanForceIsMean,
 
     /// Friction: `force · slip <= 0`.
+    #[error("friction must oppose the slip")]
     Opposes,
     /// Friction: the force lies in the surface.
+    #[error("friction must lie in the surface")]
     InSurface,
     /// Friction: without load there is no force.
+    #[error("friction must be 0 without load")]
     NoLoadNoForce,
     /// Friction: without slip there is no force.
+    #[error("friction must be 0 without slip")]
     NoSlipNoForce,
     /// Friction: `rolling_resistance` is always `Some` or never, with torques of at least 0 and a
     /// rotation speed above 0.
+    #[error("rolling_resistance must be always Some or always None, with valid values")]
     TurningOpposes,
     /// Friction: if `depends_on_position` is false, the force is the same at every position.
+    #[error("a force that varies over the ground needs depends_on_position to be true")]
     SameEverywhere,
     /// Friction: `jacobian` has a coefficient of `|force|/|slip|`, a width above 0, and a growth
     /// between 0 and 1.
+    #[error("the Jacobian must be consistent with the force")]
     DragFits,
 
     /// Force: a passive force does no positive work, and drag is at most 0.
+    #[error("a passive force must not do positive work")]
     PassiveTakes,
     /// Force: the powers of drag and drive add up to the power of force and torque.
+    #[error("drag and drive must add up to the power of force and torque")]
     PowerFits,
     /// Force: it is zero if [`acts`](crate::Force::acts) returns false.
+    #[error("a force that does not act must be 0")]
     ActsOrZero,
     /// Force: it is continuous in the velocities.
+    #[error("the force must be continuous in the velocities")]
     Continuous,
 
     /// Integrator: a step of a well-resolved scene succeeds.
+    #[error("a well-resolved step must succeed ({0})")]
     Steps(StepError),
     /// Integrator: the duration of a step is above 0 s.
+    #[error("a step must take more than 0 s")]
     TakesTime,
     /// Integrator: the duration of a step is at most the limit.
+    #[error("a step must not exceed its limit")]
     KeepsToLimit,
     /// Integrator: successive steps towards a time arrive at it.
+    #[error("steps towards a time must arrive at it")]
     LandsOnLimit,
     /// Integrator: the duration that a step returns is the time by which the state was advanced.
+    #[error("a step must advance by the time that it returns")]
     TellsTime,
     /// Force, integrator: the same input gives the same bits.
+    #[error("the same input must give the same bits")]
     SameBits,
     /// Integrator: the content of the workspace changes no bit, and a cleared one is like a new
     /// one.
+    #[error("the workspace must not change a result")]
     WorkspaceChangesNothing,
     /// Integrator: the orientation has length 1 after a step.
+    #[error("the orientation must have length 1 after a step")]
     UnitOrientation,
     /// Integrator: the error decreases with the step size at the stated order, within 0.3.
+    #[error("half the step size must divide the error by at least 2^(order - 0.3)")]
     Order,
     /// Integrator: the computed energy after a step does not exceed the energy before it.
+    #[error("the energy must not increase")]
     EnergyNeverRises,
 }
 
-impl fmt::Display for Requirement {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Composes { quantity, rule } => {
-                return write!(f, "the parts must form a valid scene: {quantity} {rule}");
-            }
-            Self::Steps(error) => return write!(f, "a well-resolved step must succeed ({error})"),
-            Self::Finite => "every number must be finite",
-            Self::Rigid => "the values of a body must be the same at every call",
-            Self::Reach => "no contact may lie beyond the bounding radius or the support function",
-            Self::ContactsBelow => {
-                "contacts_below must omit no contact, and contacts_below_near must agree with it"
-            }
-            Self::Support => {
-                "support_point must be the farthest point of one contact, within bounding_radius"
-            }
-            Self::MotionAlongSurface => "the ground's material must move along its surface",
-            Self::UnitNormal => "the surface's normal must have length 1",
-            Self::GapAlongNormal => {
-                "the gap must change by normal · displacement, as a distance does; \
-                 use a Terrain for a height z = h(x, y)"
-            }
-            Self::GroundBounds => "the bounds must be true of the surface",
-            Self::SpringPushes => "the spring force must be at least 0, rounding included",
-            Self::SpringEnergyRises => {
-                "the springs' energy must be at least 0 and must not decrease with depth"
-            }
-            Self::EnergyIsIntegral => {
-                "the springs' energy must be the integral of the spring force"
-            }
-            Self::NeverPulls => "the ground must not pull, not even by rounding",
-            Self::DamperTakes => "the damper must only dissipate energy",
-            Self::MeanForceSigns => "the mean force and its slopes must be at least 0",
-            Self::MeanForceAbove => "the mean force must be 0 above the ground",
-            Self::MeanForceTakes => {
-                "the mean force must take at least, and return at most, the energy of the springs"
-            }
-            Self::MeanForceIsMean => "the mean force must be the mean of the normal force",
-            Self::Opposes => "friction must oppose the slip",
-            Self::InSurface => "friction must lie in the surface",
-            Self::NoLoadNoForce => "friction must be 0 without load",
-            Self::NoSlipNoForce => "friction must be 0 without slip",
-            Self::TurningOpposes => {
-                "rolling_resistance must be always Some or always None, with valid values"
-            }
-            Self::SameEverywhere => {
-                "a force that varies over the ground needs depends_on_position to be true"
-            }
-            Self::DragFits => "the Jacobian must be consistent with the force",
-            Self::PassiveTakes => "a passive force must not do positive work",
-            Self::PowerFits => "drag and drive must add up to the power of force and torque",
-            Self::ActsOrZero => "a force that does not act must be 0",
-            Self::Continuous => "the force must be continuous in the velocities",
-            Self::TakesTime => "a step must take more than 0 s",
-            Self::KeepsToLimit => "a step must not exceed its limit",
-            Self::LandsOnLimit => "steps towards a time must arrive at it",
-            Self::TellsTime => "a step must advance by the time that it returns",
-            Self::SameBits => "the same input must give the same bits",
-            Self::WorkspaceChangesNothing => "the workspace must not change a result",
-            Self::UnitOrientation => "the orientation must have length 1 after a step",
-            Self::Order => "half the step size must divide the error by at least 2^(order - 0.3)",
-            Self::EnergyNeverRises => "the energy must not increase",
-        })
-    }
-}
-
 /// Input that breaks a requirement, SI units.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Input {
     /// No specific input: the implementation as it is.
+    #[error("for any input")]
     AsItIs,
     /// A contact of the body.
+    #[error("at contact {index}")]
     Contact {
         /// Number of the contact.
         index: usize,
     },
     /// Plane below which contacts were requested, and one of the contacts.
+    #[error("at contact {index} below the plane {normal} · p = {offset:e} m")]
     Below {
         /// Normal of its plane, body axes.
         normal: DVec3,
@@ -296,11 +276,13 @@ pub enum Input {
         index: usize,
     },
     /// Point in the world.
+    #[error("at the point {point} m")]
     Place {
         /// Position, m, world axes.
         point: DVec3,
     },
     /// Displacement from one point to another.
+    #[error("on the path from {from} m to {to} m")]
     Way {
         /// Start, m, world axes.
         from: DVec3,
@@ -308,6 +290,7 @@ pub enum Input {
         to: DVec3,
     },
     /// Interval of penetration depths.
+    #[error("from depth {from:e} m to {to:e} m")]
     Depths {
         /// Smaller penetration depth, m.
         from: f64,
@@ -315,6 +298,7 @@ pub enum Input {
         to: f64,
     },
     /// Penetrating contact.
+    #[error("at depth {depth:e} m and closing speed {closing_speed:e} m/s")]
     Press {
         /// Penetration depth, m.
         depth: f64,
@@ -322,6 +306,7 @@ pub enum Input {
         closing_speed: f64,
     },
     /// Path of a contact at constant speed over a step.
+    #[error("from depth {start:e} m to {end:e} m within {seconds:e} s")]
     Path {
         /// Penetration depth at the start, m.
         start: f64,
@@ -331,6 +316,7 @@ pub enum Input {
         seconds: f64,
     },
     /// Sliding contact.
+    #[error("at {position} m under {normal_force:e} N at a slip of {slip} m/s")]
     Slide {
         /// Position of the contact, m, world axes.
         position: DVec3,
@@ -340,6 +326,7 @@ pub enum Input {
         slip: DVec3,
     },
     /// Motion of a body.
+    #[error("at {linear_velocity} m/s and {angular_velocity} rad/s")]
     Motion {
         /// Velocity of the centre of mass, m/s.
         linear_velocity: DVec3,
@@ -347,6 +334,7 @@ pub enum Input {
         angular_velocity: DVec3,
     },
     /// Step of one of the test scenes.
+    #[error("{scene} (case {case}), step {step} with a limit of {limit:e} s")]
     Step {
         /// Name of the scene.
         scene: &'static str,
@@ -357,74 +345,6 @@ pub enum Input {
         /// Limit of the step, s.
         limit: f64,
     },
-}
-
-impl fmt::Display for Input {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::AsItIs => f.write_str("for any input"),
-            Self::Contact { index } => write!(f, "at contact {index}"),
-            Self::Below {
-                normal,
-                offset,
-                index,
-            } => {
-                write!(
-                    f,
-                    "at contact {index} below the plane {normal} · p = {offset:e} m"
-                )
-            }
-            Self::Place { point } => write!(f, "at the point {point} m"),
-            Self::Way { from, to } => write!(f, "on the path from {from} m to {to} m"),
-            Self::Depths { from, to } => write!(f, "from depth {from:e} m to {to:e} m"),
-            Self::Press {
-                depth,
-                closing_speed,
-            } => {
-                write!(
-                    f,
-                    "at depth {depth:e} m and closing speed {closing_speed:e} m/s"
-                )
-            }
-            Self::Path {
-                start,
-                end,
-                seconds,
-            } => {
-                write!(
-                    f,
-                    "from depth {start:e} m to {end:e} m within {seconds:e} s"
-                )
-            }
-            Self::Slide {
-                position,
-                normal_force,
-                slip,
-            } => {
-                write!(
-                    f,
-                    "at {position} m under {normal_force:e} N at a slip of {slip} m/s"
-                )
-            }
-            Self::Motion {
-                linear_velocity,
-                angular_velocity,
-            } => {
-                write!(f, "at {linear_velocity} m/s and {angular_velocity} rad/s")
-            }
-            Self::Step {
-                scene,
-                case,
-                step,
-                limit,
-            } => {
-                write!(
-                    f,
-                    "{scene} (case {case}), step {step} with a limit of {limit:e} s"
-                )
-            }
-        }
-    }
 }
 
 /// Returns `Ok` if a requirement holds, otherwise its violation.

@@ -200,6 +200,23 @@ fn check_offsets<R: Real, B: RigidPointBody<R> + ?Sized>(
     Ok(())
 }
 
+/// Plane below which contacts are asked for, and the range that the body returned.
+struct Below<R: Real> {
+    normal: R::Vec3,
+    offset: R,
+    range: ContactRange,
+}
+
+impl<R: Real> Below<R> {
+    fn input(&self, index: usize) -> Input {
+        Input::Below {
+            normal: wide::<R>(self.normal),
+            offset: self.offset.to_f64(),
+            index,
+        }
+    }
+}
+
 /// Checks the contacts below one plane, also from known ranges of similar and of other planes. No
 /// contact may be omitted, and all results must be equal.
 fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
@@ -208,70 +225,96 @@ fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
     normal: R::Vec3,
     offset: R,
 ) -> Result<(), Violation> {
-    let contacts = body.contacts();
-    let run = body.contacts_below(normal, offset);
-    let input = |index| Input::Below {
-        normal: wide::<R>(normal),
-        offset: offset.to_f64(),
-        index,
+    let below = Below {
+        normal,
+        offset,
+        range: body.contacts_below(normal, offset),
     };
     let again = body.contacts_below(normal, offset);
-    demand(run == again, Requirement::Rigid, R::ONE, R::ZERO, || {
-        input(again.first)
+    let is_same = below.range == again;
+    demand(is_same, Requirement::Rigid, R::ONE, R::ZERO, || {
+        below.input(again.first)
     })?;
-    let sure = offset - (offset.abs() + body.bounding_radius()) * ulps(8.0);
-    let known = runs_like(run, contacts.len());
+    let known = known_ranges(below.range, body.contacts().len());
     let near = known.map(|known| body.contacts_below_near(normal, offset, known));
-    let all = [run]
+    check_none_is_omitted(body, first, &below, &known, &near)?;
+    known
+        .into_iter()
+        .zip(near)
+        .try_for_each(|(known, near)| check_near(body, &below, known, near))
+}
+
+/// Checks that each contact below the plane is in the body's range, in those found `near` known
+/// ones, and in the known ones whose ends say that they belong to this plane.
+fn check_none_is_omitted<R: Real, B: RigidPointBody<R> + ?Sized>(
+    body: &B,
+    first: &Portrait<R>,
+    below: &Below<R>,
+    known: &[ContactRange],
+    near: &[ContactRange],
+) -> Result<(), Violation> {
+    let contacts = body.contacts();
+    let (normal, offset) = (below.normal, below.offset);
+    let belongs_to_plane = |known: &&ContactRange| {
+        let is_below = |end: R::Vec3| normal.dot(end) < offset;
+        let ends = body.range_ends(**known).map(|ends| ends.map(is_below));
+        ends == Some([false, true, true, false])
+    };
+    let all = [&below.range]
         .into_iter()
         .chain(near)
-        .chain(known.into_iter().filter(|&known| {
-            // A range that is known to be that of this plane.
-            let is_below = |end: R::Vec3| normal.dot(end) < offset;
-            let ends = body.range_ends(known).map(|ends| ends.map(is_below));
-            ends == Some([false, true, true, false])
-        }));
+        .chain(known.iter().filter(belongs_to_plane));
+    let sure = offset - (offset.abs() + body.bounding_radius()) * ulps(8.0);
     for (index, contact) in contacts.iter().enumerate() {
         let height = normal.dot(contact.position) - contact.radius;
-        let found = height >= sure || all.clone().all(|range| holds(range, contacts, index));
+        let mut all = all.clone();
+        let found = height >= sure || all.all(|range| holds(*range, contacts, index));
         if !found {
             // Either the range was wrong, or the contacts have changed meanwhile.
             first.check(&Portrait::of(body))?;
         }
         demand(found, Requirement::ContactsBelow, height, offset, || {
-            input(index)
+            below.input(index)
         })?;
-    }
-    for (known, near) in known.into_iter().zip(near) {
-        if near == run || (near.count == 0 && run.count == 0) {
-            continue;
-        }
-        // Either the result depends on the known range, or it changes between calls.
-        let again = body.contacts_below_near(normal, offset, known);
-        let (requirement, value) = if near == again {
-            (Requirement::ContactsBelow, near)
-        } else {
-            (Requirement::Rigid, again)
-        };
-        let [count, asked] = [value, run].map(|run| R::from_usize(run.count.min(contacts.len())));
-        demand(false, requirement, count, asked, || input(near.first))?;
     }
     Ok(())
 }
 
+/// Checks that the range found `near` a known one is the range of the plane.
+fn check_near<R: Real, B: RigidPointBody<R> + ?Sized>(
+    body: &B,
+    below: &Below<R>,
+    known: ContactRange,
+    near: ContactRange,
+) -> Result<(), Violation> {
+    if near == below.range || (near.count == 0 && below.range.count == 0) {
+        return Ok(());
+    }
+    // Either the result depends on the known range, or it changes between calls.
+    let again = body.contacts_below_near(below.normal, below.offset, known);
+    let (requirement, value) = if near == again {
+        (Requirement::ContactsBelow, near)
+    } else {
+        (Requirement::Rigid, again)
+    };
+    let contacts = body.contacts().len();
+    let [count, asked] = [value, below.range].map(|range| R::from_usize(range.count.min(contacts)));
+    demand(false, requirement, count, asked, || below.input(near.first))
+}
+
 /// Known ranges that a caller may pass: the range itself, ranges that end next to its ends, the
 /// empty range, and all contacts.
-fn runs_like(run: ContactRange, contacts: usize) -> [ContactRange; 6] {
-    let ContactRange { first, count } = run;
+fn known_ranges(range: ContactRange, contacts: usize) -> [ContactRange; 6] {
+    let ContactRange { first, count } = range;
     [
-        run,
+        range,
         ContactRange {
             count: count.saturating_add(1),
-            ..run
+            ..range
         },
         ContactRange {
             first: first.saturating_sub(1),
-            ..run
+            ..range
         },
         ContactRange {
             first: first.saturating_add(1),
