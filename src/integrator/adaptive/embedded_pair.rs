@@ -125,18 +125,12 @@ pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
     let mut report = Step::new(R::ZERO, 0);
     let start = start_of(scene, state, workspace, &mut report)?;
     let control = &mut workspace.control;
-    let mut trial = control.first_trial(|| {
+    let mut trial = control.first_trial(settings, || {
         report.evaluations += 1;
         control::first_length(pair.roots, settings, scene, &start)
     });
-    trial.length = trial.length.at_most(settings.longest_step);
     loop {
-        control.spend(settings)?;
-        let seconds = trial.seconds(limit);
-        if seconds <= R::ZERO {
-            // The proposed step size has underflowed.
-            return Err(control.too_short(settings, Quantity::Position));
-        }
+        let seconds = control.next_attempt(settings, &trial, limit)?;
         let length = (seconds, trial.is_to_discontinuity(seconds));
         let attempt = attempt(formula, settings, scene, &start, length, &mut report);
         let quantity = if let Some(attempt) = &attempt {

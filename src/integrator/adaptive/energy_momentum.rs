@@ -16,8 +16,8 @@
 //! `e = SHARE tolerance √(tolerance/L)`. At a discontinuity of a force the error of a step is
 //! proportional to `h` or less, so a step that is short enough is always accepted.
 
-use super::embedded_pair::control::{self, Control, Errors, Trial};
-use super::embedded_pair::{Place, Settings};
+use super::embedded_pair::Settings;
+use super::embedded_pair::control::{self, Control, Errors};
 use crate::contact::Motion;
 use crate::energy::Energy;
 use crate::error::{Quantity, SceneError, StepError};
@@ -190,14 +190,9 @@ impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
         let settings = self.settings();
         let control = &mut workspace.control;
         let mut work = Step::new(R::ZERO, 0);
-        let mut trial = first_trial(&settings, scene, state, control, &mut work);
+        let mut trial = control.first_trial_from(state, ROOTS, &settings, scene, &mut work);
         loop {
-            control.spend(&settings)?;
-            let seconds = trial.seconds(limit);
-            if seconds <= R::ZERO {
-                // The proposed step size has underflowed.
-                return Err(control.too_short(&settings, Quantity::Position));
-            }
+            let seconds = control.next_attempt(&settings, &trial, limit)?;
             if workspace.rest.is_of(state, seconds) {
                 control.accept(ROOTS, &trial, seconds, R::ZERO);
                 return Ok(Rest::step(seconds, &work));
@@ -259,24 +254,6 @@ pub(super) fn check_state<R: Real>(state: &State<R>) -> Result<(), StepError> {
         return Err(StepError::BadState(Quantity::Orientation));
     }
     Ok(())
-}
-
-/// Returns the first attempt at a step: of the proposed size, or of a size that follows from the
-/// state alone.
-fn first_trial<R: Real, D: Dynamics<R>>(
-    settings: &Settings<R>,
-    scene: &D,
-    state: &State<R>,
-    control: &Control<R>,
-    work: &mut Step<R>,
-) -> Trial<R> {
-    let mut trial = control.first_trial(|| {
-        work.evaluations += 2;
-        let start = Place::at(scene, Point::of(state));
-        control::first_length(ROOTS, settings, scene, &start)
-    });
-    trial.length = trial.length.at_most(settings.longest_step);
-    trial
 }
 
 /// Returns the largest allowed error of a step, m.

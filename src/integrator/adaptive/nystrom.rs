@@ -39,11 +39,11 @@ mod damping;
 mod dip;
 mod estimate;
 
-use super::embedded_pair::control::{self, Control, Trial};
-use super::embedded_pair::{Place, Settings};
+use super::embedded_pair::Settings;
+use super::embedded_pair::control::Control;
 use super::energy_momentum::check_state;
 use crate::body::ContactRange;
-use crate::error::{Quantity, SceneError, StepError};
+use crate::error::{SceneError, StepError};
 use crate::integrator::explicit::{Stage, Start};
 use crate::integrator::interface::{Integrator, Step, StepControl};
 use crate::integrator::point::Point;
@@ -179,14 +179,9 @@ impl<R: Real> Integrator<R> for AdaptiveNystrom<R> {
         let mut report = Step::new(R::ZERO, 0);
         let mut start = Begin::of(scene, state, workspace, &mut report)?;
         let control = &mut workspace.control;
-        let mut trial = first_trial(&settings, scene, state, control, &mut report);
+        let mut trial = control.first_trial_from(state, ROOTS, &settings, scene, &mut report);
         loop {
-            control.spend(&settings)?;
-            let seconds = trial.seconds(limit);
-            if seconds <= R::ZERO {
-                // The proposed step size has underflowed.
-                return Err(control.too_short(&settings, Quantity::Position));
-            }
+            let seconds = control.next_attempt(&settings, &trial, limit)?;
             let friction_limit = start.limit(&settings, scene, seconds);
             let limited = LimitedScene::of(scene, &friction_limit);
             start.prepare(&limited, seconds, &mut report);
@@ -304,22 +299,4 @@ impl<R: Real> Begin<R> {
             self.is_limited = is_limited;
         }
     }
-}
-
-/// Returns the first attempt at a step: of the proposed size, or of a size that follows from the
-/// state alone.
-fn first_trial<R: Real, D: Dynamics<R>>(
-    settings: &Settings<R>,
-    scene: &D,
-    state: &State<R>,
-    control: &Control<R>,
-    report: &mut Step<R>,
-) -> Trial<R> {
-    let mut trial = control.first_trial(|| {
-        report.evaluations += 2;
-        let start = Place::at(scene, Point::of(state));
-        control::first_length(ROOTS, settings, scene, &start)
-    });
-    trial.length = trial.length.at_most(settings.longest_step);
-    trial
 }

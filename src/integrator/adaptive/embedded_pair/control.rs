@@ -4,10 +4,11 @@ use super::attempt::{Place, Settings};
 use super::touch::Discontinuities;
 use crate::contact::Motion;
 use crate::error::{Quantity, StepError};
-use crate::integrator::interface::{StepControl, step_length};
+use crate::integrator::interface::{Step, StepControl, step_length};
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
+use crate::state::State;
 
 /// Time over which an error of a velocity counts as a displacement, s.
 const HORIZON: f64 = 1.0;
@@ -255,25 +256,57 @@ impl<R: Real> Control<R> {
         }
     }
 
+    /// Returns the first trial of a step: of the size that the previous step proposed, or of
+    /// `first_length` s.
     #[inline]
     pub(in crate::integrator::adaptive) fn first_trial(
         &self,
+        settings: &Settings<R>,
         first_length: impl FnOnce() -> R,
     ) -> Trial<R> {
+        let length = self.next.unwrap_or_else(first_length);
         Trial {
-            length: self.next.unwrap_or_else(first_length),
+            length: length.at_most(settings.longest_step),
             to_discontinuity: None,
             kinks_left: KINKS,
             shortened: false,
         }
     }
 
-    /// Counts one more attempt.
+    /// Returns the first trial of a step from a state whose slope is not known.
+    pub(in crate::integrator::adaptive) fn first_trial_from<D: Dynamics<R>>(
+        &self,
+        state: &State<R>,
+        roots: u32,
+        settings: &Settings<R>,
+        scene: &D,
+        report: &mut Step<R>,
+    ) -> Trial<R> {
+        self.first_trial(settings, || {
+            report.evaluations += 2;
+            first_length(roots, settings, scene, &Place::at(scene, Point::of(state)))
+        })
+    }
+
+    /// Counts one more attempt, and returns its step size, s.
     #[inline]
-    pub(in crate::integrator::adaptive) fn spend(
+    pub(in crate::integrator::adaptive) fn next_attempt(
         &mut self,
         settings: &Settings<R>,
-    ) -> Result<(), StepError> {
+        trial: &Trial<R>,
+        limit: R,
+    ) -> Result<R, StepError> {
+        self.spend(settings)?;
+        let seconds = trial.seconds(limit);
+        if seconds <= R::ZERO {
+            // The proposed step size has underflowed.
+            return Err(self.too_short(settings, Quantity::Position));
+        }
+        Ok(seconds)
+    }
+
+    #[inline]
+    fn spend(&mut self, settings: &Settings<R>) -> Result<(), StepError> {
         if self.attempts >= settings.budget {
             return Err(StepError::BudgetSpent {
                 attempts: self.attempts,
