@@ -1,5 +1,6 @@
 #![no_std]
 #![cfg_attr(docsrs, feature(doc_cfg))]
+#![warn(clippy::too_many_lines)]
 //! One rigid body made of points that spins, slides, rolls, bounces and tumbles on a spring-damper
 //! ground with sliding friction.
 //!
