@@ -312,7 +312,7 @@ where
     /// Height of the ground, if the contacts of a lane are added row by row.
     fn height_in_lanes(&self) -> Option<R> {
         let is_plain = self.body.rims().is_empty()
-            && self.ground.motion().is_none()
+            && !self.ground_moves()
             && self.friction.rolling_resistance(R::ZERO).is_none();
         self.height_under_bare_points().filter(|_| is_plain)
     }

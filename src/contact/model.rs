@@ -127,6 +127,14 @@ where
         }
     }
 
+    /// Returns true if the ground's material moves.
+    // Not forced inline: the compiler then knows the answer of a ground at rest before it inlines
+    // what a moving one needs.
+    #[inline]
+    pub(super) fn ground_moves(&self) -> bool {
+        self.ground.motion().is_some()
+    }
+
     /// Friction law.
     #[inline(always)]
     #[must_use]

@@ -89,21 +89,11 @@ where
         let axes = arm_axes.unwrap_or(&motion.axes);
         let mut load = Load::default();
         if let Some(height) = self.height_under_bare_points() {
-            let parts = run.parts(self.body.contacts());
-            // A copy of the motion would cost some fifty instructions where the ground is at rest.
-            let seen;
-            let motion = match self.ground.motion() {
-                None => motion,
-                Some(ground) => {
-                    seen = ground.seen_by(motion);
-                    &seen
-                }
+            return if self.ground_moves() {
+                self.load_on_level(height, run, &self.seen(motion), arm_axes)
+            } else {
+                self.load_on_level(height, run, motion, arm_axes)
             };
-            load = level::load(laws, height, parts, motion, arm_axes);
-            if !self.body.rims().is_empty() {
-                self.add_load_of_rims(motion, axes, &mut load);
-            }
-            return load;
         }
         self.visit_on(
             run,
@@ -114,6 +104,26 @@ where
                 load: &mut load,
             },
         );
+        load
+    }
+
+    /// Load of a body of bare points, and of its rims, on a level plane at this height, for the
+    /// motion as the ground sees it.
+    #[inline(always)]
+    fn load_on_level(
+        &self,
+        height: R,
+        run: ContactRange,
+        motion: &Motion<R>,
+        arm_axes: Option<&Axes<R>>,
+    ) -> Load<R> {
+        let parts = run.parts(self.body.contacts());
+        let laws = (self.ground, self.friction);
+        let mut load = level::load(laws, height, parts, motion, arm_axes);
+        if !self.body.rims().is_empty() {
+            let axes = arm_axes.unwrap_or(&motion.axes);
+            self.add_load_of_rims(motion, axes, &mut load);
+        }
         load
     }
 

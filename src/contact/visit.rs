@@ -86,9 +86,10 @@ where
         motion: &Motion<R>,
         visitor: &mut impl Visitor<R>,
     ) {
-        match self.ground.motion() {
-            None => self.visit_seen(run, motion, visitor),
-            Some(ground) => self.visit_seen(run, &ground.seen_by(motion), visitor),
+        if self.ground_moves() {
+            self.visit_seen(run, &self.seen(motion), visitor);
+        } else {
+            self.visit_seen(run, motion, visitor);
         }
     }
 
