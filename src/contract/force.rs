@@ -6,7 +6,6 @@ use super::{
 };
 use crate::force::Force;
 use crate::real::{Real, Vector};
-use crate::rotation::Rotation;
 use crate::state::Motion;
 
 /// Range of motions for which an applied force is intended. The check evaluates nothing beyond it.
@@ -95,7 +94,7 @@ fn motion<R: Real>(range: &ForceRange<R>, plan: CheckPlan, index: u32) -> Motion
         ..plan
     }
     .draw();
-    let turn = Rotation::from_rotation_vector(draw.direction::<R>() * R::from_f64(3.0));
+    let turn = draw.rotation::<R>();
     let place = draw.place::<R>() * range.size;
     let share = |number: u32| {
         let share = SHARES.get(number as usize % SHARES.len());

@@ -11,6 +11,7 @@ mod kit;
 mod bad_input;
 mod combinations;
 mod contract;
+mod contract_inputs;
 mod contract_reach;
 mod driven;
 mod extremes;
