@@ -365,3 +365,6 @@ fn slower<R: Real>(state: &State<R>, factor: R) -> State<R> {
         ..*state
     }
 }
+
+#[cfg(test)]
+mod tests;
