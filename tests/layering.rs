@@ -353,7 +353,7 @@ fn first_name(code: &str) -> &str {
     &code[..end.unwrap_or(code.len())]
 }
 
-/// All files `*.rs` below a folder, in order.
+/// All files `*.rs` below a folder, in order, without those of unit tests, which may use all layers.
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).expect("the folder is readable");
     let mut paths: Vec<_> = entries
@@ -363,7 +363,8 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let (folders, files): (Vec<_>, Vec<_>) = paths.into_iter().partition(|path| path.is_dir());
     let own = files
         .into_iter()
-        .filter(|path| path.extension().is_some_and(|extension| extension == "rs"));
+        .filter(|path| path.extension().is_some_and(|extension| extension == "rs"))
+        .filter(|path| !path.ends_with("tests.rs"));
     own.chain(folders.iter().flat_map(|folder| rust_files(folder)))
         .collect()
 }
