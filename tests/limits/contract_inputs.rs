@@ -7,6 +7,11 @@
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
+#![allow(clippy::float_cmp, reason = "a check tries its bounds themselves")]
+#![allow(
+    clippy::cast_possible_truncation,
+    reason = "numbers of octaves and sectors are small"
+)]
 
 use core::cell::RefCell;
 

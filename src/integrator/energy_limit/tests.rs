@@ -1,5 +1,7 @@
 //! The thresholds of the limiter, each from both sides.
 
+#![allow(clippy::float_cmp, reason = "what is not changed has the same bits")]
+
 use super::*;
 use crate::{
     Coin, Coulomb, FlatGround, Gravity, MovingGround, NoGravity, PointMass, Scene,
