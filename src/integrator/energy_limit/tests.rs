@@ -12,21 +12,23 @@ use glam::{DQuat, DVec3};
 type Coins<G = FlatGround, A = UniformGravity> = Scene<Coin, G, Coulomb, A>;
 
 const STIFFNESS: f64 = 1000.0;
-const WEIGHT: f64 = 9.8;
+const MASS: f64 = 2.0;
+const GRAVITY: f64 = 9.8;
+const WEIGHT: f64 = MASS * GRAVITY;
 const RADIUS: f64 = 0.5;
 const FRICTION: Coulomb = Coulomb {
     coefficient: 0.3,
     slip_speed: 1e-3,
 };
 
-/// Coin of 1 kg with 120 contacts.
+/// Coin of 2 kg with 120 contacts.
 fn coin_on<G: SpringDamperGround, A: Gravity>(ground: G, gravity: A) -> Coins<G, A> {
-    Scene::new(Coin::ring(1.0, RADIUS), ground, FRICTION, gravity).unwrap()
+    Scene::new(Coin::ring(MASS, RADIUS), ground, FRICTION, gravity).unwrap()
 }
 
 fn coin() -> Coins {
     let ground = FlatGround::level(STIFFNESS, 0.5);
-    coin_on(ground, UniformGravity::down(WEIGHT))
+    coin_on(ground, UniformGravity::down(GRAVITY))
 }
 
 /// Depth at which springs of all contacts bear this share of the weight, m.
@@ -103,12 +105,12 @@ fn a_body_whose_motion_is_more_than_the_rounding_of_its_energy_is_not_at_rest() 
         &Energy::of(&coin(), &lying()),
     );
     let with_energy = |share: f64| {
-        let speed = (2.0 * share * rounding).sqrt();
+        let speed = (2.0 * share * rounding / MASS).sqrt();
         lying().with_linear_velocity(DVec3::new(speed, 0.0, 0.0))
     };
     let spinning = |share: f64| {
         // L²/(2 I), with I = m r²/2 about a diameter.
-        let momentum = (share * rounding * RADIUS * RADIUS).sqrt();
+        let momentum = (share * rounding * MASS * RADIUS * RADIUS).sqrt();
         lying().with_angular_momentum(DVec3::new(0.0, momentum, 0.0))
     };
     let slow = with_energy(1e-3);
@@ -122,12 +124,11 @@ fn a_body_whose_motion_is_more_than_the_rounding_of_its_energy_is_not_at_rest() 
 fn a_body_that_gains_speed_is_at_rest_only_where_rounding_explains_it() {
     let start = lying().with_linear_velocity(DVec3::ZERO);
     let scene = coin();
-    let weight = 1.0 * WEIGHT;
     let numbers = depth(1.0) + RADIUS;
-    let stiffness = weight * weight / (2.0 * Energy::of(&scene, &start).springs);
+    let stiffness = WEIGHT * WEIGHT / (2.0 * Energy::of(&scene, &start).springs);
     assert!((stiffness / (120.0 * STIFFNESS) - 1.0).abs() < 1e-6);
-    let impulse = 1e-3 * (stiffness * numbers + weight) * 8.0 * f64::EPSILON;
-    let faster = |share: f64| start.with_linear_velocity(DVec3::X * (share * impulse));
+    let impulse = 1e-3 * (stiffness * numbers + WEIGHT) * 8.0 * f64::EPSILON;
+    let faster = |share: f64| start.with_linear_velocity(DVec3::X * (share * impulse / MASS));
     assert!(rests(&scene, [&start, &faster(0.99)]));
     assert!(!rests(&scene, [&start, &faster(1.01)]));
     let spinning = |share: f64| {
@@ -163,7 +164,7 @@ fn a_body_is_at_rest_only_where_its_contacts_support_half_of_its_weight() {
 fn a_body_on_a_ground_that_moves_is_not_at_rest() {
     let still = FlatGround::level(STIFFNESS, 0.5);
     let belt = MovingGround::conveyor(still, DVec3::X);
-    let scene = coin_on(belt, UniformGravity::down(WEIGHT));
+    let scene = coin_on(belt, UniformGravity::down(GRAVITY));
     assert!(!rests(&scene, [&lying(), &lying()]));
 }
 
@@ -316,15 +317,15 @@ fn an_end_is_slowed_as_far_as_its_ceiling_asks_and_stopped_if_nothing_else_helps
     assert!(lowered(&scene, f64::NAN, &end, after).is_none());
 }
 
-/// A point of 1 kg in the air that a step has moved, with this gain of energy in J.
+/// A point of 2 kg in the air that a step has moved, with this gain of energy in J.
 fn held(gain: f64) -> (bool, State, Energy, Step) {
-    let body = PointMass::new(1.0);
+    let body = PointMass::new(MASS);
     let ground = FlatGround::level(STIFFNESS, 0.5);
-    let scene = Scene::new(body, ground, FRICTION, UniformGravity::down(WEIGHT)).unwrap();
+    let scene = Scene::new(body, ground, FRICTION, UniformGravity::down(GRAVITY)).unwrap();
     let mut state = State::at(DVec3::Z).with_linear_velocity(DVec3::new(3.0, 0.0, 0.0));
     let mut energy = Energy::of(&scene, &state);
     let lower = State::at(DVec3::new(0.1, 0.0, 0.9));
-    let speed = (2.0 * (energy.total() - WEIGHT * 0.9 + gain)).sqrt();
+    let speed = (2.0 / MASS * (energy.total() - WEIGHT * 0.9 + gain)).sqrt();
     let end = lower.with_linear_velocity(DVec3::new(0.6 * speed, 0.0, -0.8 * speed));
     let after = Energy::of(&scene, &end);
     let touched = Touched {
@@ -346,7 +347,7 @@ fn held(gain: f64) -> (bool, State, Energy, Step) {
 
 #[test]
 fn a_step_in_flight_ends_at_most_with_the_energy_of_its_start() {
-    let before = WEIGHT + 4.5;
+    let before = WEIGHT + MASS * 4.5;
     // A loss is kept, a gain taken from the velocity and reported.
     let (done, state, energy, step) = held(-0.25);
     assert!(done && state.position.z == 0.9 && step.energy_removed == 0.0);
@@ -356,8 +357,79 @@ fn a_step_in_flight_ends_at_most_with_the_energy_of_its_start() {
     assert!(energy.total() <= before && energy.total() > before - 1e-12);
     assert!((step.energy_removed - 0.25).abs() < 1e-12);
     // A gain of more than a quarter of what falls and moves is no solution.
-    let convertible = 4.5 + 0.1 * WEIGHT;
+    let convertible = MASS * 4.5 + 0.1 * WEIGHT;
     assert!(held(0.24 * convertible).0);
     let (done, state, energy, _) = held(0.26 * convertible);
     assert!(!done && state.position.z == 1.0 && energy.total() == before);
+}
+
+/// Limits a step of a scene with these ends, contacts that touch, and work of the ground in J.
+fn limited<G: SpringDamperGround>(
+    scene: &Coins<G>,
+    [start, end]: [State; 2],
+    touching: usize,
+    work: f64,
+) -> (bool, State, Step) {
+    let (mut state, mut energy) = (start, Energy::of(scene, &start));
+    let touched = Touched {
+        touching,
+        is_lossless: false,
+        work,
+    };
+    let mut step = Step::new(1e-3, 1);
+    step.energy_removed = 8.0;
+    step.drive_work = 16.0;
+    let ends = (&end, &Energy::of(scene, &end));
+    let done = hold_down(scene, (&mut state, &mut energy), ends, touched, &mut step);
+    assert_eq!(energy, Energy::of(scene, &state));
+    (done, state, step)
+}
+
+#[test]
+fn the_work_of_a_ground_that_moves_is_no_gain() {
+    let belt = MovingGround::conveyor(FlatGround::level(STIFFNESS, 0.5), DVec3::X);
+    let scene = coin_on(belt, UniformGravity::down(GRAVITY));
+    let start = State::at(DVec3::Z).with_linear_velocity(DVec3::X);
+    // 1 J more than the start, of which 0.75 J is work.
+    let end = State::at(DVec3::Z).with_linear_velocity(DVec3::X * 2.0_f64.sqrt());
+    let (done, state, step) = limited(&scene, [start, end], 3, 0.75);
+    assert!(done && (step.energy_removed - 8.25).abs() < 1e-12);
+    assert_eq!(step.drive_work, 16.75);
+    assert!((Energy::of(&scene, &state).translation - 1.75).abs() < 1e-12);
+    // A ground at rest does none, whatever the sum of the contacts says.
+    let (_, _, step) = limited(&coin(), [start, end], 3, 0.75);
+    assert_eq!(step.drive_work, 16.0);
+}
+
+/// A start of 1 m/s or less, and an end above it without motion, that has gained this many units
+/// in the last place of its energy.
+fn turning_point(speed: f64, units: f64) -> [State; 2] {
+    let start = State::at(DVec3::Z).with_linear_velocity(DVec3::X * speed);
+    let before = Energy::of(&coin(), &start).total();
+    let height = before / WEIGHT * (1.0 + units * f64::EPSILON);
+    [start, State::at(DVec3::Z * height)]
+}
+
+#[test]
+fn a_slow_body_that_touches_stops_where_it_was() {
+    let (done, state, step) = limited(&coin(), turning_point(1e-9, 8.0), 3, 0.0);
+    assert!(done && state == State::at(DVec3::Z));
+    assert!(step.energy_removed == 8.0 && step.drive_work == 16.0);
+    // More than the rounding of its energy it may not gain.
+    let [start, end] = turning_point(1e-9, 1e4);
+    let (done, state, _) = limited(&coin(), [start, end], 3, 0.0);
+    assert!(!done && state == start);
+}
+
+#[test]
+fn at_a_turning_point_a_step_in_contact_is_refused_and_one_in_flight_keeps_the_old_place() {
+    let [start, end] = turning_point(1.0, 8.0);
+    let (done, state, _) = limited(&coin(), [start, end], 3, 0.0);
+    assert!(!done && state == start);
+    let (done, state, step) = limited(&coin(), [start, end], 0, 0.0);
+    assert!(done && state == State::at(DVec3::Z));
+    assert!(step.energy_removed == 8.0 && step.drive_work == 16.0);
+    let [start, end] = turning_point(1.0, 1e4);
+    let (done, state, _) = limited(&coin(), [start, end], 0, 0.0);
+    assert!(!done && state == start);
 }
