@@ -48,21 +48,31 @@ impl<R: Real> Others<R> {
     ) -> Self {
         let argument = by_turn(trial.spin);
         let since = contacts.since_last(problem, trial);
-        let mut others = Self::NONE;
+        let (mut others, mut level) = (Self::NONE, Level::ZERO);
         contacts.visit_others(problem, trial, &mut |touch, first| {
             feel(&touch.push);
             let answer = contacts.answer_of_other(problem, since.as_ref(), touch, first);
-            others.add(problem, trial, &argument, touch, &answer);
+            others.add(problem, touch, &answer);
+            let push = &touch.push;
+            if problem.is_bare {
+                let path = of_level_path(problem, push, &answer);
+                level.add(&path, push.force, push.arm, push.end_arm);
+            } else {
+                others.differentiate(problem, trial, &argument, push, &answer);
+            }
         });
+        if problem.is_bare {
+            let share = share_of_arm(problem);
+            level.equations(R::ZERO, &Block::ZERO, share, &mut others.equations);
+        }
         others
     }
 
+    /// Adds the excess and the strain of a contact.
     #[inline]
     fn add<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
-        argument: &Block<R>,
         touch: &mut Touch<R>,
         answer: &Answer<R>,
     ) {
@@ -76,8 +86,19 @@ impl<R: Real> Others<R> {
         };
         sum[0] += excess;
         sum[1] += touch.push.arm.cross(excess);
-        let push = &touch.push;
-        self.strain.add(push, &answer.drag);
+        self.strain.add(&touch.push, &answer.drag);
+    }
+
+    /// Adds the part of a contact in the matrix.
+    #[inline(never)]
+    fn differentiate<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        argument: &Block<R>,
+        push: &Push<R>,
+        answer: &Answer<R>,
+    ) {
         let by_turn = push.path_by_turn(problem, trial, argument);
         let by_turns = (argument, by_turn.as_ref());
         add_anywhere(problem, push, answer, by_turns, &mut self.equations);
