@@ -51,9 +51,16 @@ impl<R: Real> Others<R> {
         let (mut others, mut level) = (Self::NONE, Level::ZERO);
         contacts.visit_others(problem, trial, &mut |touch, first| {
             feel(&touch.push);
-            let answer = contacts.answer_of_other(problem, since.as_ref(), touch, first);
-            others.add(problem, touch, &answer);
+            let drag = touch.jacobian(problem);
+            let slide = touch.answer_of_slide(problem, &drag, contacts.len());
+            let answer = slide.unwrap_or_else(|| {
+                let since = since.as_ref();
+                let answer = contacts.answer_of_other(problem, since, (&mut *touch, drag), first);
+                others.add_excess(problem, touch, &answer);
+                answer
+            });
             let push = &touch.push;
+            others.strain.add(push, &answer.drag);
             if problem.is_bare {
                 let path = of_level_path(problem, push, &answer);
                 level.add(&path, push.force, push.arm, push.end_arm);
@@ -68,9 +75,11 @@ impl<R: Real> Others<R> {
         others
     }
 
-    /// Adds the excess and the strain of a contact.
-    #[inline]
-    fn add<D: Dynamics<R>>(
+    /// Adds the excess of a contact that does not slide all the time. That of a slide, which has the
+    /// law's own derivative, is 0 to rounding.
+    #[cold]
+    #[inline(never)]
+    fn add_excess<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
         touch: &mut Touch<R>,
@@ -86,7 +95,6 @@ impl<R: Real> Others<R> {
         };
         sum[0] += excess;
         sum[1] += touch.push.arm.cross(excess);
-        self.strain.add(&touch.push, &answer.drag);
     }
 
     /// Adds the part of a contact in the matrix.
