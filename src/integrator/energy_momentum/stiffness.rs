@@ -78,7 +78,6 @@ impl<R: Real> Others<R> {
     /// Adds the excess of a contact that does not slide all the time. That of a slide, which has the
     /// law's own derivative, is 0 to rounding.
     #[cold]
-    #[inline(never)]
     fn add_excess<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
@@ -98,7 +97,6 @@ impl<R: Real> Others<R> {
     }
 
     /// Adds the part of a contact in the matrix.
-    #[inline(never)]
     fn differentiate<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
