@@ -128,9 +128,10 @@ struct Asymmetric<R: Real> {
     phase: Angle<R>,
     /// Half revolutions of `ψ` for each unit of time.
     half_rate: Wide<R>,
-    /// `-D(0)/2`.
+    /// `-D(0)/2`, of length 1.
     half_start: Angle<R>,
-    /// The shortest rotation `G(0)`, inverse: cosine and the parts along b and c.
+    /// The shortest rotation `G(0)`, inverse, times some length: the scalar and the parts along b
+    /// and c.
     back: [R; 3],
     /// On the separatrix, half revolutions of `ψ` for each revolution of the phase.
     separatrix: Option<R>,
@@ -165,16 +166,16 @@ impl<R: Real> FreeRotation<R> {
         let (in_body, length) = in_body_axes(rotation, momentum);
         let radian = revolution().over(length);
         let axes = inertia.principal_axes();
-        let principal = [(axes.x, x), (axes.y, y), (axes.z, z)].map(|(axis, moment)| Principal {
+        let principal = |axis, moment| Principal {
             axis,
-            momentum: along(axis, in_body),
-            inverse: if inertia.is_dead(moment) {
-                Wide::ZERO
-            } else {
-                Wide::ONE.over(Wide::new(moment / moment_unit))
-            },
-        });
-        let sorted = sorted(principal);
+            momentum: along(axis, &in_body),
+            inverse: inverse(inertia, moment, moment_unit),
+        };
+        let sorted = sorted([
+            principal(axes.x, x),
+            principal(axes.y, y),
+            principal(axes.z, z),
+        ]);
         let [low, middle, high] = &sorted;
         let motion = if low.inverse == middle.inverse || momentum == [R::ZERO; 3] {
             Motion::Symmetric(Symmetric::new(momentum, middle.inverse, high, radian))
@@ -208,7 +209,7 @@ impl<R: Real> Symmetric<R> {
         let square = |part: R| Wide::product(part, part);
         let length = square(x).plus(square(y)).plus(square(z)).sqrt();
         let direction = if length.high > R::ZERO {
-            R::Vec3::new(x, y, z) * (R::ONE / length.high)
+            R::Vec3::new(x, y, z) * (R::ONE / length.nearest())
         } else {
             R::Vec3::ZERO
         };
@@ -234,8 +235,9 @@ impl<R: Real> Symmetric<R> {
 }
 
 impl<R: Real> Asymmetric<R> {
+    #[inline(always)]
     fn new(polhode: &Polhode<R>, radian: Wide<R>) -> Self {
-        let weight = polhode.side.high.abs();
+        let weight = polhode.side.nearest().abs();
         let (chain, means) = Chain::new(polhode.pair, polhode.third, weight);
         let phase_rate = means.limit.shifted(polhode.direction);
         let steady = if polhode.is_separatrix {
@@ -244,9 +246,9 @@ impl<R: Real> Asymmetric<R> {
             let side = polhode.side.times(means.fraction);
             polhode.slow.plus(side).plus(phase_rate)
         };
-        let ratio = R::ONE - weight * means.fraction.high / means.limit.high;
+        let ratio = R::ONE - weight * means.fraction.nearest() / means.limit.nearest();
         let phase = landen::phase(chain.steps(), polhode.start);
-        let half_start = half_angle(&chain, polhode.elongation, polhode.start, phase);
+        let half_start = half_angle(&chain, polhode.elongation, polhode.start, phase).unit();
         let [cos, b, c] = shortest_rotation(direction(polhode.amplitudes, polhode.start));
         Self {
             axes: polhode.axes,
@@ -268,8 +270,8 @@ impl<R: Real> Asymmetric<R> {
         let advance = match self.separatrix {
             None => self.phase_rate.fraction_after(time),
             Some(ratio) => {
-                let advance = self.advance_to_middle(self.phase_rate.high * time);
-                half += ratio * advance;
+                let advance = self.advance_to_middle(self.phase_rate.nearest() * time);
+                half = Wide::sum(half, ratio * advance).fraction();
                 advance
             }
         };
@@ -287,8 +289,13 @@ impl<R: Real> Asymmetric<R> {
             half.cos * z + half.sin * y,
         ];
         let [w, x, y, z] = after([self.back[0], R::ZERO, self.back[1], self.back[2]], turned);
+        // Everything before has any length.
+        let scale = R::ONE / (w * w + x * x + y * y + z * z).sqrt();
         let [a, b, c] = self.axes;
-        rotation(w, a * x + b * y + c * z)
+        rotation(
+            w * scale,
+            a * (x * scale) + b * (y * scale) + c * (z * scale),
+        )
     }
 
     /// Advance of the phase on the separatrix, revolutions: it ends a quarter from the middle of
@@ -308,7 +315,7 @@ impl<R: Real> Asymmetric<R> {
     }
 }
 
-/// `D/2`, half of the periodic part of `ψ`.
+/// `D/2`, half of the periodic part of `ψ`, of any length.
 #[inline]
 fn half_angle<R: Real>(
     chain: &Chain<R>,
@@ -316,8 +323,11 @@ fn half_angle<R: Real>(
     values: Jacobi<R>,
     phase: Angle<R>,
 ) -> Angle<R> {
-    Angle::of(values.cn, elongation * values.sn)
-        .plus(phase.negated())
+    let azimuth = Angle {
+        cos: values.cn,
+        sin: elongation * values.sn,
+    };
+    (azimuth.plus(phase.negated()))
         .plus(chain.periodic_part(values).negated())
         .half()
 }
@@ -328,12 +338,11 @@ fn direction<R: Real>([a, b, c]: [R; 3], values: Jacobi<R>) -> [R; 3] {
     [a * values.dn, b * values.sn, c * values.cn]
 }
 
-/// The shortest rotation from `l` to the axis `a`: its scalar, and its parts along b and c.
+/// The shortest rotation from `l` to the axis `a`, times a length between 1 and 2: its scalar, and
+/// its parts along b and c.
 #[inline]
 fn shortest_rotation<R: Real>([a, b, c]: [R; 3]) -> [R; 3] {
-    let scalar = R::ONE + a;
-    let scale = R::ONE / (scalar * scalar + b * b + c * c).sqrt();
-    [scalar * scale, c * scale, -b * scale]
+    [R::ONE + a, c, -b]
 }
 
 /// Product of two quaternions w, x, y, z.
@@ -391,12 +400,21 @@ fn in_body_axes<R: Real>(rotation: Rotation<R>, momentum: [R; 3]) -> ([Wide<R>; 
     (parts, scalar.plus(square))
 }
 
+/// Inverse of a principal moment in a unit, and 0 if the body does not rotate about its axis.
+fn inverse<R: Real>(inertia: &InertiaProperties<R>, moment: R, unit: R) -> Wide<R> {
+    if inertia.is_dead(moment) {
+        Wide::ZERO
+    } else {
+        Wide::ONE.over(Wide::new(moment / unit))
+    }
+}
+
 /// Component along an axis of the body.
-fn along<R: Real>(axis: R::Vec3, [x, y, z]: [Wide<R>; 3]) -> Wide<R> {
+fn along<R: Real>(axis: R::Vec3, [x, y, z]: &[Wide<R>; 3]) -> Wide<R> {
     match BodyAxis::<R>::along(axis) {
-        BodyAxis::X => x,
-        BodyAxis::Y => y,
-        BodyAxis::Z => z,
+        BodyAxis::X => *x,
+        BodyAxis::Y => *y,
+        BodyAxis::Z => *z,
         BodyAxis::Other(axis) => x
             .scaled(axis.x())
             .plus(y.scaled(axis.y()))
@@ -407,7 +425,7 @@ fn along<R: Real>(axis: R::Vec3, [x, y, z]: [Wide<R>; 3]) -> Wide<R> {
 /// The axes by their inverse moments, the smallest first.
 fn sorted<R: Real>([x, y, z]: [Principal<R>; 3]) -> [Principal<R>; 3] {
     let ordered = |a: Principal<R>, b: Principal<R>| {
-        if b.inverse.minus(a.inverse).high < R::ZERO {
+        if b.inverse.is_below(a.inverse) {
             (b, a)
         } else {
             (a, b)

@@ -117,6 +117,11 @@ pub trait Real:
     #[must_use]
     fn power_of_two(self) -> Self;
 
+    /// Returns the number without the lower half of its digits: 26 binary digits in f64, 12 in f32.
+    #[doc(hidden)]
+    #[must_use]
+    fn upper_half(self) -> Self;
+
     /// Returns the larger of the two numbers, or `other` if `self` is NaN.
     #[inline]
     #[must_use]
@@ -252,7 +257,10 @@ macro_rules! square_root {
 }
 
 macro_rules! implement_real {
-    ($real:ident, $vec:ident, $quat:ident, $mat:ident, $sqrt:path, $sincos:path, $atan2:path, $pow:path) => {
+    (
+        $real:ident, $vec:ident, $quat:ident, $mat:ident, $lower:literal,
+        $sqrt:path, $sincos:path, $atan2:path, $pow:path
+    ) => {
         impl Sealed for $real {}
         impl Real for $real {
             type Vec3 = glam::$vec;
@@ -333,6 +341,10 @@ macro_rules! implement_real {
                 let exponent = $real::INFINITY.to_bits();
                 $real::from_bits(self.to_bits() & exponent).max($real::MIN_POSITIVE)
             }
+            #[inline]
+            fn upper_half(self) -> Self {
+                $real::from_bits(self.to_bits() & !((1 << $lower) - 1))
+            }
         }
 
         impl Sealed for glam::$vec {}
@@ -387,6 +399,7 @@ implement_real!(
     Vec3,
     Quat,
     Mat3,
+    12,
     libm::sqrtf,
     sine::sin_cos,
     libm::atan2f,
@@ -397,6 +410,7 @@ implement_real!(
     DVec3,
     DQuat,
     DMat3,
+    27,
     libm::sqrt,
     libm::sincos,
     libm::atan2,

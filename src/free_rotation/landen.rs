@@ -6,7 +6,8 @@
 //! transformations connect the angles before and after a step:
 //!
 //! - *Gauss's* keeps the number of revolutions. With `c = (a - g)/2` and `n = a₁ + c sin²φ₁`:
-//!   `sin φ = a sin φ₁/n`, `cos φ = Δ₁ cos φ₁/n`, `Δ = a (a₁ - c sin²φ₁)/n`.
+//!   `sin φ = a sin φ₁/n`, `cos φ = Δ₁ cos φ₁/n`, `Δ = a (a₁ - c sin²φ₁)/n`. So
+//!   `n = a (a + g)/(a + Δ)` and `Δ₁² = n (Δ + g)/2`.
 //! - *Landen's* doubles the angle: `tan(φ₁ - φ) = (g/a) tan φ` and `2 Δ₁ = Δ + a g/Δ`. It is used
 //!   for the integral of the third kind, in `precession`.
 //!
@@ -63,18 +64,21 @@ pub(super) struct Pair<R> {
 impl<R: Real> Pair<R> {
     /// Returns true if both numbers are so close that the next step is elementary.
     ///
-    /// With `x = (a - g)/(a + g)` the terms that are omitted are of relative size `x⁴`, which is
-    /// below the rounding of [`Wide`].
+    /// With `x = (a - g)/(a + g)` the mean is `M = a₁ (1 - x²/4 - 5 x⁴/64 - ...)`. The terms that
+    /// are omitted are below a third of `EPSILON²` for `x² ≤ 2 EPSILON`. `Δ` is then constant to
+    /// half of `EPSILON`.
+    #[inline]
     pub(super) fn is_close(&self) -> bool {
-        let apart = self.arithmetic.high - self.geometric.high;
-        apart.abs() <= self.arithmetic.high * R::EPSILON.sqrt()
+        let a = self.arithmetic.high;
+        let apart = a - self.geometric.high;
+        apart * apart <= a * a * (R::EPSILON * R::from_f64(8.0))
     }
 
     /// The mean `M = a₁ (1 - x²/4)` of a close pair, and the distance `a₁ x²/4` from it to
     /// `√(a g)`.
     pub(super) fn limit(&self) -> (Wide<R>, R) {
-        let sum = self.arithmetic.plus(self.geometric).shifted(R::HALF);
-        let difference = self.arithmetic.minus(self.geometric).high * R::HALF;
+        let sum = self.mean();
+        let difference = self.arithmetic.minus(self.geometric).nearest() * R::HALF;
         let lower = difference * difference / (sum.high * R::from_f64(4.0));
         (sum.minus(Wide::new(lower)), lower)
     }
@@ -85,37 +89,39 @@ impl<R: Real> Pair<R> {
 
     pub(super) fn step(&self, weight: R) -> MeanStep<R> {
         MeanStep {
-            arithmetic: self.arithmetic.high,
-            geometric: self.geometric.high,
+            arithmetic: self.arithmetic.nearest(),
+            geometric: self.geometric.nearest(),
             weight,
         }
     }
 
     pub(super) fn next(&self, product: Wide<R>) -> Self {
         Self {
-            arithmetic: self.arithmetic.plus(self.geometric).shifted(R::HALF),
+            arithmetic: self.mean(),
             geometric: product.sqrt(),
         }
+    }
+
+    /// The arithmetic mean. `a` is not below `g`.
+    #[inline]
+    fn mean(&self) -> Wide<R> {
+        (self.arithmetic.plus_smaller(self.geometric)).shifted(R::HALF)
     }
 }
 
 /// Returns the phase, the angle after all steps, for given values before them.
 #[inline]
 pub(super) fn phase<R: Real>(steps: &[MeanStep<R>], values: Jacobi<R>) -> Angle<R> {
-    let Jacobi {
-        mut sn,
-        mut cn,
-        mut dn,
-    } = values;
+    let Jacobi { mut sn, cn, mut dn } = values;
     for step in steps {
-        let (a, sum) = (step.arithmetic, step.sum());
-        let over = R::ONE / (a + dn);
-        // a₁ + c sin²φ₁
-        let n = a * sum * over;
-        let next = ((dn + step.geometric) * n * R::HALF).sqrt();
-        (sn, cn, dn) = (sn * sum * over, cn * n / next, next);
+        let a = step.arithmetic;
+        // n = a₁ + c sin²φ₁
+        let n = a * step.sum() / (a + dn);
+        dn = ((dn + step.geometric) * n * R::HALF).sqrt();
+        // tan φ₁ = (Δ₁/a) tan φ
+        sn *= dn / a;
     }
-    Angle::of(cn, sn)
+    Angle { cos: cn, sin: sn }.unit()
 }
 
 /// Returns the values before all steps for a phase after them.

@@ -78,53 +78,80 @@ pub(super) struct Polhode<R: Real> {
 /// numbers are still normal. In f64 the path stays at the middle axis for 280 radians of `u`.
 const SMALLEST_SQUARE: [f64; 2] = [1e-240, 1e-30];
 
+/// Axis beside the middle one.
+#[derive(Clone, Copy)]
+struct Outer<R: Real> {
+    axis: Principal<R>,
+    /// Square of the angular momentum.
+    square: Wide<R>,
+    /// Distance of the inverse moment from that of the middle axis.
+    gap: Wide<R>,
+}
+
+impl<R: Real> Outer<R> {
+    #[inline]
+    fn new(axis: Principal<R>, gap: Wide<R>) -> Self {
+        Self {
+            square: axis.square(),
+            axis,
+            gap,
+        }
+    }
+
+    #[inline]
+    fn product(&self) -> Wide<R> {
+        self.square.times(self.gap)
+    }
+}
+
 impl<R: Real> Polhode<R> {
     /// Creates the path for three axes with different inverse moments, the smallest first. The
     /// angular momentum is not 0.
+    #[inline(always)]
     pub(super) fn new([low, middle, high]: [Principal<R>; 3]) -> Self {
-        let falling = (low.square()).times(middle.inverse.minus(low.inverse));
-        let rising = (high.square()).times(high.inverse.minus(middle.inverse));
+        let all = high.inverse.minus(low.inverse);
+        let low = Outer::new(low, middle.inverse.minus(low.inverse));
+        let high = Outer::new(high, high.inverse.minus(middle.inverse));
+        let (falling, rising) = (low.product(), high.product());
         let excess = rising.minus(falling);
         // The rounding of `Wide`: what is closer is on the separatrix.
         let rounding = (rising.high + falling.high) * (R::EPSILON * R::EPSILON * R::from_f64(8.0));
         let is_separatrix = excess.high.abs() <= rounding;
-        let (a, c) = if excess.high > R::ZERO {
-            (high, low)
-        } else {
-            (low, high)
-        };
-        let a = if a.momentum.high < R::ZERO {
-            a.reversed()
-        } else {
-            a
-        };
-        let is_left_handed = a.axis.cross(middle.axis).dot(c.axis) < R::ZERO;
-        let c = if is_left_handed { c.reversed() } else { c };
-        Self::around([a, middle, c], excess, is_separatrix)
+        let forward = excess.high > R::ZERO;
+        let (mut a, mut c) = if forward { (high, low) } else { (low, high) };
+        if a.axis.momentum.high < R::ZERO {
+            a.axis = a.axis.reversed();
+        }
+        if a.axis.axis.cross(middle.axis).dot(c.axis.axis) < R::ZERO {
+            c.axis = c.axis.reversed();
+        }
+        Self::around((a, middle, c), all, (excess, forward, is_separatrix))
     }
 
-    /// Creates the path around `a` for the value of `E_b`.
-    fn around([a, b, c]: [Principal<R>; 3], excess: Wide<R>, is_separatrix: bool) -> Self {
-        let [to_b, to_c, between] = [
-            a.inverse.minus(b.inverse),
-            a.inverse.minus(c.inverse),
-            c.inverse.minus(b.inverse),
-        ];
-        let forward = to_c.high > R::ZERO;
-        let [to_b, to_c] = [to_b.abs(), to_c.abs()];
-        let sum = (a.square().times(to_c)).plus(b.square().times(between.abs()));
-        let length = (a.square().plus(b.square()).plus(c.square())).sqrt();
+    /// Creates the path around `a`, with the distance of the inverse moments of `a` and `c`, for
+    /// the value of `E_b`.
+    #[inline(always)]
+    fn around(
+        (a, b, c): (Outer<R>, Principal<R>, Outer<R>),
+        to_c: Wide<R>,
+        (excess, forward, is_separatrix): (Wide<R>, bool, bool),
+    ) -> Self {
+        let (to_b, square) = (a.gap, b.square());
+        let sum = (a.square.times(to_c)).plus(square.times(c.gap));
+        let length = (a.square.plus(square).plus(c.square)).sqrt();
+        let between = if forward { c.gap.negated() } else { c.gap };
+        let (a, c) = (a.axis, c.axis);
         let (pair, is_separatrix) = pair(sum.times(to_b), excess.abs().times(to_c), is_separatrix);
-        let steepness = (to_b.high * to_c.high).sqrt();
-        let elongation = (to_c.high / to_b.high).sqrt();
-        let wide = elongation * c.momentum.high;
-        let height = (b.momentum.high * b.momentum.high + wide * wide).sqrt();
+        let steepness = (to_b.nearest() * to_c.nearest()).sqrt();
+        let elongation = (to_c.nearest() / to_b.nearest()).sqrt();
+        let (along, wide) = (b.momentum.nearest(), elongation * c.momentum.nearest());
+        let height = (along * along + wide * wide).sqrt();
         let (sn, cn) = if height > R::ZERO {
-            (b.momentum.high / height, wide / height)
+            (along / height, wide / height)
         } else {
             (R::ZERO, R::ONE)
         };
-        let dn = (a.momentum.high * steepness).at_least(pair.geometric.high);
+        let dn = (a.momentum.nearest() * steepness).at_least(pair.geometric.nearest());
         let is_at_rest = is_separatrix && a.momentum.high == R::ZERO && c.momentum.high == R::ZERO;
         let direction = match (is_at_rest, forward) {
             (true, _) => R::ZERO,
@@ -134,7 +161,7 @@ impl<R: Real> Polhode<R> {
         Self {
             axes: [a.axis, b.axis, c.axis],
             amplitudes: [R::ONE / steepness, height, height / elongation]
-                .map(|size| size / length.high),
+                .map(|size| size / length.nearest()),
             start: Jacobi { sn, cn, dn },
             pair,
             third: sum.times(to_c).sqrt(),

@@ -16,10 +16,10 @@
 //! The means are those of DLMF 19.8.6. For the angles, the difference of both sides has the
 //! derivative 0 and is 0 at `φ = 0`. In the limit `a = g = M` all is elementary: `C = M/(M + p)`,
 //! and `P = χ - φ` with `tan χ = (p/M) tan φ`. All terms have one sign, and both arctangents are
-//! below π/2. So sums are halved as points of the unit circle, without an arctangent.
+//! below π/2. So sums are halved as points of the plane, without an arctangent.
 //!
 //! `C` of a close pair with `G² = a g` and `M = G + d` is `G/(G + p) + d p (p - G)/(p + G)³`, with
-//! an error of the order `d²`.
+//! an error below `0.05 (d/G)²`, computed for many `p`.
 
 use super::angle::Angle;
 use super::landen::{Jacobi, MOST_STEPS, MeanStep, Pair};
@@ -47,6 +47,7 @@ pub(super) struct Means<R> {
 
 impl<R: Real> Chain<R> {
     /// Creates the chain for `a` and `g`, `p` and `B` at its start.
+    #[inline(always)]
     pub(super) fn new(mut pair: Pair<R>, p: Wide<R>, weight: R) -> (Self, Means<R>) {
         let mut steps = [pair.step(weight); MOST_STEPS];
         let (mut p, mut weight, mut count) = (p, weight, 0);
@@ -60,23 +61,25 @@ impl<R: Real> Chain<R> {
             }
             let product = pair.product();
             let other = product.over(p);
-            let both = p.plus(other);
-            let ratio = p.minus(other).over(both).shifted(R::HALF);
-            sum = sum.plus(factor);
+            // `p` is not below `√(a g)`, and no factor is above the first.
+            let both = p.plus_smaller(other);
+            let apart = p.plus_smaller(other.negated());
+            let ratio = apart.over(both).shifted(R::HALF);
+            sum = sum.plus_smaller(factor);
             factor = factor.times(ratio);
-            weight *= ratio.high;
+            weight *= ratio.nearest();
             p = both.shifted(R::HALF);
             pair = pair.next(product);
         }
         let (limit, apart) = pair.limit();
         let last = factor.times(rest_of_means(p, limit, apart));
         let fraction = Wide::ONE.minus(sum.shifted(R::HALF)).minus(last);
-        let product = pair.arithmetic.high * pair.geometric.high;
+        let (p, end) = (p.nearest(), pair.step(weight));
         let chain = Self {
             steps,
             count,
-            limit: limit.high,
-            elongation: (p.high + product / p.high) * R::HALF / limit.high,
+            limit: limit.nearest(),
+            elongation: (p + end.arithmetic * end.geometric / p) * R::HALF / limit.nearest(),
         };
         (chain, Means { limit, fraction })
     }
@@ -110,13 +113,17 @@ impl<R: Real> Chain<R> {
             sin = step.sum() * slope;
             delta = (delta + a * g * over) * R::HALF;
         }
-        let rest = Angle::of(
-            cos * cos + self.elongation * sin * sin,
-            (self.elongation - R::ONE) * sin * cos,
-        );
+        let rest = Angle {
+            cos: cos * cos + self.elongation * sin * sin,
+            sin: (self.elongation - R::ONE) * sin * cos,
+        };
         let taken = tangents.get(..self.count).unwrap_or(&tangents);
         (taken.iter().rev()).fold(rest, |angle, &tangent| {
-            angle.plus(Angle::of(R::ONE, tangent)).half()
+            let more = Angle {
+                cos: R::ONE,
+                sin: tangent,
+            };
+            angle.plus(more).half()
         })
     }
 }

@@ -178,27 +178,33 @@ fn which_contacts_are_stored_changes_rounding_only() {
     assert_eq!([one.fallbacks, other.fallbacks], [0, 0]);
 }
 
-/// Coulomb's law with the number of times that it is evaluated.
+/// Coulomb's law with the number of times that its force and its derivatives are evaluated.
 #[derive(Debug)]
-struct Counted<'a>(Coulomb, &'a Cell<u32>);
+struct Counted<'a>(Coulomb, &'a [Cell<u32>; 2]);
+
+impl Counted<'_> {
+    fn count(&self, what: usize) {
+        self.1[what].set(self.1[what].get() + 1);
+    }
+}
 
 impl SlidingFriction for Counted<'_> {
     fn is_trusted(&self) -> bool {
         true
     }
     fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
-        self.1.set(self.1.get() + 1);
+        self.count(0);
         self.0.force(normal_force, slip)
     }
     fn jacobian(&self, normal_force: f64, slip: DVec3) -> FrictionJacobian {
-        self.1.set(self.1.get() + 1);
+        self.count(1);
         self.0.jacobian(normal_force, slip)
     }
 }
 
 /// Evaluations of the law for a contact in an iteration, on average.
 fn evaluations(count: u32, degrees: f64, law: Coulomb, start: (DVec3, f64)) -> f64 {
-    let (normal, calls, steps) = (slope(degrees), Cell::new(0), 30);
+    let (normal, calls, steps) = (slope(degrees), Default::default(), 30);
     let (velocity, spin) = start;
     let start = on_plane(normal, velocity - normal * normal.dot(velocity))
         .with_angular_momentum(normal * (spin * MASS * HALF * HALF));
@@ -206,7 +212,7 @@ fn evaluations(count: u32, degrees: f64, law: Coulomb, start: (DVec3, f64)) -> f
     let run = run(&Slab::new(count), normal, (friction, 1e-3), start, steps);
     assert_eq!(run.fallbacks, 0, "{count}² contacts at {degrees} degrees");
     let iterations = run.iterations * f64::from(steps);
-    f64::from(calls.get()) / (iterations * f64::from(count * count))
+    f64::from(calls[0].get() + calls[1].get()) / (iterations * f64::from(count * count))
 }
 
 #[test]
@@ -234,5 +240,25 @@ fn the_laws_are_evaluated_as_often_for_each_of_many_contacts_as_for_each_of_few(
         for each in [more, many] {
             assert!(each <= few + 1.5, "{name}: {each}, {few} of 100 contacts");
         }
+    }
+}
+
+#[test]
+fn a_slide_that_the_step_resolves_is_differentiated_once_for_any_number_of_contacts() {
+    let law = Coulomb {
+        coefficient: 0.3,
+        slip_speed: 1e-3,
+    };
+    for (count, degrees, time_step) in [(10, 0.0, 1e-3), (20, 0.0, 1e-3), (30, 5.0, 5e-4)] {
+        let (normal, calls, steps) = (slope(degrees), Default::default(), 30);
+        let velocity = DVec3::new(0.5, 0.1, 0.0);
+        let start = on_plane(normal, velocity - normal * normal.dot(velocity));
+        let friction = (Counted(law, &calls), time_step);
+        run(&Slab::new(count), normal, friction, start, steps);
+        let derivatives = f64::from(calls[1].get()) / f64::from(steps * count * count);
+        // Once a step and contact at the first trial. A few steps need the derivatives of a second
+        // one.
+        let name = format!("{count}² contacts at {degrees} degrees");
+        assert!((1.0..1.5).contains(&derivatives), "{name}: {derivatives}");
     }
 }

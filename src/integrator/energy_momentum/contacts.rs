@@ -681,18 +681,14 @@ impl<R: Real> Contacts<R> {
     }
 
     /// Response of friction at the last trial of a contact that is not stored and follows another
-    /// one.
+    /// one, with these derivatives.
     pub(super) fn answer_of_other<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
         since: Option<&Since<'_, R>>,
-        touch: &mut Touch<R>,
+        (touch, drag): (&mut Touch<R>, FrictionJacobian<R>),
         first: &Touch<R>,
     ) -> Answer<R> {
-        let drag = touch.jacobian(problem);
-        if let Some(slide) = touch.answer_of_slide(problem, &drag, self.len()) {
-            return slide;
-        }
         let Some(since) = since else {
             return touch.answer(problem);
         };

@@ -79,7 +79,11 @@ impl<R: Real> Level<R> {
 
     /// Adds a contact with the given lever arm. `path` is the derivative of its force with respect
     /// to the path of the point `place`. A rotation `ϑ` moves the arm by `ϑ × place`.
-    #[inline(always)]
+    ///
+    /// The loop over the stored contacts and that over the others have a copy each, but not on a
+    /// processor without a standard library, where memory is scarce.
+    #[cfg_attr(feature = "std", inline(always))]
+    #[cfg_attr(not(feature = "std"), inline(never))]
     #[allow(
         clippy::needless_range_loop,
         reason = "iterators keep a copy of the array on a small processor's stack"

@@ -75,6 +75,9 @@ const MOST_LEVERAGE: f64 = 8.0;
 /// Bound on the ratio of Newton's step to the distance from which one step is enough. Free motion
 /// has the ratio 1, and springs and friction reduce it.
 const MOST_AMPLIFIED: f64 = 1024.0;
+/// Whether derivatives of contacts that are not stored may wait until they are needed. It changes no
+/// bit. A processor without a standard library has little memory for code, and few contacts.
+const DEFERS: bool = cfg!(feature = "std");
 /// Number of evaluations after which the step is abandoned.
 const LIMIT: u32 = 60;
 
@@ -155,10 +158,10 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
 ) -> Option<Strain<R>> {
     let mut newton = Newton::new(problem);
     for iteration in 0..LIMIT {
-        let here = newton.balance(contacts, trial);
+        let here = newton.balance(contacts, trial, iteration == 1);
         step.evaluations += 1;
         if newton.has_converged(&here) {
-            return Some(newton.strain_at(contacts));
+            return Some(newton.strain_at(contacts, trial));
         }
         newton.choose_unknowns(&here, trial);
         if newton.is_worse(&here, iteration) {
@@ -184,7 +187,8 @@ struct Newton<'a, 'b, R: Real, D> {
     problem: &'a Problem<'b, R, D>,
     scale: Scale<R>,
     matrix: Factored<R>,
-    /// What the contacts that are not stored contribute at the last trial, if there are any.
+    /// What the contacts that are not stored contribute at the last trial, if there are any and
+    /// it has been computed.
     others: Option<Others<R>>,
     /// Strain on friction and dampers at the last derivatives.
     strain: Strain<R>,
@@ -223,9 +227,14 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         }
     }
 
-    /// Evaluates the momentum balance at a trial.
+    /// Evaluates the momentum balance at a trial, which may be the second one.
     #[inline(always)]
-    fn balance(&mut self, contacts: &mut Contacts<R>, trial: &Trial<R>) -> Balance<R> {
+    fn balance(
+        &mut self,
+        contacts: &mut Contacts<R>,
+        trial: &Trial<R>,
+        is_second: bool,
+    ) -> Balance<R> {
         let problem = self.problem;
         let mut sum = Sum::NONE;
         if self.with_slips && self.base.is_some() {
@@ -234,8 +243,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             contacts.respond(problem, trial, |push| sum.add(push));
         }
         if contacts.has_others() {
-            let feel = &mut |push: &Push<R>| sum.add(push);
-            self.others = Some(Others::of(problem, contacts, trial, feel));
+            self.visit_others(contacts, (trial, is_second), &mut |push| sum.add(push));
         }
         sum.torque += contacts.lever.torque * sum.normal;
         let (force_residual, torque_residual) = residual(problem, trial, &sum);
@@ -250,6 +258,36 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             torque_residual,
             tolerance: self.scale.at(problem, trial, &sum) * tolerance::<R>(),
             rounding: rounding_of_lever(problem, contacts, sum.normal),
+        }
+    }
+
+    /// Calls `feel` with the forces of the contacts that are not stored.
+    ///
+    /// Their derivatives are computed at the same visit, unless those of the first trial are likely
+    /// to be enough for the second: a step that resolves friction and dampers is almost linear.
+    #[cold]
+    #[inline(never)]
+    fn visit_others(
+        &mut self,
+        contacts: &Contacts<R>,
+        (trial, is_second): (&Trial<R>, bool),
+        feel: &mut dyn FnMut(&Push<R>),
+    ) {
+        if DEFERS && is_second && self.strain.of_step(self.problem).is_resolved() {
+            self.others = None;
+            contacts.visit_others(self.problem, trial, &mut |touch, _| feel(&touch.push));
+        } else {
+            self.others = Some(Others::of(self.problem, contacts, trial, feel));
+        }
+    }
+
+    /// Computes what the contacts that are not stored contribute at the last trial, if the visit
+    /// for their forces has left it out.
+    #[cold]
+    #[inline(never)]
+    fn complete_others(&mut self, contacts: &Contacts<R>, trial: &Trial<R>) {
+        if self.others.is_none() {
+            self.others = Some(Others::of(self.problem, contacts, trial, &mut |_| {}));
         }
     }
 
@@ -362,19 +400,25 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     fn derive(&mut self, is_enough: bool, contacts: &mut Contacts<R>, trial: &Trial<R>) {
         let problem = self.problem;
         if !is_enough {
+            if DEFERS && contacts.has_others() {
+                self.complete_others(contacts, trial);
+            }
             let (others, equations) = (self.others.as_ref(), &mut self.matrix.equations);
             self.strain = stiffness::equations(problem, contacts, others, trial, equations);
             self.matrix.factor(problem.bounding_radius);
         } else if !self.strain.of_step(problem).is_resolved() {
             // A step that is resolved is resolved here too. For any other step, the strain is
             // evaluated at its end.
-            self.strain = self.strain_at(contacts);
+            self.strain = self.strain_at(contacts, trial);
         }
     }
 
     /// Strain on friction and dampers at the last trial.
-    #[inline]
-    fn strain_at(&self, contacts: &Contacts<R>) -> Strain<R> {
+    #[inline(never)]
+    fn strain_at(&mut self, contacts: &Contacts<R>, trial: &Trial<R>) -> Strain<R> {
+        if DEFERS && contacts.has_others() {
+            self.complete_others(contacts, trial);
+        }
         let of_others = self
             .others
             .as_ref()

@@ -48,21 +48,39 @@ impl<R: Real> Others<R> {
     ) -> Self {
         let argument = by_turn(trial.spin);
         let since = contacts.since_last(problem, trial);
-        let mut others = Self::NONE;
+        let (mut others, mut level) = (Self::NONE, Level::ZERO);
         contacts.visit_others(problem, trial, &mut |touch, first| {
             feel(&touch.push);
-            let answer = contacts.answer_of_other(problem, since.as_ref(), touch, first);
-            others.add(problem, trial, &argument, touch, &answer);
+            let drag = touch.jacobian(problem);
+            let slide = touch.answer_of_slide(problem, &drag, contacts.len());
+            let answer = slide.unwrap_or_else(|| {
+                let since = since.as_ref();
+                let answer = contacts.answer_of_other(problem, since, (&mut *touch, drag), first);
+                others.add_excess(problem, touch, &answer);
+                answer
+            });
+            let push = &touch.push;
+            others.strain.add(push, &answer.drag);
+            if problem.is_bare {
+                let path = of_level_path(problem, push, &answer);
+                level.add(&path, push.force, push.arm, push.end_arm);
+            } else {
+                others.differentiate(problem, trial, &argument, push, &answer);
+            }
         });
+        if problem.is_bare {
+            let share = share_of_arm(problem);
+            level.equations(R::ZERO, &Block::ZERO, share, &mut others.equations);
+        }
         others
     }
 
-    #[inline]
-    fn add<D: Dynamics<R>>(
+    /// Adds the excess of a contact that does not slide all the time. That of a slide, which has the
+    /// law's own derivative, is 0 to rounding.
+    #[cold]
+    fn add_excess<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
-        argument: &Block<R>,
         touch: &mut Touch<R>,
         answer: &Answer<R>,
     ) {
@@ -76,8 +94,17 @@ impl<R: Real> Others<R> {
         };
         sum[0] += excess;
         sum[1] += touch.push.arm.cross(excess);
-        let push = &touch.push;
-        self.strain.add(push, &answer.drag);
+    }
+
+    /// Adds the part of a contact in the matrix.
+    fn differentiate<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        argument: &Block<R>,
+        push: &Push<R>,
+        answer: &Answer<R>,
+    ) {
         let by_turn = push.path_by_turn(problem, trial, argument);
         let by_turns = (argument, by_turn.as_ref());
         add_anywhere(problem, push, answer, by_turns, &mut self.equations);
