@@ -94,7 +94,8 @@ fn with_pointers<R: Real, D: Dynamics<R>>(
     let ground: &dyn SpringDamperGround<R> = scene.ground();
     let friction: &dyn SlidingFriction<R> = scene.friction();
     step(&Pointed {
-        model: ContactModel::new(&body, &ground, &friction),
+        // Not a new model, which would evaluate every contact of the body in each step.
+        model: scene.contact_model().with_parts(&body, &ground, &friction),
         gravity: scene.gravity(),
         force: scene.force(),
         inertia: scene.inertia_properties(),
