@@ -77,7 +77,27 @@ where
         G2: SpringDamperGround<R>,
         F2: SlidingFriction<R>,
     {
-        ContactModel::composed(self.body, ground, friction, self.extent)
+        self.with_parts(self.body, ground, friction)
+    }
+
+    /// Contact model of the same body behind another type, for example a pointer to it, with
+    /// another ground and friction law. No contact is evaluated, in contrast to
+    /// [`new`](Self::new).
+    #[doc(hidden)]
+    #[inline(always)]
+    #[must_use]
+    pub fn with_parts<'b, B2, G2, F2>(
+        &self,
+        body: &'b B2,
+        ground: &'b G2,
+        friction: &'b F2,
+    ) -> ContactModel<'b, B2, G2, F2, R>
+    where
+        B2: RigidPointBody<R>,
+        G2: SpringDamperGround<R>,
+        F2: SlidingFriction<R>,
+    {
+        ContactModel::composed(body, ground, friction, self.extent)
     }
 
     /// Extent of the body's surface.

@@ -1,4 +1,5 @@
 //! Integrators that are compiled once, for tests in which the types of a scene are not the subject.
+//! The stepper of `erased.rs` contains one. This module serves tests that need the type of a body.
 //!
 //! An integrator is generic over the scene, so it is compiled anew for each type of scene that a
 //! test composes, which took most of the time that these programs need to compile. [`Once`] hands
@@ -94,7 +95,8 @@ fn with_pointers<R: Real, D: Dynamics<R>>(
     let ground: &dyn SpringDamperGround<R> = scene.ground();
     let friction: &dyn SlidingFriction<R> = scene.friction();
     step(&Pointed {
-        model: ContactModel::new(&body, &ground, &friction),
+        // Not a new model, which would evaluate every contact of the body in each step.
+        model: scene.contact_model().with_parts(&body, &ground, &friction),
         gravity: scene.gravity(),
         force: scene.force(),
         inertia: scene.inertia_properties(),
