@@ -4,19 +4,20 @@
 // Each test program uses another part of it.
 #![allow(dead_code, unused_imports, unused_macros)]
 // A test helper that fails ends its test.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 pub(crate) mod counting;
+pub(crate) mod erased;
 pub(crate) mod once;
 pub(crate) mod statistics;
 
-use once::Once;
+use erased::Stepper;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
-    Coin, ContactPoint, FlatGround, Integrator, PointCloud, RigidPointBody, SlidingFriction, State,
-    Stepper, UniformGravity,
+    AnyIntegrator, Coin, ContactPoint, FlatGround, ForwardEuler, Integrator, Nystrom, PointCloud,
+    RigidPointBody, Rk4, SlidingFriction, State, StrangSplitting, SymplecticEuler, UniformGravity,
 };
 
 /// `cases` random inputs, the same in every run of the tests. `PROPTEST_CASES` and
@@ -49,31 +50,37 @@ pub(crate) fn asks_for_other_draws() -> bool {
     asked.cases != 256 || !matches!(asked.rng_seed, RngSeed::Random)
 }
 
+/// Explicit integrators of one time step, with their names.
+pub(crate) fn explicit_methods(time_step: f64) -> [(AnyIntegrator, &'static str); 5] {
+    [
+        (ForwardEuler { time_step }.into(), "ForwardEuler"),
+        (SymplecticEuler { time_step }.into(), "SymplecticEuler"),
+        (StrangSplitting { time_step }.into(), "StrangSplitting"),
+        (Rk4 { time_step }.into(), "Rk4"),
+        (Nystrom { time_step }.into(), "Nystrom"),
+    ]
+}
+
+/// The same method with another step size (s), if its step size is fixed.
+pub(crate) fn with_time_step(mut method: AnyIntegrator, time_step: f64) -> AnyIntegrator {
+    match &mut method {
+        AnyIntegrator::ForwardEuler(ForwardEuler { time_step: own })
+        | AnyIntegrator::SymplecticEuler(SymplecticEuler { time_step: own })
+        | AnyIntegrator::StrangSplitting(StrangSplitting { time_step: own })
+        | AnyIntegrator::Rk4(Rk4 { time_step: own })
+        | AnyIntegrator::Nystrom(Nystrom { time_step: own }) => *own = time_step,
+        other => panic!("{other} has no fixed step, or is not explicit"),
+    }
+    method
+}
+
 /// Runs a block with each explicit integrator of one time step, by value and by name.
 macro_rules! each_explicit {
-    ($time_step:expr, |$integrator:ident, $name:ident| $block:block) => {{
-        let time_step = $time_step;
-        {
-            let ($integrator, $name) = (tumble::ForwardEuler { time_step }, "ForwardEuler");
+    ($time_step:expr, |$integrator:ident, $name:ident| $block:block) => {
+        for ($integrator, $name) in $crate::kit::explicit_methods($time_step) {
             $block
         }
-        {
-            let ($integrator, $name) = (tumble::SymplecticEuler { time_step }, "SymplecticEuler");
-            $block
-        }
-        {
-            let ($integrator, $name) = (tumble::StrangSplitting { time_step }, "StrangSplitting");
-            $block
-        }
-        {
-            let ($integrator, $name) = (tumble::Rk4 { time_step }, "Rk4");
-            $block
-        }
-        {
-            let ($integrator, $name) = (tumble::Nystrom { time_step }, "Nystrom");
-            $block
-        }
-    }};
+    };
 }
 pub(crate) use each_explicit;
 
@@ -81,9 +88,9 @@ pub(crate) use each_explicit;
 macro_rules! each_method {
     ($time_step:expr, |$integrator:ident, $name:ident| $block:block) => {{
         let time_step = $time_step;
-        $crate::kit::each_explicit!(time_step, |$integrator, $name| $block);
-        {
-            let ($integrator, $name) = (tumble::EnergyMomentum { time_step }, "EnergyMomentum");
+        let implicit = tumble::EnergyMomentum { time_step }.into();
+        let explicit = $crate::kit::explicit_methods(time_step);
+        for ($integrator, $name) in explicit.into_iter().chain([(implicit, "EnergyMomentum")]) {
             $block
         }
     }};
@@ -271,7 +278,7 @@ pub(crate) fn end<B: RigidPointBody, F: SlidingFriction>(
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
         .and_then(|stepper| stepper.with_ground(ground))
         .and_then(|stepper| stepper.with_friction(friction))
-        .and_then(|stepper| stepper.with_integrator(Once(integrator)))
+        .and_then(|stepper| stepper.with_integrator(integrator))
         .unwrap()
         .advance(&mut state, seconds)
         .unwrap();

@@ -1,4 +1,5 @@
 //! Integrators that are compiled once, for tests in which the types of a scene are not the subject.
+//! The stepper of `erased.rs` contains one. This module serves tests that need the type of a body.
 //!
 //! An integrator is generic over the scene, so it is compiled anew for each type of scene that a
 //! test composes, which took most of the time that these programs need to compile. [`Once`] hands

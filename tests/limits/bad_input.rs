@@ -4,7 +4,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{self, Solid as AnySolid, each_explicit, each_method, point_mass};
 use core::ops::ControlFlow;
 use proptest::prelude::*;
@@ -15,13 +15,12 @@ use tumble::real::{Quaternion, Vector};
 use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Carried, Coin, Cone, ContactLaw,
     ContactPoint, Coulomb, Cuboid, Disc, Dissipation, DormandPrince54, Elevation, Ellipsoid,
-    EnergyMomentum, FlatGround, ForwardEuler, FrictionField, FrictionPatch, Gravity, Ground,
-    HeightField, HuntCrossley, Integrator, Ledger, LimitedDamper, LoadDependentCoulomb,
-    MassProperties, Plane, PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rim, Rk4,
-    Rod, RollingResistance, SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere,
-    SpringDamper, SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck,
-    Surface, SymplecticEuler, Terrain, ThickDisc, Trial, UniformGravity, Viscous, Waves,
-    WithResistance,
+    EnergyMomentum, FlatGround, ForwardEuler, FrictionField, FrictionPatch, Ground, HeightField,
+    HuntCrossley, Integrator, Ledger, LimitedDamper, LoadDependentCoulomb, MassProperties, Plane,
+    PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rim, Rk4, Rod, RollingResistance,
+    SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
+    SpringDamperGround, State, StepError, StrangSplitting, Stribeck, Surface, SymplecticEuler,
+    Terrain, ThickDisc, Trial, UniformGravity, Viscous, Waves, WithResistance,
 };
 use tumble::{Dynamics, Every, Flight, Sample, Step, Timed, UntilRest};
 
@@ -35,12 +34,22 @@ const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 /// and accepted for each valid one.
 fn refuses<T>(
     quantity: &str,
-    (rule, bad, good): (Rule, &[f64], &[f64]),
+    values: (Rule, &[f64], &[f64]),
     unit: &str,
     compose: impl Fn(f64) -> Result<T, SceneError>,
 ) {
+    errors_are(quantity, values, unit, &|value| compose(value).err());
+}
+
+/// Checks the errors of [`refuses`], for any type of scene.
+fn errors_are(
+    quantity: &str,
+    (rule, bad, good): (Rule, &[f64], &[f64]),
+    unit: &str,
+    error_of: &dyn Fn(f64) -> Option<SceneError>,
+) {
     for &value in bad.iter().chain(&NOT_FINITE) {
-        let Some(error) = compose(value).err() else {
+        let Some(error) = error_of(value) else {
             panic!("{quantity} of {value}{unit} is accepted");
         };
         assert_eq!(
@@ -54,7 +63,7 @@ fn refuses<T>(
         assert_eq!(error.value.to_bits(), value.to_bits(), "{quantity}");
     }
     for &value in good {
-        if let Some(error) = compose(value).err() {
+        if let Some(error) = error_of(value) {
             panic!("{error}");
         }
     }
@@ -1187,8 +1196,8 @@ fn a_field_of_invalid_laws_ends_the_step_that_meets_one() {
             let stepper = Stepper::new(point_mass(1.0))
                 .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
                 .and_then(|stepper| stepper.with_ground(FlatGround::level(1e4, 100.0)))
-                .and_then(|stepper| stepper.with_friction(&field))
-                .and_then(|stepper| stepper.with_integrator(Once(integrator)))
+                .and_then(|stepper| stepper.with_friction(field))
+                .and_then(|stepper| stepper.with_integrator(integrator))
                 .unwrap();
             let mut state = State::at(DVec3::Z * -9.8e-4).with_linear_velocity(DVec3::X * 2.0);
             let error = stepper.advance(&mut state, 1.0).unwrap_err();
@@ -1397,7 +1406,7 @@ fn the_time_step_in_single_precision_is_above_zero() {
 #[test]
 fn a_knob_of_a_trial_that_cannot_be_is_refused_when_its_scene_is_composed() {
     let trial = Trial::<f64>::report(1).unwrap();
-    let with = |trial: Trial| trial.stepper(SymplecticEuler { time_step: 1e-4 });
+    let with = |trial: Trial| Stepper::of_trial(&trial, SymplecticEuler { time_step: 1e-4 });
     refuses(
         "coefficient of friction",
         AT_LEAST_ZERO,
@@ -1434,7 +1443,7 @@ fn a_knob_of_a_trial_that_cannot_be_is_refused_when_its_scene_is_composed() {
 #[test]
 fn a_knob_of_a_trials_first_state_that_cannot_be_is_answered_by_the_first_step() {
     let trial = Trial::<f64>::report(1).unwrap();
-    let stepper = trial.stepper(SymplecticEuler { time_step: 1e-4 }).unwrap();
+    let stepper = Stepper::of_trial(&trial, SymplecticEuler { time_step: 1e-4 }).unwrap();
     for value in NOT_FINITE {
         for bad in [
             Trial {
@@ -1512,13 +1521,13 @@ fn a_state_that_is_no_number_is_named_and_left_as_it_is() {
             assert_eq!(bad.not_finite(), Some(quantity));
             let expected = StepError::BadState(quantity);
             each_explicit!(1e-4, |integrator, method| {
-                let stepper = trial.stepper(integrator).unwrap();
+                let stepper = Stepper::of_trial(&trial, integrator).unwrap();
                 let mut state = bad;
                 assert_eq!(stepper.step(&mut state), Err(expected), "{method}");
                 assert_eq!(stepper.advance(&mut state, 1.0), Err(expected), "{method}");
                 assert_eq!(bits(&state), bits(&bad), "{method}");
             });
-            let stepper = trial.stepper(EnergyMomentum { time_step: 1e-4 }).unwrap();
+            let stepper = Stepper::of_trial(&trial, EnergyMomentum { time_step: 1e-4 }).unwrap();
             let mut state = bad;
             assert_eq!(stepper.step(&mut state).err(), Some(expected));
             assert_eq!(bits(&state), bits(&bad));
@@ -1547,7 +1556,9 @@ fn an_orientation_without_a_direction_is_blamed_on_the_state_and_a_long_one_is_s
         let mut answers = Vec::new();
         each_method!(1e-4, |integrator, _method| {
             let mut state = bad;
-            let answer = trial.stepper(integrator).unwrap().step(&mut state);
+            let answer = Stepper::of_trial(&trial, integrator)
+                .unwrap()
+                .step(&mut state);
             assert!(answer.is_ok() || bits(&state) == bits(&bad));
             answers.push(answer.err());
         });
@@ -1576,7 +1587,7 @@ fn the_limit_of_a_step_is_at_least_zero() {
     let trial = Trial::<f64>::report(1).unwrap();
     let start = trial.state();
     each_method!(1e-4, |integrator, method| {
-        let stepper = trial.stepper(integrator).unwrap();
+        let stepper = Stepper::of_trial(&trial, integrator).unwrap();
         let mut session = stepper.session(start);
         for limit in [f64::NAN, f64::NEG_INFINITY, -1.0, -5e-324] {
             let answer = session.step_within(limit);
@@ -1629,7 +1640,7 @@ fn a_step_that_diverges_says_so_and_leaves_the_last_good_state() {
             .unwrap()
             .with_ground(OilBath { drag: 10.0 })
             .unwrap()
-            .with_integrator(Once(integrator))
+            .with_integrator(integrator)
             .unwrap();
         let mut state = State::at(DVec3::X).with_linear_velocity(DVec3::Z);
         let mut good = Vec::new();
@@ -1728,7 +1739,7 @@ fn thrown(
         .unwrap()
         .with_friction(laws)
         .unwrap()
-        .with_integrator(Once(integrator))
+        .with_integrator(integrator)
         .unwrap();
     let mut state = State::at(DVec3::Z * 0.15).with_linear_velocity(DVec3::X);
     for _ in 0..500 {
@@ -1924,7 +1935,7 @@ fn a_resistance_to_turning_below_zero_is_named() {
             .unwrap()
             .with_friction(Motor)
             .unwrap()
-            .with_integrator(Once(integrator))
+            .with_integrator(integrator)
             .unwrap();
         let mut state = State::at(DVec3::Z * 0.09).with_angular_momentum(DVec3::Y * 0.01);
         let answer = stepper.step(&mut state);
@@ -1959,7 +1970,7 @@ fn a_relief_of_nan_does_not_let_a_ball_fall_through() {
             .unwrap()
             .with_ground(ground)
             .unwrap()
-            .with_integrator(Once(integrator))
+            .with_integrator(integrator)
             .unwrap();
         let mut state = State::at(DVec3::Z * 0.09).with_linear_velocity(DVec3::X);
         let answer = stepper.advance(&mut state, 1.0);
@@ -2006,7 +2017,7 @@ fn a_law_that_is_trusted_is_not_checked() {
             .unwrap()
             .with_friction(behind)
             .unwrap()
-            .with_integrator(Once(Rk4 { time_step: 1e-3 }))
+            .with_integrator(Rk4 { time_step: 1e-3 })
             .unwrap();
         let mut state = State::at(DVec3::Z * 0.09).with_linear_velocity(DVec3::X);
         stepper.step(&mut state).unwrap();
@@ -2049,7 +2060,7 @@ fn a_duration_below_zero_or_no_number_is_refused_before_anything_moves() {
     let trial = Trial::<f64>::report(1).unwrap();
     let start = trial.state();
     each_explicit!(1e-4, |integrator, method| {
-        let stepper = trial.stepper(integrator).unwrap();
+        let stepper = Stepper::of_trial(&trial, integrator).unwrap();
         for seconds in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, -5e-324] {
             let (mut state, mut seen) = (start, 0);
             let refused = |answer: Result<_, StepError>| match answer {
@@ -2090,7 +2101,7 @@ fn a_run_of_more_steps_than_its_clock_counts_is_refused() {
     for (time_step, duration) in [(1e-320, 1.0), (1e-3, 1e308), (5e-324, 1e-300), (1e-9, 1e8)] {
         each_method!(time_step, |integrator, method| {
             let stepper = Stepper::new(point_mass(1.0)).unwrap();
-            let stepper = stepper.with_integrator(Once(integrator)).unwrap();
+            let stepper = stepper.with_integrator(integrator).unwrap();
             let (mut state, mut shown) = (start, 0);
             let answer = stepper.run(&mut state, duration, &mut |_: &Sample<'_>| {
                 shown += 1;
@@ -2113,7 +2124,7 @@ fn a_run_of_more_steps_than_its_clock_counts_is_refused() {
     }
     let time_step = 1e-3_f32;
     let single = Stepper::new(PointMass::new(1.0_f32)).unwrap();
-    let single = single.with_integrator(Once(Rk4 { time_step })).unwrap();
+    let single = single.with_integrator(Rk4 { time_step }).unwrap();
     let answer = single.advance(&mut State::default(), 2e9);
     assert!(
         matches!(answer, Err(StepError::TooManySteps { .. })),
@@ -2122,7 +2133,7 @@ fn a_run_of_more_steps_than_its_clock_counts_is_refused() {
 
     let free = Stepper::new(point_mass(1.0)).unwrap();
     let free = free
-        .with_integrator(Once(Flight(Rk4 { time_step: 1e-3 })))
+        .with_integrator(Flight(Rk4 { time_step: 1e-3 }))
         .unwrap();
     let mut state = start;
     free.advance(&mut state, 1e100).unwrap();
@@ -2191,7 +2202,7 @@ fn a_step_beyond_what_numbers_hold_is_refused_or_right() {
         for height in [10.0, 0.45] {
             let start = State::at(DVec3::Z * height).with_angular_momentum(spin * size);
             each_method!(1e-3, |integrator, method| {
-                let stepper = coin.with_integrator(Once(integrator)).unwrap();
+                let stepper = coin.with_integrator(integrator).unwrap();
                 let mut state = start;
                 match stepper.step(&mut state) {
                     Ok(_) if height > 1.0 => {
@@ -2207,16 +2218,14 @@ fn a_step_beyond_what_numbers_hold_is_refused_or_right() {
     }
     let start = State::at(DVec3::Z).with_angular_momentum(spin * 1e155);
     let stepper = coin
-        .with_integrator(Once(EnergyMomentum { time_step: 1e-3 }))
+        .with_integrator(EnergyMomentum { time_step: 1e-3 })
         .unwrap();
     assert_eq!(
         stepper.step(&mut start.clone()).unwrap_err().to_string(),
         "the energy before the step must be finite and far from overflow, got inf J: check the velocities, the penetration depths and the laws of the ground"
     );
     for time_step in [1e15, 1e30, 1e50, 1e60, 1e75, 1e100, 1e200, 1e300] {
-        let stepper = coin
-            .with_integrator(Once(EnergyMomentum { time_step }))
-            .unwrap();
+        let stepper = coin.with_integrator(EnergyMomentum { time_step }).unwrap();
         // The same by another factor, from other heights.
         for (spin, height) in [(DVec3::ZERO, 10.0), (spin, 10.0), (spin * 7.0, 3.1)] {
             for lean in [0.0, 0.7, 1.3] {
@@ -2453,26 +2462,26 @@ impl Anything {
             coefficient,
             slip_speed,
         })?;
-        self.steps(&report.with_integrator(Once(ForwardEuler { time_step }))?);
-        self.steps(&smooth.with_integrator(Once(SymplecticEuler { time_step }))?);
-        self.steps(&report.with_integrator(Once(StrangSplitting { time_step }))?);
-        self.steps(&smooth.with_integrator(Once(Rk4 { time_step }))?);
-        self.steps(&report.with_integrator(Once(EnergyMomentum { time_step }))?);
+        self.steps(&report.with_integrator(ForwardEuler { time_step })?);
+        self.steps(&smooth.with_integrator(SymplecticEuler { time_step })?);
+        self.steps(&report.with_integrator(StrangSplitting { time_step })?);
+        self.steps(&smooth.with_integrator(Rk4 { time_step })?);
+        self.steps(&report.with_integrator(EnergyMomentum { time_step })?);
         // In single precision the tolerance may be 0.
         let (tolerance, budget) = (R::from_f64(self.friction[1]), 20);
-        let third = report.with_integrator(Once(BogackiShampine32 {
+        let third = report.with_integrator(BogackiShampine32 {
             tolerance,
             longest_step: time_step,
             budget,
-        }));
+        });
         if let Ok(stepper) = third {
             self.steps(&stepper);
         }
-        let fifth = smooth.with_integrator(Once(DormandPrince54 {
+        let fifth = smooth.with_integrator(DormandPrince54 {
             tolerance,
             longest_step: time_step,
             budget,
-        }));
+        });
         if let Ok(stepper) = fifth {
             self.steps(&stepper);
         }
@@ -2481,15 +2490,7 @@ impl Anything {
 
     /// A few steps: each leads from a finite state to a finite one, or says why not and leaves the
     /// state. And every question about the state where they end.
-    fn steps<R, B, G, F, A, I>(&self, stepper: &Stepper<B, G, F, A, I, R>)
-    where
-        R: Real,
-        B: RigidPointBody<R>,
-        G: SpringDamperGround<R>,
-        F: SlidingFriction<R>,
-        A: Gravity<R>,
-        I: Integrator<R>,
-    {
+    fn steps<R: Real, I: Integrator<R>>(&self, stepper: &Stepper<I, R>) {
         let mut session = stepper.session(self.state::<R>());
         for limit in [R::MAX, R::from_f64(self.limit), R::MAX] {
             let before = *session.state();
@@ -2544,7 +2545,7 @@ proptest! {
         };
         let trial = Trial::<f64>::report(1).unwrap();
         each_explicit!(time_step, |integrator, method| {
-            let stepper = trial.stepper(integrator).unwrap();
+            let stepper = Stepper::of_trial(&trial, integrator).unwrap();
             let mut state = start;
             match stepper.step(&mut state) {
                 Ok(_) => prop_assert_eq!(state.not_finite(), None, "{}", method),

@@ -6,7 +6,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use core::ops::ControlFlow;
 
 use tumble::glam::DVec3;
@@ -16,8 +16,8 @@ use tumble::{
     Frictionless, Ground, HuntCrossley, Integrator, LimitedDamper, LoadDependentCoulomb,
     MassProperties, Nystrom, Plane, PointCloud, PointMass, Ramp, Region, RigidPointBody, Rk4, Rod,
     Sample, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
-    SpringDamperGround, State, StepError, Stepper, StrangSplitting, Stribeck, SymplecticEuler,
-    Terrain, ThickDisc, UniformGravity, Viscous, Waves, WithResistance,
+    SpringDamperGround, State, StepError, StrangSplitting, Stribeck, SymplecticEuler, Terrain,
+    ThickDisc, UniformGravity, Viscous, Waves, WithResistance,
 };
 
 type Named<T> = Vec<(&'static str, Box<T>)>;
@@ -218,7 +218,7 @@ fn run<I: Integrator>(
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
         .and_then(|stepper| stepper.with_ground(ground))
         .and_then(|stepper| stepper.with_friction(friction))
-        .and_then(|stepper| stepper.with_integrator(Once(integrator)))
+        .and_then(|stepper| stepper.with_integrator(integrator))
         .unwrap();
     let mut state = thrown(body);
     let (mut last, mut rise) = (f64::INFINITY, 0.0_f64);

@@ -4,7 +4,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use core::cell::Cell;
 
 use tumble::body::ContactRange;
@@ -21,8 +21,8 @@ use tumble::{
     Integrator, LimitedDamper, LoadDependentCoulomb, MeanForce, NoGround, Nystrom, Plane,
     PointCloud, Radau5, Ramp, Real, RigidPointBody, Rk4, RollingResistance, SceneError,
     SlidingFriction, SmoothCoulomb, SpringDamper, SpringDamperGround, State, Step, StepError,
-    Stepper, StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, Viscous, Waves,
-    WithResistance, error,
+    StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, Viscous, Waves, WithResistance,
+    error,
 };
 
 /// Ten batteries of other numbers.
@@ -1466,7 +1466,7 @@ fn no_number_that_a_part_returns_makes_a_check_or_a_step_panic() {
         let mut state = start;
         broken += usize::from(stepper.advance(&mut state, 0.02).is_err());
         let nystrom = stepper
-            .with_integrator(Once(Nystrom { time_step: 1e-3 }))
+            .with_integrator(Nystrom { time_step: 1e-3 })
             .unwrap();
         let _ = nystrom.advance(&mut { start }, 0.02);
     }

@@ -7,7 +7,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::methods::{apart, truths};
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::point_mass;
 use core::f64::consts::FRAC_PI_2;
 use tumble::glam::{DMat3, DQuat, DVec3};
@@ -16,25 +16,22 @@ use tumble::{
     BogackiShampine32, Carried, Coin, ContactPoint, Coulomb, DormandPrince54, EnergyMomentum,
     FlatGround, ForwardEuler, Frictionless, Ground, Integrator, NoGravity, Nystrom, Real,
     RigidPointBody, Rk4, SlidingFriction, Sphere, SpringDamper, SpringDamperGround, State,
-    StepError, Stepper, StrangSplitting, Surface, SymplecticEuler, Trial, UniformGravity,
-    WithResistance,
+    StepError, StrangSplitting, Surface, SymplecticEuler, Trial, UniformGravity, WithResistance,
 };
 
 const G: f64 = 9.8;
 
-type Scene<B, F, I> = Stepper<B, FlatGround, F, UniformGravity, I>;
-
-fn scene<B: RigidPointBody, F: SlidingFriction, I: Integrator>(
-    body: B,
+fn scene<'a, I: Integrator>(
+    body: impl RigidPointBody + 'a,
     ground: FlatGround,
-    friction: F,
+    friction: impl SlidingFriction + 'a,
     by: I,
-) -> Scene<B, F, Once<I>> {
+) -> Stepper<'a, I> {
     Stepper::new(body)
         .and_then(|stepper| stepper.with_ground(ground))
         .and_then(|stepper| stepper.with_friction(friction))
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(G)))
-        .and_then(|stepper| stepper.with_integrator(Once(by)))
+        .and_then(|stepper| stepper.with_integrator(by))
         .unwrap()
 }
 
@@ -51,7 +48,7 @@ fn a_damper_stops_an_impact_at_the_right_depth_up_to_two_of_its_times_and_at_mos
         let damping = strain / time_step;
         let stepper = Stepper::new(point_mass(1.0))
             .and_then(|stepper| stepper.with_ground(FlatGround::level(0.0, damping)))
-            .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+            .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
             .unwrap();
         let mut state = State::at(DVec3::ZERO).with_linear_velocity(-DVec3::Z);
         stepper.step(&mut state).unwrap();
@@ -176,9 +173,9 @@ fn energies_are_held_up_to_a_sixteenth_of_the_largest_number() {
         let stepper = Stepper::new(point)
             .and_then(|stepper| stepper.with_gravity(NoGravity))
             .and_then(|stepper| {
-                stepper.with_integrator(Once(EnergyMomentum {
+                stepper.with_integrator(EnergyMomentum {
                     time_step: R::from_f64(1e-3),
-                }))
+                })
             })
             .unwrap();
         let velocity = R::Vec3::new(R::from_f64(speed), R::ZERO, R::ZERO);
@@ -349,7 +346,7 @@ impl RigidPointBody for Flyer {
 /// about the axis of the moment `I₃ = flatness I₁`.
 fn lean_after_400_steps(flatness: f64, y: f64) -> f64 {
     let stepper = Stepper::new(Flyer(DVec3::new(1.0, 1.0, flatness)))
-        .and_then(|stepper| stepper.with_integrator(Once(Rk4 { time_step: 1.0 })))
+        .and_then(|stepper| stepper.with_integrator(Rk4 { time_step: 1.0 }))
         .unwrap();
     let mut state = State::default().with_angular_momentum(DVec3::new(1e-3 * y, 0.0, y));
     let lean = |state: &State| (state.orientation * DVec3::Z).angle_between(state.angular_momentum);
@@ -400,7 +397,7 @@ fn bounces<R: Real, I: Integrator<R>>(by: I) -> (u64, f64) {
         let stepper = Stepper::new(Sphere::solid(R::ONE, number(0.1)))
             .and_then(|stepper| stepper.with_ground(FlatGround::level(number(1e4), number(2.0))))
             .and_then(|stepper| stepper.with_gravity(UniformGravity::down(number(G))))
-            .and_then(|stepper| stepper.with_integrator(Once(by)))
+            .and_then(|stepper| stepper.with_integrator(by))
             .unwrap();
         let mut state = State::<R>::at(R::Vec3::new(R::ZERO, R::ZERO, number(0.5)));
         let count = &mut |sample: &tumble::Sample<'_, R>| {
@@ -471,7 +468,7 @@ fn a_jump_of_the_force_inside_the_ground_is_passed_by_a_step_that_makes_it_harml
         let stepper = Stepper::new(point_mass(1.0))
             .and_then(|stepper| stepper.with_ground(Shelf(jump)))
             .and_then(|stepper| stepper.with_gravity(UniformGravity::down(G)))
-            .and_then(|stepper| stepper.with_integrator(Once(DormandPrince54::new(tolerance))))
+            .and_then(|stepper| stepper.with_integrator(DormandPrince54::new(tolerance)))
             .unwrap();
         let mut state = State::at(-DVec3::Z * 0.005).with_linear_velocity(-DVec3::Z);
         match stepper.advance(&mut state, 0.006) {
@@ -538,8 +535,7 @@ fn error_in_trial_1<R: Real, I: Integrator<R>>(by: I) -> f64 {
     let mut trial = Trial::<R>::report(1).unwrap();
     trial.slip_speed = R::from_f64(1e-6);
     let mut state = trial.state();
-    trial
-        .stepper(by)
+    Stepper::of_trial(&trial, by)
         .unwrap()
         .advance(&mut state, R::ONE)
         .unwrap();
@@ -610,7 +606,7 @@ fn restitutions(wanted: f64, resolution: f64) -> [f64; 2] {
     let time_step = resolution / law.stiffness.sqrt();
     let stepper = Stepper::new(point_mass(1.0))
         .and_then(|stepper| stepper.with_ground(Ground::level(law)))
-        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
         .unwrap();
     let mut range = [f64::INFINITY, 0.0_f64];
     for phase in 0..64 {

@@ -1,23 +1,23 @@
 //! Scenes on which the first version of the library broke a promise, as they were found.
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use core::ops::ControlFlow;
 
 use tumble::contract::{self, CheckPlan};
 use tumble::glam::{DMat3, DVec3, Vec3};
 use tumble::{
     Coin, ContactPoint, ContactRange, Cuboid, DormandPrince54, EnergyMomentum, FlatGround, Flight,
-    PointMass, RigidPointBody, Sample, Sphere, SpringDamperGround, State, Stepper, StrangSplitting,
-    Surface, UniformGravity,
+    PointMass, RigidPointBody, Sample, Sphere, SpringDamperGround, State, StrangSplitting, Surface,
+    UniformGravity,
 };
 
 /// The book turned its velocity into spin: after 5 s the angular momentum was 1.54 times as large.
 #[test]
 fn a_book_in_free_flight_keeps_both_momenta_in_single_precision() {
     let stepper = Stepper::builder(Cuboid::solid(1.0_f32, Vec3::new(0.3, 0.2, 0.05)))
-        .integrator(Once(EnergyMomentum {
+        .integrator(EnergyMomentum {
             time_step: 1.0_f32 / 60.0,
-        }))
+        })
         .build()
         .unwrap();
     let start = State::at(Vec3::ZERO).with_linear_velocity(Vec3::X * 10.0);
@@ -41,9 +41,9 @@ fn a_coin_that_bounces_without_losses_keeps_its_energy_in_single_precision() {
     let stepper = Stepper::builder(Coin::ring(1.0_f32, 0.2))
         .gravity(UniformGravity::down(9.8_f32))
         .ground(FlatGround::level(1e5_f32, 0.0))
-        .integrator(Once(EnergyMomentum {
+        .integrator(EnergyMomentum {
             time_step: 1.0_f32 / 60.0,
-        }))
+        })
         .build()
         .unwrap();
     let mut state = stepper.with_angular_velocity(State::at(Vec3::Z), Vec3::new(3.0, 8.0, 5.0));
@@ -63,19 +63,19 @@ fn flight_around_an_adaptive_method_goes_on() {
     let ball = Stepper::builder(PointMass::new(1.0))
         .gravity(UniformGravity::down(9.8))
         .ground(ground)
-        .integrator(Once(Flight(adaptive)))
+        .integrator(Flight(adaptive))
         .build()
         .unwrap();
     let (mut by_flight, mut by_steps) = (State::at(DVec3::Z), State::at(DVec3::Z));
     ball.advance(&mut by_flight, 1.0).unwrap();
-    let without = ball.with_integrator(Once(adaptive)).unwrap();
+    let without = ball.with_integrator(adaptive).unwrap();
     without.advance(&mut by_steps, 1.0).unwrap();
     // The stated range of the error is ten tolerances.
     assert!((by_flight.position - by_steps.position).length() < 1e-5);
 
     let pressed_in = Stepper::builder(Sphere::solid(1.0, 0.1))
         .ground(ground)
-        .integrator(Once(Flight(adaptive)))
+        .integrator(Flight(adaptive))
         .build()
         .unwrap();
     pressed_in
@@ -89,9 +89,9 @@ fn a_mass_far_from_the_origin_falls_in_single_precision() {
     let acceleration = Vec3::new(0.3, 0.2, -0.9);
     let stepper = Stepper::builder(PointMass::new(1.0_f32))
         .gravity(UniformGravity { acceleration })
-        .integrator(Once(EnergyMomentum {
+        .integrator(EnergyMomentum {
             time_step: 1e-4_f32,
-        }))
+        })
         .build()
         .unwrap();
     let start = State::at(Vec3::new(30.0, 70.0, 100.0));
@@ -134,9 +134,9 @@ fn a_spring_energy_that_is_rounded_below_zero_adds_no_energy() {
             .ground(Exponential {
                 stiffness: 1e5 + 1e4 * f32::from(number),
             })
-            .integrator(Once(EnergyMomentum {
+            .integrator(EnergyMomentum {
                 time_step: 0.015_f32,
-            }))
+            })
             .build()
             .unwrap();
         let mut state = State::at(Vec3::Z * 1e-3);
@@ -181,9 +181,9 @@ fn a_contact_range_without_end_is_checked_without_a_panic() {
 #[test]
 fn a_run_of_ten_million_steps_is_exact_in_single_precision() {
     let stepper = Stepper::builder(PointMass::new(1.0_f32))
-        .integrator(Once(StrangSplitting {
+        .integrator(StrangSplitting {
             time_step: 1e-3_f32,
-        }))
+        })
         .build()
         .unwrap();
     let mut samples = 0_u32;

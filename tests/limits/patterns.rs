@@ -10,11 +10,10 @@
 // The tests need a newer compiler than the library.
 #![allow(clippy::incompatible_msrv)]
 
+use crate::kit::erased::Stepper;
 use tumble::glam::Vec3;
 use tumble::real::Quaternion;
-use tumble::{
-    EnergyMomentum, FlatGround, PointCloud, Real, Rotation, State, Stepper, UniformGravity,
-};
+use tumble::{EnergyMomentum, FlatGround, PointCloud, Real, Rotation, State, UniformGravity};
 
 /// Patterns of the finite numbers from 0 on.
 fn patterns() -> impl Iterator<Item = f32> {

@@ -5,12 +5,12 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::methods::{Record, Setup, apart, convergence, method, truths};
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
-    AdaptiveEnergyMomentum, AdaptiveNystrom, BogackiShampine32, Coin, ContactPoint, Coulomb,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, BogackiShampine32, ContactPoint, Coulomb,
     DormandPrince54, Ellipsoid, EnergyMomentum, FlatGround, Integrator, Nystrom, PointCloud,
-    RigidPointBody, Rk4, Sphere, SpringDamperGround, State, StepError, Stepper, Surface, Trial,
+    RigidPointBody, Rk4, Sphere, SpringDamperGround, State, StepError, Surface, Trial,
     UniformGravity,
 };
 
@@ -216,9 +216,7 @@ fn a_rolling_ball_that_sticks_is_told_to_take_an_implicit_step() {
         State::at(DVec3::Z * (0.0286 - 0.17 * 9.8 / 1e5)).with_linear_velocity(DVec3::X),
         DVec3::Y / 0.0286,
     );
-    let explicit = scene
-        .with_integrator(Once(Rk4 { time_step: 1e-3 }))
-        .unwrap();
+    let explicit = scene.with_integrator(Rk4 { time_step: 1e-3 }).unwrap();
     let limit = explicit.largest_stable_step(&start).unwrap();
     let expected = 2.785 * slip_speed / (3.5 * 0.2 * 9.8);
     assert!(
@@ -230,7 +228,7 @@ fn a_rolling_ball_that_sticks_is_told_to_take_an_implicit_step() {
         budget: 20_000,
         ..DormandPrince54::new(1e-9)
     };
-    let adaptive = scene.with_integrator(Once(method)).unwrap();
+    let adaptive = scene.with_integrator(method).unwrap();
     let error = adaptive.advance(&mut start.clone(), 1.0).unwrap_err();
     let StepError::BudgetSpent { time, .. } = error else {
         panic!("{error}");
@@ -242,17 +240,14 @@ fn a_rolling_ball_that_sticks_is_told_to_take_an_implicit_step() {
 
     let mut state = start;
     let implicit = scene
-        .with_integrator(Once(EnergyMomentum { time_step: 1e-2 }))
+        .with_integrator(EnergyMomentum { time_step: 1e-2 })
         .unwrap();
     implicit.advance(&mut state, 1.0).unwrap();
     assert!((state.position.x - 1.0).abs() < 1e-3, "{state:?}");
 }
 
 /// Evaluations of the forces for a quarter of a second.
-fn cost<I: Integrator>(
-    stepper: &Stepper<Coin, FlatGround, Coulomb, UniformGravity, I>,
-    start: State,
-) -> u32 {
+fn cost(stepper: &Stepper<impl Integrator>, start: State) -> u32 {
     let mut session = stepper.session(start);
     let (mut left, mut evaluations) = (0.25, 0);
     while left > 1e-12 {
@@ -282,7 +277,7 @@ fn a_thousandfold_tighter_tolerance_costs_what_the_order_says_in_smooth_motion()
                 .and_then(|stepper| stepper.with_ground(FlatGround::level(10.0, 0.05)))
                 .and_then(|stepper| stepper.with_friction(trial.friction()))
                 .and_then(|stepper| stepper.with_gravity(trial.gravity()))
-                .and_then(|stepper| stepper.with_integrator(Once(of(tolerance))))
+                .and_then(|stepper| stepper.with_integrator(of(tolerance)))
                 .unwrap();
             f64::from(self::cost(&stepper, start))
         };
@@ -350,7 +345,7 @@ fn a_tolerance_that_no_step_keeps_is_an_error_with_its_cause_and_time() {
     let stepper = Stepper::new(PointCloud::new([DVec3::ZERO], [1.0]).unwrap())
         .and_then(|stepper| stepper.with_ground(Trapdoor))
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
-        .and_then(|stepper| stepper.with_integrator(Once(DormandPrince54::new(1e-12))))
+        .and_then(|stepper| stepper.with_integrator(DormandPrince54::new(1e-12)))
         .unwrap();
     let mut state = State::at(DVec3::new(0.0, 0.0, -0.005)).with_linear_velocity(DVec3::NEG_Z);
     let error = stepper.advance(&mut state, 1.0).unwrap_err();
@@ -380,7 +375,7 @@ fn a_bounce_within_a_long_step_is_not_missed() {
     let back = 2.0 * fall + swing / omega;
     for tolerance in [1e-3, 1e-6, 1e-9] {
         let stepper = stepper
-            .with_integrator(Once(DormandPrince54::new(tolerance)))
+            .with_integrator(DormandPrince54::new(tolerance))
             .unwrap();
         let mut state = start;
         stepper.advance(&mut state, back).unwrap();
@@ -401,15 +396,13 @@ fn a_corner_that_dips_into_the_ground_and_out_of_it_within_a_step_is_seen() {
     let start =
         State::at(DVec3::new(0.0, 0.0, 0.499)).with_angular_momentum(DVec3::Y * (0.25 * spin));
     let mut fine = start;
-    let truth = stepper
-        .with_integrator(Once(Rk4 { time_step: 1e-6 }))
-        .unwrap();
+    let truth = stepper.with_integrator(Rk4 { time_step: 1e-6 }).unwrap();
     truth.advance(&mut fine, 0.2).unwrap();
     assert!(fine.linear_velocity.z > 0.01, "it was not pushed");
     for tolerance in [1e-2, 1e-3, 1e-4, 1e-6] {
         let mut state = start;
         let loose = stepper
-            .with_integrator(Once(DormandPrince54::new(tolerance)))
+            .with_integrator(DormandPrince54::new(tolerance))
             .unwrap();
         loose.advance(&mut state, 0.2).unwrap();
         let off = (state.position - fine.position).length();
@@ -437,7 +430,7 @@ fn a_body_without_contacts_turns_as_truly_as_its_tolerance_says() {
     let start = State::at(DVec3::ZERO).with_angular_momentum(DVec3::new(0.1, 6.0, 0.2));
     fn end<I: Integrator>(start: State, by: I) -> State {
         let mut state = start;
-        let stepper = Stepper::new(Cloud).and_then(|stepper| stepper.with_integrator(Once(by)));
+        let stepper = Stepper::new(Cloud).and_then(|stepper| stepper.with_integrator(by));
         stepper.unwrap().advance(&mut state, 0.2).unwrap();
         state
     }
@@ -556,7 +549,7 @@ fn the_wandering_contact_of_an_egg_is_seen_to_touch() {
     let end = |tolerance: f64| {
         let mut state = start;
         let stepper = stepper
-            .with_integrator(Once(DormandPrince54::new(tolerance)))
+            .with_integrator(DormandPrince54::new(tolerance))
             .unwrap();
         stepper.advance(&mut state, 0.5).unwrap();
         state.position

@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::methods::{Setup, apart, convergence, method, truths};
+use crate::kit::erased::Stepper;
 use crate::kit::once::Once;
 use crate::kit::{self, log_uniform, zero_or};
 use core::ops::ControlFlow;
@@ -16,7 +17,7 @@ use tumble::work_precision::reference;
 use tumble::{
     AdaptiveEnergyMomentum, Capsule, Coin, Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid,
     EnergyMomentum, FlatGround, Integrator, Ledger, MovingGround, Real, RigidPointBody, Sample,
-    SolidCoin, Sphere, State, Step, StepError, Stepper, Trial, UniformGravity,
+    SolidCoin, Sphere, State, Step, StepError, Trial, UniformGravity,
 };
 
 /// 1e-2 to 1e-5 m, three a decade, so that none is met by luck.
@@ -110,7 +111,7 @@ fn ratios_of<B: RigidPointBody + Copy>(
             .gravity(UniformGravity::down(9.8))
             .ground(ground)
             .friction(friction)
-            .integrator(Once(AdaptiveEnergyMomentum::new(tolerance)))
+            .integrator(AdaptiveEnergyMomentum::new(tolerance))
             .build()
             .unwrap()
     };
@@ -216,7 +217,7 @@ fn a_step_that_was_divided_into_its_own_halves_is_no_estimate() {
                 ..AdaptiveEnergyMomentum::new(1e-3)
             };
             let mut state = start;
-            let adaptive = scene.with_integrator(Once(method)).unwrap();
+            let adaptive = scene.with_integrator(method).unwrap();
             let step = adaptive.step(&mut state).unwrap();
             let is_taken_whole = step.elapsed >= time_step && step.error_estimate == Some(0.0);
             assert!(!is_taken_whole, "start {number}, {time_step} s");
@@ -312,10 +313,11 @@ fn later<B: RigidPointBody + Copy>(
 /// example `eulers_disk`.
 fn spin_down<I: Integrator>(integrator: I) -> f64 {
     let (radius, first, gravity) = (0.5, 0.2_f64, 9.8);
-    let stepper = Stepper::builder(Coin::ring(1.0, radius))
+    let coin = Coin::ring(1.0, radius);
+    let stepper = Stepper::builder(coin)
         .gravity(UniformGravity::down(gravity))
         .ground(FlatGround::level(1000.0, 0.5))
-        .integrator(Once(integrator))
+        .integrator(integrator)
         .build()
         .unwrap();
     let turn = DVec3::Y * (first - core::f64::consts::FRAC_PI_2);
@@ -325,7 +327,7 @@ fn spin_down<I: Integrator>(integrator: I) -> f64 {
     let mut state = stepper.with_angular_velocity(turned, (DVec3::Z - normal * normal.z) * rate);
     let mut flat = None;
     let mut watch = |sample: &Sample<'_>| {
-        flat = (stepper.body().tilt(sample.state) <= 0.02).then_some(sample.time);
+        flat = (coin.tilt(sample.state) <= 0.02).then_some(sample.time);
         match flat {
             Some(_) => ControlFlow::Break(()),
             None => ControlFlow::Continue(()),
@@ -367,7 +369,7 @@ fn the_estimate_of_a_smooth_step_is_its_error() {
             Stepper::builder(Sphere::solid(1.0, 0.1))
                 .gravity(UniformGravity::down(9.8))
                 .ground(FlatGround::level(1000.0, 1.0))
-                .integrator(Once(integrator))
+                .integrator(integrator)
                 .build()
                 .unwrap()
         };
@@ -380,9 +382,9 @@ fn the_estimate_of_a_smooth_step_is_its_error() {
         let fine = Stepper::builder(Sphere::solid(1.0, 0.1))
             .gravity(UniformGravity::down(9.8))
             .ground(FlatGround::level(1000.0, 1.0))
-            .integrator(Once(EnergyMomentum {
+            .integrator(EnergyMomentum {
                 time_step: h / 32.0,
-            }))
+            })
             .build()
             .unwrap();
         fine.advance(&mut truth, h).unwrap();
@@ -492,11 +494,11 @@ impl Case {
                 coefficient: real(self.friction.coefficient),
                 slip_speed: real(self.friction.slip_speed),
             })
-            .integrator(Once(AdaptiveEnergyMomentum {
+            .integrator(AdaptiveEnergyMomentum {
                 tolerance: real(self.method.tolerance),
                 longest_step: real(self.method.longest_step),
                 budget: self.method.budget,
-            }))
+            })
             .build()
             .unwrap();
         let start = tumble::State::at(vector(DVec3::Z * self.height))

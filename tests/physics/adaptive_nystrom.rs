@@ -6,13 +6,12 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::methods::{Record, Setup, apart, method, truths};
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use tumble::glam::{DQuat, DVec3};
 use tumble::work_precision::reference;
 use tumble::{
     AdaptiveNystrom, BogackiShampine32, Coin, Coulomb, Cuboid, DormandPrince54, FlatGround,
-    Integrator, Nystrom, PointCloud, RigidPointBody, SolidCoin, State, Stepper, Trial,
-    UniformGravity,
+    Integrator, Nystrom, PointCloud, RigidPointBody, SolidCoin, State, Trial, UniformGravity,
 };
 
 /// 1e-3 to 1e-6 m, five a decade, so that none is met by luck.
@@ -90,7 +89,7 @@ fn error_of_toss<B: RigidPointBody + Clone>(
             })
         })
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
-        .and_then(|stepper| stepper.with_integrator(Once(AdaptiveNystrom::new(tolerance))))
+        .and_then(|stepper| stepper.with_integrator(AdaptiveNystrom::new(tolerance)))
         .unwrap();
     let start = State::at(DVec3::Z * 0.07)
         .with_linear_velocity(DVec3::new(0.2, -0.3, 0.1))
@@ -129,14 +128,12 @@ fn a_contact_that_closes_and_opens_within_one_step_is_not_missed() {
         .unwrap();
     let start = State::at(DVec3::Z * 0.499);
     let start = scene.with_angular_velocity(start, DVec3::Y * 5.0);
-    let fine = scene
-        .with_integrator(Once(Nystrom { time_step: 1e-5 }))
-        .unwrap();
+    let fine = scene.with_integrator(Nystrom { time_step: 1e-5 }).unwrap();
     let truth = run(&|state| fine.advance(state, 0.8).unwrap(), &start);
     assert!(truth > 0.05, "{truth} m/s");
     for tolerance in [1e-2, 1e-4] {
         let adaptive = scene
-            .with_integrator(Once(AdaptiveNystrom::new(tolerance)))
+            .with_integrator(AdaptiveNystrom::new(tolerance))
             .unwrap();
         let speed = run(&|state| adaptive.advance(state, 0.8).unwrap(), &start);
         assert!(

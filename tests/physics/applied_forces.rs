@@ -9,7 +9,7 @@
     clippy::cast_possible_truncation
 )]
 
-use crate::kit::once::{DEFAULT, Once};
+use crate::kit::erased::Stepper;
 use core::ops::ControlFlow;
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, ForceRange, Requirement, check_force};
@@ -18,10 +18,9 @@ use tumble::glam::{DVec3, Vec3};
 use tumble::real::Vector;
 use tumble::{
     AirDrag, AnyIntegrator, BogackiShampine32, ConstantForce, Coulomb, Cuboid, DormandPrince54,
-    Dynamics, EnergyMomentum, FlatGround, Flight, Force, ForwardEuler, Frictionless, Ledger,
-    Motion, NoForce, NoGround, Nystrom, PointCloud, Real, RigidPointBody, Rk4, Sample, Sphere,
-    SpinDrag, SpinLift, State, StepError, Stepper, StrangSplitting, SymplecticEuler,
-    UniformGravity, Wind, Wrench,
+    Dynamics, EnergyMomentum, FlatGround, Flight, Force, ForwardEuler, Ledger, Motion, NoForce,
+    Nystrom, PointCloud, Real, RigidPointBody, Rk4, Sample, Sphere, SpinDrag, SpinLift, State,
+    StepError, StrangSplitting, SymplecticEuler, UniformGravity, Wind, Wrench,
 };
 
 /// Mass and radius of a tennis ball, kg and m, and the density of air, kg/m³.
@@ -72,21 +71,17 @@ fn integrators() -> Vec<AnyIntegrator> {
     [&fixed[..], &adaptive(1e-9)].concat()
 }
 
-/// A scene of a ball or a brick without ground. The force is behind a pointer, so that each
-/// integrator is compiled once.
-type Air<'a, B> =
-    Stepper<B, NoGround, Frictionless, UniformGravity, Once<AnyIntegrator>, f64, &'a dyn Force>;
-
-fn air<B: RigidPointBody>(
-    body: B,
+/// A scene without ground.
+fn air<'a>(
+    body: impl RigidPointBody + 'a,
     gravity: f64,
-    force: &dyn Force,
+    force: &'a dyn Force,
     integrator: AnyIntegrator,
-) -> Air<'_, B> {
+) -> Stepper<'a, AnyIntegrator> {
     Stepper::builder(body)
         .gravity(UniformGravity::down(gravity))
         .force(force)
-        .integrator(Once(integrator))
+        .integrator(integrator)
         .build()
         .unwrap()
 }
@@ -413,7 +408,7 @@ fn a_constant_force_is_gravity_of_its_own() {
     let flight = Stepper::builder(ball())
         .force(force)
         .ground(FlatGround::level(1e4, 0.0))
-        .integrator(Once(Flight(EnergyMomentum { time_step: 1e-3 })))
+        .integrator(Flight(EnergyMomentum { time_step: 1e-3 }))
         .build()
         .unwrap();
     assert!(flight.step(&mut State::at(DVec3::Z)).unwrap().elapsed > 0.4);
@@ -424,7 +419,7 @@ fn flight_takes_closed_form_only_without_an_applied_force() {
     let stepper = Stepper::builder(ball())
         .gravity(UniformGravity::down(G))
         .force(drag())
-        .integrator(Once(Flight(EnergyMomentum { time_step: 1e-3 })))
+        .integrator(Flight(EnergyMomentum { time_step: 1e-3 }))
         .build()
         .unwrap();
     let step = stepper.step(&mut State::at(DVec3::Z)).unwrap();
@@ -441,7 +436,6 @@ fn a_body_at_rest_in_still_air_sleeps_as_without_air() {
             slip_speed: 1e-4,
         })
         .force((drag(), SpinDrag::linear(1e-4)))
-        .integrator(DEFAULT)
         .build()
         .unwrap();
     let mut session = stepper.session(State::at(DVec3::Z * 0.05));
@@ -506,7 +500,7 @@ fn invalid_parameters_are_named_when_the_scene_is_composed() {
 #[test]
 fn an_outcome_is_decided_in_still_air_and_never_in_wind() {
     let coin = || {
-        Stepper::builder(tumble::Coin::ring(0.01, 0.01))
+        tumble::Stepper::builder(tumble::Coin::ring(0.01, 0.01))
             .gravity(UniformGravity::down(G))
             .ground(FlatGround::level(1e4, 0.5))
     };
@@ -520,9 +514,9 @@ fn an_outcome_is_decided_in_still_air_and_never_in_wind() {
 
 #[test]
 fn a_scene_without_an_applied_force_is_no_larger() {
-    type Bare = Stepper<Sphere, FlatGround, Coulomb, UniformGravity, EnergyMomentum>;
+    type Bare = tumble::Stepper<Sphere, FlatGround, Coulomb, UniformGravity, EnergyMomentum>;
     type Pushed =
-        Stepper<Sphere, FlatGround, Coulomb, UniformGravity, EnergyMomentum, f64, AirDrag>;
+        tumble::Stepper<Sphere, FlatGround, Coulomb, UniformGravity, EnergyMomentum, f64, AirDrag>;
     let drag = core::mem::size_of::<AirDrag>();
     assert_eq!(
         core::mem::size_of::<Bare>() + drag,
@@ -540,7 +534,7 @@ fn audited(force: &dyn Force, integrator: AnyIntegrator) -> (Ledger, f64) {
             slip_speed: 1e-2,
         })
         .force(force)
-        .integrator(Once(integrator))
+        .integrator(integrator)
         .build()
         .unwrap();
     let mut state = State::at(DVec3::Z)
@@ -648,7 +642,7 @@ macro_rules! never_gains {
                 coefficient: 0.4,
                 slip_speed: 1e-3,
             })
-            .integrator(Once(tumble::$real::EnergyMomentum { time_step: c($h) }))
+            .integrator(tumble::$real::EnergyMomentum { time_step: c($h) })
         };
         let [position, velocity, momentum] = $start;
         let start = State::at(v(position))
@@ -711,7 +705,6 @@ fn a_body_in_wind_is_held_by_friction_where_it_would_be() {
             velocity: DVec3::X * 10.0,
             force: AirDrag::linear(0.05),
         })
-        .integrator(DEFAULT)
         .build()
         .unwrap();
     let mut state = State::at(DVec3::Z * 0.03);
@@ -820,9 +813,9 @@ fn a_needle_that_spins_about_its_own_axis_is_slowed_by_linear_spin_drag() {
     let h = 0.1;
     for z in [1e-6, 1e-3, 0.5, 5.0] {
         let drag = SpinDrag::linear(2.0 * z * moment / h);
-        let stepper = Stepper::builder(&needle)
+        let stepper = Stepper::builder(needle)
             .force(drag)
-            .integrator(Once(EnergyMomentum { time_step: h }))
+            .integrator(EnergyMomentum { time_step: h })
             .build()
             .unwrap();
         let turned = State::default().with_rotation_vector(DVec3::new(0.4, -0.9, 0.3));

@@ -7,11 +7,11 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::kit::once::{DEFAULT, Once};
+use crate::kit::erased::Stepper;
 use tumble::glam::DVec3;
 use tumble::{
     Coin, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid, Energy, EnergyMomentum,
-    FlatGround, Integrator, Ledger, RigidPointBody, State, Stepper, UniformGravity,
+    FlatGround, Integrator, Ledger, RigidPointBody, State, UniformGravity,
 };
 
 /// Slip speeds far below the change of the velocity in one step, m/s.
@@ -31,7 +31,6 @@ fn audit<B: RigidPointBody>(name: &str, body: B, slip_speed: f64) {
                 slip_speed,
             })
         })
-        .and_then(|scene| scene.with_integrator(DEFAULT))
         .unwrap();
     let mut state = State::at(DVec3::Z * (0.6 * reach))
         .with_rotation_vector(DVec3::new(0.3, -0.2, 0.5))
@@ -132,7 +131,7 @@ impl Toss {
             .gravity(UniformGravity::down(9.81))
             .ground(FlatGround::level(self.stiffness, self.damping))
             .friction(self.friction)
-            .integrator(Once(integrator))
+            .integrator(integrator)
             .build()
             .unwrap();
         let mut state = State::at(DVec3::Z * 0.12)

@@ -5,7 +5,7 @@
 
 use core::f64::consts::{PI, TAU};
 
-use crate::kit::once::DEFAULT;
+use crate::kit::erased::Stepper;
 use crate::kit::{cases, directions, log_uniform, orientations};
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, check_body};
@@ -13,7 +13,7 @@ use tumble::f64::{Capsule, Cone, MassProperties, Rotation};
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::{
     CoinFace, ContactPoint, Cuboid, CuboidFace, Ellipsoid, FlatGround, InertiaProperties,
-    PointCloud, PointMass, RigidPointBody, Rim, Rod, Solid, SolidCoin, Sphere, State, Stepper,
+    PointCloud, PointMass, RigidPointBody, Rim, Rod, Solid, SolidCoin, Sphere, State,
     UniformGravity,
 };
 
@@ -450,7 +450,6 @@ fn a_composite_falls_like_the_cloud_of_its_points() {
         let stepper = Stepper::new(body).unwrap();
         let stepper = stepper.with_gravity(UniformGravity::down(9.8)).unwrap();
         let stepper = stepper.with_ground(FlatGround::level(1e4, 3.0)).unwrap();
-        let stepper = stepper.with_integrator(DEFAULT).unwrap();
         let mut state = start;
         stepper.advance(&mut state, 1.0).unwrap();
         state
@@ -474,7 +473,6 @@ fn a_capsule_that_slides_across_its_axis_comes_to_roll_at_the_speed_of_its_momen
                 slip_speed: 1e-8,
             })
         })
-        .and_then(|stepper| stepper.with_integrator(DEFAULT))
         .unwrap();
     let sink = 9.8 / 2e5;
     let mut state = State::at(DVec3::Z * (0.1 - sink))
@@ -592,8 +590,8 @@ fn a_body_with_contacts_of_its_own_is_saved_with_them() {
 #[test]
 fn a_stepper_that_is_saved_and_loaded_is_the_same_and_must_be_valid() {
     use tumble::{Coin, Coulomb, FlatGround, StrangSplitting, UniformGravity};
-    type Table = Stepper<Coin, FlatGround, Coulomb, UniformGravity, StrangSplitting>;
-    let table: Table = Stepper::builder(Coin::ring(0.01, 0.013))
+    type Table = tumble::Stepper<Coin, FlatGround, Coulomb, UniformGravity, StrangSplitting>;
+    let table: Table = tumble::Stepper::builder(Coin::ring(0.01, 0.013))
         .ground(FlatGround::level(1e4, 0.5))
         .friction(Coulomb {
             coefficient: 0.3,

@@ -6,7 +6,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::growth::factor_of_a_step;
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{self, Solid, each_explicit, log_uniform, order, point_mass};
 use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3};
@@ -14,7 +14,7 @@ use tumble::{
     Bowl, Coin, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Dynamics, EnergyMomentum,
     FlatGround, Flight, ForwardEuler, FrictionJacobian, Ground, Integrator, Nystrom, Plane, Real,
     RigidPointBody, Rk4, SlidingFriction, Solid as Hull, Sphere, SpringDamper, SpringDamperGround,
-    State, Stepper, StrangSplitting, Surface, SymplecticEuler, Terrain, Trial, UniformGravity,
+    State, StrangSplitting, Surface, SymplecticEuler, Terrain, Trial, UniformGravity,
 };
 
 /// A table on four soft springs without friction and damping, so that the energy is conserved.
@@ -54,7 +54,7 @@ fn energy_error_of_the_table(integrator: impl Integrator, seconds: f64) -> [f64;
         .unwrap()
         .with_gravity(gravity)
         .unwrap()
-        .with_integrator(Once(integrator))
+        .with_integrator(integrator)
         .unwrap();
     let first = stepper.energy(&state).total();
     let mut worst = [0.0, 0.0];
@@ -82,8 +82,7 @@ fn the_error_of_a_conserved_energy_shrinks_with_the_step_at_the_order_of_the_met
     each_explicit!(0.02, |integrator, method| {
         let coarsest = if method == "ForwardEuler" { 1e-3 } else { 0.02 };
         let errors = [1.0, 0.5, 0.25, 0.125].map(|share| {
-            let mut finer = integrator;
-            finer.time_step = coarsest * share;
+            let finer = kit::with_time_step(integrator, coarsest * share);
             let [early, late] = energy_error_of_the_table(finer, 2.0);
             f64::max(early, late)
         });
@@ -131,7 +130,7 @@ proptest! {
     ) {
         let stepper = Stepper::new(point_mass(mass)).unwrap()
             .with_gravity(UniformGravity::down(g)).unwrap()
-            .with_integrator(Once(ForwardEuler { time_step: dt })).unwrap();
+            .with_integrator(ForwardEuler { time_step: dt }).unwrap();
         let mut state = State::default().with_linear_velocity(DVec3::new(1.0, 0.0, speed));
         let steps = 100;
         let first = stepper.energy(&state).total();
@@ -169,8 +168,8 @@ proptest! {
         // Rounding: the bounce takes π/phase steps, a few units of 1.1e-16 each.
         let rounding = 1e-15 * (1.0 + 4.0 / phase);
         let space = Stepper::new(point_mass(mass)).unwrap().with_ground(ground).unwrap();
-        let semi_implicit = space.with_integrator(Once(SymplecticEuler { time_step: dt })).unwrap();
-        let strang = space.with_integrator(Once(StrangSplitting { time_step: dt })).unwrap();
+        let semi_implicit = space.with_integrator(SymplecticEuler { time_step: dt }).unwrap();
+        let strang = space.with_integrator(StrangSplitting { time_step: dt }).unwrap();
         let bounced = |step: &dyn Fn(&mut State)| {
             let mut state = start;
             // On the springs for half an oscillation, π/phase steps, and one before, one after.
@@ -209,7 +208,7 @@ fn growth(integrator: impl Integrator, mass: f64, frequency: f64, ratio: f64) ->
         .unwrap()
         .with_gravity(UniformGravity::down(frequency * frequency))
         .unwrap()
-        .with_integrator(Once(integrator))
+        .with_integrator(integrator)
         .unwrap();
     // At this position and speed every mode of every method takes part.
     let swing = 1e-6;
@@ -428,15 +427,14 @@ enum Balance {
 }
 
 /// A body on its lowest contacts, in equilibrium: friction directs the ground's force towards the
-/// centre of mass, and gravity opposes it.
-#[allow(clippy::type_complexity, reason = "a stepper names all of its parts")]
-fn balanced<B: RigidPointBody>(
-    body: B,
+/// centre of mass, and gravity opposes it. Also the coefficient of Coulomb's friction.
+fn balanced<'a>(
+    body: impl RigidPointBody + 'a,
     orientation: DQuat,
     ground: Layered,
     balance: Balance,
     drag: f64,
-) -> (Stepper<B, Layered, Film, UniformGravity>, State) {
+) -> (Stepper<'a>, State, f64) {
     let normal = ground.plane.normal;
     let arms = || (body.contacts().iter()).map(|c| orientation * c.position - normal * c.radius);
     let lowest = arms().map(|arm| -arm.dot(normal)).fold(0.0, f64::max);
@@ -474,7 +472,7 @@ fn balanced<B: RigidPointBody>(
         .and_then(|stepper| stepper.with_friction(friction))
         .and_then(|stepper| stepper.with_gravity(gravity))
         .unwrap();
-    (stepper, state)
+    (stepper, state, coulomb)
 }
 
 /// Bodies that lean on a corner, an edge or a face, and one that is round.
@@ -512,22 +510,21 @@ proptest! {
         let turn = DQuat::from_rotation_arc(DVec3::Z, plane.normal) * turn;
         // ω = 1000 1/s for 1 kg.
         let ground = Layered { stiffness: 1e6, damping: 2e3 * ratio, plane };
-        let (mut stepper, mut state) = balanced(&*body, turn, ground, leaning, drag);
+        let (mut stepper, mut state, mut coulomb) = balanced(&*body, turn, ground, leaning, drag);
         // A contact that slides under Coulomb's friction while a film holds it flutters, and no
         // friction has a coefficient of 5.
-        if drag > 0.0 || stepper.scene().friction().coefficient > 1.0 {
-            (stepper, state) = balanced(&*body, turn, ground, Balance::Steady, drag);
+        if drag > 0.0 || coulomb > 1.0 {
+            (stepper, state, coulomb) = balanced(&*body, turn, ground, Balance::Steady, drag);
         }
-        let loaded = stepper.scene().friction().coefficient > 0.0;
+        let loaded = coulomb > 0.0;
         each_explicit!(1e-9, |integrator, method| {
-            let own = stepper.with_integrator(Once(integrator)).unwrap();
+            let own = stepper.with_integrator(integrator).unwrap();
             let limit = own.largest_stable_step(&state);
             let limit = limit.unwrap();
             prop_assert!(limit > 0.0 && limit < 4e-3, "{method}: {limit:e} s");
             let factor = |part: f64| {
-                let mut exact = integrator;
-                exact.time_step = limit * part;
-                let stepper = stepper.with_integrator(Once(exact)).unwrap();
+                let exact = kit::with_time_step(integrator, limit * part);
+                let stepper = stepper.with_integrator(exact).unwrap();
                 factor_of_a_step(|state| { stepper.step(state).unwrap(); }, &state, limit)
             };
             // Friction and springs have no motions in common, and the step of `Nystrom` is not made
@@ -555,10 +552,10 @@ fn growth_of_a_rocking_plate<R: Real, I: Integrator<R>>(
     let vector = |x, y, z| tumble::real::Vector::new(n(x), n(y), n(z));
     let plate = Cuboid::<R>::solid(n(1.0), vector(0.4, 0.3, 0.02));
     let scene = |time_step| {
-        Stepper::new(&plate)
+        Stepper::new(plate)
             .and_then(|stepper| stepper.with_ground(FlatGround::level(n(1e4), n(2.0))))
             .and_then(|stepper| stepper.with_gravity(UniformGravity::down(n(9.8))))
-            .and_then(|stepper| stepper.with_integrator(Once(of(time_step))))
+            .and_then(|stepper| stepper.with_integrator(of(time_step)))
             .unwrap()
     };
     let rest: State<R> = State::at(vector(0.0, 0.0, 0.01 - 9.8 / 4e4));
@@ -627,8 +624,7 @@ fn the_coin_of_the_report_gains_no_energy_in_steps_below_the_least_limit_of_its_
                 least = least.min(limit.unwrap_or(f64::MAX));
                 fine.advance(&mut state, 0.01).unwrap();
             }
-            let mut exact = integrator;
-            exact.time_step = 0.8 * least;
+            let exact = kit::with_time_step(integrator, 0.8 * least);
             let coarse = trial.stepper(exact).unwrap();
             let before = coarse.energy(&start).total();
             let mut state = start;
@@ -648,7 +644,7 @@ fn the_limit_of_one_contact_is_that_of_its_effective_mass_and_of_its_friction_in
     let at = |gap: f64| State::at(DVec3::Z * (0.02 + gap));
     let scene = Stepper::new(ball)
         .and_then(|stepper| stepper.with_ground(FlatGround::level(1000.0, 0.0)))
-        .and_then(|stepper| stepper.with_integrator(Once(StrangSplitting { time_step: 1e-3 })))
+        .and_then(|stepper| stepper.with_integrator(StrangSplitting { time_step: 1e-3 }))
         .unwrap();
     let near = |a: Option<f64>, b: f64| (a.unwrap() / b - 1.0).abs() < 1e-6;
     assert!(near(
@@ -678,20 +674,18 @@ fn the_limit_of_one_contact_is_that_of_its_effective_mass_and_of_its_friction_in
     assert_eq!(scene.largest_stable_step(&at(1e-3)), None);
     assert_eq!(scene.largest_stable_step(&at(f64::NAN)), None);
     let flying = sticks
-        .with_integrator(Once(Flight(StrangSplitting { time_step: 1e-3 })))
+        .with_integrator(Flight(StrangSplitting { time_step: 1e-3 }))
         .unwrap();
     assert!(near(flying.largest_stable_step(&at(-1e-3)), expected));
     let implicit = sticks
-        .with_integrator(Once(EnergyMomentum { time_step: 1e-3 }))
+        .with_integrator(EnergyMomentum { time_step: 1e-3 })
         .unwrap();
     assert_eq!(implicit.largest_stable_step(&at(-1e-3)), None);
-    let adaptive = sticks
-        .with_integrator(Once(DormandPrince54::new(1e-6)))
-        .unwrap();
+    let adaptive = sticks.with_integrator(DormandPrince54::new(1e-6)).unwrap();
     assert_eq!(adaptive.largest_stable_step(&at(-1e-3)), None);
     // Explicit Euler has none without dampers, and Nyström's method grows, if slowly.
     let euler = scene
-        .with_integrator(Once(ForwardEuler { time_step: 1e-3 }))
+        .with_integrator(ForwardEuler { time_step: 1e-3 })
         .unwrap();
     assert_eq!(euler.largest_stable_step(&at(-1e-3)), Some(0.0));
 }
@@ -711,7 +705,7 @@ fn a_round_rim_and_a_terrain_have_the_limits_of_their_polygon_and_plane() {
         Stepper::new(body)
             .and_then(|stepper| stepper.with_ground(FlatGround::level(500.0, 0.25)))
             .and_then(|stepper| stepper.with_friction(friction))
-            .and_then(|stepper| stepper.with_integrator(Once(Rk4 { time_step: 1e-3 })))
+            .and_then(|stepper| stepper.with_integrator(Rk4 { time_step: 1e-3 }))
             .unwrap()
             .largest_stable_step(state)
     }
@@ -739,7 +733,7 @@ fn a_round_rim_and_a_terrain_have_the_limits_of_their_polygon_and_plane() {
     let resting = State::at(place + normal * (0.05 - 1e-3));
     let ball = Stepper::new(Sphere::solid(1.0, 0.05)).and_then(|stepper| stepper.with_ground(bowl));
     let slides = ball
-        .and_then(|s| s.with_integrator(Once(SymplecticEuler { time_step: 1e-3 })))
+        .and_then(|s| s.with_integrator(SymplecticEuler { time_step: 1e-3 }))
         .unwrap();
     let free = slides.largest_stable_step(&resting).unwrap();
     assert!((free / 0.02 - 1.0).abs() < 1e-6, "{free}");
@@ -775,7 +769,7 @@ proptest! {
         let stepper = Stepper::new(coin)
             .and_then(|stepper| stepper.with_ground(FlatGround::level(stiffness, damping)))
             .and_then(|stepper| stepper.with_friction(Coulomb { coefficient, slip_speed }))
-            .and_then(|stepper| stepper.with_integrator(Once(StrangSplitting { time_step: 1e-3 })))
+            .and_then(|stepper| stepper.with_integrator(StrangSplitting { time_step: 1e-3 }))
             .unwrap();
         let mut load = 0.0;
         let scene = stepper.scene();

@@ -9,7 +9,7 @@
 )]
 
 use crate::common::methods::{Setup, apart, convergence, method, truths};
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{self, Solid, point_mass};
 use core::f64::consts::{FRAC_PI_2, PI};
 use tumble::glam::{DQuat, DVec3};
@@ -18,32 +18,30 @@ use tumble::real::{Matrix, Vector};
 use tumble::{
     Capsule, Coin, ContactPoint, Coulomb, Cuboid, Disc, Ellipsoid, EnergyMomentum, FlatGround,
     Frictionless, InertiaProperties, Integrator, Plane, PointCloud, Real, RigidPointBody, Rod,
-    SlidingFriction, SmoothCoulomb, SolidCoin, Sphere, SpringDamperGround, State, Stepper, Trial,
+    SlidingFriction, SmoothCoulomb, SolidCoin, Sphere, SpringDamperGround, State, Trial,
     UniformGravity, Viscous,
 };
 
 const GRAVITY: f64 = 9.8;
 
-type Scene<B, G, F> = Stepper<B, G, F, UniformGravity, Once<EnergyMomentum>>;
-
-fn scene<B: RigidPointBody, G: SpringDamperGround, F: SlidingFriction>(
-    body: B,
-    ground: G,
-    friction: F,
+fn scene<'a>(
+    body: impl RigidPointBody + 'a,
+    ground: impl SpringDamperGround + 'a,
+    friction: impl SlidingFriction + 'a,
     time_step: f64,
-) -> Scene<B, G, F> {
+) -> Stepper<'a> {
     Stepper::new(body)
         .and_then(|stepper| stepper.with_ground(ground))
         .and_then(|stepper| stepper.with_friction(friction))
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
-        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
         .unwrap()
 }
 
 /// A trial of the report.
-fn trial(number: usize, time_step: f64) -> (Scene<Coin, FlatGround, Coulomb>, State) {
+fn trial(number: usize, time_step: f64) -> (Stepper<'static>, State) {
     let trial = Trial::report(number).unwrap();
-    let stepper = trial.stepper(Once(EnergyMomentum { time_step })).unwrap();
+    let stepper = Stepper::of_trial(&trial, EnergyMomentum { time_step }).unwrap();
     (stepper, trial.state())
 }
 
@@ -300,15 +298,7 @@ fn a_body_at_rest_wakes_when_its_state_is_changed() {
 /// A body that sleeps in one scene and is resumed, or whose memory is used again, in another scene
 /// whose springs or gravity move it. The new scene knows nothing of the old one: the body wakes,
 /// its first step has the bits of a new session, and the energy never increases from that step on.
-fn wakes<A, B, F: SlidingFriction>(
-    asleep: &Scene<A, FlatGround, F>,
-    awake: &Scene<B, FlatGround, F>,
-    lying: State,
-    what: &str,
-) where
-    A: RigidPointBody,
-    B: RigidPointBody,
-{
+fn wakes(asleep: &Stepper, awake: &Stepper, lying: State, what: &str) {
     let mut memory = EnergyMomentumWorkspace::new();
     let mut session = asleep.session_in(&mut memory, lying);
     let resting = put_to_sleep!(session);
@@ -332,7 +322,7 @@ fn wakes<A, B, F: SlidingFriction>(
 
 #[test]
 fn a_body_that_slept_in_one_scene_wakes_in_another() {
-    fn on_ground<B: RigidPointBody>(body: B, stiffness: f64) -> Scene<B, FlatGround, Coulomb> {
+    fn on_ground<'a>(body: impl RigidPointBody + 'a, stiffness: f64) -> Stepper<'a> {
         let friction = Coulomb::as_in_the_report(0.3);
         scene(body, FlatGround::level(stiffness, 0.5), friction, 1e-3)
     }
@@ -409,9 +399,9 @@ fn ball_after<R: Real>(height: f64, speed: f64, time_step: f64, steps: u32) -> (
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(real(GRAVITY))))
         .and_then(|stepper| stepper.with_ground(FlatGround::level(real(1000.0), real(5.0))))
         .and_then(|stepper| {
-            stepper.with_integrator(Once(EnergyMomentum {
+            stepper.with_integrator(EnergyMomentum {
                 time_step: real(time_step),
-            }))
+            })
         })
         .unwrap();
     let mut state = tumble::State::<R>::at(up(height)).with_linear_velocity(up(speed));
@@ -561,7 +551,7 @@ fn bounce(zeta: f64, time_step: f64) -> f64 {
     let ground = FlatGround::level(stiffness, 2.0 * zeta * stiffness.sqrt());
     let stepper = Stepper::new(point_mass(1.0))
         .and_then(|stepper| stepper.with_ground(ground))
-        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
         .unwrap();
     // Touches down at a third of a step.
     let mut state: State = State::at(DVec3::Z * (time_step / 3.0)).with_linear_velocity(-DVec3::Z);
@@ -750,7 +740,7 @@ fn what_a_step_does_not_resolve_does_not_flip() {
 fn a_body_with_two_equal_moments_flies_exactly_and_without_an_iteration() {
     let stepper = Stepper::new(Coin::ring(1.0, 0.5))
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
-        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step: 0.01 })))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step: 0.01 }))
         .unwrap();
     let mut state = State::default()
         .with_linear_velocity(DVec3::new(1.0, 2.0, 3.0))
@@ -774,7 +764,7 @@ fn a_body_with_two_equal_moments_flies_exactly_and_without_an_iteration() {
     assert!(change.length() < 100.0 * f64::EPSILON, "{change}");
     // One step of a second turns as far as a hundred.
     let far = stepper
-        .with_integrator(Once(EnergyMomentum { time_step: 1.0 }))
+        .with_integrator(EnergyMomentum { time_step: 1.0 })
         .unwrap();
     let mut once = start;
     far.step(&mut once).unwrap();
@@ -785,7 +775,7 @@ fn a_body_with_two_equal_moments_flies_exactly_and_without_an_iteration() {
 fn the_middle_axis_flips_with_energy_and_momentum_kept() {
     let moments = DVec3::new(1.0, 2.0, 3.0);
     let stepper = Stepper::new(Solid::with_moments(moments))
-        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step: 0.01 })))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step: 0.01 }))
         .unwrap();
     let start = State::default().with_angular_momentum(DVec3::new(1e-3, 2.0, 0.0));
     let (momentum, energy) = (start.angular_momentum, stepper.energy(&start).total());
@@ -844,7 +834,7 @@ fn free_flight_in_single_precision_keeps_both_momenta_without_an_iteration() {
     for (name, body) in nine_bodies() {
         for (time_step, seconds) in [(1.0 / 60.0, 5.0), (4e-3, 2.0), (1e-3, 1.0), (1e-4, 0.2)] {
             let stepper = Stepper::new(&*body)
-                .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+                .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
                 .unwrap();
             for (spin, (x, y, z)) in [0.3_f32, 30.0, 300.0]
                 .into_iter()
@@ -890,7 +880,7 @@ fn a_bounce_that_nothing_damps_keeps_its_energy_in_single_precision() {
             let stepper = Stepper::new(&*body)
                 .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
                 .and_then(|stepper| stepper.with_ground(FlatGround::level(1e5, 0.0)))
-                .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+                .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
                 .unwrap();
             let start = tumble::State::<f32>::at(<f32 as Real>::Vec3::new(0.0, 0.0, 1.0));
             let spin = <f32 as Real>::Vec3::new(3.0, 8.0, 5.0);
@@ -922,7 +912,7 @@ fn a_smooth_body_keeps_the_energy_of_its_bounces_in_single_precision() {
             let stepper = Stepper::new(Ellipsoid::solid(mass, vector(semi_axes)))
                 .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
                 .and_then(|stepper| stepper.with_ground(FlatGround::level(stiffness, 0.0)))
-                .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+                .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
                 .unwrap();
             let start = tumble::State::<f32>::at(vector((0.0, 0.0, 1.0)));
             let mut state = stepper.with_angular_velocity(start, vector(spin));
@@ -960,7 +950,7 @@ fn a_light_body_on_hard_springs_keeps_the_energy_of_its_bounces_in_single_precis
             let stepper = Stepper::new(&**body)
                 .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
                 .and_then(|stepper| stepper.with_ground(FlatGround::level(1e6, 0.0)))
-                .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+                .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
                 .unwrap();
             let start = tumble::State::<f32>::at(size(0.0, 0.0, 1.0));
             let mut state = stepper.with_angular_velocity(start, size(3.0, 8.0, 5.0));
@@ -984,9 +974,9 @@ fn rounding_of_the_height_is_not_taken_from_the_motion() {
         let stepper = Stepper::new(body)
             .and_then(|stepper| stepper.with_gravity(UniformGravity::down(number(GRAVITY))))
             .and_then(|stepper| {
-                stepper.with_integrator(Once(EnergyMomentum {
+                stepper.with_integrator(EnergyMomentum {
                     time_step: number(1e-3),
-                }))
+                })
             })
             .unwrap();
         let start = tumble::State::<R>::at(R::Vec3::new(R::ZERO, R::ZERO, number(height)))
@@ -1019,9 +1009,7 @@ fn bodies_fall_right_in_single_precision() {
                     let point = [ContactPoint::bare(vector(0.0, 0.0, 0.0))];
                     let stepper = Stepper::new(PointCloud::with_storage(point, &[1.0]).unwrap())
                         .and_then(|stepper| stepper.with_gravity(UniformGravity { acceleration }))
-                        .and_then(|stepper| {
-                            stepper.with_integrator(Once(EnergyMomentum { time_step }))
-                        })
+                        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
                         .unwrap();
                     let from = vector(place.0, place.1, place.2);
                     let mut session = stepper.session(tumble::State::<f32>::at(from));
@@ -1050,7 +1038,7 @@ fn errors_of_fall(acceleration: [f32; 3], from: [f32; 3], time_step: f32) -> (f6
     let (acceleration, from) = (vector(acceleration), vector(from));
     let stepper = Stepper::new(Cuboid::solid(0.35, vector([0.2, 0.15, 0.1])))
         .and_then(|stepper| stepper.with_gravity(UniformGravity { acceleration }))
-        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
         .unwrap();
     let mut session = stepper.session(tumble::State::<f32>::at(from));
     let steps = (10.0 / f64::from(time_step)).round();
@@ -1153,7 +1141,7 @@ fn a_spring_energy_that_rounds_below_zero_lets_no_energy_in() {
         let stepper = Stepper::new(PointCloud::with_storage(point, &[0.04]).unwrap())
             .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
             .and_then(|stepper| stepper.with_ground(Exponential { stiffness }))
-            .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })));
+            .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }));
         // A ground whose energy is negative beyond rounding may be refused.
         let Ok(stepper) = stepper else { continue };
         let mut state = tumble::State::<f32>::at(tumble::glam::Vec3::Z * 1e-3);
@@ -1259,7 +1247,7 @@ fn a_steady_rotation_about_a_principal_axis_is_exact_in_flight_at_any_step() {
     let body = Solid::with_moments(DVec3::new(1.0, 2.0, 2.5));
     let integrator = EnergyMomentum { time_step: 0.01 };
     let stepper = Stepper::new(body)
-        .and_then(|stepper| stepper.with_integrator(Once(integrator)))
+        .and_then(|stepper| stepper.with_integrator(integrator))
         .unwrap();
     for angle in [0.01, 0.1, 0.34, 0.36, 1.0, 10.0, 1e3_f64] {
         let spin = DVec3::Z * (angle / integrator.time_step);
@@ -1304,9 +1292,9 @@ fn far_from_the_origin_rest_is_where_the_energy_is_lowest_to_its_rounding() {
             .and_then(|stepper| stepper.with_ground(ground.on(Plane::level(number(height)))))
             .and_then(|stepper| stepper.with_gravity(UniformGravity::down(number(GRAVITY))))
             .and_then(|stepper| {
-                stepper.with_integrator(Once(EnergyMomentum {
+                stepper.with_integrator(EnergyMomentum {
                     time_step: number(0.01),
-                }))
+                })
             })
             .unwrap();
         let place = R::Vec3::new(R::ZERO, R::ZERO, number(height));
@@ -1345,7 +1333,7 @@ fn a_bounce_within_a_step_keeps_its_energy_and_loses_its_timing() {
         let time_step = step * 1e-3;
         let stepper = Stepper::new(point_mass(1.0))
             .and_then(|stepper| stepper.with_ground(FlatGround::level(1e6, 0.0)))
-            .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+            .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
             .unwrap();
         let above = time_step / 3.0;
         let mut state = State::at(DVec3::Z * above).with_linear_velocity(-DVec3::Z);

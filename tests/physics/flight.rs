@@ -4,14 +4,14 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use core::ops::ControlFlow;
 use tumble::contract::{CheckPlan, check_integrator};
 use tumble::glam::DVec3;
 use tumble::{
     Coin, ContactPoint, Coulomb, DormandPrince54, Dynamics, EnergyMomentum, FlatGround, Flight,
-    Integrator, Plane, PointCloud, RigidPointBody, Rk4, Sample, SceneQuery, State, Stepper,
-    StrangSplitting, SymplecticEuler, Timed, UniformGravity,
+    Integrator, Plane, PointCloud, RigidPointBody, Rk4, Sample, SceneQuery, State, StrangSplitting,
+    SymplecticEuler, Timed, UniformGravity,
 };
 
 /// A toss that lands after 1.3 s.
@@ -22,11 +22,11 @@ fn toss() -> State {
         .with_angular_momentum(DVec3::new(0.4, 1.1, -0.7))
 }
 
-fn table<I: Integrator, B: RigidPointBody>(
-    body: B,
+fn table<'a, I: Integrator>(
+    body: impl RigidPointBody + 'a,
     plane: Plane,
     integrator: I,
-) -> Stepper<B, FlatGround, Coulomb, UniformGravity, Once<I>> {
+) -> Stepper<'a, I> {
     Stepper::new(body)
         .and_then(|stepper| stepper.with_ground(FlatGround::level(1000.0, 0.5).on(plane)))
         .and_then(|stepper| {
@@ -36,7 +36,7 @@ fn table<I: Integrator, B: RigidPointBody>(
             })
         })
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
-        .and_then(|stepper| stepper.with_integrator(Once(integrator)))
+        .and_then(|stepper| stepper.with_integrator(integrator))
         .unwrap()
 }
 
@@ -45,10 +45,7 @@ fn level() -> Plane {
 }
 
 /// The states at multiples of 0.05 s, and the number of steps.
-fn film<B: RigidPointBody, I: Integrator>(
-    stepper: &Stepper<B, FlatGround, Coulomb, UniformGravity, I>,
-    seconds: f64,
-) -> (Vec<State>, u64) {
+fn film(stepper: &Stepper<impl Integrator>, seconds: f64) -> (Vec<State>, u64) {
     let (mut states, mut steps) = (Vec::new(), 0);
     let film = Timed::every(0.05, |sample: &Sample<'_>| {
         states.push(*sample.state);
@@ -262,9 +259,7 @@ fn the_first_step_of_a_toss_ends_within_two_steps_of_the_first_touch() {
 fn empty_space_takes_one_step_of_any_length() {
     let stepper = Stepper::new(Coin::ring(1.0, 0.5))
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
-        .and_then(|stepper| {
-            stepper.with_integrator(Once(Flight(EnergyMomentum { time_step: 1e-3 })))
-        })
+        .and_then(|stepper| stepper.with_integrator(Flight(EnergyMomentum { time_step: 1e-3 })))
         .unwrap();
     let (mut state, mut steps) = (toss(), 0);
     let mut count = |sample: &Sample<'_>| {
@@ -288,9 +283,7 @@ fn a_body_with_three_moments_flies_for_any_number_of_revolutions() {
     .unwrap();
     let spin = 1e5 * body.inertia().x_axis.x;
     let stepper = Stepper::new(body)
-        .and_then(|stepper| {
-            stepper.with_integrator(Once(Flight(EnergyMomentum { time_step: 1e-3 })))
-        })
+        .and_then(|stepper| stepper.with_integrator(Flight(EnergyMomentum { time_step: 1e-3 })))
         .unwrap();
     let start = State::default().with_angular_momentum(DVec3::new(0.3, 0.8, 0.2) * spin);
     let mut session = stepper.session(start);

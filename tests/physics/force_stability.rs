@@ -5,10 +5,10 @@
 
 use crate::growth::factor_of_a_step;
 use crate::kit::each_explicit;
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    AirDrag, Cuboid, FlatGround, Force, Integrator, Motion, Sphere, SpinDrag, State, Stepper,
+    AirDrag, Cuboid, FlatGround, Force, Integrator, Motion, Sphere, SpinDrag, State,
     SymplecticEuler, UniformGravity, Wrench,
 };
 
@@ -94,7 +94,7 @@ fn a_force_in_flight_has_the_limit_of_its_rate() {
     for (name, force, state, [stiffness, damping]) in cases {
         each_explicit!(1e-3, |integrator, method| {
             let stepper = Stepper::new(Sphere::solid(mass, radius))
-                .and_then(|stepper| stepper.with_integrator(Once(integrator)))
+                .and_then(|stepper| stepper.with_integrator(integrator))
                 .unwrap();
             assert_eq!(
                 stepper.largest_stable_step(&state),
@@ -146,17 +146,16 @@ fn steps_are_stable_below_the_limit_of_a_force_and_grow_above_it() {
     ] {
         each_explicit!(1e-3, |integrator, method| {
             let (stiffness, weight) = if has_ground { (4e3, 98.0) } else { (0.0, 0.0) };
-            let stepper = Stepper::new(&brick)
+            let stepper = Stepper::new(brick)
                 .and_then(|stepper| stepper.with_ground(FlatGround::level(stiffness, 1.0)))
                 .and_then(|stepper| stepper.with_gravity(UniformGravity::down(weight)))
-                .and_then(|stepper| stepper.with_integrator(Once(integrator)))
+                .and_then(|stepper| stepper.with_integrator(integrator))
                 .unwrap();
             let stepper = stepper.with_force(force).unwrap();
             let limit = stepper.largest_stable_step(&start).unwrap();
             let factor = |part: f64| {
-                let mut exact = integrator;
-                exact.time_step = limit * part;
-                let stepper = stepper.with_integrator(Once(exact)).unwrap();
+                let exact = crate::kit::with_time_step(integrator, limit * part);
+                let stepper = stepper.with_integrator(exact).unwrap();
                 factor_of_a_step(
                     |state| {
                         stepper.step(state).unwrap();
@@ -188,7 +187,7 @@ fn drag_adds_to_the_contacts() {
     let limit = |drag: f64| {
         Stepper::new(ball)
             .and_then(|stepper| stepper.with_ground(FlatGround::level(1e4, 0.0)))
-            .and_then(|stepper| stepper.with_integrator(Once(SymplecticEuler { time_step: 1e-3 })))
+            .and_then(|stepper| stepper.with_integrator(SymplecticEuler { time_step: 1e-3 }))
             .and_then(|stepper| stepper.with_force(AirDrag::linear(drag)))
             .unwrap()
             .largest_stable_step(&state)

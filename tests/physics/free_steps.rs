@@ -6,14 +6,14 @@
 // A test in single precision rounds its inputs.
 #![allow(clippy::cast_possible_truncation)]
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{self, Solid, angle_between, log_uniform};
 use proptest::prelude::*;
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
     AnyIntegrator, BogackiShampine32, Cuboid, DormandPrince54, EnergyMomentum, Force, FreeRotation,
-    InertiaProperties, Nystrom, RigidPointBody, Rk4, Rotation, SpinDrag, State, Stepper,
-    StrangSplitting, SymplecticEuler,
+    InertiaProperties, Nystrom, RigidPointBody, Rk4, Rotation, SpinDrag, State, StrangSplitting,
+    SymplecticEuler,
 };
 
 /// A body and its rotation at the start.
@@ -42,7 +42,11 @@ impl Top {
             .with_angular_momentum(momentum)
     }
 
-    fn stepper<E: Force>(&self, integrator: AnyIntegrator, force: E) -> impl Fn(&mut State, f64) {
+    fn stepper<'a>(
+        &self,
+        integrator: AnyIntegrator,
+        force: impl Force + 'a,
+    ) -> impl Fn(&mut State, f64) + 'a {
         let body = Solid {
             inertia: self.inertia(),
             ..Solid::with_moments(DVec3::ONE)
@@ -51,7 +55,7 @@ impl Top {
             .unwrap()
             .with_force(force)
             .unwrap()
-            .with_integrator(Once(integrator))
+            .with_integrator(integrator)
             .unwrap();
         move |state, seconds| {
             stepper.advance(state, seconds).unwrap();
@@ -211,7 +215,7 @@ proptest! {
         edges in prop::array::uniform3(0.1..1.0_f32),
     ) {
         let body = Solid { inertia: top.inertia(), ..Solid::with_moments(DVec3::ONE) };
-        let stepper = Stepper::builder(body).integrator(Once(EnergyMomentum { time_step }));
+        let stepper = Stepper::builder(body).integrator(EnergyMomentum { time_step });
         let stepper = stepper.build().unwrap();
         let mut state = top.state();
         for _ in 0..50 {
@@ -221,9 +225,9 @@ proptest! {
             let change = (state.angular_momentum - before.1).length() / before.1.length();
             prop_assert!(change < 8.0 * f64::EPSILON, "{change:e}");
         }
-        let single = Stepper::<_, _, _, _, _, f32>::new(Cuboid::solid(1.0, edges.into())).unwrap();
+        let single = Stepper::<_, f32>::new(Cuboid::solid(1.0, edges.into())).unwrap();
         let integrator = EnergyMomentum { time_step: time_step as f32 };
-        let single = single.with_integrator(Once(integrator)).unwrap();
+        let single = single.with_integrator(integrator).unwrap();
         let mut state = tumble::f32::State::default()
             .with_orientation(top.start.as_quat())
             .with_angular_momentum((top.spin * 0.1).as_vec3());
@@ -244,9 +248,9 @@ proptest! {
         let body = Cuboid::<f32>::solid(1.0, edges.into());
         let tensor = body.inertia().as_dmat3();
         let inertia = DVec3::new(tensor.x_axis.x, tensor.y_axis.y, tensor.z_axis.z);
-        let stepper = Stepper::<_, _, _, _, _, f32>::new(body).unwrap();
+        let stepper = Stepper::<_, f32>::new(body).unwrap();
         let integrator = Rk4 { time_step: time_step as f32 };
-        let stepper = stepper.with_integrator(Once(integrator)).unwrap();
+        let stepper = stepper.with_integrator(integrator).unwrap();
         let spin = tumble::glam::Vec3::from(spin).normalize().as_dvec3();
         let momentum = (inertia * spin).as_vec3();
         let mut state = tumble::f32::State::default().with_angular_momentum(momentum);

@@ -4,13 +4,13 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{self, directions, log_uniform, point_mass};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
     AnisotropicCoulomb, Coulomb, EnergyMomentum, FlatGround, LoadDependentCoulomb, Plane,
-    PointCloud, RigidPointBody, SlidingFriction, State, Stepper, Stribeck, UniformGravity, Viscous,
+    PointCloud, RigidPointBody, SlidingFriction, State, Stribeck, UniformGravity, Viscous,
 };
 
 const G: f64 = 9.8;
@@ -51,7 +51,7 @@ fn slide_on(
         .unwrap()
         .with_friction(friction)
         .unwrap()
-        .with_integrator(Once(EnergyMomentum { time_step }))
+        .with_integrator(EnergyMomentum { time_step })
         .unwrap();
     let mut state = State::at(normal * -depth).with_linear_velocity(velocity);
     stepper.advance(&mut state, seconds).unwrap();

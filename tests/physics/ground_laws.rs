@@ -4,13 +4,13 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{self, log_uniform, zero_or};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
     Carried, ContactLaw, FlatGround, Ground, HuntCrossley, LimitedDamper, Plane, PointCloud, Rk4,
-    SpringDamper, SpringDamperGround, State, Stepper,
+    SpringDamper, SpringDamperGround, State,
 };
 
 /// A bounce: the part of the speed that is left, how long the ground pushed (s), and the greatest
@@ -42,7 +42,7 @@ fn bounce(law: impl ContactLaw, carried: Carried, speed: f64, time_step: f64) ->
         .unwrap()
         .with_ground(Ground::level(&law))
         .unwrap()
-        .with_integrator(Once(Rk4 { time_step }))
+        .with_integrator(Rk4 { time_step })
         .unwrap();
     // Slightly inside, because the forces of some laws jump at the surface.
     let mut state =

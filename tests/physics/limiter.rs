@@ -6,24 +6,20 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use crate::kit::erased::Stepper;
 use tumble::glam::DVec3;
 use tumble::real::Vector;
 use tumble::{
     ContactPoint, Coulomb, Cuboid, EnergyMomentum, FlatGround, Frictionless, PointCloud, Real,
-    SlidingFriction, State, Stepper, UniformGravity,
+    SlidingFriction, State, UniformGravity,
 };
 
-type Scene<F, R> = Stepper<
-    PointCloud<R, [ContactPoint<R>; 1]>,
-    FlatGround<R>,
-    F,
-    UniformGravity<R>,
-    EnergyMomentum<R>,
-    R,
->;
-
 /// A point of 0.5 kg on level ground.
-fn point<R: Real, F: SlidingFriction<R>>(damping: f64, friction: F, step: f64) -> Scene<F, R> {
+fn point<'a, R: Real>(
+    damping: f64,
+    friction: impl SlidingFriction<R> + 'a,
+    step: f64,
+) -> Stepper<'a, EnergyMomentum<R>, R> {
     let number = R::from_f64;
     let body = PointCloud::with_storage([ContactPoint::bare(R::Vec3::ZERO)], &[number(0.5)]);
     Stepper::builder(body.unwrap())
@@ -47,7 +43,7 @@ fn at<R: Real>(height: f64, speed: f64) -> State<R> {
 /// energy stays within what counts as its rounding: 64 units of the terms before and after a step,
 /// which are at most twice the total.
 fn bounces_keep_the_energy<R: Real>(units: f64) {
-    let stepper = point::<R, _>(0.0, Frictionless, 1e-3);
+    let stepper = point::<R>(0.0, Frictionless, 1e-3);
     let mut state = at::<R>(0.3, 0.7);
     let start = stepper.energy(&state).total().to_f64();
     let (mut highest, mut removed, mut fallbacks) = (0.0_f64, 0.0, 0);
@@ -80,7 +76,7 @@ fn bounces_without_losses_keep_energy_and_height() {
 /// m in the first one, below the last digit of its height.
 #[test]
 fn a_body_falls_in_steps_below_its_last_digit() {
-    let stepper = point::<f64, _>(0.0, Frictionless, 1e-7);
+    let stepper = point::<f64>(0.0, Frictionless, 1e-7);
     let mut state = at::<f64>(1e3, 0.0);
     for _ in 0..1000 {
         let before = state.position.z;
@@ -104,7 +100,7 @@ fn a_body_slides_as_far_as_friction_lets_it_and_rests_there() {
         coefficient: 0.2,
         slip_speed: 1e-6,
     };
-    let stepper = point::<f64, _>(20.0, friction, 1e-3);
+    let stepper = point::<f64>(20.0, friction, 1e-3);
     let depth = 0.5 * 9.8 / 3e3;
     let mut state = at::<f64>(-depth, 0.5);
     stepper.advance(&mut state, 2.0).unwrap();

@@ -4,12 +4,13 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::kit::counting::Counting;
+use crate::kit::erased::Stepper;
 use crate::kit::{self, log_uniform};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
     Block, Coin, Cuboid, FlatGround, Ground, Plane, PointCloud, RigidPointBody, Solid as Hull,
-    SpringDamper, SpringDamperGround, State, Stepper, Terrain, Waves,
+    SpringDamper, SpringDamperGround, State, Terrain, Waves,
 };
 
 /// Index and gap of the lowest of all contacts above all surfaces: the first of the lowest ones.

@@ -9,14 +9,14 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use core::cell::Cell;
 use core::f64::consts::FRAC_PI_2;
 use tumble::glam::{DMat3, DVec3};
 use tumble::ground::Plane;
 use tumble::{
     ContactPoint, Coulomb, EnergyMomentum, FlatGround, FrictionJacobian, RigidPointBody,
-    SlidingFriction, State, Stepper, Stribeck, UniformGravity,
+    SlidingFriction, State, Stribeck, UniformGravity,
 };
 
 /// Mass of each body, kg.
@@ -95,7 +95,7 @@ fn run(
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
         .and_then(|stepper| stepper.with_ground(ground.on(Plane::through(DVec3::ZERO, normal))))
         .and_then(|stepper| stepper.with_friction(friction))
-        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
         .unwrap();
     let mut session = stepper.session(start);
     let (mut iterations, mut fallbacks) = (0.0, 0);

@@ -5,11 +5,12 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::methods::{apart, truths};
+use crate::kit::erased::Stepper;
 use crate::kit::once::Once;
 use tumble::glam::{DVec3, Vec3};
 use tumble::{
     Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid, FlatGround, Integrator, Radau5,
-    RigidPointBody, Sphere, State, StepError, Stepper, Trial, UniformGravity, WithResistance,
+    RigidPointBody, Sphere, State, StepError, Trial, UniformGravity, WithResistance,
 };
 
 const GRAVITY: f64 = 9.8; // m/s^2
@@ -18,11 +19,11 @@ const MASS: f64 = 0.5; // kg
 const STIFFNESS: f64 = 1e5; // N/m
 const FRICTION: f64 = 0.3;
 
-fn on_level_ground<B: RigidPointBody, I: Integrator>(
-    body: B,
+fn on_level_ground<'a, I: Integrator>(
+    body: impl RigidPointBody + 'a,
     slip_speed: f64,
     integrator: I,
-) -> Stepper<B, FlatGround, Coulomb, UniformGravity, Once<I>> {
+) -> Stepper<'a, I> {
     Stepper::builder(body)
         .gravity(UniformGravity::down(GRAVITY))
         .ground(FlatGround::level(STIFFNESS, 50.0))
@@ -30,7 +31,7 @@ fn on_level_ground<B: RigidPointBody, I: Integrator>(
             coefficient: FRICTION,
             slip_speed,
         })
-        .integrator(Once(integrator))
+        .integrator(integrator)
         .build()
         .unwrap()
 }
@@ -239,7 +240,7 @@ fn a_block_on_a_slope_sticks_and_creeps_at_the_speed_of_its_law() {
             coefficient,
             slip_speed,
         })
-        .integrator(Once(Radau5::new(1e-8)))
+        .integrator(Radau5::new(1e-8))
         .build()
         .unwrap();
     let mut session = stepper.session(State::at(DVec3::Z * 0.05));
@@ -272,7 +273,7 @@ fn rolling_resistance_stops_a_ball_where_it_should() {
         .gravity(UniformGravity::down(GRAVITY))
         .ground(FlatGround::level(STIFFNESS, 50.0))
         .friction(cloth)
-        .integrator(Once(Radau5::new(1e-8)))
+        .integrator(Radau5::new(1e-8))
         .build()
         .unwrap();
     let moment = 0.4 * MASS * RADIUS * RADIUS;
@@ -293,11 +294,9 @@ fn flight_is_exact_for_any_moments() {
     let body = Cuboid::solid(0.8, DVec3::new(0.3, 0.2, 0.1));
     let stepper = Stepper::new(body).unwrap();
     let (mut state, mut other) = (start, start);
-    let implicit = stepper.with_integrator(Once(Radau5::new(1e-4))).unwrap();
+    let implicit = stepper.with_integrator(Radau5::new(1e-4)).unwrap();
     implicit.advance(&mut state, 2.0).unwrap();
-    let explicit = stepper
-        .with_integrator(Once(DormandPrince54::new(1e-6)))
-        .unwrap();
+    let explicit = stepper.with_integrator(DormandPrince54::new(1e-6)).unwrap();
     explicit.advance(&mut other, 2.0).unwrap();
     assert!((state.position - (start.position + start.linear_velocity * 2.0)).length() < 1e-12);
     assert_eq!(state.angular_momentum, start.angular_momentum);
@@ -317,7 +316,7 @@ fn single_precision_rolls_too() {
             coefficient: 0.3_f32,
             slip_speed: 1e-6,
         })
-        .integrator(Once(Radau5::new(1e-5_f32)))
+        .integrator(Radau5::new(1e-5_f32))
         .build()
         .unwrap();
     let start = State::at(Vec3::Z * (0.1 - 0.5 * 9.8 / 1e4)).with_linear_velocity(Vec3::X);

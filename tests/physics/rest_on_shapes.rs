@@ -9,12 +9,12 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::kit;
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use tumble::ground::{Bowl, Terrain, Waves};
 use tumble::real::{Real, Vector};
 use tumble::{
     Block, Coin, Coulomb, Cuboid, Disc, EnergyMomentum, Ground, RigidPointBody, Rod, SpringDamper,
-    SpringDamperGround, State, Stepper, UniformGravity,
+    SpringDamperGround, State, UniformGravity,
 };
 
 /// Steps in 10 s, of which the last are at rest.
@@ -39,11 +39,11 @@ fn comes_to_rest<R: Real>(
     };
     for seconds in LENGTHS {
         let time_step = number(seconds);
-        let stepper = Stepper::<_, _, _, _, _, R>::new(body)
+        let stepper = Stepper::<_, R>::new(body)
             .and_then(|stepper| stepper.with_gravity(UniformGravity::down(number(9.81))))
             .and_then(|stepper| stepper.with_ground(ground))
             .and_then(|stepper| stepper.with_friction(friction))
-            .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+            .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
             .unwrap();
         let mut state = State::at(vector([3.1, -1.9, 2.4]))
             .with_rotation_vector(vector([0.4, -0.2, 0.3]))

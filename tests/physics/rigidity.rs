@@ -7,13 +7,13 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{
     self, AnyBody, bodies, directions, each_method, log_uniform, orientations, zero_or,
 };
 use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3};
-use tumble::{Coulomb, FlatGround, RigidPointBody, State, StepError, Stepper, UniformGravity};
+use tumble::{Coulomb, FlatGround, RigidPointBody, State, StepError, UniformGravity};
 
 /// Error of the length of a quaternion after a step.
 ///
@@ -75,7 +75,7 @@ proptest! {
         let points = body.places();
         let start = State::default().with_orientation(orientation);
         each_method!(dt, |integrator, method| {
-            let stepper = Stepper::new(&*body).unwrap().with_integrator(Once(integrator)).unwrap();
+            let stepper = Stepper::new(&*body).unwrap().with_integrator(integrator).unwrap();
             let mut state = start.with_angular_momentum(momentum_for(&body, axis * spin));
             for _ in 0..300 {
                 stepper.step(&mut state).unwrap();
@@ -106,7 +106,7 @@ proptest! {
                 .with_gravity(UniformGravity::down(9.8)).unwrap()
                 .with_ground(FlatGround::level(stiffness, damping)).unwrap()
                 .with_friction(Coulomb { coefficient, slip_speed: 1e-4 }).unwrap()
-                .with_integrator(Once(integrator)).unwrap();
+                .with_integrator(integrator).unwrap();
             let mut state = start.with_angular_momentum(momentum_for(&body, axis * spin));
             for _ in 0..200 {
                 match stepper.step(&mut state) {
@@ -149,7 +149,7 @@ fn tumbles_without_stretching(integrator: impl tumble::Integrator, steps: u32) {
     let points: Vec<_> = points.collect();
     let stepper = Stepper::new(body)
         .unwrap()
-        .with_integrator(Once(integrator))
+        .with_integrator(integrator)
         .unwrap();
     let mut state = State::default().with_angular_momentum(DVec3::new(3.0, -2.0, 4.0));
     let step = |state: &mut State| {

@@ -5,7 +5,7 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{GRAVITY, cases, difference, end, log_uniform, order, orientations};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -16,7 +16,7 @@ use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
     ContactPoint, Coulomb, DormandPrince54, Dynamics, EnergyMomentum, FlatGround, Frictionless,
     Integrator, Motion, Nystrom, Plane, RigidPointBody, Rk4, SceneQuery, SlidingFriction,
-    SmoothCoulomb, SpringDamperGround, Stepper, StrangSplitting, UniformGravity,
+    SmoothCoulomb, SpringDamperGround, StrangSplitting, UniformGravity,
 };
 
 const RADIUS: f64 = 0.5;
@@ -28,7 +28,7 @@ macro_rules! scene {
             .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
             .and_then(|stepper| stepper.with_ground($ground))
             .and_then(|stepper| stepper.with_friction($friction))
-            .and_then(|stepper| stepper.with_integrator(Once($integrator)))
+            .and_then(|stepper| stepper.with_integrator($integrator))
             .unwrap()
     };
 }
@@ -591,9 +591,9 @@ fn f32_and_f64_agree_to_single_precision() {
         .and_then(|stepper| stepper.with_ground(single.ground()))
         .and_then(|stepper| stepper.with_friction(single.friction()))
         .and_then(|stepper| {
-            stepper.with_integrator(Once(EnergyMomentum {
+            stepper.with_integrator(EnergyMomentum {
                 time_step: 1e-3_f32,
-            }))
+            })
         })
         .unwrap();
     let mut state = single.state();

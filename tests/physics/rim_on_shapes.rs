@@ -7,7 +7,7 @@
 use core::cell::Cell;
 use core::f64::consts::{PI, SQRT_2, TAU};
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{GRAVITY, cases, difference, orientations, whole};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
@@ -16,7 +16,7 @@ use tumble::glam::DVec3;
 use tumble::ground::{Bowl, HeightField, Ramp, Terrain, Waves};
 use tumble::{
     Block, Coulomb, Dynamics, EnergyMomentum, Ground, Shape, SpringDamper, SpringDamperGround,
-    Stepper, UniformGravity,
+    UniformGravity,
 };
 
 const RADIUS: f64 = 0.4;
@@ -148,7 +148,7 @@ fn compare_force(name: &str, ground: &impl SpringDamperGround, depth: f64) {
     }
 }
 
-fn rim_on<G: SpringDamperGround>(ground: G) -> Stepper<Disc, G> {
+fn rim_on<'a>(ground: impl SpringDamperGround + 'a) -> Stepper<'a> {
     let disc = Disc::solid(1.0, RADIUS, POINTS.into());
     Stepper::new(disc).unwrap().with_ground(ground).unwrap()
 }
@@ -175,7 +175,7 @@ fn fall_on_a_block([x, y, turn]: [f64; 3], friction: f64, time_step: f64) -> (St
     let stepper = rim_on(block(DVec3::new(0.2, 0.6, 0.1)))
         .with_gravity(UniformGravity::down(GRAVITY))
         .and_then(|stepper| stepper.with_friction(friction))
-        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
         .unwrap();
     let before = stepper.energy(&state).total();
     let mut removed = 0.0;

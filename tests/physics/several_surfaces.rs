@@ -10,7 +10,7 @@ use core::ops::ControlFlow;
 
 use crate::kit;
 use crate::kit::counting::Counting;
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, FrictionRange, GroundRange, check_friction, check_ground};
 use tumble::error::{LawQuantity, Rule, StepError};
@@ -19,8 +19,8 @@ use tumble::{
     AnyIntegrator, Block, BogackiShampine32, Capsule, Coin, Coulomb, Cuboid, Disc, DormandPrince54,
     Dynamics, Ellipsoid, EnergyMomentum, FlatGround, Flight, FrictionField, Frictionless, Ground,
     Integrator, Ledger, LimitedDamper, MovingGround, Nystrom, Plane, PointMass, RigidPointBody,
-    Rk4, Sample, SlidingFriction, Sphere, SpringDamper, SpringDamperGround, State, Stepper,
-    StrangSplitting, Surface, SymplecticEuler, UniformGravity, Viscous, WithResistance,
+    Rk4, Sample, SlidingFriction, Sphere, SpringDamper, SpringDamperGround, State, StrangSplitting,
+    Surface, SymplecticEuler, UniformGravity, Viscous, WithResistance,
 };
 
 const G: f64 = 9.81;
@@ -53,7 +53,7 @@ fn a_ball_rests_in_a_groove_at_the_closed_form_depth() {
         let stepper = Stepper::builder(Sphere::solid(1.0, 0.05))
             .gravity(UniformGravity::down(G))
             .ground(groove(60.0))
-            .integrator(Once(integrator))
+            .integrator(integrator)
             .build()
             .unwrap();
         let mut state = State::at(DVec3::Z * 0.07);
@@ -68,7 +68,7 @@ fn a_ball_rests_in_a_groove_at_the_closed_form_depth() {
         let stepper = Stepper::builder(smooth)
             .gravity(UniformGravity::down(G))
             .ground(groove(60.0))
-            .integrator(Once(integrator))
+            .integrator(integrator)
             .build()
             .unwrap();
         stepper.advance(&mut state, 1.0).unwrap();
@@ -104,7 +104,7 @@ fn two_halves_of_a_surface_are_the_whole() {
                 spinning: 1e-4,
                 turn_speed: 1e-2,
             })
-            .integrator(Once(integrator))
+            .integrator(integrator)
             .build()
             .unwrap();
         let halves = whole.with_ground([tilted(0.5), tilted(0.5)]).unwrap();
@@ -167,7 +167,7 @@ fn a_wall_out_of_reach_changes_nothing() {
             .gravity(UniformGravity::down(G))
             .ground(floor)
             .friction(coulomb(0.3))
-            .integrator(Once(integrator))
+            .integrator(integrator)
             .build()
             .unwrap();
         let walled = alone.with_ground((floor, wall)).unwrap();
@@ -202,7 +202,7 @@ fn the_last_surface_is_touched_as_the_only_one() {
                 .gravity(UniformGravity::down(G))
                 .ground(ground)
                 .friction(coulomb(0.3))
-                .integrator(Once(integrator))
+                .integrator(integrator)
                 .build()
                 .unwrap();
             let (mut state, mut cost, mut touched) = (start, [0; 2], false);
@@ -251,7 +251,7 @@ fn a_landing_in_a_room_is_that_on_the_first_wall() {
     kit::each_method!(1e-2, |integrator, name| {
         let stepper = Stepper::builder(Sphere::solid(0.1, radius))
             .ground(walls)
-            .integrator(Once(integrator))
+            .integrator(integrator)
             .build()
             .unwrap();
         for velocity in velocities {
@@ -288,7 +288,7 @@ fn a_wall_out_of_reach_is_not_evaluated() {
             .gravity(UniformGravity::down(G))
             .ground((&floor, &wall))
             .friction(coulomb(0.3))
-            .integrator(Once(integrator))
+            .integrator(integrator)
             .build()
             .unwrap();
         let mut session = stepper.session(start);
@@ -340,7 +340,7 @@ fn each_surface_has_its_own_friction() {
             })
             .ground(surfaces)
             .friction((coulomb(mu[0]), [coulomb(mu[1])]))
-            .integrator(Once(integrator))
+            .integrator(integrator)
             .build()
             .unwrap();
         let depth = DVec3::new(0.0, gravity[1], gravity[0]) / stiffness;
@@ -377,7 +377,7 @@ fn a_ball_is_squeezed_between_floor_and_lid() {
                 FlatGround::level(k1, 40.0),
                 plane(k2, 60.0, DVec3::Z * height, -DVec3::Z),
             ))
-            .integrator(Once(integrator))
+            .integrator(integrator)
             .build()
             .unwrap();
         let mut state = State::at(DVec3::Z * 0.0495);
@@ -400,7 +400,7 @@ fn each_wall_throws_a_ball_back_by_its_own_law() {
     };
     let stepper = Stepper::builder(Sphere::solid(mass, radius))
         .ground((wall(0, DVec3::X), wall(1, -DVec3::X)))
-        .integrator(Once(EnergyMomentum { time_step: 1e-5 }))
+        .integrator(EnergyMomentum { time_step: 1e-5 })
         .build()
         .unwrap();
     let mut state = State::at(DVec3::ZERO).with_linear_velocity(DVec3::X * 2.0);
@@ -442,7 +442,7 @@ fn a_ball_rolls_over_an_edge_and_leaves_it() {
             coefficient: 20.0,
             slip_speed: 1e-6,
         })
-        .integrator(Once(EnergyMomentum { time_step: 1e-5 }))
+        .integrator(EnergyMomentum { time_step: 1e-5 })
         .build()
         .unwrap();
     let slow = 0.01;
@@ -520,7 +520,7 @@ fn a_contact_beyond_an_edge_feels_nothing() {
     let stepper = Stepper::builder(PointMass::new(0.1))
         .gravity(UniformGravity::down(G))
         .ground(ground)
-        .integrator(Once(EnergyMomentum { time_step: 1e-3 }))
+        .integrator(EnergyMomentum { time_step: 1e-3 })
         .build()
         .unwrap();
     let mut falls = State::at(DVec3::new(0.501, 0.0, 0.3));
@@ -560,7 +560,7 @@ fn a_die_in_a_tray_comes_to_rest() {
         .gravity(UniformGravity::down(G))
         .ground(tray::<f64>([0.05, 0.04], 2e3, 1.0))
         .friction(coulomb(0.3))
-        .integrator(Once(EnergyMomentum { time_step: 1e-4 }))
+        .integrator(EnergyMomentum { time_step: 1e-4 })
         .build()
         .unwrap();
     let mut session = stepper.session(
@@ -588,10 +588,10 @@ fn flight_ends_before_the_first_surface() {
         .gravity(UniformGravity::down(G))
         .ground(tray::<f64>([0.5, 0.4], 2e4, 1.0))
         .friction(coulomb(0.3))
-        .integrator(Once(method))
+        .integrator(method)
         .build()
         .unwrap();
-    let flying = plain.with_integrator(Once(Flight(method))).unwrap();
+    let flying = plain.with_integrator(Flight(method)).unwrap();
     let start = State::at(DVec3::new(0.0, 0.0, 0.3))
         .with_linear_velocity(DVec3::new(3.0, -2.0, 1.0))
         .with_angular_momentum(DVec3::new(1e-4, 2e-5, 1e-5));
@@ -623,7 +623,7 @@ fn every_method_keeps_its_order_in_a_groove() {
                 plane(170.0, 1.0, DVec3::ZERO, DVec3::new(-0.5, 0.1, 1.0)),
             ))
             .friction((Viscous { coefficient: 0.4 }, Viscous { coefficient: 0.1 }))
-            .integrator(Once(integrator))
+            .integrator(integrator)
             .build()
             .unwrap();
         let mut state = State::at(DVec3::new(0.01, 0.0, 0.055))
@@ -665,7 +665,7 @@ fn surfaces_move_as_one() {
         })
         .ground(belt)
         .friction(coulomb(0.5))
-        .integrator(Once(EnergyMomentum { time_step: 1e-4 }))
+        .integrator(EnergyMomentum { time_step: 1e-4 })
         .build()
         .unwrap();
     let mut state = State::at(DVec3::new(0.275, 0.0, 0.025));
@@ -702,7 +702,7 @@ fn every_composition_is_the_same_ground() {
             .gravity(UniformGravity::down(G))
             .ground(ground)
             .friction(coulomb(0.3))
-            .integrator(Once(EnergyMomentum { time_step: 1e-3 }))
+            .integrator(EnergyMomentum { time_step: 1e-3 })
             .build()
             .unwrap();
         stepper.advance(&mut state, 0.5).unwrap();
@@ -838,7 +838,7 @@ fn one_broken_surface_is_found() {
             .gravity(UniformGravity::down(G))
             .ground(&ground)
             .friction((coulomb(0.3), Frictionless))
-            .integrator(Once(integrator))
+            .integrator(integrator)
             .build()
             .unwrap();
         let mut state = State::at(DVec3::Z * 0.1).with_linear_velocity(DVec3::X * -3.0);
@@ -889,7 +889,7 @@ macro_rules! never_gains {
                 half: cast(DVec3::splat(0.1)),
             },
         };
-        let stepper = tumble::Stepper::new($body)
+        let stepper = Stepper::new($body)
             .and_then(|stepper| stepper.with_gravity(tumble::UniformGravity::down(9.8)))
             .and_then(|stepper| {
                 stepper.with_ground((tray::<$real>(half, stiffness, damping), step))
@@ -901,9 +901,9 @@ macro_rules! never_gains {
                 })
             })
             .and_then(|stepper| {
-                stepper.with_integrator(Once(tumble::EnergyMomentum {
+                stepper.with_integrator(tumble::EnergyMomentum {
                     time_step: $h as $real,
-                }))
+                })
             })
             .unwrap();
         let mut state = tumble::State::<$real>::at(cast(position))

@@ -5,7 +5,7 @@
 
 use core::f64::consts::{FRAC_PI_2, TAU};
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{self, GRAVITY, cases, difference, directions, end, log_uniform, order};
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, Requirement, check_body};
@@ -16,7 +16,7 @@ use tumble::f64::{
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::{
     ContactPoint, Coulomb, EnergyMomentum, FlatGround, Frictionless, RigidPointBody, Rk4,
-    SmoothCoulomb, State, Stepper, StrangSplitting, UniformGravity,
+    SmoothCoulomb, State, StrangSplitting, UniformGravity,
 };
 
 proptest! {
@@ -157,7 +157,7 @@ fn an_egg_keeps_its_energy_where_nothing_takes_it() {
         let stepper = Stepper::new(egg)
             .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
             .and_then(|stepper| stepper.with_ground(FlatGround::level(2e3, 0.0)))
-            .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+            .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
             .unwrap();
         let mut state = State::at(DVec3::Z * 0.2)
             .with_rotation_vector(DVec3::new(0.2, 0.5, 0.0))
@@ -384,7 +384,7 @@ fn stuck(scene: &Sticking, slip_speed: f64, time_step: f64) -> (DVec3, f64) {
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(GRAVITY)))
         .and_then(|stepper| stepper.with_ground(ground))
         .and_then(|stepper| stepper.with_friction(friction))
-        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
         .unwrap();
     let (mut state, mut iterations, mut fallbacks) = (scene.start, 0, 0);
     let steps = kit::whole(0.2 / time_step);
@@ -514,7 +514,7 @@ fn a_block_on_a_slope_sticks_at_any_slip_speed() {
             .and_then(|stepper| stepper.with_gravity(gravity))
             .and_then(|stepper| stepper.with_ground(FlatGround::level(1e5, 50.0)))
             .and_then(|stepper| stepper.with_friction(friction))
-            .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step: 1e-2 })))
+            .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step: 1e-2 }))
             .unwrap();
         let mut state = State::at(DVec3::Z * 0.05);
         stepper.advance(&mut state, 0.5).unwrap();
@@ -543,7 +543,7 @@ fn bits_after(
                 slip_speed: 1e-3,
             })
         })
-        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step: 2e-3 })))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step: 2e-3 }))
         .unwrap();
     let (mut state, mut session) = (*start, stepper.session(*start));
     for _ in 0..400 {

@@ -8,12 +8,12 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::kit::counting::Counting;
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use tumble::ground::Plane;
 use tumble::real::{Real, Vector};
 use tumble::{
     Block, Coin, Coulomb, Cuboid, Disc, EnergyMomentum, Ground, RigidPointBody, SpringDamper,
-    SpringDamperGround, State, Stepper, UniformGravity,
+    SpringDamperGround, State, UniformGravity,
 };
 
 /// Most steps in motion whose questions a step at rest may ask. Beside a step's own questions it asks
@@ -38,11 +38,11 @@ fn costs_little_at_rest<R: Real>(
         number(seconds),
     );
     let ground = Counting::new(ground);
-    let stepper = Stepper::<_, _, _, _, _, R>::new(body)
+    let stepper = Stepper::<_, R>::new(body)
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(number(3.7))))
         .and_then(|stepper| stepper.with_ground(&ground))
         .and_then(|stepper| stepper.with_friction(friction))
-        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
         .unwrap();
     let mut state =
         State::at(vector([0.1, -0.2, 0.4])).with_rotation_vector(vector([0.3, 0.5, -0.1]));

@@ -4,7 +4,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{
     self, angle_between, difference, directions, each_explicit, each_method, log_uniform, zero_or,
 };
@@ -14,9 +14,9 @@ use tumble::glam::{DQuat, DVec3, Vec3};
 use tumble::trial::TrialStepper;
 use tumble::{
     AdaptiveEnergyMomentum, AdaptiveNystrom, AnyIntegrator, BogackiShampine32, Coin, ContactPoint,
-    DormandPrince54, EnergyMomentum, FlatGround, Flight, ForwardEuler, Gravity, Integrator,
+    DormandPrince54, EnergyMomentum, FlatGround, Flight, Force, ForwardEuler, Gravity, Integrator,
     Nystrom, Plane, PointCloud, Radau5, Real, RigidPointBody, Rk4, Rod, Sample, SavedSession,
-    SlidingFriction, SmoothCoulomb, SpringDamperGround, State, StepError, Stepper, StrangSplitting,
+    SlidingFriction, SmoothCoulomb, SpringDamperGround, State, StepError, StrangSplitting,
     SymplecticEuler, Trial, UniformGravity,
 };
 
@@ -39,7 +39,6 @@ struct Throw {
 }
 
 type Cloud = PointCloud<f64, Vec<ContactPoint>>;
-type ThrowStepper<I> = Stepper<Cloud, FlatGround, SmoothCoulomb, UniformGravity, I>;
 
 impl Throw {
     fn body(&self) -> Cloud {
@@ -53,7 +52,7 @@ impl Throw {
     }
 
     /// The scene.
-    fn stepper<I: Integrator>(&self, integrator: I) -> ThrowStepper<Once<I>> {
+    fn stepper<I: Integrator>(&self, integrator: I) -> Stepper<'static, I> {
         let plane = Plane {
             normal: self.normal,
             height: 0.0,
@@ -68,7 +67,7 @@ impl Throw {
                 acceleration: self.gravity,
             })
             .unwrap()
-            .with_integrator(Once(integrator))
+            .with_integrator(integrator)
             .unwrap()
     }
 
@@ -410,13 +409,14 @@ trait Sessions {
     fn saved_or_not(&self, parts: [f64; 2], start: State) -> [(State, f64, u64); 2];
 }
 
-impl<B, G, F, A, I> Sessions for Stepper<B, G, F, A, I>
+impl<B, G, F, A, I, E> Sessions for tumble::Stepper<B, G, F, A, I, f64, E>
 where
     B: RigidPointBody,
     G: SpringDamperGround,
     F: SlidingFriction,
     A: Gravity,
     I: Integrator,
+    E: Force,
 {
     fn saved_or_not(&self, [first, second]: [f64; 2], start: State) -> [(State, f64, u64); 2] {
         let mut session = self.session(start);
@@ -458,7 +458,7 @@ proptest! {
         let alike = |[one, other]: [(State, f64, u64); 2]| one == other;
         each_method!(1e-3, |integrator, method| {
             if throw.go(integrator, throw.state, 600).is_ok() {
-                prop_assert!(alike(saved_or_not(&throw.stepper(integrator), [first, 0.2], throw.state)), "{}", method);
+                prop_assert!(alike(saved_or_not(&*throw.stepper(integrator), [first, 0.2], throw.state)), "{}", method);
             }
         });
     }
@@ -784,9 +784,7 @@ fn an_impulse_that_is_not_finite_is_refused_and_leaves_the_state() {
 #[test]
 fn a_step_is_displayed_on_one_line_with_its_units() {
     let stepper = Stepper::new(Coin::ring(1.0, 0.5)).unwrap();
-    let stepper = stepper
-        .with_integrator(Once(Rk4 { time_step: 0.25 }))
-        .unwrap();
+    let stepper = stepper.with_integrator(Rk4 { time_step: 0.25 }).unwrap();
     let step = stepper.step(&mut State::default()).unwrap();
     let text = format!("{step:.1} | {step}");
     let digits = "0.2 s, 4 evaluations, 0 rejected, 0 iterations, 0.0 J removed";
@@ -944,7 +942,7 @@ proptest! {
         each_method!(1e-3, |integrator, method| {
             let stepper = Stepper::new(Coin::ring(1.0, 0.5)).unwrap()
                 .with_gravity(UniformGravity::down(9.8)).unwrap()
-                .with_integrator(Once(integrator)).unwrap();
+                .with_integrator(integrator).unwrap();
             let mut state = start;
             for _ in 0..200 {
                 stepper.step(&mut state).unwrap();
@@ -969,7 +967,7 @@ fn single_flight(method: &str, start: &State, steps: u32) -> State {
             .unwrap()
             .with_gravity(UniformGravity::down(9.8_f32))
             .unwrap()
-            .with_integrator(Once(integrator))
+            .with_integrator(integrator)
             .unwrap();
         let mut state = rounded(start);
         for _ in 0..steps {

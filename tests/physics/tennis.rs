@@ -19,11 +19,11 @@ use proptest::prelude::*;
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
     AirDrag, Carried, Coulomb, EnergyMomentum, Force, Ground, MassProperties, NoForce, NoGround,
-    Sample, Sphere, SpinLift, SpringDamper, State, Stepper, UniformGravity,
+    Sample, Sphere, SpinLift, SpringDamper, State, UniformGravity,
 };
 
 use crate::kit;
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 
 /// Mass and radius of the ball, kg and m.
 const MASS: f64 = 0.0577;
@@ -83,7 +83,7 @@ fn bounced(body: Sphere, court: Court, before: Velocities) -> Velocities {
             coefficient: court.friction,
             slip_speed: SLIP_SPEED,
         })
-        .integrator(Once(EnergyMomentum { time_step: STEP }))
+        .integrator(EnergyMomentum { time_step: STEP })
         .build()
         .unwrap();
     let start = State::at(DVec3::Z * RADIUS).with_linear_velocity(before.linear);
@@ -227,7 +227,7 @@ fn rebound(restitution: f64, force: impl Force) -> f64 {
         .gravity(UniformGravity::down(G))
         .ground(Ground::level(law(restitution)))
         .force(force)
-        .integrator(Once(EnergyMomentum { time_step: 1e-4 }))
+        .integrator(EnergyMomentum { time_step: 1e-4 })
         .build()
         .unwrap();
     let (mut touched, mut top) = (false, 0.0_f64);
@@ -344,7 +344,7 @@ mod printed {
             .gravity(UniformGravity::down(G))
             .ground(NoGround)
             .force((drag(coefficient, RADIUS, DENSITY), lift))
-            .integrator(Once(EnergyMomentum { time_step: 1e-3 }))
+            .integrator(EnergyMomentum { time_step: 1e-3 })
             .build()
             .unwrap();
         let (sin, cos) = degrees.to_radians().sin_cos();

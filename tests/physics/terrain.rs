@@ -6,14 +6,13 @@
 
 use core::f64::consts::{PI, TAU};
 
-use crate::kit::once::{DEFAULT, Once};
+use crate::kit::erased::Stepper;
 use crate::kit::{self, log_uniform};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
     Bowl, Coulomb, Elevation, EnergyMomentum, Frictionless, Ground, HeightField, Ramp, Shape,
-    SlidingFriction, SpringDamper, SpringDamperGround, State, Stepper, Terrain, UniformGravity,
-    Waves,
+    SlidingFriction, SpringDamper, State, Terrain, UniformGravity, Waves,
 };
 
 const G: f64 = 9.8;
@@ -177,17 +176,11 @@ impl HeightField for Cycloid {
 
 /// A point of 1 kg on a terrain of springs of 1e6 N/m that carry it 1e-5 m deep, with enough
 /// damping to follow the terrain.
-fn stepper_on<H: HeightField, F: SlidingFriction>(
-    height_field: H,
-    friction: F,
+fn stepper_on<'a>(
+    height_field: impl HeightField + 'a,
+    friction: impl SlidingFriction + 'a,
     time_step: f64,
-) -> Stepper<
-    tumble::PointCloud<f64, [tumble::ContactPoint; 1]>,
-    impl SpringDamperGround,
-    F,
-    UniformGravity,
-    Once<EnergyMomentum>,
-> {
+) -> Stepper<'a> {
     let law = SpringDamper {
         stiffness: 1e6,
         damping: 2000.0,
@@ -204,7 +197,7 @@ fn stepper_on<H: HeightField, F: SlidingFriction>(
         .unwrap()
         .with_friction(friction)
         .unwrap()
-        .with_integrator(Once(EnergyMomentum { time_step }))
+        .with_integrator(EnergyMomentum { time_step })
         .unwrap()
 }
 
@@ -290,7 +283,7 @@ fn a_ball_in_a_bowl_swings_as_on_the_parallel_surface() {
             shape: Terrain { height_field },
         })
         .unwrap()
-        .with_integrator(Once(EnergyMomentum { time_step }))
+        .with_integrator(EnergyMomentum { time_step })
         .unwrap();
     let amplitude = 0.003;
     let z = radius + amplitude * amplitude / 2.0 / (bowl - radius);
@@ -356,7 +349,7 @@ fn a_ball_that_sticks_and_rolls_round_a_wall_does_so_at_order_two() {
                     slip_speed: 4e-8,
                 })
             })
-            .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step })))
+            .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
             .unwrap();
         let mut state = State::at(DVec3::X * (arm + speed * rate / law.stiffness))
             .with_linear_velocity(DVec3::Y * speed)
@@ -403,8 +396,6 @@ fn a_ball_in_a_groove_rests_on_one_of_its_planes_and_twice_as_deep() {
             },
             shape: Groove,
         })
-        .unwrap()
-        .with_integrator(DEFAULT)
         .unwrap();
     let mut state = State::at(DVec3::Z * (radius * 2.0_f64.sqrt()));
     stepper.advance(&mut state, 2.0).unwrap();

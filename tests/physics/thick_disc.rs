@@ -6,7 +6,7 @@
 use core::f64::consts::{FRAC_PI_2, TAU};
 use core::ops::ControlFlow;
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{GRAVITY, cases, difference, directions, end, log_uniform, order, orientations};
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, check_body};
@@ -15,8 +15,7 @@ use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
     AdaptiveEnergyMomentum, CoinFace, ContactPoint, Coulomb, DormandPrince54, Dynamics,
     EnergyMomentum, FlatGround, Flight, Frictionless, Integrator, Nystrom, Plane, RigidPointBody,
-    Rk4, Sample, SceneQuery, SlidingFriction, SmoothCoulomb, SolidCoin, SpringDamperGround,
-    Stepper, StrangSplitting, UniformGravity,
+    Rk4, Sample, SceneQuery, SmoothCoulomb, SolidCoin, StrangSplitting, UniformGravity,
 };
 
 const RADIUS: f64 = 0.5;
@@ -29,7 +28,7 @@ macro_rules! scene {
             .gravity(UniformGravity::down(GRAVITY))
             .ground($ground)
             .friction($friction)
-            .integrator(Once($integrator))
+            .integrator($integrator)
             .build()
             .unwrap()
     };
@@ -473,16 +472,7 @@ fn rocking_from_rim_to_rim_it_loses_the_energy_of_the_rigid_cylinder() {
 
 /// Takes steps and asserts that the energy never increases. Returns the fraction of the steps that
 /// needed a fallback.
-fn follow<B, G, F>(
-    stepper: &Stepper<B, G, F, UniformGravity, Once<EnergyMomentum>>,
-    state: &mut State,
-    steps: usize,
-) -> f64
-where
-    B: RigidPointBody,
-    G: SpringDamperGround,
-    F: SlidingFriction,
-{
+fn follow(stepper: &Stepper, state: &mut State, steps: usize) -> f64 {
     let mut session = stepper.session(*state);
     let mut before = session.energy().total();
     let mut fallbacks = 0;
@@ -545,9 +535,9 @@ fn the_energy_never_increases_in_single_precision() {
                 coefficient: 0.3_f32,
                 slip_speed: 1e-3,
             })
-            .integrator(Once(EnergyMomentum {
+            .integrator(EnergyMomentum {
                 time_step: 1e-3_f32 * (1.0 + part),
-            }))
+            })
             .build()
             .unwrap();
         let spin = tumble::glam::Vec3::new(0.3 * part, 2.0, -1.0);
@@ -731,9 +721,9 @@ fn f32_and_f64_agree_to_single_precision() {
             coefficient: 0.3_f32,
             slip_speed: 0.3,
         })
-        .integrator(Once(EnergyMomentum {
+        .integrator(EnergyMomentum {
             time_step: 1e-3_f32,
-        }))
+        })
         .build()
         .unwrap();
     let start = rocking_start();

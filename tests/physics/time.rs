@@ -11,14 +11,14 @@
 )]
 
 use crate::kit;
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use core::ops::ControlFlow;
 use tumble::glam::DVec3;
 use tumble::real::Vector;
 use tumble::{
     BogackiShampine32, Cuboid, DormandPrince54, EnergyMomentum, FlatGround, Flight, ForwardEuler,
     Integrator, Ledger, Nystrom, Observer, PointMass, Real, RigidPointBody, Rk4, Sample, Sphere,
-    State, StepError, Stepper, StrangSplitting, SymplecticEuler, Timed, Trial, UniformGravity,
+    State, StepError, StrangSplitting, SymplecticEuler, Timed, Trial, UniformGravity,
 };
 
 fn trial() -> Trial {
@@ -179,7 +179,7 @@ fn a_look_that_ends_the_run_leaves_the_state_after_its_step() {
 fn run_of_steps<R: Real>(time_step: R, seconds: R) -> (R, u64, f64) {
     let stepper = Stepper::new(PointMass::new(R::ONE))
         .unwrap()
-        .with_integrator(Once(StrangSplitting { time_step }))
+        .with_integrator(StrangSplitting { time_step })
         .unwrap();
     let (mut steps, mut whole, mut last) = (0, 0.0, R::ZERO);
     let mut state = State::<R>::default();
@@ -270,9 +270,9 @@ fn samples_come_to_the_end<R: Real>() {
             let interval = R::from_f64(seconds / f64::from(count));
             let stepper = Stepper::new(PointMass::new(R::ONE))
                 .unwrap()
-                .with_integrator(Once(StrangSplitting {
+                .with_integrator(StrangSplitting {
                     time_step: R::from_f64(seconds * 0.37),
-                }))
+                })
                 .unwrap();
             let mut times = Vec::new();
             let film = |sample: &Sample<'_, R>| {
@@ -359,7 +359,7 @@ fn every_step_takes_time<R: Real, I: Integrator<R> + Copy>(
         let stepper = Stepper::new(body)
             .and_then(|it| it.with_ground(FlatGround::level(number(1e4), number(10.0))))
             .and_then(|it| it.with_gravity(UniformGravity::down(number(gravity))))
-            .and_then(|it| it.with_integrator(Once(integrator)))
+            .and_then(|it| it.with_integrator(integrator))
             .unwrap();
         for start in starts::<R>() {
             for limit in [
@@ -438,12 +438,12 @@ fn a_closed_form_flight_around_an_adaptive_method_goes_on_in_contact() {
     let point = Stepper::new(PointMass::new(1.0))
         .and_then(|it| it.with_gravity(UniformGravity::down(9.8)))
         .and_then(|it| it.with_ground(ground))
-        .and_then(|it| it.with_integrator(Once(flight)))
+        .and_then(|it| it.with_integrator(flight))
         .unwrap();
     assert_eq!(point.advance(&mut State::at(DVec3::Z), 1.0), Ok(()));
     let ball = Stepper::new(Sphere::solid(1.0, 0.1))
         .and_then(|it| it.with_ground(ground))
-        .and_then(|it| it.with_integrator(Once(flight)))
+        .and_then(|it| it.with_integrator(flight))
         .unwrap();
     let mut state = State::at(DVec3::Z * 0.05);
     assert_eq!(ball.advance(&mut state, 1.0), Ok(()));
@@ -460,7 +460,7 @@ fn a_run_of_the_largest_number_of_seconds_is_not_over_at_once() {
         ..DormandPrince54::new(1e-6)
     };
     let stepper = Stepper::new(PointMass::new(1.0))
-        .and_then(|it| it.with_integrator(Once(adaptive)))
+        .and_then(|it| it.with_integrator(adaptive))
         .unwrap();
     let outcome = stepper.advance(&mut State::at(DVec3::Z), f64::MAX);
     assert!(

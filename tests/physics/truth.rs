@@ -21,11 +21,11 @@
 use crate::common::methods::{
     Distance, METHODS, Method, Record, Setup, apart, convergence, method, truths,
 };
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
     Coulomb, EnergyMomentum, FlatGround, ForwardEuler, Ground, Integrator, LimitedDamper, Nystrom,
-    Plane, Rk4, SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler, Trial,
+    Plane, Rk4, SpringDamperGround, State, StrangSplitting, SymplecticEuler, Trial,
 };
 
 const GRAVITY: f64 = 9.8;
@@ -668,7 +668,7 @@ fn end_of(trial: &Trial, ground: impl SpringDamperGround, integrator: impl Integ
         .and_then(|stepper| stepper.with_ground(ground))
         .and_then(|stepper| stepper.with_friction(trial.friction()))
         .and_then(|stepper| stepper.with_gravity(trial.gravity()))
-        .and_then(|stepper| stepper.with_integrator(Once(integrator)))
+        .and_then(|stepper| stepper.with_integrator(integrator))
         .unwrap();
     let mut state = trial.state();
     stepper.advance(&mut state, 1.0).unwrap();

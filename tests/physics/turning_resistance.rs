@@ -6,25 +6,22 @@
 
 use core::cell::Cell;
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{self, log_uniform};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
     ContactPoint, Coulomb, Dynamics, EnergyMomentum, FlatGround, Frictionless, Integrator, Ledger,
     Plane, PointCloud, RigidPointBody, Rk4, RollingResistance, SlidingFriction, Sphere,
-    SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
-    WithResistance,
+    SpringDamperGround, State, StrangSplitting, SymplecticEuler, UniformGravity, WithResistance,
 };
 
 const G: f64 = 9.8;
 const RADIUS: f64 = 0.03;
 
-type Scene<I> = Stepper<Sphere, FlatGround, WithResistance<Coulomb>, UniformGravity, I>;
-
-/// A solid ball of 1 kg on a ground into which it penetrates by 0.1 mm.
-fn ball<I: Integrator>([rolling, spinning, turn_speed]: [f64; 3], by: I) -> Scene<Once<I>> {
-    let friction = WithResistance {
+/// Coulomb's friction with lengths of rolling and spinning resistance (m) and their turn speed.
+fn with_resistance([rolling, spinning, turn_speed]: [f64; 3]) -> WithResistance<Coulomb> {
+    WithResistance {
         friction: Coulomb {
             coefficient: 0.5,
             slip_speed: 1e-3,
@@ -32,21 +29,25 @@ fn ball<I: Integrator>([rolling, spinning, turn_speed]: [f64; 3], by: I) -> Scen
         rolling,
         spinning,
         turn_speed,
-    };
+    }
+}
+
+/// A solid ball of 1 kg on a ground into which it penetrates by 0.1 mm.
+fn ball<I: Integrator>(resistance: [f64; 3], by: I) -> Stepper<'static, I> {
     Stepper::new(Sphere::solid(1.0, RADIUS))
         .unwrap()
         .with_gravity(UniformGravity::down(G))
         .unwrap()
         .with_ground(FlatGround::level(1e5, 300.0))
         .unwrap()
-        .with_friction(friction)
+        .with_friction(with_resistance(resistance))
         .unwrap()
-        .with_integrator(Once(by))
+        .with_integrator(by)
         .unwrap()
 }
 
 /// A ball at its penetration depth at rest, with a velocity and a spin.
-fn moving<I: Integrator>(scene: &Scene<I>, velocity: DVec3, spin: DVec3) -> State {
+fn moving<I: Integrator>(scene: &Stepper<I>, velocity: DVec3, spin: DVec3) -> State {
     let state = State::at(DVec3::Z * (RADIUS - G / 1e5)).with_linear_velocity(velocity);
     let axes = state.rotation().axes();
     let momentum = scene
@@ -151,7 +152,7 @@ fn spin_left<B: RigidPointBody, T: SpringDamperGround>(
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(gravity)))
         .and_then(|stepper| stepper.with_ground(ground))
         .and_then(|stepper| stepper.with_friction(resistance))
-        .and_then(|stepper| stepper.with_integrator(Once(EnergyMomentum { time_step: 2e-3 })))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step: 2e-3 }))
         .unwrap();
     state = stepper.with_angular_velocity(state, DVec3::Z * 50.0);
     stepper.advance(&mut state, seconds).unwrap();
@@ -243,9 +244,10 @@ impl SlidingFriction for Counting {
 /// A step applies the resistance before and after itself, and evaluates it once for each.
 #[test]
 fn a_step_evaluates_the_resistance_of_a_contact_twice() {
-    let scene = ball([2e-3, 1e-3, 1e-2], EnergyMomentum { time_step: 1e-3 });
+    let resistance = [2e-3, 1e-3, 1e-2];
+    let scene = ball(resistance, EnergyMomentum { time_step: 1e-3 });
     let mut state = moving(&scene, DVec3::X * 0.7, DVec3::new(0.3, 0.7 / RADIUS, 4.0));
-    let law = Counting(*scene.scene().friction(), Cell::new(0));
+    let law = Counting(with_resistance(resistance), Cell::new(0));
     let counting = scene.with_friction(&law).unwrap();
     for _ in 0..20 {
         law.1.set(0);

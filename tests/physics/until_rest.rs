@@ -5,11 +5,11 @@
 // Times of single samples are compared, not sums.
 #![allow(clippy::float_cmp)]
 
-use crate::kit::once::{DEFAULT, Once};
+use crate::kit::erased::Stepper;
 use tumble::glam::{DQuat, DVec3, Vec3};
 use tumble::{
     Coulomb, Cuboid, EnergyMomentum, FlatGround, Flight, Integrator, PointMass, Rk4, SolidCoin,
-    State, Stepper, UniformGravity, UntilRest,
+    State, UniformGravity, UntilRest,
 };
 
 const FRICTION: Coulomb = Coulomb {
@@ -17,9 +17,7 @@ const FRICTION: Coulomb = Coulomb {
     slip_speed: 1e-4,
 };
 
-type Thrown<B, I> = Stepper<B, FlatGround, Coulomb, UniformGravity, I>;
-
-fn die<I: Integrator>(integrator: I) -> Thrown<Cuboid, Once<I>> {
+fn die<I: Integrator>(integrator: I) -> Stepper<'static, I> {
     Stepper::new(Cuboid::cube(0.005, 0.016).rounded(0.0015))
         .unwrap()
         .with_gravity(UniformGravity::down(9.81))
@@ -28,11 +26,11 @@ fn die<I: Integrator>(integrator: I) -> Thrown<Cuboid, Once<I>> {
         .unwrap()
         .with_friction(FRICTION)
         .unwrap()
-        .with_integrator(Once(integrator))
+        .with_integrator(integrator)
         .unwrap()
 }
 
-fn coin<I: Integrator>(integrator: I) -> Thrown<SolidCoin, Once<I>> {
+fn coin<I: Integrator>(integrator: I) -> Stepper<'static, I> {
     Stepper::new(SolidCoin::new(0.006, 0.012, 0.002))
         .unwrap()
         .with_gravity(UniformGravity::down(9.81))
@@ -41,12 +39,12 @@ fn coin<I: Integrator>(integrator: I) -> Thrown<SolidCoin, Once<I>> {
         .unwrap()
         .with_friction(FRICTION)
         .unwrap()
-        .with_integrator(Once(integrator))
+        .with_integrator(integrator)
         .unwrap()
 }
 
 /// A throw from 20 cm, rotating about a different axis for each number.
-fn thrown<B: tumble::RigidPointBody, I: Integrator>(stepper: &Thrown<B, I>, number: u32) -> State {
+fn thrown(stepper: &Stepper<impl Integrator>, number: u32) -> State {
     let angle = 2.4 * f64::from(number);
     let axis = DVec3::new(angle.cos(), angle.sin(), (0.7 * angle).sin());
     let state = State::at(DVec3::Z * 0.2).with_orientation(DQuat::from_rotation_x(angle));
@@ -63,7 +61,7 @@ const DISTANCE: f64 = 1e-4;
 
 /// Each throw ends, and what has come to rest stays there: within the distance, in twice the time
 /// again.
-fn rest_lasts<B: tumble::RigidPointBody, I: Integrator>(stepper: &Thrown<B, I>) {
+fn rest_lasts(stepper: &Stepper<impl Integrator>) {
     for number in 0..12 {
         let mut state = thrown(stepper, number);
         let mut rest = UntilRest::new(stepper.body(), DISTANCE, 0.25).unwrap();
@@ -100,7 +98,7 @@ fn a_bounce_is_no_rest() {
         .unwrap()
         .with_ground(FlatGround::level(1e6, 0.0))
         .unwrap()
-        .with_integrator(Once(Flight(EnergyMomentum { time_step: 1e-4 })))
+        .with_integrator(Flight(EnergyMomentum { time_step: 1e-4 }))
         .unwrap();
     let mut state = State::at(DVec3::Z * 0.2);
     let mut rest = UntilRest::new(stepper.body(), 0.01, 0.1).unwrap();
@@ -112,7 +110,6 @@ fn a_bounce_is_no_rest() {
 #[test]
 fn a_spinning_body_does_not_rest() {
     let stepper = Stepper::new(SolidCoin::new(0.006, 0.012, 0.002)).unwrap();
-    let stepper = stepper.with_integrator(DEFAULT).unwrap();
     // 1.2e-4 m of its rim in 0.25 s.
     let mut slow = stepper.with_angular_velocity(State::at(DVec3::Z), DVec3::X * 0.04);
     let mut rest = UntilRest::new(stepper.body(), DISTANCE, 0.25).unwrap();
@@ -156,9 +153,7 @@ fn it_waits_for_a_body_that_does_not_move_at_all_and_works_in_single_precision()
     let mut state = State::at(DVec3::ZERO);
     let mut rest = UntilRest::new(stepper.body(), 0.0, 0.5).unwrap();
     assert!(!rest.is_reached());
-    let with_rk4 = stepper
-        .with_integrator(Once(Rk4 { time_step: 0.1 }))
-        .unwrap();
+    let with_rk4 = stepper.with_integrator(Rk4 { time_step: 0.1 }).unwrap();
     // Five steps, which add up to a half from either side.
     let seconds = with_rk4.run(&mut state, 1.0, &mut rest).unwrap();
     assert!((0.5..0.61).contains(&seconds) && rest.is_reached());
@@ -166,7 +161,7 @@ fn it_waits_for_a_body_that_does_not_move_at_all_and_works_in_single_precision()
     let stepper = Stepper::new(PointMass::new(1.0_f32)).unwrap();
     let time_step = 1e-3;
     let stepper = stepper
-        .with_integrator(Once(EnergyMomentum { time_step }))
+        .with_integrator(EnergyMomentum { time_step })
         .unwrap();
     let mut rest = UntilRest::new(stepper.body(), 1e-4, 0.5).unwrap();
     let mut state = State::at(Vec3::ZERO);

@@ -7,7 +7,7 @@
 use core::cell::Cell;
 use core::ops::ControlFlow;
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{GRAVITY as G, cases, difference, each_method, log_uniform, order, point_mass};
 use proptest::prelude::*;
 use tumble::glam::{DVec3, Vec3};
@@ -16,7 +16,7 @@ use tumble::{
     EnergyMomentum, FlatGround, FrictionField, FrictionJacobian, FrictionPatch, Frictionless,
     Ground, Integrator, Ledger, Plane, PointCloud, Region, RigidPointBody, Rk4, RollingResistance,
     Sample, SlidingFriction, SmoothCoulomb, Sphere, SpringDamper, SpringDamperGround, State,
-    StepError, Stepper, Terrain, UniformGravity, WithResistance,
+    StepError, Terrain, UniformGravity, WithResistance,
 };
 
 const ROUGH: Coulomb = Coulomb {
@@ -43,23 +43,17 @@ fn strip_of_ice() -> FrictionPatch<Coulomb, Coulomb> {
     }
 }
 
-fn compose<B, G0, F, I>(
-    body: B,
-    ground: G0,
-    friction: F,
+fn compose<'a, I: Integrator>(
+    body: impl RigidPointBody + 'a,
+    ground: impl SpringDamperGround + 'a,
+    friction: impl SlidingFriction + 'a,
     integrator: I,
-) -> Stepper<B, G0, F, UniformGravity, Once<I>>
-where
-    B: RigidPointBody,
-    G0: SpringDamperGround,
-    F: SlidingFriction,
-    I: Integrator,
-{
+) -> Stepper<'a, I> {
     Stepper::new(body)
         .and_then(|stepper| stepper.with_gravity(UniformGravity::down(G)))
         .and_then(|stepper| stepper.with_ground(ground))
         .and_then(|stepper| stepper.with_friction(friction))
-        .and_then(|stepper| stepper.with_integrator(Once(integrator)))
+        .and_then(|stepper| stepper.with_integrator(integrator))
         .unwrap()
 }
 
@@ -110,7 +104,7 @@ fn a_block_stops_behind_an_ice_strip_where_its_energy_is_spent() {
 
 #[test]
 fn a_block_stops_behind_an_ice_strip_in_single_precision() {
-    use tumble::f32::{Coulomb, FrictionPatch, PointCloud, Region, State, Stepper, UniformGravity};
+    use tumble::f32::{Coulomb, FrictionPatch, PointCloud, Region, State, UniformGravity};
     let (rough, ice, speed, g) = (0.4_f32, 0.05, 2.5, 9.8);
     let coulomb = |coefficient| Coulomb {
         coefficient,
@@ -142,7 +136,7 @@ fn a_block_stops_behind_an_ice_strip_in_single_precision() {
             .unwrap()
             .with_friction(friction)
             .unwrap()
-            .with_integrator(Once(EnergyMomentum { time_step: 1e-3 }))
+            .with_integrator(EnergyMomentum { time_step: 1e-3 })
             .unwrap();
         let mut state = State::at(Vec3::Z * (-g / 1e4)).with_linear_velocity(Vec3::X * speed);
         stepper.advance(&mut state, 1.5).unwrap();
@@ -169,7 +163,7 @@ fn in_a_smooth_field_each_method_keeps_its_order() {
         let mut errors = Vec::new();
         each_method!(time_step, |integrator, name| {
             let mut state = start;
-            compose(point_mass(1.0), ground, &field, integrator)
+            compose(point_mass(1.0), ground, field, integrator)
                 .advance(&mut state, seconds)
                 .unwrap();
             errors.push((name, (state.position.x - exact).abs()));
@@ -203,7 +197,7 @@ fn energy_momentum_keeps_order_2_on_rotating_bodies() {
         (&Cuboid::cube(1.0, 0.2).rounded(0.03), 0.1, "die"),
     ];
     for (body, height, name) in bodies {
-        let reference = compose(body, ground, &field, Rk4 { time_step: 1e-4 });
+        let reference = compose(body, ground, field, Rk4 { time_step: 1e-4 });
         let touching = match name {
             "block" | "die" => 4.0,
             _ => 1.0,
@@ -216,7 +210,7 @@ fn energy_momentum_keeps_order_2_on_rotating_bodies() {
         reference.advance(&mut exact, seconds).unwrap();
         let error = |time_step: f64| {
             let mut state = start;
-            compose(body, ground, &field, EnergyMomentum { time_step })
+            compose(body, ground, field, EnergyMomentum { time_step })
                 .advance(&mut state, seconds)
                 .unwrap();
             difference(&state, &exact)
@@ -486,7 +480,7 @@ impl SlidingFriction for AtContacts<'_> {
 
 fn each_integrator(time_step: f64, run: &mut dyn FnMut(tumble::AnyIntegrator)) {
     each_method!(time_step, |integrator, _name| {
-        run(integrator.into());
+        run(integrator);
     });
     run(DormandPrince54::new(1e-3).into());
     run(BogackiShampine32::new(1e-3).into());

@@ -7,10 +7,10 @@ use proptest::prelude::*;
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
     Coin, ContactPoint, ForwardEuler, InertiaProperties, Integrator, PointCloud, RigidPointBody,
-    Rk4, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
+    Rk4, State, StrangSplitting, SymplecticEuler, UniformGravity,
 };
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{
     self, AnyBody, Solid, angle_between, bodies, directions, each_explicit, log_uniform, order,
     orientations, zero_or,
@@ -23,7 +23,7 @@ pub(crate) const CASES: &[&Case] = &[&TOSS, &WOBBLE, &ASYMMETRIC_TOP, &WING_NUT,
 fn free<I: Integrator>(body: Solid, integrator: I) -> impl Fn(&mut State, f64) {
     let stepper = Stepper::new(body)
         .unwrap()
-        .with_integrator(Once(integrator))
+        .with_integrator(integrator)
         .unwrap();
     move |state, seconds| stepper.advance(state, seconds).unwrap()
 }
@@ -42,7 +42,7 @@ static TOSS: Case = Case::new("A1", "`u²/2g`, `2u/g`", "Galileo, Discorsi (1638
         .unwrap()
         .with_gravity(UniformGravity::down(9.8))
         .unwrap()
-        .with_integrator(Once(StrangSplitting { time_step: 1e-3 }))
+        .with_integrator(StrangSplitting { time_step: 1e-3 })
         .unwrap();
     let mut state = State::<f64>::default()
         .with_linear_velocity(DVec3::Z * 2.4)
@@ -92,7 +92,7 @@ random! {
         each_explicit!(dt, |integrator, method| {
             let stepper = Stepper::new(&*body).unwrap()
                 .with_gravity(gravity).unwrap()
-                .with_integrator(Once(integrator)).unwrap();
+                .with_integrator(integrator).unwrap();
             let mut state = State::default().with_orientation(orientation).with_linear_velocity(velocity)
                 .with_angular_momentum(body.inertia() * (axis * spin));
             for _ in 0..steps {
@@ -132,7 +132,7 @@ proptest! {
         each_explicit!(dt, |integrator, method| {
             let stepper = Stepper::new(&*body).unwrap()
                 .with_gravity(UniformGravity::down(9.8)).unwrap()
-                .with_integrator(Once(integrator)).unwrap();
+                .with_integrator(integrator).unwrap();
             let mut state = State::default().with_orientation(orientation).with_angular_momentum(momentum);
             for _ in 0..50 {
                 stepper.step(&mut state).unwrap();
@@ -183,7 +183,7 @@ static WOBBLE: Case = Case::new(
         let period = TAU / 8.0;
         let stepper = Stepper::new(coin)
             .unwrap()
-            .with_integrator(Once(SymplecticEuler { time_step: 1e-3 }))
+            .with_integrator(SymplecticEuler { time_step: 1e-3 })
             .unwrap();
         let axis = |state: &State| state.orientation * DVec3::X;
         // A quarter of a period: the axis has gone round the angular momentum by a right angle,
@@ -273,7 +273,7 @@ fn the_other_methods_approach_the_closed_form_of_precession_at_their_order() {
         let mut state = start;
         let stepper = Stepper::new(coin)
             .unwrap()
-            .with_integrator(Once(ForwardEuler { time_step }));
+            .with_integrator(ForwardEuler { time_step });
         stepper.unwrap().advance(&mut state, 1.0).unwrap();
         state
     };
@@ -281,7 +281,7 @@ fn the_other_methods_approach_the_closed_form_of_precession_at_their_order() {
         let mut state = start;
         let stepper = Stepper::new(coin)
             .unwrap()
-            .with_integrator(Once(Rk4 { time_step }));
+            .with_integrator(Rk4 { time_step });
         stepper.unwrap().advance(&mut state, 1.0).unwrap();
         state
     };
@@ -304,7 +304,7 @@ fn phase_errors(moments: DVec3) -> [(f64, f64); 4] {
     let dt = 1.0 / 16.0;
     let stepper = Stepper::new(Solid::with_moments(moments))
         .unwrap()
-        .with_integrator(Once(SymplecticEuler { time_step: dt }))
+        .with_integrator(SymplecticEuler { time_step: dt })
         .unwrap();
     let start = State::default().with_angular_momentum(DVec3::new(0.6, 0.0, 0.8));
     let mut state = start;
@@ -567,7 +567,7 @@ random! {
 fn flips(integrator: impl Integrator, start: DVec3, seconds: f64) -> Vec<f64> {
     let stepper = Stepper::new(Solid::with_moments(BOX))
         .unwrap()
-        .with_integrator(Once(integrator))
+        .with_integrator(integrator)
         .unwrap();
     let mut state = State::default().with_angular_momentum(BOX * start);
     let mut found = Vec::new();
@@ -656,7 +656,7 @@ fn the_energy_of_an_asymmetric_free_turn_stays_for_a_million_steps() {
     // of two million turns is 1400 units long. Three times that is allowed.
     let stepper = Stepper::new(Solid::with_moments(BOX))
         .unwrap()
-        .with_integrator(Once(StrangSplitting { time_step: 0.01 }))
+        .with_integrator(StrangSplitting { time_step: 0.01 })
         .unwrap();
     let mut state = AsymmetricTop::new(BOX, DVec3::new(3.0, 0.0, 4.0)).state();
     let first = stepper.energy(&state).rotation;
@@ -757,8 +757,8 @@ random! {
             let mut a = State::default().with_orientation(orientation).with_angular_momentum(momentum);
             let mut b = a.with_orientation(orientation * other_axes);
             let (first, second) = (
-                Stepper::new(&straight).unwrap().with_integrator(Once(integrator)).unwrap(),
-                Stepper::new(&turned).unwrap().with_integrator(Once(integrator)).unwrap(),
+                Stepper::new(&straight).unwrap().with_integrator(integrator).unwrap(),
+                Stepper::new(&turned).unwrap().with_integrator(integrator).unwrap(),
             );
             for _ in 0..100 {
                 first.step(&mut a).unwrap();

@@ -9,10 +9,10 @@ use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
     Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, Flight, Ground, HuntCrossley, Plane,
-    Rk4, SpringDamperGround, State, Stepper, Surface, UniformGravity,
+    Rk4, SpringDamperGround, State, Surface, UniformGravity,
 };
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{self, log_uniform, zero_or};
 use crate::scenes::{flat, move_point};
 use crate::table::{Case, figure, random};
@@ -416,7 +416,7 @@ random! {
         let stepper = Stepper::new(Coin::ring_with_storage(vec![ContactPoint::default(); count], mass, radius)).unwrap()
             .with_gravity(UniformGravity::down(g)).unwrap()
             .with_ground(FlatGround::level(stiffness, damping)).unwrap()
-            .with_integrator(Once(EnergyMomentum { time_step: 0.1 / frequency })).unwrap();
+            .with_integrator(EnergyMomentum { time_step: 0.1 / frequency }).unwrap();
         let mut state = State::at(DVec3::Z * radius * arc.cos()).with_rotation_vector(DVec3::X * turn);
         // After 30/ω, e^-30 of the first oscillation.
         stepper.advance(&mut state, 30.0 / frequency).unwrap();
@@ -463,9 +463,9 @@ fn miss_of_a_flat_ring(count: usize, mass: f64, stiffness: f64, damping: f64) ->
     .unwrap()
     .with_ground(FlatGround::level(stiffness, damping))
     .unwrap()
-    .with_integrator(Once(Rk4 {
+    .with_integrator(Rk4 {
         time_step: period / 200.0,
-    }))
+    })
     .unwrap();
     let mut state = flat(rest + first);
     (1..=24).fold(0.0, |worst, eighth| {
@@ -489,7 +489,7 @@ static SWING_OF_A_COIN: Case = Case::new(
             .unwrap()
             .with_ground(FlatGround::level(1000.0, 0.5))
             .unwrap()
-            .with_integrator(Once(Rk4 { time_step: 1e-5 }))
+            .with_integrator(Rk4 { time_step: 1e-5 })
             .unwrap();
         let (frequency, ratio) = (346.410_f64, 0.086_602_5_f64);
         let period = TAU / (frequency * (1.0 - ratio * ratio).sqrt());
@@ -643,9 +643,9 @@ fn landings_and_tops(
         .unwrap()
         .with_ground(ground)
         .unwrap()
-        .with_integrator(Once(Flight(EnergyMomentum {
+        .with_integrator(Flight(EnergyMomentum {
             time_step: step / frequency,
-        })))
+        }))
         .unwrap();
     let (mut landings, mut tops) = (Vec::new(), Vec::new());
     let mut before = [height, 0.0];
@@ -755,7 +755,7 @@ fn restitution_under_gravity(ratio: f64, speed: f64) -> f64 {
         .unwrap()
         .with_ground(FlatGround::level(1e4, 200.0 * ratio))
         .unwrap()
-        .with_integrator(Once(Rk4 { time_step: 1e-5 }))
+        .with_integrator(Rk4 { time_step: 1e-5 })
         .unwrap();
     let mut state = State::at(DVec3::Z * -1e-12).with_linear_velocity(DVec3::Z * -speed);
     let mut back = 0.0;
@@ -893,9 +893,9 @@ fn hops([height, g]: [f64; 2], slope: f64, [frequency, ratio]: [f64; 2], count: 
         .unwrap()
         .with_ground(ground)
         .unwrap()
-        .with_integrator(Once(Flight(EnergyMomentum {
+        .with_integrator(Flight(EnergyMomentum {
             time_step: 5e-3 / frequency,
-        })))
+        }))
         .unwrap();
     let mut state = State::at(DVec3::Z * height);
     let (mut landings, mut above) = (Vec::new(), true);

@@ -10,10 +10,10 @@ use proptest::prelude::*;
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
     Coin, ContactPoint, Coulomb, EnergyMomentum, FlatGround, Plane, PointCloud, RigidPointBody,
-    Rk4, SceneQuery, SlidingFriction, SmoothCoulomb, State, Stepper, UniformGravity,
+    Rk4, SceneQuery, SlidingFriction, SmoothCoulomb, State, UniformGravity,
 };
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{Solid, log_uniform, zero_or};
 use crate::scenes::{ball, flat, ground_for, move_point};
 use crate::table::{Case, figure, random};
@@ -66,7 +66,7 @@ static SLIDING_COIN: Case = Case::new("C1", "`v₀/μg`, `v₀²/2μg`", "Coulom
         .unwrap()
         .with_friction(Coulomb::as_in_the_report(0.3))
         .unwrap()
-        .with_integrator(Once(Rk4 { time_step: dt }))
+        .with_integrator(Rk4 { time_step: dt })
         .unwrap();
     let mut state = flat(-9.8 / 120_000.0).with_linear_velocity(DVec3::X * 2.0);
     let one_step = 0.3 * 9.8 * dt;
@@ -216,7 +216,7 @@ impl Skid {
             .unwrap()
             .with_friction(self.friction)
             .unwrap()
-            .with_integrator(Once(Rk4 { time_step }))
+            .with_integrator(Rk4 { time_step })
             .unwrap()
             .advance(&mut state, seconds)
             .unwrap();
@@ -419,7 +419,7 @@ fn down(moment: f64, friction: Coulomb, slope: f64, seconds: f64) -> [f64; 2] {
         .unwrap()
         .with_friction(friction)
         .unwrap()
-        .with_integrator(Once(Rk4 { time_step }))
+        .with_integrator(Rk4 { time_step })
         .unwrap();
     let depth = 9.8 * slope.cos() / ground.stiffness;
     let mut state = State::at(normal * (radius - depth));
@@ -740,9 +740,9 @@ fn a_rod_in_painleves_paradox_jams_and_is_thrown_without_gaining_energy() {
             .unwrap()
             .with_friction(Coulomb::as_in_the_report(3.0))
             .unwrap()
-            .with_integrator(Once(EnergyMomentum {
+            .with_integrator(EnergyMomentum {
                 time_step: 0.02 / stiffness.sqrt(),
-            }))
+            })
             .unwrap();
         let mut state = sliding_rod(1.0, 2.0_f64.atan(), 0.0);
         let (mut before, mut peak) = (f64::MAX, 0.0);
@@ -791,7 +791,7 @@ fn drill(
         .unwrap()
         .with_friction(friction)
         .unwrap()
-        .with_integrator(Once(Rk4 { time_step }))
+        .with_integrator(Rk4 { time_step })
         .unwrap();
     let mut state = flat(-9.8 * mass / (ground.stiffness * count as f64));
     state.angular_momentum = DVec3::Z * (axial * rate);

@@ -19,13 +19,13 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use proptest::prelude::{prop, prop_assume};
 use tumble::glam::{DMat3, DMat4, DVec3, DVec4};
 use tumble::{
-    Coin, ContactPoint, ContactRange, Coulomb, FlatGround, RigidPointBody, Rk4, State, Stepper,
+    Coin, ContactPoint, ContactRange, Coulomb, FlatGround, RigidPointBody, Rk4, State,
     StrangSplitting, UniformGravity,
 };
 
 use crate::b_normal_contact::contact_arc;
+use crate::kit::erased::Stepper;
 use crate::kit::log_uniform;
-use crate::kit::once::Once;
 use crate::table::{Case, figure, random};
 
 pub(crate) const CASES: &[&Case] = &[
@@ -124,7 +124,7 @@ fn scene(
     moments: [f64; 2],
     [coefficient, slip_speed]: [f64; 2],
     damping: f64,
-) -> Stepper<Disc, FlatGround, Coulomb, UniformGravity, Once<StrangSplitting>> {
+) -> Stepper<'static, StrangSplitting> {
     // In stick the splitting is stable up to 2 ε/(3 μ g).
     let time_step = f64::min(2e-4, 0.5 * slip_speed / (coefficient * GRAVITY));
     Stepper::new(Disc::new(moments))
@@ -138,7 +138,7 @@ fn scene(
             slip_speed,
         })
         .unwrap()
-        .with_integrator(Once(StrangSplitting { time_step }))
+        .with_integrator(StrangSplitting { time_step })
         .unwrap()
 }
 
@@ -163,9 +163,9 @@ fn golden_step(passing: f64, limit: f64) -> f64 {
 fn path(moments: [f64; 2], friction: [f64; 2], start: State, seconds: f64) -> Vec<Moment> {
     let stepper = scene(moments, friction, 0.0);
     let [_, passing] = passing(moments, &start);
-    let time_step = golden_step(passing, stepper.integrator().0.time_step);
+    let time_step = golden_step(passing, stepper.integrator().time_step);
     let stepper = stepper
-        .with_integrator(Once(StrangSplitting { time_step }))
+        .with_integrator(StrangSplitting { time_step })
         .unwrap();
     let mut path = Vec::<Moment>::new();
     let mut state = start;
@@ -656,7 +656,7 @@ fn loss(moments: [f64; 2], alpha: f64, [spin, rate]: [f64; 2], damping: f64) -> 
     let next = TAU / 8000.0 / steady.abs();
     let time_step = golden_step(steady, 2e-4);
     let stepper = scene(moments, friction, damping)
-        .with_integrator(Once(Rk4 { time_step }))
+        .with_integrator(Rk4 { time_step })
         .unwrap();
     let mut state = start(moments, alpha, spin, rate);
     // Until the patch has settled.

@@ -7,10 +7,10 @@ use proptest::prelude::prop_assert;
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
     Coin, ContactPoint, Coulomb, Cuboid, EnergyMomentum, FlatGround, Plane, RigidPointBody, Sample,
-    State, Stepper, UniformGravity,
+    State, UniformGravity,
 };
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{Solid, log_uniform};
 use crate::table::{Case, figure, random};
 
@@ -81,7 +81,7 @@ fn rock(alpha: f64, first: f64) -> [f64; 3] {
         })
         .unwrap()
         // The step in which the corners change places counts for both: of order 1 in it.
-        .with_integrator(Once(EnergyMomentum { time_step: 2e-5 }))
+        .with_integrator(EnergyMomentum { time_step: 2e-5 })
         .unwrap();
     // Two corners carry it.
     let depth = 0.5 * GRAVITY / stiffness;
@@ -189,7 +189,7 @@ fn tilts(
         .unwrap()
         .with_ground(ground)
         .unwrap()
-        .with_integrator(Once(EnergyMomentum { time_step }))
+        .with_integrator(EnergyMomentum { time_step })
         .unwrap();
     let tilt = |state: &State| {
         let normal = state.orientation * DVec3::X;

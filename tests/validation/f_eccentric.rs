@@ -6,10 +6,10 @@ use proptest::prelude::{prop, prop_assume};
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
     ContactPoint, Coulomb, Ellipsoid, EnergyMomentum, FlatGround, MassProperties, RigidPointBody,
-    Rk4, Sample, Sphere, State, Stepper, StrangSplitting, UniformGravity,
+    Rk4, Sample, Sphere, State, StrangSplitting, UniformGravity,
 };
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{self, Solid, directions, log_uniform, orientations};
 use crate::table::{Case, figure, random};
 
@@ -66,7 +66,7 @@ fn drift_of_jellett(start: State, seconds: f64, time_step: f64) -> f64 {
             slip_speed: 1e-2,
         })
         .unwrap()
-        .with_integrator(Once(Rk4 { time_step }))
+        .with_integrator(Rk4 { time_step })
         .unwrap();
     let mut state = start;
     let (first, size) = (
@@ -171,7 +171,7 @@ fn rattle(askew: f64, spin: f64, seconds: f64) -> Vec<State> {
             slip_speed: 1e-3,
         })
         .unwrap()
-        .with_integrator(Once(EnergyMomentum { time_step: 5e-4 }))
+        .with_integrator(EnergyMomentum { time_step: 5e-4 })
         .unwrap();
     // A nudge that has a mirror image: along the plane y = 0, in which a mirror turns x-moments and
     // z-spins round.
@@ -246,7 +246,7 @@ fn swing(body: impl RigidPointBody, height: f64, friction: Coulomb, first: f64) 
         .unwrap()
         .with_friction(friction)
         .unwrap()
-        .with_integrator(Once(StrangSplitting { time_step: 1e-4 }))
+        .with_integrator(StrangSplitting { time_step: 1e-4 })
         .unwrap();
     let mut state =
         State::at(DVec3::Z * (height - GRAVITY / 1e5)).with_rotation_vector(DVec3::Y * first);
@@ -329,7 +329,7 @@ fn first_swing(
         .unwrap()
         .with_friction(friction)
         .unwrap()
-        .with_integrator(Once(EnergyMomentum { time_step }))
+        .with_integrator(EnergyMomentum { time_step })
         .unwrap();
     let depth = GRAVITY / stiffness;
     let mut state = State::at(DVec3::Z * (height - depth)).with_rotation_vector(DVec3::Y * first);
@@ -547,7 +547,7 @@ impl Top {
             .unwrap()
             .with_ground(FlatGround::level(Self::STIFFNESS, 0.0))
             .unwrap()
-            .with_integrator(Once(Rk4 { time_step }))
+            .with_integrator(Rk4 { time_step })
             .unwrap();
         let (mut state, mut path) = (start, Vec::<[f64; 3]>::new());
         stepper

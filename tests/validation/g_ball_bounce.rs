@@ -1,11 +1,11 @@
 //! Group G, a ball that bounces with spin, as of tennis.
 
 use tumble::glam::DVec3;
-use tumble::{Coulomb, EnergyMomentum, FlatGround, State, Stepper};
+use tumble::{Coulomb, EnergyMomentum, FlatGround, State};
 
 use crate::b_normal_contact::{clamped_restitution, ratio_for};
+use crate::kit::erased::Stepper;
 use crate::kit::log_uniform;
-use crate::kit::once::Once;
 use crate::scenes::ball;
 use crate::table::{Case, figure, random};
 
@@ -44,7 +44,7 @@ impl Bounce {
                 slip_speed: Self::SLIP_SPEED,
             })
             .unwrap()
-            .with_integrator(Once(EnergyMomentum { time_step }))
+            .with_integrator(EnergyMomentum { time_step })
             .unwrap();
         let inertia = self.moment * RADIUS;
         let mut state = State::at(DVec3::Z * RADIUS)

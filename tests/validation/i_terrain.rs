@@ -6,11 +6,11 @@ use core::ops::ControlFlow;
 use tumble::glam::DVec3;
 use tumble::{
     Bowl, Coulomb, Elevation, EnergyMomentum, Frictionless, Ground, RigidPointBody, Rk4, Sample,
-    Shape, SlidingFriction, SmoothCoulomb, SpringDamper, State, Stepper, StrangSplitting, Surface,
-    Terrain, UniformGravity,
+    Shape, SlidingFriction, SmoothCoulomb, SpringDamper, State, StrangSplitting, Surface, Terrain,
+    UniformGravity,
 };
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::{log_uniform, point_mass};
 use crate::scenes::ball;
 use crate::table::{Case, figure, random};
@@ -42,7 +42,7 @@ fn swing(
         .unwrap()
         .with_friction(friction)
         .unwrap()
-        .with_integrator(Once(StrangSplitting { time_step: 1e-4 }))
+        .with_integrator(StrangSplitting { time_step: 1e-4 })
         .unwrap();
     let (mut passages, mut before) = (Vec::new(), (0.0, start.x));
     stepper
@@ -195,9 +195,9 @@ fn dip(moment: f64, [hole, radius]: [f64; 2], rate: f64) -> [f64; 2] {
         .unwrap()
         .with_friction(friction)
         .unwrap()
-        .with_integrator(Once(Rk4 {
+        .with_integrator(Rk4 {
             time_step: f64::min(2e-5, 2.0 / (3e4 * (1.0 + 1.0 / moment))),
-        }))
+        })
         .unwrap();
     let speed = arm * rate;
     let depth = speed * rate / law.stiffness;
@@ -411,7 +411,7 @@ fn after(x: f64, speed: f64, coefficient: f64, seconds: f64) -> State {
             slip_speed: 1e-6,
         })
         .unwrap()
-        .with_integrator(Once(EnergyMomentum { time_step: 1e-3 }))
+        .with_integrator(EnergyMomentum { time_step: 1e-3 })
         .unwrap();
     let normal = DVec3::new(-x, 0.0, 1.0).normalize();
     let depth = GRAVITY * normal.z / law.stiffness;
@@ -511,7 +511,7 @@ fn turn_in_bowl(theta: f64, speed: f64) -> f64 {
             shape: SphericalBowl { radius: 1.0 },
         })
         .unwrap()
-        .with_integrator(Once(Rk4 { time_step: 2e-4 }))
+        .with_integrator(Rk4 { time_step: 2e-4 })
         .unwrap();
     let (sin, cos) = theta.sin_cos();
     let load = GRAVITY * cos + speed * speed;

@@ -4,11 +4,11 @@ use core::f64::consts::FRAC_PI_2;
 
 use tumble::glam::{DMat3, DVec3};
 use tumble::{
-    FlatGround, MassProperties, Rk4, SlidingFriction, Sphere, SpringDamperGround, State, Stepper,
+    FlatGround, MassProperties, Rk4, SlidingFriction, Sphere, SpringDamperGround, State,
     UniformGravity,
 };
 
-use crate::kit::once::Once;
+use crate::kit::erased::Stepper;
 use crate::kit::point_mass;
 
 /// A single point under gravity on a ground, moved on by Runge-Kutta in steps of a given length.
@@ -27,7 +27,7 @@ pub(crate) fn move_point(
         .unwrap()
         .with_friction(friction)
         .unwrap()
-        .with_integrator(Once(Rk4 { time_step }))
+        .with_integrator(Rk4 { time_step })
         .unwrap()
         .advance(state, seconds)
         .unwrap();
