@@ -77,7 +77,7 @@ impl<R: Real> Others<R> {
 
     /// Adds the excess of a contact that does not slide all the time. That of a slide, which has the
     /// law's own derivative, is 0 to rounding.
-    #[cold]
+    #[inline]
     fn add_excess<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
@@ -97,6 +97,7 @@ impl<R: Real> Others<R> {
     }
 
     /// Adds the part of a contact in the matrix.
+    #[inline(always)]
     fn differentiate<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
