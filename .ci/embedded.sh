@@ -39,7 +39,7 @@ doubles() { nm "$1" | grep -E '__aeabi_(d|cd)|__aeabi_[a-z0-9]*2d|__[a-z0-9]*df[
 # Numbers in the text of a program: 'number TEXT FILE'.
 number() { sed -n "s/^$1 *//p" "$2"; }
 emulate() { # emulate MACHINE IMAGE
-  timeout 900 qemu-system-arm -M "$1" -nographic -monitor none -serial none -semihosting-config enable=on,target=native -icount shift=0 -kernel "$2" </dev/null
+  timeout 300 qemu-system-arm -M "$1" -nographic -monitor none -serial none -semihosting-config enable=on,target=native -icount shift=0 -kernel "$2" </dev/null
 }
 
 page=examples/embedded/README.md table="$work/table"

@@ -15,4 +15,4 @@ echo "the gallery: $(wc -l <"$work/list") files"
 
 . .ci/browser.sh
 cp tests/web/gallery.mjs "$work/gallery.mjs" # where Node finds the driver
-FOLDER="$work/pages" PICTURES="$work" timeout 900 node "$work/gallery.mjs"
+FOLDER="$work/pages" PICTURES="$work" timeout 400 node "$work/gallery.mjs"

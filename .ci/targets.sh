@@ -13,7 +13,7 @@ cross_tools "$results"
 differ=0
 compare() { # compare NAME COMMAND…: runs the battery, and says in a line whether it has the stored bits; fails if not
   local code=0 seconds=$SECONDS
-  timeout 3600 "${@:2}" >"$results/$1.scenes" || code=$?
+  timeout 1500 "${@:2}" >"$results/$1.scenes" || code=$?
   # A line for a scene is indented.
   grep -v '^ ' "$results/$1.scenes" >"$results/$1.txt" || true
   if [ "$code" = 0 ] && cmp -s "$stored" "$results/$1.txt"; then

@@ -45,5 +45,5 @@ echo "page and tests: $SECONDS s"
 . .ci/browser.sh
 echo "browser: $SECONDS s"
 cp tests/web/page.mjs "$work/page.mjs" # where Node finds the driver
-PAGE="$work/tumble.html" HASHES=tests/bits/hashes.txt PICTURES="$work" timeout 600 node "$work/page.mjs"
+PAGE="$work/tumble.html" HASHES=tests/bits/hashes.txt PICTURES="$work" timeout 170 node "$work/page.mjs"
 if [ "${1:-}" = --write ]; then cp "$work/readme.png" assets/live.png; fi
