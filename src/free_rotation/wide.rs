@@ -211,6 +211,8 @@ fn halves<R: Real>(number: R) -> [R; 2] {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::float_cmp, reason = "a product of two words is exact")]
+
     use super::*;
 
     /// Numbers between 1 and 2 without a pattern, with rests between -1 and 1 times `EPSILON`.
