@@ -353,7 +353,8 @@ fn first_name(code: &str) -> &str {
     &code[..end.unwrap_or(code.len())]
 }
 
-/// All files `*.rs` below a folder, in order, without those of unit tests, which may use all layers.
+/// All files `*.rs` below a folder, in order, without those of unit tests, which may use all
+/// layers.
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).expect("the folder is readable");
     let mut paths: Vec<_> = entries

@@ -512,8 +512,8 @@ mod tests {
             let exact = 3.0 * (jump - 0.3) + 7.0 * (2.3 - jump);
             let off = (found - exact).abs();
             assert!(off <= bound + 1e-14, "at {jump}: {off} exceeds {bound}");
-            // Four times the jump over a part of the coarsest partition, 2/7 long, and as much again
-            // for the others.
+            // Four times the jump over a part of the coarsest partition, 2/7 long, and as much
+            // again for the others.
             assert!(bound < 8.0 * 4.0 * 2.0 / 7.0, "at {jump}: {bound}");
         }
     }

@@ -51,7 +51,7 @@ impl<R: Real> Angle<R> {
         }
     }
 
-    /// The same angle with length 1.
+    /// Returns the angle as a point at distance 1 from the origin.
     #[inline]
     pub(super) fn unit(self) -> Self {
         let length = self.length();

@@ -43,6 +43,11 @@ fn lying() -> State {
         .with_linear_velocity(DVec3::new(0.0, 0.0, 1e-20))
 }
 
+/// Coin that lies as deep as springs with this share of its weight.
+fn at(share: f64) -> State {
+    displaced(&lying(), DVec3::Z * (depth(1.0) - depth(share)))
+}
+
 fn displaced(state: &State, path: DVec3) -> State {
     let mut state = *state;
     state.position += path;
@@ -145,11 +150,6 @@ fn a_body_that_gains_speed_is_at_rest_only_where_rounding_explains_it() {
 #[test]
 fn a_body_is_at_rest_only_where_its_contacts_support_half_of_its_weight() {
     let scene = coin();
-    let at = |share: f64| {
-        let mut state = lying();
-        state.position.z = -depth(share);
-        state
-    };
     for (share, supported) in [(0.49, false), (0.51, true), (1.5, true), (-1.0, false)] {
         assert_eq!(is_borne(&scene, &at(share)), supported, "{share}");
         assert_eq!(
@@ -253,11 +253,6 @@ fn a_body_that_its_step_has_not_lowered_falls_by_two_units_in_the_last_place() {
 #[test]
 fn a_body_that_touches_falls_only_where_it_is_not_supported() {
     let scene = coin();
-    let at = |share: f64| {
-        let mut state = lying();
-        state.position.z = -depth(share);
-        state
-    };
     assert!(fallen(&scene, [&at(0.4), &at(0.4)], 120).is_some());
     assert!(fallen(&scene, [&at(0.6), &at(0.6)], 120).is_none());
     assert!(fallen(&scene, [&at(0.6), &at(0.6)], 0).is_some());

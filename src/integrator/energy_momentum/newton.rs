@@ -75,8 +75,8 @@ const MOST_LEVERAGE: f64 = 8.0;
 /// Bound on the ratio of Newton's step to the distance from which one step is enough. Free motion
 /// has the ratio 1, and springs and friction reduce it.
 const MOST_AMPLIFIED: f64 = 1024.0;
-/// Whether derivatives of contacts that are not stored may wait until they are needed. It changes no
-/// bit. A processor without a standard library has little memory for code, and few contacts.
+/// Whether derivatives of contacts that are not stored may wait until they are needed. It changes
+/// no bit. A processor without a standard library has little memory for code, and few contacts.
 const DEFERS: bool = cfg!(feature = "std");
 /// Number of evaluations after which the step is abandoned.
 const LIMIT: u32 = 60;

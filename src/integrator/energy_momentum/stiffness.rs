@@ -75,8 +75,8 @@ impl<R: Real> Others<R> {
         others
     }
 
-    /// Adds the excess of a contact that does not slide all the time. That of a slide, which has the
-    /// law's own derivative, is 0 to rounding.
+    /// Adds the excess of a contact that does not slide all the time. That of a slide, which has
+    /// the law's own derivative, is 0 to rounding.
     #[inline]
     fn add_excess<D: Dynamics<R>>(
         &mut self,
