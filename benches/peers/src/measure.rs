@@ -248,6 +248,9 @@ fn accuracy(
 /// Least CPU time of a repetition, s, so that the resolution of the clock does not matter.
 const LEAST_TURN: f64 = 2e-3;
 
+/// Most calls in a repetition.
+const MOST_CALLS: u32 = 100_000;
+
 /// Measures the CPU seconds for a simulated second. The programs run alternately, and each cost is
 /// the median over the repetitions.
 fn prices(
@@ -256,30 +259,39 @@ fn prices(
     rows: &[Row],
     turns: usize,
 ) -> Vec<f64> {
+    let works = |i: usize| rows[i].outcome.is_ok();
+    let calls: Vec<u32> = (programs.iter().enumerate())
+        .map(|(i, program)| if works(i) { calls_of(&**program) } else { 0 })
+        .collect();
     let mut samples = vec![Vec::new(); programs.len()];
-    let mut repeats = vec![1_u32; programs.len()];
-    for turn in 0..=turns {
-        for (i, program) in programs.iter().enumerate() {
-            if rows[i].outcome.is_err() {
-                continue;
-            }
-            let clock = ThreadTime::now();
-            let mut preparation = 0.0;
-            for _ in 0..repeats[i] {
-                let end = core::hint::black_box(program.run(None));
-                preparation += end.map_or(0.0, |end| end.preparation);
-            }
-            let spent = (clock.elapsed().as_secs_f64() - preparation) / f64::from(repeats[i]);
-            // The first repetition determines how often a program must run, and warms up the
-            // machine.
-            if turn == 0 {
-                repeats[i] = (LEAST_TURN / spent).ceil().clamp(1.0, 1e5) as u32;
-            } else {
-                samples[i].push(spent / scene.seconds);
-            }
+    for _ in 0..turns {
+        for (i, program) in programs.iter().enumerate().filter(|&(i, _)| works(i)) {
+            let spent = seconds_of(&**program, calls[i]) / f64::from(calls[i]);
+            samples[i].push(spent / scene.seconds);
         }
     }
     samples.into_iter().map(median).collect()
+}
+
+/// Number of calls that take [`LEAST_TURN`]. It is found by calls in a row, because a first one
+/// that an interrupt or a cold memory delays says nothing about the next.
+fn calls_of(program: &dyn Program) -> u32 {
+    let mut calls = 1;
+    while calls < MOST_CALLS && seconds_of(program, calls) < LEAST_TURN {
+        calls = (2 * calls).min(MOST_CALLS);
+    }
+    calls
+}
+
+/// CPU time of some calls, s, without what a program prepares.
+fn seconds_of(program: &dyn Program, calls: u32) -> f64 {
+    let clock = ThreadTime::now();
+    let mut preparation = 0.0;
+    for _ in 0..calls {
+        let end = core::hint::black_box(program.run(None));
+        preparation += end.map_or(0.0, |end| end.preparation);
+    }
+    clock.elapsed().as_secs_f64() - preparation
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
