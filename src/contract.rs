@@ -424,3 +424,54 @@ fn wide<R: Real>(vector: R::Vec3) -> DVec3 {
         vector.z().to_f64(),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::StepError;
+
+    #[test]
+    fn the_bound_of_a_rule_of_scenes_is_its_number() {
+        for (rule, bound) in [
+            (Rule::AboveZeroToOne, 1.0),
+            (Rule::UnitLength, 1.0),
+            (Rule::AtLeast(3), 3.0),
+            (Rule::AtMost(7), 7.0),
+            (Rule::Exactly(5), 5.0),
+            (Rule::Finite, f64::MAX),
+            (Rule::AboveZero, 0.0),
+        ] {
+            let violation = cannot_be(SceneError::new("a number", rule, 9.0, ""));
+            assert!(violation.bound.total_cmp(&bound).is_eq(), "{violation:?}");
+            assert!(violation.value.total_cmp(&9.0).is_eq(), "{violation:?}");
+        }
+    }
+
+    #[test]
+    fn a_sentence_names_the_bound_where_the_requirement_does_not() {
+        let violation = |requirement| Violation {
+            requirement,
+            input: Input::AsItIs,
+            value: 3.0,
+            bound: 2.0,
+        };
+        for (requirement, names_bound) in [
+            (Requirement::Reach, true),
+            (Requirement::Finite, false),
+            (Requirement::Steps(StepError::Stalled), false),
+            (composes(Rule::AboveZero), false),
+            (composes(Rule::TriangleInequality), true),
+        ] {
+            let sentence = std::format!("{}", violation(requirement));
+            let found = sentence.contains(", the bound is 2e0");
+            assert_eq!(found, names_bound, "{sentence}");
+        }
+    }
+
+    fn composes(rule: Rule) -> Requirement {
+        Requirement::Composes {
+            quantity: "mass",
+            rule,
+        }
+    }
+}

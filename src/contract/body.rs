@@ -377,3 +377,6 @@ fn hash_of<R: Real>(contacts: &[ContactPoint<R>]) -> u64 {
     }
     hash
 }
+
+#[cfg(test)]
+mod tests;

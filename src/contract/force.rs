@@ -209,3 +209,6 @@ fn input<R: Real>(motion: &Motion<R>) -> Input {
         angular_velocity: wide::<R>(motion.angular_velocity),
     }
 }
+
+#[cfg(test)]
+mod tests;

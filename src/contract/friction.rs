@@ -211,3 +211,6 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -439,9 +439,9 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
             return (force(start), largest);
         }
         let (from, to) = (start.at_least(R::ZERO), end.at_least(R::ZERO));
-        // The path is so short that its middle is its mean. Parts of it would be rounding.
+        // A path in the ground so short that its middle is its mean. Parts of it would be rounding.
         let mean = if (to - from).abs() < (from + to) * ulps(1e4) {
-            force((from + to) * R::HALF) * ((to - from) / path)
+            force((from + to) * R::HALF)
         } else {
             integral(from, to, &mut force).0 / path
         };
@@ -490,62 +490,4 @@ fn unseen<R: Real>(f: &mut impl FnMut(R) -> R, border: R, width: R) -> R {
 const PARTS: usize = 64;
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::FlatGround;
-    use glam::DVec3;
-
-    #[test]
-    fn the_integral_of_a_polynomial_of_degree_5_is_exact() {
-        let (found, doubt) = integral(0.5_f64, 2.0, |x| x.powi(5));
-        let exact = (2.0_f64.powi(6) - 0.5_f64.powi(6)) / 6.0;
-        assert!((found - exact).abs() < 1e-14, "{found}");
-        // The ends are allowed the deviation from a line over a hundredth of the path.
-        assert!(doubt < 1e-3, "{doubt}");
-    }
-
-    #[test]
-    fn the_bound_of_an_integral_holds_wherever_its_function_jumps() {
-        for number in 0..=1000 {
-            let jump = 0.3 + f64::from(number) * 2e-3;
-            let (found, bound) = integral(0.3_f64, 2.3, |x| if x > jump { 7.0 } else { 3.0 });
-            let exact = 3.0 * (jump - 0.3) + 7.0 * (2.3 - jump);
-            let off = (found - exact).abs();
-            assert!(off <= bound + 1e-14, "at {jump}: {off} exceeds {bound}");
-            // Four times the jump over a part of the coarsest partition, 2/7 long, and as much
-            // again for the others.
-            assert!(bound < 8.0 * 4.0 * 2.0 / 7.0, "at {jump}: {bound}");
-        }
-    }
-
-    #[test]
-    fn the_mean_force_of_a_spring_is_that_of_its_path() {
-        let ground = FlatGround::level(200.0, 0.0);
-        let range = GroundRange {
-            centre: DVec3::ZERO,
-            size: 1.0,
-            depth: 0.1,
-            speed: 1.0,
-        };
-        let check = Check {
-            ground: &ground,
-            range: &range,
-        };
-        for (start, end, mean, largest) in [
-            (0.0, 0.1, 10.0, 20.0),
-            (0.1, 0.0, 10.0, 20.0),
-            (0.04, 0.1, 14.0, 20.0),
-            // A quarter of the path is deeper than 0.
-            (-0.3, 0.1, 2.5, 20.0),
-            (0.1, -0.3, 2.5, 20.0),
-            (0.05, 0.05, 10.0, 10.0),
-            // So short that the middle is the mean.
-            (0.05, 0.05 + 1e-15, 10.0, 10.0),
-        ] {
-            let (found, most) = check.mean_by_definition(start, end, 1.0);
-            assert!((found - mean).abs() < 1e-10, "{start} to {end}: {found}");
-            // The outermost points of the rule are a little inside.
-            assert!(most <= largest + 1e-10 && most > 0.99 * largest, "{most}");
-        }
-    }
-}
+mod tests;

@@ -343,3 +343,6 @@ fn distance<R: Real>(a: &State<R>, b: &State<R>, seconds: R) -> R {
 fn rounding_of_time<R: Real>() -> R {
     ulps::<R>(4.0e6).at_most(R::from_f64(1e-4)) * R::TWO
 }
+
+#[cfg(test)]
+mod tests;

@@ -88,10 +88,12 @@ impl<R: Real> Setup<R> {
             gravity: or_none(draw, 1.0, 26),
             level: R::ZERO,
             radius: or_none(draw, 0.3, 3),
-            start: State::at(R::Vec3::new(R::ZERO, R::ZERO, draw.either::<R>()))
-                .with_rotation_vector(draw.direction::<R>() * R::from_f64(3.0))
-                .with_linear_velocity(draw.direction::<R>() * speed)
-                .with_angular_momentum(draw.direction::<R>() * spin),
+            start: State {
+                orientation: draw.rotation::<R>().to_quat(),
+                ..State::at(R::Vec3::new(R::ZERO, R::ZERO, draw.either::<R>()))
+                    .with_linear_velocity(draw.direction::<R>() * speed)
+                    .with_angular_momentum(draw.direction::<R>() * spin)
+            },
         };
         Self::new("a random scene", case, &parameters, time_step)
     }

@@ -1,0 +1,237 @@
+//! The value and the bound that a fault of known size is reported with.
+
+use core::cell::Cell;
+
+use super::*;
+use glam::{DMat3, DVec3};
+
+const RADIUS: f64 = 2.0;
+
+/// A body of which each test gives the parts.
+struct Given<'a> {
+    contacts: &'a [ContactPoint],
+    /// Contacts from this call on, if there are others.
+    later: Option<(u32, &'a [ContactPoint])>,
+    rims: &'a [Rim],
+    support: f64,
+    below: fn(f64) -> ContactRange,
+    /// Support point of a smooth body.
+    farthest: Option<fn(DVec3) -> DVec3>,
+    calls: Cell<u32>,
+}
+
+impl Given<'_> {
+    fn none() -> Self {
+        Self {
+            contacts: &[],
+            later: None,
+            rims: &[],
+            support: RADIUS,
+            below: |_| ContactRange::NONE,
+            farthest: None,
+            calls: Cell::new(0),
+        }
+    }
+}
+
+impl RigidPointBody for Given<'_> {
+    fn mass(&self) -> f64 {
+        1.0
+    }
+    fn inertia(&self) -> DMat3 {
+        DMat3::IDENTITY
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        let before = self.calls.replace(self.calls.get() + 1);
+        match self.later {
+            Some((call, contacts)) if before >= call => contacts,
+            _ => self.contacts,
+        }
+    }
+    fn rims(&self) -> &[Rim] {
+        self.rims
+    }
+    fn bounding_radius(&self) -> f64 {
+        RADIUS
+    }
+    fn contacts_below(&self, _: DVec3, offset: f64) -> ContactRange {
+        (self.below)(offset)
+    }
+    fn support(&self, _: DVec3) -> f64 {
+        self.support
+    }
+    fn is_smooth(&self) -> bool {
+        self.farthest.is_some()
+    }
+    fn support_point(&self, towards: DVec3) -> DVec3 {
+        self.farthest.map_or(towards, |farthest| farthest(towards))
+    }
+}
+
+fn point(x: f64, y: f64, z: f64, radius: f64) -> ContactPoint {
+    ContactPoint {
+        position: DVec3::new(x, y, z),
+        radius,
+    }
+}
+
+fn assert_found(found: Result<(), Violation>, requirement: Requirement, [value, bound]: [f64; 2]) {
+    let violation = found.expect_err("a fault");
+    assert_eq!(violation.requirement, requirement);
+    for (found, expected) in [(violation.value, value), (violation.bound, bound)] {
+        let off = (found - expected).abs();
+        assert!(
+            off <= 2.0 * f64::EPSILON * expected.abs(),
+            "{found:e}, not {expected:e}"
+        );
+    }
+}
+
+/// A length with some units in the last place of the bounding radius.
+fn with_rounding(length: f64, units: f64) -> f64 {
+    length + RADIUS * (units * f64::EPSILON)
+}
+
+#[test]
+fn a_contact_beyond_the_bounding_radius_or_the_support_is_told_with_the_rounding() {
+    let contacts = [point(0.0, 0.0, 1.5, 0.75)];
+    let body = Given {
+        contacts: &contacts,
+        ..Given::none()
+    };
+    let bound = with_rounding(RADIUS, 8.0);
+    assert_found(check_reach(&body), Requirement::Reach, [2.25, bound]);
+    let body = Given {
+        support: 2.125,
+        ..body
+    };
+    let bound = with_rounding(2.125, 8.0);
+    let found = check_support(&body, DVec3::Z);
+    assert_found(found, Requirement::Reach, [2.25, bound]);
+    assert_eq!(check_support(&body, -DVec3::Z), Ok(()));
+}
+
+#[test]
+fn a_rim_beyond_the_bounding_radius_or_the_support_is_told_with_the_rounding() {
+    let long = [Rim::new(DVec3::ZERO, DVec3::Z, 3.0, 12)];
+    let body = Given {
+        rims: &long,
+        support: 10.0,
+        ..Given::none()
+    };
+    let found = check_support(&body, DVec3::X);
+    assert_found(found, Requirement::Reach, [3.0, with_rounding(RADIUS, 8.0)]);
+    let wide = [Rim::new(DVec3::ZERO, DVec3::Z, 1.5, 12)];
+    let body = Given {
+        rims: &wide,
+        support: 1.25,
+        ..Given::none()
+    };
+    let found = check_support(&body, DVec3::X);
+    assert_found(found, Requirement::Reach, [1.5, with_rounding(1.25, 8.0)]);
+    let body = Given {
+        support: 1.5,
+        ..body
+    };
+    assert_eq!(check_support(&body, DVec3::X), Ok(()));
+}
+
+#[test]
+fn a_support_point_that_is_too_far_or_not_the_farthest_is_told_with_the_rounding() {
+    let contacts = [point(0.0, 0.0, 0.0, 1.0)];
+    let far = Given {
+        contacts: &contacts,
+        farthest: Some(|towards| towards * 3.0),
+        ..Given::none()
+    };
+    let plan = CheckPlan::default();
+    let found = check_support_point(&far, &mut plan.draw(), 1);
+    assert_found(
+        found,
+        Requirement::Support,
+        [3.0, with_rounding(RADIUS, 16.0)],
+    );
+    // The first direction is that to the lowest corner of the cube, and the point before it is
+    // that of z.
+    let inside = Given {
+        farthest: Some(|towards| {
+            if towards == DVec3::Z {
+                -DVec3::ONE
+            } else {
+                towards * 0.5
+            }
+        }),
+        ..far
+    };
+    let found = check_support_point(&inside, &mut plan.draw(), 1);
+    let [height, most] = [3.0_f64.sqrt(), 0.5];
+    assert_found(
+        found,
+        Requirement::Support,
+        [height, with_rounding(most, 16.0)],
+    );
+    let ball = Given {
+        farthest: Some(|towards| towards),
+        ..inside
+    };
+    assert_eq!(check_support_point(&ball, &mut plan.draw(), 40), Ok(()));
+}
+
+#[test]
+fn a_contact_that_is_left_out_is_told_by_the_height_of_its_surface() {
+    let contacts = [point(0.0, 0.0, 0.25, 0.5)];
+    let body = Given {
+        contacts: &contacts,
+        ..Given::none()
+    };
+    let first = Portrait::of(&body);
+    let below = |offset| check_below(&body, &first, DVec3::Z, offset);
+    assert_found(below(0.5), Requirement::ContactsBelow, [-0.25, 0.5]);
+    // Closer to the plane than the rounding of its terms it may be in the range or not.
+    let rounding = (0.25 + RADIUS) * (8.0 * f64::EPSILON);
+    assert_eq!(below(-0.25 + 0.9 * rounding), Ok(()));
+    let found = below(-0.25 + 1.1 * rounding).expect_err("a contact is left out");
+    assert_eq!(found.requirement, Requirement::ContactsBelow);
+}
+
+#[test]
+fn a_contact_that_moves_is_told_as_a_body_that_changes() {
+    let [before, after] = [[point(0.0, 0.0, 1.0, 0.0)], [point(0.0, 0.0, -1.0, 0.0)]];
+    let body = Given {
+        contacts: &before,
+        ..Given::none()
+    };
+    let first = Portrait::of(&body);
+    let body = Given {
+        later: Some((0, &after)),
+        ..body
+    };
+    let found = check_below(&body, &first, DVec3::Z, 0.0).expect_err("a change");
+    assert_eq!(found.requirement, Requirement::Rigid);
+    // In no range, and below no plane.
+    assert_eq!(check_below(&body, &first, DVec3::Z, -2.0), Ok(()));
+}
+
+#[test]
+fn the_hash_of_contacts_follows_each_bit_of_each_number() {
+    let contacts = [point(1.0, 0.0, -3.0, 0.5), point(0.0, 0.25, 7.0, 0.0)];
+    let hash = hash_of(&contacts);
+    for index in 0..2 {
+        for bit in [0, 1, 17, 40, 52, 60, 63] {
+            let flipped = |number: f64| f64::from_bits(number.to_bits() ^ (1 << bit));
+            let changes: [fn(&mut ContactPoint, &dyn Fn(f64) -> f64); 4] = [
+                |contact, flip| contact.position.x = flip(contact.position.x),
+                |contact, flip| contact.position.y = flip(contact.position.y),
+                |contact, flip| contact.position.z = flip(contact.position.z),
+                |contact, flip| contact.radius = flip(contact.radius),
+            ];
+            for change in changes {
+                let mut other = contacts;
+                change(&mut other[index], &flipped);
+                assert_ne!(hash_of(&other), hash, "bit {bit} of contact {index}");
+            }
+        }
+    }
+    assert_ne!(hash_of(&[contacts[1], contacts[0]]), hash);
+    assert_eq!(hash_of(&contacts.clone()), hash);
+}

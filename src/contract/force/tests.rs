@@ -1,0 +1,244 @@
+//! The value and the bound that a fault of known size is reported with.
+
+use core::cell::Cell;
+
+use super::*;
+use crate::force::{ForcePower, Wrench};
+use crate::rotation::Rotation;
+use glam::DVec3;
+
+const RANGE: ForceRange = ForceRange {
+    centre: DVec3::ZERO,
+    size: 1.0,
+    speed: 5.0,
+    angular_speed: 30.0,
+};
+const VELOCITY: DVec3 = DVec3::new(3.0, -4.0, 12.0);
+const SPIN: DVec3 = DVec3::new(2.0, 6.0, -9.0);
+
+/// A force of which each test gives the parts.
+struct Given {
+    wrench: fn(&Motion) -> Wrench,
+    power: fn(&Motion) -> ForcePower,
+    is_passive: bool,
+    acts: bool,
+    /// Number of calls of the constant part and of the wrench so far.
+    calls: [Cell<u32>; 2],
+    constant: fn(u32) -> Option<DVec3>,
+    /// Force and torque that are added at each call but the first.
+    later: Wrench,
+}
+
+impl Given {
+    fn none() -> Self {
+        Self {
+            wrench: |_| Wrench::ZERO,
+            power: |_| power(0.0, 0.0),
+            is_passive: false,
+            acts: true,
+            calls: Default::default(),
+            constant: |_| None,
+            later: Wrench::ZERO,
+        }
+    }
+}
+
+impl Force for Given {
+    fn wrench(&self, motion: &Motion) -> Wrench {
+        let before = self.calls[1].replace(self.calls[1].get() + 1);
+        let wrench = (self.wrench)(motion);
+        if before == 0 {
+            wrench
+        } else {
+            wrench.plus(&self.later, 1.0)
+        }
+    }
+    fn is_passive(&self) -> bool {
+        self.is_passive
+    }
+    fn constant_force(&self) -> Option<DVec3> {
+        let before = self.calls[0].replace(self.calls[0].get() + 1);
+        (self.constant)(before)
+    }
+    fn power(&self, motion: &Motion) -> ForcePower {
+        (self.power)(motion)
+    }
+    fn acts(&self) -> bool {
+        self.acts
+    }
+}
+
+fn power(drag: f64, drive: f64) -> ForcePower {
+    ForcePower { drag, drive }
+}
+
+fn moving() -> Motion {
+    Motion {
+        position: DVec3::ZERO,
+        axes: Rotation::IDENTITY.axes(),
+        linear_velocity: VELOCITY,
+        angular_velocity: SPIN,
+    }
+}
+
+fn check(force: &Given) -> Check<'_, f64, Given> {
+    Check {
+        force,
+        range: &RANGE,
+        largest: [0.0; 2],
+        is_passive: force.is_passive,
+    }
+}
+
+fn assert_found(found: Result<(), Violation>, requirement: Requirement, [value, bound]: [f64; 2]) {
+    let violation = found.expect_err("a fault");
+    assert_eq!(violation.requirement, requirement);
+    for (found, expected) in [(violation.value, value), (violation.bound, bound)] {
+        let off = (found - expected).abs();
+        assert!(off <= 1e-12 * expected.abs(), "{found:e}, not {expected:e}");
+    }
+}
+
+/// Rounding of a power of a force of 2 N at 13 m/s and a torque of 3 N m at 11 rad/s.
+const ROUNDING: f64 = (2.0 * 13.0 + 3.0 * 11.0) * 16.0 * f64::EPSILON;
+
+fn along(motion: &Motion, [force, torque]: [f64; 2]) -> Wrench {
+    Wrench {
+        force: motion.linear_velocity * (force / 13.0),
+        torque: motion.angular_velocity * (torque / 11.0),
+    }
+}
+
+#[test]
+fn a_passive_force_that_works_is_told_by_its_power() {
+    let force = Given {
+        wrench: |motion| along(motion, [2.0, -3.0]),
+        power: |_| power(-7.0, 0.0),
+        is_passive: true,
+        ..Given::none()
+    };
+    assert_eq!(check(&force).power(&moving()), Ok(()));
+    let force = Given {
+        wrench: |motion| along(motion, [-2.0, 3.0]),
+        ..force
+    };
+    let found = check(&force).power(&moving());
+    assert_found(found, Requirement::PassiveTakes, [7.0, ROUNDING]);
+    let force = Given {
+        wrench: |motion| along(motion, [-2.0, -3.0]),
+        power: |_| power(-60.0, 1.0),
+        ..force
+    };
+    let found = check(&force).power(&moving());
+    assert_found(found, Requirement::PassiveTakes, [1.0, 0.0]);
+}
+
+#[test]
+fn a_drag_that_drives_and_a_sum_that_is_not_the_power_are_told_with_the_rounding() {
+    let force = Given {
+        wrench: |motion| along(motion, [2.0, 3.0]),
+        power: |_| power(4.0, 55.0),
+        ..Given::none()
+    };
+    let found = check(&force).power(&moving());
+    assert_found(found, Requirement::PassiveTakes, [4.0, ROUNDING]);
+    let force = Given {
+        power: |_| power(-4.0, 58.0),
+        ..force
+    };
+    let found = check(&force).power(&moving());
+    assert_found(found, Requirement::PowerFits, [5.0, ROUNDING]);
+    let force = Given {
+        power: |_| power(-4.0, 63.0),
+        ..force
+    };
+    assert_eq!(check(&force).power(&moving()), Ok(()));
+}
+
+#[test]
+fn force_and_torque_count_where_a_force_does_not_act_or_changes() {
+    let force = Given {
+        wrench: |motion| along(motion, [2.0, 3.0]),
+        acts: false,
+        ..Given::none()
+    };
+    let found = check(&force).motion(&moving());
+    assert_found(found, Requirement::ActsOrZero, [5.0, 0.0]);
+    for (later, change) in [
+        (
+            Wrench {
+                force: DVec3::X,
+                torque: DVec3::Y * 2.0,
+            },
+            3.0,
+        ),
+        (
+            Wrench {
+                force: DVec3::X,
+                torque: DVec3::ZERO,
+            },
+            1.0,
+        ),
+        (
+            Wrench {
+                force: DVec3::ZERO,
+                torque: DVec3::Y * 2.0,
+            },
+            2.0,
+        ),
+    ] {
+        let force = Given {
+            later,
+            ..Given::none()
+        };
+        let found = check(&force).motion(&moving());
+        assert_found(found, Requirement::SameBits, [change, 0.0]);
+    }
+}
+
+#[test]
+fn a_constant_part_that_changes_is_found() {
+    let force = Given {
+        constant: |call| Some(DVec3::X * f64::from(call)),
+        ..Given::none()
+    };
+    assert_found(check(&force).constant(), Requirement::SameBits, [1.0, 0.0]);
+    let force = Given {
+        constant: |call| (call == 0).then_some(DVec3::ZERO),
+        ..Given::none()
+    };
+    assert_found(check(&force).constant(), Requirement::SameBits, [1.0, 0.0]);
+    let force = Given {
+        constant: |_| Some(DVec3::X),
+        ..Given::none()
+    };
+    assert_eq!(check(&force).constant(), Ok(()));
+}
+
+#[test]
+fn the_velocities_are_changed_by_a_share_of_the_range() {
+    let axis = DVec3::new(1.0, -1.0, 0.5) * (3.0 * f64::EPSILON.sqrt());
+    let change = |found: Result<(), Violation>, requirement| {
+        let violation = found.expect_err("a jump");
+        assert_eq!(violation.requirement, requirement);
+        violation.value
+    };
+    let force = Given {
+        wrench: |motion| Wrench {
+            force: motion.linear_velocity,
+            torque: DVec3::ZERO,
+        },
+        ..Given::none()
+    };
+    let found = change(check(&force).continuous(&moving()), Requirement::Continuous);
+    assert!((found / (axis * RANGE.speed).length() - 1.0).abs() < 1e-6);
+    let force = Given {
+        wrench: |motion| Wrench {
+            force: DVec3::ZERO,
+            torque: motion.angular_velocity,
+        },
+        ..force
+    };
+    let found = change(check(&force).continuous(&moving()), Requirement::Continuous);
+    assert!((found / (axis * RANGE.angular_speed).length() - 1.0).abs() < 1e-6);
+}
