@@ -326,3 +326,27 @@ fn single_precision_rolls_too() {
     assert!((speed - 5.0 / 7.0).abs() < 1e-4, "{speed}");
     assert!(session.step_count() < 1000, "{}", session.step_count());
 }
+
+#[test]
+fn a_step_of_any_length_is_taken_in_single_precision() {
+    let stepper = Stepper::builder(Cuboid::solid(0.5_f32, Vec3::new(0.3, 0.2, 0.1)))
+        .gravity(UniformGravity::down(9.8_f32))
+        .ground(FlatGround::level(3e3_f32, 4.0))
+        .friction(Coulomb {
+            coefficient: 0.4_f32,
+            slip_speed: 1e-2,
+        })
+        .integrator(Radau5::new(1e-4_f32))
+        .build()
+        .unwrap();
+    // It lies on its springs, slides and spins.
+    let start = State::at(Vec3::Z * 0.0496)
+        .with_linear_velocity(Vec3::new(0.8, 0.1, 0.0))
+        .with_angular_momentum(Vec3::new(0.01, 0.02, 0.05));
+    for exponent in 3..=37 {
+        let limit = 10.0_f32.powi(-exponent);
+        let mut session = stepper.session(start);
+        let step = session.step_within(limit).unwrap();
+        assert_eq!(step.elapsed.to_bits(), limit.to_bits(), "{limit:e} s");
+    }
+}

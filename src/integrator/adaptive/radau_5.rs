@@ -1,7 +1,7 @@
 //! Radau's implicit method of order 5, for stiff friction and stiff ground at high accuracy.
 //!
 //! The stages of a step: the Jacobian (`jacobian`), the increments of the three stages (`stages`,
-//! `linear`), and the error estimate. Touch-downs and step size control are those of the explicit
+//! `reduced`, `linear`), and the error estimate. Touch-downs and step size control are those of the explicit
 //! pairs (`embedded_pair`).
 //!
 //! # Estimate
@@ -23,6 +23,7 @@
 
 mod jacobian;
 mod linear;
+mod reduced;
 mod stages;
 
 use super::embedded_pair::control::{self, Errors};
@@ -70,7 +71,7 @@ use stages::{Equations, Increments, STAGES, WEIGHTS, differences};
 ///   same holds at 1e-6 m/s. It is mostly 0.1 to 2 tolerances (`tests/physics/radau.rs` prints it).
 ///   After longer times it depends on how the motion amplifies it.
 /// - *Cost:* 15 to 30 force evaluations per attempted step, with the Jacobian and linear equations
-///   of 13 unknowns. Where friction is not stiff, an explicit pair costs less.
+///   of six real and six complex unknowns. Where friction is not stiff, an explicit pair costs less.
 /// - *Jacobian:* from the derivatives of the laws. A law without its own is differentiated by
 ///   differences. An applied force and the curvature of the ground are not part of it. They cost
 ///   iterations, not accuracy.
@@ -126,7 +127,7 @@ impl<R: Real> Formula<R, STAGES> for RadauIIA {
         load: impl Fn(&Motion<R>) -> Load<R>,
     ) -> Option<Attempt<R, STAGES>> {
         let jacobian = Jacobian::at(scene, &start.motion, start.point.angular_momentum);
-        let equations = Equations::of(&jacobian.matrix, start.point.orientation, seconds);
+        let equations = Equations::of(&jacobian, start.point.orientation, seconds);
         let evaluations = core::cell::Cell::new(1);
         let slope_at = |increment: &Point<R>| {
             evaluations.set(evaluations.get() + 1);

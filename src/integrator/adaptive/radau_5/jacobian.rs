@@ -22,7 +22,7 @@
 //! The Jacobian only steers the iteration. So it leaves out what is not stiff: applied forces and
 //! the curvature of the ground.
 
-use super::linear::SIZE;
+use super::linear::Rows;
 use crate::contact::{Contact, Motion};
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
@@ -30,18 +30,17 @@ use crate::integrator::energy_momentum::Block;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
 
-/// The Jacobian, rows and columns in the order ξ, ϑ, v, L, length.
-pub(super) type Matrix<R> = [[R; SIZE]; SIZE];
-
-/// First row or column of each vector.
-const SHIFT: usize = 0;
-const TURN: usize = 3;
-const VELOCITY: usize = 6;
-const MOMENTUM: usize = 9;
-
-/// The Jacobian, and the slip over which friction changes.
+/// The Jacobian, by its blocks that are not 0 or 1. The rates of the velocities are six rows, those
+/// of v and of L.
 pub(super) struct Jacobian<R: Real> {
-    pub(super) matrix: Matrix<R>,
+    /// Derivatives of `ϑ'` with respect to the rotation, and to L.
+    pub(super) turning: [Rows<R, 3, 3>; 2],
+    /// Derivatives of `v'` and `L'` with respect to the shift.
+    pub(super) by_shift: Rows<R, 6, 3>,
+    /// The same with respect to the rotation.
+    pub(super) by_turn: Rows<R, 6, 3>,
+    /// The same with respect to v and L.
+    pub(super) by_rates: Rows<R, 6, 6>,
     /// Smallest width of the friction of all contacts, m/s.
     pub(super) width: R,
 }
@@ -54,47 +53,35 @@ impl<R: Real> Jacobian<R> {
         angular_momentum: R::Vec3,
     ) -> Self {
         let load = Derivatives::of_contacts(scene, motion);
+        let properties = scene.inertia_properties();
+        let inverse = of_columns(|axis| properties.angular_velocity(&motion.axes, axis));
+        // Derivative of the angular velocity with respect to a rotation.
+        let by_turn = of_columns::<R>(|axis| {
+            let turned = properties.angular_velocity(&motion.axes, axis.cross(angular_momentum));
+            axis.cross(motion.angular_velocity) - turned
+        });
+        let turning = Block::hat(motion.angular_velocity * R::HALF).plus(&by_turn);
+        let [force, torque] = [
+            (load.force, properties.inverse_mass()),
+            (load.torque, R::ONE),
+        ]
+        .map(|(part, scale)| Part {
+            shift: part.shift.scaled(scale),
+            turn: (part.turn.plus(&part.spin.times_block(&by_turn))).scaled(scale),
+            velocity: part.velocity.scaled(scale),
+            spin: part.spin.times_block(&inverse).scaled(scale),
+        });
         Self {
-            matrix: matrix(scene, motion, angular_momentum, &load),
+            turning: [rows(&turning), rows(&inverse)],
+            by_shift: below(rows(&force.shift), rows(&torque.shift)),
+            by_turn: below(rows(&force.turn), rows(&torque.turn)),
+            by_rates: below(
+                beside(rows(&force.velocity), rows(&force.spin)),
+                beside(rows(&torque.velocity), rows(&torque.spin)),
+            ),
             width: load.width,
         }
     }
-}
-
-fn matrix<R: Real, D: Dynamics<R>>(
-    scene: &D,
-    motion: &Motion<R>,
-    angular_momentum: R::Vec3,
-    load: &Derivatives<R>,
-) -> Matrix<R> {
-    let properties = scene.inertia_properties();
-    let inverse = of_columns(|axis| properties.angular_velocity(&motion.axes, axis));
-    let spin = motion.angular_velocity;
-    // Derivative of the angular velocity with respect to a rotation.
-    let by_turn = of_columns::<R>(|axis| {
-        axis.cross(spin) - properties.angular_velocity(&motion.axes, axis.cross(angular_momentum))
-    });
-    let per_mass = properties.inverse_mass();
-    let mut matrix = [[R::ZERO; SIZE]; SIZE];
-    let mut set = |row, column, block: &Block<R>| place(&mut matrix, row, column, block);
-    set(SHIFT, VELOCITY, &Block::diagonal(R::ONE));
-    set(TURN, TURN, &Block::hat(spin * R::HALF).plus(&by_turn));
-    set(TURN, MOMENTUM, &inverse);
-    for (row, part, scale) in [
-        (VELOCITY, &load.force, per_mass),
-        (MOMENTUM, &load.torque, R::ONE),
-    ] {
-        let turn = part.turn.plus(&part.spin.times_block(&by_turn));
-        set(row, SHIFT, &part.shift.scaled(scale));
-        set(row, TURN, &turn.scaled(scale));
-        set(row, VELOCITY, &part.velocity.scaled(scale));
-        set(
-            row,
-            MOMENTUM,
-            &part.spin.times_block(&inverse).scaled(scale),
-        );
-    }
-    matrix
 }
 
 /// Derivatives of a force or a torque with respect to shift, rotation, velocity and angular
@@ -266,12 +253,21 @@ fn of_columns<R: Real>(image: impl Fn(R::Vec3) -> R::Vec3) -> Block<R> {
     }
 }
 
-/// Writes a block into the matrix.
-fn place<R: Real>(matrix: &mut Matrix<R>, row: usize, column: usize, block: &Block<R>) {
-    for (line, values) in matrix.iter_mut().skip(row).zip(block.rows()) {
-        let values = [values.x(), values.y(), values.z()];
-        for (entry, value) in line.iter_mut().skip(column).zip(values) {
-            *entry = value;
-        }
-    }
+fn rows<R: Real>(block: &Block<R>) -> Rows<R, 3, 3> {
+    block.rows().map(|row| [row.x(), row.y(), row.z()])
+}
+
+/// Six rows from three and three.
+fn below<R: Real, const N: usize>(upper: Rows<R, 3, N>, lower: Rows<R, 3, N>) -> Rows<R, 6, N> {
+    let ([a, b, c], [d, e, f]) = (upper, lower);
+    [a, b, c, d, e, f]
+}
+
+/// Rows of six entries from two blocks.
+fn beside<R: Real>(left: Rows<R, 3, 3>, right: Rows<R, 3, 3>) -> Rows<R, 3, 6> {
+    let mut right = right.into_iter();
+    left.map(|[a, b, c]| {
+        let [d, e, f] = right.next().unwrap_or([R::ZERO; 3]);
+        [a, b, c, d, e, f]
+    })
 }

@@ -1,11 +1,8 @@
-//! Solution of the linear equations of the stages by Gaussian elimination, with real and with
-//! complex coefficients.
+//! Small matrices with real and with complex entries: products, the inverse of three equations, and
+//! Gaussian elimination.
 
 use crate::real::Real;
 use core::ops::{Add, Div, Mul, Sub};
-
-/// Number of equations: shift, rotation, velocity, angular momentum and length of the quaternion.
-pub(super) const SIZE: usize = 13;
 
 /// Number that linear equations can have as coefficients.
 pub(super) trait Scalar<R: Real>:
@@ -13,6 +10,8 @@ pub(super) trait Scalar<R: Real>:
 {
     /// Number with this real part.
     fn real(value: R) -> Self;
+    /// Product with a real number.
+    fn scaled(self, factor: R) -> Self;
     /// Size for the choice of a pivot.
     fn size(self) -> R;
 }
@@ -21,6 +20,10 @@ impl<R: Real> Scalar<R> for R {
     #[inline]
     fn real(value: R) -> Self {
         value
+    }
+    #[inline]
+    fn scaled(self, factor: R) -> Self {
+        self * factor
     }
     #[inline]
     fn size(self) -> R {
@@ -100,38 +103,122 @@ impl<R: Real> Scalar<R> for Complex<R> {
         }
     }
     #[inline]
+    fn scaled(self, factor: R) -> Self {
+        Self {
+            re: self.re * factor,
+            im: self.im * factor,
+        }
+    }
+    #[inline]
     fn size(self) -> R {
         self.re.abs() + self.im.abs()
     }
 }
 
-/// The matrix `λ 1 - J` as a product of triangular matrices, with its rows in the order of their
-/// pivots.
-pub(super) struct Factors<T> {
-    rows: [[T; SIZE]; SIZE],
-    /// Number of the equation that each row was.
-    order: [usize; SIZE],
+/// Matrix by its rows.
+pub(super) type Rows<T, const M: usize, const N: usize> = [[T; N]; M];
+
+/// Product of a real matrix with a vector.
+#[inline(always)]
+pub(super) fn image<R: Real, T: Scalar<R>, const M: usize, const N: usize>(
+    matrix: &Rows<R, M, N>,
+    vector: &[T; N],
+) -> [T; M] {
+    matrix.map(|row| sum(row.iter().zip(vector), |(&a, &b)| b.scaled(a)))
 }
 
-impl<T> Factors<T> {
-    /// Factors `shift · 1 - matrix`.
-    pub(super) fn of<R: Real>(shift: T, matrix: &[[R; SIZE]; SIZE]) -> Self
+/// Product of a matrix with a vector.
+#[inline(always)]
+pub(super) fn product<R: Real, T: Scalar<R>, const M: usize, const N: usize>(
+    matrix: &Rows<T, M, N>,
+    vector: &[T; N],
+) -> [T; M] {
+    matrix.map(|row| sum(row.iter().zip(vector), |(&a, &b)| a * b))
+}
+
+/// Row `left` times a real matrix.
+#[inline(always)]
+pub(super) fn row_times<R: Real, T: Scalar<R>, const M: usize, const N: usize>(
+    left: &[T; M],
+    matrix: &Rows<R, M, N>,
+) -> [T; N] {
+    core::array::from_fn(|j| sum(left.iter().zip(matrix), |(&a, row)| a.scaled(row[j])))
+}
+
+/// Real row `left` times a matrix.
+#[inline(always)]
+pub(super) fn real_row_times<R: Real, T: Scalar<R>, const M: usize, const N: usize>(
+    left: &[R; M],
+    matrix: &Rows<T, M, N>,
+) -> [T; N] {
+    core::array::from_fn(|j| sum(left.iter().zip(matrix), |(&a, row)| row[j].scaled(a)))
+}
+
+/// Sums of the entries of two vectors.
+#[inline(always)]
+pub(super) fn plus<R: Real, T: Scalar<R>, const N: usize>(a: &[T; N], b: &[T; N]) -> [T; N] {
+    core::array::from_fn(|i| a[i] + b[i])
+}
+
+#[inline(always)]
+fn sum<R: Real, T: Scalar<R>, I: Iterator>(items: I, term: impl Fn(I::Item) -> T) -> T {
+    items
+        .map(term)
+        .fold(T::real(R::ZERO), |sum, term| sum + term)
+}
+
+/// Inverse of `1 - small · matrix`, by cofactors. They need no pivots where `matrix` rotates,
+/// because its eigenvalues are then imaginary.
+pub(super) fn inverse_near_one<R: Real, T: Scalar<R>>(
+    small: T,
+    matrix: &Rows<R, 3, 3>,
+) -> Rows<T, 3, 3> {
+    let [a, b, c] = core::array::from_fn(|i| {
+        core::array::from_fn(|j| {
+            let unit = T::real(if i == j { R::ONE } else { R::ZERO });
+            unit - small.scaled(matrix[i][j])
+        })
+    });
+    let minor = |p: &[T; 3], q: &[T; 3], i: usize, j: usize| p[i] * q[j] - p[j] * q[i];
+    let cross = |p, q| [minor(p, q, 1, 2), minor(p, q, 2, 0), minor(p, q, 0, 1)];
+    let columns = [cross(&b, &c), cross(&c, &a), cross(&a, &b)];
+    let determinant = a[0] * columns[0][0] + a[1] * columns[0][1] + a[2] * columns[0][2];
+    let inverse = T::real(R::ONE) / determinant;
+    core::array::from_fn(|i| columns.map(|column| column[i] * inverse))
+}
+
+/// Returns `shift · 1 - matrix`.
+#[inline(always)]
+pub(super) fn shifted<R: Real, T: Scalar<R>, const N: usize>(
+    shift: T,
+    matrix: &Rows<R, N, N>,
+) -> Rows<T, N, N> {
+    core::array::from_fn(|i| {
+        core::array::from_fn(|j| {
+            let diagonal = if i == j { shift } else { T::real(R::ZERO) };
+            diagonal - T::real(matrix[i][j])
+        })
+    })
+}
+
+/// A matrix as a product of triangular matrices, with its rows in the order of their pivots. The
+/// inverses of the pivots take their places.
+pub(super) struct Factors<T, const N: usize> {
+    rows: Rows<T, N, N>,
+    /// Number of the equation that each row was.
+    order: [usize; N],
+}
+
+impl<T, const N: usize> Factors<T, N> {
+    pub(super) fn of<R: Real>(rows: Rows<T, N, N>) -> Self
     where
         T: Scalar<R>,
     {
-        let zero = T::real(R::ZERO);
-        let mut rows = [[zero; SIZE]; SIZE];
-        for (i, (row, given)) in rows.iter_mut().zip(matrix).enumerate() {
-            for (j, (entry, given)) in row.iter_mut().zip(given).enumerate() {
-                let diagonal = if i == j { shift } else { zero };
-                *entry = diagonal - T::real(*given);
-            }
-        }
         let mut factors = Self {
             rows,
             order: core::array::from_fn(|i| i),
         };
-        for column in 0..SIZE {
+        for column in 0..N {
             factors.bring_up_pivot(column);
             factors.eliminate(column);
         }
@@ -144,7 +231,7 @@ impl<T> Factors<T> {
     where
         T: Scalar<R>,
     {
-        for i in column + 1..SIZE {
+        for i in column + 1..N {
             if self.rows[i][column].size() > self.rows[column][column].size() {
                 self.rows.swap(i, column);
                 self.order.swap(i, column);
@@ -158,22 +245,21 @@ impl<T> Factors<T> {
     where
         T: Scalar<R>,
     {
+        let inverse = T::real(R::ONE) / self.rows[column][column];
+        self.rows[column][column] = inverse;
         let pivot = self.rows[column];
         for row in self.rows.iter_mut().skip(column + 1) {
-            // Much of the matrix is zero.
-            if row[column].size() == R::ZERO {
-                continue;
-            }
-            let factor = row[column] / pivot[column];
+            let factor = row[column] * inverse;
             row[column] = factor;
-            for j in column + 1..SIZE {
+            for j in column + 1..N {
                 row[j] = row[j] - factor * pivot[j];
             }
         }
     }
 
     /// Solves the equations for a right-hand side.
-    pub(super) fn solve<R: Real>(&self, right: &[T; SIZE]) -> [T; SIZE]
+    #[inline]
+    pub(super) fn solve<R: Real>(&self, right: &[T; N]) -> [T; N]
     where
         T: Scalar<R>,
     {
@@ -181,16 +267,16 @@ impl<T> Factors<T> {
         let mut solution = self
             .order
             .map(|equation| right.get(equation).copied().unwrap_or(zero));
-        for i in 1..SIZE {
+        for i in 1..N {
             for j in 0..i {
                 solution[i] = solution[i] - self.rows[i][j] * solution[j];
             }
         }
-        for i in (0..SIZE).rev() {
-            for j in i + 1..SIZE {
+        for i in (0..N).rev() {
+            for j in i + 1..N {
                 solution[i] = solution[i] - self.rows[i][j] * solution[j];
             }
-            solution[i] = solution[i] / self.rows[i][i];
+            solution[i] = solution[i] * self.rows[i][i];
         }
         solution
     }
@@ -200,11 +286,13 @@ impl<T> Factors<T> {
 mod tests {
     use super::*;
 
+    const SIZE: usize = 6;
+
     /// A matrix that needs row exchanges: the first pivots are 0.
-    fn matrix() -> [[f64; SIZE]; SIZE] {
+    fn matrix() -> Rows<f64, SIZE, SIZE> {
         core::array::from_fn(|i| {
             core::array::from_fn(|j| {
-                let far = (i + 5) % SIZE == j;
+                let far = (i + 2) % SIZE == j;
                 let spread = f64::from(u32::try_from((i * 7 + j * 3) % 11).unwrap()) / 50.0;
                 if i == j {
                     3.0
@@ -222,21 +310,38 @@ mod tests {
         let matrix = matrix();
         let right: [f64; SIZE] = core::array::from_fn(|i| 1.0 + i as f64);
         let shift = 3.0;
-        let x = Factors::of(shift, &matrix).solve(&right);
+        let x = Factors::of(shifted(shift, &matrix)).solve(&right);
         let complex = Complex { re: shift, im: 2.0 };
         let given = right.map(|value| Complex {
             re: value,
             im: -value,
         });
-        let z = Factors::of(complex, &matrix).solve(&given);
+        let z = Factors::of(shifted(complex, &matrix)).solve(&given);
+        let found = product(&shifted(shift, &matrix), &x);
+        let of_complex = product(&shifted(complex, &matrix), &z);
         for i in 0..SIZE {
-            let mut sums = (shift * x[i], complex * z[i]);
-            for j in 0..SIZE {
-                sums.0 -= matrix[i][j] * x[j];
-                sums.1 = sums.1 - Complex::real(matrix[i][j]) * z[j];
+            assert!((found[i] - right[i]).abs() < 1e-12, "{i}: {}", found[i]);
+            let off = of_complex[i] - given[i];
+            assert!(off.size() < 1e-12, "{i}: {off:?}");
+        }
+    }
+
+    #[test]
+    fn the_inverse_near_one_gives_the_unit_matrix() {
+        // A rotation at 7 rad/s, and what is left of it in another direction.
+        let matrix = [[0.1, -7.0, 2.0], [7.0, 0.0, -0.5], [-1.5, 0.5, -0.2]];
+        for (re, im) in [(0.3, 0.4), (0.025, 0.0), (1e-200, 2e-200)] {
+            let small = Complex { re, im };
+            let inverse = inverse_near_one(small, &matrix);
+            for i in 0..3 {
+                let column = inverse.map(|row| row[i]);
+                let image: [Complex<f64>; 3] = image(&matrix, &column);
+                for j in 0..3 {
+                    let unit = Scalar::<f64>::real(f64::from(u8::from(i == j)));
+                    let off = column[j] - small * image[j] - unit;
+                    assert!(off.size() < 1e-13, "{small:?} {i} {j}: {off:?}");
+                }
             }
-            assert!((sums.0 - right[i]).abs() < 1e-12, "{i}: {}", sums.0);
-            assert!((sums.1 - given[i]).size() < 1e-12, "{i}: {:?}", sums.1);
         }
     }
 }

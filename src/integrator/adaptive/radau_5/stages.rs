@@ -3,7 +3,7 @@
 //! The stages are at the fractions `c_i` of the step, and their increments are
 //! `z_i = h Σ a_ij f(y + z_j)`. The inverse of `a` has one real and two complex eigenvalues. In the
 //! coordinates `w = T⁻¹ z` of its eigenvectors, the linear equations of an iteration fall into 13
-//! real and 13 complex ones:
+//! real and 13 complex ones, which `reduced` solves:
 //!
 //! ```text
 //! (γ/h - J) δw₁ = (T⁻¹ f)₁ - γ/h w₁
@@ -11,8 +11,9 @@
 //! ```
 //! (Hairer & Wanner, Solving Ordinary Differential Equations II, sections IV.5 and IV.8.)
 
-use super::jacobian::Matrix;
-use super::linear::{Complex, Factors, SIZE, Scalar};
+use super::jacobian::Jacobian;
+use super::linear::Complex;
+use super::reduced::{Local, Reduced};
 use crate::integrator::point::Point;
 use crate::real::{Quaternion, Real, Vector};
 use crate::rotation::Rotation;
@@ -81,9 +82,10 @@ const LEAST: u32 = 4;
 const MOST: u32 = 10;
 
 /// The linear equations of one step.
-pub(super) struct Equations<R: Real> {
-    real: Factors<R>,
-    complex: Factors<Complex<R>>,
+pub(super) struct Equations<'a, R: Real> {
+    jacobian: &'a Jacobian<R>,
+    real: Reduced<R>,
+    complex: Reduced<Complex<R>>,
     gamma: R,
     lambda: Complex<R>,
     /// Orientation at the start, which the coordinates of a rotation refer to.
@@ -101,8 +103,8 @@ pub(super) struct Solution<R: Real> {
 /// Increments of the stages from the start of the step.
 pub(super) type Increments<R> = [Point<R>; STAGES];
 
-impl<R: Real> Equations<R> {
-    pub(super) fn of(jacobian: &Matrix<R>, orientation: Rotation<R>, seconds: R) -> Self {
+impl<'a, R: Real> Equations<'a, R> {
+    pub(super) fn of(jacobian: &'a Jacobian<R>, orientation: Rotation<R>, seconds: R) -> Self {
         let per_second = R::ONE / seconds;
         let gamma = R::from_f64(GAMMA) * per_second;
         let lambda = Complex {
@@ -110,8 +112,9 @@ impl<R: Real> Equations<R> {
             im: R::from_f64(BETA) * per_second,
         };
         Self {
-            real: Factors::of(gamma, jacobian),
-            complex: Factors::of(lambda, jacobian),
+            jacobian,
+            real: Reduced::of(gamma, jacobian),
+            complex: Reduced::of(lambda, jacobian),
             gamma,
             lambda,
             orientation,
@@ -174,15 +177,12 @@ impl<R: Real> Equations<R> {
         let right = self.local(&f1.plus(w1, -self.gamma));
         let right_re = self.local(&f2.plus(w2, -re).plus(w3, im));
         let right_im = self.local(&f3.plus(w3, -re).plus(w2, -im));
-        let mut pairs = right_re.map(<Complex<R> as Scalar<R>>::real);
-        for (pair, im) in pairs.iter_mut().zip(right_im) {
-            pair.im = im;
-        }
-        let solved = self.complex.solve(&pairs);
+        let right_pair = right_re.zip(&right_im, |re, im| Complex { re, im });
+        let pair = self.complex.solve(self.jacobian, &right_pair);
         [
-            self.point(&self.real.solve(&right)),
-            self.point(&solved.map(|pair| pair.re)),
-            self.point(&solved.map(|pair| pair.im)),
+            self.point(&self.real.solve(self.jacobian, &right)),
+            self.point(&pair.map(|part| part.re)),
+            self.point(&pair.map(|part| part.im)),
         ]
     }
 
@@ -199,11 +199,11 @@ impl<R: Real> Equations<R> {
         for (increment, weight) in increments.iter().zip(ERROR) {
             sum = sum.plus(increment, R::from_f64(weight) / seconds);
         }
-        self.point(&self.real.solve(&self.local(&sum)))
+        self.point(&self.real.solve(self.jacobian, &self.local(&sum)))
     }
 
-    /// Coordinates of a difference of points: shift, rotation, velocity, angular momentum, length.
-    fn local(&self, point: &Point<R>) -> [R; SIZE] {
+    /// Coordinates of a difference of points. The rotation is twice the change of the quaternion.
+    fn local(&self, point: &Point<R>) -> Local<R> {
         let turn = point.orientation.after(self.orientation.inverse());
         let [x, y, z, length] = turn.to_quat().xyzw();
         let (p, v, l) = (
@@ -211,29 +211,20 @@ impl<R: Real> Equations<R> {
             point.linear_velocity,
             point.angular_momentum,
         );
-        let two = R::TWO;
-        [
-            p.x(),
-            p.y(),
-            p.z(),
-            x * two,
-            y * two,
-            z * two,
-            v.x(),
-            v.y(),
-            v.z(),
-            l.x(),
-            l.y(),
-            l.z(),
+        Local {
+            shift: [p.x(), p.y(), p.z()],
+            turn: [x, y, z].map(|part| part * R::TWO),
+            rates: [v.x(), v.y(), v.z(), l.x(), l.y(), l.z()],
             length,
-        ]
+        }
     }
 
     /// Difference of points with these coordinates.
-    fn point(&self, local: &[R; SIZE]) -> Point<R> {
-        let [px, py, pz, x, y, z, vx, vy, vz, lx, ly, lz, length] = *local;
-        let half = R::HALF;
-        let turn = Rotation::unscaled(R::Quat::new(x * half, y * half, z * half, length));
+    fn point(&self, local: &Local<R>) -> Point<R> {
+        let [px, py, pz] = local.shift;
+        let [x, y, z] = local.turn.map(|part| part * R::HALF);
+        let [vx, vy, vz, lx, ly, lz] = local.rates;
+        let turn = Rotation::unscaled(R::Quat::new(x, y, z, local.length));
         Point {
             position: R::Vec3::new(px, py, pz),
             linear_velocity: R::Vec3::new(vx, vy, vz),
