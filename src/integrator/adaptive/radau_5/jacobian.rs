@@ -1,15 +1,18 @@
 //! The Jacobian of the equations of motion, from the derivatives of the contact and friction laws.
 //!
 //! Coordinates near a state are a shift ξ (m), a rotation ϑ (rad, world axes), and changes of the
-//! velocity v, of the angular momentum L, and of the length of the quaternion. With the inverse
+//! velocity v, of the angular momentum L, and of the length s of the quaternion. With the inverse
 //! inertia W in world axes and `ω = W L`:
 //!
 //! ```text
-//! ξ' = δv        ϑ' = ω × ϑ/2 + δω        m δv' = δF        δL' = δT
+//! ξ' = δv        ϑ' = ω × ϑ/2 + ω s + δω        s' = -ω·ϑ/4        m δv' = δF        δL' = δT
 //! δω = W δL + ϑ × ω - W (ϑ × L)
 //! ```
-//! (ϑ is twice the change of the quaternion times its inverse, which explains the factor 1/2.) The
-//! force F of a contact at the arm r depends on its path and on its velocity:
+//! ϑ/2 and s are the vector and the scalar of the change of the quaternion times its inverse, and a
+//! quaternion changes at the rate `ω q/2`. With s a uniform rotation has linear equations, so that a
+//! step may rotate the body by a radian at no further iteration.
+//!
+//! The force F of a contact at the arm r depends on its path and on its velocity:
 //!
 //! ```text
 //! δF = P (ξ + M ϑ) + Q (δv + δω × r + ω × M ϑ)        δT = r × δF + M ϑ × F
@@ -33,6 +36,8 @@ use crate::scene::{Dynamics, size};
 /// The Jacobian, by its blocks that are not 0 or 1. The rates of the velocities are six rows, those
 /// of v and of L.
 pub(super) struct Jacobian<R: Real> {
+    /// Angular velocity ω, rad/s.
+    pub(super) spin: [R; 3],
     /// Derivatives of `ϑ'` with respect to the rotation, and to L.
     pub(super) turning: [Rows<R, 3, 3>; 2],
     /// Derivatives of `v'` and `L'` with respect to the shift.
@@ -71,7 +76,9 @@ impl<R: Real> Jacobian<R> {
             velocity: part.velocity.scaled(scale),
             spin: part.spin.times_block(&inverse).scaled(scale),
         });
+        let spin = motion.angular_velocity;
         Self {
+            spin: [spin.x(), spin.y(), spin.z()],
             turning: [rows(&turning), rows(&inverse)],
             by_shift: below(rows(&force.shift), rows(&torque.shift)),
             by_turn: below(rows(&force.turn), rows(&torque.turn)),

@@ -1,19 +1,19 @@
 //! The linear equations `(λ - J) x = r` of an iteration, reduced to those of the velocities.
 //!
-//! Forces make the rates of the velocities stiff. The other rates follow from the kinematics: with
-//! the blocks of the [`Jacobian`], W for the angular velocity by L, and u for v and L together,
+//! Forces make the rates of the velocities stiff. The other rates follow from the kinematics. With
+//! the blocks of the [`Jacobian`], the length s of the quaternion, W for the angular velocity by L,
+//! and u for v and L together,
 //!
 //! ```text
-//! ξ = (r_ξ + v)/λ        ϑ = E (r_ϑ + W L)        E = (λ - A)⁻¹
-//! (λ - F_u) u - F_ξ v/λ - F_ϑ E W L = r_u + F_ξ r_ξ/λ + F_ϑ E r_ϑ
+//! ξ = (r_ξ + v)/λ        ϑ = E (r_ϑ + ω r_s/λ + W L)        s = (r_s - ω·ϑ/4)/λ
+//! (λ - F_u) u - F_ξ v/λ - F_ϑ E W L = r_u + F_ξ r_ξ/λ + F_ϑ E (r_ϑ + ω r_s/λ)
+//! E = (λ - A + ω ωᵀ/4λ)⁻¹
 //! ```
-//! So six equations are left of 13. A is the derivative of `ϑ'` with respect to ϑ. It only rotates
-//! ϑ, at about the rate of the body.
+//! So six equations are left of 13. A is the derivative of `ϑ'` with respect to ϑ.
 
 use super::jacobian::Jacobian;
 use super::linear::{
-    Factors, Rows, Scalar, image, inverse_near_one, plus, product, real_row_times, row_times,
-    shifted,
+    Factors, Rows, Scalar, image, inverse, plus, product, real_row_times, row_times, shifted,
 };
 use crate::real::Real;
 
@@ -58,6 +58,8 @@ impl<T: Copy> Local<T> {
 pub(super) struct Reduced<T> {
     /// `1/λ`.
     per_rate: T,
+    /// `ω/λ`.
+    angle: [T; 3],
     /// E.
     turning: Rows<T, 3, 3>,
     /// `F_ϑ E`.
@@ -72,9 +74,8 @@ impl<T> Reduced<T> {
     {
         let [by_turn, by_momentum] = &jacobian.turning;
         let per_rate = T::real(R::ONE) / rate;
-        // The rate itself has no cube if the step is short.
-        let turning =
-            inverse_near_one(per_rate, by_turn).map(|row| row.map(|entry| entry * per_rate));
+        let angle = jacobian.spin.map(|part| per_rate.scaled(part));
+        let turning = turning(per_rate, by_turn, &angle);
         let by_turn = jacobian.by_turn.map(|row| real_row_times(&row, &turning));
         let mut rows = shifted(rate, &jacobian.by_rates);
         for (row, (by_shift, by_turn)) in
@@ -88,6 +89,7 @@ impl<T> Reduced<T> {
         }
         Self {
             per_rate,
+            angle,
             turning,
             by_turn,
             rates: Factors::of(rows),
@@ -102,16 +104,35 @@ impl<T> Reduced<T> {
         let per_rate = self.per_rate;
         let [_, by_momentum] = &jacobian.turning;
         let shift = right.shift.map(|part| part * per_rate);
+        let turn = plus(&right.turn, &self.angle.map(|part| part * right.length));
         let by_shift = image(&jacobian.by_shift, &shift);
-        let known = plus(&by_shift, &product(&self.by_turn, &right.turn));
+        let known = plus(&by_shift, &product(&self.by_turn, &turn));
         let rates = self.rates.solve(&plus(&right.rates, &known));
         let [vx, vy, vz, lx, ly, lz] = rates;
         let spin = image(by_momentum, &[lx, ly, lz]);
+        let turn = product(&self.turning, &plus(&turn, &spin));
+        let [lengthening] = product(&[self.angle], &turn);
         Local {
             shift: plus(&shift, &[vx, vy, vz].map(|part| part * per_rate)),
-            turn: product(&self.turning, &plus(&right.turn, &spin)),
+            turn,
             rates,
-            length: right.length * per_rate,
+            length: right.length * per_rate - lengthening.scaled(R::from_f64(0.25)),
         }
     }
+}
+
+/// Returns E. It is computed as a matrix near 1, times `1/λ`, because the cube of λ could overflow.
+fn turning<R: Real, T: Scalar<R>>(
+    per_rate: T,
+    by_turn: &Rows<R, 3, 3>,
+    angle: &[T; 3],
+) -> Rows<T, 3, 3> {
+    let near_one = core::array::from_fn(|i| {
+        core::array::from_fn(|j| {
+            let unit = T::real(if i == j { R::ONE } else { R::ZERO });
+            let lengthened = (angle[i] * angle[j]).scaled(R::from_f64(0.25));
+            unit - per_rate.scaled(by_turn[i][j]) + lengthened
+        })
+    });
+    inverse(&near_one).map(|row| row.map(|entry| entry * per_rate))
 }
