@@ -50,7 +50,27 @@ impl<R: Real> Rotation<R> {
     #[inline]
     #[must_use]
     pub fn from_rotation_vector(vector: R::Vec3) -> Self {
-        Self::from_half_vector(vector * R::HALF)
+        let half = vector * R::HALF;
+        let square = half.length_squared();
+        if square.is_finite() {
+            Self::of_half_vector(half, cos_and_sinc(square))
+        } else {
+            Self::of_huge_vector(half)
+        }
+    }
+
+    /// Creates the rotation about a vector whose squared length overflows.
+    #[cold]
+    fn of_huge_vector(half: R::Vec3) -> Self {
+        let largest = (half.x().abs().at_least(half.y().abs())).at_least(half.z().abs());
+        let unit = largest.power_of_two();
+        let scaled = half * (R::ONE / unit);
+        let length = scaled.length();
+        let (sin, cos) = (length * unit).sin_cos();
+        Self {
+            w: cos,
+            v: scaled * (sin / length),
+        }
     }
 
     /// Creates the right-handed rotation by `2 |half|` radians about `half`.
@@ -504,6 +524,23 @@ mod tests {
                 "angle {angle}: {ours} {theirs}"
             );
         }
+    }
+
+    #[test]
+    fn a_rotation_vector_of_any_finite_length_is_a_rotation() {
+        for exponent in [100, 153, 155, 200, 307] {
+            let angle = 10.0_f64.powi(exponent);
+            let ours = Rotation::<f64>::from_rotation_vector(DVec3::Y * -angle).to_quat();
+            let (sin, cos) = (0.5 * angle).sin_cos();
+            let theirs = DQuat::from_xyzw(0.0, -sin, 0.0, cos);
+            assert!((ours - theirs).length() < 4.0 * f64::EPSILON, "{angle:e}");
+            let slanted = DVec3::new(angle, -0.5 * angle, 0.25 * angle);
+            let length = Rotation::<f64>::from_rotation_vector(slanted).length_squared();
+            assert!((length - 1.0).abs() < 4.0 * f64::EPSILON, "{angle:e}");
+        }
+        let largest = glam::Vec3::splat(f32::MAX);
+        let length = Rotation::<f32>::from_rotation_vector(largest).length_squared();
+        assert!((length - 1.0).abs() < 4.0 * f32::EPSILON, "{length}");
     }
 
     #[test]

@@ -50,7 +50,7 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
         let mass = scene.inertia_properties();
         let old_rotation = state.rotation();
         let motion = scene.motion_along(state, old_rotation.axes());
-        let turn = Rotation::from_rotation_vector(motion.angular_velocity * dt);
+        let turn = Rotation::from_half_vector(motion.angular_velocity * (dt * R::HALF));
         let rotation = turn.after(old_rotation).normalised();
         *near = scene
             .contact_model()
