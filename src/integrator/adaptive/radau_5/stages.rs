@@ -254,3 +254,63 @@ fn combined<R: Real>(matrix: &[[f64; STAGES]; STAGES], points: &Increments<R>) -
             .plus(third, R::from_f64(c))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrator::adaptive::embedded_pair::Place;
+    use crate::scene::Scene;
+    use crate::state::State;
+    use crate::{Coulomb, Cuboid, FlatGround, Plane, UniformGravity};
+    use glam::DVec3;
+
+    /// Difference of points with 1 at one of 13 coordinates.
+    fn unit(number: usize) -> Local<f64> {
+        let one = |at: usize| f64::from(u8::from(at == number));
+        Local {
+            shift: core::array::from_fn(one),
+            turn: core::array::from_fn(|i| one(3 + i)),
+            rates: core::array::from_fn(|i| one(6 + i)),
+            length: one(12),
+        }
+    }
+
+    /// The box slides and spins on four corners in a slope. The Jacobian is a difference here.
+    #[test]
+    fn the_linear_equations_are_those_of_the_differentiated_motion() {
+        let ground =
+            FlatGround::level(2e3, 6.0).on(Plane::through(DVec3::ZERO, DVec3::new(0.1, -0.2, 1.0)));
+        let scene = Scene::new(
+            Cuboid::solid(0.8, DVec3::new(0.3, 0.2, 0.1)),
+            ground,
+            Coulomb {
+                coefficient: 0.4,
+                slip_speed: 0.3,
+            },
+            UniformGravity::down(9.8),
+        )
+        .unwrap();
+        let state = State::at(DVec3::Z * 0.01)
+            .with_rotation_vector(DVec3::new(0.2, 0.1, 0.7))
+            .with_linear_velocity(DVec3::new(1.0, -0.4, -0.1))
+            .with_angular_momentum(DVec3::new(0.02, -0.01, 0.03));
+        let start = Place::at(&scene, Point::of(&state));
+        let jacobian = Jacobian::at(&scene, &start.motion, start.point.angular_momentum);
+        let nudge = 1e-6;
+        for seconds in [1e-3, 0.03, 1.0] {
+            let equations = Equations::of(&jacobian, start.point.orientation, seconds);
+            for number in 0..13 {
+                let wanted = unit(number);
+                let change = equations.point(&wanted);
+                let slope = |by: f64| Place::at(&scene, start.point.plus(&change, by)).slope;
+                let rate = slope(nudge).plus(&slope(-nudge), -1.0).scaled(0.5 / nudge);
+                let right = change.scaled(equations.gamma).plus(&rate, -1.0);
+                let found = equations.real.solve(&jacobian, &equations.local(&right));
+                let off = found.zip(&wanted, |a, b| a - b);
+                let parts = off.shift.into_iter().chain(off.turn).chain(off.rates);
+                let largest = parts.chain([off.length]).fold(0.0, |a, b| b.abs().max(a));
+                assert!(largest < 1e-5, "{number}, {seconds} s: off by {largest:e}");
+            }
+        }
+    }
+}
