@@ -28,10 +28,7 @@ mod cone;
 mod cuboid;
 mod disc;
 mod ellipsoid;
-mod free_turn;
 mod hull;
-mod inertia_properties;
-mod jacobi;
 mod mass_properties;
 mod point_cloud;
 mod rim;
@@ -50,7 +47,6 @@ pub use cuboid::{Cuboid, CuboidFace};
 pub use disc::Disc;
 pub use ellipsoid::Ellipsoid;
 pub(crate) use hull::Hull;
-pub use inertia_properties::InertiaProperties;
 pub use mass_properties::MassProperties;
 pub use point_cloud::PointCloud;
 pub use rim::Rim;
@@ -64,6 +60,7 @@ pub use sphere::Sphere;
 pub use thick_disc::ThickDisc;
 
 use crate::error::{self, Rule, SceneError};
+pub use crate::inertia::InertiaProperties;
 use crate::real::{Real, Vector};
 
 /// A rigid body whose contacts are points, small balls or round rims.
@@ -132,6 +129,18 @@ pub trait RigidPointBody<R: Real = f64> {
     #[inline]
     fn rims(&self) -> &[Rim<R>] {
         &[]
+    }
+
+    /// Returns true if two principal moments of inertia are equal for every body of this type.
+    ///
+    /// Default: false, which is valid for all bodies. Steps find equal moments by themselves. A
+    /// type that returns true lets the compiler leave out the free rotation of three different
+    /// moments, which saves code in firmware. No result depends on it.
+    ///
+    /// A scene is not composed with a body that returns true and has three different moments.
+    #[inline]
+    fn is_symmetric(&self) -> bool {
+        false
     }
 
     /// Distance from the centre of mass to the farthest point of the surface, m.
@@ -267,6 +276,10 @@ macro_rules! forward {
                 (**self).rims()
             }
             #[inline]
+            fn is_symmetric(&self) -> bool {
+                (**self).is_symmetric()
+            }
+            #[inline]
             fn bounding_radius(&self) -> R {
                 (**self).bounding_radius()
             }
@@ -369,7 +382,26 @@ pub(crate) fn check_whole<R: Real>(
     let bounding_radius = body.bounding_radius();
     error::finite("bounding radius of the body", bounding_radius, " m")?;
     error::at_least_zero("bounding radius of the body", bounding_radius, " m")?;
-    InertiaProperties::new(body.mass(), body.inertia())
+    inertia_of(body)
+}
+
+/// Computes the inertia of a body, and checks it against [`RigidPointBody::is_symmetric`].
+///
+/// # Errors
+/// Returns [`SceneError`] for the first quantity that breaks a rule.
+pub(crate) fn inertia_of<R: Real>(
+    body: &(impl RigidPointBody<R> + ?Sized),
+) -> Result<InertiaProperties<R>, SceneError> {
+    let inertia = InertiaProperties::new(body.mass(), body.inertia())?;
+    if body.is_symmetric() && inertia.is_asymmetric() {
+        return Err(SceneError::new(
+            "number of different principal moments of a symmetric body",
+            Rule::AtMost(2),
+            3.0,
+            "",
+        ));
+    }
+    Ok(inertia)
 }
 
 /// Checks the rims of a body: each is valid, there are no more than allowed, and a smooth body has

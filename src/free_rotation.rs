@@ -42,9 +42,11 @@ mod angle;
 mod landen;
 mod polhode;
 mod precession;
+mod series;
+mod step;
 mod wide;
 
-use crate::body::InertiaProperties;
+use crate::inertia::InertiaProperties;
 use crate::real::{Quaternion, Real, Vector};
 use crate::rotation::{BodyAxis, Rotation};
 use angle::Angle;
@@ -148,46 +150,32 @@ impl<R: Real> FreeRotation<R> {
         rotation: Rotation<R>,
         angular_momentum: R::Vec3,
     ) -> Self {
-        let [x, y, z] = [
-            angular_momentum.x(),
-            angular_momentum.y(),
-            angular_momentum.z(),
-        ];
-        let momentum_unit = (x.abs().at_least(y.abs()).at_least(z.abs())).power_of_two();
-        let momentum = [x, y, z].map(|part| part / momentum_unit);
-        let moments = inertia.moments();
-        let [x, y, z] = [moments.x(), moments.y(), moments.z()];
-        let largest = x.at_least(y).at_least(z);
-        let moment_unit = if largest > R::ZERO {
-            largest.power_of_two()
-        } else {
-            R::ONE
-        };
-        let (in_body, length) = in_body_axes(rotation, momentum);
-        let radian = revolution().over(length);
-        let axes = inertia.principal_axes();
-        let principal = |axis, moment| Principal {
-            axis,
-            momentum: along(axis, &in_body),
-            inverse: inverse(inertia, moment, moment_unit),
-        };
-        let sorted = sorted([
-            principal(axes.x, x),
-            principal(axes.y, y),
-            principal(axes.z, z),
-        ]);
-        let [low, middle, high] = &sorted;
-        let motion = if low.inverse == middle.inverse || momentum == [R::ZERO; 3] {
-            Motion::Symmetric(Symmetric::new(momentum, middle.inverse, high, radian))
+        let start = Start::of(inertia, rotation, angular_momentum);
+        let [low, middle, high] = &start.axes;
+        let (momentum, radian) = (start.momentum, start.radian);
+        let symmetric = if low.inverse == middle.inverse || momentum == [R::ZERO; 3] {
+            Symmetric::new(momentum, middle.inverse, high, radian)
         } else if middle.inverse == high.inverse {
-            Motion::Symmetric(Symmetric::new(momentum, middle.inverse, low, radian))
+            Symmetric::new(momentum, middle.inverse, low, radian)
         } else {
-            Motion::Asymmetric(Asymmetric::new(&Polhode::new(sorted), radian))
+            return Self::asymmetric(&start, rotation);
         };
         Self {
             start: rotation,
-            unit: momentum_unit / moment_unit,
-            motion,
+            unit: start.unit,
+            motion: Motion::Symmetric(symmetric),
+        }
+    }
+
+    /// Creates the rotation of three different moments. It is not inlined, because the code is
+    /// large and has two callers.
+    #[inline(never)]
+    fn asymmetric(start: &Start<R>, rotation: Rotation<R>) -> Self {
+        let motion = Asymmetric::new(&Polhode::new(start.axes), start.radian);
+        Self {
+            start: rotation,
+            unit: start.unit,
+            motion: Motion::Asymmetric(motion),
         }
     }
 
@@ -201,6 +189,65 @@ impl<R: Real> FreeRotation<R> {
         }
         .normalised()
     }
+}
+
+/// Start of a rotation, in units that make the largest numbers about 1.
+struct Start<R: Real> {
+    /// The axes by their inverse moments, the smallest first.
+    axes: [Principal<R>; 3],
+    /// Angular momentum, world axes.
+    momentum: [R; 3],
+    /// A radian for each unit of time, in revolutions.
+    radian: Wide<R>,
+    /// Power of two by which times are multiplied.
+    unit: R,
+}
+
+impl<R: Real> Start<R> {
+    #[inline(always)]
+    fn of(inertia: &InertiaProperties<R>, rotation: Rotation<R>, momentum: R::Vec3) -> Self {
+        let [x, y, z] = [momentum.x(), momentum.y(), momentum.z()];
+        let momentum_unit = (x.abs().at_least(y.abs()).at_least(z.abs())).power_of_two();
+        let momentum = [x, y, z].map(|part| part / momentum_unit);
+        let moments = inertia.moments();
+        let [x, y, z] = [moments.x(), moments.y(), moments.z()];
+        let largest = x.at_least(y).at_least(z);
+        let moment_unit = if largest > R::ZERO {
+            largest.power_of_two()
+        } else {
+            R::ONE
+        };
+        let (in_body, length) = in_body_axes(rotation, momentum);
+        let axes = inertia.principal_axes();
+        let principal = |axis, moment| Principal {
+            axis,
+            momentum: along(axis, &in_body),
+            inverse: inverse(inertia, moment, moment_unit),
+        };
+        Self {
+            axes: sorted([
+                principal(axes.x, x),
+                principal(axes.y, y),
+                principal(axes.z, z),
+            ]),
+            momentum,
+            radian: revolution().over(length),
+            unit: momentum_unit / moment_unit,
+        }
+    }
+}
+
+/// Returns the orientation after `seconds`, for three different moments and an angular momentum
+/// that is not 0. It has the bits of [`FreeRotation`], without its constants of equal moments.
+#[inline(never)]
+fn turned_far<R: Real>(
+    inertia: &InertiaProperties<R>,
+    rotation: Rotation<R>,
+    angular_momentum: R::Vec3,
+    seconds: R,
+) -> Rotation<R> {
+    let start = Start::of(inertia, rotation, angular_momentum);
+    FreeRotation::asymmetric(&start, rotation).rotation_at(seconds)
 }
 
 impl<R: Real> Symmetric<R> {

@@ -212,6 +212,7 @@ pub mod free_rotation;
 pub mod friction;
 pub mod gravity;
 pub mod ground;
+mod inertia;
 pub mod integrator;
 pub mod observer;
 pub mod outcome;

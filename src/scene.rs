@@ -23,7 +23,7 @@ use crate::friction::SlidingFriction;
 use crate::gravity::Gravity;
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
-use crate::rotation::Axes;
+use crate::rotation::{Axes, Rotation};
 use crate::state::State;
 
 /// Body on a ground under gravity and an applied force, as an integrator uses it.
@@ -149,6 +149,32 @@ pub(crate) fn size<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> R {
     scene
         .bounding_radius()
         .at_least(scene.inertia_properties().radius_of_gyration())
+}
+
+/// Returns the orientation after `seconds` without torque, from `rotation` with these `axes`, as
+/// [`InertiaProperties::turn_freely`]. Without the code for three different moments, if the type of
+/// the body excludes them.
+#[inline(always)]
+pub(crate) fn turned_freely<R: Real, D: Dynamics<R> + ?Sized>(
+    scene: &D,
+    rotation: Rotation<R>,
+    axes: &Axes<R>,
+    angular_momentum: R::Vec3,
+    seconds: R,
+) -> Rotation<R> {
+    let inertia = scene.inertia_properties();
+    if scene.body().is_symmetric() {
+        let turned = inertia.turn_symmetric(rotation, axes, angular_momentum, seconds);
+        turned.normalised()
+    } else {
+        inertia.turn_freely(rotation, axes, angular_momentum, seconds)
+    }
+}
+
+/// Returns true if all three moments of the body differ.
+#[inline(always)]
+pub(crate) fn is_asymmetric<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> bool {
+    !scene.body().is_symmetric() && scene.inertia_properties().is_asymmetric()
 }
 
 /// Rates of change of a state, world axes.

@@ -56,6 +56,10 @@ impl<R: Real> RigidPointBody<R> for Capsule<R> {
         MassProperties::capsule(self.mass, self.radius(), self.length).inertia
     }
     #[inline]
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+    #[inline]
     fn contacts(&self) -> &[ContactPoint<R>] {
         &self.ends
     }

@@ -128,6 +128,11 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
     }
 
     #[inline]
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn contacts(&self) -> &[ContactPoint<R>] {
         self.points.as_ref()
     }

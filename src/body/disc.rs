@@ -182,6 +182,10 @@ impl<R: Real> RigidPointBody<R> for Disc<R> {
         R::Mat3::from_diagonal(R::Vec3::new(normal, diameter, diameter))
     }
     #[inline]
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+    #[inline]
     fn contacts(&self) -> &[ContactPoint<R>] {
         &[]
     }

@@ -44,6 +44,10 @@ impl<R: Real> RigidPointBody<R> for Rod<R> {
         MassProperties::rod(self.mass, self.length).inertia
     }
     #[inline]
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+    #[inline]
     fn contacts(&self) -> &[ContactPoint<R>] {
         &self.ends
     }
@@ -79,6 +83,10 @@ impl<R: Real> RigidPointBody<R> for PointMass<R> {
     #[inline]
     fn inertia(&self) -> R::Mat3 {
         R::Mat3::from_diagonal(R::Vec3::ZERO)
+    }
+    #[inline]
+    fn is_symmetric(&self) -> bool {
+        true
     }
     #[inline]
     fn contacts(&self) -> &[ContactPoint<R>] {

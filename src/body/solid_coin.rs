@@ -101,6 +101,11 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for SolidCoin<R, P>
     }
 
     #[inline]
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn contacts(&self) -> &[ContactPoint<R>] {
         self.points.as_ref()
     }

@@ -116,6 +116,11 @@ impl<R: Real> RigidPointBody<R> for ThickDisc<R> {
     }
 
     #[inline]
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn contacts(&self) -> &[ContactPoint<R>] {
         &[]
     }

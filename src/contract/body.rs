@@ -6,8 +6,8 @@ use super::{
     demand_finite, ulps, wide,
 };
 use crate::body::{
-    ContactPoint, ContactRange, InertiaProperties, MOST_RIMS, RigidPointBody, Rim, check_contacts,
-    check_rims,
+    ContactPoint, ContactRange, MOST_RIMS, RigidPointBody, Rim, check_contacts, check_rims,
+    inertia_of,
 };
 use crate::error::{Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
@@ -16,7 +16,8 @@ use crate::real::{Matrix, Real, Vector};
 ///
 /// The requirements are:
 ///
-/// - The mass is above 0. The inertia is symmetric and that of a solid.
+/// - The mass is above 0. The inertia is symmetric and that of a solid. A body that
+///   [is symmetric](crate::RigidPointBody::is_symmetric) has two equal moments.
 /// - Contacts are finite, with radii of at least 0.
 /// - Neither contacts nor rims lie beyond the bounding radius, nor beyond `support` in any
 ///   direction.
@@ -47,8 +48,7 @@ pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
     body.check().map_err(cannot_be)?;
     check_contacts(body.contacts()).map_err(cannot_be)?;
     check_rims(body).map_err(cannot_be)?;
-    InertiaProperties::new(body.mass(), body.inertia())
-        .map_err(|error| cannot_have(body, error))?;
+    inertia_of(body).map_err(|error| cannot_have(body, error))?;
     check_reach(body)?;
 
     let first = Portrait::of(body);

@@ -46,7 +46,7 @@ use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::integrator::{energy_limit, flight_rounding};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, turned_freely};
 use crate::state::State;
 pub(in crate::integrator) use applied::close_account;
 pub(in crate::integrator) use block::Block;
@@ -436,8 +436,7 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
     let gravity = problem.scene.gravity();
     let mean_velocity = start.linear_velocity + gravity * (seconds * R::HALF);
     let (axes, momentum) = (&problem.motion.axes, start.angular_momentum);
-    let properties = problem.scene.inertia_properties();
-    let rotation = properties.turn_freely(problem.rotation, axes, momentum, seconds);
+    let rotation = turned_freely(problem.scene, problem.rotation, axes, momentum, seconds);
     let plain = State {
         position: start.position + mean_velocity * seconds,
         linear_velocity: start.linear_velocity + gravity * seconds,

@@ -23,7 +23,7 @@ use crate::integrator::energy_limit;
 use crate::integrator::interface::{Integrator, Step, StepControl};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, is_asymmetric};
 use crate::state::State;
 
 /// Adds closed-form flight to an integrator: while no contact can close, one step is exact, of any
@@ -189,6 +189,7 @@ fn fly<R: Real, D: Dynamics<R>>(
 /// first, because a body in contact does not need them.
 struct Turn<'a, R: Real> {
     inertia: &'a InertiaProperties<R>,
+    is_asymmetric: bool,
     start: Rotation<R>,
     momentum: R::Vec3,
     free: Option<FreeRotation<R>>,
@@ -198,8 +199,9 @@ impl<R: Real> Turn<'_, R> {
     #[inline]
     fn at(&mut self, seconds: R) -> Rotation<R> {
         let (inertia, start, momentum) = (self.inertia, self.start, self.momentum);
-        if !inertia.is_asymmetric() {
-            return inertia.turn_freely(start, &start.axes(), momentum, seconds);
+        if !self.is_asymmetric {
+            let turned = inertia.turn_symmetric(start, &start.axes(), momentum, seconds);
+            return turned.normalised();
         }
         self.free
             .get_or_insert_with(|| FreeRotation::new(inertia, start, momentum))
@@ -210,7 +212,7 @@ impl<R: Real> Turn<'_, R> {
     #[inline]
     fn bend(&self, spin: R::Vec3) -> R {
         let fastest = self.inertia.largest_inverse_moment();
-        if !self.inertia.is_asymmetric() {
+        if !self.is_asymmetric {
             return spin.length_squared() + fastest * self.momentum.cross(spin).length();
         }
         let fastest = fastest * self.momentum.length();
@@ -244,6 +246,7 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
             state,
             turn: Turn {
                 inertia: scene.inertia_properties(),
+                is_asymmetric: is_asymmetric(scene),
                 start: state.rotation(),
                 momentum: state.angular_momentum,
                 free: None,

@@ -16,16 +16,89 @@
 //! of the method's local error. So the order stays, and the end of a step is a continuous function
 //! of the torques.
 //!
+//! *Estimate:* an adaptive method compares two ends, which differ by `d`, and by `d_f` in the step
+//! without torques. Both ends have the same `q_e`. To first order the corrected ends are
+//! `q - w (q_f - q_e)`, so they differ by `d - w d_f`.
+//!
+//! The estimate needs `w d_f` all the same where a contact may come into reach, because the stages
+//! of the method have that error. Without torques `2T = ω·L = Σ j L²` is constant. Let `j` be the
+//! largest inverse moment. Then
+//!
+//! ```text
+//! |ω|² = Σ j² L² ≤ j 2T      |ω'| ≤ j |L × ω| = j √(L² |ω|² - (2T)²) ≤ j √(2T (j L² - 2T))
+//! ```
+//! at any time. So the acceleration `a` of a point has a bound, and between two ends of a step `h`
+//! the gap of a contact is at most `a h²/8` below the smaller one of its gaps at the ends.
+//!
 //! A body with two equal moments is not corrected.
 
+use crate::body::RigidPointBody;
+use crate::contact::Motion;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
-use crate::scene::{Dynamics, TorqueFree};
+use crate::scene::{Dynamics, TorqueFree, is_asymmetric};
 
 /// Relative change of the angular momentum in a step above which the error of the contacts is the
 /// larger one.
 const SMALL: f64 = 1.0 / 4096.0;
+
+/// Returns the weight `w` for two angular momenta, which is above 0 in a nearly free step. It is
+/// NaN for a body without angular momentum.
+#[inline]
+pub(in crate::integrator) fn weight<R: Real>(start: R::Vec3, end: R::Vec3) -> R {
+    R::ONE - (end - start).length() / (start.length() * R::from_f64(SMALL))
+}
+
+/// A step that hardly changes the angular momentum.
+pub(in crate::integrator) struct NearlyFree<R: Real> {
+    /// The weight `w`, above 0 and at most 1.
+    pub(in crate::integrator) weight: R,
+    /// The exact end `q_e` without torques.
+    pub(in crate::integrator) exact: Rotation<R>,
+}
+
+impl<R: Real> NearlyFree<R> {
+    /// Compares the ends of a step. Returns `None` if the torques change the angular momentum by
+    /// more than a small part, or if there is none.
+    #[inline]
+    pub(in crate::integrator) fn of<D: Dynamics<R>>(
+        scene: &D,
+        start: &Point<R>,
+        end: &Point<R>,
+        seconds: R,
+    ) -> Option<Self> {
+        let (rotation, momentum) = (start.orientation, start.angular_momentum);
+        let weight = weight::<R>(momentum, end.angular_momentum);
+        // False for a body without angular momentum, too.
+        let is_nearly_free = weight > R::ZERO;
+        is_nearly_free.then(|| {
+            let inertia = scene.inertia_properties();
+            let exact = inertia.turn_freely(rotation, &rotation.axes(), momentum, seconds);
+            Self { weight, exact }
+        })
+    }
+
+    /// Returns true if there are no torques.
+    ///
+    /// Torques below the rounding of the momentum do not change the rotation. Torques of the stages
+    /// that cancel to the last bit, which no scene is known to have, would count as none.
+    #[inline]
+    pub(in crate::integrator) fn is_free(&self) -> bool {
+        self.weight == R::ONE
+    }
+
+    /// Returns the end `q` of the step without the error of the end `q_f`.
+    #[inline]
+    pub(in crate::integrator) fn corrected(
+        &self,
+        end: Rotation<R>,
+        free_end: Rotation<R>,
+    ) -> Rotation<R> {
+        let error = free_end.inverse().after(self.exact);
+        end.after(error.part(self.weight)).normalised()
+    }
+}
 
 /// Returns the orientation at the `end` of a step of `seconds`, without the error of its method in
 /// torque-free rotation.
@@ -39,7 +112,7 @@ pub(in crate::integrator) fn removed<R: Real, D: Dynamics<R>>(
     seconds: R,
     by_method: impl FnOnce(&TorqueFree<'_, D>, &Point<R>, R) -> Rotation<R>,
 ) -> Rotation<R> {
-    if scene.inertia_properties().is_asymmetric() {
+    if is_asymmetric(scene) {
         // Copies, because references would keep both points in memory through the whole step.
         corrected(scene, &{ *start }, &{ *end }, seconds, by_method)
     } else {
@@ -55,22 +128,44 @@ fn corrected<R: Real, D: Dynamics<R>>(
     seconds: R,
     by_method: impl FnOnce(&TorqueFree<'_, D>, &Point<R>, R) -> Rotation<R>,
 ) -> Rotation<R> {
-    let (rotation, momentum) = (start.orientation, start.angular_momentum);
-    let impulse = (end.angular_momentum - momentum).length();
-    let weight = R::ONE - impulse / (momentum.length() * R::from_f64(SMALL));
-    // False for a body without angular momentum, too.
-    let is_nearly_free = weight > R::ZERO;
-    if !is_nearly_free {
+    let Some(free) = NearlyFree::of(scene, start, end, seconds) else {
         return end.orientation;
-    }
-    let inertia = scene.inertia_properties();
-    let exact = inertia.turn_freely(rotation, &rotation.axes(), momentum, seconds);
-    // Torques below the rounding of the momentum do not change the rotation. Torques of the stages
-    // that cancel to the last bit, which no scene is known to have, would count as none.
-    if weight == R::ONE {
-        return exact;
+    };
+    if free.is_free() {
+        return free.exact;
     }
     let free_end = by_method(&TorqueFree(scene), start, seconds);
-    let error = free_end.inverse().after(exact);
-    end.orientation.after(error.part(weight)).normalised()
+    free.corrected(end.orientation, free_end)
+}
+
+/// Returns true if no contact can come into reach in a nearly free step between two ends.
+///
+/// The angular momentum is that of the start. The acceleration is that of the centre of mass, m/s².
+pub(in crate::integrator) fn is_out_of_reach<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    ends: [&Motion<R>; 2],
+    (angular_momentum, acceleration): (R::Vec3, R),
+    seconds: R,
+) -> bool {
+    let model = scene.contact_model();
+    if model.surfaces() == 0 {
+        return true;
+    }
+    // The range below is that of contacts alone.
+    if !scene.body().rims().is_empty() {
+        return false;
+    }
+    let [start, _] = ends;
+    let most = scene.inertia_properties().largest_inverse_moment();
+    let energy = start.angular_velocity.dot(angular_momentum);
+    let across = most * angular_momentum.length_squared() - energy;
+    let bend = most * (energy + (energy * across.at_least(R::ZERO)).sqrt());
+    let margin =
+        (acceleration + bend * scene.bounding_radius()) * (seconds * seconds * R::from_f64(0.125));
+    (0..model.surfaces()).all(|surface| {
+        ends.iter().all(|end| {
+            let near = model.range_of_surface(surface, margin, end.position, &end.axes);
+            near.count == 0
+        })
+    })
 }

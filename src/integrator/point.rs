@@ -2,7 +2,7 @@
 
 use crate::body::ContactRange;
 use crate::contact::{Load, Motion};
-use crate::real::Real;
+use crate::real::{Real, Vector};
 use crate::rotation::{Axes, Rotation};
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -17,6 +17,17 @@ pub(crate) struct Point<R: Real> {
 }
 
 impl<R: Real> Point<R> {
+    /// Returns the point of thirteen zeros: no change.
+    #[inline]
+    pub(crate) fn zero() -> Self {
+        Self {
+            position: R::Vec3::ZERO,
+            linear_velocity: R::Vec3::ZERO,
+            orientation: Rotation::of_parts(R::ZERO, R::Vec3::ZERO),
+            angular_momentum: R::Vec3::ZERO,
+        }
+    }
+
     #[inline]
     pub(crate) fn of(state: &State<R>) -> Self {
         Self {

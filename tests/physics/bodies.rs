@@ -12,9 +12,9 @@ use tumble::contract::{CheckPlan, check_body};
 use tumble::f64::{Capsule, Cone, MassProperties, Rotation};
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::{
-    CoinFace, ContactPoint, Cuboid, CuboidFace, Ellipsoid, FlatGround, InertiaProperties,
-    PointCloud, PointMass, RigidPointBody, Rim, Rod, Solid, SolidCoin, Sphere, State,
-    UniformGravity,
+    AnyIntegrator, Coin, CoinFace, ContactPoint, Coulomb, Cuboid, CuboidFace, Disc, Ellipsoid,
+    EnergyMomentum, FlatGround, InertiaProperties, PointCloud, PointMass, RigidPointBody, Rim, Rk4,
+    Rod, Solid, SolidCoin, Sphere, State, SymplecticEuler, ThickDisc, UniformGravity,
 };
 
 /// Both within so many units in the last place of the largest entry, centre of mass and size; a
@@ -636,4 +636,91 @@ fn a_rim_is_saved_and_a_skew_one_is_refused() {
             .to_string()
             .contains("axes of the rim")
     );
+}
+
+/// A body that says by itself whether two of its moments are equal.
+struct Saying<B>(B, bool);
+
+impl<B: RigidPointBody> RigidPointBody for Saying<B> {
+    fn mass(&self) -> f64 {
+        self.0.mass()
+    }
+    fn inertia(&self) -> DMat3 {
+        self.0.inertia()
+    }
+    fn is_symmetric(&self) -> bool {
+        self.1
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        self.0.contacts()
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(64))]
+
+    /// The moments of these types are equal for all parameters, or no scene could be composed.
+    #[test]
+    fn a_type_that_says_it_is_symmetric_has_two_equal_moments(
+        mass in log_uniform(1e-6, 1e6),
+        radius in log_uniform(1e-6, 1e6),
+        ratio in log_uniform(1e-3, 1e3),
+    ) {
+        let length = radius * ratio;
+        let bodies: [&dyn RigidPointBody; 8] = [
+            &Coin::ring(mass, radius),
+            &SolidCoin::new(mass, radius, length),
+            &Disc::ring(mass, radius, 60),
+            &Disc::solid(mass, radius, 60),
+            &ThickDisc::solid(mass, radius, length, 60),
+            &Capsule::solid(mass, radius, length),
+            &Rod::new(mass, length),
+            &PointMass::new(mass),
+        ];
+        for body in bodies {
+            prop_assert!(body.is_symmetric());
+            prop_assert!(Stepper::new(body).is_ok());
+        }
+    }
+
+    /// What a body says of its moments changes no bit of a result.
+    #[test]
+    fn a_body_that_does_not_say_it_is_symmetric_has_the_same_bits(
+        spin in prop::array::uniform3(-20.0..20.0_f64),
+        turn in prop::array::uniform3(-2.0..2.0_f64),
+    ) {
+        let rod = Rod::new(0.3, 0.4);
+        let start = State::at(DVec3::Z * 0.5)
+            .with_rotation_vector(turn.into())
+            .with_angular_momentum(DVec3::from(spin) * 1e-3);
+        for integrator in [
+            AnyIntegrator::from(SymplecticEuler { time_step: 1e-3 }),
+            EnergyMomentum { time_step: 1e-2 }.into(),
+            Rk4 { time_step: 1e-3 }.into(),
+        ] {
+            let [said, silent] = [true, false].map(|says| {
+                let mut state = start;
+                let stepper = Stepper::builder(Saying(rod, says))
+                    .gravity(UniformGravity::down(9.81))
+                    .ground(FlatGround::level(1e4, 3.0))
+                    .friction(Coulomb { coefficient: 0.3, slip_speed: 1e-2 })
+                    .integrator(integrator);
+                stepper.build().unwrap().advance(&mut state, 0.5).unwrap();
+                state
+            });
+            prop_assert_eq!(said, silent);
+        }
+    }
+}
+
+#[test]
+fn a_body_that_says_it_is_symmetric_and_is_not_is_refused() {
+    let wrong = Saying(Cuboid::solid(1.0, DVec3::new(0.1, 0.2, 0.3)), true);
+    let message = "number of different principal moments of a symmetric body must be at most 2, \
+                   got 3";
+    assert_eq!(Stepper::new(&wrong).unwrap_err().to_string(), message);
+    assert!(check_body(&wrong, CheckPlan::default()).is_err());
+    let right = Saying(Cuboid::solid(1.0, DVec3::new(0.2, 0.2, 0.3)), true);
+    assert!(Stepper::new(&right).is_ok());
+    check_body(&right, CheckPlan::default()).unwrap();
 }

@@ -19,6 +19,7 @@ use super::method::adaptive_method;
 /// motion amplifies it (see the guide).
 ///
 /// *Torque-free rotation* of a body with three different moments of inertia is exact to rounding.
+/// Its error is no part of the estimate where no contact can come into reach.
 ///
 /// *May add energy* by the size of its error.
 ///

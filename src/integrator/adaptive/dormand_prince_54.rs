@@ -18,7 +18,8 @@ use super::method::adaptive_method;
 /// motion amplifies it (see the guide).
 ///
 /// *Torque-free rotation* of a body with three different moments of inertia is exact to rounding.
-/// The steps are as short as without that, because the contacts must be found.
+/// Its error is no part of the estimate where no contact can come into reach. There the steps grow
+/// to the longest one at any tolerance. Two equal moments have the error of the method.
 ///
 /// *May add energy* by the size of its error.
 ///

@@ -23,8 +23,8 @@ use crate::real::Real;
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
-pub(in crate::integrator::adaptive) use attempt::Attempt;
 pub(super) use attempt::Place;
+pub(in crate::integrator::adaptive) use attempt::{Attempt, LeftOut};
 pub(crate) use attempt::{Formula, Pair, Settings};
 use control::{Control, Errors};
 use touch::Discontinuities;
@@ -176,7 +176,8 @@ impl<R: Real> Judged<R> {
     ) -> Self {
         let motion = &attempt.end.motion;
         let allowed = control::allowed(settings, scene, motion);
-        let mut errors = Errors::of(scene, &attempt.difference, motion).within(pair.trust);
+        let difference = attempt.counted(scene, start, length.0);
+        let mut errors = Errors::of(scene, &difference, motion).within(pair.trust);
         let bounds = [errors.total(), allowed];
         let discontinuities = touch::discontinuities(pair, scene, start, attempt, length, bounds);
         errors.add_discontinuities(&discontinuities);

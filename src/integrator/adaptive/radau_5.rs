@@ -27,13 +27,13 @@ mod reduced;
 mod stages;
 
 use super::embedded_pair::control::{self, Errors};
-use super::embedded_pair::{Attempt, Formula, Pair, Place, Settings};
+use super::embedded_pair::{Attempt, Formula, LeftOut, Pair, Place, Settings};
 use super::method::adaptive_method;
 use crate::contact::{Load, Motion};
 use crate::integrator::interface::Step;
 use crate::integrator::point::Point;
 use crate::real::Real;
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, turned_freely};
 use jacobian::Jacobian;
 use stages::{Equations, Increments, STAGES, WEIGHTS, differences};
 
@@ -77,8 +77,9 @@ use stages::{Equations, Increments, STAGES, WEIGHTS, differences};
 ///   iterations, not accuracy.
 /// - *Touch-downs* end a step, as in `DormandPrince54`.
 /// - *May add energy* by the size of its error.
-/// - *Torque-free rotation* is exact to rounding, in steps of at most
-///   [1024 rad](crate::InertiaProperties::turn_freely).
+/// - *Torque-free rotation* is exact to rounding
+///   ([`turn_freely`](crate::InertiaProperties::turn_freely)). Its error is no part of the estimate
+///   where no contact can come into reach.
 /// - *Limit:* the slip speed must be above the rounding of the velocities. At 1 m/s, 1e-12 m/s is
 ///   tested in double precision, and 1e-6 m/s in single precision. Far below that, a body that
 ///   comes to rest takes tiny steps. Use [`EnergyMomentum`](crate::EnergyMomentum) there.
@@ -154,6 +155,7 @@ impl<R: Real> Formula<R, STAGES> for RadauIIA {
                 end,
                 motions: increments.map(|z| start.point.plus(&z, R::ONE).motion(scene)),
                 difference: error.scaled(share),
+                left_out: left_out(&start.point, &end.point),
             }
         });
         report.evaluations += evaluations.get() + 1;
@@ -173,6 +175,16 @@ fn targets<R: Real, D: Dynamics<R>>(
     [target + rounding, rounding]
 }
 
+/// Returns the part of the estimate that the end of the step leaves out: its rotation is exact
+/// without torques.
+fn left_out<R: Real>(start: &Point<R>, end: &Point<R>) -> LeftOut<R> {
+    if end.angular_momentum == start.angular_momentum {
+        LeftOut::Whole
+    } else {
+        LeftOut::Nothing
+    }
+}
+
 /// End of the step. A rotation without torques is exact.
 fn end_of<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -189,8 +201,7 @@ fn end_of<R: Real, D: Dynamics<R>>(
             angular_momentum,
             ..
         } = start.point;
-        end.orientation =
-            (scene.inertia_properties()).turn_freely(orientation, axes, angular_momentum, seconds);
+        end.orientation = turned_freely(scene, orientation, axes, angular_momentum, seconds);
     }
     Place::under(scene, end, load)
 }

@@ -8,7 +8,7 @@ use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::integrator::lanes::Lanes;
 use crate::real::Real;
 use crate::rotation::{Axes, Rotation};
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, turned_freely};
 use crate::state::State;
 
 /// Strang splitting: half a step of exact flight, a kick by the contact forces, half a step of
@@ -142,9 +142,8 @@ fn drift<R: Real>(
     axes: &Axes<R>,
     seconds: R,
 ) -> Rotation<R> {
-    let mass = scene.inertia_properties();
     state.position += state.linear_velocity * seconds;
-    mass.turn_freely(rotation, axes, state.angular_momentum, seconds)
+    turned_freely(scene, rotation, axes, state.angular_momentum, seconds)
 }
 
 /// Advances the velocities by the forces at a fixed pose. Returns the number of contact

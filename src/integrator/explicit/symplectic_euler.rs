@@ -5,7 +5,7 @@ use crate::error::{self, SceneError, StepError};
 use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::integrator::lanes::Lanes;
 use crate::real::Real;
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, turned_freely};
 use crate::state::State;
 
 /// Semi-implicit (symplectic) Euler method with exact torque-free rotation.
@@ -61,9 +61,8 @@ impl<R: Real> Integrator<R> for SymplecticEuler<R> {
         state.linear_velocity += (load.force * mass.inverse_mass() + scene.gravity()) * dt;
         state.angular_momentum += load.torque * dt;
         state.position += state.linear_velocity * dt;
-        state.orientation = mass
-            .turn_freely(rotation, &motion.axes, state.angular_momentum, dt)
-            .to_quat();
+        let momentum = state.angular_momentum;
+        state.orientation = turned_freely(scene, rotation, &motion.axes, momentum, dt).to_quat();
         Ok(Step::new(dt, 1))
     }
 

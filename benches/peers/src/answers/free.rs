@@ -32,7 +32,7 @@ fn scene(name: &'static str, about: String, law: Law, seconds: f64, case: Case) 
         measure: Measure::Rim(0.5),
         unit: (1.0, "m"),
         useful: 0.1,
-        steps: vec![1.0, 1e-1, 3e-2, 1e-2, 3e-3, 1e-3],
+        steps: vec![10.0, 1.0, 1e-1, 3e-2, 1e-2, 3e-3, 1e-3],
         plain_steps: vec![3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4],
         rapier_steps: vec![1e-2, 1e-3, 1e-4],
         scale: (1.0, 1.0),

@@ -259,11 +259,16 @@ where
     Flight<I>: Integrator,
 {
     let (length, time) = scene.scale;
+    // In empty space no step is too long to find a contact.
+    let longest_step = match scene.shape {
+        Shape::Free => scene.seconds,
+        _ => 0.1 * time,
+    };
     let one = |&tolerance: &f64| {
         let label = super::name_of_tolerance(tolerance, is_sampled);
         let method = method(Setting {
             tolerance: tolerance * length,
-            longest_step: 0.1 * time,
+            longest_step,
             budget: super::most_steps(&scene.law),
         });
         match scene.shape {

@@ -2,12 +2,12 @@
 
 use crate::contact::{Load, Motion};
 use crate::error::{self, Rule, SceneError};
-use crate::integrator::free_error;
+use crate::integrator::free_error::{self, NearlyFree};
 use crate::integrator::interface::Step;
 use crate::integrator::point::Point;
-use crate::real::Real;
+use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, TorqueFree, is_asymmetric};
 
 /// Coefficients of a pair whose last stage is the first stage of the next step.
 pub(crate) struct Pair<const STAGES: usize> {
@@ -139,6 +139,69 @@ pub(in crate::integrator::adaptive) struct Attempt<R: Real, const STAGES: usize>
     pub(in crate::integrator::adaptive) motions: [Motion<R>; STAGES],
     /// Difference between the results of the higher and the lower order.
     pub(in crate::integrator::adaptive) difference: Point<R>,
+    /// The part of the difference that the end of the step leaves out.
+    pub(in crate::integrator::adaptive) left_out: LeftOut<R>,
+}
+
+impl<R: Real, const STAGES: usize> Attempt<R, STAGES> {
+    /// Returns the difference that the estimate counts.
+    ///
+    /// Without the part that is left out, steps in flight are long, and the poses of their stages
+    /// are inexact. So that part counts where a contact may come into reach.
+    #[inline(always)]
+    pub(super) fn counted<D: Dynamics<R>>(
+        &self,
+        scene: &D,
+        start: &Place<R>,
+        seconds: R,
+    ) -> Point<R> {
+        if self.left_out.is_nothing() || !self.is_out_of_reach(scene, start, seconds) {
+            return self.difference;
+        }
+        Point {
+            orientation: self.left_out.of(self.difference.orientation),
+            ..self.difference
+        }
+    }
+
+    #[inline(never)]
+    fn is_out_of_reach<D: Dynamics<R>>(&self, scene: &D, start: &Place<R>, seconds: R) -> bool {
+        let ends = [start, &self.end];
+        let [first, last] = ends.map(|place| place.slope.linear_velocity.length());
+        free_error::is_out_of_reach(
+            scene,
+            ends.map(|place| &place.motion),
+            (start.point.angular_momentum, first.at_least(last)),
+            seconds,
+        )
+    }
+}
+
+/// Part of the difference of the orientations that is an error in torque-free rotation. See
+/// `free_error`.
+#[derive(Clone, Copy)]
+pub(in crate::integrator::adaptive) enum LeftOut<R: Real> {
+    Nothing,
+    /// `w d_f`.
+    Part(Rotation<R>),
+    /// All of it: the step is exact.
+    Whole,
+}
+
+impl<R: Real> LeftOut<R> {
+    /// Returns true if the end of the step is that of the method.
+    fn is_nothing(&self) -> bool {
+        matches!(self, Self::Nothing)
+    }
+
+    /// Returns the difference of two orientations without this part.
+    fn of(&self, difference: Rotation<R>) -> Rotation<R> {
+        match *self {
+            Self::Nothing => difference,
+            Self::Part(part) => difference.plus(part, -R::ONE),
+            Self::Whole => Point::zero().orientation,
+        }
+    }
 }
 
 #[inline(always)]
@@ -151,17 +214,15 @@ fn attempt_under<R: Real, D: Dynamics<R>, const STAGES: usize>(
 ) -> Attempt<R, STAGES> {
     let mut slopes = [start.slope; STAGES];
     let mut motions = [start.motion; STAGES];
-    let mut end = *start;
+    let (mut end, mut left_out) = (*start, LeftOut::Nothing);
     for (i, row) in pair.stages.iter().enumerate().take(STAGES - 1) {
         let mut point = sum(&start.point, &slopes, row, i + 1, seconds);
         if i + 2 == STAGES {
-            point.orientation = free_error::removed(
-                scene,
-                &start.point,
-                &point,
-                seconds,
-                |free, start, seconds| without_torques(pair, free, start, seconds),
-            );
+            if is_asymmetric(scene) {
+                // A copy, because a reference would keep the point in memory.
+                (point.orientation, left_out) =
+                    without_free_error(pair, scene, &start.point, &{ point }, seconds);
+            }
             point = point.normalised();
         }
         end = Place::under(scene, point, &load);
@@ -170,15 +231,48 @@ fn attempt_under<R: Real, D: Dynamics<R>, const STAGES: usize>(
             *motion = end.motion;
         }
     }
-    let mut difference = start.slope.plus(&start.slope, -R::ONE);
-    for (slope, &weight) in slopes.iter().zip(&pair.error) {
-        difference = difference.plus(slope, seconds * R::from_f64(weight));
-    }
     Attempt {
         end,
         motions,
-        difference,
+        difference: difference(&slopes, pair, seconds),
+        left_out,
     }
+}
+
+/// Returns the difference between the results of the two orders.
+#[inline(always)]
+fn difference<R: Real, const STAGES: usize>(
+    slopes: &[Point<R>; STAGES],
+    pair: &Pair<STAGES>,
+    seconds: R,
+) -> Point<R> {
+    let mut difference = Point::zero();
+    for (slope, &weight) in slopes.iter().zip(&pair.error) {
+        difference = difference.plus(slope, seconds * R::from_f64(weight));
+    }
+    difference
+}
+
+/// Returns the orientation at the end of a step without the error in torque-free rotation, and the
+/// part of the difference that this leaves out.
+#[inline(never)]
+fn without_free_error<R: Real, D: Dynamics<R>, const STAGES: usize>(
+    pair: &Pair<STAGES>,
+    scene: &D,
+    start: &Point<R>,
+    end: &Point<R>,
+    seconds: R,
+) -> (Rotation<R>, LeftOut<R>) {
+    let Some(free) = NearlyFree::of(scene, start, end, seconds) else {
+        return (end.orientation, LeftOut::Nothing);
+    };
+    if free.is_free() {
+        return (free.exact, LeftOut::Whole);
+    }
+    let [free_end, difference] =
+        without_torques(pair, &TorqueFree(scene), start, free.exact, seconds);
+    let left_out = LeftOut::Part(difference.scaled(free.weight));
+    (free.corrected(end.orientation, free_end), left_out)
 }
 
 /// Returns a point plus the weighted sum of the first `count` slopes.
@@ -197,20 +291,27 @@ fn sum<R: Real, const STAGES: usize>(
     point
 }
 
-/// Returns the orientation at the end of a step in a scene without torques.
+/// Returns the orientation at the end of a step in a scene without torques, and the difference of
+/// the orientations by the two orders. The last slope is that of the `exact` end, as in a corrected
+/// step.
 fn without_torques<R: Real, D: Dynamics<R>, const STAGES: usize>(
     pair: &Pair<STAGES>,
     scene: &D,
     start: &Point<R>,
+    exact: Rotation<R>,
     seconds: R,
-) -> Rotation<R> {
+) -> [Rotation<R>; 2] {
     let mut slopes = [start.slope(scene); STAGES];
-    let mut point = *start;
+    let mut end = start.orientation;
     for (i, row) in pair.stages.iter().enumerate().take(STAGES - 1) {
-        point = sum(start, &slopes, row, i + 1, seconds);
+        let mut point = sum(start, &slopes, row, i + 1, seconds);
+        if i + 2 == STAGES {
+            end = point.orientation;
+            point.orientation = exact;
+        }
         if let Some(slope) = slopes.get_mut(i + 1) {
             *slope = point.slope(scene);
         }
     }
-    point.orientation
+    [end, difference(&slopes, pair, seconds).orientation]
 }

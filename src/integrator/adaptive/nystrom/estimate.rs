@@ -5,9 +5,10 @@ use super::dip;
 use crate::integrator::adaptive::embedded_pair::Settings;
 use crate::integrator::adaptive::embedded_pair::control::{self, Errors};
 use crate::integrator::explicit::{Stage, Start, Taken, taken};
+use crate::integrator::free_error;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, LimitedScene, Stiffest, size};
+use crate::scene::{Dynamics, LimitedScene, Stiffest, is_asymmetric, size};
 use crate::state::State;
 
 /// Error of the velocities as a fraction of the third difference.
@@ -131,7 +132,7 @@ fn errors_of<R: Real, D: Dynamics<R>>(
     }
     let missed = dip::missed(scene, [&start.stage.motion, &end.motion], start.seconds);
     let misdirected = misdirected(scene, start, taken, (point, end));
-    let turned = rotation_error(scene, start, end);
+    let turned = rotation_error(scene, start, end) * counted(scene, start, (point, end));
     errors.plus(&Errors::of_parts(turned, missed + misdirected).within(HORIZON))
 }
 
@@ -167,6 +168,34 @@ fn rotation_error<R: Real, D: Dynamics<R>>(scene: &D, start: &Start<R>, end: &St
     let cube = angle * angle * angle;
     let uniform = cube * cube * cube * R::from_f64(UNIFORM);
     size(scene) * (cube * change * R::from_f64(ROTATION) + uniform)
+}
+
+/// Returns the fraction of the error of the rotation that counts. A step in flight leaves it out.
+/// Where a contact may come into reach, it counts for the poses of the stages.
+#[inline]
+fn counted<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    start: &Start<R>,
+    (point, end): (&Point<R>, &Stage<R>),
+) -> R {
+    let weight = free_error::weight::<R>(start.point.angular_momentum, point.angular_momentum);
+    let is_nearly_free = is_asymmetric(scene) && weight > R::ZERO;
+    if !is_nearly_free {
+        return R::ONE;
+    }
+    let ends = [&start.stage, end];
+    let [first, last] = ends.map(|stage| stage.acceleration.length());
+    let is_out_of_reach = free_error::is_out_of_reach(
+        scene,
+        ends.map(|stage| &stage.motion),
+        (start.point.angular_momentum, first.at_least(last)),
+        start.seconds,
+    );
+    if is_out_of_reach {
+        R::ONE - weight
+    } else {
+        R::ONE
+    }
 }
 
 /// Returns two differences of velocity and angular momentum: the third difference, and the

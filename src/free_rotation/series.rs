@@ -27,59 +27,18 @@
 //! tenth of that over the largest part of its first term. (Both were computed for 60,000 sets of
 //! moments with ratios up to 1e8, many of them on the separatrix, where the bound is sharp.)
 //!
-//! The terms are summed until the bound is below the rounding of 1. A long step is divided into
-//! parts with `x` up to 1/2. So the result is exact to rounding, and only rounding changes the
-//! energy.
+//! The terms are summed until the bound is below the rounding of 1. So the result is exact to
+//! rounding, and only rounding changes the energy.
 
-use super::inertia_properties::InertiaProperties;
+use crate::inertia::InertiaProperties;
 use crate::real::{Real, Vector};
-use crate::rotation::{Axes, Rotation};
+use crate::rotation::Rotation;
 
-/// Largest `x` of a part.
-const LONGEST: f64 = 0.5;
-/// Largest number of parts. The body does not turn further in one step.
-const MOST_PARTS: usize = 4096;
-/// Number of terms of a series, enough for the longest part in f64.
+/// Number of terms of a series, enough for the longest step in both precisions.
 const TERMS: usize = 24;
 
-impl<R: Real> InertiaProperties<R> {
-    /// Returns the orientation after `seconds` without torque, from `rotation` with these `axes`,
-    /// for three different moments.
-    #[inline(never)]
-    pub(super) fn turn_asymmetric(
-        &self,
-        mut rotation: Rotation<R>,
-        axes: &Axes<R>,
-        angular_momentum: R::Vec3,
-        seconds: R,
-    ) -> Rotation<R> {
-        let (direction, length) = direction_and_length::<R>(angular_momentum);
-        let [first, second] = self.excesses();
-        let mut part = Part {
-            rates: [-second, first, second - first],
-            excesses: [first, second],
-            common: self.common_inverse(),
-        }
-        .times(length * seconds);
-        let mut frame = self.unlike_axes(axes);
-        let x = part.extent(frame.map(|axis| axis.dot(direction)));
-        let share = x / R::from_f64(LONGEST);
-        let parts = share.floor_index().min(MOST_PARTS - 1) + 1;
-        let share = R::ONE / R::from_usize(parts).at_least(share);
-        part = part.times(share);
-        for left in (0..parts).rev() {
-            let turn = part.increment(frame, direction, x * share);
-            rotation = turn.after(rotation).normalised();
-            if left > 0 {
-                frame = self.unlike_axes(&rotation.axes());
-            }
-        }
-        rotation
-    }
-}
-
 /// Direction of a vector, and its length. A vector 0 has the direction 0.
-fn direction_and_length<R: Real>(vector: R::Vec3) -> (R::Vec3, R) {
+pub(super) fn direction_and_length<R: Real>(vector: R::Vec3) -> (R::Vec3, R) {
     let largest = (vector.x().abs().at_least(vector.y().abs())).at_least(vector.z().abs());
     // Without it the square of a small length would be 0.
     let unit = largest.power_of_two();
@@ -92,9 +51,8 @@ fn direction_and_length<R: Real>(vector: R::Vec3) -> (R::Vec3, R) {
     }
 }
 
-/// A part of the step. All rates are angles within the part, rad.
-#[derive(Clone, Copy)]
-struct Part<R> {
+/// A step. All rates are angles within the step, rad.
+pub(super) struct Series<R> {
     /// `A`, `B` and `C`: `|L| (jₖ - jᵢ)` for each axis, of the two axes that follow it.
     rates: [R; 3],
     /// `|L| e` of the first two axes.
@@ -103,17 +61,19 @@ struct Part<R> {
     common: R,
 }
 
-impl<R: Real> Part<R> {
-    fn times(self, factor: R) -> Self {
+impl<R: Real> Series<R> {
+    /// Creates the series of a body, for the product of the angular momentum and the time.
+    pub(super) fn new(inertia: &InertiaProperties<R>, impulse: R) -> Self {
+        let [first, second] = inertia.excesses();
         Self {
-            rates: self.rates.map(|rate| rate * factor),
-            excesses: self.excesses.map(|excess| excess * factor),
-            common: self.common * factor,
+            rates: [-second, first, second - first].map(|rate| rate * impulse),
+            excesses: [first * impulse, second * impulse],
+            common: inertia.common_inverse() * impulse,
         }
     }
 
-    /// Returns `x = 2 λ` for the direction at the start.
-    fn extent(&self, [x, y, z]: [R; 3]) -> R {
+    /// Returns `x = 2 λ t` for the direction at the start.
+    pub(super) fn extent(&self, [x, y, z]: [R; 3]) -> R {
         let [a, b, c] = self.rates;
         let sum = |[a, b, c]: [R; 3], x: R, y: R| {
             if a * b < R::ZERO {
@@ -126,10 +86,21 @@ impl<R: Real> Part<R> {
         first.at_least(sum([c, a, b], z, x)).sqrt() * R::TWO
     }
 
-    /// Returns the rotation by this part, world axes. `frame` are the principal axes.
-    fn increment(&self, frame: [R::Vec3; 3], direction: R::Vec3, extent: R) -> Rotation<R> {
+    /// Returns the mean angle about the angular momentum, `2T t/|L|`, rad.
+    pub(super) fn angle(&self, [x, y, _]: [R; 3]) -> R {
+        let [first, second] = self.excesses;
+        self.common + first * x * x + second * y * y
+    }
+
+    /// Returns the rotation within the step, world axes. `frame` are the principal axes.
+    pub(super) fn increment(
+        &self,
+        frame: [R::Vec3; 3],
+        direction: R::Vec3,
+        extent: R,
+    ) -> Rotation<R> {
         let start = frame.map(|axis| axis.dot(direction));
-        let ([x, y, z], angle) = self.series(start, extent);
+        let ([x, y, z], angle) = self.sum(start, extent);
         let [a, b, c] = frame;
         let change = a * x + b * y + c * z;
         // The shortest rotation, as a Cayley map.
@@ -138,8 +109,8 @@ impl<R: Real> Part<R> {
             .after(Rotation::cayley_unscaled(tangent))
     }
 
-    /// Returns `l - l₀` and χ at the end of the part.
-    fn series(&self, start: [R; 3], extent: R) -> ([R; 3], R) {
+    /// Returns `l - l₀` and χ at the end of the step.
+    fn sum(&self, start: [R; 3], extent: R) -> ([R; 3], R) {
         let squares = [self.excesses[0] * start[0], self.excesses[1] * start[1]];
         let energy = squares[0] * start[0] + squares[1] * start[1];
         let (mut change, mut angle) = ([R::ZERO; 3], self.common + energy);

@@ -1,10 +1,12 @@
 //! Mass and inertia in the form that a step uses: principal axes, inverse moments, and the
-//! torque-free rotation.
+//! torque-free rotation of two equal moments.
 
-use super::jacobi::principal_axes;
+mod jacobi;
+
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
 use crate::rotation::{Axes, BodyAxis, Rotation};
+use jacobi::principal_axes;
 
 /// Mass and inertia of a body, computed once when a scene is composed.
 ///
@@ -372,32 +374,6 @@ impl<R: Real> InertiaProperties<R> {
         x * spin.x() + y * spin.y() + z * spin.z()
     }
 
-    /// Orientation after `seconds` of torque-free rotation from `rotation` with these `axes`.
-    ///
-    /// The angular momentum in world axes is constant and is not changed.
-    ///
-    /// The result is exact for a body with two equal moments, for any time and spin:
-    /// `exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)`. For three different moments it is a power
-    /// series, exact to rounding too, whose cost grows with the angle. It is exact as long as `L`
-    /// moves in the body by less than 1024 rad, about 160 revolutions. A longer time is cut to
-    /// that. [`FreeRotation`](crate::FreeRotation) has no such limit.
-    #[inline(always)]
-    #[must_use]
-    pub fn turn_freely(
-        &self,
-        rotation: Rotation<R>,
-        axes: &Axes<R>,
-        angular_momentum: R::Vec3,
-        seconds: R,
-    ) -> Rotation<R> {
-        if self.is_asymmetric() {
-            self.turn_asymmetric(rotation, axes, angular_momentum, seconds)
-        } else {
-            self.turn_symmetric(rotation, axes, angular_momentum, seconds)
-                .normalised()
-        }
-    }
-
     /// Largest inverse moment, 1/(kg m²): spin (rad/s) per angular momentum (kg m²/s) about the
     /// axis of the smallest nonzero moment. 0 for a point.
     #[inline]
@@ -457,20 +433,20 @@ impl<R: Real> InertiaProperties<R> {
 
     /// Inverse moment of the third axis of [`unlike_axes`](Self::unlike_axes), 1/(kg m²).
     #[inline]
-    pub(super) fn common_inverse(&self) -> R {
+    pub(crate) fn common_inverse(&self) -> R {
         self.common
     }
 
     /// Excesses of the inverse moments of the first two axes of [`unlike_axes`](Self::unlike_axes)
     /// over that of the third, 1/(kg m²).
     #[inline]
-    pub(super) fn excesses(&self) -> [R; 2] {
+    pub(crate) fn excesses(&self) -> [R; 2] {
         [self.symmetry.inverse, self.asymmetry.inverse]
     }
 
     /// Principal axes of three different moments, right-handed, for a body with these axes.
     #[inline]
-    pub(super) fn unlike_axes(&self, axes: &Axes<R>) -> [R::Vec3; 3] {
+    pub(crate) fn unlike_axes(&self, axes: &Axes<R>) -> [R::Vec3; 3] {
         let first = self.symmetry.axis.in_world(axes);
         let second = self.asymmetry.axis.in_world(axes);
         [first, second, first.cross(second)]
