@@ -16,8 +16,8 @@ cross_tools "$work"
 programs=(
   'symplectic_euler_f32 25600 4096'
   'symplectic_euler_f64 52224 6144'
-  'energy_momentum_f32 82944 4352'
-  'energy_momentum_f64 140288 8192'
+  'energy_momentum_f32 86016 4352'
+  'energy_momentum_f64 146432 8192'
 )
 build() { cargo build -q --release --locked --manifest-path examples/embedded/Cargo.toml "$@"; }
 build --bins
