@@ -14,10 +14,10 @@ cross_tools "$work"
 
 # Bytes of code and constants, and of stack, that a program may take on the Cortex-M4F.
 programs=(
-  'symplectic_euler_f32 25600 4096'
-  'symplectic_euler_f64 52224 6144'
-  'energy_momentum_f32 86016 4352'
-  'energy_momentum_f64 146432 8192'
+  'symplectic_euler_f32 21504 4096'
+  'symplectic_euler_f64 48128 6144'
+  'energy_momentum_f32 82944 4352'
+  'energy_momentum_f64 142336 8192'
 )
 build() { cargo build -q --release --locked --manifest-path examples/embedded/Cargo.toml "$@"; }
 build --bins
