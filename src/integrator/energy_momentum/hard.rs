@@ -44,7 +44,7 @@
 
 use super::contacts::Contacts;
 use super::problem::Problem;
-use super::touch::{Increment, Touch};
+use super::touch::{Dual, Increment, Touch};
 use crate::ground::{MeanForce, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
@@ -186,6 +186,14 @@ pub(super) fn are_settled<R: Real, D>(problem: &Problem<'_, R, D>, contacts: &Co
         let (mean, load) = (&touch.push.mean, touch.load);
         (mean.force - load).abs() <= load * R::from_f64(SETTLED) + mean.slope * rounding
     })
+}
+
+/// Forgets what an iteration by loads has found.
+#[cold]
+pub(super) fn forget<R: Real>(contacts: &mut Contacts<R>) {
+    for touch in contacts.stored_mut() {
+        (touch.dual, touch.load) = (Dual::Unknown, R::ZERO);
+    }
 }
 
 /// Sets the loads to those after a Newton step.

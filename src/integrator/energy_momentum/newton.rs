@@ -159,45 +159,25 @@ struct Base<R: Real> {
 /// Solves the step. Leaves the solution in `trial` and returns its strain on friction and dampers,
 /// or `None` if the iteration does not converge. The work is counted in `step`.
 ///
-/// Full steps come first. With the dual unknown they pass from slip to stick and back, which a line
-/// search would prevent. They can run in a cycle, for example if a spring is so stiff that the step
-/// out of contact overshoots. The iteration then starts again from the best trial and takes only
-/// steps that reduce the residual.
+/// If the loads of hard contacts do not lead to the solution, the iteration begins again with their
+/// depths, as for any other contact.
 pub(super) fn solve<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
     trial: &mut Trial<R>,
     step: &mut Step<R>,
 ) -> Option<Strain<R>> {
+    let first = *trial;
     let mut newton = Newton::new(problem);
-    for iteration in 0..LIMIT {
-        let here = newton.balance(contacts, trial, iteration == 1);
-        step.evaluations += 1;
-        if newton.has_converged(&here) && newton.has_settled(contacts) {
-            return Some(newton.strain_at(contacts, trial));
-        }
-        newton.choose_unknowns(&here, trial);
-        if newton.is_worse(&here, iteration) {
-            newton.shorten_the_step(contacts, trial)?;
-            continue;
-        }
-        step.iterations += 1;
-        newton.notice_hardness(&here, contacts);
-        let is_last = newton.step_from(&here, contacts, trial);
-        // Newton's next step squares the residual, so no further evaluation is needed.
-        if is_last {
-            return Some(newton.strain);
-        }
-        newton.remember(&here);
-        if iteration == BOLD {
-            // The residual of a hard contact is no measure for the distance from the solution.
-            if newton.is_hard {
-                return None;
-            }
-            newton.return_to_the_best(trial);
-        }
+    let mut found = newton.iterate(contacts, trial, step);
+    if found.is_none() && newton.is_hard {
+        *trial = first;
+        hard::forget(contacts);
+        newton = Newton::new(problem);
+        newton.may_be_hard = false;
+        found = newton.iterate(contacts, trial, step);
     }
-    None
+    found
 }
 
 /// State of the iteration.
@@ -225,6 +205,8 @@ struct Newton<'a, 'b, R: Real, D> {
     is_moving: bool,
     /// Whether the step is long compared with the oscillation of the body on its contacts.
     is_hard: bool,
+    /// Whether that may be noticed.
+    may_be_hard: bool,
 }
 
 impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
@@ -245,7 +227,51 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             close: R::ONE / exact,
             is_moving: problem.moving_contact().is_some(),
             is_hard: false,
+            may_be_hard: true,
         }
+    }
+
+    /// Iterates from a trial to the solution.
+    ///
+    /// Full steps come first. With the dual unknown they pass from slip to stick and back, which a
+    /// line search would prevent. They can run in a cycle, for example if a spring is so stiff that
+    /// the step out of contact overshoots. The iteration then starts again from the best trial and
+    /// takes only steps that reduce the residual.
+    #[inline(never)]
+    fn iterate(
+        &mut self,
+        contacts: &mut Contacts<R>,
+        trial: &mut Trial<R>,
+        step: &mut Step<R>,
+    ) -> Option<Strain<R>> {
+        for iteration in 0..LIMIT {
+            let here = self.balance(contacts, trial, iteration == 1);
+            step.evaluations += 1;
+            if self.has_converged(&here) && self.has_settled(contacts) {
+                return Some(self.strain_at(contacts, trial));
+            }
+            self.choose_unknowns(&here, trial);
+            if self.is_worse(&here, iteration) {
+                self.shorten_the_step(contacts, trial)?;
+                continue;
+            }
+            step.iterations += 1;
+            self.notice_hardness(&here, contacts);
+            let is_last = self.step_from(&here, contacts, trial);
+            // Newton's next step squares the residual, so no further evaluation is needed.
+            if is_last {
+                return Some(self.strain);
+            }
+            self.remember(&here);
+            if iteration == BOLD {
+                // The residual of a hard contact is no measure for the distance from the solution.
+                if self.is_hard {
+                    return None;
+                }
+                self.return_to_the_best(trial);
+            }
+        }
+        None
     }
 
     /// Evaluates the momentum balance at a trial, which may be the second one.
@@ -433,7 +459,8 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     fn notice_hardness(&mut self, here: &Balance<R>, contacts: &Contacts<R>) {
         let problem = self.problem;
         let hardness = here.slope * problem.seconds * problem.seconds;
-        self.is_hard |= hardness > problem.mass * R::from_f64(HARD)
+        self.is_hard |= self.may_be_hard
+            && hardness > problem.mass * R::from_f64(HARD)
             && !(contacts.has_others() || contacts.has_rims_near(problem));
     }
 
