@@ -169,15 +169,16 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
 ) -> Option<Strain<R>> {
     let first = *trial;
     let mut newton = Newton::new(problem);
-    let mut found = newton.iterate(contacts, trial, step);
-    if found.is_none() && newton.is_hard {
+    loop {
+        let found = newton.iterate(contacts, trial, step);
+        if found.is_some() || !newton.is_hard {
+            return found;
+        }
         *trial = first;
         hard::forget(contacts);
         newton = Newton::new(problem);
         newton.may_be_hard = false;
-        found = newton.iterate(contacts, trial, step);
     }
-    found
 }
 
 /// State of the iteration.
@@ -237,7 +238,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// line search would prevent. They can run in a cycle, for example if a spring is so stiff that
     /// the step out of contact overshoots. The iteration then starts again from the best trial and
     /// takes only steps that reduce the residual.
-    #[inline(never)]
+    #[inline(always)]
     fn iterate(
         &mut self,
         contacts: &mut Contacts<R>,
