@@ -33,11 +33,6 @@
 //! follows from the velocities would therefore give any dual unknown. The points of a round rim are
 //! placed anew for each trial, so that their dual unknowns follow from the new slips.
 //!
-//! # Hard contacts
-//!
-//! If the step is long compared with the oscillation of the body on its contacts, their loads are
-//! the unknowns ([`hard`]).
-//!
 //! # First trial in stick
 //!
 //! The slip of the first trial is far above the creep of a contact that sticks. A derivative there
@@ -51,7 +46,6 @@
 
 use super::contacts::Contacts;
 use super::end_velocity::Strain;
-use super::hard;
 use super::linear::Factored;
 use super::problem::{Problem, Trial};
 use super::shared::is_single;
@@ -86,11 +80,6 @@ const MOST_AMPLIFIED: f64 = 1024.0;
 const DEFERS: bool = cfg!(feature = "std");
 /// Number of evaluations after which the step is abandoned.
 const LIMIT: u32 = 60;
-/// Slope of the mean forces of all contacts, times the square of the step size, divided by the
-/// mass, above which the contacts are [hard]. At the bound, a contact that starts as high above the
-/// ground as it would end below it without force ends at a sixth of that depth. Newton's method
-/// finds it in two or three halvings.
-const HARD: f64 = 64.0;
 
 /// Sum of the effects of the contacts over a trial step.
 #[derive(Clone, Copy, Debug)]
@@ -140,8 +129,6 @@ struct Balance<R: Real> {
     force_residual: R::Vec3,
     /// Residual of the angular momentum, N m s.
     torque_residual: R::Vec3,
-    /// Sum of the slopes of the normal forces, N/m.
-    slope: R,
     /// Unit of the thresholds for the residual, √J.
     tolerance: R,
     /// Part of the residual that rounding of the lever of a moving contact explains, √J.
@@ -159,26 +146,40 @@ struct Base<R: Real> {
 /// Solves the step. Leaves the solution in `trial` and returns its strain on friction and dampers,
 /// or `None` if the iteration does not converge. The work is counted in `step`.
 ///
-/// If the loads of hard contacts do not lead to the solution, the iteration begins again with their
-/// depths, as for any other contact.
+/// Full steps come first. With the dual unknown they pass from slip to stick and back, which a line
+/// search would prevent. They can run in a cycle, for example if a spring is so stiff that the step
+/// out of contact overshoots. The iteration then starts again from the best trial and takes only
+/// steps that reduce the residual.
 pub(super) fn solve<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
     trial: &mut Trial<R>,
     step: &mut Step<R>,
 ) -> Option<Strain<R>> {
-    let first = *trial;
     let mut newton = Newton::new(problem);
-    loop {
-        let found = newton.iterate(contacts, trial, step);
-        if found.is_some() || !newton.is_hard {
-            return found;
+    for iteration in 0..LIMIT {
+        let here = newton.balance(contacts, trial, iteration == 1);
+        step.evaluations += 1;
+        if newton.has_converged(&here) {
+            return Some(newton.strain_at(contacts, trial));
         }
-        *trial = first;
-        hard::forget(contacts);
-        newton = Newton::new(problem);
-        newton.may_be_hard = false;
+        newton.choose_unknowns(&here, trial);
+        if newton.is_worse(&here, iteration) {
+            newton.shorten_the_step(contacts, trial)?;
+            continue;
+        }
+        step.iterations += 1;
+        let is_last = newton.step_from(&here, contacts, trial);
+        // Newton's next step squares the residual, so no further evaluation is needed.
+        if is_last {
+            return Some(newton.strain);
+        }
+        newton.remember(&here);
+        if iteration == BOLD {
+            newton.return_to_the_best(trial);
+        }
     }
+    None
 }
 
 /// State of the iteration.
@@ -204,10 +205,6 @@ struct Newton<'a, 'b, R: Real, D> {
     close: R,
     /// Whether the contact moves over the surface of the body.
     is_moving: bool,
-    /// Whether the step is long compared with the oscillation of the body on its contacts.
-    is_hard: bool,
-    /// Whether that may be noticed.
-    may_be_hard: bool,
 }
 
 impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
@@ -227,52 +224,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             exact,
             close: R::ONE / exact,
             is_moving: problem.moving_contact().is_some(),
-            is_hard: false,
-            may_be_hard: true,
         }
-    }
-
-    /// Iterates from a trial to the solution.
-    ///
-    /// Full steps come first. With the dual unknown they pass from slip to stick and back, which a
-    /// line search would prevent. They can run in a cycle, for example if a spring is so stiff that
-    /// the step out of contact overshoots. The iteration then starts again from the best trial and
-    /// takes only steps that reduce the residual.
-    #[inline(always)]
-    fn iterate(
-        &mut self,
-        contacts: &mut Contacts<R>,
-        trial: &mut Trial<R>,
-        step: &mut Step<R>,
-    ) -> Option<Strain<R>> {
-        for iteration in 0..LIMIT {
-            let here = self.balance(contacts, trial, iteration == 1);
-            step.evaluations += 1;
-            if self.has_converged(&here) && self.has_settled(contacts) {
-                return Some(self.strain_at(contacts, trial));
-            }
-            self.choose_unknowns(&here, trial);
-            if self.is_worse(&here, iteration) {
-                self.shorten_the_step(contacts, trial)?;
-                continue;
-            }
-            step.iterations += 1;
-            self.notice_hardness(&here, contacts);
-            let is_last = self.step_from(&here, contacts, trial);
-            // Newton's next step squares the residual, so no further evaluation is needed.
-            if is_last {
-                return Some(self.strain);
-            }
-            self.remember(&here);
-            if iteration == BOLD {
-                // The residual of a hard contact is no measure for the distance from the solution.
-                if self.is_hard {
-                    return None;
-                }
-                self.return_to_the_best(trial);
-            }
-        }
-        None
     }
 
     /// Evaluates the momentum balance at a trial, which may be the second one.
@@ -304,7 +256,6 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             },
             force_residual,
             torque_residual,
-            slope: sum.slope,
             tolerance: self.scale.at(problem, trial, &sum) * tolerance::<R>(),
             rounding: rounding_of_lever(problem, contacts, sum.normal),
         }
@@ -361,13 +312,6 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         stalls && size <= here.tolerance * self.close * R::from_f64(STALLED) + here.rounding
     }
 
-    /// Returns true unless the last Newton step has predicted other loads of hard contacts than
-    /// those at the trial. The residual may then be small by chance.
-    #[inline(always)]
-    fn has_settled(&self, contacts: &Contacts<R>) -> bool {
-        !self.is_hard || hard::are_settled(self.problem, contacts)
-    }
-
     /// Carries the slips along as unknowns from the moment at which the residual is within the
     /// rounding of slips that are computed from the velocities.
     #[inline(always)]
@@ -412,30 +356,18 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         trial: &mut Trial<R>,
     ) -> bool {
         let problem = self.problem;
-        let has_settled = self.has_settled(contacts);
-        let is_enough = self.is_enough(here) && has_settled;
-        let is_by_loads = self.is_hard && !is_enough;
-        if is_by_loads {
-            hard::settle(problem, contacts);
-        }
+        let is_enough = self.is_enough(here);
         self.derive(is_enough, contacts, trial);
         let is_resolved = self.strain.of_step(problem).is_resolved();
         let mut residual = [here.force_residual, here.torque_residual];
-        if is_by_loads {
-            residual = self.residual_by_loads(contacts, trial);
-        }
         let begins_in_stick = self.base.is_none() && !is_resolved && {
             let excess = self.excess(contacts, false);
             residual = without_excess(problem, residual, excess);
             excess != [R::Vec3::ZERO; 2]
         };
         let [force, torque] = residual;
-        let (mut shift, mut turn) = (self.matrix).solve(-force, -torque, problem.bounding_radius);
-        if is_by_loads {
-            [shift, turn] = self.step_by_loads(here, contacts, [shift, turn]);
-        }
+        let (shift, turn) = (self.matrix).solve(-force, -torque, problem.bounding_radius);
         let is_last = !begins_in_stick
-            && has_settled
             && ((is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
                 || self.is_close_in_stick(here, contacts, shift, turn));
         change(problem, trial, &here.place, shift, turn);
@@ -452,52 +384,6 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             turn,
         });
         is_last
-    }
-
-    /// Notes whether the contacts are hard. Rims are not, whose points are placed anew for each
-    /// trial, nor contacts that are not stored.
-    #[inline(always)]
-    fn notice_hardness(&mut self, here: &Balance<R>, contacts: &Contacts<R>) {
-        let problem = self.problem;
-        let hardness = here.slope * problem.seconds * problem.seconds;
-        self.is_hard |= self.may_be_hard
-            && hardness > problem.mass * R::from_f64(HARD)
-            && !(contacts.has_others() || contacts.has_rims_near(problem));
-    }
-
-    /// Residual of the momentum balance with the linear forces of hard contacts.
-    #[cold]
-    #[inline(never)]
-    fn residual_by_loads(&self, contacts: &Contacts<R>, trial: &Trial<R>) -> [R::Vec3; 2] {
-        let problem = self.problem;
-        let mut sum = Sum::NONE;
-        for touch in contacts.stored() {
-            if touch.push.is_felt() {
-                let more = hard::beyond(problem, touch);
-                sum.add(&touch.push);
-                sum.force += more;
-                sum.torque += touch.push.arm.cross(more);
-            }
-        }
-        sum.torque += contacts.lever.torque * sum.normal;
-        let (force, torque) = residual(problem, trial, &sum);
-        [force, torque]
-    }
-
-    /// Sets the loads after Newton's step. Returns the step that the trial takes.
-    #[cold]
-    #[inline(never)]
-    fn step_by_loads(
-        &self,
-        here: &Balance<R>,
-        contacts: &mut Contacts<R>,
-        [shift, turn]: [R::Vec3; 2],
-    ) -> [R::Vec3; 2] {
-        let (problem, place) = (self.problem, &here.place);
-        hard::predict(contacts, &Increment::of(shift, turn, place.spin));
-        let all_shift = place.velocity * problem.seconds + shift;
-        let ahead = size_of_motion(problem, all_shift, place.spin * R::TWO + turn);
-        hard::shortened(problem, [shift, turn], ahead)
     }
 
     /// Returns true if one more step with the last derivatives is expected to reach rounding,
