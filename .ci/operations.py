@@ -27,6 +27,8 @@ KINDS = {
 LEAST = 0.02
 # Percent of all instructions. Below it they differ by 0 %, to a whole number.
 TOLERANCE = 0.5
+# Instructions. So few moves between registers are the compiler's, however cheap the step is.
+MOVES = 8
 
 
 def opcodes(program):
@@ -98,7 +100,7 @@ def main():
             flush=True,
         )
         asks = any(a > b + LEAST for a, b in zip(first[1:], second[1:]))
-        dearer += asks or change > TOLERANCE
+        dearer += asks or (change > TOLERANCE and first[0] - second[0] > MOVES)
     print(f"{dearer} rows pay for parts that the scene does not name")
     sys.exit(dearer > 0)
 
