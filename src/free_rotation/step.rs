@@ -6,8 +6,8 @@
 //!
 //! Nearly equal moments, and a rotation next to a principal axis, have a small `λ`. The angle about
 //! the angular momentum is `2T t/|L|`, and may be large in a step with a small `x`. The series
-//! rounds it two or three times, so its error is about `EPSILON` times the angle. That of the closed
-//! form is about ten times `EPSILON`.
+//! rounds it two or three times, so its error is about `EPSILON` times the angle. That of the
+//! closed form is about ten times `EPSILON`.
 
 use super::series::{Series, direction_and_length};
 use super::turned_far;

@@ -1,8 +1,8 @@
 //! Radau's implicit method of order 5, for stiff friction and stiff ground at high accuracy.
 //!
 //! The stages of a step: the Jacobian (`jacobian`), the increments of the three stages (`stages`,
-//! `reduced`, `linear`), and the error estimate. Touch-downs and step size control are those of the explicit
-//! pairs (`embedded_pair`).
+//! `reduced`, `linear`), and the error estimate. Touch-downs and step size control are those of the
+//! explicit pairs (`embedded_pair`).
 //!
 //! # Estimate
 //!
@@ -71,7 +71,8 @@ use stages::{Equations, Increments, STAGES, WEIGHTS, differences};
 ///   same holds at 1e-6 m/s. It is mostly 0.1 to 2 tolerances (`tests/physics/radau.rs` prints it).
 ///   After longer times it depends on how the motion amplifies it.
 /// - *Cost:* 15 to 30 force evaluations per attempted step, with the Jacobian and linear equations
-///   of six real and six complex unknowns. Where friction is not stiff, an explicit pair costs less.
+///   of six real and six complex unknowns. Where friction is not stiff, an explicit pair costs
+///   less.
 /// - *Jacobian:* from the derivatives of the laws. A law without its own is differentiated by
 ///   differences. An applied force and the curvature of the ground are not part of it. They cost
 ///   iterations, not accuracy.

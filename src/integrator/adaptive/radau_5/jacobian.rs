@@ -9,8 +9,8 @@
 //! δω = W δL + ϑ × ω - W (ϑ × L)
 //! ```
 //! ϑ/2 and s are the vector and the scalar of the change of the quaternion times its inverse, and a
-//! quaternion changes at the rate `ω q/2`. With s a uniform rotation has linear equations, so that a
-//! step may rotate the body by a radian at no further iteration.
+//! quaternion changes at the rate `ω q/2`. With s a uniform rotation has linear equations, so that
+//! a step may rotate the body by a radian at no further iteration.
 //!
 //! The force F of a contact at the arm r depends on its path and on its velocity:
 //!
@@ -42,9 +42,9 @@ pub(super) struct Jacobian<R: Real> {
     pub(super) turning: [Rows<R, 3, 3>; 2],
     /// Derivatives of `v'` and `L'` with respect to the shift.
     pub(super) by_shift: Rows<R, 6, 3>,
-    /// The same with respect to the rotation.
+    /// Derivatives of `v'` and `L'` with respect to the rotation.
     pub(super) by_turn: Rows<R, 6, 3>,
-    /// The same with respect to v and L.
+    /// Derivatives of `v'` and `L'` with respect to v and L.
     pub(super) by_rates: Rows<R, 6, 6>,
     /// Smallest width of the friction of all contacts, m/s.
     pub(super) width: R,
