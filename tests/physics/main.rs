@@ -35,6 +35,7 @@ mod free_rotation;
 mod free_steps;
 mod growth;
 mod limiter;
+mod long_steps;
 mod lowest_point;
 mod many_contacts;
 mod many_states;

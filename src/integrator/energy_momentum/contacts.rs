@@ -290,7 +290,7 @@ impl<R: Real> Contacts<R> {
 
     /// Returns true if a rim may touch during the step.
     #[inline(always)]
-    fn has_rims_near<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> bool {
+    pub(super) fn has_rims_near<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> bool {
         self.with_rim && problem.has_rims()
     }
 
@@ -499,6 +499,19 @@ impl<R: Real> Contacts<R> {
             }
         }
         [force, torque]
+    }
+
+    /// The stored contacts.
+    #[inline]
+    pub(super) fn stored(&self) -> &[Touch<R>] {
+        self.touches.get(..self.remembered).unwrap_or_default()
+    }
+
+    /// The stored contacts, to be changed.
+    #[inline]
+    pub(super) fn stored_mut(&mut self) -> &mut [Touch<R>] {
+        let stored = ..self.remembered;
+        self.touches.get_mut(stored).unwrap_or_default()
     }
 
     /// Advances the slips and dual unknowns of the last trial to the end of a Newton step.

@@ -33,6 +33,11 @@
 //! follows from the velocities would therefore give any dual unknown. The points of a round rim are
 //! placed anew for each trial, so that their dual unknowns follow from the new slips.
 //!
+//! # Hard contacts
+//!
+//! If the step is long compared with the oscillation of the body on its contacts, their loads are
+//! the unknowns ([`hard`]).
+//!
 //! # First trial in stick
 //!
 //! The slip of the first trial is far above the creep of a contact that sticks. A derivative there
@@ -46,6 +51,7 @@
 
 use super::contacts::Contacts;
 use super::end_velocity::Strain;
+use super::hard;
 use super::linear::Factored;
 use super::problem::{Problem, Trial};
 use super::shared::is_single;
@@ -80,6 +86,15 @@ const MOST_AMPLIFIED: f64 = 1024.0;
 const DEFERS: bool = cfg!(feature = "std");
 /// Number of evaluations after which the step is abandoned.
 const LIMIT: u32 = 60;
+/// Stiffness of all contacts, times the square of the step size, divided by the
+/// mass, above which the contacts are [hard]. At the bound, a contact that starts as high above the
+/// ground as it would end below it without force ends at a sixth of that depth. Newton's method
+/// finds it in two or three halvings.
+const HARD: f64 = 64.0;
+/// The same number, above which they are not. The depth under a load is then below a hundred
+/// thousandth of the body's way in the step. With loads at 1e15 and 1e21, random steps of the tests
+/// left a body in its place that a force could move.
+const HARDEST: f64 = 1e10;
 
 /// Sum of the effects of the contacts over a trial step.
 #[derive(Clone, Copy, Debug)]
@@ -129,6 +144,8 @@ struct Balance<R: Real> {
     force_residual: R::Vec3,
     /// Residual of the angular momentum, N m s.
     torque_residual: R::Vec3,
+    /// Sum of the stiffnesses of the springs over the step, N/m.
+    stiffness: R,
     /// Unit of the thresholds for the residual, √J.
     tolerance: R,
     /// Part of the residual that rounding of the lever of a moving contact explains, √J.
@@ -160,7 +177,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
     for iteration in 0..LIMIT {
         let here = newton.balance(contacts, trial, iteration == 1);
         step.evaluations += 1;
-        if newton.has_converged(&here) {
+        if newton.has_converged(&here) && newton.has_settled(contacts) {
             return Some(newton.strain_at(contacts, trial));
         }
         newton.choose_unknowns(&here, trial);
@@ -169,6 +186,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
             continue;
         }
         step.iterations += 1;
+        newton.notice_hardness(&here, contacts);
         let is_last = newton.step_from(&here, contacts, trial);
         // Newton's next step squares the residual, so no further evaluation is needed.
         if is_last {
@@ -176,6 +194,10 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
         }
         newton.remember(&here);
         if iteration == BOLD {
+            // The residual of a hard contact is no measure for the distance from the solution.
+            if newton.is_hard {
+                return None;
+            }
             newton.return_to_the_best(trial);
         }
     }
@@ -205,6 +227,8 @@ struct Newton<'a, 'b, R: Real, D> {
     close: R,
     /// Whether the contact moves over the surface of the body.
     is_moving: bool,
+    /// Whether the step is long compared with the oscillation of the body on its contacts.
+    is_hard: bool,
 }
 
 impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
@@ -224,6 +248,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             exact,
             close: R::ONE / exact,
             is_moving: problem.moving_contact().is_some(),
+            is_hard: false,
         }
     }
 
@@ -256,6 +281,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             },
             force_residual,
             torque_residual,
+            stiffness: sum.stiffness,
             tolerance: self.scale.at(problem, trial, &sum) * tolerance::<R>(),
             rounding: rounding_of_lever(problem, contacts, sum.normal),
         }
@@ -312,6 +338,13 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         stalls && size <= here.tolerance * self.close * R::from_f64(STALLED) + here.rounding
     }
 
+    /// Returns true unless the last Newton step has predicted other loads of hard contacts than
+    /// those at the trial. The residual may then be small by chance.
+    #[inline(always)]
+    fn has_settled(&self, contacts: &Contacts<R>) -> bool {
+        !self.is_hard || hard::are_settled(self.problem, contacts)
+    }
+
     /// Carries the slips along as unknowns from the moment at which the residual is within the
     /// rounding of slips that are computed from the velocities.
     #[inline(always)]
@@ -356,18 +389,30 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         trial: &mut Trial<R>,
     ) -> bool {
         let problem = self.problem;
-        let is_enough = self.is_enough(here);
+        let has_settled = self.has_settled(contacts);
+        let is_enough = self.is_enough(here) && has_settled;
+        let is_by_loads = self.is_hard && !is_enough;
+        if is_by_loads {
+            hard::settle(problem, contacts);
+        }
         self.derive(is_enough, contacts, trial);
         let is_resolved = self.strain.of_step(problem).is_resolved();
         let mut residual = [here.force_residual, here.torque_residual];
+        if is_by_loads {
+            residual = self.residual_by_loads(contacts, trial);
+        }
         let begins_in_stick = self.base.is_none() && !is_resolved && {
             let excess = self.excess(contacts, false);
             residual = without_excess(problem, residual, excess);
             excess != [R::Vec3::ZERO; 2]
         };
         let [force, torque] = residual;
-        let (shift, turn) = (self.matrix).solve(-force, -torque, problem.bounding_radius);
+        let (mut shift, mut turn) = (self.matrix).solve(-force, -torque, problem.bounding_radius);
+        if is_by_loads {
+            [shift, turn] = self.step_by_loads(here, contacts, [shift, turn]);
+        }
         let is_last = !begins_in_stick
+            && has_settled
             && ((is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
                 || self.is_close_in_stick(here, contacts, shift, turn));
         change(problem, trial, &here.place, shift, turn);
@@ -384,6 +429,52 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             turn,
         });
         is_last
+    }
+
+    /// Notes whether the contacts are hard. Rims are not, whose points are placed anew for each
+    /// trial, nor contacts that are not stored.
+    #[inline(always)]
+    fn notice_hardness(&mut self, here: &Balance<R>, contacts: &Contacts<R>) {
+        let problem = self.problem;
+        let hardness = here.stiffness * problem.seconds * problem.seconds / problem.mass;
+        self.is_hard |= hardness > R::from_f64(HARD)
+            && hardness < R::from_f64(HARDEST)
+            && !(contacts.has_others() || contacts.has_rims_near(problem));
+    }
+
+    /// Residual of the momentum balance with the linear forces of hard contacts.
+    #[cold]
+    #[inline(never)]
+    fn residual_by_loads(&self, contacts: &Contacts<R>, trial: &Trial<R>) -> [R::Vec3; 2] {
+        let problem = self.problem;
+        let mut sum = Sum::NONE;
+        for touch in contacts.stored() {
+            if touch.push.is_felt() {
+                let more = hard::beyond(problem, touch);
+                sum.add(&touch.push);
+                sum.force += more;
+                sum.torque += touch.push.arm.cross(more);
+            }
+        }
+        sum.torque += contacts.lever.torque * sum.normal;
+        let (force, torque) = residual(problem, trial, &sum);
+        [force, torque]
+    }
+
+    /// Sets the loads after Newton's step. Returns the step that the trial takes.
+    #[cold]
+    #[inline(never)]
+    fn step_by_loads(
+        &self,
+        here: &Balance<R>,
+        contacts: &mut Contacts<R>,
+        [shift, turn]: [R::Vec3; 2],
+    ) -> [R::Vec3; 2] {
+        let (problem, place) = (self.problem, &here.place);
+        hard::predict(contacts, &Increment::of(shift, turn, place.spin));
+        let all_shift = place.velocity * problem.seconds + shift;
+        let ahead = size_of_motion(problem, all_shift, place.spin * R::TWO + turn);
+        hard::shortened(problem, [shift, turn], ahead)
     }
 
     /// Returns true if one more step with the last derivatives is expected to reach rounding,

@@ -40,6 +40,8 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) depth_scale: R,
     /// Kinetic energy at the start, J.
     pub(super) kinetic_energy: R,
+    /// Energy of the springs at the start, J.
+    pub(super) spring_energy: R,
 }
 
 /// Mean velocity and mean spin over a step, which are the six unknowns, and the quantities that
@@ -123,6 +125,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             },
             depth_scale: bounding_radius + distance_from(plane, start.position),
             kinetic_energy: energy.translation + energy.rotation,
+            spring_energy: energy.springs,
         }
     }
 

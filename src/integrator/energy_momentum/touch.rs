@@ -23,6 +23,10 @@ pub(super) struct Touch<R: Real> {
     pub(super) dual: Dual<R>,
     /// Dual unknown where friction was last differentiated, if a Newton step has advanced it since.
     before: R::Vec3,
+    /// Mean normal force at which a hard contact is next differentiated, N; 0 if there is none.
+    pub(super) load: R,
+    /// Depth at the end of the step at which a hard contact was last differentiated, m.
+    pub(super) settled_depth: R,
 }
 
 /// Newton's dual unknown of a contact: friction divided by its limit, a vector of length at most 1.
@@ -116,9 +120,9 @@ impl<R: Real> Answer<R> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Increment<R: Real> {
     /// Shift of the step's end, m.
-    shift: R::Vec3,
+    pub(super) shift: R::Vec3,
     /// Rotation of the step's end, rad.
-    turn: R::Vec3,
+    pub(super) turn: R::Vec3,
     /// Twice the change of the Cayley argument.
     twist: R::Vec3,
 }
@@ -191,7 +195,7 @@ impl<R: Real> Push<R> {
     }
 
     #[inline]
-    fn mean_force<D: Dynamics<R>>(
+    pub(super) fn mean_force<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
         end_depth: R,
@@ -263,6 +267,8 @@ impl<R: Real> Touch<R> {
         push: Push::NONE,
         dual: Dual::Unknown,
         before: R::Vec3::ZERO,
+        load: R::ZERO,
+        settled_depth: R::ZERO,
     };
 
     #[inline]
@@ -294,6 +300,7 @@ impl<R: Real> Touch<R> {
         (push.depth, push.radius) = (point.radius - under.gap, point.radius);
         push.weight = R::ONE;
         self.dual = Dual::Unknown;
+        self.load = R::ZERO;
     }
 
     /// Becomes a contact at the start of a step. The fields that are not set here are written by
@@ -305,7 +312,7 @@ impl<R: Real> Touch<R> {
             self.push = start.push;
         }
         (self.arm, self.push.depth) = (start.arm, start.push.depth);
-        self.dual = Dual::Unknown;
+        (self.dual, self.load) = (Dual::Unknown, R::ZERO);
         (self.push.radius, self.push.weight) = (start.push.radius, R::ONE);
         self.push.surface = start.push.surface;
         if let Some(plane) = &problem.plane {
@@ -329,6 +336,7 @@ impl<R: Real> Touch<R> {
         let push = &mut self.push;
         (push.surface, push.normal) = (surface, under.normal);
         (push.depth, push.radius, push.weight) = (R::ZERO - under.gap, R::ZERO, weight);
+        self.load = R::ZERO;
     }
 
     /// Position at which friction is evaluated, m, world axes. It is computed only for a law that
@@ -344,7 +352,11 @@ impl<R: Real> Touch<R> {
 
     /// Friction (N) of a slip under the mean normal force of the last trial.
     #[inline]
-    fn friction<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>, slip: R::Vec3) -> R::Vec3 {
+    pub(super) fn friction<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        slip: R::Vec3,
+    ) -> R::Vec3 {
         let (push, position) = (&self.push, self.friction_position(problem));
         match push.weights(problem) {
             Some([weight, each]) => {
@@ -388,6 +400,12 @@ impl<R: Real> Touch<R> {
         }
     }
 
+    /// Returns true if there is a force, or if Newton's last step has predicted one.
+    #[inline(always)]
+    fn may_be_felt(&self) -> bool {
+        self.push.is_felt() || self.load > R::ZERO
+    }
+
     /// Computes motion and force of a bare contact on level ground over a trial step. Returns true
     /// if there is a force.
     #[inline(always)]
@@ -402,7 +420,7 @@ impl<R: Real> Touch<R> {
         let mean = self.push.mean_force(problem, end_depth);
         self.push.end_depth = end_depth;
         self.push.mean = mean;
-        if !self.push.is_felt() {
+        if !self.may_be_felt() {
             return false;
         }
         let end_arm = self.arm + swung;
@@ -447,7 +465,7 @@ impl<R: Real> Touch<R> {
         self.push.normal = normal;
         self.push.end_depth = end_depth;
         self.push.mean = self.push.mean_force(problem, end_depth);
-        if !self.push.is_felt() {
+        if !self.may_be_felt() {
             return Lever::NONE;
         }
         let end_arm = self.arm + swung;
@@ -650,6 +668,15 @@ impl<R: Real> Touch<R> {
         };
         let drag = self.jacobian(problem);
         (slip - dual * drag.width) * drag.coefficient
+    }
+
+    /// Derivative of the last linear force with respect to the normal force.
+    pub(super) fn loaded<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> R::Vec3 {
+        let slip = match &self.dual {
+            Dual::At(at) => at.slip,
+            _ => self.push.slip,
+        };
+        self.push.normal - slip * self.jacobian_at(problem, slip).per_load
     }
 
     /// Advances slip and dual unknown to the end of a Newton step.

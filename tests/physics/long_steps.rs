@@ -1,0 +1,209 @@
+//! Steps of a frame on ground so stiff that a bounce lasts a thousandth of a step or less.
+//!
+//! Newton's method for the depth at the end of such a step halved it in each iteration, overshot
+//! the surface and began again. Four steps in contact of ten were divided, and a step of 1/60 s
+//! took nine times the evaluations of one of 1/240 s.
+
+// Helpers of these tests fail by panicking, like the tests.
+#![allow(clippy::unwrap_used)]
+
+use crate::kit::erased::Stepper;
+use tumble::ground::Plane;
+use tumble::real::{Real, Vector};
+use tumble::{
+    Coulomb, Cuboid, Ellipsoid, EnergyMomentum, FlatGround, PointCloud, RigidPointBody, Rod, State,
+    UniformGravity,
+};
+
+/// Step of a frame, s.
+const FRAME: f64 = 1.0 / 60.0;
+/// Number of throws of each scene, and their length, s.
+const THROWS: u32 = 40;
+const SECONDS: f64 = 1.0;
+/// Multiples of which the fractional parts are the numbers of a throw.
+const ROOTS: [f64; 10] = [
+    0.414_213, 0.732_050, 0.236_067, 0.645_751, 0.316_624, 0.605_551, 0.123_105, 0.358_898,
+    0.795_831, 0.385_164,
+];
+
+/// Ground, friction and throw of a scene.
+#[derive(Clone, Copy)]
+struct Scene {
+    /// N/m and N s/m, for each contact.
+    stiffness: f64,
+    damping: f64,
+    coefficient: f64,
+    slip_speed: f64,
+    /// Slope of the ground, rad.
+    slope: f64,
+    /// Height of the start, m, and largest spin about each axis, rad/s.
+    height: f64,
+    spin: f64,
+}
+
+/// What the steps in contact have taken.
+#[derive(Default)]
+struct Cost {
+    iterations: Vec<u32>,
+    evaluations: u32,
+    fallbacks: u32,
+}
+
+impl Cost {
+    fn steps(&self) -> f64 {
+        self.iterations.len() as f64
+    }
+
+    fn evaluations_a_step(&self) -> f64 {
+        f64::from(self.evaluations) / self.steps()
+    }
+
+    /// Iterations of the step that takes at least as many as this percentage of them.
+    fn percentile(&mut self, percent: usize) -> u32 {
+        self.iterations.sort_unstable();
+        self.iterations[(self.iterations.len() - 1) * percent / 100]
+    }
+}
+
+fn throw<R: Real>(body: &impl RigidPointBody<R>, scene: &Scene, time_step: f64) -> Cost {
+    let number = R::from_f64;
+    let vector = |[x, y, z]: [f64; 3]| R::Vec3::new(number(x), number(y), number(z));
+    let mut ground = FlatGround::level(number(scene.stiffness), number(scene.damping));
+    if scene.slope != 0.0 {
+        let normal = vector([scene.slope.sin(), 0.0, scene.slope.cos()]);
+        ground = ground.on(Plane {
+            normal,
+            ..ground.plane
+        });
+    }
+    let stepper = Stepper::<_, R>::builder(body)
+        .gravity(UniformGravity::down(number(9.81)))
+        .ground(ground)
+        .friction(Coulomb {
+            coefficient: number(scene.coefficient),
+            slip_speed: number(scene.slip_speed),
+        })
+        .integrator(EnergyMomentum {
+            time_step: number(time_step),
+        })
+        .build()
+        .unwrap();
+    let mut cost = Cost::default();
+    for index in 1..=THROWS {
+        let [a, b, c, d, e, f, g, h, i, j] =
+            ROOTS.map(|root| 2.0 * (f64::from(index) * root).fract() - 1.0);
+        let start = State::at(vector([0.0, 0.0, scene.height * (1.5 + 0.5 * a)]))
+            .with_linear_velocity(vector([b, c, d - 1.0]))
+            .with_rotation_vector(vector([3.0 * e, 3.0 * f, 3.0 * g]));
+        let spin = vector([h, i, j]) * number(scene.spin);
+        let mut state = stepper.with_angular_velocity(start, spin);
+        let mut elapsed = 0.0;
+        while elapsed < SECONDS {
+            elapsed += time_step;
+            let before = stepper.energy(&state).total();
+            let step = stepper.step(&mut state).unwrap();
+            assert!(stepper.energy(&state).total() <= before);
+            if step.evaluations > 0 {
+                cost.iterations.push(step.iterations);
+                cost.evaluations += step.evaluations;
+                cost.fallbacks += u32::from(step.fallback);
+            }
+        }
+    }
+    cost
+}
+
+/// Throws a body with steps of a frame and of a quarter of it, and adds the cost of the former to
+/// that of all scenes.
+fn compare<R: Real>(name: &str, body: &impl RigidPointBody<R>, scene: &Scene, all: &mut Cost) {
+    let mut frame = throw(body, scene, FRAME);
+    let quarter = throw(body, scene, 0.25 * FRAME);
+    let (median, most) = (frame.percentile(50), frame.percentile(90));
+    let divided = f64::from(frame.fallbacks) / frame.steps();
+    let ratio = frame.evaluations_a_step() / quarter.evaluations_a_step();
+    println!(
+        "{name}: {} steps in contact, iterations {median}, 90 % {most}, divided {divided:.3}, \
+         {:.1} evaluations, {ratio:.2} times those of a quarter",
+        frame.steps(),
+        frame.evaluations_a_step(),
+    );
+    assert!(frame.steps() > 100.0, "{name}: {} steps", frame.steps());
+    assert!(median <= 10, "{name}: {median} iterations");
+    assert!(divided < 0.05, "{name}: {divided} of the steps divided");
+    assert!(ratio <= 2.5, "{name}: {ratio} times the evaluations");
+    all.iterations.append(&mut frame.iterations);
+    all.evaluations += frame.evaluations;
+    all.fallbacks += frame.fallbacks;
+}
+
+const SCENE: Scene = Scene {
+    stiffness: 3e9,
+    damping: 500.0,
+    coefficient: 0.5,
+    slip_speed: 1e-3,
+    slope: 0.0,
+    height: 0.25,
+    spin: 9.0,
+};
+
+/// Bodies, grounds and throws on which no constant of the method was chosen.
+#[test]
+fn steps_of_a_frame_on_stiff_ground_take_few_iterations() {
+    let mut all = Cost::default();
+    let brick = Cuboid::<f64>::solid(2.0, [0.25, 0.15, 0.35].into());
+    compare("brick", &brick, &SCENE, &mut all);
+    let slope = Scene {
+        slope: 0.2,
+        stiffness: 4e8,
+        damping: 3e4,
+        ..SCENE
+    };
+    compare("brick on a slope", &brick, &slope, &mut all);
+    let rod = Rod::<f64>::new(0.8, 0.25);
+    let hard = Scene {
+        stiffness: 2e10,
+        damping: 0.0,
+        slip_speed: 1e-5,
+        ..SCENE
+    };
+    compare("rod", &rod, &hard, &mut all);
+    let corners = [
+        [0.1, 0.0, -0.04],
+        [-0.05, 0.09, -0.04],
+        [-0.05, -0.09, -0.04],
+        [0.0, 0.0, 0.12],
+    ];
+    let tetrahedron =
+        PointCloud::<f64, _>::new(corners.map(Into::<tumble::glam::DVec3>::into), [0.08; 4]);
+    let smooth = Scene {
+        coefficient: 0.0,
+        damping: 0.0,
+        ..SCENE
+    };
+    compare("tetrahedron", &tetrahedron.unwrap(), &smooth, &mut all);
+    let egg = Ellipsoid::<f64>::solid(0.5, [0.09, 0.09, 0.12].into());
+    compare("egg", &egg, &SCENE, &mut all);
+    let die = Cuboid::<f64>::cube(0.004, 0.012);
+    let small = Scene {
+        stiffness: 3e8,
+        damping: 5.0,
+        height: 0.03,
+        spin: 30.0,
+        ..SCENE
+    };
+    compare("die", &die, &small, &mut all);
+    let median = all.percentile(50);
+    let divided = f64::from(all.fallbacks) / all.steps();
+    println!("all: {median} iterations, divided {divided:.4}");
+    assert!(median <= 8, "{median} iterations");
+    assert!(divided < 0.02, "{divided} of the steps divided");
+}
+
+#[test]
+fn steps_of_a_frame_on_stiff_ground_take_few_iterations_in_single_precision() {
+    let mut all = Cost::default();
+    let brick = Cuboid::<f32>::solid(2.0, [0.25, 0.15, 0.35].into());
+    compare("brick, single", &brick, &SCENE, &mut all);
+    let rod = Rod::<f32>::new(0.8, 0.25);
+    compare("rod, single", &rod, &SCENE, &mut all);
+}
