@@ -211,6 +211,7 @@ fn plain(time_step: f64) -> Result<Program, Box<dyn Error>> {
         mass: 1.0,
         inertia: DVec3::new(0.25, 0.125, 0.125),
         contacts: trial.coin().contacts().to_vec(),
+        rim: 0.0,
         stiffness: 1000.0,
         damping: trial.damping,
         coefficient: trial.coefficient,

@@ -15,6 +15,9 @@ pub(crate) struct Law {
     pub(crate) inertia: DVec3,
     /// Contact points. Empty for a body in free flight.
     pub(crate) contacts: Vec<ContactPoint>,
+    /// Radius of a round rim about the body's x axis that touches at its lowest point alone, m;
+    /// 0 for none.
+    pub(crate) rim: f64,
     /// Stiffness of a contact, N/m.
     pub(crate) stiffness: f64,
     /// Damping of a contact, N s/m.
@@ -42,8 +45,7 @@ impl Law {
         let spin = self.spin(axes, state.angular_momentum);
         let mut force = DVec3::new(0.0, 0.0, -self.mass * self.gravity);
         let mut torque = DVec3::ZERO;
-        for contact in &self.contacts {
-            let arm = axes * contact.position - DVec3::Z * contact.radius;
+        let mut add = |arm: DVec3| {
             let depth = -(state.position.z + arm.z);
             if depth > 0.0 {
                 let velocity = state.linear_velocity + spin.cross(arm);
@@ -55,6 +57,14 @@ impl Law {
                 force += push;
                 torque += arm.cross(push);
             }
+        };
+        for contact in &self.contacts {
+            add(axes * contact.position - DVec3::Z * contact.radius);
+        }
+        if self.rim > 0.0 {
+            let normal = axes.x_axis;
+            let down = normal * normal.z - DVec3::Z;
+            add(down.normalize() * self.rim);
         }
         Load { force, torque }
     }

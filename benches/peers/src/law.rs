@@ -40,6 +40,6 @@ impl Law {
     pub(crate) fn bounding_radius(&self) -> f64 {
         (self.contacts.iter())
             .map(|contact| contact.position.length() + contact.radius)
-            .fold(0.0, f64::max)
+            .fold(self.rim, f64::max)
     }
 }

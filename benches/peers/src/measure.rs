@@ -85,6 +85,13 @@ pub(crate) fn rows_of(
     Ok(rows)
 }
 
+/// Returns the adaptive methods of the library and the stiff method of `diffsol`, in one call.
+pub(crate) fn programs_for_stick(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, String> {
+    let mut programs = ours::with_tolerances(scene, &ours::TOLERANCES, false)?;
+    programs.extend(implicit(scene, false));
+    Ok(programs)
+}
+
 /// Returns all programs except the library.
 fn peers(scene: &Scene) -> Vec<Box<dyn Program + '_>> {
     let mut all = plain(scene);

@@ -14,6 +14,9 @@ pub(crate) enum Shape {
     Ball(f64),
     /// Body with a rim of this radius (m) about the body's x axis.
     Coin(f64),
+    /// Body with a round rim of this radius (m) about the body's x axis, which touches at its
+    /// lowest point alone.
+    Hoop(f64),
 }
 
 /// Quantity that is compared with the known result.

@@ -185,7 +185,7 @@ fn cheapest(rows: &[Row], error: f64, is_wanted: impl Fn(&Row) -> bool) -> Optio
 
 /// Stick at high accuracy, beside a stiff method.
 pub(super) fn of_stick(turns: usize) -> Result<Vec<Aim>, String> {
-    let mut aims = Vec::new();
+    let mut aims = vec![of_hoop(turns)?];
     for slip_speed in [1e-4, 1e-6] {
         eprintln!("stick, slip speed {slip_speed:e} m/s ...");
         let scene = rolling_ball::slides_then_rolls(1e6, slip_speed);
@@ -202,4 +202,22 @@ pub(super) fn of_stick(turns: usize) -> Result<Vec<Aim>, String> {
         }
     }
     Ok(aims)
+}
+
+/// A hoop that rolls round a circle for ten seconds, beside a stiff method.
+fn of_hoop(turns: usize) -> Result<Aim, String> {
+    const SLIP_SPEED: f64 = 1e-4;
+    const ERROR: f64 = 1e-7;
+    eprintln!("rolling hoop ...");
+    let mut scene = coins::hoop_on_one_point(SLIP_SPEED);
+    scene.soft.answer = trials::answer(&scene)?;
+    let rows = measure::rows_of(&scene, &measure::programs_for_stick(&scene)?, turns)?;
+    let ours = cheapest(&rows, ERROR, |row| row.is_ours);
+    let peer = cheapest(&rows, ERROR, |row| row.name.starts_with("diffsol"));
+    let what = format!(
+        "a hoop rolls round a circle for 10 s, slip speed {SLIP_SPEED:.0e} m/s, {ERROR:.0e} m: \
+         cost over that of `diffsol`"
+    );
+    let ratio = ours.map(|ours| peer.map_or(0.0, |peer| ours / peer));
+    Ok(Aim::new(what, 1.0, ratio))
 }

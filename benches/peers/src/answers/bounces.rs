@@ -23,6 +23,7 @@ pub(crate) fn elastic(stiffness: f64) -> Scene {
             position: DVec3::ZERO,
             radius,
         }],
+        rim: 0.0,
         stiffness,
         damping: 0.0,
         coefficient: 0.0,

@@ -11,6 +11,7 @@ fn law(mass: f64, inertia: DVec3) -> Law {
         mass,
         inertia,
         contacts: Vec::new(),
+        rim: 0.0,
         stiffness: 1.0,
         damping: 0.0,
         coefficient: 0.0,

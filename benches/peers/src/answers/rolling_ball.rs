@@ -27,6 +27,7 @@ pub(crate) fn slides_then_rolls(stiffness: f64, slip_speed: f64) -> Scene {
             position: DVec3::ZERO,
             radius,
         }],
+        rim: 0.0,
         stiffness,
         // A fifth of critical damping. Nothing oscillates, because the ball starts at its height at
         // rest.

@@ -49,6 +49,50 @@ impl RigidPointBody for Given {
     }
 }
 
+/// A hoop that touches at its lowest point alone.
+struct Hoop {
+    given: Given,
+    /// Represents the contact.
+    ball: [ContactPoint; 1],
+}
+
+impl Hoop {
+    fn of(scene: &Scene, radius: f64) -> Self {
+        let ball = ContactPoint {
+            position: DVec3::ZERO,
+            radius,
+        };
+        Self {
+            given: given(scene),
+            ball: [ball],
+        }
+    }
+}
+
+impl RigidPointBody for Hoop {
+    fn mass(&self) -> f64 {
+        self.given.mass()
+    }
+    fn inertia(&self) -> DMat3 {
+        self.given.inertia()
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        &self.ball
+    }
+    fn bounding_radius(&self) -> f64 {
+        self.ball[0].radius
+    }
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+    fn is_smooth(&self) -> bool {
+        true
+    }
+    fn support_point(&self, towards: DVec3) -> DVec3 {
+        towards.with_x(0.0).normalize_or_zero() * self.ball[0].radius
+    }
+}
+
 impl<B, G, F, A, I> Program for Ours<Stepper<B, G, F, A, I>>
 where
     B: RigidPointBody,
@@ -133,7 +177,8 @@ where
 }
 
 /// Tolerances of the table of all programs, in units of the scene's length.
-const TOLERANCES: [f64; 10] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11];
+pub(crate) const TOLERANCES: [f64; 10] =
+    [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11];
 
 /// Returns the library on a scene: each integrator with each step size of the scene, and with each
 /// tolerance.
@@ -303,6 +348,10 @@ fn composed<'a, I: Integrator + 'a>(
             }
             Shape::Ball(_) => {
                 let stepper = composed_of(scene, given(scene), integrator)?;
+                Box::new(ours_of(stepper, name, settings, scene, is_sampled))
+            }
+            Shape::Hoop(radius) => {
+                let stepper = composed_of(scene, Hoop::of(scene, radius), integrator)?;
                 Box::new(ours_of(stepper, name, settings, scene, is_sampled))
             }
             Shape::Coin(radius) => {

@@ -132,7 +132,8 @@ impl Work {
             shape: match scene.shape {
                 Shape::Free => Shape::Free,
                 Shape::Ball(radius) => Shape::Ball(radius / length),
-                Shape::Coin(radius) => Shape::Coin(radius / length),
+                // It has no body that touches at one point of a rim.
+                Shape::Coin(radius) | Shape::Hoop(radius) => Shape::Coin(radius / length),
             },
             start: State {
                 position: start.position / length,
@@ -320,7 +321,7 @@ macro_rules! rapier {
                     Body::Free => return world.insert_body(body),
                     Body::Ball(radius) => ColliderBuilder::ball(radius as $number),
                     Body::Coin(radius) if tuned => hull(radius),
-                    Body::Coin(radius) => cylinder(radius),
+                    Body::Coin(radius) | Body::Hoop(radius) => cylinder(radius),
                 };
                 let half_space = SharedShape::halfspace(vector(DVec3::Z));
                 world.insert_collider(surface(ColliderBuilder::new(half_space)), None);
