@@ -12,6 +12,7 @@ file names, a count may differ from the stored one by 3 % of all instructions of
 """
 
 import collections
+import concurrent.futures
 import json
 import os
 import re
@@ -49,21 +50,26 @@ KINDS = {
 # Stages by the source files and functions that an instruction was inlined from, the first that
 # matches any of them.
 STAGES = {
-    "energies": r"/src/(energy|integrator/(energy_limit|flight_rounding)|contact/spring_energy)\.rs",
-    "search": r"/src/(body(/\w+)?|contact/range)\.rs|/contacts\.rs \S*(gather|spread|includes)"
-    r"|/energy_momentum\.rs \S*(gather|near_plane)",
+    "energies": r"/src/(energy|integrator/(energy_limit|flight_rounding)|contact/spring_energy)\.rs"
+    r"|/energy_momentum\.rs .*check_energy",
+    "search": r"/src/(body(/\w+)?|contact/range)\.rs|/energy_momentum\.rs .*(gather|near_plane)"
+    r"|/contacts\.rs .*(gather|spread|includes|foresaw|clear)",
     "forces": r"/src/(contact|ground|friction)/|/src/(ground|friction)\.rs|/contact_path\.rs"
-    r"|/energy_momentum/touch\.rs|/nystrom/crossing\.rs",
+    r"|/energy_momentum/touch\.rs|/nystrom/crossing\.rs|/newton\.rs .*Sum<|/contacts\.rs .*respond",
     "matrix": r"/energy_momentum/(stiffness|level|linear)\.rs",
     "rotation": r"/src/(rotation|inertia|free_rotation/\w+)\.rs",
+    "tests": r"/state\.rs .*(::eq|not_finite)|/end_velocity\.rs .*(of_step|is_resolved)"
+    r"|/newton\.rs .*(::norm|Scale<|::is_|::has_|size_of_motion|remember|choose_unknowns)",
+    "method": r"/src/integrator/(?!energy_momentum\.rs)|/energy_momentum\.rs .*::(fly|whole)",
     "rest": r"",
 }
 # In the order of a step.
-SHOWN = ["search", "forces", "matrix", "rotation", "energies", "rest"]
+SHOWN = ["search", "forces", "matrix", "rotation", "method", "tests", "energies", "rest"]
 FORMULAS = ["formulas", "sums", "products", "divisions", "roots", "comparisons"]
+WORK = ["iterations", "evaluations"]
 EXECUTED = ["operations", *KINDS, "all"]
 OF_STAGES = [f"{stage}{suffix}" for stage in STAGES for suffix in ("", "-arithmetic")]
-COLUMNS = FORMULAS + EXECUTED + OF_STAGES
+COLUMNS = FORMULAS + WORK + EXECUTED + OF_STAGES
 
 
 class Itself:
@@ -88,8 +94,9 @@ def counts_of(program, arguments):
     """How often each address of the program is executed, and all instructions, libraries too."""
     with tempfile.TemporaryDirectory() as folder:
         out = os.path.join(folder, "counts")
-        callgrind = ["valgrind", "--tool=callgrind", "--dump-instr=yes", f"--callgrind-out-file={out}"]
-        subprocess.run([*callgrind, program, *arguments], capture_output=True, check=True)
+        callgrind = ["valgrind", "--tool=callgrind", "--dump-instr=yes"]
+        command = [*callgrind, f"--callgrind-out-file={out}", program, *arguments]
+        subprocess.run(command, capture_output=True, check=True)
         with open(out) as file:
             lines = file.readlines()
     own = operations.counted(lines, program, Itself)
@@ -122,7 +129,10 @@ def first_match(patterns, text, match):
 
 def executed(program, opcode_at, row):
     """The executed instructions of a step: by kind, and by stage."""
-    (fewer, less), (own, everything) = (counts_of(program, [*row, str(n)]) for n in (FEW, MANY))
+    # Side by side: a count does not depend on what else runs.
+    with concurrent.futures.ThreadPoolExecutor() as pool:
+        runs = pool.map(lambda steps: counts_of(program, [*row, str(steps)]), (FEW, MANY))
+        (fewer, less), (own, everything) = runs
     own.subtract(fewer)
     addresses = [address for address, count in own.items() if count]
     where = chains(program, addresses)
@@ -152,9 +162,13 @@ def counted():
     for row in ROWS:
         arguments = [formulas, *row, str(FEW), str(MANY)]
         text = subprocess.run(arguments, stdout=subprocess.PIPE, text=True, check=True).stdout
-        table[row] = dict(zip(FORMULAS, map(int, text.split())))
+        table[row] = dict(zip(FORMULAS + WORK, map(number, text.split())))
         table[row].update(executed(program, opcode_at, row))
     return table
+
+
+def number(text):
+    return float(text) if "." in text else int(text)
 
 
 def compiler():
@@ -166,7 +180,7 @@ def stored():
         version, header, *lines = file.read().splitlines()
     assert header.split()[3:] == COLUMNS, f"{STORED} has other columns: .ci/floors.py --update"
     cells = [line.split() for line in lines]
-    return version, {tuple(c[:3]): dict(zip(COLUMNS, map(int, c[3:]))) for c in cells}
+    return version, {tuple(c[:3]): dict(zip(COLUMNS, map(number, c[3:]))) for c in cells}
 
 
 def store(table):
@@ -180,10 +194,11 @@ def store(table):
 
 def by_kind(table):
     """The table of the formulas, and of the executed instructions by kind."""
-    yield "| method | the coin | formulas | operations | arithmetic | moves | addresses | branches"
-    yield " | all | all by formulas |\n|" + "---|" * 10 + "\n"
+    yield "| method | the coin | evaluations | formulas | operations | arithmetic | moves"
+    yield " | addresses | branches | all | ratio |\n|" + "---|" * 11 + "\n"
     for (method, *scene), counts in table.items():
         cells = [counts[name] for name in ("formulas", "operations", *EXECUTED[1:3])]
+        cells.insert(0, f"{counts['evaluations']:.1f}")
         cells += [counts[name] for name in ("integers", "branches", "all")]
         ratio = counts["all"] / counts["formulas"]
         yield f"| `{method}` | {SCENES[tuple(scene)]} | {' | '.join(map(str, cells))}"
@@ -193,7 +208,7 @@ def by_kind(table):
 def by_stage(table):
     """The table of the executed instructions by stage, and of the arithmetic among them."""
     yield f"| method | the coin | {' | '.join(SHOWN)} |\n"
-    yield "|" + "---|" * 8 + "\n"
+    yield "|" + "---|" * 10 + "\n"
     for (method, *scene), counts in table.items():
         cells = [f"{counts[stage]}, {counts[f'{stage}-arithmetic']}" for stage in SHOWN]
         yield f"| `{method}` | {SCENES[tuple(scene)]} | {' | '.join(cells)} |\n"
@@ -223,8 +238,9 @@ def compare(table):
     for row, now in table.items():
         then = before[row]
         for name in COLUMNS:
-            allowed = 0 if name in FORMULAS else TOLERANCE * then["all"]
-            is_compared = same or name in FORMULAS
+            is_exact = name in FORMULAS + WORK
+            allowed = 0 if is_exact else TOLERANCE * then["all"]
+            is_compared = same or is_exact
             if is_compared and abs(now[name] - then[name]) > allowed:
                 changed.append(f"{' '.join(row)}: {name} {then[name]}, now {now[name]}")
         print(f"{' '.join(row):32} {now['formulas']:6} by the formulas, {now['all']:6} executed")

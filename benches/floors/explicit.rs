@@ -8,10 +8,19 @@ fn cos_and_sinc(square: N) -> (N, N) {
     let largest = square.0;
     let series = |coefficients: &[f64]| {
         let (last, others) = coefficients.split_last().unwrap();
-        let sum = others.iter().rev().fold(N(*last), |sum, &c| sum * square + c);
+        let sum = others
+            .iter()
+            .rev()
+            .fold(N(*last), |sum, &c| sum * square + c);
         sum * square + 1.0
     };
-    let cos = [-0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40320.0, -1.0 / 3628800.0];
+    let cos = [
+        -0.5,
+        1.0 / 24.0,
+        -1.0 / 720.0,
+        1.0 / 40320.0,
+        -1.0 / 3628800.0,
+    ];
     let sinc = [
         -1.0 / 6.0,
         1.0 / 120.0,
@@ -25,7 +34,10 @@ fn cos_and_sinc(square: N) -> (N, N) {
         s if s < 1.0 / 1024.0 => 4,
         _ => 5,
     };
-    assert!(largest < 0.01, "a step rotates the body too far for these series");
+    assert!(
+        largest < 0.01,
+        "a step rotates the body too far for these series"
+    );
     (series(&cos[..terms]), series(&sinc[..terms]))
 }
 
@@ -65,9 +77,7 @@ impl Scene {
         } else {
             let axes_after = q.axes();
             let numbers = self.touching(start.x.z(), &axes);
-            let arms = Vec::from_iter(
-                numbers.iter().map(|&i| times(&axes_after, self.points[i])),
-            );
+            let arms = Vec::from_iter(numbers.iter().map(|&i| times(&axes_after, self.points[i])));
             touching.load(self, start.v, spin, Some(&arms))
         };
         Point {
@@ -117,8 +127,7 @@ impl Scene {
         } else {
             let axes = q.axes();
             let touching = Touching::at(self, x, &axes);
-            let load_at =
-                |v, l| touching.load(self, v, self.angular_velocity(axes[0], l), None);
+            let load_at = |v, l| touching.load(self, v, self.angular_velocity(axes[0], l), None);
             let load = load_at(v, l);
             let middle = self.accelerated(v, load.force, half);
             let load = load_at(middle, l + load.torque * half);

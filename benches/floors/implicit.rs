@@ -1,4 +1,5 @@
-//! `EnergyMomentum` as its formulas state it: Newton's iterations on the momentum balance of a step.
+//! `EnergyMomentum` as its formulas state it: Newton's iterations on the momentum balance of a
+//! step.
 //!
 //! ```text
 //! m (v' - v)/2 - dt/2 (F + m g) = 0      (L' - L)/2 - dt/2 T = 0
@@ -361,9 +362,8 @@ impl Touch {
             Some(last) => {
                 let change = (x - last.slip.x()) * last.direction.x()
                     + (y - last.slip.y()) * last.direction.y();
-                let [p, q] = [0, 1].map(|i| {
-                    (self.slip.0[i] - last.value.0[i] * change) * last.per_width
-                });
+                let [p, q] =
+                    [0, 1].map(|i| (self.slip.0[i] - last.value.0[i] * change) * last.per_width);
                 let square = p * p + q * q;
                 if square > N(1.0) {
                     let scale = 1.0 / square.sqrt();
@@ -414,9 +414,8 @@ impl Touch {
     /// rotation `ϑ × r'`.
     fn add_columns(&self, matrix: &mut Matrix, [a, b, c]: [[N; 2]; 3], rise: N) {
         let [x, y, z] = self.end_arm.0;
-        let combined = |p: [N; 2], s: N, q: [N; 2], t: N| {
-            [p[0] * s - q[0] * t, p[1] * s - q[1] * t]
-        };
+        let combined =
+            |p: [N; 2], s: N, q: [N; 2], t: N| [p[0] * s - q[0] * t, p[1] * s - q[1] * t];
         let all = [
             (a, None),
             (b, None),
@@ -463,7 +462,9 @@ struct Factors {
 
 impl Factors {
     fn of(matrix: Matrix) -> Self {
-        let mut rows = matrix.0.map(|row| row.map(|entry| entry.unwrap_or(N::ZERO)));
+        let mut rows = matrix
+            .0
+            .map(|row| row.map(|entry| entry.unwrap_or(N::ZERO)));
         let mut inverse = [N::ZERO; 6];
         for p in 0..6 {
             inverse[p] = 1.0 / rows[p][p];

@@ -5,7 +5,8 @@
 //! Each is taken again by the formulas of its method, on [numbers](number) that count the
 //! operations. Both ends must be the same to rounding: otherwise the count would be that of another
 //! step. Printed are the operations of a step, as a mean over the steps after the first `FEWER`:
-//! all, and the sums, products, divisions, roots and comparisons among them.
+//! all, and the sums, products, divisions, roots and comparisons among them. The iterations and the
+//! evaluations of all contacts that the library reports follow.
 //!
 //! What is counted:
 //!
@@ -68,7 +69,9 @@ fn main() {
             scene.strang_splitting(start)
         }),
         "Rk4" => run.with(Rk4 { time_step }, |scene, start, _| scene.rk4(start)),
-        "Nystrom" => run.with(Nystrom { time_step }, |scene, start, _| scene.nystrom(start)),
+        "Nystrom" => run.with(Nystrom { time_step }, |scene, start, _| {
+            scene.nystrom(start)
+        }),
         "EnergyMomentum" => run.with(EnergyMomentum { time_step }, |scene, start, work| {
             scene.energy_momentum(start, work)
         }),
@@ -90,7 +93,7 @@ impl Run {
         let points = stepper.body().contacts().iter().map(|point| point.position);
         let scene = Scene::ring(&Vec::from_iter(points), TIME_STEP);
         let (mut state, mut workspace) = (self.phase.state(), I::Workspace::default());
-        let mut sum = Counts::default();
+        let (mut sum, mut iterations, mut evaluations) = (Counts::default(), 0, 0);
         for number in 0..more {
             let start = Point::of(&state);
             let integrator = stepper.integrator();
@@ -105,12 +108,15 @@ impl Run {
             assert_same(&end.to_state(), &state, number);
             if number >= fewer {
                 sum = core::array::from_fn(|i| sum[i] + counts[i]);
+                iterations += u64::from(step.iterations);
+                evaluations += u64::from(step.evaluations);
             }
         }
         let mean = |count: u64| count as f64 / f64::from(more - fewer);
         print!("{:.0}", mean(sum.iter().sum()));
-        sum.into_iter().for_each(|count| print!(" {:.0}", mean(count)));
-        println!();
+        sum.into_iter()
+            .for_each(|count| print!(" {:.0}", mean(count)));
+        println!(" {:.2} {:.2}", mean(iterations), mean(evaluations));
     }
 }
 

@@ -68,7 +68,11 @@ impl N {
     }
 
     pub(crate) fn at_least(self, least: f64) -> Self {
-        if self > Self(least) { self } else { Self(least) }
+        if self > Self(least) {
+            self
+        } else {
+            Self(least)
+        }
     }
 }
 

@@ -121,12 +121,10 @@ impl Scene {
     fn corrected(&self, [first, third, last]: [&Stage; 3], end: Point) -> Point {
         let ends = [first.motion, uncounted(|| self.motion(&end, false))];
         let changing = uncounted(|| {
-            let pushes = |motion: &Motion, i: usize| {
-                Side::of(self, motion, self.points[i]).force.0 > 0.0
-            };
-            let near = [first, last].map(|stage| {
-                self.touching(stage.motion.x.z(), &stage.motion.axes)
-            });
+            let pushes =
+                |motion: &Motion, i: usize| Side::of(self, motion, self.points[i]).force.0 > 0.0;
+            let near =
+                [first, last].map(|stage| self.touching(stage.motion.x.z(), &stage.motion.axes));
             let mut near = near.concat();
             near.sort_unstable();
             near.dedup();

@@ -59,7 +59,10 @@ impl Scene {
         let touches = |point: &V| 0.0 - (height + super::number::times(axes, *point).z()) > N::ZERO;
         uncounted(|| {
             let points = self.points.iter().enumerate();
-            points.filter(|(_, point)| touches(point)).map(|(i, _)| i).collect()
+            points
+                .filter(|(_, point)| touches(point))
+                .map(|(i, _)| i)
+                .collect()
         })
     }
 
@@ -148,7 +151,9 @@ impl Touching {
     pub(crate) fn at(scene: &Scene, position: V, axes: &M) -> Self {
         let touching = scene.touching(position.z(), axes);
         let arms = Vec::from_iter(
-            touching.iter().map(|&i| super::number::times(axes, scene.points[i])),
+            touching
+                .iter()
+                .map(|&i| super::number::times(axes, scene.points[i])),
         );
         let depths = arms.iter().map(|arm| -(position.z() + arm.z())).collect();
         Self { arms, depths }
