@@ -10,6 +10,11 @@
 //! matrix is accurate enough, the formulas use it again, as the library does. That decision, the
 //! energies and the limiter are not counted.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "rows and columns are named by their numbers, as in the formulas"
+)]
+
 use super::number::{M, N, Q, V, times, uncounted};
 use super::scene::{Point, Scene};
 
@@ -74,12 +79,11 @@ struct Sizes {
 
 impl Scene {
     pub(crate) fn energy_momentum(&self, start: &Point, work: Work) -> Point {
-        let axes = start.q.axes();
-        let mut touches = Vec::from_iter(self.points.iter().map(|&point| Touch::new(point)));
-        let flies = work.iterations == 0 && work.evaluations == 0;
-        if flies {
+        if work.evaluations == 0 {
             return self.flight(start);
         }
+        let axes = start.q.axes();
+        let mut touches = Vec::from_iter(self.points.iter().map(|&point| Touch::new(point)));
         let spin = self.angular_velocity(axes[0], start.l) * (0.5 * self.dt);
         let fallen = start.v + self.gravity * (0.5 * self.dt);
         let mut trial = self.trial((start, axes[0]), fallen, spin);
@@ -90,7 +94,7 @@ impl Scene {
             if evaluation == work.iterations {
                 break;
             }
-            let sizes = uncounted(|| self.sizes(start, axes[0], &trial, &touches, force, torque));
+            let sizes = uncounted(|| self.sizes(start, axes[0], &touches, force, torque));
             let is_enough = last.is_some_and(|last: Sizes| {
                 sizes.size * (sizes.size / last.size) <= sizes.tolerance * EXACT
             });
@@ -263,22 +267,13 @@ impl Scene {
     }
 
     /// Size of the residual and its tolerance, as the library computes them.
-    fn sizes(
-        &self,
-        start: &Point,
-        axis: V,
-        trial: &Trial,
-        touches: &[Touch],
-        force: V,
-        torque: V,
-    ) -> Sizes {
+    fn sizes(&self, start: &Point, axis: V, touches: &[Touch], force: V, torque: V) -> Sizes {
         let square = |l: V| l.dot(self.angular_velocity(axis, l)).0;
         let size = (force.dot(force).0 / self.mass + square(torque)).sqrt();
         let own = (start.v.dot(start.v).0 * self.mass + square(start.l)).sqrt();
         let felt = touches.iter().filter(|touch| touch.is_felt);
         let normal: f64 = felt.map(|touch| touch.normal.0).sum();
         let weight = -self.gravity.z().0 * self.mass;
-        let _ = trial;
         let scale = own + 0.5 * self.dt * (weight + normal) / self.mass.sqrt();
         Sizes {
             size,
