@@ -51,7 +51,10 @@ def executed(program, opcode_at, arguments):
 
 
 def counted(lines, program, opcode_at):
-    """Reads the costs of callgrind's format: `ADDRESS LINE COUNT`, addresses also as differences."""
+    """Reads the costs of callgrind's format: `ADDRESS LINE COUNT`, addresses also as differences.
+
+    Sums them by what `opcode_at` has for an address.
+    """
     total, objects = collections.Counter(), {}
     address, is_callee, is_own = 0, False, False
     for line in lines:
@@ -105,4 +108,5 @@ def main():
     sys.exit(dearer > 0)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -116,7 +116,7 @@
 //! | G10 | Your own body, ground, friction law, force or integrator is as good as a built-in one, and its contract can be checked. | `tests/downstream`, `tests/limits/contract.rs` |
 //! | G11 | A decided outcome is proven: if the energy is below every barrier that leads away from a face, no later motion of the model leaves that face. An outcome that is not decided is reported as undecided. | `tests/physics/outcome.rs` (decided bodies are followed to rest, barriers are compared with a search), the fuzz target `outcome`, [derivation](outcome) |
 //! | G12 | An ensemble has one answer: the same seed and range give the same counts for any split over threads, processes and machines, after any interruption. | `tests/ensemble.rs`, `.ci/example.sh` (a killed run is resumed), `.ci/hyperqueue.sh` (workers that are lost) |
-//! | G13 | A measured figure in the documentation is written by a command. A check fails if a figure of arithmetic is stale. | `.ci/figures.sh`, the table in `tests/validation`, `.ci/embedded.sh`, `.ci/instructions` |
+//! | G13 | A measured figure in the documentation is written by a command. A check fails if a figure of arithmetic is stale. | `.ci/figures.sh`, the table in `tests/validation`, `.ci/embedded.sh`, `.ci/instructions`, `.ci/floors.py` |
 //!
 //! # Integrators
 //!

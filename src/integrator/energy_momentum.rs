@@ -382,16 +382,18 @@ fn attempt<R: Real, D: Dynamics<R>>(
     workspace: &mut Workspace<R>,
     step: &mut Step<R>,
 ) -> bool {
-    let problem = Problem::new(scene, state, energy, seconds);
+    let mut problem = Problem::new(scene, state, energy, seconds);
     let contacts = &mut workspace.contacts;
     for wide in [false, true] {
         gather(&problem, contacts, wide);
         let (end, is_lossless, work) = if contacts.is_empty() {
             (fly(&problem), false, R::ZERO)
-        } else if let Some(end) = whole(&problem, energy, contacts, step) {
-            end
         } else {
-            break;
+            problem.prepare();
+            let Some(end) = whole(&problem, energy, contacts, step) else {
+                break;
+            };
+            end
         };
         let (end_energy, touching) = Energy::with_touching(scene, &end);
         // A contact that was not collected touches at the end: collect all contacts.

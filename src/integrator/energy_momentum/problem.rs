@@ -92,8 +92,6 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         let properties = scene.inertia_properties();
         let angular_velocity = properties.angular_velocity(&axes, start.angular_momentum);
         let bounding_radius = scene.bounding_radius();
-        let (inertia, angular_momentum) =
-            properties.inertia_for_solving(&axes, start.angular_momentum);
         let model = scene.contact_model();
         let plane = model.plane();
         Self {
@@ -106,18 +104,14 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
                 linear_velocity: start.linear_velocity,
                 angular_velocity,
             },
-            angular_momentum,
+            angular_momentum: start.angular_momentum,
             plane,
             is_bare: plane.is_some_and(|plane| plane.is_level()) && model.has_bare_points(),
             is_conservative: false,
             seconds,
             per_second: R::ONE / seconds,
             mass: properties.mass(),
-            inertia: Block {
-                x: inertia[0],
-                y: inertia[1],
-                z: inertia[2],
-            },
+            inertia: Block::ZERO,
             bounding_radius: if bounding_radius > R::ZERO {
                 bounding_radius
             } else {
@@ -127,6 +121,16 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             kinetic_energy: energy.translation + energy.rotation,
             spring_energy: energy.springs,
         }
+    }
+
+    /// Computes what the equations need and a flight does not: the inertia and the angular momentum.
+    #[inline(always)]
+    pub(super) fn prepare(&mut self) {
+        let properties = self.scene.inertia_properties();
+        let ([x, y, z], angular_momentum) =
+            properties.inertia_for_solving(&self.motion.axes, self.start.angular_momentum);
+        self.inertia = Block { x, y, z };
+        self.angular_momentum = angular_momentum;
     }
 
     /// Returns true if friction and dampers are left out. It is never true for bare contacts on

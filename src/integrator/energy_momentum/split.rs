@@ -39,11 +39,12 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     if energy_limit::is_no_solution([before, &energy], work) {
         return None;
     }
-    let problem = Problem {
+    let mut problem = Problem {
         is_conservative: true,
         is_bare: false,
         ..Problem::new(scene, &slowed, &energy, seconds)
     };
+    problem.prepare();
     super::gather(&problem, contacts, true);
     let mut trial = problem.first_trial(&energy);
     newton::solve(&problem, contacts, &mut trial, step)?;
