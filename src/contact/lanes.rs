@@ -44,8 +44,10 @@ const ROWS: usize = level::BLOCK_LEN - 1;
 /// One number for each lane.
 pub(crate) type Numbers<R> = [R; LANES];
 
-/// One vector for each lane, stored axis by axis.
+/// One vector for each lane, stored axis by axis. It is aligned as the vectors of the processor are:
+/// without AVX, only then an instruction that computes can also load.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
 pub(crate) struct Vectors<R>([Numbers<R>; 3]);
 
 impl<R: Real> Vectors<R> {
@@ -199,6 +201,20 @@ impl<R: Real> Ranges<R> {
         &self.ranges
     }
 
+    /// Positions in the body of the contacts of each lane, one a row, and their numbers. A lane
+    /// with too many of them has none in the rows.
+    #[inline(always)]
+    pub(crate) fn rows(&self) -> (&[Vectors<R>], &Numbers<R>) {
+        let rows = self.rows.get(..self.most).unwrap_or(&self.rows);
+        (rows, &self.counts)
+    }
+
+    /// Returns true if the rows of a lane have all its contacts.
+    #[inline(always)]
+    pub(crate) fn has_in_rows(&self, i: usize) -> bool {
+        self.ranges[i].count <= ROWS
+    }
+
     /// Finds the contact range of each lane, first near the one before.
     #[inline(always)]
     pub(crate) fn find<B, G, F>(
@@ -212,16 +228,18 @@ impl<R: Real> Ranges<R> {
         F: SlidingFriction<R>,
     {
         let mut stay = [R::ZERO; LANES];
-        if let Some(height) = model.height_of_bound() {
-            self.test(model, height, (position, axes), &mut stay);
-        }
+        let staying = match model.height_of_bound() {
+            Some(height) => self.test(model, height, (position, axes), &mut stay),
+            None => 0,
+        };
         // A rolling body keeps its range for many steps.
-        if stay != [R::ONE; LANES] {
+        if staying < LANES {
             self.search(model, &stay, position, axes);
         }
     }
 
     /// Tests for each lane whether its range is still that of a level ground. Then the number is 1.
+    /// Returns the number of these lanes.
     #[inline(never)]
     fn test<B, G, F>(
         &self,
@@ -229,11 +247,13 @@ impl<R: Real> Ranges<R> {
         height: R,
         (position, axes): (&Vectors<R>, &AxesInLanes<R>),
         stay: &mut Numbers<R>,
-    ) where
+    ) -> usize
+    where
         B: RigidPointBody<R>,
         G: SpringDamperGround<R>,
         F: SlidingFriction<R>,
     {
+        let mut staying = 0;
         let [before, first, last, after] = &self.ends;
         for i in 0..LANES {
             let normal = axes.get(i).rise();
@@ -242,7 +262,9 @@ impl<R: Real> Ranges<R> {
             let stays = is_below(first) & is_below(last) & !is_below(before) & !is_below(after);
             let stays = stays | (offset < self.empty_below[i]);
             stay[i] = if stays { R::ONE } else { R::ZERO };
+            staying += usize::from(stays);
         }
+        staying
     }
 
     /// Searches for the ranges that may have changed.
@@ -310,7 +332,7 @@ where
     F: SlidingFriction<R>,
 {
     /// Height of the ground, if the contacts of a lane are added row by row.
-    fn height_in_lanes(&self) -> Option<R> {
+    pub(crate) fn height_in_lanes(&self) -> Option<R> {
         let is_plain = self.body.rims().is_empty()
             && !self.ground_moves()
             && self.friction.rolling_resistance(R::ZERO).is_none();
@@ -332,15 +354,10 @@ where
             return;
         };
         let laws = (self.ground, self.friction);
-        for (row, points) in ranges.rows.iter().enumerate().take(ranges.most) {
-            add_row(
-                laws,
-                height,
-                (R::from_usize(row), points),
-                &ranges.counts,
-                motions,
-                loads,
-            );
+        let (rows, counts) = ranges.rows();
+        for (row, points) in rows.iter().enumerate() {
+            let row = (R::from_usize(row), points);
+            add_row(laws, height, row, counts, motions, loads);
         }
         if ranges.long > 0 {
             self.add_long(ranges, motions, loads);

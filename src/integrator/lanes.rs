@@ -148,7 +148,7 @@ pub struct Lanes<R: Real> {
     pub(in crate::integrator) rotations: Rotations<R>,
     pub(in crate::integrator) axes: AxesInLanes<R>,
     pub(in crate::integrator) spins: Vectors<R>,
-    ranges: Ranges<R>,
+    pub(in crate::integrator) ranges: Ranges<R>,
     pub(in crate::integrator) loads: Loads<R>,
 }
 
@@ -221,6 +221,24 @@ impl<R: Real> Lanes<R> {
         *self.ranges.get()
     }
 
+    /// Motions of the states, whose axes and angular velocities are known.
+    #[inline(always)]
+    pub(in crate::integrator) fn motions(&self) -> Motions<'_, R> {
+        Motions {
+            position: &self.states.position,
+            axes: &self.axes,
+            linear_velocity: &self.states.linear_velocity,
+            angular_velocity: &self.spins,
+        }
+    }
+
+    /// Computes the angular velocities of the states, whose axes are known.
+    #[inline]
+    pub(in crate::integrator) fn set_spins<D: Dynamics<R>>(&mut self, scene: &D) {
+        let (mass, momenta) = (scene.inertia_properties(), &self.states.angular_momentum);
+        set_spins(mass, &self.axes, momenta, &mut self.spins);
+    }
+
     /// Finds the contacts that can touch at the positions of the states.
     #[inline]
     pub(in crate::integrator) fn find_contacts<D: Dynamics<R>>(&mut self, scene: &D) {
@@ -231,13 +249,11 @@ impl<R: Real> Lanes<R> {
     /// Computes the loads of the contacts and of the applied force at the velocities of the states.
     #[inline]
     pub(in crate::integrator) fn find_loads<D: Dynamics<R>>(&mut self, scene: &D) {
-        let (states, axes) = (&self.states, &self.axes);
-        let mass = scene.inertia_properties();
-        set_spins(mass, axes, &states.angular_momentum, &mut self.spins);
+        self.set_spins(scene);
         let motions = &Motions {
-            position: &states.position,
-            axes,
-            linear_velocity: &states.linear_velocity,
+            position: &self.states.position,
+            axes: &self.axes,
+            linear_velocity: &self.states.linear_velocity,
             angular_velocity: &self.spins,
         };
         let model = scene.contact_model();
