@@ -315,22 +315,14 @@ impl<R: Real> Lanes<R> {
         self.set_axes_of_any_length();
     }
 
-    /// Computes the time derivatives of the states, whose axes are known.
+    /// Returns the time derivatives of the states, whose axes are known.
     #[inline]
-    pub(in crate::integrator) fn find_slope<D: Dynamics<R>>(
-        &mut self,
-        scene: &D,
-        slope: &mut Points<R>,
-    ) {
+    pub(in crate::integrator) fn slopes<D: Dynamics<R>>(&mut self, scene: &D) -> Points<R> {
         self.find_contacts(scene);
         self.find_loads(scene);
         let (inverse_mass, gravity) = (scene.inertia_properties().inverse_mass(), scene.gravity());
-        set_slope(
-            (inverse_mass, gravity),
-            &self.states,
-            (&self.spins, &self.loads),
-            slope,
-        );
+        let motions = (&self.spins, &self.loads);
+        slopes((inverse_mass, gravity), &self.states, motions)
     }
 
     /// Scales the quaternions of the states to length 1.
@@ -386,23 +378,22 @@ fn advance<R: Real>(start: &Points<R>, slope: &Points<R>, seconds: R, end: &mut 
 }
 
 #[inline(never)]
-fn set_slope<R: Real>(
+fn slopes<R: Real>(
     (inverse_mass, gravity): (R, R::Vec3),
     points: &Points<R>,
     (spins, loads): (&Vectors<R>, &Loads<R>),
-    slope: &mut Points<R>,
-) {
+) -> Points<R> {
+    let mut slopes = Points::ZERO;
     for i in 0..LANES {
-        slope.set(
-            i,
-            &Point {
-                position: points.linear_velocity.get(i),
-                linear_velocity: loads.force.get(i) * inverse_mass + gravity,
-                orientation: points.orientation.get(i).rate(spins.get(i)),
-                angular_momentum: loads.torque.get(i),
-            },
-        );
+        let slope = Point {
+            position: points.linear_velocity.get(i),
+            linear_velocity: loads.force.get(i) * inverse_mass + gravity,
+            orientation: points.orientation.get(i).rate(spins.get(i)),
+            angular_momentum: loads.torque.get(i),
+        };
+        slopes.set(i, &slope);
     }
+    slopes
 }
 
 /// Computes angular velocities from angular momenta, for two or three equal moments of inertia.
