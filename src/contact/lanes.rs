@@ -44,8 +44,10 @@ const ROWS: usize = level::BLOCK_LEN - 1;
 /// One number for each lane.
 pub(crate) type Numbers<R> = [R; LANES];
 
-/// One vector for each lane, stored axis by axis. It is aligned as the vectors of the processor are:
-/// without AVX, only then an instruction that computes can also load.
+/// One vector for each lane, stored axis by axis.
+///
+/// It is aligned like the vectors of the processor. Without AVX, only then can the instruction that
+/// computes also load.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 pub(crate) struct Vectors<R>([Numbers<R>; 3]);
@@ -340,10 +342,14 @@ where
     }
 
     /// Load of each lane, as [`load_on`](Self::load_on) returns it.
+    ///
+    /// `evaluate` calls its argument with the laws.
+    #[inline(always)]
     pub(crate) fn loads_in_lanes(
         &self,
         ranges: &Ranges<R>,
         motions: &Motions<'_, R>,
+        evaluate: &impl Fn(AddRow<'_, R>),
         loads: &mut Loads<R>,
     ) {
         *loads = Loads::ZERO;
@@ -353,11 +359,10 @@ where
             }
             return;
         };
-        let laws = (self.ground, self.friction);
         let (rows, counts) = ranges.rows();
         for (row, points) in rows.iter().enumerate() {
             let row = (R::from_usize(row), points);
-            add_row(laws, height, row, counts, motions, loads);
+            add_row(evaluate, height, row, counts, motions, loads);
         }
         if ranges.long > 0 {
             self.add_long(ranges, motions, loads);
@@ -376,31 +381,65 @@ where
     }
 }
 
+/// Loop over lanes that evaluates laws.
+///
+/// A scene gives it the laws. If the scene tests their values, it notes in a variable of the loop
+/// that a test has failed. A flag in memory would keep the compiler from finding lanes.
+pub trait LoopOverLanes<R: Real> {
+    /// Runs the loop.
+    fn run<G: SpringDamperGround<R>, F: SlidingFriction<R>>(self, laws: (&G, &F));
+}
+
 /// Adds one contact of each lane that has one in this row.
 #[inline(never)]
-fn add_row<R: Real, G, F>(
-    laws: (&G, &F),
+fn add_row<R: Real>(
+    evaluate: &impl Fn(AddRow<'_, R>),
     height: R,
     (row, points): (R, &Vectors<R>),
     counts: &Numbers<R>,
     motions: &Motions<'_, R>,
     loads: &mut Loads<R>,
-) where
-    G: SpringDamperGround<R>,
-    F: SlidingFriction<R>,
-{
-    for i in 0..LANES {
-        let motion = &motions.get(i);
-        let level = Level::under(height, motion);
-        let arm = motion.axes.to_world(points.get(i));
-        let depth = level.depth(arm);
-        // The plane is far below a lane that has no contact in this row.
-        let depth = if row < counts[i] { depth } else { -R::ONE };
-        let touches = depth > R::ZERO;
-        let force = level.force(laws, arm, if touches { depth } else { R::EPSILON });
-        let only = |number: R| if touches { number } else { R::ZERO };
-        let force = R::Vec3::new(only(force.x()), only(force.y()), only(force.z()));
-        loads.add(i, force, arm.cross(force));
-        loads.touching[i] += only(R::ONE);
+) {
+    evaluate(AddRow {
+        height,
+        row,
+        points,
+        counts,
+        motions,
+        loads,
+    });
+}
+
+/// Contacts of one row.
+pub(crate) struct AddRow<'a, R: Real> {
+    height: R,
+    row: R,
+    points: &'a Vectors<R>,
+    counts: &'a Numbers<R>,
+    motions: &'a Motions<'a, R>,
+    loads: &'a mut Loads<R>,
+}
+
+impl<R: Real> LoopOverLanes<R> for AddRow<'_, R> {
+    #[inline(always)]
+    fn run<G: SpringDamperGround<R>, F: SlidingFriction<R>>(self, laws: (&G, &F)) {
+        for i in 0..LANES {
+            let motion = &self.motions.get(i);
+            let level = Level::under(self.height, motion);
+            let arm = motion.axes.to_world(self.points.get(i));
+            let depth = level.depth(arm);
+            // The plane is far below a lane that has no contact in this row.
+            let depth = if self.row < self.counts[i] {
+                depth
+            } else {
+                -R::ONE
+            };
+            let touches = depth > R::ZERO;
+            let force = level.force(laws, arm, if touches { depth } else { R::EPSILON });
+            let only = |number: R| if touches { number } else { R::ZERO };
+            let force = R::Vec3::new(only(force.x()), only(force.y()), only(force.z()));
+            self.loads.add(i, force, arm.cross(force));
+            self.loads.touching[i] += only(R::ONE);
+        }
     }
 }

@@ -22,7 +22,7 @@
 )]
 
 use crate::body::{ContactRange, InertiaProperties};
-use crate::contact::{AxesInLanes, LANES, Loads, Motions, Numbers, Ranges, Vectors};
+use crate::contact::{AddRow, AxesInLanes, LANES, Loads, Motions, Numbers, Ranges, Vectors};
 use crate::force::Force;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
@@ -257,7 +257,8 @@ impl<R: Real> Lanes<R> {
             angular_velocity: &self.spins,
         };
         let model = scene.contact_model();
-        model.loads_in_lanes(&self.ranges, motions, &mut self.loads);
+        let evaluate = |row: AddRow<'_, R>| scene.evaluate_in_lanes(row);
+        model.loads_in_lanes(&self.ranges, motions, &evaluate, &mut self.loads);
         if scene.force().acts() {
             for i in 0..LANES {
                 let applied = scene.force().wrench(&motions.get(i));

@@ -100,14 +100,8 @@ fn add_missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     let [first, third, last] = stages.motions;
     let step = Taken {
         scene,
-        ends: [
-            ContactView::of(scene, first),
-            ContactView::of(scene, end),
-        ],
-        late: [
-            ContactView::of(scene, third),
-            ContactView::of(scene, last),
-        ],
+        ends: [ContactView::of(scene, first), ContactView::of(scene, end)],
+        late: [ContactView::of(scene, third), ContactView::of(scene, last)],
         seconds,
         per_second: R::ONE / seconds,
     };

@@ -182,7 +182,12 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(scene: &D, lanes: &mut Lanes<R>, sec
         let stages = [first.of(i), second.of(i), third.of(i), fourth.of(i)];
         start.ahead(&END, stages, i)
     });
-    correct(scene, [&first_pose, &third_pose, &fourth_pose], lanes, seconds);
+    correct(
+        scene,
+        [&first_pose, &third_pose, &fourth_pose],
+        lanes,
+        seconds,
+    );
     lanes.normalise();
 }
 
@@ -200,8 +205,8 @@ fn correct<R: Real, D: Dynamics<R>>(
         return;
     }
     let changes = changes::found(scene, first, lanes);
-    for i in 0..LANES {
-        if changes[i] {
+    for (i, changes) in changes.into_iter().enumerate() {
+        if changes {
             correct_lane(scene, poses, (i, lanes), seconds);
         }
     }

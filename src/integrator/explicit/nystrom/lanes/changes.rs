@@ -10,7 +10,8 @@
 )]
 
 use super::Poses;
-use crate::contact::{LANES, Motions, Numbers, Vectors};
+use crate::contact::{LANES, LoopOverLanes, Motions, Numbers, Vectors};
+use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
 use crate::integrator::contact_path::AbovePlane;
 use crate::integrator::lanes::Lanes;
@@ -38,9 +39,10 @@ pub(super) fn found<R: Real, D: Dynamics<R>>(
     let mut changes = [R::ZERO; LANES];
     for (row, points) in rows.iter().enumerate() {
         let row = (R::from_usize(row), points);
-        compare_row(model.ground(), row, counts, &views, &mut changes);
+        compare_row(scene, row, counts, &views, &mut changes);
     }
-    // The rows have the contacts of the last stage, and no others if the range is that of the start.
+    // The rows have the contacts of the last stage. If the range is that of the start, there are no
+    // others.
     let last = lanes.ranges.get();
     core::array::from_fn(|i| {
         let is_known = first.ranges[i] == last[i] && lanes.ranges.has_in_rows(i);
@@ -97,23 +99,46 @@ fn set_views<R: Real>(height: R, motions: [&Motions<'_, R>; 2], views: &mut [Vie
 
 /// Counts for each lane the contacts of this row that push at one end of the step only.
 #[inline(never)]
-fn compare_row<R: Real, G: SpringDamperGround<R>>(
-    ground: &G,
+fn compare_row<R: Real, D: Dynamics<R>>(
+    scene: &D,
     (row, points): (R, &Vectors<R>),
     counts: &Numbers<R>,
-    [start, end]: &[Views<R>; 2],
+    views: &[Views<R>; 2],
     changes: &mut Numbers<R>,
 ) {
-    for i in 0..LANES {
-        let pushes = |views: &Views<R>| {
-            let [depth, closing_speed] = views.get(i).at(points.get(i));
-            let penetrates = depth > R::ZERO;
-            // The law is evaluated at some positive depth in lanes without this contact.
-            let depth = if penetrates { depth } else { R::EPSILON };
-            let force = ground.normal_force(depth, closing_speed);
-            penetrates & (force > R::ZERO)
-        };
-        let changed = (row < counts[i]) & (pushes(start) != pushes(end));
-        changes[i] += if changed { R::ONE } else { R::ZERO };
+    scene.evaluate_in_lanes(CompareRow {
+        row,
+        points,
+        counts,
+        views,
+        changes,
+    });
+}
+
+/// Contacts of one row.
+struct CompareRow<'a, R: Real> {
+    row: R,
+    points: &'a Vectors<R>,
+    counts: &'a Numbers<R>,
+    views: &'a [Views<R>; 2],
+    changes: &'a mut Numbers<R>,
+}
+
+impl<R: Real> LoopOverLanes<R> for CompareRow<'_, R> {
+    #[inline(always)]
+    fn run<G: SpringDamperGround<R>, F: SlidingFriction<R>>(self, (ground, _): (&G, &F)) {
+        for i in 0..LANES {
+            let pushes = |views: &Views<R>| {
+                let [depth, closing_speed] = views.get(i).at(self.points.get(i));
+                let penetrates = depth > R::ZERO;
+                // The law is evaluated at some positive depth in lanes without this contact.
+                let depth = if penetrates { depth } else { R::EPSILON };
+                let force = ground.normal_force(depth, closing_speed);
+                penetrates & (force > R::ZERO)
+            };
+            let [start, end] = self.views;
+            let changed = (self.row < self.counts[i]) & (pushes(start) != pushes(end));
+            self.changes[i] += if changed { R::ONE } else { R::ZERO };
+        }
     }
 }
