@@ -204,7 +204,7 @@ fn correct<R: Real, D: Dynamics<R>>(
     if !first.ranges.iter().chain(&last.ranges).any(touches) {
         return;
     }
-    let changes = changes::found(scene, first, lanes);
+    let changes = changes::found(scene, (&first.motions(), &first.ranges), lanes);
     for (i, changes) in changes.into_iter().enumerate() {
         if changes {
             correct_lane(scene, poses, (i, lanes), seconds);

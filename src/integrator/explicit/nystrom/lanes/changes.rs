@@ -9,7 +9,7 @@
     reason = "a lane is an index of several arrays"
 )]
 
-use super::Poses;
+use crate::body::ContactRange;
 use crate::contact::{LANES, LoopOverLanes, Motions, Numbers, Vectors};
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
@@ -18,13 +18,14 @@ use crate::integrator::lanes::Lanes;
 use crate::real::Real;
 use crate::scene::Dynamics;
 
-/// Returns for each lane whether the correction may change its end.
+/// Returns for each lane whether the correction may change its end, given the motions and the
+/// contact ranges at the start of the step.
 ///
 /// Computes axes and angular velocities of the ends.
 #[inline(always)]
 pub(super) fn found<R: Real, D: Dynamics<R>>(
     scene: &D,
-    first: &Poses<R>,
+    (first, ranges): (&Motions<'_, R>, &[ContactRange; LANES]),
     lanes: &mut Lanes<R>,
 ) -> [bool; LANES] {
     let model = scene.contact_model();
@@ -34,7 +35,7 @@ pub(super) fn found<R: Real, D: Dynamics<R>>(
     lanes.set_axes_of_any_length();
     lanes.set_spins(scene);
     let mut views = [Views::ZERO; 2];
-    set_views(height, [&first.motions(), &lanes.motions()], &mut views);
+    set_views(height, [first, &lanes.motions()], &mut views);
     let (rows, counts) = lanes.ranges.rows();
     let mut changes = [R::ZERO; LANES];
     for (row, points) in rows.iter().enumerate() {
@@ -45,7 +46,7 @@ pub(super) fn found<R: Real, D: Dynamics<R>>(
     // others.
     let last = lanes.ranges.get();
     core::array::from_fn(|i| {
-        let is_known = first.ranges[i] == last[i] && lanes.ranges.has_in_rows(i);
+        let is_known = ranges[i] == last[i] && lanes.ranges.has_in_rows(i);
         !is_known || changes[i] > R::ZERO
     })
 }
