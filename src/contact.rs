@@ -20,7 +20,8 @@ mod total_load;
 mod visit;
 
 pub use crate::state::Motion;
-pub(crate) use lanes::{AxesInLanes, LANES, Loads, Motions, Numbers, Ranges, Vectors};
+pub use lanes::LoopOverLanes;
+pub(crate) use lanes::{AddRow, AxesInLanes, LANES, Loads, Motions, Numbers, Ranges, Vectors};
 pub use load::Load;
 pub use lowest_point::LowestPoint;
 pub use model::ContactModel;

@@ -16,7 +16,7 @@ pub(crate) use screened::{Alarm, ScreenedScene};
 pub(crate) use torque_free::TorqueFree;
 
 use crate::body::{InertiaProperties, RigidPointBody};
-use crate::contact::{Contact, ContactModel, Extent, Load, Motion};
+use crate::contact::{Contact, ContactModel, Extent, Load, LoopOverLanes, Motion};
 use crate::error::{self, Rule, SceneError};
 use crate::force::{Force, NoForce};
 use crate::friction::SlidingFriction;
@@ -83,6 +83,13 @@ pub trait Dynamics<R: Real = f64> {
     #[inline(always)]
     fn probe<T>(&self, evaluate: impl FnOnce() -> T) -> T {
         evaluate()
+    }
+
+    /// Evaluates the laws in a loop over lanes.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn evaluate_in_lanes(&self, work: impl LoopOverLanes<R>) {
+        work.run((self.ground(), self.friction()));
     }
 
     /// Same scene without a test of the values that its laws return. A scene without such tests

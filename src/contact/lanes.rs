@@ -45,7 +45,11 @@ const ROWS: usize = level::BLOCK_LEN - 1;
 pub(crate) type Numbers<R> = [R; LANES];
 
 /// One vector for each lane, stored axis by axis.
+///
+/// It is aligned like the vectors of the processor. Without AVX, only then can the instruction that
+/// computes also load.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
 pub(crate) struct Vectors<R>([Numbers<R>; 3]);
 
 impl<R: Real> Vectors<R> {
@@ -199,6 +203,20 @@ impl<R: Real> Ranges<R> {
         &self.ranges
     }
 
+    /// Positions in the body of the contacts of each lane, one a row, and their numbers. A lane
+    /// with too many of them has none in the rows.
+    #[inline(always)]
+    pub(crate) fn rows(&self) -> (&[Vectors<R>], &Numbers<R>) {
+        let rows = self.rows.get(..self.most).unwrap_or(&self.rows);
+        (rows, &self.counts)
+    }
+
+    /// Returns true if the rows of a lane have all its contacts.
+    #[inline(always)]
+    pub(crate) fn has_in_rows(&self, i: usize) -> bool {
+        self.ranges[i].count <= ROWS
+    }
+
     /// Finds the contact range of each lane, first near the one before.
     #[inline(always)]
     pub(crate) fn find<B, G, F>(
@@ -212,16 +230,18 @@ impl<R: Real> Ranges<R> {
         F: SlidingFriction<R>,
     {
         let mut stay = [R::ZERO; LANES];
-        if let Some(height) = model.height_of_bound() {
-            self.test(model, height, (position, axes), &mut stay);
-        }
+        let staying = match model.height_of_bound() {
+            Some(height) => self.test(model, height, (position, axes), &mut stay),
+            None => 0,
+        };
         // A rolling body keeps its range for many steps.
-        if stay != [R::ONE; LANES] {
+        if staying < LANES {
             self.search(model, &stay, position, axes);
         }
     }
 
     /// Tests for each lane whether its range is still that of a level ground. Then the number is 1.
+    /// Returns the number of these lanes.
     #[inline(never)]
     fn test<B, G, F>(
         &self,
@@ -229,11 +249,13 @@ impl<R: Real> Ranges<R> {
         height: R,
         (position, axes): (&Vectors<R>, &AxesInLanes<R>),
         stay: &mut Numbers<R>,
-    ) where
+    ) -> usize
+    where
         B: RigidPointBody<R>,
         G: SpringDamperGround<R>,
         F: SlidingFriction<R>,
     {
+        let mut staying = 0;
         let [before, first, last, after] = &self.ends;
         for i in 0..LANES {
             let normal = axes.get(i).rise();
@@ -242,7 +264,9 @@ impl<R: Real> Ranges<R> {
             let stays = is_below(first) & is_below(last) & !is_below(before) & !is_below(after);
             let stays = stays | (offset < self.empty_below[i]);
             stay[i] = if stays { R::ONE } else { R::ZERO };
+            staying += usize::from(stays);
         }
+        staying
     }
 
     /// Searches for the ranges that may have changed.
@@ -310,7 +334,7 @@ where
     F: SlidingFriction<R>,
 {
     /// Height of the ground, if the contacts of a lane are added row by row.
-    fn height_in_lanes(&self) -> Option<R> {
+    pub(crate) fn height_in_lanes(&self) -> Option<R> {
         let is_plain = self.body.rims().is_empty()
             && !self.ground_moves()
             && self.friction.rolling_resistance(R::ZERO).is_none();
@@ -318,10 +342,14 @@ where
     }
 
     /// Load of each lane, as [`load_on`](Self::load_on) returns it.
+    ///
+    /// `evaluate` calls its argument with the laws.
+    #[inline(always)]
     pub(crate) fn loads_in_lanes(
         &self,
         ranges: &Ranges<R>,
         motions: &Motions<'_, R>,
+        evaluate: &impl Fn(AddRow<'_, R>),
         loads: &mut Loads<R>,
     ) {
         *loads = Loads::ZERO;
@@ -331,16 +359,10 @@ where
             }
             return;
         };
-        let laws = (self.ground, self.friction);
-        for (row, points) in ranges.rows.iter().enumerate().take(ranges.most) {
-            add_row(
-                laws,
-                height,
-                (R::from_usize(row), points),
-                &ranges.counts,
-                motions,
-                loads,
-            );
+        let (rows, counts) = ranges.rows();
+        for (row, points) in rows.iter().enumerate() {
+            let row = (R::from_usize(row), points);
+            add_row(evaluate, height, row, counts, motions, loads);
         }
         if ranges.long > 0 {
             self.add_long(ranges, motions, loads);
@@ -359,31 +381,65 @@ where
     }
 }
 
+/// Loop over lanes that evaluates laws.
+///
+/// A scene gives it the laws. If the scene tests their values, it notes in a variable of the loop
+/// that a test has failed. A flag in memory would keep the compiler from finding lanes.
+pub trait LoopOverLanes<R: Real> {
+    /// Runs the loop.
+    fn run<G: SpringDamperGround<R>, F: SlidingFriction<R>>(self, laws: (&G, &F));
+}
+
 /// Adds one contact of each lane that has one in this row.
 #[inline(never)]
-fn add_row<R: Real, G, F>(
-    laws: (&G, &F),
+fn add_row<R: Real>(
+    evaluate: &impl Fn(AddRow<'_, R>),
     height: R,
     (row, points): (R, &Vectors<R>),
     counts: &Numbers<R>,
     motions: &Motions<'_, R>,
     loads: &mut Loads<R>,
-) where
-    G: SpringDamperGround<R>,
-    F: SlidingFriction<R>,
-{
-    for i in 0..LANES {
-        let motion = &motions.get(i);
-        let level = Level::under(height, motion);
-        let arm = motion.axes.to_world(points.get(i));
-        let depth = level.depth(arm);
-        // The plane is far below a lane that has no contact in this row.
-        let depth = if row < counts[i] { depth } else { -R::ONE };
-        let touches = depth > R::ZERO;
-        let force = level.force(laws, arm, if touches { depth } else { R::EPSILON });
-        let only = |number: R| if touches { number } else { R::ZERO };
-        let force = R::Vec3::new(only(force.x()), only(force.y()), only(force.z()));
-        loads.add(i, force, arm.cross(force));
-        loads.touching[i] += only(R::ONE);
+) {
+    evaluate(AddRow {
+        height,
+        row,
+        points,
+        counts,
+        motions,
+        loads,
+    });
+}
+
+/// Contacts of one row.
+pub(crate) struct AddRow<'a, R: Real> {
+    height: R,
+    row: R,
+    points: &'a Vectors<R>,
+    counts: &'a Numbers<R>,
+    motions: &'a Motions<'a, R>,
+    loads: &'a mut Loads<R>,
+}
+
+impl<R: Real> LoopOverLanes<R> for AddRow<'_, R> {
+    #[inline(always)]
+    fn run<G: SpringDamperGround<R>, F: SlidingFriction<R>>(self, laws: (&G, &F)) {
+        for i in 0..LANES {
+            let motion = &self.motions.get(i);
+            let level = Level::under(self.height, motion);
+            let arm = motion.axes.to_world(self.points.get(i));
+            let depth = level.depth(arm);
+            // The plane is far below a lane that has no contact in this row.
+            let depth = if self.row < self.counts[i] {
+                depth
+            } else {
+                -R::ONE
+            };
+            let touches = depth > R::ZERO;
+            let force = level.force(laws, arm, if touches { depth } else { R::EPSILON });
+            let only = |number: R| if touches { number } else { R::ZERO };
+            let force = R::Vec3::new(only(force.x()), only(force.y()), only(force.z()));
+            self.loads.add(i, force, arm.cross(force));
+            self.loads.touching[i] += only(R::ONE);
+        }
     }
 }

@@ -114,11 +114,11 @@ pub(in crate::integrator) struct ContactView<'a, R: Real, D> {
 
 /// Penetration depth and closing speed of the centre of mass, and their decrease per metre along
 /// the body axes.
-struct AbovePlane<R: Real> {
-    depth: R,
-    closing_speed: R,
-    rise: R::Vec3,
-    rising: R::Vec3,
+pub(in crate::integrator) struct AbovePlane<R: Real> {
+    pub(in crate::integrator) depth: R,
+    pub(in crate::integrator) closing_speed: R,
+    pub(in crate::integrator) rise: R::Vec3,
+    pub(in crate::integrator) rising: R::Vec3,
 }
 
 impl<R: Real> AbovePlane<R> {
@@ -126,14 +126,7 @@ impl<R: Real> AbovePlane<R> {
     fn of(plane: &Plane<R>, motion: &Motion<R>) -> Self {
         let (axes, spin) = (&motion.axes, motion.angular_velocity);
         if plane.is_level() {
-            // Most planes are level. Most products are then with 0.
-            let turning = [axes.x, axes.y, axes.z].map(|axis| spin.cross(axis).z());
-            return Self {
-                depth: plane.height - motion.position.z(),
-                closing_speed: -motion.linear_velocity.z(),
-                rise: axes.rise(),
-                rising: R::Vec3::new(turning[0], turning[1], turning[2]),
-            };
+            return Self::of_level(plane.height, motion);
         }
         let normal = plane.normal;
         Self {
@@ -142,6 +135,28 @@ impl<R: Real> AbovePlane<R> {
             rise: axes.to_body(normal),
             rising: axes.to_body(normal.cross(spin)),
         }
+    }
+
+    /// Values above a level plane. Most planes are level, and most products are then with 0.
+    #[inline(always)]
+    pub(in crate::integrator) fn of_level(height: R, motion: &Motion<R>) -> Self {
+        let (axes, spin) = (&motion.axes, motion.angular_velocity);
+        let turning = [axes.x, axes.y, axes.z].map(|axis| spin.cross(axis).z());
+        Self {
+            depth: height - motion.position.z(),
+            closing_speed: -motion.linear_velocity.z(),
+            rise: axes.rise(),
+            rising: R::Vec3::new(turning[0], turning[1], turning[2]),
+        }
+    }
+
+    /// Returns penetration depth and closing speed of a bare point at this position in the body.
+    #[inline(always)]
+    pub(in crate::integrator) fn at(&self, position: R::Vec3) -> [R; 2] {
+        [
+            self.depth - self.rise.dot(position),
+            self.closing_speed - self.rising.dot(position),
+        ]
     }
 }
 
@@ -161,8 +176,8 @@ impl<'a, R: Real, D: Dynamics<R>> ContactView<'a, R, D> {
         let Some(plane) = &self.plane else {
             return ContactEnd::of(self.scene, self.motion, point);
         };
-        let depth = point.radius + (plane.depth - plane.rise.dot(point.position));
-        let closing_speed = plane.closing_speed - plane.rising.dot(point.position);
+        let [depth, closing_speed] = plane.at(point.position);
+        let depth = point.radius + depth;
         ContactEnd {
             depth,
             closing_speed,

@@ -22,7 +22,7 @@
 )]
 
 use crate::body::{ContactRange, InertiaProperties};
-use crate::contact::{AxesInLanes, LANES, Loads, Motions, Numbers, Ranges, Vectors};
+use crate::contact::{AddRow, AxesInLanes, LANES, Loads, Motions, Numbers, Ranges, Vectors};
 use crate::force::Force;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
@@ -148,7 +148,7 @@ pub struct Lanes<R: Real> {
     pub(in crate::integrator) rotations: Rotations<R>,
     pub(in crate::integrator) axes: AxesInLanes<R>,
     pub(in crate::integrator) spins: Vectors<R>,
-    ranges: Ranges<R>,
+    pub(in crate::integrator) ranges: Ranges<R>,
     pub(in crate::integrator) loads: Loads<R>,
 }
 
@@ -221,6 +221,24 @@ impl<R: Real> Lanes<R> {
         *self.ranges.get()
     }
 
+    /// Motions of the states, whose axes and angular velocities are known.
+    #[inline(always)]
+    pub(in crate::integrator) fn motions(&self) -> Motions<'_, R> {
+        Motions {
+            position: &self.states.position,
+            axes: &self.axes,
+            linear_velocity: &self.states.linear_velocity,
+            angular_velocity: &self.spins,
+        }
+    }
+
+    /// Computes the angular velocities of the states, whose axes are known.
+    #[inline]
+    pub(in crate::integrator) fn set_spins<D: Dynamics<R>>(&mut self, scene: &D) {
+        let (mass, momenta) = (scene.inertia_properties(), &self.states.angular_momentum);
+        set_spins(mass, &self.axes, momenta, &mut self.spins);
+    }
+
     /// Finds the contacts that can touch at the positions of the states.
     #[inline]
     pub(in crate::integrator) fn find_contacts<D: Dynamics<R>>(&mut self, scene: &D) {
@@ -231,17 +249,16 @@ impl<R: Real> Lanes<R> {
     /// Computes the loads of the contacts and of the applied force at the velocities of the states.
     #[inline]
     pub(in crate::integrator) fn find_loads<D: Dynamics<R>>(&mut self, scene: &D) {
-        let (states, axes) = (&self.states, &self.axes);
-        let mass = scene.inertia_properties();
-        set_spins(mass, axes, &states.angular_momentum, &mut self.spins);
+        self.set_spins(scene);
         let motions = &Motions {
-            position: &states.position,
-            axes,
-            linear_velocity: &states.linear_velocity,
+            position: &self.states.position,
+            axes: &self.axes,
+            linear_velocity: &self.states.linear_velocity,
             angular_velocity: &self.spins,
         };
         let model = scene.contact_model();
-        model.loads_in_lanes(&self.ranges, motions, &mut self.loads);
+        let evaluate = |row: AddRow<'_, R>| scene.evaluate_in_lanes(row);
+        model.loads_in_lanes(&self.ranges, motions, &evaluate, &mut self.loads);
         if scene.force().acts() {
             for i in 0..LANES {
                 let applied = scene.force().wrench(&motions.get(i));
@@ -299,22 +316,14 @@ impl<R: Real> Lanes<R> {
         self.set_axes_of_any_length();
     }
 
-    /// Computes the time derivatives of the states, whose axes are known.
+    /// Returns the time derivatives of the states, whose axes are known.
     #[inline]
-    pub(in crate::integrator) fn find_slope<D: Dynamics<R>>(
-        &mut self,
-        scene: &D,
-        slope: &mut Points<R>,
-    ) {
+    pub(in crate::integrator) fn slopes<D: Dynamics<R>>(&mut self, scene: &D) -> Points<R> {
         self.find_contacts(scene);
         self.find_loads(scene);
         let (inverse_mass, gravity) = (scene.inertia_properties().inverse_mass(), scene.gravity());
-        set_slope(
-            (inverse_mass, gravity),
-            &self.states,
-            (&self.spins, &self.loads),
-            slope,
-        );
+        let motions = (&self.spins, &self.loads);
+        slopes((inverse_mass, gravity), &self.states, motions)
     }
 
     /// Scales the quaternions of the states to length 1.
@@ -370,23 +379,22 @@ fn advance<R: Real>(start: &Points<R>, slope: &Points<R>, seconds: R, end: &mut 
 }
 
 #[inline(never)]
-fn set_slope<R: Real>(
+fn slopes<R: Real>(
     (inverse_mass, gravity): (R, R::Vec3),
     points: &Points<R>,
     (spins, loads): (&Vectors<R>, &Loads<R>),
-    slope: &mut Points<R>,
-) {
+) -> Points<R> {
+    let mut slopes = Points::ZERO;
     for i in 0..LANES {
-        slope.set(
-            i,
-            &Point {
-                position: points.linear_velocity.get(i),
-                linear_velocity: loads.force.get(i) * inverse_mass + gravity,
-                orientation: points.orientation.get(i).rate(spins.get(i)),
-                angular_momentum: loads.torque.get(i),
-            },
-        );
+        let slope = Point {
+            position: points.linear_velocity.get(i),
+            linear_velocity: loads.force.get(i) * inverse_mass + gravity,
+            orientation: points.orientation.get(i).rate(spins.get(i)),
+            angular_momentum: loads.torque.get(i),
+        };
+        slopes.set(i, &slope);
     }
+    slopes
 }
 
 /// Computes angular velocities from angular momenta, for two or three equal moments of inertia.

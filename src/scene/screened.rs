@@ -18,7 +18,7 @@ use core::cell::Cell;
 use super::Dynamics;
 use super::inspected::{InspectedForce, InspectedFriction, InspectedGround, Inspector, Slide};
 use crate::body::InertiaProperties;
-use crate::contact::ContactModel;
+use crate::contact::{ContactModel, LoopOverLanes};
 use crate::force::{Force, Wrench};
 use crate::friction::{RollingResistance, SlidingFriction};
 use crate::ground::{MeanForce, SpringDamperGround, Surface};
@@ -30,25 +30,29 @@ use crate::state::Motion;
 pub(super) const NORMAL: f64 = 128.0;
 
 /// Flag that a value has failed its test during a step.
+///
+/// It is raised by a branch, or in lanes by a count of the failed tests, without a branch.
 #[derive(Default)]
-pub(crate) struct Alarm(Cell<bool>);
+pub(crate) struct Alarm<const IN_LANES: bool = false>(Cell<usize>);
 
-impl Alarm {
+impl<const IN_LANES: bool> Alarm<IN_LANES> {
     /// Returns true if a value has failed its test.
     #[inline(always)]
     pub(crate) fn is_raised(&self) -> bool {
-        self.0.get()
+        self.0.get() > 0
     }
 
     #[inline(always)]
     fn expect(&self, sound: bool) {
-        if !sound {
-            self.0.set(true);
+        if IN_LANES {
+            self.0.set(self.0.get() + usize::from(!sound));
+        } else if !sound {
+            self.0.set(1);
         }
     }
 }
 
-impl<R: Real> Inspector<R> for Alarm {
+impl<R: Real, const IN_LANES: bool> Inspector<R> for Alarm<IN_LANES> {
     #[inline(always)]
     fn surface(&self, surface: &Surface<R>, _point: R::Vec3, reach: R) {
         let off = (surface.normal.length_squared() - R::ONE).abs();
@@ -177,6 +181,23 @@ impl<'a, R: Real, D: Dynamics<R>> Dynamics<R> for ScreenedScene<'a, R, D> {
     #[inline(always)]
     fn inertia_properties(&self) -> &InertiaProperties<R> {
         self.scene.inertia_properties()
+    }
+
+    /// The tests of all lanes are counted in a variable of the loop.
+    #[inline(always)]
+    fn evaluate_in_lanes(&self, work: impl LoopOverLanes<R>) {
+        let alarm = Alarm::<true>::default();
+        let ground = InspectedGround {
+            ground: self.scene.ground(),
+            reach: self.ground.reach,
+            inspector: &alarm,
+        };
+        let friction = InspectedFriction {
+            friction: self.scene.friction(),
+            inspector: &alarm,
+        };
+        work.run((&ground, &friction));
+        self.alarm.expect(!alarm.is_raised());
     }
 
     #[inline(always)]

@@ -36,9 +36,9 @@ where
     ///
     /// | part | in lanes |
     /// |---|---|
-    /// | integrator | [`SymplecticEuler`](crate::SymplecticEuler), [`StrangSplitting`](crate::StrangSplitting), [`Rk4`](crate::Rk4), [`Nystrom`](crate::Nystrom) without its correction of touch-downs; others advance one state after the other |
+    /// | integrator | [`SymplecticEuler`](crate::SymplecticEuler), [`StrangSplitting`](crate::StrangSplitting), [`Rk4`](crate::Rk4), [`Nystrom`](crate::Nystrom) with its test for touch-downs, whose correction is computed state by state; others advance one state after the other |
     /// | ground, body | bare points on a level plane at rest; the forces of others are computed state by state |
-    /// | contact law, friction law | any, also your own: write `f64::max` or a choice of two values in place of a branch, and the compiler finds the lanes |
+    /// | contact law, friction law | any, also your own: write `f64::max` or a choice of two values in place of a branch, and the compiler finds the lanes; they are tested in lanes too |
     /// | moments of inertia | two or three equal ones; others advance one state after the other |
     /// | applied force | state by state |
     ///

@@ -258,6 +258,60 @@ fn methods_without_lanes_have_the_bits_of_their_own_run() {
     check("EnergyMomentum", &scene(ring(12)), 0.02);
 }
 
+/// Coins just above the ground: each touches down in another step and bounces, and its contacts
+/// close and open in turn.
+fn falling() -> [State; 16] {
+    core::array::from_fn(|i| {
+        let part = i as f64 / 16.0;
+        let state = State::at(DVec3::ZERO)
+            .with_rotation_vector(DVec3::new(0.4 * part, 0.2 + 1.2 * part, 0.3))
+            .with_linear_velocity(DVec3::new(0.5 * part, 0.1, -0.5))
+            .with_angular_momentum(DVec3::new(0.2, 0.3 * part, -0.1));
+        let normal = state.orientation * DVec3::X;
+        let lowest = 0.5 * (1.0 - normal.z * normal.z).sqrt();
+        State {
+            position: DVec3::Z * (lowest + 0.002 + 0.02 * part),
+            ..state
+        }
+    })
+}
+
+/// Checks coins that touch down in different steps, with a method and a number of points.
+fn check_touch_downs(points: usize, integrator: impl Integrator) {
+    let stepper = scene(ring(points)).with_integrator(integrator).unwrap();
+    let time_step = stepper.integrator().fixed_step().unwrap();
+    let (mut first, mut changes) = ([0; 16], 0);
+    let (mut together, mut separate) = (falling(), falling());
+    for step in 1..400 {
+        stepper
+            .advance_many(&mut together, 5.0 * time_step)
+            .unwrap();
+        for (i, alone) in separate.iter_mut().enumerate() {
+            let before = stepper.touching(alone);
+            stepper.advance(alone, 5.0 * time_step).unwrap();
+            assert_eq!(bits(alone), bits(&together[i]), "state {i}, step {step}");
+            let touching = stepper.touching(alone);
+            changes += usize::from(touching != before);
+            if touching > 0 && first[i] == 0 {
+                first[i] = step;
+            }
+        }
+    }
+    let mut steps = first.to_vec();
+    steps.sort_unstable();
+    steps.dedup();
+    assert!(steps.len() > 8 && changes > 100, "{first:?}, {changes}");
+}
+
+#[test]
+fn lanes_that_touch_down_in_different_steps_have_the_bits_of_their_own_run() {
+    for points in [3, 12, 120] {
+        check_touch_downs(points, Nystrom { time_step: 5e-4 });
+        check_touch_downs(points, Rk4 { time_step: 5e-4 });
+        check_touch_downs(points, StrangSplitting { time_step: 5e-4 });
+    }
+}
+
 /// A user's laws. They refuse arguments that their contracts exclude, and fail above a depth.
 #[derive(Clone, Copy)]
 struct Strict {
@@ -344,6 +398,45 @@ fn the_first_state_that_fails_is_named_and_all_others_reach_the_end() {
     for (a, b) in separate.iter().zip(&together) {
         assert_eq!(bits(a), bits(b));
     }
+}
+
+/// Friction that drives a body which slides faster than 1 m/s.
+#[derive(Clone, Copy)]
+struct Driving;
+
+impl SlidingFriction for Driving {
+    fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
+        let speed = slip.length();
+        let sign = if speed > 1.0 { 0.3 } else { -0.3 };
+        slip * (sign * normal_force / (speed + 1e-3))
+    }
+}
+
+/// Checks that states fail with the errors of their own runs.
+fn check_errors(integrator: impl Integrator) {
+    let stepper = scene(ring(12))
+        .with_friction(Driving)
+        .and_then(|laws| laws.with_integrator(integrator))
+        .unwrap();
+    let (mut together, mut separate) = (states(40, 3), states(40, 3));
+    let errors = alone(&stepper, &mut separate, 0.2);
+    let failed = stepper.advance_many(&mut together, 0.2);
+    let index = errors.iter().position(Option::is_some).unwrap();
+    let error = errors[index].unwrap();
+    assert!(errors.iter().any(Option::is_none), "all fail");
+    assert_eq!(failed, Err(StateError { index, error }));
+    for (a, b) in separate.iter().zip(&together) {
+        assert_eq!(bits(a), bits(b));
+    }
+}
+
+#[test]
+fn a_friction_law_that_fails_in_some_lanes_has_the_errors_of_their_own_runs() {
+    let time_step = 1e-3;
+    check_errors(SymplecticEuler { time_step });
+    check_errors(StrangSplitting { time_step });
+    check_errors(Rk4 { time_step });
+    check_errors(Nystrom { time_step });
 }
 
 #[test]

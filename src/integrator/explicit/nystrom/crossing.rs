@@ -2,7 +2,7 @@
 //! the integral of their forces.
 
 use super::stages::{END, SECOND, Stage, THIRD_DIFFERENCE};
-use crate::body::{ContactPoint, RigidPointBody};
+use crate::body::{ContactPoint, ContactRange, RigidPointBody};
 use crate::contact::{Load, Motion};
 use crate::friction::SlidingFriction;
 use crate::integrator::contact_path::{ContactEnd, ContactView, Path, arm, push, slip};
@@ -19,12 +19,11 @@ use crate::scene::{Dynamics, OnSurface};
 #[inline(always)]
 pub(super) fn corrected<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     scene: &D,
-    stages: [&Stage<R>; 4],
+    stages: &Looks<'_, R>,
     end: Point<R>,
     seconds: R,
 ) -> (Point<R>, [Load<R>; 2]) {
-    let [first, .., last] = stages;
-    if first.run.count == 0 && last.run.count == 0 {
+    if stages.ranges.iter().all(|range| range.count == 0) {
         return (end, [Load::default(); 2]);
     }
     // A step as short as this moves nothing, and rounding of a penetration depth would give an
@@ -41,6 +40,24 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     (end, [missed.speeds, missed.third_difference])
 }
 
+/// What the correction sees of the stages.
+pub(super) struct Looks<'a, R: Real> {
+    /// Motions of the first, third and last stage.
+    pub(super) motions: [&'a Motion<R>; 3],
+    /// Contact ranges of the first and last stage.
+    pub(super) ranges: [ContactRange; 2],
+}
+
+impl<'a, R: Real> Looks<'a, R> {
+    #[inline(always)]
+    pub(super) fn at([first, _, third, last]: [&'a Stage<R>; 4]) -> Self {
+        Self {
+            motions: [&first.motion, &third.motion, &last.motion],
+            ranges: [first.run, last.run],
+        }
+    }
+}
+
 /// Errors of the stages' weighted sums: true means of force and torque over the step, minus these
 /// sums.
 struct Missed<R: Real> {
@@ -55,7 +72,7 @@ struct Missed<R: Real> {
 #[inline(always)]
 fn missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     scene: &D,
-    [first, _, third, last]: [&Stage<R>; 4],
+    stages: &Looks<'_, R>,
     end: &Motion<R>,
     seconds: R,
 ) -> Missed<R> {
@@ -66,7 +83,6 @@ fn missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     };
     for surface in 0..scene.contact_model().surfaces() {
         let scene = OnSurface::of(scene, surface);
-        let stages = [first, third, last];
         add_missed::<_, _, ESTIMATED>(&scene, stages, end, seconds, &mut missed);
     }
     missed
@@ -76,29 +92,25 @@ fn missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
 #[inline(always)]
 fn add_missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     scene: &D,
-    [first, third, last]: [&Stage<R>; 3],
+    stages: &Looks<'_, R>,
     end: &Motion<R>,
     seconds: R,
     missed: &mut Missed<R>,
 ) {
+    let [first, third, last] = stages.motions;
     let step = Taken {
         scene,
-        ends: [
-            ContactView::of(scene, &first.motion),
-            ContactView::of(scene, end),
-        ],
-        late: [
-            ContactView::of(scene, &third.motion),
-            ContactView::of(scene, &last.motion),
-        ],
+        ends: [ContactView::of(scene, first), ContactView::of(scene, end)],
+        late: [ContactView::of(scene, third), ContactView::of(scene, last)],
         seconds,
         per_second: R::ONE / seconds,
     };
     let contacts = scene.body().contacts();
     // The last stage differs from the end only by a power of the step size. A contact that
     // penetrates in only one of them does so for almost no time.
-    let [head, tail] = last.run.without(first.run, contacts.len());
-    for run in [first.run, head, tail] {
+    let [first, last] = stages.ranges;
+    let [head, tail] = last.without(first, contacts.len());
+    for run in [first, head, tail] {
         for part in run.parts(contacts) {
             for point in part {
                 step.look_at::<ESTIMATED>(point, missed);

@@ -150,23 +150,58 @@ impl<R: Real> Start<R> {
     /// Returns the point that a row of coefficients gives from the start and the stages so far.
     #[inline(always)]
     pub(super) fn ahead<const N: usize>(&self, row: &Row<N>, stages: [&Stage<R>; N]) -> Point<R> {
-        let h = self.seconds;
-        let mut point = self.point;
+        row.ahead((&self.point, self.turning), stages, self.seconds)
+    }
+}
+
+/// Accelerations of a stage.
+pub(super) trait Accelerated<R: Real>: Copy {
+    fn acceleration(self) -> R::Vec3;
+    fn torque(self) -> R::Vec3;
+    fn bend(self) -> Rotation<R>;
+}
+
+impl<R: Real> Accelerated<R> for &Stage<R> {
+    #[inline(always)]
+    fn acceleration(self) -> R::Vec3 {
+        self.acceleration
+    }
+    #[inline(always)]
+    fn torque(self) -> R::Vec3 {
+        self.torque
+    }
+    #[inline(always)]
+    fn bend(self) -> Rotation<R> {
+        self.bend
+    }
+}
+
+impl<const N: usize> Row<N> {
+    /// Returns the point at the time of this row, from the start of a step of `h` seconds, the
+    /// first derivative of the quaternion there, and the stages so far.
+    #[inline(always)]
+    pub(super) fn ahead<R: Real>(
+        &self,
+        (start, mut turning): (&Point<R>, Rotation<R>),
+        stages: [impl Accelerated<R>; N],
+        h: R,
+    ) -> Point<R> {
+        let mut point = *start;
         // Position and orientation advance by their mean rates up to this time. A separate term of
         // h² would be lost in the rounding of the position.
-        let (mut velocity, mut turning) = (self.point.linear_velocity, self.turning);
-        for ((stage, &place), &speed) in stages.into_iter().zip(&row.places).zip(&row.speeds) {
+        let mut velocity = start.linear_velocity;
+        for ((stage, &place), &speed) in stages.into_iter().zip(&self.places).zip(&self.speeds) {
             let speed = h * R::from_f64(speed);
             // Known at compile time. The last position weight of the end is zero.
             if place != 0.0 {
-                let place = h * R::from_f64(place / row.time);
-                velocity += stage.acceleration * place;
-                turning = turning.plus(stage.bend, place);
+                let place = h * R::from_f64(place / self.time);
+                velocity += stage.acceleration() * place;
+                turning = turning.plus(stage.bend(), place);
             }
-            point.linear_velocity += stage.acceleration * speed;
-            point.angular_momentum += stage.torque * speed;
+            point.linear_velocity += stage.acceleration() * speed;
+            point.angular_momentum += stage.torque() * speed;
         }
-        let along = h * R::from_f64(row.time);
+        let along = h * R::from_f64(self.time);
         point.position += velocity * along;
         point.orientation = point.orientation.plus(turning, along);
         point
