@@ -85,10 +85,12 @@ pub(crate) fn rows_of(
     Ok(rows)
 }
 
-/// Returns the adaptive methods of the library and the stiff method of `diffsol`, in one call.
+/// Returns the adaptive methods of the library and the stiff method of `diffsol`, in one call. The
+/// latter has tighter tolerances too.
 pub(crate) fn programs_for_stick(scene: &Scene) -> Result<Vec<Box<dyn Program + '_>>, String> {
     let mut programs = ours::with_tolerances(scene, &ours::TOLERANCES, false)?;
-    programs.extend(implicit(scene, false));
+    programs.extend(implicit(scene, &BDF, false));
+    programs.extend(implicit(scene, &[1e-12, 1e-13], false));
     Ok(programs)
 }
 
@@ -98,7 +100,7 @@ fn peers(scene: &Scene) -> Vec<Box<dyn Program + '_>> {
     for is_sampled in [false, true] {
         all.extend(explicit(scene, &DOPRI5, &DOP853, is_sampled));
         if scene.shape != Shape::Free {
-            all.extend(implicit(scene, is_sampled));
+            all.extend(implicit(scene, &BDF, is_sampled));
         }
     }
     all.extend(rapier(scene));
@@ -167,8 +169,12 @@ pub(crate) fn explicit<'a>(
     methods.map(boxed).collect()
 }
 
-fn implicit(scene: &Scene, is_sampled: bool) -> Vec<Box<dyn Program + '_>> {
-    let boxed = |tolerance| -> Box<dyn Program + '_> {
+fn implicit<'a>(
+    scene: &'a Scene,
+    tolerances: &[f64],
+    is_sampled: bool,
+) -> Vec<Box<dyn Program + 'a>> {
+    let boxed = |&tolerance: &f64| -> Box<dyn Program + 'a> {
         Box::new(stiff::Bdf {
             law: &scene.law,
             start: scene.soft.start,
@@ -178,7 +184,7 @@ fn implicit(scene: &Scene, is_sampled: bool) -> Vec<Box<dyn Program + '_>> {
             is_sampled,
         })
     };
-    BDF.into_iter().map(boxed).collect()
+    tolerances.iter().map(boxed).collect()
 }
 
 fn rapier(scene: &Scene) -> Vec<Box<dyn Program + '_>> {

@@ -6,7 +6,8 @@
 //!
 //! A second battery, [`driven`], holds the parts that can drive a body or vary over the ground:
 //! forces, ground that moves, friction by place, several surfaces, and events. Its rows follow
-//! those of the first. A third one, [`rims`], holds bodies with several round rims.
+//! those of the first. A third one, [`rims`], holds bodies with several round rims. A fourth one,
+//! [`hard`], holds steps of a frame on ground so stiff that they do not resolve a bounce.
 //!
 //! A last row is the battery of the live page, `examples/web`, which computes it in the browser. Its
 //! scenes are those of the page's source.
@@ -50,7 +51,7 @@ pub struct Outcome {
 }
 
 /// Writes a line for each precision and integrator: `f64 EnergyMomentum 0123456789abcdef`, and then
-/// those of the second and third battery: `f64 EnergyMomentum, driven 0123456789abcdef`. The last
+/// those of the other batteries: `f64 EnergyMomentum, driven 0123456789abcdef`. The last
 /// line is that of the live page. With `scenes`, it writes one for each scene too.
 pub fn write(out: &mut dyn fmt::Write, scenes: bool) -> fmt::Result {
     let mut line: Option<(Outcome, Hash)> = None;
@@ -143,6 +144,13 @@ pub fn each_scene(see: &mut dyn FnMut(Outcome)) -> Result<(), SceneError> {
         )*};
     }
     rims!(f32 f64);
+    macro_rules! hard {
+        ($($real:ident)*) => {$(
+            with_each!(hard $real ", hard ground"
+                EnergyMomentum: |time_step| EnergyMomentum { time_step };);
+        )*};
+    }
+    hard!(f32 f64);
     of_the_page(see);
     Ok(())
 }
@@ -256,7 +264,7 @@ fn follow<R: Bits, I: Integrator<R>>(
     (hash.0, end.is_err() || audited.is_err())
 }
 
-/// A scene of the first three batteries. Its parts are behind `dyn`, which has the same bits: so
+/// A scene of the first four batteries. Its parts are behind `dyn`, which has the same bits: so
 /// each integrator is compiled for one scene, not for all.
 type AnyStepper<'a, R, I> = Stepper<
     &'a dyn RigidPointBody<R>,
@@ -605,6 +613,31 @@ fn rims<R: Bits, I: Integrator<R>>(
         (&wheel, &walls, &coulomb, &NoForce),
         thrown(),
     )
+}
+
+/// All scenes of the fourth battery with one integrator, which is made from its time step (s).
+fn hard<R: Bits, I: Integrator<R>>(
+    method: impl Fn(R) -> I,
+    see: &mut dyn FnMut(&'static str, (u64, bool)),
+) -> Result<(), SceneError> {
+    let (falls, coulomb) = (UniformGravity::down(real::<R>(9.8)), coulomb::<R>());
+    let mut play = |name, parts: (&dyn RigidPointBody<R>, &dyn SpringDamperGround<R>)| {
+        let (body, ground) = parts;
+        let stepper: AnyStepper<'_, R, I> = Stepper::builder(body)
+            .gravity(&falls as &dyn Gravity<R>)
+            .ground(ground)
+            .friction(&coulomb as &dyn SlidingFriction<R>)
+            .force(&NoForce as &dyn Force<R>)
+            .integrator(method(real(1.0 / 60.0)))
+            .build()?;
+        see(name, follow(&stepper, thrown(), 2.003));
+        Ok::<(), SceneError>(())
+    };
+    let floor = FlatGround::level(real::<R>(1e8), real::<R>(300.0));
+    let rod = Rod::<R>::new(real(1.0), real(0.4));
+    play("die on hard ground", (&die(), &floor))?;
+    play("rod on hard ground", (&rod, &floor))?;
+    play("egg on a hard slope", (&egg(), &floor.on(slope())))
 }
 
 /// A body that is nothing but three rims.

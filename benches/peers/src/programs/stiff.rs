@@ -43,7 +43,7 @@ impl Program for Bdf<'_> {
         let start = units.pack(&self.start);
         let rates = |y: &[f64]| units.rates(self.law, &Vector::from_column_slice(y));
         let nudge = self.nudge(units);
-        let problem = OdeBuilder::<Matrix>::new()
+        let mut problem = OdeBuilder::<Matrix>::new()
             .rtol(self.tolerance)
             .atol([self.tolerance])
             .rhs_implicit(
@@ -59,6 +59,8 @@ impl Program for Bdf<'_> {
             .init(move |_, _, y| y.copy_from_slice(start.as_slice()), 13)
             .build()
             .map_err(|error| error.to_string())?;
+        // Where friction changes from slip to stick, Newton's method fails many times in a run.
+        problem.ode_options.max_nonlinear_solver_failures = 10_000;
         let mut solver = (problem.bdf::<NalgebraLU<f64>>()).map_err(|error| error.to_string())?;
         let end = self.seconds / units.time;
         (solver.set_stop_time(end)).map_err(|error| error.to_string())?;
