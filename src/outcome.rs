@@ -421,6 +421,67 @@ mod tests {
         assert!(ring::<f64, 12>(0.5 * limit, 0.0).barriers().is_none());
     }
 
+    /// The softness is a bound from above. Its depth is resolved to 1 in 1024 of an interval that
+    /// is at most as long as the depth `m g/k` of the maximum, so that it is too large by at most
+    /// `(m g)²/(1024 k)`.
+    #[test]
+    fn a_barrier_is_the_weight_at_the_height_of_the_boundary_less_the_softness() {
+        for stiffness in [30.0, 1e3, 7e5] {
+            let stepper = ring::<f64, 12>(stiffness, 3.0);
+            let barriers = stepper.barriers().unwrap();
+            let ratio = barriers.softness() / (WEIGHT * WEIGHT / (2.0 * stiffness));
+            assert!((1.0..1.0 + 2.0 / 1024.0).contains(&ratio), "{ratio}");
+            let barrier = barriers.barrier(&Basin {
+                face: (),
+                height: 0.3,
+            });
+            let expected = WEIGHT * 0.3 - barriers.softness();
+            assert!((barrier - expected).abs() < 1e-15, "{barrier}");
+        }
+    }
+
+    /// A flat coin at the depth d has the energy `n k d²/2 - m g d`. Its barrier is below `m g r`.
+    #[test]
+    fn the_energy_of_the_springs_counts() {
+        let stiffness = 1e4;
+        let stepper = ring::<f64, 12>(stiffness, 0.0);
+        let barriers = stepper.barriers().unwrap();
+        let at = |depth: f64| {
+            let turn = DVec3::Y * -core::f64::consts::FRAC_PI_2;
+            barriers.outcome(&State::at(DVec3::Z * -depth).with_rotation_vector(turn))
+        };
+        let limit = (2.0 * WEIGHT * RADIUS / (12.0 * stiffness)).sqrt();
+        assert_eq!(at(0.5 * limit), Outcome::Decided(CoinFace::Heads));
+        assert_eq!(at(1.2 * limit), Outcome::Undecided);
+        assert_eq!(at(50.0 * limit), Outcome::Undecided);
+    }
+
+    #[test]
+    fn ground_that_is_not_level_and_gravity_that_does_not_point_down_have_no_barriers() {
+        let stepper = ring::<f64, 12>(1e4, 0.0);
+        let slope = |normal| FlatGround::level(1e4, 0.0).on(Plane::through(DVec3::ZERO, normal));
+        for normal in [DVec3::new(0.1, 0.0, 1.0), DVec3::new(0.0, -0.1, 1.0)] {
+            assert!(
+                stepper
+                    .with_ground(slope(normal))
+                    .unwrap()
+                    .barriers()
+                    .is_none()
+            );
+        }
+        for (acceleration, has_barriers) in [
+            (DVec3::new(0.0, 0.0, -1.0), true),
+            (DVec3::new(0.1, 0.0, -1.0), false),
+            (DVec3::new(0.0, 0.1, -1.0), false),
+            (DVec3::ZERO, false),
+            (DVec3::Z, false),
+        ] {
+            let gravity = UniformGravity { acceleration };
+            let stepper = stepper.with_gravity(gravity).unwrap();
+            assert_eq!(stepper.barriers().is_some(), has_barriers, "{acceleration}");
+        }
+    }
+
     #[test]
     fn an_outcome_does_not_depend_on_the_height_of_the_ground() {
         let mut decided = 0;

@@ -101,3 +101,31 @@ fn random_scenes_begin_in_random_orientations() {
         "{sum}"
     );
 }
+
+#[test]
+fn the_box_in_flight_tumbles_about_all_axes_high_above_the_ground() {
+    let setup = Setup::<f64>::flight(TIME_STEP).unwrap();
+    let motion = setup.scene.motion(&setup.start);
+    let angles = motion.angular_velocity * TIME_STEP;
+    assert!(angles.abs().min_element() > 5e-3, "{angles}");
+    let displacement = motion.linear_velocity * TIME_STEP;
+    assert!(displacement.abs().min_element() > 5e-3, "{displacement}");
+    assert_eq!(setup.scene.gravity(), DVec3::ZERO);
+    assert!(setup.scene.ground().surface(setup.start.position).gap > 100.0);
+}
+
+/// Within 40 steps, which is as many as a check takes of each scene.
+#[test]
+fn the_falling_box_meets_the_ground_with_one_corner() {
+    let setup = Setup::<f64>::fall(TIME_STEP).unwrap();
+    let time_step = 0.1 * TIME_STEP;
+    let (method, mut workspace) = (EnergyMomentum { time_step }, Default::default());
+    let mut state = setup.start;
+    let corners = setup.scene.body().contacts();
+    let mut below = (0..40).map(|_| {
+        (method.step(&setup.scene, &mut state, TIME_STEP, &mut workspace)).unwrap();
+        let is_below = |c: &&ContactPoint| state.world_point(c.position).z < 0.0;
+        corners.iter().filter(is_below).count()
+    });
+    assert_eq!(below.find(|&count| count > 0), Some(1));
+}
