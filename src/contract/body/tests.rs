@@ -262,3 +262,17 @@ fn ranges_of_no_contact_are_the_same_wherever_they_begin_and_others_are_not() {
     assert_found(near(range(0, 0), two), requirement, [2.0, 0.0]);
     assert_found(near(range(1, 2), two), requirement, [2.0, 2.0]);
 }
+
+#[test]
+fn the_known_ranges_end_next_to_the_ends_of_the_range() {
+    let range = |first, count| ContactRange { first, count };
+    let expected = [
+        range(3, 4),
+        range(3, 5),
+        range(2, 4),
+        range(4, 3),
+        ContactRange::NONE,
+        range(0, 9),
+    ];
+    assert_eq!(known_ranges(range(3, 4), 9), expected);
+}
