@@ -284,8 +284,8 @@ mod tests {
     const RADIUS: f64 = 0.5;
     const WEIGHT: f64 = MASS * 9.75;
 
-    type Ring<R> = Stepper<
-        Coin<R, [ContactPoint<R>; 12]>,
+    type Ring<R, const N: usize> = Stepper<
+        Coin<R, [ContactPoint<R>; N]>,
         FlatGround<R>,
         Frictionless,
         UniformGravity<R>,
@@ -293,9 +293,9 @@ mod tests {
         R,
     >;
 
-    fn ring<R: Real>(stiffness: f64, height: f64) -> Ring<R> {
+    fn ring<R: Real, const N: usize>(stiffness: f64, height: f64) -> Ring<R, N> {
         let [mass, radius] = [MASS, RADIUS].map(R::from_f64);
-        let body = Coin::ring_with_storage([ContactPoint::default(); 12], mass, radius);
+        let body = Coin::ring_with_storage([ContactPoint::default(); N], mass, radius);
         let ground = FlatGround::level(R::from_f64(stiffness), R::ZERO);
         Stepper::builder(body)
             .ground(ground.on(Plane::level(R::from_f64(height))))
@@ -335,41 +335,150 @@ mod tests {
         .with_angular_momentum(single(vector(7) * spin))
     }
 
-    /// The bound is above the true energy by what the documentation of `most_energy` states: 64
-    /// units of each term, two for each contact, and the springs of a body that is lowered by 64
-    /// units of the lengths. The truth is that of double precision. The roundings of the terms are
-    /// below a tenth of it.
+    /// Checks that the bound is above the true energy by what the documentation of `most_energy`
+    /// states: 64 units of each term, two for each contact, and the springs of a body that is
+    /// lowered by 64 units of the lengths. The truth is that of double precision. The roundings of
+    /// the terms are below a tenth of it.
+    fn check_bound<const N: usize>(index: u32) {
+        let unit = f64::from(f32::EPSILON);
+        let log =
+            |dimension, low: f64, high: f64| low * (high / low).powf(part(index + 7, dimension));
+        let stiffness = log(0, 1e2, 1e6).round();
+        let height = (log(1, 1e-2, 1e3) - 1.0).round();
+        let (speed, spin) = (log(2, 1e-2, 1e3), log(4, 1e-3, 1e2));
+        let (single, wide) = (
+            ring::<f32, N>(stiffness, height),
+            ring::<f64, N>(stiffness, height),
+        );
+        let bound = single.barriers().unwrap();
+        let most = bound.most_energy(&state(index, speed, spin, height));
+        let state = state::<f64>(index, speed, spin, height);
+        let gap = state.position.z - height;
+        let lengths = gap.abs() + height.abs() + RADIUS;
+        let mut lowered = state;
+        lowered.position.z -= 64.0 * unit * lengths;
+        let (true_energy, low) = (wide.energy(&state), wide.energy(&lowered));
+        let kinetic = true_energy.translation + true_energy.rotation;
+        let truth = kinetic + WEIGHT * gap + true_energy.springs;
+        let rotation = state.angular_momentum.length_squared() * 2.0 / (MASS * RADIUS * RADIUS);
+        let terms = kinetic + rotation + low.springs + WEIGHT * lengths;
+        let stated = 64.0 * unit * terms
+            + 2.0 * N as f64 * unit * low.springs
+            + (low.springs - true_energy.springs);
+        let margin = (f64::from(most) - truth) / stated;
+        assert!((0.8..1.2).contains(&margin), "{N}, {index}: {margin}");
+    }
+
     #[test]
     fn the_bound_of_the_energy_is_above_it_by_the_stated_rounding() {
-        let unit = f64::from(f32::EPSILON);
-        for index in 1..600 {
-            let log = |dimension, low: f64, high: f64| {
-                low * (high / low).powf(part(index + 7, dimension))
-            };
-            let stiffness = log(0, 1e2, 1e6).round();
-            let height = (log(1, 1e-2, 1e3) - 1.0).round();
-            let (speed, spin) = (log(2, 1e-2, 1e3), log(4, 1e-3, 1e2));
-            let (single, wide) = (
-                ring::<f32>(stiffness, height),
-                ring::<f64>(stiffness, height),
+        (1..600).for_each(check_bound::<12>);
+    }
+
+    /// So many contacts that the rounding of their sum is the largest term.
+    #[test]
+    fn the_bound_of_the_energy_counts_the_rounding_of_each_contact() {
+        (1..100).for_each(check_bound::<4096>);
+    }
+
+    /// `m g R` is the barrier of the bounding radius, and no face has a higher one.
+    #[test]
+    fn a_state_is_left_out_above_the_highest_barrier_and_below_the_depth_of_the_body() {
+        let stepper = ring::<f64, 12>(1e4, 3.0);
+        let barriers = stepper.barriers().unwrap();
+        let [mut left_out, mut kept, mut deep] = [0; 3];
+        for index in 1..2000 {
+            let mut state = state::<f64>(index, 2.0, 0.05, 3.0);
+            let gap = RADIUS * (4.0 * part(index, 3) - 2.0);
+            state.position.z = 3.0 + gap;
+            let energy = stepper.energy(&state);
+            let total = energy.translation + energy.rotation + WEIGHT * gap;
+            let is_deep = gap <= -RADIUS;
+            let found = barriers.basin(&state).map(|(_, least)| least);
+            deep += u32::from(is_deep);
+            kept += u32::from(found.is_some());
+            left_out += u32::from(!is_deep && found.is_none());
+            assert_eq!(
+                found.is_some(),
+                !is_deep && total < WEIGHT * RADIUS,
+                "{index}"
             );
-            let bound = single.barriers().unwrap();
-            let most = bound.most_energy(&state(index, speed, spin, height));
-            let state = state::<f64>(index, speed, spin, height);
-            let gap = state.position.z - height;
-            let lengths = gap.abs() + height.abs() + RADIUS;
-            let mut lowered = state;
-            lowered.position.z -= 64.0 * unit * lengths;
-            let (true_energy, low) = (wide.energy(&state), wide.energy(&lowered));
-            let kinetic = true_energy.translation + true_energy.rotation;
-            let truth = kinetic + WEIGHT * gap + true_energy.springs;
-            let rotation = state.angular_momentum.length_squared() * 2.0 / (MASS * RADIUS * RADIUS);
-            let terms = kinetic + rotation + low.springs + WEIGHT * lengths;
-            let stated = 64.0 * unit * terms
-                + 2.0 * 12.0 * unit * low.springs
-                + (low.springs - true_energy.springs);
-            let margin = (f64::from(most) - truth) / stated;
-            assert!((0.8..1.2).contains(&margin), "{index}: {margin}");
+            assert!(
+                found.is_none_or(|least| (least - total).abs() < 1e-14),
+                "{index}"
+            );
+        }
+        let counts = [left_out, kept, deep];
+        assert!(counts.iter().all(|&count| count > 200), "{counts:?}");
+    }
+
+    /// The softness of a spring of stiffness k is `(m g)²/(2 k)`. If it is `m g R`, the highest
+    /// barrier is 0.
+    #[test]
+    fn springs_whose_softness_exceeds_the_highest_barrier_leave_no_barriers() {
+        let limit = WEIGHT / (2.0 * RADIUS);
+        assert!(ring::<f64, 12>(1.02 * limit, 0.0).barriers().is_some());
+        assert!(ring::<f64, 12>(0.98 * limit, 0.0).barriers().is_none());
+        assert!(ring::<f64, 12>(0.5 * limit, 0.0).barriers().is_none());
+    }
+
+    /// The softness is a bound from above. Its depth is resolved to 1 in 1024 of an interval that
+    /// is at most as long as the depth `m g/k` of the maximum, so that it is too large by at most
+    /// `(m g)²/(1024 k)`.
+    #[test]
+    fn a_barrier_is_the_weight_at_the_height_of_the_boundary_less_the_softness() {
+        for stiffness in [30.0, 1e3, 7e5] {
+            let stepper = ring::<f64, 12>(stiffness, 3.0);
+            let barriers = stepper.barriers().unwrap();
+            let ratio = barriers.softness() / (WEIGHT * WEIGHT / (2.0 * stiffness));
+            assert!((1.0..1.0 + 2.0 / 1024.0).contains(&ratio), "{ratio}");
+            let barrier = barriers.barrier(&Basin {
+                face: (),
+                height: 0.3,
+            });
+            let expected = WEIGHT * 0.3 - barriers.softness();
+            assert!((barrier - expected).abs() < 1e-15, "{barrier}");
+        }
+    }
+
+    /// A flat coin at the depth d has the energy `n k d²/2 - m g d`. Its barrier is below `m g r`.
+    #[test]
+    fn the_energy_of_the_springs_counts() {
+        let stiffness = 1e4;
+        let stepper = ring::<f64, 12>(stiffness, 0.0);
+        let barriers = stepper.barriers().unwrap();
+        let at = |depth: f64| {
+            let turn = DVec3::Y * -core::f64::consts::FRAC_PI_2;
+            barriers.outcome(&State::at(DVec3::Z * -depth).with_rotation_vector(turn))
+        };
+        let limit = (2.0 * WEIGHT * RADIUS / (12.0 * stiffness)).sqrt();
+        assert_eq!(at(0.5 * limit), Outcome::Decided(CoinFace::Heads));
+        assert_eq!(at(1.2 * limit), Outcome::Undecided);
+        assert_eq!(at(50.0 * limit), Outcome::Undecided);
+    }
+
+    #[test]
+    fn ground_that_is_not_level_and_gravity_that_does_not_point_down_have_no_barriers() {
+        let stepper = ring::<f64, 12>(1e4, 0.0);
+        let slope = |normal| FlatGround::level(1e4, 0.0).on(Plane::through(DVec3::ZERO, normal));
+        for normal in [DVec3::new(0.1, 0.0, 1.0), DVec3::new(0.0, -0.1, 1.0)] {
+            assert!(
+                stepper
+                    .with_ground(slope(normal))
+                    .unwrap()
+                    .barriers()
+                    .is_none()
+            );
+        }
+        for (acceleration, has_barriers) in [
+            (DVec3::new(0.0, 0.0, -1.0), true),
+            (DVec3::new(0.1, 0.0, -1.0), false),
+            (DVec3::new(0.0, 0.1, -1.0), false),
+            (DVec3::ZERO, false),
+            (DVec3::Z, false),
+        ] {
+            let gravity = UniformGravity { acceleration };
+            let stepper = stepper.with_gravity(gravity).unwrap();
+            assert_eq!(stepper.barriers().is_some(), has_barriers, "{acceleration}");
         }
     }
 
@@ -378,7 +487,7 @@ mod tests {
         let mut decided = 0;
         for index in 1..400 {
             let outcomes = [-3.0, 0.0, 5.0].map(|height| {
-                let stepper = ring::<f64>(1e4, height);
+                let stepper = ring::<f64, 12>(1e4, height);
                 let state = state::<f64>(index, 1.0, 0.05, height);
                 stepper.barriers().unwrap().outcome(&state)
             });
@@ -391,7 +500,7 @@ mod tests {
 
     #[test]
     fn the_face_that_is_up_is_decided() {
-        let stepper = ring::<f64>(1e4, 2.0);
+        let stepper = ring::<f64, 12>(1e4, 2.0);
         let barriers = stepper.barriers().unwrap();
         for (turn, face) in [(-1.0, CoinFace::Heads), (1.0, CoinFace::Tails)] {
             let turn = DVec3::Y * (turn * core::f64::consts::FRAC_PI_2);
@@ -402,7 +511,7 @@ mod tests {
 
     #[test]
     fn what_drives_a_body_has_no_barriers_and_what_slows_it_has() {
-        let stepper = ring::<f64>(1e4, 0.0);
+        let stepper = ring::<f64, 12>(1e4, 0.0);
         let drag = AirDrag {
             linear: 0.1,
             quadratic: 0.2,

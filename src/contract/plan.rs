@@ -172,6 +172,75 @@ mod tests {
     }
 
     #[test]
+    fn each_number_below_a_count_is_picked_alike() {
+        const COUNT: u32 = 4000;
+        let mut draw = Draw { state: 5 };
+        let mut counts = [0; 5];
+        for _ in 0..COUNT {
+            counts[draw.pick(5) as usize] += 1;
+        }
+        // Four standard errors of a fifth.
+        let slack = 4.0 * (f64::from(COUNT) * 4.0 / 25.0).sqrt();
+        for count in counts {
+            assert!(
+                (f64::from(count) - f64::from(COUNT) / 5.0).abs() < slack,
+                "{counts:?}"
+            );
+        }
+    }
+
+    /// The components of a random direction have the mean 0 and the mean square 1/3. Those of a
+    /// point of the cube have the same.
+    #[test]
+    fn directions_and_points_have_the_moments_of_the_sphere_and_of_the_cube() {
+        const COUNT: u32 = 4000;
+        let moments = |next: &mut dyn FnMut() -> DVec3| {
+            let (mut sum, mut squares, mut products) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+            for _ in 0..COUNT {
+                let v = next();
+                sum += v;
+                squares += v * v;
+                products += DVec3::new(v.y * v.z, v.z * v.x, v.x * v.y);
+            }
+            let count = f64::from(COUNT);
+            [sum / count, squares / count - 1.0 / 3.0, products / count]
+        };
+        let (mut one, mut other) = (Draw { state: 7 }, Draw { state: 8 });
+        let mut direction = || one.direction::<f64>();
+        let mut place = || other.place::<f64>();
+        // Four standard errors: 0.577/√N for a mean, 0.298/√N for a mean square, at most 0.333/√N
+        // for a product.
+        let errors = [0.577, 0.298, 0.333].map(|error| 4.0 * error / f64::from(COUNT).sqrt());
+        for found in [moments(&mut direction), moments(&mut place)] {
+            for (found, error) in found.into_iter().zip(errors) {
+                assert!(found.abs().max_element() < error, "{found} {error}");
+            }
+        }
+        for _ in 0..100 {
+            assert!((direction().length() - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn the_directions_of_a_cube_are_all_those_with_components_of_one_size() {
+        let digits = [-1.0, 0.0, 1.0];
+        for x in digits {
+            for y in digits {
+                for z in digits {
+                    let wanted = DVec3::new(x, y, z);
+                    let found = cube_directions::<f64>()
+                        .filter(|direction| {
+                            (*direction - wanted.normalize_or_zero()).length() < 1e-15
+                        })
+                        .count();
+                    assert_eq!(found, usize::from(wanted != DVec3::ZERO), "{wanted}");
+                }
+            }
+        }
+        assert_eq!(cube_directions::<f64>().count(), 26);
+    }
+
+    #[test]
     fn what_is_across_a_normal_is_a_unit_vector_at_right_angles_even_to_itself() {
         for normal in cube_directions::<f64>() {
             for direction in cube_directions::<f64>() {

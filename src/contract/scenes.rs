@@ -181,3 +181,6 @@ fn lopsided_box<R: Real>(radius: R) -> Result<BoxBody<R>, SceneError> {
 fn v<R: Real>(x: f64, y: f64, z: f64) -> R::Vec3 {
     R::Vec3::new(R::from_f64(x), R::from_f64(y), R::from_f64(z))
 }
+
+#[cfg(test)]
+mod tests;

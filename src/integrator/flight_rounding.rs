@@ -584,3 +584,6 @@ pub(in crate::integrator) fn seed_of<R: Real>(state: &State<R>) -> u32 {
     }
     seed
 }
+
+#[cfg(test)]
+mod tests;

@@ -82,3 +82,46 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> Faces<R> for PointCloud<R, P> {
         HullFace::basin(self, down)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// kg, m: a block with the half lengths 3, 4 and 12, whose corners are 13 from its middle.
+    fn corners() -> [DVec3; 8] {
+        core::array::from_fn(|index| {
+            let side = |bit: usize| if index >> bit & 1 == 0 { -1.0 } else { 1.0 };
+            DVec3::new(3.0 * side(0), 4.0 * side(1), 12.0 * side(2))
+        })
+    }
+
+    /// The facet `+z` is 12 from the middle and its nearest edges 3 further out. The thickness is
+    /// 256 units in the last place of the longest path from the first corner, 26.
+    #[test]
+    fn the_height_of_a_facet_is_lowered_by_four_times_the_thickness_of_the_hull() {
+        let radius = 0.5;
+        let contacts = corners().map(|position| ContactPoint { position, radius });
+        let body = PointCloud::with_storage(contacts, &[0.125; 8]).unwrap();
+        let basin = HullFace::basin(&body, DVec3::new(0.1, -0.2, 1.0).normalize()).unwrap();
+        assert_eq!(basin.face.contacts, [4, 5, 6]);
+        let thickness = 256.0 * f64::EPSILON * 26.0;
+        let lowered = 153.0_f64.sqrt() + radius - basin.height;
+        assert!(
+            (lowered / (4.0 * thickness) - 1.0).abs() < 1e-2,
+            "{lowered:e}"
+        );
+    }
+
+    #[test]
+    fn solids_and_point_clouds_have_the_facets_of_their_hull() {
+        let solid = Solid::hull(1.0, corners()).unwrap();
+        let cloud = PointCloud::new(corners(), [0.125; 8]).unwrap();
+        for down in [DVec3::X, -DVec3::Y, DVec3::Z] {
+            let facet = HullFace::basin(&solid, down);
+            assert!(facet.is_some());
+            assert_eq!(solid.basin(down), facet);
+            assert_eq!(cloud.basin(down), facet);
+        }
+    }
+}

@@ -107,3 +107,65 @@ impl<R: Real, D: Dynamics<R>> Springs<'_, R, D> {
         sum * width * (rim.points() / pi)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Coin, ContactPoint, Disc, FlatGround, Frictionless, Scene, UniformGravity};
+
+    /// For one contact on a spring of stiffness k the energy is `k d²/2`.
+    #[test]
+    fn the_deepest_point_is_the_first_doubling_that_stops_a_fall_from_twice_the_radius() {
+        for (index, radius) in [1e-3, 0.3, 0.7, 40.0].into_iter().enumerate() {
+            let storage = [ContactPoint::default(); 5];
+            let coin = Coin::ring_with_storage(storage, 0.2, radius);
+            let scene = |stiffness| {
+                let ground = FlatGround::level(stiffness, 0.0);
+                Scene::new(coin, ground, Frictionless, UniformGravity::down(9.8)).unwrap()
+            };
+            for weight in [1e-3, 0.9, 5.0, 2e4] {
+                // Springs that carry the weight at a thousandth of the radius, or at eight of it.
+                for sink in [1e-3, 0.4, 8.0] {
+                    let stiffness = weight / (sink * radius);
+                    let scene = scene(stiffness);
+                    let springs = Springs {
+                        scene: &scene,
+                        weight,
+                    };
+                    let stops = |depth: f64| {
+                        0.5 * stiffness * depth * depth >= weight * (depth + 2.0 * radius)
+                    };
+                    let depths = (1..30).map(|power| radius * 2.0_f64.powi(power));
+                    let expected = depths.into_iter().find(|&depth| stops(depth));
+                    assert!(expected.is_some());
+                    assert_eq!(springs.deepest(), expected, "{index} {weight} {sink}");
+                }
+            }
+        }
+    }
+
+    /// At a depth d small against the radius r, each of n points in 2 π on a spring of stiffness k
+    /// stores the mean of `k (d - r θ²/2)²/2` over the arc in the ground. With its half angle
+    /// `e = √(2 d/r)` the integral over the arc is `k d² e 8/15`.
+    #[test]
+    fn the_energy_of_a_rim_is_a_lower_bound_of_that_of_its_arc() {
+        let (radius, stiffness) = (0.7, 30.0);
+        let disc = Disc::solid(0.2, radius, 60);
+        let ground = FlatGround::level(stiffness, 0.0);
+        let scene = Scene::new(disc, ground, Frictionless, UniformGravity::down(9.8)).unwrap();
+        let springs = Springs {
+            scene: &scene,
+            weight: 1.0,
+        };
+        let rim = &disc.rims()[0];
+        let density = rim.points() / core::f64::consts::TAU;
+        for depth in [1e-6, 1e-3, 0.1, 0.5] {
+            let end = f64::sqrt(2.0 * depth / radius);
+            let exact = density * stiffness * depth * depth * end * (8.0 / 15.0);
+            let found = springs.rim_energy(rim, depth);
+            // Each interval has the energy of its far end: half of the first one is missing.
+            let part = found / exact;
+            assert!((0.98..1.0).contains(&part), "{depth}: {part}");
+        }
+    }
+}

@@ -235,3 +235,44 @@ fn the_hash_of_contacts_follows_each_bit_of_each_number() {
     assert_ne!(hash_of(&[contacts[1], contacts[0]]), hash);
     assert_eq!(hash_of(&contacts.clone()), hash);
 }
+
+#[test]
+fn ranges_of_no_contact_are_the_same_wherever_they_begin_and_others_are_not() {
+    let contacts = [point(0.0, 0.0, 1.0, 0.0); 3];
+    let range = |first, count| ContactRange { first, count };
+    let near = |asked: ContactRange, found: fn(f64) -> ContactRange| {
+        let body = Given {
+            contacts: &contacts,
+            below: found,
+            ..Given::none()
+        };
+        let below = Below {
+            normal: DVec3::Z,
+            offset: 0.0,
+            range: asked,
+        };
+        check_near(&body, &below, ContactRange::NONE, found(0.0))
+    };
+    let none: fn(f64) -> ContactRange = |_| ContactRange { first: 2, count: 0 };
+    let two: fn(f64) -> ContactRange = |_| ContactRange { first: 0, count: 2 };
+    assert_eq!(near(range(1, 0), none), Ok(()));
+    assert_eq!(near(range(0, 2), two), Ok(()));
+    let requirement = Requirement::ContactsBelow;
+    assert_found(near(range(0, 2), none), requirement, [0.0, 2.0]);
+    assert_found(near(range(0, 0), two), requirement, [2.0, 0.0]);
+    assert_found(near(range(1, 2), two), requirement, [2.0, 2.0]);
+}
+
+#[test]
+fn the_known_ranges_end_next_to_the_ends_of_the_range() {
+    let range = |first, count| ContactRange { first, count };
+    let expected = [
+        range(3, 4),
+        range(3, 5),
+        range(2, 4),
+        range(4, 3),
+        ContactRange::NONE,
+        range(0, 9),
+    ];
+    assert_eq!(known_ranges(range(3, 4), 9), expected);
+}

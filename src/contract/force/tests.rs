@@ -242,3 +242,39 @@ fn the_velocities_are_changed_by_a_share_of_the_range() {
     let found = change(check(&force).continuous(&moving()), Requirement::Continuous);
     assert!((found / (axis * RANGE.angular_speed).length() - 1.0).abs() < 1e-6);
 }
+
+#[test]
+fn a_jump_of_more_than_half_of_the_largest_force_or_torque_is_found() {
+    // The first of the two values that are compared has no addition.
+    let jump = |[force, torque]: [f64; 2]| {
+        let later = Wrench {
+            force: DVec3::X * force,
+            torque: DVec3::Y * torque,
+        };
+        let force = Given {
+            later,
+            ..Given::none()
+        };
+        let largest = [4.0, 10.0];
+        let check = Check {
+            largest,
+            ..check(&force)
+        };
+        check.continuous(&moving())
+    };
+    assert_eq!(jump([1.9, 4.9]), Ok(()));
+    assert_found(jump([2.5, 4.9]), Requirement::Continuous, [2.5, 2.0]);
+    assert_found(jump([1.9, 5.5]), Requirement::Continuous, [5.5, 5.0]);
+}
+
+#[test]
+fn the_random_motions_differ_from_each_other_for_any_seed() {
+    for seed in [0, 1, 1 << 20, u64::MAX] {
+        let plan = CheckPlan { seed, cases: 20 };
+        let velocity = |index| motion(&RANGE, plan, MOTIONS + index).linear_velocity;
+        for index in 1..20 {
+            let earlier = (0..index).map(velocity);
+            assert!(earlier.into_iter().all(|other| other != velocity(index)));
+        }
+    }
+}

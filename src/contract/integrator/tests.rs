@@ -1,8 +1,38 @@
 //! Distances of states, the rounding of times, and the check that no energy increases.
 
 use super::*;
+use crate::error::{SceneError, StepError};
+use crate::scene::Dynamics;
 use crate::{EnergyMomentum, SymplecticEuler};
 use glam::{DQuat, DVec3};
+
+/// `EnergyMomentum` with a fault: a change of the state after a step with a limit (s).
+struct Faulty<F> {
+    method: EnergyMomentum,
+    fault: F,
+}
+
+impl<F: Fn(&mut State, f64)> Integrator for Faulty<F> {
+    type Workspace = <EnergyMomentum as Integrator>::Workspace;
+
+    fn step<D: Dynamics>(
+        &self,
+        scene: &D,
+        state: &mut State,
+        limit: f64,
+        workspace: &mut Self::Workspace,
+    ) -> Result<Step, StepError> {
+        let step = self.method.step(scene, state, limit, workspace)?;
+        (self.fault)(state, limit);
+        Ok(step)
+    }
+    fn order(&self) -> u32 {
+        self.method.order()
+    }
+    fn check(&self) -> Result<(), SceneError> {
+        Ok(())
+    }
+}
 
 #[test]
 fn the_distance_of_two_states_is_the_sum_of_its_parts() {
@@ -68,4 +98,51 @@ fn the_energy_of_an_explicit_method_increases_and_that_of_the_implicit_one_does_
     };
     assert_eq!(scene, "a random scene");
     assert!(limit > 0.0 && limit <= 1e-2, "{limit}");
+}
+
+#[test]
+fn an_energy_that_increases_in_short_steps_alone_is_found() {
+    let method = EnergyMomentum { time_step: 1e-2 };
+    let fault = |state: &mut State, limit: f64| {
+        if limit < 1e-2 {
+            state.linear_velocity.x += 1e9;
+        }
+    };
+    let plan = CheckPlan { seed: 4, cases: 2 };
+    let found = check_energy_never_rises(&Faulty { method, fault }, plan);
+    let violation = found.expect_err("an increase");
+    assert_eq!(violation.requirement, Requirement::EnergyNeverRises);
+}
+
+/// 64 units in the last place of the lengths: the start, and the path of a whole step or of a
+/// hundredth of one.
+#[test]
+fn a_path_that_is_not_velocity_times_time_is_found_beyond_the_rounding_of_both() {
+    let time_step = 1e-2;
+    let check = |off: f64| {
+        let fault = |state: &mut State, _| state.position.x += off;
+        let method = EnergyMomentum { time_step };
+        let attempt = Attempt {
+            integrator: &Faulty { method, fault },
+            setup: Setup::flight(time_step).unwrap(),
+            time_step,
+        };
+        attempt.tells_time()
+    };
+    let start = Setup::flight(time_step).unwrap().start;
+    let path = (start.linear_velocity * time_step).length();
+    let unit = 64.0 * f64::EPSILON;
+    assert_eq!(check(unit * (start.position.length() - 0.1 * path)), Ok(()));
+    let off = unit * (start.position.length() + 1.2 * path);
+    let violation = check(off).expect_err("another path");
+    assert_eq!(violation.requirement, Requirement::TellsTime);
+    assert_eq!(
+        violation.input,
+        Input::Step {
+            scene: "free flight",
+            case: 0,
+            step: 0,
+            limit: time_step
+        }
+    );
 }

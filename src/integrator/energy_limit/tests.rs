@@ -4,10 +4,10 @@
 
 use super::*;
 use crate::{
-    Coin, Coulomb, FlatGround, Gravity, MovingGround, NoGravity, PointMass, Scene,
-    SpringDamperGround, UniformGravity,
+    Coin, Coulomb, FlatGround, Frictionless, Gravity, MovingGround, NoGravity, NoGround, PointMass,
+    Scene, Sphere, SpringDamperGround, UniformGravity,
 };
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec3, Vec3};
 
 type Coins<G = FlatGround, A = UniformGravity> = Scene<Coin, G, Coulomb, A>;
 
@@ -142,9 +142,25 @@ fn a_body_that_gains_speed_is_at_rest_only_where_rounding_explains_it() {
     };
     assert!(rests(&scene, [&start, &spinning(0.99)]));
     assert!(!rests(&scene, [&start, &spinning(1.01)]));
+    assert!(!rests(&scene, [&faster(2.0), &faster(2.1)]));
     // What slows down needs no such reason, as long as it was in motion.
     assert!(rests(&scene, [&faster(2.0), &faster(1.9)]));
     assert!(rests(&scene, [&faster(2.0), &faster(2.0)]));
+}
+
+/// Springs so soft that the weight compresses them by the bounding radius: the weight and the
+/// stiffness times the lengths are then of one size.
+#[test]
+fn rounding_explains_the_speed_that_the_weight_gives_in_a_step() {
+    let stiffness = WEIGHT / (120.0 * RADIUS);
+    let ground = FlatGround::level(stiffness, 0.5);
+    let scene = coin_on(ground, UniformGravity::down(GRAVITY));
+    let mut start = lying().with_linear_velocity(DVec3::ZERO);
+    start.position.z = -RADIUS;
+    let impulse = 1e-3 * (120.0 * stiffness * 2.0 * RADIUS + WEIGHT) * 8.0 * f64::EPSILON;
+    let faster = |share: f64| start.with_linear_velocity(DVec3::X * (share * impulse / MASS));
+    assert!(rests(&scene, [&start, &faster(0.99)]));
+    assert!(!rests(&scene, [&start, &faster(1.01)]));
 }
 
 #[test]
@@ -427,4 +443,108 @@ fn at_a_turning_point_a_step_in_contact_is_refused_and_one_in_flight_keeps_the_o
     let [start, end] = turning_point(1.0, 1e4);
     let (done, state, _) = limited(&coin(), [start, end], 0, 0.0);
     assert!(!done && state == start);
+}
+
+#[test]
+fn a_spinning_body_that_touches_is_not_slow() {
+    // L²/(2 I) = 1 J, with I = m r²/2 about an axis of the body.
+    let start =
+        State::at(DVec3::Z).with_angular_momentum(DVec3::X * (MASS * RADIUS * RADIUS).sqrt());
+    let before = Energy::of(&coin(), &start);
+    assert!(before.translation == 0.0 && before.rotation > 0.4);
+    let height = before.total() / WEIGHT * (1.0 + 8.0 * f64::EPSILON);
+    let end = State::at(DVec3::Z * height);
+    let (done, state, _) = limited(&coin(), [start, end], 3, 0.0);
+    assert!(!done && state == start);
+}
+
+#[test]
+fn a_body_in_flight_whose_height_has_not_changed_falls_and_keeps_its_speed() {
+    let belt = MovingGround::conveyor(FlatGround::level(STIFFNESS, 0.5), DVec3::X);
+    let scene = coin_on(belt, UniformGravity::down(GRAVITY));
+    let start = State::at(DVec3::Z).with_linear_velocity(DVec3::X);
+    let level = State::at(DVec3::new(1e-3, 0.0, 1.0));
+    for work in [0.0, 0.75] {
+        let speed = (1.0 + work + 4.0 * f64::EPSILON).sqrt();
+        let end = level.with_linear_velocity(DVec3::X * speed);
+        let (done, state, step) = limited(&scene, [start, end], 0, work);
+        assert!(done && state.position.z < 1.0 && state.position.x == 1e-3);
+        assert_eq!(state.linear_velocity, end.linear_velocity);
+        assert!(step.energy_removed == 8.0 && step.drive_work == 16.0 + work);
+    }
+}
+
+/// A gain that is too small to be taken from the speed, because the energy is that of the height.
+#[test]
+fn a_body_at_the_top_of_its_flight_keeps_its_place_and_takes_the_new_speed() {
+    let belt = MovingGround::conveyor(FlatGround::level(STIFFNESS, 0.5), DVec3::X);
+    let scene = coin_on(belt, UniformGravity::down(GRAVITY));
+    let start = State::at(DVec3::Z).with_linear_velocity(DVec3::X * 1e-9);
+    // The sum of the work of the ground and 16 J does not round.
+    for work in [0.0, 2.0_f64.powi(-40)] {
+        let height = 1.0 + work / WEIGHT + 4.0 * f64::EPSILON;
+        let end = State::at(DVec3::Z * height).with_linear_velocity(DVec3::X * 0.9e-9);
+        let (done, state, step) = limited(&scene, [start, end], 0, work);
+        assert!(done && state == start.with_linear_velocity(end.linear_velocity));
+        assert!(step.energy_removed == 8.0 && step.drive_work == 16.0 + work);
+    }
+}
+
+#[test]
+fn a_step_that_loses_energy_is_kept_with_the_work_of_the_ground() {
+    let belt = MovingGround::conveyor(FlatGround::level(STIFFNESS, 0.5), DVec3::X);
+    let scene = coin_on(belt, UniformGravity::down(GRAVITY));
+    let start = State::at(DVec3::Z).with_linear_velocity(DVec3::X);
+    let (mut state, mut energy) = (start, Energy::of(&scene, &start));
+    let end = start.with_linear_velocity(DVec3::X * 1.1);
+    let touched = Touched {
+        touching: 3,
+        is_lossless: false,
+        work: 0.75,
+    };
+    let mut step = Step::new(1e-3, 1);
+    step.drive_work = 16.0;
+    let ends = (&end, &Energy::of(&scene, &end));
+    assert!(hold(
+        &scene,
+        (&mut state, &mut energy),
+        ends,
+        touched,
+        &mut step
+    ));
+    assert!(state == end && step.drive_work == 16.75);
+}
+
+/// The position is almost perpendicular to gravity: the potential energy is a small difference of
+/// large terms, and rounded by more than its own last places.
+#[test]
+fn in_single_precision_a_flight_has_the_rounding_of_the_terms_of_its_potential_energy() {
+    let gravity = UniformGravity {
+        acceleration: Vec3::new(0.0, -3.0, -4.0),
+    };
+    let body = Sphere::<f32>::solid(2.0, 0.1);
+    let scene = Scene::new(body, NoGround, Frictionless, gravity).unwrap();
+    let mut state = State::at(Vec3::new(0.0, 4000.0, -3000.0)).with_linear_velocity(Vec3::X * 3.0);
+    let mut energy = Energy::of(&scene, &state);
+    let before = energy.total();
+    let end = State::at(Vec3::new(3e-3, 4000.0 - 4000.0 * 1e-7, -3000.0))
+        .with_linear_velocity(state.linear_velocity);
+    let after = Energy::of(&scene, &end);
+    assert!(before - after.total() > 10.0 * rounding_of(&energy, &after));
+    let touched = Touched {
+        touching: 0,
+        is_lossless: false,
+        work: 0.0,
+    };
+    let mut step = Step::new(1e-3, 1);
+    let ends = (&end, &after);
+    assert!(hold(
+        &scene,
+        (&mut state, &mut energy),
+        ends,
+        touched,
+        &mut step
+    ));
+    assert!(energy.total() <= before);
+    assert!(before - energy.total() < 0.1 * (before - after.total()));
 }

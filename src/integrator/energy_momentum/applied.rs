@@ -370,3 +370,55 @@ fn numbers<R: Real>(wrench: &Wrench<R>) -> [R; 6] {
     let (f, t) = (wrench.force, wrench.torque);
     [f.x(), f.y(), f.z(), t.x(), t.y(), t.z()]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{AirDrag, EnergyMomentum, Frictionless, Integrator, NoGravity, NoGround};
+    use crate::{PointCloud, Scene, Sphere};
+    use glam::DVec3;
+
+    const DRAG: AirDrag = AirDrag {
+        linear: 0.2,
+        quadratic: 0.0,
+    };
+
+    /// Torques act at the radius of gyration: `√(2/5) r` for a solid ball.
+    #[test]
+    fn the_size_of_a_wrench_counts_torques_at_the_radius_of_gyration() {
+        let radius = 0.02;
+        let body = Sphere::solid(0.3, radius);
+        let scene = Scene::new(body, NoGround, Frictionless, NoGravity).unwrap();
+        let state = State::at(DVec3::ZERO);
+        let pose = Pose {
+            scene: &scene,
+            motion: scene.motion(&state),
+            state,
+        };
+        let size = pose.size(&Wrench {
+            force: DVec3::new(2.0, 3.0, 6.0),
+            torque: DVec3::new(0.1, 0.4, -0.8),
+        });
+        let expected = 7.0 + 0.9 / (0.4_f64.sqrt() * radius);
+        assert!((size / expected - 1.0).abs() < 1e-14, "{size}");
+    }
+
+    /// With the drag c the speed falls by `e^(-c t/m)`. The method has order 2, so that its relative
+    /// error is some fraction of `(c t/m)³`.
+    #[test]
+    fn a_body_without_a_radius_of_gyration_is_slowed_by_air() {
+        let (mass, time_step) = (0.4, 0.02);
+        let body = PointCloud::new([DVec3::new(1.0, 2.0, 3.0)], [mass]).unwrap();
+        let scene = Scene::new(body, NoGround, Frictionless, NoGravity).unwrap();
+        let scene = scene.with_force(DRAG).unwrap();
+        let start = State::at(DVec3::ZERO).with_linear_velocity(DVec3::new(3.0, -4.0, 12.0));
+        let (mut state, mut workspace) = (start, Default::default());
+        (EnergyMomentum { time_step })
+            .step(&scene, &mut state, time_step, &mut workspace)
+            .unwrap();
+        let exponent = DRAG.linear * time_step / mass;
+        let left = state.linear_velocity / start.linear_velocity;
+        let off = (left / (-exponent).exp() - DVec3::ONE).abs().max_element();
+        assert!(off < exponent.powi(3), "{off:e}");
+    }
+}

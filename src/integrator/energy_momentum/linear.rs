@@ -378,3 +378,29 @@ impl<R: Real> Factors<R> {
         x
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// On level ground the block is diagonal.
+    #[test]
+    fn a_force_on_level_ground_has_the_entries_of_any_force() {
+        let (along, across) = (3.0, 7.0);
+        let block = Block {
+            x: DVec3::X * along,
+            y: DVec3::Y * along,
+            z: DVec3::Z * across,
+        };
+        let place = DVec3::new(2.0, -5.0, 11.0);
+        // All entries are whole numbers, so that no sum rounds. They are not 0 at the start.
+        let rows = core::array::from_fn(|row| core::array::from_fn(|j| (7 * row + j) as f64));
+        let start = SixBySix::<f64> { rows };
+        let (mut level, mut any) = (start, start);
+        level.add_on_level([along, across], place);
+        any.add_at(&block, place, place);
+        assert_eq!(level.rows, any.rows);
+        assert_ne!(level.rows, rows);
+    }
+}

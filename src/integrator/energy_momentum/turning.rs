@@ -217,3 +217,47 @@ fn solved<R: Real>([x, y, z]: Columns<R>, b: R::Vec3) -> R::Vec3 {
         x.dot(y.cross(b)) * per,
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::state::State;
+    use crate::{FlatGround, Frictionless, MovingGround, Scene, Sphere, UniformGravity};
+    use crate::{SpringDamperGround, WithResistance};
+    use glam::DVec3;
+
+    /// The table gives the ball the angular momentum L about the vertical, at its own rate Ω. So it
+    /// does the work `Ω L`, in addition to the work of the earlier stages of the step.
+    #[test]
+    fn a_turntable_works_on_a_ball_whose_spin_it_resists() {
+        let (radius, depth, rate, earlier) = (0.05, 1e-3, 2.0, 3.0);
+        let flat = FlatGround::level(1e4, 0.0);
+        let ground = MovingGround::turntable(flat, DVec3::ZERO, rate);
+        let friction = WithResistance {
+            friction: Frictionless,
+            rolling: 1e-3,
+            spinning: 2e-3,
+            turn_speed: 1e-2,
+        };
+        let gravity = UniformGravity::down(9.8);
+        let scene = Scene::new(Sphere::solid(0.2, radius), ground, friction, gravity).unwrap();
+        let start = State::at(DVec3::new(0.3, -0.1, radius - depth));
+        let before = Energy::of(&scene, &start);
+        let (mut state, mut energy, seconds) = (start, before, 1e-3);
+        let mut step = Step::new(seconds, 0);
+        step.drive_work = earlier;
+        resisted(&scene, &mut state, &mut energy, seconds, &mut step);
+        // The ball is slower than the table throughout, so that the torque is nearly the largest.
+        let largest = friction.spinning * flat.spring_force(depth) * seconds;
+        let given = state.angular_momentum.z / largest;
+        assert!((0.9..1.0).contains(&given), "{given}");
+        let work = step.drive_work - earlier;
+        let expected = rate * state.angular_momentum.z;
+        assert!(
+            (work - expected).abs() < 4.0 * f64::EPSILON * earlier,
+            "{work:e}"
+        );
+        assert!(energy.rotation > 0.0);
+        assert!(energy.total() <= before.total() + work);
+    }
+}
