@@ -403,8 +403,8 @@ mod tests {
         assert!((size / expected - 1.0).abs() < 1e-14, "{size}");
     }
 
-    /// With the drag c the speed falls by `e^(-c t/m)`. The method has order 2, so that its relative
-    /// error is some fraction of `(c t/m)³`.
+    /// With the drag c the speed falls by `e^(-c t/m)`. The method has order 2, so that its
+    /// relative error is some fraction of `(c t/m)³`.
     #[test]
     fn a_body_without_a_radius_of_gyration_is_slowed_by_air() {
         let (mass, time_step) = (0.4, 0.02);
