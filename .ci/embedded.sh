@@ -16,8 +16,8 @@ cross_tools "$work"
 programs=(
   'symplectic_euler_f32 21504 4096'
   'symplectic_euler_f64 48128 6144'
-  'energy_momentum_f32 80896 4352'
-  'energy_momentum_f64 138240 8192'
+  'energy_momentum_f32 84992 4352'
+  'energy_momentum_f64 143360 8192'
 )
 build() { cargo build -q --release --locked --manifest-path examples/embedded/Cargo.toml "$@"; }
 build --bins
