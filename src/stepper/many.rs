@@ -36,11 +36,20 @@ where
     ///
     /// | part | in lanes |
     /// |---|---|
-    /// | integrator | [`SymplecticEuler`](crate::SymplecticEuler), [`StrangSplitting`](crate::StrangSplitting), [`Rk4`](crate::Rk4), [`Nystrom`](crate::Nystrom) with its test for touch-downs, whose correction is computed state by state; others advance one state after the other |
-    /// | ground, body | bare points on a level plane at rest; the forces of others are computed state by state |
-    /// | contact law, friction law | any, also your own: write `f64::max` or a choice of two values in place of a branch, and the compiler finds the lanes; they are tested in lanes too |
+    /// | integrator | [`SymplecticEuler`], [`StrangSplitting`], [`Rk4`], [`Nystrom`]; not others |
+    /// | ground, body | bare points on a level plane at rest; others state by state |
+    /// | contact law, friction law | any, also your own, with its tests |
     /// | moments of inertia | two or three equal ones; others advance one state after the other |
     /// | applied force | state by state |
+    ///
+    /// With another integrator, one state is advanced after the other. `Nystrom` tests in lanes for
+    /// touch-downs, and corrects them state by state. In your own law, write `f64::max` or a choice
+    /// of two values in place of a branch: then the compiler finds the lanes.
+    ///
+    /// [`SymplecticEuler`]: crate::SymplecticEuler
+    /// [`StrangSplitting`]: crate::StrangSplitting
+    /// [`Rk4`]: crate::Rk4
+    /// [`Nystrom`]: crate::Nystrom
     ///
     /// [`guide::modelling`](crate::guide::modelling#many-states-at-once) has the cost of a step,
     /// and what different states in one group cost.

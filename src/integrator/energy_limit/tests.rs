@@ -505,13 +505,8 @@ fn a_step_that_loses_energy_is_kept_with_the_work_of_the_ground() {
     let mut step = Step::new(1e-3, 1);
     step.drive_work = 16.0;
     let ends = (&end, &Energy::of(&scene, &end));
-    assert!(hold(
-        &scene,
-        (&mut state, &mut energy),
-        ends,
-        touched,
-        &mut step
-    ));
+    let known = (&mut state, &mut energy);
+    assert!(hold(&scene, known, ends, touched, &mut step));
     assert!(state == end && step.drive_work == 16.75);
 }
 
@@ -538,13 +533,8 @@ fn in_single_precision_a_flight_has_the_rounding_of_the_terms_of_its_potential_e
     };
     let mut step = Step::new(1e-3, 1);
     let ends = (&end, &after);
-    assert!(hold(
-        &scene,
-        (&mut state, &mut energy),
-        ends,
-        touched,
-        &mut step
-    ));
+    let known = (&mut state, &mut energy);
+    assert!(hold(&scene, known, ends, touched, &mut step));
     assert!(energy.total() <= before);
     assert!(before - energy.total() < 0.1 * (before - after.total()));
 }

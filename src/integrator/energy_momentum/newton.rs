@@ -86,14 +86,14 @@ const MOST_AMPLIFIED: f64 = 1024.0;
 const DEFERS: bool = cfg!(feature = "std");
 /// Number of evaluations after which the step is abandoned.
 const LIMIT: u32 = 60;
-/// Stiffness of all contacts, times the square of the step size, divided by the
-/// mass, above which the contacts are [hard]. At the bound, a contact that starts as high above the
-/// ground as it would end below it without force ends at a sixth of that depth. Newton's method
-/// finds it in two or three halvings.
+/// Stiffness of all contacts, times the square of the step size, divided by the mass, above which
+/// the contacts are [hard]. At the bound, a contact that starts as high above the ground as it would
+/// end below it without force ends at a sixth of that depth. Newton's method finds it in two or
+/// three halvings.
 const HARD: f64 = 64.0;
-/// The same number, above which they are not. The depth under a load is then below a hundred
-/// thousandth of the body's way in the step. With loads at 1e15 and 1e21, random steps of the tests
-/// left a body in its place that a force could move.
+/// Stiffness in the units of [`HARD`] up to which the loads of contacts are unknowns. At this bound
+/// the depth under a load is a hundred thousandth of the body's way in the step. At 1e15 and 1e21,
+/// random steps of the tests left a body in its place that a force could move.
 const HARDEST: f64 = 1e10;
 
 /// Sum of the effects of the contacts over a trial step.

@@ -123,8 +123,8 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         }
     }
 
-    /// Computes what the equations need and a flight does not: the inertia, and the angular momentum
-    /// that belongs to it.
+    /// Computes what the equations need and a flight does not: the inertia, and the angular
+    /// momentum that belongs to it.
     #[inline(always)]
     pub(super) fn prepare(&mut self) {
         let properties = self.scene.inertia_properties();
