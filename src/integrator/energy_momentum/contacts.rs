@@ -710,3 +710,116 @@ impl<R: Real> Contacts<R> {
         touch.continued_answer(drag)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrator::energy_momentum::Workspace;
+    use crate::{
+        Bowl, Capsule, Coulomb, Cuboid, Disc, EnergyMomentum, FlatGround, Ground, Integrator,
+        Sphere, SpringDamper, SpringDamperGround, State, Stepper, Terrain, ThickDisc,
+        UniformGravity,
+    };
+    use glam::Vec3;
+
+    /// Contacts of a step that no test takes: each field has a value that would change the next
+    /// step.
+    fn left_over() -> Contacts<f32> {
+        let mut touch = Touch::NONE;
+        (touch.arm, touch.before) = (Vec3::ONE, Vec3::Y);
+        (touch.load, touch.settled_depth) = (50.0, 0.3);
+        let push = &mut touch.push;
+        (push.mean.force, push.mean.slope, push.mean.stiffness) = (30.0, 1e3, 1e3);
+        (push.force, push.slip) = (Vec3::new(3.0, -9.0, 30.0), Vec3::new(-0.7, 0.4, 0.0));
+        (push.arm, push.end_arm, push.normal) = (Vec3::X, Vec3::Z, Vec3::Y);
+        (push.depth, push.end_depth, push.weight) = (0.2, 0.1, 3.0);
+        touch.dual = Dual::After(Vec3::new(0.6, -0.8, 0.0));
+        let mut noted = Noted::NONE;
+        noted.trial.velocity = Vec3::ONE;
+        Contacts {
+            touches: [touch; CAPACITY],
+            remembered: 100,
+            candidates: 300,
+            seen: 100,
+            each: 3,
+            fixed: 50,
+            with_rim: true,
+            laid: [LaidPanel { rim: 1, end: 8 }; MOST_PANELS],
+            panels: 7,
+            path_by_turn: Block::diagonal(1.0),
+            noted,
+            notes: 5,
+            ..Contacts::NONE
+        }
+    }
+
+    /// Steps of 5 ms of a body of 0.05 kg, from poses and motions at the ground, each with an empty
+    /// workspace and with one that holds contacts. Returns the number of steps that iterated.
+    fn same_steps(
+        body: &dyn RigidPointBody<f32>,
+        ground: &dyn SpringDamperGround<f32>,
+        is_rough: bool,
+    ) -> u32 {
+        let time_step = 5e-3_f32;
+        let integrator = EnergyMomentum { time_step };
+        let stepper = Stepper::builder(body)
+            .gravity(UniformGravity::down(9.8_f32))
+            .ground(ground)
+            .integrator(integrator);
+        let coulomb = Coulomb::<f32> {
+            coefficient: 0.4,
+            slip_speed: if is_rough { 1e-3 } else { 1e-1 },
+        };
+        let stepper = stepper.friction(coulomb).build().unwrap();
+        let scene = stepper.scene();
+        let mut count = 0;
+        for number in 0_u8..120 {
+            let n = f32::from(number);
+            let wave = |per_number: f32| (n * per_number).sin();
+            let start = State::at(Vec3::new(0.0, 0.0, 0.02 + 0.03 * wave(0.37)))
+                .with_rotation_vector(Vec3::new(wave(1.1), wave(2.3), wave(0.7)) * 2.0)
+                .with_linear_velocity(Vec3::new(wave(1.7), wave(0.9), wave(2.9)))
+                .with_angular_momentum(Vec3::new(wave(1.3), wave(3.1), wave(0.3)) * 3e-4);
+            let mut full = Workspace::new();
+            full.contacts = left_over();
+            let steps = [Workspace::new(), full].map(|mut workspace| {
+                let mut state = start;
+                let step = integrator.step(scene, &mut state, time_step, &mut workspace);
+                (state, step.unwrap())
+            });
+            assert_eq!(steps[0], steps[1], "start {number}");
+            count += u32::from(steps[0].1.iterations > 0);
+        }
+        count
+    }
+
+    #[test]
+    fn a_step_depends_on_nothing_that_the_workspace_held_before() {
+        let law = SpringDamper::<f32> {
+            stiffness: 1e3,
+            damping: 1.0,
+        };
+        let curvatures = [2.0_f32, 1.0];
+        let shape = Terrain::of::<f32>(Bowl { curvatures });
+        let grounds: [&dyn SpringDamperGround<f32>; 3] = [
+            &FlatGround::level(1e3_f32, 1.0),
+            // Hard: the loads of its contacts are unknowns of the step.
+            &FlatGround::level(1e7_f32, 1.0),
+            &Ground { law, shape },
+        ];
+        let bodies: [&dyn RigidPointBody<f32>; 5] = [
+            &ThickDisc::<f32>::solid(0.05, 0.03, 0.02, 60),
+            &Disc::<f32>::solid(0.05, 0.04, 120),
+            &Cuboid::<f32>::solid(0.05, Vec3::new(0.03, 0.05, 0.02)),
+            &Capsule::<f32>::solid(0.05, 0.01, 0.06),
+            &Sphere::<f32>::solid(0.05, 0.03),
+        ];
+        for body in bodies {
+            for ground in grounds {
+                for is_rough in [false, true] {
+                    assert!(same_steps(body, ground, is_rough) > 20);
+                }
+            }
+        }
+    }
+}

@@ -22,7 +22,7 @@ pub(super) struct Touch<R: Real> {
     pub(super) push: Push<R>,
     pub(super) dual: Dual<R>,
     /// Dual unknown where friction was last differentiated, if a Newton step has advanced it since.
-    before: R::Vec3,
+    pub(super) before: R::Vec3,
     /// Mean normal force at which a hard contact is next differentiated, N; 0 if there is none.
     pub(super) load: R,
     /// Depth at the end of the step at which a hard contact was last differentiated, m.
@@ -875,8 +875,8 @@ impl<R: Real> Reversal<R> {
         points_per_metre: R,
     ) -> Option<Self> {
         let (a, b) = (&left.push, &right.push);
-        let on_one_surface = a.surface == b.surface && a.is_felt() && b.is_felt();
-        if !(on_one_surface && a.slip.dot(b.slip) < R::ZERO) {
+        let is_beside = |touch: &Touch<R>| touch.push.surface == a.surface && touch.push.is_felt();
+        if !(is_beside(left) && is_beside(right) && a.slip.dot(b.slip) < R::ZERO) {
             return None;
         }
         let change = b.slip - a.slip;
@@ -886,9 +886,15 @@ impl<R: Real> Reversal<R> {
         let gaps = [gap(before, left), gap(left, right), gap(right, after)];
         // Position of the reversal between the two points, from 0 to 1.
         let place = slips[1] / (slips[1] - slips[2]);
+        // The slip of a point that is not felt is that of an earlier trial.
+        let bend = if is_beside(before) && is_beside(after) {
+            relative_slope(slips, gaps, place)
+        } else {
+            R::ONE
+        };
         let braking = |push: &Push<R>| -push.force.dot(direction) / push.weight;
         let reversed = (braking(b) * place - braking(a) * (R::ONE - place)) * R::TWO;
-        let slope = reversed / (change.length() * relative_slope(slips, gaps, place));
+        let slope = reversed / (change.length() * bend);
         let of_points = (left.friction_slope(problem) + right.friction_slope(problem)) * R::HALF;
         let coefficient = (slope - of_points) * (gaps[1] * points_per_metre);
         (coefficient > R::ZERO).then(|| Self {
@@ -934,5 +940,58 @@ fn on_disc<R: Real>(vector: R::Vec3) -> R::Vec3 {
         vector * (R::ONE / square.sqrt())
     } else {
         vector
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Coulomb, Disc, Energy, FlatGround, State, Stepper};
+    use glam::DVec3;
+
+    /// Four neighbouring points with these slips along y, m/s.
+    fn four_points(slips: [f64; 4], felt: [bool; 4]) -> [Touch<f64>; 4] {
+        core::array::from_fn(|i| {
+            let mut touch = Touch::NONE;
+            touch.arm = DVec3::new(0.0, 0.01 * i as f64, -0.3);
+            touch.push.slip = DVec3::Y * slips[i];
+            touch.push.force = DVec3::Y * -slips[i].signum();
+            (touch.push.normal, touch.push.weight) = (DVec3::Z, 2.0);
+            touch.push.mean.force = if felt[i] { 2.0 } else { 0.0 };
+            touch
+        })
+    }
+
+    fn coefficient(points: &[Touch<f64>; 4]) -> Option<f64> {
+        let stepper = Stepper::builder(Disc::<f64>::solid(1.0, 0.3, 40))
+            .ground(FlatGround::level(1e3, 1.0))
+            .friction(Coulomb {
+                coefficient: 0.3,
+                slip_speed: 1e-3,
+            })
+            .build()
+            .unwrap();
+        let start = State::at(DVec3::Z * 0.3);
+        let energy = Energy::of(stepper.scene(), &start);
+        let problem = Problem::new(stepper.scene(), &start, &energy, 1e-3);
+        Reversal::between(&problem, points.each_ref(), 100.0).map(|found| found.coefficient)
+    }
+
+    /// The slip of a point that is not felt is that of an earlier trial, or of an earlier step.
+    #[test]
+    fn a_reversal_of_friction_reads_no_slip_of_a_point_that_is_not_felt() {
+        let all = |slips| coefficient(&four_points(slips, [true; 4]));
+        let [flat, bent] = [[-0.25, -0.05, 0.15, 0.35], [-0.25, -0.05, 0.15, 0.5]].map(all);
+        assert!(flat.is_some() && flat != bent, "{flat:?}");
+        for felt in [[true, true, true, false], [false, true, true, true]] {
+            for outer in [0.5, -7.0, f64::NAN] {
+                let left = if felt[0] { -0.25 } else { outer };
+                let right = if felt[3] { 0.35 } else { outer };
+                let slips = [left, -0.05, 0.15, right];
+                assert_eq!(coefficient(&four_points(slips, felt)), flat, "{outer}");
+            }
+        }
+        let inner = four_points([-0.25, -0.05, 0.15, 0.35], [true, true, false, true]);
+        assert_eq!(coefficient(&inner), None);
     }
 }
