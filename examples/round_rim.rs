@@ -8,14 +8,15 @@
 use core::ops::ControlFlow;
 use std::process::ExitCode;
 
+use common::hoop_circle;
 use common::table::{self, cells};
 use common::{BLACK, BLUE, Check, GREEN, ORANGE, Outcome, Page, Picture, Stored, line};
 use kuva::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
-    Coin, ContactPoint, Coulomb, Disc, EnergyMomentum, FlatGround, Frictionless, Integrator,
-    Nystrom, RigidPointBody, Rk4, Sample, SceneQuery, SlidingFriction, State, Stepper,
-    StrangSplitting, Trial, UniformGravity,
+    Coin, ContactPoint, Coulomb, Disc, Ellipsoid, EnergyMomentum, FlatGround, Frictionless,
+    Integrator, MassProperties, Nystrom, RigidPointBody, Rk4, Sample, SceneQuery, SlidingFriction,
+    State, Stepper, StrangSplitting, Trial, UniformGravity,
 };
 
 const RADIUS: f64 = 0.5;
@@ -108,7 +109,7 @@ impl<F: SlidingFriction + Copy, I: Integrator + Copy> Run<Ride> for Scene<F, I> 
 const ABOUT: &str = "\
 Compares coins with 12, 120 and 1200 points on the rim with one whose rim is round. The total
 stiffness is the same. Prints where the trials of the coin report end, how the coins rattle as they
-roll, and how accurate each integrator is on the round rim.";
+roll, where they roll round a circle, and how accurate each integrator is on the round rim.";
 
 const STORED: Stored = Stored {
     page: "src/body/disc.rs",
@@ -123,7 +124,8 @@ fn main() -> ExitCode {
 }
 
 fn work() -> Outcome<Page> {
-    let (distances, rides, errors) = (distances()?, rides()?, errors()?);
+    let (distances, rides, circles) = (distances()?, rides()?, circles()?);
+    let errors = errors()?;
     Ok(Page {
         title: "Round rim or points?",
         text: vec![
@@ -132,9 +134,10 @@ fn work() -> Outcome<Page> {
                 .to_owned(),
             table_of_distances(&distances),
             table_of_rides(&rides),
+            table_of_circles(&circles),
             table_of_errors(&errors),
         ],
-        checks: checks(&rides, &errors),
+        checks: checks(&rides, &circles, &errors),
         pictures: vec![
             picture_of_distances(&distances)?,
             picture_of_rides(&rides)?,
@@ -375,7 +378,75 @@ fn picture_of_rides(rides: &[Rolling]) -> Outcome<Picture> {
     )
 }
 
-fn checks(rides: &[Rolling], errors: &Errors) -> Vec<Check> {
+/// Stiffness of the whole rim (N/m) of hoops that roll round a circle.
+const STIFFNESSES: [f64; 4] = [1e6, 1e7, 1e8, 1e9];
+/// Duration of the circle, s.
+const ROUND: f64 = 10.0;
+
+/// Distances (m) of hoops of one stiffness from the hoop on a rigid floor.
+struct Circle {
+    stiffness: f64,
+    round: f64,
+    points: f64,
+    ellipsoid: f64,
+}
+
+/// Hoops that roll round a circle, without dampers.
+fn circles() -> Outcome<Vec<Circle>> {
+    let points = vec![ContactPoint::default(); 1200];
+    let coin = Coin::ring_with_storage(points, 1.0, RADIUS);
+    let disc = Disc::<f64>::ring(1.0, RADIUS, 120);
+    let properties = MassProperties {
+        mass: 1.0,
+        centre_of_mass: DVec3::ZERO,
+        inertia: disc.inertia(),
+    };
+    let thin = DVec3::new(1e-4, RADIUS, RADIUS);
+    let ellipsoid = Ellipsoid::loaded(thin, properties);
+    let row = |&stiffness: &f64| {
+        Ok(Circle {
+            stiffness,
+            round: roll_round(&disc, stiffness / 120.0)?,
+            points: roll_round(&coin, stiffness / 1200.0)?,
+            // Its one point has the stiffness of an arc of 6 degrees.
+            ellipsoid: roll_round(&ellipsoid, stiffness / 60.0)?,
+        })
+    };
+    STIFFNESSES.iter().map(row).collect()
+}
+
+/// Distance (m) of a hoop on points of this stiffness (N/m) from the hoop on a rigid floor.
+fn roll_round(body: &impl RigidPointBody, stiffness: f64) -> Outcome<f64> {
+    let stepper = Stepper::builder(body)
+        .gravity(UniformGravity::down(GRAVITY))
+        .ground(FlatGround::level(stiffness, 0.0))
+        .friction(Coulomb {
+            coefficient: 0.3,
+            slip_speed: 1e-4,
+        })
+        .integrator(EnergyMomentum { time_step: 1e-3 })
+        .build()?;
+    let mut state = hoop_circle::after(0.0);
+    stepper.advance(&mut state, ROUND)?;
+    Ok(state.position.distance(hoop_circle::after(ROUND).position))
+}
+
+fn table_of_circles(circles: &[Circle]) -> String {
+    let mut lines = vec![cells([
+        "circle, distance after 10 s, m",
+        "round rim",
+        "1200 points",
+        "thin `Ellipsoid`",
+    ])];
+    for circle in circles {
+        let distances = [circle.round, circle.points, circle.ellipsoid].map(two_digits);
+        let stiffness = [format!("whole rim {:.0e} N/m", circle.stiffness)];
+        lines.push(stiffness.into_iter().chain(distances).collect());
+    }
+    table::text(&lines)
+}
+
+fn checks(rides: &[Rolling], circles: &[Circle], errors: &Errors) -> Vec<Check> {
     let [.., fine, round] = rides else {
         return Vec::new();
     };
@@ -398,6 +469,15 @@ fn checks(rides: &[Rolling], errors: &Errors) -> Vec<Check> {
             0.01,
         ),
     ];
+    if let [.., soft, hard] = circles {
+        checks.push(Check::between(
+            "round rim on a circle: ratio of the distances at a tenth of the stiffness",
+            "the length of the arc that touches, which is as the cube root: 2.15",
+            soft.round / hard.round,
+            1.7,
+            2.6,
+        ));
+    }
     for (name, method, expected) in checked {
         checks.push(Check::between(
             &format!("{name}, order on the round rim between 5 ms and 1 ms"),

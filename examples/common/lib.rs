@@ -9,6 +9,7 @@
 )]
 
 pub mod film;
+pub mod hoop_circle;
 pub mod marked;
 pub mod mesh;
 pub mod page;

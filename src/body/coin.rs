@@ -15,7 +15,9 @@ use crate::state::State;
 /// *Limit:* the rim is a polygon. As the upright coin rolls, its centre rises and falls by
 /// `r (1 - cos(π/n))`. This is 1.7e-4 m for the 120 points of the coin report and r = 0.5 m. With
 /// few points the coin rattles from corner to corner. [`Disc`](super::Disc) is round, and its
-/// documentation states which of the two is better in which case.
+/// documentation states which of the two is better in which case. On both, several points touch at
+/// once. Their friction resists the rotation about the vertical, so that a leaning coin rolls round
+/// a wider circle than a hoop that touches at one point.
 ///
 /// `P` stores the points: an array, a borrowed slice, or a `Vec`.
 ///

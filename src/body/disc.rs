@@ -45,7 +45,9 @@ use crate::state::State;
 /// the whole rim. The disc has a mass of 1 kg and a radius of 0.5 m. It represents 120 points of
 /// 1000 N/m and 0.5 N s/m each. The first table lists where the rings arrive in the trials of the
 /// coin report (slip speed 1 mm/s). The second table lists how they roll upright at 4 rad/s. The
-/// third table is the position error of the round coin.
+/// third table lists how far leaning hoops without dampers roll away from the circle of a hoop that
+/// touches a rigid floor at one point (20 m long; slip speed 0.1 mm/s). The fourth table is the
+/// position error of the round coin.
 ///
 /// <!-- round rim: begin; written by `round_rim -- --write` -->
 ///
@@ -61,6 +63,13 @@ use crate::state::State;
 /// | 120 points | 7.0e-3 | 0.0430 |
 /// | 1200 points | 2.1e-4 | 0.0431 |
 /// | round | 4.8e-14 | 0.0431 |
+///
+/// | circle, distance after 10 s, m | round rim | 1200 points | thin `Ellipsoid` |
+/// |---|---|---|---|
+/// | whole rim 1e6 N/m | 16.0 | 16.0 | 8.1e-3 |
+/// | whole rim 1e7 N/m | 7.8 | 7.8 | 1.4e-3 |
+/// | whole rim 1e8 N/m | 3.1 | 3.1 | 2.0e-3 |
+/// | whole rim 1e9 N/m | 1.4 | 1.3 | 2.0e-3 |
 ///
 /// | round, trial 1, position after 1 s | `Rk4` | `Nystrom` | `StrangSplitting` | `EnergyMomentum` |
 /// |---|---|---|---|---|
@@ -93,6 +102,11 @@ use crate::state::State;
 ///   Its contacts are always the same few points, near the lowest point, where friction reverses.
 ///   The difference for such a ring decreases in proportion to the number of points, until their
 ///   distance times the spin is below the slip speed.
+/// - As a leaning disc rolls round a circle, the two ends of the arc that touches slip in opposite
+///   directions. Friction resists this rotation, and the disc rolls round a wider circle than a hoop
+///   that touches at one point. The arc is shorter on stiffer ground, with the cube root of the
+///   compliance, and so is the difference. An [`Ellipsoid`](super::Ellipsoid) with one very short
+///   semi-axis and the mass properties of a ring touches at one point.
 /// - Each touch-down of a point is a discontinuity of its damper's force. A fixed step size adds a
 ///   position error in proportion to the step size for a ring of points, but not for the round rim.
 ///   The error does not decrease with the number of points, because more points have smaller

@@ -16,12 +16,15 @@ const GRAVITY: f64 = 9.8;
 /// Step of a frame of a game, s.
 const FRAME: f64 = 1.0 / 60.0;
 
-fn text(error: impl core::fmt::Display) -> String {
+pub(super) fn text(error: impl core::fmt::Display) -> String {
     error.to_string()
 }
 
 /// Least time of some repetitions, ns.
-fn least(repetitions: usize, mut work: impl FnMut() -> Result<(), String>) -> Result<f64, String> {
+pub(super) fn least(
+    repetitions: usize,
+    mut work: impl FnMut() -> Result<(), String>,
+) -> Result<f64, String> {
     let mut least = Duration::MAX;
     for _ in 0..repetitions {
         let clock = ThreadTime::now();
@@ -32,17 +35,22 @@ fn least(repetitions: usize, mut work: impl FnMut() -> Result<(), String>) -> Re
 }
 
 /// Cost of a contact in a step of `EnergyMomentum`, of a coin that slides flat on its points.
+///
+/// All points together have one stiffness and one damping, so that the motion is that of one ground
+/// for any number of them.
 pub(super) fn of_contacts() -> Result<Vec<Aim>, String> {
     const STEPS: u32 = 40;
+    const STIFFNESS: f64 = 1e5;
+    const DAMPING: f64 = 30.0;
     let mut aims = Vec::new();
     for count in [12, 120, 1_200, 12_000] {
         eprintln!("{count} contacts ...");
         let points = vec![ContactPoint::default(); 2 * count];
         let coin = SolidCoin::new_with_storage(points, 1.0, 0.5, 0.02);
-        let stiffness = 1e5 / count as f64;
+        let share = 1.0 / count as f64;
         let stepper = Stepper::builder(coin)
             .gravity(UniformGravity::down(GRAVITY))
-            .ground(FlatGround::level(stiffness, 0.1 * stiffness.sqrt()))
+            .ground(FlatGround::level(STIFFNESS * share, DAMPING * share))
             .friction(Coulomb {
                 coefficient: 0.3,
                 slip_speed: 1e-3,
@@ -51,7 +59,7 @@ pub(super) fn of_contacts() -> Result<Vec<Aim>, String> {
             .build()
             .map_err(text)?;
         let flat = DVec3::Y * core::f64::consts::FRAC_PI_2;
-        let start = State::at(DVec3::Z * (0.01 - GRAVITY / 1e5))
+        let start = State::at(DVec3::Z * (0.01 - GRAVITY / STIFFNESS))
             .with_rotation_vector(flat)
             .with_linear_velocity(DVec3::X * 2.0);
         let time = least(7, || {

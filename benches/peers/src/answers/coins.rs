@@ -8,6 +8,11 @@ use super::{GRAVITY, rigid_hoop};
 use crate::law::Law;
 use crate::scene::{Case, Measure, Scene, Shape};
 
+#[path = "../../../../examples/common/hoop_circle.rs"]
+mod hoop_circle;
+
+use hoop_circle::{RADIUS, SPIN};
+
 /// A ring of 1 kg and 0.5 m on a ground.
 fn law(points: usize, stiffness: f64, damping: f64, coefficient: f64, slip_speed: f64) -> Law {
     let ring = Coin::ring_with_storage(vec![ContactPoint::default(); points], 1.0, 0.5);
@@ -51,50 +56,9 @@ fn scene(
     }
 }
 
-/// Lean of the steadily rolling hoop from flat, rad.
-///
-/// Its spin about its own normal is in rad/s. The rate Ω at which its lean rotates about the
-/// vertical, rad/s, is a root of `(k_a + 1) ω Ω sin α - k_d Ω² sin α cos α + (g/r) cos α = 0` with
-/// `k_a = 1`, `k_d = 1/2` (Routh; McDonald & McDonald).
-const LEAN: f64 = 75.0 * core::f64::consts::PI / 180.0;
-const SPIN: f64 = 4.0;
-const RADIUS: f64 = 0.5;
-
-fn turning_rate() -> f64 {
-    let (sin, cos) = LEAN.sin_cos();
-    let (a, b, c) = (-0.5 * sin * cos, 2.0 * SPIN * sin, GRAVITY / RADIUS * cos);
-    // The slow root, without a difference of nearly equal numbers.
-    -2.0 * c / (b + (b * b - 4.0 * a * c).sqrt())
-}
-
 /// Start and end of the circle on a rigid floor.
 pub(super) fn circle(seconds: f64) -> (State, State) {
-    let omega = turning_rate();
-    let at = |time: f64, own: f64| {
-        let round = DQuat::from_rotation_z(omega * time);
-        // The normal leans by α from the vertical, in the xz plane. The lowest point is on the side
-        // to which the normal leans down.
-        let lean = DQuat::from_rotation_y(LEAN - core::f64::consts::FRAC_PI_2);
-        let turned = round * lean;
-        let normal = turned * DVec3::X;
-        let spin = normal * SPIN + (DVec3::Z - normal * normal.z) * omega;
-        let arm = (normal * normal.z - DVec3::Z).normalize() * RADIUS;
-        // Rolling: the lowest point of the body is at rest.
-        let velocity = -(spin.cross(arm));
-        // v = Ω z × R about the circle's centre.
-        let position = velocity.cross(DVec3::Z) / omega;
-        let along = normal * spin.dot(normal);
-        State {
-            position: position.with_z(-arm.z),
-            linear_velocity: velocity,
-            orientation: turned * DQuat::from_rotation_x(own),
-            angular_momentum: along * 0.25 + (spin - along) * 0.125,
-        }
-    };
-    // The spin about the normal, 4 rad/s, includes Ω cos α of the rotation about the vertical. The
-    // rest is the rotation of the body relative to its lean.
-    let own = (SPIN - omega * LEAN.cos()) * seconds;
-    (at(0.0, 0.0), at(seconds, own))
+    (hoop_circle::after(0.0), hoop_circle::after(seconds))
 }
 
 /// The hoop that rolls round a circle.
