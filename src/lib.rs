@@ -131,7 +131,7 @@
 //! | [`DormandPrince54`] | 5 | 6 | nothing more | by its error | any tolerance: the step size is adaptive |
 //! | [`AdaptiveEnergyMomentum`] | 2 | those of three steps of `EnergyMomentum` | as `EnergyMomentum` | never | any tolerance: the step size is adaptive |
 //! | [`AdaptiveNystrom`] | 4, and 2 through touch-downs | 4 | nothing more | by its error | any tolerance: the step size is adaptive |
-//! | [`Radau5`] | 5 | 15 to 30 | nothing more | by its error | any tolerance: implicit |
+//! | [`Radau5`] | 5 | 6 to 30 | nothing more | by its error | any tolerance: implicit |
 //! | [`ForwardEuler`] | 1 | 1 | nothing more | in every step | `dt < 2 ζ/ω`, and `ζ < 1` |
 //!
 //! `dt` is the step size (s). `ω` (rad/s) and `δ` (1/s) are the highest frequency and the highest

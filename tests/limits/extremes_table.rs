@@ -630,7 +630,7 @@ fn a_restitution_is_kept_while_the_step_resolves_the_bounce() {
         // energy.
         assert!(least > 1.0 - 1e-13 && greatest <= 1.0, "{resolution}");
     }
-    for wanted in [0.2, 0.5, 0.8] {
+    for wanted in [0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 0.8] {
         let off = |resolution| {
             let range = restitutions(wanted, resolution);
             range
@@ -642,7 +642,7 @@ fn a_restitution_is_kept_while_the_step_resolves_the_bounce() {
         assert!((2e-4..7e-4).contains(&off(0.1)), "{wanted}: {}", off(0.1));
         assert!(off(0.3) < 0.006 && off(0.5) < 0.014, "{wanted}");
         assert!((0.02..0.06).contains(&off(1.0)), "{wanted}: {}", off(1.0));
-        assert!((0.06..0.13).contains(&off(2.0)), "{wanted}: {}", off(2.0));
+        assert!((0.06..0.15).contains(&off(2.0)), "{wanted}: {}", off(2.0));
     }
     // Beyond, the phase of the touch decides.
     let [least, greatest] = restitutions(0.5, 10.0);

@@ -43,6 +43,7 @@ mod once;
 mod outcome;
 mod rigidity;
 mod step_at_rest;
+mod stick_on_slopes;
 mod symmetry;
 mod time;
 mod until_rest;

@@ -70,9 +70,12 @@ use stages::{Equations, Increments, STAGES, WEIGHTS, differences};
 ///   for tolerances from 1e-4 to 1e-8 m and a slip speed of 1e-3 m/s. In trials 1, 3, 5 and 8 the
 ///   same holds at 1e-6 m/s. It is mostly 0.1 to 2 tolerances (`tests/physics/radau.rs` prints it).
 ///   After longer times it depends on how the motion amplifies it.
-/// - *Cost:* 15 to 30 force evaluations per attempted step, with the Jacobian and linear equations
+/// - *Cost:* 6 to 30 force evaluations per attempted step, with the Jacobian and linear equations
 ///   of six real and six complex unknowns. Where friction is not stiff, an explicit pair costs
 ///   less.
+/// - *Fast spin in air:* under an applied force, each step has an error of its rotation. These add
+///   up, so that the error of a run is many tolerances if the body turns many times. Use a hundredth
+///   of the error as the tolerance there, or [`AdaptiveNystrom`](crate::AdaptiveNystrom).
 /// - *Jacobian:* from the derivatives of the laws. A law without its own is differentiated by
 ///   differences. An applied force and the curvature of the ground are not part of it. They cost
 ///   iterations, not accuracy.

@@ -247,7 +247,10 @@ fn of_path<R: Real, D>(
     push: &Push<R>,
     answer: &Answer<R>,
 ) -> [R::Vec3; 3] {
-    let (n, u) = (push.normal, answer.slip_direction);
+    let n = push.normal;
+    // Rounding leaves a slow slip with a part along the normal. The path along the normal may be so
+    // much longer than the slip that this part must not count.
+    let u = answer.slip_direction - n * n.dot(answer.slip_direction);
     let c = answer.drag.coefficient * R::HALF;
     let loaded = n - answer.slip * answer.drag.per_load;
     let across = loaded * (push.mean.slope * (problem.seconds * R::HALF)) - n * c;
