@@ -722,4 +722,21 @@ mod tests {
         let last = session.state().position.x - by_stepper.position.x;
         assert!(last > 0.0 && last < 1e-3, "{last}");
     }
+
+    #[test]
+    fn rejected_attempts_are_counted_from_step_to_step() {
+        let stepper = Stepper::builder(Coin::ring(1.0, 0.5))
+            .gravity(UniformGravity::down(9.8))
+            .ground(FlatGround::level(1000.0, 0.5))
+            .integrator(BogackiShampine32::new(1e-6))
+            .build()
+            .unwrap();
+        let mut session = stepper.session(State::at(glam::DVec3::Z * 0.51));
+        let mut rejected = 0;
+        while session.time() < 0.2 {
+            rejected += u64::from(session.step().unwrap().rejected);
+            assert_eq!(session.rejected_count(), rejected);
+        }
+        assert!(rejected > 0);
+    }
 }

@@ -231,3 +231,19 @@ of_tuple!(A 0, B 1, C 2);
 of_tuple!(A 0, B 1, C 2, D 3);
 of_tuple!(A 0, B 1, C 2, D 3, E 4);
 of_tuple!(A 0, B 1, C 2, D 3, E 4, F 5);
+
+#[cfg(test)]
+mod tests {
+    use crate::{Coulomb, SlidingFriction};
+
+    #[test]
+    fn an_array_with_an_invalid_law_is_refused() {
+        let law = |coefficient| Coulomb {
+            coefficient,
+            slip_speed: 1e-3,
+        };
+        assert!(SlidingFriction::<f64>::check(&[law(0.3), law(0.4)]).is_ok());
+        assert!(SlidingFriction::<f64>::check(&[law(0.3), law(-0.4)]).is_err());
+        assert!(SlidingFriction::<f64>::check(&[law(f64::NAN), law(0.4)]).is_err());
+    }
+}

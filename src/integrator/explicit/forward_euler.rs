@@ -91,3 +91,40 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
         error::above_zero("time step", self.time_step, " s")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A step multiplies the motion by `z = 1 + w` with `w² + w Y + X = 0`.
+    fn largest_factor(stiffness: f64, damping: f64, h: f64) -> f64 {
+        let (x, y) = (stiffness * h * h, damping * h);
+        let discriminant = y * y - 4.0 * x;
+        if discriminant < 0.0 {
+            // |z|² is the product of the two roots z.
+            (1.0 - y + x).sqrt()
+        } else {
+            let root = discriminant.sqrt();
+            (1.0 - 0.5 * (y - root))
+                .abs()
+                .max((1.0 - 0.5 * (y + root)).abs())
+        }
+    }
+
+    #[test]
+    fn the_largest_stable_step_is_where_a_step_no_longer_shrinks_the_motion() {
+        let method = ForwardEuler { time_step: 1.0 };
+        for (stiffness, damping) in [
+            (4.0, 5.0),
+            (4.0, 1.0),
+            (9.0, 100.0),
+            (2.0, 3.0),
+            (50.0, 14.0),
+        ] {
+            let limit = method.largest_stable_step(stiffness, damping).unwrap();
+            let factor = |share: f64| largest_factor(stiffness, damping, share * limit);
+            assert!(factor(0.99) < 1.0, "{stiffness} {damping}");
+            assert!(factor(1.01) > 1.0, "{stiffness} {damping}");
+        }
+    }
+}
