@@ -19,8 +19,8 @@ use tumble::{
     State, Stepper, StrangSplitting, Trial, UniformGravity,
 };
 
-const RADIUS: f64 = 0.5;
-const GRAVITY: f64 = 9.8;
+const RADIUS: f64 = hoop_circle::RADIUS;
+const GRAVITY: f64 = hoop_circle::GRAVITY;
 /// Stiffness of the whole rim, N/m: 120 points of 1000 N/m and 0.5 N s/m.
 const STIFFNESS: f64 = 120e3;
 const DAMPING: f64 = 60.0;

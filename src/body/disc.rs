@@ -103,10 +103,10 @@ use crate::state::State;
 ///   The difference for such a ring decreases in proportion to the number of points, until their
 ///   distance times the spin is below the slip speed.
 /// - As a leaning disc rolls round a circle, the two ends of the arc that touches slip in opposite
-///   directions. Friction resists this rotation, and the disc rolls round a wider circle than a hoop
-///   that touches at one point. The arc is shorter on stiffer ground, with the cube root of the
-///   compliance, and so is the difference. An [`Ellipsoid`](super::Ellipsoid) with one very short
-///   semi-axis and the mass properties of a ring touches at one point.
+///   directions. Friction resists this rotation, and the disc rolls round a wider circle than a
+///   hoop that touches at one point. The arc is shorter on stiffer ground, with the cube root of
+///   the compliance, and so is the difference. An [`Ellipsoid`](super::Ellipsoid) with one very
+///   short semi-axis and the mass properties of a ring touches at one point.
 /// - Each touch-down of a point is a discontinuity of its damper's force. A fixed step size adds a
 ///   position error in proportion to the step size for a ring of points, but not for the round rim.
 ///   The error does not decrease with the number of points, because more points have smaller

@@ -1,8 +1,8 @@
 //! Boxes that are set down on a slope which friction must hold, at very small slip speeds.
 //!
-//! A slip far below the other velocities had a part along the normal, from rounding. Newton's matrix
-//! multiplied it by the path along the normal, so that the iteration often found no solution. The
-//! step was then divided, and a divided step slides.
+//! A slip far below the other velocities had a part along the normal, from rounding. Newton's
+//! matrix multiplied it by the path along the normal, so that the iteration often found no
+//! solution. The step was then divided, and a divided step slides.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]

@@ -74,8 +74,9 @@ use stages::{Equations, Increments, STAGES, WEIGHTS, differences};
 ///   of six real and six complex unknowns. Where friction is not stiff, an explicit pair costs
 ///   less.
 /// - *Fast spin in air:* under an applied force, each step has an error of its rotation. These add
-///   up, so that the error of a run is many tolerances if the body turns many times. Use a hundredth
-///   of the error as the tolerance there, or [`AdaptiveNystrom`](crate::AdaptiveNystrom).
+///   up, so that the error of a run is many tolerances if the body turns many times. Use a
+///   hundredth of the error as the tolerance there, or
+///   [`AdaptiveNystrom`](crate::AdaptiveNystrom).
 /// - *Jacobian:* from the derivatives of the laws. A law without its own is differentiated by
 ///   differences. An applied force and the curvature of the ground are not part of it. They cost
 ///   iterations, not accuracy.

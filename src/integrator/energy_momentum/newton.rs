@@ -87,9 +87,9 @@ const DEFERS: bool = cfg!(feature = "std");
 /// Number of evaluations after which the step is abandoned.
 const LIMIT: u32 = 60;
 /// Stiffness of all contacts, times the square of the step size, divided by the mass, above which
-/// the contacts are [hard]. At the bound, a contact that starts as high above the ground as it would
-/// end below it without force ends at a sixth of that depth. Newton's method finds it in two or
-/// three halvings.
+/// the contacts are [hard]. At the bound, a contact that starts as high above the ground as it
+/// would end below it without force ends at a sixth of that depth. Newton's method finds it in two
+/// or three halvings.
 const HARD: f64 = 64.0;
 /// Stiffness in the units of [`HARD`] up to which the loads of contacts are unknowns. At this bound
 /// the depth under a load is a hundred thousandth of the body's way in the step. At 1e15 and 1e21,

@@ -13,8 +13,8 @@
 //! scenes are those of the page's source.
 //!
 //! A new part joins by a line: a scene by a `play` at the end of [`first`] or [`driven`], with the
-//! part in it; an integrator by a line in [`each_scene`], with the share ([`RISC_V`]) that it belongs
-//! to. `UPDATE=1 cargo test --test bits` stores the new hashes.
+//! part in it; an integrator by a line in [`each_scene`], with the share ([`RISC_V`]) that it
+//! belongs to. `UPDATE=1 cargo test --test bits` stores the new hashes.
 
 use core::fmt;
 use core::ops::ControlFlow;
