@@ -1,6 +1,7 @@
 //! The stepper: combines a scene with an integrator and advances states in time.
 
 mod builder;
+mod diagnosis;
 mod many;
 mod rest;
 #[cfg(feature = "serde")]
@@ -14,7 +15,7 @@ use core::ops::ControlFlow;
 use crate::body::RigidPointBody;
 use crate::contact::LowestPoint;
 use crate::energy::Energy;
-use crate::error::{Quantity, SceneError, StepError};
+use crate::error::{SceneError, StepError};
 use crate::force::{Force, NoForce};
 use crate::free_rotation::FreeRotation;
 use crate::friction::{Frictionless, SlidingFriction};
@@ -24,7 +25,7 @@ use crate::integrator::{EnergyMomentum, Integrator, Step};
 use crate::observer::{Observer, Sample, SceneQuery};
 use crate::outcome::{Barriers, Faces};
 use crate::real::{Real, Vector};
-use crate::scene::{Alarm, DiagnosedScene, Dynamics, Record, Scene, ScreenedScene};
+use crate::scene::{Alarm, Dynamics, Scene, ScreenedScene};
 use crate::stability;
 use crate::state::State;
 
@@ -492,61 +493,6 @@ where
         }
     }
 
-    /// Result of a step that failed, or during which a value of a law failed a test. Returns the
-    /// step if rounding explains the value. Otherwise returns an error and restores the state from
-    /// before the step.
-    #[cold]
-    #[inline(never)]
-    fn examined(
-        &self,
-        outcome: Result<Step<R>, StepError>,
-        limit: R,
-        (before, state): (&State<R>, &mut State<R>),
-        workspace: &mut I::Workspace,
-    ) -> Result<Step<R>, StepError> {
-        let covered = outcome.map_or(limit, |step| step.elapsed);
-        let broken_law = self.broken_law(before, covered);
-        let error = match (broken_law, outcome, state.not_finite()) {
-            (None, Ok(step), None) if step.elapsed > R::ZERO => return Ok(step),
-            (None, Ok(_), None) => StepError::Stalled,
-            (Some(error), _, _) => {
-                // The workspace may refer to a state that is no longer valid.
-                self.integrator.clear(workspace);
-                error
-            }
-            (None, Ok(_), Some(quantity)) => blame(before, quantity),
-            // An invalid state can also cause an error of the energy, so the state is checked
-            // first.
-            (None, Err(error), _) => before.not_finite().map_or(error, StepError::BadState),
-        };
-        *state = *before;
-        Err(error)
-    }
-
-    /// Integrates the motion from `before` again for `seconds` and examines every value that a law
-    /// returns. Returns the error of the first value that breaks the contract by more than
-    /// rounding.
-    fn broken_law(&self, before: &State<R>, seconds: R) -> Option<StepError> {
-        if self.scene.is_trusted() {
-            return None;
-        }
-        let record = Record::new();
-        let scene = DiagnosedScene::of(&self.scene, &record);
-        let (mut state, mut workspace) = (*before, I::Workspace::default());
-        let mut left = seconds;
-        // A method that chooses its steps may take several, because its memory is not the same.
-        for _ in 0..STEPS_OF_A_DIAGNOSIS {
-            let step = self
-                .integrator
-                .step(&scene, &mut state, left, &mut workspace);
-            left -= step.map_or(left, |step| step.elapsed);
-            if left <= R::ZERO || !record.is_empty() {
-                break;
-            }
-        }
-        broken_law(&self.scene, before, &record)
-    }
-
     /// Advances a state by exactly `seconds`, which must be at least 0.
     ///
     /// The time that has passed differs from `seconds` by at most one unit in its last place. A
@@ -713,76 +659,6 @@ pub(crate) fn check_duration<R: Real>(seconds: R) -> Result<(), StepError> {
         seconds: seconds.to_f64(),
     })
 }
-
-/// Error for a step whose result is not finite: [`StepError::BadState`] if the state before it was
-/// invalid, else [`StepError::Diverged`].
-#[cold]
-fn blame<R: Real>(before: &State<R>, after: Quantity) -> StepError {
-    if let Some(quantity) = before.not_finite() {
-        return StepError::BadState(quantity);
-    }
-    if before.rotation().is_a_turn() {
-        StepError::Diverged(after)
-    } else {
-        StepError::BadState(Quantity::Orientation)
-    }
-}
-
-/// Error for the value that broke the contract of a law during a step from the state `before`.
-///
-/// A negative spring energy may be rounding: of the energy of the body, which hides it, or of the
-/// terms in the law's own formula. For example, `e^x - 1 - x` has a rounding error relative to 1 at
-/// every x. Those terms are assumed to be as large as the energy at a penetration depth of 1 m.
-fn broken_law<R: Real>(
-    scene: &impl Dynamics<R>,
-    before: &State<R>,
-    record: &Record<R>,
-) -> Option<StepError> {
-    if record.is_empty() {
-        return None;
-    }
-    let energy = Energy::of(scene, before);
-    let terms = energy.translation
-        + energy.rotation
-        + energy.gravity.abs()
-        + energy.springs.abs()
-        + energy_at_a_metre_of_all(scene);
-    let rounding = terms * (R::EPSILON * R::from_f64(LAW_ROUNDING));
-    let (quantity, value) = record.violation(rounding)?;
-    Some(StepError::BrokenLaw {
-        quantity,
-        value: value.to_f64(),
-    })
-}
-
-/// Units in the last place of the sum of all terms below which a negative spring energy counts as
-/// rounding.
-const LAW_ROUNDING: f64 = 8.0;
-
-/// Sum over the surfaces of the ground of [`energy_at_a_metre`], J.
-fn energy_at_a_metre_of_all<R: Real>(scene: &impl Dynamics<R>) -> R {
-    let model = scene.contact_model();
-    (0..model.surfaces()).fold(R::ZERO, |sum, surface| {
-        sum + energy_at_a_metre(&model.laws_of(surface).0)
-    })
-}
-
-/// Spring energy of a contact at a penetration depth of 1 m, J. If it is not finite there, the
-/// depth is halved until it is. The result is at least 0.
-fn energy_at_a_metre<R: Real>(ground: &impl SpringDamperGround<R>) -> R {
-    let mut depth = R::ONE;
-    for _ in 0..64 {
-        let energy = ground.spring_energy(depth);
-        if energy.is_finite() {
-            return energy.at_least(R::ZERO);
-        }
-        depth *= R::HALF;
-    }
-    R::ZERO
-}
-
-/// Largest number of steps by which a step of an adaptive method is repeated to find a broken law.
-const STEPS_OF_A_DIAGNOSIS: u32 = 256;
 
 /// Largest number of steps of one length in a run: 2⁵³ in `f64`, 2⁴⁰ in `f32`.
 ///

@@ -13,6 +13,7 @@ mod combinations;
 mod contract;
 mod contract_inputs;
 mod contract_reach;
+mod diagnosis;
 mod driven;
 mod extremes;
 mod extremes_table;
