@@ -41,6 +41,8 @@ macro_rules! names_for {
             pub type Bowl = crate::Bowl<$real>;
             /// Mass of a body and number of contacts that support it.
             pub type Carried = crate::Carried<$real>;
+            /// Speed at touch-down and restitution of a bounce.
+            pub type Impact = crate::Impact<$real>;
 
             /// A cylinder with hemispherical ends.
             pub type Capsule = crate::Capsule<$real>;

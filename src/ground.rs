@@ -21,7 +21,7 @@ mod shape;
 
 pub use composed::Ground;
 pub use flat::FlatGround;
-pub use law::{Carried, ContactLaw, HuntCrossley, LimitedDamper, SpringDamper};
+pub use law::{Carried, ContactLaw, HuntCrossley, Impact, LimitedDamper, SpringDamper};
 pub use motion::{GroundMotion, MovingGround};
 pub(crate) use several::OneSurface;
 pub use shape::{Block, Bowl, Elevation, HeightField, Ramp, Shape, Terrain, Waves};

@@ -253,8 +253,8 @@ pub use friction::{
 pub use gravity::{Gravity, NoGravity, UniformGravity};
 pub use ground::{
     Block, Bowl, Carried, ContactLaw, Elevation, FlatGround, Ground, GroundBounds, GroundMotion,
-    HeightField, HuntCrossley, LimitedDamper, MeanForce, MovingGround, NoGround, Plane, Ramp,
-    Shape, SpringDamper, SpringDamperGround, Surface, Terrain, Waves,
+    HeightField, HuntCrossley, Impact, LimitedDamper, MeanForce, MovingGround, NoGround, Plane,
+    Ramp, Shape, SpringDamper, SpringDamperGround, Surface, Terrain, Waves,
 };
 pub use integrator::{
     AdaptiveEnergyMomentum, AdaptiveNystrom, AnyIntegrator, BogackiShampine32, DormandPrince54,

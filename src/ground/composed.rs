@@ -7,12 +7,13 @@ use crate::real::Real;
 /// A ground that combines the force of a [`ContactLaw`] with the surface of a [`Shape`].
 ///
 /// ```
-/// use tumble::{Carried, Coin, Ground, HuntCrossley, Stepper};
+/// use tumble::{Carried, Coin, Ground, HuntCrossley, Impact, Stepper};
 ///
 /// // A ball of 57 g that penetrates by 6 mm when it hits with 7 m/s, and leaves with three
 /// // quarters of the speed.
 /// let ball = Carried { mass: 0.057, contacts: 1 };
-/// let court = Ground::level(HuntCrossley::from_bounce(ball, 1.5, 0.75, 7.0, 6e-3)?);
+/// let impact = Impact { speed: 7.0, restitution: 0.75 };
+/// let court = Ground::level(HuntCrossley::from_bounce(ball, 1.5, impact, 6e-3)?);
 /// # let stepper = Stepper::new(Coin::ring(1.0, 0.5))?.with_ground(court)?;
 /// # Ok::<(), tumble::SceneError>(())
 /// ```

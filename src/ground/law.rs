@@ -5,7 +5,7 @@ mod hunt_crossley;
 mod limited_damper;
 mod spring_damper;
 
-pub use bounce::Carried;
+pub use bounce::{Carried, Impact};
 pub use hunt_crossley::HuntCrossley;
 pub use limited_damper::LimitedDamper;
 pub use spring_damper::SpringDamper;

@@ -16,11 +16,11 @@ use tumble::{
     AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Carried, Coin, Cone, ContactLaw,
     ContactPoint, Coulomb, Cuboid, Disc, Dissipation, DormandPrince54, Elevation, Ellipsoid,
     EnergyMomentum, FlatGround, ForwardEuler, FrictionField, FrictionPatch, Ground, HeightField,
-    HuntCrossley, Integrator, Ledger, LimitedDamper, LoadDependentCoulomb, MassProperties, Plane,
-    PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rim, Rk4, Rod, RollingResistance,
-    SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
-    SpringDamperGround, State, StepError, StrangSplitting, Stribeck, Surface, SymplecticEuler,
-    Terrain, ThickDisc, Trial, UniformGravity, Viscous, Waves, WithResistance,
+    HuntCrossley, Impact, Integrator, Ledger, LimitedDamper, LoadDependentCoulomb, MassProperties,
+    Plane, PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rim, Rk4, Rod,
+    RollingResistance, SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere,
+    SpringDamper, SpringDamperGround, State, StepError, StrangSplitting, Stribeck, Surface,
+    SymplecticEuler, Terrain, ThickDisc, Trial, UniformGravity, Viscous, Waves, WithResistance,
 };
 use tumble::{Dynamics, Every, Flight, Sample, Step, Timed, UntilRest};
 
@@ -813,6 +813,7 @@ fn what_a_law_is_made_from_is_in_its_range() {
         contacts: 4,
     };
     let of = |mass| Carried { mass, contacts: 4 };
+    let impact = |speed, restitution| Impact { speed, restitution };
     let above_zero: (Rule, &[f64], &[f64]) = (Rule::AboveZero, &[0.0, -1.0], &[1e-9, 1.0, 1e9]);
     let part: (Rule, &[f64], &[f64]) = (
         Rule::AboveZeroToOne,
@@ -832,13 +833,13 @@ fn what_a_law_is_made_from_is_in_its_range() {
         LimitedDamper::from_rest(body, e, 1e-3, 9.8)
     });
     refuses("restitution", part, "", |e| {
-        HuntCrossley::from_bounce(body, 1.5, e, 1.0, 1e-3)
+        HuntCrossley::from_bounce(body, 1.5, impact(1.0, e), 1e-3)
     });
     refuses("restitution", part, "", |e| {
-        HuntCrossley::from_contact_time(body, 1.5, e, 1.0, 1e-3)
+        HuntCrossley::from_contact_time(body, 1.5, impact(1.0, e), 1e-3)
     });
     refuses("restitution", part, "", |e| {
-        HuntCrossley::from_rest(body, 1.5, [e, 1.0], 1e-3, 9.8)
+        HuntCrossley::from_rest(body, 1.5, impact(1.0, e), 1e-3, 9.8)
     });
     refuses("time of a bounce", above_zero, " s", |t| {
         SpringDamper::from_bounce(body, 0.5, t)
@@ -847,7 +848,7 @@ fn what_a_law_is_made_from_is_in_its_range() {
         LimitedDamper::from_bounce(body, 0.5, t)
     });
     refuses("time of a bounce", above_zero, " s", |t| {
-        HuntCrossley::from_contact_time(body, 1.5, 0.5, 1.0, t)
+        HuntCrossley::from_contact_time(body, 1.5, impact(1.0, 0.5), t)
     });
     refuses("depth at rest", above_zero, " m", |d| {
         SpringDamper::from_rest(body, 0.5, d, 9.8)
@@ -856,7 +857,7 @@ fn what_a_law_is_made_from_is_in_its_range() {
         LimitedDamper::from_rest(body, 0.5, d, 9.8)
     });
     refuses("depth at rest", above_zero, " m", |d| {
-        HuntCrossley::from_rest(body, 1.5, [0.5, 1.0], d, 9.8)
+        HuntCrossley::from_rest(body, 1.5, impact(1.0, 0.5), d, 9.8)
     });
     refuses("gravity", above_zero, " m/s²", |g| {
         SpringDamper::from_rest(body, 0.5, 1e-3, g)
@@ -865,19 +866,19 @@ fn what_a_law_is_made_from_is_in_its_range() {
         LimitedDamper::from_rest(body, 0.5, 1e-3, g)
     });
     refuses("gravity", above_zero, " m/s²", |g| {
-        HuntCrossley::from_rest(body, 1.5, [0.5, 1.0], 1e-3, g)
+        HuntCrossley::from_rest(body, 1.5, impact(1.0, 0.5), 1e-3, g)
     });
     refuses("speed of a bounce", above_zero, " m/s", |v| {
-        HuntCrossley::from_bounce(body, 1.5, 0.5, v, 1e-3)
+        HuntCrossley::from_bounce(body, 1.5, impact(v, 0.5), 1e-3)
     });
     refuses("speed of a bounce", above_zero, " m/s", |v| {
-        HuntCrossley::from_contact_time(body, 1.5, 0.5, v, 1e-3)
+        HuntCrossley::from_contact_time(body, 1.5, impact(v, 0.5), 1e-3)
     });
     refuses("speed of a bounce", above_zero, " m/s", |v| {
-        HuntCrossley::from_rest(body, 1.5, [0.5, v], 1e-3, 9.8)
+        HuntCrossley::from_rest(body, 1.5, impact(v, 0.5), 1e-3, 9.8)
     });
     refuses("depth of a bounce", above_zero, " m", |d| {
-        HuntCrossley::from_bounce(body, 1.5, 0.5, 1.0, d)
+        HuntCrossley::from_bounce(body, 1.5, impact(1.0, 0.5), d)
     });
     refuses("mass of the body", above_zero, " kg", |m| {
         SpringDamper::from_bounce(of(m), 0.5, 1e-3)
@@ -892,8 +893,8 @@ fn what_a_law_is_made_from_is_in_its_range() {
         "number of contacts that support the body must be at least 1, got 0"
     );
     for made in [
-        HuntCrossley::from_bounce(body, 0.5, 0.5, 1.0, 1e-3),
-        HuntCrossley::from_contact_time(body, 0.5, 0.5, 1.0, 1e-3),
+        HuntCrossley::from_bounce(body, 0.5, impact(1.0, 0.5), 1e-3),
+        HuntCrossley::from_contact_time(body, 0.5, impact(1.0, 0.5), 1e-3),
     ] {
         assert_eq!(
             made.unwrap_err().to_string(),

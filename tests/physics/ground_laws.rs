@@ -9,8 +9,8 @@ use crate::kit::{self, log_uniform, zero_or};
 use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
-    Carried, ContactLaw, FlatGround, Ground, HuntCrossley, LimitedDamper, Plane, PointCloud, Rk4,
-    SpringDamper, SpringDamperGround, State,
+    Carried, ContactLaw, FlatGround, Ground, HuntCrossley, Impact, LimitedDamper, Plane,
+    PointCloud, Rk4, SpringDamper, SpringDamperGround, State,
 };
 
 /// A bounce: the part of the speed that is left, how long the ground pushed (s), and the greatest
@@ -97,7 +97,7 @@ proptest! {
         carried in carried(), restitution in 0.1..1.0_f64, depth in log_uniform(1e-6, 1e-1), speed in log_uniform(1e-3, 1e3),
         exponent in prop_oneof![Just(1.0), Just(1.5), Just(2.0), 1.0..3.0_f64],
     ) {
-        let law = HuntCrossley::from_bounce(carried, exponent, restitution, speed, depth).unwrap();
+        let law = HuntCrossley::from_bounce(carried, exponent, Impact { speed, restitution }, depth).unwrap();
         let found = bounce(law, carried, speed, depth / speed / 4000.0);
         prop_assert!((found.restitution - restitution).abs() < 1e-5, "{} for {restitution}", found.restitution);
         // Seen at the steps: a parabola's top is missed by acceleration · dt²/8, 1e-6 of the depth.
@@ -111,7 +111,7 @@ proptest! {
         exponent in prop_oneof![Just(1.0), Just(1.5), Just(2.0), 1.0..4.0_f64],
     ) {
         let dt = seconds / 4000.0;
-        let law = HuntCrossley::from_contact_time(carried, exponent, restitution, speed, seconds).unwrap();
+        let law = HuntCrossley::from_contact_time(carried, exponent, Impact { speed, restitution }, seconds).unwrap();
         let found = bounce(law, carried, speed, dt);
         prop_assert!((found.restitution - restitution).abs() < 1e-5, "{} for {restitution}", found.restitution);
         prop_assert!((found.seconds - seconds).abs() < 2.0 * dt, "{} s for {seconds}", found.seconds);
@@ -127,7 +127,8 @@ proptest! {
         prop_assert!((law.spring_force(depth) * all / weight - 1.0).abs() < 1e-14);
         let law = LimitedDamper::from_rest(carried, restitution, depth, gravity).unwrap();
         prop_assert!((law.spring_force(depth) * all / weight - 1.0).abs() < 1e-14);
-        let law = HuntCrossley::from_rest(carried, exponent, [restitution, 1.0], depth, gravity).unwrap();
+        let impact = Impact { speed: 1.0, restitution };
+        let law = HuntCrossley::from_rest(carried, exponent, impact, depth, gravity).unwrap();
         prop_assert!((law.spring_force(depth) * all / weight - 1.0).abs() < 1e-14);
     }
 

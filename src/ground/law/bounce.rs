@@ -45,6 +45,27 @@ impl<R: Real> Carried<R> {
     }
 }
 
+/// A measured impact: the speed at touch-down, and the restitution at this speed.
+///
+/// The restitution of [`HuntCrossley`](crate::HuntCrossley) decreases with the speed, so it is given
+/// together with one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Impact<R = f64> {
+    /// Closing speed at touch-down, m/s, above 0.
+    pub speed: R,
+    /// Speed of separation over the closing speed, dimensionless, above 0, at most 1.
+    pub restitution: R,
+}
+
+impl<R: Real> Impact<R> {
+    /// Loss `λ v` of a bounce by the law of Hunt and Crossley.
+    pub(super) fn loss(&self) -> Result<f64, SceneError> {
+        error::above_zero("speed of a bounce", self.speed, " m/s")?;
+        hunt_crossley_loss(self.restitution)
+    }
+}
+
 /// Frequency (rad/s) of a bounce that takes this phase angle (rad) and this time (s).
 pub(super) fn frequency_in<R: Real>(angle: f64, contact_time: R) -> Result<f64, SceneError> {
     error::above_zero("time of a bounce", contact_time, " s")?;
@@ -170,7 +191,7 @@ pub(super) fn limited_damper_ratio<R: Real>(restitution: R) -> Result<f64, Scene
 
 /// Loss D = λ v of Hunt and Crossley's law with restitution e at the speed v:
 /// `D (1 + e) = ln((1 + D)/(1 - e D))`.
-pub(super) fn hunt_crossley_loss<R: Real>(restitution: R) -> Result<f64, SceneError> {
+fn hunt_crossley_loss<R: Real>(restitution: R) -> Result<f64, SceneError> {
     let e = checked(restitution)?;
     let lost = 1.0 - e;
     if lost < 1e-4 {

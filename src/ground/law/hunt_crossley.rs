@@ -1,6 +1,6 @@
 //! Contact law of Hunt and Crossley, with Hertz's exponent or any other.
 
-use super::bounce::{self, Carried};
+use super::bounce::{self, Carried, Impact};
 use super::{ContactLaw, MeanForce};
 use crate::error::{self, Rule, SceneError};
 use crate::quadrature::OUTER_OF_3;
@@ -64,8 +64,8 @@ impl<R: Real> HuntCrossley<R> {
         }
     }
 
-    /// Creates the law by which a body that hits with `speed` (m/s) penetrates by `depth` (m) and
-    /// leaves with this restitution (-, above 0, at most 1).
+    /// Creates the law by which a body penetrates by `depth` (m) in an impact of this speed and
+    /// restitution.
     ///
     /// The result holds without gravity during the bounce, for contacts that touch together under
     /// the centre of mass. The damping solves the relation of [`HuntCrossley`] between restitution
@@ -77,19 +77,17 @@ impl<R: Real> HuntCrossley<R> {
     pub fn from_bounce(
         carried: Carried<R>,
         exponent: R,
-        restitution: R,
-        speed: R,
+        impact: Impact<R>,
         depth: R,
     ) -> Result<Self, SceneError> {
-        let loss = bounce::hunt_crossley_loss(restitution)?;
+        let loss = impact.loss()?;
         check_exponent(exponent)?;
-        error::above_zero("speed of a bounce", speed, " m/s")?;
         error::above_zero("depth of a bounce", depth, " m")?;
-        Self::with_loss(carried, exponent, loss, speed.to_f64(), depth.to_f64())
+        let speed = impact.speed.to_f64();
+        Self::with_loss(carried, exponent, loss, speed, depth.to_f64())
     }
 
-    /// Creates the law by which a body that hits with `speed` (m/s) leaves with this restitution
-    /// (-, above 0, at most 1) after `contact_time` (s).
+    /// Creates the law by which an impact of this speed and restitution takes `contact_time` (s).
     ///
     /// The greatest depth is `contact_time · speed/c`, and [`from_bounce`](Self::from_bounce) gives
     /// the law for this depth. The number c depends on exponent and restitution only:
@@ -110,17 +108,16 @@ impl<R: Real> HuntCrossley<R> {
     pub fn from_contact_time(
         carried: Carried<R>,
         exponent: R,
-        restitution: R,
-        speed: R,
+        impact: Impact<R>,
         contact_time: R,
     ) -> Result<Self, SceneError> {
-        let loss = bounce::hunt_crossley_loss(restitution)?;
+        let loss = impact.loss()?;
         check_exponent(exponent)?;
-        error::above_zero("speed of a bounce", speed, " m/s")?;
         error::above_zero("time of a bounce", contact_time, " s")?;
-        let depths = bounce::hunt_crossley_time(exponent.to_f64(), restitution.to_f64(), loss);
-        let depth = contact_time.to_f64() * speed.to_f64() / depths;
-        Self::with_loss(carried, exponent, loss, speed.to_f64(), depth)
+        let [speed, restitution] = [impact.speed, impact.restitution].map(Real::to_f64);
+        let depths = bounce::hunt_crossley_time(exponent.to_f64(), restitution, loss);
+        let depth = contact_time.to_f64() * speed / depths;
+        Self::with_loss(carried, exponent, loss, speed, depth)
     }
 
     /// Creates the law by which a body that hits with this speed (m/s) penetrates by this depth
@@ -142,9 +139,8 @@ impl<R: Real> HuntCrossley<R> {
     }
 
     /// Creates the law on which a body penetrates by `sink_depth` (m) at rest under `gravity`
-    /// (m/s²), and bounces with this restitution (-, above 0, at most 1).
+    /// (m/s²), and that gives this impact its restitution.
     ///
-    /// The restitution is that of a body that hits with `speed` (m/s).
     /// The stiffness is `m g/depthⁿ`. The damping is that of [`from_bounce`](Self::from_bounce).
     ///
     /// # Errors
@@ -152,13 +148,12 @@ impl<R: Real> HuntCrossley<R> {
     pub fn from_rest(
         carried: Carried<R>,
         exponent: R,
-        [restitution, speed]: [R; 2],
+        impact: Impact<R>,
         sink_depth: R,
         gravity: R,
     ) -> Result<Self, SceneError> {
-        let loss = bounce::hunt_crossley_loss(restitution)?;
+        let loss = impact.loss()?;
         check_exponent(exponent)?;
-        error::above_zero("speed of a bounce", speed, " m/s")?;
         error::above_zero("depth at rest", sink_depth, " m")?;
         error::above_zero("gravity", gravity, " m/s²")?;
         let weight = carried.by_each()? * gravity.to_f64();
@@ -166,7 +161,7 @@ impl<R: Real> HuntCrossley<R> {
         Ok(Self {
             stiffness: R::from_f64(weight / power),
             exponent,
-            damping: R::from_f64(loss / speed.to_f64()),
+            damping: R::from_f64(loss / impact.speed.to_f64()),
         })
     }
 

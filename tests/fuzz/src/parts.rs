@@ -7,12 +7,12 @@ use tumble::{
     AdaptiveEnergyMomentum, AdaptiveNystrom, AnisotropicCoulomb, AnyIntegrator, BogackiShampine32,
     Bowl, Capsule, Carried, Coin, Cone, ContactLaw, ContactPoint, Coulomb, Cuboid, Disc,
     DormandPrince54, Dynamics, Ellipsoid, EnergyMomentum, FlatGround, Flight, Force, ForwardEuler,
-    Frictionless, Ground, GroundBounds, GroundMotion, HuntCrossley, Integrator, LimitedDamper,
-    LoadDependentCoulomb, MassProperties, MeanForce, NoForce, NoGround, Nystrom, Plane, PointCloud,
-    PointMass, Radau5, Ramp, Real, RigidPointBody, Rk4, Rod, Rotation, SceneError, Shape,
-    SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround,
-    State, Step, StepControl, StepError, Stepper, StrangSplitting, Stribeck, Surface,
-    SymplecticEuler, Terrain, ThickDisc, UniformGravity, Viscous, Waves, WithResistance,
+    Frictionless, Ground, GroundBounds, GroundMotion, HuntCrossley, Impact, Integrator,
+    LimitedDamper, LoadDependentCoulomb, MassProperties, MeanForce, NoForce, NoGround, Nystrom,
+    Plane, PointCloud, PointMass, Radau5, Ramp, Real, RigidPointBody, Rk4, Rod, Rotation,
+    SceneError, Shape, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
+    SpringDamperGround, State, Step, StepControl, StepError, Stepper, StrangSplitting, Stribeck,
+    Surface, SymplecticEuler, Terrain, ThickDisc, UniformGravity, Viscous, Waves, WithResistance,
 };
 
 use super::driven::{AnyForce, beside_walls, by_place, force, moving};
@@ -213,6 +213,7 @@ fn law<R: Real>(input: &mut Input<'_>) -> Result<Box<dyn ContactLaw<R>>, SceneEr
         contacts: u32::from(input.byte()),
     };
     let fraction = |input: &mut Input<'_>| input.size::<R>(1e-2, 1.0);
+    let impact = |restitution, speed| Impact { speed, restitution };
     Ok(match kind {
         0 | 1 => Box::new(SpringDamper { stiffness, damping }),
         2 => Box::new(LimitedDamper { stiffness, damping }),
@@ -239,18 +240,29 @@ fn law<R: Real>(input: &mut Input<'_>) -> Result<Box<dyn ContactLaw<R>>, SceneEr
         7 => {
             let carried = carried(input);
             let [a, b, c, d] = [0; 4].map(|_| fraction(input));
-            Box::new(HuntCrossley::from_bounce(carried, a, b, c, d)?)
+            Box::new(HuntCrossley::from_bounce(carried, a, impact(b, c), d)?)
         }
         8 => {
             let carried = carried(input);
             let [a, b, c, d] = [0; 4].map(|_| fraction(input));
-            Box::new(HuntCrossley::from_contact_time(carried, a, b, c, d)?)
+            Box::new(HuntCrossley::from_contact_time(
+                carried,
+                a,
+                impact(b, c),
+                d,
+            )?)
         }
         _ => {
             let carried = carried(input);
             let [a, b, c, d] = [0; 4].map(|_| fraction(input));
             let exponent = input.size(1.0, 3.0);
-            Box::new(HuntCrossley::from_rest(carried, a, [b, c], d, exponent)?)
+            Box::new(HuntCrossley::from_rest(
+                carried,
+                a,
+                impact(b, c),
+                d,
+                exponent,
+            )?)
         }
     })
 }
