@@ -8,8 +8,9 @@ use crate::common::methods::{apart, truths};
 use crate::kit::erased::Stepper;
 use crate::kit::once::Once;
 use tumble::glam::{DVec3, Vec3};
+use tumble::real::Vector;
 use tumble::{
-    Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid, FlatGround, Integrator, Radau5,
+    Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid, FlatGround, Integrator, Radau5, Real,
     RigidPointBody, Sphere, State, StepError, Trial, UniformGravity, WithResistance,
 };
 
@@ -348,5 +349,119 @@ fn a_step_of_any_length_is_taken_in_single_precision() {
         let mut session = stepper.session(start);
         let step = session.step_within(limit).unwrap();
         assert_eq!(step.elapsed.to_bits(), limit.to_bits(), "{limit:e} s");
+    }
+}
+
+/// Ground on which a body of this mass (kg) oscillates with a frequency (rad/s) and damping ratio.
+struct Damped {
+    mass: f64,
+    frequency: f64,
+    ratio: f64,
+}
+
+impl Damped {
+    /// Grounds that none of the constants of the method was chosen on.
+    fn all() -> impl Iterator<Item = Self> {
+        [0.15, 4.0].into_iter().flat_map(|mass| {
+            [700.0, 9e3, 25e3].into_iter().flat_map(move |frequency| {
+                [0.4, 1.5, 5.0].map(|ratio| Self {
+                    mass,
+                    frequency,
+                    ratio,
+                })
+            })
+        })
+    }
+
+    /// A bounce of a ball or of a box, from its fall to this speed (m/s) to the time after which
+    /// the spring has swung back. Returns the state.
+    fn bounce<R: Real>(
+        &self,
+        speed: f64,
+        is_box: bool,
+        method: impl Integrator<R>,
+    ) -> Result<State<R>, StepError> {
+        let real = R::from_f64;
+        let (ball, cube);
+        let body: &dyn RigidPointBody<R> = if is_box {
+            let edges = R::Vec3::new(real(0.06), real(0.05), real(0.03));
+            cube = Cuboid::solid(real(self.mass), edges);
+            &cube
+        } else {
+            ball = Sphere::solid(real(self.mass), real(0.05));
+            &ball
+        };
+        let stiffness = real(self.mass * self.frequency * self.frequency);
+        let damping = real(2.0 * self.ratio * self.mass * self.frequency);
+        let stepper = Stepper::builder(body)
+            .gravity(UniformGravity::down(real(GRAVITY)))
+            .ground(FlatGround::level(stiffness, damping))
+            .friction(Coulomb {
+                coefficient: real(FRICTION),
+                slip_speed: real(1e-3),
+            })
+            .integrator(method)
+            .build()
+            .unwrap();
+        let turn = R::Vec3::new(real(0.4), real(0.9), real(0.2));
+        let start = State::at(R::Vec3::new(R::ZERO, R::ZERO, R::ONE)).with_rotation_vector(turn);
+        let gap = stepper.lowest_point(&start).unwrap().gap;
+        let height = R::ONE - gap + real(0.5 * speed * speed / GRAVITY);
+        let mut state = State {
+            position: R::Vec3::new(R::ZERO, R::ZERO, height),
+            ..start
+        };
+        let seconds = speed / GRAVITY + 3.0 / self.frequency;
+        stepper.advance(&mut state, real(seconds))?;
+        Ok(state)
+    }
+}
+
+/// At a touch-down the force of a damper jumps. The first change of the iteration contains no part
+/// of the jump, however short the step is. The solution of an explicit pair at a hundredth of the
+/// tolerance is the reference.
+#[test]
+fn a_strong_damper_is_passed_at_touch_down() {
+    for ground in Damped::all() {
+        for speed in [0.008, 0.035, 0.12, 0.9] {
+            for (tolerance, is_box) in [(3e-5, false), (1e-6, true)] {
+                let Damped {
+                    frequency, ratio, ..
+                } = ground;
+                let scene = format!("{frequency} rad/s, ratio {ratio}, {speed} m/s, {tolerance:e}");
+                let end = ground
+                    .bounce(speed, is_box, Once(Radau5::new(tolerance)))
+                    .unwrap_or_else(|error| panic!("{scene}: {error}"));
+                let reference = Once(DormandPrince54::new(1e-2 * tolerance));
+                let truth = ground.bounce(speed, is_box, reference).unwrap();
+                let error = (end.position - truth.position).length();
+                assert!(error < tolerance, "{scene}: {error:e} m");
+            }
+        }
+    }
+}
+
+/// In single precision the touch-down cannot be located to the tolerance where a damper is strong.
+#[test]
+fn a_touch_down_that_rounding_blurs_is_passed_in_single_precision() {
+    for ground in Damped::all() {
+        for speed in [0.008, 0.035, 0.12, 0.9] {
+            for is_box in [false, true] {
+                for tolerance in [1e-3, 1e-4] {
+                    let Damped {
+                        frequency, ratio, ..
+                    } = ground;
+                    let scene = format!("{frequency} rad/s, ratio {ratio}, {speed} m/s");
+                    let explicit = Once(DormandPrince54::new(tolerance));
+                    let pair = ground.bounce::<f32>(speed, is_box, explicit);
+                    let pair = pair.unwrap_or_else(|error| panic!("{scene}: {error}"));
+                    let implicit = Once(Radau5::new(tolerance));
+                    let radau = ground.bounce::<f32>(speed, is_box, implicit);
+                    let radau = radau.unwrap_or_else(|error| panic!("{scene}, Radau5: {error}"));
+                    let apart = (pair.position - radau.position).length();
+                    assert!(apart < 2.0 * tolerance, "{scene}: {apart:e} m apart");
+                }
+            }
+        }
     }
 }

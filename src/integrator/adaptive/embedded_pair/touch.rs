@@ -213,16 +213,32 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         let motion = self.ends[usize::from(!pushes)];
         let mobility = mobility(self.scene, point, motion);
         let velocity = (truth - taken).abs() * (self.seconds * mobility) * R::from_f64(WEIGHT);
+        let change = force(share) + (start.normal_force - end.normal_force).abs();
+        let jump = Jump {
+            share,
+            resolution: self.resolution(path, share),
+            acceleration: mobility * change,
+        };
+        // No step can end nearer to the discontinuity.
+        if velocity <= jump.acceleration * (jump.resolution * self.seconds) {
+            return;
+        }
         discontinuities.velocity += velocity;
         if velocity * R::from_f64(4.0) > self.allowed {
-            let change = force(share) + (start.normal_force - end.normal_force).abs();
-            let there = self.just_beyond(share, mobility * change);
+            let there = self.just_beyond(&jump);
             discontinuities.first = Some(
                 discontinuities
                     .first
                     .map_or(there, |first| first.at_most(there)),
             );
         }
+    }
+
+    /// Returns the fraction of the step in which a contact moves by the rounding of its depth.
+    fn resolution(&self, path: &Path<R>, share: R) -> R {
+        let length = self.ends[1].position.length() + size(self.scene);
+        let (_, slope) = path.at(share);
+        length * (R::EPSILON * R::from_f64(4.0)) / slope.abs()
     }
 
     /// Returns the mean normal force of the contact as the method has summed it, N.
@@ -243,14 +259,26 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
 
     /// Returns a fraction of the step just beyond a discontinuity.
     ///
-    /// It is so close that a force with this acceleration (m/s²) causes no relevant error before
-    /// it. It is at least a fiftieth, because an error near the start may be due to the path. A
+    /// It is so close that the force causes no relevant error before it, and so far that the
+    /// rounded depth is beyond it: a step from there would contain the jump at its start. The
+    /// fraction is at least a fiftieth, because an error near the start may be due to the path. A
     /// shorter step shows whether it is.
-    fn just_beyond(&self, share: R, acceleration: R) -> R {
-        let harmless = self.allowed / (acceleration * self.seconds * R::from_f64(EXACTLY));
-        let there = share + harmless.at_most(R::ONE - share);
+    fn just_beyond(&self, jump: &Jump<R>) -> R {
+        let harmless = self.allowed / (jump.acceleration * self.seconds * R::from_f64(EXACTLY));
+        let beyond = harmless.at_least(jump.resolution);
+        let there = jump.share + beyond.at_most(R::ONE - jump.share);
         there.at_least(R::from_f64(0.02))
     }
+}
+
+/// A discontinuity of the force of a contact within a step.
+struct Jump<R> {
+    /// Fraction of the step at which it is.
+    share: R,
+    /// Fraction of the step to which it can be located.
+    resolution: R,
+    /// Change of the acceleration of the farthest point of the body, m/s².
+    acceleration: R,
 }
 
 /// Returns the first fraction of a step, up to `last`, at which a force begins or ceases to push.

@@ -145,8 +145,8 @@ impl<'a, R: Real> Equations<'a, R> {
                 *z = z.plus(moved, R::ONE);
             }
             let size = moved.iter().map(&size_of).fold(R::ZERO, R::at_least);
-            // After the first iteration, which solves linear equations, it is not known what is
-            // left.
+            // The first change is the motion without the forces that begin to act within the step,
+            // such as that of a damper at touch-down. So the rate is known from the third on.
             let rate = last.map_or(R::HALF, |last| size / last);
             let left = size * (rate / (R::ONE - rate)).at_most(R::ONE);
             let is_solved = size <= rounding
@@ -163,7 +163,7 @@ impl<'a, R: Real> Equations<'a, R> {
             if !converges {
                 return None;
             }
-            last = Some(size);
+            last = (iteration > 1).then_some(size);
             slopes = z.map(|z| slope_at(&z));
         }
         None
