@@ -842,6 +842,15 @@ impl<R: Real> Clock<R> {
         self.rejected = self.rejected.wrapping_add(other.rejected);
     }
 
+    /// Returns the time of this clock with the counts of another one.
+    pub(crate) fn with_counts_of(self, other: &Self) -> Self {
+        Self {
+            time: self.time,
+            lost: self.lost,
+            ..*other
+        }
+    }
+
     /// Counts whole steps of one length that need not be taken, as many as fit before the end.
     /// Returns true if there were any. Each stride is a power of two of such steps, the largest
     /// that fits, so its length is exact.

@@ -11,8 +11,9 @@ use crate::real::Real;
 ///
 /// A state between two steps is that at the end of a shorter step from the first of them. This step
 /// is computed separately and does not affect the run. With a fixed step size the state has the
-/// bits of an [`advance`](crate::Stepper::advance) to that time. An adaptive method keeps its
-/// tolerance. A sample costs one step.
+/// bits of an [`advance`](crate::Stepper::advance) to that time. With [`Flight`](crate::Flight) it
+/// agrees to rounding, because that `advance` divides a flight otherwise. An adaptive method keeps
+/// its tolerance. A sample costs one step.
 ///
 /// ```
 /// use core::ops::ControlFlow;

@@ -179,12 +179,16 @@ where
             match flow {
                 Flow::Continue => {}
                 Flow::Stop(occurrence, after) => {
-                    if after < step.elapsed {
-                        *clock = self.go_back(&path, &occurrence, after)?;
-                    }
+                    let counts = if after < step.elapsed {
+                        self.go_back(&path, &occurrence, after)?
+                    } else {
+                        *clock
+                    };
+                    *clock = path.run_until(after).with_counts_of(&counts);
                     return Ok(EventEnd::Event(occurrence));
                 }
                 Flow::Chatter(event) => {
+                    *clock = path.run_until(step.elapsed).with_counts_of(clock);
                     let time = ends[1].time;
                     return Ok(EventEnd::Chatter { event, time });
                 }
@@ -236,6 +240,7 @@ where
             state: self.state,
             workspace: I::ADAPTIVE.then(|| self.workspace.borrow().clone()),
             scratch: None,
+            session: self.clock,
             run: *run,
             clock,
         }
@@ -252,6 +257,8 @@ struct StepPath<'a, B, G, F, A, I: Integrator<R>, R: Real, E> {
     /// Workspace of any other method, once a moment within the step was evaluated. No result depends
     /// on it. A new one in each step cost `EnergyMomentum` seven times the step.
     scratch: Option<I::Workspace>,
+    /// Clock of the session at the start of the run.
+    session: Clock<R>,
     /// Clock of the run at the start of the step.
     run: Clock<R>,
     /// Clock of the session at the start of the step.
@@ -284,9 +291,17 @@ where
         Ok((state, clock))
     }
 
+    /// Clock of the run at a time after the start of the step.
+    fn run_until(&self, after: R) -> Clock<R> {
+        let mut run = self.run;
+        run.advance_by(after);
+        run
+    }
+
+    /// The time is the sum that the session's clock has if the run ends there, bit by bit.
     fn instant(&self, after: R, state: State<R>) -> Instant<R> {
-        let mut clock = self.clock;
-        clock.advance_by(after);
+        let mut clock = self.session;
+        clock.add(&self.run_until(after));
         Instant {
             after,
             time: clock.time,
