@@ -34,6 +34,7 @@ mod newton;
 mod problem;
 mod resist;
 mod shared;
+mod soften;
 mod split;
 mod stiffness;
 mod touch;

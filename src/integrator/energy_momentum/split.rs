@@ -47,7 +47,9 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     problem.prepare();
     super::gather(&problem, contacts, true);
     let mut trial = problem.first_trial(&energy);
-    newton::solve(&problem, contacts, &mut trial, step)?;
+    if newton::solve(&problem, contacts, &mut trial, step).is_none() {
+        trial = super::soften::solve(&mut problem, contacts, &energy, step)?;
+    }
     let moved = problem.end_of(&trial);
     let moved_energy = Energy::without_springs(scene, &moved);
     if energy_limit::is_no_solution([&energy, &moved_energy], R::ZERO) {

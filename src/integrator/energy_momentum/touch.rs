@@ -202,12 +202,7 @@ impl<R: Real> Push<R> {
     ) -> MeanForce<R> {
         let mean = problem.mean_force(self.surface, self.depth, end_depth);
         match self.weights(problem) {
-            Some([weight, _]) => MeanForce {
-                force: mean.force * weight,
-                slope: mean.slope * weight,
-                stiffness: mean.stiffness * weight,
-                damping: mean.damping * weight,
-            },
+            Some([weight, _]) => mean.scaled(weight),
             None => mean,
         }
     }
