@@ -66,7 +66,7 @@ use crate::scene::Dynamics;
 const BOLD: u32 = 30;
 /// Number of Newton steps after which the matrix contains the motion of a moving contact point over
 /// the surface of the body.
-const SLOW: u32 = 6;
+const SLOW: u32 = 10;
 /// Factor of the threshold for rounding. The threshold is this many fourth roots of the precision's
 /// unit, times the tolerance. In f64 it is 1e-4 tolerances or 2e-16 of the momentum, in f32 1.5e-2
 /// tolerances or 1e-7 of it.

@@ -38,7 +38,7 @@ const STRIDE: f64 = 16.0;
 /// Smallest such factor. A stage that fails is tried again with the square root of its factor.
 const LEAST_STRIDE: f64 = 1.2;
 /// Number of evaluations after which no further stage begins.
-const WORK: u32 = 240;
+const WORK: u32 = 120;
 
 /// Solves a step without friction and dampers. Returns `None` if a stage does not converge.
 #[cold]
@@ -53,6 +53,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
     let mut trial = problem.first_trial(energy);
     let mut known = R::ZERO;
     let mut next = softness(problem, contacts, &trial);
+    step.evaluations += 1;
     let mut stride = R::from_f64(STRIDE);
     while step.evaluations < most {
         if let Some(end) = stage(problem, contacts, &trial, next, step) {

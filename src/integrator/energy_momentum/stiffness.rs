@@ -158,7 +158,7 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
             equations.add_rotation(push.end_arm, push.force * share);
         });
         // Without this term the iteration converges, but not quadratically. In f64 it still reaches
-        // rounding.
+        // rounding, unless a rotation moves the contact point so far that the iteration is slow.
         if let (Some(moving), true) = (problem.moving_contact(), is_single::<R>() || is_slow) {
             let torque = contacts.torque_over_surface(problem, &moving, trial, share);
             equations.add_turning(&torque);
