@@ -18,9 +18,9 @@
 //!    longer exceeds it. A body whose motion is below the rounding of its energy comes to rest.
 //! 5. Fallbacks if stage 2 or 4 fails. The first is `split` (dissipation, conservative motion,
 //!    dissipation), in which the springs harden in stages if necessary (`soften`). The second is a
-//!    divided step, down to sixteenths. The third is `descent`, a step downhill as far as the energy
-//!    allows. In the last one time passes and the body stays. Each end passes through stage 4. The
-//!    induction from step to step therefore needs no assumption on convergence.
+//!    divided step, down to sixteenths. The third is `descent`, a step downhill as far as the
+//!    energy allows. In the last one time passes and the body stays. Each end passes through stage
+//!    4. The induction from step to step therefore needs no assumption on convergence.
 
 mod applied;
 mod block;
@@ -88,8 +88,8 @@ use problem::Problem;
 ///
 /// - *Order* 2, also at touch-downs: the mean force over the step integrates the discontinuity of
 ///   the damper force.
-/// - *Conserves* the energy if nothing dissipates it, to the rounding of each step. The exception is
-///   a step (`fallback`) of which even a small part has no solution: it may lose any part of the
+/// - *Conserves* the energy if nothing dissipates it, to the rounding of each step. The exception
+///   is a step (`fallback`) of which even a small part has no solution: it may lose any part of the
 ///   energy. Such steps are rare, and need hard ground (*long steps*).
 /// - *Stable* for any step size. A step in which free motion would exceed 1e25 sizes of the body
 ///   may return [`StepTooLong`](crate::StepError::StepTooLong).
@@ -106,12 +106,12 @@ use problem::Problem;
 /// - *Long steps* on hard ground, where a bounce lasts much less than a step, cost about as many
 ///   iterations as shorter steps. The unknowns of the contacts are then their forces, as between
 ///   rigid bodies. This holds for a stiffness of all touching contacts from 64 to 1e10 times the
-///   mass over the square of the step size. Above that, and for bodies that touch with a rim or with
-///   more contacts than are stored, many steps take the first fallback. In it the springs harden in
-///   stages, which costs some tens of iterations. Elastic bounces conserve their energy in it. On
-///   hard ground that is not a plane, those of a smooth body other than a ball do not, because its
-///   contact point belongs to a plane. In `f32`, rounding of the depths of hard contacts takes
-///   energy.
+///   mass over the square of the step size. Above that, and for bodies that touch with a rim or
+///   with more contacts than are stored, many steps take the first fallback. In it the springs
+///   harden in stages, which costs some tens of iterations. Elastic bounces conserve their energy in
+///   it. On hard ground that is not a plane, those of a smooth body other than a ball do not,
+///   because its contact point belongs to a plane. In `f32`, rounding of the depths of hard contacts
+///   takes energy.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is two to five iterations a step, also where several contacts or a round rim
 ///   stick. Bodies that spin flat on several points, and rims that roll with small slip at two

@@ -1,8 +1,8 @@
 //! Elastic, frictionless bounces on ground of any hardness, with steps of any size.
 //!
 //! On hard ground, Newton's method found no solution where rims touch, where a face lands almost
-//! flat, and where the middle of a smooth body is not its centre of mass. The step was then divided,
-//! and the smallest parts went downhill in energy: a disc lost up to all of it.
+//! flat, and where the middle of a smooth body is not its centre of mass. The step was then
+//! divided, and the smallest parts went downhill in energy: a disc lost up to all of it.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]

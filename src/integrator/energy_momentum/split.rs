@@ -4,8 +4,8 @@
 //!
 //! The first and the last part act at a fixed pose and only dissipate energy
 //! ([`resist`](super::resist)). The middle part uses the solver of the whole step without friction
-//! and dampers. Its equations are those of a gradient. If that solver fails too, the springs harden in
-//! stages ([`soften`]).
+//! and dampers. Its equations are those of a gradient. If that solver fails too, the springs harden
+//! in stages ([`soften`]).
 
 use super::contacts::Contacts;
 use super::newton;
