@@ -297,17 +297,6 @@ impl<R: Real> MeanForce<R> {
         stiffness: R::ZERO,
         damping: R::ZERO,
     };
-
-    /// The force and its derivatives of this many such contacts.
-    #[inline]
-    pub(crate) fn scaled(&self, factor: R) -> Self {
-        Self {
-            force: self.force * factor,
-            slope: self.slope * factor,
-            stiffness: self.stiffness * factor,
-            damping: self.damping * factor,
-        }
-    }
 }
 
 /// Contact law of a ground, without its surface.

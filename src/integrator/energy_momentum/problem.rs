@@ -211,7 +211,13 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         };
         let deeper = start.at_least(R::ZERO) * (R::ONE / factor.sqrt() - R::ONE);
         let [start, end] = [start + deeper, end + deeper];
-        mean_force_of(&Springs(&ground), start, end, self.seconds).scaled(factor)
+        let mean = mean_force_of(&Springs(&ground), start, end, self.seconds);
+        MeanForce {
+            force: mean.force * factor,
+            slope: mean.slope * factor,
+            stiffness: mean.stiffness * factor,
+            damping: mean.damping * factor,
+        }
     }
 
     #[inline(always)]

@@ -202,7 +202,12 @@ impl<R: Real> Push<R> {
     ) -> MeanForce<R> {
         let mean = problem.mean_force(self.surface, self.depth, end_depth);
         match self.weights(problem) {
-            Some([weight, _]) => mean.scaled(weight),
+            Some([weight, _]) => MeanForce {
+                force: mean.force * weight,
+                slope: mean.slope * weight,
+                stiffness: mean.stiffness * weight,
+                damping: mean.damping * weight,
+            },
             None => mean,
         }
     }
