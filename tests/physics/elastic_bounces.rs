@@ -259,7 +259,8 @@ fn an_elastic_bounce_conserves_its_energy_on_ground_of_any_law_and_in_a_bowl() {
     }
 }
 
-/// In single precision the stiffness times the rounding of a depth limits the hardness.
+/// In single precision the rounding of a depth, times the load, takes some thousandths of the energy
+/// of a few throws on the hardest of these grounds. A step without a solution takes much more.
 #[test]
 fn an_elastic_bounce_conserves_its_energy_in_single_precision() {
     let time_step = 0.014;
@@ -269,7 +270,7 @@ fn an_elastic_bounce_conserves_its_energy_in_single_precision() {
         [("disc", 0.11, 0.3, &disc), ("drum", 0.25, 2.0, &drum)];
     for (name, size, mass, body) in bodies {
         let mut all = Bounces::default();
-        for hardness in [2.0, 3e2, 2e4] {
+        for hardness in [2e4, 3e5, 2e6] {
             let stiffness = hardness * mass / (time_step * time_step);
             for leans in [false, true] {
                 all.add(&throw(body, size, &ground(stiffness, leans), time_step));
@@ -277,10 +278,6 @@ fn an_elastic_bounce_conserves_its_energy_in_single_precision() {
         }
         let (lossy, mean) = (all.lossy, all.mean_loss());
         println!("{name}: {lossy} of {} throws, {mean:e}", all.throws);
-        assert!(
-            lossy * 50 <= all.throws,
-            "{name}: {lossy} throws lose energy"
-        );
-        assert!(mean < 0.02, "{name}: {mean:e} of the energy lost");
+        assert!(mean < 5e-3, "{name}: {mean:e} of the energy lost");
     }
 }
