@@ -17,10 +17,10 @@
 //!    speed (`flight_rounding`). In contact, both velocities are scaled down until the energy no
 //!    longer exceeds it. A body whose motion is below the rounding of its energy comes to rest.
 //! 5. Fallbacks if stage 2 or 4 fails. The first is `split` (dissipation, conservative motion,
-//!    dissipation), the second a divided step, down to sixteenths. The third is `descent`, a step
-//!    downhill as far as the energy allows. In the last one time passes and the body stays. Each
-//!    end passes through stage 4. The induction from step to step therefore needs no assumption on
-//!    convergence.
+//!    dissipation), in which the springs harden in stages if necessary (`soften`). The second is a
+//!    divided step, down to sixteenths. The third is `descent`, a step downhill as far as the
+//!    energy allows. In the last one time passes and the body stays. Each end passes through stage
+//!    4. The induction from step to step therefore needs no assumption on convergence.
 
 mod applied;
 mod block;
@@ -34,6 +34,7 @@ mod newton;
 mod problem;
 mod resist;
 mod shared;
+mod soften;
 mod split;
 mod stiffness;
 mod touch;
@@ -87,16 +88,16 @@ use problem::Problem;
 ///
 /// - *Order* 2, also at touch-downs: the mean force over the step integrates the discontinuity of
 ///   the damper force.
-/// - *Conserves* the energy if nothing dissipates it, to the rounding of each step. A step that has
-///   to be divided (`fallback`) is the exception: it may lose any part of the energy.
+/// - *Conserves* the energy if nothing dissipates it, to the rounding of each step. The exception
+///   is a step (`fallback`) of which even a small part has no solution: it may lose any part of the
+///   energy. Such steps are rare, and need hard ground (*long steps*).
 /// - *Stable* for any step size. A step in which free motion would exceed 1e25 sizes of the body
 ///   may return [`StepTooLong`](crate::StepError::StepTooLong).
 /// - *Accurate* if the step resolves the contact: `dt < 1/ω` for the step size `dt`, with
 ///   `ω = √(K/m)`, the mass `m`, and the stiffness `K` of all contacts that touch. With longer
-///   steps, a bounce without dampers still conserves its energy if its steps are not divided, but
-///   its timing is wrong. A bounce with dampers has the wrong restitution. Friction that stops a
-///   body within a step stops it at the end of the step.
-///   [`guide::accuracy`](crate::guide::accuracy) describes the extremes.
+///   steps, a bounce without dampers still conserves its energy, but its timing is wrong. A bounce
+///   with dampers has the wrong restitution. Friction that stops a body within a step stops it at
+///   the end of the step. [`guide::accuracy`](crate::guide::accuracy) describes the extremes.
 /// - *Cost* in contact: two to five iterations a step, each about as expensive as two evaluations
 ///   of all contacts. Flight costs no iteration. It is exact to rounding, for any moments of
 ///   inertia ([`InertiaProperties::turn_freely`](crate::InertiaProperties::turn_freely)). A body at
@@ -105,16 +106,18 @@ use problem::Problem;
 /// - *Long steps* on hard ground, where a bounce lasts much less than a step, cost about as many
 ///   iterations as shorter steps. The unknowns of the contacts are then their forces, as between
 ///   rigid bodies. This holds for a stiffness of all touching contacts from 64 to 1e10 times the
-///   mass over the square of the step size. Above that, many steps are divided. So are those of
-///   bodies that touch with a rim, with more contacts than are stored, or with a smooth surface
-///   whose middle is not the centre of mass. Their elastic bounces then lose energy, those of other
-///   bodies seldom.
+///   mass over the square of the step size. Above that, and for bodies that touch with a rim or
+///   with more contacts than are stored, many steps take the first fallback. In it the springs
+///   harden in stages, which costs some tens of iterations. Elastic bounces conserve their energy in
+///   it. On hard ground that is not a plane, those of a smooth body other than a ball do not,
+///   because its contact point belongs to a plane. In `f32`, rounding of the depths of hard contacts
+///   takes energy.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is two to five iterations a step, also where several contacts or a round rim
 ///   stick. Bodies that spin flat on several points, and rims that roll with small slip at two
 ///   points close together, can take up to nine. In `f32` the same holds down to 1e-7 m/s. A rare
 ///   step finds no stick and is divided. A body on a slope α then moves by up to `g sin α dt²/2`.
-/// - *Work* is bounded: at most 31 attempts of at most 3 × 60 evaluations each. At most 4 downhill
+/// - *Work* is bounded: at most 31 attempts of at most 6 × 60 evaluations each. At most 4 downhill
 ///   searches of at most 3 × 31 × 4 evaluations come in addition. Each end costs one evaluation of
 ///   the energy, and one more for each doubling of the excess energy. In contact, both velocities
 ///   are scaled down if the solver's error would increase the energy. In flight, the last places of

@@ -43,9 +43,9 @@ use tumble::{
 /// Evaluations of the contacts that a step may take: a step that cannot be taken whole is halved
 /// down to sixteenths (1 + 2 + 4 + 8 + 16 attempts), and an attempt is at most three solutions
 /// (with the contacts that it foresees, with all, without friction and dampers) of at most 60
-/// evaluations. Beside them, at most four searches downhill, of four steps of Newton's over 31
-/// lengths each, three times on curved ground.
-const MOST_EVALUATIONS: u32 = 31 * 3 * 60 + 4 * 3 * 31 * 4;
+/// evaluations, and stages of harder springs with three times as many. Beside them, at most four
+/// searches downhill, of four steps of Newton's over 31 lengths each, three times on curved ground.
+const MOST_EVALUATIONS: u32 = 31 * 6 * 60 + 4 * 3 * 31 * 4;
 
 /// Steps that a scene is followed for.
 const STEPS: u32 = 40;

@@ -27,6 +27,7 @@ mod varying_friction;
 // What holds for each integrator.
 mod audit;
 mod certificate;
+mod elastic_bounces;
 mod energy;
 mod events;
 mod flight;

@@ -64,6 +64,9 @@ use crate::scene::Dynamics;
 
 /// Number of full Newton steps, after which the iteration continues carefully from the best trial.
 const BOLD: u32 = 30;
+/// Number of Newton steps after which the matrix contains the motion of a moving contact point over
+/// the surface of the body.
+const SLOW: u32 = 10;
 /// Factor of the threshold for rounding. The threshold is this many fourth roots of the precision's
 /// unit, times the tolerance. In f64 it is 1e-4 tolerances or 2e-16 of the momentum, in f32 1.5e-2
 /// tolerances or 1e-7 of it.
@@ -186,6 +189,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
             continue;
         }
         step.iterations += 1;
+        newton.is_slow = iteration >= SLOW;
         newton.notice_hardness(&here, contacts);
         let is_last = newton.step_from(&here, contacts, trial);
         // Newton's next step squares the residual, so no further evaluation is needed.
@@ -229,6 +233,9 @@ struct Newton<'a, 'b, R: Real, D> {
     is_moving: bool,
     /// Whether the step is long compared with the oscillation of the body on its contacts.
     is_hard: bool,
+    /// Whether the iteration has taken so many steps that their number may depend on a derivative
+    /// which the first ones leave out.
+    is_slow: bool,
 }
 
 impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
@@ -249,6 +256,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             close: R::ONE / exact,
             is_moving: problem.moving_contact().is_some(),
             is_hard: false,
+            is_slow: false,
         }
     }
 
@@ -439,6 +447,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let hardness = here.stiffness * problem.seconds * problem.seconds / problem.mass;
         self.is_hard |= hardness > R::from_f64(HARD)
             && hardness < R::from_f64(HARDEST)
+            && problem.spring_factor.is_none()
             && !(contacts.has_others() || contacts.has_rims_near(problem));
     }
 
@@ -495,7 +504,8 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
                 self.complete_others(contacts, trial);
             }
             let (others, equations) = (self.others.as_ref(), &mut self.matrix.equations);
-            self.strain = stiffness::equations(problem, contacts, others, trial, equations);
+            let known = (others, self.is_slow);
+            self.strain = stiffness::equations(problem, contacts, known, trial, equations);
             self.matrix.factor(problem.bounding_radius);
         } else if !self.strain.of_step(problem).is_resolved() {
             // A step that is resolved is resolved here too. For any other step, the strain is

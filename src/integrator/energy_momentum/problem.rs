@@ -28,6 +28,8 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) is_bare: bool,
     /// Whether friction and dampers are left out.
     pub(super) is_conservative: bool,
+    /// Factor of the springs during a continuation, where friction and dampers are left out.
+    pub(super) spring_factor: Option<R>,
     pub(super) seconds: R,
     pub(super) per_second: R,
     pub(super) mass: R,
@@ -108,6 +110,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             plane,
             is_bare: plane.is_some_and(|plane| plane.is_level()) && model.has_bare_points(),
             is_conservative: false,
+            spring_factor: None,
             seconds,
             per_second: R::ONE / seconds,
             mass: properties.mass(),
@@ -198,9 +201,23 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         }
     }
 
+    /// Mean force of the springs alone. During a [continuation](super::soften) they are softer, and
+    /// a contact that starts in the ground is deeper, so that its spring has the same energy.
     #[cold]
     fn mean_force_of_springs(&self, surface: u32, start: R, end: R) -> MeanForce<R> {
-        Springs(&self.ground(surface)).mean_force(start, end, self.seconds)
+        let ground = self.ground(surface);
+        let Some(factor) = self.spring_factor else {
+            return mean_force_of(&Springs(&ground), start, end, self.seconds);
+        };
+        let deeper = start.at_least(R::ZERO) * (R::ONE / factor.sqrt() - R::ONE);
+        let [start, end] = [start + deeper, end + deeper];
+        let mean = mean_force_of(&Springs(&ground), start, end, self.seconds);
+        MeanForce {
+            force: mean.force * factor,
+            slope: mean.slope * factor,
+            stiffness: mean.stiffness * factor,
+            damping: mean.damping * factor,
+        }
     }
 
     #[inline(always)]
@@ -387,4 +404,28 @@ impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for Springs<'_, G>
     fn normal_force(&self, depth: R, _closing_speed: R) -> R {
         self.0.spring_force(depth)
     }
+}
+
+/// Mean force of springs over a path between two depths, m.
+///
+/// Its provided derivative is a difference over a thousandth of the path. In hard ground that is
+/// more than the depth. If only one end of the path is in the ground, the derivative of
+/// `(V(end) - V(start))/(end - start)` follows from the force at the end without a loss of digits.
+fn mean_force_of<R: Real, G: SpringDamperGround<R>>(
+    springs: &Springs<'_, G>,
+    start: R,
+    end: R,
+    seconds: R,
+) -> MeanForce<R> {
+    let mut mean = springs.mean_force(start, end, seconds);
+    if (start > R::ZERO) != (end > R::ZERO) {
+        let force_at_end = if end > R::ZERO {
+            springs.spring_force(end)
+        } else {
+            R::ZERO
+        };
+        mean.slope = ((force_at_end - mean.force) / (end - start)).at_least(R::ZERO);
+        mean.stiffness = mean.slope;
+    }
+    mean
 }

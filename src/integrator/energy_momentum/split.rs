@@ -4,13 +4,15 @@
 //!
 //! The first and the last part act at a fixed pose and only dissipate energy
 //! ([`resist`](super::resist)). The middle part uses the solver of the whole step without friction
-//! and dampers. Its equations are those of a gradient.
+//! and dampers. Its equations are those of a gradient. If that solver fails too, the springs harden
+//! in stages ([`soften`]).
 
 use super::contacts::Contacts;
 use super::newton;
 use super::problem::Problem;
 use super::resist::{Resisting, resisted};
 use super::shared::visit_contacts;
+use super::soften;
 use super::work;
 use crate::energy::Energy;
 use crate::friction::SlidingFriction;
@@ -47,7 +49,9 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     problem.prepare();
     super::gather(&problem, contacts, true);
     let mut trial = problem.first_trial(&energy);
-    newton::solve(&problem, contacts, &mut trial, step)?;
+    if newton::solve(&problem, contacts, &mut trial, step).is_none() {
+        trial = soften::solve(&mut problem, contacts, &energy, step)?;
+    }
     let moved = problem.end_of(&trial);
     let moved_energy = Energy::without_springs(scene, &moved);
     if energy_limit::is_no_solution([&energy, &moved_energy], R::ZERO) {

@@ -127,7 +127,7 @@ fn share_of_arm<R: Real, D>(problem: &Problem<'_, R, D>) -> R {
 pub(super) fn equations<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
-    others: Option<&Others<R>>,
+    (others, is_slow): (Option<&Others<R>>, bool),
     trial: &Trial<R>,
     equations: &mut SixBySix<R>,
 ) -> Strain<R> {
@@ -158,8 +158,8 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
             equations.add_rotation(push.end_arm, push.force * share);
         });
         // Without this term the iteration converges, but not quadratically. In f64 it still reaches
-        // rounding.
-        if let (Some(moving), true) = (problem.moving_contact(), is_single::<R>()) {
+        // rounding, unless a rotation moves the contact point so far that the iteration is slow.
+        if let (Some(moving), true) = (problem.moving_contact(), is_single::<R>() || is_slow) {
             let torque = contacts.torque_over_surface(problem, &moving, trial, share);
             equations.add_turning(&torque);
         }
