@@ -64,8 +64,8 @@ use wide::Wide;
 /// *Error:* about ten times `EPSILON`, in radians, for the exact values of moments, orientation and
 /// angular momentum. It does not grow with the time up to `0.01/EPSILON` revolutions, because the
 /// rates have a rounding of `EPSILON²`. This holds at a distance above 1e-3 from the separatrix.
-/// Closer to it the error is up to 25 times `EPSILON`, and grows by up to `EPSILON²/(20 δ)` for
-/// each radian. Energy and angular momentum in body axes are constant to rounding.
+/// Closer to it, at the distance `δ`, the error is up to 25 times `EPSILON`, and grows by up to
+/// `EPSILON²/δ` for each radian. Energy and angular momentum in body axes are constant to rounding.
 ///
 /// *Moments:* any, equal or not. A body does not rotate about an axis with zero moment, as in
 /// [`InertiaProperties`].

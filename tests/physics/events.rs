@@ -11,11 +11,13 @@ use core::ops::ControlFlow;
 use crate::common::methods::convergence;
 use crate::kit;
 use crate::kit::erased::Stepper;
+use crate::kit::once::Once;
 use tumble::glam::{DVec3, Vec3};
+use tumble::real::Vector;
 use tumble::{
     AnyIntegrator, Apex, BogackiShampine32, ContactCloses, ContactOpens, Coulomb, DormandPrince54,
     EnergyMomentum, Event, EventDirection, EventEnd, FlatGround, Flight, ForwardEuler, Integrator,
-    Landing, LiftOff, Nystrom, Occurrence, PointCloud, PointMass, Rk4, Sample, SceneError,
+    Landing, LiftOff, Nystrom, Occurrence, PointCloud, PointMass, Real, Rk4, Sample, SceneError,
     SlipEnds, Sphere, State, StepError, StrangSplitting, SymplecticEuler, Trial, UniformGravity,
 };
 
@@ -434,6 +436,52 @@ fn a_run_that_ends_at_an_event_continues_behind_it() {
         }
         assert!((session.time() - 1.3).abs() < 1e-15, "{name}");
     });
+}
+
+/// The session and the occurrence add the same times, in `f32` and `f64`: after a run that has ended
+/// anywhere, at an event within a step, and at the end of one.
+#[test]
+fn the_clock_after_an_event_is_that_of_the_event_to_the_last_place() {
+    fn ends_alike<R: Real>(methods: [AnyIntegrator<R>; 4]) -> u32 {
+        let mut count = 0;
+        for method in methods {
+            let stepper = Stepper::builder(PointMass::new(R::from_f64(0.3)))
+                .gravity(UniformGravity::down(R::from_f64(9.8)))
+                .ground(FlatGround::level(R::from_f64(2e3), R::from_f64(0.2)))
+                .integrator(Once(method))
+                .build()
+                .unwrap();
+            for tenths in 1..40_u32 {
+                let height = R::from_f64(0.07 * f64::from(tenths));
+                let mut session =
+                    stepper.session(State::at(R::Vec3::new(R::ZERO, R::ZERO, height)));
+                session.advance(height * R::from_f64(0.0437)).unwrap();
+                while let EventEnd::Event(one) = session
+                    .run_until_event(R::from_f64(1.3) - session.time(), [&Landing, &Apex])
+                    .unwrap()
+                {
+                    assert_eq!(one.time, session.time(), "{method:?}, {height:?} m");
+                    count += 1;
+                }
+            }
+        }
+        count
+    }
+    let seconds = 1.7e-3;
+    let double = ends_alike::<f64>([
+        Rk4 { time_step: seconds }.into(),
+        EnergyMomentum { time_step: seconds }.into(),
+        DormandPrince54::new(1e-6).into(),
+        Nystrom { time_step: seconds }.into(),
+    ]);
+    let time_step = 1.7e-3_f32;
+    let single = ends_alike::<f32>([
+        Rk4 { time_step }.into(),
+        EnergyMomentum { time_step }.into(),
+        DormandPrince54::new(1e-4_f32).into(),
+        Nystrom { time_step }.into(),
+    ]);
+    assert!(double > 300 && single > 300, "{double}, {single}");
 }
 
 /// The third landing ends the run, in the chosen direction alone.

@@ -151,6 +151,50 @@ fn single_precision_keeps_its_digits_for_a_thousand_revolutions() {
     }
 }
 
+proptest! {
+    #![proptest_config(cases(4000))]
+
+    /// The error of the numbers of twice the width, which matters in `f32` after as many radians as
+    /// it has digits. The same numbers in `f64` are the reference.
+    #[test]
+    fn near_the_separatrix_the_error_grows_with_the_time_as_stated(
+        squares in [0.1..1.0_f64, 0.1..1.0, 0.1..1.0],
+        share in 0.05..1.0_f64,
+        middle in -1.0..1.0_f64,
+        nearness in log_uniform(1e-10, 1e-2),
+        is_outside in any::<bool>(),
+        revolutions in log_uniform(0.3, 8e4),
+    ) {
+        let [a, b, c] = squares;
+        let mut moments = [b + c, a + c, a + b];
+        moments.sort_by(f64::total_cmp);
+        let moments = DVec3::from_array(moments).as_vec3();
+        let exact = moments.as_dvec3();
+        // On the separatrix, `l₁² (I₂/I₁ - 1) = l₃² (1 - I₂/I₃)`.
+        let ratio = (exact.y / exact.x - 1.0) / (1.0 - exact.y / exact.z);
+        prop_assume!(ratio.is_finite());
+        let off = if is_outside { nearness } else { -nearness };
+        let momentum = DVec3::new(share, middle, share * ratio.sqrt() * (1.0 + off)).as_vec3();
+        let l = momentum.as_dvec3();
+        let spin = l / exact;
+        let difference = l * spin * (exact.y - exact);
+        let distance = (difference.element_sum() / l.length_squared()).abs();
+        let time = (revolutions * core::f64::consts::TAU / spin.length()) as f32;
+        let single = InertiaProperties::<f32>::new(1.0, Mat3::from_diagonal(moments)).unwrap();
+        let single = FreeRotation::new(&single, Rotation::IDENTITY, momentum).rotation_at(time);
+        let double = FreeRotation::new(&body(exact), Rotation::IDENTITY, l);
+        let double = double.rotation_at(time.into());
+        let off = apart(single.to_quat().as_dquat(), double.to_quat());
+        let unit = f64::from(f32::EPSILON);
+        let grown = unit * unit / distance * spin.length() * f64::from(time);
+        let near = 25.0 * unit + grown;
+        prop_assert!(off < near, "{off:e} rad at {distance:e}, {grown:e}");
+        if distance > 1e-3 {
+            prop_assert!(off < 15.0 * unit, "{off:e} rad at {distance:e}");
+        }
+    }
+}
+
 /// Start and momentum without a pattern.
 fn start() -> (Rotation, DVec3) {
     let start = Rotation::from_rotation_vector(DVec3::new(0.4, -1.1, 0.6));

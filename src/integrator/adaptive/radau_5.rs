@@ -80,7 +80,9 @@ use stages::{Equations, Increments, STAGES, WEIGHTS, differences};
 /// - *Jacobian:* from the derivatives of the laws. A law without its own is differentiated by
 ///   differences. An applied force and the curvature of the ground are not part of it. They cost
 ///   iterations, not accuracy.
-/// - *Touch-downs* end a step, as in `DormandPrince54`.
+/// - *Touch-downs* end a step, as in `DormandPrince54`. In `f32`, a rare touch-down on a strong
+///   damper ends the run with [`StepTooShort`](crate::StepError::StepTooShort) at tolerances below
+///   1e-3 m, because the rounding of the depth is a jump of the force above the tolerance.
 /// - *May add energy* by the size of its error.
 /// - *Torque-free rotation* is exact to rounding
 ///   ([`turn_freely`](crate::InertiaProperties::turn_freely)). Its error is no part of the estimate
