@@ -247,6 +247,9 @@ pub enum Requirement {
     /// Integrator: the error decreases with the step size at the stated order, within 0.3.
     #[error("half the step size must divide the error by at least 2^(order - 0.3)")]
     Order,
+    /// Integrator: with shorter steps, the result tends to the motion of the scene.
+    #[error("the result must tend to the motion of the scene")]
+    Motion,
     /// Integrator: the computed energy after a step does not exceed the energy before it.
     #[error("the energy must not increase")]
     EnergyNeverRises,

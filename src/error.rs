@@ -68,10 +68,25 @@ impl core::fmt::Display for Rule {
     }
 }
 
+/// A number in a message: with an exponent if it would have too many digits to be read without.
+struct Readable(f64);
+
+impl core::fmt::Display for Readable {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let (number, size) = (self.0, self.0.abs());
+        let is_short = size == 0.0 || (1e-7..1e16).contains(&size) || !size.is_finite();
+        if is_short {
+            write!(f, "{number}")
+        } else {
+            write!(f, "{number:e}")
+        }
+    }
+}
+
 /// An invalid parameter of a scene or of an observer. It is returned once, when the scene or the
 /// observer is composed, so that a step need not check.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("{quantity} {rule}, got {value}{unit}")]
+#[error("{quantity} {rule}, got {}{unit}", Readable(*value))]
 #[non_exhaustive]
 pub struct SceneError {
     /// Name of the quantity in words, for example "time step".
@@ -274,13 +289,15 @@ pub enum StepError {
     )]
     Stalled,
     /// The time to advance by is negative or not finite.
-    #[error("the time to advance by must be finite and at least 0 s, got {seconds} s")]
+    #[error("the time to advance by must be finite and at least 0 s, got {} s", Readable(*seconds))]
     BadDuration {
         /// Requested time, s.
         seconds: f64,
     },
     /// The time within a step is negative, NaN, or above the length of the step.
-    #[error("the time within a step must be from 0 s to its length of {length} s, got {seconds} s")]
+    #[error(
+        "the time within a step must be from 0 s to its length of {length} s, got {} s", Readable(*seconds)
+    )]
     BadTime {
         /// Requested time, s.
         seconds: f64,
@@ -296,14 +313,14 @@ pub enum StepError {
         time: f64,
     },
     /// The limit of a step is negative or NaN.
-    #[error("the limit of a step must be at least 0 s, got {seconds} s")]
+    #[error("the limit of a step must be at least 0 s, got {} s", Readable(*seconds))]
     BadLimit {
         /// Limit, s.
         seconds: f64,
     },
     /// An impulse or its point of application is not finite, or the impulse is so large that the
     /// motion after it is not finite.
-    #[error("{quantity} must be finite, got {value}")]
+    #[error("{quantity} must be finite, got {}", Readable(*value))]
     BadImpulse {
         /// Name of the quantity in words, for example "x of the impulse".
         quantity: &'static str,

@@ -157,7 +157,11 @@ fn check_support_point<R: Real, B: RigidPointBody<R> + ?Sized>(
             Requirement::Support,
             input,
         )?;
-        for elsewhere in [other, -towards, draw.direction::<R>()] {
+        // A place that is a little off is farther only in directions close by.
+        let aside = draw.direction::<R>();
+        let near = [0.3, 0.03, 3e-3].map(|share| unit::<R>(towards + aside * R::from_f64(share)));
+        let elsewhere = [other, -towards, aside].into_iter().chain(near);
+        for elsewhere in elsewhere {
             let height = towards.dot(body.support_point(elsewhere));
             let most = towards.dot(place) + rounding;
             demand_at_most(height, most, Requirement::Support, input)?;

@@ -7,7 +7,7 @@ use super::{
     demand_finite, ulps,
 };
 use crate::energy::Energy;
-use crate::integrator::{Integrator, Step};
+use crate::integrator::{Integrator, Rk4, Step};
 use crate::real::{Quaternion, Real, Vector};
 use crate::state::State;
 
@@ -28,6 +28,8 @@ use crate::state::State;
 /// - The error decreases with the step size at least at the stated order minus 0.3. This is
 ///   measured by halving the limit while the box slides. It is not checked if the error is rounding
 ///   already, or if the method takes shorter steps.
+/// - With shorter steps, the result tends to that of [`Rk4`]: within four times the last change. If
+///   the method takes shorter steps than the limit, it must agree to a twentieth of the motion.
 ///
 /// ```
 /// use tumble::contract::{CheckPlan, check_integrator};
@@ -73,7 +75,8 @@ pub fn check_integrator<R: Real, I: Integrator<R>>(
         setup: Setup::slide(time_step).map_err(cannot_be)?,
         time_step,
     };
-    slide.converges()
+    let (finest, last_change) = slide.converges()?;
+    slide.agrees(&finest, last_change)
 }
 
 /// Checks that the computed energy never increases, not even by one unit in the last place.
@@ -278,8 +281,9 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
     }
 
     /// Checks that differences between runs with the whole, half, a quarter ... of the step size
-    /// decrease at the stated order.
-    fn converges(&self) -> Result<(), Violation> {
+    /// decrease at the stated order. Returns the last result and the last difference, if the method
+    /// takes steps of these sizes.
+    fn converges(&self) -> Result<(State<R>, Option<R>), Violation> {
         // 2 to the power of (order - 0.3), without the factor for the order.
         let mut least = R::from_f64(0.812_252_396);
         // Larger powers of 2 are not representable.
@@ -289,41 +293,66 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
         let noise = ulps::<R>(4096.0);
         let mut last = None;
         let mut ratio = None;
-        let mut coarse = self.run_in(8)?;
+        let (mut coarse, mut is_whole) = self.run_in(8)?;
         for steps in [16, 32, 64, 128] {
-            let fine = self.run_in(steps)?;
-            let (Some(a), Some(b)) = (coarse, fine) else {
-                return Ok(());
-            };
-            let apart = distance(&a, &b, self.time_step);
+            let (fine, takes_these) = self.run_in(steps)?;
+            is_whole &= takes_these;
+            if !is_whole {
+                return Ok((fine, None));
+            }
+            let apart = distance(&coarse, &fine, self.time_step);
+            coarse = fine;
             if apart < noise {
+                last = Some(apart);
                 break;
             }
             ratio = last.map(|before: R| before / apart);
             last = Some(apart);
-            coarse = fine;
         }
-        match ratio {
-            None => Ok(()),
-            Some(ratio) => {
-                let limit = self.time_step;
-                demand_at_least(ratio, least, Requirement::Order, || self.input(0, limit))
-            }
+        if let Some(ratio) = ratio {
+            let limit = self.time_step;
+            demand_at_least(ratio, least, Requirement::Order, || self.input(0, limit))?;
         }
+        Ok((coarse, last))
     }
 
-    /// Result of eight of the method's own steps, in `steps` steps. Returns `None` if the method
-    /// takes shorter steps.
-    fn run_in(&self, steps: u32) -> Result<Option<State<R>>, Violation> {
+    /// Checks that a result agrees with that of `Rk4` in much shorter steps.
+    fn agrees(&self, finest: &State<R>, last_change: Option<R>) -> Result<(), Violation> {
+        let reference = Attempt {
+            integrator: &Rk4 {
+                time_step: self.time_step,
+            },
+            setup: Setup::slide(self.time_step).map_err(cannot_be)?,
+            time_step: self.time_step,
+        };
+        let (truth, _) = reference.run_in(512)?;
+        let bound = match last_change {
+            Some(change) => change * R::from_f64(4.0) + ulps(8192.0),
+            None => distance(&self.setup.start, &truth, self.time_step) * R::from_f64(0.05),
+        };
+        let apart = distance(finest, &truth, self.time_step);
+        let limit = self.time_step;
+        demand_at_most(apart, bound, Requirement::Motion, || self.input(0, limit))
+    }
+
+    /// Result after the time of eight of the method's own steps, by steps of at most a share of it.
+    /// Returns false with it if the method takes shorter steps.
+    fn run_in(&self, steps: u32) -> Result<(State<R>, bool), Violation> {
         let limit = self.time_step * R::from_f64(8.0 / f64::from(steps));
         let (mut state, mut workspace) = (self.setup.start, I::Workspace::default());
-        for number in 0..steps {
-            let step = self.step(&mut state, limit, number, &mut workspace)?;
-            if step.elapsed < limit - limit * rounding_of_time() {
-                return Ok(None);
+        let (mut is_whole, mut number) = (true, 0);
+        for _ in 0..steps {
+            let mut left = limit;
+            while left > limit * rounding_of_time() {
+                let input = || self.input(number, left);
+                let is_soon = number < 100_000;
+                demand(is_soon, Requirement::LandsOnLimit, left, R::ZERO, input)?;
+                left -= self.step(&mut state, left, number, &mut workspace)?.elapsed;
+                is_whole &= left <= limit * rounding_of_time();
+                number += 1;
             }
         }
-        Ok(Some(state))
+        Ok((state, is_whole))
     }
 }
 

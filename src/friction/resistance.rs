@@ -68,6 +68,9 @@ impl<R: Real> RollingResistance<R> {
 /// - It does not hold a body at rest. A ball on a slope of angle θ, with `tan θ < rolling/radius`,
 ///   creeps at the angular speed `turn_speed · t/(1 - t)`, `t = tan θ · radius/rolling`.
 /// - On a body with many contacts it acts at each of them.
+/// - A torque about an axis without inertia (a [`Rod`](crate::Rod)) is left out by `EnergyMomentum`.
+///   Explicit methods keep it as angular momentum, which deflects the body when it tilts. The two
+///   differ there by some percent of the angular velocity, at any step size.
 /// - [`EnergyMomentum`](crate::EnergyMomentum) applies it in two halves, before and after each
 ///   step, under the load at those moments. Its energy never increases. A bounce that is shorter
 ///   than the step has no resistance.

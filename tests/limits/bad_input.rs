@@ -30,6 +30,17 @@ use tumble::{Dynamics, Every, Flight, Sample, Step, Timed, UntilRest};
 
 const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 
+/// A number as a message writes it: very large and very small ones with an exponent.
+fn in_a_message(number: f64) -> String {
+    let has_many_digits =
+        number != 0.0 && number.is_finite() && !(1e-7..1e16).contains(&number.abs());
+    if has_many_digits {
+        format!("{number:e}")
+    } else {
+        number.to_string()
+    }
+}
+
 /// Checks that a scene is rejected for each invalid value, with its quantity, rule, value and unit,
 /// and accepted for each valid one.
 fn refuses<T>(
@@ -54,7 +65,7 @@ fn errors_are(
         };
         assert_eq!(
             error.to_string(),
-            format!("{quantity} {rule}, got {value}{unit}")
+            format!("{quantity} {rule}, got {}{unit}", in_a_message(value))
         );
         assert_eq!(
             (error.quantity, error.rule, error.unit),
@@ -83,6 +94,21 @@ const AT_LEAST_ZERO: (Rule, &[f64], &[f64]) = (
 );
 /// Refused: what is not finite.
 const FINITE: (Rule, &[f64], &[f64]) = (Rule::Finite, &[], &[0.0, -1.0, 1e100, 5e-324, -f64::MAX]);
+
+#[test]
+fn a_message_has_no_hundreds_of_digits() {
+    let stepper = Stepper::new(Coin::ring(1.0, 0.5)).unwrap();
+    let mut state = State::at(DVec3::Z);
+    let error = stepper.advance(&mut state, -1e-320).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the time to advance by must be finite and at least 0 s, got -1e-320 s"
+    );
+    let error = Stepper::new(Coin::ring(-3e300, 0.5)).unwrap_err();
+    assert!(error.to_string().ends_with("got -3e300 kg"), "{error}");
+    let error = Stepper::new(Coin::ring(-0.25, 0.5)).unwrap_err();
+    assert!(error.to_string().ends_with("got -0.25 kg"), "{error}");
+}
 
 #[test]
 fn the_message_of_a_refusal_reads_as_a_sentence() {
@@ -626,8 +652,10 @@ fn an_inertia_tensor_is_finite_in_each_entry() {
             let mut entries = DMat3::IDENTITY.to_cols_array();
             entries[entry] = value;
             let error = Stepper::new(solid(1.0, DMat3::from_cols_array(&entries))).unwrap_err();
-            let expected =
-                format!("an entry of the inertia tensor must be finite, got {value} kg m²");
+            let expected = format!(
+                "an entry of the inertia tensor must be finite, got {} kg m²",
+                in_a_message(value)
+            );
             assert_eq!(error.to_string(), expected);
         }
     }
@@ -1273,7 +1301,10 @@ fn a_scene_whose_inverse_mass_or_weight_overflows_is_refused() {
         };
         assert_eq!(
             message(Stepper::new(body).unwrap_err()),
-            format!("mass must not be so small that its inverse overflows, got {mass} kg")
+            format!(
+                "mass must not be so small that its inverse overflows, got {} kg",
+                in_a_message(mass)
+            )
         );
     }
     for moment in [5e-324, 1e-320] {
@@ -1281,7 +1312,10 @@ fn a_scene_whose_inverse_mass_or_weight_overflows_is_refused() {
         let rule = "must not be so small that its inverse overflows";
         assert_eq!(
             message(error),
-            format!("a principal moment of inertia {rule}, got {moment} kg m²")
+            format!(
+                "a principal moment of inertia {rule}, got {} kg m²",
+                in_a_message(moment)
+            )
         );
     }
     for (mass, g) in [(1e200, 1e200), (f64::MAX, 1.1), (1.0, 1e155)] {

@@ -18,8 +18,8 @@ use tumble::{
     AdaptiveEnergyMomentum, AdaptiveNystrom, AnisotropicCoulomb, BogackiShampine32, Bowl, Coin,
     ContactLaw, ContactPoint, Coulomb, DormandPrince54, Dynamics, Elevation, EnergyMomentum,
     FlatGround, ForwardEuler, FrictionJacobian, Frictionless, Ground, GroundBounds, HuntCrossley,
-    Integrator, LimitedDamper, LoadDependentCoulomb, MeanForce, NoGround, Nystrom, Plane,
-    PointCloud, Radau5, Ramp, Real, RigidPointBody, Rk4, RollingResistance, SceneError,
+    Integrator, LimitedDamper, LoadDependentCoulomb, MassProperties, MeanForce, NoGround, Nystrom,
+    Plane, PointCloud, Radau5, Ramp, Real, RigidPointBody, Rk4, RollingResistance, SceneError,
     SlidingFriction, SmoothCoulomb, SpringDamper, SpringDamperGround, State, Step, StepError,
     StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, Viscous, Waves, WithResistance,
     error,
@@ -1536,5 +1536,123 @@ fn a_law_in_the_textbooks_form_passes_for_all_its_rounding() {
     assert!((1..100).any(|i| Textbook.spring_energy(1e-13 * f64::from(i)) < 0.0));
     for plan in batteries() {
         check_ground(&ground, &RANGE, plan).unwrap();
+    }
+}
+
+/// An ellipsoid whose contact point is too near to the middle in one direction, by a share.
+struct Flattened {
+    semi_axes: DVec3,
+    share: f64,
+}
+
+impl RigidPointBody for Flattened {
+    fn mass(&self) -> f64 {
+        2.0
+    }
+    fn inertia(&self) -> DMat3 {
+        MassProperties::ellipsoid(2.0, self.semi_axes).inertia
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        const WITHIN: [ContactPoint; 1] = [ContactPoint {
+            position: DVec3::ZERO,
+            radius: 0.05,
+        }];
+        &WITHIN
+    }
+    fn bounding_radius(&self) -> f64 {
+        self.semi_axes.max_element()
+    }
+    fn is_smooth(&self) -> bool {
+        true
+    }
+    fn support_point(&self, towards: DVec3) -> DVec3 {
+        let scaled = self.semi_axes * self.semi_axes * towards;
+        let place = scaled / scaled.dot(towards).sqrt();
+        place * DVec3::new(1.0 - self.share, 1.0, 1.0)
+    }
+}
+
+/// A wrong place is farther than the right one in directions close by.
+#[test]
+fn a_support_point_that_is_one_per_cent_off_is_found_by_any_seed() {
+    for semi_axes in [
+        DVec3::new(0.3, 0.2, 0.25),
+        DVec3::new(0.4, 0.1, 0.1),
+        DVec3::new(0.12, 0.2, 0.6),
+    ] {
+        let body = |share| Flattened { semi_axes, share };
+        for seed in 0..20 {
+            let plan = CheckPlan {
+                seed,
+                ..CheckPlan::default()
+            };
+            check_body(&body(0.0), plan).unwrap();
+            let fault = check_body(&body(0.01), plan).unwrap_err();
+            assert_eq!(fault.requirement, Requirement::Support, "{semi_axes}");
+        }
+    }
+}
+
+/// Euler's method for other equations: a fault that is proportional to the step changes the limit
+/// and not the order.
+struct OtherMotion<F>(ForwardEuler, F);
+
+impl<F: Fn(&State, &mut State)> Integrator for OtherMotion<F> {
+    type Workspace = <ForwardEuler as Integrator>::Workspace;
+
+    fn step<D: Dynamics<f64>>(
+        &self,
+        scene: &D,
+        state: &mut State,
+        limit: f64,
+        workspace: &mut Self::Workspace,
+    ) -> Result<Step, StepError> {
+        let start = *state;
+        let step = self.0.step(scene, state, limit, workspace)?;
+        (self.1)(&start, state);
+        Ok(step)
+    }
+    fn order(&self) -> u32 {
+        1
+    }
+    fn check(&self) -> Result<(), SceneError> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_method_that_converges_to_another_motion_is_found() {
+    for time_step in [1e-5, 2e-3, 3.0] {
+        let fault = |change: fn(&State, &mut State)| {
+            let method = OtherMotion(ForwardEuler { time_step }, change);
+            check_integrator(&method, CheckPlan::default()).map_err(|fault| fault.requirement)
+        };
+        assert_eq!(fault(|_, _| ()), Ok(()));
+        let other = Err(Requirement::Motion);
+        // Without forces, with a third more of them, without torques, with opposite ones, and with
+        // half of the rotation.
+        assert_eq!(
+            fault(|start, end| end.linear_velocity = start.linear_velocity),
+            other
+        );
+        assert_eq!(
+            fault(|start, end| end.linear_velocity +=
+                (end.linear_velocity - start.linear_velocity) / 3.0),
+            other
+        );
+        assert_eq!(
+            fault(|start, end| end.angular_momentum = start.angular_momentum),
+            other
+        );
+        assert_eq!(
+            fault(|start, end| end.angular_momentum =
+                2.0 * start.angular_momentum - end.angular_momentum),
+            other
+        );
+        assert_eq!(
+            fault(|start, end| end.orientation =
+                start.orientation.lerp(end.orientation, 0.5).normalize()),
+            other
+        );
     }
 }
