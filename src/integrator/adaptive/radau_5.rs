@@ -81,8 +81,8 @@ use stages::{Equations, Increments, STAGES, WEIGHTS, differences};
 ///   differences. An applied force and the curvature of the ground are not part of it. They cost
 ///   iterations, not accuracy.
 /// - *Touch-downs* end a step, as in `DormandPrince54`. In `f32`, a rare touch-down on a strong
-///   damper ends the run with [`StepTooShort`](crate::StepError::StepTooShort) at tolerances below
-///   1e-3 m, because the rounding of the depth is a jump of the force above the tolerance.
+///   damper ends the run with [`StepTooShort`](crate::StepError::StepTooShort), where the rounding
+///   of the depth changes the speed of the body by more than the tolerance a second.
 /// - *May add energy* by the size of its error.
 /// - *Torque-free rotation* is exact to rounding
 ///   ([`turn_freely`](crate::InertiaProperties::turn_freely)). Its error is no part of the estimate
