@@ -296,7 +296,8 @@ pub enum StepError {
     },
     /// The time within a step is negative, NaN, or above the length of the step.
     #[error(
-        "the time within a step must be from 0 s to its length of {length} s, got {} s", Readable(*seconds)
+        "the time within a step must be from 0 s to its length of {length} s, got {} s",
+        Readable(*seconds)
     )]
     BadTime {
         /// Requested time, s.

@@ -28,7 +28,8 @@ use crate::state::State;
 /// let mut state = State::at(DVec3::Z * 0.49);
 /// stepper.advance(&mut state, 20.0)?; // until it has settled
 /// let height = state.position.z;
-/// state = stepper.with_angular_velocity(state.with_linear_velocity(DVec3::NEG_Y * 2.0), DVec3::X * 4.0); // m/s, rad/s
+/// let slow = state.with_linear_velocity(DVec3::NEG_Y * 2.0); // m/s
+/// state = stepper.with_angular_velocity(slow, DVec3::X * 4.0); // rad/s
 /// stepper.advance(&mut state, 1.0)?;
 /// assert!((state.position.z - height).abs() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -91,13 +92,13 @@ use crate::state::State;
 ///   arcs and edges of the ground are integrated one by one. A rim with more of them is integrated
 ///   as a whole, with an error of some percent.
 /// - With explicit methods and a [`SpringDamper`](crate::SpringDamper), the forces equal the
-///   integral of the law over the arc to a relative 2e-7, and mostly to 1e-9. They are less accurate
-///   if dampers cancel the force at the lowest point and at both ends, so that only a short part
-///   between them pushes. Other laws are not smooth where the quadrature assumes it, at the ends of
-///   the arc or where a damper reaches its limit. The error is up to 2e-3 with
+///   integral of the law over the arc to a relative 2e-7, and mostly to 1e-9. They are less
+///   accurate if dampers cancel the force at the lowest point and at both ends, so that only a
+///   short part between them pushes. Other laws are not smooth where the quadrature assumes it, at
+///   the ends of the arc or where a damper reaches its limit. The error is up to 2e-3 with
 ///   [`HuntCrossley`](crate::HuntCrossley), unless its exponent is an integer, and up to 2e-2 with
-///   [`LimitedDamper`](crate::LimitedDamper). An elastic bounce then has an error of its energy that
-///   shorter steps do not reduce.
+///   [`LimitedDamper`](crate::LimitedDamper). An elastic bounce then has an error of its energy
+///   that shorter steps do not reduce.
 /// - `EnergyMomentum` uses up to eight points between discontinuities. If friction reverses on the
 ///   arc, the error is up to 1e-3 of the load, and 6e-3 for a slip speed of 1e-10 m/s. So the
 ///   method does not converge to the same limit as its steps get shorter.

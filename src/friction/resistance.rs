@@ -58,7 +58,8 @@ impl<R: Real> RollingResistance<R> {
 /// use tumble::{Coulomb, WithResistance};
 ///
 /// // A billiard ball on cloth: it rolls out with the deceleration 5/7 · rolling/radius · g.
-/// let cloth = WithResistance { friction: Coulomb { coefficient: 0.2, slip_speed: 1e-4 }, rolling: 2.9e-4, spinning: 1.2e-3, turn_speed: 1e-2 };
+/// let friction = Coulomb { coefficient: 0.2, slip_speed: 1e-4 }; // -, m/s
+/// let cloth = WithResistance { friction, rolling: 2.9e-4, spinning: 1.2e-3, turn_speed: 1e-2 };
 /// # use tumble::{Sphere, Stepper};
 /// # Stepper::new(Sphere::solid(0.17, 0.0286))?.with_friction(cloth)?;
 /// # Ok::<(), tumble::SceneError>(())
@@ -68,9 +69,9 @@ impl<R: Real> RollingResistance<R> {
 /// - It does not hold a body at rest. A ball on a slope of angle θ, with `tan θ < rolling/radius`,
 ///   creeps at the angular speed `turn_speed · t/(1 - t)`, `t = tan θ · radius/rolling`.
 /// - On a body with many contacts it acts at each of them.
-/// - A torque about an axis without inertia (a [`Rod`](crate::Rod)) is left out by `EnergyMomentum`.
-///   Explicit methods keep it as angular momentum, which deflects the body when it tilts. The two
-///   differ there by some percent of the angular velocity, at any step size.
+/// - A torque about an axis without inertia (a [`Rod`](crate::Rod)) is left out by
+///   `EnergyMomentum`. Explicit methods keep it as angular momentum, which deflects the body when
+///   it tilts. The two differ there by some percent of the angular velocity, at any step size.
 /// - [`EnergyMomentum`](crate::EnergyMomentum) applies it in two halves, before and after each
 ///   step, under the load at those moments. Its energy never increases. A bounce that is shorter
 ///   than the step has no resistance.

@@ -77,7 +77,8 @@ use problem::Problem;
 ///     .friction(Coulomb { coefficient: 0.8, slip_speed: 1e-10 }) // -, m/s
 ///     .integrator(EnergyMomentum { time_step: 0.02 }) // s
 ///     .build()?;
-/// let mut state = State::at(DVec3::Z).with_angular_momentum(DVec3::new(3.0, 10.0, 2.0)); // m, kg m²/s
+/// let momentum = DVec3::new(3.0, 10.0, 2.0); // kg m²/s
+/// let mut state = State::at(DVec3::Z).with_angular_momentum(momentum); // m
 /// for _ in 0..500 {
 ///     let before = stepper.energy(&state).total();
 ///     stepper.step(&mut state)?;
@@ -108,10 +109,10 @@ use problem::Problem;
 ///   rigid bodies. This holds for a stiffness of all touching contacts from 64 to 1e10 times the
 ///   mass over the square of the step size. Above that, and for bodies that touch with a rim or
 ///   with more contacts than are stored, many steps take the first fallback. In it the springs
-///   harden in stages, which costs some tens of iterations. Elastic bounces conserve their energy in
-///   it. On hard ground that is not a plane, those of a smooth body other than a ball do not,
-///   because its contact point belongs to a plane. In `f32`, rounding of the depths of hard contacts
-///   takes energy.
+///   harden in stages, which costs some tens of iterations. Elastic bounces conserve their energy
+///   in it. On hard ground that is not a plane, those of a smooth body other than a ball do not,
+///   because its contact point belongs to a plane. In `f32`, rounding of the depths of hard
+///   contacts takes energy.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is two to five iterations a step, also where several contacts or a round rim
 ///   stick. Bodies that spin flat on several points, and rims that roll with small slip at two

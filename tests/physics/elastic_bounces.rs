@@ -259,8 +259,9 @@ fn an_elastic_bounce_conserves_its_energy_on_ground_of_any_law_and_in_a_bowl() {
     }
 }
 
-/// In single precision the rounding of a depth, times the load, takes some thousandths of the energy
-/// of a few throws on the hardest of these grounds. A step without a solution takes much more.
+/// In single precision the rounding of a depth, times the load, takes some thousandths of the
+/// energy of a few throws on the hardest of these grounds. A step without a solution takes much
+/// more.
 #[test]
 fn an_elastic_bounce_conserves_its_energy_in_single_precision() {
     let time_step = 0.014;

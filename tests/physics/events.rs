@@ -438,8 +438,8 @@ fn a_run_that_ends_at_an_event_continues_behind_it() {
     });
 }
 
-/// The session and the occurrence add the same times, in `f32` and `f64`: after a run that has ended
-/// anywhere, at an event within a step, and at the end of one.
+/// The session and the occurrence add the same times, in `f32` and `f64`: after a run that has
+/// ended anywhere, at an event within a step, and at the end of one.
 #[test]
 fn the_clock_after_an_event_is_that_of_the_event_to_the_last_place() {
     fn ends_alike<R: Real>(methods: [AnyIntegrator<R>; 4]) -> u32 {

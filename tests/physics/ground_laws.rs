@@ -97,7 +97,8 @@ proptest! {
         carried in carried(), restitution in 0.1..1.0_f64, depth in log_uniform(1e-6, 1e-1), speed in log_uniform(1e-3, 1e3),
         exponent in prop_oneof![Just(1.0), Just(1.5), Just(2.0), 1.0..3.0_f64],
     ) {
-        let law = HuntCrossley::from_bounce(carried, exponent, Impact { speed, restitution }, depth).unwrap();
+        let impact = Impact { speed, restitution };
+        let law = HuntCrossley::from_bounce(carried, exponent, impact, depth).unwrap();
         let found = bounce(law, carried, speed, depth / speed / 4000.0);
         prop_assert!((found.restitution - restitution).abs() < 1e-5, "{} for {restitution}", found.restitution);
         // Seen at the steps: a parabola's top is missed by acceleration · dt²/8, 1e-6 of the depth.
@@ -111,7 +112,8 @@ proptest! {
         exponent in prop_oneof![Just(1.0), Just(1.5), Just(2.0), 1.0..4.0_f64],
     ) {
         let dt = seconds / 4000.0;
-        let law = HuntCrossley::from_contact_time(carried, exponent, Impact { speed, restitution }, seconds).unwrap();
+        let impact = Impact { speed, restitution };
+        let law = HuntCrossley::from_contact_time(carried, exponent, impact, seconds).unwrap();
         let found = bounce(law, carried, speed, dt);
         prop_assert!((found.restitution - restitution).abs() < 1e-5, "{} for {restitution}", found.restitution);
         prop_assert!((found.seconds - seconds).abs() < 2.0 * dt, "{} s for {seconds}", found.seconds);

@@ -47,8 +47,8 @@ impl<R: Real> Carried<R> {
 
 /// A measured impact: the speed at touch-down, and the restitution at this speed.
 ///
-/// The restitution of [`HuntCrossley`](crate::HuntCrossley) decreases with the speed, so it is given
-/// together with one.
+/// The restitution of [`HuntCrossley`](crate::HuntCrossley) decreases with the speed, so it is
+/// given together with one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Impact<R = f64> {
