@@ -532,7 +532,7 @@ fn a_good_body_within_the_spoiling_one_passes() {
 // Grounds.
 
 /// A law with the provided mean force.
-struct Provided(FlatGround);
+pub(super) struct Provided(pub(super) FlatGround);
 
 impl SpringDamperGround for Provided {
     fn surface(&self, point: DVec3) -> Surface {

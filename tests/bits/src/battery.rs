@@ -531,7 +531,8 @@ fn first<R: Bits>(play: &mut PlayFirst<'_, R>) -> Result<(), SceneError> {
         play("rod", (&rod, &level(2000.0, 3.0), &coulomb, &falls), falling, 1e-3, 0.5003)?;
         play("point on a slope", (&point, &slope(1500.0, 2.0), &coulomb, &falls), thrown, 1e-3, 0.5003)?;
         // Comes to slide slowly.
-        play("point comes to rest", (&point, &level(1500.0, 20.0), &steep, &falls), slow, 1e-3, 0.1003)?;
+        let soft = level(1500.0, 20.0);
+        play("point comes to rest", (&point, &soft, &steep, &falls), slow, 1e-3, 0.1003)?;
         play("die without friction", (&die, &level(2500.0, 3.0), &Frictionless, &falls), thrown, 1e-3, 0.5003)?;
         play("ball on a slope", (&ball, &slope(2000.0, 5.0), &smooth, &falls), thrown, 1e-3, 0.5003)?;
         play("limited damper", (&lopsided, &limited, &coulomb, &falls), thrown, 1e-3, 0.5003)?;
