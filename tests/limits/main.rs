@@ -1,5 +1,6 @@
 //! What holds for every input: extremes of every parameter, all parts with one another, invalid
-//! input and parts that break their contract. Ordinary scenes are in `tests/physics`.
+//! input and parts that break their contract. Ordinary scenes are in `tests/parts` and
+//! `tests/physics`.
 //!
 //! A file holds one subject. `cargo test --test limits bad_input::` runs those of `bad_input.rs`.
 

@@ -1,6 +1,7 @@
-//! What a body does in a scene that a user would compose, and what each part adds to it: closed
-//! forms, conserved quantities, orders of convergence, and the coin report. Scenes at their
-//! extremes and invalid input are in `tests/limits`; the literature is in `tests/validation`.
+//! What a body does in a scene that a user would compose: closed forms, conserved quantities,
+//! orders of convergence, and the coin report. What each part adds to a scene is in `tests/parts`.
+//! Scenes at their extremes and invalid input are in `tests/limits`, the literature is in
+//! `tests/validation`.
 //!
 //! A file holds one subject. `cargo test --test physics flight::` runs those of `flight.rs`.
 
@@ -8,21 +9,6 @@
 mod common;
 #[path = "../kit/mod.rs"]
 mod kit;
-
-// The parts of a scene.
-mod applied_forces;
-mod bodies;
-mod friction_laws;
-mod ground_laws;
-mod moving_ground;
-mod rim;
-mod rim_on_shapes;
-mod several_surfaces;
-mod smooth;
-mod terrain;
-mod thick_disc;
-mod turning_resistance;
-mod varying_friction;
 
 // What holds for each integrator.
 mod audit;
@@ -61,5 +47,4 @@ mod work_precision;
 // The coin report, and the further study that it names.
 mod report;
 mod report_loop;
-mod rest_on_shapes;
 mod tennis;

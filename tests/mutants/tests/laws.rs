@@ -7,15 +7,15 @@ mod kit;
 
 #[path = "../../physics/adaptive_nystrom.rs"]
 mod adaptive_nystrom;
-#[path = "../../physics/bodies.rs"]
+#[path = "../../parts/bodies.rs"]
 mod bodies;
 #[path = "../../physics/free_rotation.rs"]
 mod free_rotation;
-#[path = "../../physics/friction_laws.rs"]
+#[path = "../../parts/friction_laws.rs"]
 mod friction_laws;
-#[path = "../../physics/ground_laws.rs"]
+#[path = "../../parts/ground_laws.rs"]
 mod ground_laws;
 #[path = "../../physics/lowest_point.rs"]
 mod lowest_point;
-#[path = "../../physics/rest_on_shapes.rs"]
+#[path = "../../parts/rest_on_shapes.rs"]
 mod rest_on_shapes;

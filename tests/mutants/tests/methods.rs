@@ -13,7 +13,7 @@ mod adaptive_energy_momentum;
 mod flight;
 #[path = "../../physics/many_states.rs"]
 mod many_states;
-#[path = "../../physics/rim.rs"]
+#[path = "../../parts/rim.rs"]
 mod rim;
 #[path = "../../physics/step_at_rest.rs"]
 mod step_at_rest;
