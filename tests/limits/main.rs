@@ -19,5 +19,6 @@ mod driven;
 mod extremes;
 mod extremes_table;
 mod first_version;
+mod held;
 mod long;
 mod patterns;

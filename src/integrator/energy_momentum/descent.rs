@@ -39,6 +39,10 @@ use crate::state::State;
 const LENGTHS: u32 = 31;
 /// Number of Newton steps on Φ for each length.
 const NEWTON: u32 = 4;
+/// Largest resistance of a contact along the ground, in terms of the mass, over the reciprocal of
+/// the precision. The part of a larger one across an inclined ground, which is 0, would be computed
+/// with a rounding error above the mass, and the body could not leave the ground.
+const STUCK: f64 = 1.0 / 1024.0;
 
 /// Searches for a backward Euler motion over `seconds`, a sixteenth of them, and so on, from a
 /// state with its energy to an end whose energy is at most `ceiling`. The rest of the time passes
@@ -67,7 +71,10 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
             match descent.end_below(ceiling, step) {
                 Found::End(end, energy) => return Some((end, energy)),
                 Found::Nothing { touching } => blocked |= touching > 0,
-                Found::NoMotion => break,
+                Found::NoMotion => {
+                    blocked |= descent.is_held();
+                    break;
+                }
             }
             length *= R::from_f64(1.0 / 16.0);
         }
@@ -157,6 +164,8 @@ struct Descent<'a, R: Real, D> {
     energy: Energy<R>,
     seconds: R,
     mass: R,
+    /// Largest resistance along the ground times h, kg.
+    stuck: R,
     inertia: Block<R>,
     bounding_radius: R,
     /// Motion without contacts: `h v + h² g` and `h ω`.
@@ -202,6 +211,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             energy,
             seconds,
             mass: properties.mass(),
+            stuck: properties.mass() * (R::from_f64(STUCK) / R::EPSILON),
             inertia: Block { x, y, z },
             bounding_radius: if bounding_radius > R::ZERO {
                 bounding_radius
@@ -227,6 +237,16 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         let kinetic = momentum.length_squared() * (properties.inverse_mass() * R::HALF)
             + properties.rotational_energy(&axes, angular_momentum);
         kinetic * R::from_f64(4.0) < self.energy.total() - ceiling
+    }
+
+    /// Returns true if the body would move without its contacts, by more than the resolution of the
+    /// numbers. If it does not move with them, they stop it.
+    fn is_held(&self) -> bool {
+        let rotation = Rotation::from_rotation_vector(self.free.turn).after(self.start.rotation());
+        let free = self.end_of(&self.free, rotation);
+        let moves =
+            free.position != self.start.position || free.orientation != self.start.orientation;
+        moves && self.energy.springs > R::ZERO
     }
 
     /// Returns the first end on Newton's path to the minimum of Φ whose energy is at most the
@@ -314,6 +334,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
                 .jacobian_at(contact.position, mean.force, contact.slip)
                 .coefficient
                 * (h * weight);
+            let along = along.at_most(self.stuck);
             let across = n * (mean.damping * h * weight - along);
             let resistance = Block::diagonal(along).plus(&Block::outer(across, n));
             let resisted = resistance.times(way.shift + way.turn.cross(contact.arm));
