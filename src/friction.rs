@@ -89,8 +89,9 @@ pub trait SlidingFriction<R: Real = f64> {
     /// Derivatives of the force with respect to slip and normal force, for implicit integrators:
     /// see [`FrictionJacobian`].
     ///
-    /// The provided method takes differences of [`force`](Self::force). The derivatives only steer
-    /// Newton's iteration: an error in them costs iterations, not accuracy.
+    /// The provided method takes differences of [`force`](Self::force). The derivatives steer
+    /// Newton's iteration: a small error in them costs iterations, not accuracy. If the force is not
+    /// opposite to the slip, [`anisotropy_at`](Self::anisotropy_at) has the rest of its derivative.
     #[inline]
     fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
         drag_by_differences(|load, slip| self.force(load, slip), normal_force, slip)
@@ -130,6 +131,27 @@ pub trait SlidingFriction<R: Real = f64> {
         } else {
             self.jacobian(normal_force, slip)
         }
+    }
+
+    /// Part of the derivative of [`force_at`](Self::force_at) with respect to the slip that
+    /// [`jacobian_at`](Self::jacobian_at) cannot contain, for a law whose force is not opposite to
+    /// the slip: the three rows of a symmetric matrix A (world axes, dimensionless).
+    ///
+    /// With the unit vector u along the slip and the projection P onto the surface, the derivative
+    /// is `-coefficient (P - growth · |slip|/width · u uᵀ + A)`.
+    ///
+    /// The provided method returns `None`, which costs nothing. A law whose derivative across the
+    /// slip differs from its coefficient by a factor of 2 or more needs this method: otherwise
+    /// implicit integrators do not find stick.
+    #[inline]
+    fn anisotropy_at(
+        &self,
+        position: R::Vec3,
+        normal_force: R,
+        slip: R::Vec3,
+    ) -> Option<[R::Vec3; 3]> {
+        let _ = (position, normal_force, slip);
+        None
     }
 
     /// Resistance to rolling and spinning of a contact at `position` (m, world axes).
@@ -236,6 +258,15 @@ macro_rules! forward {
                 slip: R::Vec3,
             ) -> FrictionJacobian<R> {
                 (**self).jacobian_at(position, normal_force, slip)
+            }
+            #[inline]
+            fn anisotropy_at(
+                &self,
+                position: R::Vec3,
+                normal_force: R,
+                slip: R::Vec3,
+            ) -> Option<[R::Vec3; 3]> {
+                (**self).anisotropy_at(position, normal_force, slip)
             }
             #[inline]
             fn rolling_resistance_at(

@@ -29,7 +29,7 @@ pub use shape::{Block, Bowl, Elevation, HeightField, Ramp, Shape, Terrain, Waves
 use law::mean_force_by_quadrature;
 
 use crate::error::{self, Rule, SceneError};
-use crate::real::{Real, Vector};
+use crate::real::{Real, Vector, unit};
 
 /// A ground that acts on each contact by a spring and a damper.
 ///
@@ -376,7 +376,7 @@ impl<R: Real> Plane<R> {
     /// The normal has any length above 0. A normal of length 0 gives a plane that is not finite.
     #[must_use]
     pub fn through(point: R::Vec3, normal: R::Vec3) -> Self {
-        let normal = normal * (R::ONE / normal.length());
+        let normal = unit::<R>(normal);
         Self {
             normal,
             height: normal.dot(point),

@@ -416,3 +416,21 @@ implement_real!(
     libm::atan2,
     libm::pow
 );
+/// Vector whose largest component is between 1 and 2, or NaN for 0. Its direction has the same bits
+/// as that of the vector, because the factor is a power of two.
+pub(crate) fn scaled<R: Real>(v: R::Vec3) -> R::Vec3 {
+    let largest = (v.x().abs()).at_least(v.y().abs()).at_least(v.z().abs());
+    if largest <= R::ZERO {
+        return v * (R::ONE / R::ZERO);
+    }
+    // Below its smallest value a power of two is not the largest one in a number.
+    let unit = largest.power_of_two();
+    R::Vec3::new(v.x() / unit, v.y() / unit, v.z() / unit)
+}
+
+/// Unit vector along a vector of any length above 0, also where the square of that length overflows
+/// or underflows. It is not finite for 0.
+pub(crate) fn unit<R: Real>(v: R::Vec3) -> R::Vec3 {
+    let v = scaled::<R>(v);
+    v * (R::ONE / v.length())
+}

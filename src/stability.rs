@@ -157,9 +157,9 @@ impl<R: Real> Response<R> {
     /// Adds a contact. Returns its stiffness and its damping along the normal.
     fn add<D: Dynamics<R>>(&mut self, frame: &Frame<'_, R, D>, contact: &Contact<R>) -> [R; 2] {
         let normal = contact.normal;
-        let (ground, friction) = contact.laws(frame.scene.ground(), frame.scene.friction());
+        let (ground, friction_law) = contact.laws(frame.scene.ground(), frame.scene.friction());
         let load = ground.normal_force(contact.depth, contact.closing_speed);
-        let drag = drag_at(&friction, load, contact);
+        let drag = drag_at(&friction_law, load, contact);
         let by_load = contact.slip * -drag.per_load;
         self.is_coupled |= by_load != R::Vec3::ZERO;
         let pushed = match self.load {
@@ -177,8 +177,11 @@ impl<R: Real> Response<R> {
         let [along, across] = tangents(normal, contact.slip, speed);
         let sliding = (R::ONE - drag.growth * speed / drag.width).at_least(R::ZERO);
         let friction = drag.coefficient * contact.weight;
-        self.add_damper(frame, along, contact.arm.cross(along), friction * sliding);
-        self.add_damper(frame, across, contact.arm.cross(across), friction);
+        let more = anisotropy_at(&friction_law, load, contact, [along, across]);
+        for (direction, share) in [(along, sliding + more[0]), (across, R::ONE + more[1])] {
+            let damping = friction * share.at_least(R::ZERO);
+            self.add_damper(frame, direction, contact.arm.cross(direction), damping);
+        }
         self.add_turning(frame, contact, load, [along, across]);
         [k, c]
     }
@@ -424,6 +427,24 @@ fn drag_at<R: Real, F: SlidingFriction<R>>(
     }
     let [direction, _] = tangents(contact.normal, contact.slip, R::ZERO);
     friction.jacobian_at(contact.position, load, direction * R::from_f64(1e-12))
+}
+
+/// What a law that is not isotropic adds to the damping along two directions, relative to its
+/// coefficient. The coupling of the directions counts for both: the sum of the magnitudes in a row
+/// is an upper bound of an eigenvalue.
+fn anisotropy_at<R: Real, F: SlidingFriction<R>>(
+    friction: &F,
+    load: R,
+    contact: &Contact<R>,
+    directions: [R::Vec3; 2],
+) -> [R; 2] {
+    let Some([x, y, z]) = friction.anisotropy_at(contact.position, load, contact.slip) else {
+        return [R::ZERO; 2];
+    };
+    let [along, across] = directions;
+    let times = |v: R::Vec3| R::Vec3::new(x.dot(v), y.dot(v), z.dot(v));
+    let coupling = along.dot(times(across)).abs();
+    directions.map(|direction| direction.dot(times(direction)) + coupling)
 }
 
 /// Two unit vectors along the surface, the first along the slip if the slip is not zero.

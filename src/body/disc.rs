@@ -95,10 +95,13 @@ use crate::state::State;
 ///   integral of the law over the arc to a relative 2e-7, and mostly to 1e-9. They are less
 ///   accurate if dampers cancel the force at the lowest point and at both ends, so that only a
 ///   short part between them pushes. Other laws are not smooth where the quadrature assumes it, at
-///   the ends of the arc or where a damper reaches its limit. The error is up to 2e-3 with
-///   [`HuntCrossley`](crate::HuntCrossley), unless its exponent is an integer, and up to 2e-2 with
-///   [`LimitedDamper`](crate::LimitedDamper). An elastic bounce then has an error of its energy
-///   that shorter steps do not reduce.
+///   the ends of the arc or where a damper reaches its limit. In random poses the error is up to
+///   2e-3 with [`LoadDependentCoulomb`](crate::LoadDependentCoulomb), 4e-3 with
+///   [`AnisotropicCoulomb`](crate::AnisotropicCoulomb), 6e-3 with
+///   [`HuntCrossley`](crate::HuntCrossley) and 4e-2 with [`LimitedDamper`](crate::LimitedDamper). A
+///   `HuntCrossley` damper that cancels the force on a part of the arc has up to 30 % of the small
+///   force that is left. An elastic bounce then has an error of its energy that shorter steps do
+///   not reduce.
 /// - `EnergyMomentum` uses up to eight points between discontinuities. If friction reverses on the
 ///   arc, the error is up to 1e-3 of the load, and 6e-3 for a slip speed of 1e-10 m/s. So the
 ///   method does not converge to the same limit as its steps get shorter.

@@ -40,8 +40,8 @@ use crate::state::State;
 ///   shorter than the coin.
 /// - The accuracy on each rim is that of a [`Disc`](super::Disc), whose limits hold here too.
 /// - The edge is sharp. A coin with a bevel stands less well.
-/// - On a plane at rest, the coin stands on its edge only if the penetration depth at rest is far
-///   below `h²/(8 r)`.
+/// - On a plane at rest, the coin of thickness h and radius r stands on its edge only if its lowest
+///   points penetrate by less than `3 h²/(8 r)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThickDisc<R: Real = f64> {
     mass: R,

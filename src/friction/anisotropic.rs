@@ -2,7 +2,7 @@
 
 use super::{FrictionJacobian, SlidingFriction};
 use crate::error::{self, Rule, SceneError};
-use crate::real::{Real, Vector};
+use crate::real::{Real, Vector, scaled, unit};
 
 /// Coulomb friction with two coefficients, along and across the grain of the ground: planks,
 /// brushed metal, the lines of a court.
@@ -17,8 +17,9 @@ use crate::real::{Real, Vector};
 /// law is [`Coulomb`](crate::Coulomb).
 ///
 /// *Limits:*
-/// - The law is made for one plane. On another surface the force leaves that surface, but still
-///   dissipates energy.
+/// - The law is made for one plane. On another surface its force has a component along the normal,
+///   whose work no energy audit counts: methods other than
+///   [`EnergyMomentum`](crate::EnergyMomentum) can gain energy there.
 /// - The force has a component across the slip, towards the direction of the smaller coefficient.
 ///   It is up to `|μ₁² - μ₂²|/(μ₁² + μ₂²)` of the force.
 /// - It does not stick. It creeps as `Coulomb` does, with a slip speed of
@@ -50,10 +51,10 @@ impl<R: Real> AnisotropicCoulomb<R> {
     /// Both vectors have any length above 0. The direction is projected onto the plane.
     #[must_use]
     pub fn on(normal: R::Vec3, direction: R::Vec3, coefficients: [R; 2], slip_speed: R) -> Self {
-        let unit = |v: R::Vec3| v * (R::ONE / v.length());
-        let across = unit(normal.cross(direction));
+        let [normal, direction] = [normal, direction].map(scaled::<R>);
+        let across = unit::<R>(normal.cross(direction));
         Self {
-            along: unit(across.cross(normal)),
+            along: unit::<R>(across.cross(normal)),
             across,
             coefficients,
             slip_speed,
@@ -65,6 +66,39 @@ impl<R: Real> AnisotropicCoulomb<R> {
         let [along, across] = self.coefficients;
         along.at_least(across)
     }
+
+    /// Derivative of the force with respect to the slip for a unit load, with the opposite sign, in
+    /// the axes of the grain, s/m. `components` are those of the slip, m/s.
+    ///
+    /// With `w = (μ₁ u₁, μ₂ u₂)` the force is `-μᵢ wᵢ/W`, `W = |w| + w₀`.
+    fn derivative(&self, components: [R; 2]) -> [[R; 2]; 2] {
+        let coefficients = self.coefficients;
+        let w = [0, 1].map(|i| coefficients[i] * components[i]);
+        let (u, speed) = direction_of(w);
+        let width = speed + self.larger() * self.slip_speed;
+        let share = speed / width;
+        [0, 1].map(|i| {
+            [0, 1].map(|j| {
+                let of_unit = identity::<R>(i, j) - u[i] * u[j] * share;
+                coefficients[i] * coefficients[j] * of_unit / width
+            })
+        })
+    }
+}
+
+/// Direction of a vector of two components, or 0, and its length.
+fn direction_of<R: Real>([x, y]: [R; 2]) -> ([R; 2], R) {
+    let length = (x * x + y * y).sqrt();
+    if length > R::ZERO {
+        ([x / length, y / length], length)
+    } else {
+        ([R::ZERO; 2], R::ZERO)
+    }
+}
+
+/// Element of the unit matrix.
+fn identity<R: Real>(i: usize, j: usize) -> R {
+    if i == j { R::ONE } else { R::ZERO }
 }
 
 impl<R: Real> SlidingFriction<R> for AnisotropicCoulomb<R> {
@@ -111,6 +145,27 @@ impl<R: Real> SlidingFriction<R> for AnisotropicCoulomb<R> {
             width,
             growth: R::ONE,
         }
+    }
+
+    fn anisotropy_at(&self, _: R::Vec3, _: R, slip: R::Vec3) -> Option<[R::Vec3; 3]> {
+        let drag = self.jacobian(R::ONE, slip);
+        if drag.coefficient <= R::ZERO {
+            return None;
+        }
+        let components = [self.along.dot(slip), self.across.dot(slip)];
+        let whole = self.derivative(components);
+        // What the scalar derivatives say.
+        let (u, speed) = direction_of(components);
+        let along_slip = drag.growth * speed / drag.width;
+        let more = |i: usize, j: usize| {
+            let isotropic = identity::<R>(i, j) - u[i] * u[j] * along_slip;
+            whole[i][j] / drag.coefficient - isotropic
+        };
+        let (a, b) = (self.along, self.across);
+        let of_a = a * more(0, 0) + b * more(0, 1);
+        let of_b = a * more(1, 0) + b * more(1, 1);
+        let row = |a: R, b: R| of_a * a + of_b * b;
+        Some([row(a.x(), b.x()), row(a.y(), b.y()), row(a.z(), b.z())])
     }
 
     fn check(&self) -> Result<(), SceneError> {

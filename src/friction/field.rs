@@ -116,6 +116,16 @@ where
     }
 
     #[inline]
+    fn anisotropy_at(
+        &self,
+        position: R::Vec3,
+        normal_force: R,
+        slip: R::Vec3,
+    ) -> Option<[R::Vec3; 3]> {
+        (self.law_at)(position).anisotropy_at(position, normal_force, slip)
+    }
+
+    #[inline]
     fn rolling_resistance(&self, normal_force: R) -> Option<RollingResistance<R>> {
         self.rolling_resistance_at(R::Vec3::ZERO, normal_force)
     }

@@ -187,6 +187,20 @@ where
     }
 
     #[inline]
+    fn anisotropy_at(
+        &self,
+        position: R::Vec3,
+        normal_force: R,
+        slip: R::Vec3,
+    ) -> Option<[R::Vec3; 3]> {
+        if self.region.contains(position) {
+            self.inside.anisotropy_at(position, normal_force, slip)
+        } else {
+            self.outside.anisotropy_at(position, normal_force, slip)
+        }
+    }
+
+    #[inline]
     fn rolling_resistance(&self, normal_force: R) -> Option<RollingResistance<R>> {
         self.rolling_resistance_at(R::Vec3::ZERO, normal_force)
     }

@@ -75,6 +75,10 @@ impl<R: Real> RollingResistance<R> {
 /// - [`EnergyMomentum`](crate::EnergyMomentum) applies it in two halves, before and after each
 ///   step, under the load at those moments. Its energy never increases. A bounce that is shorter
 ///   than the step has no resistance.
+/// - On a slope, with `EnergyMomentum`, the creep of a solid ball is at least `15/7 · h g sin θ` at
+///   the step size h: friction returns in each step what the last half of the torque has taken from
+///   the rotation. [`Radau5`](crate::Radau5) has the creep of the law, and
+///   [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) takes short steps to reach it.
 /// - With `EnergyMomentum`, the path length of a ball that rolls to rest is of order 2. The speed
 ///   after a step is that of half a step before, because friction passes on the last half of the
 ///   torque in the next step. For a solid ball the error is `h/2 · 5/7 · rolling/radius · g`.
@@ -129,6 +133,16 @@ impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for WithResistance<F, R>
         slip: R::Vec3,
     ) -> FrictionJacobian<R> {
         self.friction.jacobian_at(position, normal_force, slip)
+    }
+
+    #[inline]
+    fn anisotropy_at(
+        &self,
+        position: R::Vec3,
+        normal_force: R,
+        slip: R::Vec3,
+    ) -> Option<[R::Vec3; 3]> {
+        self.friction.anisotropy_at(position, normal_force, slip)
     }
 
     #[inline]

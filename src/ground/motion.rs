@@ -38,8 +38,15 @@ impl<R: Real> GroundMotion<R> {
     /// Creates a rotation with an angular velocity (rad/s) about the axis through `centre` (m).
     #[must_use]
     pub fn rotation(centre: R::Vec3, angular_velocity: R::Vec3) -> Self {
+        // The point of the axis nearest to the origin: any other adds its rounding to the velocity.
+        let square = angular_velocity.length_squared();
+        let nearest = if square > R::ZERO {
+            centre - angular_velocity * (centre.dot(angular_velocity) / square)
+        } else {
+            centre
+        };
         Self {
-            velocity: centre.cross(angular_velocity),
+            velocity: nearest.cross(angular_velocity),
             angular_velocity,
         }
     }

@@ -7,9 +7,10 @@
 use crate::kit::erased::Stepper;
 use crate::kit::{self, directions, log_uniform, point_mass};
 use proptest::prelude::*;
-use tumble::glam::DVec3;
+use std::f64::consts::TAU;
+use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    AnisotropicCoulomb, Coulomb, EnergyMomentum, FlatGround, LoadDependentCoulomb, Plane,
+    AnisotropicCoulomb, Coulomb, Cuboid, EnergyMomentum, FlatGround, LoadDependentCoulomb, Plane,
     PointCloud, RigidPointBody, SlidingFriction, State, Stribeck, UniformGravity, Viscous,
 };
 
@@ -231,6 +232,71 @@ proptest! {
             let rival = law.along * (coefficients[0] * load * cos) + law.across * (coefficients[1] * load * sin);
             prop_assert!(force.dot(slip) <= -rival.dot(slip) + 1e-8 * load * coefficients[0].max(coefficients[1]));
         }
+    }
+
+    /// Coefficient, anisotropy and width together are the derivative of the force, against central
+    /// differences in two directions of the plane. Their error is nudge² and rounding over nudge.
+    #[test]
+    fn the_derivative_of_friction_with_a_grain_is_that_of_its_force(
+        normal in directions(), grain in directions(), slip in directions(), speed in log_uniform(1e-6, 1e2), coefficients in [log_uniform(0.1, 1.0), log_uniform(0.1, 1.0)],
+    ) {
+        prop_assume!(normal.cross(grain).length() > 1e-3 && normal.cross(slip).length() > 1e-3);
+        let law = AnisotropicCoulomb::on(normal, grain, coefficients, 1e-3);
+        let slip = (slip - normal * normal.dot(slip)).normalize() * speed;
+        let drag = law.jacobian(2.0, slip);
+        let [x, y, z] = law.anisotropy_at(DVec3::ZERO, 2.0, slip).unwrap();
+        let (u, nudge) = (slip / speed, 1e-5 * speed);
+        // Largest derivative in any direction, for the load of 2 N.
+        let larger = coefficients[0].max(coefficients[1]);
+        let weighed = (coefficients[0] * law.along.dot(slip)).hypot(coefficients[1] * law.across.dot(slip));
+        let steepest = 2.0 * larger * larger / (weighed + larger * 1e-3);
+        for direction in [law.along, law.across] {
+            let force = |by: f64| law.force(2.0, slip + direction * by);
+            let found = (force(nudge) - force(-nudge)) / (2.0 * nudge);
+            let more = DVec3::new(x.dot(direction), y.dot(direction), z.dot(direction));
+            let weakened = u * (u.dot(direction) * drag.growth * speed / drag.width);
+            let told = (direction - weakened + more) * -drag.coefficient;
+            prop_assert!((found - told).length() < 1e-8 * steepest, "{found} and {told}");
+        }
+    }
+
+    /// A block on a slope creeps down with the slip at which friction is the weight along the
+    /// slope: `w = d / (1 - |d|) w₀` of `wᵢ = μᵢ uᵢ`, with `dᵢ = tan θ ·eᵢ/μᵢ` for the direction e of
+    /// the slope and `w₀ = max(μ) · slip_speed`. On level ground gravity leans instead.
+    #[test]
+    fn a_block_creeps_down_a_slope_with_a_grain_as_the_law_says(
+        grain in 0.0..TAU, ratio in log_uniform(1.0, 10.0), tangent in 0.02..0.36_f64, slip_speed in log_uniform(1e-7, 1e-3), time_step in log_uniform(2e-4, 1.0 / 60.0), is_level in any::<bool>(), is_shallow in any::<bool>(),
+    ) {
+        let angle = tangent.atan();
+        let (normal, down) = if is_level { (DVec3::Z, DVec3::X) } else {
+            (DVec3::new(angle.sin(), 0.0, angle.cos()), DVec3::new(angle.cos(), 0.0, -angle.sin()))
+        };
+        let coefficients = if is_shallow { [0.4, 0.4 * ratio] } else { [0.4 * ratio, 0.4] };
+        let direction = down * grain.cos() + normal.cross(down) * grain.sin();
+        let law = AnisotropicCoulomb::on(normal, direction, coefficients, slip_speed);
+        let stepper = Stepper::builder(Cuboid::solid(1.0, DVec3::new(0.2, 0.2, 0.05)))
+            .gravity(UniformGravity { acceleration: (down * angle.sin() - normal * angle.cos()) * G })
+            .ground(FlatGround::level(1e4, 100.0).on(Plane::through(DVec3::ZERO, normal)))
+            .friction(law)
+            .integrator(EnergyMomentum { time_step })
+            .build()
+            .unwrap();
+        let depth = G * angle.cos() / 4e4;
+        let mut state = State::at(normal * (0.025 - depth))
+            .with_orientation(DQuat::from_rotation_arc(DVec3::Z, normal));
+        stepper.advance(&mut state, 0.5).unwrap();
+        let start = state.position;
+        stepper.advance(&mut state, 0.5).unwrap();
+        let creep = (state.position - start) / 0.5;
+        let axes = [law.along, law.across];
+        let d = [0, 1].map(|i| tangent * axes[i].dot(down) / coefficients[i]);
+        let size = d[0].hypot(d[1]);
+        let w0 = coefficients[0].max(coefficients[1]) * slip_speed;
+        let u = [0, 1].map(|i| d[i] / (1.0 - size) * w0 / coefficients[i]);
+        let expected = axes[0] * u[0] + axes[1] * u[1];
+        // The tolerance of a step, beside a creep of 1e-9 m/s and more.
+        let off = (creep - expected).length();
+        prop_assert!(off < 1e-4 * expected.length() + 1e-13, "{creep} and {expected}");
     }
 
     #[test]

@@ -8,8 +8,8 @@
 
 use core::f64::consts::PI;
 
-use crate::kit;
 use crate::kit::erased::Stepper;
+use crate::kit::{self, directions, log_uniform};
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, GroundRange, Requirement, check_ground};
 use tumble::error::Rule;
@@ -203,6 +203,24 @@ fn level_motions() -> [GroundMotion; 4] {
         ..table
     };
     [GroundMotion::translation(DVec3::ZERO), belt, table, both]
+}
+
+proptest! {
+    #![proptest_config(kit::cases(1000))]
+
+    /// The hub may be anywhere on the axis, above or below the table.
+    #[test]
+    fn a_turntable_on_any_plane_is_valid_wherever_its_hub_is(
+        normal in directions(), height in -10.0..10.0_f64, hub in -1e3..1e3_f64, aside in directions(), rate in log_uniform(1e-6, 1e3),
+    ) {
+        let plane = Plane { normal, height };
+        let motion = GroundMotion::rotation(normal * hub + aside, normal * rate);
+        let ground = MovingGround { ground: FlatGround::level(1e4, 1.0).on(plane), motion };
+        prop_assert_eq!(SpringDamperGround::<f64>::check(&ground), Ok(()));
+        // The axis is where it was.
+        let still = motion.velocity_at(aside + normal * hub).length();
+        prop_assert!(still <= 1e-12 * rate * (hub.abs() + 2.0), "{}", still);
+    }
 }
 
 /// Force and torque of the contacts of a body on level ground that moves, by the definition: the

@@ -554,6 +554,44 @@ fn the_energy_never_increases_in_single_precision() {
     }
 }
 
+/// Upright, each arc is `r δ` deep and `2 √(2 δ/r)` long, and carries half of the weight:
+/// `m g/2 = (n S/2π) (4/3) δ √(2 δ/r)`. A lean θ changes the depths by `± h θ/2`. The arcs restore
+/// with the slope of that load, the weight tips the coin: it stands if `δ < 3 h²/(8 r)`.
+#[test]
+fn it_stands_on_its_edge_up_to_the_depth_of_the_closed_form() {
+    for (points, thickness, share) in [
+        (6, 2e-3, 0.8),
+        (60, 1e-3, 0.8),
+        (6, 1e-3, 1.2),
+        (60, 2e-3, 1.2),
+    ] {
+        let (mass, radius) = (0.005, 0.0106);
+        let depth = share * 3.0 * thickness * thickness / (8.0 * radius);
+        let arcs = points as f64 / TAU * (4.0 / 3.0) * depth * (2.0 * depth / radius).sqrt();
+        let stiffness = 0.5 * mass * GRAVITY / arcs;
+        let damping = 0.02 * stiffness * (depth / GRAVITY).sqrt();
+        let friction = Coulomb {
+            coefficient: 0.3,
+            slip_speed: 1e-4,
+        };
+        let stepper = scene!(
+            ThickDisc::solid(mass, radius, thickness, points),
+            FlatGround::level(stiffness, damping),
+            friction,
+            EnergyMomentum { time_step: 1e-3 }
+        );
+        let mut state =
+            State::at(DVec3::Z * (radius - depth)).with_rotation_vector(DVec3::Y * 2e-3);
+        follow(&stepper, &mut state, 2_000);
+        let lean = (state.orientation * DVec3::X).z.abs().asin();
+        assert_eq!(
+            lean < 0.1,
+            share < 1.0,
+            "{points} points at {share}: a lean of {lean}"
+        );
+    }
+}
+
 /// Both rims touch the ground flat, at different depths: a short and soft coin whose upper rim is
 /// below the surface as well. Each carries `n S d`.
 #[test]

@@ -188,9 +188,11 @@ impl<R: Real> Judged<R> {
         }
     }
 
+    /// An end of infinite speed has an infinite rounding error, which would allow any error.
     #[inline(always)]
     fn is_accurate(&self) -> bool {
-        self.errors.total() <= self.allowed
+        let error = self.errors.total();
+        error <= self.allowed && error.is_finite()
     }
 
     /// Error relative to the allowed one.

@@ -250,6 +250,19 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         }
     }
 
+    /// [`SlidingFriction::anisotropy_at`].
+    #[inline]
+    pub(super) fn anisotropy(
+        &self,
+        surface: u32,
+        position: R::Vec3,
+        normal_force: R,
+        slip: R::Vec3,
+    ) -> Option<[R::Vec3; 3]> {
+        let law = self.law(surface);
+        law.anisotropy_at(position, normal_force, slip)
+    }
+
     /// Position of a contact at the middle of the step (m, world axes), for the velocities of the
     /// start. `arm` and `radius` are those of the contact's centre at the start.
     ///

@@ -242,7 +242,7 @@ fn inertial<R: Real, D>(
 /// Rows of `-dt/2 dF/dx` of one contact for its path x over the step, that is of
 /// `dt/2 (k (n - uₙ) nᵀ + c/dt (1 - n nᵀ - w' g ûᵀ))`.
 #[inline(always)]
-fn of_path<R: Real, D>(
+fn of_path<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     push: &Push<R>,
     answer: &Answer<R>,
@@ -256,17 +256,34 @@ fn of_path<R: Real, D>(
     let across = loaded * (push.mean.slope * (problem.seconds * R::HALF)) - n * c;
     let along = answer.dual * (-c * answer.drag.growth);
     let row = |across: R, along: R| n * across + u * along;
-    [
+    let mut rows = [
         row(across.x(), along.x()) + R::Vec3::new(c, R::ZERO, R::ZERO),
         row(across.y(), along.y()) + R::Vec3::new(R::ZERO, c, R::ZERO),
         row(across.z(), along.z()) + R::Vec3::new(R::ZERO, R::ZERO, c),
-    ]
+    ];
+    if let Some(more) = anisotropy(problem, push, answer) {
+        for (row, more) in rows.iter_mut().zip(more) {
+            *row += more * c;
+        }
+    }
+    rows
+}
+
+/// What a friction law that is not isotropic adds to the derivative, divided by its coefficient.
+#[inline(always)]
+fn anisotropy<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    push: &Push<R>,
+    answer: &Answer<R>,
+) -> Option<[R::Vec3; 3]> {
+    let position = problem.motion.position + push.arm;
+    problem.anisotropy(push.surface, position, push.mean.force, answer.slip)
 }
 
 /// Derivative of the force as in [`of_path`], on level ground: n is the third axis, and no slip
 /// occurs along it.
 #[inline(always)]
-fn of_level_path<R: Real, D>(
+fn of_level_path<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     push: &Push<R>,
     answer: &Answer<R>,
@@ -277,12 +294,18 @@ fn of_level_path<R: Real, D>(
     let loaded = -(answer.drag.per_load * rise);
     let growth = -(c * answer.drag.growth);
     let along = [dual.x() * growth, dual.y() * growth];
-    LevelPath {
+    let mut path = LevelPath {
         columns: [
             [along[0] * u.x() + c, along[1] * u.x()],
             [along[0] * u.y(), along[1] * u.y() + c],
             [slip.x() * loaded, slip.y() * loaded],
         ],
         rise,
+    };
+    if let Some([by_x, by_y, _]) = anisotropy(problem, push, answer) {
+        let [x, y, _] = &mut path.columns;
+        (x[0], x[1]) = (x[0] + by_x.x() * c, x[1] + by_y.x() * c);
+        (y[0], y[1]) = (y[0] + by_x.y() * c, y[1] + by_y.y() * c);
     }
+    path
 }

@@ -286,7 +286,17 @@ struct Jump<R> {
 /// The result is slightly beyond the change. The change is known to occur.
 fn first_change<R: Real>(force: impl Fn(R) -> R, pushes: bool, last: R) -> R {
     let changed = |share: R| (force(share) > R::ZERO) != pushes;
-    let [_, first] = bisect([R::ZERO, last], HALVINGS, changed);
+    let mut bracket = bisect([R::ZERO, last], HALVINGS, changed);
+    for _ in 0..ROUNDS {
+        let [before, first] = bracket;
+        // A step that ends just beyond a touch-down: its part with a force must be resolved as well.
+        let rest = (last - first).at_least(R::EPSILON);
+        if first - before <= rest * R::from_f64(RESOLVED) {
+            break;
+        }
+        bracket = bisect(bracket, HALVINGS / 2, changed);
+    }
+    let [_, first] = bracket;
     first
 }
 
@@ -308,6 +318,10 @@ const AHEAD: f64 = 0.5;
 const MANY: usize = 48;
 /// Bisections to locate a discontinuity. They resolve a millionth of the step.
 const HALVINGS: u32 = 20;
+/// Most rounds of half as many bisections beyond them, down to rounding.
+const ROUNDS: u32 = 4;
+/// Resolution of the part of a step beyond a discontinuity, as a fraction of it.
+const RESOLVED: f64 = 1.0 / 16.0;
 
 /// Returns the speed of the farthest point of the body per normal impulse at a contact, 1/kg.
 ///

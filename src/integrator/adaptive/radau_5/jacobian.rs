@@ -202,9 +202,13 @@ fn by_motion<R: Real, D: Dynamics<R>>(
     } else {
         R::ZERO
     };
+    let anisotropy = friction
+        .anisotropy_at(contact.position, load, felt)
+        .map_or(Block::ZERO, |[x, y, z]| Block { x, y, z });
     let in_surface = Block::diagonal(R::ONE)
         .plus(&Block::outer(-n, n))
         .plus(&Block::outer(slip * -weakening, slip))
+        .plus(&anisotropy)
         .scaled(-(drag.coefficient * contact.weight));
     let by_path = pushed.scaled(stiffness);
     let by_velocity = pushed.scaled(damping).plus(&in_surface);
