@@ -90,8 +90,9 @@ pub trait SlidingFriction<R: Real = f64> {
     /// see [`FrictionJacobian`].
     ///
     /// The provided method takes differences of [`force`](Self::force). The derivatives steer
-    /// Newton's iteration: a small error in them costs iterations, not accuracy. If the force is not
-    /// opposite to the slip, [`anisotropy_at`](Self::anisotropy_at) has the rest of its derivative.
+    /// Newton's iteration: a small error in them costs iterations, not accuracy. If the force is
+    /// not opposite to the slip, [`anisotropy_at`](Self::anisotropy_at) has the rest of its
+    /// derivative.
     #[inline]
     fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
         drag_by_differences(|load, slip| self.force(load, slip), normal_force, slip)

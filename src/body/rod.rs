@@ -7,10 +7,11 @@ use crate::real::{Matrix, Real, Vector};
 /// Thin straight rod along body z, with a bare contact at each end.
 ///
 /// It has no moment about its own axis and does not spin about it. So its angular momentum is
-/// perpendicular to the axis, as [`State::with_angular_velocity`](crate::State::with_angular_velocity)
-/// sets it. A state with a part along the axis describes no motion of a rod: in contact
-/// [`EnergyMomentum`](crate::EnergyMomentum) drops that part, and the other methods keep it, so that
-/// they end at different motions.
+/// perpendicular to the axis, as
+/// [`Stepper::with_angular_velocity`](crate::Stepper::with_angular_velocity) sets it. A state with
+/// a part along the axis describes no motion of a rod. In contact
+/// [`EnergyMomentum`](crate::EnergyMomentum) drops that part, and the other methods keep it, so
+/// that they end at different motions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rod<R: Real = f64> {
     mass: R,

@@ -2,7 +2,7 @@
 
 use super::several::check_is_one;
 use super::{FrictionJacobian, SlidingFriction};
-use crate::error::{self, SceneError};
+use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
 
 /// Torque of one contact against rolling and spinning of the body.
@@ -69,6 +69,7 @@ impl<R: Real> RollingResistance<R> {
 /// - It does not hold a body at rest. A ball on a slope of angle θ, with `tan θ < rolling/radius`,
 ///   creeps at the angular speed `turn_speed · t/(1 - t)`, `t = tan θ · radius/rolling`.
 /// - On a body with many contacts it acts at each of them.
+/// - The law inside has no resistance of its own.
 /// - A torque about an axis without inertia (a [`Rod`](crate::Rod)) is left out by
 ///   `EnergyMomentum`. Explicit methods keep it as angular momentum, which deflects the body when
 ///   it tilts. The two differ there by some percent of the angular velocity, at any step size.
@@ -153,6 +154,10 @@ impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for WithResistance<F, R>
     fn check(&self) -> Result<(), SceneError> {
         check_is_one(&self.friction)?;
         self.friction.check()?;
+        if self.friction.rolling_resistance(R::ONE).is_some() {
+            let quantity = "number of resistances in a law with resistance";
+            return Err(SceneError::new(quantity, Rule::Exactly(0), 1.0, ""));
+        }
         error::at_least_zero("length of the rolling resistance", self.rolling, " m")?;
         error::at_least_zero("length of the spinning resistance", self.spinning, " m")?;
         error::above_zero("turn speed of the resistance", self.turn_speed, " rad/s")

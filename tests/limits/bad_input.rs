@@ -1123,6 +1123,23 @@ fn the_numbers_of_turning_resistance_are_in_their_ranges() {
         " rad/s",
         |turn_speed| with(WithResistance { turn_speed, ..law }),
     );
+    // The resistance of the law inside would have no effect.
+    let nested = WithResistance {
+        friction: law,
+        rolling: 1e-3,
+        spinning: 1e-3,
+        turn_speed: 1e-3,
+    };
+    let told = Stepper::new(point_mass(1.0))
+        .unwrap()
+        .with_friction(nested)
+        .map(|_| ())
+        .unwrap_err()
+        .to_string();
+    assert_eq!(
+        told,
+        "number of resistances in a law with resistance must be 0, got 1"
+    );
     refuses("viscous friction", AT_LEAST_ZERO, " s/m", |coefficient| {
         with(WithResistance {
             friction: Viscous { coefficient },

@@ -80,9 +80,10 @@ use stages::{Equations, Increments, STAGES, WEIGHTS, differences};
 /// - *Jacobian:* from the derivatives of the laws. A law without its own is differentiated by
 ///   differences. An applied force and the curvature of the ground are not part of it. They cost
 ///   iterations, not accuracy.
-/// - *Touch-downs* end a step, as in `DormandPrince54`. In `f32`, a touch-down on a strong
-///   damper may end the run with [`StepTooShort`](crate::StepError::StepTooShort), where the rounding
-///   of the depth changes the speed of the body by more than the tolerance a second.
+/// - *Touch-downs* end a step, as in `DormandPrince54`. In `f32`, a touch-down on a strong damper
+///   may end the run with [`StepTooShort`](crate::StepError::StepTooShort), where the rounding of
+///   the depth changes the speed of the body by more than the tolerance a second. This is most
+///   frequent with round rims.
 /// - *May add energy* by the size of its error.
 /// - *Torque-free rotation* is exact to rounding
 ///   ([`turn_freely`](crate::InertiaProperties::turn_freely)). Its error is no part of the estimate

@@ -289,7 +289,7 @@ fn first_change<R: Real>(force: impl Fn(R) -> R, pushes: bool, last: R) -> R {
     let mut bracket = bisect([R::ZERO, last], HALVINGS, changed);
     for _ in 0..ROUNDS {
         let [before, first] = bracket;
-        // A step that ends just beyond a touch-down: its part with a force must be resolved as well.
+        // Of a step that ends just beyond a touch-down, the part with a force must be resolved too.
         let rest = (last - first).at_least(R::EPSILON);
         if first - before <= rest * R::from_f64(RESOLVED) {
             break;
