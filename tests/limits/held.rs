@@ -100,7 +100,7 @@ proptest! {
 
 /// A ring lies nearly flat on inclined ground, far from the origin, with a velocity towards it, and
 /// the dampers are beyond the precision as well. Its path to the end of the step is too short for
-/// its numbers. It had hung there with its velocity for ever, found once in 5,000,000 random steps.
+/// its numbers. It had hung there with its velocity for ever, found once in 6,000,000 random steps.
 #[test]
 fn dampers_beyond_the_precision_leave_no_body_hanging_with_a_velocity() {
     let normal = Vec3::new(-0.613_420_5, -0.038_306_02, 0.788_827);
