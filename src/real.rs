@@ -416,6 +416,7 @@ implement_real!(
     libm::atan2,
     libm::pow
 );
+
 /// Vector whose largest component is between 1 and 2, or NaN for 0. Its direction has the same bits
 /// as that of the vector, because the factor is a power of two.
 pub(crate) fn scaled<R: Real>(v: R::Vec3) -> R::Vec3 {

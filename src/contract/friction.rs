@@ -207,6 +207,9 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
             let off = (drag.coefficient * speed - braking).abs();
             let bound = (braking + force.length()) * R::EPSILON.sqrt();
             demand_at_most(off, bound, fits, input)?;
+        }
+        // Along a slip without friction, the derivative across it has no coefficient to refer to.
+        if speed > R::ZERO && drag.coefficient > R::ZERO {
             self.turned_drag_at(load, slip, &drag)?;
         }
         Ok(())
