@@ -202,8 +202,7 @@ pub enum Requirement {
     #[error("a force that varies over the ground needs depends_on_position to be true")]
     SameEverywhere,
     /// Friction: `jacobian` has a coefficient of `|force|/|slip|`, a width above 0, and a growth
-    /// between 0 and 1. The derivative of the force across the slip is at most twice that of
-    /// `jacobian` and `anisotropy_at`.
+    /// between 0 and 1.
     #[error("the Jacobian must be consistent with the force")]
     DragFits,
 

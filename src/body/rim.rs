@@ -40,7 +40,7 @@ use panels::{half_of, half_turn};
 
 use crate::error::{self, Rule, SceneError};
 use crate::quadrature::{HALF_OF_2, HALF_OF_4, HALF_OF_6, HALF_OF_8};
-use crate::real::{Real, Vector, unit};
+use crate::real::{Real, Vector};
 
 /// Circle fixed in a body that can touch the ground along its whole length.
 ///
@@ -75,7 +75,7 @@ impl<R: Real> Rim<R> {
     where
         R: Real<Vec3 = V>,
     {
-        let normal = unit::<R>(normal);
+        let normal = unit(normal);
         // The axis that lies nearest to the rim's plane is taken. For the normal x, the rim's axes
         // are y and z.
         let (x, y, z) = (normal.x().abs(), normal.y().abs(), normal.z().abs());
@@ -87,7 +87,7 @@ impl<R: Real> Rim<R> {
         } else {
             V::new(one, o, o)
         };
-        let first = unit::<R>(beside - normal * normal.dot(beside));
+        let first = unit(beside - normal * normal.dot(beside));
         Self {
             centre,
             axes: [first, normal.cross(first)],
@@ -286,6 +286,15 @@ impl<R: Real> Rim<R> {
             ))
         }
     }
+}
+
+/// Unit vector along a vector, also if the square of its length overflows or underflows. Returns
+/// NaN for 0.
+fn unit<R: Real<Vec3 = V>, V: Vector<R>>(v: V) -> V {
+    let largest = (v.x().abs()).at_least(v.y().abs()).at_least(v.z().abs());
+    // Two steps, because the reciprocal of a number close to 0 is infinite.
+    let v = V::new(v.x() / largest, v.y() / largest, v.z() / largest);
+    v * (R::ONE / v.length())
 }
 
 /// Chord of a panel below which six points are accurate to rounding. The relative error of the

@@ -5,7 +5,7 @@ use super::{
     Input, Requirement, Violation, cannot_be, demand, demand_at_least, demand_at_most,
     demand_finite, ulps, wide,
 };
-use crate::friction::{FrictionJacobian, LawOfSurface, SlidingFriction};
+use crate::friction::{LawOfSurface, SlidingFriction};
 use crate::real::{Real, Vector};
 
 /// Range of positions, loads and slips for which a friction law is intended, with the surface. The
@@ -208,38 +208,7 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
             let bound = (braking + force.length()) * R::EPSILON.sqrt();
             demand_at_most(off, bound, fits, input)?;
         }
-        // Along a slip without friction, the derivative across it has no coefficient to refer to.
-        if speed > R::ZERO && drag.coefficient > R::ZERO {
-            self.turned_drag_at(load, slip, &drag)?;
-        }
         Ok(())
-    }
-
-    /// Compares the derivative of the force across the slip with a central difference. Newton's
-    /// method needs it within a factor of 2.
-    fn turned_drag_at(
-        &self,
-        load: R,
-        slip: R::Vec3,
-        drag: &FrictionJacobian<R>,
-    ) -> Result<(), Violation> {
-        let input = || self.input(load, slip);
-        let across = self.normal.cross(slip);
-        let across = across * (R::ONE / across.length());
-        let nudge = slip.length() * R::EPSILON.sqrt().sqrt();
-        let force = |by: R| {
-            self.friction
-                .force_at(self.position, load, slip + across * by)
-        };
-        let found = (force(-nudge) - force(nudge)).dot(across) / (nudge + nudge);
-        let more = (self.friction)
-            .anisotropy_at(self.position, load, slip)
-            .map_or(R::ZERO, |[x, y, z]| {
-                let along = R::Vec3::new(x.dot(across), y.dot(across), z.dot(across));
-                across.dot(along)
-            });
-        let stated = drag.coefficient * (R::ONE + more);
-        demand_at_most(found, stated * R::TWO, Requirement::DragFits, input)
     }
 }
 

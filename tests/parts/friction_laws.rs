@@ -6,8 +6,8 @@
 
 use crate::kit::erased::Stepper;
 use crate::kit::{self, directions, log_uniform, point_mass};
+use core::f64::consts::TAU;
 use proptest::prelude::*;
-use std::f64::consts::TAU;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
     AnisotropicCoulomb, Coulomb, Cuboid, EnergyMomentum, FlatGround, LoadDependentCoulomb, Plane,

@@ -173,24 +173,3 @@ fn a_rolling_resistance_has_no_torque_without_load_and_a_rotation_speed_above_0(
     let found = check(&negative).turning_at(LOAD, SLIP);
     assert_found(found, Requirement::TurningOpposes, [-0.3, 0.0]);
 }
-
-#[test]
-fn a_derivative_across_the_slip_that_is_not_stated_is_told() {
-    // Three times as much friction along y. The slip is along x.
-    let grain = Given {
-        force: |load, slip| DVec3::new(-slip.x, -9.0 * slip.y, 0.0) * (0.5 * load),
-        ..Given::friction()
-    };
-    let slip = DVec3::new(5.0, 0.0, 0.0);
-    let violation = check(&grain).at(LOAD, slip).expect_err("a fault");
-    assert_eq!(violation.requirement, Requirement::DragFits);
-    let (found, bound) = (9.0 * 0.5 * LOAD, 2.0 * 0.5 * LOAD);
-    assert!(
-        (violation.value - found).abs() < 1e-9 * found,
-        "{violation:?}"
-    );
-    assert!(
-        (violation.bound - bound).abs() < 1e-9 * bound,
-        "{violation:?}"
-    );
-}
