@@ -2,12 +2,16 @@
 //! converges. The last fallback must neither hold a body that springs push out of the ground nor
 //! leave one hanging with a velocity.
 
+// Helpers of these tests fail by panicking, like the tests.
+#![allow(clippy::unwrap_used)]
+
 use crate::kit::erased::Stepper;
 use crate::kit::{cases, directions, log_uniform, orientations};
 use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3, Quat, Vec3};
 use tumble::{
-    Coin, Cone, Coulomb, Cuboid, EnergyMomentum, FlatGround, Plane, Rod, State, UniformGravity,
+    Coin, Cone, Coulomb, Cuboid, EnergyMomentum, FlatGround, Plane, Real, Rod, State,
+    UniformGravity,
 };
 
 /// A body on an inclined ground, in `f32`.
@@ -31,15 +35,15 @@ impl Scene {
     }
 
     fn stepper(&self, time_step: f64) -> Stepper<'static, EnergyMomentum<f32>, f32> {
-        let size = self.size as f32;
+        let size = f32::from_f64(self.size);
         let friction = Coulomb {
-            coefficient: self.coefficient as f32,
-            slip_speed: self.slip_speed as f32,
+            coefficient: f32::from_f64(self.coefficient),
+            slip_speed: f32::from_f64(self.slip_speed),
         };
         let integrator = EnergyMomentum {
-            time_step: time_step as f32,
+            time_step: f32::from_f64(time_step),
         };
-        let ground = FlatGround::level(self.stiffness as f32, 0.0);
+        let ground = FlatGround::level(f32::from_f64(self.stiffness), 0.0);
         match self.body {
             0 => Stepper::builder(Cuboid::solid(MASS, Vec3::new(1.0, 0.7, 0.4) * size)),
             1 => Stepper::builder(Cone::solid(MASS, size * 0.5, size)),

@@ -579,7 +579,7 @@ fn error_after_touch_down<I: Integrator>(of: fn(f64) -> I, tolerance: f64) -> f6
     let error_from = |number: u32| {
         let height = 0.05 + 0.005 * f64::from(number);
         let fall = f64::sqrt(2.0 * height / gravity);
-        let (u, t) = (gravity * fall, 0.3 * std::f64::consts::PI / omega);
+        let (u, t) = (gravity * fall, 0.3 * core::f64::consts::PI / omega);
         let mut state = State::at(DVec3::Z * (radius + height));
         stepper.advance(&mut state, fall + t).unwrap();
         let (damped, rate) = (omega * (1.0 - ratio * ratio).sqrt(), ratio * omega);
