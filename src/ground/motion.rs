@@ -136,9 +136,9 @@ impl<R: Real> GroundMotion<R> {
 /// ```
 ///
 /// *Limits:* the motion is constant, so a body does not slow the ground. A body on a moving ground
-/// never falls asleep, and its outcome is never proved. That the material moves along the surface is
-/// checked for planes only, when the scene is composed. For other shapes
-/// [`check_ground`](crate::contract::check_ground) finds a motion across the surface.
+/// never falls asleep, and its outcome is never proved. When a scene is composed, a motion across
+/// the surface is refused for planes only. For other shapes
+/// [`check_ground`](crate::contract::check_ground) finds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
