@@ -11,7 +11,8 @@ use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
     AnisotropicCoulomb, Coulomb, Cuboid, EnergyMomentum, FlatGround, LoadDependentCoulomb, Plane,
-    PointCloud, RigidPointBody, SlidingFriction, State, Stribeck, UniformGravity, Viscous,
+    PointCloud, RigidPointBody, SlidingFriction, State, Stribeck, SymplecticEuler, UniformGravity,
+    Viscous,
 };
 
 const G: f64 = 9.8;
@@ -361,4 +362,32 @@ proptest! {
         let least = drag.coefficient * (1.0 - speed / drag.width);
         prop_assert!((told - slope.max(least)).abs() < 1e-8 * drag.coefficient, "{told}, not {slope}");
     }
+}
+
+/// A point that slides far below the slip speed along the weaker direction of a grain. The damper
+/// across the slip is that of Coulomb's law with the larger coefficient, and bounds the step.
+#[test]
+fn the_stable_step_on_a_grain_is_that_of_its_larger_coefficient() {
+    fn limit(friction: impl SlidingFriction) -> f64 {
+        let state = State::at(DVec3::Z * -1e-3).with_linear_velocity(DVec3::X * 1e-12);
+        Stepper::builder(point_mass(1.0))
+            .ground(FlatGround::level(9.8e3, 1.0))
+            .friction(friction)
+            .integrator(SymplecticEuler { time_step: 1e-3 })
+            .build()
+            .unwrap()
+            .largest_stable_step(&state)
+            .unwrap()
+    }
+    let [coefficient, slip_speed] = [1.0, 1e-6];
+    let isotropic = limit(Coulomb {
+        coefficient,
+        slip_speed,
+    });
+    let law = AnisotropicCoulomb::on(DVec3::Z, DVec3::X, [0.2, coefficient], slip_speed);
+    let grain = limit(law);
+    assert!(
+        (grain / isotropic - 1.0).abs() < 1e-4,
+        "{grain:e} s and {isotropic:e} s"
+    );
 }
