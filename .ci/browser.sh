@@ -1,13 +1,10 @@
 # Installs Chromium by Debian's packages into the system, and the program that drives it into the folder $work. Sets CHROMIUM.
 # Where they cannot be had, it says so and ends the script with success: nothing is checked.
 # To be sourced, from the top folder.
+. .ci/debian.sh
 driver=25.16.0
 browser() { command -v chromium || command -v chromium-browser || command -v google-chrome; }
-install_browser() {
-  command -v apt-get >/dev/null && [ "$(id -u)" = 0 ] || return 1
-  apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends chromium
-}
-if ! browser >/dev/null && ! install_browser >"$work/apt.log" 2>&1; then
+if ! browser >/dev/null && ! debian_install chromium >"$work/apt.log" 2>&1; then
   echo "NOT CHECKED: Chromium cannot be installed on this machine"
   exit 0
 fi

@@ -3,6 +3,7 @@
 #
 # The language's own library is built for each processor from Debian's source, which fits Debian's compiler alone; stable compilers do that only when
 # told that they are none. The linker is rustup's. QEMU stands in for the processors, Node for a browser.
+. .ci/debian.sh
 
 # cross_tools WORK: installs compiler, emulators and Node; a log of it goes to the folder WORK.
 cross_tools() {
@@ -22,12 +23,7 @@ cross_install() {
     dpkg -s "$package" >/dev/null 2>&1 || missing+=("$package")
   done
   [ ${#missing[@]} != 0 ] || return 0
-  if ! command -v apt-get >/dev/null || [ "$(id -u)" != 0 ]; then
-    echo "please install: ${missing[*]}"
-    return 1
-  fi
-  apt-get update -qq
-  DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends "${missing[@]}" >"$1/apt.log" 2>&1 || { cat "$1/apt.log"; return 1; }
+  debian_install "${missing[@]}" >"$1/apt.log" 2>&1 || { cat "$1/apt.log"; return 1; }
 }
 
 # The linker, and Debian's compiler with what lets it build the language's library.

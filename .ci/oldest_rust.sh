@@ -3,6 +3,8 @@
 # and for a Cortex-M4F, which has neither an operating system nor an allocator.
 # rustup's compiler of that version is taken if it is there (with its component rust-src), else Debian's.
 set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+. .ci/debian.sh
 target_dir="${CARGO_TARGET_DIR:-$PWD/target}"
 version=$(sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 unpacked="$target_dir/rustc-$version"
@@ -33,11 +35,11 @@ if rustup toolchain list 2>/dev/null | grep -q "^$version-"; then
 else
   RUSTC="$unpacked/rustc"
   if [ ! -x "$RUSTC" ]; then
-    if ! command -v apt-get >/dev/null || [ "$(id -u)" != 0 ]; then
+    if ! has_debian; then
       echo "no Rust $version: rustup toolchain install $version --profile minimal --component rust-src"
       exit 1
     fi
-    unpack_debian_rustc
+    debian_turn unpack_debian_rustc
   fi
 fi
 export RUSTC

@@ -1,6 +1,8 @@
 #!/bin/bash
 # Installs the tools of the other checks where Debian's packages can be installed, and otherwise says which are missing.
 set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+. .ci/debian.sh
 
 missing=()
 need() { command -v "$1" >/dev/null || missing+=("$2"); } # need PROGRAM PACKAGE
@@ -10,15 +12,7 @@ need ld binutils
 need nm binutils
 need python3 python3
 need valgrind valgrind
-if [ ${#missing[@]} != 0 ]; then
-  if ! command -v apt-get >/dev/null || [ "$(id -u)" != 0 ]; then
-    echo "please install: ${missing[*]}"
-    exit 1
-  fi
-  export DEBIAN_FRONTEND=noninteractive
-  apt-get update -qq
-  apt-get install -qq -y --no-install-recommends "${missing[@]}"
-fi
+[ ${#missing[@]} = 0 ] || debian_install "${missing[@]}"
 
 for component in fmt clippy; do
   cargo "$component" --version || rustup component add "${component/fmt/rustfmt}"
