@@ -55,7 +55,7 @@ STAGES = {
     "search": r"/src/(body(/\w+)?|contact/range)\.rs|/energy_momentum\.rs .*(gather|near_plane)"
     r"|/contacts\.rs .*(gather|spread|includes|foresaw|clear)",
     "forces": r"/src/(contact|ground|friction)/|/src/(ground|friction)\.rs|/contact_path\.rs"
-    r"|/energy_momentum/touch\.rs|/nystrom/crossing\.rs|/newton\.rs .*Sum<|/contacts\.rs .*respond",
+    r"|/energy_momentum/(touch|answer|dual|lever)\.rs|/nystrom/crossing\.rs|/newton\.rs .*Sum<|/contacts\.rs .*respond",
     "matrix": r"/energy_momentum/(stiffness|level|linear)\.rs",
     "rotation": r"/src/(rotation|inertia|free_rotation/\w+)\.rs",
     "tests": r"/state\.rs .*(::eq|not_finite)|/end_velocity\.rs .*(of_step|is_resolved)"

@@ -22,17 +22,21 @@
 //!    energy allows. In the last one time passes and the body stays. Each end passes through stage
 //!    4. The induction from step to step therefore needs no assumption on convergence.
 
+mod answer;
 mod applied;
 mod block;
 mod contacts;
 mod descent;
+mod dual;
 mod end_velocity;
 mod hard;
 mod level;
+mod lever;
 mod linear;
 mod newton;
 mod problem;
 mod resist;
+mod reversal;
 mod shared;
 mod soften;
 mod split;

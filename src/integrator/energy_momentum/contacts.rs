@@ -19,9 +19,13 @@
 //! One visit to such a contact computes its force and its derivatives, so that the number of visits
 //! does not depend on the number of iterations before.
 
+use super::answer::{Answer, Since};
 use super::block::Block;
+use super::dual::Dual;
+use super::lever::Lever;
 use super::problem::{Problem, Trial};
-use super::touch::{Answer, Dual, Increment, Lever, Push, Reversal, Since, Touch};
+use super::reversal::Reversal;
+use super::touch::{Increment, Push, Touch};
 use crate::body::{ContactRange, Panel, RigidPointBody, Rim};
 use crate::contact::{MovingContact, RimStep};
 use crate::friction::FrictionJacobian;

@@ -4,6 +4,7 @@
 //! A contact's path changes by `ξ + ϑ × r'` (r': its arm at the end) and its mean arm by
 //! `ϑ × r'/2`. The Cayley argument changes by `(ϑ - a × ϑ + a (a·ϑ))/2`.
 
+use super::answer::Answer;
 use super::block::Block;
 use super::contacts::Contacts;
 use super::end_velocity::Strain;
@@ -11,7 +12,7 @@ use super::level::{Level, LevelPath};
 use super::linear::SixBySix;
 use super::problem::{Problem, Trial};
 use super::shared::is_single;
-use super::touch::{Answer, Push, Touch};
+use super::touch::{Push, Touch};
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 

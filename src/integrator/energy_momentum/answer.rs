@@ -1,0 +1,247 @@
+//! The response of friction at a contact to its slip, which Newton's matrix contains.
+
+use super::block::Block;
+use super::dual::{Dual, Linear, direction, on_disc};
+use super::problem::{Problem, Trial};
+use super::touch::{Increment, Touch};
+use crate::friction::FrictionJacobian;
+use crate::real::{Real, Vector};
+use crate::scene::Dynamics;
+
+/// Fraction of a slip that friction takes in a step, below which the slide will not end in it.
+const HARDLY: f64 = 0.1;
+
+/// Response of friction at a contact to its slip.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Answer<R: Real> {
+    /// Slip for which friction is differentiated, m/s.
+    pub(super) slip: R::Vec3,
+    pub(super) drag: FrictionJacobian<R>,
+    /// Newton's dual unknown: friction divided by its limit, a vector of length at most 1.
+    pub(super) dual: R::Vec3,
+    /// Unit vector along the slip, or 0.
+    pub(super) slip_direction: R::Vec3,
+}
+
+impl<R: Real> Answer<R> {
+    #[inline(always)]
+    fn at(slip: R::Vec3, drag: FrictionJacobian<R>, dual: R::Vec3) -> Self {
+        Self {
+            slip,
+            drag,
+            dual,
+            slip_direction: direction::<R>(slip),
+        }
+    }
+
+    /// Excess of the dual force over the friction of the law, N.
+    #[inline]
+    pub(super) fn excess_of_dual(&self) -> R::Vec3 {
+        (self.slip - self.dual * self.drag.width) * self.drag.coefficient
+    }
+}
+
+/// Change of a trial since an earlier one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Since<'a, R: Real> {
+    shift: R::Vec3,
+    spin: R::Vec3,
+    rotation_change: Block<R>,
+    /// Newton's step from the earlier trial, if slips and dual unknowns continue from its end.
+    step: Option<&'a Increment<R>>,
+}
+
+impl<'a, R: Real> Since<'a, R> {
+    pub(super) fn between(
+        earlier: &Trial<R>,
+        step: Option<&'a Increment<R>>,
+        trial: &Trial<R>,
+    ) -> Self {
+        let back = earlier.rotation_change.scaled(-R::ONE);
+        Self {
+            shift: trial.shift - earlier.shift,
+            spin: trial.spin - earlier.spin,
+            rotation_change: trial.rotation_change.plus(&back),
+            step,
+        }
+    }
+}
+
+impl<R: Real> Touch<R> {
+    /// Computes the response of friction at the last trial step.
+    #[inline(always)]
+    pub(super) fn answer<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Answer<R> {
+        let slip = self.push.slip;
+        let drag = self.jacobian(problem);
+        let dual = match &self.dual {
+            Dual::After(dual) => *dual,
+            Dual::At(last) => on_disc::<R>(last.after(slip)),
+            // A slide that the step can hardly brake begins with Newton's own derivative.
+            Dual::Unknown
+                if drag.coefficient * problem.seconds < problem.mass * R::from_f64(HARDLY) =>
+            {
+                slip * (R::ONE / drag.width)
+            }
+            _ => {
+                // Field by field, so that the answer of a slide stays in registers.
+                let Answer {
+                    slip, drag, dual, ..
+                } = self.answer_in_stick(problem, &drag);
+                return Answer::at(slip, drag, dual);
+            }
+        };
+        Answer::at(slip, drag, dual)
+    }
+
+    /// Computes the response of friction at the last trial step by Newton's own derivative, if
+    /// friction can hardly brake the slide of a body on this number of such contacts.
+    #[inline]
+    pub(super) fn answer_of_slide<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        drag: &FrictionJacobian<R>,
+        contacts: usize,
+    ) -> Option<Answer<R>> {
+        let of_all = drag.coefficient * R::from_usize(contacts);
+        (of_all * problem.seconds < problem.mass * R::from_f64(HARDLY)).then(|| {
+            Answer::at(
+                self.push.slip,
+                *drag,
+                self.push.slip * (R::ONE / drag.width),
+            )
+        })
+    }
+
+    /// Response of friction with these derivatives and the dual unknown that continues.
+    #[inline]
+    pub(super) fn continued_answer(&self, drag: FrictionJacobian<R>) -> Answer<R> {
+        let slip = self.push.slip;
+        let dual = match &self.dual {
+            Dual::Unknown => slip * (R::ONE / drag.width),
+            Dual::At(last) => on_disc::<R>(last.after(slip)),
+            Dual::After(dual) => *dual,
+        };
+        Answer::at(slip, drag, dual)
+    }
+
+    /// Computes the response of friction of a contact that the step may stop.
+    ///
+    /// In stick, the slip at the start of the step is the creep at the end of the step before,
+    /// while the slip of the first trial is far above it. At the first trial, friction is
+    /// differentiated for the slip at the start, and [`excess`](Self::excess) accounts for the
+    /// difference.
+    #[cold]
+    #[inline(never)]
+    fn answer_in_stick<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        drag: &FrictionJacobian<R>,
+    ) -> Answer<R> {
+        let (n, slip) = (self.push.normal, self.push.slip);
+        let arm = self.arm - n * self.push.radius;
+        let velocity = problem.motion.velocity_at(arm) - problem.ground_velocity(arm, n);
+        let slip_at_start = velocity - n * n.dot(velocity);
+        let at_start = self.jacobian_at(problem, slip_at_start);
+        let dual_at_start = slip_at_start * (R::ONE / at_start.width);
+        // Along a rim that rolls or spins, friction reverses, and points near its reversal have a
+        // small slip for that reason. The reversal has a derivative of its own.
+        let is_rim = problem.has_rims();
+        let ratio = R::from_f64(if is_rim { 1.0 / 16.0 } else { 0.5 });
+        let sticks = at_start.coefficient * problem.seconds > problem.mass * R::TWO
+            && slip_at_start.length() < slip.length() * ratio;
+        if sticks {
+            Answer::at(slip_at_start, at_start, dual_at_start)
+        } else if is_rim && slip_at_start.dot(slip) < R::ZERO {
+            Answer::at(slip, *drag, slip * (R::ONE / drag.width))
+        } else {
+            Answer::at(slip, *drag, dual_at_start)
+        }
+    }
+
+    /// Excess of the linear friction in the matrix over the friction of the law at the last trial,
+    /// N. With `to_dual`, that of the dual force.
+    pub(super) fn excess<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        to_dual: bool,
+    ) -> R::Vec3 {
+        let slip = self.push.slip;
+        let dual = match &self.dual {
+            Dual::At(at) if to_dual => at.direction,
+            Dual::After(dual) if to_dual => *dual,
+            Dual::At(at) if at.slip != slip => at.after(slip),
+            _ => return R::Vec3::ZERO,
+        };
+        let drag = self.jacobian(problem);
+        (slip - dual * drag.width) * drag.coefficient
+    }
+
+    /// Derivative of the last linear force with respect to the normal force.
+    pub(super) fn loaded<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> R::Vec3 {
+        let slip = match &self.dual {
+            Dual::At(at) => at.slip,
+            _ => self.push.slip,
+        };
+        self.push.normal - slip * self.jacobian_at(problem, slip).per_load
+    }
+
+    /// Gives a contact that is not stored the dual unknown at a trial before the last one, advanced
+    /// by the Newton step from there. It continues from the dual unknown of the stored contact that
+    /// it follows, if there is one before that trial.
+    ///
+    /// The load is that of the last trial. For most laws the dual unknown does not depend on it.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn look_back<D: Dynamics<R>>(
+        &mut self,
+        problem: &Problem<'_, R, D>,
+        since: &Since<'_, R>,
+        first: Option<&Self>,
+    ) {
+        let (slip, end_arm, n) = (self.push.slip, self.push.end_arm, self.push.normal);
+        let swung = since.rotation_change.times(self.arm);
+        let path = since.shift + swung - since.spin.cross(n) * (self.push.radius * R::TWO);
+        self.push.slip -= (path - n * n.dot(path)) * problem.per_second;
+        self.push.end_arm -= swung;
+        if let Some(first) = first {
+            let drag = self.jacobian(problem);
+            self.remember(&Answer::at(self.push.slip, drag, first.last_dual()));
+        } else {
+            self.note_answer(problem);
+        }
+        if let Some(by) = since.step {
+            self.advance(problem, by, None);
+        }
+        (self.push.slip, self.push.end_arm) = (slip, end_arm);
+    }
+
+    /// Dual unknown where friction was last differentiated, 0 if nowhere.
+    fn last_dual(&self) -> R::Vec3 {
+        match &self.dual {
+            Dual::Unknown => R::Vec3::ZERO,
+            Dual::At(at) => at.direction,
+            Dual::After(_) => self.before,
+        }
+    }
+
+    /// Stores the data from which the next dual unknown is computed.
+    #[inline(always)]
+    pub(super) fn remember(&mut self, answer: &Answer<R>) {
+        self.dual = Dual::At(Linear {
+            direction: answer.dual,
+            slip: answer.slip,
+            width: answer.drag.width,
+            growth: answer.drag.growth,
+        });
+    }
+
+    /// Computes and stores the dual unknown at the last trial.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn note_answer<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>) {
+        if self.push.is_felt() {
+            let answer = self.answer(problem);
+            self.remember(&answer);
+        }
+    }
+}
