@@ -60,11 +60,28 @@ impl<R: Real> Energy<R> {
         }
     }
 
+    /// Sum of the energies of motion, `translation + rotation`.
+    ///
+    /// ```
+    /// use tumble::glam::DVec3;
+    /// use tumble::{PointMass, State, Stepper};
+    ///
+    /// let stepper = Stepper::new(PointMass::new(2.0))?; // kg
+    /// let state = State::default().with_linear_velocity(DVec3::X * 3.0); // m/s
+    /// assert_eq!(stepper.energy(&state).kinetic(), 9.0); // J
+    /// # Ok::<(), tumble::SceneError>(())
+    /// ```
+    #[inline]
+    #[must_use]
+    pub fn kinetic(&self) -> R {
+        self.translation + self.rotation
+    }
+
     /// Sum over all kinds.
     #[inline]
     #[must_use]
     pub fn total(&self) -> R {
-        self.translation + self.rotation + self.gravity + self.springs
+        self.kinetic() + self.gravity + self.springs
     }
 }
 

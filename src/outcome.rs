@@ -256,7 +256,7 @@ where
         let mut lowered = *state;
         lowered.position -= R::Vec3::new(R::ZERO, R::ZERO, lengths * rounding);
         let energy = Energy::of(self.scene, &lowered);
-        let kinetic = energy.translation + energy.rotation;
+        let kinetic = energy.kinetic();
         let masses = self.scene.inertia_properties();
         // The components of the angular momentum along the axes have an error relative to its
         // length.
@@ -358,7 +358,7 @@ mod tests {
         let mut lowered = state;
         lowered.position.z -= 64.0 * unit * lengths;
         let (true_energy, low) = (wide.energy(&state), wide.energy(&lowered));
-        let kinetic = true_energy.translation + true_energy.rotation;
+        let kinetic = true_energy.kinetic();
         let truth = kinetic + WEIGHT * gap + true_energy.springs;
         let rotation = state.angular_momentum.length_squared() * 2.0 / (MASS * RADIUS * RADIUS);
         let terms = kinetic + rotation + low.springs + WEIGHT * lengths;
@@ -391,7 +391,7 @@ mod tests {
             let gap = RADIUS * (4.0 * part(index, 3) - 2.0);
             state.position.z = 3.0 + gap;
             let energy = stepper.energy(&state);
-            let total = energy.translation + energy.rotation + WEIGHT * gap;
+            let total = energy.kinetic() + WEIGHT * gap;
             let is_deep = gap <= -RADIUS;
             let found = barriers.basin(&state).map(|(_, least)| least);
             deep += u32::from(is_deep);

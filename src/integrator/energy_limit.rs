@@ -120,7 +120,7 @@ fn hold_down<R: Real, D: Dynamics<R>>(
         return false;
     }
     let rounding = rounding_of(energy, after);
-    let is_slow = energy.translation + energy.rotation <= rounding;
+    let is_slow = energy.kinetic() <= rounding;
     let fallen = (touching == 0 || is_slow)
         .then(|| fallen(scene, [state, end], touching))
         .flatten();
@@ -167,7 +167,7 @@ pub(in crate::integrator) fn is_no_solution<R: Real>(
 ) -> bool {
     let gained = after.total() - before.total() - work;
     let fallen = (before.gravity - after.gravity).abs();
-    let convertible = before.translation + before.rotation + before.springs + fallen + work.abs();
+    let convertible = before.kinetic() + before.springs + fallen + work.abs();
     gained > convertible * (R::HALF * R::HALF) + rounding_of(before, after)
 }
 
@@ -259,7 +259,7 @@ pub(in crate::integrator) fn scaled_down<R: Real, D: Dynamics<R>>(
 ) -> Option<(State<R>, Energy<R>)> {
     let mut share = excess;
     loop {
-        let kinetic = after.translation + after.rotation;
+        let kinetic = after.kinetic();
         if !share.is_finite() || share >= kinetic {
             return None;
         }
@@ -296,8 +296,7 @@ pub(in crate::integrator) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     if scene.ground().motion().is_some() {
         return false;
     }
-    let kinetic = |energy: &Energy<R>| energy.translation + energy.rotation;
-    let (first, last) = (kinetic(before), kinetic(after));
+    let (first, last) = (before.kinetic(), after.kinetic());
     let bounding_radius = scene.bounding_radius();
     let stays = |from: R, to: R| (to - from).abs() <= (from.abs() + bounding_radius) * R::EPSILON;
     let (p, q) = (start.position, end.position);

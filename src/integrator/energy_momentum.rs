@@ -260,7 +260,7 @@ const LONG: f64 = 1e6;
 /// Returns an error if the energy is not usable: a step compares sums of several such energies.
 #[inline]
 fn check_energy<R: Real>(energy: &Energy<R>) -> Result<(), StepError> {
-    let sizes = energy.translation + energy.rotation + energy.gravity.abs() + energy.springs.abs();
+    let sizes = energy.kinetic() + energy.gravity.abs() + energy.springs.abs();
     if (sizes * R::from_f64(16.0)).is_finite() {
         Ok(())
     } else {

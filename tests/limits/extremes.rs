@@ -920,7 +920,7 @@ fn frozen<R: Real>(
         .at_least(scene.bounding_radius());
     let unit = place * R::EPSILON;
     let few = R::from_f64(4.0);
-    if energy.translation + energy.rotation > rounding {
+    if energy.kinetic() > rounding {
         if state.linear_velocity.length() * seconds > unit * few {
             return Some("it flies");
         }

@@ -739,6 +739,21 @@ fn chatter_ends_a_run() {
     });
 }
 
+/// The sum of the step sizes is kept with what rounding took from it.
+#[test]
+fn a_dense_step_starts_at_the_time_of_the_session() {
+    for time_step in [0.1, 1e-3, 1.0 / 60.0, 0.3, 7e-4] {
+        let stepper = ball(FlatGround::level(1e3, 1.0), Rk4 { time_step });
+        let mut session = stepper.session(State::at(DVec3::Z));
+        for _ in 0..2000 {
+            let before = session.moment();
+            let step = session.dense_step().unwrap();
+            assert_eq!(step.start(), before);
+            assert_eq!(step.end(), session.moment());
+        }
+    }
+}
+
 /// Invalid events are errors, and the last state stays.
 #[test]
 fn an_invalid_event_is_a_typed_error() {

@@ -274,7 +274,7 @@ fn allowed<R: Real, D: Dynamics<R>>(settings: &Settings<R>, scene: &D, motion: &
 fn rounding_of_energy<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> R {
     let energy = Energy::of(scene, state);
     let rounding = energy_limit::rounding_of(&energy, &energy);
-    let kinetic = energy.translation + energy.rotation + rounding;
+    let kinetic = energy.kinetic() + rounding;
     let per_mass = rounding / (kinetic * R::TWO).sqrt();
     let properties = scene.inertia_properties();
     let speed = properties.inverse_mass().sqrt();

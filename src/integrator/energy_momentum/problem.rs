@@ -121,7 +121,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
                 R::ONE
             },
             depth_scale: bounding_radius + distance_from(plane, start.position),
-            kinetic_energy: energy.translation + energy.rotation,
+            kinetic_energy: energy.kinetic(),
             spring_energy: energy.springs,
         }
     }

@@ -134,8 +134,7 @@ pub(super) fn follow<R: Real>(
 /// Rounding of the energies at both ends of a step, J.
 fn rounding<R: Real>(start: &Node<R>) -> R {
     let energy = &start.account.energy;
-    let sizes =
-        (energy.translation + energy.rotation) + (energy.gravity.abs() + energy.springs.abs());
+    let sizes = energy.kinetic() + (energy.gravity.abs() + energy.springs.abs());
     sizes * (R::EPSILON * R::from_f64(16.0))
 }
 
