@@ -7,7 +7,7 @@ use std::path::Path;
 use super::say;
 
 /// Replaces the text between two marks of a page of the repository. In a Rust file it becomes part
-/// of the documentation comment.
+/// of the documentation comment. A page that has this text already is not written.
 pub fn write(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<(), Box<dyn Error>> {
     let page = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join(page);
     let old = fs::read_to_string(&page)?;
@@ -20,8 +20,14 @@ pub fn write(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<(), Box<
         true => text.replace('\n', "\n/// ").replace("/// \n", "///\n"),
         false => text,
     };
-    fs::write(&page, format!("{before}{begin}{text}{end}{after}"))?;
-    say(format_args!("written: {}\n", page.display()));
+    let new = format!("{before}{begin}{text}{end}{after}");
+    // A page that is not touched need not be compiled again.
+    if new == old {
+        say(format_args!("unchanged: {}\n", page.display()));
+    } else {
+        fs::write(&page, new)?;
+        say(format_args!("written: {}\n", page.display()));
+    }
     Ok(())
 }
 
