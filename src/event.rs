@@ -130,7 +130,8 @@ pub trait Event<R: Real = f64> {
     /// Returns the event with samples within each step, at most `seconds` apart.
     ///
     /// Each sample costs a step of the method. Choose half of the shortest time between two
-    /// occurrences.
+    /// occurrences. Changes of the sign that are further apart than the samples are no
+    /// [chatter](EventEnd::Chatter).
     ///
     /// # Errors
     /// Returns [`SceneError`] if `seconds` is not above 0 or not finite. The error names the
@@ -238,7 +239,9 @@ pub enum EventEnd<R: Real = f64> {
     Event(Occurrence<R>),
     /// An event occurs faster than the steps resolve.
     ///
-    /// It occurred in more than half of the last 64 steps, or a thousand times in one step.
+    /// Its sign changed in more than half of the last 64 steps, or a thousand times in one step. An
+    /// event with [samples](Event::sampled_every) of its own counts by intervals between samples,
+    /// of which each resolves one change.
     /// Examples are the bounces of a ball whose flights become shorter than a step, and the
     /// rounding error of a velocity at rest. The session is at the end of the last step.
     Chatter {

@@ -484,8 +484,10 @@ where
     /// # Errors
     /// Returns [`StepError`] if [`Stepper::apply_impulse`] does.
     pub fn apply_impulse(&mut self, impulse: R::Vec3, point: R::Vec3) -> Result<(), StepError> {
-        let stepper = self.stepper;
-        stepper.apply_impulse(self.state_mut(), impulse, point)
+        let mut state = self.state;
+        self.stepper.apply_impulse(&mut state, impulse, point)?;
+        *self.state_mut() = state;
+        Ok(())
     }
 
     /// Ends the session and returns the state.

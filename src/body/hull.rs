@@ -182,6 +182,36 @@ impl<'a, R: Real, T> Hull<'a, R, T> {
         (0..self.points.len()).filter(|&index| self.is_on(plane, index))
     }
 
+    /// Returns true if the facet and its neighbours meet at its edges.
+    ///
+    /// A point may be within the thickness of one plane and just outside that of the next. Two
+    /// planes can then share more than an edge, and belong to the same directions. So the plane to
+    /// the left of each edge must have the points of this one, and the plane to its right must have
+    /// the same edge.
+    pub(crate) fn meets_its_neighbours(&self, plane: &FacetPlane<R>) -> bool {
+        let is_near = |a: R::Vec3, b: R::Vec3| (a - b).length() <= self.thickness;
+        self.edges(plane).all(|[start, end]| {
+            let to_left = self.wrap_about(start, end - start);
+            let to_right = self.wrap_about(end, start - end);
+            to_left.is_some_and(|own| self.numbers_on(&own).eq(self.numbers_on(plane)))
+                && to_right.is_some_and(|other| {
+                    (self.edges(&other)).any(|[from, to]| is_near(from, end) && is_near(to, start))
+                })
+        })
+    }
+
+    /// Smallest numbers of three points on a facet that are not on one line.
+    pub(crate) fn corners_that_name(&self, plane: &FacetPlane<R>) -> Option<[usize; 3]> {
+        let mut numbers = self.numbers_on(plane);
+        let first = numbers.next()?;
+        let way_to = |index: usize| self.point(index) - self.point(first);
+        let second = numbers.find(|&index| way_to(index).length() > self.thickness)?;
+        let along = way_to(second);
+        let width = along.length() * self.thickness;
+        let third = numbers.find(|&index| along.cross(way_to(index)).length() > width)?;
+        Some([first, second, third])
+    }
+
     fn height(&self, plane: &FacetPlane<R>, point: R::Vec3) -> R {
         plane.normal.dot(point - plane.place)
     }

@@ -37,8 +37,10 @@ pub fn wilson(count: u64, total: u64, confidence: f64) -> Result<[f64; 2], Scene
     let middle = (p + 0.5 * square) / (1.0 + square);
     let variance = p * (1.0 - p) / n + 0.25 * square / n;
     let half = z * variance.sqrt() / (1.0 + square);
-    // Exactly 0 without a success and 1 without a failure. Rounding can exceed them.
-    Ok([(middle - half).max(0.0), (middle + half).min(1.0)])
+    // Exactly 0 without a success and 1 without a failure, where the terms cancel to rounding.
+    let low = if count == 0 { 0.0 } else { middle - half };
+    let high = if count == total { 1.0 } else { middle + half };
+    Ok([low.max(0.0), high.min(1.0)])
 }
 
 /// Quantile z of the normal distribution, with `P(|x| <= z)` equal to the confidence.
@@ -83,6 +85,17 @@ mod tests {
             for end in wilson(count, total, 0.99).unwrap() {
                 let error = 2.575_829_303_548_901 * (end * (1.0 - end) / total as f64).sqrt();
                 assert!(((fraction - end).abs() - error).abs() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
+    fn an_interval_without_a_success_or_a_failure_contains_its_fraction() {
+        for total in 1..200 {
+            for tenths in 1..1000 {
+                let confidence = f64::from(tenths) / 1000.0;
+                let [low, high] = [0, total].map(|count| wilson(count, total, confidence).unwrap());
+                assert!(low[0].to_bits() == 0 && high[1].to_bits() == 1.0_f64.to_bits());
             }
         }
     }

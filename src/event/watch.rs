@@ -70,8 +70,11 @@ struct Track<R> {
     side: R,
     /// Occurrences in the chosen direction.
     count: u64,
-    /// A bit for each of the last 64 steps, set if the sign has changed in it.
-    steps: u64,
+    /// Changes of the sign since the last sample.
+    changes: u32,
+    /// A bit for each of the last 64 intervals between samples, set if the sign has changed more
+    /// often than the interval resolves.
+    unresolved: u64,
 }
 
 impl<R: Real> Track<R> {
@@ -83,7 +86,8 @@ impl<R: Real> Track<R> {
         reference: R::ZERO,
         side: R::ZERO,
         count: 0,
-        steps: 0,
+        changes: 0,
+        unresolved: 0,
     };
 
     /// Returns the direction in which a value differs from the last side, if it does.
@@ -103,6 +107,24 @@ impl<R: Real> Track<R> {
     #[inline]
     fn turns_before(&self, reading: &Reading<R>) -> bool {
         self.last.slope * self.side < R::ZERO && reading.slope * self.side > R::ZERO
+    }
+
+    /// Begins the next interval between samples, which stands for this number of steps.
+    fn begin_interval(&mut self, steps: usize) {
+        self.changes = 0;
+        self.unresolved = u32::try_from(steps)
+            .ok()
+            .and_then(|steps| self.unresolved.checked_shl(steps))
+            .unwrap_or_default();
+    }
+
+    /// Notes a change of the sign. An interval that the caller has chosen resolves one, and a step
+    /// of the method none if most steps have one.
+    fn note_change(&mut self, is_sampled: bool) {
+        self.changes += 1;
+        if self.changes > u32::from(is_sampled) {
+            self.unresolved |= 1;
+        }
     }
 
     fn adopt(&mut self, reading: Reading<R>, is_a_number: bool) {
@@ -158,15 +180,12 @@ impl<'e, R: Real, const N: usize> Watch<'e, R, N> {
             self.adopt(&readings);
             self.has_begun = true;
         }
-        for track in &mut self.tracks {
-            track.steps = u32::try_from(spanned)
-                .ok()
-                .and_then(|spanned| track.steps.checked_shl(spanned))
-                .unwrap_or_default();
-        }
         let parts = self.parts_of(end.after);
         let mut from = start.after;
         for part in 1..=parts {
+            for track in &mut self.tracks {
+                track.begin_interval(spanned.div_ceil(parts));
+            }
             let flow = if part == parts {
                 self.interval_to(path, from, end, handle)?
             } else {
@@ -180,7 +199,7 @@ impl<'e, R: Real, const N: usize> Watch<'e, R, N> {
                 return Ok(flow);
             }
         }
-        let often = |track: &Track<R>| track.steps.count_ones() > OFTEN;
+        let often = |track: &Track<R>| track.unresolved.count_ones() > OFTEN;
         Ok(self
             .tracks
             .iter()
@@ -268,7 +287,7 @@ impl<'e, R: Real, const N: usize> Watch<'e, R, N> {
             let Some(direction) = track.change_to(reading.value) else {
                 continue;
             };
-            track.steps |= 1;
+            track.note_change(event.interval().is_some());
             if !event.direction().includes(direction) {
                 continue;
             }
@@ -478,6 +497,6 @@ const NUDGE: f64 = 1.0 / 256.0;
 /// Changes in an interval between two samples after which an event counts as chatter.
 const MOST: u32 = 1000;
 
-/// Steps of the last 64 with a change after which an event counts as chatter. An oscillation that
-/// changes its sign in every second step is not resolved by the steps.
+/// Number of the last 64 intervals that do not resolve an event, above which it counts as chatter.
+/// An oscillation that changes its sign in every second step is not resolved by the steps.
 const OFTEN: u32 = 32;

@@ -6,8 +6,9 @@ use crate::real::{Real, Vector};
 
 /// Facet of the convex hull of a body's contacts, on which the body lies.
 ///
-/// It is named by the three smallest numbers of the contacts on it. Contacts within 256 units in
-/// the last place of the hull's size from the facet's plane are on it.
+/// It is named by the smallest numbers of three contacts on it that are not on one line, so that no
+/// two facets have the same name. Contacts within 256 units in the last place of the hull's size
+/// from the facet's plane are on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HullFace {
@@ -23,7 +24,10 @@ impl HullFace {
     /// `|q| + min(ρ_a, ρ_b)` in the direction of q, with the radii ρ. So the height is the distance
     /// of the centre of mass from the nearest edge of the facet, plus the least radius.
     ///
-    /// Returns `None` if the centre of mass is outside the hull of the contacts' positions.
+    /// Returns `None` if the centre of mass is outside the hull of the contacts' positions. It is
+    /// also `None` for a facet that rounding does not tell from its neighbour: contacts are on the
+    /// plane of one and just off that of the other, as those of a face with noise of some hundred
+    /// units in the last place, or of a very flat body.
     ///
     /// *Limit:* a facet on which the body does not rest has a basin of its own, so that the barrier
     /// of its neighbour is lower than it could be. *Cost:* of the order of the number of contacts
@@ -38,15 +42,13 @@ impl HullFace {
         let plane = hull.facet_along(down)?;
         let edges = hull.edges(&plane).map(|edge| distance_of_segment(edge));
         let nearest = edges.reduce(R::at_most)?;
-        if plane.distance() <= hull.thickness() {
+        if plane.distance() <= hull.thickness() || !hull.meets_its_neighbours(&plane) {
             return None;
         }
-        let mut numbers = hull.numbers_on(&plane);
-        let contacts_on = [numbers.next()?, numbers.next()?, numbers.next()?];
         let radii = (hull.numbers_on(&plane)).filter_map(|index| Some(contacts.get(index)?.radius));
         Some(Basin {
             face: Self {
-                contacts: contacts_on,
+                contacts: hull.corners_that_name(&plane)?,
             },
             // Corners are on the facet to within the thickness.
             height: nearest + radii.reduce(R::at_most)? - hull.thickness() * R::from_f64(4.0),

@@ -79,8 +79,8 @@ where
     /// `handle`, in the order of time.
     ///
     /// If `handle` returns `Break`, the run ends at the occurrence: state and clock of the session
-    /// are those of the occurrence. Otherwise the steps are those of [`advance`](Self::advance),
-    /// bit by bit.
+    /// are those of the occurrence. Other events that occur at the same moment are passed on first.
+    /// Without `Break` the steps are those of [`advance`](Self::advance), bit by bit.
     ///
     /// *Accuracy:* the moment is located on the path of the method within the step: a step of that
     /// length from the start of the step. The bracket is some units in the last place of the step.

@@ -15,10 +15,11 @@ use crate::kit::once::Once;
 use tumble::glam::{DVec3, Vec3};
 use tumble::real::Vector;
 use tumble::{
-    AnyIntegrator, Apex, BogackiShampine32, ContactCloses, ContactOpens, Coulomb, DormandPrince54,
-    EnergyMomentum, Event, EventDirection, EventEnd, FlatGround, Flight, ForwardEuler, Integrator,
-    Landing, LiftOff, Nystrom, Occurrence, PointCloud, PointMass, Real, Rk4, Sample, SceneError,
-    SlipEnds, Sphere, State, StepError, StrangSplitting, SymplecticEuler, Trial, UniformGravity,
+    AnyIntegrator, Apex, BogackiShampine32, Coin, ContactCloses, ContactOpens, Coulomb,
+    DormandPrince54, EnergyMomentum, Event, EventDirection, EventEnd, FlatGround, Flight,
+    ForwardEuler, Integrator, Landing, LiftOff, Nystrom, Occurrence, PointCloud, PointMass, Real,
+    Rk4, Sample, SceneError, SlipEnds, Sphere, State, StepError, StrangSplitting, SymplecticEuler,
+    Trial, UniformGravity,
 };
 
 const GRAVITY: f64 = 9.8;
@@ -685,6 +686,53 @@ fn samples_within_a_long_step_find_every_half_turn() {
     }
     // Without samples within the step at most two changes of the 32 are found.
     assert!(times(&level).len() <= 2);
+}
+
+/// Rotations of 0.5 to 1.9 half revolutions in a step of 1 ms, from any phase. Without samples
+/// within the step most of them are chatter.
+#[test]
+fn samples_within_a_step_resolve_a_fast_rotation() {
+    let stepper = Stepper::new(Coin::<f64>::ring(1.0, 0.5)).unwrap();
+    let runner = |rate: f64, phase: f64, direction: Option<EventDirection>| {
+        let start = State::at(DVec3::Z).with_rotation_vector(DVec3::Y * phase);
+        let start = stepper.with_angular_velocity(start, DVec3::Y * rate);
+        let level = |sample: &Sample<'_>| (sample.state.orientation * DVec3::X).z;
+        let half_turn = core::f64::consts::PI / rate;
+        // Half of the time between two occurrences, as the documentation says.
+        let (each, event): (f64, Box<dyn Event>) = match direction {
+            None => (1.0, Box::new(level.sampled_every(0.5 * half_turn).unwrap())),
+            Some(EventDirection::Rising) => (
+                2.0,
+                Box::new(level.rising().sampled_every(half_turn).unwrap()),
+            ),
+            _ => (
+                2.0,
+                Box::new(level.falling().sampled_every(half_turn).unwrap()),
+            ),
+        };
+        let (found, end) = all(&stepper, start, 0.5, [&*event]);
+        assert_eq!(end, EventEnd::TimeCovered, "{rate} rad/s from {phase}");
+        let expected = 0.5 / (each * half_turn);
+        let off = found.len() as f64 - expected;
+        assert!(
+            off.abs() < 1.0,
+            "{rate} rad/s from {phase}: {} of {expected}",
+            found.len()
+        );
+        // The ends of a step differ in sign in most steps.
+        if rate < 4500.0 {
+            let (_, end) = all(&stepper, start, 0.5, [&level]);
+            let is_chatter = matches!(end, EventEnd::Chatter { .. });
+            assert!(is_chatter, "{rate} rad/s: {end:?}");
+        }
+    };
+    for number in 0..24 {
+        let share = f64::from(number) / 24.0;
+        let (rate, phase) = (1700.0 + 4300.0 * share, 0.1 + 2.0 * share);
+        runner(rate, phase, None);
+        runner(rate, phase, Some(EventDirection::Rising));
+        runner(rate, phase, Some(EventDirection::Falling));
+    }
 }
 
 /// A value that changes its sign in most steps is chatter, and ends the run in a typed end. So may

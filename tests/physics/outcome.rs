@@ -10,11 +10,12 @@
 use crate::kit::once::{DEFAULT, Once};
 use crate::kit::statistics::failing_at_most;
 use tumble::glam::{DMat3, DVec3};
+use tumble::real::Vector;
 use tumble::{
     Barriers, Basin, Bowl, Coin, CoinFace, ContactLaw, ContactPoint, Cuboid, CuboidFace, Disc,
     EnergyMomentum, Faces, FlatGround, Ground, HullFace, HuntCrossley, NoGravity, Outcome, Plane,
-    RigidPointBody, Scene, SolidCoin, SpringDamper, SpringDamperGround, State, Stepper, Terrain,
-    ThickDisc, UniformGravity,
+    PointCloud, Real, RigidPointBody, Scene, SolidCoin, SpringDamper, SpringDamperGround, State,
+    Stepper, Terrain, ThickDisc, UniformGravity,
 };
 
 #[path = "../common/barriers_by_force.rs"]
@@ -23,7 +24,7 @@ mod barriers_by_force;
 pub(crate) mod decided_states;
 
 use barriers_by_force::{barriers_hold, by_cone, by_query, least_energy, on};
-use decided_states::{Draw, GRAVITY, KINDS, Start, Tally, Throw, cuboid, follow, hull};
+use decided_states::{Draw, GRAVITY, KINDS, Start, Tally, Throw, cuboid, follow, hull, vector};
 
 /// The integrator of [`decided_states`].
 type Method<R> = Once<EnergyMomentum<R>>;
@@ -235,6 +236,118 @@ fn the_barrier_of_a_thick_disc_is_that_of_the_disc_on_a_rim() {
             let most = 1.06 * sine.powf(-1.0 / 3.0);
             assert!((1.0..most).contains(&taken), "{stiffness}: {taken} {most}");
         }
+    }
+}
+
+/// Points of a flat cloud, or of the faces of a cube, that are off a plane by this fraction of 1 m.
+fn almost_flat(draw: &mut Draw, off: f64) -> Vec<DVec3> {
+    let is_cloud = draw.below(2) == 0;
+    let count = 6 + draw.below(30);
+    let point = |_| {
+        if is_cloud {
+            return draw.direction() * DVec3::new(1.0, 1.0, off);
+        }
+        let mut within = |most: f64| [(); 3].map(|()| draw.between(-most, most)).into();
+        let (mut place, noise): (DVec3, DVec3) = (within(1.0), within(off));
+        place[draw.below(3)] = if draw.below(2) == 0 { 1.0 } else { -1.0 };
+        place + noise
+    };
+    (0..count).map(point).collect()
+}
+
+/// The number of places at which a face ends, from its middle in random directions, and of those at
+/// which the body reaches less far than its barrier says.
+fn ends_of_faces<R: Real>(points: &[DVec3], draw: &mut Draw) -> [u32; 2] {
+    let contacts = points
+        .iter()
+        .map(|&point| ContactPoint::bare(vector::<R>(point)));
+    let masses = vec![R::ONE; points.len()];
+    let body = PointCloud::<R, Vec<_>>::with_storage(contacts.collect(), &masses).unwrap();
+    let mut counts = [0, 0];
+    for _ in 0..10 {
+        let down = draw.direction();
+        let Some(basin) = body.basin(vector::<R>(down)) else {
+            continue;
+        };
+        let aim = down + draw.direction() * draw.log_between(0.01, 2.0);
+        let at = |share: f64| down.lerp(aim, share).normalize();
+        let is_on = |down: DVec3| {
+            let there = body.basin(vector::<R>(down));
+            there.is_some_and(|there| there.face == basin.face)
+        };
+        if is_on(at(1.0)) {
+            continue;
+        }
+        let (mut least, mut most) = (0.0, 1.0);
+        for _ in 0..40 {
+            let middle = 0.5 * (least + most);
+            *(if is_on(at(middle)) {
+                &mut least
+            } else {
+                &mut most
+            }) = middle;
+        }
+        let end = at(least);
+        let reach = body.contacts().iter().map(|contact| {
+            let place = contact.position;
+            let [x, y, z] = [place.x(), place.y(), place.z()].map(R::to_f64);
+            DVec3::new(x, y, z).dot(end)
+        });
+        let rounding = 16.0 * R::EPSILON.to_f64();
+        counts[0] += 1;
+        counts[1] += u32::from(reach.fold(f64::MIN, f64::max) < basin.height.to_f64() - rounding);
+    }
+    counts
+}
+
+/// Points that are on the plane of one facet and just off that of the next leave no face that ends
+/// below its barrier. N = 300 bodies in each precision, 1,077 ends. A fraction of 0.5 % is seen with
+/// 99 %. Without a test of the neighbours it was 0.6 %.
+#[test]
+fn a_face_of_an_almost_flat_body_ends_above_its_barrier() {
+    let (mut single, mut double) = ([0, 0], [0, 0]);
+    for number in 0..300 {
+        let mut draw = Draw::of(91, number);
+        let off = draw.log_between(1e-6, 1e-2);
+        let points = almost_flat(&mut draw, off);
+        single = sum_of(single, ends_of_faces::<f32>(&points, &mut draw));
+        let off = draw.log_between(1e-15, 1e-11);
+        let points = almost_flat(&mut draw, off);
+        double = sum_of(double, ends_of_faces::<f64>(&points, &mut draw));
+    }
+    println!("ends of faces, and those below the barrier: {single:?}, {double:?}");
+    assert!(single[0] > 250 && double[0] > 250, "{single:?} {double:?}");
+    assert_eq!([single[1], double[1]], [0, 0]);
+}
+
+fn sum_of(a: [u32; 2], b: [u32; 2]) -> [u32; 2] {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+/// A die of a grid of points has three and more contacts on each edge.
+#[test]
+fn no_two_facets_have_the_same_name() {
+    for count in [2, 3, 4] {
+        let points = (0..count * count * count)
+            .map(|i| {
+                DVec3::new(
+                    f64::from(i % count),
+                    f64::from(i / count % count),
+                    f64::from(i / count / count),
+                )
+            })
+            .map(ContactPoint::bare);
+        let masses = vec![1.0; usize::try_from(count * count * count).unwrap()];
+        let die = PointCloud::<f64, Vec<_>>::with_storage(points.collect(), &masses).unwrap();
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        let names = axes
+            .iter()
+            .flat_map(|&axis| [axis, -axis])
+            .map(|down| die.basin(down).unwrap().face);
+        let mut names: Vec<_> = names.collect();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), 6, "{names:?}");
     }
 }
 
