@@ -31,7 +31,7 @@ impl HullFace {
     ///
     /// *Limit:* a facet on which the body does not rest has a basin of its own, so that the barrier
     /// of its neighbour is lower than it could be. *Cost:* of the order of the number of contacts
-    /// times the number of corners of the facets that are passed, and of the neighbours of the last.
+    /// times the number of corners of the facets that are passed, with the last one's neighbours.
     #[must_use]
     pub fn basin<R: Real, B: RigidPointBody<R> + ?Sized>(
         body: &B,
