@@ -687,6 +687,27 @@ mod tests {
         assert_eq!(session.step_count() - before, fresh.step_count());
     }
 
+    /// The step size that an adaptive method has chosen is part of a session.
+    #[test]
+    fn an_impulse_that_is_refused_changes_no_session() {
+        let stepper = Stepper::builder(Coin::ring(1.0, 0.5))
+            .gravity(UniformGravity::down(9.8))
+            .ground(FlatGround::level(1e3, 1.0))
+            .integrator(DormandPrince54::new(1e-6))
+            .build()
+            .unwrap();
+        let mut session = stepper.session(State::at(glam::DVec3::Z * 0.4));
+        session.advance(0.1).unwrap();
+        let saved = session.save();
+        let refused = session.apply_impulse(glam::DVec3::X * f64::NAN, glam::DVec3::ZERO);
+        assert!(matches!(refused, Err(StepError::BadImpulse { .. })));
+        assert_eq!(session.save(), saved);
+        session
+            .apply_impulse(glam::DVec3::X, glam::DVec3::ZERO)
+            .unwrap();
+        assert_ne!(session.save(), saved);
+    }
+
     /// A body at rest in contact is known to rest, though the method could span several steps in
     /// flight.
     #[test]

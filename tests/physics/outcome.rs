@@ -301,8 +301,8 @@ fn ends_of_faces<R: Real>(points: &[DVec3], draw: &mut Draw) -> [u32; 2] {
 }
 
 /// Points that are on the plane of one facet and just off that of the next leave no face that ends
-/// below its barrier. N = 300 bodies in each precision, 1,077 ends. A fraction of 0.5 % is seen with
-/// 99 %. Without a test of the neighbours it was 0.6 %.
+/// below its barrier. N = 300 bodies in each precision, 1,077 ends. A fraction of 0.5 % is seen
+/// with 99 %. Without a test of the neighbours it was 0.6 %.
 #[test]
 fn a_face_of_an_almost_flat_body_ends_above_its_barrier() {
     let (mut single, mut double) = ([0, 0], [0, 0]);
