@@ -193,11 +193,12 @@ fn text(error: impl core::fmt::Display) -> String {
     error.to_string()
 }
 
-/// Up to 32 steps of a fixed size, or any time for a method with a budget.
+/// Up to 32 steps of a fixed size, or any time for a method with a budget. Some are below 0.
 fn duration<R: Real>(input: &mut Input<'_>, stepper: &AnyStepper<'_, R>) -> R {
     let own = stepper.integrator().fixed_step();
     match own {
-        _ if input.byte() >= 248 => -input.size::<R>(1e-3, 1.0),
+        // The size may be any number, also below 0: a run of that many seconds would take hours.
+        _ if input.byte() >= 248 => -input.size::<R>(1e-3, 1.0).abs(),
         Some(own) => own * R::from_f64(f64::from(input.byte()) / 8.0),
         None => input.size(1e-4, 1.0),
     }
