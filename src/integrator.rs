@@ -22,7 +22,9 @@ pub use adaptive::{
     AdaptiveNystromWorkspace, BogackiShampine32, DormandPrince54, EmbeddedPairWorkspace, Radau5,
 };
 pub use any::{AnyIntegrator, Workspace as AnyWorkspace};
-pub use energy_momentum::{EnergyMomentum, Workspace as EnergyMomentumWorkspace};
+pub use energy_momentum::{
+    CompactEnergyMomentum, EnergyMomentum, Workspace as EnergyMomentumWorkspace,
+};
 pub use explicit::{ForwardEuler, Nystrom, Rk4, StrangSplitting, SymplecticEuler};
 pub use flight::Flight;
 pub use interface::{Integrator, Step, StepControl, step_length};

@@ -257,9 +257,9 @@ pub use ground::{
     Ramp, Shape, SpringDamper, SpringDamperGround, Surface, Terrain, Waves,
 };
 pub use integrator::{
-    AdaptiveEnergyMomentum, AdaptiveNystrom, AnyIntegrator, BogackiShampine32, DormandPrince54,
-    EnergyMomentum, Flight, ForwardEuler, Integrator, Nystrom, Radau5, Rk4, Step, StepControl,
-    StrangSplitting, SymplecticEuler,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, AnyIntegrator, BogackiShampine32,
+    CompactEnergyMomentum, DormandPrince54, EnergyMomentum, Flight, ForwardEuler, Integrator,
+    Nystrom, Radau5, Rk4, Step, StepControl, StrangSplitting, SymplecticEuler,
 };
 pub use observer::{Every, Ledger, Observer, Sample, SceneQuery, Timed, UntilDecided, UntilRest};
 pub use outcome::{Barriers, Basin, Faces, HullFace, Outcome};

@@ -8,7 +8,7 @@ use core::borrow::BorrowMut;
 
 use crate::body::RigidPointBody;
 use crate::energy::Energy;
-use crate::error::{self, SceneError, StepError};
+use crate::error::{self, Rule, SceneError, StepError};
 use crate::force::{Force, NoForce};
 use crate::friction::{Frictionless, SlidingFriction};
 use crate::gravity::{Gravity, NoGravity};
@@ -153,7 +153,13 @@ impl<R: Real> SavedSession<R> {
 
     fn check(&self) -> Result<(), SceneError> {
         error::at_least_zero("time of the saved session", self.clock.time, " s")?;
-        error::finite("rounding of the saved time", self.clock.lost, " s")?;
+        let Clock { time, lost, .. } = self.clock;
+        // Of a time that a clock has counted, it is at most a unit in the last place.
+        let is_rounding = lost.abs() <= time * (R::EPSILON * R::from_f64(4.0));
+        if !is_rounding {
+            let quantity = "rounding of the saved time";
+            return Err(SceneError::new(quantity, Rule::Zero, lost.to_f64(), " s"));
+        }
         self.control.map_or(Ok(()), |control| control.check())
     }
 }

@@ -42,9 +42,11 @@
 //! * Where the damping by friction is strong, it holds the contact along the surface. The normal
 //!   stiffness is then at most the stiffness without `f`.
 //!
-//! The limit is the lesser of both. It is not proven for the intermediate case, a slip near the
-//! slip speed, where the motion itself can flutter. Two effects are neglected: the rotation of
-//! lever arms and normals under load (of relative size depth/arm), and the gyroscopic torque.
+//! The limit is the lesser of both. It is not proven for the intermediate case, where the damping
+//! by friction across the slip, `μ N/slip`, is comparable with the damping or the stiffness along
+//! the normal: a slip near the slip speed, or a small load. There the motion itself can flutter. Two
+//! effects are neglected: the rotation of lever arms and normals under load (of relative size
+//! depth/arm), and the gyroscopic torque.
 
 use crate::contact::{Contact, Motion};
 use crate::force::{Force, Wrench};
@@ -160,7 +162,7 @@ impl<R: Real> Response<R> {
         let (ground, friction_law) = contact.laws(frame.scene.ground(), frame.scene.friction());
         let load = ground.normal_force(contact.depth, contact.closing_speed);
         let drag = drag_at(&friction_law, load, contact);
-        let by_load = contact.slip * -drag.per_load;
+        let by_load = friction_by_load(&friction_law, load, contact, &drag);
         self.is_coupled |= by_load != R::Vec3::ZERO;
         let pushed = match self.load {
             Friction::GrowsWithLoad => normal + by_load,
@@ -427,6 +429,24 @@ fn drag_at<R: Real, F: SlidingFriction<R>>(
     }
     let [direction, _] = tangents(contact.normal, contact.slip, R::ZERO);
     friction.jacobian_at(contact.position, load, direction * R::from_f64(1e-12))
+}
+
+/// Derivative of the friction force with respect to its load, dimensionless.
+///
+/// The Jacobian has its component along the slip. That of a law which is not isotropic points
+/// along its force, which is not opposite to the slip.
+fn friction_by_load<R: Real, F: SlidingFriction<R>>(
+    friction: &F,
+    load: R,
+    contact: &Contact<R>,
+    drag: &FrictionJacobian<R>,
+) -> R::Vec3 {
+    let (position, slip) = (contact.position, contact.slip);
+    let is_isotropic = friction.anisotropy_at(position, load, slip).is_none();
+    if is_isotropic || drag.coefficient <= R::ZERO {
+        return slip * -drag.per_load;
+    }
+    friction.force_at(position, load, slip) * (drag.per_load / drag.coefficient)
 }
 
 /// What a law that is not isotropic adds to the damping along two directions, relative to its

@@ -180,13 +180,14 @@ where
     /// Replaces the integrator.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if a parameter of the integrator is invalid. The error names the
-    /// quantity, the rule and the value.
+    /// Returns [`SceneError`] if a parameter of the integrator is invalid, or if it cannot step the
+    /// body. The error names the quantity, the rule and the value.
     pub fn with_integrator<I2: Integrator<R>>(
         self,
         integrator: I2,
     ) -> Result<Stepper<B, G, F, A, I2, R, E>, SceneError> {
         integrator.check()?;
+        integrator.check_body(self.scene.body())?;
         Ok(Stepper {
             scene: self.scene,
             integrator,
@@ -404,8 +405,9 @@ where
     ///   bound by contacts. That by quadratic drag decreases as the speed increases.
     /// * The bound does not include rotation. In contact, a step should rotate the body by much
     ///   less than 1 rad.
-    /// * The bound is proven for contacts that stick or slide, not for a slip near the slip speed.
-    ///   With [`Nystrom`](crate::Nystrom), friction can make it up to 10 % too long.
+    /// * The bound is proven for contacts that stick or slide, not in between: where the damping by
+    ///   friction across the slip, `μ N/slip`, is comparable with the damping or the stiffness along
+    ///   the normal. With [`Nystrom`](crate::Nystrom), friction can make it up to 10 % too long.
     /// * Lift turns the velocity, as rotation does. The bound counts its rate as one of damping.
     /// * One call costs some ten thousand multiplications. It is too expensive to call at every
     ///   step.

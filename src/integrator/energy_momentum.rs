@@ -44,10 +44,11 @@ mod stiffness;
 mod touch;
 mod turning;
 mod work;
+mod workspace;
 
 use crate::body::{ContactRange, RigidPointBody};
 use crate::energy::Energy;
-use crate::error::{self, Quantity, SceneError, StepError};
+use crate::error::{self, Quantity, Rule, SceneError, StepError};
 use crate::ground::Plane;
 use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::integrator::{energy_limit, flight_rounding};
@@ -57,10 +58,12 @@ use crate::scene::{Dynamics, turned_freely};
 use crate::state::State;
 pub(in crate::integrator) use applied::close_account;
 pub(in crate::integrator) use block::Block;
-use contacts::{Contacts, Reach};
+use contacts::{Contacts, FOR_RIMS, Reach};
 use energy_limit::Touched;
 pub(in crate::integrator) use linear::{Factored, SixBySix};
 use problem::Problem;
+use workspace::Memory;
+pub use workspace::Workspace;
 
 /// The energy-momentum method: implicit, of order 2, and **the computed energy never increases**.
 /// The default of the crate.
@@ -146,65 +149,6 @@ pub struct EnergyMomentum<R = f64> {
     pub time_step: R,
 }
 
-/// Data that [`EnergyMomentum`] keeps from step to step to save work: the contact points, the last
-/// energy, and the state that a step has left unchanged.
-///
-/// The workspace never changes a result: a new one gives the same bits. What it keeps of a state is
-/// used for the same state only. It [belongs to one scene](crate::Integrator::Workspace).
-#[derive(Clone, Debug)]
-pub struct Workspace<R: Real = f64> {
-    contacts: Contacts<R>,
-    /// State after the last step, if it is known.
-    known: Option<State<R>>,
-    /// Energy of that state. A pair of both would be built on the stack and copied.
-    energy: Energy<R>,
-    /// Length of a step that has left that state unchanged, s.
-    rest: Option<R>,
-}
-
-impl<R: Real> Default for Workspace<R> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<R: Real> Workspace<R> {
-    /// Creates an empty workspace. It can be created at compile time and placed in a `static` if
-    /// the stack is small.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            contacts: Contacts::NONE,
-            known: None,
-            energy: Energy {
-                translation: R::ZERO,
-                rotation: R::ZERO,
-                gravity: R::ZERO,
-                springs: R::ZERO,
-            },
-            rest: None,
-        }
-    }
-
-    /// Empties the workspace in place. The contacts stay, because each step collects them anew.
-    #[inline]
-    pub(in crate::integrator) fn clear(&mut self) {
-        (self.known, self.rest) = (None, None);
-    }
-
-    /// Returns true if a step of this length is known to leave this state unchanged.
-    #[inline]
-    fn rests(&self, state: &State<R>, seconds: R) -> bool {
-        self.rest == Some(seconds) && self.energy(state).is_some()
-    }
-
-    /// Energy of this state, if the last step has ended with this state.
-    #[inline]
-    fn energy(&self, state: &State<R>) -> Option<Energy<R>> {
-        (self.known.as_ref()? == state).then_some(self.energy)
-    }
-}
-
 impl<R: Real> Integrator<R> for EnergyMomentum<R> {
     type Workspace = Workspace<R>;
 
@@ -217,17 +161,7 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
         workspace: &mut Workspace<R>,
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
-        if dt <= R::ZERO || workspace.rests(state, dt) {
-            return Ok(Step::new(dt, 0));
-        }
-        // An orientation that no scaling makes a rotation: every attempt would fail, and the body
-        // would stay at its pose.
-        let is_a_turn =
-            Rotation::<R>::unscaled(state.orientation).is_a_turn() || state.rotation().is_a_turn();
-        if !is_a_turn {
-            return Err(StepError::BadState(Quantity::Orientation));
-        }
-        move_on(scene, state, dt, workspace)
+        step(scene, state, dt, workspace.parts())
     }
 
     fn order(&self) -> u32 {
@@ -246,6 +180,102 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
     fn check(&self) -> Result<(), SceneError> {
         error::above_zero("time step", self.time_step, " s")
     }
+}
+
+/// [`EnergyMomentum`] with memory for a chosen number of contacts: for microcontrollers, and for
+/// thousands of sessions.
+///
+/// Its workspace stores `CONTACTS` contacts from iteration to iteration, and that of
+/// `EnergyMomentum` stores 128. In `f32`, 12 contacts need 3 kB and 128 need 23 kB; in `f64` about
+/// twice as much. As long as at most `CONTACTS` contacts may touch in a step, the steps have the
+/// same bits as those of `EnergyMomentum`. If there are more, the method computes the others anew at
+/// each iteration, as `EnergyMomentum` does beyond 128. All that is said of `EnergyMomentum` then
+/// holds, but the bits differ and a step takes more time.
+///
+/// The number must be above 0, which is checked when the program is compiled. A body with round rims
+/// needs at least 96, which is checked when the scene is composed.
+///
+/// ```
+/// use tumble::{CompactEnergyMomentum, Cuboid, FlatGround, State, Stepper, UniformGravity};
+/// use tumble::glam::{DVec3, Vec3};
+///
+/// let stepper = Stepper::<_, f32>::builder(Cuboid::solid(0.01, Vec3::splat(0.02))) // kg, m
+///     .gravity(UniformGravity::down(9.8)) // m/s²
+///     .ground(FlatGround::level(1000.0, 0.5)) // N/m and N s/m, for each corner
+///     .integrator(CompactEnergyMomentum::<8, f32> { time_step: 1e-3 }) // s
+///     .build()?;
+/// let mut state = State::at(Vec3::Z); // m
+/// stepper.advance(&mut state, 0.5)?; // s
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CompactEnergyMomentum<const CONTACTS: usize, R = f64> {
+    /// Step size, s, positive.
+    pub time_step: R,
+}
+
+impl<R: Real, const CONTACTS: usize> Integrator<R> for CompactEnergyMomentum<CONTACTS, R> {
+    type Workspace = Workspace<R, CONTACTS>;
+
+    #[inline]
+    fn step<D: Dynamics<R>>(
+        &self,
+        scene: &D,
+        state: &mut State<R>,
+        limit: R,
+        workspace: &mut Workspace<R, CONTACTS>,
+    ) -> Result<Step<R>, StepError> {
+        let dt = step_length(self.time_step, limit);
+        step(scene, state, dt, workspace.parts())
+    }
+
+    fn order(&self) -> u32 {
+        2
+    }
+
+    fn fixed_step(&self) -> Option<R> {
+        Some(self.time_step)
+    }
+
+    #[inline]
+    fn clear(&self, workspace: &mut Workspace<R, CONTACTS>) {
+        workspace.clear();
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        error::above_zero("time step", self.time_step, " s")
+    }
+
+    fn check_body(&self, body: &impl RigidPointBody<R>) -> Result<(), SceneError> {
+        if CONTACTS >= FOR_RIMS as usize || body.rims().is_empty() {
+            return Ok(());
+        }
+        let quantity = "number of contacts that the method stores, for a body with round rims,";
+        let rule = Rule::AtLeast(FOR_RIMS);
+        Err(SceneError::new(quantity, rule, CONTACTS as f64, ""))
+    }
+}
+
+/// Takes a step of a length (s).
+#[inline(always)]
+fn step<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    state: &mut State<R>,
+    dt: R,
+    (contacts, memory): (&mut Contacts<R>, &mut Memory<R>),
+) -> Result<Step<R>, StepError> {
+    if dt <= R::ZERO || memory.rests(state, dt) {
+        return Ok(Step::new(dt, 0));
+    }
+    // An orientation that no scaling makes a rotation: every attempt would fail, and the body
+    // would stay at its pose.
+    let is_a_turn =
+        Rotation::<R>::unscaled(state.orientation).is_a_turn() || state.rotation().is_a_turn();
+    if !is_a_turn {
+        return Err(StepError::BadState(Quantity::Orientation));
+    }
+    move_on(scene, state, dt, (contacts, memory))
 }
 
 /// Finest division of a step that cannot be taken as a whole.
@@ -274,10 +304,10 @@ fn move_on<R: Real, D: Dynamics<R>>(
     scene: &D,
     state: &mut State<R>,
     dt: R,
-    workspace: &mut Workspace<R>,
+    (contacts, memory): (&mut Contacts<R>, &mut Memory<R>),
 ) -> Result<Step<R>, StepError> {
     let start = *state;
-    let before = workspace
+    let before = memory
         .energy(&start)
         .unwrap_or_else(|| Energy::of(scene, &start));
     check_energy(&before)?;
@@ -285,7 +315,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
     let mut step = Step::new(dt, 0);
     applied::pushed(scene, state, &mut energy, dt * R::HALF, &mut step)?;
     turning::resisted(scene, state, &mut energy, dt * R::HALF, &mut step);
-    move_in_parts(scene, state, &mut energy, dt, workspace, &mut step)?;
+    move_in_parts(scene, state, &mut energy, dt, contacts, &mut step)?;
     let is_suspect = step.fallback || (step.iterations > 0 && dt > R::from_f64(LONG));
     if is_suspect && descent::is_unresolved(scene, &start, dt) {
         return Err(too_long(dt));
@@ -301,8 +331,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
         fall(scene, state, &mut energy, dt, &mut step);
     }
     applied::close_account(before.total(), energy.total(), &mut step);
-    (workspace.known, workspace.energy) = (Some(*state), energy);
-    workspace.rest = (*state == start).then_some(dt);
+    memory.note([&start, state], &energy, dt);
     Ok(step)
 }
 
@@ -314,7 +343,7 @@ fn move_in_parts<R: Real, D: Dynamics<R>>(
     state: &mut State<R>,
     energy: &mut Energy<R>,
     dt: R,
-    workspace: &mut Workspace<R>,
+    contacts: &mut Contacts<R>,
     step: &mut Step<R>,
 ) -> Result<(), StepError> {
     // In sixteenths of the step: the part that is done, and the length that is tried.
@@ -322,7 +351,7 @@ fn move_in_parts<R: Real, D: Dynamics<R>>(
     let mut lost = 0;
     while done < PARTS {
         let seconds = sixteenths(dt, length);
-        if attempt(scene, state, energy, seconds, workspace, step) {
+        if attempt(scene, state, energy, seconds, contacts, step) {
             done += length;
             length = longest_part(done);
         } else if length > 1 {
@@ -395,11 +424,10 @@ fn attempt<R: Real, D: Dynamics<R>>(
     state: &mut State<R>,
     energy: &mut Energy<R>,
     seconds: R,
-    workspace: &mut Workspace<R>,
+    contacts: &mut Contacts<R>,
     step: &mut Step<R>,
 ) -> bool {
     let mut problem = Problem::new(scene, state, energy, seconds);
-    let contacts = &mut workspace.contacts;
     for wide in [false, true] {
         gather(&problem, contacts, wide);
         let (end, is_lossless, work) = if contacts.is_empty() {

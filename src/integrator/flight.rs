@@ -143,6 +143,10 @@ impl<R: Real, I: Integrator<R>> Integrator<R> for Flight<I> {
     fn check(&self) -> Result<(), SceneError> {
         self.0.check()
     }
+
+    fn check_body(&self, body: &impl RigidPointBody<R>) -> Result<(), SceneError> {
+        self.0.check_body(body)
+    }
 }
 
 /// Returns the end of a flight whose computed energy never exceeds the energy before it.

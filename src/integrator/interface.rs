@@ -2,6 +2,7 @@
 
 use core::fmt::Debug;
 
+use crate::body::RigidPointBody;
 use crate::error::{self, SceneError, StepError};
 use crate::integrator::lanes::Lanes;
 use crate::real::Real;
@@ -144,6 +145,16 @@ pub trait Integrator<R: Real = f64> {
     /// Returns [`SceneError`] if a parameter is invalid. The error names the quantity, the rule and
     /// the value.
     fn check(&self) -> Result<(), SceneError>;
+
+    /// Checks that the method can step a body. Called once, when a scene is composed. Default: it
+    /// can.
+    ///
+    /// # Errors
+    /// Returns [`SceneError`] if it cannot. The error names the quantity, the rule and the value.
+    fn check_body(&self, body: &impl RigidPointBody<R>) -> Result<(), SceneError> {
+        let _ = body;
+        Ok(())
+    }
 }
 
 /// Data from which an [adaptive](Integrator::ADAPTIVE) method continues: the size of the next step

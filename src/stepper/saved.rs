@@ -10,7 +10,7 @@ use crate::gravity::Gravity;
 use crate::ground::SpringDamperGround;
 use crate::integrator::Integrator;
 use crate::real::Real;
-use crate::scene::Scene;
+use crate::scene::{Dynamics, Scene};
 use crate::stepper::Stepper;
 
 #[derive(Serialize, Deserialize)]
@@ -47,7 +47,11 @@ where
 {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let parts = Parts::<Scene<B, G, F, A, R, E>, I>::deserialize(deserializer)?;
-        parts.integrator.check().map_err(D::Error::custom)?;
+        let integrator = &parts.integrator;
+        (integrator
+            .check()
+            .and_then(|()| integrator.check_body(parts.scene.body())))
+        .map_err(D::Error::custom)?;
         Ok(Self {
             scene: parts.scene,
             integrator: parts.integrator,

@@ -15,8 +15,8 @@ use core::f64::consts::FRAC_PI_2;
 use tumble::glam::{DMat3, DVec3};
 use tumble::ground::Plane;
 use tumble::{
-    ContactPoint, Coulomb, EnergyMomentum, FlatGround, FrictionJacobian, RigidPointBody,
-    SlidingFriction, State, Stribeck, UniformGravity,
+    CompactEnergyMomentum, ContactPoint, Coulomb, Cuboid, Disc, EnergyMomentum, FlatGround, Flight,
+    FrictionJacobian, Integrator, RigidPointBody, SlidingFriction, State, Stribeck, UniformGravity,
 };
 
 /// Mass of each body, kg.
@@ -261,4 +261,77 @@ fn a_slide_that_the_step_resolves_is_differentiated_once_for_any_number_of_conta
         let name = format!("{count}² contacts at {degrees} degrees");
         assert!((1.0..1.5).contains(&derivatives), "{name}: {derivatives}");
     }
+}
+
+/// Energies of a box of eight corners that is thrown, bounces, slides and comes to rest, after each
+/// step, and the state at the end.
+fn thrown_box(integrator: impl Integrator) -> (Vec<f64>, State) {
+    let stepper = Stepper::builder(Cuboid::solid(0.4, DVec3::new(0.12, 0.08, 0.05)))
+        .gravity(UniformGravity::down(GRAVITY))
+        .ground(
+            FlatGround::level(4e4, 12.0).on(Plane::through(DVec3::ZERO, DVec3::new(0.1, 0.0, 1.0))),
+        )
+        .friction(Coulomb {
+            coefficient: 0.4,
+            slip_speed: 1e-5,
+        })
+        .integrator(integrator)
+        .build()
+        .unwrap();
+    let start = State::at(DVec3::Z * 0.2)
+        .with_linear_velocity(DVec3::new(0.7, -0.3, -1.0))
+        .with_angular_momentum(DVec3::new(2e-3, -1e-3, 3e-3));
+    let mut session = stepper.session(start);
+    let mut energy = || {
+        session.step().unwrap();
+        (session.energy().total(), *session.state())
+    };
+    let steps: Vec<_> = (0..3000).map(|_| energy()).collect();
+    let end = steps[steps.len() - 1].1;
+    (steps.into_iter().map(|(energy, _)| energy).collect(), end)
+}
+
+/// With memory for all eight corners the bits are those with memory for 128 contacts. With less,
+/// other contacts are computed anew: the energy falls as well, and the box rests where the other
+/// does.
+#[test]
+fn less_memory_for_contacts_changes_no_bit_while_it_suffices() {
+    let time_step = 1e-3;
+    let (energies, end) = thrown_box(EnergyMomentum { time_step });
+    let compact = thrown_box(CompactEnergyMomentum::<8> { time_step });
+    assert!(compact == (energies.clone(), end));
+    let in_flight = thrown_box(Flight(CompactEnergyMomentum::<8> { time_step }));
+    assert!(in_flight == thrown_box(Flight(EnergyMomentum { time_step })));
+    for (energies_with_less, end_with_less) in [
+        thrown_box(CompactEnergyMomentum::<1> { time_step }),
+        thrown_box(CompactEnergyMomentum::<3> { time_step }),
+    ] {
+        assert!(energies_with_less != energies);
+        assert!(energies_with_less.windows(2).all(|pair| pair[1] <= pair[0]));
+        let apart = (end_with_less.position - end.position).length();
+        assert!(apart < 1e-6, "{apart:e} m");
+    }
+}
+
+#[test]
+fn the_bodies_of_a_compact_method_need_memory_for_their_rims() {
+    let build = |integrator| {
+        tumble::Stepper::builder(Disc::<f64>::solid(0.1, 0.05, 60))
+            .integrator(integrator)
+            .build()
+            .map(|_| ())
+            .map_err(|error| error.to_string())
+    };
+    let refused = "number of contacts that the method stores, for a body with round rims, must be \
+                   at least 96, got 95";
+    let time_step = 1e-3;
+    let of_95 = CompactEnergyMomentum::<95> { time_step };
+    assert_eq!(build(Flight(of_95)), Err(refused.to_owned()));
+    let stepper = tumble::Stepper::builder(Disc::<f64>::solid(0.1, 0.05, 60));
+    assert!(
+        stepper
+            .integrator(CompactEnergyMomentum::<96> { time_step })
+            .build()
+            .is_ok()
+    );
 }

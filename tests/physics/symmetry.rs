@@ -809,6 +809,10 @@ fn an_invalid_session_is_refused_when_it_is_resumed() {
             "time of the saved session must be at least 0, got -1 s",
         ),
         (
+            "/clock/lost",
+            "rounding of the saved time must be 0, got -1 s",
+        ),
+        (
             "/control/next_step",
             "length of the next step must be above 0, got -1 s",
         ),

@@ -32,12 +32,13 @@ use crate::friction::FrictionJacobian;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
-/// Number of contacts that a step remembers from iteration to iteration. If there are more, one of
-/// each few is remembered, and the others are computed anew.
-pub(super) const CAPACITY: usize = 128;
-
 /// Largest number of panels of all rims that are known for their reversals of friction.
 const MOST_PANELS: usize = 24;
+
+/// Smallest number of stored contacts with which all panels of a body with rims have their points:
+/// [`MOST_PANELS`] of four.
+pub(super) const FOR_RIMS: u32 = 96;
+const _: () = assert!(FOR_RIMS as usize == 4 * MOST_PANELS);
 
 /// Largest fraction of the length below ground at which a panel needs no more than four points.
 /// Most such panels are below the ground at the start or at the end of the step only.
@@ -119,9 +120,12 @@ impl<R: Real> Noted<R> {
 }
 
 /// Contacts that may touch during a step.
+///
+/// `Touches` is the storage of those that a step remembers from iteration to iteration, an array. If
+/// there are more, one of each few is remembered, and the others are computed anew. The stages of a
+/// step take a slice in its place, so that they are compiled once for all capacities.
 #[derive(Clone, Debug)]
-pub(super) struct Contacts<R: Real> {
-    touches: [Touch<R>; CAPACITY],
+pub(super) struct Contacts<R: Real, Touches: ?Sized = [Touch<R>]> {
     remembered: usize,
     /// All candidates on a surface. On several surfaces it is the same range for each.
     run: ContactRange,
@@ -148,11 +152,11 @@ pub(super) struct Contacts<R: Real> {
     /// step.
     noted: Noted<R>,
     notes: usize,
+    touches: Touches,
 }
 
-impl<R: Real> Contacts<R> {
+impl<R: Real, const CAPACITY: usize> Contacts<R, [Touch<R>; CAPACITY]> {
     pub(super) const NONE: Self = Self {
-        touches: [Touch::NONE; CAPACITY],
         remembered: 0,
         run: ContactRange::NONE,
         candidates: 0,
@@ -166,7 +170,16 @@ impl<R: Real> Contacts<R> {
         path_by_turn: Block::ZERO,
         noted: Noted::NONE,
         notes: 0,
+        touches: [Touch::NONE; CAPACITY],
     };
+}
+
+impl<R: Real> Contacts<R> {
+    /// Number of contacts that are remembered at most.
+    #[inline(always)]
+    fn capacity(&self) -> usize {
+        self.touches.len()
+    }
 
     /// Forgets the contacts of the last step.
     #[inline]
@@ -240,7 +253,8 @@ impl<R: Real> Contacts<R> {
         let contacts = problem.scene.body().contacts();
         // The points of rims need their share of the storage.
         let share = if self.with_rim { 2 } else { 1 };
-        let each = (self.candidates / (CAPACITY / share) + 1).max(1);
+        let most = (self.capacity() / share).max(1);
+        let each = self.candidates / most + 1;
         (self.each, self.remembered) = (each, 0);
         for number in (each / 2..self.candidates).step_by(each) {
             let each_surface = self.run.count.max(1);
@@ -388,7 +402,8 @@ impl<R: Real> Contacts<R> {
         // Each surface has the same share of the storage, and so have the rims that touch it. Where
         // a share does not suffice for all panels, each of them has fewer points.
         let surfaces = problem.surfaces();
-        let share = (CAPACITY - count.min(CAPACITY)) / (surfaces as usize).max(1);
+        let room = self.capacity() - count.min(self.capacity());
+        let share = room / (surfaces as usize).max(1);
         let rims = problem.scene.body().rims();
         for surface in 0..surfaces {
             let laws = (&problem.ground(surface), &problem.law(surface));
@@ -546,7 +561,7 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
         argument: &Block<R>,
     ) -> Option<Block<R>> {
-        let [touch, ..] = &self.touches;
+        let touch = self.touches.first()?;
         let path_by_turn = touch.push.path_by_turn(problem, trial, argument)?;
         self.path_by_turn = path_by_turn;
         Some(path_by_turn)
@@ -728,7 +743,7 @@ mod tests {
 
     /// Contacts of a step that no test takes: each field has a value that would change the next
     /// step.
-    fn left_over() -> Contacts<f32> {
+    fn left_over<const N: usize>() -> Contacts<f32, [Touch<f32>; N]> {
         let mut touch = Touch::NONE;
         (touch.arm, touch.before) = (Vec3::ONE, Vec3::Y);
         (touch.load, touch.settled_depth) = (50.0, 0.3);
@@ -741,7 +756,7 @@ mod tests {
         let mut noted = Noted::NONE;
         noted.trial.velocity = Vec3::ONE;
         Contacts {
-            touches: [touch; CAPACITY],
+            touches: [touch; N],
             remembered: 100,
             candidates: 300,
             seen: 100,

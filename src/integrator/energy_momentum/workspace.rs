@@ -1,0 +1,92 @@
+//! What the method keeps from step to step to save work.
+
+use super::contacts::Contacts;
+use super::touch::Touch;
+use crate::energy::Energy;
+use crate::real::Real;
+use crate::state::State;
+
+/// Data that [`EnergyMomentum`](crate::EnergyMomentum) and
+/// [`CompactEnergyMomentum`](crate::CompactEnergyMomentum) keep from step to step to save work: up
+/// to `CONTACTS` contact points, the last energy, and the state that a step has left unchanged.
+///
+/// The workspace never changes a result: a new one gives the same bits. What it keeps of a state is
+/// used for the same state only. It [belongs to one scene](crate::Integrator::Workspace).
+#[derive(Clone, Debug)]
+pub struct Workspace<R: Real = f64, const CONTACTS: usize = 128> {
+    contacts: Contacts<R, [Touch<R>; CONTACTS]>,
+    memory: Memory<R>,
+}
+
+/// The last state of a workspace.
+#[derive(Clone, Debug)]
+pub(super) struct Memory<R: Real> {
+    /// State after the last step, if it is known.
+    known: Option<State<R>>,
+    /// Energy of that state. A pair of both would be built on the stack and copied.
+    energy: Energy<R>,
+    /// Length of a step that has left that state unchanged, s.
+    rest: Option<R>,
+}
+
+impl<R: Real, const CONTACTS: usize> Default for Workspace<R, CONTACTS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<R: Real, const CONTACTS: usize> Workspace<R, CONTACTS> {
+    /// Creates an empty workspace. It can be created at compile time and placed in a `static` if
+    /// the stack is small.
+    #[must_use]
+    pub const fn new() -> Self {
+        const { assert!(CONTACTS > 0, "a workspace stores at least one contact") };
+        Self {
+            contacts: Contacts::NONE,
+            memory: Memory {
+                known: None,
+                energy: Energy {
+                    translation: R::ZERO,
+                    rotation: R::ZERO,
+                    gravity: R::ZERO,
+                    springs: R::ZERO,
+                },
+                rest: None,
+            },
+        }
+    }
+
+    /// Empties the workspace in place. The contacts stay, because each step collects them anew.
+    #[inline]
+    pub(in crate::integrator) fn clear(&mut self) {
+        (self.memory.known, self.memory.rest) = (None, None);
+    }
+
+    /// The contacts, of which the step is compiled once for all numbers, and the last state.
+    #[inline]
+    pub(super) fn parts(&mut self) -> (&mut Contacts<R>, &mut Memory<R>) {
+        (&mut self.contacts, &mut self.memory)
+    }
+}
+
+impl<R: Real> Memory<R> {
+    /// Returns true if a step of this length is known to leave this state unchanged.
+    #[inline]
+    pub(super) fn rests(&self, state: &State<R>, seconds: R) -> bool {
+        self.rest == Some(seconds) && self.energy(state).is_some()
+    }
+
+    /// Energy of this state, if the last step has ended with this state.
+    #[inline]
+    pub(super) fn energy(&self, state: &State<R>) -> Option<Energy<R>> {
+        (self.known.as_ref()? == state).then_some(self.energy)
+    }
+
+    /// Notes the states at the start and at the end of a step, the energy of the end, and the
+    /// length of the step, s.
+    #[inline]
+    pub(super) fn note(&mut self, [start, end]: [&State<R>; 2], energy: &Energy<R>, seconds: R) {
+        (self.known, self.energy) = (Some(*end), *energy);
+        self.rest = (end == start).then_some(seconds);
+    }
+}
