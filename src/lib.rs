@@ -156,6 +156,7 @@
 //! | `DormandPrince54` | a smaller tolerance |
 //! | `Radau5` | a tolerance in stick or rolling at a small slip speed, or on stiff ground |
 //! | `AdaptiveEnergyMomentum` | a tolerance and an energy that never increases; the error of each step |
+//! | [`CompactEnergyMomentum`] | `EnergyMomentum` where memory is scarce: a microcontroller, thousands of sessions |
 //! | any of them in [`Flight`] | flight in closed form |
 //! | [`AnyIntegrator`] | a choice at run time |
 //!

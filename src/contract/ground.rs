@@ -335,7 +335,12 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         let (start, end) = (self.energy(from), self.energy(to));
         demand_finite(end, input)?;
         // A formula's terms may be as large as the largest force makes them.
-        let terms = self.ground.spring_force(self.range.depth) * to * ulps(8.0);
+        let largest = self.ground.spring_force(self.range.depth);
+        demand_finite(largest, || Input::Press {
+            depth: self.range.depth.to_f64(),
+            closing_speed: 0.0,
+        })?;
+        let terms = largest * to * ulps(8.0);
         let slack = (start + end) * ulps(256.0) + terms + self.rounding_of_energy();
         demand_at_least(end, -slack, Requirement::SpringEnergyRises, input)?;
         let stored = end - start;

@@ -180,12 +180,22 @@ impl<R: Real, I: Integrator<R>> Attempt<'_, R, I> {
             value: 0.0,
             bound: 0.0,
         })?;
-        let whole = state.not_finite().is_none() && step.elapsed.is_finite();
-        demand(whole, Requirement::Finite, step.elapsed, R::MAX, input)?;
+        let [p, v] = [state.position, state.linear_velocity].map(|v| v.x() + v.y() + v.z());
+        let l =
+            state.angular_momentum.x() + state.angular_momentum.y() + state.angular_momentum.z();
+        let [x, y, z, w] = state.orientation.xyzw();
+        for number in [step.elapsed, p, v, l, x + y + z + w] {
+            demand(
+                number.is_finite(),
+                Requirement::Finite,
+                number,
+                R::MAX,
+                input,
+            )?;
+        }
         let takes = step.elapsed > R::ZERO;
         demand(takes, Requirement::TakesTime, step.elapsed, R::ZERO, input)?;
         demand_at_most(step.elapsed, limit, Requirement::KeepsToLimit, input)?;
-        let [x, y, z, w] = state.orientation.xyzw();
         let off = (x * x + y * y + z * z + w * w - R::ONE).abs();
         demand_at_most(off, ulps(16.0), Requirement::UnitOrientation, input)?;
         Ok(step)

@@ -1656,3 +1656,39 @@ fn a_method_that_converges_to_another_motion_is_found() {
         );
     }
 }
+
+/// A spring whose force is no number in the last part of the range.
+struct Torn(FlatGround);
+
+impl SpringDamperGround for Torn {
+    fn surface(&self, point: DVec3) -> tumble::Surface {
+        self.0.surface(point)
+    }
+    fn spring_force(&self, depth: f64) -> f64 {
+        if depth > 0.95 * RANGE.depth {
+            f64::NAN
+        } else {
+            self.0.spring_force(depth)
+        }
+    }
+    fn spring_energy(&self, depth: f64) -> f64 {
+        self.0.spring_energy(depth)
+    }
+    fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
+        self.spring_force(depth) + self.0.normal_force(depth, closing_speed)
+            - self.0.spring_force(depth)
+    }
+}
+
+/// The messages name what is not finite, and not another quantity: the spring energy of a force that
+/// is NaN was said to be too small, and a position that is NaN to be the length of the step.
+#[test]
+fn a_number_that_is_not_finite_is_shown() {
+    let fault = fault_of_ground(&Torn(FlatGround::level(1e3, 1.0)));
+    assert_eq!(fault.requirement, Requirement::Finite);
+    assert!(fault.value.is_nan(), "{fault}");
+    let lost = |_: &State, end: &mut State| end.position.x = f64::NAN;
+    let fault = fault_of_integrator(&OtherMotion(ForwardEuler { time_step: 1e-3 }, lost));
+    assert_eq!(fault.requirement, Requirement::Finite);
+    assert!(fault.value.is_nan(), "{fault}");
+}

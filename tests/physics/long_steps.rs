@@ -8,11 +8,14 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::kit::erased::Stepper;
+use crate::kit::{cases, directions};
+use proptest::prelude::*;
+use tumble::glam::DVec3;
 use tumble::ground::Plane;
 use tumble::real::{Real, Vector};
 use tumble::{
-    Coulomb, Cuboid, Ellipsoid, EnergyMomentum, FlatGround, PointCloud, RigidPointBody, Rod, State,
-    UniformGravity,
+    Carried, Coulomb, Cuboid, Ellipsoid, EnergyMomentum, FlatGround, Ground, PointCloud,
+    RigidPointBody, Rod, Sphere, SpringDamper, State, UniformGravity,
 };
 
 /// Step of a frame, s.
@@ -206,4 +209,44 @@ fn steps_of_a_frame_on_stiff_ground_take_few_iterations_in_single_precision() {
     compare("brick, single", &brick, &SCENE, &mut all);
     let rod = Rod::<f32>::new(0.8, 0.25);
     compare("rod, single", &rod, &SCENE, &mut all);
+}
+
+proptest! {
+    #![proptest_config(cases(200))]
+
+    /// A ball with a fast spin lands, and slides all the time: friction has `μ` times the impulse of
+    /// the ground. Steps of any length in terms of the dampers and springs, on any plane.
+    ///
+    /// A long step took the friction of the mean force, of which the end-velocity correction takes a
+    /// part back: 9, 23 and 38 % too much on average for a restitution of 0.5, 0.3 and 0.1 at 1/60 s.
+    #[test]
+    fn the_friction_of_an_impact_has_the_impulse_of_the_ground(
+        [restitution, hardness] in [0.05..0.95, 0.3..300.0_f64],
+        coefficient in 0.05..0.6_f64,
+        (normal, into) in (directions(), 0.0..1.0_f64),
+        speed in 0.5..5.0_f64,
+    ) {
+        let (mass, radius, slip_speed) = (0.005, 0.008, 1e-4);
+        // `h √(g/d)` is the hardness.
+        let depth = 9.81 * (FRAME / hardness).powi(2);
+        let law = SpringDamper::from_rest(Carried { mass, contacts: 1 }, restitution, depth, 9.81).unwrap();
+        let plane = Plane::through(DVec3::ZERO, normal);
+        let stepper = Stepper::new(Sphere::solid(mass, radius))
+            .and_then(|stepper| stepper.with_ground(Ground { law, shape: plane }))
+            .and_then(|stepper| stepper.with_friction(Coulomb { coefficient, slip_speed }))
+            .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step: FRAME }))
+            .unwrap();
+        // It lands at any moment of a step.
+        let start = State::at(normal * (radius + speed * FRAME * (1.0 + into)));
+        let start = start.with_linear_velocity(normal * -speed);
+        let spin = normal.any_orthonormal_vector() * (20.0 * speed / radius);
+        let mut state = stepper.with_angular_velocity(start, spin);
+        stepper.advance(&mut state, 100.0 * FRAME).unwrap();
+        let gained = state.linear_velocity - start.linear_velocity;
+        let up = gained.dot(normal);
+        let along = (gained - normal * up).length();
+        prop_assert!(up > speed, "it has not left the ground: {up} m/s");
+        let excess = along / (coefficient * up) - 1.0;
+        prop_assert!(excess.abs() < 1e-3, "{excess}");
+    }
 }

@@ -28,6 +28,13 @@
 //! mean slip, which is nearly 0 in a slide. A slide that begins or continues in spite of friction
 //! is therefore not changed.
 //!
+//! *Friction of a limited damper.* Where a damper is corrected, the normal impulse of the step
+//! changes by `p_n`, to less than its mean force gave. A slide has the friction of the load that is
+//! left, so the impulse is along `n + ∂F/∂N`, the normal with the friction of a unit load. Without
+//! it, the friction of an impact exceeds `μ` times the impulse of the ground by up to
+//! `(z - 2)/(z + 2)`. This part alone may return energy, no more than the friction of the mean force
+//! has taken.
+//!
 //! *The energy.* Let `y` be the velocities (v, ω). The impulses change the energy by `Σ pᵢ·uₘᵢ`
 //! plus a negative part. That part is negative because the impulses draw `y` towards the mean, by
 //! factors of 0 to 1 in the metric of the mass. If `u'` has not changed its direction,
@@ -183,7 +190,14 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
         if is_limited {
             across = limit / beyond;
         }
-        sum.add(place, n, [along, across], end - push.slip - n * rising);
+        // A slide has the friction of the load that the damper leaves.
+        let pushed = n - push.slip * drag.per_load;
+        sum.add(
+            place,
+            [n, pushed],
+            [along, across],
+            end - push.slip - n * rising,
+        );
         is_limited
     }
 

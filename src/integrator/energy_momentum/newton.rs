@@ -147,6 +147,8 @@ struct Balance<R: Real> {
     force_residual: R::Vec3,
     /// Residual of the angular momentum, N m s.
     torque_residual: R::Vec3,
+    /// Sum of the magnitudes of the normal forces, N.
+    load: R,
     /// Sum of the stiffnesses of the springs over the step, N/m.
     stiffness: R,
     /// Unit of the thresholds for the residual, √J.
@@ -159,6 +161,8 @@ struct Balance<R: Real> {
 #[derive(Clone, Copy, Debug)]
 struct Base<R: Real> {
     place: Place<R>,
+    /// Sum of the magnitudes of the normal forces there, N.
+    load: R,
     shift: R::Vec3,
     turn: R::Vec3,
 }
@@ -289,6 +293,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             },
             force_residual,
             torque_residual,
+            load: sum.normal,
             stiffness: sum.stiffness,
             tolerance: self.scale.at(problem, trial, &sum) * tolerance::<R>(),
             rounding: rounding_of_lever(problem, contacts, sum.normal),
@@ -433,6 +438,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         self.share = R::ONE;
         self.base = Some(Base {
             place: here.place,
+            load: here.load,
             shift,
             turn,
         });
@@ -488,11 +494,16 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
 
     /// Returns true if one more step with the last derivatives is expected to reach rounding,
     /// because it reduces the residual by the same factor again.
+    ///
+    /// It does not if the last trial was far below the ground. The residual of its load hides that
+    /// of friction, and its derivatives hold the body by the friction of that load.
     #[inline(always)]
     fn is_enough(&self, here: &Balance<R>) -> bool {
         let size = here.place.size;
-        let once_more = (self.base).map_or(R::MAX, |base| size * (size / base.place.size));
-        once_more <= here.tolerance * self.exact
+        self.base.is_some_and(|base| {
+            size * (size / base.place.size) <= here.tolerance * self.exact
+                && here.load * R::TWO >= base.load
+        })
     }
 
     /// Computes strain and derivatives at a trial, unless those of the step before are enough.

@@ -83,7 +83,7 @@ impl<R: Real> Resisting<R> {
             (after - n * closing_after).length(),
         );
         let across = resistance(self.across, closing.abs(), closing_after.abs());
-        sum.add(self.place, n, [along, across], before);
+        sum.add(self.place, [n, n], [along, across], before);
     }
 }
 
@@ -116,11 +116,12 @@ impl<R: Real> Resistance<R> {
 
     /// Adds a point (m from the centre of mass, world axes) that resists the difference between its
     /// velocity and the target velocity (`departure`, m/s, before the impulses). The resistances
-    /// `along` and `across` the ground are in kg and at least 0.
+    /// `along` and `across` the ground are in kg and at least 0. The impulse of the latter is along
+    /// `pushed`, which is the normal, or the normal with the friction of a unit load.
     pub(super) fn add(
         &mut self,
         place: R::Vec3,
-        normal: R::Vec3,
+        [normal, pushed]: [R::Vec3; 2],
         [along, across]: [R; 2],
         departure: R::Vec3,
     ) {
@@ -129,14 +130,17 @@ impl<R: Real> Resistance<R> {
         }
         self.active = true;
         let rising = departure.dot(normal);
-        let is_level = normal == R::Vec3::new(R::ZERO, R::ZERO, R::ONE);
-        let resisted = departure * along + normal * (rising * (across - along));
+        let up = R::Vec3::new(R::ZERO, R::ZERO, R::ONE);
+        let is_level = normal == up && pushed == up;
+        let rubbed = pushed - normal;
+        let resisted =
+            departure * along + normal * (rising * (across - along)) + rubbed * (rising * across);
         self.impulse += resisted;
         self.turning += place.cross(resisted);
         if is_level {
             self.equations.add_on_level([along, across], place);
         } else {
-            let normal_part = Block::outer(normal * (across - along), normal);
+            let normal_part = Block::outer(normal * (across - along) + rubbed * across, normal);
             let block = Block::diagonal(along).plus(&normal_part);
             self.equations.add_at(&block, place, place);
         }

@@ -14,7 +14,7 @@ use crate::state::State;
 /// used for the same state only. It [belongs to one scene](crate::Integrator::Workspace).
 #[derive(Clone, Debug)]
 pub struct Workspace<R: Real = f64, const CONTACTS: usize = 128> {
-    contacts: Contacts<R, [Touch<R>; CONTACTS]>,
+    pub(super) contacts: Contacts<R, [Touch<R>; CONTACTS]>,
     memory: Memory<R>,
 }
 
