@@ -44,8 +44,8 @@
 //!
 //! The limit is the lesser of both. It is not proven for the intermediate case, where the damping
 //! by friction across the slip, `μ N/slip`, is comparable with the damping or the stiffness along
-//! the normal: a slip near the slip speed, or a small load. There the motion itself can flutter. Two
-//! effects are neglected: the rotation of lever arms and normals under load (of relative size
+//! the normal: a slip near the slip speed, or a small load. There the motion itself can flutter.
+//! Two effects are neglected: the rotation of lever arms and normals under load (of relative size
 //! depth/arm), and the gyroscopic torque.
 
 use crate::contact::{Contact, Motion};

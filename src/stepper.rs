@@ -406,8 +406,8 @@ where
     /// * The bound does not include rotation. In contact, a step should rotate the body by much
     ///   less than 1 rad.
     /// * The bound is proven for contacts that stick or slide, not in between: where the damping by
-    ///   friction across the slip, `μ N/slip`, is comparable with the damping or the stiffness along
-    ///   the normal. With [`Nystrom`](crate::Nystrom), friction can make it up to 10 % too long.
+    ///   friction across the slip, `μ N/slip`, is comparable with the damping or the stiffness
+    ///   along the normal. With [`Nystrom`](crate::Nystrom), friction can make it up to 10 % too long.
     /// * Lift turns the velocity, as rotation does. The bound counts its rate as one of damping.
     /// * One call costs some ten thousand multiplications. It is too expensive to call at every
     ///   step.

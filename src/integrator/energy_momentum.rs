@@ -124,8 +124,8 @@ pub use workspace::Workspace;
 ///   because its contact point belongs to a plane. In `f32`, rounding of the depths of hard
 ///   contacts takes energy. Above `h ω = 1000`, a rare step is not solved accurately, and up to a
 ///   quarter of its energy of motion is lost, also that of a slide without friction.
-/// - *Single precision:* a body farther from the origin than `1/EPSILON` of its sizes can stay where
-///   it is.
+/// - *Single precision:* a body farther from the origin than `1/EPSILON` of its sizes can stay
+///   where it is.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is two to five iterations a step, also where several contacts or a round rim
 ///   stick. Bodies that spin flat on several points, and rims that roll with small slip at two
@@ -194,12 +194,12 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
 /// Its workspace stores `CONTACTS` contacts from iteration to iteration, and that of
 /// `EnergyMomentum` stores 128. In `f32`, 12 contacts need 3 kB and 128 need 23 kB; in `f64` about
 /// twice as much. As long as at most `CONTACTS` contacts may touch in a step, the steps have the
-/// same bits as those of `EnergyMomentum`. If there are more, the method computes the others anew at
-/// each iteration, as `EnergyMomentum` does beyond 128. All that is said of `EnergyMomentum` then
-/// holds, but the bits differ and a step takes more time.
+/// same bits as those of `EnergyMomentum`. If there are more, the method computes the others anew
+/// at each iteration, as `EnergyMomentum` does beyond 128. All that is said of `EnergyMomentum`
+/// then holds, but the bits differ and a step takes more time.
 ///
-/// The number must be above 0, which is checked when the program is compiled. A body with round rims
-/// needs at least 96, which is checked when the scene is composed.
+/// The number must be above 0, which is checked when the program is compiled. A body with round
+/// rims needs at least 96, which is checked when the scene is composed.
 ///
 /// ```
 /// use tumble::{CompactEnergyMomentum, Cuboid, FlatGround, State, Stepper, UniformGravity};

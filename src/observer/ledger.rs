@@ -40,9 +40,9 @@ use reference::{Node, Part, Works};
 ///   contact that closes and opens between two substeps is missed. The ledger must receive every
 ///   step, so it is not suited for [`Every`](crate::Every).
 /// - *Single precision.* The works have an error of their own, which grows as the steps become
-///   shorter: of 4000 bounces in `f32` it was 2e-6 of the energy in the median and 5 % at most, where
-///   the energy of the motion was right to 5e-5. In `f64` it was below a fiftieth of the error of a
-///   step.
+///   shorter: of 4000 bounces in `f32` it was 2e-6 of the energy in the median and 5 % at most,
+///   where the energy of the motion was right to 5e-5. In `f64` it was below a fiftieth of the
+///   error of a step.
 /// - *Friction that jumps* between two positions, as in a [`FrictionPatch`](crate::FrictionPatch),
 ///   is not located. For each contact that passes the edge, the works may be off by two fifths of
 ///   the step size times the jump of the power. That is of order 1, like the error of the methods

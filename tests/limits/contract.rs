@@ -1680,8 +1680,8 @@ impl SpringDamperGround for Torn {
     }
 }
 
-/// The messages name what is not finite, and not another quantity: the spring energy of a force that
-/// is NaN was said to be too small, and a position that is NaN to be the length of the step.
+/// The messages name what is not finite, and not another quantity: the spring energy of a force
+/// that is NaN was said to be too small, and a position that is NaN to be the length of the step.
 #[test]
 fn a_number_that_is_not_finite_is_shown() {
     let fault = fault_of_ground(&Torn(FlatGround::level(1e3, 1.0)));

@@ -214,11 +214,12 @@ fn steps_of_a_frame_on_stiff_ground_take_few_iterations_in_single_precision() {
 proptest! {
     #![proptest_config(cases(200))]
 
-    /// A ball with a fast spin lands, and slides all the time: friction has `μ` times the impulse of
-    /// the ground. Steps of any length in terms of the dampers and springs, on any plane.
+    /// A ball with a fast spin lands, and slides all the time: friction has `μ` times the impulse
+    /// of the ground. Steps of any length in terms of the dampers and springs, on any plane.
     ///
-    /// A long step took the friction of the mean force, of which the end-velocity correction takes a
-    /// part back: 9, 23 and 38 % too much on average for a restitution of 0.5, 0.3 and 0.1 at 1/60 s.
+    /// A long step took the friction of the mean force, of which the end-velocity correction takes
+    /// a part back: 9, 23 and 38 % too much on average for a restitution of 0.5, 0.3 and 0.1 at
+    /// 1/60 s.
     #[test]
     fn the_friction_of_an_impact_has_the_impulse_of_the_ground(
         [restitution, hardness] in [0.05..0.95, 0.3..300.0_f64],

@@ -16,9 +16,10 @@ use tumble::{
     SpringDamperGround, State, UniformGravity,
 };
 
-/// Most steps in motion whose questions a step at rest may ask. Beside a step's own questions it asks
-/// whether the body has come to rest, and whether its forces balance. Where a step is long, its first
-/// trial is far below the ground, and it needs one evaluation more: a box in `f32` takes 3.04.
+/// Most steps in motion whose questions a step at rest may ask. Beside a step's own questions it
+/// asks whether the body has come to rest, and whether its forces balance. Where a step is long,
+/// its first trial is far below the ground, and it needs one evaluation more: a box in `f32` takes
+/// 3.04.
 const MOST: u32 = 4;
 
 /// Drops a body on a ground, and compares the questions of a step at rest with those of a step in

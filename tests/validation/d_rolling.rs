@@ -734,7 +734,7 @@ fn the_dampers_under_a_rim_take_what_its_points_press_out_of_them() {
 }
 
 random! {
-    ANY_DAMPED_BED = new(8, "moments, tumbling at 20° to 85° or rolling upright, τσ/φ of 0.002 to 0.1");
+    ANY_DAMPED_BED = new(24, "moments, tumbling at 20° to 85° or rolling upright, τσ/φ of 0.002 to 0.1");
     fn the_dampers_under_any_rim_take_what_its_points_press_out_of_them(
         diametral in 0.15..0.6_f64,
         degrees in 20.0..85.0_f64,

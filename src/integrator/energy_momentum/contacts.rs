@@ -121,9 +121,9 @@ impl<R: Real> Noted<R> {
 
 /// Contacts that may touch during a step.
 ///
-/// `Touches` is the storage of those that a step remembers from iteration to iteration, an array. If
-/// there are more, one of each few is remembered, and the others are computed anew. The stages of a
-/// step take a slice in its place, so that they are compiled once for all capacities.
+/// `Touches` is the storage of those that a step remembers from iteration to iteration, an array.
+/// If there are more, one of each few is remembered, and the others are computed anew. The stages
+/// of a step take a slice in its place, so that they are compiled once for all capacities.
 #[derive(Clone, Debug)]
 pub(super) struct Contacts<R: Real, Touches: ?Sized = [Touch<R>]> {
     remembered: usize,

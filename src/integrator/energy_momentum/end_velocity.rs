@@ -31,9 +31,9 @@
 //! *Friction of a limited damper.* Where a damper is corrected, the normal impulse of the step
 //! changes by `p_n`, to less than its mean force gave. A slide has the friction of the load that is
 //! left, so the impulse is along `n + ∂F/∂N`, the normal with the friction of a unit load. Without
-//! it, the friction of an impact exceeds `μ` times the impulse of the ground by up to
-//! `(z - 2)/(z + 2)`. This part alone may return energy, no more than the friction of the mean force
-//! has taken.
+//! it, the friction of an impact exceeds `μ` times the impulse of the ground, by a fraction of up
+//! to `(z - 2)/(z + 2)`. This part alone may return energy, no more than the friction of the mean
+//! force has taken.
 //!
 //! *The energy.* Let `y` be the velocities (v, ω). The impulses change the energy by `Σ pᵢ·uₘᵢ`
 //! plus a negative part. That part is negative because the impulses draw `y` towards the mean, by
