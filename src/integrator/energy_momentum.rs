@@ -203,7 +203,7 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
 ///
 /// ```
 /// use tumble::{CompactEnergyMomentum, Cuboid, FlatGround, State, Stepper, UniformGravity};
-/// use tumble::glam::{DVec3, Vec3};
+/// use tumble::glam::Vec3;
 ///
 /// let stepper = Stepper::<_, f32>::builder(Cuboid::solid(0.01, Vec3::splat(0.02))) // kg, m
 ///     .gravity(UniformGravity::down(9.8)) // m/s²
