@@ -205,7 +205,7 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
 /// use tumble::{CompactEnergyMomentum, Cuboid, FlatGround, State, Stepper, UniformGravity};
 /// use tumble::glam::Vec3;
 ///
-/// let stepper = Stepper::<_, f32>::builder(Cuboid::solid(0.01, Vec3::splat(0.02))) // kg, m
+/// let stepper = Stepper::builder(Cuboid::solid(0.01_f32, Vec3::splat(0.02))) // kg, m
 ///     .gravity(UniformGravity::down(9.8)) // m/s²
 ///     .ground(FlatGround::level(1000.0, 0.5)) // N/m and N s/m, for each corner
 ///     .integrator(CompactEnergyMomentum::<8, f32> { time_step: 1e-3 }) // s
