@@ -122,13 +122,8 @@ pub fn above_zero<R: Real>(
     value: R,
     unit: &'static str,
 ) -> Result<(), SceneError> {
-    obey(
-        value > R::ZERO && value.is_finite(),
-        Rule::AboveZero,
-        quantity,
-        value,
-        unit,
-    )
+    finite(quantity, value, unit)?;
+    obey(value > R::ZERO, Rule::AboveZero, quantity, value, unit)
 }
 
 /// Checks that a quantity is finite and at least 0.
@@ -141,13 +136,8 @@ pub fn at_least_zero<R: Real>(
     value: R,
     unit: &'static str,
 ) -> Result<(), SceneError> {
-    obey(
-        value >= R::ZERO && value.is_finite(),
-        Rule::AtLeastZero,
-        quantity,
-        value,
-        unit,
-    )
+    finite(quantity, value, unit)?;
+    obey(value >= R::ZERO, Rule::AtLeastZero, quantity, value, unit)
 }
 
 /// Checks that a quantity is neither infinite nor NaN.

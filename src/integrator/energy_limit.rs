@@ -42,9 +42,9 @@ impl<R: Real> Touched<R> {
 /// The velocities are scaled down until the computed energy is no higher. Returns `false` if that
 /// is impossible.
 ///
-/// Only the residual of the solver can increase the energy, so the factor is 1 to rounding. On
-/// ground so hard that `h ω` exceeds 1000, the residual of a rare step takes up to a quarter of the
-/// energy. [`Step`] reports the energy removed. Special cases:
+/// Only the residual of the solver can increase the energy, so the factor is 1 to rounding. On hard
+/// ground the residual of a rare step takes up to a quarter of the energy. [`Step`] reports the
+/// energy removed. Special cases:
 ///
 /// - A body in contact is at rest if its kinetic energy, before and after, is below the rounding of
 ///   the total. It stops where it was.

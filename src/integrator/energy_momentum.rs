@@ -122,8 +122,9 @@ pub use workspace::Workspace;
 ///   harden in stages, which costs some tens of iterations. Elastic bounces conserve their energy
 ///   in it. On hard ground that is not a plane, those of a smooth body other than a ball do not,
 ///   because its contact point belongs to a plane. In `f32`, rounding of the depths of hard
-///   contacts takes energy. Above `h ω = 1000`, a rare step is not solved accurately, and up to a
-///   quarter of its energy of motion is lost, also that of a slide without friction.
+///   contacts takes energy. Above `h ω = 300`, a rare step of a smooth body other than a ball, or
+///   of more contacts than are stored, is not solved accurately. Up to a quarter of its energy of
+///   motion is then lost, also that of a slide without friction.
 /// - *Single precision:* a body farther from the origin than `1/EPSILON` of its sizes can stay
 ///   where it is.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`

@@ -21,7 +21,8 @@
 //!
 //! The residual that ends the iteration is that of the laws, so that no solution of the step
 //! changes. There `d* = d`, which is a condition for the end ([`are_settled`]): where rounding of
-//! the springs is large, the residual may be small by chance.
+//! the springs is large, the residual may be small by chance. Newton's last step is evaluated too,
+//! if a contact touches or parts in it ([`touch_or_part`]).
 //!
 //! # Contacts without a load
 //!
@@ -201,6 +202,21 @@ pub(super) fn predict<R: Real>(contacts: &mut Contacts<R>, by: &Increment<R>) {
             touch.load = (push.mean.force + push.mean.slope * reach).at_least(R::ZERO);
         }
     }
+}
+
+/// Returns true if a Newton step makes a contact touch or part, according to its depth or its
+/// linear force. The force is not smooth there, so that the step does not square the residual.
+#[cold]
+#[inline(never)]
+pub(super) fn touch_or_part<R: Real>(contacts: &Contacts<R>, by: &Increment<R>) -> bool {
+    contacts.stored().iter().any(|touch| {
+        let push = &touch.push;
+        let deeper = -push.normal.dot(by.shift + by.turn.cross(push.end_arm));
+        let depth = push.end_depth + deeper;
+        let load = push.mean.force + push.mean.slope * deeper;
+        (push.end_depth > R::ZERO) != (depth > R::ZERO)
+            || (push.mean.force > R::ZERO) != (load > R::ZERO)
+    })
 }
 
 /// Shortens a shift and a rotation to the bounds of a solution. `ahead` is the mean momentum after

@@ -424,16 +424,18 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         if is_by_loads {
             [shift, turn] = self.step_by_loads(here, contacts, [shift, turn]);
         }
+        let by = Increment::of(shift, turn, here.place.spin);
         let is_last = !begins_in_stick
             && has_settled
             && ((is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
-                || self.is_close_in_stick(here, contacts, shift, turn));
+                || self.is_close_in_stick(here, contacts, shift, turn))
+            && !(self.is_hard && hard::touch_or_part(contacts, &by));
         change(problem, trial, &here.place, shift, turn);
         // The points of rims are placed anew for each trial. The question is put to the body, because
         // a question to the contact model makes the firmware larger (`.ci/embedded.sh`).
         let is_without_rims = problem.scene.body().rims().is_empty();
         if !is_resolved && (begins_in_stick || is_last || is_without_rims) {
-            contacts.advance(problem, &Increment::of(shift, turn, here.place.spin));
+            contacts.advance(problem, &by);
         }
         self.share = R::ONE;
         self.base = Some(Base {
