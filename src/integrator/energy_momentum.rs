@@ -5,8 +5,8 @@
 //!
 //! 1. `problem`, `contacts`, `touch`: the two momentum equations of the step, and the mean forces
 //!    of the contacts along its path.
-//! 2. `newton`, `stiffness`, `linear`: the solution of the equations (`block`, `level`: its
-//!    arithmetic; `hard`: contacts that the step does not resolve). Only the residual of that
+//! 2. `newton`, `balance`, `stiffness`, `linear`: the solution of the equations (`block`, `level`:
+//!    its arithmetic; `hard`: contacts that the step does not resolve). Only the residual of that
 //!    solution could increase the energy.
 //! 3. `end_velocity`, `resist`: end-velocity correction for steps that do not resolve friction or
 //!    damping. It uses impulses that only dissipate energy. `turning`: resistance to rolling and
@@ -24,6 +24,7 @@
 
 mod answer;
 mod applied;
+mod balance;
 mod block;
 mod contacts;
 mod descent;
