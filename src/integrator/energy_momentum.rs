@@ -3,8 +3,8 @@
 //! The proof is in [`guide::energy`](crate::guide::energy). A step has these stages, one module
 //! each:
 //!
-//! 1. `problem`, `contacts`, `touch`: the two momentum equations of the step, and the mean forces
-//!    of the contacts along its path.
+//! 1. `problem`, `contacts`, `panels`, `touch`: the two momentum equations of the step, and the mean
+//!    forces of the contacts along its path.
 //! 2. `newton`, `balance`, `stiffness`, `linear`: the solution of the equations (`block`, `level`:
 //!    its arithmetic; `hard`: contacts that the step does not resolve). Only the residual of that
 //!    solution could increase the energy.
@@ -35,6 +35,7 @@ mod level;
 mod lever;
 mod linear;
 mod newton;
+mod panels;
 mod problem;
 mod resist;
 mod reversal;
@@ -59,9 +60,10 @@ use crate::scene::{Dynamics, turned_freely};
 use crate::state::State;
 pub(in crate::integrator) use applied::close_account;
 pub(in crate::integrator) use block::Block;
-use contacts::{Contacts, FOR_RIMS, Reach};
+use contacts::{Contacts, Reach};
 use energy_limit::Touched;
 pub(in crate::integrator) use linear::{Factored, SixBySix};
+use panels::FOR_RIMS;
 use problem::Problem;
 use workspace::Memory;
 pub use workspace::Workspace;

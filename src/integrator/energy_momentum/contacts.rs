@@ -21,32 +21,16 @@
 
 use super::answer::{Answer, Since};
 use super::block::Block;
-use super::dual::Dual;
 use super::lever::Lever;
+use super::panels::Panels;
 use super::problem::{Problem, Trial};
 use super::reversal::Reversal;
 use super::touch::{Increment, Push, Touch};
-use crate::body::{ContactRange, Panel, RigidPointBody, Rim};
-use crate::contact::{MovingContact, RimStep};
+use crate::body::{ContactRange, RigidPointBody};
+use crate::contact::MovingContact;
 use crate::friction::FrictionJacobian;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
-
-/// Largest number of panels of all rims that are known for their reversals of friction.
-const MOST_PANELS: usize = 24;
-
-/// Smallest number of stored contacts with which all panels of a body with rims have their points:
-/// [`MOST_PANELS`] of four.
-pub(super) const FOR_RIMS: u32 = 96;
-const _: () = assert!(FOR_RIMS as usize == 4 * MOST_PANELS);
-
-/// Largest fraction of the length below ground at which a panel needs no more than four points.
-/// Most such panels are below the ground at the start or at the end of the step only.
-///
-/// Let κ be the chord of the arc and c that of the panel. The depth on the panel is a polynomial of
-/// degree 2 in the chord, except for terms of order c², and its square is integrated exactly. The
-/// rest is less than `c⁹/κ³` of the springs' energy: `κ⁶/16⁹`, less than 1e-13.
-const SLIVER: f64 = 1.0 / 16.0;
 
 /// Which contacts a surface may touch during a step.
 #[derive(Clone, Copy, Debug)]
@@ -87,23 +71,6 @@ impl<R: Real> Reach<R> {
     }
 }
 
-/// Panel of a rim whose points are among the contacts of a step.
-#[derive(Clone, Copy, Debug)]
-struct LaidPanel {
-    /// Number of the rim.
-    rim: u16,
-    /// End of the panel's points among the contacts.
-    end: u16,
-}
-
-impl LaidPanel {
-    fn of(rim: usize, end: usize) -> Self {
-        // Both are far smaller, so that nothing is cut off.
-        let [rim, end] = [rim, end].map(|number| u16::try_from(number).unwrap_or(u16::MAX));
-        Self { rim, end }
-    }
-}
-
 /// Trial at which friction was differentiated, and Newton's step from there, if slips and dual
 /// unknowns continue from its end.
 #[derive(Clone, Copy, Debug)]
@@ -140,9 +107,7 @@ pub(super) struct Contacts<R: Real, Touches: ?Sized = [Touch<R>]> {
     fixed: usize,
     /// Whether a rim may touch during the step.
     with_rim: bool,
-    /// Panels of the rims, in the order of their points.
-    laid: [LaidPanel; MOST_PANELS],
-    panels: usize,
+    panels: Panels,
     /// Torque correction of moving contacts at the last trial.
     pub(super) lever: Lever<R>,
     /// Derivative of the first moving contact's path along the ground with respect to a rotation of
@@ -164,8 +129,7 @@ impl<R: Real, const CAPACITY: usize> Contacts<R, [Touch<R>; CAPACITY]> {
         each: 0,
         fixed: 0,
         with_rim: false,
-        laid: [LaidPanel { rim: 0, end: 0 }; MOST_PANELS],
-        panels: 0,
+        panels: Panels::NONE,
         lever: Lever::NONE,
         path_by_turn: Block::ZERO,
         noted: Noted::NONE,
@@ -329,7 +293,8 @@ impl<R: Real> Contacts<R> {
         mut feel: impl FnMut(&Push<R>),
     ) {
         if self.has_rims_near(problem) {
-            self.lay_rims(problem, trial);
+            let (touches, room) = (&mut self.touches, [self.fixed, self.remembered]);
+            self.remembered = self.panels.lay((problem, trial), touches, room);
         }
         let mut done = 0;
         if problem.is_bare {
@@ -386,80 +351,6 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// Places the points of the rims over a trial step. They cover the parts of each rim below the
-    /// ground at the start or at the end of the step. The panels are divided at the ends of both
-    /// arcs.
-    ///
-    /// The points are material points of the body, fixed over the step, with the same weights at
-    /// its start and at its end. The energy that springs return and the energy that is dissipated
-    /// are therefore those of such points. No end of an arc lies within a panel. The sums at start
-    /// and end are therefore the energies there, apart from a quadrature error of at most 2e-10.
-    #[inline(never)]
-    fn lay_rims<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, trial: &Trial<R>) {
-        let end = problem.place_at_end(trial);
-        let mut count = self.fixed;
-        self.panels = 0;
-        // Each surface has the same share of the storage, and so have the rims that touch it. Where
-        // a share does not suffice for all panels, each of them has fewer points.
-        let surfaces = problem.surfaces();
-        let room = self.capacity() - count.min(self.capacity());
-        let share = room / (surfaces as usize).max(1);
-        let rims = problem.scene.body().rims();
-        for surface in 0..surfaces {
-            let laws = (&problem.ground(surface), &problem.law(surface));
-            let step = RimStep {
-                laws,
-                plane: problem.plane_of(surface),
-                poses: [(problem.motion.position, problem.motion.axes), end],
-                velocities: [trial.velocity, problem.drift_of_ground()],
-                turning: |arm| {
-                    let turned = trial.rotation_change.times(arm) * problem.per_second;
-                    turned - problem.swing_of_ground(arm)
-                },
-            };
-            let mut room = share;
-            for (number, rim) in rims.iter().enumerate() {
-                let others = rims.get(number + 1..).unwrap_or_default();
-                let sharing = 1 + step.touching(others);
-                let panels = step.panels(rim);
-                let most = room / sharing / panels.count().max(1);
-                let (first, short) = (count, panels.total_chord() * R::from_f64(SLIVER));
-                for panel in panels.iter() {
-                    let is_sliver = panel.chord() <= short;
-                    let most = if is_sliver { most.min(4) } else { most };
-                    self.lay_panel((problem, surface), (number, rim, panel), most, &mut count);
-                }
-                room -= (count - first).min(room);
-            }
-        }
-        self.remembered = count;
-    }
-
-    /// Places the points of one panel of a rim, at most `most`, after the first `count` points.
-    fn lay_panel<D: Dynamics<R>>(
-        &mut self,
-        (problem, surface): (&Problem<'_, R, D>, u32),
-        (number, rim, panel): (usize, &Rim<R>, Panel<R>),
-        most: usize,
-        count: &mut usize,
-    ) {
-        let remembered = self.remembered;
-        rim.visit_nodes(panel, most, |place, weight| {
-            let Some(touch) = self.touches.get_mut(*count) else {
-                return;
-            };
-            touch.lay(problem, surface, place, weight);
-            if *count >= remembered {
-                touch.dual = Dual::Unknown;
-            }
-            *count += 1;
-        });
-        if let Some(laid) = self.laid.get_mut(self.panels) {
-            *laid = LaidPanel::of(number, *count);
-            self.panels += 1;
-        }
-    }
-
     /// Calls `feel` with each point at which friction reverses between two panels of a rim.
     #[inline(always)]
     pub(super) fn visit_reversals<D: Dynamics<R>>(
@@ -468,35 +359,7 @@ impl<R: Real> Contacts<R> {
         feel: impl FnMut(&Reversal<R>),
     ) {
         if self.has_rims_near(problem) {
-            self.visit_reversals_of_rims(problem, feel);
-        }
-    }
-
-    #[inline(never)]
-    fn visit_reversals_of_rims<D: Dynamics<R>>(
-        &self,
-        problem: &Problem<'_, R, D>,
-        mut feel: impl FnMut(&Reversal<R>),
-    ) {
-        let rims = problem.scene.body().rims();
-        let laid = self.laid.get(..self.panels).unwrap_or_default();
-        let touch = |index: Option<usize>| self.touches.get(index?);
-        for (left, right) in laid.iter().zip(laid.iter().skip(1)) {
-            let rim = rims.get(usize::from(left.rim));
-            let Some(rim) = rim.filter(|_| left.rim == right.rim) else {
-                continue;
-            };
-            // The points of a panel come in pairs, the outermost pair last. Of each pair, the point
-            // farther along the rim comes first.
-            let [left, right] = [left.end, right.end].map(usize::from);
-            let places = [(left, 4), (left, 2), (right, 1), (right, 3)];
-            let points = places.map(|(end, before)| touch(end.checked_sub(before)));
-            if let [Some(a), Some(b), Some(c), Some(d)] = points {
-                let per_metre = rim.points() / (rim.radius() * R::from_f64(core::f64::consts::TAU));
-                if let Some(reversal) = Reversal::between(problem, [a, b, c, d], per_metre) {
-                    feel(&reversal);
-                }
-            }
+            self.panels.visit_reversals(problem, &self.touches, feel);
         }
     }
 
@@ -734,6 +597,7 @@ impl<R: Real> Contacts<R> {
 mod tests {
     use super::*;
     use crate::integrator::energy_momentum::Workspace;
+    use crate::integrator::energy_momentum::dual::Dual;
     use crate::{
         Bowl, Capsule, Coulomb, Cuboid, Disc, EnergyMomentum, FlatGround, Ground, Integrator,
         Sphere, SpringDamper, SpringDamperGround, State, Stepper, Terrain, ThickDisc,
@@ -763,8 +627,7 @@ mod tests {
             each: 3,
             fixed: 50,
             with_rim: true,
-            laid: [LaidPanel { rim: 1, end: 8 }; MOST_PANELS],
-            panels: 7,
+            panels: Panels::LEFT_OVER,
             path_by_turn: Block::diagonal(1.0),
             noted,
             notes: 5,
