@@ -238,7 +238,8 @@ pub enum StepError {
         quantity: Quantity,
         /// Shortest step, s.
         length: f64,
-        /// Time since the workspace was new, which is the start of a run, s.
+        /// Time at which the step begins, s, from the start of the run or of the call. For a single
+        /// step of a session it is the time of the session.
         time: f64,
     },
     /// An adaptive method has tried as many steps as its budget allows.
@@ -252,7 +253,8 @@ pub enum StepError {
     BudgetSpent {
         /// Number of steps tried.
         attempts: u32,
-        /// Time since the workspace was new, which is the start of a run, s.
+        /// Time at which the step begins, s, from the start of the run or of the call. For a single
+        /// step of a session it is the time of the session.
         time: f64,
     },
     /// The sum of the magnitudes of all energies before the step is NaN, or so large that it
@@ -344,6 +346,17 @@ pub enum StepError {
         /// Largest number of samples.
         most: f64,
     },
+}
+
+impl StepError {
+    /// The same error with its time counted from an earlier start, by this many seconds.
+    #[cold]
+    pub(crate) fn after(mut self, seconds: f64) -> Self {
+        if let Self::StepTooShort { time, .. } | Self::BudgetSpent { time, .. } = &mut self {
+            *time += seconds;
+        }
+        self
+    }
 }
 
 /// Additional requirement on an orientation, beyond being finite.

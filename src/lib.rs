@@ -141,8 +141,7 @@
 //! of `μ N/slip_speed` along the surface. [`Stepper::largest_stable_step`] computes the limit at a
 //! state. All integrators conserve the angular momentum in flight. All but `ForwardEuler` are
 //! exact, to rounding, in the torque-free rotation of a body with three different moments of
-//! inertia. With two equal moments the splitting methods, `EnergyMomentum` and `Radau5` are exact
-//! too, and the explicit methods of Runge-Kutta type keep the error of their order.
+//! inertia. With two equal moments [`Rk4`] and [`Nystrom`] keep the error of their order.
 //!
 //! The order holds in smooth motion. Through touch-downs it can be lower: [`guide::accuracy`] has
 //! the orders that were measured on all eight trials.

@@ -92,7 +92,7 @@ pub trait Dynamics<R: Real = f64> {
         work.run((self.ground(), self.friction()));
     }
 
-    /// Same scene without a test of the values that its laws return. A scene without such tests
+    /// Returns the same scene without a test of the values that its laws return. A scene without such tests
     /// returns itself.
     ///
     /// *For authors of integrators:* a method with several stages may take it for all stages but

@@ -308,7 +308,8 @@ where
             Some(length) => Step::new(length, 0),
             None => {
                 self.renew_budget();
-                self.take_step(&before, limit)?
+                let step = self.take_step(&before, limit);
+                step.map_err(|error| error.after(self.clock.time.to_f64()))?
             }
         };
         if let Err(error) = self.clock.tick(&step) {
@@ -541,6 +542,8 @@ where
     }
 
     /// Returns the session as plain data, from which [`Stepper::resume`] continues.
+    ///
+    /// The bits stay if the format keeps them: `serde_json` does with its feature `float_roundtrip`.
     ///
     /// ```
     /// use tumble::{DormandPrince54, Trial};

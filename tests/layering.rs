@@ -181,15 +181,25 @@ fn absolute_imports(code: &str, module: &[String]) -> Vec<Vec<String>> {
     ] {
         for (at, _) in code.match_indices(start) {
             // A module declared in a block has another parent.
-            let is_whole_line = code[..at].rsplit('\n').next().is_some_and(|line| {
-                start == "crate::" || line.ends_with("use ") && !line.starts_with(' ')
+            let is_of_file = code[..at].rsplit('\n').next().is_some_and(|line| {
+                start == "crate::"
+                    || line.ends_with("use ") && !line.starts_with(' ')
+                    || is_path_in_body(code, at, line)
             });
-            if is_whole_line {
+            if is_of_file {
                 paths.extend(paths_at(code, at + start.len(), base.to_vec()));
             }
         }
     }
     paths
+}
+
+/// Returns true if a `super::` is a path within a function of the file itself, and not of a module
+/// in a block. Tests are the only such modules, and come last.
+fn is_path_in_body(code: &str, at: usize, line: &str) -> bool {
+    let begins_a_path =
+        !line.ends_with("in ") && !line.ends_with("use ") && !line.ends_with("super::");
+    begins_a_path && !code[..at].contains("\nmod tests {")
 }
 
 /// The paths that begin at a place of the source: one, or one for each item of a group.

@@ -111,7 +111,7 @@ pub enum Sampling {
         /// Number of strata, at least 1.
         strata: u32,
     },
-    /// As a Latin hypercube in all parameters: [`Toss::latin`].
+    /// The starts form a Latin hypercube in all parameters: [`Toss::latin`].
     Latin {
         /// Number of strata, from 1 to 4096. A start costs of the order of so many random numbers
         /// for each parameter.

@@ -78,8 +78,9 @@ impl<R: Real> GroundMotion<R> {
 
     pub(crate) fn check(&self) -> Result<(), SceneError> {
         let (speed, rate) = (self.velocity.length(), self.angular_velocity.length());
-        error::finite("velocity of the ground", speed, " m/s")?;
-        error::finite("angular velocity of the ground", rate, " rad/s")
+        // That of a turntable determines the other one.
+        error::finite("angular velocity of the ground", rate, " rad/s")?;
+        error::finite("velocity of the ground", speed, " m/s")
     }
 
     /// Checks that a plane stays where it is: the velocity is along it, and the angular velocity

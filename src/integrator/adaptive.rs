@@ -2,6 +2,7 @@
 //! `EnergyMomentum` with step doubling.
 
 mod bogacki_shampine_32;
+mod bounce;
 mod dormand_prince_54;
 mod embedded_pair;
 mod energy_momentum;

@@ -3,8 +3,8 @@
 //! The proof is in [`guide::energy`](crate::guide::energy). A step has these stages, one module
 //! each:
 //!
-//! 1. `problem`, `contacts`, `panels`, `touch`: the two momentum equations of the step, and the mean
-//!    forces of the contacts along its path.
+//! 1. `problem`, `gather`, `contacts`, `panels`, `touch`: the two momentum equations of the step, the
+//!    contacts that it may reach, and their mean forces along its path.
 //! 2. `newton`, `balance`, `stiffness`, `linear`: the solution of the equations (`block`, `level`:
 //!    its arithmetic; `hard`: contacts that the step does not resolve). Only the residual of that
 //!    solution could increase the energy.
@@ -30,6 +30,7 @@ mod contacts;
 mod descent;
 mod dual;
 mod end_velocity;
+mod gather;
 mod hard;
 mod level;
 mod lever;
@@ -48,20 +49,20 @@ mod turning;
 mod work;
 mod workspace;
 
-use crate::body::{ContactRange, RigidPointBody};
+use crate::body::RigidPointBody;
 use crate::energy::Energy;
 use crate::error::{self, Quantity, Rule, SceneError, StepError};
-use crate::ground::Plane;
 use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::integrator::{energy_limit, flight_rounding};
-use crate::real::{Real, Vector};
+use crate::real::Real;
 use crate::rotation::Rotation;
 use crate::scene::{Dynamics, turned_freely};
 use crate::state::State;
 pub(in crate::integrator) use applied::close_account;
 pub(in crate::integrator) use block::Block;
-use contacts::{Contacts, Reach};
+use contacts::Contacts;
 use energy_limit::Touched;
+use gather::gather;
 pub(in crate::integrator) use linear::{Factored, SixBySix};
 use panels::FOR_RIMS;
 use problem::Problem;
@@ -203,7 +204,8 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
 /// then holds, but the bits differ and a step takes more time.
 ///
 /// The number must be above 0, which is checked when the program is compiled. A body with round
-/// rims needs at least 96, which is checked when the scene is composed.
+/// rims needs at least 96, which is checked when the scene is composed. The points of a rim depend
+/// on the storage, so that the bits of such a body may differ from those of `EnergyMomentum`.
 ///
 /// ```
 /// use tumble::{CompactEnergyMomentum, Cuboid, FlatGround, State, Stepper, UniformGravity};
@@ -566,85 +568,4 @@ fn is_no_solution<R: Real, D: Dynamics<R>>(
     let after = Energy::without_springs(problem.scene, end);
     let work = work::of_whole(problem, [end; 2]);
     energy_limit::is_no_solution([before, &after], work)
-}
-
-/// Collects the contacts that may touch during the step: those below the ground, and those that the
-/// initial motion brings near. Collects all contacts if `wide` is true.
-fn gather<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    contacts: &mut Contacts<R>,
-    wide: bool,
-) {
-    contacts.clear();
-    for surface in 0..problem.surfaces() {
-        let reach = match problem.plane_of(surface).filter(|_| !wide) {
-            Some(plane) => near_plane(problem, surface, &plane),
-            None if wide || problem.surfaces() == 1 => everything(problem, surface),
-            None => near_surface(problem, surface),
-        };
-        contacts.gather(problem, surface, &reach);
-    }
-    contacts.spread(problem);
-}
-
-/// All contacts, for a surface that may be anywhere.
-fn everything<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, surface: u32) -> Reach<R> {
-    let anywhere = !problem.scene.contact_model().is_nowhere(surface as usize);
-    let all = ContactRange::all(problem.scene.body().contacts().len());
-    Reach {
-        run: if anywhere { all } else { ContactRange::NONE },
-        is_everything: anywhere,
-        with_rims: anywhere,
-        ..Reach::NONE
-    }
-}
-
-/// The contacts that a surface of any shape is so near to that the initial motion and gravity may
-/// bring them there.
-fn near_surface<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, surface: u32) -> Reach<R> {
-    let (scene, motion, dt) = (problem.scene, &problem.motion, problem.seconds);
-    let spin = motion.angular_velocity.length();
-    // A contact turns about the centre of mass by no more than a diameter.
-    let turned = (dt * spin).at_most(R::TWO) * problem.bounding_radius;
-    let fallen = dt * dt * scene.gravity().length();
-    let path = motion.linear_velocity.length() * dt + turned + fallen;
-    let model = scene.contact_model();
-    Reach {
-        run: model.range_of_surface(surface as usize, path, motion.position, &motion.axes),
-        bend: path,
-        with_rims: true,
-        ..Reach::NONE
-    }
-}
-
-/// The contacts that are below a plane, and those that the initial motion brings near.
-#[inline(always)]
-fn near_plane<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    surface: u32,
-    plane: &Plane<R>,
-) -> Reach<R> {
-    let (scene, motion, dt) = (problem.scene, &problem.motion, problem.seconds);
-    let spin = motion.angular_velocity;
-    // Upper bound for what gravity and the curvature of the rotation add to the path of a contact
-    // along the normal.
-    let bend =
-        dt * dt * (scene.gravity().length() + spin.length_squared() * problem.bounding_radius);
-    let bend = bend.at_most(R::TWO * problem.bounding_radius + dt * dt * scene.gravity().length());
-    let fall = dt * -motion.linear_velocity.dot(plane.normal);
-    let tilt = spin.cross(plane.normal);
-    // For any number of revolutions, a contact stays within the bounding radius.
-    let turned =
-        (dt * tilt.length() * problem.bounding_radius).at_most(R::TWO * problem.bounding_radius);
-    let margin = (fall + turned).at_least(R::ZERO) + bend;
-    let model = scene.contact_model();
-    Reach {
-        run: model.range_of_surface(surface as usize, margin, motion.position, &motion.axes),
-        is_everything: false,
-        fall,
-        tilt,
-        bend,
-        // A rim counts as a whole, because its lowest point may be another one at the end.
-        with_rims: model.has_rim_within(margin, plane, (motion.position, &motion.axes)),
-    }
 }

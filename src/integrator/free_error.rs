@@ -1,8 +1,8 @@
 //! The error of a Runge-Kutta method in torque-free rotation, which its steps leave out.
 //!
 //! A step that adds quaternions has two errors: that of the torques, and that which it would have
-//! without any torque. For three different moments the second is the larger one in flight, and next
-//! to the middle axis the motion amplifies it. It is known. The same step in a scene without forces
+//! without any torque. The second is the larger one in flight. For three different moments, next to
+//! the middle axis, the motion amplifies it. It is known. The same step in a scene without forces
 //! ends at an orientation `q_f`, and the exact rotation
 //! ([`turn_freely`](crate::InertiaProperties::turn_freely)) at `q_e`. So the end `q` of the step
 //! becomes
@@ -30,10 +30,15 @@
 //! at any time. So the acceleration `a` of a point has a bound, and between two ends of a step `h`
 //! the gap of a contact is at most `a h²/8` below the smaller one of its gaps at the ends.
 //!
-//! A body with two equal moments is not corrected.
+//! *Bodies:* adaptive methods correct any body, because the error of their steps is to be within a
+//! tolerance. With two or three equal moments it is corrected if there is no torque at all, or an
+//! applied force. The small torque of a contact causes the larger error. [`Rk4`](crate::Rk4) and [`Nystrom`](crate::Nystrom) do not correct one with two or
+//! three equal moments. Its error is not amplified, and its steps have the same bits
+//! [in lanes](crate::Stepper::advance_many).
 
 use crate::body::RigidPointBody;
 use crate::contact::Motion;
+use crate::force::Force;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
@@ -43,11 +48,16 @@ use crate::scene::{Dynamics, TorqueFree, is_asymmetric};
 /// larger one.
 const SMALL: f64 = 1.0 / 4096.0;
 
-/// Returns the weight `w` for two angular momenta, which is above 0 in a nearly free step. It is
-/// NaN for a body without angular momentum.
+/// Returns the weight `w` for two angular momenta, which is above 0 in a nearly free step that is
+/// corrected. It is NaN for a body without angular momentum.
 #[inline]
-pub(in crate::integrator) fn weight<R: Real>(start: R::Vec3, end: R::Vec3) -> R {
-    R::ONE - (end - start).length() / (start.length() * R::from_f64(SMALL))
+pub(in crate::integrator) fn weight<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    [start, end]: [R::Vec3; 2],
+) -> R {
+    let weight = R::ONE - (end - start).length() / (start.length() * R::from_f64(SMALL));
+    let is_corrected = weight == R::ONE || is_asymmetric(scene) || scene.force().acts();
+    if is_corrected { weight } else { R::ZERO }
 }
 
 /// A step that hardly changes the angular momentum.
@@ -69,7 +79,7 @@ impl<R: Real> NearlyFree<R> {
         seconds: R,
     ) -> Option<Self> {
         let (rotation, momentum) = (start.orientation, start.angular_momentum);
-        let weight = weight::<R>(momentum, end.angular_momentum);
+        let weight = weight(scene, [momentum, end.angular_momentum]);
         // False for a body without angular momentum, too.
         let is_nearly_free = weight > R::ZERO;
         is_nearly_free.then(|| {
@@ -101,18 +111,18 @@ impl<R: Real> NearlyFree<R> {
 }
 
 /// Returns the orientation at the `end` of a step of `seconds`, without the error of its method in
-/// torque-free rotation.
+/// torque-free rotation. With `of_all`, also for a body with two or three equal moments.
 ///
 /// `by_method` returns the orientation after the same step in another scene.
 #[inline(always)]
 pub(in crate::integrator) fn removed<R: Real, D: Dynamics<R>>(
     scene: &D,
-    start: &Point<R>,
-    end: &Point<R>,
+    (start, end): (&Point<R>, &Point<R>),
     seconds: R,
+    of_all: bool,
     by_method: impl FnOnce(&TorqueFree<'_, D>, &Point<R>, R) -> Rotation<R>,
 ) -> Rotation<R> {
-    if is_asymmetric(scene) {
+    if of_all || is_asymmetric(scene) {
         // Copies, because references would keep both points in memory through the whole step.
         corrected(scene, &{ *start }, &{ *end }, seconds, by_method)
     } else {

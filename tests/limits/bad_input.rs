@@ -17,7 +17,7 @@ use tumble::{
     ContactPoint, Coulomb, Cuboid, Disc, Dissipation, DormandPrince54, Elevation, Ellipsoid,
     EnergyMomentum, FlatGround, ForwardEuler, FrictionField, FrictionPatch, Ground, HeightField,
     HuntCrossley, Impact, Integrator, Ledger, LimitedDamper, LoadDependentCoulomb, MassProperties,
-    Plane, PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rim, Rk4, Rod,
+    MovingGround, Plane, PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rim, Rk4, Rod,
     RollingResistance, SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere,
     SpringDamper, SpringDamperGround, State, StepError, StrangSplitting, Stribeck, Surface,
     SymplecticEuler, Terrain, ThickDisc, Trial, UniformGravity, Viscous, Waves, WithResistance,
@@ -2638,4 +2638,15 @@ fn most_of_the_scenes_of_any_numbers_can_be_composed() {
     });
     let count = composed.count();
     assert!(count >= 50, "{count} of 200");
+}
+
+#[test]
+fn a_turntable_that_is_not_finite_is_refused_for_its_angular_velocity() {
+    for rate in NOT_FINITE {
+        let ground = MovingGround::turntable(FlatGround::level(1e5, 0.0), DVec3::X, rate);
+        let composed = Stepper::new(Coin::ring(1.0, 0.5)).and_then(|s| s.with_ground(ground));
+        let error = composed.map(|_| ()).unwrap_err();
+        assert_eq!(error.quantity, "angular velocity of the ground");
+        assert_eq!(error.rule, Rule::Finite);
+    }
 }

@@ -846,15 +846,18 @@ fn an_invalid_event_is_a_typed_error() {
     );
 
     let message = |error: SceneError| error.to_string();
-    for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+    for (seconds, rule) in [
+        (0.0, "must be above 0"),
+        (-1.0, "must be above 0"),
+        (f64::NAN, "must be finite"),
+        (f64::INFINITY, "must be finite"),
+    ] {
         let answer = message(Apex.sampled_every(seconds).unwrap_err());
-        let rule = "interval of the samples of an event must be above 0, got ";
-        assert!(answer.starts_with(rule), "{answer}");
+        let expected = format!("interval of the samples of an event {rule}, got ");
+        assert!(answer.starts_with(&expected), "{answer}");
         let answer = message(SlipEnds::below(seconds).unwrap_err());
-        assert!(
-            answer.starts_with("speed at which a slip ends must be above 0, got "),
-            "{answer}"
-        );
+        let expected = format!("speed at which a slip ends {rule}, got ");
+        assert!(answer.starts_with(&expected), "{answer}");
     }
     let answer = message(Event::<f64>::nth(Apex, 0).unwrap_err());
     assert_eq!(answer, "number of the occurrence must be at least 1, got 0");

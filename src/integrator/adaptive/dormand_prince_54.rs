@@ -17,9 +17,12 @@ use super::method::adaptive_method;
 /// `tests/physics/adaptive.rs` prints the errors. After longer times the error depends on how the
 /// motion amplifies it (see the guide).
 ///
-/// *Torque-free rotation* of a body with three different moments of inertia is exact to rounding.
-/// Its error is no part of the estimate where no contact can come into reach. There the steps grow
-/// to the longest one at any tolerance. Two equal moments have the error of the method.
+/// *Torque-free rotation* is exact to rounding. Its error is no part of the estimate where no
+/// contact can come into reach. There the steps grow to the longest one at any tolerance.
+///
+/// *Bounces* without dampers, at a tolerance far above the depth of the contact: a step may contain
+/// the whole contact. The speed after a slow bounce can then be wrong by up to 40 tolerances in a
+/// second.
 ///
 /// *May add energy* by the size of its error.
 ///

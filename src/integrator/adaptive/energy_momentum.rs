@@ -261,7 +261,7 @@ pub(super) fn check_state<R: Real>(state: &State<R>) -> Result<(), StepError> {
 fn allowed<R: Real, D: Dynamics<R>>(settings: &Settings<R>, scene: &D, motion: &Motion<R>) -> R {
     let tolerance = settings.tolerance;
     let fraction = (tolerance / size(scene)).sqrt().at_most(R::ONE);
-    tolerance * fraction * R::from_f64(SHARE) + control::rounding(scene, motion)
+    tolerance * fraction * R::from_f64(SHARE) + control::rounding(scene, motion, control::HORIZON)
 }
 
 /// Returns the error of a step that the rounding of the total energy causes, m.

@@ -178,7 +178,7 @@ fn targets<R: Real, D: Dynamics<R>>(
     motion: &Motion<R>,
     width: R,
 ) -> [R; 2] {
-    let rounding = control::rounding(scene, motion);
+    let rounding = control::rounding(scene, motion, control::HORIZON);
     let target = settings.tolerance.at_most(width) * R::from_f64(SOLVED);
     [target + rounding, rounding]
 }

@@ -25,6 +25,7 @@
 //! `tests/physics/elastic_bounces.rs` has other bodies and grounds.
 
 use super::contacts::Contacts;
+use super::gather::gather;
 use super::newton;
 use super::problem::{Problem, Trial};
 use crate::energy::Energy;
@@ -79,7 +80,7 @@ fn softness<R: Real, D: Dynamics<R>>(
     trial: &Trial<R>,
 ) -> R {
     let mut stiffness = R::ZERO;
-    super::gather(problem, contacts, true);
+    gather(problem, contacts, true);
     contacts.respond(problem, trial, |push| stiffness += push.mean.stiffness);
     let hardness = stiffness * problem.seconds * problem.seconds / problem.mass;
     R::ONE / hardness.at_least(R::ONE)
@@ -94,7 +95,7 @@ fn stage<R: Real, D: Dynamics<R>>(
     step: &mut Step<R>,
 ) -> Option<Trial<R>> {
     problem.spring_factor = Some(factor);
-    super::gather(problem, contacts, true);
+    gather(problem, contacts, true);
     let mut trial = *from;
     newton::solve(problem, contacts, &mut trial, step)?;
     Some(trial)

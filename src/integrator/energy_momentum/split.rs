@@ -8,6 +8,7 @@
 //! in stages ([`soften`]).
 
 use super::contacts::Contacts;
+use super::gather::gather;
 use super::newton;
 use super::problem::Problem;
 use super::resist::{Resisting, resisted};
@@ -47,7 +48,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
         ..Problem::new(scene, &slowed, &energy, seconds)
     };
     problem.prepare();
-    super::gather(&problem, contacts, true);
+    gather(&problem, contacts, true);
     let mut trial = problem.first_trial(&energy);
     if newton::solve(&problem, contacts, &mut trial, step).is_none() {
         trial = soften::solve(&mut problem, contacts, &energy, step)?;

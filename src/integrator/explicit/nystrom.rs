@@ -200,10 +200,13 @@ pub(in crate::integrator) fn taken<R: Real, D: Dynamics<R>, const ESTIMATED: boo
         let (point, seconds) = (&start.point, start.seconds);
         let mut end = start.ahead(&END, stages);
         end.orientation = turned::<_, ESTIMATED>(stages, end.orientation, seconds);
-        end.orientation =
-            free_error::removed(scene, point, &end, seconds, |free, point, seconds| {
-                free_orientation::<_, _, ESTIMATED>(free, point, seconds)
-            });
+        end.orientation = free_error::removed(
+            scene,
+            (point, &end),
+            seconds,
+            ESTIMATED,
+            |free, point, seconds| free_orientation::<_, _, ESTIMATED>(free, point, seconds),
+        );
         let (end, [correction, replaced]) =
             crossing::corrected::<_, _, ESTIMATED>(scene, &Looks::at(stages), end, seconds);
         let [.., fourth] = stages;

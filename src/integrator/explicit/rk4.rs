@@ -59,9 +59,10 @@ impl<R: Real> Integrator<R> for Rk4<R> {
         let dt = step_length(self.time_step, limit);
         let start = Point::of(state);
         let mut end = advanced(scene, &start, dt, near);
-        end.orientation = free_error::removed(scene, &start, &end, dt, |free, start, dt| {
-            advanced(free, start, dt, &mut { ContactRange::NONE }).orientation
-        });
+        end.orientation =
+            free_error::removed(scene, (&start, &end), dt, false, |free, start, dt| {
+                advanced(free, start, dt, &mut { ContactRange::NONE }).orientation
+            });
         *state = end.to_state();
         Ok(Step::new(dt, 4))
     }

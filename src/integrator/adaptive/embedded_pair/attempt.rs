@@ -7,7 +7,7 @@ use crate::integrator::interface::Step;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
-use crate::scene::{Dynamics, TorqueFree, is_asymmetric};
+use crate::scene::{Dynamics, TorqueFree};
 
 /// Coefficients of a pair whose last stage is the first stage of the next step.
 pub(crate) struct Pair<const STAGES: usize> {
@@ -218,11 +218,9 @@ fn attempt_under<R: Real, D: Dynamics<R>, const STAGES: usize>(
     for (i, row) in pair.stages.iter().enumerate().take(STAGES - 1) {
         let mut point = sum(&start.point, &slopes, row, i + 1, seconds);
         if i + 2 == STAGES {
-            if is_asymmetric(scene) {
-                // A copy, because a reference would keep the point in memory.
-                (point.orientation, left_out) =
-                    without_free_error(pair, scene, &start.point, &{ point }, seconds);
-            }
+            // A copy, because a reference would keep the point in memory.
+            (point.orientation, left_out) =
+                without_free_error(pair, scene, &start.point, &{ point }, seconds);
             point = point.normalised();
         }
         end = Place::under(scene, point, &load);

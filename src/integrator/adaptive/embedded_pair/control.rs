@@ -11,7 +11,7 @@ use crate::scene::{Dynamics, size};
 use crate::state::State;
 
 /// Time over which an error of a velocity counts as a displacement, s.
-const HORIZON: f64 = 1.0;
+pub(in crate::integrator::adaptive) const HORIZON: f64 = 1.0;
 /// Fraction of the step size that the error would just allow. A rejected step costs as much as an
 /// accepted one.
 const SAFETY: f64 = 0.9;
@@ -137,19 +137,21 @@ pub(in crate::integrator::adaptive) fn allowed<R: Real, D: Dynamics<R>>(
     scene: &D,
     motion: &Motion<R>,
 ) -> R {
-    settings.tolerance * R::from_f64(SHARE) + rounding(scene, motion)
+    settings.tolerance * R::from_f64(SHARE) + rounding(scene, motion, HORIZON)
 }
 
-/// Returns the error of a step that rounding causes, m.
+/// Returns the error of a step that rounding causes, m. That of the velocity counts for the time
+/// `horizon` (s).
 #[inline]
 pub(in crate::integrator::adaptive) fn rounding<R: Real, D: Dynamics<R>>(
     scene: &D,
     motion: &Motion<R>,
+    horizon: f64,
 ) -> R {
     let bounding_radius = size(scene);
     let speed =
         motion.linear_velocity.length() + motion.angular_velocity.length() * bounding_radius;
-    let way = motion.position.length() + bounding_radius + speed * R::from_f64(HORIZON);
+    let way = motion.position.length() + bounding_radius + speed * R::from_f64(horizon);
     way * (R::EPSILON * R::from_f64(16.0))
 }
 

@@ -6,10 +6,13 @@
 //! may be small by chance. Each contact is therefore evaluated separately at both ends of the step.
 //! Its gap in between follows from cubic Hermite interpolation.
 
+use core::cell::OnceCell;
+
 use super::attempt::{Attempt, Pair, Place};
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::contact::{Contact, Load, Motion, Onset};
 use crate::friction::SlidingFriction;
+use crate::integrator::adaptive::bounce;
 use crate::integrator::contact_path::{ContactEnd, Path, arm, push, slip};
 use crate::quadrature::{bisect, integral_of_3};
 use crate::real::{Real, Vector};
@@ -49,7 +52,10 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
 ) -> Discontinuities<R> {
     let mut discontinuities = Discontinuities::none();
     let contacts = scene.body().contacts();
-    let margin = dip(scene, [start, &attempt.end], seconds);
+    let margin = bounce::reach(scene, [&start.motion, &attempt.end.motion], seconds);
+    let gained = OnceCell::new();
+    let ends = [&start.point, &attempt.end.point];
+    let energy_gained = || *gained.get_or_init(|| bounce::energy_gained(scene, ends));
     for surface in 0..scene.contact_model().surfaces() {
         let near_surface = |place: &Place<R>| {
             let Motion { position, axes, .. } = &place.motion;
@@ -69,6 +75,7 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
             seconds,
             to_discontinuity,
             allowed,
+            energy_gained: &energy_gained,
         };
         let added = after.without(before, contacts.len());
         for run in [before].into_iter().chain(added) {
@@ -112,23 +119,6 @@ pub(super) fn load_before<R: Real, D: Dynamics<R>>(
     load
 }
 
-/// Returns the largest penetration depth that a contact can reach between two ends above ground, m.
-///
-/// It is `a h²/8`, with the acceleration `a` of the farthest point of the body.
-#[inline]
-fn dip<R: Real, D: Dynamics<R>>(scene: &D, [start, end]: [&Place<R>; 2], seconds: R) -> R {
-    let bounding_radius = scene.bounding_radius();
-    let acceleration = |place: &Place<R>| {
-        let spin = place.motion.angular_velocity;
-        let turn = scene
-            .inertia_properties()
-            .angular_velocity(&place.motion.axes, place.slope.angular_momentum);
-        place.slope.linear_velocity.length()
-            + (turn.length() + spin.length_squared()) * bounding_radius
-    };
-    acceleration(start).at_least(acceleration(end)) * (seconds * seconds * R::from_f64(0.125))
-}
-
 /// Returns true if a contact is above ground, and would be for the first half of a step at constant
 /// speed.
 #[inline]
@@ -146,6 +136,8 @@ pub(super) struct Taken<'a, R: Real, D, const STAGES: usize> {
     pub(super) seconds: R,
     to_discontinuity: bool,
     allowed: R,
+    /// Energy that the step has gained, J.
+    energy_gained: &'a dyn Fn() -> R,
 }
 
 impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
@@ -164,7 +156,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
             Some(R::ONE)
         } else if path.turns_under_ground() {
             Some(path.turn())
-        } else if self.nears(&end) {
+        } else if self.meets(&start, R::ONE) || self.meets(&end, R::from_f64(AHEAD)) {
             None
         } else {
             return;
@@ -172,12 +164,14 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         self.weigh(point, &path, &[start, end], last, discontinuities);
     }
 
-    /// Returns true if a contact ends above ground, but would be below it soon afterwards.
+    /// Returns true if a contact at one end of the step is above ground, but would be below it after
+    /// this part of the step.
     ///
-    /// A stage ahead of the path may have evaluated it as penetrating.
+    /// A stage may have evaluated it as penetrating, although the path does not: a stage ahead of
+    /// the end, or one before the contact was thrown off, whose force has bent the path.
     #[inline]
-    fn nears(&self, end: &ContactEnd<R>) -> bool {
-        let ahead = end.closing_speed * (self.seconds * R::from_f64(AHEAD));
+    fn meets(&self, end: &ContactEnd<R>, part: R) -> bool {
+        let ahead = end.closing_speed * (self.seconds * part);
         end.depth <= R::ZERO && end.depth + ahead > R::ZERO
     }
 
@@ -212,7 +206,10 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         };
         let motion = self.ends[usize::from(!pushes)];
         let mobility = mobility(self.scene, point, motion);
-        let velocity = (truth - taken).abs() * (self.seconds * mobility) * R::from_f64(WEIGHT);
+        let mut velocity = (truth - taken).abs() * (self.seconds * mobility) * R::from_f64(WEIGHT);
+        if !(pushes || end.pushes()) {
+            velocity = velocity.at_least(self.excess_impulse(point, end) * mobility);
+        }
         let change = force(share) + (start.normal_force - end.normal_force).abs();
         let jump = Jump {
             share,
@@ -231,6 +228,18 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
                     .first
                     .map_or(there, |first| first.at_most(there)),
             );
+        }
+    }
+
+    /// Returns the impulse with which a contact that parts within the step has pushed too much, N s.
+    #[inline]
+    fn excess_impulse(&self, point: &ContactPoint<R>, end: &ContactEnd<R>) -> R {
+        let (leaving_speed, gained) = (-end.closing_speed, (self.energy_gained)());
+        if gained > R::ZERO && leaving_speed > R::ZERO {
+            let leaving = (self.ends[1], leaving_speed);
+            bounce::excess_impulse(self.scene, point, leaving, gained)
+        } else {
+            R::ZERO
         }
     }
 

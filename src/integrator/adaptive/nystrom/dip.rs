@@ -3,32 +3,49 @@
 //! Both ends of the step are above ground, so neither the correction of touch-downs nor, in
 //! general, a stage contains them. The path between the ends shows them.
 
+use core::cell::OnceCell;
+
 use crate::body::RigidPointBody;
 use crate::contact::Motion;
+use crate::integrator::adaptive::bounce;
 use crate::integrator::contact_path::{ContactView, Path, push};
-use crate::real::{Real, Vector};
+use crate::integrator::point::Point;
+use crate::real::Real;
 use crate::scene::{Dynamics, OnSurface, size};
 
-/// Returns the velocity of the farthest point that such contacts would have changed, m/s.
+/// Returns the velocity of the farthest point that such contacts would have changed, m/s, or have
+/// changed too much.
 ///
-/// The force is at most that at the greatest depth, for the whole step.
+/// The force is at most that at the greatest depth, for the whole step. If the step has gained
+/// energy, a contact that a stage has met has pushed too much.
 #[inline]
-pub(super) fn missed<R: Real, D: Dynamics<R>>(scene: &D, ends: [&Motion<R>; 2], seconds: R) -> R {
-    let mut speed = R::ZERO;
-    let margin = reach(scene, ends, seconds);
+pub(super) fn missed<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    points: [&Point<R>; 2],
+    ends: [&Motion<R>; 2],
+    seconds: R,
+) -> R {
+    let mut impulse = R::ZERO;
+    let margin = bounce::reach(scene, ends, seconds);
+    let gained = OnceCell::new();
+    let energy_gained = || *gained.get_or_init(|| bounce::energy_gained(scene, points));
     for surface in 0..scene.contact_model().surfaces() {
         let scene = OnSurface::of(scene, surface);
-        speed += missed_on(&scene, ends, seconds, margin);
+        impulse += missed_on(&scene, ends, (seconds, margin), &energy_gained);
     }
-    speed
+    let properties = scene.inertia_properties();
+    let arm = size(scene);
+    let mobility = properties.inverse_mass() + properties.largest_inverse_moment() * (arm * arm);
+    impulse * mobility
 }
 
+/// Impulse of such contacts on one surface, N s.
 #[inline]
 fn missed_on<R: Real, D: Dynamics<R>>(
     scene: &D,
     ends: [&Motion<R>; 2],
-    seconds: R,
-    margin: R,
+    (seconds, margin): (R, R),
+    energy_gained: &dyn Fn() -> R,
 ) -> R {
     let contacts = scene.body().contacts();
     let near = |motion: &Motion<R>| {
@@ -36,7 +53,7 @@ fn missed_on<R: Real, D: Dynamics<R>>(
     };
     let [first, last] = ends.map(|motion| ContactView::of(scene, motion));
     let (before, after) = (near(ends[0]), near(ends[1]));
-    let mut force = R::ZERO;
+    let (mut force, mut excess) = (R::ZERO, R::ZERO);
     for run in [before]
         .into_iter()
         .chain(after.without(before, contacts.len()))
@@ -51,28 +68,13 @@ fn missed_on<R: Real, D: Dynamics<R>>(
                 let (depth, _) = path.at(path.turn());
                 force += push(scene, depth, R::ZERO);
             }
+            let meets = start.depth + start.closing_speed * seconds > R::ZERO;
+            let leaving_speed = -end.closing_speed;
+            if meets && leaving_speed > R::ZERO && energy_gained() > R::ZERO {
+                let leaving = (ends[1], leaving_speed);
+                excess += bounce::excess_impulse(scene, point, leaving, energy_gained());
+            }
         }
     }
-    let properties = scene.inertia_properties();
-    let arm = size(scene);
-    let mobility = properties.inverse_mass() + properties.largest_inverse_moment() * (arm * arm);
-    force * (mobility * seconds)
-}
-
-/// Returns the greatest depth that a contact can reach between two ends above ground, m.
-///
-/// A path with the end slopes `m₀ > 0` and `m₁ < 0` by the fraction of the step descends by at most
-/// `|m₁ - m₀|/8` below the higher end, and by `m₀` at most. The slopes of all contacts differ by at
-/// most the change of the velocities in the step.
-#[inline]
-fn reach<R: Real, D: Dynamics<R>>(scene: &D, [start, end]: [&Motion<R>; 2], seconds: R) -> R {
-    let bounding_radius = scene.bounding_radius();
-    let change = (end.linear_velocity - start.linear_velocity).length();
-    let spin = start
-        .angular_velocity
-        .length()
-        .at_least(end.angular_velocity.length());
-    let turning = (end.angular_velocity - start.angular_velocity).length();
-    let rotation = (turning + spin * spin * seconds) * bounding_radius;
-    (change + rotation) * (seconds * R::from_f64(0.125))
+    force * seconds + excess
 }

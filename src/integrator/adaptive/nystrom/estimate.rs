@@ -8,7 +8,7 @@ use crate::integrator::explicit::{Stage, Start, Taken, taken};
 use crate::integrator::free_error;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, LimitedScene, Stiffest, is_asymmetric, size};
+use crate::scene::{Dynamics, LimitedScene, Stiffest, size};
 use crate::state::State;
 
 /// Error of the velocities as a fraction of the third difference.
@@ -104,7 +104,7 @@ fn allowed<R: Real, D: Dynamics<R>>(
     seconds: R,
 ) -> R {
     let share = seconds * R::from_f64(1.0 / SPAN);
-    settings.tolerance * share + control::rounding(scene, &end.motion)
+    settings.tolerance * share + control::rounding(scene, &end.motion, HORIZON)
 }
 
 /// Returns the error of a step. Its parts are the forces that the stages have summed (after what
@@ -130,7 +130,12 @@ fn errors_of<R: Real, D: Dynamics<R>>(
         let damping = Damping::of(scene, point, end);
         errors = sum(&differences.map(|difference| damping.remaining(&difference)));
     }
-    let missed = dip::missed(scene, [&start.stage.motion, &end.motion], start.seconds);
+    let missed = dip::missed(
+        scene,
+        [&start.point, point],
+        [&start.stage.motion, &end.motion],
+        start.seconds,
+    );
     let misdirected = misdirected(scene, start, taken, (point, end));
     let turned = rotation_error(scene, start, end) * counted(scene, start, (point, end));
     errors.plus(&Errors::of_parts(turned, missed + misdirected).within(HORIZON))
@@ -178,8 +183,10 @@ fn counted<R: Real, D: Dynamics<R>>(
     start: &Start<R>,
     (point, end): (&Point<R>, &Stage<R>),
 ) -> R {
-    let weight = free_error::weight::<R>(start.point.angular_momentum, point.angular_momentum);
-    let is_nearly_free = is_asymmetric(scene) && weight > R::ZERO;
+    let momenta = [start.point, *point].map(|point| point.angular_momentum);
+    let weight = free_error::weight(scene, momenta);
+    // False for a body without angular momentum, too.
+    let is_nearly_free = weight > R::ZERO;
     if !is_nearly_free {
         return R::ONE;
     }
