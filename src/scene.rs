@@ -92,8 +92,8 @@ pub trait Dynamics<R: Real = f64> {
         work.run((self.ground(), self.friction()));
     }
 
-    /// Returns the same scene without a test of the values that its laws return. A scene without such tests
-    /// returns itself.
+    /// Returns the same scene without a test of the values that its laws return. A scene without
+    /// such tests returns itself.
     ///
     /// *For authors of integrators:* a method with several stages may take it for all stages but
     /// one. A force that is not a number still shows in the state.

@@ -543,7 +543,8 @@ where
 
     /// Returns the session as plain data, from which [`Stepper::resume`] continues.
     ///
-    /// The bits stay if the format keeps them: `serde_json` does with its feature `float_roundtrip`.
+    /// The bits stay if the format keeps them: `serde_json` does with its feature
+    /// `float_roundtrip`.
     ///
     /// ```
     /// use tumble::{DormandPrince54, Trial};

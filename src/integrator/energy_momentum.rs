@@ -3,8 +3,8 @@
 //! The proof is in [`guide::energy`](crate::guide::energy). A step has these stages, one module
 //! each:
 //!
-//! 1. `problem`, `gather`, `contacts`, `panels`, `touch`: the two momentum equations of the step, the
-//!    contacts that it may reach, and their mean forces along its path.
+//! 1. `problem`, `gather`, `contacts`, `panels`, `touch`: the two momentum equations of the step,
+//!    the contacts that it may reach, and their mean forces along its path.
 //! 2. `newton`, `balance`, `stiffness`, `linear`: the solution of the equations (`block`, `level`:
 //!    its arithmetic; `hard`: contacts that the step does not resolve). Only the residual of that
 //!    solution could increase the energy.

@@ -32,9 +32,9 @@
 //!
 //! *Bodies:* adaptive methods correct any body, because the error of their steps is to be within a
 //! tolerance. With two or three equal moments it is corrected if there is no torque at all, or an
-//! applied force. The small torque of a contact causes the larger error. [`Rk4`](crate::Rk4) and [`Nystrom`](crate::Nystrom) do not correct one with two or
-//! three equal moments. Its error is not amplified, and its steps have the same bits
-//! [in lanes](crate::Stepper::advance_many).
+//! applied force. The small torque of a contact causes the larger error. [`Rk4`](crate::Rk4) and
+//! [`Nystrom`](crate::Nystrom) do not correct one with two or three equal moments. Its error is not
+//! amplified, and its steps have the same bits [in lanes](crate::Stepper::advance_many).
 
 use crate::body::RigidPointBody;
 use crate::contact::Motion;

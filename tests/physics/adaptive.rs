@@ -87,9 +87,9 @@ fn the_error_of_dormand_and_prince_follows_the_tolerance_over_six_decades() {
 /// Checks the error in the other trials of the coin report, on which no constant of the pairs was
 /// chosen, against a run with steps of 10 µs, which is accurate to 2e-10 m.
 ///
-/// The error is nowhere more than eleven tolerances. It may be far less than one: where a coin spins
-/// upright on the spot (trials 4 and 6), single contacts that touch down and slip in alternating
-/// directions bound the steps, and not the estimate.
+/// The error is nowhere more than eleven tolerances. It may be far less than one: where a coin
+/// spins upright on the spot (trials 4 and 6), single contacts that touch down and slip in
+/// alternating directions bound the steps, and not the estimate.
 #[test]
 fn in_trials_that_no_constant_was_chosen_on_the_error_is_eleven_tolerances_at_most() {
     let (mut pairs, times) = ([(f64::MAX, 0.0); 2], [0.1, 0.25, 0.5, 1.0]);

@@ -164,8 +164,8 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         self.weigh(point, &path, &[start, end], last, discontinuities);
     }
 
-    /// Returns true if a contact at one end of the step is above ground, but would be below it after
-    /// this part of the step.
+    /// Returns true if a contact at one end of the step is above ground, but would be below it
+    /// after this part of the step.
     ///
     /// A stage may have evaluated it as penetrating, although the path does not: a stage ahead of
     /// the end, or one before the contact was thrown off, whose force has bent the path.
@@ -231,7 +231,8 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         }
     }
 
-    /// Returns the impulse with which a contact that parts within the step has pushed too much, N s.
+    /// Returns the impulse with which a contact that parts within the step has pushed too much,
+    /// N s.
     #[inline]
     fn excess_impulse(&self, point: &ContactPoint<R>, end: &ContactEnd<R>) -> R {
         let (leaving_speed, gained) = (-end.closing_speed, (self.energy_gained)());
