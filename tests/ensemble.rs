@@ -792,7 +792,7 @@ fn invalid_starts_and_scenes_are_refused() {
     );
     assert_eq!(
         message(start.with_speed(DVec3::NAN, 1.0)),
-        "length of the direction must be above 0, got NaN"
+        "length of the direction must be finite, got NaN"
     );
     assert_eq!(
         message(start.with_sampling(Sampling::Latin { strata: 0 })),
