@@ -218,7 +218,13 @@ fn the_last_surface_is_touched_as_the_only_one() {
         let [(one, cost), (other, other_cost)] = [&surfaces[2..], &surfaces[..]].map(end);
         let off = (one.position - other.position).length();
         assert!(off < 1e-9, "{name}: {off:e} m");
-        assert_eq!(cost, other_cost, "{name}");
+        // A flight has to be out of reach of each surface for its longest steps, and the reach is a
+        // bound. So an adaptive method may take a step more in each flight.
+        let more = [0, 1].map(|part| other_cost[part].abs_diff(cost[part]));
+        assert!(
+            more[0] * 100 <= cost[0] && more[1] * 100 <= cost[1],
+            "{name}: {more:?} of {cost:?}"
+        );
     }
     let surfaces = [wall, lid, slope];
     kit::each_method!(1e-3, |integrator, name| {

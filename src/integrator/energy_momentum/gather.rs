@@ -9,6 +9,7 @@ use crate::scene::Dynamics;
 
 /// Collects the contacts that may touch during the step: those below the ground, and those that the
 /// initial motion brings near. Collects all contacts if `wide` is true.
+#[inline]
 pub(super) fn gather<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
