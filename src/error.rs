@@ -349,11 +349,11 @@ pub enum StepError {
 }
 
 impl StepError {
-    /// The same error with its time counted from an earlier start, by this many seconds.
+    /// The same error of a step that begins at this time (s).
     #[cold]
-    pub(crate) fn after(mut self, seconds: f64) -> Self {
+    pub(crate) fn at(mut self, seconds: f64) -> Self {
         if let Self::StepTooShort { time, .. } | Self::BudgetSpent { time, .. } = &mut self {
-            *time += seconds;
+            *time = seconds;
         }
         self
     }

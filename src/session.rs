@@ -309,7 +309,7 @@ where
             None => {
                 self.renew_budget();
                 let step = self.take_step(&before, limit);
-                step.map_err(|error| error.after(self.clock.time.to_f64()))?
+                step.map_err(|error| error.at(self.clock.time.to_f64()))?
             }
         };
         if let Err(error) = self.clock.tick(&step) {
