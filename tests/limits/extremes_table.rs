@@ -429,7 +429,10 @@ fn a_tolerance_counts_down_to_the_rounding_of_the_state_and_below_it_as_that() {
         // A hundredth of the tolerance in f64, a tenth in f32: more steps. Below the rounding: as
         // many, but for those that search for the few touch-downs.
         assert!(steps[1] * 10 >= steps[0] * 11, "{steps:?}");
-        assert!(steps[2].abs_diff(steps[3]) <= 3 + steps[3] / 50, "{steps:?}");
+        assert!(
+            steps[2].abs_diff(steps[3]) <= 3 + steps[3] / 50,
+            "{steps:?}"
+        );
     }
     for (tolerance, (_, place)) in [1e-3, 1e-4].into_iter().zip(single) {
         assert!(
