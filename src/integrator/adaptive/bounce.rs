@@ -11,6 +11,8 @@
 //! c δJ - w δJ²/2 = ΔE
 //! ```
 
+use core::cell::Cell;
+
 use crate::body::ContactPoint;
 use crate::contact::Motion;
 use crate::energy::Energy;
@@ -42,6 +44,16 @@ pub(super) fn reach<R: Real, D: Dynamics<R>>(
     let turning = (end.angular_velocity - start.angular_velocity).length();
     let rotation = (turning + spin * spin * seconds) * bounding_radius;
     (change + rotation) * (seconds * R::from_f64(0.125))
+}
+
+/// Returns a number that is computed at its first use. A `OnceCell` would need a panic.
+#[inline]
+pub(super) fn once<R: Real>(known: &Cell<Option<R>>, compute: impl FnOnce() -> R) -> R {
+    known.get().unwrap_or_else(|| {
+        let number = compute();
+        known.set(Some(number));
+        number
+    })
 }
 
 /// Energy that an attempted step has gained beyond rounding, J, or a number that is not positive.

@@ -6,7 +6,7 @@
 //! may be small by chance. Each contact is therefore evaluated separately at both ends of the step.
 //! Its gap in between follows from cubic Hermite interpolation.
 
-use core::cell::OnceCell;
+use core::cell::Cell;
 
 use super::attempt::{Attempt, Pair, Place};
 use crate::body::{ContactPoint, RigidPointBody};
@@ -53,9 +53,9 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
     let mut discontinuities = Discontinuities::none();
     let contacts = scene.body().contacts();
     let margin = bounce::reach(scene, [&start.motion, &attempt.end.motion], seconds);
-    let gained = OnceCell::new();
+    let gained = Cell::new(None);
     let ends = [&start.point, &attempt.end.point];
-    let energy_gained = || *gained.get_or_init(|| bounce::energy_gained(scene, ends));
+    let energy_gained = || bounce::once(&gained, || bounce::energy_gained(scene, ends));
     for surface in 0..scene.contact_model().surfaces() {
         let near_surface = |place: &Place<R>| {
             let Motion { position, axes, .. } = &place.motion;

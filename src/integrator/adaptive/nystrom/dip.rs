@@ -3,7 +3,7 @@
 //! Both ends of the step are above ground, so neither the correction of touch-downs nor, in
 //! general, a stage contains them. The path between the ends shows them.
 
-use core::cell::OnceCell;
+use core::cell::Cell;
 
 use crate::body::RigidPointBody;
 use crate::contact::Motion;
@@ -27,8 +27,8 @@ pub(super) fn missed<R: Real, D: Dynamics<R>>(
 ) -> R {
     let mut impulse = R::ZERO;
     let margin = bounce::reach(scene, ends, seconds);
-    let gained = OnceCell::new();
-    let energy_gained = || *gained.get_or_init(|| bounce::energy_gained(scene, points));
+    let gained = Cell::new(None);
+    let energy_gained = || bounce::once(&gained, || bounce::energy_gained(scene, points));
     for surface in 0..scene.contact_model().surfaces() {
         let scene = OnSurface::of(scene, surface);
         impulse += missed_on(&scene, ends, (seconds, margin), &energy_gained);
