@@ -349,7 +349,7 @@ pub enum StepError {
 }
 
 impl StepError {
-    /// The same error of a step that begins at this time (s).
+    /// Returns the same error with this time (s) as the beginning of its step.
     #[cold]
     pub(crate) fn at(mut self, seconds: f64) -> Self {
         if let Self::StepTooShort { time, .. } | Self::BudgetSpent { time, .. } = &mut self {

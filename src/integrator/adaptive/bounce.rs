@@ -1,5 +1,5 @@
-//! Contacts that touch and part within one attempted step: their greatest depth, and an impulse that
-//! is too large.
+//! Contacts that touch and part within one attempted step: their greatest depth, and an impulse
+//! that is too large.
 //!
 //! No end of the step contains such a contact, and few stages do. An estimate compares numbers that
 //! follow from those stages, and may be small by chance. The energy of the two ends is independent
@@ -68,7 +68,8 @@ pub(super) fn energy_gained<R: Real, D: Dynamics<R>>(scene: &D, ends: [&Point<R>
 }
 
 /// Impulse with which a contact of a step that has `gained` this energy (J) has pushed too much,
-/// N s. The motion is that at the end, and the speed (m/s) that of the contact away from the ground.
+/// N s. The motion is that at the end, and the speed (m/s) is that of the contact away from the
+/// ground.
 #[inline(never)]
 pub(super) fn excess_impulse<R: Real, D: Dynamics<R>>(
     scene: &D,
