@@ -210,7 +210,7 @@ fn force_and_power<R: Real>(
 ) -> (R::Vec3, Dissipation<R>) {
     let (ground, friction) = contact.laws(scene.ground(), scene.friction());
     let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
-    let rub = friction.force_at(contact.position, normal_force, contact.slip);
+    let rub = friction.force_at(contact.position, normal_force, contact.slip_velocity);
     let friction = rub * contact.weight;
     let lost = (ground.spring_force(contact.depth) - normal_force) * contact.closing_speed;
     let (damper, clamp) = if normal_force > R::ZERO {
@@ -218,7 +218,7 @@ fn force_and_power<R: Real>(
     } else {
         (R::ZERO, lost)
     };
-    let mut rubbed = friction.dot(contact.slip);
+    let mut rubbed = friction.dot(contact.slip_velocity);
     if let Some(torque) = torque_on(scene, contact, angular_velocity) {
         rubbed += torque.dot(angular_velocity);
     }

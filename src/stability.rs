@@ -175,8 +175,8 @@ impl<R: Real> Response<R> {
         self.stiffness.add_outer(k, &answer, &row);
         self.damping.add_outer(c, &answer, &row);
 
-        let speed = contact.slip.length();
-        let [along, across] = tangents(normal, contact.slip, speed);
+        let speed = contact.slip_velocity.length();
+        let [along, across] = tangents(normal, contact.slip_velocity, speed);
         let sliding = (R::ONE - drag.growth * speed / drag.width).at_least(R::ZERO);
         let friction = drag.coefficient * contact.weight;
         let more = anisotropy_at(&friction_law, load, contact, [along, across]);
@@ -423,11 +423,11 @@ fn drag_at<R: Real, F: SlidingFriction<R>>(
     load: R,
     contact: &Contact<R>,
 ) -> FrictionJacobian<R> {
-    let drag = friction.jacobian_at(contact.position, load, contact.slip);
-    if drag.coefficient > R::ZERO || contact.slip != R::Vec3::ZERO {
+    let drag = friction.jacobian_at(contact.position, load, contact.slip_velocity);
+    if drag.coefficient > R::ZERO || contact.slip_velocity != R::Vec3::ZERO {
         return drag;
     }
-    let [direction, _] = tangents(contact.normal, contact.slip, R::ZERO);
+    let [direction, _] = tangents(contact.normal, contact.slip_velocity, R::ZERO);
     friction.jacobian_at(contact.position, load, direction * R::from_f64(1e-12))
 }
 
@@ -441,7 +441,7 @@ fn friction_by_load<R: Real, F: SlidingFriction<R>>(
     contact: &Contact<R>,
     drag: &FrictionJacobian<R>,
 ) -> R::Vec3 {
-    let (position, slip) = (contact.position, contact.slip);
+    let (position, slip) = (contact.position, contact.slip_velocity);
     let is_isotropic = friction.anisotropy_at(position, load, slip).is_none();
     if is_isotropic || drag.coefficient <= R::ZERO {
         return slip * -drag.per_load;
@@ -458,7 +458,8 @@ fn anisotropy_at<R: Real, F: SlidingFriction<R>>(
     contact: &Contact<R>,
     directions: [R::Vec3; 2],
 ) -> [R; 2] {
-    let Some([x, y, z]) = friction.anisotropy_at(contact.position, load, contact.slip) else {
+    let Some([x, y, z]) = friction.anisotropy_at(contact.position, load, contact.slip_velocity)
+    else {
         return [R::ZERO; 2];
     };
     let [along, across] = directions;

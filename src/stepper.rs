@@ -338,7 +338,7 @@ where
         Energy::of(&self.scene, state)
     }
 
-    /// Lowest point of the body and its slip. `None` for a body without contacts.
+    /// Lowest point of the body, with its slip velocity. `None` for a body without contacts.
     #[must_use]
     pub fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>> {
         self.scene.lowest_point(state)
@@ -348,7 +348,7 @@ where
     /// `None` for a body without contacts.
     #[must_use]
     pub fn slip_velocity(&self, state: &State<R>) -> Option<R::Vec3> {
-        Some(self.lowest_point(state)?.slip)
+        Some(self.lowest_point(state)?.slip_velocity)
     }
 
     /// Number of contacts that touch the ground.

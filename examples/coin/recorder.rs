@@ -73,7 +73,7 @@ impl<'a> Recorder<'a> {
             orientation: state.orientation,
             angular_momentum: state.angular_momentum,
             lowest: lowest.map_or(state.position, |lowest| lowest.position),
-            slip: lowest.map_or(0.0, |lowest| lowest.slip.length()),
+            slip: lowest.map_or(0.0, |lowest| lowest.slip_velocity.length()),
             tilt: self.coin.tilt(state),
             touching: sample.touching(),
             energy: sample.energy(),

@@ -21,7 +21,7 @@ pub(super) fn touches<R: Real>(contact: &Contact<R>, surfaces: usize) -> bool {
     let is_lifted = contact.weight < R::ZERO || contact.surface >= surfaces;
     contact.depth > R::ZERO
         && !is_lifted
-        && slips_along(contact.slip, contact.normal, contact.closing_speed)
+        && slips_along(contact.slip_velocity, contact.normal, contact.closing_speed)
 }
 
 /// A slip is perpendicular to the normal of the surface, up to rounding of the velocity, whose
@@ -69,7 +69,7 @@ mod tests {
             normal: TILTED,
             depth: 1e-3,
             closing_speed: 0.2,
-            slip: DVec3::new(0.5, 0.4, -0.3),
+            slip_velocity: DVec3::new(0.5, 0.4, -0.3),
             weight: 1.0,
         }
     }
@@ -82,7 +82,7 @@ mod tests {
             |contact| contact.depth = f64::NAN,
             |contact| contact.weight = -0.1,
             |contact| contact.surface = 2,
-            |contact| contact.slip.z += 1e-12,
+            |contact| contact.slip_velocity.z += 1e-12,
         ];
         for change in broken {
             let mut contact = contact();

@@ -20,7 +20,7 @@ pub struct LowestPoint<R: Real = f64> {
     pub gap: R,
     /// Velocity of the body's material at the point, along the surface and relative to the ground,
     /// m/s.
-    pub slip: R::Vec3,
+    pub slip_velocity: R::Vec3,
 }
 
 /// A point of the body's surface that may be the lowest one above a surface of the ground.
@@ -148,13 +148,17 @@ where
         let position = centre - surface.normal * found.point.radius;
         let velocity = self.seen(motion).velocity_at(position - motion.position);
         let rising = velocity.dot(surface.normal);
-        let slip = velocity - surface.normal * rising;
-        debug_assert!(invariants::slips_along(slip, surface.normal, rising));
+        let slip_velocity = velocity - surface.normal * rising;
+        debug_assert!(invariants::slips_along(
+            slip_velocity,
+            surface.normal,
+            rising
+        ));
         LowestPoint {
             index: found.index,
             position,
             gap: found.gap,
-            slip,
+            slip_velocity,
         }
     }
 }

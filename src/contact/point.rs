@@ -26,7 +26,7 @@ pub struct Contact<R: Real = f64> {
     /// Rate of increase of the penetration depth, m/s.
     pub closing_speed: R,
     /// Velocity along the surface, relative to the ground, m/s.
-    pub slip: R::Vec3,
+    pub slip_velocity: R::Vec3,
     /// Number of contacts of the body that it represents: 1, except for a quadrature point of a
     /// [`Rim`](crate::Rim).
     pub weight: R,
@@ -77,7 +77,7 @@ impl<R: Real> Contact<R> {
                 normal,
                 depth,
                 closing_speed: -rising,
-                slip: velocity - normal * rising,
+                slip_velocity: velocity - normal * rising,
                 weight,
             }
         })
@@ -140,7 +140,7 @@ impl<R: Real> Contact<R> {
     {
         let (ground, friction) = self.laws::<G, F>(ground, friction);
         let normal_force = ground.normal_force(self.depth, self.closing_speed);
-        let rub = friction.force_at(self.position, normal_force, self.slip);
+        let rub = friction.force_at(self.position, normal_force, self.slip_velocity);
         (self.normal * normal_force + rub) * self.weight
     }
 

@@ -132,7 +132,7 @@ impl<R: Real> SlipEnds<R> {
 impl<R: Real> Event<R> for SlipEnds<R> {
     fn value(&self, sample: &Sample<'_, R>) -> R {
         match sample.lowest_point() {
-            Some(lowest) if lowest.gap < R::ZERO => lowest.slip.length() - self.speed,
+            Some(lowest) if lowest.gap < R::ZERO => lowest.slip_velocity.length() - self.speed,
             _ => self.speed,
         }
     }

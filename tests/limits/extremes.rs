@@ -950,7 +950,7 @@ fn frozen<R: Real>(
         });
         // The response of the springs to the end of the step is half of their stiffness.
         let push = mean.slope * R::TWO * contact.weight;
-        let drag = scene.friction().jacobian(mean.force, contact.slip);
+        let drag = scene.friction().jacobian(mean.force, contact.slip_velocity);
         // A slip of the size that the step could cause, for a law that says nothing at none.
         let rub = drag.coefficient * contact.weight / seconds;
         across += push;

@@ -80,7 +80,7 @@ impl Film {
                 centre: sample.state.position,
                 lowest: lowest.position,
                 gap: lowest.gap,
-                slip: lowest.slip.length(),
+                slip: lowest.slip_velocity.length(),
                 lean: (sample.state.orientation * DVec3::X).z.abs(),
                 energy: sample.energy().total(),
                 touching: sample.touching(),

@@ -298,7 +298,7 @@ impl<R: Real> Sweep<R> {
             normal: R::Vec3::new(R::ZERO, R::ZERO, R::ONE),
             depth: node.depth,
             closing_speed: node.closing_speed,
-            slip: node.slip,
+            slip_velocity: node.slip,
             weight: node.weight,
         }
     }

@@ -331,7 +331,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
 
             let n = contact.normal;
             let along = friction
-                .jacobian_at(contact.position, mean.force, contact.slip)
+                .jacobian_at(contact.position, mean.force, contact.slip_velocity)
                 .coefficient
                 * (h * weight);
             let along = along.at_most(self.stuck);

@@ -77,7 +77,7 @@ fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -
                 place: contact.arm,
                 normal: contact.normal,
                 along: friction
-                    .force_at(contact.position, normal_force, contact.slip)
+                    .force_at(contact.position, normal_force, contact.slip_velocity)
                     .length()
                     * (seconds * contact.weight),
                 across: damper.abs() * (seconds * contact.weight),

@@ -269,7 +269,7 @@ fn follow<R: Bits, I: Integrator<R>>(
             hash.number(sample.dissipation().total());
             if let Some(lowest) = sample.lowest_point() {
                 hash.number(lowest.gap);
-                hash.vector::<R>(lowest.slip);
+                hash.vector::<R>(lowest.slip_velocity);
             }
         }
         ControlFlow::Continue(())

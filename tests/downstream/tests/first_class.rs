@@ -396,7 +396,7 @@ fn a_sliding_ball_ends_rolling_at_five_sevenths_of_its_speed() {
         stepper
             .lowest_point(&state)
             .expect("a ball has a lowest point")
-            .slip,
+            .slip_velocity,
     );
     assert!(slip.length() < 1e-6, "still slides at {slip}");
     assert!((velocity - speed * 5.0 / 7.0).abs() < 1e-6, "{velocity}");

@@ -48,7 +48,7 @@ impl<R: Real> Damping<R> {
         scene.contact_model().visit(motion, |contact| {
             let acceleration =
                 end.acceleration + acceleration_at(contact.arm, motion, rotational_acceleration);
-            if contact.slip.dot(acceleration) <= R::ZERO {
+            if contact.slip_velocity.dot(acceleration) <= R::ZERO {
                 let along = damper(scene, contact) * R::from_f64(HORIZON);
                 let normal = contact.normal;
                 let block = Block::diagonal(along).plus(&Block::outer(normal * -along, normal));
@@ -96,7 +96,7 @@ fn acceleration_at<R: Real>(
 fn damper<R: Real, D: Dynamics<R>>(scene: &D, contact: &Contact<R>) -> R {
     let (ground, friction) = contact.laws(scene.ground(), scene.friction());
     let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
-    let force = friction.force_at(contact.position, normal_force, contact.slip);
-    let damper = force.length() * contact.weight / contact.slip.length();
+    let force = friction.force_at(contact.position, normal_force, contact.slip_velocity);
+    let damper = force.length() * contact.weight / contact.slip_velocity.length();
     if damper.is_finite() { damper } else { R::ZERO }
 }

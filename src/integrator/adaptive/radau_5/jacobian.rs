@@ -175,7 +175,7 @@ fn by_motion<R: Real, D: Dynamics<R>>(
     noise: R,
 ) -> ([Block<R>; 2], R) {
     let (ground, friction) = contact.laws(scene.ground(), scene.friction());
-    let (n, slip) = (contact.normal, contact.slip);
+    let (n, slip) = (contact.normal, contact.slip_velocity);
     let (depth, speed) = (contact.depth, contact.closing_speed);
     let nudge = R::EPSILON.sqrt();
     let push = |depth, speed| ground.normal_force(depth, speed);
