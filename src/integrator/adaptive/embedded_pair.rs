@@ -10,11 +10,14 @@
 //!    error that they cause.
 //! 3. `control`: the step is accepted if the total error is within the tolerance. Otherwise it is
 //!    repeated up to the first discontinuity that matters, or with a smaller step size.
+//!
+//! `tuning` has the constants that were chosen.
 
 mod attempt;
 pub(super) mod control;
 mod slip;
 mod touch;
+mod tuning;
 
 use crate::error::{Quantity, StepError};
 use crate::integrator::interface::{Step, StepControl};
@@ -24,7 +27,7 @@ use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
 pub(super) use attempt::Place;
-pub(in crate::integrator::adaptive) use attempt::{Attempt, LeftOut};
+pub(in crate::integrator::adaptive) use attempt::{Attempt, LeftOut, Planned};
 pub(crate) use attempt::{Formula, Pair, Settings};
 use control::{Control, Errors};
 use touch::Discontinuities;
@@ -109,10 +112,10 @@ impl<R: Real> Known<R> {
     }
 }
 
-/// Takes one step with an error below the tolerance, of at most `limit` seconds.
+/// Takes one step of a method, given by its formula and its parameters, with an error below the
+/// tolerance, of at most `limit` seconds.
 pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
-    formula: &impl Formula<R, STAGES>,
-    settings: &Settings<R>,
+    (formula, settings): (&impl Formula<R, STAGES>, &Settings<R>),
     scene: &D,
     state: &mut State<R>,
     limit: R,
@@ -131,22 +134,27 @@ pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
     });
     loop {
         let seconds = control.next_attempt(settings, &trial, limit)?;
-        let length = (seconds, trial.is_to_discontinuity(seconds));
-        let attempt = attempt(formula, settings, scene, &start, length, &mut report);
+        let planned = Planned {
+            scene,
+            start: &start,
+            seconds,
+            to_discontinuity: trial.is_to_discontinuity(seconds),
+        };
+        let attempt = attempt(formula, settings, &planned, &mut report);
         let quantity = if let Some(attempt) = &attempt {
-            let judged = Judged::of(pair, settings, scene, &start, attempt, length);
+            let judged = Judged::of(pair, settings, &planned, attempt);
             let error = judged.relative_error();
             if judged.is_accurate() {
                 control.accept(pair.roots, &trial, seconds, error);
                 workspace.resumed = None;
                 report.error_estimate = Some(judged.errors.total());
-                workspace.known = Some(taken(scene, state, &attempt.end, length, &mut report));
+                workspace.known = Some(taken(&planned, state, &attempt.end, &mut report));
                 return Ok(report);
             }
             trial.shorten(pair.roots, seconds, error, &judged.discontinuities);
             judged.errors.largest()
         } else {
-            trial.reduce(pair.roots, seconds, R::from_f64(UNSOLVED));
+            trial.reduce(pair.roots, seconds, R::from_f64(tuning::UNSOLVED_ERROR));
             Quantity::LinearVelocity
         };
         report.rejected += 1;
@@ -169,17 +177,15 @@ impl<R: Real> Judged<R> {
     fn of<D: Dynamics<R>, const STAGES: usize>(
         pair: &Pair<STAGES>,
         settings: &Settings<R>,
-        scene: &D,
-        start: &Place<R>,
+        planned: &Planned<'_, R, D>,
         attempt: &Attempt<R, STAGES>,
-        length: (R, bool),
     ) -> Self {
         let motion = &attempt.end.motion;
-        let allowed = control::allowed(settings, scene, motion);
-        let difference = attempt.counted(scene, start, length.0);
-        let mut errors = Errors::of(scene, &difference, motion).within(pair.trust);
+        let allowed = control::allowed(settings, planned.scene, motion);
+        let difference = attempt.counted(planned);
+        let mut errors = Errors::of(planned.scene, &difference, motion).within(pair.trust);
         let bounds = [errors.total(), allowed];
-        let discontinuities = touch::discontinuities(pair, scene, start, attempt, length, bounds);
+        let discontinuities = touch::discontinuities(pair, planned, attempt, bounds);
         errors.add_discontinuities(&discontinuities);
         Self {
             errors,
@@ -205,16 +211,15 @@ impl<R: Real> Judged<R> {
 /// Writes the end of an accepted step, and returns what the next step can use of it.
 #[inline(always)]
 fn taken<R: Real, D: Dynamics<R>>(
-    scene: &D,
+    planned: &Planned<'_, R, D>,
     state: &mut State<R>,
     end: &Place<R>,
-    (seconds, to_discontinuity): (R, bool),
     report: &mut Step<R>,
 ) -> Known<R> {
     *state = end.point.to_state();
-    report.elapsed = seconds;
-    report.evaluations += u32::from(to_discontinuity);
-    Known::of(scene, state, end, to_discontinuity)
+    report.elapsed = planned.seconds;
+    report.evaluations += u32::from(planned.to_discontinuity);
+    Known::of(planned.scene, state, end, planned.to_discontinuity)
 }
 
 /// Returns the start of the step: known from the previous step, or evaluated.
@@ -246,22 +251,17 @@ fn start_of<R: Real, D: Dynamics<R>>(
 fn attempt<R: Real, D: Dynamics<R>, const STAGES: usize>(
     formula: &impl Formula<R, STAGES>,
     settings: &Settings<R>,
-    scene: &D,
-    start: &Place<R>,
-    (seconds, to_discontinuity): (R, bool),
+    planned: &Planned<'_, R, D>,
     report: &mut Step<R>,
 ) -> Option<Attempt<R, STAGES>> {
-    if to_discontinuity {
-        formula.attempt(settings, scene, start, seconds, report, |motion| {
-            touch::load_before(scene, &start.motion, motion, seconds)
+    if planned.to_discontinuity {
+        let (start, seconds) = (&planned.start.motion, planned.seconds);
+        formula.attempt(settings, planned, report, |motion| {
+            touch::load_before(planned.scene, start, motion, seconds)
         })
     } else {
-        formula.attempt(settings, scene, start, seconds, report, |motion| {
-            scene.contact_model().load(motion)
+        formula.attempt(settings, planned, report, |motion| {
+            planned.scene.contact_model().load(motion)
         })
     }
 }
-
-/// Error, relative to the allowed one, that stands for equations without a solution. With the root
-/// of order 4 the step is halved.
-const UNSOLVED: f64 = 16.0;

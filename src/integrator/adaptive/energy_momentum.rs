@@ -191,7 +191,7 @@ impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
         let settings = self.settings();
         let control = &mut workspace.control;
         let mut work = Step::new(R::ZERO, 0);
-        let mut trial = control.first_trial_from(state, ROOTS, &settings, scene, &mut work);
+        let mut trial = control.first_trial_from((scene, state), ROOTS, &settings, &mut work);
         loop {
             let seconds = control.next_attempt(&settings, &trial, limit)?;
             if workspace.rest.is_of(state, seconds) {

@@ -45,7 +45,7 @@ macro_rules! adaptive_method {
                     limit: R,
                     workspace: &mut Workspace<R>,
                 ) -> Result<Step<R>, StepError> {
-                    embedded_pair::step(&PAIR, &self.settings(), scene, state, limit, workspace)
+                    embedded_pair::step((&PAIR, &self.settings()), scene, state, limit, workspace)
                 }
 
                 fn order(&self) -> u32 {

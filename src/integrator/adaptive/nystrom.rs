@@ -179,7 +179,7 @@ impl<R: Real> Integrator<R> for AdaptiveNystrom<R> {
         let mut report = Step::new(R::ZERO, 0);
         let mut start = Begin::of(scene, state, workspace, &mut report)?;
         let control = &mut workspace.control;
-        let mut trial = control.first_trial_from(state, ROOTS, &settings, scene, &mut report);
+        let mut trial = control.first_trial_from((scene, state), ROOTS, &settings, &mut report);
         loop {
             let seconds = control.next_attempt(&settings, &trial, limit)?;
             let friction_limit = start.limit(&settings, scene, seconds);

@@ -27,7 +27,7 @@ mod reduced;
 mod stages;
 
 use super::embedded_pair::control::{self, Errors};
-use super::embedded_pair::{Attempt, Formula, LeftOut, Pair, Place, Settings};
+use super::embedded_pair::{Attempt, Formula, LeftOut, Pair, Place, Planned, Settings};
 use super::method::adaptive_method;
 use crate::contact::{Load, Motion};
 use crate::integrator::interface::Step;
@@ -129,12 +129,16 @@ impl<R: Real> Formula<R, STAGES> for RadauIIA {
     fn attempt<D: Dynamics<R>>(
         &self,
         settings: &Settings<R>,
-        scene: &D,
-        start: &Place<R>,
-        seconds: R,
+        planned: &Planned<'_, R, D>,
         report: &mut Step<R>,
         load: impl Fn(&Motion<R>) -> Load<R>,
     ) -> Option<Attempt<R, STAGES>> {
+        let Planned {
+            scene,
+            start,
+            seconds,
+            ..
+        } = *planned;
         let jacobian = Jacobian::at(scene, &start.motion, start.point.angular_momentum);
         let equations = Equations::of(&jacobian, start.point.orientation, seconds);
         let evaluations = core::cell::Cell::new(1);

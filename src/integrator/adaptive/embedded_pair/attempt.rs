@@ -40,12 +40,20 @@ pub(crate) trait Formula<R: Real, const STAGES: usize> {
     fn attempt<D: Dynamics<R>>(
         &self,
         settings: &Settings<R>,
-        scene: &D,
-        start: &Place<R>,
-        seconds: R,
+        planned: &Planned<'_, R, D>,
         report: &mut Step<R>,
         load: impl Fn(&Motion<R>) -> Load<R>,
     ) -> Option<Attempt<R, STAGES>>;
+}
+
+/// A step to attempt: its start and its size.
+pub(in crate::integrator::adaptive) struct Planned<'a, R: Real, D> {
+    pub(in crate::integrator::adaptive) scene: &'a D,
+    pub(in crate::integrator::adaptive) start: &'a Place<R>,
+    /// Step size, s.
+    pub(in crate::integrator::adaptive) seconds: R,
+    /// True if the step ends just beyond a discontinuity of a force.
+    pub(in crate::integrator::adaptive) to_discontinuity: bool,
 }
 
 impl<R: Real, const STAGES: usize> Formula<R, STAGES> for Pair<STAGES> {
@@ -57,14 +65,12 @@ impl<R: Real, const STAGES: usize> Formula<R, STAGES> for Pair<STAGES> {
     fn attempt<D: Dynamics<R>>(
         &self,
         _: &Settings<R>,
-        scene: &D,
-        start: &Place<R>,
-        seconds: R,
+        planned: &Planned<'_, R, D>,
         report: &mut Step<R>,
         load: impl Fn(&Motion<R>) -> Load<R>,
     ) -> Option<Attempt<R, STAGES>> {
         report.evaluations += u32::try_from(STAGES).unwrap_or(u32::MAX) - 1;
-        Some(attempt_under(self, scene, start, seconds, load))
+        Some(attempt_under(self, planned, load))
     }
 }
 
@@ -149,13 +155,8 @@ impl<R: Real, const STAGES: usize> Attempt<R, STAGES> {
     /// Without the part that is left out, steps in flight are long, and the poses of their stages
     /// are inexact. So that part counts where a contact may come into reach.
     #[inline(always)]
-    pub(super) fn counted<D: Dynamics<R>>(
-        &self,
-        scene: &D,
-        start: &Place<R>,
-        seconds: R,
-    ) -> Point<R> {
-        if self.left_out.is_nothing() || !self.is_out_of_reach(scene, start, seconds) {
+    pub(super) fn counted<D: Dynamics<R>>(&self, planned: &Planned<'_, R, D>) -> Point<R> {
+        if self.left_out.is_nothing() || !self.is_out_of_reach(planned) {
             return self.difference;
         }
         Point {
@@ -165,14 +166,15 @@ impl<R: Real, const STAGES: usize> Attempt<R, STAGES> {
     }
 
     #[inline(never)]
-    fn is_out_of_reach<D: Dynamics<R>>(&self, scene: &D, start: &Place<R>, seconds: R) -> bool {
+    fn is_out_of_reach<D: Dynamics<R>>(&self, planned: &Planned<'_, R, D>) -> bool {
+        let Planned { scene, start, .. } = *planned;
         let ends = [start, &self.end];
         let [first, last] = ends.map(|place| place.slope.linear_velocity.length());
         free_error::is_out_of_reach(
             scene,
             ends.map(|place| &place.motion),
             (start.point.angular_momentum, first.at_least(last)),
-            seconds,
+            planned.seconds,
         )
     }
 }
@@ -207,11 +209,15 @@ impl<R: Real> LeftOut<R> {
 #[inline(always)]
 fn attempt_under<R: Real, D: Dynamics<R>, const STAGES: usize>(
     pair: &Pair<STAGES>,
-    scene: &D,
-    start: &Place<R>,
-    seconds: R,
+    planned: &Planned<'_, R, D>,
     load: impl Fn(&Motion<R>) -> Load<R>,
 ) -> Attempt<R, STAGES> {
+    let Planned {
+        scene,
+        start,
+        seconds,
+        ..
+    } = *planned;
     let mut slopes = [start.slope; STAGES];
     let mut motions = [start.motion; STAGES];
     let (mut end, mut left_out) = (*start, LeftOut::Nothing);

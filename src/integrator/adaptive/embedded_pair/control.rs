@@ -2,6 +2,7 @@
 
 use super::attempt::{Place, Settings};
 use super::touch::Discontinuities;
+use super::tuning;
 use crate::contact::Motion;
 use crate::error::{Quantity, StepError};
 use crate::integrator::interface::{Step, StepControl, step_length};
@@ -12,15 +13,6 @@ use crate::state::State;
 
 /// Time over which an error of a velocity counts as a displacement, s.
 pub(in crate::integrator::adaptive) const HORIZON: f64 = 1.0;
-/// Fraction of the step size that the error would just allow. A rejected step costs as much as an
-/// accepted one.
-const SAFETY: f64 = 0.9;
-/// Fraction of the tolerance that one step may use. It is chosen so that the error after a second
-/// of contact is about equal to the tolerance.
-const SHARE: f64 = 0.65;
-/// Largest growth of the step size from step to step, and smallest factor after a rejected step.
-const GROWTH: f64 = 5.0;
-const SHRINKAGE: f64 = 0.1;
 
 /// Errors of a step, as displacement of the farthest point of the body, m.
 pub(in crate::integrator::adaptive) struct Errors<R> {
@@ -137,7 +129,7 @@ pub(in crate::integrator::adaptive) fn allowed<R: Real, D: Dynamics<R>>(
     scene: &D,
     motion: &Motion<R>,
 ) -> R {
-    settings.tolerance * R::from_f64(SHARE) + rounding(scene, motion, HORIZON)
+    settings.tolerance * R::from_f64(tuning::TOLERANCE_SHARE) + rounding(scene, motion, HORIZON)
 }
 
 /// Returns the error of a step that rounding causes, m. That of the velocity counts for the time
@@ -176,14 +168,10 @@ pub(in crate::integrator::adaptive) struct Trial<R> {
     /// Size of a step to a discontinuity, s. `None` if there is none.
     to_discontinuity: Option<R>,
     /// Number of further attempts at a step to a discontinuity.
-    kinks_left: u32,
+    steps_left: u32,
     /// True if an attempt was rejected because of its size.
     shortened: bool,
 }
-
-/// Largest number of attempted steps to a discontinuity within one step. Each is shorter than the
-/// one before.
-const KINKS: u32 = 8;
 
 impl<R: Real> Trial<R> {
     /// Returns the step size to attempt, s.
@@ -212,17 +200,17 @@ impl<R: Real> Trial<R> {
         error: R,
         discontinuities: &Discontinuities<R>,
     ) {
-        let first_kink = discontinuities.first.map(|share| share * seconds);
-        match first_kink {
+        let first = discontinuities.first.map(|share| share * seconds);
+        match first {
             // Most of the error is due to the discontinuity: the step size may be right.
             Some(to_discontinuity)
-                if self.kinks_left > 0
+                if self.steps_left > 0
                     && self
                         .to_discontinuity
                         .is_none_or(|known| to_discontinuity < known) =>
             {
                 self.to_discontinuity = Some(to_discontinuity);
-                self.kinks_left -= 1;
+                self.steps_left -= 1;
             }
             _ => self.reduce(roots, seconds, error),
         }
@@ -230,10 +218,10 @@ impl<R: Real> Trial<R> {
 
     /// Reduces the step size by the `error` of a step of `seconds`, relative to the allowed error.
     pub(in crate::integrator::adaptive) fn reduce(&mut self, roots: u32, seconds: R, error: R) {
-        let factor = R::from_f64(SAFETY) / root(error, roots);
+        let factor = R::from_f64(tuning::SAFETY) / root(error, roots);
         // An error that is NaN gives the smallest factor.
-        let factor = factor.at_least(R::from_f64(SHRINKAGE));
-        self.length = seconds * factor.at_most(R::from_f64(SAFETY));
+        let factor = factor.at_least(R::from_f64(tuning::SMALLEST_FACTOR));
+        self.length = seconds * factor.at_most(R::from_f64(tuning::SAFETY));
         self.to_discontinuity = None;
         self.shortened = true;
     }
@@ -270,7 +258,7 @@ impl<R: Real> Control<R> {
         Trial {
             length: length.at_most(settings.longest_step),
             to_discontinuity: None,
-            kinks_left: KINKS,
+            steps_left: tuning::STEPS_TO_DISCONTINUITIES,
             shortened: false,
         }
     }
@@ -278,10 +266,9 @@ impl<R: Real> Control<R> {
     /// Returns the first trial of a step from a state whose slope is not known.
     pub(in crate::integrator::adaptive) fn first_trial_from<D: Dynamics<R>>(
         &self,
-        state: &State<R>,
+        (scene, state): (&D, &State<R>),
         roots: u32,
         settings: &Settings<R>,
-        scene: &D,
         report: &mut Step<R>,
     ) -> Trial<R> {
         self.first_trial(settings, || {
@@ -355,7 +342,8 @@ impl<R: Real> Control<R> {
         }
         let present = root(error.at_least(R::from_f64(1e-8)), roots);
         let last = self.last.unwrap_or(R::ONE);
-        let factor = (R::from_f64(SAFETY) * last / present).at_most(R::from_f64(GROWTH));
+        let factor = (R::from_f64(tuning::SAFETY) * last / present)
+            .at_most(R::from_f64(tuning::LARGEST_GROWTH));
         let factor = if trial.shortened {
             factor.at_most(R::ONE)
         } else {

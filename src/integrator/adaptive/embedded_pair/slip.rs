@@ -10,6 +10,7 @@
 //! law varies over the ground, because the law may have a jump there.
 
 use super::touch::Taken;
+use super::tuning::{self, FRICTION_PARTS};
 use crate::body::ContactPoint;
 use crate::contact::Motion;
 use crate::friction::SlidingFriction;
@@ -17,14 +18,6 @@ use crate::integrator::contact_path::{ContactEnd, Path, arm, push, slip};
 use crate::quadrature::integral_of_3;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
-
-/// Factor for a reversal that a step may miss, compared with a change in proportion to the time. It
-/// applies to the change of friction around the smallest slip. A step sums a steady change well.
-const QUICK: f64 = 2.0;
-/// Fraction of the step, on both sides of the smallest slip, in which this change is evaluated.
-const ABOUT: f64 = 1.0 / 16.0;
-/// Number of parts of a step in which a friction law that varies over the ground is integrated.
-const PARTS: u32 = 8;
 
 /// Slip and position of a contact, which change uniformly over a step.
 struct Slide<R: Real> {
@@ -100,18 +93,18 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         sides: &[ContactEnd<R>; 2],
         slide: &Slide<R>,
     ) -> R {
-        let part = |index: u32| R::from_f64(f64::from(index) / f64::from(PARTS));
+        let part = |index: u32| R::from_f64(f64::from(index) / f64::from(FRICTION_PARTS));
         let load = sides[0].normal_force.at_least(sides[1].normal_force);
         let friction = self.scene.friction();
         let at = |share: R| friction.force_at(slide.position(share), load, slide.slip);
         let start = at(R::ZERO);
-        if (1..=PARTS).all(|index| at(part(index)) == start) {
+        if (1..=FRICTION_PARTS).all(|index| at(part(index)) == start) {
             return R::ZERO;
         }
         let path = Path::between(&sides[0], &sides[1], self.seconds);
         let force = |share: R| self.friction_on(&path, slide, share);
         let mut truth = R::Vec3::ZERO;
-        for index in 0..PARTS {
+        for index in 0..FRICTION_PARTS {
             truth += integral_of_3(force, part(index), part(index + 1));
         }
         self.way_of(
@@ -141,12 +134,12 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     ) -> R {
         let path = Path::between(start, end, self.seconds);
         let force = |share: R| self.friction_on(&path, slide, share);
-        let about = R::from_f64(ABOUT);
+        let about = R::from_f64(tuning::REVERSAL);
         let from = (share - about).at_least(R::ZERO).at_most(R::ONE);
         let to = (share + about).at_least(R::ZERO).at_most(R::ONE);
         let about = (force(to) - force(from)).length();
         let steadily = (force(R::ONE) - force(R::ZERO)).length() * (to - from);
-        if about <= steadily * R::from_f64(QUICK) {
+        if about <= steadily * R::from_f64(tuning::SUDDEN) {
             return R::ZERO;
         }
         // Each side of the reversal is smooth.

@@ -8,7 +8,8 @@
 
 use core::cell::Cell;
 
-use super::attempt::{Attempt, Pair, Place};
+use super::attempt::{Attempt, Pair, Place, Planned};
+use super::tuning;
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::contact::{Contact, Load, Motion, Onset};
 use crate::friction::SlidingFriction;
@@ -44,12 +45,16 @@ impl<R: Real> Discontinuities<R> {
 #[inline]
 pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
     pair: &Pair<STAGES>,
-    scene: &D,
-    start: &Place<R>,
+    planned: &Planned<'_, R, D>,
     attempt: &Attempt<R, STAGES>,
-    (seconds, to_discontinuity): (R, bool),
     [smooth, allowed]: [R; 2],
 ) -> Discontinuities<R> {
+    let Planned {
+        scene,
+        start,
+        seconds,
+        to_discontinuity,
+    } = *planned;
     let mut discontinuities = Discontinuities::none();
     let contacts = scene.body().contacts();
     let margin = bounce::reach(scene, [&start.motion, &attempt.end.motion], seconds);
@@ -64,7 +69,7 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
         let (before, after) = (near_surface(start), near_surface(&attempt.end));
         // If a step is too large in any case, and has many contacts near the ground, this
         // evaluation is not worth its cost.
-        if smooth > allowed && before.count.saturating_add(after.count) > MANY {
+        if smooth > allowed && before.count.saturating_add(after.count) > tuning::MANY_CONTACTS {
             continue;
         }
         let step = Taken {
@@ -156,7 +161,8 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
             Some(R::ONE)
         } else if path.turns_under_ground() {
             Some(path.turn())
-        } else if self.meets(&start, R::ONE) || self.meets(&end, R::from_f64(AHEAD)) {
+        } else if self.meets(&start, R::ONE) || self.meets(&end, R::from_f64(tuning::STAGES_AHEAD))
+        {
             None
         } else {
             return;
@@ -206,7 +212,8 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         };
         let motion = self.ends[usize::from(!pushes)];
         let mobility = mobility(self.scene, point, motion);
-        let mut velocity = (truth - taken).abs() * (self.seconds * mobility) * R::from_f64(WEIGHT);
+        let mut velocity =
+            (truth - taken).abs() * (self.seconds * mobility) * R::from_f64(tuning::ERROR_WEIGHT);
         if !(pushes || end.pushes()) {
             velocity = velocity.at_least(self.excess_impulse(point, end) * mobility);
         }
@@ -221,7 +228,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
             return;
         }
         discontinuities.velocity += velocity;
-        if velocity * R::from_f64(4.0) > self.allowed {
+        if velocity * R::from_f64(tuning::UNTREATED) > self.allowed {
             let there = self.just_beyond(&jump);
             discontinuities.first = Some(
                 discontinuities
@@ -270,14 +277,13 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     /// Returns a fraction of the step just beyond a discontinuity.
     ///
     /// It is so close that the force causes no relevant error before it, and so far that the
-    /// rounded depth is beyond it: a step from there would contain the jump at its start. The
-    /// fraction is at least a fiftieth, because an error near the start may be due to the path. A
-    /// shorter step shows whether it is.
+    /// rounded depth is beyond it: a step from there would contain the jump at its start.
     fn just_beyond(&self, jump: &Jump<R>) -> R {
-        let harmless = self.allowed / (jump.acceleration * self.seconds * R::from_f64(EXACTLY));
+        let harmless =
+            self.allowed / (jump.acceleration * self.seconds * R::from_f64(tuning::LOCATION));
         let beyond = harmless.at_least(jump.resolution);
         let there = jump.share + beyond.at_most(R::ONE - jump.share);
-        there.at_least(R::from_f64(0.02))
+        there.at_least(R::from_f64(tuning::SHORTEST_PART))
     }
 }
 
@@ -301,7 +307,7 @@ fn first_change<R: Real>(force: impl Fn(R) -> R, pushes: bool, last: R) -> R {
         let [before, first] = bracket;
         // Of a step that ends just beyond a touch-down, the part with a force must be resolved too.
         let rest = (last - first).at_least(R::EPSILON);
-        if first - before <= rest * R::from_f64(RESOLVED) {
+        if first - before <= rest * R::from_f64(tuning::REST_RESOLUTION) {
             break;
         }
         bracket = bisect(bracket, HALVINGS / 2, changed);
@@ -310,29 +316,10 @@ fn first_change<R: Real>(force: impl Fn(R) -> R, pushes: bool, last: R) -> R {
     first
 }
 
-/// Fraction of the computed velocity error that counts.
-///
-/// The computed errors have either sign, and contacts remove most of the effect of a wrong impulse
-/// of one of them. Such an error of the velocity would cause a certain displacement in a second. Of
-/// that displacement 5 % remain in trial 3 of the coin report, where the coin sticks. 20 to 100 %
-/// remain in trial 8, where it slides and falls over.
-const WEIGHT: f64 = 1.0 / 3.0;
-/// Factor by which a discontinuity is located more accurately than its part of the tolerance
-/// requires.
-const EXACTLY: f64 = 2.0;
-/// Fraction of a step by which its stages may be ahead of the path. Those of Dormand and Prince
-/// extrapolate far.
-const AHEAD: f64 = 0.5;
-/// Number of contacts at both ends of a step whose evaluation is more expensive than another
-/// attempt.
-const MANY: usize = 48;
 /// Bisections to locate a discontinuity. They resolve a millionth of the step.
 const HALVINGS: u32 = 20;
 /// Most rounds of half as many bisections beyond them, down to rounding.
 const ROUNDS: u32 = 4;
-/// Resolution of the part of a step beyond a discontinuity, as a fraction of it.
-const RESOLVED: f64 = 1.0 / 16.0;
-
 /// Returns the speed of the farthest point of the body per normal impulse at a contact, 1/kg.
 ///
 /// It includes the friction of the contact.
