@@ -95,7 +95,7 @@ pub trait SlidingFriction<R: Real = f64> {
     /// derivative.
     #[inline]
     fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
-        drag_by_differences(|load, slip| self.force(load, slip), normal_force, slip)
+        jacobian_by_differences(|load, slip| self.force(load, slip), normal_force, slip)
     }
 
     /// Friction force on the body at a contact at `position` (m, world axes), N, world axes.
@@ -128,7 +128,7 @@ pub trait SlidingFriction<R: Real = f64> {
     ) -> FrictionJacobian<R> {
         if self.depends_on_position() {
             let force = |load, slip| self.force_at(position, load, slip);
-            drag_by_differences(force, normal_force, slip)
+            jacobian_by_differences(force, normal_force, slip)
         } else {
             self.jacobian(normal_force, slip)
         }
@@ -333,7 +333,7 @@ impl<R: Real> FrictionJacobian<R> {
 }
 
 /// Provided [`SlidingFriction::jacobian`], computed by differences of a force.
-fn drag_by_differences<R: Real>(
+fn jacobian_by_differences<R: Real>(
     force_of: impl Fn(R, R::Vec3) -> R::Vec3,
     normal_force: R,
     slip: R::Vec3,

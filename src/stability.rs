@@ -161,8 +161,8 @@ impl<R: Real> Response<R> {
         let normal = contact.normal;
         let (ground, friction_law) = contact.laws(frame.scene.ground(), frame.scene.friction());
         let load = ground.normal_force(contact.depth, contact.closing_speed);
-        let drag = drag_at(&friction_law, load, contact);
-        let by_load = friction_by_load(&friction_law, load, contact, &drag);
+        let jacobian = jacobian_at(&friction_law, load, contact);
+        let by_load = friction_by_load(&friction_law, load, contact, &jacobian);
         self.is_coupled |= by_load != R::Vec3::ZERO;
         let pushed = match self.load {
             Friction::GrowsWithLoad => normal + by_load,
@@ -177,8 +177,8 @@ impl<R: Real> Response<R> {
 
         let speed = contact.slip_velocity.length();
         let [along, across] = tangents(normal, contact.slip_velocity, speed);
-        let sliding = (R::ONE - drag.growth * speed / drag.width).at_least(R::ZERO);
-        let friction = drag.coefficient * contact.weight;
+        let sliding = (R::ONE - jacobian.growth * speed / jacobian.width).at_least(R::ZERO);
+        let friction = jacobian.coefficient * contact.weight;
         let more = anisotropy_at(&friction_law, load, contact, [along, across]);
         for (direction, share) in [(along, sliding + more[0]), (across, R::ONE + more[1])] {
             let damping = friction * share.at_least(R::ZERO);
@@ -418,14 +418,14 @@ fn slopes<R: Real, G: SpringDamperGround<R>>(
 
 /// Jacobian of the friction law at a contact. If a law returns none at zero slip, the Jacobian at
 /// 1e-12 m/s is used.
-fn drag_at<R: Real, F: SlidingFriction<R>>(
+fn jacobian_at<R: Real, F: SlidingFriction<R>>(
     friction: &F,
     load: R,
     contact: &Contact<R>,
 ) -> FrictionJacobian<R> {
-    let drag = friction.jacobian_at(contact.position, load, contact.slip_velocity);
-    if drag.coefficient > R::ZERO || contact.slip_velocity != R::Vec3::ZERO {
-        return drag;
+    let jacobian = friction.jacobian_at(contact.position, load, contact.slip_velocity);
+    if jacobian.coefficient > R::ZERO || contact.slip_velocity != R::Vec3::ZERO {
+        return jacobian;
     }
     let [direction, _] = tangents(contact.normal, contact.slip_velocity, R::ZERO);
     friction.jacobian_at(contact.position, load, direction * R::from_f64(1e-12))
@@ -439,14 +439,14 @@ fn friction_by_load<R: Real, F: SlidingFriction<R>>(
     friction: &F,
     load: R,
     contact: &Contact<R>,
-    drag: &FrictionJacobian<R>,
+    jacobian: &FrictionJacobian<R>,
 ) -> R::Vec3 {
     let (position, slip) = (contact.position, contact.slip_velocity);
     let is_isotropic = friction.anisotropy_at(position, load, slip).is_none();
-    if is_isotropic || drag.coefficient <= R::ZERO {
-        return slip * -drag.per_load;
+    if is_isotropic || jacobian.coefficient <= R::ZERO {
+        return slip * -jacobian.per_load;
     }
-    friction.force_at(position, load, slip) * (drag.per_load / drag.coefficient)
+    friction.force_at(position, load, slip) * (jacobian.per_load / jacobian.coefficient)
 }
 
 /// What a law that is not isotropic adds to the damping along two directions, relative to its

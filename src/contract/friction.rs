@@ -153,7 +153,7 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         demand_at_most(lifted, size * ulps(16.0), Requirement::InSurface, input)?;
         self.same_everywhere(load, slip, force)?;
         self.turning_at(load, slip)?;
-        self.drag_at(load, slip, force)
+        self.jacobian_at(load, slip, force)
     }
 
     fn same_everywhere(&self, load: R, slip: R::Vec3, force: R::Vec3) -> Result<(), Violation> {
@@ -190,21 +190,26 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         demand(speed > o, Requirement::TurningOpposes, speed, o, input)
     }
 
-    fn drag_at(&self, load: R, slip: R::Vec3, force: R::Vec3) -> Result<(), Violation> {
+    fn jacobian_at(&self, load: R, slip: R::Vec3, force: R::Vec3) -> Result<(), Violation> {
         let input = || self.input(load, slip);
-        let drag = self.friction.jacobian_at(self.position, load, slip);
-        for number in [drag.coefficient, drag.per_load, drag.width, drag.growth] {
+        let jacobian = self.friction.jacobian_at(self.position, load, slip);
+        for number in [
+            jacobian.coefficient,
+            jacobian.per_load,
+            jacobian.width,
+            jacobian.growth,
+        ] {
             demand_finite(number, input)?;
         }
         let (o, fits) = (R::ZERO, Requirement::DragFits);
-        demand_at_least(drag.coefficient, o, fits, input)?;
-        demand_at_least(drag.growth, o, fits, input)?;
-        demand_at_most(drag.growth, R::ONE + ulps(8.0), fits, input)?;
-        demand(drag.width > o, fits, drag.width, o, input)?;
+        demand_at_least(jacobian.coefficient, o, fits, input)?;
+        demand_at_least(jacobian.growth, o, fits, input)?;
+        demand_at_most(jacobian.growth, R::ONE + ulps(8.0), fits, input)?;
+        demand(jacobian.width > o, fits, jacobian.width, o, input)?;
         let speed = slip.length();
         if speed > R::ZERO {
             let braking = -(force.dot(slip) / speed);
-            let off = (drag.coefficient * speed - braking).abs();
+            let off = (jacobian.coefficient * speed - braking).abs();
             let bound = (braking + force.length()) * R::EPSILON.sqrt();
             demand_at_most(off, bound, fits, input)?;
         }

@@ -148,18 +148,18 @@ impl<R: Real> SlidingFriction<R> for AnisotropicCoulomb<R> {
     }
 
     fn anisotropy_at(&self, _: R::Vec3, _: R, slip: R::Vec3) -> Option<[R::Vec3; 3]> {
-        let drag = self.jacobian(R::ONE, slip);
-        if drag.coefficient <= R::ZERO {
+        let jacobian = self.jacobian(R::ONE, slip);
+        if jacobian.coefficient <= R::ZERO {
             return None;
         }
         let components = [self.along.dot(slip), self.across.dot(slip)];
         let whole = self.derivative(components);
         // What the scalar derivatives say.
         let (u, speed) = direction_of(components);
-        let along_slip = drag.growth * speed / drag.width;
+        let along_slip = jacobian.growth * speed / jacobian.width;
         let more = |i: usize, j: usize| {
             let isotropic = identity::<R>(i, j) - u[i] * u[j] * along_slip;
-            whole[i][j] / drag.coefficient - isotropic
+            whole[i][j] / jacobian.coefficient - isotropic
         };
         let (a, b) = (self.along, self.across);
         let of_a = a * more(0, 0) + b * more(0, 1);

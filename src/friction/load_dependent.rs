@@ -93,14 +93,14 @@ impl<R: Real> SlidingFriction<R> for LoadDependentCoulomb<R> {
 
     #[inline]
     fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
-        let drag = self.under(normal_force).jacobian(normal_force, slip);
+        let jacobian = self.under(normal_force).jacobian(normal_force, slip);
         // With x = N/N₀, c = (1 + x)^(-1/3): d(N c)/dN = c (1 - x/(3 (1 + x))) = c (2 + 1/(1 +
         // x))/3. The last form has no quotient of two infinite numbers where x overflows.
         let per_one = R::ONE / (R::ONE + normal_force / self.transition_load);
         let rises = (R::TWO + per_one) * R::from_f64(1.0 / 3.0);
         FrictionJacobian {
-            per_load: drag.per_load * rises,
-            ..drag
+            per_load: jacobian.per_load * rises,
+            ..jacobian
         }
     }
 

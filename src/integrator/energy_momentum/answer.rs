@@ -16,7 +16,7 @@ const HARDLY: f64 = 0.1;
 pub(super) struct Answer<R: Real> {
     /// Slip for which friction is differentiated, m/s.
     pub(super) slip: R::Vec3,
-    pub(super) drag: FrictionJacobian<R>,
+    pub(super) jacobian: FrictionJacobian<R>,
     /// Newton's dual unknown: friction divided by its limit, a vector of length at most 1.
     pub(super) dual: R::Vec3,
     /// Unit vector along the slip, or 0.
@@ -25,10 +25,10 @@ pub(super) struct Answer<R: Real> {
 
 impl<R: Real> Answer<R> {
     #[inline(always)]
-    fn at(slip: R::Vec3, drag: FrictionJacobian<R>, dual: R::Vec3) -> Self {
+    fn at(slip: R::Vec3, jacobian: FrictionJacobian<R>, dual: R::Vec3) -> Self {
         Self {
             slip,
-            drag,
+            jacobian,
             dual,
             slip_direction: direction::<R>(slip),
         }
@@ -37,7 +37,7 @@ impl<R: Real> Answer<R> {
     /// Excess of the dual force over the friction of the law, N.
     #[inline]
     pub(super) fn excess_of_dual(&self) -> R::Vec3 {
-        (self.slip - self.dual * self.drag.width) * self.drag.coefficient
+        (self.slip - self.dual * self.jacobian.width) * self.jacobian.coefficient
     }
 }
 
@@ -72,25 +72,28 @@ impl<R: Real> Touch<R> {
     #[inline(always)]
     pub(super) fn answer<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> Answer<R> {
         let slip = self.push.slip;
-        let drag = self.jacobian(problem);
+        let jacobian = self.jacobian(problem);
         let dual = match &self.dual {
             Dual::After(dual) => *dual,
             Dual::At(last) => on_disc::<R>(last.after(slip)),
             // A slide that the step can hardly brake begins with Newton's own derivative.
             Dual::Unknown
-                if drag.coefficient * problem.seconds < problem.mass * R::from_f64(HARDLY) =>
+                if jacobian.coefficient * problem.seconds < problem.mass * R::from_f64(HARDLY) =>
             {
-                slip * (R::ONE / drag.width)
+                slip * (R::ONE / jacobian.width)
             }
             _ => {
                 // Field by field, so that the answer of a slide stays in registers.
                 let Answer {
-                    slip, drag, dual, ..
-                } = self.answer_in_stick(problem, &drag);
-                return Answer::at(slip, drag, dual);
+                    slip,
+                    jacobian,
+                    dual,
+                    ..
+                } = self.answer_in_stick(problem, &jacobian);
+                return Answer::at(slip, jacobian, dual);
             }
         };
-        Answer::at(slip, drag, dual)
+        Answer::at(slip, jacobian, dual)
     }
 
     /// Computes the response of friction at the last trial step by Newton's own derivative, if
@@ -99,29 +102,29 @@ impl<R: Real> Touch<R> {
     pub(super) fn answer_of_slide<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        drag: &FrictionJacobian<R>,
+        jacobian: &FrictionJacobian<R>,
         contacts: usize,
     ) -> Option<Answer<R>> {
-        let of_all = drag.coefficient * R::from_usize(contacts);
+        let of_all = jacobian.coefficient * R::from_usize(contacts);
         (of_all * problem.seconds < problem.mass * R::from_f64(HARDLY)).then(|| {
             Answer::at(
                 self.push.slip,
-                *drag,
-                self.push.slip * (R::ONE / drag.width),
+                *jacobian,
+                self.push.slip * (R::ONE / jacobian.width),
             )
         })
     }
 
     /// Response of friction with these derivatives and the dual unknown that continues.
     #[inline]
-    pub(super) fn continued_answer(&self, drag: FrictionJacobian<R>) -> Answer<R> {
+    pub(super) fn continued_answer(&self, jacobian: FrictionJacobian<R>) -> Answer<R> {
         let slip = self.push.slip;
         let dual = match &self.dual {
-            Dual::Unknown => slip * (R::ONE / drag.width),
+            Dual::Unknown => slip * (R::ONE / jacobian.width),
             Dual::At(last) => on_disc::<R>(last.after(slip)),
             Dual::After(dual) => *dual,
         };
-        Answer::at(slip, drag, dual)
+        Answer::at(slip, jacobian, dual)
     }
 
     /// Computes the response of friction of a contact that the step may stop.
@@ -135,7 +138,7 @@ impl<R: Real> Touch<R> {
     fn answer_in_stick<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        drag: &FrictionJacobian<R>,
+        jacobian: &FrictionJacobian<R>,
     ) -> Answer<R> {
         let (n, slip) = (self.push.normal, self.push.slip);
         let arm = self.arm - n * self.push.radius;
@@ -152,9 +155,9 @@ impl<R: Real> Touch<R> {
         if sticks {
             Answer::at(slip_at_start, at_start, dual_at_start)
         } else if is_rim && slip_at_start.dot(slip) < R::ZERO {
-            Answer::at(slip, *drag, slip * (R::ONE / drag.width))
+            Answer::at(slip, *jacobian, slip * (R::ONE / jacobian.width))
         } else {
-            Answer::at(slip, *drag, dual_at_start)
+            Answer::at(slip, *jacobian, dual_at_start)
         }
     }
 
@@ -172,8 +175,8 @@ impl<R: Real> Touch<R> {
             Dual::At(at) if at.slip != slip => at.after(slip),
             _ => return R::Vec3::ZERO,
         };
-        let drag = self.jacobian(problem);
-        (slip - dual * drag.width) * drag.coefficient
+        let jacobian = self.jacobian(problem);
+        (slip - dual * jacobian.width) * jacobian.coefficient
     }
 
     /// Derivative of the last linear force with respect to the normal force.
@@ -204,8 +207,8 @@ impl<R: Real> Touch<R> {
         self.push.slip -= (path - n * n.dot(path)) * problem.per_second;
         self.push.end_arm -= swung;
         if let Some(first) = first {
-            let drag = self.jacobian(problem);
-            self.remember(&Answer::at(self.push.slip, drag, first.last_dual()));
+            let jacobian = self.jacobian(problem);
+            self.remember(&Answer::at(self.push.slip, jacobian, first.last_dual()));
         } else {
             self.note_answer(problem);
         }
@@ -230,8 +233,8 @@ impl<R: Real> Touch<R> {
         self.dual = Dual::At(Linear {
             direction: answer.dual,
             slip: answer.slip,
-            width: answer.drag.width,
-            growth: answer.drag.growth,
+            width: answer.jacobian.width,
+            growth: answer.jacobian.growth,
         });
     }
 

@@ -511,7 +511,7 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
         feel: &mut dyn FnMut(&Push<R>, &FrictionJacobian<R>),
     ) {
-        self.recall(problem, |push, drag| feel(push, drag));
+        self.recall(problem, |push, jacobian| feel(push, jacobian));
         if self.has_others() {
             self.visit_others(problem, trial, &mut |touch, _| {
                 feel(&touch.push, &touch.jacobian(problem));
@@ -581,7 +581,7 @@ impl<R: Real> Contacts<R> {
         &self,
         problem: &Problem<'_, R, D>,
         since: Option<&Since<'_, R>>,
-        (touch, drag): (&mut Touch<R>, FrictionJacobian<R>),
+        (touch, jacobian): (&mut Touch<R>, FrictionJacobian<R>),
         first: &Touch<R>,
     ) -> Answer<R> {
         let Some(since) = since else {
@@ -589,7 +589,7 @@ impl<R: Real> Contacts<R> {
         };
         // Nothing came before the first trial that was noted.
         touch.look_back(problem, since, (self.notes > 1).then_some(first));
-        touch.continued_answer(drag)
+        touch.continued_answer(jacobian)
     }
 }
 

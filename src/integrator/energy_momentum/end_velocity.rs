@@ -72,9 +72,9 @@ impl<R: Real> Strain<R> {
     };
 
     #[inline]
-    pub(super) fn add(&mut self, push: &Push<R>, drag: &FrictionJacobian<R>) {
+    pub(super) fn add(&mut self, push: &Push<R>, jacobian: &FrictionJacobian<R>) {
         self.contacts += R::ONE;
-        self.friction += drag.coefficient;
+        self.friction += jacobian.coefficient;
         self.damping += push.mean.damping;
     }
 
@@ -86,7 +86,7 @@ impl<R: Real> Strain<R> {
         others: Self,
     ) -> Self {
         let mut strain = others;
-        contacts.recall(problem, |push, drag| strain.add(push, drag));
+        contacts.recall(problem, |push, jacobian| strain.add(push, jacobian));
         strain
     }
 
@@ -141,8 +141,8 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>>(
         let after = (pass > 0).then(|| seen(problem.scene, &corrected_end));
         let mut sum = Resistance::of_body(problem.scene, &correction.motion, end.angular_momentum);
         let mut is_limited = false;
-        contacts.recall_all(problem, trial, &mut |push, drag| {
-            is_limited |= correction.add(&mut sum, push, drag, after.as_ref());
+        contacts.recall_all(problem, trial, &mut |push, jacobian| {
+            is_limited |= correction.add(&mut sum, push, jacobian, after.as_ref());
         });
         // If no limit is active, another pass gives the same result.
         if pass > 0 && !is_limited {
@@ -171,13 +171,13 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
         &self,
         sum: &mut Resistance<R>,
         push: &Push<R>,
-        drag: &FrictionJacobian<R>,
+        jacobian: &FrictionJacobian<R>,
         after: Option<&Motion<R>>,
     ) -> bool {
         let n = self.end_normal(push);
         let place = push.end_arm - n * push.radius;
         let end = self.motion.velocity_at(place);
-        let along = chord(push, drag, end - n * end.dot(n));
+        let along = chord(push, jacobian, end - n * end.dot(n));
         let along = self.per_speed(along, self.share(along, self.strain.friction));
         let damping = push.mean.damping;
         let share = self.share(damping, self.strain.damping);
@@ -191,7 +191,7 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
             across = limit / beyond;
         }
         // A slide has the friction of the load that the damper leaves.
-        let pushed = n - push.slip * drag.per_load;
+        let pushed = n - push.slip * jacobian.per_load;
         sum.add(
             place,
             [n, pushed],
@@ -233,10 +233,10 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
 
 /// Slope of friction used for the correction, N s/m. It is `|F|/|u|` at the mean slip if the end
 /// slip is opposite to it, else the slope of the law there.
-fn chord<R: Real>(push: &Push<R>, drag: &FrictionJacobian<R>, end_slip: R::Vec3) -> R {
+fn chord<R: Real>(push: &Push<R>, jacobian: &FrictionJacobian<R>, end_slip: R::Vec3) -> R {
     if end_slip.dot(push.slip) <= R::ZERO {
-        return drag.coefficient;
+        return jacobian.coefficient;
     }
-    let steepness = R::ONE - drag.growth * (push.slip.length() / drag.width);
-    drag.coefficient * steepness.at_least(R::ZERO)
+    let steepness = R::ONE - jacobian.growth * (push.slip.length() / jacobian.width);
+    jacobian.coefficient * steepness.at_least(R::ZERO)
 }

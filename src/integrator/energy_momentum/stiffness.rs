@@ -52,16 +52,17 @@ impl<R: Real> Others<R> {
         let (mut others, mut level) = (Self::NONE, Level::ZERO);
         contacts.visit_others(problem, trial, &mut |touch, first| {
             feel(&touch.push);
-            let drag = touch.jacobian(problem);
-            let slide = touch.answer_of_slide(problem, &drag, contacts.len());
+            let jacobian = touch.jacobian(problem);
+            let slide = touch.answer_of_slide(problem, &jacobian, contacts.len());
             let answer = slide.unwrap_or_else(|| {
                 let since = since.as_ref();
-                let answer = contacts.answer_of_other(problem, since, (&mut *touch, drag), first);
+                let answer =
+                    contacts.answer_of_other(problem, since, (&mut *touch, jacobian), first);
                 others.add_excess(problem, touch, &answer);
                 answer
             });
             let push = &touch.push;
-            others.strain.add(push, &answer.drag);
+            others.strain.add(push, &answer.jacobian);
             if problem.is_bare {
                 let path = of_level_path(problem, push, &answer);
                 level.add(&path, push.force, push.arm, push.end_arm);
@@ -139,7 +140,7 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
     if problem.is_bare {
         let mut level = Level::ZERO;
         contacts.answer(problem, trial, |push, answer| {
-            strain.add(push, &answer.drag);
+            strain.add(push, &answer.jacobian);
             let path = of_level_path(problem, push, answer);
             level.add(&path, push.force, push.arm, push.end_arm);
         });
@@ -148,7 +149,7 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
         *equations = SixBySix::of_body(mass, &inertia);
         let by_turn_of_first = contacts.differentiate_path(problem, trial, &argument);
         contacts.answer(problem, trial, |push, answer| {
-            strain.add(push, &answer.drag);
+            strain.add(push, &answer.jacobian);
             let by_turn = if problem.surfaces() > 1 {
                 push.path_by_turn(problem, trial, &argument)
             } else {
@@ -252,10 +253,10 @@ fn of_path<R: Real, D: Dynamics<R>>(
     // Rounding leaves a slow slip with a part along the normal. The path along the normal may be so
     // much longer than the slip that this part must not count.
     let u = answer.slip_direction - n * n.dot(answer.slip_direction);
-    let c = answer.drag.coefficient * R::HALF;
-    let loaded = n - answer.slip * answer.drag.per_load;
+    let c = answer.jacobian.coefficient * R::HALF;
+    let loaded = n - answer.slip * answer.jacobian.per_load;
     let across = loaded * (push.mean.slope * (problem.seconds * R::HALF)) - n * c;
-    let along = answer.dual * (-c * answer.drag.growth);
+    let along = answer.dual * (-c * answer.jacobian.growth);
     let row = |across: R, along: R| n * across + u * along;
     let mut rows = [
         row(across.x(), along.x()) + R::Vec3::new(c, R::ZERO, R::ZERO),
@@ -290,10 +291,10 @@ fn of_level_path<R: Real, D: Dynamics<R>>(
     answer: &Answer<R>,
 ) -> LevelPath<R> {
     let (slip, dual, u) = (answer.slip, answer.dual, answer.slip_direction);
-    let c = answer.drag.coefficient * R::HALF;
+    let c = answer.jacobian.coefficient * R::HALF;
     let rise = push.mean.slope * (problem.seconds * R::HALF);
-    let loaded = -(answer.drag.per_load * rise);
-    let growth = -(c * answer.drag.growth);
+    let loaded = -(answer.jacobian.per_load * rise);
+    let growth = -(c * answer.jacobian.growth);
     let along = [dual.x() * growth, dual.y() * growth];
     let mut path = LevelPath {
         columns: [

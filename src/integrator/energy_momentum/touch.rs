@@ -278,9 +278,9 @@ impl<R: Real> Touch<R> {
 
     /// Derivative of the friction of one point with respect to the magnitude of the slip, N s/m.
     pub(super) fn friction_slope<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> R {
-        let drag = self.jacobian(problem);
-        let steepness = R::ONE - drag.growth * (self.push.slip.length() / drag.width);
-        drag.coefficient * steepness.at_least(R::ZERO) / self.push.weight
+        let jacobian = self.jacobian(problem);
+        let steepness = R::ONE - jacobian.growth * (self.push.slip.length() / jacobian.width);
+        jacobian.coefficient * steepness.at_least(R::ZERO) / self.push.weight
     }
 
     /// Derivatives of the friction at the last trial.
@@ -303,10 +303,10 @@ impl<R: Real> Touch<R> {
         let Some([weight, each]) = push.weights(problem) else {
             return problem.jacobian(push.surface, position, push.mean.force, slip);
         };
-        let drag = problem.jacobian(push.surface, position, push.mean.force * each, slip);
+        let jacobian = problem.jacobian(push.surface, position, push.mean.force * each, slip);
         FrictionJacobian {
-            coefficient: drag.coefficient * weight,
-            ..drag
+            coefficient: jacobian.coefficient * weight,
+            ..jacobian
         }
     }
 

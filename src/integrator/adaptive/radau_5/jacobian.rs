@@ -189,31 +189,31 @@ fn by_motion<R: Real, D: Dynamics<R>>(
     // The direction of a slip below its rounding is not known. Friction is then a damper that
     // reaches its limit at the rounding, so that the iteration ends there.
     let is_known = length >= noise || length == R::ZERO;
-    let felt = if is_known {
+    let known_slip = if is_known {
         slip
     } else {
         slip * (noise / length)
     };
-    let drag = friction.jacobian_at(contact.position, load, felt);
-    let loaded = n - slip * drag.per_load;
+    let jacobian = friction.jacobian_at(contact.position, load, known_slip);
+    let loaded = n - slip * jacobian.per_load;
     let pushed = Block::outer(loaded, n).scaled(-contact.weight);
     let weakening = if is_known && length > R::ZERO {
-        drag.growth / (length * drag.width)
+        jacobian.growth / (length * jacobian.width)
     } else {
         R::ZERO
     };
     let anisotropy = friction
-        .anisotropy_at(contact.position, load, felt)
+        .anisotropy_at(contact.position, load, known_slip)
         .map_or(Block::ZERO, |[x, y, z]| Block { x, y, z });
     let in_surface = Block::diagonal(R::ONE)
         .plus(&Block::outer(-n, n))
         .plus(&Block::outer(slip * -weakening, slip))
         .plus(&anisotropy)
-        .scaled(-(drag.coefficient * contact.weight));
+        .scaled(-(jacobian.coefficient * contact.weight));
     let by_path = pushed.scaled(stiffness);
     let by_velocity = pushed.scaled(damping).plus(&in_surface);
-    let width = if drag.coefficient > R::ZERO {
-        drag.width.at_least(noise)
+    let width = if jacobian.coefficient > R::ZERO {
+        jacobian.width.at_least(noise)
     } else {
         R::MAX
     };
