@@ -218,10 +218,15 @@ impl<R: Real> Response<R> {
         let spin = frame.motion.angular_velocity;
         let about = spin.dot(contact.normal);
         let rolling = (spin - contact.normal * about).length();
-        let [roll, drill] = resistance.per_turn(rolling, about.abs());
-        self.add_damper(frame, R::Vec3::ZERO, contact.normal, drill * contact.weight);
+        let [per_rolling, per_spinning] = resistance.per_turn(rolling, about.abs());
+        self.add_damper(
+            frame,
+            R::Vec3::ZERO,
+            contact.normal,
+            per_spinning * contact.weight,
+        );
         for axis in tangents {
-            self.add_damper(frame, R::Vec3::ZERO, axis, roll * contact.weight);
+            self.add_damper(frame, R::Vec3::ZERO, axis, per_rolling * contact.weight);
         }
     }
 

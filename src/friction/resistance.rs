@@ -30,8 +30,8 @@ impl<R: Real> RollingResistance<R> {
     pub fn torque(&self, normal: R::Vec3, angular_velocity: R::Vec3) -> R::Vec3 {
         let spinning = normal * normal.dot(angular_velocity);
         let rolling = angular_velocity - spinning;
-        let [roll, drill] = self.per_turn(rolling.length(), spinning.length());
-        -(rolling * roll + spinning * drill)
+        let [per_rolling, per_spinning] = self.per_turn(rolling.length(), spinning.length());
+        -(rolling * per_rolling + spinning * per_spinning)
     }
 
     /// Ratio of torque to angular speed, N m s, for both parts of the angular velocity (rad/s).

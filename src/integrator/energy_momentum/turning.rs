@@ -181,12 +181,12 @@ fn add_contact<R: Real>(
     angular_velocity: R::Vec3,
     seconds: R,
 ) {
-    let [roll, drill] = of_contact(law, n, angular_velocity);
-    let (roll, beyond) = (roll * seconds, (drill - roll) * seconds);
+    let [rolling, spinning] = of_contact(law, n, angular_velocity);
+    let (rolling, beyond) = (rolling * seconds, (spinning - rolling) * seconds);
     let o = R::ZERO;
-    sum[0] += R::Vec3::new(roll, o, o) + n * (n.x() * beyond);
-    sum[1] += R::Vec3::new(o, roll, o) + n * (n.y() * beyond);
-    sum[2] += R::Vec3::new(o, o, roll) + n * (n.z() * beyond);
+    sum[0] += R::Vec3::new(rolling, o, o) + n * (n.x() * beyond);
+    sum[1] += R::Vec3::new(o, rolling, o) + n * (n.y() * beyond);
+    sum[2] += R::Vec3::new(o, o, rolling) + n * (n.z() * beyond);
 }
 
 fn of_contact<R: Real>(

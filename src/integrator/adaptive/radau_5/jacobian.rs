@@ -235,7 +235,7 @@ fn by_turning<R: Real, D: Dynamics<R>>(
     let spinning = n * n.dot(angular_velocity);
     let rolling = angular_velocity - spinning;
     let rates = [rolling.length(), spinning.length()];
-    let [roll, drill] = resistance.per_turn(rates[0], rates[1]);
+    let [per_rolling, per_spinning] = resistance.per_turn(rates[0], rates[1]);
     // The ratio of torque to rate falls as the rate grows.
     let falling = |ratio: R, rate: R| ratio / (rate + resistance.turn_speed);
     let along = if rates[0] > R::ZERO {
@@ -244,13 +244,13 @@ fn by_turning<R: Real, D: Dynamics<R>>(
         R::Vec3::ZERO
     };
     let across = Block::outer(n, n);
-    Block::diagonal(-roll)
-        .plus(&across.scaled(roll - drill))
+    Block::diagonal(-per_rolling)
+        .plus(&across.scaled(per_rolling - per_spinning))
         .plus(&Block::outer(
-            along * (falling(roll, rates[0]) * rates[0]),
+            along * (falling(per_rolling, rates[0]) * rates[0]),
             along,
         ))
-        .plus(&across.scaled(falling(drill, rates[1]) * rates[1]))
+        .plus(&across.scaled(falling(per_spinning, rates[1]) * rates[1]))
         .scaled(contact.weight)
 }
 
