@@ -610,7 +610,7 @@ mod tests {
     fn left_over<const N: usize>() -> Contacts<f32, [Touch<f32>; N]> {
         let mut touch = Touch::NONE;
         (touch.arm, touch.before) = (Vec3::ONE, Vec3::Y);
-        (touch.load, touch.settled_depth) = (50.0, 0.3);
+        (touch.load, touch.load_depth) = (50.0, 0.3);
         let push = &mut touch.push;
         (push.mean.force, push.mean.slope, push.mean.stiffness) = (30.0, 1e3, 1e3);
         (push.force, push.slip) = (Vec3::new(3.0, -9.0, 30.0), Vec3::new(-0.7, 0.4, 0.0));

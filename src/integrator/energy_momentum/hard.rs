@@ -14,13 +14,13 @@
 //! manner. An iteration has these parts:
 //!
 //! - The law is differentiated at the depth `d*` with `N(d*) = λ`, whatever the depth d of the
-//!   trial is ([`settle`]). The linear force at the trial is `N(d*) + N'(d*) (d - d*)`
+//!   trial is ([`linearise`]). The linear force at the trial is `N(d*) + N'(d*) (d - d*)`
 //!   ([`beyond`]). Friction is that under the load λ, with the same linear part.
 //! - Newton's step changes d by δ, so the next load is `N(d*) + N'(d*) (d + δ - d*)`
 //!   ([`predict`]). A contact whose next load is not positive has none.
 //!
 //! The residual that ends the iteration is that of the laws, so that no solution of the step
-//! changes. There `d* = d`, which is a condition for the end ([`are_settled`]): where rounding of
+//! changes. There `d* = d`, which is a condition for the end ([`loads_agree`]): where rounding of
 //! the springs is large, the residual may be small by chance. Newton's last step is evaluated too,
 //! if a contact touches or parts in it ([`touch_or_part`]).
 //!
@@ -57,7 +57,7 @@ const DEEPEST: f64 = 0.9;
 /// there, so that the error has no effect on the solution.
 const LOAD_ERROR: f64 = 0.01;
 /// Largest relative error of a load at the end of the iteration.
-const SETTLED: f64 = 1e-3;
+const LOAD_TOLERANCE: f64 = 1e-3;
 /// Number of evaluations of a law that search for that depth.
 const SEARCH: u32 = 20;
 /// Largest rotation of a Newton step, rad.
@@ -66,7 +66,7 @@ const MOST_TURN: f64 = 1.0;
 /// Differentiates each contact at its load.
 #[cold]
 #[inline(never)]
-pub(super) fn settle<R: Real, D: Dynamics<R>>(
+pub(super) fn linearise<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
 ) {
@@ -80,14 +80,14 @@ pub(super) fn settle<R: Real, D: Dynamics<R>>(
     for touch in contacts.stored_mut() {
         // Close to the solution the depth of the trial has the load, and is itself the result.
         let has_force = touch.push.mean.force > R::ZERO;
-        let last_depth = touch.settled_depth;
-        touch.settled_depth = touch.push.end_depth;
+        let last_depth = touch.load_depth;
+        touch.load_depth = touch.push.end_depth;
         if is_new(problem, touch) {
             if touch.push.end_depth < enough {
                 release(touch);
             } else {
                 let load = of_penetration(problem, touch);
-                settle_at(problem, touch, load, touch.push.end_depth);
+                linearise_at(problem, touch, load, touch.push.end_depth);
             }
         } else if touch.load > R::ZERO {
             let near = if has_force {
@@ -95,7 +95,7 @@ pub(super) fn settle<R: Real, D: Dynamics<R>>(
             } else {
                 last_depth
             };
-            settle_at(problem, touch, touch.load, near);
+            linearise_at(problem, touch, touch.load, near);
         }
     }
 }
@@ -120,14 +120,14 @@ fn release<R: Real>(touch: &mut Touch<R>) {
 
 /// Replaces the force of a contact by that of a load. Leaves it unchanged if no depth has this
 /// load.
-fn settle_at<R: Real, D: Dynamics<R>>(
+fn linearise_at<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     touch: &mut Touch<R>,
     load: R,
     near: R,
 ) {
     if let Some((depth, mean)) = depth_under(problem, touch, load, near) {
-        (touch.settled_depth, touch.push.mean) = (depth, mean);
+        (touch.load_depth, touch.push.mean) = (depth, mean);
         let friction = touch.friction(problem, touch.push.slip);
         touch.push.force = touch.push.normal * mean.force + friction;
     }
@@ -173,7 +173,7 @@ pub(super) fn beyond<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     touch: &Touch<R>,
 ) -> R::Vec3 {
-    let reach = touch.push.end_depth - touch.settled_depth;
+    let reach = touch.push.end_depth - touch.load_depth;
     touch.loaded(problem) * (touch.push.mean.slope * reach)
 }
 
@@ -181,11 +181,11 @@ pub(super) fn beyond<R: Real, D: Dynamics<R>>(
 /// of the depth there.
 #[cold]
 #[inline(never)]
-pub(super) fn are_settled<R: Real, D>(problem: &Problem<'_, R, D>, contacts: &Contacts<R>) -> bool {
+pub(super) fn loads_agree<R: Real, D>(problem: &Problem<'_, R, D>, contacts: &Contacts<R>) -> bool {
     let rounding = problem.depth_scale * R::EPSILON;
     contacts.stored().iter().all(|touch| {
         let (mean, load) = (&touch.push.mean, touch.load);
-        (mean.force - load).abs() <= load * R::from_f64(SETTLED) + mean.slope * rounding
+        (mean.force - load).abs() <= load * R::from_f64(LOAD_TOLERANCE) + mean.slope * rounding
     })
 }
 
@@ -198,7 +198,7 @@ pub(super) fn predict<R: Real>(contacts: &mut Contacts<R>, by: &Increment<R>) {
         touch.load = R::ZERO;
         if push.is_felt() {
             let deeper = -push.normal.dot(by.shift + by.turn.cross(push.end_arm));
-            let reach = push.end_depth - touch.settled_depth + deeper;
+            let reach = push.end_depth - touch.load_depth + deeper;
             touch.load = (push.mean.force + push.mean.slope * reach).at_least(R::ZERO);
         }
     }

@@ -125,7 +125,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
     for iteration in 0..LIMIT {
         let here = newton.balance(contacts, trial, iteration == 1);
         step.evaluations += 1;
-        if newton.has_converged(&here) && newton.has_settled(contacts) {
+        if newton.has_converged(&here) && newton.loads_agree(contacts) {
             return Some(newton.strain_at(contacts, trial));
         }
         newton.choose_unknowns(&here, trial);
@@ -281,8 +281,8 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// Returns true unless the last Newton step has predicted other loads of hard contacts than
     /// those at the trial. The residual may then be small by chance.
     #[inline(always)]
-    fn has_settled(&self, contacts: &Contacts<R>) -> bool {
-        !self.is_hard || hard::are_settled(self.problem, contacts)
+    fn loads_agree(&self, contacts: &Contacts<R>) -> bool {
+        !self.is_hard || hard::loads_agree(self.problem, contacts)
     }
 
     /// Carries the slips along as unknowns from the moment at which the residual is within the
@@ -329,11 +329,11 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         trial: &mut Trial<R>,
     ) -> bool {
         let problem = self.problem;
-        let has_settled = self.has_settled(contacts);
-        let is_enough = self.is_enough(here) && has_settled;
+        let loads_agree = self.loads_agree(contacts);
+        let is_enough = self.is_enough(here) && loads_agree;
         let is_by_loads = self.is_hard && !is_enough;
         if is_by_loads {
-            hard::settle(problem, contacts);
+            hard::linearise(problem, contacts);
         }
         self.derive(is_enough, contacts, trial);
         let is_resolved = self.strain.of_step(problem).is_resolved();
@@ -353,7 +353,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         }
         let by = Increment::of(shift, turn, here.place.spin);
         let is_last = !begins_in_stick
-            && has_settled
+            && loads_agree
             && ((is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
                 || self.is_close_in_stick(here, contacts, shift, turn))
             && !(self.is_hard && hard::touch_or_part(contacts, &by));

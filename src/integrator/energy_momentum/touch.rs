@@ -24,7 +24,7 @@ pub(super) struct Touch<R: Real> {
     /// Mean normal force at which a hard contact is next differentiated, N; 0 if there is none.
     pub(super) load: R,
     /// Depth at the end of the step at which a hard contact was last differentiated, m.
-    pub(super) settled_depth: R,
+    pub(super) load_depth: R,
 }
 
 /// Motion and force of a contact over a trial step.
@@ -178,7 +178,7 @@ impl<R: Real> Touch<R> {
         dual: Dual::Unknown,
         before: R::Vec3::ZERO,
         load: R::ZERO,
-        settled_depth: R::ZERO,
+        load_depth: R::ZERO,
     };
 
     #[inline]
