@@ -95,10 +95,10 @@ impl Panels {
                 laws,
                 plane: problem.plane_of(surface),
                 poses: [(problem.motion.position, problem.motion.axes), end],
-                velocities: [trial.velocity, problem.drift_of_ground()],
+                velocities: [trial.velocity, problem.ground_velocity_at_centre()],
                 turning: |arm| {
                     let turned = trial.rotation_change.times(arm) * problem.per_second;
-                    turned - problem.swing_of_ground(arm)
+                    turned - problem.ground_rotation_velocity(arm)
                 },
             };
             let mut room = share;

@@ -299,13 +299,13 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         if self.scene.ground().motion().is_none() {
             return R::Vec3::ZERO;
         }
-        let velocity = self.drift_of_ground() + self.swing_of_ground(arm);
+        let velocity = self.ground_velocity_at_centre() + self.ground_rotation_velocity(arm);
         velocity - normal * velocity.dot(normal)
     }
 
     /// Velocity of the ground's material under the body at the middle of the step, m/s.
     #[inline]
-    pub(super) fn drift_of_ground(&self) -> R::Vec3 {
+    pub(super) fn ground_velocity_at_centre(&self) -> R::Vec3 {
         let half = self.seconds * R::HALF;
         let middle = self.motion.position + self.motion.linear_velocity * half;
         match self.scene.ground().motion() {
@@ -316,7 +316,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
 
     /// What the rotation of the ground adds to that velocity at an arm (m, world axes), m/s.
     #[inline]
-    pub(super) fn swing_of_ground(&self, arm: R::Vec3) -> R::Vec3 {
+    pub(super) fn ground_rotation_velocity(&self, arm: R::Vec3) -> R::Vec3 {
         match self.scene.ground().motion() {
             Some(ground) => ground.angular_velocity.cross(arm),
             None => R::Vec3::ZERO,
