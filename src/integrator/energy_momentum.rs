@@ -453,7 +453,7 @@ fn attempt<R: Real, D: Dynamics<R>>(
         };
         let (end_energy, touching) = Energy::with_touching(scene, &end);
         // A contact that was not collected touches at the end: collect all contacts.
-        if !wide && !contacts.foresaw(touching) {
+        if !wide && !contacts.includes(touching) {
             continue;
         }
         let known = (&mut *state, &mut *energy);

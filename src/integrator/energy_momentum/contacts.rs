@@ -205,15 +205,15 @@ impl<R: Real> Contacts<R> {
 
     /// Where there are too many contacts, stores the middle one of each few candidates.
     #[inline]
-    pub(super) fn spread<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>) {
+    pub(super) fn thin_out<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>) {
         if self.has_others() {
-            self.spread_out(problem);
+            self.store_evenly_spaced(problem);
         }
     }
 
     #[cold]
     #[inline(never)]
-    fn spread_out<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>) {
+    fn store_evenly_spaced<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>) {
         let contacts = problem.scene.body().contacts();
         // The points of rims need their share of the storage.
         let share = if self.with_rim { 2 } else { 1 };
@@ -257,7 +257,7 @@ impl<R: Real> Contacts<R> {
 
     /// Returns true if the number of contacts below the ground at the end of the step (`touching`)
     /// does not exceed the number in the last trial.
-    pub(super) fn foresaw(&self, touching: usize) -> bool {
+    pub(super) fn includes(&self, touching: usize) -> bool {
         let ended_below = |touch: &&Touch<R>| touch.push.end_depth > R::ZERO;
         self.has_others()
             || self.with_rim
@@ -294,7 +294,7 @@ impl<R: Real> Contacts<R> {
     ) {
         if self.has_rims_near(problem) {
             let (touches, room) = (&mut self.touches, [self.fixed, self.remembered]);
-            self.remembered = self.panels.lay((problem, trial), touches, room);
+            self.remembered = self.panels.place_points((problem, trial), touches, room);
         }
         let mut done = 0;
         if problem.is_bare {

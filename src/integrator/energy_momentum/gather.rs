@@ -24,7 +24,7 @@ pub(super) fn gather<R: Real, D: Dynamics<R>>(
         };
         contacts.gather(problem, surface, &reach);
     }
-    contacts.spread(problem);
+    contacts.thin_out(problem);
 }
 
 /// All contacts, for a surface that may be anywhere.

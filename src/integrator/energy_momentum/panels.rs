@@ -27,14 +27,14 @@ const SLIVER: f64 = 1.0 / 16.0;
 
 /// Panel of a rim whose points are among the contacts of a step.
 #[derive(Clone, Copy, Debug)]
-struct LaidPanel {
+struct PlacedPanel {
     /// Number of the rim.
     rim: u16,
     /// End of the panel's points among the contacts.
     end: u16,
 }
 
-impl LaidPanel {
+impl PlacedPanel {
     fn of(rim: usize, end: usize) -> Self {
         // Both are far smaller, so that nothing is cut off.
         let [rim, end] = [rim, end].map(|number| u16::try_from(number).unwrap_or(u16::MAX));
@@ -45,20 +45,20 @@ impl LaidPanel {
 /// Panels of all rims, in the order of their points among the contacts.
 #[derive(Clone, Debug)]
 pub(super) struct Panels {
-    laid: [LaidPanel; MOST_PANELS],
+    placed: [PlacedPanel; MOST_PANELS],
     count: usize,
 }
 
 impl Panels {
     pub(super) const NONE: Self = Self {
-        laid: [LaidPanel { rim: 0, end: 0 }; MOST_PANELS],
+        placed: [PlacedPanel { rim: 0, end: 0 }; MOST_PANELS],
         count: 0,
     };
 
     /// Panels of a step that no test takes.
     #[cfg(test)]
     pub(super) const LEFT_OVER: Self = Self {
-        laid: [LaidPanel { rim: 1, end: 8 }; MOST_PANELS],
+        placed: [PlacedPanel { rim: 1, end: 8 }; MOST_PANELS],
         count: 7,
     };
 
@@ -74,7 +74,7 @@ impl Panels {
     /// The points follow the first `fixed` contacts of the storage. Those beyond `remembered` are
     /// new. Returns the number of all contacts.
     #[inline(never)]
-    pub(super) fn lay<R: Real, D: Dynamics<R>>(
+    pub(super) fn place_points<R: Real, D: Dynamics<R>>(
         &mut self,
         (problem, trial): (&Problem<'_, R, D>, &Trial<R>),
         touches: &mut [Touch<R>],
@@ -112,7 +112,7 @@ impl Panels {
                     let is_sliver = panel.chord() <= short;
                     let most = if is_sliver { most.min(4) } else { most };
                     let nodes = (rim, panel, most);
-                    lay_panel((problem, surface), nodes, touches, (remembered, &mut count));
+                    place_points_of((problem, surface), nodes, touches, (remembered, &mut count));
                     self.note(number, count);
                 }
                 room -= (count - first).min(room);
@@ -123,8 +123,8 @@ impl Panels {
 
     /// Notes a panel of the rim with this number whose points end at this contact.
     fn note(&mut self, rim: usize, end: usize) {
-        if let Some(laid) = self.laid.get_mut(self.count) {
-            *laid = LaidPanel::of(rim, end);
+        if let Some(placed) = self.placed.get_mut(self.count) {
+            *placed = PlacedPanel::of(rim, end);
             self.count += 1;
         }
     }
@@ -138,9 +138,9 @@ impl Panels {
         mut feel: impl FnMut(&Reversal<R>),
     ) {
         let rims = problem.scene.body().rims();
-        let laid = self.laid.get(..self.count).unwrap_or_default();
+        let placed = self.placed.get(..self.count).unwrap_or_default();
         let touch = |index: Option<usize>| touches.get(index?);
-        for (left, right) in laid.iter().zip(laid.iter().skip(1)) {
+        for (left, right) in placed.iter().zip(placed.iter().skip(1)) {
             let rim = rims.get(usize::from(left.rim));
             let Some(rim) = rim.filter(|_| left.rim == right.rim) else {
                 continue;
@@ -161,7 +161,7 @@ impl Panels {
 }
 
 /// Places the points of one panel of a rim, at most `most`, after the first `count` contacts.
-fn lay_panel<R: Real, D: Dynamics<R>>(
+fn place_points_of<R: Real, D: Dynamics<R>>(
     (problem, surface): (&Problem<'_, R, D>, u32),
     (rim, panel, most): (&Rim<R>, Panel<R>, usize),
     touches: &mut [Touch<R>],
@@ -171,7 +171,7 @@ fn lay_panel<R: Real, D: Dynamics<R>>(
         let Some(touch) = touches.get_mut(*count) else {
             return;
         };
-        touch.lay(problem, surface, place, weight);
+        touch.become_rim_point(problem, surface, place, weight);
         if *count >= remembered {
             touch.dual = Dual::Unknown;
         }

@@ -233,7 +233,7 @@ impl<R: Real> Touch<R> {
     /// Becomes a point of a rim (m, body axes) that represents a number of contact points. The
     /// other fields are written by the trial that follows.
     #[inline(always)]
-    pub(super) fn lay<D: Dynamics<R>>(
+    pub(super) fn become_rim_point<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
         surface: u32,
