@@ -8,12 +8,12 @@ use crate::real::{Real, Vector};
 ///
 /// Outside, the gap is the distance from the block: from a face, an edge or a corner. Inside, it is
 /// the negative distance from the nearest face, and the normal is that of this face. So a contact
-/// beyond an edge feels nothing until it meets the side, and a ball rolls over an edge as over a
+/// beyond an edge has no force until it meets the side, and a ball rolls over an edge as over a
 /// sharp one.
 ///
 /// *Limits:* inside, the normal has a jump where two faces are equally near: a contact that sinks
 /// deeper than half of the thickness is pushed out at the other side. The bodies touch with their
-/// contacts, so an edge of the block that lies between two contacts of a body is not felt.
+/// contacts, so an edge of the block that lies between two contacts of a body has no effect.
 ///
 /// ```
 /// use tumble::glam::DVec3;

@@ -242,7 +242,7 @@ impl<R: Real> Touch<R> {
     #[cold]
     #[inline(never)]
     pub(super) fn note_answer<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>) {
-        if self.push.is_felt() {
+        if self.push.is_active() {
             let answer = self.answer(problem);
             self.remember(&answer);
         }

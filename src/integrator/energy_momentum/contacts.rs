@@ -283,14 +283,14 @@ impl<R: Real> Contacts<R> {
         problem.moving_contact().map(|_| &self.lever)
     }
 
-    /// Computes the force of every contact over a trial step, and calls `feel` for those that reach
+    /// Computes the force of every contact over a trial step, and calls `visit` for those that reach
     /// the ground.
     #[inline(always)]
     pub(super) fn respond<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        mut feel: impl FnMut(&Push<R>),
+        mut visit: impl FnMut(&Push<R>),
     ) {
         if self.has_rims_near(problem) {
             let (touches, room) = (&mut self.touches, [self.fixed, self.remembered]);
@@ -300,15 +300,15 @@ impl<R: Real> Contacts<R> {
         if problem.is_bare {
             for touch in self.touches.iter_mut().take(self.remembered) {
                 if touch.respond_on_level(problem, trial) {
-                    feel(&touch.push);
+                    visit(&touch.push);
                 }
             }
             done = self.remembered;
         }
-        self.respond_from(done, problem, |touch| touch.respond(problem, trial), feel);
+        self.respond_from(done, problem, |touch| touch.respond(problem, trial), visit);
     }
 
-    /// Computes forces by `respond`, from the contact with the number `first` on. Calls `feel` for
+    /// Computes forces by `respond`, from the contact with the number `first` on. Calls `visit` for
     /// those that reach the ground, and sums the torque corrections of moving contacts.
     #[inline(always)]
     fn respond_from<D: Dynamics<R>>(
@@ -316,7 +316,7 @@ impl<R: Real> Contacts<R> {
         first: usize,
         problem: &Problem<'_, R, D>,
         mut respond: impl FnMut(&mut Touch<R>) -> Lever<R>,
-        mut feel: impl FnMut(&Push<R>),
+        mut visit: impl FnMut(&Push<R>),
     ) {
         let (is_moving, mut normal_force) = (problem.moving_contact().is_some(), R::ZERO);
         for touch in self.touches.iter_mut().take(self.remembered).skip(first) {
@@ -325,8 +325,8 @@ impl<R: Real> Contacts<R> {
                 let force = touch.push.mean.force;
                 self.lever = self.lever.with(lever, &mut normal_force, force);
             }
-            if touch.push.is_felt() {
-                feel(&touch.push);
+            if touch.push.is_active() {
+                visit(&touch.push);
             }
         }
     }
@@ -341,25 +341,25 @@ impl<R: Real> Contacts<R> {
         &mut self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        feel: &mut dyn FnMut(&Push<R>),
+        visit: &mut dyn FnMut(&Push<R>),
     ) {
         if self.has_rims_near(problem) {
-            self.respond(problem, trial, feel);
+            self.respond(problem, trial, visit);
         } else {
             let respond = |touch: &mut Touch<R>| touch.respond_with_slip(problem, trial);
-            self.respond_from(0, problem, respond, feel);
+            self.respond_from(0, problem, respond, visit);
         }
     }
 
-    /// Calls `feel` with each point at which friction reverses between two panels of a rim.
+    /// Calls `visit` with each point at which friction reverses between two panels of a rim.
     #[inline(always)]
     pub(super) fn visit_reversals<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        feel: impl FnMut(&Reversal<R>),
+        visit: impl FnMut(&Reversal<R>),
     ) {
         if self.has_rims_near(problem) {
-            self.panels.visit_reversals(problem, &self.touches, feel);
+            self.panels.visit_reversals(problem, &self.touches, visit);
         }
     }
 
@@ -374,7 +374,7 @@ impl<R: Real> Contacts<R> {
     ) -> [R::Vec3; 2] {
         let (mut force, mut torque) = (R::Vec3::ZERO, R::Vec3::ZERO);
         for touch in self.touches.iter().take(self.remembered) {
-            if touch.push.is_felt() {
+            if touch.push.is_active() {
                 let excess = touch.excess(problem, to_dual);
                 force += excess;
                 torque += touch.push.arm.cross(excess);
@@ -409,7 +409,7 @@ impl<R: Real> Contacts<R> {
         // The path by a rotation is known for the first moving contact.
         let known = path_by_turn.map_or(self.remembered, |_| self.remembered.min(1));
         for touch in self.touches.iter_mut().take(known) {
-            if touch.push.is_felt() {
+            if touch.push.is_active() {
                 touch.advance(problem, by, path_by_turn);
             }
         }
@@ -468,53 +468,53 @@ impl<R: Real> Contacts<R> {
     }
 
     /// Computes the Jacobian of friction at the last trial step, which was `trial`, for the
-    /// contacts that reach the ground. Calls `feel` with the motion and force of each contact and
+    /// contacts that reach the ground. Calls `visit` with the motion and force of each contact and
     /// that Jacobian.
     #[inline(always)]
     pub(super) fn answer<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        mut feel: impl FnMut(&Push<R>, &Answer<R>),
+        mut visit: impl FnMut(&Push<R>, &Answer<R>),
     ) {
         if self.has_others() {
             self.note(trial);
         }
         for touch in self.touches.iter_mut().take(self.remembered) {
-            if touch.push.is_felt() {
+            if touch.push.is_active() {
                 let answer = touch.answer(problem);
                 touch.remember(&answer);
-                feel(&touch.push, &answer);
+                visit(&touch.push, &answer);
             }
         }
     }
 
-    /// Calls `feel` for the stored contacts that reach the ground, with the Jacobian of friction.
+    /// Calls `visit` for the stored contacts that reach the ground, with the Jacobian of friction.
     /// Motion and force are those of the last trial step.
     pub(super) fn recall<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        mut feel: impl FnMut(&Push<R>, &FrictionJacobian<R>),
+        mut visit: impl FnMut(&Push<R>, &FrictionJacobian<R>),
     ) {
         for touch in self.touches.iter().take(self.remembered) {
-            if touch.push.is_felt() {
-                feel(&touch.push, &touch.jacobian(problem));
+            if touch.push.is_active() {
+                visit(&touch.push, &touch.jacobian(problem));
             }
         }
     }
 
-    /// Calls `feel` like [`recall`](Self::recall), for all contacts. The last trial step was
+    /// Calls `visit` like [`recall`](Self::recall), for all contacts. The last trial step was
     /// `trial`.
     pub(super) fn recall_all<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        feel: &mut dyn FnMut(&Push<R>, &FrictionJacobian<R>),
+        visit: &mut dyn FnMut(&Push<R>, &FrictionJacobian<R>),
     ) {
-        self.recall(problem, |push, jacobian| feel(push, jacobian));
+        self.recall(problem, |push, jacobian| visit(push, jacobian));
         if self.has_others() {
             self.visit_others(problem, trial, &mut |touch, _| {
-                feel(&touch.push, &touch.jacobian(problem));
+                visit(&touch.push, &touch.jacobian(problem));
             });
         }
     }
@@ -528,7 +528,7 @@ impl<R: Real> Contacts<R> {
         self.notes += 1;
     }
 
-    /// Computes the force of each contact that is not stored over a trial step. Calls `feel` with
+    /// Computes the force of each contact that is not stored over a trial step. Calls `visit` with
     /// those that reach the ground, and with the stored contact that each of them follows.
     #[cold]
     #[inline(never)]
@@ -536,7 +536,7 @@ impl<R: Real> Contacts<R> {
         &self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        feel: &mut dyn FnMut(&mut Touch<R>, &Touch<R>),
+        visit: &mut dyn FnMut(&mut Touch<R>, &Touch<R>),
     ) {
         let [head, tail] = self.run.parts(problem.scene.body().contacts());
         let surfaces = 0..problem.surfaces();
@@ -556,8 +556,8 @@ impl<R: Real> Contacts<R> {
                 }
                 touch.begin(problem, surface, point);
                 touch.respond_anywhere(problem, trial);
-                if touch.push.is_felt() {
-                    feel(&mut touch, first);
+                if touch.push.is_active() {
+                    visit(&mut touch, first);
                 }
             }
         }

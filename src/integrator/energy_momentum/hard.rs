@@ -196,7 +196,7 @@ pub(super) fn predict<R: Real>(contacts: &mut Contacts<R>, by: &Increment<R>) {
     for touch in contacts.stored_mut() {
         let push = &touch.push;
         touch.load = R::ZERO;
-        if push.is_felt() {
+        if push.is_active() {
             let deeper = -push.normal.dot(by.shift + by.turn.cross(push.end_arm));
             let reach = push.end_depth - touch.load_depth + deeper;
             touch.load = (push.mean.force + push.mean.slope * reach).at_least(R::ZERO);

@@ -227,7 +227,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         Balance::of(problem, (contacts, trial), &sum, &self.scale)
     }
 
-    /// Calls `feel` with the forces of the contacts that are not stored.
+    /// Calls `visit` with the forces of the contacts that are not stored.
     ///
     /// Their derivatives are computed at the same visit, unless those of the first trial are likely
     /// to be enough for the second: a step that resolves friction and dampers is almost linear.
@@ -237,13 +237,13 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         &mut self,
         contacts: &Contacts<R>,
         (trial, is_second): (&Trial<R>, bool),
-        feel: &mut dyn FnMut(&Push<R>),
+        visit: &mut dyn FnMut(&Push<R>),
     ) {
         if DEFERS && is_second && self.strain.of_step(self.problem).is_resolved() {
             self.others = None;
-            contacts.visit_others(self.problem, trial, &mut |touch, _| feel(&touch.push));
+            contacts.visit_others(self.problem, trial, &mut |touch, _| visit(&touch.push));
         } else {
-            self.others = Some(Others::of(self.problem, contacts, trial, feel));
+            self.others = Some(Others::of(self.problem, contacts, trial, visit));
         }
     }
 
@@ -393,7 +393,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let problem = self.problem;
         let mut sum = Sum::NONE;
         for touch in contacts.stored() {
-            if touch.push.is_felt() {
+            if touch.push.is_active() {
                 let more = hard::beyond(problem, touch);
                 sum.add(&touch.push);
                 sum.force += more;

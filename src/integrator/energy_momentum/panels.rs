@@ -129,13 +129,13 @@ impl Panels {
         }
     }
 
-    /// Calls `feel` with each point at which friction reverses between two panels of a rim.
+    /// Calls `visit` with each point at which friction reverses between two panels of a rim.
     #[inline(never)]
     pub(super) fn visit_reversals<R: Real, D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
         touches: &[Touch<R>],
-        mut feel: impl FnMut(&Reversal<R>),
+        mut visit: impl FnMut(&Reversal<R>),
     ) {
         let rims = problem.scene.body().rims();
         let placed = self.placed.get(..self.count).unwrap_or_default();
@@ -153,7 +153,7 @@ impl Panels {
             if let [Some(a), Some(b), Some(c), Some(d)] = points {
                 let per_metre = rim.points() / (rim.radius() * R::from_f64(core::f64::consts::TAU));
                 if let Some(reversal) = Reversal::between(problem, [a, b, c, d], per_metre) {
-                    feel(&reversal);
+                    visit(&reversal);
                 }
             }
         }

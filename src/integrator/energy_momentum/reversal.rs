@@ -37,7 +37,8 @@ impl<R: Real> Reversal<R> {
         points_per_metre: R,
     ) -> Option<Self> {
         let (a, b) = (&left.push, &right.push);
-        let is_beside = |touch: &Touch<R>| touch.push.surface == a.surface && touch.push.is_felt();
+        let is_beside =
+            |touch: &Touch<R>| touch.push.surface == a.surface && touch.push.is_active();
         if !(is_beside(left) && is_beside(right) && a.slip.dot(b.slip) < R::ZERO) {
             return None;
         }
@@ -48,7 +49,7 @@ impl<R: Real> Reversal<R> {
         let gaps = [gap(before, left), gap(left, right), gap(right, after)];
         // Position of the reversal between the two points, from 0 to 1.
         let place = slips[1] / (slips[1] - slips[2]);
-        // The slip of a point that is not felt is that of an earlier trial.
+        // The slip of a point that is not active is that of an earlier trial.
         let bend = if is_beside(before) && is_beside(after) {
             relative_slope(slips, gaps, place)
         } else {
@@ -90,14 +91,14 @@ mod tests {
     use glam::DVec3;
 
     /// Four neighbouring points with these slips along y, m/s.
-    fn four_points(slips: [f64; 4], felt: [bool; 4]) -> [Touch<f64>; 4] {
+    fn four_points(slips: [f64; 4], active: [bool; 4]) -> [Touch<f64>; 4] {
         core::array::from_fn(|i| {
             let mut touch = Touch::NONE;
             touch.arm = DVec3::new(0.0, 0.01 * i as f64, -0.3);
             touch.push.slip = DVec3::Y * slips[i];
             touch.push.force = DVec3::Y * -slips[i].signum();
             (touch.push.normal, touch.push.weight) = (DVec3::Z, 2.0);
-            touch.push.mean.force = if felt[i] { 2.0 } else { 0.0 };
+            touch.push.mean.force = if active[i] { 2.0 } else { 0.0 };
             touch
         })
     }
@@ -117,18 +118,18 @@ mod tests {
         Reversal::between(&problem, points.each_ref(), 100.0).map(|found| found.coefficient)
     }
 
-    /// The slip of a point that is not felt is that of an earlier trial, or of an earlier step.
+    /// The slip of a point that is not active is that of an earlier trial, or of an earlier step.
     #[test]
     fn a_reversal_of_friction_reads_no_slip_of_a_point_that_is_not_felt() {
         let all = |slips| coefficient(&four_points(slips, [true; 4]));
         let [flat, bent] = [[-0.25, -0.05, 0.15, 0.35], [-0.25, -0.05, 0.15, 0.5]].map(all);
         assert!(flat.is_some() && flat != bent, "{flat:?}");
-        for felt in [[true, true, true, false], [false, true, true, true]] {
+        for active in [[true, true, true, false], [false, true, true, true]] {
             for outer in [0.5, -7.0, f64::NAN] {
-                let left = if felt[0] { -0.25 } else { outer };
-                let right = if felt[3] { 0.35 } else { outer };
+                let left = if active[0] { -0.25 } else { outer };
+                let right = if active[3] { 0.35 } else { outer };
                 let slips = [left, -0.05, 0.15, right];
-                assert_eq!(coefficient(&four_points(slips, felt)), flat, "{outer}");
+                assert_eq!(coefficient(&four_points(slips, active)), flat, "{outer}");
             }
         }
         let inner = four_points([-0.25, -0.05, 0.15, 0.35], [true, true, false, true]);

@@ -35,7 +35,7 @@ impl<R: Real> Others<R> {
         equations: SixBySix::ZERO,
     };
 
-    /// Visits the contacts that are not stored, and calls `feel` with the force of each that
+    /// Visits the contacts that are not stored, and calls `visit` with the force of each that
     /// reaches the ground.
     ///
     /// The derivatives are computed with the forces, since both need the motion of the contact.
@@ -45,13 +45,13 @@ impl<R: Real> Others<R> {
         problem: &Problem<'_, R, D>,
         contacts: &Contacts<R>,
         trial: &Trial<R>,
-        feel: &mut dyn FnMut(&Push<R>),
+        visit: &mut dyn FnMut(&Push<R>),
     ) -> Self {
         let argument = by_turn(trial.spin);
         let since = contacts.since_last(problem, trial);
         let (mut others, mut level) = (Self::NONE, Level::ZERO);
         contacts.visit_others(problem, trial, &mut |touch, first| {
-            feel(&touch.push);
+            visit(&touch.push);
             let jacobian = touch.jacobian(problem);
             let slide = touch.answer_of_slide(problem, &jacobian, contacts.len());
             let answer = slide.unwrap_or_else(|| {

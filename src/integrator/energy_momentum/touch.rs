@@ -93,7 +93,7 @@ impl<R: Real> Push<R> {
 
     /// Returns true if there is a force, or would be one slightly deeper.
     #[inline]
-    pub(super) fn is_felt(&self) -> bool {
+    pub(super) fn is_active(&self) -> bool {
         self.mean.force > R::ZERO || self.mean.slope > R::ZERO
     }
 
@@ -214,11 +214,11 @@ impl<R: Real> Touch<R> {
     }
 
     /// Becomes a contact at the start of a step. The fields that are not set here are written by
-    /// the first trial that feels the contact.
+    /// the first trial in which the contact is active.
     #[inline(always)]
     pub(super) fn take<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, start: &Self) {
         if problem.moving_contact().is_some() {
-            // Newton's matrix reads it even where no trial has felt the contact.
+            // Newton's matrix reads it even if the contact was active in no trial.
             self.push = start.push;
         }
         (self.arm, self.push.depth) = (start.arm, start.push.depth);
@@ -313,7 +313,7 @@ impl<R: Real> Touch<R> {
     /// Returns true if there is a force, or if Newton's last step has predicted one.
     #[inline(always)]
     fn may_be_felt(&self) -> bool {
-        self.push.is_felt() || self.load > R::ZERO
+        self.push.is_active() || self.load > R::ZERO
     }
 
     /// Computes motion and force of a bare contact on level ground over a trial step. Returns true
@@ -413,7 +413,7 @@ impl<R: Real> Touch<R> {
         let lever = self.respond(problem, trial);
         let rounding = problem.rounding_of_path(trial) * problem.per_second;
         let is_same = (last.slip - self.push.slip).length() <= rounding;
-        if last.is_felt() && self.push.is_felt() && is_same {
+        if last.is_active() && self.push.is_active() && is_same {
             self.push.slip = last.slip;
             let friction = self.friction(problem, last.slip);
             self.push.force = self.push.normal * self.push.mean.force + friction;
