@@ -57,26 +57,31 @@ enum Turns {
 }
 
 impl<R: Real> Solving<R> {
-    fn new(mass: R, moments: [R; 3], inverse: [R; 3], [unlike, like, third]: [usize; 3]) -> Self {
-        let turns = if nth(inverse, like) == R::ZERO {
+    fn new(
+        mass: R,
+        moments: [R; 3],
+        inverse: [R; 3],
+        [distinct, larger, smaller]: [usize; 3],
+    ) -> Self {
+        let turns = if nth(inverse, larger) == R::ZERO {
             Turns::Never
-        } else if nth(inverse, unlike) == R::ZERO {
+        } else if nth(inverse, distinct) == R::ZERO {
             Turns::Across
         } else {
             Turns::Freely
         };
         let excess = |moment: R| match turns {
-            Turns::Freely => moment - nth(moments, like),
+            Turns::Freely => moment - nth(moments, larger),
             Turns::Across | Turns::Never => R::ZERO,
         };
         Self {
             common: if turns == Turns::Never {
                 mass
             } else {
-                nth(moments, like)
+                nth(moments, larger)
             },
-            symmetry: excess(nth(moments, unlike)),
-            asymmetry: excess(nth(moments, third)),
+            symmetry: excess(nth(moments, distinct)),
+            asymmetry: excess(nth(moments, smaller)),
             turns,
         }
     }
@@ -150,11 +155,11 @@ impl<R: Real> InertiaProperties<R> {
             }
         });
         let equal = |i: usize, j: usize| (nth(moments, i) - nth(moments, j)).abs() <= rounding;
-        let [unlike, like, third] = by_likeness(moments);
-        let common = nth(inverse, like);
+        let [distinct, larger, smaller] = by_symmetry(moments);
+        let common = nth(inverse, larger);
         let excess = |i: usize| Excess {
             axis: BodyAxis::along(nth(principal, i)),
-            inverse: if equal(i, like) {
+            inverse: if equal(i, larger) {
                 R::ZERO
             } else {
                 nth(inverse, i) - common
@@ -170,9 +175,9 @@ impl<R: Real> InertiaProperties<R> {
                 z: principal[2],
             },
             common,
-            symmetry: excess(unlike),
-            asymmetry: excess(third),
-            solving: Solving::new(mass, moments, inverse, [unlike, like, third]),
+            symmetry: excess(distinct),
+            asymmetry: excess(smaller),
+            solving: Solving::new(mass, moments, inverse, [distinct, larger, smaller]),
         })
     }
 
@@ -431,13 +436,13 @@ impl<R: Real> InertiaProperties<R> {
         self.symmetry.axis
     }
 
-    /// Inverse moment of the third axis of [`unlike_axes`](Self::unlike_axes), 1/(kg m²).
+    /// Inverse moment of the third axis of [`unequal_axes`](Self::unequal_axes), 1/(kg m²).
     #[inline]
     pub(crate) fn common_inverse(&self) -> R {
         self.common
     }
 
-    /// Excesses of the inverse moments of the first two axes of [`unlike_axes`](Self::unlike_axes)
+    /// Excesses of the inverse moments of the first two axes of [`unequal_axes`](Self::unequal_axes)
     /// over that of the third, 1/(kg m²).
     #[inline]
     pub(crate) fn excesses(&self) -> [R; 2] {
@@ -446,7 +451,7 @@ impl<R: Real> InertiaProperties<R> {
 
     /// Principal axes of three different moments, right-handed, for a body with these axes.
     #[inline]
-    pub(crate) fn unlike_axes(&self, axes: &Axes<R>) -> [R::Vec3; 3] {
+    pub(crate) fn unequal_axes(&self, axes: &Axes<R>) -> [R::Vec3; 3] {
         let first = self.symmetry.axis.in_world(axes);
         let second = self.asymmetry.axis.in_world(axes);
         [first, second, first.cross(second)]
@@ -520,7 +525,7 @@ const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 /// The two similar axes have most of their inverse moment in common. So the excess of the third
 /// axis is least, and nearly equal moments are treated as nearly symmetric ones. The choice depends
 /// on moments only, so that the motion does not depend on the axes in which the body is described.
-fn by_likeness<R: Real>(moments: [R; 3]) -> [usize; 3] {
+fn by_symmetry<R: Real>(moments: [R; 3]) -> [usize; 3] {
     let [x, y, z] = moments;
     let [large, middle, small] = match (x >= y, y >= z, x >= z) {
         (true, true, _) => [0, 1, 2],
@@ -615,13 +620,13 @@ mod tests {
                 [c, a, b],
                 [c, b, a],
             ];
-            let kinds = orders.map(|moments| by_likeness(moments).map(|i| moments[i]));
+            let kinds = orders.map(|moments| by_symmetry(moments).map(|i| moments[i]));
             assert_eq!(kinds, [kinds[0]; 6]);
-            let [unlike, like, third]: [f64; 3] = kinds[0];
-            let gap = like - third;
+            let [distinct, larger, smaller]: [f64; 3] = kinds[0];
+            let gap = larger - smaller;
             assert!(gap >= 0.0, "{kinds:?}");
-            assert!(gap <= (unlike - like).abs(), "{kinds:?}");
-            assert!(gap <= (unlike - third).abs(), "{kinds:?}");
+            assert!(gap <= (distinct - larger).abs(), "{kinds:?}");
+            assert!(gap <= (distinct - smaller).abs(), "{kinds:?}");
         }
     }
 

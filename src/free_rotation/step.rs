@@ -60,7 +60,7 @@ impl<R: Real> InertiaProperties<R> {
         seconds: R,
     ) -> Rotation<R> {
         let (direction, length) = direction_and_length::<R>(angular_momentum);
-        let frame = self.unlike_axes(axes);
+        let frame = self.unequal_axes(axes);
         let series = Series::new(self, length * seconds);
         let start = frame.map(|axis| axis.dot(direction));
         let extent = series.extent(start);

@@ -199,8 +199,8 @@ fn hunt_crossley_loss<R: Real>(restitution: R) -> Result<f64, SceneError> {
         // 1e-12 at most.
         return Ok(1.5 * lost * (1.0 + lost));
     }
-    let lack = |loss: f64| loss * (1.0 + e) - libm::log1p(loss) + libm::log1p(-e * loss);
-    Ok(where_it_passes_zero(0.0, 1.0 / e, lack))
+    let residual = |loss: f64| loss * (1.0 + e) - libm::log1p(loss) + libm::log1p(-e * loss);
+    Ok(where_it_passes_zero(0.0, 1.0 / e, residual))
 }
 
 /// Work of the springs during compression, over m v²: `1/D - ln(1 + D)/D²`.
