@@ -442,8 +442,8 @@ impl<R: Real> InertiaProperties<R> {
         self.common
     }
 
-    /// Excesses of the inverse moments of the first two axes of [`unequal_axes`](Self::unequal_axes)
-    /// over that of the third, 1/(kg m²).
+    /// Excesses of the inverse moments of the first two axes of
+    /// [`unequal_axes`](Self::unequal_axes) over that of the third, 1/(kg m²).
     #[inline]
     pub(crate) fn excesses(&self) -> [R; 2] {
         [self.symmetry.inverse, self.asymmetry.inverse]

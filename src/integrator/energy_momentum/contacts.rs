@@ -283,8 +283,8 @@ impl<R: Real> Contacts<R> {
         problem.moving_contact().map(|_| &self.lever)
     }
 
-    /// Computes the force of every contact over a trial step, and calls `visit` for those that reach
-    /// the ground.
+    /// Computes the force of every contact over a trial step, and calls `visit` for those that
+    /// reach the ground.
     #[inline(always)]
     pub(super) fn respond<D: Dynamics<R>>(
         &mut self,
