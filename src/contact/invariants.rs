@@ -1,5 +1,5 @@
 //! What holds where one stage of `contact` passes values to the next; asserted in builds with debug
-//! assertions, and absent from others. `ARCHITECTURE.md` lists it.
+//! assertions, and absent from others.
 //!
 //! Only the arithmetic of this module is asserted. A law is the user's, and a law that breaks its
 //! contract is an error of the step, not a panic. So each condition also holds for a normal that is
