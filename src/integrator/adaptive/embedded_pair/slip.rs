@@ -63,7 +63,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     /// `u(s) = u₀ + s (u₁ - u₀)`, smallest at `s = -u₀ · (u₁ - u₀)/|u₁ - u₀|²`. If it changes by
     /// less than its smallest value, the direction of friction cannot change much.
     #[inline]
-    pub(super) fn wrong_of_slip(&self, point: &ContactPoint<R>, sides: &[ContactEnd<R>; 2]) -> R {
+    pub(super) fn slip_error(&self, point: &ContactPoint<R>, sides: &[ContactEnd<R>; 2]) -> R {
         let arm_in = |motion| arm(self.scene, motion, point);
         let arms = [arm_in(self.ends[0]), arm_in(self.ends[1])];
         let slide = Slide::between(self.scene, self.ends, arms);
@@ -73,9 +73,9 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
             .at_least(R::ZERO)
             .at_most(R::ONE);
         if (first + change * share).length_squared() < square {
-            self.wrong_of_friction(point, sides, &slide, share)
+            self.reversal_error(point, sides, &slide, share)
         } else if self.scene.friction().depends_on_position() {
-            self.wrong_of_position(point, sides, &slide)
+            self.varying_friction_error(point, sides, &slide)
         } else {
             R::ZERO
         }
@@ -87,7 +87,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     /// A jump of the law within the step has the same effect as a reversal of the slip. It is
     /// located to a part of the step, so the error is known to a fraction of itself.
     #[inline(never)]
-    fn wrong_of_position(
+    fn varying_friction_error(
         &self,
         point: &ContactPoint<R>,
         sides: &[ContactEnd<R>; 2],
@@ -107,7 +107,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         for index in 0..FRICTION_PARTS {
             truth += integral_of_3(force, part(index), part(index + 1));
         }
-        self.way_of(
+        self.velocity_by_impulse(
             point,
             (truth - self.friction_of_stages(point)) * self.seconds,
         )
@@ -125,7 +125,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     /// Returns the error in the velocity of the farthest point, m/s, if the slip is smallest at the
     /// fraction `share` of the step.
     #[inline(never)]
-    fn wrong_of_friction(
+    fn reversal_error(
         &self,
         point: &ContactPoint<R>,
         [start, end]: &[ContactEnd<R>; 2],
@@ -145,13 +145,13 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         // Each side of the reversal is smooth.
         let truth = integral_of_3(force, R::ZERO, share) + integral_of_3(force, share, R::ONE);
         let impulse = (truth - self.friction_of_stages(point)) * self.seconds;
-        self.way_of(point, impulse)
+        self.velocity_by_impulse(point, impulse)
     }
 
     /// Returns the mean friction of the contact as the method has summed it, N.
     fn friction_of_stages(&self, point: &ContactPoint<R>) -> R::Vec3 {
         let mut sum = R::Vec3::ZERO;
-        for (motion, weight) in self.weighed_motions() {
+        for (motion, weight) in self.weighted_motions() {
             let arm = arm(self.scene, motion, point);
             let (position, slip) = (motion.position + arm.0, slip(self.scene, motion, arm));
             let normal_force = ContactEnd::of(self.scene, motion, point).normal_force;
@@ -161,7 +161,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     }
 
     /// Returns the velocity of the farthest point of the body for an impulse at a contact, m/s.
-    fn way_of(&self, point: &ContactPoint<R>, impulse: R::Vec3) -> R {
+    fn velocity_by_impulse(&self, point: &ContactPoint<R>, impulse: R::Vec3) -> R {
         let motion = self.ends[1];
         let mass = self.scene.inertia_properties();
         let (arm, _) = arm(self.scene, motion, point);

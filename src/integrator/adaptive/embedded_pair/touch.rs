@@ -36,6 +36,15 @@ impl<R: Real> Discontinuities<R> {
             first: None,
         }
     }
+
+    /// Adds the error of another contact.
+    fn add(&mut self, other: &Self) {
+        self.velocity += other.velocity;
+        self.first = match (self.first, other.first) {
+            (Some(first), Some(there)) => Some(first.at_most(there)),
+            (first, there) => first.or(there),
+        };
+    }
 }
 
 /// Returns the discontinuities of a step, and the velocity error that they cause.
@@ -85,7 +94,7 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
         let added = after.without(before, contacts.len());
         for run in [before].into_iter().chain(added) {
             for point in run.parts(contacts).into_iter().flatten() {
-                step.look_at(point, &mut discontinuities);
+                step.add_contact(point, &mut discontinuities);
             }
         }
     }
@@ -147,12 +156,12 @@ pub(super) struct Taken<'a, R: Real, D, const STAGES: usize> {
 
 impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     #[inline]
-    fn look_at(&self, point: &ContactPoint<R>, discontinuities: &mut Discontinuities<R>) {
+    fn add_contact(&self, point: &ContactPoint<R>, discontinuities: &mut Discontinuities<R>) {
         let end_of = |motion| ContactEnd::of(self.scene, motion, point);
         let (start, end) = (end_of(self.ends[0]), end_of(self.ends[1]));
         if start.pushes() && end.pushes() {
             if self.pair.follows_slip {
-                discontinuities.velocity += self.wrong_of_slip(point, &[start, end]);
+                discontinuities.velocity += self.slip_error(point, &[start, end]);
             }
             return;
         }
@@ -167,7 +176,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         } else {
             return;
         };
-        self.weigh(point, &path, &[start, end], last, discontinuities);
+        discontinuities.add(&self.contact_error(point, &path, &[start, end], last));
     }
 
     /// Returns true if a contact at one end of the step is above ground, but would be below it
@@ -181,19 +190,18 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         end.depth <= R::ZERO && end.depth + ahead > R::ZERO
     }
 
-    /// Adds the error of one contact to `discontinuities`.
+    /// Returns the error of one contact, and its discontinuity if that matters.
     ///
     /// The contact begins or ceases to push before the fraction `last` of the step. `None` means
     /// that it comes close without doing so.
     #[inline(never)]
-    fn weigh(
+    fn contact_error(
         &self,
         point: &ContactPoint<R>,
         path: &Path<R>,
         [start, end]: &[ContactEnd<R>; 2],
         last: Option<R>,
-        discontinuities: &mut Discontinuities<R>,
-    ) {
+    ) -> Discontinuities<R> {
         let force = |share: R| {
             let (depth, slope) = path.at(share);
             push(self.scene, depth, slope / self.seconds)
@@ -225,16 +233,12 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
         };
         // No step can end nearer to the discontinuity.
         if velocity <= jump.acceleration * (jump.resolution * self.seconds) {
-            return;
+            return Discontinuities::none();
         }
-        discontinuities.velocity += velocity;
-        if velocity * R::from_f64(tuning::UNTREATED) > self.allowed {
-            let there = self.just_beyond(&jump);
-            discontinuities.first = Some(
-                discontinuities
-                    .first
-                    .map_or(there, |first| first.at_most(there)),
-            );
+        let matters = velocity * R::from_f64(tuning::UNTREATED) > self.allowed;
+        Discontinuities {
+            velocity,
+            first: matters.then(|| self.just_beyond(&jump)),
         }
     }
 
@@ -261,14 +265,14 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
     /// Returns the mean normal force of the contact as the method has summed it, N.
     fn mean_of_stages(&self, point: &ContactPoint<R>) -> R {
         let mut sum = R::ZERO;
-        for (motion, weight) in self.weighed_motions() {
+        for (motion, weight) in self.weighted_motions() {
             sum += ContactEnd::of(self.scene, motion, point).normal_force * weight;
         }
         sum
     }
 
     /// Returns the stages whose slopes have a weight in the result, with their weights.
-    pub(super) fn weighed_motions(&self) -> impl Iterator<Item = (&Motion<R>, R)> {
+    pub(super) fn weighted_motions(&self) -> impl Iterator<Item = (&Motion<R>, R)> {
         (self.motions.iter().zip(self.pair.weights()))
             .filter(|(_, weight)| **weight != 0.0)
             .map(|(motion, weight)| (motion, R::from_f64(*weight)))

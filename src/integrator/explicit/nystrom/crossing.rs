@@ -113,7 +113,7 @@ fn add_missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     for run in [first, head, tail] {
         for part in run.parts(contacts) {
             for point in part {
-                step.look_at::<ESTIMATED>(point, missed);
+                step.add_contact::<ESTIMATED>(point, missed);
             }
         }
     }
@@ -131,17 +131,17 @@ struct Taken<'a, R: Real, D> {
 
 impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
     #[inline(always)]
-    fn look_at<const ESTIMATED: bool>(&self, point: &ContactPoint<R>, missed: &mut Missed<R>) {
+    fn add_contact<const ESTIMATED: bool>(&self, point: &ContactPoint<R>, missed: &mut Missed<R>) {
         let [start, end] = &self.ends;
         let (start, end) = (start.side(point), end.side(point));
         if start.pushes() != end.pushes() {
-            self.weigh::<ESTIMATED>(point, [start, end], missed);
+            self.add_correction::<ESTIMATED>(point, [start, end], missed);
         }
     }
 
     /// Adds the correction for one contact that begins or ceases to push.
     #[inline(never)]
-    fn weigh<const ESTIMATED: bool>(
+    fn add_correction<const ESTIMATED: bool>(
         &self,
         point: &ContactPoint<R>,
         [start, end]: [ContactEnd<R>; 2],
