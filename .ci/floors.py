@@ -53,13 +53,13 @@ STAGES = {
     "energies": r"/src/(energy|integrator/(energy_limit|flight_rounding)|contact/spring_energy)\.rs"
     r"|/energy_momentum\.rs .*check_energy",
     "search": r"/src/(body(/\w+)?|contact/range)\.rs|/energy_momentum\.rs .*(gather|near_plane)"
-    r"|/contacts\.rs .*(gather|spread|includes|foresaw|clear)",
+    r"|/contacts\.rs .*(gather|thin_out|evenly_spaced|includes|clear)",
     "forces": r"/src/(contact|ground|friction)/|/src/(ground|friction)\.rs|/contact_path\.rs"
     r"|/energy_momentum/(touch|answer|dual|lever)\.rs|/nystrom/crossing\.rs|/newton\.rs .*Sum<|/contacts\.rs .*respond",
     "matrix": r"/energy_momentum/(stiffness|level|linear)\.rs",
     "rotation": r"/src/(rotation|inertia|free_rotation/\w+)\.rs",
     "tests": r"/state\.rs .*(::eq|not_finite)|/end_velocity\.rs .*(of_step|is_resolved)"
-    r"|/newton\.rs .*(::norm|Scale<|::is_|::has_|size_of_motion|remember|choose_unknowns)",
+    r"|/newton\.rs .*(::norm|Scale<|::is_|::has_|loads_agree|size_of_motion|remember|choose_unknowns)",
     "method": r"/src/integrator/(?!energy_momentum\.rs)|/energy_momentum\.rs .*::(fly|whole)",
     "rest": r"",
 }
