@@ -369,7 +369,10 @@ impl<R: Real> Portrait<R> {
         demand_same(other.mass == self.mass, [other.mass, self.mass])?;
         let traces = [&other, self].map(|portrait| trace::<R>(portrait.inertia));
         demand_same(other.inertia == self.inertia, traces)?;
-        demand_same(other == *self, [other.bounding_radius, self.bounding_radius])
+        demand_same(
+            other == *self,
+            [other.bounding_radius, self.bounding_radius],
+        )
     }
 }
 
