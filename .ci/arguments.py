@@ -17,6 +17,17 @@ PROGRAMS = pathlib.Path(sys.argv[1]).resolve()
 # Options whose value is a path: any text is valid.
 PATHS = {"--out", "--data", "--readme-picture"}
 NOT_VALUES = ["", "x", "nan", "1e400", b"\xff"]
+# Numbers with which a program would not end in a lifetime, or only by exhausting the machine.
+BEYOND = {
+    "coin": [["--duration", "1e19"], ["--step", "1e-300"], ["--points", "10000000000"], ["--all", "--duration", "1e19"]],
+    "choose_accuracy": [
+        ["--seconds", "1e19"], ["--points", "10000000000"], ["--stiffness", "1e19"], ["--slip-speed", "1e-300"],
+        ["--error", "1e19"], ["--error", "0"],
+    ],
+    "known_outcomes": [["--percent", "10000000000"]],
+    "tennis": [["--friction", "1e19"], ["--restitution", "1e19"]],
+    "tosses": [["--to", "10000000000000000000"], ["--to", "2000000", "--part", "1"], ["--threads", "10000000000"]],
+}
 COLUMNS = "toss,sample,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n"
 TABLES = {
     "empty.csv": b"",
@@ -80,6 +91,15 @@ def command_line(name, folder):
             refuses(name, [*before, option, value], folder, 2)
 
 
+def beyond(name, folder):
+    """A number without end is refused before the work, with the option and its bound."""
+    for arguments in BEYOND.get(name, []):
+        refuses(name, arguments, folder, 2)
+        errors = call(name, arguments, folder)[2]
+        option = arguments[-2].lstrip("-")
+        assert option in errors and " must be " in errors and ", got " in errors, f"{name} {arguments}: {errors}"
+
+
 def closed_pipe(name, arguments, folder):
     """Nobody reads what a program prints: no panic."""
     global calls
@@ -118,6 +138,7 @@ for name in names:
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         command_line(name, folder)
+        beyond(name, folder)
         closed_pipe(name, ["--help"], folder)
         no_folder(name, folder)
         assert [path.name for path in folder.iterdir()] == ["file"], f"{name} has written files"

@@ -165,7 +165,7 @@ fn checks(throws: u32, fair: &[u32; 6], loaded: &[u32; 6]) -> Vec<Check> {
 fn stepper(load: f64) -> Outcome<Die> {
     let edges = DVec3::splat(EDGE);
     // The face at -z is the four.
-    let heavy = MassProperties::cuboid(MASS, edges).at(DVec3::NEG_Z * load);
+    let heavy = MassProperties::cuboid(MASS, edges)?.at(DVec3::NEG_Z * load);
     // A corner that supports the whole weight penetrates by 12 µm, and bounces at 0.6 of its speed.
     let ground = FlatGround::level(4000.0, 1.2);
     Ok(

@@ -28,6 +28,7 @@ mod cone;
 mod cuboid;
 mod disc;
 mod ellipsoid;
+mod homogeneous;
 mod hull;
 mod mass_properties;
 mod point_cloud;

@@ -206,6 +206,15 @@ pub enum Requirement {
     #[error("the Jacobian must be consistent with the force")]
     DragFits,
 
+    /// Friction: `per_load` of `jacobian` is the derivative of the coefficient with respect to the
+    /// normal force.
+    #[error("per_load of the Jacobian must be the derivative of |force|/|slip| by the load")]
+    PerLoadFits,
+    /// Friction: `growth` and `width` of `jacobian` are those by which the coefficient decreases
+    /// with the slip.
+    #[error("growth and width of the Jacobian must be those by which |force|/|slip| decreases")]
+    GrowthFits,
+
     /// Force: a passive force does no positive work, and drag is at most 0.
     #[error("a passive force must not do positive work")]
     PassiveTakes,

@@ -11,10 +11,14 @@
 mod picture;
 mod scenes;
 
+use std::error::Error;
+use std::fmt::Debug;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::str::FromStr;
 
-use common::{Outcome, Page, Picture, make_folder, program, say, table};
+use common::{Outcome, Page, Picture, make_folder, program, say, table, within};
 use lexopt::prelude::*;
 use scenes::{Friction, Start};
 use tumble::work_precision::{Setting, WorkPrecision};
@@ -173,20 +177,17 @@ impl Changes {
     }
 }
 
-fn above_zero(name: &str, parser: &mut lexopt::Parser) -> Outcome<f64> {
-    let value: f64 = parser.value()?.parse()?;
-    if value > 0.0 && value.is_finite() {
-        return Ok(value);
-    }
-    Err(format!("{name} must be above 0 and finite, got {value}").into())
-}
-
-fn points(parser: &mut lexopt::Parser) -> Outcome<usize> {
-    let value: usize = parser.value()?.parse()?;
-    if value >= 3 {
-        return Ok(value);
-    }
-    Err(format!("--points must be at least 3, got {value}").into())
+/// Parses the value of an option, which is within bounds.
+fn number<T>(
+    name: &str,
+    bounds: RangeInclusive<T>,
+    unit: &str,
+    parser: &mut lexopt::Parser,
+) -> Outcome<T>
+where
+    T: FromStr<Err: Error + Send + Sync + 'static> + PartialOrd + Copy + Debug,
+{
+    Ok(within(name, parser.value()?.parse()?, bounds, unit)?)
 }
 
 /// Returns the options, or `None` if the help text is requested.
@@ -207,12 +208,20 @@ fn options() -> Outcome<Option<Options>> {
                 let name = parser.value()?.string()?;
                 options.start = Start::named(&name).ok_or(format!("there is no scene {name}"))?;
             }
-            Long("error") => options.error = above_zero("--error", &mut parser)?,
-            Long("seconds") => changes.seconds = Some(above_zero("--seconds", &mut parser)?),
-            Long("points") => changes.points = Some(points(&mut parser)?),
-            Long("stiffness") => changes.stiffness = Some(above_zero("--stiffness", &mut parser)?),
+            Long("error") => options.error = number("--error", 1e-15..=1e3, " m", &mut parser)?,
+            Long("seconds") => {
+                changes.seconds = Some(number("--seconds", 1e-3..=1e3, " s", &mut parser)?);
+            }
+            Long("points") => {
+                changes.points = Some(number("--points", 3..=10_000, "", &mut parser)?);
+            }
+            Long("stiffness") => {
+                let stiffness = number("--stiffness", 1.0..=1e9, " N/m", &mut parser)?;
+                changes.stiffness = Some(stiffness);
+            }
             Long("slip-speed") => {
-                changes.slip_speed = Some(above_zero("--slip-speed", &mut parser)?)
+                let speed = number("--slip-speed", 1e-9..=1e3, " m/s", &mut parser)?;
+                changes.slip_speed = Some(speed);
             }
             Long("smooth") => changes.smooth = true,
             Long("single") => options.single = true,

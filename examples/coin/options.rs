@@ -100,12 +100,15 @@ impl Overrides {
         let trial = Trial::report(number).ok_or_else(|| no_trial(number))?;
         let setup = Setup::new(number, self.with_options(trial));
         let method = self.method.unwrap_or(setup.method);
+        let time_step = self.time_step.unwrap_or(method.usual_step());
+        let duration = self.duration.unwrap_or(setup.duration);
+        check_steps(duration, time_step)?;
         Ok(Setup {
             points: self.points.unwrap_or(setup.points),
             stiffness: self.stiffness.unwrap_or(setup.stiffness),
             method,
-            time_step: self.time_step.unwrap_or(method.usual_step()),
-            duration: self.duration.unwrap_or(setup.duration),
+            time_step,
+            duration,
             books: !self.no_books,
             ..setup
         })
@@ -141,6 +144,8 @@ impl Options {
                 break;
             }
         }
+        // Errors of the command line come before the work.
+        options.overrides.apply(options.number)?;
         Ok(options)
     }
 
@@ -273,6 +278,20 @@ fn number(parser: &mut lexopt::Parser, option: &str, unit: &str) -> Result<f64, 
             "{option} must be a number{space}{unit}, got '{text}'"
         ))),
     }
+}
+
+/// Largest number of steps. They take hours.
+const MOST_STEPS: f64 = 1e9;
+
+fn check_steps(duration: f64, time_step: f64) -> Result<(), UsageError> {
+    let steps = duration / time_step;
+    if steps <= MOST_STEPS {
+        return Ok(());
+    }
+    Err(UsageError(format!(
+        "--duration must be at most {MOST_STEPS:e} of --step, got {steps:.3e}: {duration} s in steps \
+         of {time_step} s"
+    )))
 }
 
 fn seconds(parser: &mut lexopt::Parser, option: &str) -> Result<f64, UsageError> {

@@ -8,6 +8,7 @@
     reason = "only the examples use it"
 )]
 
+mod argument;
 pub mod film;
 pub mod hoop_circle;
 pub mod marked;
@@ -25,6 +26,7 @@ use std::process::ExitCode;
 
 use lexopt::prelude::*;
 
+pub use argument::within;
 pub use film::{Camera, Column, Film, Pose, Shot, energies, energy_columns};
 pub use mesh::Mesh;
 pub use page::{Check, Page};

@@ -61,18 +61,18 @@ pub(crate) struct LoadedCoin {
 }
 
 impl LoadedCoin {
-    pub(crate) fn new(offset: f64) -> Self {
+    pub(crate) fn new(offset: f64) -> Result<Self, SceneError> {
         let excess = 4.0 * offset / THICKNESS;
-        let half = |side: f64| {
+        let half = |side: f64| -> Result<MassProperties, SceneError> {
             let disc = MassProperties::cylinder(
                 0.5 * MASS * (1.0 + side * excess),
                 RADIUS,
                 0.5 * THICKNESS,
-            );
-            disc.at(DVec3::Z * (0.25 * side * THICKNESS))
+            )?;
+            Ok(disc.at(DVec3::Z * (0.25 * side * THICKNESS)))
         };
         let [across, _, along] = {
-            let whole = half(1.0).with(&half(-1.0)).inertia;
+            let whole = half(1.0)?.with(&half(-1.0)?).inertia;
             [whole.x_axis.x, whole.y_axis.y, whole.z_axis.z]
         };
         let faces = [0.5 * THICKNESS + offset, 0.5 * THICKNESS - offset];
@@ -84,12 +84,12 @@ impl LoadedCoin {
                 radius: 0.0,
             }
         });
-        Self {
+        Ok(Self {
             // The cylinder's z is the coin's x.
             inertia: DMat3::from_diagonal(DVec3::new(along, across, across)),
             points,
             faces,
-        }
+        })
     }
 }
 
@@ -134,7 +134,7 @@ impl Faces for LoadedCoin {
 type Table = Stepper<LoadedCoin, FlatGround, Coulomb, UniformGravity, Nystrom>;
 
 fn table(offset: f64, time_step: f64) -> Result<Table, SceneError> {
-    Stepper::builder(LoadedCoin::new(offset))
+    Stepper::builder(LoadedCoin::new(offset)?)
         .gravity(UniformGravity::down(9.81))
         // A point that supports the weight penetrates by 0.012 mm and bounces at half of its speed.
         .ground(FlatGround::level(2000.0, 1.0))

@@ -174,7 +174,7 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
 fn percent(count: u64) -> Result<u64, lexopt::Error> {
     match count {
         1..=100 => Ok(count),
-        _ => Err("--percent must be from 1 to 100".into()),
+        _ => Err(format!("--percent must be from 1 to 100, got {count}").into()),
     }
 }
 

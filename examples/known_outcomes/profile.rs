@@ -3,7 +3,7 @@
 use core::f64::consts::{PI, TAU};
 
 use tumble::glam::{DMat3, DVec3};
-use tumble::{Basin, CoinFace, ContactPoint, Faces, MassProperties, RigidPointBody};
+use tumble::{Basin, CoinFace, ContactPoint, Faces, RigidPointBody, SolidCoin};
 
 /// Mass and size of a coin.
 #[derive(Clone, Copy, Debug)]
@@ -19,12 +19,7 @@ pub(crate) struct Measures {
 impl Measures {
     /// Inertia tensor of a homogeneous cylinder with its axis along x, kg m².
     pub(crate) fn inertia(&self) -> DMat3 {
-        let cylinder = MassProperties::cylinder(self.mass, self.radius, self.thickness).inertia;
-        DMat3::from_diagonal(DVec3::new(
-            cylinder.z_axis.z,
-            cylinder.x_axis.x,
-            cylinder.x_axis.x,
-        ))
+        SolidCoin::new(self.mass, self.radius, self.thickness).inertia()
     }
 }
 

@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use std::fmt;
 use std::path::PathBuf;
 
-use common::Options;
+use common::{Options, within};
 use lexopt::prelude::*;
 
 use crate::model::{self, Air, Court};
@@ -51,7 +51,10 @@ pub(crate) fn parse() -> Result<Option<Arguments>, Box<dyn Error>> {
     while let Some(argument) = parser.next()? {
         match argument {
             Short('c') | Long("court") => court = Court::named(&parser.value()?.string()?)?,
-            Long("friction") => friction = Some(number("friction", parser.value()?)?),
+            Long("friction") => {
+                let value = number("friction", parser.value()?)?;
+                friction = Some(within("--friction", value, 0.0..=10.0, "")?);
+            }
             Long("restitution") => restitution = Some(number("restitution", parser.value()?)?),
             Short('o') | Long("out") => options.out = parser.value()?.into(),
             Short('q') | Long("quick") => options.quick = true,

@@ -14,7 +14,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use common::{Outcome, program};
+use common::{Outcome, program, within};
 
 const HELP: &str = "\
 Tosses a coin of steel until its face is decided, and counts heads, tails and edge. Each part of
@@ -62,6 +62,12 @@ pub(crate) struct Arguments {
     pub(crate) write: bool,
 }
 
+/// Bounds of the command line: tosses that take a year on a thousand cores, files that a folder can
+/// have, and threads.
+const MOST_TOSSES: u64 = 1_000_000_000_000;
+const MOST_PARTS: u64 = 1_000_000;
+const MOST_THREADS: usize = 1024;
+
 fn main() -> ExitCode {
     program(parse(), HELP, |arguments| work(arguments).map(|()| true))
 }
@@ -98,8 +104,22 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
         }
     }
     if arguments.tosses.end < arguments.tosses.start || arguments.part == 0 {
-        return Err("--to must be at least --from, and --part at least 1".into());
+        let (Range { start, end }, part) = (arguments.tosses, arguments.part);
+        return Err(format!(
+            "--to must be at least --from, and --part at least 1, got {end}, {start} and {part}"
+        )
+        .into());
     }
+    let tosses = arguments.tosses.end - arguments.tosses.start;
+    let parts = tosses.div_ceil(arguments.part);
+    within("--to minus --from", tosses, 0..=MOST_TOSSES, " tosses")?;
+    within(
+        "--to minus --from over --part",
+        parts,
+        0..=MOST_PARTS,
+        " files",
+    )?;
+    within("--threads", arguments.threads, 0..=MOST_THREADS, "")?;
     Ok(Some(arguments))
 }
 

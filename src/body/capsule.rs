@@ -1,6 +1,6 @@
 //! Cylinder with hemispherical ends.
 
-use super::{ContactPoint, MassProperties, RigidPointBody};
+use super::{ContactPoint, RigidPointBody, homogeneous};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
@@ -53,7 +53,7 @@ impl<R: Real> RigidPointBody<R> for Capsule<R> {
     }
     #[inline]
     fn inertia(&self) -> R::Mat3 {
-        MassProperties::capsule(self.mass, self.radius(), self.length).inertia
+        homogeneous::capsule(self.mass, self.radius(), self.length).inertia
     }
     #[inline]
     fn is_symmetric(&self) -> bool {

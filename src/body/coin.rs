@@ -1,6 +1,6 @@
 //! Coin of the coin report: a ring of points.
 
-use super::{ContactPoint, ContactRange, MassProperties, RigidPointBody, check_contacts};
+use super::{ContactPoint, ContactRange, RigidPointBody, check_contacts, homogeneous};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
 use crate::state::State;
@@ -386,7 +386,7 @@ impl CoinFace {
 #[inline]
 pub(super) fn inertia_of_thick<R: Real>(mass: R, radius: R, thickness: R) -> R::Mat3 {
     // The cylinder's z is the coin's x.
-    let cylinder = MassProperties::cylinder(mass, radius, thickness);
+    let cylinder = homogeneous::cylinder(mass, radius, thickness);
     let [across, _, along] = cylinder.inertia.columns();
     R::Mat3::from_diagonal(R::Vec3::new(along.z(), across.x(), across.x()))
 }

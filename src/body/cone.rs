@@ -2,7 +2,7 @@
 
 use super::coin::place_on_circle;
 use super::solid::centre;
-use super::{ContactPoint, MassProperties, RigidPointBody, check_contacts};
+use super::{ContactPoint, MassProperties, RigidPointBody, check_contacts, homogeneous};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
 
@@ -36,7 +36,7 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Cone<R, P>
     /// of its rim. Mass in kg, radius of the base and height in m.
     #[must_use]
     pub fn solid_with_storage(mut storage: P, mass: R, radius: R, height: R) -> Self {
-        let distribution = MassProperties::cone(mass, radius, height);
+        let distribution = homogeneous::cone(mass, radius, height);
         let contacts = storage.as_mut();
         if let Some((tip, rim)) = contacts.split_first_mut() {
             *tip = ContactPoint::bare(R::Vec3::new(R::ZERO, R::ZERO, height));

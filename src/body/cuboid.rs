@@ -1,6 +1,6 @@
 //! Box with sharp or round corners, such as a die.
 
-use super::{ContactPoint, MassProperties, RigidPointBody};
+use super::{ContactPoint, MassProperties, RigidPointBody, homogeneous};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 use crate::state::State;
@@ -29,7 +29,7 @@ impl<R: Real> Cuboid<R> {
     where
         R: Real<Vec3 = V>,
     {
-        Self::loaded(edges, MassProperties::cuboid(mass, edges))
+        Self::loaded(edges, homogeneous::cuboid(mass, edges))
     }
 
     /// Creates a homogeneous cube: moments `m a²/6`. Mass in kg, edge in m.

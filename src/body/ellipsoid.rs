@@ -1,6 +1,6 @@
 //! Smooth ellipsoid with any mass distribution, such as an egg.
 
-use super::{ContactPoint, MassProperties, RigidPointBody};
+use super::{ContactPoint, MassProperties, RigidPointBody, homogeneous};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
@@ -40,7 +40,7 @@ impl<R: Real> Ellipsoid<R> {
     where
         R: Real<Vec3 = V>,
     {
-        Self::loaded(semi_axes, MassProperties::ellipsoid(mass, semi_axes))
+        Self::loaded(semi_axes, homogeneous::ellipsoid(mass, semi_axes))
     }
 
     /// Creates an ellipsoid with these semi-axes (m), its middle at the origin and any mass

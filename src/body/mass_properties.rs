@@ -13,18 +13,19 @@ use crate::rotation::Rotation;
 ///
 /// Vectors are glam's `DVec3` or `Vec3`, which sets the precision.
 ///
-/// The constructors do not check their arguments. Mass and inertia are checked when a scene is
-/// composed, and [`Solid::new`](super::Solid::new) checks the rest.
+/// The constructors of solids refuse a size that is negative or not finite. The mass of the whole
+/// and its moments are checked when a scene is composed.
 ///
 /// ```
 /// use tumble::MassProperties;
 /// use tumble::glam::DVec3;
 ///
 /// // A hammer: a wooden handle along z with an iron head across its end.
-/// let handle = MassProperties::cylinder(0.2, 0.015, 0.3);
-/// let head = MassProperties::cuboid(0.8, DVec3::new(0.1, 0.03, 0.03)).at(DVec3::Z * 0.165);
+/// let handle = MassProperties::cylinder(0.2, 0.015, 0.3)?;
+/// let head = MassProperties::cuboid(0.8, DVec3::new(0.1, 0.03, 0.03))?.at(DVec3::Z * 0.165);
 /// let hammer = handle.with(&head);
 /// assert!((hammer.centre_of_mass.z - 0.132).abs() < 1e-15);
+/// # Ok::<(), tumble::SceneError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
@@ -49,7 +50,7 @@ pub struct MassProperties<R: Real = f64> {
 // precision, which a projection does not.
 impl<R: Real> MassProperties<R> {
     /// Properties of a homogeneous body about the origin with these principal moments, kg m².
-    fn about_origin(mass: R, x: R, y: R, z: R) -> Self {
+    pub(super) fn about_origin(mass: R, x: R, y: R, z: R) -> Self {
         Self {
             mass,
             centre_of_mass: R::Vec3::ZERO,
@@ -88,97 +89,6 @@ impl<R: Real> MassProperties<R> {
             centre_of_mass: centre,
             inertia: inertia_of(centred),
         })
-    }
-
-    /// Thin straight rod along z: moment `m l²/12` across it, 0 about its own axis. Mass in kg,
-    /// length in m.
-    #[must_use]
-    pub fn rod(mass: R, length: R) -> Self {
-        let across = mass * length * length / R::from_f64(12.0);
-        Self::about_origin(mass, across, across, R::ZERO)
-    }
-
-    /// Ball: moments `2 m r²/5`. Mass in kg, radius in m.
-    #[must_use]
-    pub fn ball(mass: R, radius: R) -> Self {
-        let moment = mass * radius * radius * R::from_f64(0.4);
-        Self::about_origin(mass, moment, moment, moment)
-    }
-
-    /// Thin spherical shell: moments `2 m r²/3`. Mass in kg, radius in m.
-    #[must_use]
-    pub fn shell(mass: R, radius: R) -> Self {
-        let moment = mass * radius * radius * R::TWO / R::from_f64(3.0);
-        Self::about_origin(mass, moment, moment, moment)
-    }
-
-    /// Ellipsoid with these semi-axes (m): moment `m (b² + c²)/5` about the first, and so on. Mass
-    /// in kg.
-    #[must_use]
-    pub fn ellipsoid<V: Vector<R>>(mass: R, semi_axes: V) -> Self
-    where
-        R: Real<Vec3 = V>,
-    {
-        Self::by_squares(mass / R::from_f64(5.0), semi_axes, mass)
-    }
-
-    /// Box with these edges (m): moment `m (b² + c²)/12` about the first, and so on. Mass in kg.
-    #[must_use]
-    pub fn cuboid<V: Vector<R>>(mass: R, edges: V) -> Self
-    where
-        R: Real<Vec3 = V>,
-    {
-        Self::by_squares(mass / R::from_f64(12.0), edges, mass)
-    }
-
-    /// Moments `factor (b² + c²)`, `factor (c² + a²)`, `factor (a² + b²)`.
-    fn by_squares(factor: R, sides: R::Vec3, mass: R) -> Self {
-        let square = |side: R| factor * side * side;
-        let (a, b, c) = (square(sides.x()), square(sides.y()), square(sides.z()));
-        Self::about_origin(mass, b + c, c + a, a + b)
-    }
-
-    /// Cylinder along z: moments `m r²/2` about its axis, `m (3 r² + h²)/12` across. Mass in kg,
-    /// radius and height in m.
-    #[must_use]
-    pub fn cylinder(mass: R, radius: R, height: R) -> Self {
-        let square = radius * radius;
-        let across = mass * (square * R::from_f64(3.0) + height * height) / R::from_f64(12.0);
-        Self::about_origin(mass, across, across, mass * square * R::HALF)
-    }
-
-    /// Cylinder along z between two hemispheres whose centres are `length` apart. Mass in kg,
-    /// radius and length in m.
-    ///
-    /// The cylinder has the fraction `c = l/(l + 4r/3)` of the mass, and the hemispheres have
-    /// `b = 1 - c`. The moment is `m (c r²/2 + 2 b r²/5)` about the axis. Across the axis it is `m
-    /// (c (r²/4 + l²/12) + b (2r²/5 + l²/4 + 3 l r/8))`, because the centre of mass of a hemisphere
-    /// is 3r/8 from its flat side.
-    #[must_use]
-    pub fn capsule(mass: R, radius: R, length: R) -> Self {
-        let c = R::from_f64;
-        let caps = radius * c(4.0) / c(3.0);
-        let of_caps = mass * caps / (length + caps);
-        let of_tube = mass - of_caps;
-        let (rr, ll, lr) = (radius * radius, length * length, length * radius);
-        let along = of_tube * rr * R::HALF + of_caps * rr * c(0.4);
-        let across = of_tube * (rr * c(0.25) + ll / c(12.0))
-            + of_caps * (rr * c(0.4) + ll * c(0.25) + lr * c(0.375));
-        Self::about_origin(mass, across, across, along)
-    }
-
-    /// Cone along z with its base at z = 0 and its tip at z = `height`. Mass in kg, radius and
-    /// height in m.
-    ///
-    /// The centre of mass is a quarter of the height above the base. Moments: `3 m r²/10` about the
-    /// axis, `3 m (4 r² + h²)/80` across.
-    #[must_use]
-    pub fn cone(mass: R, radius: R, height: R) -> Self {
-        let c = R::from_f64;
-        let (rr, hh) = (radius * radius, height * height);
-        let across = mass * (rr * c(4.0) + hh) * c(3.0) / c(80.0);
-        let cone = Self::about_origin(mass, across, across, mass * rr * c(0.3));
-        cone.at(R::Vec3::new(R::ZERO, R::ZERO, height * c(0.25)))
     }
 
     /// Returns the distribution shifted by `offset`, m.

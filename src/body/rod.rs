@@ -1,6 +1,6 @@
 //! Thin straight rod, and a single point.
 
-use super::{ContactPoint, MassProperties, RigidPointBody};
+use super::{ContactPoint, RigidPointBody, homogeneous};
 use crate::error::{self, SceneError};
 use crate::real::{Matrix, Real, Vector};
 
@@ -46,7 +46,7 @@ impl<R: Real> RigidPointBody<R> for Rod<R> {
     }
     #[inline]
     fn inertia(&self) -> R::Mat3 {
-        MassProperties::rod(self.mass, self.length).inertia
+        homogeneous::rod(self.mass, self.length).inertia
     }
     #[inline]
     fn is_symmetric(&self) -> bool {

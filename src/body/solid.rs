@@ -17,8 +17,8 @@ use crate::real::Real;
 ///
 /// // A spinning top: a disc on a peg. Its contacts are the round tip of the peg and eight points
 /// // on the rim of the disc.
-/// let peg = MassProperties::cylinder(0.01, 0.003, 0.06);
-/// let disc = MassProperties::cylinder(0.05, 0.03, 0.008).at(DVec3::Z * 0.005);
+/// let peg = MassProperties::cylinder(0.01, 0.003, 0.06)?;
+/// let disc = MassProperties::cylinder(0.05, 0.03, 0.008)?.at(DVec3::Z * 0.005);
 /// let rim = |i: i32| DVec3::new((0.25 * f64::from(i)).cos(), (0.25 * f64::from(i)).sin(), 0.0) * 0.03;
 /// let contacts: [ContactPoint; 9] = core::array::from_fn(|i| match i {
 ///     0 => ContactPoint { position: DVec3::Z * -0.027, radius: 0.003 },

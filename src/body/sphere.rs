@@ -1,6 +1,6 @@
 //! Ball with one contact.
 
-use super::{ContactPoint, MassProperties, RigidPointBody};
+use super::{ContactPoint, MassProperties, RigidPointBody, homogeneous};
 use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 
@@ -20,13 +20,13 @@ impl<R: Real> Sphere<R> {
     /// Creates a homogeneous ball: moments `2 m r²/5`. Mass in kg, radius in m.
     #[must_use]
     pub fn solid(mass: R, radius: R) -> Self {
-        Self::loaded(radius, MassProperties::ball(mass, radius))
+        Self::loaded(radius, homogeneous::ball(mass, radius))
     }
 
     /// Creates a thin spherical shell: moments `2 m r²/3`. Mass in kg, radius in m.
     #[must_use]
     pub fn shell(mass: R, radius: R) -> Self {
-        Self::loaded(radius, MassProperties::shell(mass, radius))
+        Self::loaded(radius, homogeneous::shell(mass, radius))
     }
 
     /// Creates a ball of this radius (m) about the origin with any mass distribution.
@@ -37,8 +37,9 @@ impl<R: Real> Sphere<R> {
     /// use tumble::glam::DVec3;
     /// use tumble::{MassProperties, Sphere};
     /// // A bowling ball whose centre of mass is 1 mm away from the middle.
-    /// let ball = Sphere::loaded(0.108, MassProperties::ball(7.0, 0.108).at(DVec3::X * 0.001));
+    /// let ball = Sphere::loaded(0.108, MassProperties::ball(7.0, 0.108)?.at(DVec3::X * 0.001));
     /// assert_eq!(ball.middle(), DVec3::X * -0.001);
+    /// # Ok::<(), tumble::SceneError>(())
     /// ```
     #[must_use]
     pub fn loaded(radius: R, distribution: MassProperties<R>) -> Self {

@@ -45,14 +45,14 @@ pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     plan: CheckPlan,
 ) -> Result<(), Violation> {
+    let first = Portrait::of(body);
     body.check().map_err(cannot_be)?;
     check_contacts(body.contacts()).map_err(cannot_be)?;
     check_rims(body).map_err(cannot_be)?;
     inertia_of(body).map_err(|error| cannot_have(body, error))?;
     check_reach(body)?;
 
-    let first = Portrait::of(body);
-    first.check(&Portrait::of(body))?;
+    first.check(body)?;
     check_support_point(body, &mut plan.draw(), plan.cases)?;
     for normal in cube_directions::<R>() {
         check_offsets(body, &first, normal)?;
@@ -64,7 +64,7 @@ pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
         check_offsets(body, &first, direction)?;
         let offset = body.bounding_radius() * draw.either() * R::from_f64(1.1);
         check_below(body, &first, draw.direction::<R>(), offset)?;
-        first.check(&Portrait::of(body))?;
+        first.check(body)?;
     }
     Ok(())
 }
@@ -76,10 +76,8 @@ fn cannot_have<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B, error: SceneErr
     if error.rule != Rule::TriangleInequality {
         return violation;
     }
-    let [x, y, z] = body.inertia().columns();
-    let trace = x.x() + y.y() + z.z();
     Violation {
-        bound: trace.to_f64() - error.value,
+        bound: trace::<R>(body.inertia()).to_f64() - error.value,
         ..violation
     }
 }
@@ -275,7 +273,7 @@ fn check_none_is_omitted<R: Real, B: RigidPointBody<R> + ?Sized>(
         let found = height >= sure || all.all(|range| holds(*range, contacts, index));
         if !found {
             // Either the range was wrong, or the contacts have changed meanwhile.
-            first.check(&Portrait::of(body))?;
+            first.check(body)?;
         }
         demand(found, Requirement::ContactsBelow, height, offset, || {
             below.input(index)
@@ -358,16 +356,29 @@ impl<R: Real> Portrait<R> {
         }
     }
 
-    fn check(&self, other: &Self) -> Result<(), Violation> {
-        let same = self == other;
-        demand(
-            same,
-            Requirement::Rigid,
-            other.bounding_radius,
-            self.bounding_radius,
-            || Input::AsItIs,
+    /// Checks that the body is as before.
+    fn check<B: RigidPointBody<R> + ?Sized>(&self, body: &B) -> Result<(), Violation> {
+        let demand_same = |same: bool, [value, bound]: [R; 2]| {
+            demand(same, Requirement::Rigid, value, bound, || Input::AsItIs)
+        };
+        // Three calls in a row: a mass that alternates may be the same at every other call.
+        for mass in [(); 3].map(|()| body.mass()) {
+            demand_same(mass == self.mass, [mass, self.mass])?;
+        }
+        let other = Self::of(body);
+        demand_same(other.mass == self.mass, [other.mass, self.mass])?;
+        let traces = [&other, self].map(|portrait| trace::<R>(portrait.inertia));
+        demand_same(other.inertia == self.inertia, traces)?;
+        demand_same(
+            other == *self,
+            [other.bounding_radius, self.bounding_radius],
         )
     }
+}
+
+fn trace<R: Real>(inertia: R::Mat3) -> R {
+    let [x, y, z] = inertia.columns();
+    x.x() + y.y() + z.z()
 }
 
 /// Hash of the contacts by FNV-1a.

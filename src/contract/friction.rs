@@ -1,10 +1,14 @@
 //! Requirements of a friction law.
 
+mod derivatives;
+
 use super::plan::{CheckPlan, across, cube_directions, unit};
 use super::{
     Input, Requirement, Violation, cannot_be, demand, demand_at_least, demand_at_most,
     demand_finite, ulps, wide,
 };
+use derivatives::{Slide, inward};
+
 use crate::friction::{LawOfSurface, SlidingFriction};
 use crate::real::{Real, Vector};
 
@@ -40,6 +44,9 @@ pub struct FrictionRange<R: Real = f64> {
 /// - `jacobian` has no negative number, a width above 0 and a growth of at most 1. Its coefficient
 ///   is `-force · slip/slip²` to the square root of the rounding, since it only controls an
 ///   iteration.
+/// - The other numbers of `jacobian` are the derivatives of the coefficient, as differences of the
+///   force show them to 32 square roots of the rounding. A growth that would be below 0 or above 1
+///   is 0 or 1. Where a derivative jumps, any value between its two limits is right.
 ///
 /// ```
 /// use tumble::contract::{CheckPlan, FrictionRange, check_friction};
@@ -105,6 +112,11 @@ fn check_law<R: Real>(
 /// violation shows in large numbers.
 const SHARES: [f64; 7] = [1.0, 0.3, 1e-2, 1e-4, 1e-8, 1e-12, 0.0];
 
+/// Largest force (N) whose square underflows, so that it has no length: 1e-19 N in f32.
+fn unresolved<R: Real>() -> R {
+    R::TWO / R::MAX.sqrt()
+}
+
 struct Check<'a, R: Real, F: ?Sized> {
     friction: &'a F,
     normal: R::Vec3,
@@ -150,10 +162,12 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         let bound = size * speed * ulps(4.0);
         demand_at_most(force.dot(slip), bound, Requirement::Opposes, input)?;
         let lifted = force.dot(self.normal).abs();
-        demand_at_most(lifted, size * ulps(16.0), Requirement::InSurface, input)?;
+        let bound = size * ulps(16.0) + unresolved();
+        demand_at_most(lifted, bound, Requirement::InSurface, input)?;
         self.same_everywhere(load, slip, force)?;
         self.turning_at(load, slip)?;
-        self.jacobian_at(load, slip, force)
+        self.jacobian_at(load, slip, force)?;
+        self.derivatives_at(load * inward(), slip * inward())
     }
 
     fn same_everywhere(&self, load: R, slip: R::Vec3, force: R::Vec3) -> Result<(), Violation> {
@@ -210,10 +224,20 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         if speed > R::ZERO {
             let braking = -(force.dot(slip) / speed);
             let off = (jacobian.coefficient * speed - braking).abs();
-            let bound = (braking + force.length()) * R::EPSILON.sqrt();
+            let bound = (braking + force.length()) * R::EPSILON.sqrt() + unresolved();
             demand_at_most(off, bound, fits, input)?;
         }
         Ok(())
+    }
+
+    fn derivatives_at(&self, load: R, slip: R::Vec3) -> Result<(), Violation> {
+        let slide = Slide {
+            friction: self.friction,
+            position: self.position,
+            load,
+            slip,
+        };
+        slide.check(|| self.input(load, slip))
     }
 }
 

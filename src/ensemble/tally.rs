@@ -385,7 +385,11 @@ mod saved {
             require(
                 has_first,
                 "the lowest toss numbers are listed, in the ranges",
-            )
+            )?;
+            let mut first: Vec<u64> = counts().flat_map(|count| &count.first).copied().collect();
+            first.sort_unstable();
+            let is_once = first.windows(2).all(|pair| pair[0] < pair[1]);
+            require(is_once, "a toss is counted once")
         }
     }
 }
@@ -457,5 +461,38 @@ mod tests {
         let mut twice = tally(&[decided(1), decided(1)]);
         twice.decided[0].1.first[1] = 0;
         assert!(!loads(&twice));
+    }
+
+    #[test]
+    #[cfg(feature = "serde")]
+    fn a_toss_with_two_endings_is_refused() {
+        let mut both = tally(&[decided(1), Ending::Outcome(Outcome::Undecided)]);
+        both.undecided.first[0] = 0;
+        let text = serde_json::to_string(&both).unwrap();
+        let error = serde_json::from_str::<Tally<u8>>(&text).unwrap_err();
+        assert!(
+            error.to_string().contains("a toss is counted once"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn parts_that_share_tosses_are_refused_with_the_range_that_they_share() {
+        let part = |range: Range<u64>| {
+            let mut part = tally(&[]);
+            let played = range.clone().map(|_| Played {
+                ending: decided(1),
+                records: Vec::new(),
+            });
+            part.add(range.clone(), played.collect());
+            part
+        };
+        let whole = part(10..20);
+        for (other, shared) in [(19..25, 19..20), (12..13, 12..13), (0..30, 10..20)] {
+            let error = whole.clone().merge(&part(other)).unwrap_err();
+            let Range { start, end } = shared;
+            assert_eq!(error, EnsembleError::Overlap { start, end });
+        }
+        assert!(whole.clone().merge(&part(20..21)).is_ok());
     }
 }

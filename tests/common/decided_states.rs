@@ -421,7 +421,7 @@ pub(crate) fn follow<R: Real>(kind: usize, start: Start, number: u64, tally: &mu
 pub(crate) fn cuboid<R: Real>(throw: &Throw, draw: &mut Draw) -> Cuboid<R> {
     let mut edge = || throw.radius * draw.between(0.4, 1.0);
     let edges = vector::<R>(DVec3::new(edge(), edge(), edge()));
-    let mut load = MassProperties::cuboid(R::from_f64(throw.mass), edges);
+    let mut load = MassProperties::cuboid(R::from_f64(throw.mass), edges).unwrap();
     load.centre_of_mass = vector::<R>(draw.direction() * draw.between(0.0, 0.1) * throw.radius);
     let round = throw.radius * draw.between(0.0, 0.05);
     Cuboid::loaded(edges, load).rounded(R::from_f64(round))

@@ -423,7 +423,7 @@ fn a_composite_needs_a_mass_distribution_that_can_be_and_a_contact() {
     refuses("an entry of the inertia tensor", limits, " kg m²", |z| {
         of(1.0, DVec3::ZERO, z)
     });
-    let ball = MassProperties::ball(1.0, 0.5);
+    let ball = MassProperties::ball(1.0, 0.5).unwrap();
     assert_eq!(
         Solid::new(ball, []).unwrap_err().to_string(),
         "number of contacts must be at least 1, got 0"
@@ -431,7 +431,7 @@ fn a_composite_needs_a_mass_distribution_that_can_be_and_a_contact() {
     refuses("radius of a contact point", AT_LEAST_ZERO, " m", |radius| {
         let position = DVec3::X;
         Solid::new(
-            MassProperties::ball(1.0, 0.5),
+            MassProperties::ball(1.0, 0.5).unwrap(),
             [ContactPoint { position, radius }],
         )
     });
@@ -2479,7 +2479,9 @@ impl Anything {
         let _ = coin.contacts_below(plane.normal, plane.height);
         let _ = self.live_with(&coin);
         let places: Vec<_> = points.clone().map(|point| point.position).collect();
-        let part = MassProperties::cone(mass, radius, thickness).turned(self.state().rotation());
+        let part = MassProperties::cone(mass, radius, thickness)
+            .unwrap()
+            .turned(self.state().rotation());
         let hull = MassProperties::hull(mass, &places)
             .unwrap_or(part)
             .with(&part);

@@ -30,7 +30,7 @@ type Parts<'a> = (
 /// Bodies of 1 kg and some 0.3 m.
 fn bodies() -> Named<dyn RigidPointBody> {
     let edges = DVec3::new(0.3, 0.4, 0.5);
-    let ball = |radius: f64| MassProperties::ball(1.0, radius);
+    let ball = |radius: f64| MassProperties::ball(1.0, radius).unwrap();
     let corners = [
         DVec3::new(0.3, 0.0, 0.1),
         DVec3::new(-0.2, 0.3, 0.0),

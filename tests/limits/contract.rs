@@ -1550,7 +1550,9 @@ impl RigidPointBody for Flattened {
         2.0
     }
     fn inertia(&self) -> DMat3 {
-        MassProperties::ellipsoid(2.0, self.semi_axes).inertia
+        MassProperties::ellipsoid(2.0, self.semi_axes)
+            .unwrap()
+            .inertia
     }
     fn contacts(&self) -> &[ContactPoint] {
         const WITHIN: [ContactPoint; 1] = [ContactPoint {

@@ -322,8 +322,9 @@ fn checked_friction() -> Recorded<Coulomb> {
 #[test]
 fn a_friction_law_is_tried_at_loads_slips_and_places_of_the_whole_range() {
     let friction = checked_friction();
-    let calls: Vec<[f64; 7]> = friction.arguments_of(Method::Friction);
-    assert_eq!(friction.arguments_of::<7>(Method::Jacobian), calls);
+    // The force is evaluated there too, and beside for its differences.
+    let calls: Vec<[f64; 7]> = friction.arguments_of(Method::Jacobian);
+    assert!(friction.arguments_of::<7>(Method::Friction).len() > 4 * calls.len());
     let paths: Vec<_> = (calls.iter())
         .map(|&[x, y, z, ..]| (DVec3::new(x, y, z) - FRICTION.centre) / FRICTION.size)
         .collect();
@@ -346,7 +347,7 @@ fn a_friction_law_is_tried_at_loads_slips_and_places_of_the_whole_range() {
 #[test]
 fn slips_lie_in_the_surface_in_all_its_directions() {
     let friction = checked_friction();
-    let calls: Vec<[f64; 7]> = friction.arguments_of(Method::Friction);
+    let calls: Vec<[f64; 7]> = friction.arguments_of(Method::Jacobian);
     let slips: Vec<_> = (calls.iter())
         .map(|&[.., x, y, z]| DVec3::new(x, y, z))
         .collect();

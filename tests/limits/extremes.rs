@@ -516,17 +516,23 @@ impl Case {
                 ))
             }
             SolidKind::LoadedSphere => {
-                let ball = MassProperties::ball(mass, size).at(place(0.2, 0.0, -0.3));
+                let ball = MassProperties::ball(mass, size)
+                    .unwrap()
+                    .at(place(0.2, 0.0, -0.3));
                 Box::new(Sphere::loaded(size, ball))
             }
             SolidKind::RoundDie => {
                 let edges = place(1.0, 1.0, 1.0);
-                let heavy = MassProperties::cuboid(mass, edges).at(place(0.0, 0.1, 0.05));
+                let heavy = MassProperties::cuboid(mass, edges)
+                    .unwrap()
+                    .at(place(0.0, 0.1, 0.05));
                 Box::new(Cuboid::loaded(edges, heavy).rounded(size * R::from_f64(0.1)))
             }
             SolidKind::Egg => {
                 let semi_axes = place(1.0, 0.7, 0.5);
-                let egg = MassProperties::ellipsoid(mass, semi_axes).at(place(0.1, 0.0, -0.05));
+                let egg = MassProperties::ellipsoid(mass, semi_axes)
+                    .unwrap()
+                    .at(place(0.1, 0.0, -0.05));
                 Box::new(Ellipsoid::loaded(semi_axes, egg))
             }
             SolidKind::Disc => Box::new(Disc::solid(mass, size, 120)),

@@ -57,8 +57,8 @@ proptest! {
 
     #[test]
     fn a_box_is_eight_boxes_of_half_its_edges(mass in log_uniform(1e-3, 1e3), edges in edges()) {
-        let whole = MassProperties::cuboid(mass, edges);
-        let eighth = MassProperties::cuboid(mass / 8.0, edges / 2.0);
+        let whole = MassProperties::cuboid(mass, edges).unwrap();
+        let eighth = MassProperties::cuboid(mass / 8.0, edges / 2.0).unwrap();
         let parts = corners(edges / 2.0).map(|place| eighth.at(place));
         let (first, rest) = parts.split_first().unwrap();
         let built = rest.iter().fold(*first, |body, part| body.with(part));
@@ -69,7 +69,7 @@ proptest! {
     fn a_box_has_the_moments_of_eight_points_of_its_hull_and_of_its_triangles(
         mass in log_uniform(1e-3, 1e3), edges in edges(), turn in orientations(), way in directions(),
     ) {
-        let whole = turned(MassProperties::cuboid(mass, edges).at(way), turn);
+        let whole = turned(MassProperties::cuboid(mass, edges).unwrap().at(way), turn);
         let place = |p: DVec3| turn * (p + way);
         let points = MassProperties::points(&eight_points(edges).map(place), &[mass / 8.0; 8]).unwrap();
         agree(&whole, &points, 2.0).map_err(TestCaseError::fail)?;
@@ -87,7 +87,7 @@ proptest! {
     fn the_moments_do_not_depend_on_the_axes_in_which_a_body_is_given(
         edges in edges(), turn in orientations(), way in directions(),
     ) {
-        let own = MassProperties::cuboid(1.0, edges).with(&MassProperties::ball(0.3, 0.2).at(way * 0.5));
+        let own = MassProperties::cuboid(1.0, edges).unwrap().with(&MassProperties::ball(0.3, 0.2).unwrap().at(way * 0.5));
         let other = turned(own, turn).at(way * 3.0);
         let moments = |body: &MassProperties| {
             let found = InertiaProperties::<f64>::new(body.mass, body.inertia).unwrap().moments();
@@ -101,9 +101,9 @@ proptest! {
 
     #[test]
     fn the_order_in_which_parts_are_joined_does_not_matter(a in edges(), b in edges(), way in directions(), turn in orientations()) {
-        let first = MassProperties::cuboid(1.0, a);
-        let second = turned(MassProperties::cuboid(3.0, b), turn).at(way);
-        let third = MassProperties::rod(0.1, 1.0).at(-way);
+        let first = MassProperties::cuboid(1.0, a).unwrap();
+        let second = turned(MassProperties::cuboid(3.0, b).unwrap(), turn).at(way);
+        let third = MassProperties::rod(0.1, 1.0).unwrap().at(-way);
         let one = first.with(&second).with(&third);
         let other = third.with(&first).with(&second);
         agree(&one, &other, 2.0).map_err(TestCaseError::fail)?;
@@ -212,9 +212,9 @@ fn a_ball_has_the_moments_of_six_points_on_its_axes() {
     ]
     .map(|p| p * d);
     let points = MassProperties::points(&places, &[0.5; 6]).unwrap();
-    agree(&MassProperties::ball(3.0, 0.3), &points, 0.3).unwrap();
+    agree(&MassProperties::ball(3.0, 0.3).unwrap(), &points, 0.3).unwrap();
     agree(
-        &MassProperties::ellipsoid(3.0, DVec3::splat(0.3)),
+        &MassProperties::ellipsoid(3.0, DVec3::splat(0.3)).unwrap(),
         &points,
         0.3,
     )
@@ -227,9 +227,15 @@ fn a_shell_is_what_a_thinner_ball_leaves_of_a_ball() {
     // and its mass r³ - s³: 2/3 m r² as s goes to r, with an error of first order.
     let error = |gap: f64| {
         let hole = 1.0 - gap;
-        let ball = MassProperties::ball(1.0, 1.0);
-        let rest = ball.with(&MassProperties::ball(-hole.powi(3), hole));
-        rest.inertia.x_axis.x / MassProperties::shell(rest.mass, 1.0).inertia.x_axis.x - 1.0
+        let ball = MassProperties::ball(1.0, 1.0).unwrap();
+        let rest = ball.with(&MassProperties::ball(-hole.powi(3), hole).unwrap());
+        rest.inertia.x_axis.x
+            / MassProperties::shell(rest.mass, 1.0)
+                .unwrap()
+                .inertia
+                .x_axis
+                .x
+            - 1.0
     };
     assert!((error(1e-3) / 1e-3 + 1.0).abs() < 1e-2, "{}", error(1e-3));
     assert!((error(1e-4) / 1e-4 + 1.0).abs() < 1e-3, "{}", error(1e-4));
@@ -251,17 +257,18 @@ fn a_capsule_is_a_cylinder_between_half_balls() {
         inertia: DMat3::from_diagonal(DVec3::new(across, across, moment)),
     };
     let built = MassProperties::cylinder(tube, radius, length)
+        .unwrap()
         .with(&half_ball(1.0))
         .with(&half_ball(-1.0));
     agree(
-        &MassProperties::capsule(tube + 2.0 * cap, radius, length),
+        &MassProperties::capsule(tube + 2.0 * cap, radius, length).unwrap(),
         &built,
         1.0,
     )
     .unwrap();
     agree(
-        &MassProperties::capsule(2.0, 0.3, 0.0),
-        &MassProperties::ball(2.0, 0.3),
+        &MassProperties::capsule(2.0, 0.3, 0.0).unwrap(),
+        &MassProperties::ball(2.0, 0.3).unwrap(),
         0.3,
     )
     .unwrap();
@@ -369,7 +376,9 @@ fn opposite_sides_of_a_die_make_seven_and_each_number_comes_once() {
 #[test]
 fn every_body_passes_its_contract() {
     let blank = ContactPoint::default();
-    let egg = MassProperties::ball(1.0, 0.3).at(DVec3::new(0.01, -0.02, 0.1));
+    let egg = MassProperties::ball(1.0, 0.3)
+        .unwrap()
+        .at(DVec3::new(0.01, -0.02, 0.1));
     let tetrahedron = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO];
     let bodies: [Box<dyn RigidPointBody>; 18] = [
         Box::new(Sphere::solid(1.0, 0.3)),
@@ -523,7 +532,9 @@ macro_rules! saved_and_loaded {
 fn a_body_that_is_saved_and_loaded_has_the_same_bits_and_must_be_valid() {
     use tumble::{Coin, Disc, ThickDisc};
     let (mass, radius, edges) = (0.37, 0.123_456_789, DVec3::new(0.3, 0.1, 0.7));
-    let loaded = MassProperties::ball(mass, radius).at(DVec3::new(0.01, -0.02, 0.03));
+    let loaded = MassProperties::ball(mass, radius)
+        .unwrap()
+        .at(DVec3::new(0.01, -0.02, 0.03));
     saved_and_loaded!(Coin, Coin::ring(mass, radius), "/mass");
     saved_and_loaded!(SolidCoin, SolidCoin::new(mass, radius, 0.017), "/thickness");
     saved_and_loaded!(Disc, Disc::ring(mass, radius, 77), "/mass");
@@ -573,7 +584,9 @@ fn a_body_with_contacts_of_its_own_is_saved_with_them() {
     saved_and_loaded!(PointCloud<f64, [ContactPoint; 4]>, tetrahedron, "/mass");
     let cloud = PointCloud::with_storage(contacts.to_vec(), &masses).unwrap();
     saved_and_loaded!(PointCloud<f64, Vec<ContactPoint>>, cloud, "/mass");
-    let ball = MassProperties::ball(0.37, 0.2).at(DVec3::new(0.01, -0.02, 0.03));
+    let ball = MassProperties::ball(0.37, 0.2)
+        .unwrap()
+        .at(DVec3::new(0.01, -0.02, 0.03));
     let solid = Solid::new(ball, contacts).unwrap();
     saved_and_loaded!(Solid<f64, [ContactPoint; 4]>, solid, "/distribution/mass");
     let text = serde_json::to_string(&solid).unwrap();

@@ -43,7 +43,9 @@ proptest! {
 
 #[test]
 fn an_ellipsoid_with_equal_axes_is_a_sphere() {
-    let distribution = MassProperties::ball(0.5, 0.1).at(DVec3::new(0.01, 0.0, -0.03));
+    let distribution = MassProperties::ball(0.5, 0.1)
+        .unwrap()
+        .at(DVec3::new(0.01, 0.0, -0.03));
     let start = State::at(DVec3::Z * 0.2)
         .with_rotation_vector(DVec3::new(0.3, 0.2, 0.0))
         .with_linear_velocity(DVec3::new(0.5, 0.1, 0.0))
@@ -117,7 +119,9 @@ fn an_ellipsoid_rocks_at_the_rate_of_its_curvature() {
 fn the_orders_are_those_of_fixed_contacts() {
     let egg = Ellipsoid::loaded(
         DVec3::new(0.15, 0.1, 0.08),
-        MassProperties::ellipsoid(0.5, DVec3::new(0.15, 0.1, 0.08)).at(DVec3::new(0.02, 0.0, 0.01)),
+        MassProperties::ellipsoid(0.5, DVec3::new(0.15, 0.1, 0.08))
+            .unwrap()
+            .at(DVec3::new(0.02, 0.0, 0.01)),
     );
     let laws = (
         FlatGround::level(500.0, 0.5),
@@ -185,7 +189,7 @@ impl<const COUNT: usize> RigidPointBody for Ball<COUNT> {
         0.5
     }
     fn inertia(&self) -> DMat3 {
-        MassProperties::ball(0.5, 0.1).inertia
+        MassProperties::ball(0.5, 0.1).unwrap().inertia
     }
     fn contacts(&self) -> &[ContactPoint] {
         &self.0

@@ -118,7 +118,9 @@ impl RigidPointBody for Pebble {
         0.04
     }
     fn inertia(&self) -> DMat3 {
-        MassProperties::ellipsoid(0.04, DVec3::new(0.03, 0.02, 0.025)).inertia
+        MassProperties::ellipsoid(0.04, DVec3::new(0.03, 0.02, 0.025))
+            .unwrap()
+            .inertia
     }
     fn contacts(&self) -> &[ContactPoint] {
         &self.middle
@@ -140,7 +142,9 @@ impl RigidPointBody for Pebble {
 /// its size, m.
 fn bodies() -> Vec<(&'static str, f64, Box<dyn RigidPointBody>)> {
     let semi_axes = DVec3::new(0.09, 0.12, 0.07);
-    let load = MassProperties::ball(0.7, 0.04).at(DVec3::new(-0.01, 0.015, 0.008));
+    let load = MassProperties::ball(0.7, 0.04)
+        .unwrap()
+        .at(DVec3::new(-0.01, 0.015, 0.008));
     let pebble = Pebble {
         middle: [ContactPoint {
             position: DVec3::new(-0.003, 0.002, 0.004),

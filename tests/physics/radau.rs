@@ -477,3 +477,39 @@ fn a_touch_down_that_rounding_blurs_is_mostly_passed_in_single_precision() {
     assert!(failed[0] * 50 < count, "{failed:?} of {count}");
     assert!(failed[1] * 20 < count, "{failed:?} of {count}");
 }
+
+/// The inverse of these durations, with the factors of the method, overflows.
+#[test]
+fn a_run_of_hardly_any_time_moves_the_body_by_its_velocity() {
+    for seconds in [1e-290, 1e-307, 1e-308, 1e-310, 5e-324] {
+        for height in [1.0, RADIUS - 1e-3] {
+            let body = Cuboid::solid(MASS, DVec3::splat(2.0 * RADIUS));
+            let stepper = on_level_ground(body, 1e-6, Radau5::new(1e-6));
+            let start = State::at(DVec3::Z * height).with_linear_velocity(DVec3::X);
+            let mut session = stepper.session(start);
+            session.advance(seconds).unwrap();
+            let moved = session.state().position.x;
+            assert!(
+                (moved / seconds - 1.0).abs() < 1e-9,
+                "{seconds:e}: {moved:e}"
+            );
+            let change = (session.state().linear_velocity - DVec3::X).length();
+            assert!(change <= 1e3 * seconds, "{seconds:e}: {change:e}");
+        }
+    }
+    for seconds in [1e-30_f32, 1e-37, 1e-38, 1e-45] {
+        let stepper = Stepper::builder(Sphere::solid(0.5_f32, 0.1))
+            .gravity(UniformGravity::down(9.8_f32))
+            .ground(FlatGround::level(1e5_f32, 50.0))
+            .integrator(Radau5::new(1e-4_f32))
+            .build()
+            .unwrap();
+        let mut session = stepper.session(State::at(Vec3::Z).with_linear_velocity(Vec3::X));
+        session.advance(seconds).unwrap();
+        let moved = session.state().position.x;
+        assert!(
+            (moved / seconds - 1.0).abs() < 1e-5,
+            "{seconds:e}: {moved:e}"
+        );
+    }
+}

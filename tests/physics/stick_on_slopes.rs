@@ -52,7 +52,9 @@ fn set_down<R: Real>(slip_speed: f64) -> Rest {
 
         let vector = |[x, y, z]: [f64; 3]| R::Vec3::new(real(x), real(y), real(z));
         let off = [0.1 * edges[0] * (part(8) - 0.5), 0.0, 0.0];
-        let load = MassProperties::cuboid(real(mass), vector(edges)).at(vector(off));
+        let load = MassProperties::cuboid(real(mass), vector(edges))
+            .unwrap()
+            .at(vector(off));
         let body = Cuboid::<R>::loaded(vector(edges), load);
         let normal = vector([slope.sin(), 0.0, slope.cos()]);
         let ground = FlatGround::level(real(stiffness), real(damping));

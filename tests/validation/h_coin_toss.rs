@@ -410,7 +410,7 @@ fn planar_nickels() -> Figure {
     let edges = DVec3::new(coin.thickness(), 2.0 * coin.radius(), 0.02);
     let load = MassProperties {
         inertia: coin.inertia(),
-        ..MassProperties::cuboid(coin.mass(), edges)
+        ..MassProperties::cuboid(coin.mass(), edges).unwrap()
     };
     // Its z axis stays level. Two corners at the same height carry it together.
     let table = bouncing(Cuboid::loaded(edges, load), 2, 0.5, [1e-2, 1e-8]);

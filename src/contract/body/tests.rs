@@ -212,6 +212,42 @@ fn a_contact_that_moves_is_told_as_a_body_that_changes() {
     assert_eq!(check_below(&body, &first, DVec3::Z, -2.0), Ok(()));
 }
 
+/// A body whose mass is a function of the number of calls, with the inertia of that mass.
+struct Weighs(fn(u32) -> f64, Cell<u32>, [ContactPoint; 1]);
+
+impl RigidPointBody for Weighs {
+    fn mass(&self) -> f64 {
+        (self.0)(self.1.replace(self.1.get() + 1))
+    }
+    fn inertia(&self) -> DMat3 {
+        DMat3::IDENTITY * self.mass()
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        &self.2
+    }
+}
+
+#[test]
+fn a_mass_that_changes_from_call_to_call_is_told() {
+    let check = |mass| {
+        let body = Weighs(mass, Cell::new(0), [point(0.0, 0.0, 0.0, 1.0)]);
+        check_body(&body, CheckPlan::default())
+    };
+    assert_eq!(check(|_| 1.0), Ok(()));
+    // One that changes at each call, at every third, at the second, and late.
+    let masses: [fn(u32) -> f64; 4] = [
+        |call| 1.0 + f64::from(call % 2),
+        |call| 1.0 + f64::from(u8::from(call % 3 == 0)),
+        |call| 1.0 + f64::from(u8::from(call > 0)),
+        |call| 1.0 + f64::from(u8::from(call > 100)),
+    ];
+    for mass in masses {
+        let found = check(mass).expect_err("a change");
+        assert_eq!(found.requirement, Requirement::Rigid, "{found}");
+        assert!((found.value - found.bound).abs() >= 1.0, "{found}");
+    }
+}
+
 #[test]
 fn the_hash_of_contacts_follows_each_bit_of_each_number() {
     let contacts = [point(1.0, 0.0, -3.0, 0.5), point(0.0, 0.25, 7.0, 0.0)];

@@ -35,9 +35,13 @@ impl SlidingFriction for Given {
         (self.force)(normal_force, slip) + (self.at)(position)
     }
     fn jacobian(&self, normal_force: f64, slip: DVec3) -> FrictionJacobian {
+        let speed = slip.length().max(1e-9);
+        let coefficient = (self.force)(normal_force, slip).length() / speed;
         FrictionJacobian {
-            coefficient: (self.force)(normal_force, slip).length() / slip.length().max(1e-9),
-            ..FrictionJacobian::NONE
+            coefficient,
+            per_load: coefficient / normal_force,
+            width: speed,
+            growth: 1.0,
         }
     }
     fn rolling_resistance(&self, normal_force: f64) -> Option<RollingResistance> {

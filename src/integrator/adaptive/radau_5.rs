@@ -35,7 +35,7 @@ use crate::integrator::point::Point;
 use crate::real::Real;
 use crate::scene::{Dynamics, turned_freely};
 use jacobian::Jacobian;
-use stages::{Equations, Increments, STAGES, WEIGHTS, differences};
+use stages::{Equations, Increments, NODES, STAGES, WEIGHTS, differences};
 
 /// Radau's implicit method of order 5 with a tolerance: for bodies that stick or roll at a small
 /// slip speed, and for stiff ground.
@@ -139,6 +139,9 @@ impl<R: Real> Formula<R, STAGES> for RadauIIA {
             seconds,
             ..
         } = *planned;
+        if !has_equations(seconds) {
+            return Some(straight(scene, start, seconds, load));
+        }
         let jacobian = Jacobian::at(scene, &start.motion, start.point.angular_momentum);
         let equations = Equations::of(&jacobian, start.point.orientation, seconds);
         let evaluations = core::cell::Cell::new(1);
@@ -172,6 +175,30 @@ impl<R: Real> Formula<R, STAGES> for RadauIIA {
         });
         report.evaluations += evaluations.get() + 1;
         attempt
+    }
+}
+
+/// Returns false for a step so short that the coefficients of its equations, which have the inverse
+/// of its size, would overflow.
+fn has_equations<R: Real>(seconds: R) -> bool {
+    seconds * (R::MAX * R::from_f64(1.0 / 16.0)) > R::ONE
+}
+
+/// Step along the slope at its start. Its error, in proportion to the square of the step size,
+/// underflows in a step without equations.
+fn straight<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    start: &Place<R>,
+    seconds: R,
+    load: impl Fn(&Motion<R>) -> Load<R>,
+) -> Attempt<R, STAGES> {
+    let increments = NODES.map(|node| start.slope.scaled(seconds * R::from_f64(node)));
+    let end = end_of(scene, start, &increments, seconds, load);
+    Attempt {
+        end,
+        motions: increments.map(|z| start.point.plus(&z, R::ONE).motion(scene)),
+        difference: start.slope.scaled(R::ZERO),
+        left_out: left_out(&start.point, &end.point),
     }
 }
 

@@ -403,16 +403,16 @@ fn first<R: Bits>(play: &mut PlayFirst<'_, R>) -> Result<(), SceneError> {
         ],
     )?;
     let turn = Rotation::<R>::from_rotation_vector(vector::<R>(0.3, -0.2, 0.5));
-    let heavy = MassProperties::cuboid(real(1.0), edges)
-        .with(&MassProperties::capsule(real(0.2), real(0.02), real(0.1)).turned(turn))
-        .with(&MassProperties::cone(real(0.3), real(0.05), real(0.1)))
+    let heavy = MassProperties::cuboid(real(1.0), edges)?
+        .with(&MassProperties::capsule(real(0.2), real(0.02), real(0.1))?.turned(turn))
+        .with(&MassProperties::cone(real(0.3), real(0.05), real(0.1))?)
         .with(&hull);
     let loaded_die = Cuboid::loaded(edges, heavy).rounded(real(0.04));
     let cone = Cone::solid(real(1.0), real(0.2), real(0.4));
-    let load = MassProperties::ball(real(1.0), real(0.25)).at(vector::<R>(0.0, 0.0, -0.08));
+    let load = MassProperties::ball(real(1.0), real(0.25))?.at(vector::<R>(0.0, 0.0, -0.08));
     let loaded_sphere = Sphere::loaded(real(0.3), load);
     let semi_axes = vector::<R>(0.3, 0.2, 0.15);
-    let load = MassProperties::ellipsoid(real(1.0), semi_axes);
+    let load = MassProperties::ellipsoid(real(1.0), semi_axes)?;
     let egg = Ellipsoid::loaded(semi_axes, load.at(vector::<R>(0.02, 0.0, -0.01)));
 
     let level = |stiffness, damping| FlatGround::level(real(stiffness), real(damping));

@@ -461,7 +461,7 @@ fn others<R: Saved>(kind: u8, input: &mut Input<'_>) {
         }
         7 => {
             let body = Sphere::solid(R::ONE, R::HALF);
-            let masses = MassProperties::ball(R::ONE, body.radius());
+            let masses = MassProperties::ball(R::ONE, body.radius()).unwrap();
             let masses = loaded::<MassProperties<R>>(&masses, input);
             if let Some(solid) = masses
                 .and_then(|masses| Solid::new(masses, vec![ContactPoint::<R>::default()]).ok())

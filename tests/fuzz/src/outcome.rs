@@ -185,7 +185,9 @@ fn stays_decided_in<R: Real>(input: &mut Input<'_>) {
         }
         3 => {
             let (edges, rounding) = (input.sizes::<R>(1e-2, 0.2), input.size(1e-4, 1e-2));
-            let masses = MassProperties::cuboid(mass, edges).at(input.vector::<R>(1e-4, 1e-2));
+            let masses = MassProperties::cuboid(mass, edges)
+                .unwrap()
+                .at(input.vector::<R>(1e-4, 1e-2));
             stays_decided(input, &Cuboid::loaded(edges, masses).rounded(rounding));
         }
         4 => {

@@ -76,14 +76,14 @@ fn contacts<R: Real>(input: &mut Input<'_>) -> Vec<ContactPoint<R>> {
 fn simple_masses<R: Real>(input: &mut Input<'_>) -> Result<MassProperties<R>, SceneError> {
     let mass = mass(input);
     Ok(match input.below(13) {
-        0 => MassProperties::ball(mass, length(input)),
-        1 => MassProperties::shell(mass, length(input)),
-        2 => MassProperties::cuboid(mass, input.sizes::<R>(1e-2, 1.0)),
-        3 => MassProperties::cylinder(mass, length(input), length(input)),
-        4 => MassProperties::cone(mass, length(input), length(input)),
-        5 => MassProperties::capsule(mass, length(input), length(input)),
-        6 => MassProperties::ellipsoid(mass, input.sizes::<R>(1e-2, 1.0)),
-        7 => MassProperties::rod(mass, length(input)),
+        0 => MassProperties::ball(mass, length(input))?,
+        1 => MassProperties::shell(mass, length(input))?,
+        2 => MassProperties::cuboid(mass, input.sizes::<R>(1e-2, 1.0))?,
+        3 => MassProperties::cylinder(mass, length(input), length(input))?,
+        4 => MassProperties::cone(mass, length(input), length(input))?,
+        5 => MassProperties::capsule(mass, length(input), length(input))?,
+        6 => MassProperties::ellipsoid(mass, input.sizes::<R>(1e-2, 1.0))?,
+        7 => MassProperties::rod(mass, length(input))?,
         8 => MassProperties::point(mass),
         9 => {
             let points = points::<R>(input);

@@ -171,9 +171,9 @@ pub fn probe_solids(
     let edges = parameters.plane.normal;
     let hull = MassProperties::hull(mass, places).ok()?;
     let mesh = MassProperties::mesh(mass, places, triangles).ok()?;
-    let parts = MassProperties::capsule(mass, radius, radius)
-        .with(&MassProperties::cone(mass, radius, radius).turned(state.rotation()))
-        .with(&MassProperties::ellipsoid(mass, edges).at(edges))
+    let parts = MassProperties::capsule(mass, radius, radius).ok()?
+        .with(&MassProperties::cone(mass, radius, radius).ok()?.turned(state.rotation()))
+        .with(&MassProperties::ellipsoid(mass, edges).ok()?.at(edges))
         .with(&hull)
         .with(&mesh);
     let coin = SolidCoin::new_with_storage(&mut *room, mass, radius, radius);

@@ -66,7 +66,7 @@ impl Exhibit {
             Some(3) => die(),
             Some(4) => tippe_top(),
             Some(5) => egg(),
-            Some(6) => rattleback(),
+            Some(6) => rattleback()?,
             _ => {
                 return Err(PageError::Unknown {
                     kind,
@@ -221,9 +221,9 @@ fn egg() -> Exhibit {
 
 /// Stone of Garcia & Hubbard (Proc. R. Soc. Lond. A 418, 165, 1988): an ellipsoid whose mass is
 /// rotated by 8 degrees relative to its shape.
-fn rattleback() -> Exhibit {
+fn rattleback() -> Result<Exhibit, SceneError> {
     let semi_axes = DVec3::new(0.2, 0.03, 0.02);
-    let solid = MassProperties::ellipsoid(1.0, semi_axes);
+    let solid = MassProperties::ellipsoid(1.0, semi_axes)?;
     let askew = tumble::f64::Rotation::from_rotation_vector(DVec3::Z * 8.0_f64.to_radians());
     let body = Ellipsoid::loaded(semi_axes, solid.turned(askew));
     let parameters = Parameters {
@@ -237,7 +237,7 @@ fn rattleback() -> Exhibit {
         spin: -4.0,
         ..Parameters::REPORT
     };
-    upright(Body::Smooth(body), parameters)
+    Ok(upright(Body::Smooth(body), parameters))
 }
 
 /// Evaluates the same expression with the body of each variant.

@@ -21,6 +21,9 @@ use crate::rotation::Rotation;
 /// Number of stages.
 pub(super) const STAGES: usize = 3;
 
+/// Times of the stages as fractions `c` of the step: `(4 ∓ √6)/10` and 1.
+pub(super) const NODES: [f64; STAGES] = [0.155_051_025_721_682_2, 0.644_948_974_278_317_8, 1.0];
+
 /// Weights of the slopes in the result: the last row of `a`.
 pub(super) const WEIGHTS: [f64; STAGES] =
     [0.376_403_062_700_467_25, 0.512_485_826_188_421_6, 1.0 / 9.0];
