@@ -73,16 +73,9 @@ impl<R: Real> RollingResistance<R> {
 /// - A torque about an axis without inertia (a [`Rod`](crate::Rod)) is left out by
 ///   `EnergyMomentum`. Explicit methods keep it as angular momentum, which deflects the body when
 ///   it tilts. The two differ there by some percent of the angular velocity, at any step size.
-/// - [`EnergyMomentum`](crate::EnergyMomentum) applies it in two halves, before and after each
-///   step, under the load at those moments. Its energy never increases. A bounce that is shorter
-///   than the step has no resistance.
-/// - On a slope, with `EnergyMomentum`, the creep of a solid ball is at least `15/7 · h g sin θ` at
-///   the step size h: friction returns in each step what the last half of the torque has taken from
-///   the rotation. [`Radau5`](crate::Radau5) has the creep of the law, and
-///   [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) takes short steps to reach it.
-/// - With `EnergyMomentum`, the path length of a ball that rolls to rest is of order 2. The speed
-///   after a step is that of half a step before, because friction passes on the last half of the
-///   torque in the next step. For a solid ball the error is `h/2 · 5/7 · rolling/radius · g`.
+/// - [`EnergyMomentum`](crate::EnergyMomentum) has the creep of the law at any step size, and a
+///   bounce within a step has the resistance of its mean load. If more than four directions of the
+///   ground resist at once, each contact resists as itself, but a step takes more iterations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WithResistance<F, R = f64> {

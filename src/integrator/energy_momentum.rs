@@ -6,21 +6,22 @@
 //! 1. `problem`, `gather`, `contacts`, `panels`, `touch`: the two momentum equations of the step,
 //!    the contacts that it may reach, and their mean forces along its path.
 //! 2. `newton`, `balance`, `stiffness`, `linear`: the solution of the equations (`block`, `level`:
-//!    its arithmetic; `hard`: contacts that the step does not resolve). Only the residual of that
+//!    its arithmetic; `hard`: contacts that the step does not resolve; `rolling`, `resistances`:
+//!    resistance to rolling and spinning, if the friction law has it). Only the residual of that
 //!    solution could increase the energy.
 //! 3. `end_velocity`, `resist`: end-velocity correction for steps that do not resolve friction or
-//!    damping. It uses impulses that only dissipate energy. `turning`: resistance to rolling and
-//!    spinning, if the friction law has it, half before and half after the step. `applied`: the
-//!    applied force, likewise.
+//!    damping. It uses impulses that only dissipate energy. `applied`: the applied force, half
+//!    before and half after the step.
 //! 4. `energy_limit`: a correction if the computed energy exceeds the energy before the step. In
 //!    flight, the rounding is corrected in the last places of the orientation, the height or the
 //!    speed (`flight_rounding`). In contact, both velocities are scaled down until the energy no
 //!    longer exceeds it. A body whose motion is below the rounding of its energy comes to rest.
 //! 5. Fallbacks if stage 2 or 4 fails. The first is `split` (dissipation, conservative motion,
-//!    dissipation), in which the springs harden in stages if necessary (`soften`). The second is a
-//!    divided step, down to sixteenths. The third is `descent`, a step downhill as far as the
-//!    energy allows. In the last one time passes and the body stays. Each end passes through stage
-//!    4. The induction from step to step therefore needs no assumption on convergence.
+//!    dissipation; `turning`: resistance to rolling and spinning), in which the springs harden in
+//!    stages if necessary (`soften`). The second is a divided step, down to sixteenths. The third is
+//!    `descent`, a step downhill as far as the energy allows. In the last one time passes and the
+//!    body stays. Each end passes through stage 4. The induction from step to step therefore needs
+//!    no assumption on convergence.
 
 mod answer;
 mod applied;
@@ -39,7 +40,9 @@ mod newton;
 mod panels;
 mod problem;
 mod resist;
+mod resistances;
 mod reversal;
+mod rolling;
 mod shared;
 mod soften;
 mod split;
@@ -66,6 +69,8 @@ use gather::gather;
 pub(in crate::integrator) use linear::{Factored, SixBySix};
 use panels::FOR_RIMS;
 use problem::Problem;
+use rolling::Rolling;
+use shared::seen;
 use workspace::Memory;
 pub use workspace::Workspace;
 
@@ -328,13 +333,11 @@ fn move_on<R: Real, D: Dynamics<R>>(
     let mut energy = before;
     let mut step = Step::new(dt, 0);
     applied::pushed(scene, state, &mut energy, dt * R::HALF, &mut step)?;
-    turning::resisted(scene, state, &mut energy, dt * R::HALF, &mut step);
     move_in_parts(scene, state, &mut energy, dt, contacts, &mut step)?;
     let is_suspect = step.fallback || (step.iterations > 0 && dt > R::from_f64(LONG));
     if is_suspect && descent::is_unresolved(scene, &start, dt) {
         return Err(too_long(dt));
     }
-    turning::resisted(scene, state, &mut energy, dt * R::HALF, &mut step);
     applied::pushed(scene, state, &mut energy, dt * R::HALF, &mut step)?;
     if energy.springs > R::ZERO
         && energy_limit::has_come_to_rest(scene, [&start, state], [&before, &energy], dt)
@@ -545,18 +548,23 @@ fn whole<R: Real, D: Dynamics<R>>(
     let strain = newton::solve(problem, contacts, &mut trial, step)?;
     let mut end = problem.end_of(&trial);
     let strain = strain.of_step(problem);
+    let turning = Rolling::at(problem, contacts, &trial).and_then(|rolling| {
+        rolling.correction(problem, seen(problem.scene, &end).angular_velocity)
+    });
     let mut work = work::of_whole(problem, [&end; 2]);
-    if !strain.is_resolved() {
+    if !strain.is_resolved() || turning.is_some() {
         // The correction would take the energy that shows a false solution.
         if is_no_solution(problem, energy, &end) {
             return None;
         }
         let before = end;
-        end = end_velocity::corrected(problem, contacts, &trial, strain, &before);
+        let corrected = (strain, turning);
+        end = end_velocity::corrected(problem, contacts, &trial, corrected, &before);
         work = work::of_whole(problem, [&before, &end]);
     }
     let is_finite = end.not_finite().is_none();
-    is_finite.then(|| (end, strain.is_none(), work))
+    let is_lossless = strain.is_none() && !problem.resists_turning();
+    is_finite.then(|| (end, is_lossless, work))
 }
 
 /// Returns true if the end of a trial has gained too much energy for a solution of the step. It is

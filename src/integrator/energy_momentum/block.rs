@@ -96,6 +96,27 @@ impl<R: Real> Block<R> {
         }
     }
 
+    /// `1 - â + a aᵀ`: twice the derivative of a Cayley argument `a` with respect to a rotation of
+    /// the end of the step.
+    #[inline]
+    pub(super) fn by_turn(a: R::Vec3) -> Self {
+        Self::diagonal(R::ONE)
+            .plus(&Self::hat(-a))
+            .plus(&Self::outer(a, a))
+    }
+
+    /// Solves `self v = b` by Cramer's rule, for a matrix that is far from singular.
+    #[inline]
+    pub(super) fn solve(&self, b: R::Vec3) -> R::Vec3 {
+        let normal = self.y.cross(self.z);
+        let per = R::ONE / self.x.dot(normal);
+        R::Vec3::new(
+            b.dot(normal) * per,
+            self.x.dot(b.cross(self.z)) * per,
+            self.x.dot(self.y.cross(b)) * per,
+        )
+    }
+
     /// Returns the three rows.
     #[inline]
     pub(in crate::integrator) fn rows(&self) -> [R::Vec3; 3] {

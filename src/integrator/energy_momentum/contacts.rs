@@ -519,6 +519,20 @@ impl<R: Real> Contacts<R> {
         }
     }
 
+    /// Calls `visit` with each active contact of the last trial step, which was `trial`.
+    pub(super) fn visit_active<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        visit: &mut dyn FnMut(&Touch<R>),
+    ) {
+        let stored = self.stored().iter().filter(|touch| touch.push.is_active());
+        stored.for_each(&mut *visit);
+        if self.has_others() {
+            self.visit_others(problem, trial, &mut |touch, _| visit(touch));
+        }
+    }
+
     /// Notes a trial at which friction is differentiated, for the contacts that are not stored.
     fn note(&mut self, trial: &Trial<R>) {
         self.noted = Noted {

@@ -41,6 +41,7 @@
 //! `p·uₘ <= h θ c uₘ²`. This is less than half of what friction and dampers have dissipated in the
 //! step.
 
+use super::block::Block;
 use super::contacts::Contacts;
 use super::problem::{Problem, Trial};
 use super::resist::Resistance;
@@ -121,12 +122,13 @@ impl<R: Real> Strain<R> {
     }
 }
 
-/// Returns the end of a trial after friction and dampers have corrected its velocities.
+/// Returns the end of a trial after friction and dampers have corrected its velocities, and
+/// resistance to rolling and spinning by a matrix `turning`.
 pub(super) fn corrected<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &Contacts<R>,
     trial: &Trial<R>,
-    strain: Strain<R>,
+    (strain, turning): (Strain<R>, Option<Block<R>>),
     end: &State<R>,
 ) -> State<R> {
     let correction = Correction {
@@ -141,6 +143,10 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>>(
         let after = (pass > 0).then(|| seen(problem.scene, &corrected_end));
         let mut sum = Resistance::of_body(problem.scene, &correction.motion, end.angular_momentum);
         let mut is_limited = false;
+        if let Some(turning) = &turning {
+            let mean = problem.mean_angular_velocity(trial);
+            sum.add_turning(turning, correction.motion.angular_velocity - mean);
+        }
         contacts.recall_all(problem, trial, &mut |push, jacobian| {
             is_limited |= correction.add(&mut sum, push, jacobian, after.as_ref());
         });
@@ -222,12 +228,16 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
     /// to a sticking one is therefore resolved as it would be alone.
     fn share(&self, coefficient: R, strain_of_all: R) -> R {
         let own = coefficient * (self.problem.seconds / self.problem.mass);
-        let strain = (own * self.strain.contacts).at_most(strain_of_all);
-        if strain > R::TWO {
-            R::HALF - R::ONE / strain
-        } else {
-            R::ZERO
-        }
+        share_of((own * self.strain.contacts).at_most(strain_of_all))
+    }
+}
+
+/// Factor θ of a resistance with a strain in the step.
+pub(super) fn share_of<R: Real>(strain: R) -> R {
+    if strain > R::TWO {
+        R::HALF - R::ONE / strain
+    } else {
+        R::ZERO
     }
 }
 

@@ -121,6 +121,26 @@ impl<R: Real> SixBySix<R> {
         }
     }
 
+    /// Adds a torque that depends on the path of the point `place` along `normal`:
+    /// `torque (normal · (ξ + ϑ × place))`.
+    pub(super) fn add_torque(&mut self, torque: R::Vec3, normal: R::Vec3, place: R::Vec3) {
+        let turn = place.cross(normal);
+        let [_, _, _, rows @ ..] = &mut self.rows;
+        let torques = [torque.x(), torque.y(), torque.z()];
+        for ([a, b, c, d, e, f], torque) in rows.iter_mut().zip(torques) {
+            (*a, *b, *c) = (
+                *a + normal.x() * torque,
+                *b + normal.y() * torque,
+                *c + normal.z() * torque,
+            );
+            (*d, *e, *f) = (
+                *d + turn.x() * torque,
+                *e + turn.y() * torque,
+                *f + turn.z() * torque,
+            );
+        }
+    }
+
     /// Returns the equations without the dependence of the force on the rotation and of the torque
     /// on the shift.
     pub(super) fn uncoupled(&self) -> Self {

@@ -57,6 +57,7 @@ use super::end_velocity::Strain;
 use super::hard;
 use super::linear::Factored;
 use super::problem::{Problem, Trial};
+use super::rolling::Rolling;
 use super::shared::is_single;
 use super::stiffness::{self, Others};
 use super::touch::{Increment, Push};
@@ -168,6 +169,8 @@ struct Newton<'a, 'b, R: Real, D> {
     best: Option<Place<R>>,
     /// Fraction of the step from `base` that the trial takes.
     share: R,
+    /// Resistance to rolling and spinning at the last trial.
+    rolling: Option<Rolling<R>>,
     /// Whether slips are carried along as unknowns.
     with_slips: bool,
     /// Multiple of the tolerance that counts as rounding.
@@ -196,6 +199,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             base: None,
             best: None,
             share: R::ONE,
+            rolling: None,
             with_slips: false,
             exact,
             close: R::ONE / exact,
@@ -224,7 +228,15 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             self.visit_others(contacts, (trial, is_second), &mut |push| sum.add(push));
         }
         sum.torque += contacts.lever.torque * sum.normal;
-        Balance::of(problem, (contacts, trial), &sum, &self.scale)
+        self.rolling = Rolling::at(problem, contacts, trial);
+        if let Some(rolling) = &self.rolling {
+            sum.torque += rolling.torque;
+        }
+        let mut balance = Balance::of(problem, (contacts, trial), &sum, &self.scale);
+        if let Some(rolling) = &self.rolling {
+            balance.rounding += rolling.rounding(problem, trial);
+        }
+        balance
     }
 
     /// Calls `visit` with the forces of the contacts that are not stored.
@@ -334,6 +346,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let is_by_loads = self.is_hard && !is_enough;
         if is_by_loads {
             hard::linearise(problem, contacts);
+            self.rolling = Rolling::under_loads(problem, contacts, trial);
         }
         self.derive(is_enough, contacts, trial);
         let is_resolved = self.strain.of_step(problem).is_resolved();
@@ -346,14 +359,14 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             residual = without_excess(problem, residual, excess);
             excess != [R::Vec3::ZERO; 2]
         };
-        let [force, torque] = residual;
-        let (mut shift, mut turn) = (self.matrix).solve(-force, -torque, problem.bounding_radius);
+        let (mut shift, mut turn) = self.solved(residual, here.place.spin);
         if is_by_loads {
             [shift, turn] = self.step_by_loads(here, contacts, [shift, turn]);
         }
         let by = Increment::of(shift, turn, here.place.spin);
         let is_last = !begins_in_stick
             && loads_agree
+            && (self.rolling).as_ref().is_none_or(Rolling::is_exact)
             && ((is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
                 || self.is_close_in_stick(here, contacts, shift, turn))
             && !(self.is_hard && hard::touch_or_part(contacts, &by));
@@ -372,6 +385,17 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             turn,
         });
         is_last
+    }
+
+    /// Solves for the shift and the rotation by which a trial with this spin and residual is
+    /// balanced.
+    #[inline(always)]
+    fn solved(&self, residual: [R::Vec3; 2], spin: R::Vec3) -> (R::Vec3, R::Vec3) {
+        let (problem, [force, torque]) = (self.problem, residual);
+        match &self.rolling {
+            Some(rolling) => rolling.step(problem, &self.matrix, spin, residual),
+            None => (self.matrix).solve(-force, -torque, problem.bounding_radius),
+        }
     }
 
     /// Notes whether the contacts are hard. Rims are not, whose points are placed anew for each
@@ -401,6 +425,9 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             }
         }
         sum.torque += contacts.lever.torque * sum.normal;
+        if let Some(rolling) = &self.rolling {
+            sum.torque += rolling.torque;
+        }
         let (force, torque) = residual(problem, trial, &sum);
         [force, torque]
     }

@@ -144,6 +144,13 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         self.is_conservative && !self.is_bare
     }
 
+    /// Returns true if contacts resist rolling and spinning. It is a constant of most friction
+    /// laws, so that a program does not contain what it does not need.
+    #[inline(always)]
+    pub(super) fn resists_turning(&self) -> bool {
+        !self.is_conservative && self.scene.friction().rolling_resistance(R::ZERO).is_some()
+    }
+
     /// One surface of the ground.
     #[inline(always)]
     pub(super) fn ground(&self, surface: u32) -> OneSurface<'a, D::Ground> {
@@ -320,6 +327,25 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         match self.scene.ground().motion() {
             Some(ground) => ground.angular_velocity.cross(arm),
             None => R::Vec3::ZERO,
+        }
+    }
+
+    /// Mean angular velocity of a trial relative to the ground, rad/s.
+    pub(super) fn mean_angular_velocity(&self, trial: &Trial<R>) -> R::Vec3 {
+        let of_body = trial.spin * (R::TWO * self.per_second);
+        match self.scene.ground().motion() {
+            Some(ground) => of_body - ground.angular_velocity,
+            None => of_body,
+        }
+    }
+
+    /// Moment of inertia about a direction, kg m². The smallest one about no direction.
+    pub(super) fn moment_about(&self, direction: R::Vec3) -> R {
+        let square = direction.length_squared();
+        if square > R::ZERO {
+            direction.dot(self.inertia.times(direction)) / square
+        } else {
+            R::ONE / self.scene.inertia_properties().largest_inverse_moment()
         }
     }
 

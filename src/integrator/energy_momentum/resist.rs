@@ -146,6 +146,14 @@ impl<R: Real> Resistance<R> {
         }
     }
 
+    /// Adds a matrix (kg m²) that resists the difference between the angular velocity and its target
+    /// (`departure`, rad/s, before the impulses).
+    pub(super) fn add_turning(&mut self, matrix: &Block<R>, departure: R::Vec3) {
+        self.active = true;
+        self.turning += matrix.times(departure);
+        self.equations.add_turning(matrix);
+    }
+
     /// Returns the state after the impulses, or `None` if there are none or the equations have no
     /// finite solution. The equations are solved for the change of the velocities. Velocities that
     /// no contact resists therefore stay unchanged to the last place.

@@ -14,6 +14,7 @@ use super::problem::Problem;
 use super::resist::{Resisting, resisted};
 use super::shared::visit_contacts;
 use super::soften;
+use super::turning;
 use super::work;
 use crate::energy::Energy;
 use crate::friction::SlidingFriction;
@@ -68,6 +69,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
 /// force of its law at its velocity.
 fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
     let bounding_radius = scene.bounding_radius().at_least(R::EPSILON);
+    let state = &turning::slowed(scene, state, seconds);
     resisted(scene, bounding_radius, state, |motion, resist| {
         visit_contacts(scene, motion, &mut |contact| {
             let (ground, friction) = contact.laws(scene.ground(), scene.friction());

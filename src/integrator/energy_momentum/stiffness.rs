@@ -11,6 +11,7 @@ use super::end_velocity::Strain;
 use super::level::{Level, LevelPath};
 use super::linear::SixBySix;
 use super::problem::{Problem, Trial};
+use super::rolling;
 use super::shared::is_single;
 use super::touch::{Push, Touch};
 use crate::real::{Real, Vector};
@@ -47,7 +48,7 @@ impl<R: Real> Others<R> {
         trial: &Trial<R>,
         visit: &mut dyn FnMut(&Push<R>),
     ) -> Self {
-        let argument = by_turn(trial.spin);
+        let argument = Block::by_turn(trial.spin);
         let since = contacts.since_last(problem, trial);
         let (mut others, mut level) = (Self::NONE, Level::ZERO);
         contacts.visit_others(problem, trial, &mut |touch, first| {
@@ -133,7 +134,7 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
     trial: &Trial<R>,
     equations: &mut SixBySix<R>,
 ) -> Strain<R> {
-    let argument = by_turn(trial.spin);
+    let argument = Block::by_turn(trial.spin);
     let (mass, inertia) = inertial(problem, trial, &argument);
     let share = share_of_arm(problem);
     let mut strain = others.map_or(Strain::NONE, |others| others.strain);
@@ -174,6 +175,9 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
         let block = Block::outer(resistance, reversal.direction);
         equations.add_at(&block, reversal.arm, reversal.end_arm);
     });
+    if problem.resists_turning() {
+        rolling::add_loads(problem, contacts, trial, equations);
+    }
     strain
 }
 
@@ -215,15 +219,6 @@ fn move_over_surface<R: Real>(
         let along = *row - n * n.dot(*row);
         *turn += R::Vec3::new(more.x.dot(along), more.y.dot(along), more.z.dot(along));
     }
-}
-
-/// `1 - â + a aᵀ`: twice the derivative of the Cayley argument with respect to a rotation of the
-/// end of the step.
-#[inline]
-fn by_turn<R: Real>(a: R::Vec3) -> Block<R> {
-    Block::diagonal(R::ONE)
-        .plus(&Block::hat(-a))
-        .plus(&Block::outer(a, a))
 }
 
 /// Derivatives of the momenta at the end.

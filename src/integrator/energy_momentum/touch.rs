@@ -6,7 +6,7 @@ use super::lever::Lever;
 use super::problem::{Problem, Trial};
 use crate::body::ContactPoint;
 use crate::contact::MovingContact;
-use crate::friction::{FrictionJacobian, SlidingFriction};
+use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
 use crate::ground::{MeanForce, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
@@ -274,6 +274,39 @@ impl<R: Real> Touch<R> {
             }
             None => problem.friction(push.surface, position, push.mean.force, slip),
         }
+    }
+
+    /// Resistance to rolling and spinning under a normal force (N).
+    pub(super) fn rolling_resistance<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        normal_force: R,
+    ) -> Option<RollingResistance<R>> {
+        let (push, position) = (&self.push, self.friction_position(problem));
+        let law = problem.law(push.surface);
+        let [weight, each] = push.weights(problem).unwrap_or([R::ONE; 2]);
+        let of_one = law.rolling_resistance_at(position, normal_force * each)?;
+        Some(RollingResistance {
+            rolling: of_one.rolling * weight,
+            spinning: of_one.spinning * weight,
+            ..of_one
+        })
+    }
+
+    /// Normal of the ground at which rolling and spinning are told apart: that at the middle of the
+    /// step, which [does not depend on the trial](Problem::middle_of).
+    pub(super) fn normal_of_resistance<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+    ) -> R::Vec3 {
+        let surface = self.push.surface;
+        problem.plane_of(surface).map_or_else(
+            || {
+                let middle = problem.middle_of(surface, self.arm, self.push.radius);
+                problem.ground(surface).surface(middle).normal
+            },
+            |plane| plane.normal,
+        )
     }
 
     /// Derivative of the friction of one point with respect to the magnitude of the slip, N s/m.

@@ -1,0 +1,170 @@
+//! Resistance of the contacts to rolling and spinning, as a function of the angular velocity.
+//!
+//! ```text
+//! T(ω) = -K ω,     K = Σ k_r (1 - n nᵀ) + k_s n nᵀ,     k_r, k_s >= 0
+//! ```
+//!
+//! `k_r` and `k_s` are the ratios of torque and angular speed of a [`RollingResistance`], which
+//! decrease with that speed. On a ground that rotates, ω is relative to it.
+
+use super::block::Block;
+use super::dual::direction;
+use crate::friction::RollingResistance;
+use crate::real::{Real, Vector};
+
+/// Number of groups of contacts that are kept apart. A floor with three walls needs as many.
+const GROUPS: usize = 4;
+
+/// Resistances of all contacts. Contacts with the same normal and the same turn speed resist as one
+/// contact with the sum of their torques.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Resistances<R: Real> {
+    groups: [Group<R>; GROUPS],
+    count: usize,
+    /// Whether contacts with different normals or turn speeds are in one group.
+    pub(super) is_merged: bool,
+}
+
+/// Contacts that resist as one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Group<R: Real> {
+    normal: R::Vec3,
+    law: RollingResistance<R>,
+}
+
+/// Angular velocity split at a contact.
+struct Split<R: Real> {
+    rolling: R::Vec3,
+    rolling_speed: R,
+    /// Along the normal, rad/s.
+    spinning: R,
+}
+
+impl<R: Real> Resistances<R> {
+    pub(super) const NONE: Self = Self {
+        groups: [Group {
+            normal: R::Vec3::ZERO,
+            law: RollingResistance {
+                rolling: R::ZERO,
+                spinning: R::ZERO,
+                turn_speed: R::ONE,
+            },
+        }; GROUPS],
+        count: 0,
+        is_merged: false,
+    };
+
+    /// Adds a contact. Where there is no group left, it joins the one with the nearest normal.
+    pub(super) fn add(&mut self, normal: R::Vec3, law: &RollingResistance<R>) {
+        let is_same = |group: &&mut Group<R>| {
+            group.normal == normal && group.law.turn_speed == law.turn_speed
+        };
+        let known = self.groups.iter_mut().take(self.count);
+        if let Some(group) = known.into_iter().find(|group| is_same(group)) {
+            group.join(law);
+        } else if let Some(free) = self.groups.get_mut(self.count) {
+            *free = Group { normal, law: *law };
+            self.count += 1;
+        } else {
+            self.is_merged = true;
+            if let Some(group) = nearest(&mut self.groups, normal) {
+                group.join(law);
+            }
+        }
+    }
+
+    pub(super) fn groups(&self) -> &[Group<R>] {
+        self.groups.get(..self.count).unwrap_or_default()
+    }
+
+    /// Torque at an angular velocity (rad/s), N m.
+    pub(super) fn torque(&self, angular_velocity: R::Vec3) -> R::Vec3 {
+        self.groups().iter().fold(R::Vec3::ZERO, |sum, group| {
+            sum + group.law.torque(group.normal, angular_velocity)
+        })
+    }
+
+    /// Ratio of torque and angular velocity: the matrix `K`, N m s.
+    pub(super) fn ratio(&self, angular_velocity: R::Vec3) -> Block<R> {
+        self.sum(|group| group.matrix(group.ratios(angular_velocity)))
+    }
+
+    /// Negative derivative of the torque with respect to the angular velocity, N m s.
+    pub(super) fn slope(&self, angular_velocity: R::Vec3) -> Block<R> {
+        self.sum(|group| group.slope(angular_velocity))
+    }
+
+    fn sum(&self, of: impl Fn(&Group<R>) -> Block<R>) -> Block<R> {
+        self.groups()
+            .iter()
+            .fold(Block::ZERO, |sum, group| sum.plus(&of(group)))
+    }
+}
+
+impl<R: Real> Group<R> {
+    fn join(&mut self, law: &RollingResistance<R>) {
+        self.law.rolling += law.rolling;
+        self.law.spinning += law.spinning;
+    }
+
+    fn split(&self, angular_velocity: R::Vec3) -> Split<R> {
+        let spinning = angular_velocity.dot(self.normal);
+        let rolling = angular_velocity - self.normal * spinning;
+        Split {
+            rolling,
+            rolling_speed: rolling.length(),
+            spinning,
+        }
+    }
+
+    /// Parts of an angular velocity (rad/s) along the ground and along the normal.
+    pub(super) fn parts(&self, angular_velocity: R::Vec3) -> [R::Vec3; 2] {
+        let split = self.split(angular_velocity);
+        [split.rolling, self.normal * split.spinning]
+    }
+
+    /// Ratios of torque and angular speed, of rolling and of spinning, N m s.
+    pub(super) fn ratios(&self, angular_velocity: R::Vec3) -> [R; 2] {
+        let split = self.split(angular_velocity);
+        self.law.per_turn(split.rolling_speed, split.spinning.abs())
+    }
+
+    /// Negative derivatives of both torques with respect to their angular speeds, N m s.
+    pub(super) fn slopes(&self, angular_velocity: R::Vec3) -> [R; 2] {
+        let split = self.split(angular_velocity);
+        let half_speed = self.law.turn_speed;
+        let [rolling, spinning] = self.ratios(angular_velocity);
+        [
+            rolling * (half_speed / (split.rolling_speed + half_speed)),
+            spinning * (half_speed / (split.spinning.abs() + half_speed)),
+        ]
+    }
+
+    /// Matrix that multiplies the parts of an angular velocity along the ground and along the
+    /// normal by two factors.
+    pub(super) fn matrix(&self, [along, across]: [R; 2]) -> Block<R> {
+        let n = self.normal;
+        Block::diagonal(along).plus(&Block::outer(n * (across - along), n))
+    }
+
+    fn slope(&self, angular_velocity: R::Vec3) -> Block<R> {
+        let [across_path, _] = self.ratios(angular_velocity);
+        let [along_path, spinning] = self.slopes(angular_velocity);
+        let u = direction::<R>(self.split(angular_velocity).rolling);
+        self.matrix([across_path, spinning])
+            .plus(&Block::outer(u * (along_path - across_path), u))
+    }
+}
+
+/// Group whose normal is nearest to a direction.
+fn nearest<R: Real>(groups: &mut [Group<R>], normal: R::Vec3) -> Option<&mut Group<R>> {
+    let mut groups = groups.iter_mut();
+    let first = groups.next()?;
+    Some(groups.fold(first, |best, group| {
+        if group.normal.dot(normal) > best.normal.dot(normal) {
+            group
+        } else {
+            best
+        }
+    }))
+}

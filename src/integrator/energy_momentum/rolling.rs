@@ -1,0 +1,332 @@
+//! Resistance to rolling and spinning within a step.
+//!
+//! The contacts resist the mean angular velocity ω of the step with the torque `T(ω)`, under their
+//! mean normal forces. The rotation of the step is that by ω, so the energy changes by `h ω·T`,
+//! which is never positive.
+//!
+//! # Newton's step
+//!
+//! The torque saturates beyond the turn speed of the law, which may be far below the change of ω in
+//! a step. A derivative at the trial is then no guide: the body that is to stop has none, and the
+//! body at rest is held as if by a spring. So Newton's step is linear in all other forces only. A is
+//! their matrix, `B ϑ` the change of ω by a rotation ϑ of the end, and `δ̂` the change of ω by
+//! Newton's step with the torque of the trial. Then the change δ obeys
+//!
+//! ```text
+//! δ = δ̂ + G (T(ω + δ) - T(ω)),     G = h/2 B (A⁻¹)_ϑϑ
+//! ```
+//!
+//! These three equations are solved by Newton's method ([`Rolling::change`]). For one axis it
+//! converges from `ω + δ = 0` without a detour, because the torque is concave there. If a pass does
+//! not reduce the residual, it is replaced by one with the ratio `T/ω`, which leads to the minimum
+//! of a parabola above the potential of the law.
+//!
+//! The torque also depends on the loads. That derivative is part of A ([`add_loads`]).
+//!
+//! # End of the step
+//!
+//! As for friction, the mean of a step that does not resolve the resistance is right and its end is
+//! not. The [end-velocity correction](super::end_velocity) includes the resistance
+//! ([`Rolling::correction`]).
+
+use super::block::Block;
+use super::contacts::Contacts;
+use super::end_velocity::share_of;
+use super::hard;
+use super::linear::{Factored, SixBySix};
+use super::problem::{Problem, Trial};
+use super::resistances::{Group, Resistances};
+use super::touch::Touch;
+use crate::real::{Real, Vector};
+use crate::scene::Dynamics;
+
+/// Number of passes that fit the angular velocity to the law. Five are usual.
+const PASSES: u32 = 40;
+
+/// Resistance of the contacts at a trial.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rolling<R: Real> {
+    resistances: Resistances<R>,
+    /// Mean angular velocity relative to the ground, rad/s.
+    angular_velocity: R::Vec3,
+    /// N m.
+    pub(super) torque: R::Vec3,
+}
+
+impl<R: Real> Rolling<R> {
+    /// Resistance at a trial, under the normal forces of the last one. `None` if the friction law
+    /// has no such resistance.
+    #[inline(always)]
+    pub(super) fn at<D: Dynamics<R>>(
+        problem: &Problem<'_, R, D>,
+        contacts: &Contacts<R>,
+        trial: &Trial<R>,
+    ) -> Option<Self> {
+        problem
+            .resists_turning()
+            .then(|| Self::of(problem, contacts, trial))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn of<D: Dynamics<R>>(
+        problem: &Problem<'_, R, D>,
+        contacts: &Contacts<R>,
+        trial: &Trial<R>,
+    ) -> Self {
+        let mut rolling = Self::none_at(problem, trial);
+        contacts.visit_active(problem, trial, &mut |touch| {
+            rolling.add(problem, touch, touch.push.mean.force);
+        });
+        rolling
+    }
+
+    /// Resistance at a trial under the linear loads of hard contacts. `None` if the friction law has
+    /// none.
+    #[inline(always)]
+    pub(super) fn under_loads<D: Dynamics<R>>(
+        problem: &Problem<'_, R, D>,
+        contacts: &Contacts<R>,
+        trial: &Trial<R>,
+    ) -> Option<Self> {
+        problem.resists_turning().then(|| {
+            let mut rolling = Self::none_at(problem, trial);
+            for touch in contacts.stored() {
+                rolling.add(problem, touch, hard::linear_load(touch));
+            }
+            rolling
+        })
+    }
+
+    fn none_at<D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<R>) -> Self {
+        Self {
+            resistances: Resistances::NONE,
+            angular_velocity: problem.mean_angular_velocity(trial),
+            torque: R::Vec3::ZERO,
+        }
+    }
+
+    fn add<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, touch: &Touch<R>, load: R) {
+        if load <= R::ZERO {
+            return;
+        }
+        if let Some(law) = touch.rolling_resistance(problem, load) {
+            let normal = touch.normal_of_resistance(problem);
+            self.resistances.add(normal, &law);
+            self.torque += law.torque(normal, self.angular_velocity);
+        }
+    }
+
+    /// Effect of rounding of the angular velocity on the balance, √J.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn rounding<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+    ) -> R {
+        let of_body = trial.spin.length() * (R::TWO * problem.per_second);
+        let size = of_body.at_least(self.angular_velocity.length());
+        let slope = self
+            .resistances
+            .groups()
+            .iter()
+            .fold(R::ZERO, |sum, group| {
+                let [across_path, _] = group.ratios(self.angular_velocity);
+                let [_, spinning] = group.slopes(self.angular_velocity);
+                sum + across_path.at_least(spinning)
+            });
+        let rounding = size * slope * (R::EPSILON * R::from_f64(4.0));
+        let per_root = problem
+            .scene
+            .inertia_properties()
+            .largest_inverse_moment()
+            .sqrt();
+        rounding * (problem.seconds * R::HALF) * per_root
+    }
+
+    /// Whether the groups of contacts have the torque of the contacts for any angular velocity, and
+    /// not for that of the trial alone.
+    pub(super) fn is_exact(&self) -> bool {
+        !self.resistances.is_merged
+    }
+
+    /// Solves for the shift and the rotation by which a trial with this residual (N s, N m s) is
+    /// balanced.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn step<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        matrix: &Factored<R>,
+        spin: R::Vec3,
+        [force, torque]: [R::Vec3; 2],
+    ) -> (R::Vec3, R::Vec3) {
+        let solve = |force, torque| matrix.solve(force, torque, problem.bounding_radius);
+        let half = problem.seconds * R::HALF;
+        let by = |torque| solve(R::Vec3::ZERO, torque);
+        let along = [
+            by(R::Vec3::new(half, R::ZERO, R::ZERO)),
+            by(R::Vec3::new(R::ZERO, half, R::ZERO)),
+            by(R::Vec3::new(R::ZERO, R::ZERO, half)),
+        ];
+        let columns = |of: fn((R::Vec3, R::Vec3)) -> R::Vec3| {
+            let [x, y, z] = along.map(of);
+            Block { x, y, z }
+        };
+        let by_rotation = Block::<R>::by_turn(spin).scaled(problem.per_second);
+        let (shift, turn) = solve(-force, -torque);
+        let by_torque = by_rotation.times_block(&columns(|(_, turn)| turn));
+        let change = self.change(by_rotation.times(turn), &by_torque);
+        // The rotation follows from the change of the angular velocity: as the effect of the torques
+        // it is a small difference of two large ones.
+        let shift = shift + columns(|(shift, _)| shift).times(self.more_torque(change));
+        (shift, by_rotation.solve(change))
+    }
+
+    /// Change of the torque (N m) by a change of the angular velocity (rad/s).
+    fn more_torque(&self, change: R::Vec3) -> R::Vec3 {
+        let torque = |at| self.resistances.torque(at);
+        torque(self.angular_velocity + change) - torque(self.angular_velocity)
+    }
+
+    /// Solves `δ = δ̂ + G (T(ω + δ) - T(ω))` for the change δ of the angular velocity. `freely` (δ̂)
+    /// is the change without a change of the torque, and `by_torque` the matrix G.
+    fn change(&self, freely: R::Vec3, by_torque: &Block<R>) -> R::Vec3 {
+        let here = self.angular_velocity;
+        let residual = |by: R::Vec3| by - freely - by_torque.times(self.more_torque(by));
+        let with = |matrix: &Block<R>| Block::diagonal(R::ONE).plus(&by_torque.times_block(matrix));
+        let free = here + freely - by_torque.times(self.resistances.torque(here));
+        let mut by = -here;
+        let mut off = residual(by);
+        for _ in 0..PASSES {
+            let more = with(&self.resistances.slope(here + by)).solve(-off);
+            if more.length() <= by.length() * R::EPSILON {
+                break;
+            }
+            let mut next = by + more;
+            let mut next_off = residual(next);
+            // It is false for NaN too.
+            let is_better = next_off.length() < off.length();
+            if !is_better {
+                next = with(&self.resistances.ratio(here + by)).solve(free) - here;
+                next_off = residual(next);
+            }
+            (by, off) = (next, next_off);
+        }
+        by
+    }
+
+    /// Matrix (N m s²) by which the end-velocity correction resists the difference between the
+    /// angular velocity at the end of the step (rad/s, relative to the ground) and its mean. `None`
+    /// if the step resolves the resistance.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn correction<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        end: R::Vec3,
+    ) -> Option<Block<R>> {
+        let shares = self.shares(problem);
+        if shares == [R::ZERO; 2] {
+            return None;
+        }
+        let groups = self.resistances.groups().iter();
+        Some(groups.fold(Block::ZERO, |sum, group| {
+            let [along, across] = self.chords(group, end);
+            let factors = [along * shares[0], across * shares[1]];
+            sum.plus(&group.matrix(factors).scaled(problem.seconds))
+        }))
+    }
+
+    /// Factors θ of the correction, for rolling and for spinning, as if all groups had one normal.
+    fn shares<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> [R; 2] {
+        let mut strains = [R::ZERO; 2];
+        for group in self.resistances.groups() {
+            let parts = group.parts(self.angular_velocity);
+            let ratios = group.ratios(self.angular_velocity);
+            for ((strain, part), ratio) in strains.iter_mut().zip(parts).zip(ratios) {
+                *strain += ratio * (problem.seconds / problem.moment_about(part));
+            }
+        }
+        strains.map(share_of)
+    }
+
+    /// Slopes of the torques used for the correction, N m s: those to 0 if the end is opposite to
+    /// the mean, else those of the law at the mean.
+    fn chords(&self, group: &Group<R>, end: R::Vec3) -> [R; 2] {
+        let mean = self.angular_velocity;
+        let [rolling, spinning] = group.parts(mean);
+        let is_reversed = [rolling, spinning].map(|part| end.dot(part) <= R::ZERO);
+        let (ratios, slopes) = (group.ratios(mean), group.slopes(mean));
+        [0, 1].map(|part| {
+            if is_reversed[part] {
+                ratios[part]
+            } else {
+                slopes[part]
+            }
+        })
+    }
+}
+
+/// Adds the derivative of the torque by the loads to the matrix.
+#[cold]
+#[inline(never)]
+pub(super) fn add_loads<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &Contacts<R>,
+    trial: &Trial<R>,
+    equations: &mut SixBySix<R>,
+) {
+    let angular_velocity = problem.mean_angular_velocity(trial);
+    contacts.visit_active(problem, trial, &mut |touch| {
+        let push = &touch.push;
+        let load = push.mean.force;
+        let law = touch.rolling_resistance(problem, load);
+        if let Some(law) = law.filter(|_| load > R::ZERO) {
+            let normal = touch.normal_of_resistance(problem);
+            let by_load = law.torque(normal, angular_velocity) * (R::ONE / load);
+            let slope = push.mean.slope * (problem.seconds * R::HALF);
+            equations.add_torque(by_load * slope, push.normal, push.end_arm);
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{EnergyMomentum, FlatGround, Frictionless, MovingGround, Sphere, State, Stepper};
+    use crate::{SpringDamperGround, UniformGravity, WithResistance};
+    use glam::DVec3;
+
+    /// The table gives the ball the angular momentum L about the vertical, at its own rate Ω. So it
+    /// does the work `Ω L`.
+    #[test]
+    fn a_turntable_works_on_a_ball_whose_spin_it_resists() {
+        let (radius, depth, rate, time_step) = (0.05, 1e-3, 2.0, 1e-3);
+        let flat = FlatGround::level(1e4, 0.0);
+        let friction = WithResistance {
+            friction: Frictionless,
+            rolling: 1e-3,
+            spinning: 2e-3,
+            turn_speed: 1e-2,
+        };
+        let stepper = Stepper::builder(Sphere::solid(0.2, radius))
+            .ground(MovingGround::turntable(flat, DVec3::ZERO, rate))
+            .friction(friction)
+            .gravity(UniformGravity::down(9.8))
+            .integrator(EnergyMomentum { time_step })
+            .build()
+            .unwrap();
+        let mut state = State::at(DVec3::new(0.3, -0.1, radius - depth));
+        let before = stepper.energy(&state).total();
+        let step = stepper.step(&mut state).unwrap();
+        // The ball is slower than the table throughout, so that the torque is nearly the largest.
+        let largest = friction.spinning * flat.spring_force(depth) * time_step;
+        let given = state.angular_momentum.z / largest;
+        assert!((0.9..1.0).contains(&given), "{given}");
+        let expected = rate * state.angular_momentum.z;
+        assert!((step.drive_work - expected).abs() < 1e-15, "{expected:e}");
+        assert!(stepper.energy(&state).rotation > 0.0);
+        assert!(stepper.energy(&state).total() <= before + step.drive_work);
+    }
+}
