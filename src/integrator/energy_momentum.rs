@@ -564,7 +564,7 @@ fn whole<R: Real, D: Dynamics<R>>(
     }
     let is_finite = end.not_finite().is_none();
     let is_lossless = strain.is_none() && !problem.resists_turning();
-    is_finite.then(|| (end, is_lossless, work))
+    is_finite.then_some((end, is_lossless, work))
 }
 
 /// Returns true if the end of a trial has gained too much energy for a solution of the step. It is

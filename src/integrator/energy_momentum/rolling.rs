@@ -17,9 +17,10 @@
 //! ```
 //!
 //! These three equations are solved by Newton's method ([`Rolling::change`]). For one axis it
-//! converges from `ω + δ = 0` without a detour, because the torque is concave there. If a pass does
-//! not reduce the residual, it is replaced by one with the ratio `T/ω`, which leads to the minimum
-//! of a parabola above the potential of the law.
+//! converges from `ω + δ = 0` without a detour, because the torque is concave there. It begins at
+//! the trial if the residual is smaller there. If a pass does not reduce the residual, it is
+//! replaced by one with the ratio `T/ω`, which leads to the minimum of a parabola above the
+//! potential of the law.
 //!
 //! The torque also depends on the loads. That derivative is part of A ([`add_loads`]).
 //!
@@ -199,6 +200,9 @@ impl<R: Real> Rolling<R> {
         let free = here + freely - by_torque.times(self.resistances.torque(here));
         let mut by = -here;
         let mut off = residual(by);
+        if freely.length() < off.length() {
+            (by, off) = (R::Vec3::ZERO, -freely);
+        }
         for _ in 0..PASSES {
             let more = with(&self.resistances.slope(here + by)).solve(-off);
             if more.length() <= by.length() * R::EPSILON {
