@@ -140,7 +140,7 @@ pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
             seconds,
             to_discontinuity: trial.is_to_discontinuity(seconds),
         };
-        let attempt = attempt(formula, settings, &planned, &mut report);
+        let attempt = formula.attempt(settings, &planned, &mut report);
         let quantity = if let Some(attempt) = &attempt {
             let judged = Judged::of(pair, settings, &planned, attempt);
             let error = judged.relative_error();
@@ -243,25 +243,4 @@ fn start_of<R: Real, D: Dynamics<R>>(
     }
     report.evaluations += 1;
     Ok(Place::at(scene, workspace.point(state)))
-}
-
-/// Attempts a step. A step to a discontinuity leaves out the contacts that begin to push at its
-/// end.
-#[inline(always)]
-fn attempt<R: Real, D: Dynamics<R>, const STAGES: usize>(
-    formula: &impl Formula<R, STAGES>,
-    settings: &Settings<R>,
-    planned: &Planned<'_, R, D>,
-    report: &mut Step<R>,
-) -> Option<Attempt<R, STAGES>> {
-    if planned.to_discontinuity {
-        let (start, seconds) = (&planned.start.motion, planned.seconds);
-        formula.attempt(settings, planned, report, |motion| {
-            touch::load_before(planned.scene, start, motion, seconds)
-        })
-    } else {
-        formula.attempt(settings, planned, report, |motion| {
-            planned.scene.contact_model().load(motion)
-        })
-    }
 }

@@ -29,7 +29,7 @@ mod stages;
 use super::embedded_pair::control::{self, Errors};
 use super::embedded_pair::{Attempt, Formula, LeftOut, Pair, Place, Planned, Settings};
 use super::method::adaptive_method;
-use crate::contact::{Load, Motion};
+use crate::contact::Motion;
 use crate::integrator::interface::Step;
 use crate::integrator::point::Point;
 use crate::real::Real;
@@ -131,7 +131,6 @@ impl<R: Real> Formula<R, STAGES> for RadauIIA {
         settings: &Settings<R>,
         planned: &Planned<'_, R, D>,
         report: &mut Step<R>,
-        load: impl Fn(&Motion<R>) -> Load<R>,
     ) -> Option<Attempt<R, STAGES>> {
         let Planned {
             scene,
@@ -140,14 +139,15 @@ impl<R: Real> Formula<R, STAGES> for RadauIIA {
             ..
         } = *planned;
         if !has_equations(seconds) {
-            return Some(straight(scene, start, seconds, load));
+            return Some(straight(planned));
         }
         let jacobian = Jacobian::at(scene, &start.motion, start.point.angular_momentum);
         let equations = Equations::of(&jacobian, start.point.orientation, seconds);
         let evaluations = core::cell::Cell::new(1);
         let slope_at = |increment: &Point<R>| {
             evaluations.set(evaluations.get() + 1);
-            Place::under(scene, start.point.plus(increment, R::ONE), &load).slope
+            let point = start.point.plus(increment, R::ONE);
+            Place::under(scene, point, |motion| planned.load(motion)).slope
         };
         let size_of = |point: &Point<R>| Errors::of(scene, point, &start.motion).total();
         let targets = targets(settings, scene, &start.motion, jacobian.width);
@@ -155,7 +155,7 @@ impl<R: Real> Formula<R, STAGES> for RadauIIA {
         let attempt = solved.map(|solution| {
             report.iterations += solution.iterations;
             let increments = &solution.increments;
-            let end = end_of(scene, start, increments, seconds, &load);
+            let end = end_of(planned, increments);
             let [first_slope, second_slope, _] = solution.slopes;
             let slopes = [first_slope, second_slope, end.slope];
             let [third, first] = differences(&start.slope, &slopes).map(|point| size_of(&point));
@@ -186,14 +186,17 @@ fn has_equations<R: Real>(seconds: R) -> bool {
 
 /// Step along the slope at its start. Its error, in proportion to the square of the step size,
 /// underflows in a step without equations.
-fn straight<R: Real, D: Dynamics<R>>(
-    scene: &D,
-    start: &Place<R>,
-    seconds: R,
-    load: impl Fn(&Motion<R>) -> Load<R>,
-) -> Attempt<R, STAGES> {
+#[cold]
+#[inline(never)]
+fn straight<R: Real, D: Dynamics<R>>(planned: &Planned<'_, R, D>) -> Attempt<R, STAGES> {
+    let Planned {
+        scene,
+        start,
+        seconds,
+        ..
+    } = *planned;
     let increments = NODES.map(|node| start.slope.scaled(seconds * R::from_f64(node)));
-    let end = end_of(scene, start, &increments, seconds, load);
+    let end = end_of(planned, &increments);
     Attempt {
         end,
         motions: increments.map(|z| start.point.plus(&z, R::ONE).motion(scene)),
@@ -226,12 +229,15 @@ fn left_out<R: Real>(start: &Point<R>, end: &Point<R>) -> LeftOut<R> {
 
 /// End of the step. A rotation without torques is exact.
 fn end_of<R: Real, D: Dynamics<R>>(
-    scene: &D,
-    start: &Place<R>,
+    planned: &Planned<'_, R, D>,
     [.., last]: &Increments<R>,
-    seconds: R,
-    load: impl Fn(&Motion<R>) -> Load<R>,
 ) -> Place<R> {
+    let Planned {
+        scene,
+        start,
+        seconds,
+        ..
+    } = *planned;
     let mut end = start.point.plus(last, R::ONE).normalised();
     if end.angular_momentum == start.point.angular_momentum {
         let axes = &start.motion.axes;
@@ -242,7 +248,7 @@ fn end_of<R: Real, D: Dynamics<R>>(
         } = start.point;
         end.orientation = turned_freely(scene, orientation, axes, angular_momentum, seconds);
     }
-    Place::under(scene, end, load)
+    Place::under(scene, end, |motion| planned.load(motion))
 }
 
 adaptive_method!(Radau5, order 5);

@@ -1,5 +1,6 @@
 //! A pair of Runge-Kutta methods, and one attempted step by it.
 
+use super::touch;
 use crate::contact::{Load, Motion};
 use crate::error::{self, Rule, SceneError};
 use crate::integrator::free_error::{self, NearlyFree};
@@ -35,14 +36,13 @@ pub(crate) trait Formula<R: Real, const STAGES: usize> {
     /// Weights of the stages in the result, and the parameters of step size control.
     fn pair(&self) -> &Pair<STAGES>;
 
-    /// Attempts a step with the load that `load` returns for a motion. Adds the work to `report`.
-    /// Returns `None` if the equations of an implicit formula have no solution that is found.
+    /// Attempts a step with the loads of [`Planned`]. Adds the work to `report`. Returns `None` if
+    /// the equations of an implicit formula have no solution that is found.
     fn attempt<D: Dynamics<R>>(
         &self,
         settings: &Settings<R>,
         planned: &Planned<'_, R, D>,
         report: &mut Step<R>,
-        load: impl Fn(&Motion<R>) -> Load<R>,
     ) -> Option<Attempt<R, STAGES>>;
 }
 
@@ -56,6 +56,29 @@ pub(in crate::integrator::adaptive) struct Planned<'a, R: Real, D> {
     pub(in crate::integrator::adaptive) to_discontinuity: bool,
 }
 
+impl<R: Real, D: Dynamics<R>> Planned<'_, R, D> {
+    /// Returns the load of a stage.
+    #[inline(never)]
+    pub(in crate::integrator::adaptive) fn load(&self, motion: &Motion<R>) -> Load<R> {
+        if self.to_discontinuity {
+            self.load_before(motion)
+        } else {
+            self.load_of_all(motion)
+        }
+    }
+
+    #[inline(always)]
+    fn load_of_all(&self, motion: &Motion<R>) -> Load<R> {
+        self.scene.contact_model().load(motion)
+    }
+
+    /// Leaves out the contacts that begin to push at the end of the step.
+    #[inline(always)]
+    fn load_before(&self, motion: &Motion<R>) -> Load<R> {
+        touch::load_before(self.scene, &self.start.motion, motion, self.seconds)
+    }
+}
+
 impl<R: Real, const STAGES: usize> Formula<R, STAGES> for Pair<STAGES> {
     fn pair(&self) -> &Self {
         self
@@ -67,10 +90,15 @@ impl<R: Real, const STAGES: usize> Formula<R, STAGES> for Pair<STAGES> {
         _: &Settings<R>,
         planned: &Planned<'_, R, D>,
         report: &mut Step<R>,
-        load: impl Fn(&Motion<R>) -> Load<R>,
     ) -> Option<Attempt<R, STAGES>> {
         report.evaluations += u32::try_from(STAGES).unwrap_or(u32::MAX) - 1;
-        Some(attempt_under(self, planned, load))
+        // Compiled for each kind of load, because the stages of an explicit step cost little more
+        // than their loads.
+        Some(if planned.to_discontinuity {
+            attempt_under(self, planned, |motion| planned.load_before(motion))
+        } else {
+            attempt_under(self, planned, |motion| planned.load_of_all(motion))
+        })
     }
 }
 

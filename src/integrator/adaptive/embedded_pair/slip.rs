@@ -56,7 +56,7 @@ impl<R: Real> Slide<R> {
     }
 }
 
-impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
+impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
     /// Returns the error of a contact that pushes at both ends and whose slip reverses, m/s.
     ///
     /// It is the error in the velocity of the farthest point of the body. The slip is taken as

@@ -82,7 +82,8 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
             continue;
         }
         let step = Taken {
-            pair,
+            weights: pair.weights(),
+            follows_slip: pair.follows_slip,
             scene: &OnSurface::of(scene, surface),
             motions: &attempt.motions,
             ends: [&start.motion, &attempt.end.motion],
@@ -141,11 +142,13 @@ fn comes_late<R: Real>(side: &ContactEnd<R>, seconds: R) -> bool {
     side.depth <= R::ZERO && halfway <= R::ZERO
 }
 
-/// An attempted step.
-pub(super) struct Taken<'a, R: Real, D, const STAGES: usize> {
-    pair: &'a Pair<STAGES>,
+/// An attempted step. Its type has no number of stages, so that it is compiled once for all pairs.
+pub(super) struct Taken<'a, R: Real, D> {
+    /// Weights of the stages in the result.
+    weights: &'a [f64],
+    follows_slip: bool,
     pub(super) scene: &'a D,
-    motions: &'a [Motion<R>; STAGES],
+    motions: &'a [Motion<R>],
     pub(super) ends: [&'a Motion<R>; 2],
     pub(super) seconds: R,
     to_discontinuity: bool,
@@ -154,13 +157,13 @@ pub(super) struct Taken<'a, R: Real, D, const STAGES: usize> {
     energy_gained: &'a dyn Fn() -> R,
 }
 
-impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
+impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
     #[inline]
     fn add_contact(&self, point: &ContactPoint<R>, discontinuities: &mut Discontinuities<R>) {
         let end_of = |motion| ContactEnd::of(self.scene, motion, point);
         let (start, end) = (end_of(self.ends[0]), end_of(self.ends[1]));
         if start.pushes() && end.pushes() {
-            if self.pair.follows_slip {
+            if self.follows_slip {
                 discontinuities.velocity += self.slip_error(point, &[start, end]);
             }
             return;
@@ -273,7 +276,7 @@ impl<R: Real, D: Dynamics<R>, const STAGES: usize> Taken<'_, R, D, STAGES> {
 
     /// Returns the stages whose slopes have a weight in the result, with their weights.
     pub(super) fn weighted_motions(&self) -> impl Iterator<Item = (&Motion<R>, R)> {
-        (self.motions.iter().zip(self.pair.weights()))
+        (self.motions.iter().zip(self.weights))
             .filter(|(_, weight)| **weight != 0.0)
             .map(|(motion, weight)| (motion, R::from_f64(*weight)))
     }
