@@ -2480,16 +2480,18 @@ impl Anything {
         let _ = self.live_with(&coin);
         let places: Vec<_> = points.clone().map(|point| point.position).collect();
         let part = MassProperties::cone(mass, radius, thickness)
-            .unwrap()
-            .turned(self.state().rotation());
-        let hull = MassProperties::hull(mass, &places)
-            .unwrap_or(part)
-            .with(&part);
-        let die = Cuboid::loaded(plane.normal, hull).rounded(thickness);
-        let _ = die.face_up(&self.state());
-        let _ = self.live_with(&die);
-        let _ = self.live_with(&Sphere::loaded(radius, hull));
-        let _ = self.live_with(&Ellipsoid::loaded(plane.normal, hull));
+            .map(|cone| cone.turned(self.state().rotation()));
+        let whole = match (MassProperties::hull(mass, &places), part) {
+            (Ok(hull), Ok(part)) => Ok(hull.with(&part)),
+            (one, other) => one.or(other),
+        };
+        if let Ok(whole) = whole {
+            let die = Cuboid::loaded(plane.normal, whole).rounded(thickness);
+            let _ = die.face_up(&self.state());
+            let _ = self.live_with(&die);
+            let _ = self.live_with(&Sphere::loaded(radius, whole));
+            let _ = self.live_with(&Ellipsoid::loaded(plane.normal, whole));
+        }
         let masses: Vec<_> = self
             .points
             .iter()

@@ -233,9 +233,8 @@ fn a_slow_slide_goes_on_while_its_energy_is_above_the_rounding_of_the_energies()
 }
 
 #[test]
-fn a_ball_that_rolls_out_has_the_speed_of_half_a_step_before_and_the_right_way() {
-    // A solid ball decelerates at 5/7 ℓ/r g. The last half a step of the torque has acted on the
-    // ball alone, because friction passes it on in the next step.
+fn a_ball_that_rolls_out_has_the_right_speed_and_the_right_way() {
+    // A solid ball decelerates at 5/7 ℓ/r g.
     let (rolling, radius, speed) = (3e-3, 0.03, 0.7);
     let off = |time_step: f64| {
         let friction = WithResistance {
@@ -262,15 +261,11 @@ fn a_ball_that_rolls_out_has_the_speed_of_half_a_step_before_and_the_right_way()
         ]
     };
     for time_step in [4e-3, 2e-3, 1e-3, 5e-4] {
-        let [ahead, way] = off(time_step);
-        let half = 0.5 * time_step * (5.0 / 7.0) * rolling / radius * G;
-        println!("{time_step}: {} {way:e}", ahead / half);
-        assert!(
-            (ahead / half - 1.0).abs() < 0.01,
-            "{time_step} s: {ahead:e}, not {half:e}"
-        );
-        // The law lacks turn_speed/ω, 4e-8 or more of itself; Coulomb's a slip of 1e-9 m/s.
-        assert!(way.abs() < 1e-8, "{time_step} s: {way:e}");
+        // The law lacks turn_speed/ω of itself, which is r turn_speed ln 2 = 2.1e-8 m/s until then;
+        // Coulomb's has a slip of 1e-9 m/s.
+        for off in off(time_step) {
+            assert!(off.abs() < 2.3e-8, "{time_step} s: {off:e}");
+        }
     }
 }
 
