@@ -15,6 +15,7 @@
 
 mod attempt;
 pub(super) mod control;
+mod late;
 mod slip;
 mod touch;
 mod tuning;

@@ -1,6 +1,6 @@
 //! A pair of Runge-Kutta methods, and one attempted step by it.
 
-use super::touch;
+use super::late;
 use crate::contact::{Load, Motion};
 use crate::error::{self, Rule, SceneError};
 use crate::integrator::free_error::{self, NearlyFree};
@@ -75,7 +75,7 @@ impl<R: Real, D: Dynamics<R>> Planned<'_, R, D> {
     /// Leaves out the contacts that begin to push at the end of the step.
     #[inline(always)]
     fn load_before(&self, motion: &Motion<R>) -> Load<R> {
-        touch::load_before(self.scene, &self.start.motion, motion, self.seconds)
+        late::load_before(self.scene, &self.start.motion, motion, self.seconds)
     }
 }
 

@@ -9,9 +9,10 @@
 use core::cell::Cell;
 
 use super::attempt::{Attempt, Pair, Place, Planned};
+use super::late::comes_late;
 use super::tuning;
 use crate::body::{ContactPoint, RigidPointBody};
-use crate::contact::{Contact, Load, Motion, Onset};
+use crate::contact::Motion;
 use crate::friction::SlidingFriction;
 use crate::integrator::adaptive::bounce;
 use crate::integrator::contact_path::{ContactEnd, Path, arm, push, slip};
@@ -50,7 +51,7 @@ impl<R: Real> Discontinuities<R> {
 /// Returns the discontinuities of a step, and the velocity error that they cause.
 ///
 /// `smooth` is the error estimate of the step without them. A step to a discontinuity has been
-/// taken with [`load_before`].
+/// taken [without its late contacts](super::late::load_before).
 #[inline]
 pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
     pair: &Pair<STAGES>,
@@ -100,46 +101,6 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
         }
     }
     discontinuities
-}
-
-/// Returns the load in a step to a discontinuity at its end, without the contacts that begin to
-/// push there.
-///
-/// A stage at the end of the step may be slightly beyond the path. It would then include a jump of
-/// the force that the step does not reach.
-pub(super) fn load_before<R: Real, D: Dynamics<R>>(
-    scene: &D,
-    start: &Motion<R>,
-    motion: &Motion<R>,
-    seconds: R,
-) -> Load<R> {
-    let mut load = Load::default();
-    let turning = scene.contact_model().seen(motion).angular_velocity;
-    let mut add = |contact: &Contact<R>| {
-        let laws = (scene.ground(), scene.friction());
-        load.add(contact, contact.force(laws.0, laws.1));
-        load.torque += contact.turning_torque(laws.0, laws.1, turning);
-    };
-    let is_late = |contact: &Contact<R>| {
-        let scene = OnSurface::of(scene, contact.surface);
-        comes_late(&ContactEnd::of(&scene, start, &contact.point), seconds)
-    };
-    scene
-        .contact_model()
-        .visit_with_onsets(motion, &mut |contact, onset| {
-            if onset == Onset::Gradual || !is_late(contact) {
-                add(contact);
-            }
-        });
-    load
-}
-
-/// Returns true if a contact is above ground, and would be for the first half of a step at constant
-/// speed.
-#[inline]
-fn comes_late<R: Real>(side: &ContactEnd<R>, seconds: R) -> bool {
-    let halfway = side.depth + side.closing_speed * (seconds * R::HALF);
-    side.depth <= R::ZERO && halfway <= R::ZERO
 }
 
 /// An attempted step. Its type has no number of stages, so that it is compiled once for all pairs.

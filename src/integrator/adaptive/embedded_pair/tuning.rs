@@ -10,8 +10,8 @@
 //! - `cargo bench --bench work_precision -- --robust` prints the largest tolerance for an error,
 //!   and its cost, on eight trials and eight tosses.
 //!
-//! Half and twice each value were compared on the eight trials, at tolerances from 1e-3 to 1e-7 m.
-//! [`SAFETY`] was compared with 0.8 and 1.1 times its value.
+//! Half and twice each value were compared on the eight trials, at tolerances from 1e-3 to 1e-7 m,
+//! for [`SAFETY`] 0.8 and 1.1 times its value.
 //! A constant is marked as *not sensitive* if the mean error changed by less than an eighth (with
 //! `Radau5` by less than a fifth), and the number of force evaluations by less than a twentieth.
 //!
