@@ -11,12 +11,12 @@
 mod picture;
 mod scenes;
 
-use std::error::Error;
-use std::fmt::Debug;
-use std::ops::RangeInclusive;
+use core::error::Error;
+use core::fmt::Debug;
+use core::ops::RangeInclusive;
+use core::str::FromStr;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::str::FromStr;
 
 use common::{Outcome, Page, Picture, make_folder, program, say, table, within};
 use lexopt::prelude::*;

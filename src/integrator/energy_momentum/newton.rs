@@ -229,11 +229,11 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         }
         sum.torque += contacts.lever.torque * sum.normal;
         self.rolling = Rolling::at(problem, contacts, trial);
-        if let Some(rolling) = &self.rolling {
+        if let Some(rolling) = self.rolling() {
             sum.torque += rolling.torque;
         }
         let mut balance = Balance::of(problem, (contacts, trial), &sum, &self.scale);
-        if let Some(rolling) = &self.rolling {
+        if let Some(rolling) = self.rolling() {
             balance.rounding += rolling.rounding(problem, trial);
         }
         balance
@@ -366,7 +366,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let by = Increment::of(shift, turn, here.place.spin);
         let is_last = !begins_in_stick
             && loads_agree
-            && (self.rolling).as_ref().is_none_or(Rolling::is_exact)
+            && self.rolling().is_none_or(Rolling::is_exact)
             && ((is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
                 || self.is_close_in_stick(here, contacts, shift, turn))
             && !(self.is_hard && hard::touch_or_part(contacts, &by));
@@ -387,12 +387,21 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         is_last
     }
 
+    /// Resistance to rolling and spinning at the last trial, if the law has any. The law is asked, so
+    /// that a program does not contain what it does not need.
+    #[inline(always)]
+    fn rolling(&self) -> Option<&Rolling<R>> {
+        self.rolling
+            .as_ref()
+            .filter(|_| self.problem.resists_turning())
+    }
+
     /// Solves for the shift and the rotation by which a trial with this spin and residual is
     /// balanced.
     #[inline(always)]
     fn solved(&self, residual: [R::Vec3; 2], spin: R::Vec3) -> (R::Vec3, R::Vec3) {
         let (problem, [force, torque]) = (self.problem, residual);
-        match &self.rolling {
+        match self.rolling() {
             Some(rolling) => rolling.step(problem, &self.matrix, spin, residual),
             None => (self.matrix).solve(-force, -torque, problem.bounding_radius),
         }
@@ -425,7 +434,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             }
         }
         sum.torque += contacts.lever.torque * sum.normal;
-        if let Some(rolling) = &self.rolling {
+        if let Some(rolling) = self.rolling() {
             sum.torque += rolling.torque;
         }
         let (force, torque) = residual(problem, trial, &sum);

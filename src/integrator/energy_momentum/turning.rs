@@ -23,6 +23,9 @@ const PASSES: u32 = 6;
 
 /// Returns the state after the contacts have resisted its rotation for a time (s).
 pub(super) fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
+    if scene.friction().rolling_resistance(R::ZERO).is_none() {
+        return *state;
+    }
     let resistances = resistances(scene, state);
     if resistances.groups().is_empty() {
         return *state;
@@ -58,9 +61,6 @@ pub(super) fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, secon
 /// Resistances of the contacts that touch in a state.
 fn resistances<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> Resistances<R> {
     let mut sum = Resistances::NONE;
-    if scene.friction().rolling_resistance(R::ZERO).is_none() {
-        return sum;
-    }
     visit_contacts(scene, &motion_of(scene, state), &mut |contact| {
         let (ground, friction) = contact.laws(scene.ground(), scene.friction());
         let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
