@@ -87,7 +87,8 @@ proptest! {
     fn the_moments_do_not_depend_on_the_axes_in_which_a_body_is_given(
         edges in edges(), turn in orientations(), way in directions(),
     ) {
-        let own = MassProperties::cuboid(1.0, edges).unwrap().with(&MassProperties::ball(0.3, 0.2).unwrap().at(way * 0.5));
+        let ball = MassProperties::ball(0.3, 0.2).unwrap().at(way * 0.5);
+        let own = MassProperties::cuboid(1.0, edges).unwrap().with(&ball);
         let other = turned(own, turn).at(way * 3.0);
         let moments = |body: &MassProperties| {
             let found = InertiaProperties::<f64>::new(body.mass, body.inertia).unwrap().moments();

@@ -65,8 +65,8 @@ fn rolls_out(by: impl Integrator, name: &str) {
     let mut state = moving(&scene, DVec3::X * speed, DVec3::Y * (speed / RADIUS));
     let slowing = 5.0 / 7.0 * rolling / RADIUS * G;
     scene.advance(&mut state, 1.0).unwrap();
-    // The friction that slows it, 5 % of the largest, needs a slip of 5e-5 m/s, of which 2/7 are the
-    // ball's. Turn speed over turning: 1e-5 of the torque.
+    // The friction that slows it, 5 % of the largest, needs a slip of 5e-5 m/s, of which 2/7 are
+    // the ball's. Turn speed over turning: 1e-5 of the torque.
     let slack = 2.0 / 7.0 * 5e-5 + 2e-5 * slowing;
     let left = speed - slowing;
     assert!(
@@ -329,9 +329,10 @@ proptest! {
         let slope = rolling * share;
         let down = DVec3::new(slope, 0.0, -1.0).normalize();
         let stiffness = 0.5 * G / (1e-3 * radius);
+        let ground = FlatGround::level(stiffness, 0.3 * stiffness.sqrt());
         let scene = Stepper::new(Sphere::solid(0.5, radius))
             .and_then(|stepper| stepper.with_gravity(UniformGravity { acceleration: down * G }))
-            .and_then(|stepper| stepper.with_ground(FlatGround::level(stiffness, 0.3 * stiffness.sqrt())))
+            .and_then(|stepper| stepper.with_ground(ground))
             .and_then(|stepper| stepper.with_friction(law))
             .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step }))
             .unwrap();
@@ -341,7 +342,8 @@ proptest! {
         scene.advance(&mut state, seconds).unwrap();
         let creep: DVec3 = (state.position - from) / seconds;
         let held = slope / coefficient;
-        let expected: f64 = turn_speed * radius * share / (1.0 - share) + slip_speed * held / (1.0 - held);
+        let rolled = turn_speed * radius * share / (1.0 - share);
+        let expected: f64 = rolled + slip_speed * held / (1.0 - held);
         let off = DVec3::length(creep - DVec3::X * expected);
         prop_assert!(off < expected * 1e-3 + 1e-15 / seconds, "{} m/s, not {}", creep, expected);
     }

@@ -82,7 +82,7 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Slide<'_, R, F> {
         -(force.dot(slip * per_speed) * per_speed)
     }
 
-    /// Truncation and rounding of a logarithmic derivative, also of one that the law itself computes
+    /// Truncation and rounding of a logarithmic derivative, also of one that the law computes
     /// by differences. They are larger if the force is nearly perpendicular to the slip.
     fn rounding(&self, coefficient: R) -> R {
         let force = (self.friction).force_at(self.position, self.load, self.slip);

@@ -387,8 +387,8 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         is_last
     }
 
-    /// Resistance to rolling and spinning at the last trial, if the law has any. The law is asked, so
-    /// that a program does not contain what it does not need.
+    /// Resistance to rolling and spinning at the last trial, if the law has any. The law is asked,
+    /// so that a program does not contain what it does not need.
     #[inline(always)]
     fn rolling(&self) -> Option<&Rolling<R>> {
         self.rolling

@@ -146,8 +146,8 @@ impl<R: Real> Resistance<R> {
         }
     }
 
-    /// Adds a matrix (kg m²) that resists the difference between the angular velocity and its target
-    /// (`departure`, rad/s, before the impulses).
+    /// Adds a matrix (kg m²) that resists the difference between the angular velocity and its
+    /// target (`departure`, rad/s, before the impulses).
     pub(super) fn add_turning(&mut self, matrix: &Block<R>, departure: R::Vec3) {
         self.active = true;
         self.turning += matrix.times(departure);

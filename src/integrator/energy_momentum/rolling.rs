@@ -8,8 +8,8 @@
 //!
 //! The torque saturates beyond the turn speed of the law, which may be far below the change of ω in
 //! a step. A derivative at the trial is then no guide: the body that is to stop has none, and the
-//! body at rest is held as if by a spring. So Newton's step is linear in all other forces only. A is
-//! their matrix, `B ϑ` the change of ω by a rotation ϑ of the end, and `δ̂` the change of ω by
+//! body at rest is held as if by a spring. So Newton's step is linear in all other forces only. A
+//! is their matrix, `B ϑ` the change of ω by a rotation ϑ of the end, and `δ̂` the change of ω by
 //! Newton's step with the torque of the trial. Then the change δ obeys
 //!
 //! ```text
@@ -82,8 +82,8 @@ impl<R: Real> Rolling<R> {
         rolling
     }
 
-    /// Resistance at a trial under the linear loads of hard contacts. `None` if the friction law has
-    /// none.
+    /// Resistance at a trial under the linear loads of hard contacts. `None` if the friction law
+    /// has none.
     #[inline(always)]
     pub(super) fn under_loads<D: Dynamics<R>>(
         problem: &Problem<'_, R, D>,
@@ -179,8 +179,8 @@ impl<R: Real> Rolling<R> {
         let (shift, turn) = solve(-force, -torque);
         let by_torque = by_rotation.times_block(&columns(|(_, turn)| turn));
         let change = self.change(by_rotation.times(turn), &by_torque);
-        // The rotation follows from the change of the angular velocity: as the effect of the torques
-        // it is a small difference of two large ones.
+        // The rotation follows from the change of the angular velocity: as the effect of the
+        // torques it is a small difference of two large ones.
         let shift = shift + columns(|(shift, _)| shift).times(self.more_torque(change));
         (shift, by_rotation.solve(change))
     }
@@ -191,8 +191,8 @@ impl<R: Real> Rolling<R> {
         torque(self.angular_velocity + change) - torque(self.angular_velocity)
     }
 
-    /// Solves `δ = δ̂ + G (T(ω + δ) - T(ω))` for the change δ of the angular velocity. `freely` (δ̂)
-    /// is the change without a change of the torque, and `by_torque` the matrix G.
+    /// Solves `δ = δ̂ + G (T(ω + δ) - T(ω))` for the change δ of the angular velocity. `freely`
+    /// (δ̂) is the change without a change of the torque, and `by_torque` the matrix G.
     fn change(&self, freely: R::Vec3, by_torque: &Block<R>) -> R::Vec3 {
         let here = self.angular_velocity;
         let residual = |by: R::Vec3| by - freely - by_torque.times(self.more_torque(by));
