@@ -2,9 +2,11 @@
 # What would be published has what a user needs and nothing else, and builds by itself, also with the lowest versions of its dependencies.
 set -euo pipefail
 files=$(cargo package --list -p tumble --allow-dirty)
-for wanted in Cargo.toml README.md CHANGELOG.md LICENSE src/lib.rs; do
+for wanted in Cargo.toml README.md assets/registry.md CHANGELOG.md LICENSE src/lib.rs; do
   grep -qx "$wanted" <<<"$files" || { echo "the package lacks $wanted"; exit 1; }
 done
+# A registry shows the README without what only a clone has.
+.ci/registry_page.py
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 grep -qE "^## \[${version//./\\.}\] - 20[0-9]{2}-[0-9]{2}-[0-9]{2}$" CHANGELOG.md || { echo "CHANGELOG.md has no dated section of $version"; exit 1; }
 allowed='\.cargo_vcs_info\.json|Cargo\.(lock|toml|toml\.orig)|README\.md|ARCHITECTURE\.md|CONTRIBUTING\.md|CHANGELOG\.md|LICENSE|(src|benches|tests|assets)/.+'
