@@ -41,9 +41,9 @@ struct Trial {
 /// A contact, as it was when it was last evaluated.
 struct Touch {
     point: V,
-    /// Arm at the start, m, and depth there. They are computed when the contact is first felt.
+    /// Arm at the start, m, and depth there. They are computed when the contact is first active.
     start: Option<(V, N)>,
-    is_felt: bool,
+    is_active: bool,
     /// Mean normal force, N, and its derivative by the depth at the end, N/m.
     normal: N,
     stiffness: N,
@@ -152,17 +152,17 @@ impl Scene {
         }
     }
 
-    /// Evaluates the contacts that are felt in a trial. The search for them is not counted.
+    /// Evaluates the contacts that are active in a trial. The search for them is not counted.
     fn respond(&self, start: &Point, axes: &M, trial: &Trial, touches: &mut [Touch]) {
         for touch in touches {
-            touch.is_felt = uncounted(|| {
+            touch.is_active = uncounted(|| {
                 let arm = times(axes, touch.point);
                 let depth = -(start.x.z() + arm.z());
                 let moved = trial.shift + times(&trial.change, arm);
                 let (force, stiffness) = self.mean_force(depth, depth - moved.z());
                 force.0 > 0.0 || stiffness.0 > 0.0
             });
-            if touch.is_felt {
+            if touch.is_active {
                 touch.respond(self, start, axes, trial);
             }
         }
@@ -203,7 +203,7 @@ impl Scene {
     /// Residual of the momentum balance.
     fn residual(&self, start: &Point, fallen: V, trial: &Trial, touches: &[Touch]) -> (V, V) {
         let mut sums: Option<[V; 2]> = None;
-        for touch in touches.iter().filter(|touch| touch.is_felt) {
+        for touch in touches.iter().filter(|touch| touch.is_active) {
             let torque = touch.arm.cross(touch.force);
             sums = Some(match sums {
                 Some([force, sum]) => [force + touch.force, sum + torque],
@@ -225,7 +225,7 @@ impl Scene {
     fn matrix(&self, axis: &V, trial: &Trial, touches: &mut [Touch]) -> Matrix {
         let mut matrix = Matrix([[None; 6]; 6]);
         let mut strain = 0.0;
-        for touch in touches.iter_mut().filter(|touch| touch.is_felt) {
+        for touch in touches.iter_mut().filter(|touch| touch.is_active) {
             strain += touch.per_load.0 * touch.normal.0 * self.dt / self.mass;
             touch.add_to(&mut matrix, self);
         }
@@ -271,8 +271,8 @@ impl Scene {
         let square = |l: V| l.dot(self.angular_velocity(axis, l)).0;
         let size = (force.dot(force).0 / self.mass + square(torque)).sqrt();
         let own = (start.v.dot(start.v).0 * self.mass + square(start.l)).sqrt();
-        let felt = touches.iter().filter(|touch| touch.is_felt);
-        let normal: f64 = felt.map(|touch| touch.normal.0).sum();
+        let active = touches.iter().filter(|touch| touch.is_active);
+        let normal: f64 = active.map(|touch| touch.normal.0).sum();
         let weight = -self.gravity.z().0 * self.mass;
         let scale = own + 0.5 * self.dt * (weight + normal) / self.mass.sqrt();
         Sizes {
@@ -313,7 +313,7 @@ impl Touch {
         Self {
             point,
             start: None,
-            is_felt: false,
+            is_active: false,
             normal: N::ZERO,
             stiffness: N::ZERO,
             slip: V::ZERO,

@@ -120,7 +120,7 @@ mod tests {
 
     /// The slip of a point that is not active is that of an earlier trial, or of an earlier step.
     #[test]
-    fn a_reversal_of_friction_reads_no_slip_of_a_point_that_is_not_felt() {
+    fn a_reversal_of_friction_reads_no_slip_of_a_point_that_is_not_active() {
         let all = |slips| coefficient(&four_points(slips, [true; 4]));
         let [flat, bent] = [[-0.25, -0.05, 0.15, 0.35], [-0.25, -0.05, 0.15, 0.5]].map(all);
         assert!(flat.is_some() && flat != bent, "{flat:?}");

@@ -345,7 +345,7 @@ impl<R: Real> Touch<R> {
 
     /// Returns true if there is a force, or if Newton's last step has predicted one.
     #[inline(always)]
-    fn may_be_felt(&self) -> bool {
+    fn may_be_active(&self) -> bool {
         self.push.is_active() || self.load > R::ZERO
     }
 
@@ -363,7 +363,7 @@ impl<R: Real> Touch<R> {
         let mean = self.push.mean_force(problem, end_depth);
         self.push.end_depth = end_depth;
         self.push.mean = mean;
-        if !self.may_be_felt() {
+        if !self.may_be_active() {
             return false;
         }
         let end_arm = self.arm + swung;
@@ -408,7 +408,7 @@ impl<R: Real> Touch<R> {
         self.push.normal = normal;
         self.push.end_depth = end_depth;
         self.push.mean = self.push.mean_force(problem, end_depth);
-        if !self.may_be_felt() {
+        if !self.may_be_active() {
             return Lever::NONE;
         }
         let end_arm = self.arm + swung;
