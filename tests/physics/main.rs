@@ -40,6 +40,7 @@ mod adaptive;
 mod adaptive_energy_momentum;
 mod adaptive_nystrom;
 mod energy_momentum;
+mod error_estimate;
 mod radau;
 mod truth;
 mod work_precision;
