@@ -28,9 +28,24 @@ impl<R: Real> RollingResistance<R> {
     #[inline]
     #[must_use]
     pub fn torque(&self, normal: R::Vec3, angular_velocity: R::Vec3) -> R::Vec3 {
+        self.torque_resolving(R::ZERO, normal, angular_velocity)
+    }
+
+    /// As [`torque`](Self::torque), but linear at angular speeds of which the sum with the turn
+    /// speed is below a `resolution` (rad/s).
+    #[inline]
+    pub(crate) fn torque_resolving(
+        &self,
+        resolution: R,
+        normal: R::Vec3,
+        angular_velocity: R::Vec3,
+    ) -> R::Vec3 {
         let spinning = normal * normal.dot(angular_velocity);
         let rolling = angular_velocity - spinning;
-        let [per_rolling, per_spinning] = self.per_turn(rolling.length(), spinning.length());
+        let least = resolution - self.turn_speed;
+        let [rolling_speed, spinning_speed] =
+            [rolling, spinning].map(|part| part.length().at_least(least));
+        let [per_rolling, per_spinning] = self.per_turn(rolling_speed, spinning_speed);
         -(rolling * per_rolling + spinning * per_spinning)
     }
 
@@ -73,9 +88,12 @@ impl<R: Real> RollingResistance<R> {
 /// - A torque about an axis without inertia (a [`Rod`](crate::Rod)) is left out by
 ///   `EnergyMomentum`. Explicit methods keep it as angular momentum, which deflects the body when
 ///   it tilts. The two differ there by some percent of the angular velocity, at any step size.
-/// - [`EnergyMomentum`](crate::EnergyMomentum) has the creep of the law at any step size, and a
-///   bounce within a step has the resistance of its mean load. If more than four directions of the
+/// - [`EnergyMomentum`](crate::EnergyMomentum) has the creep of the law at any step size, as long
+///   as friction sticks there. A bounce within a step has the resistance of the impulse that the
+///   ground gives, where that is less than its mean load. If more than four directions of the
 ///   ground resist at once, each contact resists as itself, but a step takes more iterations.
+/// - In [`EnergyMomentum`](crate::EnergyMomentum) a turn speed below the rounding of the rotation
+///   has no effect: see *Single precision* there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WithResistance<F, R = f64> {

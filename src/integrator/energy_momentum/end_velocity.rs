@@ -32,8 +32,9 @@
 //! changes by `p_n`, to less than its mean force gave. A slide has the friction of the load that is
 //! left, so the impulse is along `n + ∂F/∂N`, the normal with the friction of a unit load. Without
 //! it, the friction of an impact exceeds `μ` times the impulse of the ground, by a fraction of up
-//! to `(z - 2)/(z + 2)`. This part alone may return energy, no more than the friction of the mean
-//! force has taken.
+//! to `(z - 2)/(z + 2)`. Resistance to rolling and spinning depends on the load in the same way:
+//! its part is the torque of a unit load. These parts alone may return energy, no more than
+//! friction and resistance of the mean force have taken.
 //!
 //! *The energy.* Let `y` be the velocities (v, ω). The impulses change the energy by `Σ pᵢ·uₘᵢ`
 //! plus a negative part. That part is negative because the impulses draw `y` towards the mean, by
@@ -46,7 +47,7 @@ use super::contacts::Contacts;
 use super::problem::{Problem, Trial};
 use super::resist::Resistance;
 use super::shared::seen;
-use super::touch::Push;
+use super::touch::{Push, Touch};
 use crate::contact::Motion;
 use crate::friction::FrictionJacobian;
 use crate::ground::SpringDamperGround;
@@ -150,6 +151,12 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>>(
         contacts.recall_all(problem, trial, &mut |push, jacobian| {
             is_limited |= correction.add(&mut sum, push, jacobian, after.as_ref());
         });
+        if passes > 1 && problem.resists_turning() {
+            let mean = problem.mean_angular_velocity(trial);
+            contacts.visit_active(problem, trial, &mut |touch| {
+                correction.add_torque_of_load(&mut sum, touch, mean, after.as_ref());
+            });
+        }
         // If no limit is active, another pass gives the same result.
         if pass > 0 && !is_limited {
             break;
@@ -185,17 +192,8 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
         let end = self.motion.velocity_at(place);
         let along = chord(push, jacobian, end - n * end.dot(n));
         let along = self.per_speed(along, self.share(along, self.strain.friction));
-        let damping = push.mean.damping;
-        let share = self.share(damping, self.strain.damping);
-        let mut across = self.per_speed(damping, share);
-        let rising = (push.depth - push.end_depth) * self.problem.per_second;
-        // The ground may take back as much impulse as it has given, but never pull.
-        let limit = self.per_speed(push.mean.force, share);
-        let beyond = after.map_or(R::ZERO, |after| after.velocity_at(place).dot(n) - rising);
-        let is_limited = across * beyond > limit;
-        if is_limited {
-            across = limit / beyond;
-        }
+        let rising = self.rising(push);
+        let (across, is_limited) = self.across(push, (n, place), after);
         // A slide has the friction of the load that the damper leaves.
         let pushed = n - push.slip * jacobian.per_load;
         sum.add(
@@ -205,6 +203,59 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
             end - push.slip - n * rising,
         );
         is_limited
+    }
+
+    /// Adds the torque of resistance to rolling and spinning of the load that a damper takes back.
+    #[cold]
+    #[inline(never)]
+    fn add_torque_of_load(
+        &self,
+        sum: &mut Resistance<R>,
+        touch: &Touch<R>,
+        mean_angular_velocity: R::Vec3,
+        after: Option<&Motion<R>>,
+    ) {
+        let Some(torque) = touch.torque_of_unit_load(self.problem, mean_angular_velocity) else {
+            return;
+        };
+        let push = &touch.push;
+        let n = self.end_normal(push);
+        let place = push.end_arm - n * push.radius;
+        let rising = self.motion.velocity_at(place).dot(n) - self.rising(push);
+        // A load in addition would resist in the direction of the mean, which the end can oppose.
+        if rising > R::ZERO {
+            let (across, _) = self.across(push, (n, place), after);
+            sum.add_torque(place, n, torque * across, rising);
+        }
+    }
+
+    /// Mean speed at which a contact leaves the ground in the step, m/s.
+    fn rising(&self, push: &Push<R>) -> R {
+        (push.depth - push.end_depth) * self.problem.per_second
+    }
+
+    /// Resistance of a damper across the ground, kg, for a contact with this normal and place at
+    /// the end. It is true with it if the damper has reached its limit in the motion `after`.
+    fn across(
+        &self,
+        push: &Push<R>,
+        (normal, place): (R::Vec3, R::Vec3),
+        after: Option<&Motion<R>>,
+    ) -> (R, bool) {
+        let damping = push.mean.damping;
+        let share = self.share(damping, self.strain.damping);
+        let across = self.per_speed(damping, share);
+        // The ground may take back as much impulse as it has given, but never pull.
+        let limit = self.per_speed(push.mean.force, share);
+        let rising = self.rising(push);
+        let beyond = after.map_or(R::ZERO, |after| {
+            after.velocity_at(place).dot(normal) - rising
+        });
+        if across * beyond > limit {
+            (limit / beyond, true)
+        } else {
+            (across, false)
+        }
     }
 
     /// Normal out of the ground at the contact point at the end of the step. The mean normal would

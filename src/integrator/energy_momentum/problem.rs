@@ -2,6 +2,7 @@
 //! that a trial represents.
 
 use super::block::Block;
+use super::resistances::resolution;
 use crate::contact::{Motion, MovingContact};
 use crate::energy::Energy;
 use crate::friction::{FrictionJacobian, LawOfSurface, SlidingFriction};
@@ -149,6 +150,11 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     #[inline(always)]
     pub(super) fn resists_turning(&self) -> bool {
         !self.is_conservative && self.scene.friction().rolling_resistance(R::ZERO).is_some()
+    }
+
+    /// [`resolution`] of the angular velocity, rad/s.
+    pub(super) fn turn_resolution(&self) -> R {
+        resolution(self.scene, self.motion.angular_velocity, self.seconds)
     }
 
     /// One surface of the ground.

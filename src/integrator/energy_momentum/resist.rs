@@ -146,6 +146,19 @@ impl<R: Real> Resistance<R> {
         }
     }
 
+    /// Adds a torque (N m for a resistance of 1 N s/m) that depends on the resistance across the
+    /// ground of a point with this departure, m/s.
+    pub(super) fn add_torque(
+        &mut self,
+        place: R::Vec3,
+        normal: R::Vec3,
+        torque: R::Vec3,
+        rising: R,
+    ) {
+        self.turning += torque * rising;
+        self.equations.add_torque(torque, normal, place);
+    }
+
     /// Adds a matrix (kg m²) that resists the difference between the angular velocity and its
     /// target (`departure`, rad/s, before the impulses).
     pub(super) fn add_turning(&mut self, matrix: &Block<R>, departure: R::Vec3) {

@@ -6,14 +6,40 @@
 //!
 //! `k_r` and `k_s` are the ratios of torque and angular speed of a [`RollingResistance`], which
 //! decrease with that speed. On a ground that rotates, ω is relative to it.
+//!
+//! # Resolution
+//!
+//! ω has a rounding error, and so has each of its parts along and across a normal. A turn speed
+//! near that error makes the torque a random number, and `k_s` so large that `k_r` is lost in the
+//! sum. So where the angular speed and the turn speed together are below the
+//! [`resolution`], the torque is linear: with `resolution` in place of their sum.
 
 use super::block::Block;
 use super::dual::direction;
 use crate::friction::RollingResistance;
 use crate::real::{Real, Vector};
+use crate::scene::{Dynamics, size};
 
 /// Number of groups of contacts that are kept apart. A floor with three walls needs as many.
 const GROUPS: usize = 4;
+/// Rounding errors of the angular velocity within which the torque is linear. One turn speed of so
+/// many makes the rounding of a torque `1/4096` of its bound.
+const ROUNDINGS: f64 = 4096.0;
+/// The same for the angular speed that the weight gives a body in a step. It is less, because a
+/// body at rest creeps as the law says only above it.
+const ROUNDINGS_AT_REST: f64 = 64.0;
+
+/// Angular speed that a step can tell from 0, rad/s, for a body with an angular velocity at its
+/// start, relative to the ground.
+pub(super) fn resolution<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    angular_velocity: R::Vec3,
+    seconds: R,
+) -> R {
+    let of_weight = scene.gravity().length() * (seconds / size(scene));
+    let [moving, at_rest] = [ROUNDINGS, ROUNDINGS_AT_REST].map(R::from_f64);
+    R::EPSILON * (moving * angular_velocity.length() + at_rest * of_weight)
+}
 
 /// Resistances of all contacts. Contacts with the same normal and the same turn speed resist as one
 /// contact with the sum of their torques.
@@ -21,6 +47,8 @@ const GROUPS: usize = 4;
 pub(super) struct Resistances<R: Real> {
     groups: [Group<R>; GROUPS],
     count: usize,
+    /// rad/s.
+    resolution: R,
     /// Whether contacts with different normals or turn speeds are in one group.
     pub(super) is_merged: bool,
 }
@@ -30,6 +58,8 @@ pub(super) struct Resistances<R: Real> {
 pub(super) struct Group<R: Real> {
     normal: R::Vec3,
     law: RollingResistance<R>,
+    /// rad/s.
+    resolution: R,
 }
 
 /// Angular velocity split at a contact.
@@ -41,18 +71,25 @@ struct Split<R: Real> {
 }
 
 impl<R: Real> Resistances<R> {
-    pub(super) const NONE: Self = Self {
-        groups: [Group {
+    /// No contacts, of a step with this [`resolution`] (rad/s).
+    pub(super) const fn none(resolution: R) -> Self {
+        let law = RollingResistance {
+            rolling: R::ZERO,
+            spinning: R::ZERO,
+            turn_speed: R::ONE,
+        };
+        let group = Group {
             normal: R::Vec3::ZERO,
-            law: RollingResistance {
-                rolling: R::ZERO,
-                spinning: R::ZERO,
-                turn_speed: R::ONE,
-            },
-        }; GROUPS],
-        count: 0,
-        is_merged: false,
-    };
+            law,
+            resolution,
+        };
+        Self {
+            groups: [group; GROUPS],
+            count: 0,
+            resolution,
+            is_merged: false,
+        }
+    }
 
     /// Adds a contact. Where there is no group left, it joins the one with the nearest normal.
     pub(super) fn add(&mut self, normal: R::Vec3, law: &RollingResistance<R>) {
@@ -63,7 +100,11 @@ impl<R: Real> Resistances<R> {
         if let Some(group) = known.into_iter().find(|group| is_same(group)) {
             group.join(law);
         } else if let Some(free) = self.groups.get_mut(self.count) {
-            *free = Group { normal, law: *law };
+            *free = Group {
+                normal,
+                law: *law,
+                ..*free
+            };
             self.count += 1;
         } else {
             self.is_merged = true;
@@ -80,8 +121,18 @@ impl<R: Real> Resistances<R> {
     /// Torque at an angular velocity (rad/s), N m.
     pub(super) fn torque(&self, angular_velocity: R::Vec3) -> R::Vec3 {
         self.groups().iter().fold(R::Vec3::ZERO, |sum, group| {
-            sum + group.law.torque(group.normal, angular_velocity)
+            sum + self.torque_of(&group.law, group.normal, angular_velocity)
         })
+    }
+
+    /// Torque of one contact or group, N m.
+    pub(super) fn torque_of(
+        &self,
+        law: &RollingResistance<R>,
+        normal: R::Vec3,
+        angular_velocity: R::Vec3,
+    ) -> R::Vec3 {
+        law.torque_resolving(self.resolution, normal, angular_velocity)
     }
 
     /// Ratio of torque and angular velocity: the matrix `K`, N m s.
@@ -126,7 +177,10 @@ impl<R: Real> Group<R> {
     /// Ratios of torque and angular speed, of rolling and of spinning, N m s.
     pub(super) fn ratios(&self, angular_velocity: R::Vec3) -> [R; 2] {
         let split = self.split(angular_velocity);
-        self.law.per_turn(split.rolling_speed, split.spinning.abs())
+        let least = self.resolution - self.law.turn_speed;
+        let [rolling, spinning] =
+            [split.rolling_speed, split.spinning.abs()].map(|speed| speed.at_least(least));
+        self.law.per_turn(rolling, spinning)
     }
 
     /// Negative derivatives of both torques with respect to their angular speeds, N m s.
@@ -134,9 +188,17 @@ impl<R: Real> Group<R> {
         let split = self.split(angular_velocity);
         let half_speed = self.law.turn_speed;
         let [rolling, spinning] = self.ratios(angular_velocity);
+        let share = |speed: R| {
+            let sum = speed + half_speed;
+            if sum < self.resolution {
+                R::ONE
+            } else {
+                half_speed / sum
+            }
+        };
         [
-            rolling * (half_speed / (split.rolling_speed + half_speed)),
-            spinning * (half_speed / (split.spinning.abs() + half_speed)),
+            rolling * share(split.rolling_speed),
+            spinning * share(split.spinning.abs()),
         ]
     }
 

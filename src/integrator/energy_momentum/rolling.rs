@@ -101,7 +101,7 @@ impl<R: Real> Rolling<R> {
 
     fn none_at<D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<R>) -> Self {
         Self {
-            resistances: Resistances::NONE,
+            resistances: Resistances::none(problem.turn_resolution()),
             angular_velocity: problem.mean_angular_velocity(trial),
             torque: R::Vec3::ZERO,
         }
@@ -114,7 +114,7 @@ impl<R: Real> Rolling<R> {
         if let Some(law) = touch.rolling_resistance(problem, load) {
             let normal = touch.normal_of_resistance(problem);
             self.resistances.add(normal, &law);
-            self.torque += law.torque(normal, self.angular_velocity);
+            self.torque += (self.resistances).torque_of(&law, normal, self.angular_velocity);
         }
     }
 
@@ -284,12 +284,8 @@ pub(super) fn add_loads<R: Real, D: Dynamics<R>>(
 ) {
     let angular_velocity = problem.mean_angular_velocity(trial);
     contacts.visit_active(problem, trial, &mut |touch| {
-        let push = &touch.push;
-        let load = push.mean.force;
-        let law = touch.rolling_resistance(problem, load);
-        if let Some(law) = law.filter(|_| load > R::ZERO) {
-            let normal = touch.normal_of_resistance(problem);
-            let by_load = law.torque(normal, angular_velocity) * (R::ONE / load);
+        if let Some(by_load) = touch.torque_of_unit_load(problem, angular_velocity) {
+            let push = &touch.push;
             let slope = push.mean.slope * (problem.seconds * R::HALF);
             equations.add_torque(by_load * slope, push.normal, push.end_arm);
         }

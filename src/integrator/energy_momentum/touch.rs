@@ -293,6 +293,23 @@ impl<R: Real> Touch<R> {
         })
     }
 
+    /// Torque (N m for a load of 1 N) of resistance to rolling and spinning at an angular velocity
+    /// relative to the ground, under the mean normal force. `None` without a force or resistance.
+    pub(super) fn torque_of_unit_load<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        angular_velocity: R::Vec3,
+    ) -> Option<R::Vec3> {
+        let load = self.push.mean.force;
+        if load <= R::ZERO {
+            return None;
+        }
+        let law = self.rolling_resistance(problem, load)?;
+        let normal = self.normal_of_resistance(problem);
+        let torque = law.torque_resolving(problem.turn_resolution(), normal, angular_velocity);
+        Some(torque * (R::ONE / load))
+    }
+
     /// Normal of the ground at which rolling and spinning are told apart: that at the middle of the
     /// step, which [does not depend on the trial](Problem::middle_of).
     pub(super) fn normal_of_resistance<D: Dynamics<R>>(

@@ -10,7 +10,7 @@
 //! the impulses of [`resist`](super::resist). On a ground that rotates, ω is relative to it.
 
 use super::block::Block;
-use super::resistances::Resistances;
+use super::resistances::{Resistances, resolution};
 use super::shared::{motion_of, visit_contacts};
 use crate::friction::{RollingResistance, SlidingFriction};
 use crate::ground::SpringDamperGround;
@@ -26,11 +26,12 @@ pub(super) fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, secon
     if scene.friction().rolling_resistance(R::ZERO).is_none() {
         return *state;
     }
-    let resistances = resistances(scene, state);
+    let motion = motion_of(scene, state);
+    let resolution = resolution(scene, motion.angular_velocity, seconds);
+    let resistances = resistances(scene, state, resolution);
     if resistances.groups().is_empty() {
         return *state;
     }
-    let motion = motion_of(scene, state);
     let properties = scene.inertia_properties();
     let ([x, y, z], momentum) =
         properties.inertia_for_solving(&motion.axes, state.angular_momentum);
@@ -59,8 +60,12 @@ pub(super) fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, secon
 }
 
 /// Resistances of the contacts that touch in a state.
-fn resistances<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> Resistances<R> {
-    let mut sum = Resistances::NONE;
+fn resistances<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    state: &State<R>,
+    resolution: R,
+) -> Resistances<R> {
+    let mut sum = Resistances::none(resolution);
     visit_contacts(scene, &motion_of(scene, state), &mut |contact| {
         let (ground, friction) = contact.laws(scene.ground(), scene.friction());
         let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
