@@ -28,7 +28,9 @@ impl<R: Real> RollingResistance<R> {
     #[inline]
     #[must_use]
     pub fn torque(&self, normal: R::Vec3, angular_velocity: R::Vec3) -> R::Vec3 {
-        self.torque_resolving(R::ZERO, normal, angular_velocity)
+        let (rolling, spinning) = split::<R>(normal, angular_velocity);
+        let [per_rolling, per_spinning] = self.per_turn(rolling.length(), spinning.length());
+        -(rolling * per_rolling + spinning * per_spinning)
     }
 
     /// As [`torque`](Self::torque), but linear at angular speeds of which the sum with the turn
@@ -40,12 +42,14 @@ impl<R: Real> RollingResistance<R> {
         normal: R::Vec3,
         angular_velocity: R::Vec3,
     ) -> R::Vec3 {
-        let spinning = normal * normal.dot(angular_velocity);
-        let rolling = angular_velocity - spinning;
+        if resolution <= self.turn_speed {
+            return self.torque(normal, angular_velocity);
+        }
+        let (rolling, spinning) = split::<R>(normal, angular_velocity);
         let least = resolution - self.turn_speed;
-        let [rolling_speed, spinning_speed] =
+        let [of_rolling, of_spinning] =
             [rolling, spinning].map(|part| part.length().at_least(least));
-        let [per_rolling, per_spinning] = self.per_turn(rolling_speed, spinning_speed);
+        let [per_rolling, per_spinning] = self.per_turn(of_rolling, of_spinning);
         -(rolling * per_rolling + spinning * per_spinning)
     }
 
@@ -57,6 +61,13 @@ impl<R: Real> RollingResistance<R> {
             self.spinning / (spinning + self.turn_speed),
         ]
     }
+}
+
+/// Parts of an angular velocity (rad/s) along the ground and along its normal.
+#[inline]
+fn split<R: Real>(normal: R::Vec3, angular_velocity: R::Vec3) -> (R::Vec3, R::Vec3) {
+    let spinning = normal * normal.dot(angular_velocity);
+    (angular_velocity - spinning, spinning)
 }
 
 /// A friction law combined with resistance to rolling and to spinning.

@@ -152,9 +152,9 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>>(
             is_limited |= correction.add(&mut sum, push, jacobian, after.as_ref());
         });
         if passes > 1 && problem.resists_turning() {
-            let mean = problem.mean_angular_velocity(trial);
+            let rotation = problem.mean_rotation(trial);
             contacts.visit_active(problem, trial, &mut |touch| {
-                correction.add_torque_of_load(&mut sum, touch, mean, after.as_ref());
+                correction.add_torque_of_load(&mut sum, touch, rotation, after.as_ref());
             });
         }
         // If no limit is active, another pass gives the same result.
@@ -205,17 +205,18 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
         is_limited
     }
 
-    /// Adds the torque of resistance to rolling and spinning of the load that a damper takes back.
+    /// Adds the torque of resistance to rolling and spinning of the load that a damper takes back,
+    /// at a [mean rotation](Problem::mean_rotation).
     #[cold]
     #[inline(never)]
     fn add_torque_of_load(
         &self,
         sum: &mut Resistance<R>,
         touch: &Touch<R>,
-        mean_angular_velocity: R::Vec3,
+        rotation: (R::Vec3, R),
         after: Option<&Motion<R>>,
     ) {
-        let Some(torque) = touch.torque_of_unit_load(self.problem, mean_angular_velocity) else {
+        let Some(torque) = touch.torque_of_unit_load(self.problem, rotation) else {
             return;
         };
         let push = &touch.push;

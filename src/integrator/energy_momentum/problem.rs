@@ -154,7 +154,8 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
 
     /// [`resolution`] of the angular velocity, rad/s.
     pub(super) fn turn_resolution(&self) -> R {
-        resolution(self.scene, self.motion.angular_velocity, self.seconds)
+        let of_weight = self.scene.gravity().length() * (self.seconds / self.bounding_radius);
+        resolution(self.motion.angular_velocity.length(), of_weight)
     }
 
     /// One surface of the ground.
@@ -343,6 +344,12 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             Some(ground) => of_body - ground.angular_velocity,
             None => of_body,
         }
+    }
+
+    /// Mean angular velocity of a trial relative to the ground with its [`resolution`], both in
+    /// rad/s.
+    pub(super) fn mean_rotation(&self, trial: &Trial<R>) -> (R::Vec3, R) {
+        (self.mean_angular_velocity(trial), self.turn_resolution())
     }
 
     /// Moment of inertia about a direction, kg m². The smallest one about no direction.

@@ -18,7 +18,6 @@ use super::block::Block;
 use super::dual::direction;
 use crate::friction::RollingResistance;
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, size};
 
 /// Number of groups of contacts that are kept apart. A floor with three walls needs as many.
 const GROUPS: usize = 4;
@@ -29,16 +28,11 @@ const ROUNDINGS: f64 = 4096.0;
 /// body at rest creeps as the law says only above it.
 const ROUNDINGS_AT_REST: f64 = 64.0;
 
-/// Angular speed that a step can tell from 0, rad/s, for a body with an angular velocity at its
-/// start, relative to the ground.
-pub(super) fn resolution<R: Real, D: Dynamics<R>>(
-    scene: &D,
-    angular_velocity: R::Vec3,
-    seconds: R,
-) -> R {
-    let of_weight = scene.gravity().length() * (seconds / size(scene));
+/// Angular speed that a step can tell from 0, rad/s, for a body with an angular speed at its start
+/// and with one that its weight gives it in the step, both in rad/s.
+pub(super) fn resolution<R: Real>(speed: R, of_weight: R) -> R {
     let [moving, at_rest] = [ROUNDINGS, ROUNDINGS_AT_REST].map(R::from_f64);
-    R::EPSILON * (moving * angular_velocity.length() + at_rest * of_weight)
+    R::EPSILON * (moving * speed + at_rest * of_weight)
 }
 
 /// Resistances of all contacts. Contacts with the same normal and the same turn speed resist as one
@@ -176,7 +170,10 @@ impl<R: Real> Group<R> {
 
     /// Ratios of torque and angular speed, of rolling and of spinning, N m s.
     pub(super) fn ratios(&self, angular_velocity: R::Vec3) -> [R; 2] {
-        let split = self.split(angular_velocity);
+        self.ratios_of(&self.split(angular_velocity))
+    }
+
+    fn ratios_of(&self, split: &Split<R>) -> [R; 2] {
         let least = self.resolution - self.law.turn_speed;
         let [rolling, spinning] =
             [split.rolling_speed, split.spinning.abs()].map(|speed| speed.at_least(least));
@@ -186,8 +183,11 @@ impl<R: Real> Group<R> {
     /// Negative derivatives of both torques with respect to their angular speeds, N m s.
     pub(super) fn slopes(&self, angular_velocity: R::Vec3) -> [R; 2] {
         let split = self.split(angular_velocity);
+        self.slopes_of(&split, self.ratios_of(&split))
+    }
+
+    fn slopes_of(&self, split: &Split<R>, [rolling, spinning]: [R; 2]) -> [R; 2] {
         let half_speed = self.law.turn_speed;
-        let [rolling, spinning] = self.ratios(angular_velocity);
         let share = |speed: R| {
             let sum = speed + half_speed;
             if sum < self.resolution {
@@ -210,9 +210,11 @@ impl<R: Real> Group<R> {
     }
 
     fn slope(&self, angular_velocity: R::Vec3) -> Block<R> {
-        let [across_path, _] = self.ratios(angular_velocity);
-        let [along_path, spinning] = self.slopes(angular_velocity);
-        let u = direction::<R>(self.split(angular_velocity).rolling);
+        let split = self.split(angular_velocity);
+        let ratios = self.ratios_of(&split);
+        let [across_path, _] = ratios;
+        let [along_path, spinning] = self.slopes_of(&split, ratios);
+        let u = direction::<R>(split.rolling);
         self.matrix([across_path, spinning])
             .plus(&Block::outer(u * (along_path - across_path), u))
     }

@@ -282,9 +282,9 @@ pub(super) fn add_loads<R: Real, D: Dynamics<R>>(
     trial: &Trial<R>,
     equations: &mut SixBySix<R>,
 ) {
-    let angular_velocity = problem.mean_angular_velocity(trial);
+    let rotation = problem.mean_rotation(trial);
     contacts.visit_active(problem, trial, &mut |touch| {
-        if let Some(by_load) = touch.torque_of_unit_load(problem, angular_velocity) {
+        if let Some(by_load) = touch.torque_of_unit_load(problem, rotation) {
             let push = &touch.push;
             let slope = push.mean.slope * (problem.seconds * R::HALF);
             equations.add_torque(by_load * slope, push.normal, push.end_arm);

@@ -293,12 +293,13 @@ impl<R: Real> Touch<R> {
         })
     }
 
-    /// Torque (N m for a load of 1 N) of resistance to rolling and spinning at an angular velocity
-    /// relative to the ground, under the mean normal force. `None` without a force or resistance.
+    /// Torque (N m for a load of 1 N) of resistance to rolling and spinning at a [mean
+    /// rotation](Problem::mean_rotation), under the mean normal force. `None` without a force or
+    /// resistance.
     pub(super) fn torque_of_unit_load<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        angular_velocity: R::Vec3,
+        (angular_velocity, resolution): (R::Vec3, R),
     ) -> Option<R::Vec3> {
         let load = self.push.mean.force;
         if load <= R::ZERO {
@@ -306,7 +307,7 @@ impl<R: Real> Touch<R> {
         }
         let law = self.rolling_resistance(problem, load)?;
         let normal = self.normal_of_resistance(problem);
-        let torque = law.torque_resolving(problem.turn_resolution(), normal, angular_velocity);
+        let torque = law.torque_resolving(resolution, normal, angular_velocity);
         Some(torque * (R::ONE / load))
     }
 

@@ -15,7 +15,7 @@ use super::shared::{motion_of, visit_contacts};
 use crate::friction::{RollingResistance, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, size};
 use crate::state::State;
 
 /// Number of passes that fit the ratios to the law. No pass increases the energy.
@@ -27,7 +27,8 @@ pub(super) fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, secon
         return *state;
     }
     let motion = motion_of(scene, state);
-    let resolution = resolution(scene, motion.angular_velocity, seconds);
+    let of_weight = scene.gravity().length() * (seconds / size(scene));
+    let resolution = resolution(motion.angular_velocity.length(), of_weight);
     let resistances = resistances(scene, state, resolution);
     if resistances.groups().is_empty() {
         return *state;
