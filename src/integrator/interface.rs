@@ -234,9 +234,9 @@ pub struct Step<R = f64> {
     /// the error or misses it. With velocities counted for a second, the true error of 99 in 100
     /// random steps of a box on the ground was below 3 tolerances of
     /// [`BogackiShampine32`](crate::BogackiShampine32), 15 of
-    /// [`DormandPrince54`](crate::DormandPrince54) and 5 of [`Radau5`](crate::Radau5), which were up
-    /// to 10, 40 and 200 estimates (`tests/physics/error_estimate.rs`). The tolerance is chosen for
-    /// the error of a run: [`guide::choosing`](crate::guide::choosing).
+    /// [`DormandPrince54`](crate::DormandPrince54) and 5 of [`Radau5`](crate::Radau5), and below 10,
+    /// 40 and 200 estimates (`tests/physics/error_estimate.rs`). The tolerance is chosen for the
+    /// error of a run: [`guide::choosing`](crate::guide::choosing).
     pub error_estimate: Option<R>,
 }
 

@@ -354,7 +354,15 @@ proptest! {
     ///
     /// Balls with turn speeds below 1e-5 rad/s came to rest, or were thrown aside.
     #[test]
-    fn a_ball_of_single_precision_rolls_on_after_its_spin(radius in 0.01_f32..0.1, mass in 0.05_f32..2.0, lengths in [0.003_f32..0.02, 0.1_f32..0.5], turn_speed in log_uniform(1e-8, 1e-2), spin in 5.0_f32..30.0, normal in kit::directions(), towards in kit::directions()) {
+    fn a_ball_of_single_precision_rolls_on_after_its_spin(
+        radius in 0.01_f32..0.1,
+        mass in 0.05_f32..2.0,
+        lengths in [0.003_f32..0.02, 0.1_f32..0.5],
+        turn_speed in log_uniform(1e-8, 1e-2),
+        spin in 5.0_f32..30.0,
+        normal in kit::directions(),
+        towards in kit::directions(),
+    ) {
         let normal = normal.as_vec3();
         let along = towards.as_vec3().reject_from_normalized(normal);
         prop_assume!(along.length() > 0.1);
@@ -388,11 +396,25 @@ proptest! {
     /// (strain `h c/m` of 2 to 100). The ground gives less impulse than the mean force, and resists
     /// with the torque of that impulse. It was up to twice as much.
     #[test]
-    fn the_torque_of_an_impact_is_that_of_its_impulse(radius in 0.02..0.5_f64, strain in log_uniform(2.0, 100.0), ratio in 0.2..1.5_f64, lengths in [log_uniform(1e-4, 1e-2), log_uniform(1e-4, 1e-2)], time_step in log_uniform(1e-3, 0.02), speed in 0.5..5.0_f64, normal in kit::directions(), spin in 50.0..200.0_f64) {
+    fn the_torque_of_an_impact_is_that_of_its_impulse(
+        radius in 0.02..0.5_f64,
+        strain in log_uniform(2.0, 100.0),
+        ratio in 0.2..1.5_f64,
+        lengths in [log_uniform(1e-4, 1e-2), log_uniform(1e-4, 1e-2)],
+        time_step in log_uniform(1e-3, 0.02),
+        speed in 0.5..5.0_f64,
+        normal in kit::directions(),
+        spin in 50.0..200.0_f64,
+    ) {
         let damping = strain / time_step;
         let stiffness = f64::powi(damping / ratio, 2);
         let [rolling, spinning] = lengths.map(|length| length * radius);
-        let friction = WithResistance { friction: Frictionless, rolling, spinning, turn_speed: 1e-4 };
+        let friction = WithResistance {
+            friction: Frictionless,
+            rolling,
+            spinning,
+            turn_speed: 1e-4,
+        };
         let scene = Stepper::builder(Sphere::solid(1.0, radius))
             .ground(FlatGround::level(stiffness, damping).on(Plane::through(DVec3::ZERO, normal)))
             .friction(friction)
@@ -407,11 +429,11 @@ proptest! {
         let step = scene.step(&mut after).unwrap();
         let impulse = (after.linear_velocity - before.linear_velocity).dot(normal) + G * time_step;
         let taken = before.angular_momentum - after.angular_momentum;
-        let along = taken.dot(normal);
-        let across = taken.reject_from_normalized(normal).length();
         prop_assert!(!step.fallback && impulse > 0.0);
-        prop_assert!((along / (spinning * impulse) - 1.0).abs() < 1e-3, "{}", along / (spinning * impulse));
-        prop_assert!((across / (rolling * impulse) - 1.0).abs() < 1e-3, "{}", across / (rolling * impulse));
+        let along = taken.dot(normal) / (spinning * impulse);
+        let across = taken.reject_from_normalized(normal).length() / (rolling * impulse);
+        prop_assert!((along - 1.0).abs() < 1e-3, "{}", along);
+        prop_assert!((across - 1.0).abs() < 1e-3, "{}", across);
     }
 
     /// The torque never acts along the rotation, and never exceeds its limits.
