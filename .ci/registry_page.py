@@ -12,7 +12,7 @@ import sys
 README = pathlib.Path("README.md")
 PAGE = pathlib.Path("assets/registry.md")
 # What only a clone has, with the words that stand in its place elsewhere.
-CLONE = re.compile(r"<!-- clone: begin(?:; elsewhere: (.*?))? -->\n.*?<!-- clone: end -->\n", re.DOTALL)
+CLONE = re.compile(r"<!-- clone only; elsewhere: (.*?) -->\n.*?<!-- clone only, to here -->\n", re.DOTALL)
 MARKER = re.compile(r"<!-- .*?(?:begin|end).*? -->\n\n?")
 # A row of a table that leads to a program or a page of the repository.
 ROW = re.compile(r"^\|.*\]\((?:examples/|CONTRIBUTING).*\n", re.MULTILINE)
@@ -27,7 +27,7 @@ def in_documentation(link):
 
 
 def page(readme):
-    text = CLONE.sub(lambda part: f"{part[1] or ''}\n\n", readme)
+    text = CLONE.sub(lambda part: f"{part[1]}\n\n", readme)
     text = LINK.sub(in_documentation, ROW.sub("", MARKER.sub("", text)))
     return re.sub(r"\n{3,}", "\n\n", text)
 
