@@ -103,8 +103,9 @@ fn split<R: Real>(normal: R::Vec3, angular_velocity: R::Vec3) -> (R::Vec3, R::Ve
 ///   as friction sticks there. A bounce within a step has the resistance of the impulse that the
 ///   ground gives, where that is less than its mean load. If more than four directions of the
 ///   ground resist at once, each contact resists as itself, but a step takes more iterations.
-/// - In [`EnergyMomentum`](crate::EnergyMomentum) a turn speed below the rounding of the rotation
-///   has no effect: see *Single precision* there.
+/// - In [`EnergyMomentum`](crate::EnergyMomentum) the torque is linear at small angular speeds, if
+///   the turn speed is near the rounding of the rotation: in `f32` below 5e-4 of the angular speed
+///   of the body. See *Single precision* there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WithResistance<F, R = f64> {

@@ -19,9 +19,9 @@
 //! 5. Fallbacks if stage 2 or 4 fails. The first is `split` (dissipation, conservative motion,
 //!    dissipation; `turning`: resistance to rolling and spinning), in which the springs harden in
 //!    stages if necessary (`soften`). The second is a divided step, down to sixteenths. The third
-//!    is `descent`, a step downhill as far as the energy allows. In the last one time passes and the
-//!    body stays. Each end passes through stage 4. The induction from step to step therefore needs
-//!    no assumption on convergence.
+//!    is `descent`, a step downhill as far as the energy allows. In the last one time passes and
+//!    the body stays. Each end passes through stage 4. The induction from step to step therefore
+//!    needs no assumption on convergence.
 
 mod answer;
 mod applied;

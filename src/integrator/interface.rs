@@ -232,11 +232,12 @@ pub struct Step<R = f64> {
     ///
     /// It is no bound. If a contact opens or closes, or friction reverses, it indicates the size of
     /// the error or misses it. With velocities counted for a second, the true error of 99 in 100
-    /// random steps of a box on the ground was below 3 tolerances of
+    /// random steps of a box on the ground is below 3 tolerances of
     /// [`BogackiShampine32`](crate::BogackiShampine32), 15 of
-    /// [`DormandPrince54`](crate::DormandPrince54) and 5 of [`Radau5`](crate::Radau5), and below 10,
-    /// 40 and 200 estimates (`tests/physics/error_estimate.rs`). The tolerance is chosen for the
-    /// error of a run: [`guide::choosing`](crate::guide::choosing).
+    /// [`DormandPrince54`](crate::DormandPrince54) and 5 of [`Radau5`](crate::Radau5). Of steps
+    /// whose error is above a hundredth of the tolerance, it is below 10, 40 and 200 estimates
+    /// (`tests/physics/error_estimate.rs`). The tolerance is chosen for the error of a run:
+    /// [`guide::choosing`](crate::guide::choosing).
     pub error_estimate: Option<R>,
 }
 

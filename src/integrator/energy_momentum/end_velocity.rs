@@ -33,7 +33,8 @@
 //! left, so the impulse is along `n + ∂F/∂N`, the normal with the friction of a unit load. Without
 //! it, the friction of an impact exceeds `μ` times the impulse of the ground, by a fraction of up
 //! to `(z - 2)/(z + 2)`. Resistance to rolling and spinning depends on the load in the same way:
-//! its part is the torque of a unit load. These parts alone may return energy, no more than
+//! its part is the torque of a unit load. A load that a damper gives in addition has no such
+//! torque, which could reverse the rotation. These parts alone may return energy, no more than
 //! friction and resistance of the mean force have taken.
 //!
 //! *The energy.* Let `y` be the velocities (v, ω). The impulses change the energy by `Σ pᵢ·uₘᵢ`
@@ -236,7 +237,7 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
     }
 
     /// Resistance of a damper across the ground, kg, for a contact with this normal and place at
-    /// the end. It is true with it if the damper has reached its limit in the motion `after`.
+    /// the end, and whether the damper has reached its limit in the motion `after`.
     fn across(
         &self,
         push: &Push<R>,

@@ -154,8 +154,12 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
 
     /// [`resolution`] of the angular velocity, rad/s.
     pub(super) fn turn_resolution(&self) -> R {
-        let of_weight = self.scene.gravity().length() * (self.seconds / self.bounding_radius);
-        resolution(self.motion.angular_velocity.length(), of_weight)
+        let time_per_size = self.seconds / self.bounding_radius;
+        resolution::<R>(
+            self.motion.angular_velocity,
+            self.scene.gravity(),
+            time_per_size,
+        )
     }
 
     /// One surface of the ground.

@@ -146,8 +146,8 @@ impl<R: Real> Resistance<R> {
         }
     }
 
-    /// Adds a torque (N m for a resistance of 1 N s/m) that depends on the resistance across the
-    /// ground of a point with this departure, m/s.
+    /// Adds the torque that comes with the impulse of a point across the ground: `torque` (kg m)
+    /// for each m/s by which the point rises too fast (`rising` before the impulses).
     pub(super) fn add_torque(
         &mut self,
         place: R::Vec3,

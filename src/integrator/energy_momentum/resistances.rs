@@ -21,18 +21,27 @@ use crate::real::{Real, Vector};
 
 /// Number of groups of contacts that are kept apart. A floor with three walls needs as many.
 const GROUPS: usize = 4;
-/// Rounding errors of the angular velocity within which the torque is linear. One turn speed of so
-/// many makes the rounding of a torque `1/4096` of its bound.
+/// Size of the [`resolution`] in rounding errors of the angular velocity. The rounding of a torque
+/// is then `1/4096` of its bound.
 const ROUNDINGS: f64 = 4096.0;
-/// The same for the angular speed that the weight gives a body in a step. It is less, because a
-/// body at rest creeps as the law says only above it.
+/// Size of the [`resolution`] in rounding errors of the angular speed `h g/L` that the weight gives
+/// a body of size L in a step.
+///
+/// A body at rest creeps as the law says only at turn speeds above it, so it is as small as the
+/// equations allow. Spinning by the length s under the weight has the slope `m g s/resolution`.
+/// Next to the inertia of a ball, `0.4 m L²`, it makes the rounding of the matrix `s/(26 L)`.
 const ROUNDINGS_AT_REST: f64 = 64.0;
 
-/// Angular speed that a step can tell from 0, rad/s, for a body with an angular speed at its start
-/// and with one that its weight gives it in the step, both in rad/s.
-pub(super) fn resolution<R: Real>(speed: R, of_weight: R) -> R {
+/// Angular speed that a step can tell from 0, rad/s, for a body with this angular velocity at its
+/// start, under gravity (m/s²). `time_per_size` is the step over the size of the body, s/m.
+pub(super) fn resolution<R: Real>(
+    angular_velocity: R::Vec3,
+    gravity: R::Vec3,
+    time_per_size: R,
+) -> R {
+    let of_weight = gravity.length() * time_per_size;
     let [moving, at_rest] = [ROUNDINGS, ROUNDINGS_AT_REST].map(R::from_f64);
-    R::EPSILON * (moving * speed + at_rest * of_weight)
+    R::EPSILON * (moving * angular_velocity.length() + at_rest * of_weight)
 }
 
 /// Resistances of all contacts. Contacts with the same normal and the same turn speed resist as one

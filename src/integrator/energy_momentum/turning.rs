@@ -27,8 +27,8 @@ pub(super) fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, secon
         return *state;
     }
     let motion = motion_of(scene, state);
-    let of_weight = scene.gravity().length() * (seconds / size(scene));
-    let resolution = resolution(motion.angular_velocity.length(), of_weight);
+    let time_per_size = seconds / size(scene);
+    let resolution = resolution::<R>(motion.angular_velocity, scene.gravity(), time_per_size);
     let resistances = resistances(scene, state, resolution);
     if resistances.groups().is_empty() {
         return *state;
