@@ -1,6 +1,6 @@
 #!/bin/bash
 # Builds examples/embedded for three processors and looks at the images: nothing that panics, no double precision in a program of single precision, no
-# more code and stack than stored here. Runs them on an emulated Cortex-M4F and Cortex-M3 and compares the lines with this machine's.
+# more code and stack than stored here. Runs them on an emulated Cortex-M4F, Cortex-M3 and RISC-V and compares the lines with this machine's.
 # Prints the table of code, memory and instructions of examples/embedded/README.md. From the top folder:
 #   .ci/embedded.sh            says if the page's table is another one (other compilers make other code)
 #   .ci/embedded.sh --write    writes it into the page
@@ -11,6 +11,7 @@ export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}/firmware"
 work="$CARGO_TARGET_DIR/work"
 mkdir -p "$work"
 cross_tools "$work"
+command -v qemu-system-riscv32 >/dev/null || cross_install "$work" qemu-system-misc
 
 # Bytes of code and constants, and of stack, that a program may take on the Cortex-M4F.
 programs=(
@@ -27,8 +28,8 @@ export RUSTC RUSTC_BOOTSTRAP=1
 for target in THUMBV7EM_NONE_EABIHF THUMBV6M_NONE_EABI RISCV32IMAC_UNKNOWN_NONE_ELF; do
   export "CARGO_TARGET_${target}_LINKER=$linker"
 done
-m4f=thumbv7em-none-eabihf
-build -Zbuild-std=core --bins --target={$m4f,thumbv6m-none-eabi,riscv32imac-unknown-none-elf}
+m4f=thumbv7em-none-eabihf m0=thumbv6m-none-eabi riscv=riscv32imac-unknown-none-elf
+build -Zbuild-std=core --bins --target={$m4f,$m0,$riscv}
 
 fail() { echo "$*"; exit 1; }
 image() { echo "$CARGO_TARGET_DIR/$1/release/$2"; } # image TARGET PROGRAM
@@ -39,41 +40,48 @@ doubles() { nm "$1" | grep -E '__aeabi_(d|cd)|__aeabi_[a-z0-9]*2d|__[a-z0-9]*df[
 
 # Numbers in the text of a program: 'number TEXT FILE'.
 number() { sed -n "s/^$1 *//p" "$2"; }
-emulate() { # emulate MACHINE IMAGE
-  timeout 300 qemu-system-arm -M "$1" -nographic -monitor none -serial none -semihosting-config enable=on,target=native -icount shift=0 -kernel "$2" </dev/null
+emulate() { # emulate TARGET PROGRAM
+  local board
+  case $1 in
+    "$m4f") board=(arm -M mps2-an386) ;;
+    "$m0") board=(arm -M mps2-an385) ;; # a Cortex-M3: it runs the code of a Cortex-M0
+    "$riscv") board=(riscv32 -M virt -bios none) ;;
+  esac
+  timeout 300 "qemu-system-${board[0]}" "${board[@]:1}" -nographic -monitor none -serial none \
+    -semihosting-config enable=on,target=native -icount shift=0 -kernel "$(image "$1" "$2")" </dev/null
+}
+code_size() { size -A "$1" | awk '$1 == ".text" || $1 == ".rodata" || $1 == ".data" || $1 == ".vector_table" { sum += $2 } END { print sum }'; }
+row() { # row PROGRAM TARGET PROCESSOR: a row of the table, from what the program printed there
+  local ran="$work/$2"
+  echo "| \`$1\` | $3 | $(code_size "$(image "$2" "$1")") B | $(number 'bytes of static memory' "$ran") B | $(number 'bytes of stack' "$ran") B |" \
+    "$(number 'clocks a step in flight' "$ran") | $(number 'clocks a step in contact' "$ran") | $(number 'clocks, longest step' "$ran") |"
 }
 
 page=examples/embedded/README.md table="$work/table"
 {
-  echo "| program | code and constants | static memory | stack | instructions a step in flight / in contact / at most |"
-  echo "|---|---|---|---|---|"
+  echo "| program | processor | code and constants | static memory | stack | instructions a step: flight | contact | at most |"
+  echo "|---|---|---|---|---|---|---|---|"
 } | tee "$table"
 for line in "${programs[@]}"; do
   read -r program code_limit stack_limit <<<"$line"
-  for target in $m4f thumbv6m-none-eabi riscv32imac-unknown-none-elf; do
-    found=$(panics "$(image $target "$program")")
-    [ -z "$found" ] || fail "$program for $target can panic: $found"
-  done
-  elf=$(image $m4f "$program")
   if [[ $program == *_f32 ]]; then
-    found=$(doubles "$elf")
+    found=$(doubles "$(image $m4f "$program")")
     [ -z "$found" ] || fail "$program computes in double precision: $found"
   fi
   "$CARGO_TARGET_DIR/release/$program" >"$work/host"
   [ "$(grep -c . "$work/host")" = 13 ] || fail "$program prints $(grep -c . "$work/host") lines here"
-  for machine in mps2-an386:$m4f mps2-an385:thumbv6m-none-eabi; do
-    emulate "${machine%:*}" "$(image "${machine#*:}" "$program")" >"$work/${machine%:*}"
-    head -n 13 "$work/${machine%:*}" | diff "$work/host" - || fail "$program has other bits for ${machine#*:}"
+  for target in $m4f $m0 $riscv; do
+    found=$(panics "$(image $target "$program")")
+    [ -z "$found" ] || fail "$program for $target can panic: $found"
+    emulate $target "$program" >"$work/$target"
+    head -n 13 "$work/$target" | diff "$work/host" - || fail "$program has other bits for $target"
   done
-  code=$(size -A "$elf" | awk '$1 == ".text" || $1 == ".rodata" || $1 == ".data" || $1 == ".vector_table" { sum += $2 } END { print sum }')
-  ran="$work/mps2-an386"
-  stack=$(number 'bytes of stack' "$ran")
-  echo "| \`$program\` | $code B | $(number 'bytes of static memory' "$ran") B | $stack B |" \
-    "$(number 'clocks a step in flight' "$ran") / $(number 'clocks a step in contact' "$ran") / $(number 'clocks, longest step' "$ran") |" | tee -a "$table"
+  { row "$program" $m4f 'Cortex-M4F' && row "$program" $riscv 'RV32IMAC'; } | tee -a "$table"
+  code=$(code_size "$(image $m4f "$program")") stack=$(number 'bytes of stack' "$work/$m4f")
   [ "$code" -le "$code_limit" ] || fail "$program: more than $code_limit bytes of code"
   [ "$stack" -le "$stack_limit" ] || fail "$program: more than $stack_limit bytes of stack"
 done
-echo "the same bits on this machine, as ARMv7E-M with floating-point unit, and as ARMv6-M"
+echo "the same bits on this machine, as ARMv7E-M with floating-point unit, as ARMv6-M, and as RV32IMAC"
 
 between_marks() { sed -n '/<!-- cost: begin/,/<!-- cost: end/p' "$page" | grep '^|'; }
 if [ "${1:-}" = --write ]; then

@@ -1,14 +1,20 @@
 //! Board support: start, console, clock, stack.
 //!
 //! All `unsafe` code of the program is here, and so is everything that must be replaced for another
-//! board. A Cortex-M is started by `cortex-m-rt`, a RISC-V by `riscv-rt`. The console is that of
-//! the debugger (semihosting). With an operating system, `std` is used.
+//! board. What depends on the processor is in the folder `board`. The console is that of the debugger
+//! (semihosting). With an operating system, `std` is used.
 #![allow(unsafe_code)]
 
-#[cfg(all(target_os = "none", target_arch = "arm"))]
-use cortex_m_rt as _;
-#[cfg(all(target_os = "none", target_arch = "riscv32"))]
-use riscv_rt as _;
+#[cfg_attr(
+    all(target_os = "none", target_arch = "arm"),
+    path = "board/cortex_m.rs"
+)]
+#[cfg_attr(
+    all(target_os = "none", target_arch = "riscv32"),
+    path = "board/riscv.rs"
+)]
+#[cfg_attr(not(target_os = "none"), path = "board/computer.rs")]
+mod processor;
 
 use core::cell::UnsafeCell;
 
@@ -75,6 +81,7 @@ macro_rules! program {
         #[cfg(target_os = "none")]
         #[unsafe(export_name = "main")]
         extern "C" fn start() -> ! {
+            $crate::board::paint_stack();
             // SAFETY: the start-up code calls this function once.
             let memory = unsafe { MEMORY.lend() };
             $crate::board::exit($program(memory))
@@ -127,14 +134,15 @@ impl Cost {
     }
 }
 
-/// Counter of the processor's clocks by its SysTick timer, which counts down from 2²⁴.
+/// Counter of the processor's clocks.
 ///
-/// Without such a timer, all counts are 0. The timer need not have the frequency of the processor:
-/// it is calibrated by a loop of known length. QEMU with `-icount shift=0` counts an instruction as
-/// a clock.
+/// On a Cortex-M it is the SysTick timer, which counts down from 2²⁴ and need not have the frequency
+/// of the processor. On a RISC-V it is the register `mcycle`. Without such a counter, all counts are
+/// 0. It is calibrated by a loop of known length. QEMU with `-icount shift=0` counts an instruction
+/// as a clock.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
-    /// Ticks of the timer in [`LOOP`](Self::LOOP) clocks.
+    /// Ticks of the counter in [`LOOP`](Self::LOOP) clocks.
     ticks: u32,
     started: u32,
 }
@@ -143,34 +151,25 @@ impl Clock {
     const WRAP: u32 = 0xff_ffff;
     const LOOP: u32 = 1 << 20;
 
-    /// Starts and calibrates the timer.
+    /// Starts and calibrates the counter.
     #[must_use]
     pub fn new() -> Self {
-        #[cfg(all(target_os = "none", target_arch = "arm"))]
-        start_timer();
-        let started = Self::now();
-        #[cfg(all(target_os = "none", target_arch = "arm"))]
-        cortex_m::asm::delay(Self::LOOP);
+        processor::start_counter();
+        let started = processor::ticks();
+        processor::delay(Self::LOOP);
         Self {
             ticks: Self::ticks_since(started),
             started,
         }
     }
 
-    fn now() -> u32 {
-        #[cfg(all(target_os = "none", target_arch = "arm"))]
-        return cortex_m::peripheral::SYST::get_current();
-        #[cfg(not(all(target_os = "none", target_arch = "arm")))]
-        0
-    }
-
     fn ticks_since(start: u32) -> u32 {
-        start.wrapping_sub(Self::now()) & Self::WRAP
+        processor::ticks().wrapping_sub(start) & Self::WRAP
     }
 
     /// Marks the start of a step.
     pub fn start(&mut self) {
-        self.started = Self::now();
+        self.started = processor::ticks();
     }
 
     /// Returns the clocks since the start of the step.
@@ -188,39 +187,21 @@ impl Default for Clock {
     }
 }
 
-#[cfg(all(target_os = "none", target_arch = "arm"))]
-fn start_timer() {
-    if let Some(cortex_m::Peripherals {
-        SYST: mut timer, ..
-    }) = cortex_m::Peripherals::take()
-    {
-        timer.set_clock_source(cortex_m::peripheral::syst::SystClkSource::Core);
-        timer.set_reload(Clock::WRAP);
-        timer.clear_current();
-        timer.enable_counter();
-    }
+/// Paints the stack below the caller, for [`stack_used`], where the start-up code has not.
+pub fn paint_stack() {
+    processor::paint_stack();
 }
 
 /// Largest depth of the stack, bytes.
 ///
-/// The start-up code has painted the stack, and painted memory was never used. Returns `None` if
-/// the stack is not painted.
+/// The stack was painted before the program ran, and painted memory was never used. Returns `None`
+/// where it is not painted.
 #[must_use]
 pub fn stack_used() -> Option<u32> {
-    #[cfg(all(target_os = "none", target_arch = "arm"))]
-    {
-        unsafe extern "C" {
-            static _stack_start: u32;
-            static _stack_end: u32;
-        }
-        let (top, mut place) = (&raw const _stack_start, &raw const _stack_end);
-        // SAFETY: the linker script puts only the stack between the two addresses, and reading
-        // changes nothing.
-        while place < top && unsafe { place.read_volatile() } == cortex_m_rt::STACK_PAINT_VALUE {
-            place = place.wrapping_add(1);
-        }
-        Some((top as usize - place as usize) as u32)
+    let (mut place, top) = processor::stack()?;
+    // SAFETY: only the stack is between the two addresses, and reading changes nothing.
+    while place < top && unsafe { place.read_volatile() } == processor::PAINT {
+        place = place.wrapping_add(1);
     }
-    #[cfg(not(all(target_os = "none", target_arch = "arm")))]
-    None
+    Some((top as usize - place as usize) as u32)
 }

@@ -113,14 +113,14 @@ fn control<R: Number>(rim: &[ContactPoint<R>]) {
     );
 }
 
+type Toss<'a, R, I> =
+    Stepper<Coin<R, &'a mut [ContactPoint<R>]>, FlatGround<R>, Coulomb<R>, UniformGravity<R>, I, R>;
+
 /// Composes the scene of the README.
 fn compose<R: Number, I: Integrator<R>>(
     rim: &mut [ContactPoint<R>; 120],
     integrator: I,
-) -> Result<
-    Stepper<Coin<R, &mut [ContactPoint<R>]>, FlatGround<R>, Coulomb<R>, UniformGravity<R>, I, R>,
-    SceneError,
-> {
+) -> Result<Toss<'_, R, I>, SceneError> {
     let real = R::from_f64;
     Stepper::builder(Coin::ring_with_storage(rim.as_mut_slice(), R::ONE, R::HALF)) // kg, m
         .gravity(UniformGravity::down(real(9.8))) // m/s²
