@@ -3,7 +3,7 @@
 # more code and stack than stored here. Runs them on an emulated Cortex-M4F, Cortex-M3 and RISC-V and compares the lines with this machine's.
 # Prints the table of code, memory and instructions of examples/embedded/README.md. From the top folder:
 #   .ci/embedded.sh            says if the page's table is another one (other compilers make other code)
-#   .ci/embedded.sh --write    writes it into the page
+#   .ci/embedded.sh --write    writes it into the page, and takes a million steps on the emulated Cortex-M4F
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . .ci/cross.sh
@@ -83,12 +83,28 @@ for line in "${programs[@]}"; do
 done
 echo "the same bits on this machine, as ARMv7E-M with floating-point unit, as ARMv6-M, and as RV32IMAC"
 
-between_marks() { sed -n '/<!-- cost: begin/,/<!-- cost: end/p' "$page" | grep '^|'; }
-if [ "${1:-}" = --write ]; then
-  sed -i -e '/<!-- cost: begin/,/<!-- cost: end/{/^|/d}' -e "/<!-- cost: begin/{n;r $table
+between_marks() { sed -n "/<!-- $1: begin/,/<!-- $1: end/p" "$page" | grep "^$2"; } # between_marks NAME START_OF_LINES
+write() { # write NAME START_OF_LINES FILE
+  sed -i -e "/<!-- $1: begin/,/<!-- $1: end/{/^$2/d}" -e "/<!-- $1: begin/{n;r $3
 }" "$page"
-elif ! between_marks | cmp -s - "$table"; then
+}
+if [ "${1:-}" = --write ]; then
+  write cost '|' "$table"
+elif ! between_marks cost '|' | cmp -s - "$table"; then
   echo "note: $page has another table; .ci/embedded.sh --write stores this one"
+fi
+
+# A million steps take the emulator a minute, and this machine two seconds.
+found=$(panics "$(image $m4f many_tosses_f32)")$(doubles "$(image $m4f many_tosses_f32)")
+[ -z "$found" ] || fail "many_tosses_f32 can panic or computes in double precision: $found"
+"$CARGO_TARGET_DIR/release/many_tosses_f32" >"$work/host"
+if [ "${1:-}" = --write ]; then
+  emulate $m4f many_tosses_f32 >"$work/$m4f"
+  cmp "$work/host" <(grep -vE '^(clocks|bytes)' "$work/$m4f") || fail "a million steps have other bits for $m4f"
+  awk '/^steps/ { start = NR } { lines[NR] = $0 } END { for (i = start; i <= NR; i++) print "    " lines[i] }' "$work/$m4f" >"$work/lines"
+  write tosses ' ' "$work/lines"
+else
+  cmp <(tail -n 5 "$work/host") <(between_marks tosses ' ' | head -n 5 | sed 's/^    //') || fail "a million steps have other bits than in $page"
 fi
 
 # The checks themselves are checked.

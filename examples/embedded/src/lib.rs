@@ -9,8 +9,10 @@
 #![deny(unsafe_code)]
 
 pub mod board;
+mod many_tosses;
 mod report;
 
+pub use many_tosses::many_tosses;
 pub use report::Number;
 use report::{Hash, line, print, print_count};
 
@@ -60,6 +62,22 @@ pub struct Account {
     contact: board::Cost,
 }
 
+impl Account {
+    /// Takes a step of a coin that touches the ground, or flies, and adds its clocks.
+    fn time<T>(&mut self, clock: &mut board::Clock, touches: bool, step: impl FnOnce() -> T) -> T {
+        clock.start();
+        let stepped = step();
+        let clocks = clock.stop();
+        if touches {
+            &mut self.contact
+        } else {
+            &mut self.flight
+        }
+        .add(clocks);
+        stepped
+    }
+}
+
 /// Tosses the coin for 2 s, and prints its motion.
 ///
 /// # Errors
@@ -84,16 +102,9 @@ pub fn toss<R: Number, I: Integrator<R>>(
             line(step, session.state(), session.energy().total());
         }
         let touches = stepper.touching(session.state()) > 0;
-        clock.start();
-        let stepped = session.step();
-        let clocks = clock.stop();
-        stepped.map_err(Fault::Step)?;
-        if touches {
-            &mut account.contact
-        } else {
-            &mut account.flight
-        }
-        .add(clocks);
+        account
+            .time(clock, touches, || session.step())
+            .map_err(Fault::Step)?;
         hash.state(session.state());
     }
     line(STEPS, session.state(), session.energy().total());
@@ -146,17 +157,17 @@ pub fn print_account(account: &Account, fixed: usize) {
 }
 
 /// Defines a program that tosses the coin:
-/// `firmware!(f32, EnergyMomentum, EnergyMomentumWorkspace::new())`.
+/// `firmware!(toss, f32, EnergyMomentum, EnergyMomentumWorkspace::new())`.
 #[macro_export]
 macro_rules! firmware {
-    ($real:ident, $integrator:ident, $workspace:expr) => {
+    ($run:ident, $real:ident, $integrator:ident, $workspace:expr) => {
         type Memory =
             $crate::Memory<$real, <$integrator<$real> as tumble::Integrator<$real>>::Workspace>;
 
         fn program(memory: &'static mut Memory) -> i32 {
             let mut clock = $crate::board::Clock::new();
             let time_step = 1e-3; // s
-            match $crate::toss::<$real, _>(memory, $integrator { time_step }, &mut clock) {
+            match $crate::$run(memory, $integrator { time_step }, &mut clock) {
                 Ok(account) => {
                     $crate::print_account(&account, core::mem::size_of::<Memory>());
                     0

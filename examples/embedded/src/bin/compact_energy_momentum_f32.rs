@@ -5,4 +5,4 @@ use tumble::integrator::EnergyMomentumWorkspace;
 
 type Compact<R> = tumble::CompactEnergyMomentum<16, R>;
 
-coin_firmware::firmware!(f32, Compact, EnergyMomentumWorkspace::new());
+coin_firmware::firmware!(toss, f32, Compact, EnergyMomentumWorkspace::new());

@@ -4,4 +4,4 @@
 use tumble::EnergyMomentum;
 use tumble::integrator::EnergyMomentumWorkspace;
 
-coin_firmware::firmware!(f64, EnergyMomentum, EnergyMomentumWorkspace::new());
+coin_firmware::firmware!(toss, f64, EnergyMomentum, EnergyMomentumWorkspace::new());

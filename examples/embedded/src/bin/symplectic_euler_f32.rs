@@ -4,4 +4,4 @@
 use tumble::SymplecticEuler;
 use tumble::body::ContactRange;
 
-coin_firmware::firmware!(f32, SymplecticEuler, ContactRange::NONE);
+coin_firmware::firmware!(toss, f32, SymplecticEuler, ContactRange::NONE);

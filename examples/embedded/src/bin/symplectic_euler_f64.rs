@@ -4,4 +4,4 @@
 use tumble::SymplecticEuler;
 use tumble::body::ContactRange;
 
-coin_firmware::firmware!(f64, SymplecticEuler, ContactRange::NONE);
+coin_firmware::firmware!(toss, f64, SymplecticEuler, ContactRange::NONE);
