@@ -177,12 +177,6 @@ pub(super) fn beyond<R: Real, D: Dynamics<R>>(
     touch.loaded(problem) * (touch.push.mean.slope * reach)
 }
 
-/// Linear load of a contact at the depth of the trial, N.
-pub(super) fn linear_load<R: Real>(touch: &Touch<R>) -> R {
-    let mean = &touch.push.mean;
-    mean.force + mean.slope * (touch.push.end_depth - touch.load_depth)
-}
-
 /// Returns true if the law of each contact has its load at the last trial, to within the rounding
 /// of the depth there.
 #[cold]

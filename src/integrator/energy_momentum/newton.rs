@@ -57,7 +57,7 @@ use super::end_velocity::Strain;
 use super::hard;
 use super::linear::Factored;
 use super::problem::{Problem, Trial};
-use super::rolling::Rolling;
+use super::rolling::{self, Rolling};
 use super::shared::is_single;
 use super::stiffness::{self, Others};
 use super::touch::{Increment, Push};
@@ -346,9 +346,15 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let is_by_loads = self.is_hard && !is_enough;
         if is_by_loads {
             hard::linearise(problem, contacts);
-            self.rolling = Rolling::under_loads(problem, contacts, trial);
+            self.rolling = Rolling::at(problem, contacts, trial);
         }
-        self.derive(is_enough, contacts, trial);
+        if !is_enough {
+            self.differentiate(is_by_loads, contacts, trial);
+        } else if !self.strain.of_step(problem).is_resolved() {
+            // A step that is resolved is resolved here too. For any other step, the strain is
+            // evaluated at its end.
+            self.strain = self.strain_at(contacts, trial);
+        }
         let is_resolved = self.strain.of_step(problem).is_resolved();
         let mut residual = [here.force_residual, here.torque_residual];
         if is_by_loads {
@@ -471,23 +477,20 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         })
     }
 
-    /// Computes strain and derivatives at a trial, unless those of the step before are enough.
+    /// Computes strain and derivatives at a trial.
     #[inline(always)]
-    fn derive(&mut self, is_enough: bool, contacts: &mut Contacts<R>, trial: &Trial<R>) {
+    fn differentiate(&mut self, is_by_loads: bool, contacts: &mut Contacts<R>, trial: &Trial<R>) {
         let problem = self.problem;
-        if !is_enough {
-            if DEFERS && contacts.has_others() {
-                self.complete_others(contacts, trial);
-            }
-            let (others, equations) = (self.others.as_ref(), &mut self.matrix.equations);
-            let known = (others, self.is_slow);
-            self.strain = stiffness::equations(problem, contacts, known, trial, equations);
-            self.matrix.factor(problem.bounding_radius);
-        } else if !self.strain.of_step(problem).is_resolved() {
-            // A step that is resolved is resolved here too. For any other step, the strain is
-            // evaluated at its end.
-            self.strain = self.strain_at(contacts, trial);
+        if DEFERS && contacts.has_others() {
+            self.complete_others(contacts, trial);
         }
+        let (others, equations) = (self.others.as_ref(), &mut self.matrix.equations);
+        let known = (others, self.is_slow);
+        self.strain = stiffness::equations(problem, contacts, known, trial, equations);
+        if problem.resists_turning() && !is_by_loads {
+            rolling::add_loads(problem, contacts, trial, equations);
+        }
+        self.matrix.factor(problem.bounding_radius);
     }
 
     /// Strain on friction and dampers at the last trial.

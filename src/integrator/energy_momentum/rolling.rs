@@ -22,7 +22,10 @@
 //! replaced by one with the ratio `T/ω`, which leads to the minimum of a parabola above the
 //! potential of the law.
 //!
-//! The torque also depends on the loads. That derivative is part of A ([`add_loads`]).
+//! The torque also depends on the loads. That derivative is part of A ([`add_loads`]), except under
+//! [hard](super::hard) contacts. Their loads change in an iteration by far more than themselves, and
+//! some become 0, so that a torque linear in them would turn a light body by any angle. There an
+//! iteration has the torque of the loads with which it begins.
 //!
 //! # End of the step
 //!
@@ -33,7 +36,6 @@
 use super::block::Block;
 use super::contacts::Contacts;
 use super::end_velocity::share_of;
-use super::hard;
 use super::linear::{Factored, SixBySix};
 use super::problem::{Problem, Trial};
 use super::resistances::{Group, Resistances};
@@ -75,36 +77,15 @@ impl<R: Real> Rolling<R> {
         contacts: &Contacts<R>,
         trial: &Trial<R>,
     ) -> Self {
-        let mut rolling = Self::none_at(problem, trial);
+        let mut rolling = Self {
+            resistances: Resistances::none(problem.turn_resolution()),
+            angular_velocity: problem.mean_angular_velocity(trial),
+            torque: R::Vec3::ZERO,
+        };
         contacts.visit_active(problem, trial, &mut |touch| {
             rolling.add(problem, touch, touch.push.mean.force);
         });
         rolling
-    }
-
-    /// Resistance at a trial under the linear loads of hard contacts. `None` if the friction law
-    /// has none.
-    #[inline(always)]
-    pub(super) fn under_loads<D: Dynamics<R>>(
-        problem: &Problem<'_, R, D>,
-        contacts: &Contacts<R>,
-        trial: &Trial<R>,
-    ) -> Option<Self> {
-        problem.resists_turning().then(|| {
-            let mut rolling = Self::none_at(problem, trial);
-            for touch in contacts.stored() {
-                rolling.add(problem, touch, hard::linear_load(touch));
-            }
-            rolling
-        })
-    }
-
-    fn none_at<D: Dynamics<R>>(problem: &Problem<'_, R, D>, trial: &Trial<R>) -> Self {
-        Self {
-            resistances: Resistances::none(problem.turn_resolution()),
-            angular_velocity: problem.mean_angular_velocity(trial),
-            torque: R::Vec3::ZERO,
-        }
     }
 
     fn add<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>, touch: &Touch<R>, load: R) {

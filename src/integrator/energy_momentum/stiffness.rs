@@ -11,7 +11,6 @@ use super::end_velocity::Strain;
 use super::level::{Level, LevelPath};
 use super::linear::SixBySix;
 use super::problem::{Problem, Trial};
-use super::rolling;
 use super::shared::is_single;
 use super::touch::{Push, Touch};
 use crate::real::{Real, Vector};
@@ -175,9 +174,6 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
         let block = Block::outer(resistance, reversal.direction);
         equations.add_at(&block, reversal.arm, reversal.end_arm);
     });
-    if problem.resists_turning() {
-        rolling::add_loads(problem, contacts, trial, equations);
-    }
     strain
 }
 
