@@ -61,6 +61,7 @@ use crate::real::Real;
 use crate::rotation::Rotation;
 use crate::scene::{Dynamics, turned_freely};
 use crate::state::State;
+use applied::Ahead;
 pub(in crate::integrator) use applied::close_account;
 pub(in crate::integrator) use block::Block;
 use contacts::Contacts;
@@ -70,7 +71,6 @@ pub(in crate::integrator) use linear::{Factored, SixBySix};
 use panels::FOR_RIMS;
 use problem::Problem;
 use rolling::Rolling;
-use shared::seen;
 use workspace::Memory;
 pub use workspace::Workspace;
 
@@ -354,6 +354,14 @@ fn move_on<R: Real, D: Dynamics<R>>(
     Ok(step)
 }
 
+/// Part of a step, or the whole.
+struct Part<R> {
+    /// Length, s.
+    seconds: R,
+    /// Time for which the applied force acts after it, s.
+    push: R,
+}
+
 /// Takes a step as a whole, or in parts where that fails: in halves, down to sixteenths, and the
 /// smallest parts downhill in energy.
 #[inline(always)]
@@ -369,8 +377,15 @@ fn move_in_parts<R: Real, D: Dynamics<R>>(
     let (mut done, mut length) = (0, PARTS);
     let mut lost = 0;
     while done < PARTS {
-        let seconds = sixteenths(dt, length);
-        if attempt(scene, state, energy, seconds, contacts, step) {
+        let part = Part {
+            seconds: sixteenths(dt, length),
+            push: if done + length == PARTS {
+                dt * R::HALF
+            } else {
+                R::ZERO
+            },
+        };
+        if attempt(scene, state, energy, &part, contacts, step) {
             done += length;
             length = longest_part(done);
         } else if length > 1 {
@@ -442,11 +457,12 @@ fn attempt<R: Real, D: Dynamics<R>>(
     scene: &D,
     state: &mut State<R>,
     energy: &mut Energy<R>,
-    seconds: R,
+    part: &Part<R>,
     contacts: &mut Contacts<R>,
     step: &mut Step<R>,
 ) -> bool {
-    let mut problem = Problem::new(scene, state, energy, seconds);
+    let mut problem = Problem::new(scene, state, energy, part.seconds);
+    problem.push = part.push;
     for wide in [false, true] {
         gather(&problem, contacts, wide);
         let (end, is_lossless, work) = if contacts.is_empty() {
@@ -475,7 +491,7 @@ fn attempt<R: Real, D: Dynamics<R>>(
         break;
     }
     step.fallback = true;
-    attempt_split(scene, (state, energy), seconds, contacts, step)
+    attempt_split(scene, (state, energy), part.seconds, contacts, step)
 }
 
 /// Attempts one step split into dissipation and conservative motion. Returns true if it ends with
@@ -550,8 +566,13 @@ fn whole<R: Real, D: Dynamics<R>>(
     let strain = newton::solve(problem, contacts, &mut trial, step)?;
     let mut end = problem.end_of(&trial);
     let strain = strain.of_step(problem);
+    let ahead = if strain.is_resolved() && !problem.resists_turning() {
+        Ahead::NONE
+    } else {
+        Ahead::of(problem, &trial, &end)
+    };
     let turning = Rolling::at(problem, contacts, &trial).and_then(|rolling| {
-        rolling.correction(problem, seen(problem.scene, &end).angular_velocity)
+        rolling.correction(problem, ahead.seen(problem.scene, &end).angular_velocity)
     });
     let mut work = work::of_whole(problem, [&end; 2]);
     if !strain.is_resolved() || turning.is_some() {
@@ -560,8 +581,8 @@ fn whole<R: Real, D: Dynamics<R>>(
             return None;
         }
         let before = end;
-        let corrected = (strain, turning);
-        end = end_velocity::corrected(problem, contacts, &trial, corrected, &before);
+        let resistances = (strain, turning);
+        end = end_velocity::corrected(problem, contacts, (&trial, &ahead), resistances, &before);
         work = work::of_whole(problem, [&before, &end]);
     }
     let is_finite = end.not_finite().is_none();

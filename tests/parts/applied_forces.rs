@@ -676,6 +676,43 @@ macro_rules! never_gains {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
+    /// Case: a plate under a force along the ground, of 5 to 95 % of its friction. It creeps
+    /// by the law, `ε f/(1 - f)`, at any step size. From half of its friction on it slid by
+    /// `h (F - μ N/2)/m`.
+    #[test]
+    fn a_body_that_friction_holds_against_a_force_creeps_by_its_law(
+        mass in 1e-3..10.0_f64,
+        share in 0.05..0.95_f64,
+        friction in 0.1..0.8_f64,
+        slip_speed in -7.0..-4.0_f64,
+        h in -4.0..-1.5_f64,
+        angle in 0.0..core::f64::consts::TAU,
+    ) {
+        let (h, slip_speed) = (10.0_f64.powf(h), 10.0_f64.powf(slip_speed));
+        let size = DVec3::new(0.3, 0.2, 0.02);
+        let (sin, cos) = angle.sin_cos();
+        let along = DVec3::new(cos, sin, 0.0);
+        let push = Push(Wrench::of_force(along * (share * friction * mass * G)));
+        let stiffness = mass * 1e6;
+        let stepper = Stepper::builder(Cuboid::solid(mass, size))
+            .ground(FlatGround::level(stiffness, mass * 500.0))
+            .friction(Coulomb { coefficient: friction, slip_speed })
+            .gravity(UniformGravity::down(G))
+            .force(push)
+            .integrator(EnergyMomentum { time_step: h })
+            .build()
+            .unwrap();
+        let depth = mass * G / (4.0 * stiffness);
+        let mut state = State::at(DVec3::Z * (size.z / 2.0 - depth));
+        // The force tilts the plate onto its leading corners first.
+        stepper.advance(&mut state, 1.0).unwrap();
+        let settled = state;
+        stepper.advance(&mut state, 1.0).unwrap();
+        let found = (state.position - settled.position).dot(along);
+        let expected = slip_speed * share / (1.0 - share);
+        prop_assert!((found / expected - 1.0).abs() < 1e-2, "{} of {}", found, expected);
+    }
+
     #[test]
     fn the_energy_minus_the_work_of_drives_never_increases(
         forces in random_force(),
@@ -731,6 +768,18 @@ fn a_body_in_wind_is_held_by_friction_where_it_would_be() {
 struct Custom<F> {
     passive: bool,
     force: F,
+}
+
+/// The same force and torque at all times.
+struct Push(Wrench);
+
+impl Force for Push {
+    fn wrench(&self, _: &Motion) -> Wrench {
+        self.0
+    }
+    fn is_passive(&self) -> bool {
+        false
+    }
 }
 
 impl<F: Fn(DVec3) -> DVec3> Force for Custom<F> {

@@ -11,9 +11,10 @@ use crate::kit::{self, log_uniform};
 use proptest::prelude::*;
 use tumble::glam::{DVec3, Vec3};
 use tumble::{
-    ContactPoint, Coulomb, Cuboid, Dynamics, EnergyMomentum, FlatGround, Frictionless, Integrator,
-    Ledger, Plane, PointCloud, RigidPointBody, Rk4, RollingResistance, SlidingFriction, Sphere,
-    SpringDamperGround, State, StrangSplitting, SymplecticEuler, UniformGravity, WithResistance,
+    ContactPoint, Coulomb, Cuboid, Dynamics, EnergyMomentum, FlatGround, Force, Frictionless,
+    Integrator, Ledger, Motion, Plane, PointCloud, RigidPointBody, Rk4, RollingResistance,
+    SlidingFriction, Sphere, SpringDamperGround, State, StrangSplitting, SymplecticEuler,
+    UniformGravity, WithResistance, Wrench,
 };
 
 const G: f64 = 9.8;
@@ -55,6 +56,21 @@ fn moving<I: Integrator>(scene: &Stepper<I>, velocity: DVec3, spin: DVec3) -> St
         .inertia_properties()
         .angular_momentum(&axes, spin);
     state.with_angular_momentum(momentum)
+}
+
+/// A torque, N m, world axes.
+struct Motor(DVec3);
+
+impl Force for Motor {
+    fn wrench(&self, _: &Motion) -> Wrench {
+        Wrench {
+            force: DVec3::ZERO,
+            torque: self.0,
+        }
+    }
+    fn is_passive(&self) -> bool {
+        false
+    }
 }
 
 /// Case: a ball that rolls without slip under the torque `ℓ m g` slows down by `5/7 ℓ/r g` (e.g.
@@ -434,6 +450,49 @@ proptest! {
         let across = taken.reject_from_normalized(normal).length() / (rolling * impulse);
         prop_assert!((along - 1.0).abs() < 1e-3, "{}", along);
         prop_assert!((across - 1.0).abs() < 1e-3, "{}", across);
+    }
+
+    /// Case: a ball with a motor of 5 to 95 % of the torque that resists, about the normal or in a
+    /// plane. It turns by the law, `ω₀ f/(1 - f)`, at any step size. From half of that torque on,
+    /// it turned by `h (τ - C/2)/I`.
+    #[test]
+    fn a_motor_turns_a_ball_that_resists_by_its_law(
+        share in 0.05..0.95_f64,
+        // Slower, the energy of the motion is within the rounding of that of the weight.
+        turn_speed in log_uniform(1e-4, 1e-2),
+        time_step in log_uniform(1e-4, 0.03),
+        lengths in [log_uniform(1e-4, 0.1), log_uniform(1e-4, 0.1)],
+        spins in any::<bool>(),
+        normal in kit::directions(),
+    ) {
+        let [rolling, spinning] = lengths.map(|length| length * RADIUS);
+        let friction = WithResistance {
+            friction: Coulomb { coefficient: 0.5, slip_speed: turn_speed * RADIUS * 1e-3 },
+            rolling,
+            spinning,
+            turn_speed,
+        };
+        let (axis, most) = if spins {
+            (normal, spinning * G)
+        } else {
+            (normal.any_orthonormal_vector(), rolling * G)
+        };
+        let scene = Stepper::builder(Sphere::solid(1.0, RADIUS))
+            .ground(FlatGround::level(1e5, 300.0).on(Plane::through(DVec3::ZERO, normal)))
+            .friction(friction)
+            .gravity(UniformGravity { acceleration: normal * -G })
+            .force(Motor(axis * (share * most)))
+            .integrator(EnergyMomentum { time_step })
+            .build()
+            .unwrap();
+        let expected = turn_speed * share / (1.0 - share);
+        let turning = axis * expected;
+        let start = State::at(normal * (RADIUS - G / 1e5))
+            .with_linear_velocity(turning.cross(normal * RADIUS));
+        let mut state = scene.with_angular_velocity(start, turning);
+        scene.advance(&mut state, 1.0).unwrap();
+        let turned = 2.0 * state.orientation.xyz().dot(axis).asin();
+        prop_assert!((turned / expected - 1.0).abs() < 1e-2, "{} of {}", turned, expected);
     }
 
     /// Case: a thrown box on hard ground, `h √(k/m)` of 40 to 400 for a corner. With resistance a

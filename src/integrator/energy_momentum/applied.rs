@@ -20,6 +20,8 @@
 //! `h/2 (P₁ + P₂)`, with its powers at the stages.
 
 use super::linear::SixBySix;
+use super::problem::{Problem, Trial};
+use super::shared::seen;
 use crate::energy::Energy;
 use crate::error::StepError;
 use crate::force::{Force, Wrench};
@@ -82,6 +84,73 @@ fn push<R: Real, D: Dynamics<R>>(
     Ok(())
 }
 
+/// Change of the velocities by the force after a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ahead<R: Real> {
+    /// m/s
+    linear: R::Vec3,
+    /// rad/s
+    angular: R::Vec3,
+}
+
+impl<R: Real> Ahead<R> {
+    pub(super) const NONE: Self = Self {
+        linear: R::Vec3::ZERO,
+        angular: R::Vec3::ZERO,
+    };
+
+    /// Change that a body with the mean velocities of a trial would have, in the pose of its end.
+    /// The force on a body that friction holds is that on a body at rest.
+    #[inline(always)]
+    pub(super) fn of<D: Dynamics<R>>(
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        end: &State<R>,
+    ) -> Self {
+        if problem.scene.force().acts() && problem.push > R::ZERO {
+            Self::of_mean(problem, trial, end)
+        } else {
+            Self::NONE
+        }
+    }
+
+    #[inline(never)]
+    fn of_mean<D: Dynamics<R>>(
+        problem: &Problem<'_, R, D>,
+        trial: &Trial<R>,
+        end: &State<R>,
+    ) -> Self {
+        let momentum = problem.start.angular_momentum + end.angular_momentum;
+        let mean = State {
+            linear_velocity: trial.velocity,
+            angular_momentum: momentum * R::HALF,
+            ..*end
+        };
+        let Some(pushed) = two_stages(problem.scene, &mean, problem.push) else {
+            return Self::NONE;
+        };
+        let [before, after] = [&mean, &pushed.state].map(|state| problem.scene.motion(state));
+        Self {
+            linear: after.linear_velocity - before.linear_velocity,
+            angular: after.angular_velocity - before.angular_velocity,
+        }
+    }
+
+    /// Motion of a state after the change, relative to the ground's material.
+    #[inline(always)]
+    pub(super) fn seen<D: Dynamics<R>>(&self, scene: &D, state: &State<R>) -> Motion<R> {
+        let motion = seen(scene, state);
+        if !scene.force().acts() {
+            return motion;
+        }
+        Motion {
+            linear_velocity: motion.linear_velocity + self.linear,
+            angular_velocity: motion.angular_velocity + self.angular,
+            ..motion
+        }
+    }
+}
+
 /// End of a push: the state, and the work of the drives, J.
 struct End<R: Real> {
     state: State<R>,
@@ -89,8 +158,8 @@ struct End<R: Real> {
 }
 
 /// Accepts the end of a push. Its computed energy is at most the one before plus the work of the
-/// drives: rounding is taken from the velocities, and the push is left out where that is
-/// impossible.
+/// drives: rounding is taken from the velocities. Where that is impossible, because the push has
+/// stopped the body, the work of a drive is raised, and a push by a passive force is left out.
 fn hold<R: Real, D: Dynamics<R>>(
     scene: &D,
     (state, energy): (&mut State<R>, &mut Energy<R>),
@@ -113,6 +182,9 @@ fn hold<R: Real, D: Dynamics<R>>(
         (*state, *energy) = held;
         step.drive_work += end.work;
         step.energy_removed += excess;
+    } else if !scene.force().is_passive() {
+        (*state, *energy) = (end.state, after);
+        step.drive_work += end.work + excess;
     }
 }
 

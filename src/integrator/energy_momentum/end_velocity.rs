@@ -37,17 +37,22 @@
 //! torque, which could reverse the rotation. These parts alone may return energy, no more than
 //! friction and resistance of the mean force have taken.
 //!
+//! *Applied force.* Half of it acts before the step and half after it. The end slip is that after
+//! the second half ([`Ahead`]). So a body that friction holds ends a step with the opposite of what
+//! the force is about to give it, and friction has to give the impulse of the force. Drawn to the
+//! mean before the force acts, friction would have to give twice of it.
+//!
 //! *The energy.* Let `y` be the velocities (v, ω). The impulses change the energy by `Σ pᵢ·uₘᵢ`
 //! plus a negative part. That part is negative because the impulses draw `y` towards the mean, by
 //! factors of 0 to 1 in the metric of the mass. If `u'` has not changed its direction,
 //! `p·uₘ <= h θ c uₘ²`. This is less than half of what friction and dampers have dissipated in the
 //! step.
 
+use super::applied::Ahead;
 use super::block::Block;
 use super::contacts::Contacts;
 use super::problem::{Problem, Trial};
 use super::resist::Resistance;
-use super::shared::seen;
 use super::touch::{Push, Touch};
 use crate::contact::Motion;
 use crate::friction::FrictionJacobian;
@@ -129,20 +134,20 @@ impl<R: Real> Strain<R> {
 pub(super) fn corrected<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &Contacts<R>,
-    trial: &Trial<R>,
+    (trial, ahead): (&Trial<R>, &Ahead<R>),
     (strain, turning): (Strain<R>, Option<Block<R>>),
     end: &State<R>,
 ) -> State<R> {
     let correction = Correction {
         problem,
         strain,
-        motion: seen(problem.scene, end),
+        motion: ahead.seen(problem.scene, end),
     };
     let mut corrected_end = *end;
     // Dampers that the step resolves give no impulse, so that none is limited.
     let passes = if strain.damping <= R::TWO { 1 } else { PASSES };
     for pass in 0..passes {
-        let after = (pass > 0).then(|| seen(problem.scene, &corrected_end));
+        let after = (pass > 0).then(|| ahead.seen(problem.scene, &corrected_end));
         let mut sum = Resistance::of_body(problem.scene, &correction.motion, end.angular_momentum);
         let mut is_limited = false;
         if let Some(turning) = &turning {
@@ -174,7 +179,8 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>>(
 struct Correction<'a, R: Real, D> {
     problem: &'a Problem<'a, R, D>,
     strain: Strain<R>,
-    /// Motion at the end of the step, relative to the ground.
+    /// Motion at the end of the step, relative to the ground, after the second half of the applied
+    /// force.
     motion: Motion<R>,
 }
 

@@ -33,6 +33,8 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) spring_factor: Option<R>,
     pub(super) seconds: R,
     pub(super) per_second: R,
+    /// Time for which the applied force acts after the step, s.
+    pub(super) push: R,
     pub(super) mass: R,
     /// Inertia tensor at the start, world axes. A principal moment of zero is replaced by the
     /// largest moment, and the angular momentum about that axis by zero.
@@ -114,6 +116,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             spring_factor: None,
             seconds,
             per_second: R::ONE / seconds,
+            push: R::ZERO,
             mass: properties.mass(),
             inertia: Block::ZERO,
             bounding_radius: if bounding_radius > R::ZERO {
