@@ -41,6 +41,7 @@ mod adaptive_energy_momentum;
 mod adaptive_nystrom;
 mod energy_momentum;
 mod error_estimate;
+mod oblique_impacts;
 mod radau;
 mod truth;
 mod work_precision;

@@ -1,8 +1,19 @@
 //! The equations of one implicit step: the data at its start, a trial for its end, and the state
 //! that a trial represents.
+//!
+//! # Resolution of the slip in single precision
+//!
+//! A slip is a difference of velocities, and is rounded as they are. Under a load that stops the
+//! body within a few steps, the friction of a slip speed near that rounding exceeds the inertia by
+//! more than the precision. Newton's matrix then loses the inertia, and the friction of stick has
+//! any direction. So where the slip and the slip speed of the law together are below some
+//! [`ROUNDINGS`] of the body's fastest points at the start of the step, friction is linear: with
+//! that speed in place of their sum. It still opposes the slip. A body that hardly moves, such as
+//! one that friction holds on a slope, has the law as it is.
 
 use super::block::Block;
 use super::resistances::resolution;
+use super::shared::is_single;
 use crate::contact::{Motion, MovingContact};
 use crate::energy::Energy;
 use crate::friction::{FrictionJacobian, LawOfSurface, SlidingFriction};
@@ -11,6 +22,11 @@ use crate::real::{Real, Vector};
 use crate::rotation::{Axes, Rotation};
 use crate::scene::Dynamics;
 use crate::state::State;
+
+/// Size of the resolution of a slip in rounding errors of the velocity. The creep of a body that
+/// friction holds while it rolls is then up to 1.2e-4 of its speed. With 256 and 64 of them, the
+/// worst impacts of random boxes were 0.2 of their speed wrong, as without.
+const ROUNDINGS: f64 = 1024.0;
 
 /// Data of a step at its start.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +51,8 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) per_second: R,
     /// Time for which the applied force acts after the step, s.
     pub(super) push: R,
+    /// Slip that a step in single precision can tell from 0, m/s.
+    pub(super) slip_resolution: R,
     pub(super) mass: R,
     /// Inertia tensor at the start, world axes. A principal moment of zero is replaced by the
     /// largest moment, and the angular momentum about that axis by zero.
@@ -80,6 +98,17 @@ impl<R: Real> Trial<R> {
     };
 }
 
+/// Derivatives of a friction law that is linear up to a slip (m/s), from those of the law.
+fn linear<R: Real>(law: &FrictionJacobian<R>, slip: R) -> FrictionJacobian<R> {
+    let share = law.width / slip;
+    FrictionJacobian {
+        coefficient: law.coefficient * share,
+        per_load: law.per_load * share,
+        width: slip,
+        growth: R::ZERO,
+    }
+}
+
 /// Size of the numbers whose rounding a gap has, m. On level ground the horizontal position does
 /// not count.
 #[inline(always)]
@@ -117,6 +146,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             seconds,
             per_second: R::ONE / seconds,
             push: R::ZERO,
+            slip_resolution: R::ZERO,
             mass: properties.mass(),
             inertia: Block::ZERO,
             bounding_radius: if bounding_radius > R::ZERO {
@@ -139,6 +169,11 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             properties.inertia_for_solving(&self.motion.axes, self.start.angular_momentum);
         self.inertia = Block { x, y, z };
         self.angular_momentum = angular_momentum;
+        if is_single::<R>() {
+            let around = self.motion.angular_velocity.length() * self.bounding_radius;
+            let speed = self.motion.linear_velocity.length() + around;
+            self.slip_resolution = speed * (R::EPSILON * R::from_f64(ROUNDINGS));
+        }
     }
 
     /// Returns true if friction and dampers are left out. It is never true for bare contacts on
@@ -252,7 +287,13 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         if self.is_without_loss() {
             R::Vec3::ZERO
         } else {
-            self.law(surface).force_at(position, normal_force, slip)
+            let force = self.law(surface).force_at(position, normal_force, slip);
+            if is_single::<R>() && slip.length() < self.slip_resolution {
+                // The law is asked again, because only the derivatives contain the width.
+                let law = (self.law(surface)).jacobian_at(position, normal_force, slip);
+                return force * (law.width / self.slip_resolution).at_most(R::ONE);
+            }
+            force
         }
     }
 
@@ -267,7 +308,11 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         if self.is_without_loss() {
             FrictionJacobian::NONE
         } else {
-            self.law(surface).jacobian_at(position, normal_force, slip)
+            let law = (self.law(surface)).jacobian_at(position, normal_force, slip);
+            if is_single::<R>() && law.width < self.slip_resolution {
+                return linear(&law, self.slip_resolution);
+            }
+            law
         }
     }
 

@@ -1,0 +1,141 @@
+//! Oblique impacts of bodies in single precision, compared with those in double precision.
+
+// Helpers of these tests fail by panicking, like the tests.
+#![allow(clippy::unwrap_used)]
+
+use crate::kit::erased::Stepper;
+use crate::kit::{directions, log_uniform};
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
+use tumble::glam::DVec3;
+use tumble::real::{Real, Vector};
+use tumble::{
+    Capsule, Cone, Coulomb, EnergyMomentum, Ground, Plane, RigidPointBody, SolidCoin, Sphere,
+    SpringDamper, State, UniformGravity,
+};
+
+/// A body that is thrown onto inclined ground, as a strategy draws it.
+#[derive(Clone, Debug)]
+struct Throw {
+    kind: u8,
+    normal: DVec3,
+    /// rad/s of the spring, 1/s of the damper, of the whole body on one contact.
+    law: [f64; 2],
+    friction: [f64; 2],
+    /// Rotation from which the body starts, rad.
+    rotation: DVec3,
+    /// m/s, kg m²/s
+    velocity: DVec3,
+    angular_momentum: DVec3,
+}
+
+/// Size of the bodies, m.
+const SIZE: f64 = 0.2;
+
+fn throws() -> impl Strategy<Value = Throw> {
+    let velocity = (1.0..4.0_f64, directions(), 0.0..2.0_f64);
+    (
+        0..4_u8,
+        directions(),
+        (log_uniform(60.0, 300.0), 0.0..20.0_f64),
+        (0.2..1.0_f64, log_uniform(1e-7, 1e-4)),
+        [directions(), directions()],
+        velocity,
+    )
+        .prop_map(
+            |(kind, normal, law, friction, [rotation, momentum], velocity)| {
+                let (down, aside, speed) = velocity;
+                let along = aside - normal * normal.dot(aside);
+                Throw {
+                    kind,
+                    normal,
+                    law: law.into(),
+                    friction: friction.into(),
+                    rotation: rotation * 2.0,
+                    velocity: along * speed - normal * down,
+                    angular_momentum: momentum * 0.1,
+                }
+            },
+        )
+}
+
+fn body<R: Real>(kind: u8) -> Box<dyn RigidPointBody<R>> {
+    let [mass, size] = [1.0, SIZE].map(R::from_f64);
+    match kind {
+        0 => Box::new(Sphere::solid(mass, size)),
+        1 => Box::new(Capsule::solid(mass, size * R::HALF, size)),
+        2 => Box::new(Cone::solid(mass, size, size)),
+        _ => Box::new(SolidCoin::new(mass, size, size * R::HALF)),
+    }
+}
+
+impl Throw {
+    /// Velocities (m/s, rad/s) at the end of the first contact, and the number of steps in it.
+    fn bounced<R: Real>(&self) -> ([DVec3; 2], u32) {
+        let vector = |v: DVec3| R::Vec3::new(R::from_f64(v.x), R::from_f64(v.y), R::from_f64(v.z));
+        let double = |v: R::Vec3| DVec3::new(v.x().to_f64(), v.y().to_f64(), v.z().to_f64());
+        let [rate, damping] = self.law;
+        let [coefficient, slip_speed] = self.friction.map(R::from_f64);
+        let scene = Stepper::builder(body::<R>(self.kind))
+            .ground(Ground {
+                law: SpringDamper {
+                    stiffness: R::from_f64(rate * rate),
+                    damping: R::from_f64(damping),
+                },
+                shape: Plane::through(R::Vec3::ZERO, vector(self.normal)),
+            })
+            .friction(Coulomb {
+                coefficient,
+                slip_speed,
+            })
+            .gravity(UniformGravity {
+                acceleration: vector(self.normal * -9.8),
+            })
+            .integrator(EnergyMomentum {
+                time_step: R::from_f64(1e-3),
+            })
+            .build()
+            .unwrap();
+        let mut state = State::<R>::at(vector(self.normal * (1.2 * SIZE)))
+            .with_rotation_vector(vector(self.rotation))
+            .with_linear_velocity(vector(self.velocity))
+            .with_angular_momentum(vector(self.angular_momentum));
+        let mut steps = 0;
+        for _ in 0..500 {
+            scene.step(&mut state).unwrap();
+            if scene.touching(&state) > 0 {
+                steps += 1;
+            } else if steps > 0 {
+                break;
+            }
+        }
+        let spin = scene.angular_velocity(&state);
+        ([double(state.linear_velocity), double(spin)], steps)
+    }
+
+    /// Error of the velocities in single precision as a fraction of the speed of the impact. `None`
+    /// if the contact ends in another step.
+    fn error(&self) -> Option<f64> {
+        let (single, steps) = self.bounced::<f32>();
+        let (double, same_steps) = self.bounced::<f64>();
+        let [linear, angular] = [0, 1].map(|i| (single[i] - double[i]).length());
+        let speed = self.velocity.length();
+        (steps == same_steps).then(|| (linear + angular * SIZE) / speed)
+    }
+}
+
+/// 400 throws, of bodies other than those on which the resolution of the slip was chosen. Of 20,000
+/// throws, the errors of 0.15 % are above 1e-2, and of 16 % without the resolution. The test rejects
+/// a part of 3 % with 99 %.
+#[test]
+fn friction_of_an_impact_has_its_direction_in_single_precision() {
+    let mut runner = TestRunner::deterministic();
+    let draw = throws();
+    let errors: Vec<f64> = (0..400)
+        .filter_map(|_| draw.new_tree(&mut runner).unwrap().current().error())
+        .collect();
+    let wrong = errors.iter().filter(|&&error| error > 1e-2).count();
+    assert!(errors.len() > 390, "{} end in the same step", errors.len());
+    assert!(wrong <= 4, "{wrong} have an error above 1e-2");
+}
