@@ -139,10 +139,12 @@ pub use workspace::Workspace;
 ///   in weak gravity. In 10 s at steps of 1 ms it is by at most 5e-5 of the speed a second, from
 ///   1e-3 m/s² on. Resistance to rolling and spinning is linear where the angular speed and the
 ///   turn speed together are below 5e-4 of the angular speed of the body, or below 8e-6 of the one
-///   that the weight gives it in a step (1e-12 and 1.4e-14 in `f64`). Friction is linear where the
-///   slip and the slip speed of the law together are below 1.2e-4 of the speed of the body's
-///   fastest points. The friction of some impacts (1 of 700 oblique ones at 1 to 4 m/s) is wrong by
-///   more than a hundredth of the momentum.
+///   that the weight gives it in a step (1e-12 and 1.4e-14 in `f64`). Friction is linear in
+///   the slip where its strain `dt c/m`, with c the force over the slip, would be above 128, and
+///   the slip and the slip speed of the law together are below 1.2e-4 of the speed of the body's
+///   fastest points, in world axes. Up to 1 of 200 oblique impacts at 1 to 4 m/s is still wrong by
+///   more than a hundredth of the momentum, and more of them with
+///   [`AnisotropicCoulomb`](crate::AnisotropicCoulomb).
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is two to five iterations a step, also where several contacts or a round rim
 ///   stick. Bodies that spin flat on several points, and rims that roll with small slip at two

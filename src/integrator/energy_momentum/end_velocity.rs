@@ -46,7 +46,9 @@
 //! plus a negative part. That part is negative because the impulses draw `y` towards the mean, by
 //! factors of 0 to 1 in the metric of the mass. If `u'` has not changed its direction,
 //! `p·uₘ <= h θ c uₘ²`. This is less than half of what friction and dampers have dissipated in the
-//! step.
+//! step. With an applied force, this holds for the velocities after its second half. Those before
+//! it differ by as much as the first half has given, so that a held body has the energy of the
+//! start again. The energy limiter is the bound.
 
 use super::applied::Ahead;
 use super::block::Block;
