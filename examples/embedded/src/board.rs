@@ -1,8 +1,8 @@
 //! Board support: start, console, clock, stack.
 //!
 //! All `unsafe` code of the program is here, and so is everything that must be replaced for another
-//! board. What depends on the processor is in the folder `board`. The console is that of the debugger
-//! (semihosting). With an operating system, `std` is used.
+//! board. What depends on the processor is in the folder `board`. The console is that of the
+//! debugger (semihosting). With an operating system, `std` is used.
 #![allow(unsafe_code)]
 
 #[cfg_attr(
@@ -136,10 +136,10 @@ impl Cost {
 
 /// Counter of the processor's clocks.
 ///
-/// On a Cortex-M it is the SysTick timer, which counts down from 2²⁴ and need not have the frequency
-/// of the processor. On a RISC-V it is the register `mcycle`. Without such a counter, all counts are
-/// 0. It is calibrated by a loop of known length. QEMU with `-icount shift=0` counts an instruction
-/// as a clock.
+/// On a Cortex-M it is the SysTick timer, which counts down from 2²⁴ and need not have the
+/// frequency of the processor. On a RISC-V it is the register `mcycle`. Without such a counter, all
+/// counts are 0. It is calibrated by a loop of known length. QEMU with `-icount shift=0` counts an
+/// instruction as a clock.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     /// Ticks of the counter in [`LOOP`](Self::LOOP) clocks.

@@ -23,9 +23,9 @@
 //! potential of the law.
 //!
 //! The torque also depends on the loads. That derivative is part of A ([`add_loads`]), except under
-//! [hard](super::hard) contacts. Their loads change in an iteration by far more than themselves, and
-//! some become 0, so that a torque linear in them would turn a light body by any angle. There an
-//! iteration has the torque of the loads with which it begins.
+//! [hard](super::hard) contacts. Their loads change in an iteration by far more than themselves,
+//! and some become 0, so that a torque linear in them would turn a light body by any angle. There
+//! an iteration has the torque of the loads with which it begins.
 //!
 //! # End of the step
 //!

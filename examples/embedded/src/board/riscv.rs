@@ -26,7 +26,7 @@ pub(super) fn stack() -> Option<(*const u32, *const u32)> {
     Some((&raw const __estack, &raw const _stack_start))
 }
 
-/// Paints the stack below the caller. It has a frame of its own, and so the caller's stays as it is.
+/// Paints the stack below the caller. It has a frame of its own, so the caller's stays as it is.
 #[inline(never)]
 pub(super) fn paint_stack() {
     /// Bytes below the variable that this frame may take. They are counted as used.
