@@ -7,7 +7,7 @@
 # |--------------|---------------------------|-----------|---------------------------------------------------------|
 # | host-native  | all                       | 3         | this machine's widest vectors, tumble's features        |
 # | host-dev     | all                       | 0         | glam's features, as somebody else in the tree sets them |
-# | aarch64      | all                       | 3         | vectors of another processor                            |
+# | aarch64      | all                       | 2         | vectors of another processor                            |
 # | wasm32       | all                       | 2         | a compiler behind the compiler                          |
 # | thumbv7em-hf | its share, and all of f32 | 2         | f32 in a unit of the processor, f64 by integers         |
 # | riscv32imac  | its share                 | 2         | f32 and f64 by integers                                 |
@@ -60,7 +60,7 @@ job() {
     host-native) RUSTFLAGS=-Ctarget-cpu=native host "$1" release --release --features "$detail,std,serde,mint,approx-05" ;;
     # glam's `fast-math` of earlier versions is gone since 0.34, and `core-simd` needs an unstable compiler.
     host-dev) host "$1" debug --features "$detail,glam-libm,glam-scalar-math" ;;
-    aarch64) cross "$1" aarch64-unknown-none 3 . qemu-aarch64 ;;
+    aarch64) cross "$1" aarch64-unknown-none 2 . qemu-aarch64 ;;
     wasm32)
       export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS='-Clink-arg=--no-entry -Clink-arg=--export=run'
       cross "$1" wasm32-unknown-unknown 2 . node tests/bits/run.mjs
