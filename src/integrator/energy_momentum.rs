@@ -1,10 +1,12 @@
 //! Implicit energy-momentum method of order 2, with an energy that never increases.
 //!
-//! The proof is in [`guide::energy`](crate::guide::energy). A step has these stages, one module
-//! each:
+//! The proof is in [`guide::energy`](crate::guide::energy). A step has these stages
+//! (`shared`: what several of them use):
 //!
 //! 1. `problem`, `gather`, `contacts`, `panels`, `touch`: the two momentum equations of the step,
-//!    the contacts that it may reach, and their mean forces along its path.
+//!    the contacts that it may reach, and their mean forces along its path (`dual`, `answer`: the
+//!    unknowns of friction; `reversal`: friction that reverses along a rim; `lever`: contacts that
+//!    move over the body).
 //! 2. `newton`, `balance`, `stiffness`, `linear`: the solution of the equations (`block`, `level`:
 //!    its arithmetic; `hard`: contacts that the step does not resolve; `rolling`, `resistances`:
 //!    resistance to rolling and spinning, if the friction law has it). Only the residual of that
@@ -71,6 +73,7 @@ pub(in crate::integrator) use linear::{Factored, SixBySix};
 use panels::FOR_RIMS;
 use problem::Problem;
 use rolling::Rolling;
+use shared::End;
 use workspace::Memory;
 pub use workspace::Workspace;
 
@@ -126,14 +129,14 @@ pub use workspace::Workspace;
 /// - *Long steps* on hard ground, where a bounce lasts much less than a step, cost about as many
 ///   iterations as shorter steps. The unknowns of the contacts are then their forces, as between
 ///   rigid bodies. This holds for a stiffness of all touching contacts from 64 to 1e10 times the
-///   mass over the square of the step size. Above that, and for bodies that touch with a rim or
-///   with more contacts than are stored, many steps take the first fallback. In it the springs
+///   mass over the square of the step size. Above that, and for bodies with a rim or with more
+///   contacts than are stored, many steps take the first fallback. In it the springs
 ///   harden in stages, which costs some tens of iterations. Elastic bounces conserve their energy
 ///   in it. On hard ground that is not a plane, those of a smooth body other than a ball do not,
 ///   because its contact point belongs to a plane. In `f32`, rounding of the depths of hard
-///   contacts takes energy. Above `h ω = 300`, a rare step of a smooth body other than a ball, or
-///   of more contacts than are stored, is not solved accurately. Up to a quarter of its energy of
-///   motion is then lost, also that of a slide without friction.
+///   contacts takes energy. Above `h ω = 300`, a rare step of a smooth body other than a ball is
+///   not solved accurately. Up to a quarter of its energy of motion is then lost, also that of a
+///   slide without friction.
 /// - *Single precision:* a body farther from the origin than `1/EPSILON` of its sizes can stay
 ///   where it is. In flight, rounding changes the velocity across a tilted gravity at random, most
 ///   in weak gravity. In 10 s at steps of 1 ms it is by at most 5e-5 of the speed a second, from
@@ -144,7 +147,11 @@ pub use workspace::Workspace;
 ///   the slip and the slip speed of the law together are below 1.2e-4 of the speed of the body's
 ///   fastest points, in world axes. Up to 1 of 200 oblique impacts at 1 to 4 m/s is still wrong by
 ///   more than a hundredth of the momentum, and more of them with
-///   [`AnisotropicCoulomb`](crate::AnisotropicCoulomb).
+///   [`AnisotropicCoulomb`](crate::AnisotropicCoulomb). On hard ground the end of a steep impact
+///   depends on the slip speed: at 1e-6 m/s, 1 of 17 steeper than 53° has another end by more than
+///   a hundredth, which is that of a law with a slip speed of about 1e-4 of the speed. A ball that
+///   rolls out under resistance to rolling on ground so hard that its weight is carried at a depth
+///   `m g/k` below 3e-6 radii can roll up to twice as far.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is two to five iterations a step, also where several contacts or a round rim
 ///   stick. Bodies that spin flat on several points, and rims that roll with small slip at two
@@ -157,7 +164,7 @@ pub use workspace::Workspace;
 ///   are scaled down if the solver's error would increase the energy. In flight, the last places of
 ///   the orientation, the height or the speed are corrected.
 /// - *Diagnostics* of a step that is too long: [`Step`] contains the number of iterations, whether
-///   the step had to be divided (`fallback`), and the energy that the solver's error would have
+///   the step needed a fallback (`fallback`), and the energy that the solver's error would have
 ///   added (`energy_removed`).
 /// - *Contacts:* up to 128 are stored from iteration to iteration. If there are more, one of each
 ///   few is stored. The others are computed anew at each iteration, and continue from the friction
@@ -362,7 +369,7 @@ struct Part<R> {
     /// Length, s.
     seconds: R,
     /// Time for which the applied force acts after it, s.
-    push: R,
+    force_seconds: R,
 }
 
 /// Takes a step as a whole, or in parts where that fails: in halves, down to sixteenths, and the
@@ -382,7 +389,7 @@ fn move_in_parts<R: Real, D: Dynamics<R>>(
     while done < PARTS {
         let part = Part {
             seconds: sixteenths(dt, length),
-            push: if done + length == PARTS {
+            force_seconds: if done + length == PARTS {
                 dt * R::HALF
             } else {
                 R::ZERO
@@ -401,20 +408,42 @@ fn move_in_parts<R: Real, D: Dynamics<R>>(
                 length = PARTS - done;
             }
             let seconds = sixteenths(dt, length);
-            let from = *state;
-            if let Some(lower) =
-                descent::step(scene, (state, energy), energy.total(), seconds, step)
-            {
-                (*state, *energy) = lower;
-            }
-            let is_stuck = descent::is_left_in_the_air(scene, [&from, state], seconds);
-            if is_stuck && descent::is_unresolved(scene, &from, seconds) {
+            if !goes_downhill(scene, (state, energy), seconds, step) {
                 return Err(too_long(dt));
             }
             done += length;
         }
     }
     Ok(())
+}
+
+/// Takes a part of a step downhill in energy. Returns false if it leaves the body in the air, since
+/// the step is too long for it.
+#[inline(always)]
+fn goes_downhill<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    (state, energy): (&mut State<R>, &mut Energy<R>),
+    seconds: R,
+    step: &mut Step<R>,
+) -> bool {
+    let (from, ceiling) = (*state, energy.total());
+    take_lower(scene, (state, energy), ceiling, seconds, step);
+    let is_stuck = descent::is_left_in_the_air(scene, [&from, state], seconds);
+    !(is_stuck && descent::is_unresolved(scene, &from, seconds))
+}
+
+/// Moves a body downhill in energy, if that leads to an energy of at most `ceiling` (J).
+#[inline(always)]
+fn take_lower<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    (state, energy): (&mut State<R>, &mut Energy<R>),
+    ceiling: R,
+    seconds: R,
+    step: &mut Step<R>,
+) {
+    if let Some(lower) = descent::step(scene, (state, energy), ceiling, seconds, step) {
+        (*state, *energy) = lower;
+    }
 }
 
 #[cold]
@@ -439,9 +468,7 @@ fn fall<R: Real, D: Dynamics<R>>(
     step: &mut Step<R>,
 ) {
     let ceiling = energy.total() - energy_limit::rounding_of(energy, energy) * R::HALF;
-    if let Some(lower) = descent::step(scene, (state, energy), ceiling, seconds, step) {
-        (*state, *energy) = lower;
-    }
+    take_lower(scene, (state, energy), ceiling, seconds, step);
 }
 
 /// Longest part of a step that begins at `done` sixteenths: the largest power of 2 that divides
@@ -465,11 +492,11 @@ fn attempt<R: Real, D: Dynamics<R>>(
     step: &mut Step<R>,
 ) -> bool {
     let mut problem = Problem::new(scene, state, energy, part.seconds);
-    problem.push = part.push;
+    problem.force_seconds = part.force_seconds;
     for wide in [false, true] {
         gather(&problem, contacts, wide);
-        let (end, is_lossless, work) = if contacts.is_empty() {
-            (fly(&problem), false, R::ZERO)
+        let end = if contacts.is_empty() {
+            End::without_work(fly(&problem))
         } else {
             problem.prepare();
             let Some(end) = whole(&problem, energy, contacts, step) else {
@@ -477,18 +504,13 @@ fn attempt<R: Real, D: Dynamics<R>>(
             };
             end
         };
-        let (end_energy, touching) = Energy::with_touching(scene, &end);
+        let (after, touching) = Energy::with_touching(scene, &end.state);
         // A contact that was not collected touches at the end: collect all contacts.
-        if !wide && !contacts.includes(touching) {
+        if !wide && !contacts.includes_those_at(&problem, (&end.state, touching)) {
             continue;
         }
         let known = (&mut *state, &mut *energy);
-        let contact = Touched {
-            touching,
-            is_lossless,
-            work,
-        };
-        if energy_limit::hold(scene, known, (&end, &end_energy), contact, step) {
+        if limited(scene, known, &end, (&after, touching), step) {
             return true;
         }
         break;
@@ -507,16 +529,29 @@ fn attempt_split<R: Real, D: Dynamics<R>>(
     step: &mut Step<R>,
 ) -> bool {
     let split = split::step(scene, (&*state, &*energy), seconds, contacts, step);
-    let Some((end, is_lossless, work)) = split else {
+    let Some(end) = split else {
         return false;
     };
-    let (end_energy, touching) = Energy::with_touching(scene, &end);
+    let (after, touching) = Energy::with_touching(scene, &end.state);
+    limited(scene, (state, energy), &end, (&after, touching), step)
+}
+
+/// Advances a state and its energy to an end, whose energy and number of touching contacts are
+/// given, as far as [the energy limiter](energy_limit::hold) allows. Returns false if it does not.
+#[inline(always)]
+fn limited<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    known: (&mut State<R>, &mut Energy<R>),
+    end: &End<R>,
+    (after, touching): (&Energy<R>, usize),
+    step: &mut Step<R>,
+) -> bool {
     let contact = Touched {
         touching,
-        is_lossless,
-        work,
+        is_lossless: end.is_lossless,
+        work: end.work,
     };
-    energy_limit::hold(scene, (state, energy), (&end, &end_energy), contact, step)
+    energy_limit::hold(scene, known, (&end.state, after), contact, step)
 }
 
 /// Free flight without an iteration, exact to rounding. It is not inlined, because its preparation
@@ -557,14 +592,13 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
 /// Solves the whole step by Newton's method, and then applies the end-velocity correction of
 /// friction and dampers.
 ///
-/// Returns the end, whether contacts have pushed without friction and dampers, and the work of a
-/// ground that moves, J. Returns `None` if the end could not be computed.
+/// Returns `None` if the end could not be computed.
 fn whole<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     energy: &Energy<R>,
     contacts: &mut Contacts<R>,
     step: &mut Step<R>,
-) -> Option<(State<R>, bool, R)> {
+) -> Option<End<R>> {
     let mut trial = problem.first_trial(energy);
     let strain = newton::solve(problem, contacts, &mut trial, step)?;
     let mut end = problem.end_of(&trial);
@@ -590,7 +624,11 @@ fn whole<R: Real, D: Dynamics<R>>(
     }
     let is_finite = end.not_finite().is_none();
     let is_lossless = strain.is_none() && !problem.resists_turning();
-    is_finite.then_some((end, is_lossless, work))
+    is_finite.then_some(End {
+        state: end,
+        is_lossless,
+        work,
+    })
 }
 
 /// Returns true if the end of a trial has gained too much energy for a solution of the step. It is

@@ -339,6 +339,78 @@ fn the_bodies_of_a_compact_method_need_memory_for_their_rims() {
     );
 }
 
+/// A slab that falls on an edge, with `count` contacts along each edge of its face.
+#[derive(Clone, Copy, Debug)]
+struct Landing {
+    count: u32,
+    /// Direction of the axis of the lean, rad, and the lean in steps of the fall over [`HALF`].
+    lean: [f64; 2],
+    /// Height of the lowest contact at most, in steps of the fall.
+    height: f64,
+    /// m/s and s.
+    fall: [f64; 2],
+    /// `h √(k/m)` of one contact.
+    phase: f64,
+}
+
+fn landings() -> impl Strategy<Value = Landing> {
+    let lean = (0.0..7.0_f64, 0.1..1.2_f64);
+    let fall = (0.3..3.0_f64, log_uniform(1e-3, 1.0 / 60.0));
+    let draw = (4..9_u32, lean, 0.0..1.0_f64, fall, log_uniform(2.0, 200.0));
+    draw.prop_map(|(count, lean, height, fall, phase)| Landing {
+        count,
+        lean: lean.into(),
+        height,
+        fall: fall.into(),
+        phase,
+    })
+}
+
+impl Landing {
+    /// Part of the energy that is lost without friction and dampers, until a step has a fallback.
+    fn lost(&self) -> f64 {
+        let [azimuth, lean] = self.lean;
+        let [speed, time_step] = self.fall;
+        let fall = speed * time_step;
+        let angle = (lean * fall / HALF).min(0.5);
+        let lowest = HEIGHT + HALF * angle * core::f64::consts::SQRT_2;
+        let axis = DVec3::new(azimuth.cos(), azimuth.sin(), 0.0);
+        let mut state = State::at(DVec3::Z * (lowest + self.height * fall))
+            .with_rotation_vector(axis * angle)
+            .with_linear_velocity(DVec3::NEG_Z * speed);
+        let stiffness = MASS * (self.phase / time_step).powi(2);
+        let scene = Stepper::new(Slab::new(self.count))
+            .unwrap()
+            .with_ground(FlatGround::level(stiffness, 0.0))
+            .unwrap()
+            .with_integrator(CompactEnergyMomentum::<6> { time_step })
+            .unwrap();
+        let before = scene.energy(&state).total();
+        let mut after = before;
+        for _ in 0..12 {
+            if scene.step(&mut state).unwrap().fallback {
+                break;
+            }
+            after = scene.energy(&state).total();
+        }
+        1.0 - after / before
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(300))]
+
+    /// In one step a slab turns onto contacts that its motion before does not bring near the
+    /// ground, and more are near than are stored. Contacts that ended below the ground without
+    /// having pushed took up to a quarter of the energy of motion, in 320 of 20,000 such landings:
+    /// 300 find that with 99 %.
+    #[test]
+    fn a_landing_that_turns_a_body_onto_further_contacts_loses_no_energy(landing in landings()) {
+        let lost = landing.lost();
+        prop_assert!(lost < 1e-3, "{lost}");
+    }
+}
+
 proptest! {
     #![proptest_config(cases(24))]
 

@@ -3,6 +3,8 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use core::f64::consts::FRAC_PI_2;
+
 use crate::kit::erased::Stepper;
 use crate::kit::{directions, log_uniform};
 use proptest::prelude::*;
@@ -11,7 +13,7 @@ use proptest::test_runner::TestRunner;
 use tumble::glam::{DVec3, Vec3};
 use tumble::real::{Real, Vector};
 use tumble::{
-    Capsule, Cone, Coulomb, EnergyMomentum, FlatGround, Ground, Plane, RigidPointBody,
+    Capsule, Cone, Coulomb, Cuboid, EnergyMomentum, FlatGround, Ground, Plane, RigidPointBody,
     SlidingFriction, SolidCoin, Sphere, SpringDamper, State, UniformGravity,
 };
 
@@ -137,6 +139,110 @@ fn friction_of_an_impact_has_its_direction_in_single_precision() {
         .collect();
     let wrong = errors.iter().filter(|&&error| error > 1e-2).count();
     assert!(errors.len() > 390, "{} end in the same step", errors.len());
+    assert!(wrong <= 4, "{wrong} have an error above 1e-2");
+}
+
+/// A body that lands flat and obliquely, so that all contacts of a face slide in the same way.
+#[derive(Clone, Debug)]
+struct FlatLanding {
+    is_round: bool,
+    /// m
+    size: f64,
+    /// Spring and damper of a contact: `h √(K/m)` for the face, and its damping ratio.
+    law: [f64; 2],
+    friction: [f64; 2],
+    velocity: DVec3,
+    /// Height above the ground, in steps of the fall.
+    height: f64,
+    /// s
+    step: f64,
+}
+
+fn flat_landings() -> impl Strategy<Value = FlatLanding> {
+    let law = (log_uniform(0.3, 3.0), 0.1..0.9_f64);
+    let friction = (0.2..0.9_f64, log_uniform(1e-5, 1e-4));
+    let velocity = (directions(), 0.8..0.97_f64, 1.0..4.0_f64);
+    let step = (0.0..1.0_f64, log_uniform(1e-3, 1.0 / 60.0));
+    let body = (any::<bool>(), log_uniform(0.01, 0.3));
+    (body, law, friction, velocity, step).prop_map(
+        |((is_round, size), law, friction, (aside, down, speed), (height, step))| {
+            let along = DVec3::new(aside.x, aside.y, 0.0).normalize_or(DVec3::X);
+            FlatLanding {
+                is_round,
+                size,
+                law: law.into(),
+                friction: friction.into(),
+                velocity: (along * (1.0 - down * down).sqrt() - DVec3::Z * down) * speed,
+                height,
+                step,
+            }
+        },
+    )
+}
+
+impl FlatLanding {
+    /// The scene, its start, and four steps from there: velocities, m/s.
+    fn velocities<R: Real>(&self) -> [DVec3; 4] {
+        let real = R::from_f64;
+        let half = self.size * 0.4;
+        let (body, contacts): (Box<dyn RigidPointBody<R>>, f64) = if self.is_round {
+            let coin = SolidCoin::new(R::ONE, real(self.size), real(2.0 * half));
+            (Box::new(coin), 120.0)
+        } else {
+            let edges = [self.size, self.size * 0.7, half].map(|edge| real(2.0 * edge));
+            let [x, y, z] = edges;
+            (Box::new(Cuboid::solid(R::ONE, R::Vec3::new(x, y, z))), 4.0)
+        };
+        let [phase, ratio] = self.law;
+        let rate = phase / self.step;
+        let [coefficient, slip_speed] = self.friction.map(real);
+        let law = [rate * rate, 2.0 * ratio * rate].map(|of_all| real(of_all / contacts));
+        let scene = Stepper::builder(body)
+            .gravity(UniformGravity::down(real(9.81)))
+            .ground(FlatGround::level(law[0], law[1]))
+            .friction(Coulomb {
+                coefficient,
+                slip_speed,
+            })
+            .integrator(EnergyMomentum {
+                time_step: real(self.step),
+            })
+            .build()
+            .unwrap();
+        let [x, y, z] = self.velocity.to_array().map(real);
+        let height = half + self.height * self.step * self.velocity.z.abs();
+        // The axis of a coin is its x axis.
+        let flat = if self.is_round { FRAC_PI_2 } else { 0.0 };
+        let mut state = State::<R>::at(R::Vec3::new(R::ZERO, R::ZERO, real(height)))
+            .with_rotation_vector(R::Vec3::new(R::ZERO, real(flat), R::ZERO))
+            .with_linear_velocity(R::Vec3::new(x, y, z));
+        [(); 4].map(|()| {
+            scene.step(&mut state).unwrap();
+            let v = state.linear_velocity;
+            DVec3::new(v.x().to_f64(), v.y().to_f64(), v.z().to_f64())
+        })
+    }
+
+    /// Largest error of the velocity in single precision, as a fraction of the speed.
+    fn error(&self) -> f64 {
+        let [single, double] = [self.velocities::<f32>(), self.velocities::<f64>()];
+        let errors = single
+            .iter()
+            .zip(double)
+            .map(|(one, other)| (*one - other).length());
+        errors.fold(0.0, f64::max) / self.velocity.length()
+    }
+}
+
+/// 400 landings. As long as the strain of friction was that before the last step of Newton's
+/// method, a slide that this step ended went on, and 313 of 10,000 such landings had an error above
+/// 1e-2, in place of 10. The test rejects 313 with 99 %.
+#[test]
+fn a_slide_ends_in_an_impact_in_single_precision() {
+    let mut runner = TestRunner::deterministic();
+    let draw = flat_landings();
+    let errors = (0..400).map(|_| draw.new_tree(&mut runner).unwrap().current().error());
+    let wrong = errors.filter(|&error| error > 1e-2).count();
     assert!(wrong <= 4, "{wrong} have an error above 1e-2");
 }
 

@@ -107,7 +107,7 @@ impl<R: Real> Ahead<R> {
         trial: &Trial<R>,
         end: &State<R>,
     ) -> Self {
-        if problem.scene.force().acts() && problem.push > R::ZERO {
+        if problem.scene.force().acts() && problem.force_seconds > R::ZERO {
             Self::of_mean(problem, trial, end)
         } else {
             Self::NONE
@@ -126,7 +126,7 @@ impl<R: Real> Ahead<R> {
             angular_momentum: momentum * R::HALF,
             ..*end
         };
-        let Some(pushed) = two_stages(problem.scene, &mean, problem.push) else {
+        let Some(pushed) = two_stages(problem.scene, &mean, problem.force_seconds) else {
             return Self::NONE;
         };
         let [before, after] = [&mean, &pushed.state].map(|state| problem.scene.motion(state));

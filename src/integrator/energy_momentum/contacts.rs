@@ -31,6 +31,7 @@ use crate::contact::MovingContact;
 use crate::friction::FrictionJacobian;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
+use crate::state::State;
 
 /// Which contacts a surface may touch during a step.
 #[derive(Clone, Copy, Debug)]
@@ -255,19 +256,32 @@ impl<R: Real> Contacts<R> {
         self.len() == 0 && !self.with_rim
     }
 
-    /// Returns true if the number of contacts below the ground at the end of the step (`touching`)
-    /// does not exceed the number in the last trial.
-    pub(super) fn includes(&self, touching: usize) -> bool {
+    /// Returns true if all contacts that are below the ground at the `end` of the step were
+    /// collected. There are `touching` of them.
+    pub(super) fn includes_those_at<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        (end, touching): (&State<R>, usize),
+    ) -> bool {
+        if self.has_others() {
+            return self.covers_those_at(problem, end);
+        }
         let ended_below = |touch: &&Touch<R>| touch.push.end_depth > R::ZERO;
-        self.has_others()
-            || self.with_rim
-            || touching
-                <= self
-                    .touches
-                    .iter()
-                    .take(self.remembered)
-                    .filter(ended_below)
-                    .count()
+        self.with_rim || touching <= self.stored().iter().filter(ended_below).count()
+    }
+
+    /// Returns true if the collected range contains all contacts that are below the ground at the
+    /// `end` of the step.
+    #[cold]
+    #[inline(never)]
+    fn covers_those_at<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>, end: &State<R>) -> bool {
+        let scene = problem.scene;
+        let axes = end.rotation().axes();
+        let below = scene
+            .contact_model()
+            .range_within(R::ZERO, end.position, &axes);
+        let missing = below.without(self.run, scene.body().contacts().len());
+        missing.iter().all(|range| range.count == 0)
     }
 
     /// Returns true if a rim may touch during the step.

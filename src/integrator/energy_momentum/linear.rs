@@ -156,22 +156,12 @@ impl<R: Real> SixBySix<R> {
     }
 
     /// Solves for the shift and the rotation caused by a force and a torque.
-    pub(super) fn solve(
-        &self,
-        force: R::Vec3,
-        torque: R::Vec3,
-        bounding_radius: R,
-    ) -> (R::Vec3, R::Vec3) {
-        Factored::of(*self, bounding_radius).solve(force, torque, bounding_radius)
+    pub(super) fn solve(&self, force: R::Vec3, torque: R::Vec3, length: R) -> (R::Vec3, R::Vec3) {
+        Factored::of(*self, length).solve(force, torque, length)
     }
 
     #[cold]
-    fn solve_heavier(
-        &self,
-        force: R::Vec3,
-        torque: R::Vec3,
-        bounding_radius: R,
-    ) -> (R::Vec3, R::Vec3) {
+    fn solve_heavier(&self, force: R::Vec3, torque: R::Vec3, length: R) -> (R::Vec3, R::Vec3) {
         let share = R::EPSILON.sqrt();
         let mut heavier = *self;
         let [a, b, c, d, e, f] = &mut heavier.rows;
@@ -184,41 +174,41 @@ impl<R: Real> SixBySix<R> {
         raised(&mut a[0], &mut b[1], &mut c[2]);
         raised(&mut d[3], &mut e[4], &mut f[5]);
         let mut factors = Factors::NONE;
-        heavier.factor(bounding_radius, &mut factors);
+        heavier.factor(length, &mut factors);
         factors.solve(force, torque)
     }
 
     /// Factors the matrix into triangular ones by Gaussian elimination. Rotations and torques are
-    /// scaled with the length `bounding_radius`, so that pivots have the same unit for any size of
-    /// the body. Inertia and springs make the diagonal large. Rows are exchanged only if a pivot is
-    /// small compared with the entries below it.
+    /// scaled with `length`, a size of the body, so that pivots have the same unit for any size.
+    /// Inertia and springs make the diagonal large. Rows are exchanged only if a pivot is small
+    /// compared with the entries below it.
     #[inline]
-    fn factor(&self, bounding_radius: R, factors: &mut Factors<R>) {
-        self.fill(bounding_radius, factors);
+    fn factor(&self, length: R, factors: &mut Factors<R>) {
+        self.fill(length, factors);
         if !factors.eliminate() {
-            self.factor_with_exchanges(bounding_radius, factors);
+            self.factor_with_exchanges(length, factors);
         }
     }
 
     #[cold]
-    fn factor_with_exchanges(&self, bounding_radius: R, factors: &mut Factors<R>) {
-        self.fill(bounding_radius, factors);
+    fn factor_with_exchanges(&self, length: R, factors: &mut Factors<R>) {
+        self.fill(length, factors);
         factors.order = [0, 1, 2, 3, 4, 5];
         factors.exchanged = true;
         factors.eliminate_with_exchanges();
     }
 
     #[inline]
-    fn fill(&self, bounding_radius: R, factors: &mut Factors<R>) {
-        let per_reach = R::ONE / bounding_radius;
-        let square = per_reach * per_reach;
-        let scales = [R::ONE, per_reach, square];
+    fn fill(&self, length: R, factors: &mut Factors<R>) {
+        let per_length = R::ONE / length;
+        let square = per_length * per_length;
+        let scales = [R::ONE, per_length, square];
         for i in 0..6 {
             for j in 0..6 {
                 factors.rows[i][j] = self.rows[i][j] * scales[i / 3 + j / 3];
             }
         }
-        factors.per_reach = per_reach;
+        factors.per_length = per_length;
         factors.exchanged = false;
     }
 }
@@ -232,12 +222,12 @@ pub(in crate::integrator) struct Factored<R: Real> {
 
 impl<R: Real> Factored<R> {
     /// Computes the factors of these equations.
-    pub(in crate::integrator) fn of(equations: SixBySix<R>, bounding_radius: R) -> Self {
+    pub(in crate::integrator) fn of(equations: SixBySix<R>, length: R) -> Self {
         let mut factored = Self {
             equations,
             ..Self::NONE
         };
-        factored.factor(bounding_radius);
+        factored.factor(length);
         factored
     }
 
@@ -248,8 +238,8 @@ impl<R: Real> Factored<R> {
 
     /// Computes the factors of the equations.
     #[inline]
-    pub(super) fn factor(&mut self, bounding_radius: R) {
-        self.equations.factor(bounding_radius, &mut self.factors);
+    pub(super) fn factor(&mut self, length: R) {
+        self.equations.factor(length, &mut self.factors);
     }
 
     /// Solves for the shift and the rotation caused by a force and a torque. If the stiffness
@@ -260,7 +250,7 @@ impl<R: Real> Factored<R> {
         &self,
         force: R::Vec3,
         torque: R::Vec3,
-        bounding_radius: R,
+        length: R,
     ) -> (R::Vec3, R::Vec3) {
         let (shift, turn) = self.factors.solve(force, torque);
         // A value that is not finite does not give 0. This takes fewer operations than six checks.
@@ -268,7 +258,7 @@ impl<R: Real> Factored<R> {
         if nothing.x() + nothing.y() + nothing.z() == R::ZERO {
             return (shift, turn);
         }
-        self.equations.solve_heavier(force, torque, bounding_radius)
+        self.equations.solve_heavier(force, torque, length)
     }
 }
 
@@ -283,7 +273,7 @@ struct Factors<R: Real> {
     /// Equation that each row comes from, if rows have been exchanged.
     order: [u8; 6],
     exchanged: bool,
-    per_reach: R,
+    per_length: R,
 }
 
 /// Largest allowed ratio of an entry below a pivot to the pivot.
@@ -295,7 +285,7 @@ impl<R: Real> Factors<R> {
         inverse: [R::ZERO; 6],
         order: [0; 6],
         exchanged: false,
-        per_reach: R::ZERO,
+        per_length: R::ZERO,
     };
 
     /// Eliminates all columns, with one function per column, so that every index is known at
@@ -356,7 +346,7 @@ impl<R: Real> Factors<R> {
     /// finite if the matrix is singular.
     #[inline]
     fn solve(&self, force: R::Vec3, torque: R::Vec3) -> (R::Vec3, R::Vec3) {
-        let torque = torque * self.per_reach;
+        let torque = torque * self.per_length;
         let right = [
             force.x(),
             force.y(),
@@ -372,7 +362,7 @@ impl<R: Real> Factors<R> {
         });
         (
             R::Vec3::new(x[0], x[1], x[2]),
-            R::Vec3::new(x[3], x[4], x[5]) * self.per_reach,
+            R::Vec3::new(x[3], x[4], x[5]) * self.per_length,
         )
     }
 

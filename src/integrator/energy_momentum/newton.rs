@@ -375,7 +375,8 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             && self.rolling().is_none_or(Rolling::is_exact)
             && ((is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
                 || self.is_close_in_stick(here, contacts, shift, turn))
-            && !(self.is_hard && hard::touch_or_part(contacts, &by));
+            && !(self.is_hard && hard::touch_or_part(contacts, &by))
+            && !(is_single::<R>() && is_resolved && self.may_end_a_slide(contacts, &by));
         change(problem, trial, &here.place, shift, turn);
         // The points of rims are placed anew for each trial. The question is put to the body, because
         // a question to the contact model makes the firmware larger (`.ci/embedded.sh`).
@@ -538,6 +539,27 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     fn is_small(&self, here: &Balance<R>, shift: R::Vec3, turn: R::Vec3) -> bool {
         let most = here.tolerance * self.close * R::from_f64(MOST_AMPLIFIED);
         size_of_motion(self.problem, shift, turn) <= most
+    }
+
+    /// Returns true if Newton's step may end a slide that the step resolves, if the friction of
+    /// each contact stays as it is. The strain `h Σ|F|/|u|/m` is then that at the end. In `f64` the
+    /// last of Newton's steps is too short for that.
+    ///
+    /// `(Σ|F|/|u|)²` is at most `n Σ F²/u²` for n contacts, which needs no roots.
+    #[inline(always)]
+    fn may_end_a_slide(&self, contacts: &Contacts<R>, by: &Increment<R>) -> bool {
+        let problem = self.problem;
+        let (mut count, mut squares) = (R::ZERO, R::ZERO);
+        for push in contacts.stored().iter().map(|touch| &touch.push) {
+            let friction = (push.force - push.normal * push.mean.force).length_squared();
+            if push.is_active() && friction > R::ZERO {
+                let slip = push.slip + push.slip_by(problem, by, None);
+                count += R::ONE;
+                squares += friction / slip.length_squared();
+            }
+        }
+        let per_speed = problem.seconds / problem.mass;
+        count * squares * (per_speed * per_speed) > R::TWO * R::TWO
     }
 
     /// Returns true if the momenta balance with the dual forces and Newton's step is small. The

@@ -55,7 +55,7 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) seconds: R,
     pub(super) per_second: R,
     /// Time for which the applied force acts after the step, s.
-    pub(super) push: R,
+    pub(super) force_seconds: R,
     /// Slip that a step in single precision can tell from 0, m/s.
     pub(super) slip_resolution: R,
     pub(super) mass: R,
@@ -156,7 +156,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             spring_factor: None,
             seconds,
             per_second: R::ONE / seconds,
-            push: R::ZERO,
+            force_seconds: R::ZERO,
             slip_resolution: R::ZERO,
             mass: properties.mass(),
             inertia: Block::ZERO,

@@ -5,6 +5,27 @@ use crate::real::Real;
 use crate::scene::Dynamics;
 use crate::state::State;
 
+/// End of a step, or of a part of it, before its energy is limited.
+pub(super) struct End<R: Real> {
+    pub(super) state: State<R>,
+    /// True if contacts may have pushed, and friction and dampers have done no work.
+    pub(super) is_lossless: bool,
+    /// Work of a ground that moves, J.
+    pub(super) work: R,
+}
+
+impl<R: Real> End<R> {
+    /// End of a flight.
+    #[inline(always)]
+    pub(super) fn without_work(state: State<R>) -> Self {
+        Self {
+            state,
+            is_lossless: false,
+            work: R::ZERO,
+        }
+    }
+}
+
 /// Returns true for single precision. One Newton step from the close distance then leaves errors
 /// that accumulate to a noticeable size within thousands of steps.
 #[inline(always)]

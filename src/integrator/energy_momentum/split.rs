@@ -12,7 +12,7 @@ use super::gather::gather;
 use super::newton;
 use super::problem::Problem;
 use super::resist::{Resisting, resisted};
-use super::shared::visit_contacts;
+use super::shared::{End, visit_contacts};
 use super::soften;
 use super::turning;
 use super::work;
@@ -24,8 +24,7 @@ use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// Takes the step. Also returns whether friction and dampers have done no work in it, and the work
-/// of a ground that moves, J. Returns `None` if the conservative part has no solution either.
+/// Takes the step. Returns `None` if the conservative part has no solution either.
 #[cold]
 #[inline(never)]
 pub(super) fn step<R: Real, D: Dynamics<R>>(
@@ -34,7 +33,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     seconds: R,
     contacts: &mut Contacts<R>,
     step: &mut Step<R>,
-) -> Option<(State<R>, bool, R)> {
+) -> Option<End<R>> {
     let half = seconds * R::HALF;
     let slowed = dissipate(scene, start, half);
     let energy = Energy::of(scene, &slowed);
@@ -62,7 +61,11 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     let end = dissipate(scene, &moved, half);
     let is_lossless = slowed == *start && end == moved;
     let work = work + work::of_impulse(scene, end.position, [&moved, &end]);
-    (end.not_finite().is_none()).then_some((end, is_lossless, work))
+    (end.not_finite().is_none()).then_some(End {
+        state: end,
+        is_lossless,
+        work,
+    })
 }
 
 /// Applies friction and dampers to a body at a fixed pose for a time. Each contact resists with the

@@ -156,7 +156,7 @@ impl<R: Real> Push<R> {
     }
 
     /// Change of the slip by a Newton step, m/s.
-    fn slip_by<D: Dynamics<R>>(
+    pub(super) fn slip_by<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
         by: &Increment<R>,
