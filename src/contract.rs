@@ -204,7 +204,7 @@ pub enum Requirement {
     /// Friction: `jacobian` has a coefficient of `|force|/|slip|`, a width above 0, and a growth
     /// between 0 and 1.
     #[error("the Jacobian must be consistent with the force")]
-    DragFits,
+    JacobianFits,
 
     /// Friction: `per_load` of `jacobian` is the derivative of the coefficient with respect to the
     /// normal force.

@@ -252,7 +252,7 @@ fn torque_on<R: Real>(
 pub struct EnergyRates<R: Real = f64> {
     /// Energy by kind, J.
     pub energy: Energy<R>,
-    /// Dissipated power by cause, W.
+    /// Power on the body by cause, W: negative where it dissipates.
     pub dissipation: Dissipation<R>,
     /// Rates of change of the state.
     pub rates: Rates<R>,

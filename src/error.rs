@@ -417,7 +417,7 @@ impl core::fmt::Display for Role {
     }
 }
 
-/// A value that a ground or a friction law returns during a step.
+/// A value that a law of the ground, of friction or of a force returns during a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LawQuantity {

@@ -156,7 +156,7 @@ fn smaller<R: Real>(first: Option<R>, second: Option<R>) -> Option<R> {
 /// Sample of a run at one time. Derived quantities are computed only when their method is called.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<'a, R: Real = f64> {
-    /// Time since the start of the run, s.
+    /// Time since the start of the run or of the session, s.
     pub time: R,
     /// Number of steps since the start of the run.
     pub step: u64,
@@ -177,7 +177,7 @@ impl<R: Real> Sample<'_, R> {
         self.scene.energy(self.state)
     }
 
-    /// Dissipated power by cause, W.
+    /// Power on the body by cause, W: negative where it dissipates.
     #[must_use]
     pub fn dissipation(&self) -> Dissipation<R> {
         self.scene.dissipation(self.state)
@@ -218,7 +218,7 @@ impl<R: Real> Sample<'_, R> {
 pub trait SceneQuery<R: Real = f64> {
     /// Energy by kind, J.
     fn energy(&self, state: &State<R>) -> Energy<R>;
-    /// Dissipated power by cause, W.
+    /// Power on the body by cause, W: negative where it dissipates.
     fn dissipation(&self, state: &State<R>) -> Dissipation<R>;
     /// Acceleration, torque and angular velocity.
     fn rates(&self, state: &State<R>) -> Rates<R>;

@@ -29,10 +29,10 @@ use crate::state::State;
 /// Body on a ground under gravity and an applied force, as an integrator uses it.
 ///
 /// *For authors of integrators:* [`motion`](Self::motion) converts a state into the quantities on
-/// which forces depend. [`load`](Self::load) returns the force and torque of all contacts there,
-/// and [`visit_contacts`](Self::visit_contacts) visits each contact. Gravity is separate, because
-/// it needs no contact. The [`ContactModel`] has the functions for a method that keeps the contact
-/// range of its last evaluation.
+/// which forces depend. [`load`](Self::load) returns the force and torque of all contacts and of
+/// the applied force there, and [`visit_contacts`](Self::visit_contacts) visits each contact.
+/// Gravity is separate, because it needs no contact. The [`ContactModel`] has the functions for a
+/// method that keeps the contact range of its last evaluation.
 pub trait Dynamics<R: Real = f64> {
     /// Type of the body.
     type Body: RigidPointBody<R>;

@@ -396,7 +396,7 @@ impl<R: Real> Arc<R> {
 
     /// Depth of the lowest point below the rim's middle, m.
     #[inline]
-    pub(crate) fn bounds(&self) -> R {
+    pub(crate) fn extent(&self) -> R {
         match *self {
             Self::Part { extent, .. } => extent,
             _ => R::ZERO,

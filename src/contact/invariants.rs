@@ -18,9 +18,9 @@ const UNIT: f64 = 128.0;
 
 /// A contact is below the surface, represents a part of the body, and slips along the surface.
 pub(super) fn touches<R: Real>(contact: &Contact<R>, surfaces: usize) -> bool {
-    let is_lifted = contact.weight < R::ZERO || contact.surface >= surfaces;
+    let is_invalid = contact.weight < R::ZERO || contact.surface >= surfaces;
     contact.depth > R::ZERO
-        && !is_lifted
+        && !is_invalid
         && slips_along(contact.slip_velocity, contact.normal, contact.closing_speed)
 }
 

@@ -2,8 +2,8 @@
 //!
 //! The contacts of a body are points and balls that are fixed in it, or one contact that moves over
 //! a smooth surface. Rims may touch in addition to fixed contacts. A surface of the ground is a
-//! plane, or is nowhere above one, or may be anywhere, or nowhere. Only the stages of contact know
-//! these kinds. An integrator asks for what follows from them.
+//! plane, or is nowhere above one, or may be anywhere, or nowhere. An integrator does not ask for a
+//! kind, but for what follows from it.
 //!
 //! The type of a body decides the answers about its contacts, so that the compiler leaves out what
 //! the body does not need.

@@ -1,10 +1,11 @@
-//! Force and torque of the ground on a body.
+//! Force and torque on a body.
 
 use super::point::Contact;
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 
-/// Force and torque of the ground on the body, world axes.
+/// Force and torque of the contacts on the body, and of the applied force if it is added, world
+/// axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load<R: Real = f64> {
     /// Force, N.

@@ -215,7 +215,7 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         ] {
             demand_finite(number, input)?;
         }
-        let (o, fits) = (R::ZERO, Requirement::DragFits);
+        let (o, fits) = (R::ZERO, Requirement::JacobianFits);
         demand_at_least(jacobian.coefficient, o, fits, input)?;
         demand_at_least(jacobian.growth, o, fits, input)?;
         demand_at_most(jacobian.growth, R::ONE + ulps(8.0), fits, input)?;

@@ -115,7 +115,7 @@ struct Check<'a, R: Real, G: ?Sized> {
 impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
     fn surface_everywhere(&self, plan: CheckPlan) -> Result<(), Violation> {
         let (centre, size) = (self.range.centre, self.range.size);
-        self.extent_is_a_plane()?;
+        self.bounds_are_a_plane()?;
         for direction in cube_directions::<R>() {
             for share in [0.0, 1e-6, 0.5, 1.0] {
                 let place = centre + direction * (size * R::from_f64(share));
@@ -153,7 +153,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         demand_finite(surface.gap, input)?;
         let off = (surface.normal.length() - R::ONE).abs();
         demand_at_most(off, ulps(32.0), Requirement::UnitNormal, input)?;
-        self.extent_at(place)?;
+        self.bounds_hold_at(place)?;
         self.motion_along(&surface, place)?;
         if self.ground.bounds() == GroundBounds::Nowhere {
             return Ok(());
@@ -218,7 +218,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         )
     }
 
-    fn extent_is_a_plane(&self) -> Result<(), Violation> {
+    fn bounds_are_a_plane(&self) -> Result<(), Violation> {
         match self.ground.bounds() {
             GroundBounds::Plane(plane) | GroundBounds::Below(plane) => {
                 plane.check().map_err(cannot_be)
@@ -227,23 +227,23 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         }
     }
 
-    fn extent_at(&self, place: R::Vec3) -> Result<(), Violation> {
+    fn bounds_hold_at(&self, place: R::Vec3) -> Result<(), Violation> {
         match self.ground.bounds() {
-            GroundBounds::Nowhere => self.extent_nowhere(place),
-            GroundBounds::Plane(plane) => self.extent_plane(&plane, place),
+            GroundBounds::Nowhere => self.nowhere_holds_at(place),
+            GroundBounds::Plane(plane) => self.plane_holds_at(&plane, place),
             GroundBounds::Below(plane) => {
-                self.extent_below(&plane, place)?;
+                self.bound_holds_at(&plane, place)?;
                 // Also slightly above the plane, where a wrong bound shows first.
                 let hair = self.range.size * R::from_f64(1e-6);
                 let lifted = place + plane.normal * (hair - plane.gap(place));
-                self.extent_below(&plane, lifted)
+                self.bound_holds_at(&plane, lifted)
             }
             GroundBounds::Everywhere => Ok(()),
         }
     }
 
     /// Checks that not even a body of the region's size touches.
-    fn extent_nowhere(&self, place: R::Vec3) -> Result<(), Violation> {
+    fn nowhere_holds_at(&self, place: R::Vec3) -> Result<(), Violation> {
         let gap = self.ground.surface(place).gap;
         demand_at_least(gap, self.range.size, Requirement::GroundBounds, || {
             Input::Place {
@@ -252,7 +252,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         })
     }
 
-    fn extent_plane(&self, plane: &Plane<R>, place: R::Vec3) -> Result<(), Violation> {
+    fn plane_holds_at(&self, plane: &Plane<R>, place: R::Vec3) -> Result<(), Violation> {
         let input = || Input::Place {
             point: wide::<R>(place),
         };
@@ -269,7 +269,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
     }
 
     /// Checks that a point above the plane is at least as far from the ground as from the plane.
-    fn extent_below(&self, plane: &Plane<R>, place: R::Vec3) -> Result<(), Violation> {
+    fn bound_holds_at(&self, plane: &Plane<R>, place: R::Vec3) -> Result<(), Violation> {
         let above = plane.gap(place);
         if above < R::ZERO {
             return Ok(());

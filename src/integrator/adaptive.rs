@@ -1,5 +1,5 @@
-//! Adaptive methods, which choose their step from a tolerance: explicit Runge-Kutta pairs, and
-//! `EnergyMomentum` with step doubling.
+//! Adaptive methods, which choose their step from a tolerance: explicit Runge-Kutta pairs, a
+//! Nystrom method, Radau's implicit method, and `EnergyMomentum` with step doubling.
 
 mod bogacki_shampine_32;
 mod bounce;

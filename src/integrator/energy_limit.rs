@@ -39,8 +39,8 @@ impl<R: Real> Touched<R> {
 /// Advances a state and its energy to the end of a step, and limits the computed energy to that of
 /// the start, plus the work of a ground that moves.
 ///
-/// The velocities are scaled down until the computed energy is no higher. Returns `false` if that
-/// is impossible.
+/// The velocities are scaled down until the computed energy is no higher. Returns `false` if the
+/// step needs a fallback.
 ///
 /// Only the residual of the solver can increase the energy, so the factor is 1 to rounding. On hard
 /// ground the residual of a rare step takes up to a quarter of the energy. [`Step`] reports the
@@ -105,7 +105,8 @@ fn without_rounding<R: Real, D: Dynamics<R>>(
         .flatten()
 }
 
-/// Limits an end whose energy exceeds that before the step. Returns `false` if that is impossible.
+/// Limits an end whose energy exceeds that before the step: lowers it, or leaves the state as it
+/// was. Returns `false` if the step needs a fallback.
 #[inline(never)]
 fn hold_down<R: Real, D: Dynamics<R>>(
     scene: &D,

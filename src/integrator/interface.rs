@@ -212,8 +212,8 @@ pub struct Step<R = f64> {
     pub rejected: u32,
     /// Number of iterations of an implicit method, over all parts of the step.
     pub iterations: u32,
-    /// True if an implicit method could not take the step as a whole. The step was then too large
-    /// to be accurate.
+    /// True if an implicit method needed a fallback, such as a division of the step. The step was
+    /// then too large to be accurate.
     pub fallback: bool,
     /// Energy removed so that the total never increases, J.
     ///
@@ -267,7 +267,11 @@ impl<R: Real> core::fmt::Display for Step<R> {
         write!(f, " s, {} evaluations", self.evaluations)?;
         write!(f, ", {} rejected", self.rejected)?;
         write!(f, ", {} iterations", self.iterations)?;
-        f.write_str(if self.fallback { ", divided, " } else { ", " })?;
+        f.write_str(if self.fallback {
+            ", with a fallback, "
+        } else {
+            ", "
+        })?;
         core::fmt::Display::fmt(&self.energy_removed, f)?;
         f.write_str(" J removed")
     }

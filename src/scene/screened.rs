@@ -25,7 +25,7 @@ use crate::ground::{MeanForce, SpringDamperGround, Surface};
 use crate::real::{Real, Vector};
 use crate::state::Motion;
 
-/// Units in the last place by which the square of a normal's length may differ from 1: twice the
+/// Units in the last place by which a normal's length or its square may differ from 1: twice the
 /// tolerance of `check_ground`.
 pub(super) const NORMAL: f64 = 128.0;
 

@@ -89,9 +89,9 @@ where
 /// Largest number of steps by which a step of an adaptive method is repeated to find a broken law.
 const MOST_STEPS: u32 = 256;
 
-/// Number of evaluations of the contact forces after which such a repetition ends: that of
-/// [`MOST_STEPS`] steps of an explicit pair. A step of `AdaptiveEnergyMomentum` that has to be
-/// divided can take as many alone.
+/// Number of evaluations of the contact forces after which such a repetition ends: eight for each
+/// of [`MOST_STEPS`] steps, more than an explicit pair needs. A step of `AdaptiveEnergyMomentum`
+/// that has to be divided can take as many alone.
 const MOST_EVALUATIONS: u32 = 2048;
 
 /// Error for a step whose result is not finite: [`StepError::BadState`] if the state before it was

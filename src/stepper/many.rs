@@ -1,6 +1,7 @@
 //! Many states of one scene, advanced together.
 
-use super::{Clock, End, Stepper, check_duration};
+use super::Stepper;
+use super::clock::{Clock, End, check_duration};
 use crate::body::RigidPointBody;
 use crate::contact::LANES;
 use crate::error::StateError;

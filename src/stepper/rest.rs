@@ -1,6 +1,7 @@
 //! Advance of a session. Whole steps of a body at rest are counted and not taken.
 
-use super::{Clock, End, Stepper, check_duration};
+use super::Stepper;
+use super::clock::{Clock, End, check_duration};
 use crate::body::RigidPointBody;
 use crate::error::StepError;
 use crate::force::Force;
@@ -35,15 +36,15 @@ where
     ) -> Result<(), StepError> {
         check_duration(seconds)?;
         let start = *state;
-        let mut outcome = Ok(Skipped::TooMuch);
         for in_strides in [true, false] {
-            if outcome == Ok(Skipped::TooMuch) {
-                (*state, *clock) = (start, Clock::new());
-                let of_run = (self.end_at(seconds), in_strides);
-                outcome = self.steps_until(of_run, (&mut *state, &mut *rests), workspace, clock);
+            (*state, *clock) = (start, Clock::new());
+            let of_run = (self.end_at(seconds), in_strides);
+            let skipped = self.steps_until(of_run, (&mut *state, &mut *rests), workspace, clock)?;
+            if skipped == Skipped::Right {
+                break;
             }
         }
-        outcome.map(|_| ())
+        Ok(())
     }
 
     /// Takes the steps of a run. If `in_strides`, many steps at rest are counted at once.

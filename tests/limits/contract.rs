@@ -1122,7 +1122,11 @@ fn a_drag_that_does_not_fit_its_force_is_caught() {
         },
     ] {
         let violation = fault_of_friction(&Misfit(wrong));
-        assert_eq!(violation.requirement, Requirement::DragFits, "{violation}");
+        assert_eq!(
+            violation.requirement,
+            Requirement::JacobianFits,
+            "{violation}"
+        );
     }
 }
 

@@ -320,7 +320,7 @@ fn the_smallest_fault_that_is_found_is_a_small_one() {
         (of_friction, Fault::WithoutSlip, NoSlipNoForce, ANY),
         (of_friction, Fault::WithoutLoad, NoLoadNoForce, ANY),
         (of_friction, Fault::ByPlace, SameEverywhere, 7.51e-17),
-        (of_friction, Fault::Coefficient, DragFits, 2.98e-8),
+        (of_friction, Fault::Coefficient, JacobianFits, 2.98e-8),
         (of_force, Fault::ForceDrives, PassiveTakes, 0.2),
         (of_force, Fault::PowerStated, PowerFits, 3.44e-15),
         (of_force, Fault::Jump, Continuous, 0.5),

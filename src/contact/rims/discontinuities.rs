@@ -85,7 +85,7 @@ pub(crate) fn discontinuities<R: Real, G: SpringDamperGround<R>, F: SlidingFrict
     velocities: &Velocities<R>,
 ) -> Discontinuities<R> {
     let chord = arc.chord();
-    let deepest = arc.bounds() * (chord * chord) * R::TWO;
+    let deepest = arc.extent() * (chord * chord) * R::TWO;
     let depth = |u: R| deepest * ((R::ONE - u) * (R::ONE + u));
     discontinuities_over(laws, chord, [position, normal], velocities, &depth)
 }

@@ -135,15 +135,15 @@ fn visit_piece<R: Real>(
     least: usize,
     visit: &mut impl FnMut(R, R),
 ) {
-    let bounding_radius = meet - discontinuity.u;
-    if bounding_radius == R::ZERO {
+    let span = meet - discontinuity.u;
+    if span == R::ZERO {
         return;
     }
     // Negative if the rule runs from right to left.
-    let half = bounding_radius * chord * R::HALF;
+    let half = span * chord * R::HALF;
     let middle = (discontinuity.u + meet) * chord * R::HALF;
     let length = half.abs();
-    let rule = turning_rule(bounding_radius.abs() / discontinuity.width * R::from_f64(SAFETY))
+    let rule = turning_rule(span.abs() / discontinuity.width * R::from_f64(SAFETY))
         .unwrap_or_else(|| gauss_rule(length, chord, least));
     for &[place, weight] in rule {
         visit(

@@ -1,4 +1,5 @@
-//! What all adaptive methods have in common: their parameters, and the interface to their pair.
+//! What adaptive Runge-Kutta methods have in common: their parameters, and the interface to their
+//! pair.
 
 /// Implements an adaptive method by the `PAIR` of its file. The method is a struct with the fields
 /// `tolerance`, `longest_step` and `budget`.

@@ -102,7 +102,8 @@ use estimate::{Attempt, SPAN};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AdaptiveNystrom<R = f64> {
-    /// Parameter of the accuracy, m, above 0. The error after a second is of this size.
+    /// Parameter of the accuracy, m, above 0. The error after a second is mostly of this size or
+    /// less: [`guide::choosing`](crate::guide::choosing) has the measured range.
     pub tolerance: R,
     /// Largest step size, s, above 0.
     pub longest_step: R,

@@ -94,7 +94,8 @@ use stages::{Equations, Increments, NODES, STAGES, WEIGHTS, differences};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Radau5<R = f64> {
-    /// Parameter of the accuracy, m, above 0. The error after a second is of this size or less.
+    /// Parameter of the accuracy, m, above 0. The error after a second is mostly of this size or
+    /// less, and at most ten times as large in the scenes of the tests.
     pub tolerance: R,
     /// Largest step size, s, above 0.
     pub longest_step: R,

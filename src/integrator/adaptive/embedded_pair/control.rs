@@ -30,17 +30,16 @@ impl<R: Real> Errors<R> {
         difference: &Point<R>,
         motion: &Motion<R>,
     ) -> Self {
-        let (bounding_radius, horizon) = (size(scene), R::from_f64(HORIZON));
+        let (size, horizon) = (size(scene), R::from_f64(HORIZON));
         let spin = scene
             .inertia_properties()
             .angular_velocity(&motion.axes, difference.angular_momentum);
         Self {
             position: difference.position.length(),
             // A rotation by an angle changes the quaternion by half of that angle.
-            orientation: difference.orientation.length_squared().sqrt()
-                * (R::TWO * bounding_radius),
+            orientation: difference.orientation.length_squared().sqrt() * (R::TWO * size),
             linear_velocity: difference.linear_velocity.length() * horizon,
-            angular_momentum: spin.length() * (bounding_radius * horizon),
+            angular_momentum: spin.length() * (size * horizon),
         }
     }
 
@@ -140,10 +139,9 @@ pub(in crate::integrator::adaptive) fn rounding<R: Real, D: Dynamics<R>>(
     motion: &Motion<R>,
     horizon: f64,
 ) -> R {
-    let bounding_radius = size(scene);
-    let speed =
-        motion.linear_velocity.length() + motion.angular_velocity.length() * bounding_radius;
-    let way = motion.position.length() + bounding_radius + speed * R::from_f64(horizon);
+    let size = size(scene);
+    let speed = motion.linear_velocity.length() + motion.angular_velocity.length() * size;
+    let way = motion.position.length() + size + speed * R::from_f64(horizon);
     way * (R::EPSILON * R::from_f64(16.0))
 }
 
