@@ -229,7 +229,7 @@ fn the_distance_from_a_plane_is_rounded_by_all_numbers_in_it() {
         bounds: GroundBounds::Plane(plane),
         ..Given::spring()
     };
-    let found = check(&wrong).extent_plane(&plane, place);
+    let found = check(&wrong).plane_holds_at(&plane, place);
     let violation = assert_found(found, Requirement::GroundBounds);
     assert_near(violation.value, 3.0);
     assert_near(violation.bound, rounding);
