@@ -4,7 +4,7 @@
 mod jacobi;
 
 use crate::error::{self, Rule, SceneError};
-use crate::real::{Matrix, Real, Vector};
+use crate::real::{Matrix, Real, Vector, is_single};
 use crate::rotation::{Axes, BodyAxis, Rotation};
 use jacobi::principal_axes;
 
@@ -263,7 +263,7 @@ impl<R: Real> InertiaProperties<R> {
     #[inline]
     #[must_use]
     pub fn rotational_energy(&self, axes: &Axes<R>, angular_momentum: R::Vec3) -> R {
-        if self.is_asymmetric() || R::EPSILON > R::from_f64(1e-10) {
+        if self.is_asymmetric() || is_single::<R>() {
             return self.steady_energy(axes, angular_momentum);
         }
         let axis = self.symmetry.axis.in_world(axes);

@@ -417,6 +417,12 @@ implement_real!(
     libm::pow
 );
 
+/// Returns true for single precision.
+#[inline(always)]
+pub(crate) fn is_single<R: Real>() -> bool {
+    R::EPSILON > R::from_f64(1e-10)
+}
+
 /// Vector whose largest component is between 1 and 2, or NaN for 0. Its direction has the same bits
 /// as that of the vector, because the factor is a power of two.
 pub(crate) fn scaled<R: Real>(v: R::Vec3) -> R::Vec3 {

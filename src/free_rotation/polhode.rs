@@ -24,7 +24,7 @@
 
 use super::landen::{Jacobi, Pair};
 use super::wide::Wide;
-use crate::real::{Real, Vector};
+use crate::real::{Real, Vector, is_single};
 
 /// Angular momentum and inverse moment about one principal axis.
 #[derive(Clone, Copy, Debug)]
@@ -178,8 +178,7 @@ impl<R: Real> Polhode<R> {
 /// one.
 fn pair<R: Real>(square: Wide<R>, other: Wide<R>, is_separatrix: bool) -> (Pair<R>, bool) {
     let [of_f64, of_f32] = SMALLEST_SQUARE;
-    let is_f64 = R::EPSILON < R::from_f64(1e-10);
-    let smallest = R::from_f64(if is_f64 { of_f64 } else { of_f32 });
+    let smallest = R::from_f64(if is_single::<R>() { of_f32 } else { of_f64 });
     let is_separatrix = is_separatrix || other.high < square.high * smallest;
     let arithmetic = square.sqrt();
     let geometric = if is_separatrix {

@@ -12,7 +12,7 @@
 use super::series::{Series, direction_and_length};
 use super::turned_far;
 use crate::inertia::InertiaProperties;
-use crate::real::{Real, Vector};
+use crate::real::{Real, Vector, is_single};
 use crate::rotation::{Axes, Rotation};
 
 /// Largest `x` of a step by the series, in f64 and f32.
@@ -75,6 +75,5 @@ impl<R: Real> InertiaProperties<R> {
 #[inline]
 fn longest<R: Real>() -> R {
     let [of_f64, of_f32] = LONGEST;
-    let is_f64 = R::EPSILON < R::from_f64(1e-10);
-    R::from_f64(if is_f64 { of_f64 } else { of_f32 })
+    R::from_f64(if is_single::<R>() { of_f32 } else { of_f64 })
 }

@@ -30,7 +30,7 @@
 //! energy, each such gap costs a unit.
 
 use crate::energy::Energy;
-use crate::real::{Quaternion, Real, Vector};
+use crate::real::{Quaternion, Real, Vector, is_single};
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -58,7 +58,7 @@ const OFF_GRID: f64 = 8.0;
 /// Returns true if energy lost by rounding is restored.
 #[inline(always)]
 pub(in crate::integrator) fn holds_both_ways<R: Real>() -> bool {
-    R::EPSILON > R::from_f64(1e-10)
+    is_single::<R>()
 }
 
 /// Returns the end of a flight without the rounding of its energy.

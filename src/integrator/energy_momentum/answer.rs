@@ -45,7 +45,7 @@ impl<R: Real> Answer<R> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Since<'a, R: Real> {
     shift: R::Vec3,
-    spin: R::Vec3,
+    cayley: R::Vec3,
     rotation_change: Block<R>,
     /// Newton's step from the earlier trial, if slips and dual unknowns continue from its end.
     step: Option<&'a Increment<R>>,
@@ -60,7 +60,7 @@ impl<'a, R: Real> Since<'a, R> {
         let back = earlier.rotation_change.scaled(-R::ONE);
         Self {
             shift: trial.shift - earlier.shift,
-            spin: trial.spin - earlier.spin,
+            cayley: trial.cayley - earlier.cayley,
             rotation_change: trial.rotation_change.plus(&back),
             step,
         }
@@ -203,7 +203,7 @@ impl<R: Real> Touch<R> {
     ) {
         let (slip, end_arm, n) = (self.push.slip, self.push.end_arm, self.push.normal);
         let swung = since.rotation_change.times(self.arm);
-        let path = since.shift + swung - since.spin.cross(n) * (self.push.radius * R::TWO);
+        let path = since.shift + swung - since.cayley.cross(n) * (self.push.radius * R::TWO);
         self.push.slip -= (path - n * n.dot(path)) * problem.per_second;
         self.push.end_arm -= swung;
         if let Some(first) = first {

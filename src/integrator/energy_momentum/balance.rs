@@ -3,9 +3,8 @@
 use super::contacts::Contacts;
 use super::end_velocity::Strain;
 use super::problem::{Problem, Trial};
-use super::shared::is_single;
 use super::touch::Push;
-use crate::real::{Real, Vector};
+use crate::real::{Real, Vector, is_single};
 use crate::scene::Dynamics;
 
 /// Bound on the ratio of the size of a momentum at a contact to that at the centre of mass, in the
@@ -47,16 +46,17 @@ impl<R: Real> Sum<R> {
 
 /// Unknowns of a trial, with the residual there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place<R: Real> {
+pub(super) struct Iterate<R: Real> {
     pub(super) velocity: R::Vec3,
-    pub(super) spin: R::Vec3,
-    pub(super) size: R,
+    pub(super) cayley: R::Vec3,
+    /// Size of the residual, √J.
+    pub(super) residual: R,
 }
 
 /// Momentum balance of a trial.
 pub(super) struct Balance<R: Real> {
     /// Unknowns and size of the residual.
-    pub(super) place: Place<R>,
+    pub(super) iterate: Iterate<R>,
     /// Residual of the linear momentum, N s.
     pub(super) force_residual: R::Vec3,
     /// Residual of the angular momentum, N m s.
@@ -83,10 +83,10 @@ impl<R: Real> Balance<R> {
         let (force_residual, torque_residual) = residual(problem, trial, sum);
         let angular = beyond_lever(problem, contacts, sum.normal, torque_residual);
         Self {
-            place: Place {
+            iterate: Iterate {
                 velocity: trial.velocity,
-                spin: trial.spin,
-                size: norm(problem, force_residual, angular),
+                cayley: trial.cayley,
+                residual: norm(problem, force_residual, angular),
             },
             force_residual,
             torque_residual,
@@ -249,7 +249,8 @@ impl<R: Real> Scale<R> {
     #[inline]
     pub(super) fn at<D>(&self, problem: &Problem<'_, R, D>, trial: &Trial<R>, sum: &Sum<R>) -> R {
         let half = problem.seconds * R::HALF;
-        let path = trial.shift.length() + trial.spin.length() * (R::TWO * problem.bounding_radius);
+        let path =
+            trial.shift.length() + trial.cayley.length() * (R::TWO * problem.bounding_radius);
         let rounding = (sum.stiffness * problem.depth_scale + sum.slope * path)
             * (R::EPSILON / tolerance::<R>());
         self.own + half * (self.weight + sum.normal + rounding) / self.root_of_mass

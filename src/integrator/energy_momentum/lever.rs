@@ -1,7 +1,6 @@
 //! The torque that the normal force of a smooth body needs beside that of its mean arm.
 
-use super::shared::is_single;
-use crate::real::{Real, Vector};
+use crate::real::{Real, Vector, is_single};
 
 /// Torque that a smooth body's normal force needs in addition to that of the mean arm, divided by
 /// the force, m.
@@ -53,11 +52,11 @@ impl<R: Real> Lever<R> {
     }
 
     #[inline]
-    pub(super) fn new(mean: R::Vec3, normal: R::Vec3, swung: R::Vec3, spin: R::Vec3) -> Self {
-        let across = (spin - normal * normal.dot(spin)) * R::TWO;
+    pub(super) fn new(mean: R::Vec3, normal: R::Vec3, swung: R::Vec3, cayley: R::Vec3) -> Self {
+        let across = (cayley - normal * normal.dot(cayley)) * R::TWO;
         let square = across.length_squared();
-        let residual = normal.dot(swung) - normal.cross(spin).dot(mean) * R::TWO;
-        let most = mean.length() * (square * spin.length_squared()).sqrt();
+        let residual = normal.dot(swung) - normal.cross(cayley).dot(mean) * R::TWO;
+        let most = mean.length() * (square * cayley.length_squared()).sqrt();
         let rounding = mean.length() * (R::EPSILON * R::from_f64(4.0));
         let is_large = is_single::<R>()
             && residual.abs() > rounding * R::from_f64(64.0)

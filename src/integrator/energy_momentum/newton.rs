@@ -50,7 +50,7 @@
 //! stick, and for contacts of which one slides while the other sticks.
 
 use super::balance::{
-    Balance, Place, Scale, Sum, norm, residual, size_of_motion, tolerance, without_excess,
+    Balance, Iterate, Scale, Sum, norm, residual, size_of_motion, tolerance, without_excess,
 };
 use super::contacts::Contacts;
 use super::end_velocity::Strain;
@@ -58,12 +58,11 @@ use super::hard;
 use super::linear::Factored;
 use super::problem::{Problem, Trial};
 use super::rolling::{self, Rolling};
-use super::shared::is_single;
 use super::stiffness::{self, Others};
 use super::touch::{Increment, Push};
 use crate::body::RigidPointBody;
 use crate::integrator::Step;
-use crate::real::{Real, Vector};
+use crate::real::{Real, Vector, is_single};
 use crate::scene::Dynamics;
 
 /// Number of full Newton steps, after which the iteration continues carefully from the best trial.
@@ -102,7 +101,7 @@ const HARDEST: f64 = 1e10;
 /// Newton's step from a set of unknowns.
 #[derive(Clone, Copy, Debug)]
 struct Base<R: Real> {
-    place: Place<R>,
+    iterate: Iterate<R>,
     /// Sum of the magnitudes of the normal forces there, N.
     load: R,
     shift: R::Vec3,
@@ -166,7 +165,7 @@ struct Newton<'a, 'b, R: Real, D> {
     strain: Strain<R>,
     /// Last accepted trial and the step from there, or `None` before the first step.
     base: Option<Base<R>>,
-    best: Option<Place<R>>,
+    best: Option<Iterate<R>>,
     /// Fraction of the step from `base` that the trial takes.
     share: R,
     /// Resistance to rolling and spinning at the last trial.
@@ -272,7 +271,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// Returns true if the residual halves at least, compared with the best trial before.
     #[inline(always)]
     fn is_progress(&self, here: &Balance<R>) -> bool {
-        (self.best).is_none_or(|best| here.place.size < best.size * R::HALF)
+        (self.best).is_none_or(|best| here.iterate.residual < best.residual * R::HALF)
     }
 
     /// Returns true if the residual is rounding, or if it is small and no longer decreases.
@@ -281,12 +280,12 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// from rounding that slow progress counts.
     #[inline(always)]
     fn has_converged(&self, here: &Balance<R>) -> bool {
-        let size = here.place.size;
+        let size = here.iterate.residual;
         if size <= here.tolerance * self.exact + here.rounding {
             return true;
         }
         let stalls = !self.is_progress(here)
-            && (self.best).is_none_or(|best| size > best.size * slowest::<R>());
+            && (self.best).is_none_or(|best| size > best.residual * slowest::<R>());
         stalls && size <= here.tolerance * self.close * R::from_f64(STALLED) + here.rounding
     }
 
@@ -303,7 +302,8 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     fn choose_unknowns(&mut self, here: &Balance<R>, trial: &Trial<R>) {
         if !(self.with_slips || self.strain.of_step(self.problem).is_resolved()) {
             let of_slips = (self.scale).rounding_of_slips(self.problem, trial, &self.strain);
-            self.with_slips = here.place.size <= of_slips && of_slips > here.tolerance * self.close;
+            self.with_slips =
+                here.iterate.residual <= of_slips && of_slips > here.tolerance * self.close;
         }
     }
 
@@ -311,9 +311,9 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// residual that is not finite is worse.
     #[inline(always)]
     fn is_worse(&self, here: &Balance<R>, iteration: u32) -> bool {
-        let is_larger =
-            (self.base).is_some_and(|base| iteration > BOLD && here.place.size >= base.place.size);
-        !here.place.size.is_finite() || is_larger
+        let is_larger = (self.base)
+            .is_some_and(|base| iteration > BOLD && here.iterate.residual >= base.iterate.residual);
+        !here.iterate.residual.is_finite() || is_larger
     }
 
     /// Halves the step from the last accepted trial. Returns `None` if there is no such trial, or
@@ -328,7 +328,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         // The dual unknowns continue from here.
         contacts.note_answers(self.problem, trial);
         let (shift, turn) = (base.shift * self.share, base.turn * self.share);
-        change(self.problem, trial, &base.place, shift, turn);
+        change(self.problem, trial, &base.iterate, shift, turn);
         Some(())
     }
 
@@ -365,11 +365,11 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             residual = without_excess(problem, residual, excess);
             excess != [R::Vec3::ZERO; 2]
         };
-        let (mut shift, mut turn) = self.solved(residual, here.place.spin);
+        let (mut shift, mut turn) = self.solved(residual, here.iterate.cayley);
         if is_by_loads {
             [shift, turn] = self.step_by_loads(here, contacts, [shift, turn]);
         }
-        let by = Increment::of(shift, turn, here.place.spin);
+        let by = Increment::of(shift, turn, here.iterate.cayley);
         let is_last = !begins_in_stick
             && loads_agree
             && self.rolling().is_none_or(Rolling::is_exact)
@@ -377,16 +377,16 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
                 || self.is_close_in_stick(here, contacts, shift, turn))
             && !(self.is_hard && hard::touch_or_part(contacts, &by))
             && !(is_single::<R>() && is_resolved && self.may_end_a_slide(contacts, &by));
-        change(problem, trial, &here.place, shift, turn);
-        // The points of rims are placed anew for each trial. The question is put to the body, because
-        // a question to the contact model makes the firmware larger (`.ci/embedded.sh`).
+        change(problem, trial, &here.iterate, shift, turn);
+        // The points of rims are placed anew for each trial. This reads the rims of the body, because
+        // `ContactModel` would make the firmware larger (`.ci/embedded.sh`).
         let is_without_rims = problem.scene.body().rims().is_empty();
         if !is_resolved && (begins_in_stick || is_last || is_without_rims) {
             contacts.advance(problem, &by);
         }
         self.share = R::ONE;
         self.base = Some(Base {
-            place: here.place,
+            iterate: here.iterate,
             load: here.load,
             shift,
             turn,
@@ -403,13 +403,13 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             .filter(|_| self.problem.resists_turning())
     }
 
-    /// Solves for the shift and the rotation by which a trial with this spin and residual is
-    /// balanced.
+    /// Solves for the shift and the rotation by which a trial with this Cayley argument and
+    /// residual is balanced.
     #[inline(always)]
-    fn solved(&self, residual: [R::Vec3; 2], spin: R::Vec3) -> (R::Vec3, R::Vec3) {
+    fn solved(&self, residual: [R::Vec3; 2], cayley: R::Vec3) -> (R::Vec3, R::Vec3) {
         let (problem, [force, torque]) = (self.problem, residual);
         match self.rolling() {
-            Some(rolling) => rolling.step(problem, &self.matrix, spin, residual),
+            Some(rolling) => rolling.step(problem, &self.matrix, cayley, residual),
             None => (self.matrix).solve(-force, -torque, problem.bounding_radius),
         }
     }
@@ -457,10 +457,10 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         contacts: &mut Contacts<R>,
         [shift, turn]: [R::Vec3; 2],
     ) -> [R::Vec3; 2] {
-        let (problem, place) = (self.problem, &here.place);
-        hard::predict(contacts, &Increment::of(shift, turn, place.spin));
-        let all_shift = place.velocity * problem.seconds + shift;
-        let ahead = size_of_motion(problem, all_shift, place.spin * R::TWO + turn);
+        let (problem, iterate) = (self.problem, &here.iterate);
+        hard::predict(contacts, &Increment::of(shift, turn, iterate.cayley));
+        let all_shift = iterate.velocity * problem.seconds + shift;
+        let ahead = size_of_motion(problem, all_shift, iterate.cayley * R::TWO + turn);
         hard::shortened(problem, [shift, turn], ahead)
     }
 
@@ -471,9 +471,9 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// of friction, and its derivatives hold the body by the friction of that load.
     #[inline(always)]
     fn is_enough(&self, here: &Balance<R>) -> bool {
-        let size = here.place.size;
+        let size = here.iterate.residual;
         self.base.is_some_and(|base| {
-            size * (size / base.place.size) <= here.tolerance * self.exact
+            size * (size / base.iterate.residual) <= here.tolerance * self.exact
                 && here.load * R::TWO >= base.load
         })
     }
@@ -524,7 +524,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// Returns true if the residual is so small that Newton's step squares it to rounding.
     #[inline(always)]
     fn is_close(&self, here: &Balance<R>) -> bool {
-        let size = here.place.size;
+        let size = here.iterate.residual;
         let is_close = size <= here.tolerance * self.close
             && (!is_single::<R>()
                 || (self.scale).turns_closely(self.problem, here.torque_residual, size));
@@ -597,8 +597,8 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// Notes the trial if it is the best so far.
     #[inline(always)]
     fn remember(&mut self, here: &Balance<R>) {
-        if (self.best).is_none_or(|best| here.place.size < best.size) {
-            self.best = Some(here.place);
+        if (self.best).is_none_or(|best| here.iterate.residual < best.residual) {
+            self.best = Some(here.iterate);
         }
     }
 
@@ -607,7 +607,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     #[inline(never)]
     fn return_to_the_best(&mut self, trial: &mut Trial<R>) {
         if let Some(best) = self.best {
-            self.problem.set(trial, best.velocity, best.spin);
+            self.problem.set(trial, best.velocity, best.cayley);
             self.base = None;
         }
     }
@@ -625,11 +625,11 @@ fn slowest<R: Real>() -> R {
 fn change<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     trial: &mut Trial<R>,
-    from: &Place<R>,
+    from: &Iterate<R>,
     shift: R::Vec3,
     turn: R::Vec3,
 ) {
-    let a = from.spin;
+    let a = from.cayley;
     let change = (turn - a.cross(turn) + a * a.dot(turn)) * R::HALF;
     let velocity = from.velocity + shift * problem.per_second;
     problem.set(trial, velocity, a + change);

@@ -15,12 +15,11 @@
 
 use super::block::Block;
 use super::resistances::resolution;
-use super::shared::is_single;
 use crate::contact::{Motion, MovingContact};
 use crate::energy::Energy;
 use crate::friction::{FrictionJacobian, LawOfSurface, SlidingFriction};
 use crate::ground::{MeanForce, OneSurface, Plane, SpringDamperGround, Surface};
-use crate::real::{Real, Vector};
+use crate::real::{Real, Vector, is_single};
 use crate::rotation::{Axes, Rotation};
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -72,14 +71,14 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) spring_energy: R,
 }
 
-/// Mean velocity and mean spin over a step, which are the six unknowns, and the quantities that
+/// Mean velocity and Cayley argument of a step, which are the six unknowns, and the quantities that
 /// follow from them for every contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trial<R: Real> {
     /// Mean velocity of the centre of mass, m/s.
     pub(super) velocity: R::Vec3,
     /// Half the mean angle, `a = dt ω/2`: the argument of the Cayley map.
-    pub(super) spin: R::Vec3,
+    pub(super) cayley: R::Vec3,
     /// Displacement of the centre of mass, m.
     pub(super) shift: R::Vec3,
     /// Change of a vector by the rotation of the step:
@@ -95,7 +94,7 @@ pub(super) struct Trial<R: Real> {
 impl<R: Real> Trial<R> {
     pub(super) const NONE: Self = Self {
         velocity: R::Vec3::ZERO,
-        spin: R::Vec3::ZERO,
+        cayley: R::Vec3::ZERO,
         shift: R::Vec3::ZERO,
         rotation_change: Block::ZERO,
         end_velocity: R::Vec3::ZERO,
@@ -396,15 +395,15 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         let half = self.seconds * R::HALF;
         let centre = self.motion.position + self.motion.linear_velocity * half;
         // Argument of the Cayley map for the rotation of half a step.
-        let spin = self.motion.angular_velocity * (half * R::HALF);
+        let cayley = self.motion.angular_velocity * (half * R::HALF);
         let ground = self.ground(surface);
         if let Some(moving) = self.moving_contact() {
-            let rotation = Rotation::cayley_unscaled(spin).after(self.rotation);
+            let rotation = Rotation::cayley_unscaled(cayley).after(self.rotation);
             let axes = rotation.normalised().axes();
             let facing = moving.above(&ground, centre, &axes);
             return centre + axes.to_world(facing.position);
         }
-        let place = centre + arm + Block::<R>::rotation_change(spin).times(arm);
+        let place = centre + arm + Block::<R>::rotation_change(cayley).times(arm);
         if radius > R::ZERO {
             place - ground.surface(place).normal * radius
         } else {
@@ -447,7 +446,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
 
     /// Mean angular velocity of a trial relative to the ground, rad/s.
     pub(super) fn mean_angular_velocity(&self, trial: &Trial<R>) -> R::Vec3 {
-        let of_body = trial.spin * (R::TWO * self.per_second);
+        let of_body = trial.cayley * (R::TWO * self.per_second);
         match self.scene.ground().motion() {
             Some(ground) => of_body - ground.angular_velocity,
             None => of_body,
@@ -489,20 +488,20 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     }
 
     /// Trial with these unknowns.
-    pub(super) fn trial(&self, velocity: R::Vec3, spin: R::Vec3) -> Trial<R> {
+    pub(super) fn trial(&self, velocity: R::Vec3, cayley: R::Vec3) -> Trial<R> {
         let mut trial = Trial::NONE;
-        self.set(&mut trial, velocity, spin);
+        self.set(&mut trial, velocity, cayley);
         trial
     }
 
     /// Sets the unknowns of a trial in place.
     #[inline(never)]
-    pub(super) fn set(&self, trial: &mut Trial<R>, velocity: R::Vec3, spin: R::Vec3) {
-        let change = Block::rotation_change(spin);
-        let mean_momentum = self.inertia.times(spin) * (R::TWO * self.per_second);
+    pub(super) fn set(&self, trial: &mut Trial<R>, velocity: R::Vec3, cayley: R::Vec3) {
+        let change = Block::rotation_change(cayley);
+        let mean_momentum = self.inertia.times(cayley) * (R::TWO * self.per_second);
         let turned = mean_momentum * R::TWO - self.angular_momentum;
         trial.velocity = velocity;
-        trial.spin = spin;
+        trial.cayley = cayley;
         trial.shift = velocity * self.seconds;
         trial.rotation_change = change;
         trial.end_velocity = velocity * R::TWO - self.start.linear_velocity;
@@ -513,7 +512,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     /// whose sum it is.
     #[inline]
     pub(super) fn rounding_of_path(&self, trial: &Trial<R>) -> R {
-        let paths = trial.shift.length() + trial.spin.length() * (R::TWO * self.bounding_radius);
+        let paths = trial.shift.length() + trial.cayley.length() * (R::TWO * self.bounding_radius);
         paths * (R::EPSILON * R::from_f64(8.0))
     }
 
@@ -526,14 +525,14 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     /// Position of the body at the end of a trial, and its axes there.
     #[inline]
     pub(super) fn place_at_end(&self, trial: &Trial<R>) -> (R::Vec3, Axes<R>) {
-        let turn = Rotation::cayley_unscaled(trial.spin).after(self.rotation);
+        let turn = Rotation::cayley_unscaled(trial.cayley).after(self.rotation);
         let position = self.motion.position + trial.shift;
         (position, turn.normalised().axes())
     }
 
     /// State at the end of a trial.
     pub(super) fn end_of(&self, trial: &Trial<R>) -> State<R> {
-        let rotation = Rotation::cayley_unscaled(trial.spin)
+        let rotation = Rotation::cayley_unscaled(trial.cayley)
             .after(self.rotation)
             .normalised();
         State {

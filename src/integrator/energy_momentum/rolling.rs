@@ -107,7 +107,7 @@ impl<R: Real> Rolling<R> {
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
     ) -> R {
-        let of_body = trial.spin.length() * (R::TWO * problem.per_second);
+        let of_body = trial.cayley.length() * (R::TWO * problem.per_second);
         let size = of_body.at_least(self.angular_velocity.length());
         let slope = self
             .resistances
@@ -141,7 +141,7 @@ impl<R: Real> Rolling<R> {
         &self,
         problem: &Problem<'_, R, D>,
         matrix: &Factored<R>,
-        spin: R::Vec3,
+        cayley: R::Vec3,
         [force, torque]: [R::Vec3; 2],
     ) -> (R::Vec3, R::Vec3) {
         let solve = |force, torque| matrix.solve(force, torque, problem.bounding_radius);
@@ -156,7 +156,7 @@ impl<R: Real> Rolling<R> {
             let [x, y, z] = along.map(of);
             Block { x, y, z }
         };
-        let by_rotation = Block::<R>::by_turn(spin).scaled(problem.per_second);
+        let by_rotation = Block::<R>::by_turn(cayley).scaled(problem.per_second);
         let (shift, turn) = solve(-force, -torque);
         let by_torque = by_rotation.times_block(&columns(|(_, turn)| turn));
         let change = self.change(by_rotation.times(turn), &by_torque);

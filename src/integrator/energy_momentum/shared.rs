@@ -1,4 +1,4 @@
-//! What several stages need: functions that are compiled once, and the precision.
+//! What several stages need: the end of a step, and functions that are compiled once.
 
 use crate::contact::{Contact, Motion};
 use crate::real::Real;
@@ -24,13 +24,6 @@ impl<R: Real> End<R> {
             work: R::ZERO,
         }
     }
-}
-
-/// Returns true for single precision. One Newton step from the close distance then leaves errors
-/// that accumulate to a noticeable size within thousands of steps.
-#[inline(always)]
-pub(super) fn is_single<R: Real>() -> bool {
-    R::EPSILON > R::from_f64(1e-10)
 }
 
 /// Calls [`Dynamics::motion`], but is compiled once, for the stages that a step seldom needs.

@@ -11,9 +11,8 @@ use super::end_velocity::Strain;
 use super::level::{Level, LevelPath};
 use super::linear::SixBySix;
 use super::problem::{Problem, Trial};
-use super::shared::is_single;
 use super::touch::{Push, Touch};
-use crate::real::{Real, Vector};
+use crate::real::{Real, Vector, is_single};
 use crate::scene::Dynamics;
 
 /// What the contacts that are not stored contribute at a trial.
@@ -47,7 +46,7 @@ impl<R: Real> Others<R> {
         trial: &Trial<R>,
         visit: &mut dyn FnMut(&Push<R>),
     ) -> Self {
-        let argument = Block::by_turn(trial.spin);
+        let argument = Block::by_turn(trial.cayley);
         let since = contacts.since_last(problem, trial);
         let (mut others, mut level) = (Self::NONE, Level::ZERO);
         contacts.visit_others(problem, trial, &mut |touch, first| {
@@ -133,7 +132,7 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
     trial: &Trial<R>,
     equations: &mut SixBySix<R>,
 ) -> Strain<R> {
-    let argument = Block::by_turn(trial.spin);
+    let argument = Block::by_turn(trial.cayley);
     let (mass, inertia) = inertial(problem, trial, &argument);
     let share = share_of_arm(problem);
     let mut strain = others.map_or(Strain::NONE, |others| others.strain);

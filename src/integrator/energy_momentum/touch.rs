@@ -65,12 +65,12 @@ pub(super) struct Increment<R: Real> {
 
 impl<R: Real> Increment<R> {
     /// Creates the increment from a shift and a rotation of the step's end, for a trial with this
-    /// spin.
-    pub(super) fn of(shift: R::Vec3, turn: R::Vec3, spin: R::Vec3) -> Self {
+    /// Cayley argument.
+    pub(super) fn of(shift: R::Vec3, turn: R::Vec3, cayley: R::Vec3) -> Self {
         Self {
             shift,
             turn,
-            twist: turn - spin.cross(turn) + spin * spin.dot(turn),
+            twist: turn - cayley.cross(turn) + cayley * cayley.dot(turn),
         }
     }
 }
@@ -146,7 +146,7 @@ impl<R: Real> Push<R> {
         trial: &Trial<R>,
         argument: &Block<R>,
     ) -> Block<R> {
-        let a = trial.spin;
+        let a = trial.cayley;
         let over = |(moved, turn): (R::Vec3, R::Vec3)| Block::outer(a.cross(moved), turn);
         let carried = argument.crossed_by(-self.arm);
         let turned = Block::hat(-self.end_arm).crossed_by(a);
@@ -435,14 +435,14 @@ impl<R: Real> Touch<R> {
         let mut along = moved - normal * normal.dot(moved);
         let radius = self.push.radius;
         if moving.is_some() {
-            lever = Lever::new(arm, normal, swung, trial.spin);
-            let path = trial.shift + trial.spin.cross(arm) * R::TWO;
+            lever = Lever::new(arm, normal, swung, trial.cayley);
+            let path = trial.shift + trial.cayley.cross(arm) * R::TWO;
             along = path - normal * normal.dot(path);
         } else if radius > R::ZERO {
             // The contact point is a radius below the centre of the contact and is carried along by
             // the rotation.
             arm -= normal * radius;
-            along -= trial.spin.cross(normal) * (radius * R::TWO);
+            along -= trial.cayley.cross(normal) * (radius * R::TWO);
         }
         let friction = self.slide(problem, along, arm, end_arm);
         self.push.force = normal * self.push.mean.force + friction;
