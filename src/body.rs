@@ -489,9 +489,9 @@ impl ContactRange {
     #[inline]
     #[must_use]
     pub(crate) fn without(self, other: Self, contacts: usize) -> [Self; 2] {
-        let (run, other) = (self.within(contacts), other.within(contacts));
-        if run.count == 0 || other.count == 0 {
-            return [run, Self::NONE];
+        let (range, other) = (self.within(contacts), other.within(contacts));
+        if range.count == 0 || other.count == 0 {
+            return [range, Self::NONE];
         }
         // A division for each remainder would take as long as two contacts.
         let once_round = |place: usize| {
@@ -503,17 +503,17 @@ impl ContactRange {
         };
         // Positions are counted cyclically from the start of this range. `other` covers [start,
         // start + its count), and the same interval one revolution earlier.
-        let start = once_round(other.first + contacts - run.first);
+        let start = once_round(other.first + contacts - range.first);
         let end = start + other.count;
         let wrapped = end.saturating_sub(contacts);
-        let after = end.min(run.count);
+        let after = end.min(range.count);
         let head = Self {
-            first: once_round(run.first + wrapped),
-            count: start.min(run.count).saturating_sub(wrapped),
+            first: once_round(range.first + wrapped),
+            count: start.min(range.count).saturating_sub(wrapped),
         };
         let tail = Self {
-            first: once_round(run.first + after),
-            count: run.count - after.max(wrapped.min(run.count)),
+            first: once_round(range.first + after),
+            count: range.count - after.max(wrapped.min(range.count)),
         };
         [head, tail]
     }
@@ -578,14 +578,14 @@ mod tests {
             for offset in (-20..=20).map(|step| 0.01 * f64::from(step)) {
                 let below =
                     |point: &ContactPoint| normal.dot(point.position) - point.radius <= offset;
-                let run = cube.contacts_below(normal, offset);
-                let inside = run.first..run.first + run.count;
+                let range = cube.contacts_below(normal, offset);
+                let inside = range.first..range.first + range.count;
                 let low = || (0..contacts.len()).filter(|&i| below(&contacts[i]));
                 assert!(low().all(|i| inside.contains(&i)));
-                assert_eq!(low().min(), (run.count > 0).then_some(inside.start));
+                assert_eq!(low().min(), (range.count > 0).then_some(inside.start));
                 assert_eq!(
                     low().max().map(|last| last + 1),
-                    (run.count > 0).then_some(inside.end)
+                    (range.count > 0).then_some(inside.end)
                 );
             }
             assert_eq!(cube.contacts_below(normal, f64::NAN), ContactRange::all(8));
@@ -597,7 +597,7 @@ mod tests {
         const FIRSTS: [usize; 8] = [0, 1, 2, 3, 4, 5, 6, usize::MAX];
         const COUNTS: [usize; 7] = [0, 1, 2, 3, 4, 5, usize::MAX];
         let contacts = [0, 1, 2, 3, 4];
-        let runs = || {
+        let ranges = || {
             FIRSTS.into_iter().flat_map(|first| {
                 COUNTS
                     .into_iter()
@@ -606,18 +606,21 @@ mod tests {
         };
         for held in 0..=contacts.len() {
             let contacts = &contacts[..held];
-            let has =
-                |run: ContactRange, contact: &i32| run.parts(contacts).concat().contains(contact);
-            for (run, other) in runs().flat_map(|run| runs().map(move |other| (run, other))) {
-                let rest = run.without(other, held);
-                let mut found = rest.map(|run| run.parts(contacts).concat()).concat();
+            let has = |range: ContactRange, contact: &i32| {
+                range.parts(contacts).concat().contains(contact)
+            };
+            for (range, other) in
+                ranges().flat_map(|range| ranges().map(move |other| (range, other)))
+            {
+                let rest = range.without(other, held);
+                let mut found = rest.map(|range| range.parts(contacts).concat()).concat();
                 found.sort_unstable();
                 let lacking = contacts
                     .iter()
-                    .filter(|contact| has(run, contact) && !has(other, contact));
+                    .filter(|contact| has(range, contact) && !has(other, contact));
                 assert!(
                     found.iter().eq(lacking),
-                    "{held}: {run:?} without {other:?}: {rest:?}"
+                    "{held}: {range:?} without {other:?}: {rest:?}"
                 );
             }
         }

@@ -213,9 +213,9 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]>> RigidPointBody<R> for Coin<R, P> {
 #[inline]
 fn arc_below<R: Real>(points: &[ContactPoint<R>], normal: R::Vec3, offset: R) -> ContactRange {
     let guess = lowest_guess(points.len(), -normal.y(), -normal.z());
-    let run = arc_around(points, guess, |point| height(point, normal) < offset);
-    if run.count > 0 {
-        return run;
+    let range = arc_around(points, guess, |point| height(point, normal) < offset);
+    if range.count > 0 {
+        return range;
     }
     // A shallow arc may lie next to the guess.
     let height_of = |i: usize| (points.get(i)).map_or(R::MAX, |point| height(point, normal));
@@ -417,14 +417,14 @@ mod tests {
             ));
             let normal = turn * DVec3::Z;
             for offset in [-0.6, -0.499, -0.4, -0.01, 0.0, 0.3, 0.6] {
-                let run = coin.contacts_below(normal, offset);
-                let inside = |i: usize| (i + N - run.first) % N < run.count;
+                let range = coin.contacts_below(normal, offset);
+                let inside = |i: usize| (i + N - range.first) % N < range.count;
                 for (i, contact) in coin.contacts().iter().enumerate() {
                     let below = normal.dot(contact.position) < offset;
                     assert_eq!(
                         below,
                         inside(i),
-                        "N {N} step {step} offset {offset} contact {i} {run:?}"
+                        "N {N} step {step} offset {offset} contact {i} {range:?}"
                     );
                 }
             }
@@ -452,24 +452,24 @@ mod tests {
                 * DQuat::from_rotation_y(0.05 * (0.01 * step).sin());
             let normal = turn.inverse() * DVec3::Z;
             let offset = -0.5 * (1.0 - 0.01 * (1.0 + (0.03 * step).cos()));
-            let run = coin.contacts_below(normal, offset);
+            let range = coin.contacts_below(normal, offset);
             let from_afar = ContactRange {
-                first: run.first + 60,
+                first: range.first + 60,
                 count: 7,
             };
             let endless = ContactRange {
-                first: run.first + 2,
+                first: range.first + 2,
                 count: usize::MAX,
             };
-            for known in [near, run, from_afar, endless, ContactRange::all(120)] {
+            for known in [near, range, from_afar, endless, ContactRange::all(120)] {
                 assert_eq!(
                     coin.contacts_below_near(normal, offset, known),
-                    run,
+                    range,
                     "{known:?}"
                 );
             }
             sooner += usize::from(arc_near(coin.contacts(), normal, offset, near).is_some());
-            near = run;
+            near = range;
         }
         // Except for arcs across the ring's first point, and short arcs.
         assert!(sooner > 6000, "{sooner}");

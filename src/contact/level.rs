@@ -424,7 +424,7 @@ mod tests {
         (120, 0.0),
     ];
 
-    /// Sums over the contacts of a run, taken one by one.
+    /// Sums over the contacts of a range, taken one by one.
     #[derive(Default)]
     struct Sums {
         force: DVec3,
@@ -460,10 +460,10 @@ mod tests {
                     .rotation()
                     .axes();
                 let model = scene.contact_model();
-                let run = model.range_within(0.0, motion.position, &motion.axes);
-                let load = model.load_with_arms(run, &motion, Some(&arm_axes));
+                let range = model.range_within(0.0, motion.position, &motion.axes);
+                let load = model.load_with_arms(range, &motion, Some(&arm_axes));
                 let mut sums = Sums::default();
-                model.visit_on(run, &motion, |contact: &Contact| {
+                model.visit_on(range, &motion, |contact: &Contact| {
                     sums.add(contact, contact.force(&ground, &Own), &arm_axes);
                 });
                 // Each penetration depth, of about 0.5 m, is rounded a few times up or down, which
@@ -500,8 +500,8 @@ mod tests {
                     .with_rotation_vector(DVec3::X * (points * core::f64::consts::TAU / 120.0));
                 let motion = scene.motion(&state);
                 let model = scene.contact_model();
-                let run = model.range_within(0.0, motion.position, &motion.axes);
-                let tail = run.parts(scene.body().contacts())[1].len();
+                let range = model.range_within(0.0, motion.position, &motion.axes);
+                let tail = range.parts(scene.body().contacts())[1].len();
                 (scene.load(&motion), tail)
             };
             let (middle, none) = load(0.0);

@@ -84,23 +84,23 @@ where
             return Some(self.candidate(surface, 0, &facing, motion));
         }
         let mut lowest = self.candidate(surface, 0, first, motion);
-        let mut run = ContactRange::all(contacts.len());
-        while run.count > 1 {
+        let mut range = ContactRange::all(contacts.len());
+        while range.count > 1 {
             let below = self.range_of_surface(surface, lowest.gap, motion.position, &motion.axes);
-            if below.count >= run.count {
+            if below.count >= range.count {
                 break;
             }
-            run = below.within(contacts.len());
-            let middle = (run.first + run.count / 2) % contacts.len();
+            range = below.within(contacts.len());
+            let middle = (range.first + range.count / 2) % contacts.len();
             if let Some(point) = contacts.get(middle) {
                 lowest = lowest.or_lower(self.candidate(surface, middle, point, motion));
             }
         }
         let numbered = contacts.iter().enumerate();
-        let behind = numbered.clone().skip(run.first).chain(numbered);
+        let behind = numbered.clone().skip(range.first).chain(numbered);
         Some(
             behind
-                .take(run.count)
+                .take(range.count)
                 .fold(lowest, |lowest, (index, point)| {
                     lowest.or_lower(self.candidate(surface, index, point, motion))
                 }),

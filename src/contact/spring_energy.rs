@@ -20,8 +20,8 @@ where
     #[inline]
     pub(crate) fn spring_energy(&self, motion: &Motion<R>) -> (R, usize) {
         let (mut energy, mut touching) = (R::ZERO, 0);
-        let run = self.range_within(R::ZERO, motion.position, &motion.axes);
-        self.visit_points(run, motion, &mut |contact: &Contact<R>| {
+        let range = self.range_within(R::ZERO, motion.position, &motion.axes);
+        self.visit_points(range, motion, &mut |contact: &Contact<R>| {
             let ground = OneSurface::of(self.ground, contact.surface);
             energy += ground.spring_energy(contact.depth);
             touching += 1;

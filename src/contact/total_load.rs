@@ -47,32 +47,32 @@ where
     /// points on a level plane is summed differently, in another fixed order.
     #[inline(always)]
     pub fn load(&self, motion: &Motion<R>) -> Load<R> {
-        let run = self.range_within(R::ZERO, motion.position, &motion.axes);
-        self.load_on(run, motion)
+        let range = self.range_within(R::ZERO, motion.position, &motion.axes);
+        self.load_on(range, motion)
     }
 
-    /// Force and torque of the contacts in `run`, without gravity.
+    /// Force and torque of the contacts in `range`, without gravity.
     ///
     /// Use it to evaluate the same pose again with other velocities.
     #[inline(always)]
-    pub fn load_on(&self, run: ContactRange, motion: &Motion<R>) -> Load<R> {
-        self.load_with_arms(run, motion, None)
+    pub fn load_on(&self, range: ContactRange, motion: &Motion<R>) -> Load<R> {
+        self.load_with_arms(range, motion, None)
     }
 
-    /// Load of the contacts in `run`. With `arm_axes`, the torque is that of the same forces on a
+    /// Load of the contacts in `range`. With `arm_axes`, the torque is that of the same forces on a
     /// body with these axes.
     #[inline(always)]
     pub(crate) fn load_with_arms(
         &self,
-        run: ContactRange,
+        range: ContactRange,
         motion: &Motion<R>,
         arm_axes: Option<&Axes<R>>,
     ) -> Load<R> {
-        if run.count == 0 && (self.body.rims().is_empty() || self.is_aloft(motion)) {
+        if range.count == 0 && (self.body.rims().is_empty() || self.is_aloft(motion)) {
             return Load::default();
         }
-        let mut load = self.load_of_forces(run, motion, arm_axes);
-        if let Some(torque) = self.turning_torque(run, motion) {
+        let mut load = self.load_of_forces(range, motion, arm_axes);
+        if let Some(torque) = self.turning_torque(range, motion) {
             load.torque += torque;
         }
         load
@@ -81,7 +81,7 @@ where
     #[inline(always)]
     fn load_of_forces(
         &self,
-        run: ContactRange,
+        range: ContactRange,
         motion: &Motion<R>,
         arm_axes: Option<&Axes<R>>,
     ) -> Load<R> {
@@ -90,13 +90,13 @@ where
         let mut load = Load::default();
         if let Some(height) = self.height_under_bare_points() {
             return if self.ground_moves() {
-                self.load_on_level(height, run, &self.seen(motion), arm_axes)
+                self.load_on_level(height, range, &self.seen(motion), arm_axes)
             } else {
-                self.load_on_level(height, run, motion, arm_axes)
+                self.load_on_level(height, range, motion, arm_axes)
             };
         }
         self.visit_on(
-            run,
+            range,
             motion,
             Sum {
                 laws,
@@ -113,11 +113,11 @@ where
     fn load_on_level(
         &self,
         height: R,
-        run: ContactRange,
+        range: ContactRange,
         motion: &Motion<R>,
         arm_axes: Option<&Axes<R>>,
     ) -> Load<R> {
-        let parts = run.parts(self.body.contacts());
+        let parts = range.parts(self.body.contacts());
         let laws = (self.ground, self.friction);
         let mut load = level::load(laws, height, parts, motion, arm_axes);
         if !self.body.rims().is_empty() {
@@ -146,14 +146,18 @@ where
         }
     }
 
-    /// Torque of rolling resistance of the contacts in `run`, N m. Returns `None` if the friction
+    /// Torque of rolling resistance of the contacts in `range`, N m. Returns `None` if the friction
     /// law has no rolling resistance.
     #[inline(always)]
-    pub(super) fn turning_torque(&self, run: ContactRange, motion: &Motion<R>) -> Option<R::Vec3> {
+    pub(super) fn turning_torque(
+        &self,
+        range: ContactRange,
+        motion: &Motion<R>,
+    ) -> Option<R::Vec3> {
         self.friction.rolling_resistance(R::ZERO)?;
         let mut sum = R::Vec3::ZERO;
         let turning = self.seen(motion).angular_velocity;
-        self.visit_on(run, motion, |contact: &Contact<R>| {
+        self.visit_on(range, motion, |contact: &Contact<R>| {
             sum += contact.turning_torque(self.ground, self.friction, turning);
         });
         Some(sum)

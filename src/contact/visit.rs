@@ -48,57 +48,57 @@ where
     /// Calls `visit` with each contact that touches, in the order of the contact range.
     #[inline(always)]
     pub fn visit(&self, motion: &Motion<R>, visit: impl FnMut(&Contact<R>)) {
-        let run = self.range_within(R::ZERO, motion.position, &motion.axes);
-        self.visit_on(run, motion, visit);
+        let range = self.range_within(R::ZERO, motion.position, &motion.axes);
+        self.visit_on(range, motion, visit);
     }
 
-    /// Calls `visit` with each contact in `run` that touches, and with the quadrature points of the
-    /// rims.
+    /// Calls `visit` with each contact in `range` that touches, and with the quadrature points of
+    /// the rims.
     #[inline(always)]
     pub(super) fn visit_on(
         &self,
-        run: ContactRange,
+        range: ContactRange,
         motion: &Motion<R>,
         mut visitor: impl Visitor<R>,
     ) {
-        self.visit_points_with(run, motion, &mut visitor);
+        self.visit_points_with(range, motion, &mut visitor);
         if !self.body.rims().is_empty() {
             self.visit_rims(motion, &mut |contact| visitor.enter(contact));
         }
     }
 
-    /// Calls `visit` with each contact point in `run` that touches, without the quadrature points
+    /// Calls `visit` with each contact point in `range` that touches, without the quadrature points
     /// of a rim.
     #[inline(always)]
     pub(super) fn visit_points(
         &self,
-        run: ContactRange,
+        range: ContactRange,
         motion: &Motion<R>,
         visit: &mut impl FnMut(&Contact<R>),
     ) {
-        self.visit_points_with(run, motion, visit);
+        self.visit_points_with(range, motion, visit);
     }
 
     #[inline(always)]
     fn visit_points_with(
         &self,
-        run: ContactRange,
+        range: ContactRange,
         motion: &Motion<R>,
         visitor: &mut impl Visitor<R>,
     ) {
         if self.ground_moves() {
-            self.visit_seen(run, &self.seen(motion), visitor);
+            self.visit_seen(range, &self.seen(motion), visitor);
         } else {
-            self.visit_seen(run, motion, visitor);
+            self.visit_seen(range, motion, visitor);
         }
     }
 
     /// Visits the contacts of the motion relative to the ground's material.
     #[inline(always)]
-    fn visit_seen(&self, run: ContactRange, motion: &Motion<R>, visitor: &mut impl Visitor<R>) {
+    fn visit_seen(&self, range: ContactRange, motion: &Motion<R>, visitor: &mut impl Visitor<R>) {
         if self.ground.surfaces().is_none() {
-            self.visit_on_surface(0, run, motion, visitor);
-        } else if run.count > 0 {
+            self.visit_on_surface(0, range, motion, visitor);
+        } else if range.count > 0 {
             self.visit_each_surface(motion, visitor);
         }
     }
@@ -108,9 +108,9 @@ where
     #[inline(never)]
     fn visit_each_surface(&self, motion: &Motion<R>, visitor: &mut dyn Visitor<R>) {
         for surface in 0..self.surfaces() {
-            let run = self.range_of_surface(surface, R::ZERO, motion.position, &motion.axes);
+            let range = self.range_of_surface(surface, R::ZERO, motion.position, &motion.axes);
             let visit = &mut |contact: &Contact<R>| visitor.enter(contact);
-            self.visit_on_surface(surface, run, motion, visit);
+            self.visit_on_surface(surface, range, motion, visit);
         }
     }
 
@@ -118,7 +118,7 @@ where
     fn visit_on_surface(
         &self,
         surface: usize,
-        run: ContactRange,
+        range: ContactRange,
         motion: &Motion<R>,
         visitor: &mut impl Visitor<R>,
     ) {
@@ -126,8 +126,8 @@ where
         let contacts = self.body.contacts();
         // One loop for both parts of a range that continues at the first contact, so that the
         // visitor is compiled once.
-        let mut ahead = contacts.get(run.first..).unwrap_or_default().iter();
-        for _ in 0..run.count.min(contacts.len()) {
+        let mut ahead = contacts.get(range.first..).unwrap_or_default().iter();
+        for _ in 0..range.count.min(contacts.len()) {
             let Some(point) = ahead.next().or_else(|| {
                 ahead = contacts.iter();
                 ahead.next()
@@ -151,8 +151,8 @@ where
         motion: &Motion<R>,
         visit: &mut impl FnMut(&Contact<R>, Onset),
     ) {
-        let run = self.range_within(R::ZERO, motion.position, &motion.axes);
-        self.visit_points(run, motion, &mut |contact: &Contact<R>| {
+        let range = self.range_within(R::ZERO, motion.position, &motion.axes);
+        self.visit_points(range, motion, &mut |contact: &Contact<R>| {
             visit(contact, Onset::Sudden);
         });
         self.visit_rims(motion, &mut |contact| visit(contact, Onset::Gradual));

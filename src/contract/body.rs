@@ -328,9 +328,9 @@ fn known_ranges(range: ContactRange, contacts: usize) -> [ContactRange; 6] {
 }
 
 /// Returns true if a range contains a contact, according to its parts.
-fn holds<T>(run: ContactRange, contacts: &[T], index: usize) -> bool {
-    let [head, wrapped] = run.parts(contacts);
-    index < wrapped.len() || (index >= run.first && index - run.first < head.len())
+fn holds<T>(range: ContactRange, contacts: &[T], index: usize) -> bool {
+    let [head, wrapped] = range.parts(contacts);
+    index < wrapped.len() || (index >= range.first && index - range.first < head.len())
 }
 
 /// Summary of a body in a few numbers that change if the body changes.

@@ -81,16 +81,16 @@ impl<R: Real> Point<R> {
     /// Returns the time derivative at this point.
     #[inline(always)]
     pub(crate) fn slope(&self, scene: &impl Dynamics<R>) -> Self {
-        let mut run = ContactRange::NONE;
-        self.slope_near(scene, &mut run)
+        let mut range = ContactRange::NONE;
+        self.slope_near(scene, &mut range)
     }
 
     /// Returns the time derivative, given the contact range of a nearby point.
     ///
-    /// `run` is updated. [`ContactRange::NONE`] is valid if no range is known.
+    /// `range` is updated. [`ContactRange::NONE`] is valid if no range is known.
     #[inline(always)]
-    pub(crate) fn slope_near(&self, scene: &impl Dynamics<R>, run: &mut ContactRange) -> Self {
-        self.slope_along(scene, self.orientation.axes_of_any_length(), run)
+    pub(crate) fn slope_near(&self, scene: &impl Dynamics<R>, range: &mut ContactRange) -> Self {
+        self.slope_along(scene, self.orientation.axes_of_any_length(), range)
     }
 
     /// Returns the time derivative, given the axes and the contact range of a nearby point.
@@ -99,16 +99,16 @@ impl<R: Real> Point<R> {
         &self,
         scene: &impl Dynamics<R>,
         axes: Axes<R>,
-        run: &mut ContactRange,
+        range: &mut ContactRange,
     ) -> Self {
         let motion = self.motion_along(scene, axes);
-        *run = scene
+        *range = scene
             .contact_model()
-            .range_near(*run, motion.position, &motion.axes);
+            .range_near(*range, motion.position, &motion.axes);
         self.slope_under(
             scene,
             &motion,
-            &scene.contact_model().load_on(*run, &motion),
+            &scene.contact_model().load_on(*range, &motion),
         )
     }
 

@@ -280,7 +280,7 @@ impl<R: Real> Begin<R> {
         if self.stiffest.acceleration(scene) > negligible {
             return FrictionLimit::none();
         }
-        FrictionLimit::of(scene, seconds, self.start.stage.run.count, STABLE)
+        FrictionLimit::of(scene, seconds, self.start.stage.range.count, STABLE)
     }
 
     /// Evaluates the first stage again, if the friction of a step of `seconds` is another one.
@@ -295,7 +295,7 @@ impl<R: Real> Begin<R> {
         let is_limited = limited.limit().changes(&self.stiffest);
         if is_limited || self.is_limited {
             report.evaluations += 1;
-            let (point, near) = (self.start.point, self.start.stage.run);
+            let (point, near) = (self.start.point, self.start.stage.range);
             self.start = Start::with_stage(point, Stage::at(limited, point, near), seconds);
             self.is_limited = is_limited;
         }

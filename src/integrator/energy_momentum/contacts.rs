@@ -37,7 +37,7 @@ use crate::state::State;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach<R: Real> {
     /// Range that includes them.
-    pub(super) run: ContactRange,
+    pub(super) range: ContactRange,
     /// Whether each contact of that range counts.
     pub(super) is_everything: bool,
     /// Path of the centre of mass towards the surface, m.
@@ -52,7 +52,7 @@ pub(super) struct Reach<R: Real> {
 
 impl<R: Real> Reach<R> {
     pub(super) const NONE: Self = Self {
-        run: ContactRange::NONE,
+        range: ContactRange::NONE,
         is_everything: false,
         fall: R::ZERO,
         tilt: R::Vec3::ZERO,
@@ -68,7 +68,7 @@ impl<R: Real> Reach<R> {
         }
         // -n · (ω × r) = (ω × n) · r
         let end = depth + self.fall + seconds * self.tilt.dot(arm) + self.bend;
-        self.run.count > 0 && (depth > R::ZERO || end > R::ZERO)
+        self.range.count > 0 && (depth > R::ZERO || end > R::ZERO)
     }
 }
 
@@ -96,7 +96,7 @@ impl<R: Real> Noted<R> {
 pub(super) struct Contacts<R: Real, Touches: ?Sized = [Touch<R>]> {
     remembered: usize,
     /// All candidates on a surface. On several surfaces it is the same range for each.
-    run: ContactRange,
+    range: ContactRange,
     /// Number of candidates on all surfaces, and the number of them that were evaluated before the
     /// storage was full.
     candidates: usize,
@@ -124,7 +124,7 @@ pub(super) struct Contacts<R: Real, Touches: ?Sized = [Touch<R>]> {
 impl<R: Real, const CAPACITY: usize> Contacts<R, [Touch<R>; CAPACITY]> {
     pub(super) const NONE: Self = Self {
         remembered: 0,
-        run: ContactRange::NONE,
+        range: ContactRange::NONE,
         candidates: 0,
         seen: 0,
         each: 0,
@@ -165,29 +165,29 @@ impl<R: Real> Contacts<R> {
         reach: &Reach<R>,
     ) {
         let contacts = problem.scene.body().contacts();
-        let run = if problem.surfaces() > 1 {
+        let range = if problem.surfaces() > 1 {
             // Candidates are counted surface by surface.
             ContactRange::all(contacts.len())
         } else {
-            reach.run
+            reach.range
         };
-        self.run = ContactRange {
-            count: run.count.min(contacts.len()),
-            ..run
+        self.range = ContactRange {
+            count: range.count.min(contacts.len()),
+            ..range
         };
         self.with_rim |= reach.with_rims && problem.has_rims();
         let (mut remembered, mut seen) = (self.remembered, self.seen);
         let is_full = seen < self.candidates;
-        self.candidates = self.candidates.saturating_add(self.run.count);
+        self.candidates = self.candidates.saturating_add(self.range.count);
         if is_full {
             return;
         }
-        if reach.run.count == 0 {
+        if reach.range.count == 0 {
             // No contact can reach this surface, one of several: all are counted, none evaluated.
-            self.seen += self.run.count;
+            self.seen += self.range.count;
             return;
         }
-        'all: for part in run.parts(contacts) {
+        'all: for part in range.parts(contacts) {
             for point in part {
                 let touch = Touch::of(problem, surface, point);
                 if reach.includes(problem.seconds, touch.push.depth, touch.arm) {
@@ -222,12 +222,12 @@ impl<R: Real> Contacts<R> {
         let each = self.candidates / most + 1;
         (self.each, self.remembered) = (each, 0);
         for number in (each / 2..self.candidates).step_by(each) {
-            let each_surface = self.run.count.max(1);
+            let each_surface = self.range.count.max(1);
             let (surface, place) = (number / each_surface, number % each_surface);
             let surface = u32::try_from(surface).unwrap_or(u32::MAX);
             // In the order of the parts of a contact range: a range that begins after the last
             // contact begins at the first.
-            let [head, tail] = self.run.parts(contacts);
+            let [head, tail] = self.range.parts(contacts);
             let point = head.get(place).or_else(|| tail.get(place - head.len()));
             let (Some(point), Some(touch)) = (point, self.touches.get_mut(self.remembered)) else {
                 break;
@@ -280,7 +280,7 @@ impl<R: Real> Contacts<R> {
         let below = scene
             .contact_model()
             .range_within(R::ZERO, end.position, &axes);
-        let missing = below.without(self.run, scene.body().contacts().len());
+        let missing = below.without(self.range, scene.body().contacts().len());
         missing.iter().all(|range| range.count == 0)
     }
 
@@ -566,7 +566,7 @@ impl<R: Real> Contacts<R> {
         trial: &Trial<R>,
         visit: &mut dyn FnMut(&mut Touch<R>, &Touch<R>),
     ) {
-        let [head, tail] = self.run.parts(problem.scene.body().contacts());
+        let [head, tail] = self.range.parts(problem.scene.body().contacts());
         let surfaces = 0..problem.surfaces();
         let mut candidates =
             surfaces.flat_map(|surface| head.iter().chain(tail).map(move |point| (surface, point)));

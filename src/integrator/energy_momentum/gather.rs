@@ -32,7 +32,7 @@ fn everything<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, surface: u32
     let anywhere = !problem.scene.contact_model().is_nowhere(surface as usize);
     let all = ContactRange::all(problem.scene.body().contacts().len());
     Reach {
-        run: if anywhere { all } else { ContactRange::NONE },
+        range: if anywhere { all } else { ContactRange::NONE },
         is_everything: anywhere,
         with_rims: anywhere,
         ..Reach::NONE
@@ -50,7 +50,7 @@ fn near_surface<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, surface: u
     let path = motion.linear_velocity.length() * dt + turned + fallen;
     let model = scene.contact_model();
     Reach {
-        run: model.range_of_surface(surface as usize, path, motion.position, &motion.axes),
+        range: model.range_of_surface(surface as usize, path, motion.position, &motion.axes),
         bend: path,
         with_rims: true,
         ..Reach::NONE
@@ -79,7 +79,7 @@ fn near_plane<R: Real, D: Dynamics<R>>(
     let margin = (fall + turned).at_least(R::ZERO) + bend;
     let model = scene.contact_model();
     Reach {
-        run: model.range_of_surface(surface as usize, margin, motion.position, &motion.axes),
+        range: model.range_of_surface(surface as usize, margin, motion.position, &motion.axes),
         is_everything: false,
         fall,
         tilt,

@@ -378,8 +378,8 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             && !(self.is_hard && hard::touch_or_part(contacts, &by))
             && !(is_single::<R>() && is_resolved && self.may_end_a_slide(contacts, &by));
         change(problem, trial, &here.iterate, shift, turn);
-        // The points of rims are placed anew for each trial. This reads the rims of the body, because
-        // `ContactModel` would make the firmware larger (`.ci/embedded.sh`).
+        // The points of rims are placed anew for each trial. This reads the rims of the body,
+        // because `ContactModel` would make the firmware larger (`.ci/embedded.sh`).
         let is_without_rims = problem.scene.body().rims().is_empty();
         if !is_resolved && (begins_in_stick || is_last || is_without_rims) {
             contacts.advance(problem, &by);

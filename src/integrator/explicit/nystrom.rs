@@ -222,7 +222,7 @@ pub(in crate::integrator) fn taken<R: Real, D: Dynamics<R>, const ESTIMATED: boo
             } else {
                 [R::Vec3::ZERO; 2]
             },
-            near: fourth.run,
+            near: fourth.range,
         }
     })
 }

@@ -94,8 +94,8 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
             energy_gained: &energy_gained,
         };
         let added = after.without(before, contacts.len());
-        for run in [before].into_iter().chain(added) {
-            for point in run.parts(contacts).into_iter().flatten() {
+        for range in [before].into_iter().chain(added) {
+            for point in range.parts(contacts).into_iter().flatten() {
                 step.add_contact(point, &mut discontinuities);
             }
         }

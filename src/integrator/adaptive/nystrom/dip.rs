@@ -54,11 +54,11 @@ fn missed_on<R: Real, D: Dynamics<R>>(
     let [first, last] = ends.map(|motion| ContactView::of(scene, motion));
     let (before, after) = (near(ends[0]), near(ends[1]));
     let (mut force, mut excess) = (R::ZERO, R::ZERO);
-    for run in [before]
+    for range in [before]
         .into_iter()
         .chain(after.without(before, contacts.len()))
     {
-        for point in run.parts(contacts).into_iter().flatten() {
+        for point in range.parts(contacts).into_iter().flatten() {
             let (start, end) = (first.side(point), last.side(point));
             if start.depth > R::ZERO || end.depth > R::ZERO {
                 continue;

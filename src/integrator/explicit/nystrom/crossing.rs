@@ -53,7 +53,7 @@ impl<'a, R: Real> Looks<'a, R> {
     pub(super) fn at([first, _, third, last]: [&'a Stage<R>; 4]) -> Self {
         Self {
             motions: [&first.motion, &third.motion, &last.motion],
-            ranges: [first.run, last.run],
+            ranges: [first.range, last.range],
         }
     }
 }
@@ -110,8 +110,8 @@ fn add_missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     // penetrates in only one of them does so for almost no time.
     let [first, last] = stages.ranges;
     let [head, tail] = last.without(first, contacts.len());
-    for run in [first, head, tail] {
-        for part in run.parts(contacts) {
+    for range in [first, head, tail] {
+        for part in range.parts(contacts) {
             for point in part {
                 step.add_contact::<ESTIMATED>(point, missed);
             }

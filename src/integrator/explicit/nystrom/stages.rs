@@ -50,7 +50,7 @@ pub(super) const THIRD_DIFFERENCE: [f64; 4] = [-32.0 / 5.0, 128.0 / 9.0, -512.0 
 pub(in crate::integrator) struct Stage<R: Real> {
     pub(in crate::integrator) motion: Motion<R>,
     /// Range of the penetrating contacts.
-    pub(in crate::integrator) run: ContactRange,
+    pub(in crate::integrator) range: ContactRange,
     /// Acceleration of the centre of mass, m/s², world axes.
     pub(in crate::integrator) acceleration: R::Vec3,
     /// Torque about the centre of mass, N m, world axes.
@@ -69,10 +69,10 @@ impl<R: Real> Stage<R> {
         near: ContactRange,
     ) -> Self {
         let motion = point.motion(scene);
-        let run = scene
+        let range = scene
             .contact_model()
             .range_near(near, motion.position, &motion.axes);
-        let contacts = scene.contact_model().load_on(run, &motion);
+        let contacts = scene.contact_model().load_on(range, &motion);
         let load = scene.with_applied_force(contacts, &motion);
         let mass = scene.inertia_properties();
         let spin = motion.angular_velocity;
@@ -80,7 +80,7 @@ impl<R: Real> Stage<R> {
         let turn = mass.angular_velocity(&motion.axes, turn);
         Self {
             motion,
-            run,
+            range,
             acceleration: load.force * mass.inverse_mass() + scene.gravity(),
             torque: load.torque,
             bend: bend(point.orientation, turn, spin),
@@ -140,10 +140,10 @@ impl<R: Real> Start<R> {
         // The values of the laws are tested at the last stage.
         let untested = scene.untested();
         let first = &self.stage;
-        let second = Stage::at(untested, self.ahead(&SECOND, [first]), first.run);
-        let third = Stage::at(untested, self.ahead(&THIRD, [first, &second]), second.run);
+        let second = Stage::at(untested, self.ahead(&SECOND, [first]), first.range);
+        let third = Stage::at(untested, self.ahead(&THIRD, [first, &second]), second.range);
         let place = self.ahead(&FOURTH, [first, &second, &third]);
-        let fourth = Stage::at(scene, place, third.run);
+        let fourth = Stage::at(scene, place, third.range);
         then([first, &second, &third, &fourth])
     }
 
