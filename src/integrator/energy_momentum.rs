@@ -130,13 +130,13 @@ pub use workspace::Workspace;
 ///   iterations as shorter steps. The unknowns of the contacts are then their forces, as between
 ///   rigid bodies. This holds for a stiffness of all touching contacts from 64 to 1e10 times the
 ///   mass over the square of the step size. Above that, and for bodies with a rim or with more
-///   contacts than are stored, many steps take the first fallback. In it the springs
-///   harden in stages, which costs some tens of iterations. Elastic bounces conserve their energy
-///   in it. On hard ground that is not a plane, those of a smooth body other than a ball do not,
-///   because its contact point belongs to a plane. In `f32`, rounding of the depths of hard
-///   contacts takes energy. Above `h ω = 300`, a rare step of a smooth body other than a ball is
-///   not solved accurately. Up to a quarter of its energy of motion is then lost, also that of a
-///   slide without friction.
+///   contacts than are stored, many steps take the first fallback. In it the springs harden in
+///   stages, which costs some tens of iterations. Elastic bounces conserve their energy in it. On
+///   hard ground that is not a plane, those of a smooth body other than a ball do not, because its
+///   contact point belongs to a plane. In `f32`, rounding of the depths of hard contacts takes
+///   energy. Above `h ω = 300`, a rare step of a smooth body other than a ball is not solved
+///   accurately. Up to a quarter of its energy of motion is then lost, also that of a slide without
+///   friction.
 /// - *Single precision:* a body farther from the origin than `1/EPSILON` of its sizes can stay
 ///   where it is. In flight, rounding changes the velocity across a tilted gravity at random, most
 ///   in weak gravity. In 10 s at steps of 1 ms it is by at most 5e-5 of the speed a second, from
@@ -151,7 +151,7 @@ pub use workspace::Workspace;
 ///   depends on the slip speed: at 1e-6 m/s, 1 of 17 steeper than 53° has another end by more than
 ///   a hundredth, which is that of a law with a slip speed of about 1e-4 of the speed. A ball that
 ///   rolls out under resistance to rolling on ground so hard that its weight is carried at a depth
-///   `m g/k` below 3e-6 radii can roll up to twice as far.
+///   `m g/k` below 3e-6 radii can roll up to 2.4 times as far.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is two to five iterations a step, also where several contacts or a round rim
 ///   stick. Bodies that spin flat on several points, and rims that roll with small slip at two
