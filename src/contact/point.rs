@@ -107,9 +107,11 @@ impl<R: Real> Contact<R> {
             return turns.map(|turn| turn.cross(carried));
         };
         let nudge = R::EPSILON.sqrt();
+        // On curved ground the contact was found along another normal, so its arm is another.
+        let here = moving.towards(-self.normal, axes);
         turns.map(|turn| {
             let towards = turn.cross(self.normal) * nudge - self.normal;
-            let moved = moving.towards(towards, axes) - self.arm;
+            let moved = moving.towards(towards, axes) - here;
             turn.cross(self.arm) + moved * (R::ONE / nudge)
         })
     }

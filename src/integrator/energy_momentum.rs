@@ -72,6 +72,7 @@ use gather::gather;
 pub(in crate::integrator) use linear::{Factored, SixBySix};
 use panels::FOR_RIMS;
 use problem::Problem;
+pub(in crate::integrator) use problem::rounding_of_gap;
 use rolling::Rolling;
 use shared::End;
 use workspace::Memory;

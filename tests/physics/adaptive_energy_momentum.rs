@@ -10,14 +10,15 @@ use crate::kit::once::Once;
 use crate::kit::{self, log_uniform, zero_or};
 use core::ops::ControlFlow;
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
-use tumble::glam::DVec3;
+use tumble::glam::{DVec3, Vec3};
 use tumble::real::{Quaternion, Vector};
 use tumble::work_precision::reference;
 use tumble::{
     AdaptiveEnergyMomentum, Capsule, Coin, Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid,
-    EnergyMomentum, FlatGround, Integrator, Ledger, MovingGround, Real, RigidPointBody, Sample,
-    SolidCoin, Sphere, State, Step, StepError, Trial, UniformGravity,
+    EnergyMomentum, FlatGround, Integrator, Ledger, MovingGround, Plane, Real, RigidPointBody,
+    Sample, SolidCoin, Sphere, State, Step, StepError, Trial, UniformGravity,
 };
 
 /// 1e-2 to 1e-5 m, three a decade, so that none is met by luck.
@@ -572,6 +573,96 @@ fn the_energy_never_increases_and_the_body_stays_rigid() {
 #[test]
 fn the_energy_never_increases_and_the_body_stays_rigid_in_single_precision() {
     promises::<f32>(400);
+}
+
+const MASS: f64 = 0.3; // kg
+
+/// A throw in single precision onto ground so hard that a few roundings of the height stop a body.
+#[derive(Clone, Debug)]
+struct HardLanding {
+    kind: u8,
+    size: f64,
+    /// Stiffness relative to `m g/r`, and damping ratio of the mass on one contact.
+    law: (f64, f64),
+    friction: (f64, f64),
+    tilt: f64,
+    /// rad, m/s and rad/s.
+    pose: DVec3,
+    velocity: DVec3,
+    spin: DVec3,
+    /// Fraction of the size.
+    tolerance: f64,
+}
+
+fn hard_landings() -> impl Strategy<Value = HardLanding> {
+    let vectors = |largest: f64| (kit::directions(), 0.0..largest).prop_map(|(d, s)| d * s);
+    let law = (log_uniform(1e6, 1e10), log_uniform(0.01, 10.0));
+    let friction = (0.1..0.8, log_uniform(1e-5, 1e-2));
+    let tilt = prop_oneof![Just(0.0), Just(0.3)];
+    let motion = (vectors(3.0), vectors(1.5), vectors(12.0));
+    let size = (0..6_u8, log_uniform(0.01, 1.0), log_uniform(1e-3, 1e-2));
+    (size, law, friction, tilt, motion).prop_map(|(size, law, friction, tilt, motion)| {
+        HardLanding {
+            kind: size.0,
+            size: size.1,
+            law,
+            friction,
+            tilt,
+            pose: motion.0,
+            velocity: motion.1,
+            spin: motion.2,
+            tolerance: size.2,
+        }
+    })
+}
+
+impl HardLanding {
+    fn run(&self) -> Result<(), StepError> {
+        let (m, r) = (MASS as f32, self.size as f32);
+        match self.kind {
+            0 => self.run_of(Sphere::solid(m, r)),
+            1 => self.run_of(Cuboid::solid(m, Vec3::new(r, 0.7 * r, 0.4 * r))),
+            2 => self.run_of(Coin::<f32>::ring(m, r)),
+            3 => self.run_of(Disc::solid(m, r, 48)),
+            4 => self.run_of(Ellipsoid::solid(m, Vec3::new(r, 0.7 * r, 0.4 * r))),
+            _ => self.run_of(Capsule::solid(m, 0.5 * r, r)),
+        }
+    }
+
+    fn run_of<B: RigidPointBody<f32>>(&self, body: B) -> Result<(), StepError> {
+        let mass = MASS as f32;
+        let stiffness = self.law.0 as f32 * mass * 9.81 / self.size as f32;
+        let damping = 2.0 * self.law.1 as f32 * (stiffness * mass).sqrt();
+        let normal = Vec3::new(self.tilt.sin() as f32, 0.0, self.tilt.cos() as f32);
+        let stepper = Stepper::builder(body)
+            .gravity(UniformGravity::down(9.81_f32))
+            .ground(FlatGround::level(stiffness, damping).on(Plane::through(Vec3::ZERO, normal)))
+            .friction(Coulomb {
+                coefficient: self.friction.0 as f32,
+                slip_speed: self.friction.1 as f32,
+            })
+            .integrator(AdaptiveEnergyMomentum {
+                budget: 100_000,
+                ..AdaptiveEnergyMomentum::new((self.tolerance * self.size) as f32)
+            })
+            .build()
+            .unwrap();
+        let start = State::at(Vec3::Z * (1.6 * self.size as f32))
+            .with_rotation_vector(self.pose.as_vec3())
+            .with_linear_velocity(self.velocity.as_vec3());
+        let start = stepper.with_angular_velocity(start, self.spin.as_vec3());
+        stepper.session(start).advance(0.6).map(|_| ())
+    }
+}
+
+/// Of 3000 such throws 15 fail, nearly all of the ellipsoid. When the rounding of a depth did not
+/// count as allowed, 1265 failed. 6 of 200 reject a share of 8 % with 99 %.
+#[test]
+fn runs_on_hard_ground_come_to_their_end_in_single_precision() {
+    let mut runner = TestRunner::deterministic();
+    let mut draw = || hard_landings().new_tree(&mut runner).unwrap().current();
+    let failed = (0..200).filter(|_| draw().run().is_err()).count();
+    assert!(failed <= 6, "{failed}");
 }
 
 /// The energy error of the audit decreases with the tolerance, from a millimetre on. At a centimetre

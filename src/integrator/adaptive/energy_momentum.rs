@@ -21,11 +21,12 @@ use super::embedded_pair::control::{self, Control, Errors};
 use crate::contact::Motion;
 use crate::energy::Energy;
 use crate::error::{Quantity, SceneError, StepError};
+use crate::ground::SpringDamperGround;
 use crate::integrator::energy_limit;
 use crate::integrator::energy_momentum::{self, EnergyMomentum};
 use crate::integrator::interface::{Integrator, Step, StepControl};
 use crate::integrator::point::Point;
-use crate::real::Real;
+use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
 use crate::state::State;
 
@@ -40,9 +41,9 @@ use crate::state::State;
 /// ```
 /// Here `r` is the bounding radius of the body (or its radius of gyration, if that is larger), and
 /// `δφ` and `δω` are the errors of the rotation and of the angular velocity. The rounding is 16 ε
-/// of position and speed, plus what the rounding of the energy changes in the velocities. The root
-/// makes the error of a run proportional to the tolerance. It counts as 1 for a tolerance above
-/// `r`.
+/// of position and speed, plus what the roundings of the energy and of the depths change in the
+/// velocities. The root makes the error of a run proportional to the tolerance. It counts as 1 for
+/// a tolerance above `r`.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -110,6 +111,9 @@ const RICHARDSON: f64 = 1.0 / 3.0;
 const HORIZON: f64 = 0.2;
 /// Largest error of a step, relative to `tolerance √(tolerance/L)`.
 const SHARE: f64 = 0.3;
+/// Roundings of a gap up to which it is not known whether a contact touches: those of the position,
+/// of the orientation, and of an arm that is a function of the orientation.
+const GAP_ROUNDINGS: f64 = 8.0;
 /// Number of square roots that the controller takes of the error, which is of order 3 in the step
 /// size.
 const ROOTS: u32 = 2;
@@ -264,22 +268,72 @@ fn allowed<R: Real, D: Dynamics<R>>(settings: &Settings<R>, scene: &D, motion: &
     tolerance * fraction * R::from_f64(SHARE) + control::rounding(scene, motion, control::HORIZON)
 }
 
-/// Returns the error of a step that the rounding of the total energy causes, m.
+/// Returns the error of a step that the rounding of energies causes, m. Shorter steps do not reduce
+/// it.
+///
+/// It matters for a body that is nearly at rest, for one on springs whose energy is far above its
+/// own, and on ground so hard that some roundings of the height stop the body.
+#[cold]
+fn rounding_of_energies<R: Real, D: Dynamics<R>>(scene: &D, [start, end]: [&State<R>; 2]) -> R {
+    let energy = Energy::of(scene, end);
+    let sum = energy_limit::rounding_of(&energy, &energy);
+    let [before, after] = [start, end].map(|state| scene.motion(state));
+    let [work, closing] = rounding_of_work(scene, &before, &after);
+    error_by(scene, sum, energy.kinetic()) + error_by(scene, work, closing)
+}
+
+/// Returns the error of a step in which the kinetic energy `T` is wrong by `δ`, m.
 ///
 /// `EnergyMomentum` corrects the velocities of a step until the computed energy is no higher than
-/// before. With the rounding `δ` and the kinetic energy `T`, this changes a velocity by
-/// `δ/√(2 m T)`, and by `√(δ/2m)` at most. Shorter steps do not reduce it. It matters for a body
-/// that is nearly at rest, and for one on springs whose energy is far above its own.
-#[cold]
-fn rounding_of_energy<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> R {
-    let energy = Energy::of(scene, state);
-    let rounding = energy_limit::rounding_of(&energy, &energy);
-    let kinetic = energy.kinetic() + rounding;
-    let per_mass = rounding / (kinetic * R::TWO).sqrt();
+/// before. This changes a velocity by `δ/√(2 m T)`, and by `√(δ/2m)` at most.
+fn error_by<R: Real, D: Dynamics<R>>(scene: &D, energy: R, kinetic: R) -> R {
+    if energy == R::ZERO {
+        return R::ZERO;
+    }
+    let per_mass = energy / ((kinetic + energy) * R::TWO).sqrt();
     let properties = scene.inertia_properties();
     let speed = properties.inverse_mass().sqrt();
     let spin = properties.largest_inverse_moment().sqrt();
     per_mass * (speed + spin * size(scene)) * R::from_f64(HORIZON)
+}
+
+/// Returns the work of the pushes and of gravity over the rounding of a gap, and the kinetic energy
+/// of the mass at the speed at which the contacts close, J.
+///
+/// A gap, and so the depth `d` of a contact, is known to a rounding `δ`. The energy of springs of
+/// stiffness `k` is known to `k d δ`, which is far above `ε k d²/2` where `d` is small. Where the
+/// pushes carry the weight, `k δ²` is left. A damper that acts from the touch on begins to act
+/// within `δ`, with the velocities before the step. A contact may or may not touch if its gap is
+/// [`GAP_ROUNDINGS`] or less.
+fn rounding_of_work<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    before: &Motion<R>,
+    after: &Motion<R>,
+) -> [R; 2] {
+    let rounding = energy_momentum::rounding_of_gap(scene, after.position);
+    let normal = scene.ground().surface(after.position).normal;
+    let deeper = Motion {
+        position: after.position - normal * (rounding * R::from_f64(GAP_ROUNDINGS)),
+        axes: after.axes,
+        ..*before
+    };
+    let mass = scene.inertia_properties().mass();
+    let (mut force, mut pushes, mut power) = (scene.gravity() * mass, R::ZERO, R::ZERO);
+    scene.probe(|| {
+        scene.visit_contacts(&deeper, |contact| {
+            let both = contact.force(scene.ground(), scene.friction());
+            let push = both.dot(contact.normal);
+            force += contact.normal * push;
+            pushes += push;
+            power += push * contact.closing_speed;
+        });
+    });
+    if pushes == R::ZERO {
+        return [R::ZERO; 2];
+    }
+    let closing_speed = power / pushes;
+    let kinetic = closing_speed * closing_speed * mass * R::HALF;
+    [force.length() * rounding, kinetic]
 }
 
 /// Two steps of half the size, and their difference from the step of the whole size.
@@ -321,7 +375,7 @@ impl<R: Real> Doubled<R> {
             .scaled(RICHARDSON);
         let mut allowed = allowed(settings, scene, &motion);
         if errors.total() > allowed {
-            allowed += rounding_of_energy(scene, &end);
+            allowed += rounding_of_energies(scene, [start, &end]);
         }
         let mut step = sum_of(scene, [start, &end], &halves, work);
         step.elapsed = seconds;

@@ -129,6 +129,16 @@ fn distance_from<R: Real>(plane: Option<Plane<R>>, position: R::Vec3) -> R {
     }
 }
 
+/// Rounding of the gap of a contact, m: a unit in the last place of the numbers whose difference it
+/// is.
+pub(in crate::integrator) fn rounding_of_gap<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    position: R::Vec3,
+) -> R {
+    let plane = scene.contact_model().plane();
+    (scene.bounding_radius() + distance_from(plane, position)) * R::EPSILON
+}
+
 impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     pub(super) fn new(scene: &'a D, start: &State<R>, energy: &Energy<R>, seconds: R) -> Self {
         let rotation = start.rotation();
