@@ -6,12 +6,16 @@
 
 use crate::common::methods::{Record, Setup, apart, convergence, method, truths};
 use crate::kit::erased::Stepper;
+use crate::kit::log_uniform;
+use proptest::strategy::{Strategy, ValueTree};
+use proptest::test_runner::TestRunner;
 use tumble::glam::{DMat3, DVec3, Quat, Vec3};
 use tumble::{
-    AdaptiveEnergyMomentum, AdaptiveNystrom, AirDrag, BogackiShampine32, Bowl, Capsule,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, AirDrag, BogackiShampine32, Bowl, Capsule, ContactLaw,
     ContactPoint, Coulomb, Cuboid, DormandPrince54, Ellipsoid, EnergyMomentum, FlatGround, Ground,
-    Integrator, Nystrom, PointCloud, Radau5, RigidPointBody, Rk4, SolidCoin, Sphere, SpringDamper,
-    SpringDamperGround, State, StepError, Surface, Terrain, Trial, UniformGravity,
+    Integrator, LimitedDamper, Nystrom, Plane, PointCloud, Radau5, RigidPointBody, Rk4, SolidCoin,
+    Sphere, SpringDamper, SpringDamperGround, State, StepError, Surface, Terrain, Trial,
+    UniformGravity,
 };
 
 /// 1e-3 to 1e-9 m, three a decade, so that none is met by luck.
@@ -716,6 +720,97 @@ fn the_error_of_a_touch_down_on_a_damper_falls_with_the_tolerance() {
     check("DormandPrince54", DormandPrince54::new);
     check("BogackiShampine32", BogackiShampine32::new);
     check("Radau5", Radau5::new);
+}
+
+/// Springs that are ten times as stiff beyond a depth: the slope of their force has a
+/// discontinuity, which no end of a step shows.
+#[derive(Clone, Copy)]
+struct BumpStop {
+    stiffness: f64,
+    free_depth: f64,
+}
+
+impl ContactLaw for BumpStop {
+    fn spring_force(&self, depth: f64) -> f64 {
+        let beyond = (depth - self.free_depth).max(0.0);
+        self.stiffness * (depth + 9.0 * beyond)
+    }
+    fn spring_energy(&self, depth: f64) -> f64 {
+        let beyond = (depth - self.free_depth).max(0.0);
+        self.stiffness * (depth * depth + 9.0 * beyond * beyond) / 2.0
+    }
+    fn normal_force(&self, depth: f64, _: f64) -> f64 {
+        self.spring_force(depth)
+    }
+}
+
+/// Error over tolerance of a ball that falls on a law whose force has a bend, 0.2 s after its touch.
+fn error_of_a_bounce<I: Integrator>(
+    [mass, drop, tolerance]: [f64; 3],
+    law: &(impl ContactLaw + Copy),
+    of: fn(f64) -> I,
+) -> f64 {
+    let radius = 0.07;
+    let height = |tolerance| {
+        let stepper = Stepper::builder(Sphere::solid(mass, radius))
+            .gravity(UniformGravity::down(9.8))
+            .ground(Ground {
+                law: *law,
+                shape: Plane::level(0.0),
+            })
+            .integrator(of(tolerance))
+            .build()
+            .unwrap();
+        let mut state = State::at(DVec3::Z * (radius + drop));
+        let end = (2.0 * drop / 9.8_f64).sqrt() + 0.2;
+        stepper.advance(&mut state, end).unwrap();
+        state.position.z
+    };
+    (height(tolerance) - height(1e-10)).abs() / tolerance
+}
+
+/// The error is at most 20 tolerances in 300 bounces on each law. Of 1000, `DormandPrince54` has up
+/// to 6 on the damper and 17 on the bump stop (8 above ten), the others 3. When a contact that
+/// pushes at both ends of a step counted as smooth, 23 and 213 of its errors were above ten
+/// tolerances, up to 260 and 414; `Radau5` had errors up to 4020. No error in 300 rejects a share of
+/// 1.6 % with 99 %.
+#[test]
+fn a_bend_of_the_force_within_a_bounce_is_part_of_the_error() {
+    let scenes = (
+        log_uniform(0.05, 2.0),
+        log_uniform(0.01, 0.5),
+        log_uniform(1e-6, 1e-3),
+        (log_uniform(3e3, 3e5), 0.05..0.6_f64),
+    );
+    let mut runner = TestRunner::deterministic();
+    let mut worst = [0.0; 6];
+    for _ in 0..300 {
+        let (mass, drop, tolerance, (rate, ratio)) =
+            scenes.new_tree(&mut runner).unwrap().current();
+        let stiffness = mass * rate;
+        let damped = LimitedDamper {
+            stiffness,
+            damping: 2.0 * ratio * mass * rate.sqrt(),
+        };
+        let stopped = BumpStop {
+            stiffness,
+            free_depth: ratio * (2.0 * 9.8 * drop / rate).sqrt(),
+        };
+        let scene = [mass, drop, tolerance];
+        let of = [
+            error_of_a_bounce(scene, &damped, DormandPrince54::new),
+            error_of_a_bounce(scene, &stopped, DormandPrince54::new),
+            error_of_a_bounce(scene, &damped, BogackiShampine32::new),
+            error_of_a_bounce(scene, &stopped, BogackiShampine32::new),
+            error_of_a_bounce(scene, &damped, Radau5::new),
+            error_of_a_bounce(scene, &stopped, Radau5::new),
+        ];
+        for (worst, error) in worst.iter_mut().zip(of) {
+            *worst = f64::max(*worst, error);
+        }
+    }
+    println!("{worst:.1?}");
+    assert!(worst.iter().all(|error| *error <= 20.0), "{worst:.1?}");
 }
 
 /// A body in strong drag over a saddle, for which the first long steps explode to speeds of 1e24

@@ -616,9 +616,13 @@ fn hard_landings() -> impl Strategy<Value = HardLanding> {
     })
 }
 
+fn real(number: f64) -> f32 {
+    Real::from_f64(number)
+}
+
 impl HardLanding {
     fn run(&self) -> Result<(), StepError> {
-        let (m, r) = (MASS as f32, self.size as f32);
+        let (m, r) = (real(MASS), real(self.size));
         match self.kind {
             0 => self.run_of(Sphere::solid(m, r)),
             1 => self.run_of(Cuboid::solid(m, Vec3::new(r, 0.7 * r, 0.4 * r))),
@@ -630,24 +634,24 @@ impl HardLanding {
     }
 
     fn run_of<B: RigidPointBody<f32>>(&self, body: B) -> Result<(), StepError> {
-        let mass = MASS as f32;
-        let stiffness = self.law.0 as f32 * mass * 9.81 / self.size as f32;
-        let damping = 2.0 * self.law.1 as f32 * (stiffness * mass).sqrt();
-        let normal = Vec3::new(self.tilt.sin() as f32, 0.0, self.tilt.cos() as f32);
+        let mass = real(MASS);
+        let stiffness = real(self.law.0) * mass * 9.81 / real(self.size);
+        let damping = 2.0 * real(self.law.1) * (stiffness * mass).sqrt();
+        let normal = Vec3::new(real(self.tilt.sin()), 0.0, real(self.tilt.cos()));
         let stepper = Stepper::builder(body)
             .gravity(UniformGravity::down(9.81_f32))
             .ground(FlatGround::level(stiffness, damping).on(Plane::through(Vec3::ZERO, normal)))
             .friction(Coulomb {
-                coefficient: self.friction.0 as f32,
-                slip_speed: self.friction.1 as f32,
+                coefficient: real(self.friction.0),
+                slip_speed: real(self.friction.1),
             })
             .integrator(AdaptiveEnergyMomentum {
                 budget: 100_000,
-                ..AdaptiveEnergyMomentum::new((self.tolerance * self.size) as f32)
+                ..AdaptiveEnergyMomentum::new(real(self.tolerance * self.size))
             })
             .build()
             .unwrap();
-        let start = State::at(Vec3::Z * (1.6 * self.size as f32))
+        let start = State::at(Vec3::Z * real(1.6 * self.size))
             .with_rotation_vector(self.pose.as_vec3())
             .with_linear_velocity(self.velocity.as_vec3());
         let start = stepper.with_angular_velocity(start, self.spin.as_vec3());

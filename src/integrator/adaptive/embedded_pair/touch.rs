@@ -124,6 +124,9 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
         let end_of = |motion| ContactEnd::of(self.scene, motion, point);
         let (start, end) = (end_of(self.ends[0]), end_of(self.ends[1]));
         if start.pushes() && end.pushes() {
+            if self.bends(&start, &end) {
+                discontinuities.velocity += self.bend_error(point, &[start, end]);
+            }
             if self.follows_slip {
                 discontinuities.velocity += self.slip_error(point, &[start, end]);
             }
@@ -141,6 +144,42 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
             return;
         };
         discontinuities.add(&self.contact_error(point, &path, &[start, end], last));
+    }
+
+    /// Returns true if the force of a contact is not linear in its depth and closing speed from one
+    /// end of the step to the other.
+    #[inline]
+    fn bends(&self, start: &ContactEnd<R>, end: &ContactEnd<R>) -> bool {
+        let depth = (start.depth + end.depth) * R::HALF;
+        let closing_speed = (start.closing_speed + end.closing_speed) * R::HALF;
+        let twice = push(self.scene, depth, closing_speed) * R::TWO;
+        let sum = start.normal_force + end.normal_force;
+        (twice - sum).abs() > sum * R::EPSILON.sqrt()
+    }
+
+    /// Returns the velocity error of a contact that pushes at both ends of the step, if the slope of
+    /// its force has a discontinuity in between.
+    ///
+    /// Of a smooth force, the stages take the sum as well as Gauss's rule does.
+    #[inline(never)]
+    fn bend_error(&self, point: &ContactPoint<R>, [start, end]: &[ContactEnd<R>; 2]) -> R {
+        let path = Path::between(start, end, self.seconds);
+        let force = |share: R| self.force_on(&path, share);
+        let bent = Bent::between(force, R::ZERO, R::ONE);
+        let weight = self.seconds
+            * mobility(self.scene, point, self.ends[1])
+            * R::from_f64(tuning::ERROR_WEIGHT);
+        if bent.doubt * weight <= self.allowed * R::from_f64(tuning::SMOOTH) {
+            return R::ZERO;
+        }
+        (bent.integral - self.mean_of_stages(point)).abs() * weight
+    }
+
+    /// Returns the normal force on a path at a fraction of the step, N.
+    #[inline]
+    fn force_on(&self, path: &Path<R>, share: R) -> R {
+        let (depth, slope) = path.at(share);
+        push(self.scene, depth, slope / self.seconds)
     }
 
     /// Returns true if a contact at one end of the step is above ground, but would be below it
@@ -166,16 +205,13 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
         [start, end]: &[ContactEnd<R>; 2],
         last: Option<R>,
     ) -> Discontinuities<R> {
-        let force = |share: R| {
-            let (depth, slope) = path.at(share);
-            push(self.scene, depth, slope / self.seconds)
-        };
+        let force = |share: R| self.force_on(path, share);
         let pushes = start.pushes();
         let share = last.map_or(R::ONE, |last| first_change(force, pushes, last));
         let truth = if pushes {
-            integral_of_3(force, R::ZERO, share)
+            Bent::between(force, R::ZERO, share).integral
         } else {
-            integral_of_3(force, share, R::ONE)
+            Bent::between(force, share, R::ONE).integral
         };
         let taken = if self.to_discontinuity && comes_late(start, self.seconds) {
             R::ZERO
@@ -263,6 +299,41 @@ struct Jump<R> {
     resolution: R,
     /// Change of the acceleration of the farthest point of the body, m/s².
     acceleration: R,
+}
+
+/// Integral of a force whose slope may have discontinuities.
+struct Bent<R> {
+    /// Integral over the fraction of the step, N.
+    integral: R,
+    /// Largest difference from Gauss's rule on the whole and on each half: 0 to rounding, unless the
+    /// force is no polynomial.
+    doubt: R,
+}
+
+impl<R: Real> Bent<R> {
+    fn between(force: impl Fn(R) -> R, from: R, to: R) -> Self {
+        let over = |parts: u32| {
+            let at = |index: u32| {
+                let share = R::from_f64(f64::from(index) / f64::from(parts));
+                from + (to - from) * share
+            };
+            (0..parts).fold(R::ZERO, |sum, index| {
+                sum + integral_of_3(&force, at(index), at(index + 1))
+            })
+        };
+        let [whole, halves] = [over(1), over(2)];
+        if (halves - whole).abs() <= whole.abs() * R::EPSILON.sqrt() {
+            return Self {
+                integral: whole,
+                doubt: R::ZERO,
+            };
+        }
+        let integral = over(tuning::FORCE_PARTS);
+        Self {
+            integral,
+            doubt: (integral - whole).abs().at_least((integral - halves).abs()),
+        }
+    }
 }
 
 /// Returns the first fraction of a step, up to `last`, at which a force begins or ceases to push.

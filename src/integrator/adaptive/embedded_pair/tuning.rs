@@ -49,6 +49,14 @@ pub(super) const MANY_CONTACTS: usize = 48;
 /// bisections, and more overlooks a force that acts in this part only. *Not sensitive.*
 pub(super) const REST_RESOLUTION: f64 = 1.0 / 16.0;
 
+/// Number of parts in which a force with a bend is integrated. The error of the integral is that
+/// of the part with the bend, a 64th of that of the step. Not compared: the law of the trials is
+/// linear.
+pub(super) const FORCE_PARTS: u32 = 8;
+/// Fraction of the allowed error up to which a difference of quadratures is that of a smooth law.
+/// Not compared, as above.
+pub(super) const SMOOTH: f64 = 1.0 / 16.0;
+
 // Contacts whose slip reverses: `slip`.
 
 /// Factor for a reversal that a step may miss, compared with a change in proportion to the time. It
