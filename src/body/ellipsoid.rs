@@ -14,12 +14,12 @@ use crate::real::{Real, Vector};
 /// (Goldman, *Pyramid Algorithms*, 2003, or any book on quadrics). The force acts at this point.
 /// The slip velocity is that of the body's material there, `v + ω × s`.
 ///
-/// *Limits:* on a plane, penetration depth and force are exact. On a curved ground the point is
-/// computed for the normal under the middle. This is accurate while the ground's radius of
-/// curvature is large compared with the body. The force has no potential there, so the energy
-/// changes without dampers and friction, and the energy error of a [`Ledger`](crate::Ledger) does
-/// not tend to 0: by some tenths of a percent in seconds on a radius of curvature of ten to a
-/// hundred semi-axes. With `EnergyMomentum` the computed energy never increases there either. One
+/// *Limits:* the contact is where the normals of body and ground are opposite. Penetration depth and
+/// force are exact there, on a plane and on ground that is less curved than the body. Ground as
+/// curved as the body, or with an edge below it, would be touched at more than one point. The
+/// contact is then that for the normal under the middle, its force has no potential, and the energy
+/// error of a [`Ledger`](crate::Ledger) does not tend to 0. With `EnergyMomentum` the computed energy
+/// never increases there either. One
 /// contact transmits no moment about itself, so the ellipsoid spins on a point without spinning
 /// friction.
 #[derive(Clone, Copy, Debug, PartialEq)]

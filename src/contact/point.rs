@@ -107,7 +107,7 @@ impl<R: Real> Contact<R> {
             return turns.map(|turn| turn.cross(carried));
         };
         let nudge = R::EPSILON.sqrt();
-        // On curved ground the contact was found along another normal, so its arm is another.
+        // Where the search for the normal has ended early, the arm belongs to another one.
         let here = moving.towards(-self.normal, axes);
         turns.map(|turn| {
             let towards = turn.cross(self.normal) * nudge - self.normal;

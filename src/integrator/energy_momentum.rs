@@ -108,10 +108,8 @@ pub use workspace::Workspace;
 /// ```
 ///
 /// - *Order* 2, also at touch-downs: the mean force over the step integrates the discontinuity of
-///   the damper force. The exception is a smooth body other than a ball on ground that is not a
-///   plane. Its contact force there has no potential ([`Ellipsoid`](crate::Ellipsoid)). This method
-///   keeps the energy nevertheless, and so tends to another motion than all others as the step
-///   decreases: by up to 1.4e-3 sizes of the body in the scenes tried.
+///   the damper force. The exception is an ellipsoid on ground that is more curved than itself, whose
+///   force has no potential ([`Ellipsoid`](crate::Ellipsoid)).
 /// - *Conserves* the energy if nothing dissipates it, to the rounding of each step. The exception
 ///   is a step (`fallback`) of which even a small part has no solution: it may lose any part of the
 ///   energy. Such steps are rare, and need hard ground (*long steps*).
@@ -132,9 +130,8 @@ pub use workspace::Workspace;
 ///   rigid bodies. This holds for a stiffness of all touching contacts from 64 to 1e10 times the
 ///   mass over the square of the step size. Above that, and for bodies with a rim or with more
 ///   contacts than are stored, many steps take the first fallback. In it the springs harden in
-///   stages, which costs some tens of iterations. Elastic bounces conserve their energy in it. On
-///   hard ground that is not a plane, those of a smooth body other than a ball do not, because its
-///   contact point belongs to a plane. In `f32`, rounding of the depths of hard contacts takes
+///   stages, which costs some tens of iterations. Elastic bounces conserve their energy in it. In
+///   `f32`, rounding of the depths of hard contacts takes
 ///   energy. Above `h ω = 300`, a rare step of a smooth body other than a ball is not solved
 ///   accurately. Up to a quarter of its energy of motion is then lost, also that of a slide without
 ///   friction.

@@ -8,6 +8,8 @@ use core::f64::consts::{FRAC_PI_2, TAU};
 use crate::kit::erased::Stepper;
 use crate::kit::{self, GRAVITY, cases, difference, directions, end, log_uniform, order};
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
 use tumble::contract::{CheckPlan, Requirement, check_body};
 use tumble::f32 as single;
 use tumble::f64::{
@@ -15,8 +17,9 @@ use tumble::f64::{
 };
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::{
-    ContactPoint, Coulomb, EnergyMomentum, FlatGround, Frictionless, RigidPointBody, Rk4,
-    SmoothCoulomb, State, StrangSplitting, UniformGravity,
+    Bowl, ContactPoint, Coulomb, DormandPrince54, EnergyMomentum, FlatGround, Frictionless, Ground,
+    Integrator, RigidPointBody, Rk4, Shape, SmoothCoulomb, SpringDamper, State, StrangSplitting,
+    Terrain, UniformGravity, Waves,
 };
 
 proptest! {
@@ -179,6 +182,126 @@ fn an_egg_keeps_its_energy_where_nothing_takes_it() {
     // Arm and depth belong together, so that only rounding is taken.
     let lost = lost(1e-3);
     assert!(lost < 1e-9, "{lost:e}");
+}
+
+/// An egg that is dropped into a bowl or onto waves, off the middle. Its force has a potential only if
+/// the ground's normal at its contact is that for which the contact was found.
+fn egg_on<S: Shape + Copy, I: Integrator>(
+    shape: S,
+    dampers: bool,
+    integrator: I,
+    seconds: f64,
+) -> (State, f64) {
+    let (damping, coefficient) = if dampers { (5.0, 0.3) } else { (0.0, 0.0) };
+    let stepper = Stepper::builder(Ellipsoid::solid(0.5, DVec3::new(0.06, 0.05, 0.04)))
+        .gravity(UniformGravity::down(GRAVITY))
+        .ground(Ground {
+            law: SpringDamper {
+                stiffness: 4e3,
+                damping,
+            },
+            shape,
+        })
+        .friction(SmoothCoulomb {
+            coefficient,
+            slip_speed: 1e-2,
+        })
+        .integrator(integrator)
+        .build()
+        .unwrap();
+    let mut state = State::at(DVec3::new(0.05, 0.02, 0.09))
+        .with_rotation_vector(DVec3::new(0.3, 0.5, 0.1))
+        .with_angular_momentum(DVec3::new(0.0, 2e-3, 0.0));
+    let before = stepper.energy(&state).total();
+    stepper.advance(&mut state, seconds).unwrap();
+    (state, (stepper.energy(&state).total() - before) / before)
+}
+
+fn bowl(radius: f64) -> Terrain<Bowl> {
+    Terrain::of(Bowl {
+        curvatures: [1.0 / radius, 0.7 / radius],
+    })
+}
+
+#[test]
+fn on_curved_ground_an_egg_keeps_its_energy_with_every_method() {
+    let mut kept = Vec::new();
+    for radius in [0.3, 1.0, 5.0] {
+        let (_, explicit) = egg_on(bowl(radius), false, DormandPrince54::new(1e-9), 1.0);
+        let (_, implicit) = egg_on(bowl(radius), false, EnergyMomentum { time_step: 1e-3 }, 1.0);
+        kept.extend([explicit, implicit]);
+        let waves = Terrain::of(Waves {
+            amplitude: 0.05 * radius,
+            length: radius * TAU * 0.05_f64.sqrt(),
+        });
+        let (_, explicit) = egg_on(waves, false, DormandPrince54::new(1e-9), 1.0);
+        let (_, implicit) = egg_on(waves, false, EnergyMomentum { time_step: 1e-3 }, 1.0);
+        kept.extend([explicit, implicit]);
+    }
+    println!("{kept:?}");
+    assert!(kept.iter().all(|change| change.abs() < 2e-8), "{kept:?}");
+}
+
+#[test]
+fn on_curved_ground_the_motion_of_an_egg_is_that_of_all_methods_to_order_two() {
+    for radius in [0.3, 1.0, 5.0] {
+        let (truth, _) = egg_on(bowl(radius), true, DormandPrince54::new(1e-10), 0.5);
+        let error = |time_step| {
+            let (state, _) = egg_on(bowl(radius), true, EnergyMomentum { time_step }, 0.5);
+            (state.position - truth.position).length()
+        };
+        let (coarse, fine) = (error(1e-3), error(2.5e-4));
+        println!("{radius} m: {coarse:e} {fine:e} m");
+        // The step is a quarter.
+        assert!(
+            (10.0..25.0).contains(&(coarse / fine)),
+            "{coarse:e} {fine:e}"
+        );
+        assert!(fine < 1e-5, "{fine:e}");
+    }
+}
+
+/// Of 384,000 such steps the largest loss is 1e-6 of the energy. With the contact for the normal under
+/// the middle, 1564 lost more than 1e-3, up to 0.18: none in 14,400 rejects a share of 3e-4 with 99 %.
+#[test]
+fn on_curved_ground_of_any_hardness_the_bounces_of_an_egg_keep_their_energy() {
+    let time_step = 1.0 / 240.0;
+    let coordinates = |most: f64| [-most..most, -most..most, -most..most];
+    let scenes = (
+        [0.03..0.08_f64, 0.03..0.08, 0.03..0.08],
+        (log_uniform(0.1, 300.0), log_uniform(0.16, 8.0)),
+        coordinates(2.0),
+        coordinates(0.05),
+        coordinates(1.0),
+    );
+    let mut runner = TestRunner::deterministic();
+    for _ in 0..60 {
+        let (axes, (hardness, radius), pose, place, velocity) =
+            scenes.new_tree(&mut runner).unwrap().current();
+        let stepper = Stepper::builder(Ellipsoid::solid(0.5, DVec3::from(axes)))
+            .gravity(UniformGravity::down(GRAVITY))
+            .ground(Ground {
+                law: SpringDamper {
+                    stiffness: 0.5 * (hardness / time_step).powi(2),
+                    damping: 0.0,
+                },
+                shape: bowl(radius),
+            })
+            .integrator(EnergyMomentum { time_step })
+            .build()
+            .unwrap();
+        let start = State::at(DVec3::new(place[0], place[1], 0.15))
+            .with_rotation_vector(DVec3::from(pose))
+            .with_linear_velocity(DVec3::new(velocity[0], velocity[1], -1.0));
+        let mut session = stepper.session(start);
+        let mut before = session.energy().total();
+        for _ in 0..240 {
+            session.step().unwrap();
+            let after = session.energy().total();
+            assert!(before - after <= 1e-5 * before, "{before} {after}");
+            before = after;
+        }
+    }
 }
 
 /// A user's smooth body: a ball that is defined by its support point only, correctly or not.
