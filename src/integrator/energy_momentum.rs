@@ -154,7 +154,9 @@ pub use workspace::Workspace;
 ///   the average is two to five iterations a step, also where several contacts or a round rim
 ///   stick. Bodies that spin flat on several points, and rims that roll with small slip at two
 ///   points close together, can take up to nine. In `f32` the same holds down to 1e-7 m/s, for a
-///   body that hardly moves (*single precision*). A rare step finds no stick and is divided. A body
+///   body that hardly moves (*single precision*). With an
+///   [`AnisotropicCoulomb`](crate::AnisotropicCoulomb) law it takes more, or is divided. A rare step
+///   finds no stick and is divided. A body
 ///   on a slope α then moves by up to `g sin α dt²/2`.
 /// - *Work* is bounded: at most 31 attempts of at most 6 × 60 evaluations each. At most 4 downhill
 ///   searches of at most 3 × 31 × 4 evaluations come in addition. Each end costs one evaluation of
