@@ -83,8 +83,8 @@ fn write_books(out: &mut fmt::Formatter<'_>, books: Books) -> fmt::Result {
 fn write_tally(out: &mut fmt::Formatter<'_>, tally: &Tally) -> fmt::Result {
     let each = tally.iterations as f64 / tally.steps as f64;
     let text = format!(
-        "{each:.2} a step; {} of {} steps divided, {:.1e} J removed",
-        tally.divided, tally.steps, tally.energy_removed
+        "{each:.2} a step; {} of {} steps took a fallback, {:.1e} J removed",
+        tally.fallbacks, tally.steps, tally.energy_removed
     );
     write_line(out, "iterations", text)
 }

@@ -10,7 +10,7 @@ pub(crate) struct Tally {
     pub(crate) steps: u64,
     pub(crate) iterations: u64,
     /// Number of steps that were too long to be taken as a whole.
-    pub(crate) divided: u64,
+    pub(crate) fallbacks: u64,
     /// Energy removed so that the total never increases, J.
     pub(crate) energy_removed: f64,
 }
@@ -51,7 +51,7 @@ impl<I: Integrator<f64>> Integrator<f64> for Tallied<I> {
         self.tally.set(Tally {
             steps: sum.steps + 1,
             iterations: sum.iterations + u64::from(step.iterations),
-            divided: sum.divided + u64::from(step.fallback),
+            fallbacks: sum.fallbacks + u64::from(step.fallback),
             energy_removed: sum.energy_removed + step.energy_removed,
         });
         Ok(step)
