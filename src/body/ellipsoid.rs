@@ -14,14 +14,13 @@ use crate::real::{Real, Vector};
 /// (Goldman, *Pyramid Algorithms*, 2003, or any book on quadrics). The force acts at this point.
 /// The slip velocity is that of the body's material there, `v + ω × s`.
 ///
-/// *Limits:* the contact is where the normals of body and ground are opposite. Penetration depth and
-/// force are exact there, on a plane and on ground that is less curved than the body. Ground as
+/// *Limits:* the contact is where the normals of body and ground are opposite. Penetration depth
+/// and force are exact there, on a plane and on ground that is less curved than the body. Ground as
 /// curved as the body, or with an edge below it, would be touched at more than one point. The
 /// contact is then that for the normal under the middle, its force has no potential, and the energy
-/// error of a [`Ledger`](crate::Ledger) does not tend to 0. With `EnergyMomentum` the computed energy
-/// never increases there either. One
-/// contact transmits no moment about itself, so the ellipsoid spins on a point without spinning
-/// friction.
+/// error of a [`Ledger`](crate::Ledger) does not tend to 0. With `EnergyMomentum` the computed
+/// energy never increases there either. One contact transmits no moment about itself, so the
+/// ellipsoid spins on a point without spinning friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid<R: Real = f64> {
     pub(super) distribution: MassProperties<R>,

@@ -25,11 +25,11 @@ use crate::real::{Real, Vector, scaled, unit};
 /// - With [`EnergyMomentum`](crate::EnergyMomentum), a step of an impact that ends in stick often
 ///   finds no solution and is divided, and the result depends on the phase: in half of the impacts
 ///   of a ball at a ratio of the coefficients of 0.4, a quarter at 0.6, none at 0.9.
-/// - With [`EnergyMomentum`](crate::EnergyMomentum), stick and rolling cost more at small slip speeds.
-///   A ball or a box in a wind takes five iterations a step at a slip speed of 1e-3 m/s, and at most
-///   twelve down to 1e-9 m/s if the ratio of the coefficients is 0.9. At a ratio of 0.5 it takes 20
-///   to 40 from 1e-5 m/s on, and steps are divided: 1 of 100 at 1e-5 m/s, up to 2 of 3 at 1e-7, and
-///   nearly all at 1e-9.
+/// - With [`EnergyMomentum`](crate::EnergyMomentum), stick and rolling cost more at small slip
+///   speeds. A ball or a box in a wind takes five iterations a step at a slip speed of 1e-3 m/s,
+///   and at most twelve down to 1e-9 m/s if the ratio of the coefficients is 0.9. At a ratio of 0.5
+///   it takes 20 to 40 from 1e-5 m/s on, and steps are divided: 1 of 100 at 1e-5 m/s, up to 2 of 3
+///   at 1e-7, and nearly all at 1e-9.
 /// - It does not stick. It creeps as `Coulomb` does, with a slip speed of
 ///   `slip_speed · max(μ₁, μ₂)/μ`, where μ is the coefficient in the direction of the slip.
 #[derive(Clone, Copy, Debug, PartialEq)]

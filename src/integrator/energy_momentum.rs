@@ -108,8 +108,8 @@ pub use workspace::Workspace;
 /// ```
 ///
 /// - *Order* 2, also at touch-downs: the mean force over the step integrates the discontinuity of
-///   the damper force. The exception is an ellipsoid on ground that is more curved than itself, whose
-///   force has no potential ([`Ellipsoid`](crate::Ellipsoid)).
+///   the damper force. The exception is an ellipsoid on ground that is more curved than itself,
+///   whose force has no potential ([`Ellipsoid`](crate::Ellipsoid)).
 /// - *Conserves* the energy if nothing dissipates it, to the rounding of each step. The exception
 ///   is a step (`fallback`) of which even a small part has no solution: it may lose any part of the
 ///   energy. Such steps are rare, and need hard ground (*long steps*).
@@ -155,9 +155,8 @@ pub use workspace::Workspace;
 ///   stick. Bodies that spin flat on several points, and rims that roll with small slip at two
 ///   points close together, can take up to nine. In `f32` the same holds down to 1e-7 m/s, for a
 ///   body that hardly moves (*single precision*). With an
-///   [`AnisotropicCoulomb`](crate::AnisotropicCoulomb) law it takes more, or is divided. A rare step
-///   finds no stick and is divided. A body
-///   on a slope α then moves by up to `g sin α dt²/2`.
+///   [`AnisotropicCoulomb`](crate::AnisotropicCoulomb) law it takes more, or is divided. A rare
+///   step finds no stick and is divided. A body on a slope α then moves by up to `g sin α dt²/2`.
 /// - *Work* is bounded: at most 31 attempts of at most 6 × 60 evaluations each. At most 4 downhill
 ///   searches of at most 3 × 31 × 4 evaluations come in addition. Each end costs one evaluation of
 ///   the energy, and one more for each doubling of the excess energy. In contact, both velocities

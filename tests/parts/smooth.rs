@@ -184,8 +184,8 @@ fn an_egg_keeps_its_energy_where_nothing_takes_it() {
     assert!(lost < 1e-9, "{lost:e}");
 }
 
-/// An egg that is dropped into a bowl or onto waves, off the middle. Its force has a potential only if
-/// the ground's normal at its contact is that for which the contact was found.
+/// An egg that is dropped into a bowl or onto waves, off the middle. Its force has a potential only
+/// if the ground's normal at its contact is that for which the contact was found.
 fn egg_on<S: Shape + Copy, I: Integrator>(
     shape: S,
     dampers: bool,
@@ -261,8 +261,9 @@ fn on_curved_ground_the_motion_of_an_egg_is_that_of_all_methods_to_order_two() {
     }
 }
 
-/// Of 384,000 such steps the largest loss is 1e-6 of the energy. With the contact for the normal under
-/// the middle, 1564 lost more than 1e-3, up to 0.18: none in 14,400 rejects a share of 3e-4 with 99 %.
+/// Of 384,000 such steps the largest loss is 1e-6 of the energy. With the contact for the normal
+/// under the middle, 1564 lost more than 1e-3, up to 0.18: none in 14,400 rejects a share of 3e-4
+/// with 99 %.
 #[test]
 fn on_curved_ground_of_any_hardness_the_bounces_of_an_egg_keep_their_energy() {
     let time_step = 1.0 / 240.0;

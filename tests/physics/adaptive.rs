@@ -744,7 +744,8 @@ impl ContactLaw for BumpStop {
     }
 }
 
-/// Error over tolerance of a ball that falls on a law whose force has a bend, 0.2 s after its touch.
+/// Error over tolerance of a ball that falls on a law whose force has a bend, 0.2 s after its
+/// touch.
 fn error_of_a_bounce<I: Integrator>(
     [mass, drop, tolerance]: [f64; 3],
     law: &(impl ContactLaw + Copy),
@@ -772,8 +773,8 @@ fn error_of_a_bounce<I: Integrator>(
 /// The error is at most 20 tolerances in 300 bounces on each law. Of 1000, `DormandPrince54` has up
 /// to 6 on the damper and 17 on the bump stop (8 above ten), the others 3. When a contact that
 /// pushes at both ends of a step counted as smooth, 23 and 213 of its errors were above ten
-/// tolerances, up to 260 and 414; `Radau5` had errors up to 4020. No error in 300 rejects a share of
-/// 1.6 % with 99 %.
+/// tolerances, up to 260 and 414; `Radau5` had errors up to 4020. No error in 300 rejects a share
+/// of 1.6 % with 99 %.
 #[test]
 fn a_bend_of_the_force_within_a_bounce_is_part_of_the_error() {
     let scenes = (

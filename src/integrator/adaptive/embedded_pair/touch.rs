@@ -157,8 +157,8 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
         (twice - sum).abs() > sum * R::EPSILON.sqrt()
     }
 
-    /// Returns the velocity error of a contact that pushes at both ends of the step, if the slope of
-    /// its force has a discontinuity in between.
+    /// Returns the velocity error of a contact that pushes at both ends of the step, if the slope
+    /// of its force has a discontinuity in between.
     ///
     /// Of a smooth force, the stages take the sum as well as Gauss's rule does.
     #[inline(never)]
@@ -305,8 +305,8 @@ struct Jump<R> {
 struct Bent<R> {
     /// Integral over the fraction of the step, N.
     integral: R,
-    /// Largest difference from Gauss's rule on the whole and on each half: 0 to rounding, unless the
-    /// force is no polynomial.
+    /// Largest difference from Gauss's rule on the whole and on each half: 0 to rounding, unless
+    /// the force is no polynomial.
     doubt: R,
 }
 
