@@ -108,7 +108,7 @@ pub use workspace::Workspace;
 /// ```
 ///
 /// - *Order* 2, also at touch-downs: the mean force over the step integrates the discontinuity of
-///   the damper force. The exception is an ellipsoid on ground that is more curved than itself,
+///   the damper force. The exception is an ellipsoid in a valley that is more curved than itself,
 ///   whose force has no potential ([`Ellipsoid`](crate::Ellipsoid)).
 /// - *Conserves* the energy if nothing dissipates it, to the rounding of each step. The exception
 ///   is a step (`fallback`) of which even a small part has no solution: it may lose any part of the
