@@ -239,7 +239,7 @@ pub trait RigidPointBody<R: Real = f64> {
     /// penetration depth changes as if the point were fixed in the body. On ground that is not a
     /// plane, the point is searched where the normals of body and ground are opposite, in most
     /// poses by four to eight calls. Ground that is more curved than the body is a limit of
-    /// [`Ellipsoid`](crate::Ellipsoid).
+    /// [`Ellipsoid`].
     #[inline]
     fn support_point(&self, towards: R::Vec3) -> R::Vec3 {
         towards * self.bounding_radius()
