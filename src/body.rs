@@ -238,7 +238,7 @@ pub trait RigidPointBody<R: Real = f64> {
     /// The surface must be convex. Force and energy are then consistent: as the body rotates, the
     /// penetration depth changes as if the point were fixed in the body. On ground that is not a
     /// plane, the point is searched where the normals of body and ground are opposite, in most
-    /// poses by four to eight calls. Ground that is more curved than the body is a limit of
+    /// poses by four to eight calls. A valley that is more curved than the body is a limit of
     /// [`Ellipsoid`].
     #[inline]
     fn support_point(&self, towards: R::Vec3) -> R::Vec3 {

@@ -9,7 +9,7 @@ use tumble::{Dynamics, Integrator, SceneError, State, Step, StepError};
 pub(crate) struct Tally {
     pub(crate) steps: u64,
     pub(crate) iterations: u64,
-    /// Number of steps that were too long to be taken as a whole.
+    /// Number of steps that took a fallback.
     pub(crate) fallbacks: u64,
     /// Energy removed so that the total never increases, J.
     pub(crate) energy_removed: f64,

@@ -15,14 +15,14 @@ use crate::real::{Real, Vector};
 /// The slip velocity is that of the body's material there, `v + ω × s`.
 ///
 /// *Limits:* the contact is where the normals of body and ground are opposite. Penetration depth
-/// and force are exact there, on a plane, on hills, and in valleys that are less curved than the
-/// body. A valley as curved as the body, or an edge, would be touched at more than one point. The
-/// contact is then that for the normal under the middle or an opposite one, and may jump between
-/// them as the body moves. Its force has no potential, the energy error of a
-/// [`Ledger`](crate::Ledger) does not tend to 0, and a method with a tolerance may end with
-/// [`StepTooShort`](crate::StepError::StepTooShort). With `EnergyMomentum` the computed energy
-/// never increases there either. One contact transmits no moment about itself, so the ellipsoid
-/// spins on a point without spinning friction.
+/// and force are exact there, on a plane, on hills (the tests go to three times the curvature of
+/// the body), and in valleys that are less curved than the body. A valley as curved as the body, or
+/// an edge, would be touched at more than one point. The contact is then that for the normal under
+/// the middle or an opposite one, and may jump between them as the body moves. Its force has no
+/// potential, the energy error of a [`Ledger`](crate::Ledger) does not tend to 0, and a method with
+/// a tolerance may end with [`StepTooShort`](crate::StepError::StepTooShort). With `EnergyMomentum`
+/// the computed energy never increases there either. One contact transmits no moment about itself,
+/// so the ellipsoid spins on a point without spinning friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid<R: Real = f64> {
     pub(super) distribution: MassProperties<R>,

@@ -72,7 +72,7 @@ use gather::gather;
 pub(in crate::integrator) use linear::{Factored, SixBySix};
 use panels::FOR_RIMS;
 use problem::Problem;
-pub(in crate::integrator) use problem::rounding_of_gap;
+pub(in crate::integrator) use problem::unit_of_gap;
 use rolling::Rolling;
 use shared::End;
 use workspace::Memory;
@@ -108,7 +108,7 @@ pub use workspace::Workspace;
 /// ```
 ///
 /// - *Order* 2, also at touch-downs: the mean force over the step integrates the discontinuity of
-///   the damper force. The exception is an ellipsoid in a valley that is more curved than itself,
+///   the damper force. The exception is a smooth body in a valley that is more curved than itself,
 ///   whose force has no potential ([`Ellipsoid`](crate::Ellipsoid)).
 /// - *Conserves* the energy if nothing dissipates it, to the rounding of each step. The exception
 ///   is a step (`fallback`) of which even a small part has no solution: it may lose any part of the
@@ -131,10 +131,9 @@ pub use workspace::Workspace;
 ///   mass over the square of the step size. Above that, and for bodies with a rim or with more
 ///   contacts than are stored, many steps take the first fallback. In it the springs harden in
 ///   stages, which costs some tens of iterations. Elastic bounces conserve their energy in it. In
-///   `f32`, rounding of the depths of hard contacts takes
-///   energy. Above `h ω = 300`, a rare step of a smooth body other than a ball is not solved
-///   accurately. Up to a quarter of its energy of motion is then lost, also that of a slide without
-///   friction.
+///   `f32`, rounding of the depths of hard contacts takes energy. Above `h ω = 300`, a rare step of
+///   a smooth body other than a ball is not solved accurately. Up to a quarter of its energy of
+///   motion is then lost, also that of a slide without friction.
 /// - *Single precision:* a body farther from the origin than `1/EPSILON` of its sizes can stay
 ///   where it is. In flight, rounding changes the velocity across a tilted gravity at random, most
 ///   in weak gravity. In 10 s at steps of 1 ms it is by at most 5e-5 of the speed a second, from

@@ -310,7 +310,7 @@ fn rounding_of_work<R: Real, D: Dynamics<R>>(
     before: &Motion<R>,
     after: &Motion<R>,
 ) -> [R; 2] {
-    let rounding = energy_momentum::rounding_of_gap(scene, after.position);
+    let rounding = energy_momentum::unit_of_gap(scene, after.position);
     let normal = scene.ground().surface(after.position).normal;
     let deeper = Motion {
         position: after.position - normal * (rounding * R::from_f64(GAP_ROUNDINGS)),

@@ -129,9 +129,8 @@ fn distance_from<R: Real>(plane: Option<Plane<R>>, position: R::Vec3) -> R {
     }
 }
 
-/// Rounding of the gap of a contact, m: a unit in the last place of the numbers whose difference it
-/// is.
-pub(in crate::integrator) fn rounding_of_gap<R: Real, D: Dynamics<R>>(
+/// Unit in the last place of the gap of a contact, m: that of the numbers whose difference it is.
+pub(in crate::integrator) fn unit_of_gap<R: Real, D: Dynamics<R>>(
     scene: &D,
     position: R::Vec3,
 ) -> R {

@@ -160,7 +160,7 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
     /// Returns the velocity error of a contact that pushes at both ends of the step, if the slope
     /// of its force has a discontinuity in between.
     ///
-    /// Of a smooth force, the stages take the sum as well as Gauss's rule does.
+    /// The stages of a step integrate a smooth force as accurately as Gauss's rule does.
     #[inline(never)]
     fn bend_error(&self, point: &ContactPoint<R>, [start, end]: &[ContactEnd<R>; 2]) -> R {
         let path = Path::between(start, end, self.seconds);
